@@ -1,0 +1,2 @@
+//! trueaxis on the bench.
+fn main() {}

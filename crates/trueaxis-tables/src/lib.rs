@@ -1,0 +1,30 @@
+//! Reading, checking, converting and compiling compensation tables.
+
+use trueaxis::machine::{AxisSettings, MachineSettings, Row};
+
+/// An axis' error table in source form: mm and radians, positions in mm or degrees, strictly increasing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Which of the six errors the file gives (the others are zero).
+    pub given: [bool; 6],
+    /// Whether forward and reverse differ in any column.
+    pub bidirectional: bool,
+    /// The lines, at least two.
+    pub rows: Vec<Row>,
+}
+
+/// A machine as read from `machine.toml` and its axis tables, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// Everything but the tables.
+    pub settings: MachineSettings,
+    /// One entry per axis of `settings.axes`, in the same order; an axis without a table has `None`.
+    pub tables: Vec<Option<Table>>,
+}
+
+impl Machine {
+    /// The axes with their tables.
+    pub fn axes(&self) -> impl Iterator<Item = (&AxisSettings, Option<&Table>)> {
+        self.settings.axes.iter().zip(self.tables.iter().map(Option::as_ref))
+    }
+}

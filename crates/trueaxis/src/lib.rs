@@ -1,0 +1,13 @@
+//! A plugin for the interpolator of an open motion controller.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod contour;
+pub mod machine;
+pub mod position;
+pub mod real;
+pub mod tcomp;
+
+pub use machine::{Axis, Row};
+pub use position::{Micro, Position};
+pub use real::Real;

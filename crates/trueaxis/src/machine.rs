@@ -1,0 +1,215 @@
+//! What is known about a machine, as it stands in a compiled table file: axes, limits, location errors.
+//!
+//! Lengths are mm, angles of rotary *positions* are degrees, angular *errors* are radians; time is seconds.
+//! For a rotary axis every `mm` of an axis-own quantity (travel, backlash, correction limits) reads `degree`.
+
+use heapless::{String, Vec};
+use serde::{Deserialize, Serialize};
+
+/// Longest machine name, in bytes of UTF-8.
+pub const NAME_CAPACITY: usize = 64;
+/// Longest structural code, in bytes.
+pub const CHAIN_CAPACITY: usize = 48;
+/// Most axes of one machine.
+pub const AXES: usize = 6;
+
+/// A machine axis, named as in ISO 841: X, Y, Z move along, A, B, C turn about X, Y, Z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+pub enum Axis {
+    /// Linear, along X.
+    X,
+    /// Linear, along Y.
+    Y,
+    /// Linear, along Z.
+    Z,
+    /// Rotary, about X.
+    A,
+    /// Rotary, about Y.
+    B,
+    /// Rotary, about Z.
+    C,
+}
+
+impl Axis {
+    /// All six, in their order.
+    pub const ALL: [Axis; AXES] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
+
+    /// The letter, upper case.
+    pub const fn letter(self) -> char {
+        match self {
+            Axis::X => 'X',
+            Axis::Y => 'Y',
+            Axis::Z => 'Z',
+            Axis::A => 'A',
+            Axis::B => 'B',
+            Axis::C => 'C',
+        }
+    }
+
+    /// The axis of an upper-case letter.
+    pub fn from_letter(letter: char) -> Option<Axis> {
+        Axis::ALL.into_iter().find(|axis| axis.letter() == letter)
+    }
+
+    /// A, B or C.
+    pub const fn is_rotary(self) -> bool {
+        self as u8 >= Axis::A as u8
+    }
+
+    /// Position in `ALL`, 0 to 5; for an error table also the component of its own positioning error
+    /// (`EXX` is component 0 of X, `ECC` component 5 of C).
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// How values between the points of a table are formed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Interpolation {
+    /// Straight between the points; the slope steps at every point.
+    #[default]
+    Linear,
+    /// Monotone cubic (PCHIP, Fritsch and Butland's weighted harmonic mean): continuous slope, never beyond the points.
+    Cubic,
+}
+
+/// Where a table is looked up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Lookup {
+    /// At the commanded position (with exact inverse).
+    #[default]
+    Command,
+    /// At the raw feedback.
+    Feedback,
+}
+
+/// Limits of one axis' correction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Limits {
+    /// Largest |correction|, mm (rotary: degrees).
+    pub magnitude: f64,
+    /// Largest |rate of change|, mm/s (deg/s).
+    pub slope_per_s: f64,
+    /// Largest |acceleration|, mm/s² (deg/s²).
+    pub acceleration_per_s2: f64,
+}
+
+/// Thermal growth of one axis: error added at temperature T and position q is
+/// `(T − T_ref) · (offset_per_k + expansion_per_k · (q − datum))`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ThermalGrowth {
+    /// Offset, mm/K (deg/K).
+    pub offset_per_k: f64,
+    /// Expansion, 1/K.
+    pub expansion_per_k: f64,
+    /// Position that does not grow, mm (deg).
+    pub datum: f64,
+}
+
+/// Everything about one axis but its table values.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AxisSettings {
+    /// Which axis.
+    pub axis: Axis,
+    /// Interpolation between table points.
+    pub interpolation: Interpolation,
+    /// Look-up position of the axis' own positioning error.
+    pub lookup: Lookup,
+    /// Look-up position of the other components.
+    pub cross_lookup: Lookup,
+    /// Sense of a rotary axis, +1 or −1 (linear: +1).
+    pub direction: i8,
+    /// Declared travel, low and high, mm (deg). A command outside is a fault.
+    pub travel: [f64; 2],
+    /// Range in which command + correction must stay, mm (deg).
+    pub joint: [f64; 2],
+    /// Where the table was measured: position of the *other* linear axes (and of the measuring point), mm.
+    pub measured_at_mm: [f64; 3],
+    /// Highest feed of the axis, mm/s (deg/s).
+    pub max_feed_per_s: f64,
+    /// Added to the axis' own error while it travels in negative direction, mm (deg); positive = lost motion.
+    pub backlash: f64,
+    /// A reversal counts once the command has come back by more than this, mm (deg).
+    pub hysteresis: f64,
+    /// Limits of the correction.
+    pub limits: Limits,
+    /// Thermal growth.
+    pub thermal: ThermalGrowth,
+}
+
+/// Location errors of the axes, all zero for a perfect machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct LocationErrors {
+    /// Squareness `A0Z` of Z to Y, rad.
+    pub a0z: f64,
+    /// Squareness `B0Z` of Z to X, rad.
+    pub b0z: f64,
+    /// Squareness `C0Y` of Y to X, rad.
+    pub c0y: f64,
+    /// For A, B, C in this order: `EX0r, EY0r, EZ0r` (mm), `EA0r, EB0r, EC0r` (rad).
+    pub rotary: [[f64; 6]; 3],
+}
+
+/// When a reading or a command is believed. Pairs are for linear (mm) and rotary (degrees) axes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FaultSettings {
+    /// After a stop request the step resumes only if the command is within this of the held one: mm, degrees.
+    pub resume: [f64; 2],
+    /// Largest plausible change of the command as a multiple of `max_feed · period`.
+    pub command_jump_factor: f64,
+    /// Largest plausible change of the feedback in a cycle beyond `command_jump_factor · max_feed · period`: mm, degrees.
+    pub feedback_jump: [f64; 2],
+    /// The encoder is stuck when the command has moved this far without a change of the reading: mm, degrees.
+    pub stuck: [f64; 2],
+}
+
+/// Settings of the contour search.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ContourSettings {
+    /// Half-window of a cold search, arc length, mm.
+    pub max_lag_mm: f64,
+}
+
+/// Everything about a machine but its table values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MachineSettings {
+    /// Name of the machine.
+    pub name: String<NAME_CAPACITY>,
+    /// Structural code after ISO 10791-6, from the workpiece through the bed to the tool, e.g. `w X' b Y Z t`.
+    pub chain: String<CHAIN_CAPACITY>,
+    /// Tool tip from the last tool-side frame at all axes zero, mm.
+    pub tool_mm: [f64; 3],
+    /// Temperature at which the tables hold, °C.
+    pub reference_temperature_c: f64,
+    /// Location errors.
+    pub location: LocationErrors,
+    /// Plausibility limits.
+    pub faults: FaultSettings,
+    /// Contour search.
+    pub contour: ContourSettings,
+    /// The axes that the chain names, each once, in the order X Y Z A B C.
+    pub axes: Vec<AxisSettings, AXES>,
+}
+
+/// The six errors of an axis at one position: translations along X, Y, Z (mm), rotations about X, Y, Z (rad).
+pub type Twist = [f64; 6];
+
+/// One line of an error table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Axis position, mm (deg).
+    pub position: f64,
+    /// Errors in positive travel (or without regard to it).
+    pub forward: Twist,
+    /// Errors in negative travel; equal to `forward` where the table is not bidirectional.
+    pub reverse: Twist,
+}

@@ -1,0 +1,75 @@
+//! Positions at the boundary of the step: doubles on a host, integers where doubles are slow.
+
+use crate::real::Real;
+use core::fmt::Debug;
+use serde::{Deserialize, Serialize};
+
+/// A coordinate that is exact over the whole travel; the step computes with differences of two of them.
+///
+/// Unit: mm for linear axes, degrees for rotary ones.
+pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Sync + 'static {
+    /// The nearest position to `x` (mm or deg).
+    fn of(x: f64) -> Self;
+    /// As a double (mm or deg).
+    fn to_f64(self) -> f64;
+    /// `self - origin`, rounded once.
+    fn since<R: Real>(self, origin: Self) -> R;
+    /// `self + d`, rounded once.
+    fn plus<R: Real>(self, d: R) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+}
+
+impl Position for f64 {
+    #[inline(always)]
+    fn of(x: f64) -> f64 {
+        x
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn since<R: Real>(self, origin: f64) -> R {
+        R::of(self - origin)
+    }
+    #[inline(always)]
+    fn plus<R: Real>(self, d: R) -> f64 {
+        self + d.to_f64()
+    }
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+}
+
+/// A position in steps of one millionth: 1 nm (range ±2.147 m) or 1e-6 degree (±2147 degrees).
+///
+/// For cores without a double-precision unit: an f64 subtraction costs about 120 instructions on a Cortex-M4F, this one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Micro(pub i32);
+
+impl Position for Micro {
+    #[inline(always)]
+    fn of(x: f64) -> Micro {
+        Micro(libm::rint(x * 1e6) as i32)
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        f64::from(self.0) / 1e6
+    }
+    #[inline(always)]
+    fn since<R: Real>(self, origin: Micro) -> R {
+        R::of_i32(self.0.wrapping_sub(origin.0)) * R::of(1e-6)
+    }
+    #[inline(always)]
+    fn plus<R: Real>(self, d: R) -> Micro {
+        let half = if d < R::ZERO { -R::HALF } else { R::HALF };
+        Micro(self.0.saturating_add((d * R::of(1e6) + half).to_i32()))
+    }
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        true
+    }
+}

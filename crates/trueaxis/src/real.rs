@@ -1,0 +1,127 @@
+//! The scalar of the step: `f32` or `f64`, one generic code path.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// A hardware float in which the step computes.
+///
+/// Only operations that cannot panic, allocate or call a transcendental function are here; results are the same on
+/// every target (the square root is libm's or an equivalent integer-seeded Newton iteration, never the FPU's).
+pub trait Real:
+    Copy
+    + Debug
+    + Default
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + Send
+    + Sync
+    + 'static
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// 1/2.
+    const HALF: Self;
+    /// 2.
+    const TWO: Self;
+    /// 3.
+    const THREE: Self;
+    /// Difference between 1 and the next larger value.
+    const EPSILON: Self;
+    /// Largest finite value.
+    const MAX: Self;
+
+    /// Rounds a double to this scalar.
+    fn of(x: f64) -> Self;
+    /// Widens to a double, exactly.
+    fn to_f64(self) -> f64;
+    /// Small integer to scalar.
+    fn of_i32(i: i32) -> Self;
+    /// Truncates toward zero; saturates at the ends of `i32`; NaN gives 0.
+    fn to_i32(self) -> i32;
+    /// Square root; 0 for arguments that are not positive.
+    fn sqrt(self) -> Self;
+    /// |x|, one instruction.
+    fn abs(self) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// The smaller one; `other` where `self` is NaN.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+    /// The larger one; `other` where `self` is NaN.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    /// `self` limited to `low..=high`; `low` where `self` is NaN. Unlike core's, it cannot panic.
+    #[inline(always)]
+    fn within(self, low: Self, high: Self) -> Self {
+        Self::min(Self::max(self, low), high)
+    }
+}
+
+macro_rules! real {
+    ($t:ty, $sqrt:expr) => {
+        impl Real for $t {
+            const ZERO: $t = 0.0;
+            const ONE: $t = 1.0;
+            const HALF: $t = 0.5;
+            const TWO: $t = 2.0;
+            const THREE: $t = 3.0;
+            const EPSILON: $t = <$t>::EPSILON;
+            const MAX: $t = <$t>::MAX;
+            #[inline(always)]
+            fn of(x: f64) -> $t {
+                x as $t
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self.into()
+            }
+            #[inline(always)]
+            fn of_i32(i: i32) -> $t {
+                i as $t
+            }
+            #[inline(always)]
+            fn to_i32(self) -> i32 {
+                self as i32
+            }
+            #[inline(always)]
+            fn sqrt(self) -> $t {
+                $sqrt(self)
+            }
+            #[inline(always)]
+            fn abs(self) -> $t {
+                <$t>::abs(self)
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                <$t>::is_finite(self)
+            }
+        }
+    };
+}
+
+real!(f64, sqrt_f64);
+real!(f32, sqrt_f32);
+
+/// Host: libm's routine, which is correctly rounded. On Arm the same result to the last bit or two, from a seed by
+/// integer arithmetic and Newton steps, in half of libm's instructions (core's instruction is not reachable on stable).
+#[inline(always)]
+fn sqrt_f64(x: f64) -> f64 {
+    if x > 0.0 { libm::sqrt(x) } else { 0.0 }
+}
+
+#[inline(always)]
+fn sqrt_f32(x: f32) -> f32 {
+    if x > 0.0 { libm::sqrtf(x) } else { 0.0 }
+}

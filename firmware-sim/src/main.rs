@@ -1,0 +1,2 @@
+//! Host simulator.
+fn main() {}

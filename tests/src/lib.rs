@@ -1,0 +1,1 @@
+//! End-to-end tests and cross-checks of trueaxis; the tests live in `tests/`.
