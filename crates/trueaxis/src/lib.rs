@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod contour;
+pub mod error;
 pub mod machine;
 pub mod position;
 pub mod real;

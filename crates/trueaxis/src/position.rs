@@ -16,6 +16,9 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
     fn since<R: Real>(self, origin: Self) -> R;
     /// `self + d`, rounded once.
     fn plus<R: Real>(self, d: R) -> Self;
+    /// `self - origin` reduced by whole turns to 0 (inclusive) … 360 degrees; the reduction itself is exact, so that
+    /// an angle and the same angle after many turns give the same result. Meant for |self| up to 7e11 degrees.
+    fn turn_since<R: Real>(self, origin: Self) -> R;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
 }
@@ -36,6 +39,14 @@ impl Position for f64 {
     #[inline(always)]
     fn plus<R: Real>(self, d: R) -> f64 {
         self + d.to_f64()
+    }
+    #[inline(always)]
+    fn turn_since<R: Real>(self, origin: f64) -> R {
+        // 360 n is exact and the subtraction of nearby values too; the quotient may be off by one turn, never by more.
+        let angle = self - origin;
+        let rest = angle - 360.0 * f64::from((angle * (1.0 / 360.0)) as i32);
+        let rest = if rest < 0.0 { rest + 360.0 } else { rest };
+        R::of(if rest >= 360.0 { rest - 360.0 } else { rest })
     }
     #[inline(always)]
     fn is_finite(self) -> bool {
@@ -67,6 +78,11 @@ impl Position for Micro {
     fn plus<R: Real>(self, d: R) -> Micro {
         let half = if d < R::ZERO { -R::HALF } else { R::HALF };
         Micro(self.0.saturating_add((d * R::of(1e6) + half).to_i32()))
+    }
+    #[inline(always)]
+    fn turn_since<R: Real>(self, origin: Micro) -> R {
+        let angle = i64::from(self.0) - i64::from(origin.0);
+        R::of_i32(angle.rem_euclid(360_000_000) as i32) * R::of(1e-6)
     }
     #[inline(always)]
     fn is_finite(self) -> bool {

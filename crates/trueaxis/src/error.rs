@@ -1,0 +1,151 @@
+//! The two kinds of error: what a configuration may get wrong at build, what a cycle may meet at run time.
+
+use crate::machine::Axis;
+use core::fmt;
+
+/// What a configuration got wrong, with the figure that was found and what is needed in its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ConfigError {
+    /// Which setting.
+    pub field: Field,
+    /// Of which axis, where it belongs to one.
+    pub axis: Option<Axis>,
+    /// Which element, where the setting is a list (row of a table, from 0).
+    pub index: Option<u32>,
+    /// What was found, in the setting's unit inside the core (mm, degrees, seconds).
+    pub found: f64,
+    /// What is needed.
+    pub needed: &'static str,
+}
+
+impl ConfigError {
+    /// An error of the machine as a whole.
+    pub fn new(field: Field, found: f64, needed: &'static str) -> Self {
+        ConfigError { field, axis: None, index: None, found, needed }
+    }
+
+    /// The same, of one axis.
+    pub fn on(self, axis: Axis) -> Self {
+        ConfigError { axis: Some(axis), ..self }
+    }
+
+    /// The same, at one element of a list.
+    pub fn at(self, index: usize) -> Self {
+        ConfigError { index: u32::try_from(index).ok(), ..self }
+    }
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(axis) = self.axis {
+            write!(f, "axis {}: ", axis.letter())?;
+        }
+        write!(f, "{:?}", self.field)?;
+        if let Some(index) = self.index {
+            write!(f, " [{index}]")?;
+        }
+        write!(f, ": found {}, needed {}", self.found, self.needed)
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+/// A setting that can be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Field {
+    /// Machine name.
+    Name,
+    /// Structural code.
+    Chain,
+    /// The set of axes.
+    Axes,
+    /// Tool vector.
+    Tool,
+    /// Reference temperature.
+    ReferenceTemperature,
+    /// Location errors.
+    Location,
+    /// Servo period.
+    Period,
+    /// Declared travel.
+    Travel,
+    /// Range of the joint.
+    Joint,
+    /// Line of measurement.
+    MeasuredAt,
+    /// Highest feed.
+    MaxFeed,
+    /// Sense of a rotary axis.
+    Direction,
+    /// Backlash.
+    Backlash,
+    /// Reversal hysteresis.
+    Hysteresis,
+    /// Magnitude limit of the correction.
+    Magnitude,
+    /// Slope limit of the correction.
+    Slope,
+    /// Acceleration limit of the correction.
+    Acceleration,
+    /// Thermal growth.
+    Thermal,
+    /// Plausibility limits.
+    Faults,
+    /// Contour search.
+    Contour,
+    /// Error table.
+    Table,
+    /// Exact inverse.
+    Inverse,
+    /// Memory lent for tables.
+    Storage,
+}
+
+/// What a servo cycle met; carried in its output and telemetry.
+///
+/// Three classes. *Bad feedback* (1 to 15): the correction freezes, the command passes. *Bad command* (16 to 31): the
+/// output holds and a stop request is latched until a reset near the held position. *Refused at start* (32 and above):
+/// the plugin stays inactive, the command passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+#[non_exhaustive]
+pub enum Fault {
+    /// All is well.
+    #[default]
+    None = 0,
+    /// An encoder gave no finite reading.
+    FeedbackNotFinite = 1,
+    /// A reading changed more in a cycle than the axis can move.
+    FeedbackJump = 2,
+    /// A reading stands still though the axis was commanded to move.
+    EncoderStuck = 3,
+    /// The encoder interface reports an alarm (dropout).
+    EncoderAlarm = 4,
+    /// The cycle came late: its period is off by more than a quarter.
+    LateCycle = 5,
+    /// A command is infinite or not a number.
+    CommandNotFinite = 16,
+    /// A command lies outside the declared travel.
+    CommandOutOfTravel = 17,
+    /// A command changed more in a cycle than the axis can move.
+    CommandJump = 18,
+    /// Command plus correction leaves the range of the joint.
+    JointRange = 19,
+    /// The host's servo period is not the configured one.
+    PeriodMismatch = 32,
+}
+
+impl Fault {
+    /// The correction freezes and the command passes.
+    pub const fn freezes(self) -> bool {
+        (self as u8) > 0 && (self as u8) < 16
+    }
+
+    /// The output holds and a stop is requested.
+    pub const fn stops(self) -> bool {
+        (self as u8) >= 16 && (self as u8) < 32
+    }
+}
