@@ -2,8 +2,10 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod compensation;
 pub mod contour;
 pub mod error;
+pub mod limiter;
 pub mod machine;
 pub mod position;
 pub mod real;

@@ -1,0 +1,399 @@
+//! One axis' error table in the form in which the step reads it.
+
+use crate::compensation::pchip;
+use crate::error::{ConfigError, Field};
+use crate::machine::{Axis, AxisSettings, Interpolation, Row};
+use crate::position::Position;
+use crate::real::Real;
+
+/// What an axis contributes at one position: the translations along X, Y, Z in mm and its own rotation in degrees
+/// (the fourth is zero for a linear axis, whose own positioning error is one of the translations).
+pub type Contribution<R> = [R; 4];
+
+/// A table's lines by number: implemented for slices and for the lines of a compiled file.
+pub trait Rows {
+    /// How many lines.
+    fn len(&self) -> usize;
+    /// Line `index`, in ascending order of position.
+    fn row(&self, index: usize) -> Option<Row>;
+    /// No lines at all.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl Rows for [Row] {
+    fn len(&self) -> usize {
+        <[Row]>::len(self)
+    }
+    fn row(&self, index: usize) -> Option<Row> {
+        self.get(index).copied()
+    }
+}
+
+/// How much memory the tables of a machine take; see [`Storage`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Requirement {
+    /// Elements of [`Storage::lines`].
+    pub lines: usize,
+    /// Elements of [`Storage::knots`].
+    pub knots: usize,
+    /// Elements of [`Storage::guide`].
+    pub guide: usize,
+}
+
+/// Memory lent for the tables: nothing is allocated, the views of it live as long as the loan.
+#[derive(Debug, Default)]
+pub struct Storage<'a, R> {
+    /// Polynomial coefficients, one line per power and point.
+    pub lines: &'a mut [Contribution<R>],
+    /// Positions of free grids.
+    pub knots: &'a mut [R],
+    /// Search guides of free grids.
+    pub guide: &'a mut [u16],
+}
+
+fn take<'a, T>(from: &mut &'a mut [T], count: usize, needed: &'static str) -> Result<&'a mut [T], ConfigError> {
+    let available = from.len();
+    match core::mem::take(from).split_at_mut_checked(count) {
+        Some((taken, rest)) => {
+            *from = rest;
+            Ok(taken)
+        }
+        None => Err(ConfigError::new(Field::Storage, available as f64, needed)),
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Nodes<'a, R> {
+    /// Value and slope of each interval.
+    Linear(&'a [[Contribution<R>; 2]]),
+    /// Value and three coefficients of each interval.
+    Cubic(&'a [[Contribution<R>; 4]]),
+}
+
+/// The errors of one axis as a function of its position, in the form for the step.
+///
+/// Equidistant grids cost one multiplication to find the interval, free grids a guide table and a search of fixed
+/// depth without a data-dependent branch. Beyond its ends a table holds its edge value.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisTable<'a, R, P> {
+    origin: P,
+    span: R,
+    scale: R,
+    last: R,
+    wraps: bool,
+    reverse_offset: usize,
+    nodes: Nodes<'a, R>,
+    knots: &'a [R],
+    guide: &'a [u16],
+    depth: u32,
+}
+
+impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
+    /// A table that is zero everywhere.
+    pub fn zero() -> Self {
+        AxisTable {
+            origin: P::of(0.0),
+            span: R::MAX,
+            scale: R::ZERO,
+            last: R::ZERO,
+            wraps: false,
+            reverse_offset: 0,
+            nodes: Nodes::Linear(&[]),
+            knots: &[],
+            guide: &[],
+            depth: 0,
+        }
+    }
+
+    /// Memory that [`AxisTable::build`] takes for this table.
+    pub fn requirement(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Requirement {
+        let blocks = 1 + usize::from(two_sided(settings, rows));
+        let powers = match settings.interpolation {
+            Interpolation::Linear => 2,
+            Interpolation::Cubic => 4,
+        };
+        let free = if spacing(rows).is_some() { 0 } else { rows.len() };
+        Requirement { lines: rows.len() * blocks * powers, knots: free, guide: 2 * free }
+    }
+
+    /// Builds the table into lent memory. `own_sign` is the sense in which the axis' own angular error adds to its
+    /// reading (+1 unless the axis turns against its convention); for linear axes it is not used.
+    ///
+    /// # Errors
+    /// Fewer than two rows, rows not ascending or not finite, or memory too small.
+    pub fn build(
+        settings: &AxisSettings,
+        rows: &(impl Rows + ?Sized),
+        own_sign: f64,
+        storage: &mut Storage<'a, R>,
+    ) -> Result<Self, ConfigError> {
+        let axis = settings.axis;
+        let bad = |found, needed| ConfigError::new(Field::Table, found, needed).on(axis);
+        let count = rows.len();
+        let (Some(first), Some(end)) = (rows.row(0), rows.row(count.wrapping_sub(1))) else {
+            return Err(bad(count as f64, "at least two points"));
+        };
+        if !(2..=usize::from(u16::MAX)).contains(&count) {
+            return Err(bad(count as f64, "2 to 65535 points"));
+        }
+        let need = Self::requirement(settings, rows);
+        let lines = take(&mut storage.lines, need.lines, "more lines")?;
+        let knots = take(&mut storage.knots, need.knots, "more knots")?;
+        let guide = take(&mut storage.guide, need.guide, "more guide entries")?;
+
+        let origin = P::of(first.position);
+        let length = end.position - first.position;
+        let wraps = axis.is_rotary() && length == 360.0;
+        let equidistant = spacing(rows);
+        let source = Source { settings, rows, own_sign, wraps, cell: equidistant };
+        let powers = need.lines / count / (1 + usize::from(two_sided(settings, rows)));
+        for (block, reverse) in lines.chunks_mut(count * powers).zip([false, true]) {
+            for (index, node) in block.chunks_mut(powers).enumerate() {
+                let polynomial = source.polynomial(index, reverse).map_err(|found| bad(found, "ascending, finite"))?;
+                for (line, coefficients) in node.iter_mut().zip(polynomial) {
+                    *line = coefficients.map(R::of);
+                }
+            }
+        }
+        for (index, knot) in knots.iter_mut().enumerate() {
+            *knot = R::of(rows.row(index).map_or(length, |row| row.position - first.position));
+        }
+
+        let (scale, last) = match equidistant {
+            Some(cell) => (1.0 / cell, (count - 1) as f64),
+            None => ((guide.len().saturating_sub(1)) as f64 / length, 0.0),
+        };
+        let scale = R::of(scale);
+        let depth = fill_guide(knots, guide, scale);
+        let lines: &'a [Contribution<R>] = lines;
+        Ok(AxisTable {
+            origin,
+            span: R::of(length),
+            scale,
+            last: R::of(last),
+            wraps,
+            reverse_offset: if lines.len() > count * powers { count } else { 0 },
+            nodes: match settings.interpolation {
+                Interpolation::Linear => Nodes::Linear(lines.as_chunks().0),
+                Interpolation::Cubic => Nodes::Cubic(lines.as_chunks().0),
+            },
+            knots,
+            guide,
+            depth,
+        })
+    }
+
+    /// The position as the table counts it: from its first point, reduced by whole turns where the table wraps.
+    #[inline(always)]
+    pub fn coordinate(&self, position: P) -> R {
+        if self.wraps { position.turn_since(self.origin) } else { position.since(self.origin) }
+    }
+
+    /// The table's first point.
+    pub fn origin(&self) -> P {
+        self.origin
+    }
+
+    /// Equidistant, linear and not wrapping: what [`AxisTable::at_plain`] handles.
+    pub fn is_plain(&self) -> bool {
+        !self.wraps && self.knots.is_empty() && matches!(self.nodes, Nodes::Linear(_))
+    }
+
+    /// Contribution at a coordinate of a *plain* table, and whether its edge value is held.
+    ///
+    /// `v + t s` with the interval and `t` from one multiplication; `reverse` is all ones in negative travel.
+    #[inline(always)]
+    pub fn at_plain(&self, coordinate: R, reverse: usize) -> (Contribution<R>, bool) {
+        let wanted = coordinate * self.scale;
+        let held = wanted.within(R::ZERO, self.last);
+        let index = held.to_i32();
+        let t = held - R::of_i32(index);
+        let Nodes::Linear(nodes) = self.nodes else { return ([R::ZERO; 4], false) };
+        match nodes.get((index as usize).wrapping_add(self.reverse_offset & reverse)) {
+            Some([value, slope]) => (along(value, t, slope), wanted != held),
+            None => ([R::ZERO; 4], false),
+        }
+    }
+
+    /// Contribution at a coordinate, and whether the table's edge value is held; any table.
+    #[inline]
+    pub fn at(&self, coordinate: R, reverse: usize) -> (Contribution<R>, bool) {
+        let mut coordinate = coordinate;
+        if self.wraps {
+            // A correction can carry a reduced angle over the seam.
+            if coordinate < R::ZERO {
+                coordinate += self.span;
+            } else if coordinate > self.span {
+                coordinate -= self.span;
+            }
+        }
+        let held = coordinate.within(R::ZERO, self.span);
+        let (index, t) = if self.knots.is_empty() {
+            let place = (held * self.scale).min(self.last);
+            let index = place.to_i32();
+            (index as usize, place - R::of_i32(index))
+        } else {
+            self.search(held)
+        };
+        let index = index.wrapping_add(self.reverse_offset & reverse);
+        let value = match self.nodes {
+            Nodes::Linear(nodes) => nodes.get(index).map(|[value, slope]| along(value, t, slope)),
+            Nodes::Cubic(nodes) => {
+                nodes.get(index).map(|[value, c1, c2, c3]| along(value, t, &along(c1, t, &along(c2, t, c3))))
+            }
+        };
+        match value {
+            Some(value) => (value, coordinate != held),
+            None => ([R::ZERO; 4], false),
+        }
+    }
+
+    /// Interval of a free grid and the distance from its first point.
+    #[inline(always)]
+    fn search(&self, coordinate: R) -> (usize, R) {
+        let bucket = (coordinate * self.scale).to_i32() as usize;
+        let mut index = usize::from(self.guide.get(bucket).copied().unwrap_or(0));
+        let mut half = (1usize << (self.depth & 15)) >> 1;
+        for _ in 0..self.depth & 15 {
+            let ahead = index.wrapping_add(half);
+            if self.knots.get(ahead).is_some_and(|knot| *knot <= coordinate) {
+                index = ahead;
+            }
+            half >>= 1;
+        }
+        let knot = self.knots.get(index).copied().unwrap_or(R::ZERO);
+        (index, coordinate - knot)
+    }
+}
+
+#[inline(always)]
+fn along<R: Real>(value: &Contribution<R>, t: R, slope: &Contribution<R>) -> Contribution<R> {
+    [value[0] + t * slope[0], value[1] + t * slope[1], value[2] + t * slope[2], value[3] + t * slope[3]]
+}
+
+/// Constant spacing of the grid, if it has one within 1e-9 of a cell.
+fn spacing(rows: &(impl Rows + ?Sized)) -> Option<f64> {
+    let count = rows.len();
+    let (first, end) = (rows.row(0)?.position, rows.row(count.wrapping_sub(1))?.position);
+    let cell = (end - first) / (count.saturating_sub(1)) as f64;
+    (0..count)
+        .all(|i| rows.row(i).is_some_and(|row| (row.position - first - cell * i as f64).abs() <= 1e-9 * cell))
+        .then_some(cell)
+}
+
+/// Whether the direction of travel matters: bidirectional values or backlash.
+fn two_sided(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> bool {
+    settings.backlash != 0.0 || (0..rows.len()).any(|i| rows.row(i).is_some_and(|row| row.forward != row.reverse))
+}
+
+/// For each bucket the last knot of an earlier bucket. A bucket is found by the same rounded multiplication as in the
+/// search, which is monotone: a knot of an earlier bucket is never above the coordinate, one of a later never below.
+/// Returns how many halvings cover the knots of the fullest bucket.
+fn fill_guide<R: Real>(knots: &[R], guide: &mut [u16], scale: R) -> u32 {
+    let mut most = 0;
+    let mut next = 0usize;
+    for (bucket, entry) in guide.iter_mut().enumerate() {
+        *entry = next.saturating_sub(1) as u16;
+        let before = next;
+        while knots.get(next).is_some_and(|knot| (*knot * scale).to_i32() as usize <= bucket) {
+            next += 1;
+        }
+        most = most.max(next - before);
+    }
+    usize::BITS - most.leading_zeros()
+}
+
+/// Forms the polynomial of each interval, in double precision.
+struct Source<'s, T: ?Sized> {
+    settings: &'s AxisSettings,
+    rows: &'s T,
+    own_sign: f64,
+    wraps: bool,
+    /// Spacing of an equidistant grid, whose parameter runs 0..1 over a cell; a free grid's runs in mm.
+    cell: Option<f64>,
+}
+
+impl<T: Rows + ?Sized> Source<'_, T> {
+    fn point(&self, index: usize, reverse: bool) -> Option<(f64, [f64; 4])> {
+        let row = self.rows.row(index)?;
+        let axis = self.settings.axis;
+        let error = if reverse { row.reverse } else { row.forward };
+        let [x, y, z, ..] = error;
+        let mut values = [x, y, z, 0.0];
+        let own = if axis.is_rotary() { 3 } else { axis.index() };
+        if axis.is_rotary() {
+            values[3] = error.get(axis.index()).copied()?.to_degrees() * self.own_sign;
+        }
+        if reverse && let Some(value) = values.get_mut(own) {
+            *value += self.settings.backlash;
+        }
+        Some((row.position, values))
+    }
+
+    /// Slope at a point for monotone cubic interpolation.
+    fn slope(&self, index: usize, reverse: bool) -> Option<[f64; 4]> {
+        let count = self.rows.len();
+        let secant = |i: usize| {
+            let (q0, v0) = self.point(i, reverse)?;
+            let (q1, v1) = self.point(i + 1, reverse)?;
+            let h = q1 - q0;
+            Some((h, core::array::from_fn::<f64, 4, _>(|k| (v1[k] - v0[k]) / h)))
+        };
+        let join = |(h0, d0): (f64, [f64; 4]), (h1, d1): (f64, [f64; 4]), f: fn(f64, f64, f64, f64) -> f64| {
+            Some(core::array::from_fn(|k| f(h0, d0[k], h1, d1[k])))
+        };
+        let last = count - 1;
+        if self.wraps && (index == 0 || index == last) {
+            return join(secant(last - 1)?, secant(0)?, pchip::slope);
+        }
+        match (index, count) {
+            (_, 2) => secant(0).map(|(_, d)| d),
+            (0, _) => join(secant(0)?, secant(1)?, pchip::end_slope),
+            (i, _) if i == last => join(secant(last - 1)?, secant(last - 2)?, pchip::end_slope),
+            (i, _) => join(secant(i - 1)?, secant(i)?, pchip::slope),
+        }
+    }
+
+    /// Coefficients of the interval that starts at point `index` in its parameter; constant behind the last point.
+    fn polynomial(&self, index: usize, reverse: bool) -> Result<[[f64; 4]; 4], f64> {
+        let Some((q0, v0)) = self.point(index, reverse) else { return Err(index as f64) };
+        let zero = [0.0; 4];
+        let Some((q1, v1)) = self.point(index + 1, reverse) else { return Ok([v0, zero, zero, zero]) };
+        let h = q1 - q0;
+        if !(h > 0.0 && h.is_finite()) || !v0.iter().chain(&v1).all(|v| v.is_finite()) {
+            return Err(q1);
+        }
+        let rise: [f64; 4] = core::array::from_fn(|k| v1[k] - v0[k]);
+        // In a parameter 0..1 over the interval, then per mm for free grids.
+        let unit = match self.settings.interpolation {
+            Interpolation::Linear => [v0, rise, zero, zero],
+            Interpolation::Cubic => {
+                let (Some(m0), Some(m1)) = (self.slope(index, reverse), self.slope(index + 1, reverse)) else {
+                    return Err(index as f64);
+                };
+                let c1 = m0.map(|m| m * h);
+                let end = m1.map(|m| m * h);
+                [
+                    v0,
+                    c1,
+                    core::array::from_fn(|k| 3.0 * rise[k] - 2.0 * c1[k] - end[k]),
+                    core::array::from_fn(|k| c1[k] + end[k] - 2.0 * rise[k]),
+                ]
+            }
+        };
+        Ok(match self.cell {
+            Some(_) => unit,
+            None => {
+                let [value, c1, c2, c3] = unit;
+                [value, c1.map(|c| c / h), c2.map(|c| c / (h * h)), c3.map(|c| c / (h * h * h))]
+            }
+        })
+    }
+}
+
+/// Which component of a contribution is the axis' own positioning error.
+pub(crate) fn own_component(axis: Axis) -> usize {
+    if axis.is_rotary() { 3 } else { axis.index() }
+}

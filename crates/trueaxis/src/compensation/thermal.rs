@@ -1,0 +1,37 @@
+//! Thermal growth of an axis, writable at run time.
+
+use crate::machine::ThermalGrowth;
+use crate::real::Real;
+
+/// `K(q) = offset + slope · (q − q0)`: error that temperature adds to an axis' own positioning error.
+///
+/// mm (deg) and 1; positive = the axis goes too far in positive direction. The host writes it between two cycles from
+/// its temperature sensors; a change reaches the drives through the limiter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ThermalLine<R> {
+    offset: R,
+    slope: R,
+}
+
+impl<R: Real> ThermalLine<R> {
+    /// Largest |slope| taken: 1e-3, some eighty kelvin of steel.
+    pub const SLOPE_LIMIT: f64 = 1e-3;
+
+    /// A line from its two numbers; `None` where one is not finite, the slope beyond [`ThermalLine::SLOPE_LIMIT`] or
+    /// the offset beyond 10 mm.
+    pub fn new(offset: f64, slope: f64) -> Option<Self> {
+        let sane = offset.abs() <= 10.0 && slope.abs() <= Self::SLOPE_LIMIT;
+        sane.then_some(ThermalLine { offset: R::of(offset), slope: R::of(slope) })
+    }
+
+    /// The line for an axis at a temperature, `kelvin` above the reference.
+    pub fn for_axis(growth: &ThermalGrowth, kelvin: f64) -> Option<Self> {
+        Self::new(growth.offset_per_k * kelvin, growth.expansion_per_k * kelvin)
+    }
+
+    /// Growth at a distance from the datum q0.
+    #[inline(always)]
+    pub fn at(&self, from_datum: R) -> R {
+        self.offset + self.slope * from_datum
+    }
+}

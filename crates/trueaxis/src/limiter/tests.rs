@@ -1,0 +1,199 @@
+use super::*;
+use proptest::prelude::*;
+
+const T: f64 = 1e-4;
+const LIMITS: Limits = Limits { magnitude: 0.1, slope_per_s: 1.0, acceleration_per_s2: 200.0 };
+
+/// Splitmix64: a seeded stream without a dependency.
+struct Random(u64);
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// Holds every cycle against the three limits.
+struct Checker {
+    c: f64,
+    v: f64,
+    worst: [f64; 3],
+}
+impl Checker {
+    fn new() -> Self {
+        Checker { c: 0.0, v: 0.0, worst: [0.0; 3] }
+    }
+    fn cycle(&mut self, sent: f64, limits: &Limits) {
+        let velocity = sent - self.c;
+        let (magnitude, slope, acceleration) =
+            (limits.magnitude, limits.slope_per_s * T, limits.acceleration_per_s2 * T * T);
+        let now = [sent.abs() / magnitude, velocity.abs() / slope, (velocity - self.v).abs() / acceleration];
+        for (worst, now) in self.worst.iter_mut().zip(now) {
+            *worst = worst.max(now);
+        }
+        (self.c, self.v) = (sent, velocity);
+    }
+    fn assert(&self, relative: f64) {
+        assert!(self.worst.iter().all(|w| *w <= 1.0 + relative), "{:?} of the limits", self.worst);
+    }
+}
+
+#[test]
+fn a_step_of_50_um_takes_55_4_ms_without_overshoot() {
+    let limiter = Limiter::<f64>::new(&LIMITS, T).unwrap();
+    let mut state = Limited::default();
+    let mut check = Checker::new();
+    let mut cycles = 0;
+    while limiter.follow(&mut state, 0.05) {
+        check.cycle(state.sent(), &LIMITS);
+        assert!(state.sent() <= 0.05);
+        cycles += 1;
+        assert!(cycles < 1000);
+    }
+    check.assert(1e-6);
+    // Ideal: 50 ms at full speed plus 5 ms of acceleration.
+    assert!((550..=556).contains(&cycles), "{cycles} cycles");
+}
+
+#[test]
+fn locks_on_to_a_moving_sine_without_overshoot_and_then_passes_it_bit_for_bit() {
+    let limiter = Limiter::<f64>::new(&LIMITS, T).unwrap();
+    let mut state = Limited::default();
+    let mut check = Checker::new();
+    let sine = |n: u32| 0.03 + 0.02 * (f64::from(n) * T * 20.0).sin(); // peak acceleration 0.04 of the limit
+    let mut locked_at = None;
+    for n in 0..20_000 {
+        let limited = limiter.follow(&mut state, sine(n));
+        check.cycle(state.sent(), &LIMITS);
+        match locked_at {
+            None if !limited => locked_at = Some(n),
+            None => assert!(state.sent() < sine(n), "overshoot in cycle {n}"),
+            Some(_) => assert!(!limited && state.sent().to_bits() == sine(n).to_bits(), "lock lost in cycle {n}"),
+        }
+    }
+    check.assert(1e-6);
+    assert!(locked_at.is_some_and(|n| n < 1500), "{locked_at:?}");
+}
+
+/// Ten million cycles of steps, ramps, sines, noise, and freezes; half of them in single precision.
+#[test]
+fn never_exceeds_a_limit_and_always_settles() {
+    fn run<R: Real>(seed: u64, cycles: u32, relative: f64) {
+        let mut random = Random(seed);
+        let mut done = 0;
+        while done < cycles {
+            let limits = Limits {
+                magnitude: 0.005 + 0.2 * random.next(),
+                slope_per_s: 10f64.powf(-1.0 + 1.5 * random.next()),
+                acceleration_per_s2: 10f64.powf(1.7 + 1.5 * random.next()),
+            };
+            let limiter = Limiter::<R>::new(&limits, T).unwrap();
+            let mut state = Limited::<R>::default();
+            let mut check = Checker::new();
+            for _ in 0..12 {
+                let (level, size) =
+                    (1.2 * limits.magnitude * (2.0 * random.next() - 1.0), limits.magnitude * random.next());
+                let (kind, rate) = ((random.next() * 6.0) as u32, 200.0 * random.next());
+                let length = 200 + (random.next() * 4000.0) as u32;
+                for n in 0..length {
+                    let time = f64::from(n) * T;
+                    let wanted = match kind {
+                        0 => level,
+                        1 => level + size * (rate * time).sin(),
+                        2 => level * time * rate,
+                        3 => level + 1e-3 * size * random.next(),
+                        4 => 2.0 * limits.magnitude * (2.0 * random.next() - 1.0),
+                        _ => 0.0,
+                    };
+                    if kind == 5 && n < length / 2 {
+                        limiter.freeze(&mut state);
+                    } else {
+                        limiter.follow(&mut state, R::of(wanted));
+                    }
+                    check.cycle(state.sent().to_f64(), &limits);
+                }
+                done += length;
+            }
+            check.assert(relative);
+            // Whatever came before, it settles on a target inside the limits.
+            let rest = R::of(0.5 * limits.magnitude);
+            let longest = (3.0 * limits.magnitude / (limits.slope_per_s * T)
+                + 10.0 * limits.slope_per_s / (limits.acceleration_per_s2 * T)) as u32
+                + (20.0 * (limits.magnitude / (limits.acceleration_per_s2 * T * T)).sqrt()) as u32;
+            let settled = (0..longest).any(|_| !limiter.follow(&mut state, rest));
+            assert!(settled && state.sent() == rest, "seed {seed}, {limits:?}: {state:?}");
+        }
+    }
+    run::<f64>(1, 8_000_000, 1e-6);
+    // In f32 the difference of two rounded corrections is itself uncertain by a unit in the last place of C.
+    run::<f32>(2, 2_000_000, 0.02);
+}
+
+#[test]
+fn freezing_brakes_within_the_acceleration_and_then_stands() {
+    let limiter = Limiter::<f64>::new(&LIMITS, T).unwrap();
+    let mut state = Limited::default();
+    let mut check = Checker::new();
+    for _ in 0..100 {
+        limiter.follow(&mut state, 0.05);
+        check.cycle(state.sent(), &LIMITS);
+    }
+    for _ in 0..51 {
+        limiter.freeze(&mut state);
+        check.cycle(state.sent(), &LIMITS);
+    }
+    let stands = state.sent();
+    limiter.freeze(&mut state);
+    assert_eq!(stands.to_bits(), state.sent().to_bits());
+    check.assert(1e-6);
+}
+
+#[test]
+fn limits_lowered_in_motion_are_reached_with_the_acceleration() {
+    let wide = Limiter::<f64>::new(&LIMITS, T).unwrap();
+    let narrow_limits = Limits { magnitude: 0.02, slope_per_s: 0.5, ..LIMITS };
+    let narrow = Limiter::<f64>::new(&narrow_limits, T).unwrap();
+    let mut state = Limited::default();
+    let mut check = Checker::new();
+    for _ in 0..400 {
+        wide.follow(&mut state, 0.05);
+        check.cycle(state.sent(), &LIMITS);
+    }
+    assert!(state.sent() > 0.02);
+    for _ in 0..5000 {
+        assert!(narrow.follow(&mut state, 0.05));
+        check.cycle(state.sent(), &LIMITS);
+    }
+    check.assert(1e-6);
+    assert!((state.sent() - 0.02).abs() < 1e-12);
+}
+
+#[test]
+fn refuses_limits_that_are_none() {
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(Limiter::<f64>::new(&Limits { magnitude: bad, ..LIMITS }, T).is_err());
+        assert!(Limiter::<f64>::new(&Limits { slope_per_s: bad, ..LIMITS }, T).is_err());
+        assert!(Limiter::<f64>::new(&Limits { acceleration_per_s2: bad, ..LIMITS }, T).is_err());
+        assert!(Limiter::<f64>::new(&LIMITS, bad).is_err());
+    }
+    assert!(Limiter::<f32>::new(&Limits { acceleration_per_s2: 1e-6, ..LIMITS }, T).is_err());
+}
+
+proptest! {
+    /// A target inside all three limits is passed bit for bit from the first cycle.
+    #[test]
+    fn passes_what_keeps_the_limits(amplitude in 0.0..0.09f64, rate in 0.0..10.0f64) {
+        let limiter = Limiter::<f64>::new(&LIMITS, T).unwrap();
+        let mut state = Limited::default();
+        // From rest at zero: amplitude (1 − cos wt), acceleration amplitude w² < a, velocity amplitude w < V.
+        let w = rate.min((0.9 * LIMITS.acceleration_per_s2 / amplitude).sqrt()).min(0.9 * LIMITS.slope_per_s / amplitude);
+        for n in 0..2000 {
+            let r = 0.5 * amplitude * (1.0 - (w * f64::from(n) * T).cos());
+            prop_assert!(!limiter.follow(&mut state, r));
+            prop_assert_eq!(state.sent().to_bits(), r.to_bits());
+        }
+    }
+}
