@@ -99,6 +99,8 @@ pub enum Field {
     Table,
     /// Exact inverse.
     Inverse,
+    /// Scale of an encoder.
+    Encoder,
     /// Memory lent for tables.
     Storage,
 }

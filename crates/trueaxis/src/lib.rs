@@ -2,13 +2,18 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(any(test, feature = "std"))]
+extern crate std;
+
 pub mod compensation;
 pub mod contour;
 pub mod error;
 pub mod limiter;
 pub mod machine;
+mod output;
 pub mod position;
 pub mod real;
+pub mod sample;
 pub mod tcomp;
 
 pub use machine::{Axis, Row};

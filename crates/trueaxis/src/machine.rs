@@ -143,6 +143,33 @@ pub struct AxisSettings {
     pub thermal: ThermalGrowth,
 }
 
+impl AxisSettings {
+    /// The stated defaults of an axis; `carries_workpiece` for the workpiece side of the chain.
+    ///
+    /// Travel not declared (±1e6 mm, ±1e9 degrees), linear interpolation, look-up at the command, 1 µm (20 µrad) of
+    /// reversal hysteresis, limits 100 µm, 1 mm/s, 0.2 m/s² (rotary 2000 µrad, 1 deg/s, 200 deg/s²).
+    pub fn with_defaults(axis: Axis, carries_workpiece: bool) -> Self {
+        let rotary = axis.is_rotary();
+        let reach = if rotary { 1e9 } else { 1e6 };
+        let magnitude = if rotary { 2000e-6_f64.to_degrees() } else { 0.1 };
+        AxisSettings {
+            axis,
+            interpolation: Interpolation::Linear,
+            lookup: Lookup::Command,
+            cross_lookup: Lookup::Command,
+            direction: if rotary && carries_workpiece { -1 } else { 1 },
+            travel: [-reach, reach],
+            joint: [-reach - magnitude, reach + magnitude],
+            measured_at_mm: [0.0; 3],
+            max_feed_per_s: if rotary { 600.0 } else { 500.0 },
+            backlash: 0.0,
+            hysteresis: if rotary { 20e-6_f64.to_degrees() } else { 1e-3 },
+            limits: Limits { magnitude, slope_per_s: 1.0, acceleration_per_s2: 200.0 },
+            thermal: ThermalGrowth::default(),
+        }
+    }
+}
+
 /// Location errors of the axes, all zero for a perfect machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -171,12 +198,24 @@ pub struct FaultSettings {
     pub stuck: [f64; 2],
 }
 
+impl Default for FaultSettings {
+    fn default() -> Self {
+        FaultSettings { resume: [0.05; 2], command_jump_factor: 2.0, feedback_jump: [0.02; 2], stuck: [0.2; 2] }
+    }
+}
+
 /// Settings of the contour search.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ContourSettings {
     /// Half-window of a cold search, arc length, mm.
     pub max_lag_mm: f64,
+}
+
+impl Default for ContourSettings {
+    fn default() -> Self {
+        ContourSettings { max_lag_mm: 1.0 }
+    }
 }
 
 /// Everything about a machine but its table values.

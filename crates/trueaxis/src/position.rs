@@ -19,8 +19,8 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
     /// `self - origin` reduced by whole turns to 0 (inclusive) … 360 degrees; the reduction itself is exact, so that
     /// an angle and the same angle after many turns give the same result. Meant for |self| up to 7e11 degrees.
     fn turn_since<R: Real>(self, origin: Self) -> R;
-    /// Neither infinite nor NaN.
-    fn is_finite(self) -> bool;
+    /// A number a machine can mean: neither infinite nor NaN nor beyond 1e9 (so that no later product overflows).
+    fn is_usable(self) -> bool;
 }
 
 impl Position for f64 {
@@ -49,8 +49,8 @@ impl Position for f64 {
         R::of(if rest >= 360.0 { rest - 360.0 } else { rest })
     }
     #[inline(always)]
-    fn is_finite(self) -> bool {
-        f64::is_finite(self)
+    fn is_usable(self) -> bool {
+        self.abs() <= 1e9
     }
 }
 
@@ -85,7 +85,7 @@ impl Position for Micro {
         R::of_i32(angle.rem_euclid(360_000_000) as i32) * R::of(1e-6)
     }
     #[inline(always)]
-    fn is_finite(self) -> bool {
+    fn is_usable(self) -> bool {
         true
     }
 }

@@ -380,3 +380,6 @@ fn turned<R: Real>([x, y, z]: [R; 3], about: usize, angle: R) -> [R; 3] {
         _ => [c * x - s * y, s * x + c * y, z],
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,350 @@
+//! First stage: command and encoder readings become finite, plausible positions, or a fault.
+
+use crate::error::{ConfigError, Fault, Field};
+use crate::machine::{FaultSettings, MachineSettings};
+use crate::position::Position;
+use crate::real::Real;
+
+/// What the host hands over in a servo cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<P, const N: usize> {
+    /// Commanded positions, uncorrected, mm (rotary: degrees).
+    pub command: [P; N],
+    /// Raw encoder positions, mm (degrees). A reading that is not a number, or beyond 1e9, is a dropout.
+    pub feedback: [P; N],
+    /// A bit for every axis whose encoder interface reports an alarm.
+    pub encoder_alarm: u8,
+    /// Time since the last cycle in nanoseconds, as the host measured or knows it.
+    pub elapsed_ns: u32,
+    /// All axes are homed: positions are machine positions.
+    pub homed: bool,
+    /// Compensation is wanted.
+    pub enable: bool,
+    /// Releases a latched stop request (on its rising edge, near the held position).
+    pub reset: bool,
+}
+
+/// Positions of an encoder that counts in integers: `offset + counts · resolution`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EncoderScale<P> {
+    offset: P,
+    /// Micro-units per count, as 32.32 fixed point: exact to 1e-9 of a count step over the whole travel.
+    fixed: i64,
+    resolution: f64,
+}
+
+impl<P: Position> EncoderScale<P> {
+    /// From the position at zero counts and the distance of one count, mm (deg).
+    ///
+    /// # Errors
+    /// A resolution that is zero, not finite or above 1 mm.
+    pub fn new(offset: f64, resolution: f64) -> Result<Self, ConfigError> {
+        let sane = resolution.is_finite() && resolution != 0.0 && resolution.abs() <= 1.0 && offset.is_finite();
+        if !sane {
+            return Err(ConfigError::new(
+                Field::Encoder,
+                resolution,
+                "a finite offset and a resolution of at most 1 mm",
+            ));
+        }
+        let fixed = libm::rint(resolution * 1e6 * 4_294_967_296.0) as i64;
+        Ok(EncoderScale { offset: P::of(offset), fixed, resolution })
+    }
+
+    /// Position of a count, in doubles.
+    #[inline(always)]
+    pub fn position(&self, counts: i32) -> P {
+        P::of(self.offset.to_f64() + f64::from(counts) * self.resolution)
+    }
+}
+
+impl EncoderScale<crate::position::Micro> {
+    /// Position of a count without floating point: two multiplications and a shift.
+    #[inline(always)]
+    pub fn micro(&self, counts: i32) -> crate::position::Micro {
+        let wide = i128::from(counts) * i128::from(self.fixed) + (1 << 31);
+        crate::position::Micro(self.offset.0.saturating_add((wide >> 32) as i32))
+    }
+}
+
+/// How a cycle is to be treated, after the sample has been looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Not homed or not enabled: the correction goes back to zero.
+    Inactive,
+    /// Homed, enabled, plausible.
+    Active,
+    /// The correction freezes, the command passes.
+    Freeze,
+    /// The output holds.
+    Hold,
+}
+
+/// Positions in which the rest of the step believes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample<P, const N: usize> {
+    pub(crate) command: [P; N],
+    pub(crate) feedback: [P; N],
+    pub(crate) verdict: Verdict,
+    pub(crate) fault: Fault,
+    /// Place of the axis that the fault belongs to.
+    pub(crate) axis: u8,
+    /// The very first accepted cycle.
+    pub(crate) first: bool,
+    /// The positions are machine positions.
+    pub(crate) homed: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Plausible<R, P> {
+    travel: [P; 2],
+    command_jump: R,
+    feedback_jump: R,
+    stuck: R,
+    resume: R,
+}
+
+/// The plausibility limits of every axis: immutable.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sampler<R, P, const N: usize> {
+    axes: [Plausible<R, P>; N],
+    latest_ns: u32,
+    per_period: R,
+}
+
+/// What the stage remembers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampleState<R, P, const N: usize> {
+    started: bool,
+    active: bool,
+    reset: bool,
+    latched: Fault,
+    latched_axis: u8,
+    command: [P; N],
+    feedback: [P; N],
+    /// Cycles since the last believed reading.
+    missing: [u16; N],
+    /// Commanded way since the reading last changed.
+    unmoved: [R; N],
+}
+
+impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
+    pub(crate) fn new() -> Self {
+        SampleState {
+            started: false,
+            active: false,
+            reset: false,
+            latched: Fault::None,
+            latched_axis: 0,
+            command: [P::default(); N],
+            feedback: [P::default(); N],
+            missing: [0; N],
+            unmoved: [R::ZERO; N],
+        }
+    }
+
+    pub(crate) fn latch(&mut self, fault: Fault, axis: u8) {
+        (self.latched, self.latched_axis) = (fault, axis);
+    }
+}
+
+/// A period longer than this multiple of the configured one is a late cycle.
+const LATE: f64 = 1.25;
+
+impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
+    pub(crate) fn new(machine: &MachineSettings, period_ns: u32) -> Result<Self, ConfigError> {
+        let axes = crate::compensation::step_axes::<N>(machine)?;
+        let period = f64::from(period_ns) * 1e-9;
+        let none = Plausible {
+            travel: [P::of(f64::MIN), P::of(f64::MAX)],
+            command_jump: R::MAX,
+            feedback_jump: R::MAX,
+            stuck: R::MAX,
+            resume: R::MAX,
+        };
+        let limits = axes.map(|axis| {
+            let FaultSettings { resume, command_jump_factor, feedback_jump, stuck } = machine.faults;
+            let pick = |[linear, rotary]: [f64; 2]| if axis.is_rotary() { rotary } else { linear };
+            machine.axes.iter().find(|a| a.axis == axis).map_or(none, |settings| {
+                let jump = command_jump_factor * settings.max_feed_per_s * period;
+                Plausible {
+                    travel: settings.travel.map(P::of),
+                    command_jump: R::of(jump),
+                    feedback_jump: R::of(jump + pick(feedback_jump)),
+                    stuck: R::of(pick(stuck)),
+                    resume: R::of(pick(resume)),
+                }
+            })
+        });
+        Ok(Sampler {
+            axes: limits,
+            latest_ns: (LATE * f64::from(period_ns)) as u32,
+            per_period: R::of(1.0 / f64::from(period_ns)),
+        })
+    }
+
+    #[inline(always)]
+    pub(crate) fn read(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> Sample<P, N> {
+        let first = !state.started;
+        let active = input.homed && input.enable;
+        let late = input.elapsed_ns > self.latest_ns;
+        let (command_fault, command_axis) = self.command_fault(state, input, active, late);
+        let reset = input.reset && !state.reset;
+        state.reset = input.reset;
+
+        if state.latched != Fault::None || command_fault != Fault::None {
+            return self.stopped(state, input, reset, (command_fault, command_axis), first);
+        }
+        let (feedback_fault, feedback_axis) = self.feedback_fault(state, input, active && !first);
+        let (fault, axis) = match (feedback_fault, late && active && !first) {
+            (Fault::None, true) => (Fault::LateCycle, 0),
+            _ => (feedback_fault, feedback_axis),
+        };
+        state.started = true;
+        state.active = active;
+        state.command = input.command;
+        let verdict = match (active, fault) {
+            (false, _) => Verdict::Inactive,
+            (true, Fault::None) => Verdict::Active,
+            (true, _) => Verdict::Freeze,
+        };
+        Sample { command: state.command, feedback: state.feedback, verdict, fault, axis, first, homed: input.homed }
+    }
+
+    /// The first thing that is wrong with the command. Travel and jumps count only while the plugin is active:
+    /// before homing, positions have no meaning.
+    #[inline(always)]
+    fn command_fault(
+        &self,
+        state: &SampleState<R, P, N>,
+        input: &Input<P, N>,
+        active: bool,
+        late: bool,
+    ) -> (Fault, u8) {
+        let check_jump = state.started && state.active;
+        let slack = if late {
+            (R::of_i32((input.elapsed_ns & 0x7fff_ffff) as i32) * self.per_period).min(R::of(16.0))
+        } else {
+            R::ONE
+        };
+        let mut place = 0;
+        for ((axis, command), last) in self.axes.iter().zip(&input.command).zip(&state.command) {
+            if !command.is_usable() {
+                return (Fault::CommandNotFinite, place);
+            }
+            if active {
+                let [low, high] = axis.travel;
+                if *command < low || *command > high {
+                    return (Fault::CommandOutOfTravel, place);
+                }
+                if check_jump && command.since::<R>(*last).abs() > axis.command_jump * slack {
+                    return (Fault::CommandJump, place);
+                }
+            }
+            place = place.wrapping_add(1);
+        }
+        (Fault::None, 0)
+    }
+
+    /// Believes the readings that are plausible, keeps the last good ones of the others.
+    #[inline(always)]
+    fn feedback_fault(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>, watch: bool) -> (Fault, u8) {
+        let mut worst = (Fault::None, 0);
+        let mut place = 0u8;
+        let commands = input.command.iter().zip(&state.command);
+        let memory = state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.unmoved);
+        for (((axis, reading), (command, last_command)), ((good, missing), unmoved)) in
+            self.axes.iter().zip(&input.feedback).zip(commands).zip(memory)
+        {
+            let fault = if !reading.is_usable() {
+                Fault::FeedbackNotFinite
+            } else if input.encoder_alarm & (1 << (place & 7)) != 0 {
+                Fault::EncoderAlarm
+            } else if !watch {
+                Fault::None
+            } else if reading.since::<R>(*good).abs() > axis.feedback_jump * (R::ONE + R::of_i32(i32::from(*missing))) {
+                Fault::FeedbackJump
+            } else if *reading == *good {
+                *unmoved += command.since::<R>(*last_command).abs();
+                if *unmoved > axis.stuck { Fault::EncoderStuck } else { Fault::None }
+            } else {
+                *unmoved = R::ZERO;
+                Fault::None
+            };
+            match fault {
+                Fault::None => {
+                    *good = *reading;
+                    *missing = 0;
+                }
+                // Nothing to fall back on before the first good reading: the command stands in.
+                _ if !state.started => *good = *command,
+                _ => *missing = missing.saturating_add(1),
+            }
+            if !watch {
+                *unmoved = R::ZERO;
+            }
+            if fault != Fault::None && worst.0 == Fault::None {
+                worst = (fault, place);
+            }
+            place = place.wrapping_add(1);
+        }
+        worst
+    }
+
+    /// A bad command now or earlier: hold, unless this cycle brings the reset near the held position.
+    #[inline(never)]
+    fn stopped(
+        &self,
+        state: &mut SampleState<R, P, N>,
+        input: &Input<P, N>,
+        reset: bool,
+        (fault, axis): (Fault, u8),
+        first: bool,
+    ) -> Sample<P, N> {
+        let was_latched = state.latched != Fault::None;
+        if !was_latched {
+            state.latch(fault, axis);
+        }
+        if !state.started {
+            // Held before anything was ever commanded: stay where the machine stands.
+            for (held, reading) in state.command.iter_mut().zip(&input.feedback) {
+                *held = if reading.is_usable() { *reading } else { P::default() };
+            }
+            state.started = true;
+        }
+        let near = self
+            .axes
+            .iter()
+            .zip(&input.command)
+            .zip(&state.command)
+            .all(|((axis, command), held)| command.is_usable() && command.since::<R>(*held).abs() <= axis.resume);
+        // A jump is measured from the held command, so near excuses it; out of travel stays a fault.
+        let acceptable = matches!(fault, Fault::None | Fault::CommandJump);
+        // Readings go on being believed or not, quietly: the stop is what is reported.
+        let _ = self.feedback_fault(state, input, state.active && !first);
+        if was_latched && reset && near && acceptable {
+            state.latched = Fault::None;
+            state.command = input.command;
+            state.active = input.homed && input.enable;
+            let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };
+            return Sample {
+                command: state.command,
+                feedback: state.feedback,
+                verdict,
+                fault: Fault::None,
+                axis: 0,
+                first,
+                homed: input.homed,
+            };
+        }
+        Sample {
+            command: state.command,
+            feedback: state.feedback,
+            verdict: Verdict::Hold,
+            fault: state.latched,
+            axis: state.latched_axis,
+            first,
+            homed: input.homed,
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The servo cycle: configuration, state, and the pipeline of named stages.
+
+use crate::compensation::{Compensation, Requirement, Reversal, Rows, Storage, ThermalLine, step_axes};
+use crate::contour::{ContourError, ContourSearch, ContourState, Method, Path, Reference};
+use crate::error::{ConfigError, Fault, Field};
+use crate::machine::{AXES, Axis, MachineSettings};
+use crate::output::{Release, ReleaseState, Released};
+use crate::position::Position;
+use crate::real::Real;
+use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
+use crate::telemetry::{Record, Status};
+
+/// What a servo loop is built from.
+#[derive(Clone, Copy, Debug)]
+pub struct Config<'m> {
+    /// The machine's settings.
+    pub machine: &'m MachineSettings,
+    /// Identity of the machine ([`crate::tcomp::Tcomp::machine_id`]); goes into every record.
+    pub machine_id: u32,
+    /// CRC-32 of the table file; goes into every record.
+    pub tables_crc: u32,
+    /// Servo period.
+    pub period_ns: u32,
+    /// Passes of the exact inverse, 1 to 8; [`crate::check::inverse_passes`] tells how many a machine needs.
+    pub inverse_passes: u8,
+    /// How the foot point is found.
+    pub method: Method,
+}
+
+impl<'m> Config<'m> {
+    /// Checks everything once and precomputes what a cycle needs, in memory lent by the caller.
+    ///
+    /// # Errors
+    /// What is wrong, with the figure found and what is needed.
+    pub fn build<'a, 'r, R: Real, P: Position, const N: usize, T: Rows + ?Sized + 'r>(
+        &self,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+        storage: Storage<'a, R>,
+    ) -> Result<ServoLoop<'a, R, P, N>, ConfigError> {
+        if !(3..=AXES).contains(&N) {
+            return Err(ConfigError::new(Field::Axes, N as f64, "3 to 6 axes"));
+        }
+        if !(1_000..=100_000_000).contains(&self.period_ns) {
+            return Err(ConfigError::new(Field::Period, f64::from(self.period_ns) * 1e-9, "1e-6 s to 0.1 s"));
+        }
+        crate::check::settings(self.machine)?;
+        let mut bands = [R::ZERO; N];
+        for (band, axis) in bands.iter_mut().zip(step_axes::<N>(self.machine)?) {
+            let settings = self.machine.axes.iter().find(|a| a.axis == axis);
+            *band = R::of(settings.map_or(0.0, |s| s.hysteresis));
+        }
+        Ok(ServoLoop {
+            sampler: Sampler::new(self.machine, self.period_ns)?,
+            compensation: Compensation::build(self.machine, rows, self.inverse_passes, storage)?,
+            bands,
+            search: ContourSearch::new(self.machine.contour.max_lag_mm, self.method)?,
+            release: Release::new(self.machine, f64::from(self.period_ns) * 1e-9)?,
+            machine_id: self.machine_id,
+            tables_crc: self.tables_crc,
+            period_ns: self.period_ns,
+        })
+    }
+
+    /// Memory that [`Config::build`] takes.
+    pub fn requirement<'r, R: Real, P: Position, const N: usize, T: Rows + ?Sized + 'r>(
+        &self,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+    ) -> Requirement {
+        Compensation::<R, P, N>::requirement(self.machine, rows)
+    }
+}
+
+/// The immutable half: limits, tables, search settings. One in flash serves for ever, or is exchanged for another
+/// between two cycles ([`crate::exchange::Exchange`]); the state goes on, and the limiter makes the change bumpless.
+#[derive(Clone, Copy, Debug)]
+pub struct ServoLoop<'a, R, P, const N: usize> {
+    sampler: Sampler<R, P, N>,
+    compensation: Compensation<'a, R, P, N>,
+    bands: [R; N],
+    search: ContourSearch<R>,
+    release: Release<R, P, N>,
+    machine_id: u32,
+    tables_crc: u32,
+    period_ns: u32,
+}
+
+/// The mutable half: what one cycle hands to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct State<R, P, const N: usize> {
+    sample: SampleState<R, P, N>,
+    reversal: [Reversal<P>; N],
+    thermal: [ThermalLine<R>; N],
+    tip: ContourState<R>,
+    encoder: ContourState<R>,
+    release: ReleaseState<R, P, N>,
+    sequence: u32,
+}
+
+impl<R: Real, P: Position, const N: usize> State<R, P, N> {
+    /// Sets the thermal growth of the axis at a place (0 = X); takes effect in the next cycle, through the limiter.
+    pub fn set_thermal(&mut self, place: usize, line: ThermalLine<R>) {
+        if let Some(slot) = self.thermal.get_mut(place) {
+            *slot = line;
+        }
+    }
+}
+
+/// What a cycle gives back.
+#[derive(Clone, Copy, Debug)]
+pub struct Output<R, P, const N: usize> {
+    /// Corrected positions for the drives, mm (deg).
+    pub drive: [P; N],
+    /// Feedback for the host, without the correction: it sees no following error that is not there.
+    pub feedback: [P; N],
+    /// The cycle's telemetry: correction, contour error, flags, fault.
+    pub record: Record<R, P, N>,
+}
+
+impl<R, P, const N: usize> Output<R, P, N> {
+    /// The output is held and the host must stop the machine.
+    pub fn stop_requested(&self) -> bool {
+        self.record.status.has(Status::STOP_REQUEST)
+    }
+}
+
+impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
+    /// A fresh state, if the host runs at the configured period (within 0.1 %).
+    ///
+    /// # Errors
+    /// [`Fault::PeriodMismatch`].
+    pub fn start(&self, period_ns: u32) -> Result<State<R, P, N>, Fault> {
+        if period_ns.abs_diff(self.period_ns) > self.period_ns / 1000 {
+            return Err(Fault::PeriodMismatch);
+        }
+        Ok(State {
+            sample: SampleState::new(),
+            reversal: [Reversal::default(); N],
+            thermal: [ThermalLine::default(); N],
+            tip: ContourState::default(),
+            encoder: ContourState::default(),
+            release: ReleaseState::new(),
+            sequence: 0,
+        })
+    }
+
+    /// The compensation in force, for looking errors up outside the step.
+    pub fn compensation(&self) -> &Compensation<'_, R, P, N> {
+        &self.compensation
+    }
+
+    /// One servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
+    ///
+    /// The first cycle returns the command; from then on `drive = command + c`, c the limited correction. `path` is
+    /// what the interpolator follows and `reference` where on it the command of this cycle lies.
+    #[inline]
+    pub fn step(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+    ) -> Output<R, P, N> {
+        let sample = self.sampler.read(&mut state.sample, input);
+        let modelled = self.model(state, &sample);
+        let contour = self.contour(state, &sample, &modelled, path, reference);
+        let released = self.release.release(&mut state.release, &mut state.sample, &sample, &modelled.wanted);
+        self.record(state, &sample, &modelled, contour, released)
+    }
+
+    /// Wanted correction at the command, modelled error at the feedback.
+    #[inline(always)]
+    fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> Modelled<R, N> {
+        // Switched off but homed, the tip is still estimated: that is how the errors look without correction.
+        let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
+        if !(sample.homed && believed) {
+            return Modelled { wanted: [R::ZERO; N], tip_error: [R::ZERO; N], at_edge: 0 };
+        }
+        let mut reverse = [0; N];
+        let bands = self.bands.iter().zip(&sample.command);
+        for ((reverse, reversal), (band, command)) in reverse.iter_mut().zip(&mut state.reversal).zip(bands) {
+            if sample.first {
+                *reversal = Reversal::at(*command);
+            }
+            *reverse = reversal.update(*command, *band);
+        }
+        let mut at_edge = 0;
+        let command = self.compensation.coordinates(&sample.command);
+        let feedback = self.compensation.coordinates(&sample.feedback);
+        let wanted = self.compensation.correction(&command, &feedback, &reverse, &state.thermal, &mut at_edge);
+        let tip_error = self.compensation.errors(&feedback, &reverse, &state.thermal, &mut 0);
+        Modelled { wanted, tip_error, at_edge }
+    }
+
+    /// Contour error of the estimated tip and of the plain encoder position; none while a reading is not believed.
+    #[inline(always)]
+    fn contour(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        modelled: &Modelled<R, N>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+    ) -> [ContourError<R>; 2] {
+        let (true, [x, y, z, ..], [dx, dy, dz, ..]) =
+            (matches!(sample.verdict, Verdict::Active | Verdict::Inactive), &sample.feedback[..], &modelled.tip_error[..])
+        else {
+            // After a fault the last foot says nothing about the next one.
+            (state.tip, state.encoder) = (ContourState::default(), ContourState::default());
+            return [ContourError::none(); 2];
+        };
+        let tip = [x.plus(*dx), y.plus(*dy), z.plus(*dz)];
+        let at_tip = self.search.update(&mut state.tip, path, reference, tip);
+        let at_encoder = self.search.update(&mut state.encoder, path, reference, [*x, *y, *z]);
+        [at_tip, at_encoder]
+    }
+
+    #[inline(always)]
+    fn record(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        modelled: &Modelled<R, N>,
+        [tip, encoder]: [ContourError<R>; 2],
+        released: Released<R, P, N>,
+    ) -> Output<R, P, N> {
+        let sequence = state.sequence;
+        state.sequence = sequence.wrapping_add(1);
+        let (fault, fault_axis) = match released.outside {
+            Some(place) => (Fault::JointRange, place),
+            None => (sample.fault, sample.axis),
+        };
+        let status = Status::default()
+            .with(Status::ACTIVE, sample.verdict == Verdict::Active)
+            .with(Status::FROZEN, sample.verdict == Verdict::Freeze)
+            .with(Status::STOP_REQUEST, fault.stops())
+            .with(Status::CONTOUR, tip.is_measured());
+        let record = Record {
+            sequence,
+            machine_id: self.machine_id,
+            tables_crc: self.tables_crc,
+            fault,
+            fault_axis,
+            status,
+            limited: released.limited,
+            at_edge: modelled.at_edge,
+            command: sample.command,
+            feedback: sample.feedback,
+            correction: released.correction,
+            tip,
+            encoder,
+        };
+        Output { drive: released.drive, feedback: released.feedback, record }
+    }
+}
+
+/// What the tables say in a cycle.
+#[derive(Clone, Copy, Debug)]
+struct Modelled<R, const N: usize> {
+    wanted: [R; N],
+    tip_error: [R; N],
+    at_edge: u8,
+}

@@ -1,0 +1,190 @@
+//! One fixed record per cycle, and its wire form.
+//!
+//! The step fills a [`Record`] in the scalars it computes with. Below the step, a task of lower priority turns records
+//! into [`Frame`]s (SI-near units, the same for every build of the plugin) and those into COBS frames of postcard:
+//! each ends with a zero byte, so that a receiver finds its place again after a loss, and the sequence number tells how
+//! many are missing.
+
+use crate::contour::ContourError;
+use crate::error::Fault;
+use crate::machine::AXES;
+use crate::position::Position;
+use crate::real::Real;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// State of the plugin in a cycle, as bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Status(pub u8);
+
+impl Status {
+    /// Homed, enabled and believed: corrections are followed.
+    pub const ACTIVE: Status = Status(1);
+    /// The correction is frozen because a reading is not believed.
+    pub const FROZEN: Status = Status(2);
+    /// The output is held and the host is asked to stop.
+    pub const STOP_REQUEST: Status = Status(4);
+    /// The contour error of this cycle was measured.
+    pub const CONTOUR: Status = Status(8);
+
+    /// Whether all bits of `other` are set.
+    pub const fn has(self, other: Status) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    pub(crate) const fn with(self, other: Status, set: bool) -> Status {
+        if set { Status(self.0 | other.0) } else { self }
+    }
+}
+
+/// Everything about one servo cycle, as the step knows it.
+#[derive(Clone, Copy, Debug)]
+pub struct Record<R, P, const N: usize> {
+    /// Counts cycles from 0, wrapping.
+    pub sequence: u32,
+    /// Identity of the machine that the tables belong to.
+    pub machine_id: u32,
+    /// CRC-32 of the table file in force.
+    pub tables_crc: u32,
+    /// What went wrong, if anything.
+    pub fault: Fault,
+    /// Place of the axis that the fault belongs to.
+    pub fault_axis: u8,
+    /// State bits.
+    pub status: Status,
+    /// A bit for every axis whose correction differs from the wanted one.
+    pub limited: u8,
+    /// A bit for every axis whose table holds its edge value.
+    pub at_edge: u8,
+    /// Command as it came (the held one during a stop), mm (deg).
+    pub command: [P; N],
+    /// Raw feedback (last good one during a fault), mm (deg).
+    pub feedback: [P; N],
+    /// Correction sent, mm (deg).
+    pub correction: [R; N],
+    /// Contour error of the estimated tool tip.
+    pub tip: ContourError<R>,
+    /// Contour error of the plain encoder position.
+    pub encoder: ContourError<R>,
+}
+
+/// One axis in a [`Frame`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AxisFrame {
+    /// Command, mm (deg).
+    pub command: f64,
+    /// Raw feedback, mm (deg).
+    pub feedback: f64,
+    /// Correction sent, mm (deg).
+    pub correction: f32,
+}
+
+/// Contour error in a [`Frame`], mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ContourFrame {
+    /// Distance from the path.
+    pub error: f32,
+    /// Component in the plane, positive to the left of the path.
+    pub normal: f32,
+    /// Component along the plane's normal.
+    pub binormal: f32,
+    /// Arc length from the foot to the reference.
+    pub lag: f32,
+    /// Flags of the search ([`crate::contour::Flags`]).
+    pub flags: u8,
+}
+
+/// Wire form of a [`Record`]: the same layout for every build; see `docs/telemetry.md`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Layout of this record; [`FRAME_VERSION`].
+    pub version: u8,
+    /// Counts cycles, wrapping.
+    pub sequence: u32,
+    /// Identity of the machine.
+    pub machine_id: u32,
+    /// CRC-32 of the tables in force.
+    pub tables_crc: u32,
+    /// What went wrong.
+    pub fault: Fault,
+    /// Place of the axis at fault.
+    pub fault_axis: u8,
+    /// State bits.
+    pub status: Status,
+    /// Axes whose correction is limited.
+    pub limited: u8,
+    /// Axes whose table holds its edge value.
+    pub at_edge: u8,
+    /// The axes, in the step's order.
+    pub axes: Vec<AxisFrame, AXES>,
+    /// Estimated tool tip.
+    pub tip: ContourFrame,
+    /// Plain encoder position.
+    pub encoder: ContourFrame,
+}
+
+/// Version of the layout that [`Frame`] writes.
+pub const FRAME_VERSION: u8 = 1;
+/// A buffer of this size holds the COBS frame of any record.
+pub const FRAME_BYTES: usize = 256;
+
+impl Frame {
+    /// Puts a record into its wire form. Not part of the step: on a core without double precision this costs some
+    /// hundred instructions an axis.
+    pub fn of<R: Real, P: Position, const N: usize>(record: &Record<R, P, N>) -> Frame {
+        let mut axes = Vec::new();
+        for ((command, feedback), correction) in record.command.iter().zip(&record.feedback).zip(&record.correction) {
+            // N is at most AXES (checked at build); a further axis would be left out, not written wrongly.
+            let _ = axes.push(AxisFrame {
+                command: command.to_f64(),
+                feedback: feedback.to_f64(),
+                correction: correction.to_f64() as f32,
+            });
+        }
+        Frame {
+            version: FRAME_VERSION,
+            sequence: record.sequence,
+            machine_id: record.machine_id,
+            tables_crc: record.tables_crc,
+            fault: record.fault,
+            fault_axis: record.fault_axis,
+            status: record.status,
+            limited: record.limited,
+            at_edge: record.at_edge,
+            axes,
+            tip: contour(&record.tip),
+            encoder: contour(&record.encoder),
+        }
+    }
+
+    /// Encodes into `buffer`; returns the part used, its last byte zero.
+    ///
+    /// # Errors
+    /// The buffer is smaller than the frame ([`FRAME_BYTES`] always do).
+    pub fn encode<'b>(&self, buffer: &'b mut [u8]) -> Result<&'b mut [u8], postcard::Error> {
+        postcard::to_slice_cobs(self, buffer)
+    }
+
+    /// Decodes one frame, with its closing zero byte or without; `bytes` are scratch afterwards.
+    ///
+    /// # Errors
+    /// The bytes are not one whole frame, or its version is not [`FRAME_VERSION`].
+    pub fn decode(bytes: &mut [u8]) -> Result<Frame, postcard::Error> {
+        let frame: Frame = postcard::from_bytes_cobs(bytes)?;
+        if frame.version == FRAME_VERSION { Ok(frame) } else { Err(postcard::Error::DeserializeBadEncoding) }
+    }
+}
+
+fn contour<R: Real>(error: &ContourError<R>) -> ContourFrame {
+    let single = |x: R| x.to_f64() as f32;
+    ContourFrame {
+        error: single(error.error),
+        normal: single(error.normal),
+        binormal: single(error.binormal),
+        lag: single(error.lag),
+        flags: error.flags.bits(),
+    }
+}
