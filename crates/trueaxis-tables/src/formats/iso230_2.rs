@@ -15,7 +15,7 @@
 //! As a table: the mean of all runs at each position, both directions apart if both were measured. The scatter is not kept.
 
 use super::positioning;
-use super::source::Source;
+use super::source::{Source, numbered};
 use super::{ExportOptions, Exported, Imported};
 use crate::Machine;
 use crate::error::FileError;
@@ -98,22 +98,15 @@ pub fn read_measurement(text: &str, file: &std::path::Path, axis: Option<Axis>) 
 }
 
 fn read(text: &str, source: &Source, axis: Option<Axis>) -> Result<Measurement, FileError> {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .flexible(true)
-        .from_reader(text.as_bytes());
     let mut columns: Option<Columns> = None;
     let mut approaches: Vec<Approach> = Vec::new();
     let mut seen = BTreeSet::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| {
-            let line = error.position().map_or(0, csv::Position::line);
-            source.at(u32::try_from(line).unwrap_or(u32::MAX), "", error, "comma separated text")
-        })?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let line = u32::try_from(line).unwrap_or(u32::MAX);
+    // Spreadsheets begin UTF-8 files with a byte order mark.
+    for (line, content) in numbered(text.trim_start_matches('\u{feff}')) {
+        if content.trim().is_empty() || content.starts_with('#') {
+            continue;
+        }
+        let record: Vec<&str> = content.split(',').map(str::trim).collect();
         let Some(columns) = &columns else {
             columns = Some(header(&record, line, source, axis)?);
             continue;
@@ -121,7 +114,7 @@ fn read(text: &str, source: &Source, axis: Option<Axis>) -> Result<Measurement, 
         if record.len() != 4 {
             return Err(source.at(line, "", format!("{} values", record.len()), "4, as in the header"));
         }
-        let field = |place: usize| record.get(place).unwrap_or_default();
+        let field = |place: usize| record.get(place).copied().unwrap_or_default();
         let position = source.number(line, &columns.position_name, field(columns.position))?;
         let run = field(columns.run)
             .parse::<u32>()
@@ -146,12 +139,12 @@ fn read(text: &str, source: &Source, axis: Option<Axis>) -> Result<Measurement, 
     complete(columns.axis, approaches, source)
 }
 
-fn header(record: &csv::StringRecord, line: u32, source: &Source, axis: Option<Axis>) -> Result<Columns, FileError> {
+fn header(record: &[&str], line: u32, source: &Source, axis: Option<Axis>) -> Result<Columns, FileError> {
     let needed =
         "the columns X_mm (or C_deg, position_mm, position_deg), run, direction, deviation_um (deviation_urad)";
     let mut position = None;
     let (mut run, mut direction, mut deviation) = (None, None, None);
-    for (place, name) in record.iter().enumerate() {
+    for (place, &name) in record.iter().enumerate() {
         let before = match name {
             "run" => run.replace(place),
             "direction" => direction.replace(place),

@@ -8,9 +8,10 @@
 //! $AA_ENC_COMP_IS_MODULO[e,AX]= 0, or 1: repeated cyclically
 //! ```
 //!
-//! Sign: a *positive* value makes the axis move in *negative* direction (SINUMERIK 840D sl, Function Manual Extended
-//! Functions, K3 Compensations), so the value is the error itself: value = +E, E = actual − commanded. Linear interpolation; the
-//! first and last value hold outside. There is no direction: reversal error belongs in MD32450 `BACKLASH`.
+//! Sign: a *positive* value makes the axis move in *negative* direction (SINUMERIK 808D Function Manual 01/2017, p. 106;
+//! the rest: 840D sl Function Manual Extended Functions, K3 Compensations), so the value is the error itself: value = +E,
+//! E = actual − commanded. Linear interpolation; the first and last value hold outside. There is no direction: reversal error
+//! belongs in MD32450 `BACKLASH`.
 //!
 //! The control keeps the old value of every point that a file does not write; such a file, or one with points outside the
 //! table, is refused. So is a modulo table that is not a full circle of a rotary axis, and an axis with two measuring systems.
