@@ -2,6 +2,7 @@
 """ISO 230-2:2014 evaluation of a measurement CSV, independent of the Rust code: plain Python, exact sums.
 
 Usage: iso230_2.py MEASUREMENT.csv > RESULT.json
+iso230_2.json beside it was made from compensation-tables/mill-3axis/x-iso230-2.csv.
 Means and variances come from the `statistics` module, which sums exactly in rationals.
 """
 

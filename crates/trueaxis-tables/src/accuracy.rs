@@ -12,6 +12,19 @@
 //! ```
 //!
 //! Everything is in µm for linear and µrad for rotary axes. The measurement uncertainty is not part of these values.
+//!
+//! ```
+//! use std::path::Path;
+//! use trueaxis_tables::accuracy::{evaluate, evaluate_compensated};
+//! use trueaxis_tables::formats::iso230_2::{Direction, read_measurement};
+//!
+//! let text = "X_mm,run,direction,deviation_um\n0,1,+,1\n0,2,+,1\n0,1,-,4\n0,2,-,4\n";
+//! let measurement = read_measurement(text, Path::new("x.csv"), None)?;
+//! assert_eq!(evaluate(&measurement)?.both.unwrap().reversal, 3.0);
+//! let backlash = |_, direction| if direction == Direction::Down { 3.0 } else { 0.0 };
+//! assert_eq!(evaluate_compensated(&measurement, backlash)?.both.unwrap().reversal, 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::formats::iso230_2::{Direction, Measurement};
 use serde::Serialize;

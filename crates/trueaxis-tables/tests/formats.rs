@@ -221,9 +221,29 @@ fn golden_files() {
     ] {
         let exported = write(format, &machine, &dropping(axis));
         for (name, text) in &exported.files {
-            golden(&format!("{}-{name}", Format::ALL.iter().find(|known| known.1 == format).unwrap().0), text);
+            golden(&format!("{}-{name}", format.name()), text);
         }
     }
+}
+
+#[test]
+fn names() {
+    for (name, format) in Format::ALL {
+        assert_eq!((Format::from_name(name), format.name()), (Some(format), name));
+    }
+    assert_eq!(Format::from_name("fanuc"), None);
+}
+
+/// The ends of a full circle may differ by 0.01 µm and 0.01 µrad, not more.
+#[test]
+fn full_circle() {
+    let text = |exc: f64, ecc: f64| format!("C EXC ECC\n0 0.001 1e-5\n90 0 0\n360 {} {}\n", 0.001 + exc, 1e-5 + ecc);
+    read(Format::Isg, &text(0.99e-5, 0.99e-8), None);
+    for wrong in [text(1.01e-5, 0.0), text(0.0, -1.01e-8)] {
+        assert_eq!(refusal(Format::Isg, &wrong, None).line, Some(4));
+    }
+    let measured = "C_deg,run,direction,deviation_urad\n0,1,+,1\n360,1,+,2\n";
+    assert_eq!(refusal(Format::Iso230_2, measured, None).line, None);
 }
 
 #[test]

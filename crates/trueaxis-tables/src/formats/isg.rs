@@ -23,7 +23,7 @@
 //! component errors and the kinematic parameters of the ISG model are refused.
 
 use super::positioning;
-use super::source::{Source, numbered};
+use super::source::{Source, fixed, numbered};
 use super::{ExportOptions, Exported, Imported};
 use crate::error::FileError;
 use crate::{Machine, Table};
@@ -231,7 +231,9 @@ pub(super) fn export(machine: &Machine, options: &ExportOptions, exported: &mut 
             text.push_str("#\n");
         }
         one_way(machine, settings, table, &mut exported.dropped);
-        axis_block(settings.axis, settings.backlash, table, &mut text);
+        // From the axis' positions to its error table, mm or rad.
+        let backlash = settings.backlash / positioning::to_position_unit(machine, settings);
+        axis_block(settings.axis, backlash, table, &mut text);
     }
     positioning::settings_losses(machine, options.axis, &mut exported.dropped);
     exported.notes.push(format!("file_format of {FILE_NAME}: ISG CSV; workpiece_axes as the tables were measured"));
@@ -267,7 +269,6 @@ fn one_way(machine: &Machine, settings: &trueaxis::machine::AxisSettings, table:
 }
 
 fn axis_block(axis: Axis, backlash: f64, table: &Table, text: &mut String) {
-    let unit = if axis.is_rotary() { std::f64::consts::PI / 180.0 } else { 1.0 };
     let _ = write!(
         text,
         "// axis {}: {}, errors in mm and rad\n{}",
@@ -283,11 +284,11 @@ fn axis_block(axis: Axis, backlash: f64, table: &Table, text: &mut String) {
     for row in &table.rows {
         let _ = write!(text, "{}", row.position);
         for component in &columns {
-            let half_backlash = if *component == axis.index() { 0.5 * backlash * unit } else { 0.0 };
+            let half_backlash = if *component == axis.index() { 0.5 * backlash } else { 0.0 };
             let (forward, reverse) = (row.forward.get(*component), row.reverse.get(*component));
             let mean = 0.5 * (forward.unwrap_or(&0.0) + reverse.unwrap_or(&0.0)) + half_backlash;
             let decimals = if *component < 3 { 6 } else { 9 };
-            let _ = write!(text, "\t{mean:.decimals$}");
+            let _ = write!(text, "\t{}", fixed(mean, decimals));
         }
         text.push('\n');
     }

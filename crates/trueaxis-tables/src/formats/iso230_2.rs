@@ -15,7 +15,7 @@
 //! As a table: the mean of all runs at each position, both directions apart if both were measured. The scatter is not kept.
 
 use super::positioning;
-use super::source::{Source, numbered};
+use super::source::{Source, fixed, numbered};
 use super::{ExportOptions, Exported, Imported};
 use crate::Machine;
 use crate::error::FileError;
@@ -234,7 +234,7 @@ pub(super) fn import(text: &str, source: &Source, axis: Option<Axis>) -> Result<
     for &position in &measurement.positions {
         let [up, down] = [Direction::Up, Direction::Down].map(|direction| measurement.mean(position, direction));
         let (Some(forward), Some(reverse)) = (up.or(down), down.or(up)) else { continue };
-        lines.push((1, super::single(position, axis.index(), forward / scale, reverse / scale)));
+        lines.push((0, super::single(position, axis.index(), forward / scale, reverse / scale)));
     }
     let table = super::table(axis, super::only(axis.index()), lines, source)?;
     Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default() })
@@ -249,8 +249,8 @@ pub(super) fn export(machine: &Machine, options: &ExportOptions, exported: &mut 
             if axis.is_rotary() { ("deg", "urad", 1e6 * std::f64::consts::PI / 180.0) } else { ("mm", "um", 1e3) };
         let mut text = format!("{}_{unit},run,direction,deviation_{micro}\n", axis.letter());
         for point in positioning::points(machine, settings, table) {
-            let _ = writeln!(text, "{},1,+,{:.3}", point.position, point.forward * scale + 0.0);
-            let _ = writeln!(text, "{},1,-,{:.3}", point.position, point.reverse * scale + 0.0);
+            let _ = writeln!(text, "{},1,+,{}", point.position, fixed(point.forward * scale, 3));
+            let _ = writeln!(text, "{},1,-,{}", point.position, fixed(point.reverse * scale, 3));
         }
         exported.files.push((format!("{}-iso230-2.csv", axis.letter().to_ascii_lowercase()), text));
     }

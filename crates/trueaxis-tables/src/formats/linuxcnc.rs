@@ -16,7 +16,7 @@
 //! here: lines that are not three numbers, points that do not increase, more than 256 points, lines longer than its buffer.
 
 use super::positioning::{self, Point};
-use super::source::{Source, numbered};
+use super::source::{Source, fixed, numbered};
 use super::{ExportOptions, Exported, Imported};
 use crate::Machine;
 use crate::error::FileError;
@@ -153,8 +153,9 @@ pub(super) fn export(
 fn file(points: &[Point], file_type: CompFileType, decimals: usize) -> String {
     let mut text = String::new();
     for point in points {
-        let [forward, reverse] = [point.forward, point.reverse].map(|error| file_type.written(point.position, error));
-        let _ = writeln!(text, "{} {forward:.decimals$} {reverse:.decimals$}", point.position);
+        let [forward, reverse] =
+            [point.forward, point.reverse].map(|error| fixed(file_type.written(point.position, error), decimals));
+        let _ = writeln!(text, "{} {forward} {reverse}", point.position);
     }
     text
 }

@@ -54,6 +54,11 @@ impl Format {
         ("iso230-2", Format::Iso230_2),
     ];
 
+    /// Its name in [`Format::ALL`].
+    pub fn name(self) -> &'static str {
+        Format::ALL.iter().find(|(_, format)| *format == self).map_or("", |(name, _)| name)
+    }
+
     /// The format of a name in [`Format::ALL`].
     pub fn from_name(name: &str) -> Option<Format> {
         Format::ALL.iter().find(|(known, _)| *known == name).map(|(_, format)| *format)
@@ -125,6 +130,23 @@ pub struct Exported {
 /// `axis`: which axis the file is for. Needed where the format does not say (LinuxCNC; ISO 230-2 with a `position_mm` column);
 /// where it does, only that axis is taken. Rotary errors are read in the sense of the axis' own positions.
 ///
+/// ```
+/// use std::path::Path;
+/// use trueaxis::machine::Axis;
+/// use trueaxis_tables::formats::{Format, import};
+///
+/// // At 10 mm the axis stands at 10.002 mm, coming from below: an error of +2 µm.
+/// let format = Format::from_name("linuxcnc-0").unwrap();
+/// let imported = import(format, "0 0 0\n10 10.002 10.003\n", Path::new("x.comp"), Some(Axis::X))?;
+/// let files = imported.machine_files("my mill");
+/// assert_eq!(files[1].0, "x.csv");
+/// assert!(files[1].1.starts_with("X_mm,EXX_fwd_um,EXX_rev_um"));
+///
+/// let error = import(format, "# nominal forward reverse\n", Path::new("x.comp"), Some(Axis::X)).unwrap_err();
+/// assert!(error.to_string().starts_with("x.comp:1: found"));
+/// # Ok::<(), trueaxis_tables::error::FileError>(())
+/// ```
+///
 /// # Errors
 /// The first thing that is not exactly as the format wants it, or that a table cannot hold: file, line, column, found, needed.
 pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Result<Imported, FileError> {
@@ -185,8 +207,12 @@ fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, source: &Source) 
         return Err(source.whole("one point", "at least two"));
     }
     if axis.is_rotary() && (last.position - first.position - 360.0).abs() < 1e-9 {
-        let ends = first.forward.iter().chain(&first.reverse).zip(last.forward.iter().chain(&last.reverse));
-        if let Some((low, high)) = ends.into_iter().find(|(low, high)| (*low - *high).abs() > 1e-8 + 1e-9) {
+        let ends = [(first.forward, last.forward), (first.reverse, last.reverse)];
+        let ends = ends.iter().flat_map(|(low, high)| low.iter().zip(high).enumerate());
+        let apart = |(component, (low, high)): &(usize, (&f64, &f64))| {
+            (*low - *high).abs() > if *component < 3 { 1e-5 } else { 1e-8 }
+        };
+        if let Some((_, (low, high))) = ends.into_iter().find(apart) {
             return Err(source.at(
                 *last_line,
                 &name,

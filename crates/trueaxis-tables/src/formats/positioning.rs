@@ -16,7 +16,7 @@ pub(super) struct Point {
 ///
 /// A rotary axis on the tool side turns by direction · q, so an error w moves it by direction · w; on the workpiece side the
 /// carriage turns by direction · q and errs by −w. With the default directions (+1, and −1 if primed) both give +w.
-fn to_position_unit(machine: &Machine, settings: &AxisSettings) -> f64 {
+pub(super) fn to_position_unit(machine: &Machine, settings: &AxisSettings) -> f64 {
     if !settings.axis.is_rotary() {
         return 1.0;
     }

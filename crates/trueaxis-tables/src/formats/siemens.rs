@@ -17,7 +17,7 @@
 //! table, is refused. So is a modulo table that is not a full circle of a rotary axis, and an axis with two measuring systems.
 
 use super::positioning;
-use super::source::{Source, numbered};
+use super::source::{Source, fixed, numbered};
 use super::{ExportOptions, Exported, Imported};
 use crate::Machine;
 use crate::error::FileError;
@@ -202,7 +202,7 @@ pub(super) fn export(
         let (points, step) = equidistant(letter, &points, options, source, exported)?;
         let decimals = if settings.axis.is_rotary() { 7 } else { 6 };
         for (index, (_, error)) in points.iter().enumerate() {
-            let _ = writeln!(text, "$AA_ENC_COMP[0,{index},{letter}1]={:.decimals$}", error + 0.0);
+            let _ = writeln!(text, "$AA_ENC_COMP[0,{index},{letter}1]={}", fixed(*error, decimals));
         }
         let (low, high) = (points.first().map_or(0.0, |point| point.0), points.last().map_or(0.0, |point| point.0));
         let wraps = settings.axis.is_rotary() && (high - low - 360.0).abs() < 1e-9;

@@ -14,11 +14,11 @@ impl Source {
         Source { file: file.to_path_buf() }
     }
 
-    /// An error in one line; an empty `column` means the line as a whole.
+    /// An error in one line (0: in no single line); an empty `column` means the line as a whole.
     pub(super) fn at(&self, line: u32, column: &str, found: impl Display, needed: impl Into<String>) -> FileError {
         FileError {
             file: self.file.clone(),
-            line: Some(line),
+            line: (line > 0).then_some(line),
             column: (!column.is_empty()).then(|| column.to_owned()),
             found: shortened(&found.to_string()),
             needed: needed.into(),
@@ -47,6 +47,15 @@ fn shortened(found: &str) -> String {
         return found.to_owned();
     }
     found.chars().take(117).chain("...".chars()).collect()
+}
+
+/// A number with fixed decimals and without a sign if it rounds to zero.
+pub(super) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.chars().all(|digit| matches!(digit, '0' | '.')) => digits.to_owned(),
+        _ => text,
+    }
 }
 
 /// Lines with their numbers, from 1.
