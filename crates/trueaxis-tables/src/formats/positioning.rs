@@ -55,7 +55,7 @@ pub(super) fn error_name(axis: Axis, component: usize) -> String {
     format!("E{direction}{}", axis.letter())
 }
 
-/// What a format without cross terms cannot hold: errors of this axis in other directions, its thermal growth.
+/// What a format without cross terms cannot hold: the errors of this axis in other directions.
 pub(super) fn cross_terms(settings: &AxisSettings, table: &Table, dropped: &mut Vec<String>) {
     let axis = settings.axis;
     let names: Vec<String> = (0..6)
