@@ -1,5 +1,9 @@
 //! Reading, checking, converting and compiling compensation tables.
 
+pub mod accuracy;
+pub mod error;
+pub mod formats;
+
 use trueaxis::machine::{AxisSettings, MachineSettings, Row};
 
 /// An axis' error table in source form: mm and radians, positions in mm or degrees, strictly increasing.

@@ -1,0 +1,302 @@
+#!/usr/bin/env python3
+"""Writes the two sample machines and the sample measurement beside this file.
+
+Plain Python, no packages. Every run writes the same bytes: the error curves are closed formulas, the scatter of the
+measurement comes from `random.Random(SEED).random()`, whose sequence Python guarantees, and everything is rounded.
+Units inside: mm, degrees, micrometres, microradians. Signs: error = actual - ideal, tool relative to workpiece.
+"""
+
+import math
+import random
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+SEED = 23_02_2014
+TAU = 2 * math.pi
+
+
+def wave(q, period, phase):
+    """Sine of unit amplitude that is zero at q = 0, so that the tables are zero at machine zero."""
+    return math.sin(TAU * q / period + phase) - math.sin(phase)
+
+
+def grid(first, last, step):
+    count = round((last - first) / step)
+    return [first + i * step for i in range(count + 1)]
+
+
+def number(value, digits=3):
+    text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
+    return "0" if text in ("-0", "") else text
+
+
+def write_table(path, title, header, positions, columns):
+    lines = [f"# {line}" for line in title] + [",".join(header)]
+    for q in positions:
+        lines.append(",".join([number(q)] + [number(column(q)) for column in columns]))
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+
+
+def write_text(path, text):
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text.lstrip("\n"), encoding="utf-8", newline="\n")
+
+
+# --- mill-3axis: C-frame, saddle Y on the bed, table X on the saddle, quill Z -------------------------------------
+
+
+def exx(x):
+    """Lead error of the screw: 44 um/m, long waves of 200 and 75 mm (the v300p of ISO 3408-3)."""
+    return -0.044 * x - 3.4 * wave(x, 200, 0.2) + 1.1 * wave(x, 75, 1.9)
+
+
+def exx_reversal(x):
+    """Reverse minus forward: elastic lost motion, larger where the screw is worn (mid travel)."""
+    return 1.5 + 0.7 * math.exp(-((x / 140) ** 2))
+
+
+def mill_3axis():
+    folder = HERE / "mill-3axis"
+    write_text(folder / "machine.toml", MILL_3AXIS)
+    write_table(
+        folder / "x.csv",
+        ["X of mill-3axis, laser interferometer and electronic level, line at Y 0, Z -200; zero at machine zero",
+         "equidistant, 10 mm; forward: approached in positive direction"],
+        ["X_mm", "EXX_fwd_um", "EXX_rev_um", "EYX_um", "EZX_um", "EAX_urad", "EBX_urad", "ECX_urad"],
+        grid(-300, 300, 10),
+        [exx,
+         lambda x: exx(x) + exx_reversal(x),
+         lambda x: 4.6 * ((x / 300) ** 2) - 1.6 * wave(x, 240, 0.0),
+         lambda x: -5.4 * ((x / 300) ** 2) + 1.2 * wave(x, 180, 0.7),
+         lambda x: 11 * math.sin(x / 340) + 2 * wave(x, 250, 0.3),
+         lambda x: -17 * math.sin(x / 300) + 2.5 * wave(x, 210, 1.1),
+         lambda x: 13 * math.sin(x / 320) - 2 * wave(x, 270, 0.9)])
+    write_table(
+        folder / "y.csv",
+        ["Y of mill-3axis, line at X 0, Z -200; zero at machine zero", "equidistant, 10 mm"],
+        ["Y_mm", "EXY_um", "EYY_um", "EZY_um", "EAY_urad", "EBY_urad", "ECY_urad"],
+        grid(-200, 200, 10),
+        [lambda y: -3.8 * ((y / 200) ** 2) + 1.3 * wave(y, 160, 0.2),
+         lambda y: 0.062 * y + 2.9 * wave(y, 190, 0.2) - 0.9 * wave(y, 65, 0.5),
+         lambda y: -4.9 * ((y / 200) ** 2) + 1.0 * wave(y, 140, 1.3),
+         lambda y: -17 * math.sin(y / 230) + 2 * wave(y, 190, 0.1),
+         lambda y: 9 * math.sin(y / 260) - 1.5 * wave(y, 150, 0.8),
+         lambda y: -12 * math.sin(y / 240) + 1.5 * wave(y, 220, 2.0)])
+    # Finer where most work is done: a free grid.
+    z_grid = ([-400, -380, -360, -340, -320, -300] + grid(-290, -150, 5)
+              + [-140, -125, -110, -95, -80, -60, -40, -20, 0])
+    write_table(
+        folder / "z.csv",
+        ["Z of mill-3axis, line at X 0, Y 0; zero at machine zero", "free grid: 5 mm between -290 and -150, wider outside"],
+        ["Z_mm", "EXZ_um", "EYZ_um", "EZZ_um", "EAZ_urad", "EBZ_urad", "ECZ_urad"],
+        z_grid,
+        [lambda z: 3.1 * math.sin(math.pi * z / 400) + 1.1 * wave(z, 180, 0.6),
+         lambda z: -3.6 * math.sin(math.pi * z / 400) - 0.9 * wave(z, 210, 1.5),
+         lambda z: -0.034 * z + 2.6 * wave(z, 190, 1.0),
+         lambda z: 10 * math.sin(z / 300) + 1.5 * wave(z, 230, 0.4),
+         lambda z: -14 * math.sin(z / 330) - 2 * wave(z, 200, 1.7),
+         lambda z: 6 * math.sin(z / 310)])
+    measurement(folder / "x-iso230-2.csv")
+
+
+def measurement(path):
+    """ISO 230-2 test of X: 21 targets p(i - 1) + r, five runs in both directions, standard cycle."""
+    generator = random.Random(SEED)
+
+    def scatter(sigma):
+        # Sum of twelve uniforms: variance 1; needs nothing but random(), the one sequence Python guarantees.
+        return sigma * (sum(generator.random() for _ in range(12)) - 6)
+
+    targets = [round(-292 + 29 * i + 3 * (generator.random() - 0.5), 3) for i in range(21)]
+    lines = ["# X of mill-3axis before compensation, ISO 230-2:2014 standard test cycle, laser interferometer, 20 C",
+             "# deviation = actual - target; run 1 to 5; + approached in positive direction, - in negative direction",
+             "X_mm,run,direction,deviation_um"]
+    for run in range(1, 6):
+        drift = -0.25 * (run - 3)
+        for x in targets:
+            lines.append(f"{number(x)},{run},+,{number(exx(x) + drift + scatter(0.45), 2)}")
+        for x in reversed(targets):
+            lines.append(f"{number(x)},{run},-,{number(exx(x) + exx_reversal(x) + drift + scatter(0.5), 2)}")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+
+
+MILL_3AXIS = """
+# Vertical machining centre, C-frame: the saddle (Y) runs on the bed, the table (X) on the saddle, the head (Z) on the column.
+# A retrofit with the old ground screws; figures: see README.md beside this folder.
+name = "mill-3axis"
+chain = "w X' Y' b Z t"
+tool_mm = [0.0, 0.0, 0.0]
+reference_temperature_c = 20.0
+
+[axis.X]
+table = "x.csv"
+interpolation = "cubic"
+travel_mm = [-300.0, 300.0]
+measured_at_mm = [0.0, 0.0, -200.0]
+max_feed_mm_per_min = 15000.0
+
+[axis.X.thermal]
+expansion_um_per_m_k = 11.5
+
+[axis.Y]
+table = "y.csv"
+interpolation = "cubic"
+travel_mm = [-200.0, 200.0]
+measured_at_mm = [0.0, 0.0, -200.0]
+max_feed_mm_per_min = 15000.0
+backlash_um = 2.2
+
+[axis.Y.thermal]
+expansion_um_per_m_k = 11.5
+
+[axis.Z]
+table = "z.csv"
+interpolation = "cubic"
+travel_mm = [-400.0, 0.0]
+measured_at_mm = [0.0, 0.0, 0.0]
+max_feed_mm_per_min = 12000.0
+
+[axis.Z.thermal]
+offset_um_per_k = 2.0
+expansion_um_per_m_k = 11.5
+
+[location]
+A0Z_urad = 32.0
+B0Z_urad = -36.0
+C0Y_urad = 38.0
+"""
+
+
+# --- mill-5axis: trunnion A on Y, table C in the trunnion, spindle on Z on X ---------------------------------------
+
+
+def cyclic(amplitude, harmonic, phase_deg):
+    return lambda deg: amplitude * math.cos(math.radians(harmonic * deg - phase_deg))
+
+
+def total(*terms):
+    return lambda q: sum(term(q) for term in terms)
+
+
+def mill_5axis():
+    folder = HERE / "mill-5axis"
+    write_text(folder / "machine.toml", MILL_5AXIS)
+    write_table(
+        folder / "x.csv", ["X of mill-5axis, line at Y 0, Z 0"],
+        ["X_mm", "EXX_um", "EYX_um", "EZX_um", "EAX_urad", "EBX_urad", "ECX_urad"],
+        grid(-250, 250, 12.5),
+        [lambda x: 0.021 * x + 1.8 * wave(x, 160, 0.5),
+         lambda x: 3.2 * ((x / 250) ** 2) + 0.7 * wave(x, 190, 0.4),
+         lambda x: -2.9 * ((x / 250) ** 2) + 0.8 * wave(x, 150, 1.0),
+         lambda x: 9 * math.sin(x / 280),
+         lambda x: -13 * math.sin(x / 260) + 1.5 * wave(x, 200, 0.2),
+         lambda x: 11 * math.sin(x / 300)])
+    write_table(
+        folder / "y.csv", ["Y of mill-5axis, line at X 0, Z 0"],
+        ["Y_mm", "EXY_um", "EYY_um", "EZY_um", "EAY_urad", "EBY_urad", "ECY_urad"],
+        grid(-250, 250, 12.5),
+        [lambda y: -2.7 * ((y / 250) ** 2) + 0.6 * wave(y, 170, 0.9),
+         lambda y: -0.026 * y + 1.6 * wave(y, 140, 1.4),
+         lambda y: 3.4 * ((y / 250) ** 2) - 0.7 * wave(y, 210, 0.3),
+         lambda y: 12 * math.sin(y / 270) + 1.2 * wave(y, 180, 0.6),
+         lambda y: 8 * math.sin(y / 290),
+         lambda y: -10 * math.sin(y / 280)])
+    write_table(
+        folder / "z.csv", ["Z of mill-5axis, line at X 0, Y 0"],
+        ["Z_mm", "EXZ_um", "EYZ_um", "EZZ_um", "EAZ_urad", "EBZ_urad", "ECZ_urad"],
+        grid(-100, 400, 12.5),
+        [lambda z: 2.6 * math.sin(math.pi * z / 500) + 0.6 * wave(z, 160, 0.7),
+         lambda z: -2.3 * math.sin(math.pi * z / 500) + 0.5 * wave(z, 180, 0.1),
+         lambda z: 0.017 * z + 1.4 * wave(z, 130, 2.1),
+         lambda z: -9 * math.sin(z / 350),
+         lambda z: 10 * math.sin(z / 330) + 1.0 * wave(z, 240, 1.2),
+         lambda z: 5 * math.sin(z / 300)])
+    write_table(
+        folder / "a.csv",
+        ["A of mill-5axis (trunnion), -120 to 30 degrees, 2.5 degrees; forward: turned in positive direction"],
+        ["A_deg", "EXA_um", "EYA_um", "EZA_um", "EAA_fwd_urad", "EAA_rev_urad", "EBA_urad", "ECA_urad"],
+        grid(-120, 30, 2.5),
+        [total(cyclic(1.6, 1, 40), cyclic(0.5, 3, 10)),
+         total(cyclic(3.4, 1, 95), cyclic(0.8, 2, 60)),
+         total(cyclic(3.9, 1, 15), cyclic(0.7, 2, 130)),
+         lambda a: 0.19 * a + 7.5 * math.sin(math.radians(4 * a)),
+         lambda a: 0.19 * a + 7.5 * math.sin(math.radians(4 * a)) + 9 + 0.02 * a,
+         total(cyclic(8.0, 1, 75), cyclic(2.0, 2, 20)),
+         total(cyclic(9.0, 1, 160), cyclic(1.5, 2, 35))])
+    write_table(
+        folder / "c.csv",
+        ["C of mill-5axis (rotary table), full circle, 5 degrees; wraps: first and last line agree"],
+        ["C_deg", "EXC_um", "EYC_um", "EZC_um", "EAC_urad", "EBC_urad", "ECC_urad"],
+        grid(0, 360, 5),
+        [total(cyclic(3.1, 1, 30), cyclic(0.9, 2, 75), cyclic(0.4, 3, 0)),
+         total(cyclic(2.8, 1, 122), cyclic(1.0, 2, 160), cyclic(0.3, 3, 45)),
+         total(cyclic(1.1, 1, 200), cyclic(1.4, 2, 15)),
+         total(cyclic(12, 1, 65), cyclic(3, 2, 140)),
+         total(cyclic(11, 1, 152), cyclic(3.5, 2, 50)),
+         total(cyclic(21, 1, 250), cyclic(8, 2, 100), cyclic(4, 6, 20))])
+
+
+MILL_5AXIS = """
+# Five-axis machining centre: trunnion A on the slide Y, rotary table C in the trunnion; the spindle on Z on X.
+# At all axes zero the tool tip stands in the intersection of A and C; figures: see README.md beside this folder.
+name = "mill-5axis"
+chain = "w C' A' Y' b X Z t"
+tool_mm = [0.0, 0.0, 0.0]
+reference_temperature_c = 20.0
+
+[axis.X]
+table = "x.csv"
+interpolation = "cubic"
+travel_mm = [-250.0, 250.0]
+max_feed_mm_per_min = 24000.0
+
+[axis.Y]
+table = "y.csv"
+interpolation = "cubic"
+travel_mm = [-250.0, 250.0]
+max_feed_mm_per_min = 24000.0
+
+[axis.Z]
+table = "z.csv"
+interpolation = "cubic"
+travel_mm = [-100.0, 400.0]
+max_feed_mm_per_min = 24000.0
+backlash_um = 1.5
+
+[axis.A]
+table = "a.csv"
+interpolation = "cubic"
+direction = -1
+travel_deg = [-120.0, 30.0]
+max_feed_deg_per_min = 9000.0
+
+[axis.C]
+table = "c.csv"
+interpolation = "cubic"
+direction = -1
+max_feed_deg_per_min = 18000.0
+travel_deg = [-36000.0, 36000.0]
+backlash_urad = 12.0
+
+[location]
+A0Z_urad = 12.0
+B0Z_urad = -15.0
+C0Y_urad = 17.0
+EX0A_um = 0.0
+EY0A_um = 11.0
+EZ0A_um = -8.0
+EA0A_urad = 0.0
+EB0A_urad = 16.0
+EC0A_urad = -21.0
+EX0C_um = 13.0
+EY0C_um = -9.0
+EZ0C_um = 0.0
+EA0C_urad = 18.0
+EB0C_urad = -14.0
+EC0C_urad = 0.0
+"""
+
+if __name__ == "__main__":
+    mill_3axis()
+    mill_5axis()

@@ -1,0 +1,34 @@
+//! What is wrong with a file.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Why a file is refused: where, what was found there, what is needed instead.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileError {
+    /// The file.
+    pub file: PathBuf,
+    /// Line, counted from 1; `None` where the whole file is meant.
+    pub line: Option<u32>,
+    /// Column or key by name.
+    pub column: Option<String>,
+    /// What was found.
+    pub found: String,
+    /// What is needed.
+    pub needed: String,
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        if let Some(column) = &self.column {
+            write!(f, ", {column}")?;
+        }
+        write!(f, ": found {}, needed {}", self.found, self.needed)
+    }
+}
+
+impl std::error::Error for FileError {}

@@ -1,0 +1,124 @@
+//! The crate's own files, written.
+
+use super::Imported;
+use crate::Table;
+use std::fmt::Write;
+use trueaxis::machine::{Axis, LocationErrors, NAME_CAPACITY, Row};
+
+/// File name of an axis' table, `x.csv`.
+pub fn axis_csv_name(axis: Axis) -> String {
+    format!("{}.csv", axis.letter().to_ascii_lowercase())
+}
+
+/// An axis table as CSV: `X_mm,EXX_um,…,ECX_urad`, only the given columns; a column whose directions differ becomes the pair
+/// `EXX_fwd_um,EXX_rev_um`.
+///
+/// Positions in mm (degrees), errors actual − ideal in µm and µrad. Every number is the shortest decimal from which reading
+/// (micro value divided by 1e6 for µrad, by 1e3 for µm) gives the same double again; a double that no decimal of µm reaches
+/// (possible only for values that did not come from such a file) is written to the nearest, 1 unit in the last place away.
+pub fn write_axis_csv(table: &Table, axis: Axis) -> String {
+    let unit = if axis.is_rotary() { "deg" } else { "mm" };
+    let letter = axis.letter();
+    let mut text = format!("{letter}_{unit}");
+    let mut columns: Vec<(usize, bool)> = Vec::new();
+    for (component, moved) in Axis::ALL.into_iter().enumerate() {
+        if !table.given.get(component).copied().unwrap_or(false) {
+            continue;
+        }
+        let micro = if component < 3 { "um" } else { "urad" };
+        let direction = moved.letter();
+        if table.rows.iter().any(|row| value(&row.forward, component) != value(&row.reverse, component)) {
+            let _ = write!(text, ",E{direction}{letter}_fwd_{micro},E{direction}{letter}_rev_{micro}");
+            columns.extend([(component, true), (component, false)]);
+        } else {
+            let _ = write!(text, ",E{direction}{letter}_{micro}");
+            columns.push((component, true));
+        }
+    }
+    text.push('\n');
+    for row in &table.rows {
+        let _ = write!(text, "{}", row.position);
+        for &(component, forward) in &columns {
+            let twist = if forward { &row.forward } else { &row.reverse };
+            let scale = if component < 3 { 1e3 } else { 1e6 };
+            let _ = write!(text, ",{}", shortest(value(twist, component), scale));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn value(twist: &[f64; 6], component: usize) -> f64 {
+    twist.get(component).copied().unwrap_or(0.0)
+}
+
+/// The shortest decimal u with u / scale == value, or else the double nearest to value · scale.
+fn shortest(value: f64, scale: f64) -> f64 {
+    let micro = value * scale;
+    for near in [micro, micro.next_up(), micro.next_down()] {
+        for digits in 0..17 {
+            let text = format!("{near:.digits$e}");
+            if let Ok(candidate) = text.parse::<f64>()
+                && candidate / scale == value
+            {
+                // −0 reads back as 0: the sign of nothing is no information.
+                return candidate + 0.0;
+            }
+        }
+    }
+    micro
+}
+
+pub(super) fn machine_files(imported: &Imported, name: &str) -> Vec<(String, String)> {
+    let mut end = name.len().min(NAME_CAPACITY);
+    while !name.is_char_boundary(end) {
+        end -= 1;
+    }
+    let name = toml::Value::from(name.get(..end).unwrap_or_default());
+    let letters: String = imported.tables.iter().map(|(axis, _)| format!(" {}", axis.letter())).collect();
+    let mut text = format!(
+        "# Imported. The file does not say which axes carry the workpiece: set the chain of your machine.\n\
+         name = {name}\nchain = \"w b{letters} t\"\n"
+    );
+    for (axis, table) in &imported.tables {
+        let unit = if axis.is_rotary() { "deg" } else { "mm" };
+        let _ = write!(
+            text,
+            "\n[axis.{}]\ntable = \"{}\"\ninterpolation = \"linear\"\n",
+            axis.letter(),
+            axis_csv_name(*axis)
+        );
+        // A full circle wraps: its ends do not bound the travel.
+        if let (Some(Row { position: low, .. }), Some(Row { position: high, .. })) =
+            (table.rows.first(), table.rows.last())
+            && !(axis.is_rotary() && (high - low - 360.0).abs() < 1e-9)
+        {
+            let _ = writeln!(text, "travel_{unit} = [{low:?}, {high:?}]");
+        }
+    }
+    let location = location_lines(&imported.location);
+    if !location.is_empty() {
+        let _ = write!(text, "\n[location]\n{location}");
+    }
+    let mut files = vec![(String::from("machine.toml"), text)];
+    files.extend(imported.tables.iter().map(|(axis, table)| (axis_csv_name(*axis), write_axis_csv(table, *axis))));
+    files
+}
+
+fn location_lines(location: &LocationErrors) -> String {
+    let mut lines = String::new();
+    for (key, value) in [("A0Z", location.a0z), ("B0Z", location.b0z), ("C0Y", location.c0y)] {
+        if value != 0.0 {
+            let _ = writeln!(lines, "{key}_urad = {:?}", shortest(value, 1e6));
+        }
+    }
+    for (errors, letter) in location.rotary.iter().zip(['A', 'B', 'C']) {
+        for (component, (value, direction)) in errors.iter().zip(Axis::ALL).enumerate() {
+            let (scale, unit) = if component < 3 { (1e3, "um") } else { (1e6, "urad") };
+            if *value != 0.0 {
+                let _ = writeln!(lines, "E{}0{letter}_{unit} = {:?}", direction.letter(), shortest(*value, scale));
+            }
+        }
+    }
+    lines
+}

@@ -1,0 +1,295 @@
+//! Volumetric compensation file of the ISG kernel and Beckhoff TwinCAT CNC (TF5280), "ISG CSV".
+//!
+//! ```text
+//! // line comment
+//! A0Z  B0Z  C0Y                               location errors, one line of values, rad
+//! 2e-5 0    3e-5
+//! #                                           begins another header
+//! X    EXX  EYX  EZX  EAX  EBX  ECX           one argument and the six errors of its axis
+//! 0    0.02 0.01 0.07 0    0.0042 0.003
+//! ```
+//!
+//! Units: errors in mm and rad, arguments in mm and, for rotary axes, degrees (infosys.beckhoff.com, TF5280, "Units of
+//! measure", "ISG CSV format", "List of parameters supported"). Columns are separated by blanks or tabs (written: tabs);
+//! commas and semicolons are read as well.
+//!
+//! Sign: both sides name the errors after ISO 230-1 and the values pass unchanged, error = actual − ideal. The tables of this
+//! crate hold, for every axis, the error of the tool relative to the workpiece. Whether the other control takes an axis that
+//! carries the workpiece in the same sense depends on its parameter `workpiece_axes`: check one known error on the machine.
+//! Location errors: `X0C` there is `EX0C` here; only `A0Z`, `B0Z`, `C0Y` of the linear axes and all six of the rotary ones
+//! exist here, others must be 0.
+//!
+//! No direction of travel (the mean is written), no backlash, no thermal growth. Tables over several arguments, constant
+//! component errors and the kinematic parameters of the ISG model are refused.
+
+use super::positioning;
+use super::source::{Source, fixed, numbered};
+use super::{ExportOptions, Exported, Imported};
+use crate::error::FileError;
+use crate::{Machine, Table};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use trueaxis::machine::{Axis, LocationErrors, Row};
+
+/// Name of the written file.
+pub const FILE_NAME: &str = "volcomp.csv";
+
+/// A header with its lines of values.
+struct Block {
+    line: u32,
+    names: Vec<String>,
+    lines: Vec<(u32, Vec<f64>)>,
+}
+
+pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<Imported, FileError> {
+    let mut tables: BTreeMap<Axis, Table> = BTreeMap::new();
+    let mut location = LocationErrors::default();
+    for block in blocks(text, source)? {
+        let arguments: Vec<Axis> = block.names.iter().filter_map(|name| axis_named(name)).collect();
+        match arguments.as_slice() {
+            [] => location_errors(&block, source, &mut location)?,
+            [axis] => {
+                let table = component_errors(&block, *axis, source)?;
+                if only.is_none_or(|only| only == *axis) && tables.insert(*axis, table).is_some() {
+                    let found = format!("a second table of axis {}", axis.letter());
+                    return Err(source.at(block.line, "", found, "one per axis"));
+                }
+            }
+            [first, second, ..] => {
+                let found = format!("a table over {} and {}", first.letter(), second.letter());
+                return Err(source.at(block.line, "", found, "one argument: the axis' own position"));
+            }
+        }
+    }
+    if tables.is_empty() {
+        let found = match only {
+            Some(axis) => format!("no component errors of axis {}", axis.letter()),
+            None => String::from("no component errors"),
+        };
+        return Err(source.whole(found, "a header such as X EXX EYX EZX EAX EBX ECX and its values"));
+    }
+    Ok(Imported { tables: tables.into_iter().collect(), location })
+}
+
+fn blocks(text: &str, source: &Source) -> Result<Vec<Block>, FileError> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut expect_header = true;
+    for (line, content) in numbered(text) {
+        let content = content.split_once("//").map_or(content, |(before, _)| before).trim();
+        if content.starts_with('#') {
+            expect_header = true;
+            continue;
+        }
+        if content.is_empty() {
+            continue;
+        }
+        let fields: Vec<&str> = content
+            .split(|separator: char| separator.is_whitespace() || separator == ',' || separator == ';')
+            .filter(|field| !field.is_empty())
+            .collect();
+        if expect_header {
+            let names: Vec<String> = fields.iter().map(|&name| name.to_owned()).collect();
+            if let Some(name) =
+                names.iter().enumerate().find(|(k, name)| names.iter().take(*k).any(|before| before == *name))
+            {
+                return Err(source.at(line, name.1, "the column twice", "it once"));
+            }
+            blocks.push(Block { line, names, lines: Vec::new() });
+            expect_header = false;
+            continue;
+        }
+        let Some(block) = blocks.last_mut() else { continue };
+        if fields.len() != block.names.len() {
+            let found = format!("{} values", fields.len());
+            return Err(source.at(
+                line,
+                "",
+                found,
+                format!("{}, as in the header of line {}", block.names.len(), block.line),
+            ));
+        }
+        let values = block.names.iter().zip(&fields).map(|(name, text)| source.number(line, name, text));
+        let values = values.collect::<Result<Vec<f64>, FileError>>()?;
+        block.lines.push((line, values));
+    }
+    Ok(blocks)
+}
+
+/// X to C as an argument.
+fn axis_named(name: &str) -> Option<Axis> {
+    let mut letters = name.chars();
+    letters.next().and_then(Axis::from_letter).filter(|_| letters.next().is_none())
+}
+
+/// Component and axis of `EXY`-like names: (0, Y).
+fn component_named(name: &str) -> Option<(usize, Axis)> {
+    let letters: Vec<char> = name.chars().collect();
+    match letters.as_slice() {
+        ['E', direction, axis] => Some((Axis::from_letter(*direction)?.index(), Axis::from_letter(*axis)?)),
+        _ => None,
+    }
+}
+
+fn component_errors(block: &Block, axis: Axis, source: &Source) -> Result<Table, FileError> {
+    let mut given = [false; 6];
+    let mut places: Vec<Option<usize>> = Vec::new();
+    for name in &block.names {
+        if axis_named(name).is_some() {
+            places.push(None);
+            continue;
+        }
+        let Some((component, _)) = component_named(name).filter(|(_, moved)| *moved == axis) else {
+            let needed = format!("errors of axis {0}, EX{0} to EC{0}, in a table over {0}", axis.letter());
+            return Err(source.at(block.line, name, format!("column {name:?}"), needed));
+        };
+        if let Some(flag) = given.get_mut(component) {
+            *flag = true;
+        }
+        places.push(Some(component));
+    }
+    if given == [false; 6] {
+        return Err(source.at(block.line, "", "no error beside the position", "at least one column"));
+    }
+    let mut lines = Vec::with_capacity(block.lines.len());
+    for (line, values) in &block.lines {
+        let mut position = 0.0;
+        let mut errors = [0.0; 6];
+        for (place, value) in places.iter().zip(values) {
+            match place {
+                None => position = *value,
+                Some(component) => {
+                    if let Some(error) = errors.get_mut(*component) {
+                        *error = *value;
+                    }
+                }
+            }
+        }
+        lines.push((*line, Row { position, forward: errors, reverse: errors }));
+    }
+    super::table(axis, given, lines, source)
+}
+
+fn location_errors(block: &Block, source: &Source, location: &mut LocationErrors) -> Result<(), FileError> {
+    let [(line, values)] = block.lines.as_slice() else {
+        let found = format!("{} lines of values without an argument", block.lines.len());
+        return Err(source.at(block.line, "", found, "one line of location errors"));
+    };
+    for (name, value) in block.names.iter().zip(values) {
+        match location_entry(location, name) {
+            Some(entry) => *entry = *value,
+            None if component_named(name).is_some() => {
+                let needed = "the axis position as the first column";
+                return Err(source.at(block.line, name, "a component error without an argument", needed));
+            }
+            None if is_location_error(name) && *value == 0.0 => {}
+            None => {
+                let needed = "A0Z, B0Z, C0Y, or X0r to C0r of a rotary axis r; other parameters 0 or absent";
+                return Err(source.at(*line, name, value, needed));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// `X0Y` and the like.
+fn is_location_error(name: &str) -> bool {
+    let letters: Vec<char> = name.chars().collect();
+    matches!(letters.as_slice(), [direction, '0', axis]
+        if Axis::from_letter(*direction).is_some() && Axis::from_letter(*axis).is_some())
+}
+
+fn location_entry<'a>(location: &'a mut LocationErrors, name: &str) -> Option<&'a mut f64> {
+    match name {
+        "A0Z" => return Some(&mut location.a0z),
+        "B0Z" => return Some(&mut location.b0z),
+        "C0Y" => return Some(&mut location.c0y),
+        _ => {}
+    }
+    let letters: Vec<char> = name.chars().collect();
+    let [direction, '0', axis] = letters.as_slice() else { return None };
+    let axis = Axis::from_letter(*axis)?.index().checked_sub(Axis::A.index())?;
+    let component = Axis::from_letter(*direction)?.index();
+    location.rotary.get_mut(axis)?.get_mut(component)
+}
+
+pub(super) fn export(machine: &Machine, options: &ExportOptions, exported: &mut Exported) {
+    let mut text = String::new();
+    let mut location = machine.settings.location;
+    if options.axis.is_some() {
+        // The location errors belong to the machine: a file of one axis does not carry them.
+        positioning::location_losses(machine, &mut exported.dropped);
+        location = LocationErrors::default();
+    }
+    let entries = location_table(&mut location);
+    if !entries.is_empty() {
+        let (names, values): (Vec<String>, Vec<String>) =
+            entries.into_iter().map(|(name, value)| (name, format!("{value}"))).unzip();
+        let _ = writeln!(text, "// location errors, mm and rad\n{}\n{}", names.join("\t"), values.join("\t"));
+    }
+    for (settings, table) in positioning::chosen(machine, options.axis) {
+        if !text.is_empty() {
+            text.push_str("#\n");
+        }
+        one_way(machine, settings, table, &mut exported.dropped);
+        // From the axis' positions to its error table, mm or rad.
+        let backlash = settings.backlash / positioning::to_position_unit(machine, settings);
+        axis_block(settings.axis, backlash, table, &mut text);
+    }
+    positioning::settings_losses(machine, options.axis, &mut exported.dropped);
+    exported.notes.push(format!("file_format of {FILE_NAME}: ISG CSV; workpiece_axes as the tables were measured"));
+    exported.files.push((String::from(FILE_NAME), text));
+}
+
+fn location_table(location: &mut LocationErrors) -> Vec<(String, f64)> {
+    let mut names = vec![String::from("A0Z"), String::from("B0Z"), String::from("C0Y")];
+    for axis in ['A', 'B', 'C'] {
+        names.extend(Axis::ALL.into_iter().map(|direction| format!("{}0{axis}", direction.letter())));
+    }
+    names
+        .into_iter()
+        .filter_map(|name| {
+            let value = location_entry(location, &name).map_or(0.0, |entry| *entry);
+            (value != 0.0).then_some((name, value))
+        })
+        .collect()
+}
+
+/// Names what the mean of both directions loses: in the own error with its backlash, and in the others.
+fn one_way(machine: &Machine, settings: &trueaxis::machine::AxisSettings, table: &Table, dropped: &mut Vec<String>) {
+    let points = positioning::points(machine, settings, table);
+    positioning::mean_of_directions(settings, &points, dropped);
+    let names: Vec<String> = (0..6)
+        .filter(|component| *component != settings.axis.index())
+        .filter(|component| table.rows.iter().any(|row| row.forward.get(*component) != row.reverse.get(*component)))
+        .map(|component| positioning::error_name(settings.axis, component))
+        .collect();
+    if !names.is_empty() {
+        dropped.push(format!("difference between the directions of {} (the mean is written)", names.join(", ")));
+    }
+}
+
+fn axis_block(axis: Axis, backlash: f64, table: &Table, text: &mut String) {
+    let _ = write!(
+        text,
+        "// axis {}: {}, errors in mm and rad\n{}",
+        axis.letter(),
+        if axis.is_rotary() { "degrees" } else { "mm" },
+        axis.letter()
+    );
+    let columns: Vec<usize> = (0..6).filter(|component| table.given.get(*component) == Some(&true)).collect();
+    for component in &columns {
+        let _ = write!(text, "\t{}", positioning::error_name(axis, *component));
+    }
+    text.push('\n');
+    for row in &table.rows {
+        let _ = write!(text, "{}", row.position);
+        for component in &columns {
+            let half_backlash = if *component == axis.index() { 0.5 * backlash } else { 0.0 };
+            let (forward, reverse) = (row.forward.get(*component), row.reverse.get(*component));
+            let mean = 0.5 * (forward.unwrap_or(&0.0) + reverse.unwrap_or(&0.0)) + half_backlash;
+            let decimals = if *component < 3 { 6 } else { 9 };
+            let _ = write!(text, "\t{}", fixed(mean, decimals));
+        }
+        text.push('\n');
+    }
+}

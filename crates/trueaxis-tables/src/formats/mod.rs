@@ -1,0 +1,241 @@
+//! Compensation data of other controls, read and written.
+//!
+//! Inside this crate a table holds the *error*, actual − ideal, of the tool relative to the workpiece (mm, rad; ISO 230-1).
+//! What the other formats hold, and how it is converted, stands in the module of each:
+//!
+//! | format | holds | value for an error E |
+//! |---|---|---|
+//! | [`linuxcnc`] type 0 | positioning, both directions | nominal + E (mm, degrees) |
+//! | [`linuxcnc`] type 1 | positioning, both directions | −E (mm, degrees) |
+//! | [`siemens`] `$AA_ENC_COMP` | positioning, one direction, equidistant | +E (mm, degrees) |
+//! | [`isg`] volumetric CSV | all six errors, location errors | +E (mm, rad) |
+//! | [`iso230_2`] measurement | deviations of single approaches | +E (µm, µrad) |
+//!
+//! Import refuses whatever it would have to ignore. Export refuses whatever the format cannot hold, unless told to drop it
+//! ([`Loss::Drop`]); then it names what it dropped.
+
+mod axis_csv;
+pub mod isg;
+pub mod iso230_2;
+pub mod linuxcnc;
+mod positioning;
+pub mod siemens;
+mod source;
+
+pub use axis_csv::{axis_csv_name, write_axis_csv};
+
+use crate::error::FileError;
+use crate::{Machine, Table};
+use linuxcnc::CompFileType;
+use source::Source;
+use std::path::{Path, PathBuf};
+use trueaxis::machine::{Axis, LocationErrors, Row};
+
+/// A foreign format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// LinuxCNC `COMP_FILE`, one axis a file.
+    LinuxCnc(CompFileType),
+    /// Siemens `$AA_ENC_COMP`, any number of axes a file.
+    Siemens,
+    /// ISG and Beckhoff volumetric compensation, the whole machine in a file.
+    Isg,
+    /// Measured deviations as ISO 230-2 wants them, one axis a file.
+    Iso230_2,
+}
+
+impl Format {
+    /// Every format with the name it has on a command line.
+    pub const ALL: [(&'static str, Format); 5] = [
+        ("linuxcnc-0", Format::LinuxCnc(CompFileType::Positions)),
+        ("linuxcnc-1", Format::LinuxCnc(CompFileType::Trims)),
+        ("siemens", Format::Siemens),
+        ("isg", Format::Isg),
+        ("iso230-2", Format::Iso230_2),
+    ];
+
+    /// Its name in [`Format::ALL`].
+    pub fn name(self) -> &'static str {
+        Format::ALL.iter().find(|(_, format)| *format == self).map_or("", |(name, _)| name)
+    }
+
+    /// The format of a name in [`Format::ALL`].
+    pub fn from_name(name: &str) -> Option<Format> {
+        Format::ALL.iter().find(|(known, _)| *known == name).map(|(_, format)| *format)
+    }
+}
+
+/// What a foreign file contained, as tables of this crate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imported {
+    /// The tables in the order X Y Z A B C.
+    pub tables: Vec<(Axis, Table)>,
+    /// Location errors (zero unless the file gives them).
+    pub location: LocationErrors,
+}
+
+impl Imported {
+    /// The files of a machine that uses these tables: `machine.toml` and one CSV per axis, as (file name, text).
+    ///
+    /// A foreign file does not tell how the axes follow one another: `chain` puts all of them on the tool side and says so in a
+    /// comment. Interpolation is linear, as in the controls the files come from.
+    pub fn machine_files(&self, name: &str) -> Vec<(String, String)> {
+        axis_csv::machine_files(self, name)
+    }
+}
+
+/// What to do with data that the format cannot hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Loss {
+    /// Refuse to export, naming everything that would be lost.
+    #[default]
+    Refuse,
+    /// Leave it out and list it in [`Exported::dropped`].
+    Drop,
+}
+
+/// How to export.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExportOptions {
+    /// What to do with data that the format cannot hold.
+    pub loss: Loss,
+    /// Only this axis; `None`: every axis with a table.
+    pub axis: Option<Axis>,
+    /// Resample a table onto points this far apart (mm or degrees), linearly, before writing it; [`Format::Siemens`] only,
+    /// where free grids need it.
+    pub step: Option<f64>,
+    /// File to name in errors.
+    pub source: PathBuf,
+}
+
+impl Default for ExportOptions {
+    fn default() -> Self {
+        ExportOptions { loss: Loss::Refuse, axis: None, step: None, source: PathBuf::from("machine.toml") }
+    }
+}
+
+/// What was written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Exported {
+    /// File names and their text.
+    pub files: Vec<(String, String)>,
+    /// What the format could not hold, one sentence each; empty with [`Loss::Refuse`].
+    pub dropped: Vec<String>,
+    /// What to set on the control so that the files act.
+    pub notes: Vec<String>,
+}
+
+/// Reads a foreign file; `file` is only named in errors.
+///
+/// `axis`: which axis the file is for. Needed where the format does not say (LinuxCNC; ISO 230-2 with a `position_mm` column);
+/// where it does, only that axis is taken. Rotary errors are read in the sense of the axis' own positions.
+///
+/// ```
+/// use std::path::Path;
+/// use trueaxis::machine::Axis;
+/// use trueaxis_tables::formats::{Format, import};
+///
+/// // At 10 mm the axis stands at 10.002 mm, coming from below: an error of +2 µm.
+/// let format = Format::from_name("linuxcnc-0").unwrap();
+/// let imported = import(format, "0 0 0\n10 10.002 10.003\n", Path::new("x.comp"), Some(Axis::X))?;
+/// let files = imported.machine_files("my mill");
+/// assert_eq!(files[1].0, "x.csv");
+/// assert!(files[1].1.starts_with("X_mm,EXX_fwd_um,EXX_rev_um"));
+///
+/// let error = import(format, "# nominal forward reverse\n", Path::new("x.comp"), Some(Axis::X)).unwrap_err();
+/// assert!(error.to_string().starts_with("x.comp:1: found"));
+/// # Ok::<(), trueaxis_tables::error::FileError>(())
+/// ```
+///
+/// # Errors
+/// The first thing that is not exactly as the format wants it, or that a table cannot hold: file, line, column, found, needed.
+pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Result<Imported, FileError> {
+    let source = Source::new(file);
+    match format {
+        Format::LinuxCnc(file_type) => linuxcnc::import(text, &source, axis, file_type),
+        Format::Siemens => siemens::import(text, &source, axis),
+        Format::Isg => isg::import(text, &source, axis),
+        Format::Iso230_2 => iso230_2::import(text, &source, axis),
+    }
+}
+
+/// Writes a machine's tables in a foreign format.
+///
+/// # Errors
+/// When the machine has nothing to write, when a table breaks a limit of the format, or when something would be lost and
+/// [`ExportOptions::loss`] does not allow that.
+pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Result<Exported, FileError> {
+    let source = Source::new(&options.source);
+    let chosen = |axis: Axis| options.axis.is_none_or(|only| only == axis);
+    if !machine.axes().any(|(settings, table)| chosen(settings.axis) && table.is_some()) {
+        let found = match options.axis {
+            Some(axis) => format!("no table for axis {}", axis.letter()),
+            None => String::from("no axis with a table"),
+        };
+        return Err(source.whole(found, "an axis with a table"));
+    }
+    let mut exported = Exported::default();
+    match format {
+        Format::LinuxCnc(file_type) => linuxcnc::export(machine, options, file_type, &source, &mut exported)?,
+        Format::Siemens => siemens::export(machine, options, &source, &mut exported)?,
+        Format::Isg => isg::export(machine, options, &mut exported),
+        Format::Iso230_2 => iso230_2::export(machine, options, &mut exported),
+    }
+    if options.loss == Loss::Refuse && !exported.dropped.is_empty() {
+        return Err(source.whole(
+            format!("data that the format cannot hold: {}", exported.dropped.join("; ")),
+            "permission to drop it, or a format that holds it",
+        ));
+    }
+    Ok(exported)
+}
+
+/// A table from its lines, checked as every imported table is: two lines or more, positions strictly increasing, and the
+/// two ends of a full circle equal (within 0.01 µm, 0.01 µrad), because such a table wraps.
+fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, source: &Source) -> Result<Table, FileError> {
+    let name = format!("{} position", axis.letter());
+    for pair in lines.windows(2) {
+        let [(_, before), (line, row)] = pair else { continue };
+        if row.position <= before.position {
+            return Err(source.at(*line, &name, row.position, format!("more than {} (increasing)", before.position)));
+        }
+    }
+    let (Some((_, first)), Some((last_line, last))) = (lines.first(), lines.last()) else {
+        return Err(source.whole("no points", "at least two"));
+    };
+    if lines.len() < 2 {
+        return Err(source.whole("one point", "at least two"));
+    }
+    if axis.is_rotary() && (last.position - first.position - 360.0).abs() < 1e-9 {
+        let ends = [(first.forward, last.forward), (first.reverse, last.reverse)];
+        let ends = ends.iter().flat_map(|(low, high)| low.iter().zip(high).enumerate());
+        let apart = |(component, (low, high)): &(usize, (&f64, &f64))| {
+            (*low - *high).abs() > if *component < 3 { 1e-5 } else { 1e-8 }
+        };
+        if let Some((_, (low, high))) = ends.into_iter().find(apart) {
+            return Err(source.at(
+                *last_line,
+                &name,
+                format!("{high} at the end of the full circle, {low} at its start"),
+                "the same value: a full circle wraps",
+            ));
+        }
+    }
+    let rows: Vec<Row> = lines.into_iter().map(|(_, row)| row).collect();
+    let bidirectional = rows.iter().any(|row| row.forward != row.reverse);
+    Ok(Table { given, bidirectional, rows })
+}
+
+/// `given` with one component only.
+fn only(component: usize) -> [bool; 6] {
+    std::array::from_fn(|k| k == component)
+}
+
+/// A row with one component only, mm or rad.
+fn single(position: f64, component: usize, forward: f64, reverse: f64) -> Row {
+    Row {
+        position,
+        forward: std::array::from_fn(|k| if k == component { forward } else { 0.0 }),
+        reverse: std::array::from_fn(|k| if k == component { reverse } else { 0.0 }),
+    }
+}

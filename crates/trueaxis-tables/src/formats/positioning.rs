@@ -1,0 +1,111 @@
+//! An axis' own positioning error, as the one-dimensional formats want it, and what else the machine has.
+
+use crate::{Machine, Table};
+use trueaxis::machine::{Axis, AxisSettings, LocationErrors, ThermalGrowth};
+
+/// Positioning error at one position, in the unit and sense of the axis' own positions (mm, degrees): actual − commanded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    pub(super) position: f64,
+    pub(super) forward: f64,
+    /// Backlash included.
+    pub(super) reverse: f64,
+}
+
+/// Factor from a table's own error (mm or rad, tool relative to workpiece) to the axis' positions (mm or degrees).
+///
+/// A rotary axis on the tool side turns by direction · q, so an error w moves it by direction · w; on the workpiece side the
+/// carriage turns by direction · q and errs by −w. With the default directions (+1, and −1 if primed) both give +w.
+pub(super) fn to_position_unit(machine: &Machine, settings: &AxisSettings) -> f64 {
+    if !settings.axis.is_rotary() {
+        return 1.0;
+    }
+    let workpiece_side = machine.settings.chain.split('b').next().unwrap_or_default();
+    let sense = f64::from(settings.direction);
+    let sense = if workpiece_side.contains(settings.axis.letter()) { -sense } else { sense };
+    sense * (180.0 / std::f64::consts::PI)
+}
+
+/// The axis' own error at every point of its table.
+pub(super) fn points(machine: &Machine, settings: &AxisSettings, table: &Table) -> Vec<Point> {
+    let factor = to_position_unit(machine, settings);
+    let own = |twist: &[f64; 6]| twist.get(settings.axis.index()).copied().unwrap_or(0.0) * factor;
+    table
+        .rows
+        .iter()
+        .map(|row| Point {
+            position: row.position,
+            forward: own(&row.forward),
+            reverse: own(&row.reverse) + settings.backlash,
+        })
+        .collect()
+}
+
+/// The axes to write, with their tables.
+pub(super) fn chosen(machine: &Machine, only: Option<Axis>) -> impl Iterator<Item = (&AxisSettings, &Table)> {
+    machine
+        .axes()
+        .filter(move |(settings, _)| only.is_none_or(|axis| axis == settings.axis))
+        .filter_map(|(settings, table)| table.map(|table| (settings, table)))
+}
+
+/// `EYX` and so on.
+pub(super) fn error_name(axis: Axis, component: usize) -> String {
+    let direction = Axis::ALL.get(component).map_or('?', |direction| direction.letter());
+    format!("E{direction}{}", axis.letter())
+}
+
+/// What a format without cross terms cannot hold: the errors of this axis in other directions.
+pub(super) fn cross_terms(settings: &AxisSettings, table: &Table, dropped: &mut Vec<String>) {
+    let axis = settings.axis;
+    let names: Vec<String> = (0..6)
+        .filter(|&component| component != axis.index())
+        .filter(|&component| {
+            let nonzero = |twist: &[f64; 6]| twist.get(component).is_some_and(|value| *value != 0.0);
+            table.rows.iter().any(|row| nonzero(&row.forward) || nonzero(&row.reverse))
+        })
+        .map(|component| error_name(axis, component))
+        .collect();
+    if !names.is_empty() {
+        dropped.push(format!("{} of axis {}", names.join(", "), axis.letter()));
+    }
+}
+
+/// Settings of a machine that no foreign format has: thermal growth, and backlash of axes without a table.
+pub(super) fn settings_losses(machine: &Machine, only: Option<Axis>, dropped: &mut Vec<String>) {
+    for (settings, table) in machine.axes() {
+        if only.is_some_and(|axis| axis != settings.axis) {
+            continue;
+        }
+        if settings.thermal != (ThermalGrowth { datum: settings.thermal.datum, ..ThermalGrowth::default() }) {
+            dropped.push(format!("thermal growth of axis {}", settings.axis.letter()));
+        }
+        if table.is_none() && settings.backlash != 0.0 {
+            dropped.push(format!("backlash of axis {}, which has no table", settings.axis.letter()));
+        }
+    }
+}
+
+/// Location errors, where a format has none.
+pub(super) fn location_losses(machine: &Machine, dropped: &mut Vec<String>) {
+    if machine.settings.location != LocationErrors::default() {
+        dropped.push(String::from("location errors (squareness, rotary axes)"));
+    }
+}
+
+/// The mean of both directions, for formats without direction; the largest difference is entered as dropped.
+pub(super) fn mean_of_directions(
+    settings: &AxisSettings,
+    points: &[Point],
+    dropped: &mut Vec<String>,
+) -> Vec<(f64, f64)> {
+    let widest = points.iter().map(|point| (point.reverse - point.forward).abs()).fold(0.0, f64::max);
+    if widest > 0.0 {
+        let (value, unit) = if settings.axis.is_rotary() { (widest, "degrees") } else { (widest * 1e3, "um") };
+        dropped.push(format!(
+            "difference between the directions of axis {} (up to {value:.4} {unit}; the mean of both is written)",
+            settings.axis.letter()
+        ));
+    }
+    points.iter().map(|point| (point.position, 0.5 * (point.forward + point.reverse))).collect()
+}

@@ -1,0 +1,64 @@
+//! Errors and numbers of a text file.
+
+use crate::error::FileError;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+/// The file that is being read, for its errors.
+pub(super) struct Source {
+    file: PathBuf,
+}
+
+impl Source {
+    pub(super) fn new(file: &Path) -> Source {
+        Source { file: file.to_path_buf() }
+    }
+
+    /// An error in one line (0: in no single line); an empty `column` means the line as a whole.
+    pub(super) fn at(&self, line: u32, column: &str, found: impl Display, needed: impl Into<String>) -> FileError {
+        FileError {
+            file: self.file.clone(),
+            line: (line > 0).then_some(line),
+            column: (!column.is_empty()).then(|| column.to_owned()),
+            found: shortened(&found.to_string()),
+            needed: needed.into(),
+        }
+    }
+
+    /// An error of the file as a whole.
+    pub(super) fn whole(&self, found: impl Into<String>, needed: impl Into<String>) -> FileError {
+        FileError { file: self.file.clone(), line: None, column: None, found: found.into(), needed: needed.into() }
+    }
+
+    /// A finite decimal number.
+    pub(super) fn number(&self, line: u32, column: &str, text: &str) -> Result<f64, FileError> {
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(self.at(line, column, format!("{text:?}"), "a finite number")),
+            Err(_) if text.is_empty() => Err(self.at(line, column, "nothing", "a number")),
+            Err(_) => Err(self.at(line, column, format!("{text:?}"), "a number")),
+        }
+    }
+}
+
+/// A binary file has no line ends: never print a megabyte.
+fn shortened(found: &str) -> String {
+    if found.chars().count() <= 120 {
+        return found.to_owned();
+    }
+    found.chars().take(117).chain("...".chars()).collect()
+}
+
+/// A number with fixed decimals and without a sign if it rounds to zero.
+pub(super) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.chars().all(|digit| matches!(digit, '0' | '.')) => digits.to_owned(),
+        _ => text,
+    }
+}
+
+/// Lines with their numbers, from 1.
+pub(super) fn numbered(text: &str) -> impl Iterator<Item = (u32, &str)> {
+    (1..).zip(text.lines())
+}

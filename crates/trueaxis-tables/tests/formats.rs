@@ -1,0 +1,396 @@
+//! Import and export: published examples, golden files, round trips, refusals.
+
+mod random;
+mod small_machine;
+
+use random::random;
+use small_machine::{golden, machine};
+use std::f64::consts::PI;
+use std::path::Path;
+
+use trueaxis::machine::Axis;
+use trueaxis_tables::error::FileError;
+use trueaxis_tables::formats::linuxcnc::CompFileType;
+use trueaxis_tables::formats::{ExportOptions, Exported, Format, Imported, Loss, export, import};
+use trueaxis_tables::{Machine, Table};
+
+const TYPE_0: Format = Format::LinuxCnc(CompFileType::Positions);
+const TYPE_1: Format = Format::LinuxCnc(CompFileType::Trims);
+
+fn read(format: Format, text: &str, axis: Option<Axis>) -> Imported {
+    import(format, text, Path::new("in"), axis).unwrap()
+}
+
+fn refusal(format: Format, text: &str, axis: Option<Axis>) -> FileError {
+    import(format, text, Path::new("in"), axis).unwrap_err()
+}
+
+fn dropping(axis: Option<Axis>) -> ExportOptions {
+    ExportOptions { loss: Loss::Drop, axis, ..ExportOptions::default() }
+}
+
+fn write(format: Format, machine: &Machine, options: &ExportOptions) -> Exported {
+    export(format, machine, options).unwrap()
+}
+
+#[track_caller]
+fn micro(table: &Table, row: usize, component: usize, forward: f64, reverse: f64) {
+    let scale = if component < 3 { 1e3 } else { 1e6 };
+    let row = &table.rows[row];
+    assert!((row.forward[component] * scale - forward).abs() < 1e-6, "{:?}", row.forward);
+    assert!((row.reverse[component] * scale - reverse).abs() < 1e-6, "{:?}", row.reverse);
+}
+
+/// The type 0 example of LinuxCNC's INI documentation, and the same errors as the trims that usrmotLoadComp makes of it.
+#[test]
+fn linuxcnc_documented_example() {
+    let type_0 = "-1.000 -1.005 -0.995\n0.000 0.002 -0.003\n1.000 1.003 0.998\n";
+    let type_1 = "-1.000 0.005 -0.005\n0.000 -0.002 0.003\n1.000 -0.003 0.002\n";
+    for (format, text) in [(TYPE_0, type_0), (TYPE_1, type_1)] {
+        let imported = read(format, text, Some(Axis::Y));
+        let (axis, table) = &imported.tables[0];
+        assert_eq!(*axis, Axis::Y);
+        assert_eq!(table.given, [false, true, false, false, false, false]);
+        assert!(table.bidirectional);
+        micro(table, 0, 1, -5.0, 5.0);
+        micro(table, 1, 1, 2.0, -3.0);
+        micro(table, 2, 1, 3.0, -2.0);
+    }
+}
+
+#[test]
+fn linuxcnc_refuses_what_would_be_cut_off() {
+    let long = format!("0 0 0\n1 0 0{}\n", " ".repeat(260));
+    let many: String = (0..257).map(|i| format!("{i} {i} {i}\n")).collect();
+    for (text, line, fragment) in [
+        ("# X axis\n0 0 0\n1 1 1\n", Some(1), "three numbers"),
+        ("0 0 0\n\n1 1 1\n", Some(2), "blank line"),
+        ("0,0,0\n1,1,1\n", Some(1), "three numbers"),
+        ("0 0\n1 1\n", Some(1), "three numbers"),
+        ("0 0 0 0\n1 1 1 1\n", Some(1), "three numbers"),
+        ("0 0 0\n1 1 x\n", Some(2), "a number"),
+        ("0 0 0\n1 nan 1\n", Some(2), "finite"),
+        ("0 0 0\n1 1 1\n1 1 1\n", Some(3), "increasing"),
+        ("\u{feff}0 0 0\n1 1 1\n", Some(1), "byte order mark"),
+        ("0 0 0\n", None, "at least two"),
+        ("", None, "at least two"),
+        (&long, Some(2), "bytes"),
+        (&many, Some(257), "256"),
+    ] {
+        let error = refusal(TYPE_0, text, Some(Axis::X));
+        assert_eq!(error.line, line, "{error}");
+        assert!(error.to_string().contains(fragment), "{error}");
+    }
+    assert!(refusal(TYPE_0, "0 0 0\n1 1 1\n", None).found.contains("no axis"));
+    // What LinuxCNC reads without loss is read: trailing blank lines, a comment after the third number.
+    read(TYPE_0, "0 0 0 # home\r\n  1\t1 1\r\n\r\n", Some(Axis::X));
+}
+
+/// The example of the SINUMERIK 840D sl function manual (K3, 4.4.2.3): X1, −200 to 600 mm in steps of 1 mm, +3, +10, +12 µm …
+/// A positive value moves the axis in negative direction, so it compensates a positive error.
+#[test]
+fn siemens_manual_example() {
+    let mut text = String::from("%_N_AX_EEC_INI\nCHANDATA(1)\n");
+    for n in 0..=800 {
+        let value = [0.003, 0.01, 0.012].get(n).copied().unwrap_or(0.0);
+        text.push_str(&format!("$AA_ENC_COMP[0,{n},X1]={value} ; point\n"));
+    }
+    text.push_str("$AA_ENC_COMP_STEP[0,X1]=1.0\nN20 $AA_ENC_COMP_MIN[0,X1] = -200.0\n");
+    text.push_str("$AA_ENC_COMP_MAX[0,X1]=600.0\n$AA_ENC_COMP_IS_MODULO[0,X1]=0\nM17\n");
+    let imported = read(Format::Siemens, &text, None);
+    let (axis, table) = &imported.tables[0];
+    assert_eq!((*axis, table.rows.len(), table.bidirectional), (Axis::X, 801, false));
+    assert_eq!((table.rows[0].position, table.rows[2].position, table.rows[800].position), (-200.0, -198.0, 600.0));
+    micro(table, 0, 0, 3.0, 3.0);
+    micro(table, 1, 0, 10.0, 10.0);
+    micro(table, 2, 0, 12.0, 12.0);
+}
+
+#[test]
+fn siemens_refusals() {
+    let head = "$AA_ENC_COMP_STEP[0,C1]=120\n$AA_ENC_COMP_MIN[0,C1]=0\n$AA_ENC_COMP_MAX[0,C1]=360\n";
+    let points = "$AA_ENC_COMP[0,0,C1]=0.001\n$AA_ENC_COMP[0,1,C1]=0.002\n$AA_ENC_COMP[0,2,C1]=0\n";
+    let whole = format!("{head}{points}$AA_ENC_COMP[0,3,C1]=0.001\n");
+    let table = read(Format::Siemens, &format!("{whole}$AA_ENC_COMP_IS_MODULO[0,C1]=1\n"), None).tables.remove(0).1;
+    assert!((table.rows[1].forward[5] - 0.002 * PI / 180.0).abs() < 1e-15);
+    for (text, fragment) in [
+        (format!("{head}{points}"), "no point 3"),
+        (format!("{head}{points}$AA_ENC_COMP[0,3,C1]=0.002\n"), "full circle"),
+        (format!("{whole}$AA_ENC_COMP[0,4,C1]=0\n"), "at most 3"),
+        (format!("{whole}$AA_ENC_COMP[0,3,C1]=0\n"), "already on line 7"),
+        (format!("{whole}$AA_ENC_COMP_MAX[1,C1]=0\n"), "second measuring system"),
+        (format!("{whole}$AA_ENC_COMP_IS_MODULO[0,C1]=2\n"), "0 or 1"),
+        (format!("{whole}G1 X10\n"), "needed $AA_ENC_COMP"),
+        (format!("{whole}$AA_ENC_COMP[0,1,Q1]=0\n"), "axis \"Q1\""),
+        (format!("{whole}$AA_ENC_COMP[0,-1,C1]=0\n"), "whole number"),
+        (whole.replace("STEP[0,C1]=120", "STEP[0,C1]=100"), "steps between"),
+        (whole.replace("STEP[0,C1]=120", "STEP[0,C1]=-120"), "more than 0"),
+        (whole.replace("$AA_ENC_COMP_MIN[0,C1]=0\n", ""), "_MIN"),
+        (whole.replace("C1", "X1") + "$AA_ENC_COMP_IS_MODULO[0,X1]=1\n", "a rotary axis"),
+        (String::from("; nothing\n"), "no $AA_ENC_COMP"),
+    ] {
+        let error = refusal(Format::Siemens, &text, None);
+        assert!(error.to_string().contains(fragment), "{fragment}: {error}");
+    }
+    assert!(refusal(Format::Siemens, &whole, Some(Axis::X)).to_string().contains("axis X"));
+}
+
+/// The examples of the ISG and Beckhoff documentation, with a squareness that exists here.
+#[test]
+fn isg_documented_example() {
+    let text = "// Location errors\nA0Z\tX0X\tX0C\n0.00002\t0\t0.2\n#\n\
+        X      EXX    EYX    EZX    EAX    EBX    ECX\n\
+        0.0    0.02   0.01   0.07   0.00   0.0042 0.003\n\
+        10.0   0.00   -0.1   0.01   0.00   0.0011 0.002 // last\n\
+        #\nECC;C\n0.001;0\n0.002;90\n";
+    let imported = read(Format::Isg, text, None);
+    assert_eq!(imported.location.a0z, 0.00002);
+    assert_eq!(imported.location.rotary[2][0], 0.2);
+    let [(Axis::X, x), (Axis::C, c)] = imported.tables.as_slice() else { panic!("{imported:?}") };
+    assert_eq!((x.given, c.given), ([true; 6], [false, false, false, false, false, true]));
+    assert_eq!(x.rows[0].forward, [0.02, 0.01, 0.07, 0.0, 0.0042, 0.003]);
+    assert_eq!(x.rows[1].reverse, [0.0, -0.1, 0.01, 0.0, 0.0011, 0.002]);
+    assert_eq!((c.rows[1].position, c.rows[1].forward[5]), (90.0, 0.002));
+}
+
+#[test]
+fn isg_refusals() {
+    for (text, line, fragment) in [
+        ("Z X EXX\n0 0 0\n0 10 0\n", Some(1), "over Z and X"),
+        ("X EXX EXY\n0 0 0\n1 0 0\n", Some(1), "errors of axis X"),
+        ("X EXX\n0 0\n1 0 0\n", Some(3), "3 values"),
+        ("X EXX\n0 0,01\n1 0,02\n", Some(2), "3 values"),
+        ("X EXX\n0 0\n1 bad\n", Some(3), "a number"),
+        ("X EXX\n1 0\n0 0\n", Some(3), "increasing"),
+        ("EXX\n0.1\n", Some(1), "without an argument"),
+        ("PXC\n100\n", Some(2), "A0Z, B0Z, C0Y"),
+        ("X0X\n0.1\n", Some(2), "A0Z, B0Z, C0Y"),
+        ("X X\n0 0\n", Some(1), "twice"),
+        ("X EXX\n0 0\n1 0\n#\nX EYX\n0 0\n1 0\n", Some(5), "second table"),
+        ("A0Z\n1e-5\n", None, "no component errors"),
+    ] {
+        let error = refusal(Format::Isg, text, None);
+        assert_eq!(error.line, line, "{error}");
+        assert!(error.to_string().contains(fragment), "{error}");
+    }
+}
+
+#[test]
+fn measurement_refusals() {
+    let head = "X_mm,run,direction,deviation_um\n";
+    for (text, line, fragment) in [
+        ("", None, "no header"),
+        (head, None, "no approaches"),
+        ("X_mm,run,direction\n", Some(1), "without all"),
+        ("X_mm,run,direction,deviation_mm\n", Some(1), "deviation_mm"),
+        ("X_mm,run,direction,deviation_urad\n0,1,+,0\n", Some(1), "mm and um"),
+        ("position_mm,run,direction,deviation_um\n", Some(1), "no axis"),
+        ("X_mm,run,direction,deviation_um\n0,1,+\n", Some(2), "3 values"),
+        ("X_mm,run,direction,deviation_um\n0,0,+,1\n", Some(2), "whole number"),
+        ("X_mm,run,direction,deviation_um\n# x\n0,1,up,1\n", Some(3), "+ or -"),
+        ("X_mm,run,direction,deviation_um\n0,1,+,inf\n", Some(2), "finite"),
+        ("X_mm,run,direction,deviation_um\n0,1,+,1\n0,1,+,1\n", Some(3), "again"),
+        ("X_mm,run,direction,deviation_um\n0,1,+,1\n1,2,+,1\n", None, "no approach of 0 in run 2"),
+    ] {
+        let error = refusal(Format::Iso230_2, text, None);
+        assert_eq!(error.line, line, "{error}");
+        assert!(error.to_string().contains(fragment), "{error}");
+    }
+    assert!(refusal(Format::Iso230_2, &format!("{head}0,1,+,1\n"), Some(Axis::Y)).to_string().contains("axis Y"));
+}
+
+#[test]
+fn measurement_becomes_the_table_of_its_means() {
+    let text = "deviation_urad,C_deg,direction,run\n-4,90,-,2\n1,0,+,1\n3,0,+,2\n5,0,-,1\n7,0,-,2\n10,90,+,1\n20,90,+,2\n-2,90,-,1\n";
+    let (axis, table) = read(Format::Iso230_2, text, None).tables.remove(0);
+    assert_eq!(axis, Axis::C);
+    micro(&table, 0, 5, 2.0, 6.0);
+    micro(&table, 1, 5, 15.0, -3.0);
+}
+
+/// The written files, byte for byte; their content is worked out by hand in `small_machine`.
+#[test]
+fn golden_files() {
+    let machine = machine();
+    for (format, axis) in [
+        (TYPE_0, None),
+        (TYPE_1, Some(Axis::C)),
+        (Format::Siemens, None),
+        (Format::Isg, None),
+        (Format::Iso230_2, Some(Axis::C)),
+    ] {
+        let exported = write(format, &machine, &dropping(axis));
+        for (name, text) in &exported.files {
+            golden(&format!("{}-{name}", format.name()), text);
+        }
+    }
+}
+
+#[test]
+fn names() {
+    for (name, format) in Format::ALL {
+        assert_eq!((Format::from_name(name), format.name()), (Some(format), name));
+    }
+    assert_eq!(Format::from_name("fanuc"), None);
+}
+
+/// The ends of a full circle may differ by 0.01 µm and 0.01 µrad, not more.
+#[test]
+fn full_circle() {
+    let text = |exc: f64, ecc: f64| format!("C EXC ECC\n0 0.001 1e-5\n90 0 0\n360 {} {}\n", 0.001 + exc, 1e-5 + ecc);
+    read(Format::Isg, &text(0.99e-5, 0.99e-8), None);
+    for wrong in [text(1.01e-5, 0.0), text(0.0, -1.01e-8)] {
+        assert_eq!(refusal(Format::Isg, &wrong, None).line, Some(4));
+    }
+    let measured = "C_deg,run,direction,deviation_urad\n0,1,+,1\n360,1,+,2\n";
+    assert_eq!(refusal(Format::Iso230_2, measured, None).line, None);
+}
+
+#[test]
+fn losses_are_refused_and_named() {
+    let machine = machine();
+    let named = |format: Format, axis: Option<Axis>| {
+        let dropped = write(format, &machine, &dropping(axis)).dropped;
+        let options = ExportOptions { axis, ..ExportOptions::default() };
+        let error = export(format, &machine, &options).unwrap_err();
+        for loss in &dropped {
+            assert!(error.found.contains(loss), "{loss} not in {error}");
+        }
+        dropped.join("\n")
+    };
+    let linuxcnc = named(TYPE_0, None);
+    for loss in [
+        "EYX, ECX of axis X",
+        "EXC of axis C",
+        "wrapping of axis C",
+        "thermal growth of axis X",
+        "location errors",
+        "backlash of axis Z",
+    ] {
+        assert!(linuxcnc.contains(loss), "{loss}: {linuxcnc}");
+    }
+    assert!(named(Format::Siemens, None).contains("between the directions of axis X (up to 4.0000 um"));
+    let isg = named(Format::Isg, None);
+    assert!(isg.contains("between the directions of axis X") && !isg.contains("location") && !isg.contains("EYX of"));
+    // A format that holds everything refuses nothing.
+    let mut plain = machine.clone();
+    plain.settings.axes.iter_mut().for_each(|axis| (axis.backlash, axis.thermal) = (0.0, Default::default()));
+    for table in plain.tables.iter_mut().flatten() {
+        table.rows.iter_mut().for_each(|row| row.reverse = row.forward);
+    }
+    assert!(write(Format::Isg, &plain, &ExportOptions::default()).dropped.is_empty());
+    assert!(export(TYPE_0, &plain, &dropping(Some(Axis::Z))).unwrap_err().found.contains("axis Z"));
+}
+
+/// The own error comes back through every format within its written precision: 1 nm, 1e-7 degrees, 1 nrad.
+#[test]
+fn round_trips() {
+    for seed in 0..50 {
+        let mut next = random(seed);
+        let mut machine = machine();
+        for (settings, table) in machine.settings.axes.iter().zip(machine.tables.iter_mut()) {
+            let Some(table) = table else { continue };
+            let last = table.rows.len() - 1;
+            for row in &mut table.rows {
+                row.forward = std::array::from_fn(|k| next() * if k < 3 { 0.05 } else { 2e-4 });
+                row.reverse = std::array::from_fn(|k| next() * if k < 3 { 0.05 } else { 2e-4 });
+            }
+            if settings.axis == Axis::C {
+                (table.rows[last].forward, table.rows[last].reverse) = (table.rows[0].forward, table.rows[0].reverse);
+            }
+        }
+        for (format, both_ways) in
+            [(TYPE_0, true), (TYPE_1, true), (Format::Siemens, false), (Format::Isg, false), (Format::Iso230_2, true)]
+        {
+            for axis in [Axis::X, Axis::C] {
+                let (_, text) = write(format, &machine, &dropping(Some(axis))).files.remove(0);
+                let (_, back) = read(format, &text, Some(axis)).tables.remove(0);
+                let (settings, table) = machine.axes().find(|(settings, _)| settings.axis == axis).unwrap();
+                let own = axis.index();
+                let backlash = if axis.is_rotary() { settings.backlash * PI / 180.0 } else { settings.backlash };
+                let tolerance = if axis.is_rotary() { 1.001e-9 } else { 0.501e-6 };
+                for (row, read) in table.unwrap().rows.iter().zip(&back.rows) {
+                    let (forward, reverse) = (row.forward[own], row.reverse[own] + backlash);
+                    let mean = 0.5 * (forward + reverse);
+                    let (forward, reverse) = if both_ways { (forward, reverse) } else { (mean, mean) };
+                    assert_eq!(row.position, read.position);
+                    assert!((read.forward[own] - forward).abs() < tolerance, "seed {seed} {format:?} {row:?} {read:?}");
+                    assert!((read.reverse[own] - reverse).abs() < tolerance, "seed {seed} {format:?} {row:?} {read:?}");
+                    for cross in (0..6).filter(|&k| format == Format::Isg && k != own && back.given[k]) {
+                        let mean = 0.5 * (row.forward[cross] + row.reverse[cross]);
+                        let tolerance = if cross < 3 { 0.501e-6 } else { 0.501e-9 };
+                        assert!((read.forward[cross] - mean).abs() < tolerance, "seed {seed} component {cross}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn isg_carries_the_location_errors() {
+    let machine = machine();
+    let (_, text) = write(Format::Isg, &machine, &dropping(None)).files.remove(0);
+    assert_eq!(read(Format::Isg, &text, None).location, machine.settings.location);
+}
+
+/// A free grid needs a step on the Siemens side; a step that hits every point loses nothing.
+#[test]
+fn siemens_free_grid() {
+    let mut machine = machine();
+    machine.tables[0].as_mut().unwrap().rows[1].position = 75.0;
+    let mut options = dropping(Some(Axis::X));
+    assert!(export(Format::Siemens, &machine, &options).unwrap_err().found.contains("free grid"));
+    options.step = Some(30.0);
+    assert!(export(Format::Siemens, &machine, &options).unwrap_err().needed.contains("divides"));
+    let points = |step: f64| {
+        let exported = write(Format::Siemens, &machine, &ExportOptions { step: Some(step), ..dropping(Some(Axis::X)) });
+        let table = read(Format::Siemens, &exported.files[0].1, None).tables.remove(0).1;
+        (table.rows, exported.dropped.iter().any(|loss| loss.contains("detail")))
+    };
+    let (rows, lossy) = points(25.0);
+    assert!(!lossy);
+    let mean = |row: usize| {
+        let row = &machine.tables[0].as_ref().unwrap().rows[row];
+        0.5 * (row.forward[0] + row.reverse[0] + machine.settings.axes[0].backlash)
+    };
+    assert!((rows[3].forward[0] - mean(1)).abs() < 0.501e-6);
+    assert!((rows[1].forward[0] - (mean(0) * 2.0 + mean(1)) / 3.0).abs() < 0.501e-6);
+    assert!(points(50.0).1);
+}
+
+/// `direction` other than the default turns the sense of a rotary axis' positions against its error table.
+#[test]
+fn rotary_sense() {
+    let mut machine = machine();
+    let value = |machine: &Machine| {
+        let (_, text) = write(TYPE_1, machine, &dropping(Some(Axis::C))).files.remove(0);
+        read(TYPE_1, &text, Some(Axis::C)).tables.remove(0).1.rows[1].forward[5]
+    };
+    let table = machine.tables[2].as_ref().unwrap().rows[1].forward[5];
+    assert!((value(&machine) - table).abs() < 1.001e-9);
+    machine.settings.axes[2].direction = 1;
+    assert!((value(&machine) + table).abs() < 1.001e-9);
+    machine.settings.chain = "w X' b Z C t".parse().unwrap();
+    assert!((value(&machine) - table).abs() < 1.001e-9);
+}
+
+/// Damaged files are refused or read, never a panic.
+#[test]
+fn damaged_files_do_not_panic() {
+    let machine = machine();
+    for (_, format) in Format::ALL {
+        for (_, text) in write(format, &machine, &dropping(Some(Axis::X))).files {
+            for end in 0..text.len() {
+                let _ = import(format, &text[..end], Path::new("in"), Some(Axis::X));
+            }
+            for place in 0..text.len() {
+                for damage in [b' ', b'-', b'e', b',', b'\n', b'#', b'9', b'[', 0] {
+                    let mut bytes = text.clone().into_bytes();
+                    bytes[place] = damage;
+                    let _ = import(format, &String::from_utf8_lossy(&bytes), Path::new("in"), None);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! A machine small enough to be worked out by hand, and its golden files.
+
+use std::fs;
+use std::path::Path;
+use trueaxis::machine::{
+    Axis, AxisSettings, ContourSettings, FaultSettings, Interpolation, Limits, LocationErrors, Lookup, MachineSettings,
+    Row, ThermalGrowth,
+};
+use trueaxis_tables::{Machine, Table};
+
+fn axis(axis: Axis) -> AxisSettings {
+    AxisSettings {
+        axis,
+        interpolation: Interpolation::Linear,
+        lookup: Lookup::Command,
+        cross_lookup: Lookup::Command,
+        direction: if axis == Axis::C { -1 } else { 1 },
+        travel: [-500.0, 500.0],
+        joint: [-501.0, 501.0],
+        measured_at_mm: [0.0; 3],
+        max_feed_per_s: 500.0,
+        backlash: 0.0,
+        hysteresis: 0.001,
+        limits: Limits { magnitude: 0.1, slope_per_s: 1.0, acceleration_per_s2: 200.0 },
+        thermal: ThermalGrowth::default(),
+    }
+}
+
+/// `w C' X' b Z t`.
+/// X: 0, 50, 100 mm; EXX +10, −20, +1.5 µm forward, 1 µm more in reverse and 3 µm backlash; EYX 4 µm, ECX −7 µrad at 100.
+/// C: full circle in steps of 180 degrees; ECC π/180 · 1e-3 rad (1 mdeg) at 180, EXC 2 µm at 180. Z: backlash only.
+pub(crate) fn machine() -> Machine {
+    let row = |position: f64, forward: [f64; 6], reverse: [f64; 6]| Row { position, forward, reverse };
+    let x = Table {
+        given: [true, true, false, false, false, true],
+        bidirectional: true,
+        rows: vec![
+            row(0.0, [0.010, 0.0, 0.0, 0.0, 0.0, 0.0], [0.011, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            row(50.0, [-0.020, 0.0, 0.0, 0.0, 0.0, 0.0], [-0.019, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            row(100.0, [0.0015, 0.004, 0.0, 0.0, 0.0, -7e-6], [0.0025, 0.004, 0.0, 0.0, 0.0, -7e-6]),
+        ],
+    };
+    let mdeg = std::f64::consts::PI / 180_000.0;
+    let half = [0.002, 0.0, 0.0, 0.0, 0.0, mdeg];
+    let c = Table {
+        given: [true, false, false, false, false, true],
+        bidirectional: false,
+        rows: vec![row(0.0, [0.0; 6], [0.0; 6]), row(180.0, half, half), row(360.0, [0.0; 6], [0.0; 6])],
+    };
+    let mut axes = heapless::Vec::new();
+    for mut settings in [Axis::X, Axis::Z, Axis::C].map(axis) {
+        match settings.axis {
+            Axis::X => {
+                settings.backlash = 0.003;
+                settings.thermal.expansion_per_k = 11.5e-6;
+            }
+            Axis::Z => settings.backlash = 0.002,
+            _ => {}
+        }
+        axes.push(settings).unwrap();
+    }
+    let mut location = LocationErrors { b0z: 2e-5, c0y: -3.5e-5, ..LocationErrors::default() };
+    location.rotary[2] = [0.012, 0.0, 0.0, 0.0, -1.4e-5, 0.0];
+    Machine {
+        settings: MachineSettings {
+            name: "small".parse().unwrap(),
+            chain: "w C' X' b Z t".parse().unwrap(),
+            tool_mm: [0.0; 3],
+            reference_temperature_c: 20.0,
+            location,
+            faults: FaultSettings {
+                resume: [0.05; 2],
+                command_jump_factor: 2.0,
+                feedback_jump: [0.02; 2],
+                stuck: [0.2; 2],
+            },
+            contour: ContourSettings { max_lag_mm: 1.0 },
+            axes,
+        },
+        tables: vec![Some(x), None, Some(c)],
+    }
+}
+
+/// Compares with a committed file; `GOLDEN=write` in the environment writes it instead.
+pub(crate) fn golden(name: &str, text: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
+    if std::env::var_os("GOLDEN").is_some() {
+        fs::write(&file, text).unwrap();
+    }
+    assert_eq!(fs::read_to_string(&file).unwrap_or_default(), text, "{name}");
+}
