@@ -1,21 +1,54 @@
-//! A plugin for the interpolator of an open motion controller.
+//! Geometric error compensation and true contour error inside the servo step of an open CNC controller.
+//!
+//! Once per servo period the host calls [`ServoLoop::step`] with the commanded positions, the encoder readings and the
+//! place on the programmed path; it gets back what to send to the drives, and how far the tool is from its path:
+//!
+//! ```text
+//! command ──► sample ──► compensation ──────────────► output ──► drives
+//! encoders ─►  finite,    nine-term look-up,           limiter,     │
+//!              plausible  exact inverse      contour   hold         ├► feedback for the host
+//!                │                             ▲                    │
+//!                └──── estimated tool tip ─────┘                    └► telemetry record
+//! ```
+//!
+//! - [`sample`]: commands and readings become positions in which the rest believes, or a [`Fault`];
+//! - [`compensation`]: error tables, direction of travel, thermal growth, exact inverse;
+//! - [`contour`]: distance of the estimated tool tip, and of the plain encoder position, from the path;
+//! - [`limiter`]: magnitude, slope and acceleration of the correction; nothing ever jumps;
+//! - [`telemetry`]: one fixed record per cycle.
+//!
+//! A [`Config`] is checked once and built into an immutable [`ServoLoop`]; the [`State`] is separate, so that tables
+//! can be exchanged in motion ([`exchange`]). The step allocates nothing, cannot panic, and its cost is bounded.
+//!
+//! # Example
+//!
+//! ```
+#![doc = include_str!("../examples/embed.rs")]
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+pub mod check;
 pub mod compensation;
 pub mod contour;
 pub mod error;
+pub mod exchange;
 pub mod limiter;
 pub mod machine;
 mod output;
 pub mod position;
 pub mod real;
 pub mod sample;
+mod step;
 pub mod tcomp;
+pub mod telemetry;
 
+pub use error::{ConfigError, Fault};
 pub use machine::{Axis, Row};
 pub use position::{Micro, Position};
 pub use real::Real;
+pub use sample::Input;
+pub use step::{Config, Output, ServoLoop, State};

@@ -201,9 +201,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         path: &Path<'_, R, P>,
         reference: Reference<R>,
     ) -> [ContourError<R>; 2] {
-        let (true, [x, y, z, ..], [dx, dy, dz, ..]) =
-            (matches!(sample.verdict, Verdict::Active | Verdict::Inactive), &sample.feedback[..], &modelled.tip_error[..])
-        else {
+        let (true, [x, y, z, ..], [dx, dy, dz, ..]) = (
+            matches!(sample.verdict, Verdict::Active | Verdict::Inactive),
+            &sample.feedback[..],
+            &modelled.tip_error[..],
+        ) else {
             // After a fault the last foot says nothing about the next one.
             (state.tip, state.encoder) = (ContourState::default(), ContourState::default());
             return [ContourError::none(); 2];
@@ -260,3 +262,6 @@ struct Modelled<R, const N: usize> {
     tip_error: [R; N],
     at_edge: u8,
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,342 @@
+use super::*;
+use crate::exchange::Exchange;
+use crate::machine::{AxisSettings, Interpolation, Row};
+use proptest::prelude::*;
+use std::{boxed::Box, vec, vec::Vec};
+
+const PERIOD_NS: u32 = 100_000;
+const T: f64 = 1e-4;
+const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+type Loop = ServoLoop<'static, f64, f64, 3>;
+type Out = Output<f64, f64, 3>;
+
+/// Each axis gives 6 to 12 µm of error to all three components; travel −10 … 110.
+fn servo_loop(scale: f64) -> &'static Loop {
+    let mut machine = MachineSettings {
+        name: heapless::String::try_from("bench").unwrap(),
+        chain: heapless::String::try_from("w b X Y Z t").unwrap(),
+        tool_mm: [0.0; 3],
+        reference_temperature_c: 20.0,
+        location: Default::default(),
+        faults: Default::default(),
+        contour: Default::default(),
+        axes: heapless::Vec::new(),
+    };
+    for axis in LINEAR {
+        let settings = AxisSettings {
+            travel: [-10.0, 110.0],
+            joint: [-10.1, 110.1],
+            interpolation: Interpolation::Cubic,
+            ..AxisSettings::with_defaults(axis, false)
+        };
+        machine.axes.push(settings).unwrap();
+    }
+    let rows: Vec<Row> = (0..=10)
+        .map(|i| {
+            let e = scale * (0.006 + 0.0006 * f64::from(i));
+            let forward = [e, -e, 0.5 * e, 0.0, 0.0, 0.0];
+            Row { position: 10.0 * f64::from(i), forward, reverse: forward }
+        })
+        .collect();
+    let rows: &[Row] = rows.leak();
+    let config = Config {
+        machine: Box::leak(Box::new(machine)),
+        machine_id: 7,
+        tables_crc: 9,
+        period_ns: PERIOD_NS,
+        inverse_passes: 3,
+        method: Method::Guarded,
+    };
+    let need = config.requirement::<f64, f64, 3, _>(|_| Some(rows));
+    let storage = Storage {
+        lines: vec![[0.0; 4]; need.lines].leak(),
+        knots: vec![0.0; need.knots].leak(),
+        guide: vec![0; need.guide].leak(),
+    };
+    Box::leak(Box::new(config.build(|_| Some(rows), storage).unwrap()))
+}
+
+fn input(command: [f64; 3]) -> Input<f64, 3> {
+    Input {
+        command,
+        feedback: command,
+        encoder_alarm: 0,
+        elapsed_ns: PERIOD_NS,
+        homed: true,
+        enable: true,
+        reset: false,
+    }
+}
+
+/// Runs cycles and holds every one against the limits of the correction.
+struct Bench {
+    active: &'static Loop,
+    state: State<f64, f64, 3>,
+    correction: [f64; 3],
+    velocity: [f64; 3],
+}
+
+impl Bench {
+    fn new() -> Self {
+        let active = servo_loop(1.0);
+        Bench { active, state: active.start(PERIOD_NS).unwrap(), correction: [0.0; 3], velocity: [0.0; 3] }
+    }
+
+    fn cycle(&mut self, input: &Input<f64, 3>) -> Out {
+        let none = Path::new(&[], 0, false);
+        let out = self.active.step(&mut self.state, input, &none, Reference { span: 0, t: 0.0 });
+        for k in 0..3 {
+            let c = out.record.correction[k];
+            let v = c - self.correction[k];
+            assert!(out.drive[k].is_finite() && out.feedback[k].is_finite());
+            assert!(c.abs() <= 0.1 * (1.0 + 1e-6), "magnitude {c}");
+            assert!(v.abs() <= 1.0 * T * (1.0 + 1e-6), "slope {v}");
+            assert!(
+                (v - self.velocity[k]).abs() <= 200.0 * T * T * (1.0 + 1e-6),
+                "acceleration {}",
+                v - self.velocity[k]
+            );
+            self.correction[k] = c;
+            self.velocity[k] = v;
+        }
+        out
+    }
+
+    fn settle(&mut self, command: [f64; 3]) -> Out {
+        for _ in 0..2000 {
+            self.cycle(&input(command));
+        }
+        self.cycle(&input(command))
+    }
+}
+
+#[test]
+fn the_first_cycle_returns_the_command_bit_for_bit() {
+    for command in [[50.0, 60.0, 70.0], [-0.0, 0.0, 1e-300]] {
+        let mut bench = Bench::new();
+        let out = bench.cycle(&input(command));
+        assert_eq!(out.drive.map(f64::to_bits), command.map(f64::to_bits));
+        assert_eq!(out.record.sequence, 0);
+    }
+}
+
+#[test]
+fn the_machine_ends_up_where_it_was_told_and_the_host_sees_no_following_error() {
+    let mut bench = Bench::new();
+    let command = [55.0, 35.0, 25.0];
+    let out = bench.settle(command);
+    assert_eq!(out.record.limited, 0);
+    let compensation = bench.active.compensation();
+    let at = compensation.coordinates(&out.drive);
+    let error = compensation.errors(&at, &[0; 3], &[ThermalLine::default(); 3], &mut 0);
+    for k in 0..3 {
+        assert!((out.drive[k] + error[k] - command[k]).abs() < 1e-6);
+        assert!((out.drive[k] - command[k]).abs() > 1e-3);
+    }
+    let mut fed_back = input(command);
+    fed_back.feedback = out.drive;
+    let out = bench.cycle(&fed_back);
+    for k in 0..3 {
+        assert!((out.feedback[k] - command[k]).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn inactive_until_homed_and_enabled_and_bumpless_both_ways() {
+    let mut bench = Bench::new();
+    let command = [40.0, 40.0, 40.0];
+    for _ in 0..100 {
+        let out = bench.cycle(&Input { homed: false, ..input(command) });
+        assert_eq!(out.drive, command);
+        let out = bench.cycle(&Input { enable: false, ..input(command) });
+        assert_eq!(out.drive, command);
+        assert!(!out.record.status.has(Status::ACTIVE));
+    }
+    let out = bench.settle(command); // the limits are checked in every cycle
+    assert!(out.record.correction[0].abs() > 0.02);
+    for _ in 0..2000 {
+        bench.cycle(&Input { enable: false, ..input(command) });
+    }
+    let out = bench.cycle(&Input { enable: false, ..input(command) });
+    assert_eq!(out.drive, command);
+}
+
+#[test]
+fn tables_are_exchanged_between_two_cycles_of_a_moving_machine() {
+    let mut bench = Bench::new();
+    let mailbox = Exchange::new();
+    bench.settle([20.0, 30.0, 40.0]);
+    let other = servo_loop(-2.0);
+    let mut x = 20.0;
+    for n in 0..8000 {
+        if n == 1000 {
+            mailbox.offer(other).unwrap();
+        }
+        mailbox.take_into(&mut bench.active);
+        x += 0.01; // 100 mm/s
+        let out = bench.cycle(&input([x, 30.0, 40.0]));
+        assert_eq!(out.record.fault, Fault::None);
+    }
+    let out = bench.cycle(&input([x, 30.0, 40.0]));
+    assert_eq!(out.record.limited, 0);
+    assert!(out.record.correction[0] > 0.03);
+}
+
+#[test]
+fn bad_feedback_freezes_the_correction_and_lets_the_command_pass() {
+    let far = 60.0;
+    let cases: [(Fault, fn(&mut Input<f64, 3>)); 5] = [
+        (Fault::FeedbackNotFinite, |i| i.feedback[1] = f64::NAN),
+        (Fault::FeedbackNotFinite, |i| i.feedback[0] = f64::INFINITY),
+        (Fault::FeedbackJump, |i| i.feedback[2] += 0.5),
+        (Fault::EncoderAlarm, |i| i.encoder_alarm = 0b100),
+        (Fault::LateCycle, |i| i.elapsed_ns = 3 * PERIOD_NS),
+    ];
+    for (fault, spoil) in cases {
+        let mut bench = Bench::new();
+        let before = bench.settle([far; 3]);
+        for n in 1..=3 {
+            let mut bad = input([far + 0.01 * f64::from(n), far, far]);
+            spoil(&mut bad);
+            let out = bench.cycle(&bad);
+            assert_eq!(out.record.fault, fault);
+            assert!(out.record.status.has(Status::FROZEN) && !out.stop_requested());
+            assert_eq!(out.record.correction, before.record.correction);
+            assert_eq!(out.drive[0], bad.command[0] + before.record.correction[0]);
+        }
+        let out = bench.cycle(&input([far + 0.03, far, far]));
+        assert_eq!(out.record.fault, Fault::None);
+    }
+}
+
+#[test]
+fn a_stuck_encoder_is_found_after_the_stated_way() {
+    let mut bench = Bench::new();
+    bench.settle([20.0; 3]);
+    let mut found = None;
+    for n in 1..200 {
+        let way = 0.01 * f64::from(n);
+        let mut stuck = input([20.0 + way, 20.0, 20.0]);
+        stuck.feedback[0] = 20.0;
+        if bench.cycle(&stuck).record.fault == Fault::EncoderStuck {
+            found = found.or(Some(way));
+        }
+    }
+    assert!(found.is_some_and(|way| (0.2..0.23).contains(&way)), "{found:?}");
+}
+
+#[test]
+fn a_bad_command_holds_until_a_reset_near_the_held_position() {
+    let cases: [(Fault, [f64; 3]); 5] = [
+        (Fault::CommandNotFinite, [f64::NAN, 60.0, 60.0]),
+        (Fault::CommandNotFinite, [60.0, f64::NEG_INFINITY, 60.0]),
+        (Fault::CommandNotFinite, [60.0, 60.0, 1e300]),
+        (Fault::CommandOutOfTravel, [60.0, 60.0, 110.5]),
+        (Fault::CommandJump, [60.0, 59.0, 60.0]),
+    ];
+    for (fault, bad) in cases {
+        let mut bench = Bench::new();
+        let before = bench.settle([60.0; 3]);
+        let out = bench.cycle(&Input { feedback: [60.0; 3], ..input(bad) });
+        assert_eq!(out.record.fault, fault);
+        assert!(out.stop_requested());
+        assert_eq!(out.drive, before.drive);
+        // Held although the command is good again, and although a reset comes too far away.
+        let good = input([60.0; 3]);
+        assert_eq!(bench.cycle(&good).drive, before.drive);
+        let away = Input { reset: true, ..input([60.2, 60.0, 60.0]) };
+        assert!(bench.cycle(&away).stop_requested());
+        // The reset counts on its rising edge only.
+        assert!(bench.cycle(&Input { reset: true, ..good }).stop_requested());
+        assert!(bench.cycle(&good).stop_requested());
+        let out = bench.cycle(&Input { reset: true, ..input([60.04, 60.0, 60.0]) });
+        assert!(!out.stop_requested() && out.record.fault == Fault::None);
+        assert!((out.drive[0] - before.drive[0]).abs() <= 0.05 + 1e-9);
+        assert!(!bench.cycle(&input([60.04, 60.0, 60.0])).stop_requested());
+    }
+}
+
+#[test]
+fn a_bad_command_in_the_very_first_cycle_stays_where_the_machine_stands() {
+    let mut bench = Bench::new();
+    let out = bench.cycle(&Input { feedback: [1.0, 2.0, 3.0], ..input([f64::NAN; 3]) });
+    assert!(out.stop_requested());
+    assert_eq!(out.drive, [1.0, 2.0, 3.0]);
+    let mut bench = Bench::new();
+    let out = bench.cycle(&input([f64::NAN; 3]));
+    assert!(out.stop_requested());
+    assert_eq!(out.drive, [0.0; 3]);
+}
+
+#[test]
+fn another_period_is_refused_at_start() {
+    let servo = servo_loop(1.0);
+    assert_eq!(servo.start(1_000_000).err(), Some(Fault::PeriodMismatch));
+    assert_eq!(servo.start(PERIOD_NS + PERIOD_NS / 500).err(), Some(Fault::PeriodMismatch));
+    assert!(servo.start(PERIOD_NS + 10).is_ok());
+}
+
+#[test]
+fn thermal_growth_is_taken_up_without_a_jump() {
+    let mut bench = Bench::new();
+    let cold = bench.settle([50.0; 3]);
+    bench.state.set_thermal(0, ThermalLine::new(0.005, 2e-4).unwrap());
+    let warm = bench.settle([50.0; 3]);
+    assert!((warm.record.correction[0] - cold.record.correction[0] + 0.005 + 50.0 * 2e-4).abs() < 1e-5);
+    assert!(ThermalLine::<f64>::new(f64::NAN, 0.0).is_none() && ThermalLine::<f64>::new(0.0, 0.1).is_none());
+}
+
+#[test]
+fn edges_are_flagged_and_hold_their_value() {
+    let mut bench = Bench::new();
+    let out = bench.settle([50.0, 105.0, 50.0]);
+    assert_eq!(out.record.at_edge, 0b010);
+}
+
+/// Any 64 bits as a float, with the ordinary ones more often.
+fn any_float() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => -10.0..110.0f64,
+        2 => -1e4..1e4f64,
+        2 => any::<u64>().prop_map(f64::from_bits),
+        1 => prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN_POSITIVE, -0.0, 1e9, -1e9]),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 20_000, ..ProptestConfig::default() })]
+
+    /// Fifty cycles of anything: no panic, nothing that is not finite, nothing beyond a limit, no jump while active.
+    #[test]
+    fn no_sequence_of_floats_makes_the_output_leave_its_limits(
+        cycles in prop::collection::vec((any_float(), any_float(), any_float(), any::<u8>()), 50),
+    ) {
+        let mut bench = Bench::new();
+        let mut base = 50.0;
+        let mut last: Option<Out> = None;
+        for (a, b, c, bits) in cycles {
+            let near = |x: f64| if bits & 1 == 0 { base + 1e-4 * x.abs().min(500.0) } else { x };
+            let command = [near(a), near(b), near(c)];
+            let out = bench.cycle(&Input {
+                command,
+                feedback: if bits & 2 == 0 { command } else { [b, c, a] },
+                encoder_alarm: if bits & 0xf0 == 0xf0 { bits } else { 0 },
+                elapsed_ns: if bits & 4 == 0 { PERIOD_NS } else { u32::from(bits) << 24 },
+                homed: bits & 24 != 24,
+                enable: bits & 40 != 40,
+                reset: bits & 64 != 0,
+            });
+            if let Some(last) = last {
+                let held = out.stop_requested();
+                for k in 0..3 {
+                    prop_assert!(!held || out.drive[k] == last.drive[k], "a held output moves");
+                    if out.record.status.has(Status::ACTIVE) && last.record.status.has(Status::ACTIVE) {
+                        prop_assert!((-10.1..=110.1).contains(&out.drive[k]), "{:?}", out.drive);
+                    }
+                }
+            }
+            base = if out.drive[0].abs() < 100.0 { out.drive[0] } else { base };
+            last = Some(out);
+        }
+    }
+}
