@@ -152,7 +152,7 @@ fn a_realistic_page_is_complete_and_self_contained() {
         "3 longer than the period (missed deadlines)",
         "SCHED_FIFO priority 80: not permitted (Operation not permitted (os error 1))",
         "feedback of X jumped",
-        "deviations magnified 200 times",
+        "deviations magnified 500 times",
         "XZ view",
         "X in mm",
         "time in s",

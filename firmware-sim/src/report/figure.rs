@@ -8,12 +8,14 @@ use plotters::{
     style::text_anchor::{HPos, Pos, VPos},
 };
 
-use super::number::{PLOTTABLE, decimals, escape};
+use super::number::{PLOTTABLE, decimals, escape, printable};
 
 /// The drawing library rounds coordinates to whole units; drawn at this multiple they are fine enough for curves.
 const FINENESS: i32 = 4;
 const TICK_TEXT: i32 = 11;
 const LABEL_TEXT: i32 = 12;
+/// The drawing library writes a font of size s as s/1.24.
+const FONT_FACTOR: f64 = 1.24;
 const LEFT: i32 = 62;
 const BOTTOM: i32 = 44;
 const RIGHT: i32 = 16;
@@ -96,12 +98,15 @@ impl Scale {
         let step = step.unwrap_or(rough);
         let places = (-(step.log10() + 1e-9).floor() as i32).clamp(0, 9);
         let first = (low / step - 1e-9).ceil();
+        let slack = 1e-6 * (high - low);
         let ticks = (0..64)
             .map(|k| (first + f64::from(k)) * step)
-            .take_while(|tick| *tick <= high + 1e-9 * step)
+            .take_while(|tick| *tick <= high + slack)
+            // Where the span is near the resolution of the numbers, the first multiple may round to below it.
+            .filter(|tick| *tick >= low - slack)
             .map(|tick| (tick, decimals(tick, places)))
             .collect();
-        Self { caption: caption.to_owned(), low, high, ticks }
+        Self { caption: printable(caption), low, high, ticks }
     }
 
     /// A scale in decimal logarithms: `low` and `high` are logarithms, labels are the numbers.
@@ -113,7 +118,7 @@ impl Scale {
             .filter(|value| (low..=high).contains(&value.log10()))
             .map(|value| (value.log10(), decimals(value, if value < 1.0 { 1 } else { 0 })))
             .collect();
-        Self { caption: caption.to_owned(), low, high, ticks }
+        Self { caption: printable(caption), low, high, ticks }
     }
 }
 
@@ -259,7 +264,7 @@ impl Figure {
 }
 
 fn text_style(size: i32, colour: RGBColor) -> TextStyle<'static> {
-    TextStyle { color: colour.to_backend_color(), ..("sans-serif", size * FINENESS).into() }
+    TextStyle { color: colour.to_backend_color(), ..("sans-serif", f64::from(size * FINENESS) * FONT_FACTOR).into() }
 }
 
 /// The inside of a figure, in data coordinates.

@@ -16,6 +16,8 @@ const VECTORS: usize = 120;
 const FLAT_MM: f64 = 1e-3;
 /// Compensated deviations below this share of the others get a figure of their own.
 const ENLARGE_BELOW: f64 = 0.4;
+/// Height of the strip for the scale bar, in px.
+const STRIP_PX: f64 = 40.0;
 const MM_PER_UM: f64 = 1e-3;
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
@@ -94,7 +96,7 @@ fn figure(points: &[PathPoint], plane: [usize; 2], largest_um: f64, both: bool) 
     let [y_low, y_high] = bounds(everything().map(|point| point[1]));
     // Equal scales on both axes; a strip below the path is kept free for the scale bar.
     let margin = 0.05 * (x_high - x_low).max(y_high - y_low);
-    let strip = 0.11 * (x_high - x_low + y_high - y_low).max(size);
+    let strip = STRIP_PX * (x_high - x_low + 2.0 * margin).max(size) / f64::from(Figure::inside(WIDTH, 0)[0]);
     let (mut width, mut height) = (x_high - x_low + 2.0 * margin, y_high - y_low + 2.0 * margin + strip);
     let px_height = (f64::from(WIDTH) * (height / width).clamp(0.45, 1.0)).round() as i32;
     let [inside_x, inside_y] = Figure::inside(WIDTH, px_height).map(f64::from);
@@ -113,7 +115,7 @@ fn figure(points: &[PathPoint], plane: [usize; 2], largest_um: f64, both: bool) 
     };
     let bar_mm = round_down(0.25 * width);
     let bar_from = left + 0.5 * (width - bar_mm);
-    let bar_y = bottom + 18.0 * mm_per_px;
+    let bar_y = bottom + 0.4 * STRIP_PX * mm_per_px;
     let bar_text = format!(
         "path {} mm = deviation {} µm",
         significant(bar_mm, 2),
@@ -151,8 +153,8 @@ fn figure(points: &[PathPoint], plane: [usize; 2], largest_um: f64, both: bool) 
 /// The member of 1, 2, 5 × 10^n nearest to `value` in ratio.
 fn nearest_round(value: f64) -> f64 {
     let below = round_down(value);
-    // √2 above 1 and √2.5 above 2 are the geometric middles to the next member; 1.5 serves for both.
-    if value / below > 1.5 { round_down(below * 2.5) } else { below }
+    let above = round_down(below * 2.5);
+    if value * value > below * above { above } else { below }
 }
 
 #[cfg(test)]
@@ -164,7 +166,7 @@ mod tests {
         for deviation_um in [0.003, 0.7, 12.0, 18.4, 49.0, 51.0, 900.0] {
             let wanted = SHARE * 50.0 / (deviation_um * MM_PER_UM);
             let factor = nearest_round(wanted);
-            assert!((0.6..=1.5).contains(&(factor / wanted)), "{deviation_um} µm: {factor} for {wanted}");
+            assert!((0.63..=1.59).contains(&(factor / wanted)), "{deviation_um} µm: {factor} for {wanted}");
             let mantissa = factor / 10_f64.powf(factor.log10().floor());
             assert!([1.0, 2.0, 5.0, 10.0].iter().any(|round| (mantissa - round).abs() < 1e-6), "{factor}");
         }
