@@ -62,22 +62,24 @@ fn figure(report: &Report, curves: &[&Curve], all: &[&Curve], caption: &str) -> 
     let lengths = all.iter().flat_map(|curve| curve.points.iter().map(|point| point[0]));
     let errors = curves.iter().map(|curve| curve.largest[1]);
     let highest = errors.fold(0.0, f64::max);
+    let x = Scale::linear("path length in mm", lengths, 0.0, 12);
+    let lines = spaced_lines(&report.contour.program_lines, &x);
     let figure = Figure {
         description: format!("{caption} Curves: {}", curves.iter().map(|c| c.name).collect::<Vec<_>>().join(", ")),
         width: WIDTH,
         height: 270,
-        x: Scale::linear("path length in mm", lengths, 0.0, 12),
-        y: Scale::exact("contour error in µm", 0.0, if highest > 0.0 { 1.22 * highest } else { 1.0 }, 6),
+        x,
+        y: Scale::exact("contour error in µm", 0.0, if highest > 0.0 { 1.08 * highest } else { 1.0 }, 6),
+        head: if lines.is_empty() { 0 } else { 12 },
         marks: Vec::new(),
     };
-    let lines = spaced_lines(&report.contour.program_lines, &figure.x);
-    let top = figure.y.high * 0.93;
     let svg = figure.draw(|plot| {
         for &(length, line) in &lines {
-            plot.tick_above(length, &line.to_string(), top)?;
+            plot.tick_above(length, &line.to_string())?;
         }
-        for curve in curves {
-            plot.line(curve.points.iter().copied(), Stroke::new(curve.colour, 1.4))?;
+        // Compensated before servo only in the legend, but on top of it in the plot.
+        for curve in curves.iter().rev() {
+            plot.line(curve.points.iter().copied(), Stroke { colour: curve.colour, width: 1.2, opacity: 0.85 })?;
         }
         curves.iter().try_for_each(|curve| plot.dot(curve.largest, curve.colour))
     });

@@ -22,7 +22,7 @@ fn axis(axis: &AxisReport) -> String {
     format!(
         "<div class=\"figures\">\n{}{}</div>\n",
         over_time(&axis.name, "correction", magnitude, &axis.correction, axis.magnitude_limit),
-        over_time(&axis.name, "slope of the correction", slope, &axis.slope, axis.slope_limit)
+        over_time(&axis.name, "slope", slope, &axis.slope, axis.slope_limit)
     )
 }
 
@@ -41,7 +41,13 @@ fn over_time(axis: &str, what: &str, unit: &str, series: &[[f64; 2]], limit: f64
         width: 550,
         height: 230,
         x: Scale::linear("time in s", points.iter().map(|point| point[0]), 0.0, 8),
-        y: Scale::linear(&format!("{axis} in {unit}"), values().chain(limits.iter().copied()).chain([0.0]), 0.06, 6),
+        y: Scale::linear(
+            &format!("{axis} {what} in {unit}"),
+            values().chain(limits.iter().copied()).chain([0.0]),
+            0.06,
+            6,
+        ),
+        head: 0,
         marks: Vec::new(),
     };
     let svg = figure.draw(|plot| {
@@ -50,7 +56,7 @@ fn over_time(axis: &str, what: &str, unit: &str, series: &[[f64; 2]], limit: f64
         }
         plot.line(points.iter().copied(), Stroke::new(colour::NEUTRAL, 1.3))
     });
-    let name = format!("{axis}: {what}");
+    let name = format!("{axis} {what}");
     let mut keys = vec![Key { colour: colour::NEUTRAL, dashed: false, text: &name }];
     let limit_text = format!("limit ±{} {unit}", significant(limit, 3));
     if drawn {

@@ -17,7 +17,7 @@ const LABEL_TEXT: i32 = 12;
 /// The drawing library writes a font of size s as s/1.24.
 const FONT_FACTOR: f64 = 1.24;
 const LEFT: i32 = 62;
-const BOTTOM: i32 = 44;
+const BOTTOM: i32 = 40;
 const RIGHT: i32 = 16;
 const TOP: i32 = 10;
 /// Height of one row of labels above the plot.
@@ -181,8 +181,10 @@ pub(super) struct Figure {
     pub(super) description: String,
     /// Width of the whole figure in px.
     pub(super) width: i32,
-    /// Height of the whole figure in px, without the rows of mark labels.
+    /// Height of the whole figure in px, without what stands above the plot.
     pub(super) height: i32,
+    /// Space above the plot for [`Plot::tick_above`], in px.
+    pub(super) head: i32,
     pub(super) x: Scale,
     pub(super) y: Scale,
     pub(super) marks: Vec<Mark>,
@@ -197,7 +199,7 @@ impl Figure {
     /// Draws frame and marks, then what `paint` adds; returns an `<svg>` element.
     pub(super) fn draw(&self, paint: impl FnOnce(&mut Plot<'_, '_>) -> Drawn) -> String {
         let rows = self.mark_rows();
-        let top = TOP + ROW * rows.iter().map(|row| row + 1).max().unwrap_or(0);
+        let top = TOP + self.head + ROW * rows.iter().map(|row| row + 1).max().unwrap_or(0);
         let (width, height) = (self.width * FINENESS, (self.height + top - TOP) * FINENESS);
         let mut svg = String::new();
         let drawn = self.draw_into(&mut svg, width, height, top, &rows, paint);
@@ -239,7 +241,8 @@ impl Figure {
             .x_desc(&self.x.caption)
             .y_desc(&self.y.caption)
             .draw()?;
-        let mut plot = Plot { chart, root: &root, left: self.x.low, right: self.x.high, floor: self.y.low };
+        let mut plot =
+            Plot { chart, root: &root, left: self.x.low, right: self.x.high, floor: self.y.low, ceiling: self.y.high };
         for (mark, row) in self.marks.iter().zip(rows) {
             plot.mark(mark, (TOP - 4 + ROW * row) * FINENESS, self.y.low)?;
         }
@@ -274,6 +277,7 @@ pub(super) struct Plot<'a, 'b> {
     left: f64,
     right: f64,
     floor: f64,
+    ceiling: f64,
 }
 
 impl Plot<'_, '_> {
@@ -314,10 +318,10 @@ impl Plot<'_, '_> {
         self.root.draw(&Text::new(text.to_owned(), (x, y - rise * FINENESS), style))
     }
 
-    /// A tick above the plot with its label, and a faint line down through it.
-    pub(super) fn tick_above(&mut self, x: f64, text: &str, top: f64) -> Drawn {
-        self.line([[x, self.floor], [x, top]], Stroke { colour: EDGE, width: 0.6, opacity: 0.45 })?;
-        self.text_above([x, top], 3, text)
+    /// A label above the plot and a faint line from it down to the axis.
+    pub(super) fn tick_above(&mut self, x: f64, text: &str) -> Drawn {
+        self.line([[x, self.floor], [x, self.ceiling]], Stroke { colour: EDGE, width: 0.6, opacity: 0.4 })?;
+        self.text_above([x, self.ceiling], 3, text)
     }
 
     fn mark(&mut self, mark: &Mark, label_top: i32, low: f64) -> Drawn {
@@ -395,6 +399,7 @@ mod tests {
             height: 300,
             x: Scale::exact("", 0.0, 1_000.0, 5),
             y: Scale::exact("", 0.0, 1.0, 5),
+            head: 0,
             marks: [100.0, 101.0, 150.0, 700.0].map(mark).into(),
         };
         assert_eq!(figure.mark_rows(), [0, 1, 2, 0]);

@@ -71,6 +71,7 @@ fn histogram(report: &Report, columns: &[(f64, f64, u64)]) -> String {
         description: "Histogram of the latency of the servo step".to_owned(),
         width: 1120,
         height: 320,
+        head: 0,
         x,
         y,
         marks,

@@ -111,6 +111,7 @@ fn figure(points: &[PathPoint], plane: [usize; 2], largest_um: f64, both: bool) 
         height: px_height,
         x: Scale::exact(&format!("{} in mm", AXES[a]), left, left + width, 7),
         y: Scale::exact(&format!("{} in mm", AXES[b]), bottom, bottom + height, 7),
+        head: 0,
         marks: Vec::new(),
     };
     let bar_mm = round_down(0.25 * width);

@@ -76,7 +76,7 @@ fn contour_table(report: &Report) -> String {
     };
     format!(
         "<table><caption>Contour error of the true tool tip</caption>\n<thead><tr><th></th><th>max in µm</th>\
-         <th>RMS in µm</th><th>max, of uncompensated</th></tr></thead>\n<tbody>\n{}{}{}</tbody></table>\n",
+         <th>RMS in µm</th><th>max against uncompensated</th></tr></thead>\n<tbody>\n{}{}{}</tbody></table>\n",
         row("uncompensated", &errors.uncompensated),
         row("compensated", &errors.compensated),
         row("servo only (perfect geometry)", &errors.servo_only)
