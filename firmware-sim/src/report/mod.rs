@@ -1,7 +1,7 @@
 //! The simulator's report: one self-contained HTML page with the figures a machine builder asks for.
 //!
 //! The page needs no network and no script; every figure is SVG inside the page. [`Report`] is plain data: whoever
-//! ran the simulation fills it in, [`render`] turns it into text and [`write`] into `index.html`. Missing or
+//! ran the simulation fills it in, [`render`] turns it into text and [`write()`] into `index.html`. Missing or
 //! undefined data leave a figure out, they are never an error.
 //!
 //! Each section of the page is a function `fn(&Report) -> Option<Section>` in a file of its own, listed in
