@@ -1,8 +1,26 @@
 //! Host simulator of compensated servo cycles.
+//!
+//! A G-code program is interpolated at the servo rate, every cycle goes through the plugin's `step` against a simulated
+//! machine, and the machine's *true* tool tip is held against the programmed path:
+//!
+//! ```text
+//! program ─► motion ─► step (the plugin) ─► plant: drives, exact geometry, encoders ─► true tip ─► truth: contour error
+//!                        ▲                                     │
+//!                        └───────────── readings ◄─────────────┘
+//! ```
+//!
+//! Plant and truth are written apart from the plugin; neither uses its code.
 
+pub mod bench;
 pub mod latency;
 pub mod motion;
+pub mod outcome;
 pub mod pace;
+pub mod path;
 pub mod plant;
 pub mod program;
 pub mod report;
+pub mod scenario;
+pub mod simulate;
+pub mod trace;
+pub mod truth;

@@ -1,2 +1,264 @@
-//! Host simulator.
-fn main() {}
+//! `firmware-sim`: servo cycles on the host, with the machine simulated.
+
+use anyhow::{Context, Result, anyhow, bail};
+use clap::{Args, Parser, Subcommand};
+use firmware_sim::motion::{Motion, MotionSettings};
+use firmware_sim::path::PlannedPath;
+use firmware_sim::plant::{axis_count, fault};
+use firmware_sim::program::Program;
+use firmware_sim::scenario::{Scenario, middle_of_travel, sample_machine};
+use firmware_sim::trace::Trace;
+use firmware_sim::{bench, outcome, report};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use trueaxis_tables::Machine;
+
+/// Runs a part program through the compensated servo step against a simulated machine, and shows what was gained on
+/// the part and what each cycle cost.
+///
+/// Without a command: `run` with the default scenario, and the report in ./report.
+#[derive(Parser)]
+#[command(version, args_conflicts_with_subcommands = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Simulate a program three times: without and with compensation, and on a geometrically perfect machine.
+    Run(RunArgs),
+    /// Time the step alone, without the simulated machine.
+    Bench(BenchArgs),
+}
+
+#[derive(Args)]
+struct ScenarioArgs {
+    /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis).
+    #[arg(long, value_name = "M", default_value = "mill-3axis")]
+    machine: PathBuf,
+    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d.
+    #[arg(long, value_name = "P.ngc", default_value = "circle-diamond-square")]
+    program: PathBuf,
+    /// Servo rate.
+    #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
+    rate_hz: f64,
+    /// Program zero in machine coordinates [default: the middle of the declared travels].
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true)]
+    origin_mm: Option<Vec<f64>>,
+    /// Seed of the encoders' noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Time a step may take [default: a tenth of the period].
+    #[arg(long, value_name = "NS")]
+    budget_ns: Option<u64>,
+    /// Temperature of the machine, °C [default: the tables' reference temperature].
+    #[arg(long, value_name = "C", allow_hyphen_values = true)]
+    temperature_c: Option<f64>,
+}
+
+#[derive(Args)]
+struct RunArgs {
+    #[command(flatten)]
+    scenario: ScenarioArgs,
+    /// Inject a fault, e.g. dropout:X@1.25s+3, glitch:Y@0.5s+1=5mm, stuck:Z@2s+200, late@3s+1=2.5, nan-command:X@2s+1,
+    /// jump-command:X@2s+1=3mm (may be given several times; time counts from the start of the simulation).
+    #[arg(long, value_name = "FAULT")]
+    fault: Vec<String>,
+    /// Run the compensated run at the real rate, with real-time scheduling where it is permitted.
+    #[arg(long)]
+    paced: bool,
+    /// Print one JSON document and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// Write index.html and trace.csv into this folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// The trace keeps every Nth cycle.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    trace_every: u64,
+}
+
+#[derive(Args)]
+struct BenchArgs {
+    #[command(flatten)]
+    scenario: ScenarioArgs,
+    /// Steps to time.
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    cycles: u64,
+    /// Print one JSON document and nothing else.
+    #[arg(long)]
+    json: bool,
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        None => {
+            let Cli { command: Some(Command::Run(args)) } = Cli::parse_from(["firmware-sim", "run", "--report", "report"]) else {
+                return ExitCode::FAILURE;
+            };
+            run(&args)
+        }
+        Some(Command::Run(args)) => run(&args),
+        Some(Command::Bench(args)) => time(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// A scenario with its planned motion.
+struct Prepared {
+    scenario: Scenario,
+    motion: Motion,
+    path: PlannedPath,
+}
+
+fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Prepared> {
+    if !(100.0..=100_000.0).contains(&args.rate_hz) {
+        bail!("--rate-hz: found {}, needed 100 to 100000", args.rate_hz);
+    }
+    let machine_path = if args.machine.exists() { args.machine.clone() } else { sample_machine(&args.machine.to_string_lossy()) };
+    if !machine_path.exists() {
+        bail!("--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis or mill-5axis", args.machine.display());
+    }
+    let machine = Machine::read(&machine_path)?;
+    let program = read_program(&args.program)?;
+    let origin_mm = match args.origin_mm.as_deref() {
+        None => middle_of_travel(&machine),
+        Some(&[x, y, z]) if [x, y, z].iter().all(|c| c.is_finite()) => [x, y, z],
+        Some(other) => bail!("--origin-mm: found {other:?}, needed three finite numbers X,Y,Z"),
+    };
+    let kelvin = args.temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);
+    let faults = faults.iter().map(|f| f.parse().map_err(|e: fault::FaultSpecError| anyhow!("--fault: {e}"))).collect::<Result<_>>()?;
+    let scenario = Scenario {
+        machine,
+        program,
+        origin_mm,
+        rate_hz: args.rate_hz,
+        seed: args.seed,
+        faults,
+        kelvin,
+        budget_ns: args.budget_ns.unwrap_or((1e8 / args.rate_hz) as u64),
+    };
+    stays_in_travel(&scenario)?;
+    let settings = MotionSettings { period_s: scenario.period_s(), ..MotionSettings::default() };
+    let motion = Motion::plan(&scenario.program, settings).map_err(|e| anyhow!("{}: {e}", scenario.program.name))?;
+    let path = PlannedPath::new(&scenario.program, scenario.origin_mm)?;
+    Ok(Prepared { scenario, motion, path })
+}
+
+fn read_program(path: &Path) -> Result<Program> {
+    let name = path.to_string_lossy();
+    if !path.exists() && let Some(program) = Program::builtin(&name) {
+        return Ok(program);
+    }
+    let text = std::fs::read(path).with_context(|| format!("cannot read the program {}", path.display()))?;
+    let text = String::from_utf8(text).map_err(|_| anyhow!("{}: found bytes that are no UTF-8, needed G-code", path.display()))?;
+    let stem = path.file_stem().map_or(name.clone(), |s| s.to_string_lossy());
+    Ok(Program::parse(&stem, &text, path)?)
+}
+
+/// A program that leaves the declared travel would only run into the plugin's stop request.
+fn stays_in_travel(scenario: &Scenario) -> Result<()> {
+    for step in &scenario.program.moves {
+        let (first, last) = step.curve.domain();
+        for i in 0..=64 {
+            let point = step.curve.position(first + (last - first) * f64::from(i) / 64.0);
+            for settings in scenario.machine.settings.axes.iter().filter(|a| !a.axis.is_rotary()) {
+                let k = settings.axis.index();
+                let (q, [low, high]) = (point[k] + scenario.origin_mm[k], settings.travel);
+                if q < low || q > high {
+                    bail!(
+                        "{}, line {}: axis {} goes to {q:.3} mm, needed within its travel {low} to {high} mm (see --origin-mm)",
+                        scenario.program.name,
+                        step.line,
+                        settings.axis.letter()
+                    );
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Calls a function that is generic over the number of axes.
+macro_rules! with_axes {
+    ($machine:expr, $function:path, ($($argument:expr),*)) => {
+        match axis_count($machine) {
+            3 => $function::<3>($($argument),*),
+            4 => $function::<4>($($argument),*),
+            5 => $function::<5>($($argument),*),
+            _ => $function::<6>($($argument),*),
+        }
+    };
+}
+
+fn run(args: &RunArgs) -> Result<()> {
+    let Prepared { scenario, motion, path } = prepare(&args.scenario, &args.fault)?;
+    let mut trace = match &args.report {
+        Some(dir) => {
+            std::fs::create_dir_all(dir).with_context(|| format!("cannot create {}", dir.display()))?;
+            Some(Trace::create(&dir.join("trace.csv"), args.trace_every)?)
+        }
+        None => None,
+    };
+    let bar = ProgressBar::new(1000).with_style(
+        ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    bar.set_message("simulating");
+    let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
+    let outcome = with_axes!(
+        &scenario.machine,
+        outcome::simulate,
+        (&scenario, &motion, &path, args.paced, trace.as_mut(), &mut tell)
+    )?;
+    bar.finish_and_clear();
+    let trace = trace.map(Trace::finish).transpose()?;
+    let page = match &args.report {
+        Some(dir) => Some(report::write(&outcome.report(&scenario), dir).with_context(|| format!("cannot write into {}", dir.display()))?),
+        None => None,
+    };
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&outcome.json(&scenario))?);
+    } else {
+        print!("{}", outcome.summary(&scenario));
+        for file in [page, trace].into_iter().flatten() {
+            println!("written  {}", file.display());
+        }
+    }
+    Ok(())
+}
+
+fn time(args: &BenchArgs) -> Result<()> {
+    if args.cycles == 0 {
+        bail!("--cycles: found 0, needed at least 1");
+    }
+    let Prepared { scenario, motion, path } = prepare(&args.scenario, &[])?;
+    let outcome = with_axes!(&scenario.machine, bench::run, (&scenario, &motion, &path, args.cycles))?;
+    let l = outcome.latency;
+    if args.json {
+        let document = json!({
+            "cycles": args.cycles,
+            "latency_ns": { "min": l.min_ns, "p50": l.p50_ns, "p99": l.p99_ns, "p99_99": l.p99_99_ns, "max": l.max_ns },
+            "budget_ns": l.budget_ns,
+            "missed_deadlines": l.missed_deadlines,
+            "steps_per_s": outcome.steps_per_s,
+        });
+        println!("{}", serde_json::to_string_pretty(&document)?);
+    } else {
+        println!("{} steps of {} on {}, wall time on this host", args.cycles, scenario.program.name, scenario.machine.settings.name);
+        println!(
+            "  min {} ns, median {} ns, 99 % {} ns, 99.99 % {} ns, max {} ns (the clock's reading included)",
+            l.min_ns, l.p50_ns, l.p99_ns, l.p99_99_ns, l.max_ns
+        );
+        println!("  {:.2} million steps a second on one core, without a clock between them", outcome.steps_per_s * 1e-6);
+    }
+    Ok(())
+}

@@ -1,0 +1,315 @@
+//! The three runs side by side: console summary, JSON, report.
+
+use crate::motion::Motion;
+use crate::path::PlannedPath;
+use crate::report::{AxisReport, ContourErrors, ContourSeries, FaultEntry, PathPoint, Report};
+use crate::scenario::Scenario;
+use crate::simulate::{self, Kind, Options, Run};
+use crate::trace::Trace;
+use anyhow::Result;
+use serde::Serialize;
+use std::fmt;
+use std::time::Instant;
+
+/// What the three runs gave.
+#[derive(Debug)]
+pub struct Outcome {
+    uncompensated: Run,
+    compensated: Run,
+    servo_only: Run,
+    cycles: u64,
+    wall_s: f64,
+}
+
+/// Simulates a scenario three times. `progress` gets the fraction done, 0 to 1.
+///
+/// # Errors
+/// The machine's tables do not build.
+pub fn simulate<const N: usize>(
+    scenario: &Scenario,
+    motion: &Motion,
+    path: &PlannedPath,
+    paced: bool,
+    mut trace: Option<&mut Trace>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Outcome> {
+    let started = Instant::now();
+    let total = 3.0 * motion.cycles() as f64;
+    let mut done = 0.0;
+    let mut run = |kind| {
+        let trace = if kind == Kind::Compensated { trace.take() } else { None };
+        let mut tell = |cycles: u64| progress((done + cycles as f64) / total);
+        let run = simulate::run::<N>(scenario, motion, path, kind, &mut Options { paced, progress: &mut tell, trace })?;
+        done += motion.cycles() as f64;
+        Ok::<Run, anyhow::Error>(run)
+    };
+    Ok(Outcome {
+        uncompensated: run(Kind::Uncompensated)?,
+        compensated: run(Kind::Compensated)?,
+        servo_only: run(Kind::ServoOnly)?,
+        cycles: motion.cycles(),
+        wall_s: started.elapsed().as_secs_f64(),
+    })
+}
+
+#[derive(Serialize)]
+struct Size {
+    max: f64,
+    rms: f64,
+}
+
+#[derive(Serialize)]
+struct ErrorJson {
+    uncompensated: Size,
+    compensated: Size,
+    servo_only: Size,
+}
+
+#[derive(Serialize)]
+struct LatencyJson {
+    min: u64,
+    p50: u64,
+    p99: u64,
+    p99_99: u64,
+    max: u64,
+}
+
+#[derive(Serialize)]
+struct FaultJson {
+    time_s: f64,
+    fault: String,
+    code: u8,
+    axis: char,
+    line: u32,
+    cycles: u64,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+pub struct Json {
+    machine: String,
+    program: String,
+    cycles: u64,
+    servo_rate_hz: f64,
+    contour_error_um: ErrorJson,
+    latency_ns: LatencyJson,
+    budget_ns: u64,
+    over_budget: u64,
+    missed_deadlines: u64,
+    faults: Vec<FaultJson>,
+    stopped: bool,
+    limited_cycles: u64,
+    simulated_s: f64,
+    wall_s: f64,
+    notes: Vec<String>,
+}
+
+impl Outcome {
+    /// Remarks on how the runs went.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = self.compensated.pace.as_ref().map(crate::pace::PaceReport::notes).unwrap_or_default();
+        if self.compensated.stopped {
+            notes.push("the compensated run was ended by a stop request".into());
+        }
+        notes
+    }
+
+    fn faults<'o>(&'o self, scenario: &'o Scenario) -> impl Iterator<Item = FaultJson> + 'o {
+        self.compensated.faults.iter().map(|span| FaultJson {
+            time_s: span.cycle as f64 * scenario.period_s(),
+            fault: format!("{:?}", span.fault),
+            code: span.fault as u8,
+            axis: span.axis.letter(),
+            line: span.line,
+            cycles: span.cycles,
+        })
+    }
+
+    /// The outcome as one JSON document.
+    pub fn json(&self, scenario: &Scenario) -> Json {
+        let size = |run: &Run| Size { max: run.error.max_um, rms: run.error.rms_um };
+        let latency = self.compensated.latency.summary();
+        Json {
+            machine: scenario.machine.settings.name.as_str().into(),
+            program: scenario.program.name.clone(),
+            cycles: self.cycles,
+            servo_rate_hz: scenario.rate_hz,
+            contour_error_um: ErrorJson {
+                uncompensated: size(&self.uncompensated),
+                compensated: size(&self.compensated),
+                servo_only: size(&self.servo_only),
+            },
+            latency_ns: LatencyJson {
+                min: latency.min_ns,
+                p50: latency.p50_ns,
+                p99: latency.p99_ns,
+                p99_99: latency.p99_99_ns,
+                max: latency.max_ns,
+            },
+            budget_ns: latency.budget_ns,
+            over_budget: latency.over_budget,
+            missed_deadlines: latency.missed_deadlines,
+            faults: self.faults(scenario).collect(),
+            stopped: self.compensated.stopped,
+            limited_cycles: self.compensated.limited_cycles,
+            simulated_s: self.cycles as f64 * scenario.period_s(),
+            wall_s: self.wall_s,
+            notes: self.notes(),
+        }
+    }
+
+    /// Everything the HTML page shows.
+    pub fn report(&self, scenario: &Scenario) -> Report {
+        let error_over_path = |run: &Run| {
+            let size = |d: [f32; 3]| f64::from((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt());
+            run.samples.iter().filter(|s| s.cutting).map(|s| [s.length_mm, size(s.deviation_um)]).collect::<Vec<_>>()
+        };
+        let mut program_lines: Vec<(f64, u32)> = Vec::new();
+        let mut length = 0.0;
+        for step in &scenario.program.moves {
+            program_lines.push((length, step.line));
+            length += step.curve.length();
+        }
+        let wide = |d: [f32; 3]| d.map(f64::from);
+        let pairs = self.uncompensated.samples.iter().zip(&self.compensated.samples);
+        let path = pairs
+            .filter(|(before, _)| before.cutting)
+            .map(|(before, after)| PathPoint {
+                nominal_mm: before.nominal_mm,
+                uncompensated_um: wide(before.deviation_um),
+                compensated_um: wide(after.deviation_um),
+            })
+            .collect();
+        let latency = &self.compensated.latency;
+        Report {
+            title: "Compensated servo step".into(),
+            machine: scenario.machine.settings.name.as_str().into(),
+            program: scenario.program.name.clone(),
+            chain: scenario.machine.settings.chain.as_str().into(),
+            servo_rate_hz: scenario.rate_hz,
+            cycles: self.cycles,
+            contour_error: ContourErrors {
+                uncompensated: self.uncompensated.error,
+                compensated: self.compensated.error,
+                servo_only: self.servo_only.error,
+            },
+            contour: ContourSeries {
+                uncompensated: error_over_path(&self.uncompensated),
+                compensated: error_over_path(&self.compensated),
+                servo_only: error_over_path(&self.servo_only),
+                program_lines,
+            },
+            path,
+            axes: self.axes(scenario),
+            latency: latency.summary(),
+            latency_buckets: latency.buckets().collect(),
+            faults: self
+                .faults(scenario)
+                .map(|f| FaultEntry {
+                    time_s: f.time_s,
+                    code: f.code.to_string(),
+                    description: format!("{} on axis {}, program line {}", f.fault, f.axis, f.line),
+                    cycles: f.cycles,
+                })
+                .collect(),
+            notes: self.notes(),
+        }
+    }
+
+    fn axes(&self, scenario: &Scenario) -> Vec<AxisReport> {
+        let period = scenario.period_s();
+        let samples = &self.compensated.samples;
+        let linear = scenario.machine.settings.axes.iter().filter(|a| !a.axis.is_rotary());
+        linear
+            .map(|settings| {
+                let k = settings.axis.index();
+                let correction: Vec<[f64; 2]> =
+                    samples.iter().enumerate().map(|(n, s)| [n as f64 * period, f64::from(s.correction_um[k])]).collect();
+                let slope = correction.windows(2).map(|w| [w[1][0], 1e-3 * (w[1][1] - w[0][1]) / period]).collect();
+                AxisReport {
+                    name: settings.axis.letter().into(),
+                    rotary: false,
+                    correction,
+                    slope,
+                    magnitude_limit: settings.limits.magnitude * 1e3,
+                    slope_limit: settings.limits.slope_per_s,
+                    acceleration_limit: settings.limits.acceleration_per_s2 * 1e-3,
+                }
+            })
+            .collect()
+    }
+
+    /// The summary for the console.
+    pub fn summary<'o>(&'o self, scenario: &'o Scenario) -> Summary<'o> {
+        Summary { outcome: self, scenario }
+    }
+}
+
+/// Prints the outcome in plain words.
+pub struct Summary<'o> {
+    outcome: &'o Outcome,
+    scenario: &'o Scenario,
+}
+
+impl fmt::Display for Summary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Outcome { uncompensated: before, compensated: after, servo_only: servo, .. } = self.outcome;
+        let s = self.scenario;
+        let simulated = self.outcome.cycles as f64 * s.period_s();
+        writeln!(f, "machine  {} ({})", s.machine.settings.name, s.machine.settings.chain)?;
+        writeln!(f, "program  {}, {:.1} s at {} Hz, {} servo cycles", s.program.name, simulated, s.rate_hz, self.outcome.cycles)?;
+        writeln!(f)?;
+        writeln!(f, "true contour error of the tool tip while cutting      largest        RMS")?;
+        for (name, run) in [
+            ("without compensation", before),
+            ("with compensation", after),
+            ("servo alone (perfect geometry)", servo),
+        ] {
+            writeln!(f, "  {name:<46} {:>9.3} µm {:>7.3} µm", run.error.max_um, run.error.rms_um)?;
+        }
+        if before.error.max_um > 0.0 && before.error.rms_um > 0.0 {
+            writeln!(
+                f,
+                "  what is left                                   {:>9.1} %  {:>7.1} %",
+                100.0 * after.error.max_um / before.error.max_um,
+                100.0 * after.error.rms_um / before.error.rms_um
+            )?;
+        }
+        let latency = after.latency.summary();
+        writeln!(f)?;
+        writeln!(f, "cost of one step, wall time on this host (shown, never gated)")?;
+        writeln!(
+            f,
+            "  min {} ns, median {} ns, 99 % {} ns, 99.99 % {} ns, max {} ns; budget {} ns, period {} ns",
+            latency.min_ns,
+            latency.p50_ns,
+            latency.p99_ns,
+            latency.p99_99_ns,
+            latency.max_ns,
+            latency.budget_ns,
+            latency.period_ns
+        )?;
+        writeln!(f, "  over budget {}, missed deadlines {}", latency.over_budget, latency.missed_deadlines)?;
+        writeln!(
+            f,
+            "  three runs in {:.1} s: {:.0} times real time each",
+            self.outcome.wall_s,
+            3.0 * simulated / self.outcome.wall_s.max(1e-9)
+        )?;
+        writeln!(f)?;
+        if after.faults.is_empty() {
+            writeln!(f, "faults   none")?;
+        }
+        for fault in self.outcome.faults(s) {
+            writeln!(
+                f,
+                "fault    {:.4} s, line {}: {} on axis {}, {} cycles",
+                fault.time_s, fault.line, fault.fault, fault.axis, fault.cycles
+            )?;
+        }
+        for note in self.outcome.notes() {
+            writeln!(f, "note     {note}")?;
+        }
+        Ok(())
+    }
+}

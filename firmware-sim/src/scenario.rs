@@ -1,0 +1,58 @@
+//! What is simulated: machine, program, rate, seed, faults.
+
+use crate::plant::fault::Injection;
+use crate::program::Program;
+use std::path::PathBuf;
+use trueaxis_tables::Machine;
+
+/// One simulation.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// The machine, whose tables the plant has as its true errors and the plugin as its knowledge of them.
+    pub machine: Machine,
+    /// The part program.
+    pub program: Program,
+    /// Program zero in machine coordinates, mm.
+    pub origin_mm: [f64; 3],
+    /// Servo rate.
+    pub rate_hz: f64,
+    /// Seed of the encoders' noise.
+    pub seed: u64,
+    /// Injected faults.
+    pub faults: Vec<Injection>,
+    /// Kelvin above the reference temperature that the plugin is told.
+    pub kelvin: f64,
+    /// Time a step may take, ns.
+    pub budget_ns: u64,
+}
+
+impl Scenario {
+    /// Servo period, s.
+    pub fn period_s(&self) -> f64 {
+        1.0 / self.rate_hz
+    }
+
+    /// Servo period, ns.
+    pub fn period_ns(&self) -> u32 {
+        (1e9 / self.rate_hz).round() as u32
+    }
+}
+
+/// Where the sample machines lie: below the working directory if they are there, else in the source tree.
+pub fn sample_machine(name: &str) -> PathBuf {
+    let local = PathBuf::from("compensation-tables").join(name);
+    if local.is_dir() {
+        return local;
+    }
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../compensation-tables")).join(name)
+}
+
+/// Program zero unless it is given: the middle of the declared travels.
+pub fn middle_of_travel(machine: &Machine) -> [f64; 3] {
+    let mut middle = [0.0; 3];
+    for settings in machine.settings.axes.iter().filter(|a| !a.axis.is_rotary()) {
+        let [low, high] = settings.travel;
+        middle[settings.axis.index()] = 0.5 * (low + high);
+    }
+    middle
+}

@@ -1,0 +1,327 @@
+//! The run: every servo cycle goes through `step` against the simulated machine.
+
+use crate::latency::Latency;
+use crate::motion::{Motion, Setpoint};
+use crate::pace::{self, Pace, PaceReport};
+use crate::path::PlannedPath;
+use crate::plant::Plant;
+use crate::report::ErrorSize;
+use crate::scenario::Scenario;
+use crate::trace::Trace;
+use crate::truth;
+use anyhow::{Context, Result, anyhow};
+use glam::DVec3;
+use std::ops::ControlFlow;
+use std::time::Instant;
+use trueaxis::compensation::{Storage, ThermalLine, step_axes};
+use trueaxis::contour::{Method, Path};
+use trueaxis::tcomp::Tcomp;
+use trueaxis::{Axis, Config, Fault, Input, Output, ServoLoop, State};
+
+/// Which of the three runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The machine as it is, the plugin disabled.
+    Uncompensated,
+    /// The plugin enabled.
+    Compensated,
+    /// A machine with perfect geometry and no lost motion: what the servo alone leaves.
+    ServoOnly,
+}
+
+/// A fault that the plugin reported, over consecutive cycles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaultSpan {
+    /// What.
+    pub fault: Fault,
+    /// On which axis.
+    pub axis: Axis,
+    /// First cycle, counted from the start of the program.
+    pub cycle: u64,
+    /// How many cycles.
+    pub cycles: u64,
+    /// Program line.
+    pub line: u32,
+}
+
+/// What a cycle of a run leaves for the plots.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// Arc length along the program, mm.
+    pub length_mm: f64,
+    /// Programmed point in machine coordinates, mm.
+    pub nominal_mm: [f64; 3],
+    /// True tip from the nearest point of the path, µm.
+    pub deviation_um: [f32; 3],
+    /// Correction sent to X, Y, Z, µm.
+    pub correction_um: [f32; 3],
+    /// Contour error that the plugin reports for the estimated tip, µm.
+    pub estimated_um: f32,
+    /// Cutting, not positioning at rapid.
+    pub cutting: bool,
+}
+
+/// The outcome of one run.
+#[derive(Debug)]
+pub struct Run {
+    /// Every cycle, in order.
+    pub samples: Vec<Sample>,
+    /// Contour error of the true tip while cutting.
+    pub error: ErrorSize,
+    /// Faults reported.
+    pub faults: Vec<FaultSpan>,
+    /// Cost of every step.
+    pub latency: Latency,
+    /// Cycles in which an axis' correction was limited.
+    pub limited_cycles: u64,
+    /// Stopped by a stop request.
+    pub stopped: bool,
+    /// How pacing went, if it was asked for.
+    pub pace: Option<PaceReport>,
+}
+
+/// Cycles of a stopped run that are still simulated, to show that the output holds.
+const CYCLES_AFTER_STOP: u64 = 200;
+
+/// How the runs are carried out.
+pub struct Options<'o> {
+    /// Run at the real rate.
+    pub paced: bool,
+    /// Called every thousand cycles with the number done.
+    pub progress: &'o mut dyn FnMut(u64),
+    /// Where every cycle of the compensated run is written.
+    pub trace: Option<&'o mut Trace>,
+}
+
+/// Simulates one run of a scenario on a machine of `N` axes.
+///
+/// # Errors
+/// The machine's tables do not build.
+pub fn run<const N: usize>(
+    scenario: &Scenario,
+    motion: &Motion,
+    path: &PlannedPath,
+    kind: Kind,
+    options: &mut Options<'_>,
+) -> Result<Run> {
+    with_loop::<N, _>(scenario, |servo| {
+        let mut cell = Cell::<N>::new(scenario, motion, path, kind, servo)?;
+        cell.settle();
+        let mut setpoints = motion.setpoints();
+        let mut cycle = 0u64;
+        let mut advance = |options: &mut Options<'_>| -> ControlFlow<()> {
+            let Some(setpoint) = setpoints.next() else { return ControlFlow::Break(()) };
+            cell.cycle(&setpoint, cycle, options.trace.as_deref_mut());
+            cycle += 1;
+            if cycle.is_multiple_of(1000) {
+                (options.progress)(cycle);
+            }
+            if cell.stopped_for > CYCLES_AFTER_STOP { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let mut pace = None;
+        if options.paced && kind == Kind::Compensated {
+            // The real-time thread writes no file and draws no bar.
+            let mut silent = |_| {};
+            let mut quiet = Options { paced: true, progress: &mut silent, trace: None };
+            pace = Some(pace::run(&Pace::new(scenario.period_ns().into()), |_| advance(&mut quiet)));
+        } else {
+            while advance(options).is_continue() {}
+        }
+        Ok(cell.finish(pace))
+    })
+}
+
+/// Builds the servo loop of a scenario from its compiled tables, as a controller would, and lends it out.
+///
+/// # Errors
+/// The tables do not compile or build.
+pub fn with_loop<const N: usize, T>(
+    scenario: &Scenario,
+    user: impl FnOnce(&ServoLoop<'_, f64, f64, N>) -> Result<T>,
+) -> Result<T> {
+    let bytes = trueaxis_tables::compile(&scenario.machine).map_err(|e| anyhow!("{e}"))?;
+    let tcomp = Tcomp::parse(&bytes).map_err(|e| anyhow!("compiled tables: {e}"))?;
+    let rows = |axis: Axis| tcomp.table(axis);
+    let config = Config {
+        machine: tcomp.settings(),
+        machine_id: tcomp.machine_id(),
+        tables_crc: tcomp.crc(),
+        period_ns: scenario.period_ns(),
+        inverse_passes: tcomp.inverse_passes(),
+        method: Method::Guarded,
+    };
+    let need = config.requirement::<f64, f64, N, _>(rows);
+    let (mut lines, mut knots, mut guide) = (vec![[0.0; 4]; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
+    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
+    let servo = config.build::<f64, f64, N, _>(rows, storage).map_err(|e| anyhow!("{e}"))?;
+    user(&servo)
+}
+
+/// Interpolator, plugin and machine of one run.
+struct Cell<'c, 'a, const N: usize> {
+    scenario: &'c Scenario,
+    servo: &'c ServoLoop<'a, f64, f64, N>,
+    state: State<f64, f64, N>,
+    plant: Plant<N>,
+    path: &'c PlannedPath,
+    motion: &'c Motion,
+    axes: [Axis; N],
+    kind: Kind,
+    origin: DVec3,
+    feedback: [f64; N],
+    elapsed_periods: f64,
+    stopped_for: u64,
+    squares: f64,
+    cutting: u64,
+    span: u32,
+    run: Run,
+}
+
+impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
+    fn new(
+        scenario: &'c Scenario,
+        motion: &'c Motion,
+        path: &'c PlannedPath,
+        kind: Kind,
+        servo: &'c ServoLoop<'a, f64, f64, N>,
+    ) -> Result<Self> {
+        let mut state = servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
+        let axes = step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?;
+        for (place, axis) in axes.iter().enumerate() {
+            if let Some(settings) = scenario.machine.settings.axes.iter().find(|a| a.axis == *axis) {
+                let line = ThermalLine::for_axis(&settings.thermal, scenario.kelvin)
+                    .with_context(|| format!("thermal growth of axis {} at {} K", axis.letter(), scenario.kelvin))?;
+                state.set_thermal(place, line);
+            }
+        }
+        let faults = if kind == Kind::ServoOnly { &[][..] } else { &scenario.faults[..] };
+        let perfect = kind == Kind::ServoOnly;
+        Ok(Cell {
+            scenario,
+            servo,
+            state,
+            plant: Plant::new(&scenario.machine, perfect, scenario.seed, scenario.period_s(), faults),
+            path,
+            motion,
+            axes,
+            kind,
+            origin: DVec3::from(scenario.origin_mm),
+            feedback: [0.0; N],
+            elapsed_periods: 1.0,
+            stopped_for: 0,
+            squares: 0.0,
+            cutting: 0,
+            span: 0,
+            run: Run {
+                samples: Vec::with_capacity(motion.cycles() as usize),
+                error: ErrorSize::default(),
+                faults: Vec::new(),
+                latency: Latency::new(scenario.budget_ns, scenario.period_ns().into()),
+                limited_cycles: 0,
+                stopped: false,
+                pace: None,
+            },
+        })
+    }
+
+    /// At rest on the first point until the correction has been led in, as a machine is switched on before it cuts.
+    fn settle(&mut self) {
+        let Some(first) = self.motion.setpoints().next() else { return };
+        let position = self.command(&first);
+        self.feedback = position;
+        let limits = self.scenario.machine.settings.axes.iter().map(|a| a.limits);
+        let slowest = limits.map(|l| l.magnitude / l.slope_per_s + l.slope_per_s / l.acceleration_per_s2).fold(0.0, f64::max);
+        for _ in 0..(1.2 * slowest.min(2.0) * self.scenario.rate_hz) as u64 {
+            self.exchange(&first, position);
+        }
+    }
+
+    fn command(&self, setpoint: &Setpoint) -> [f64; N] {
+        let point = DVec3::from(setpoint.position) + self.origin;
+        let mut command = [0.0; N];
+        for (to, from) in command.iter_mut().zip(point.to_array()) {
+            *to = from;
+        }
+        command
+    }
+
+    /// One servo period: plugin, then drives and encoders.
+    fn exchange(&mut self, setpoint: &Setpoint, mut command: [f64; N]) -> (Output<f64, f64, N>, u64) {
+        self.plant.spoil(&mut command);
+        let input = Input {
+            command,
+            feedback: self.feedback,
+            encoder_alarm: 0,
+            elapsed_ns: (self.elapsed_periods * f64::from(self.scenario.period_ns())) as u32,
+            homed: true,
+            enable: self.kind == Kind::Compensated,
+            reset: false,
+        };
+        let reference = self.path.reference(setpoint.move_index, setpoint.u, &mut self.span);
+        let path = Path::new(&self.path.spans, 0, false);
+        let start = Instant::now();
+        let output = self.servo.step(&mut self.state, &input, &path, reference);
+        let nanoseconds = start.elapsed().as_nanos() as u64;
+        let readings = self.plant.cycle(&output.drive);
+        self.feedback = readings.position;
+        self.elapsed_periods = readings.elapsed_periods;
+        (output, nanoseconds)
+    }
+
+    fn cycle(&mut self, setpoint: &Setpoint, cycle: u64, trace: Option<&mut Trace>) {
+        let command = self.command(setpoint);
+        let (output, nanoseconds) = self.exchange(setpoint, command);
+        self.run.latency.record(nanoseconds);
+        let tip = DVec3::from(self.plant.true_tip());
+        let place = (setpoint.move_index, setpoint.u);
+        let deviation = 1e3 * truth::deviation(&self.scenario.program, self.origin, place, tip);
+        let step = &self.scenario.program.moves[setpoint.move_index];
+        let cutting = !step.rapid;
+        if cutting && self.stopped_for == 0 {
+            self.squares += deviation.length_squared();
+            self.cutting += 1;
+            self.run.error.max_um = self.run.error.max_um.max(deviation.length());
+        }
+        if output.record.limited != 0 {
+            self.run.limited_cycles += 1;
+        }
+        self.note_fault(&output, cycle, step.line);
+        if output.stop_requested() {
+            self.run.stopped = true;
+            self.stopped_for += 1;
+        }
+        let correction = &output.record.correction;
+        let sample = Sample {
+            length_mm: setpoint.length,
+            nominal_mm: (DVec3::from(setpoint.position) + self.origin).to_array(),
+            deviation_um: deviation.as_vec3().to_array(),
+            correction_um: [correction[0], correction[1], correction[2]].map(|c| (c * 1e3) as f32),
+            estimated_um: (output.record.tip.error * 1e3) as f32,
+            cutting,
+        };
+        if let Some(trace) = trace {
+            trace.row(cycle as f64 * self.scenario.period_s(), step.line, &sample, &output);
+        }
+        self.run.samples.push(sample);
+    }
+
+    fn note_fault(&mut self, output: &Output<f64, f64, N>, cycle: u64, line: u32) {
+        let fault = output.record.fault;
+        if fault == Fault::None {
+            return;
+        }
+        let axis = self.axes.get(usize::from(output.record.fault_axis)).copied().unwrap_or(Axis::X);
+        match self.run.faults.last_mut() {
+            Some(last) if last.fault == fault && last.axis == axis && last.cycle + last.cycles == cycle => last.cycles += 1,
+            _ => self.run.faults.push(FaultSpan { fault, axis, cycle, cycles: 1, line }),
+        }
+    }
+
+    fn finish(mut self, pace: Option<PaceReport>) -> Run {
+        if self.cutting > 0 {
+            self.run.error.rms_um = (self.squares / self.cutting as f64).sqrt();
+        }
+        self.run.pace = pace;
+        self.run
+    }
+}
