@@ -53,7 +53,7 @@ impl DriveSettings {
             reset_time_s: 0.006,
             current_loop_s: 2.5e-4,
             force_limit_mm_per_s2: 10_000.0,
-            coulomb_mm_per_s2: 250.0 * friction,
+            coulomb_mm_per_s2: 420.0 * friction,
             stribeck_share: 0.3,
             stribeck_velocity_mm_per_s: 2.0,
             presliding_mm: 0.006,

@@ -101,8 +101,7 @@ mod tests {
 
     #[test]
     fn subdivisional_error_has_its_two_harmonics() {
-        let settings =
-            EncoderSettings { resolution_mm: 1e-9, noise_rms_mm: 0.0, ..EncoderSettings::of(Axis::X) };
+        let settings = EncoderSettings { resolution_mm: 1e-9, noise_rms_mm: 0.0, ..EncoderSettings::of(Axis::X) };
         let mut encoder = Encoder::new(settings, Axis::X, 1);
         let n = 4096;
         let mut amplitude = [0.0; 4];

@@ -274,19 +274,12 @@ fn into_frame(frame: &DAffine3, point: DVec3) -> DVec3 {
 fn rotation(w: DVec3) -> DMat3 {
     let square = w.length_squared();
     let (a, b) = if square < 1e-4 {
-        (
-            1.0 - square / 6.0 * (1.0 - square / 20.0),
-            0.5 - square / 24.0 * (1.0 - square / 30.0),
-        )
+        (1.0 - square / 6.0 * (1.0 - square / 20.0), 0.5 - square / 24.0 * (1.0 - square / 30.0))
     } else {
         let angle = square.sqrt();
         (angle.sin() / angle, (1.0 - angle.cos()) / square)
     };
-    let cross = DMat3::from_cols(
-        DVec3::new(0.0, w.z, -w.y),
-        DVec3::new(-w.z, 0.0, w.x),
-        DVec3::new(w.y, -w.x, 0.0),
-    );
+    let cross = DMat3::from_cols(DVec3::new(0.0, w.z, -w.y), DVec3::new(-w.z, 0.0, w.x), DVec3::new(w.y, -w.x, 0.0));
     let outer = DMat3::from_cols(w * w.x, w * w.y, w * w.z);
     DMat3::from_diagonal(DVec3::splat(1.0 - b * square)) + cross * a + outer * b
 }

@@ -24,6 +24,8 @@ use trueaxis::machine::{AXES, Axis, AxisSettings};
 use trueaxis_tables::{Machine, Table};
 
 #[cfg(test)]
+mod sample;
+#[cfg(test)]
 mod tests;
 
 /// Play of an axis whose table differs with the direction of travel in no component of its own, mm (deg).
@@ -177,8 +179,7 @@ impl Plant {
             .acting(self.cycle, self.period_s)
             .filter_map(|kind| if let FaultKind::Late(periods) = kind { Some(periods) } else { None })
             .fold(1.0, f64::max);
-        let mut readings =
-            Readings { counts: [0; AXES], position: [0.0; AXES], valid: [true; AXES], elapsed_periods };
+        let mut readings = Readings { counts: [0; AXES], position: [0.0; AXES], valid: [true; AXES], elapsed_periods };
         for (i, (station, &command)) in self.stations.iter_mut().zip(drive_command).enumerate() {
             let resolution = station.encoder.resolution();
             let before = station.drive.position();

@@ -115,7 +115,6 @@ fn pchip_slopes(x: &[f64], y: &[f64], wraps: bool) -> Vec<f64> {
             slope
         }
     };
-    let (first, last) =
-        if wraps { (inside(m - 1, 0), inside(m - 1, 0)) } else { (end(0, 1), end(m - 1, m - 2)) };
+    let (first, last) = if wraps { (inside(m - 1, 0), inside(m - 1, 0)) } else { (end(0, 1), end(m - 1, m - 2)) };
     std::iter::once(first).chain((1..m).map(|k| inside(k - 1, k))).chain(std::iter::once(last)).collect()
 }
