@@ -114,7 +114,7 @@ impl Drive {
         self.velocity
     }
 
-    /// One servo cycle that the drive takes `periods` periods over (1 unless the control is late).
+    /// One servo cycle that the drive takes `periods` periods over (1 unless the control is late, at most 1000).
     ///
     /// `command`: where the axis should be at the end of the period; a command that is not finite is ignored, the last one
     /// holds. `measured`: the encoder's reading at the end of the previous cycle, which closes the position loop:
@@ -131,7 +131,7 @@ impl Drive {
             self.advance(reference, self.step_s, self.current_share);
         }
         self.command = command;
-        let mut overdue = (periods - 1.0) * self.period_s;
+        let mut overdue = (periods.min(1000.0) - 1.0) * self.period_s;
         while overdue > 0.0 {
             // Until the late control shows up the drive stays on the last set point, without feed-forward.
             let step = overdue.min(self.step_s);
@@ -186,7 +186,7 @@ impl LostMotion {
     /// Follows the encoder's side by `travel` mm (deg).
     pub fn follow(&mut self, travel: f64) {
         let moved = if self.width > 0.0 { travel / self.width } else { travel * f64::MAX };
-        self.reverse = (self.reverse - moved).max(0.0).min(1.0);
+        self.reverse = (self.reverse - moved).clamp(0.0, 1.0);
     }
 
     /// Share of the play that is traversed: 0 in positive travel, 1 in negative travel.
@@ -242,6 +242,18 @@ mod tests {
             drive.cycle(bad, 3.0, 1.0);
         }
         assert_eq!(drive.position(), 3.0);
+    }
+
+    #[test]
+    fn absurd_commands_leave_the_state_finite() {
+        let mut drive = Drive::new(DriveSettings::of(Axis::X), 1e-4);
+        for bad in [f64::MAX, f64::MIN, f64::MAX, 1e200, 0.0] {
+            drive.cycle(bad, drive.position(), 2.5);
+        }
+        for _ in 0..50_000 {
+            drive.cycle(0.0, drive.position(), 1.0);
+        }
+        assert!(drive.position().abs() < 1e-3, "{}", drive.position());
     }
 
     #[test]

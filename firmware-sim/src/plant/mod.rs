@@ -28,7 +28,7 @@ mod sample;
 #[cfg(test)]
 mod tests;
 
-/// Play of an axis whose table differs with the direction of travel in no component of its own, mm (deg).
+/// Play of an axis without backlash whose own positioning error does not depend on the direction of travel, mm (deg).
 const SMALLEST_PLAY: f64 = 1e-3;
 
 /// Why a plant cannot be built.

@@ -27,7 +27,7 @@ fn plant(machine: &Machine, perfect: bool, seed: u64) -> Plant {
     Plant::new(machine, PlantSettings::default(), perfect, seed, PERIOD).unwrap()
 }
 
-/// Command on a circle in XY about the origin, one turn after `start_s` of smooth run-up.
+/// Command on a circle in XY about the origin, run up to its feed within half a second.
 fn circle(radius: f64, feed: f64, t: f64) -> [f64; AXES] {
     let run_up = 0.5;
     let travel = if t < run_up { feed * t * t / (2.0 * run_up) } else { feed * (t - run_up / 2.0) };
@@ -35,7 +35,7 @@ fn circle(radius: f64, feed: f64, t: f64) -> [f64; AXES] {
     [radius * angle.cos(), radius * angle.sin(), 0.0, 0.0, 0.0, 0.0]
 }
 
-/// Radial deviation over one turn after the run-up, µm, by angle: plain samples (angle, deviation).
+/// Angle (rad) and radial deviation (µm) of the true tip over one turn after the run-up.
 fn radial(plant: &mut Plant, radius: f64, feed: f64) -> Vec<(f64, f64)> {
     plant.rest_at(&circle(radius, feed, 0.0));
     let turn_s = TAU * radius / feed;
@@ -91,7 +91,7 @@ fn a_perfect_machine_stays_round_but_for_its_quadrants() {
             count += 1.0;
         }
     }
-    let rms = (smooth / count as f64).sqrt();
+    let rms = (smooth / f64::max(count, 1.0)).sqrt();
     println!("circle R 50 mm, 1500 mm/min: worst {worst:.2} µm, glitches {glitches:.2?} µm, rms elsewhere {rms:.2} µm");
     assert!(glitches.iter().all(|glitch| (1.0..3.0).contains(glitch)), "{glitches:?}");
     assert!((0.05..1.0).contains(&rms), "{rms}");
@@ -99,12 +99,12 @@ fn a_perfect_machine_stays_round_but_for_its_quadrants() {
 }
 
 #[test]
-fn reversals_are_round_bumps_at_other_feeds_and_radii_too() {
+fn circles_of_other_radii_and_feeds_stay_round_too() {
     for (radius, feed) in [(10.0, 16.0), (100.0, 50.0), (25.0, 80.0)] {
         let mut plant = plant(&machine("w X' b Y Z t"), true, 1);
         let worst = radial(&mut plant, radius, feed).iter().map(|s| s.1.abs()).fold(0.0, f64::max);
         println!("circle R {radius} mm, {feed} mm/s: worst {worst:.2} µm");
-        assert!((0.3..25.0).contains(&worst), "{worst}");
+        assert!((0.5..4.0).contains(&worst), "{worst}");
     }
 }
 
