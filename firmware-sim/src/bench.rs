@@ -54,7 +54,8 @@ pub fn run<const N: usize>(scenario: &Scenario, motion: &Motion, path: &PlannedP
     with_loop::<N, _>(scenario, |servo| {
         let view = Path::new(&path.spans, 0, false);
         let rounds = || (0..cycles).zip(prepared.iter().cycle());
-        let fresh = || servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"));
+        let fresh =
+            || servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"));
         let mut latency = Latency::new(scenario.budget_ns, scenario.period_ns().into());
         let mut state = fresh()?;
         for (_, (input, reference)) in rounds() {

@@ -96,7 +96,9 @@ struct BenchArgs {
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         None => {
-            let Cli { command: Some(Command::Run(args)) } = Cli::parse_from(["firmware-sim", "run", "--report", "report"]) else {
+            let Cli { command: Some(Command::Run(args)) } =
+                Cli::parse_from(["firmware-sim", "run", "--report", "report"])
+            else {
                 return ExitCode::FAILURE;
             };
             run(&args)
@@ -124,9 +126,13 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Prepared> {
     if !(100.0..=100_000.0).contains(&args.rate_hz) {
         bail!("--rate-hz: found {}, needed 100 to 100000", args.rate_hz);
     }
-    let machine_path = if args.machine.exists() { args.machine.clone() } else { sample_machine(&args.machine.to_string_lossy()) };
+    let machine_path =
+        if args.machine.exists() { args.machine.clone() } else { sample_machine(&args.machine.to_string_lossy()) };
     if !machine_path.exists() {
-        bail!("--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis or mill-5axis", args.machine.display());
+        bail!(
+            "--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis or mill-5axis",
+            args.machine.display()
+        );
     }
     let machine = Machine::read(&machine_path)?;
     let program = read_program(&args.program)?;
@@ -136,7 +142,10 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Prepared> {
         Some(other) => bail!("--origin-mm: found {other:?}, needed three finite numbers X,Y,Z"),
     };
     let kelvin = args.temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);
-    let faults = faults.iter().map(|f| f.parse().map_err(|e: fault::FaultSpecError| anyhow!("--fault: {e}"))).collect::<Result<_>>()?;
+    let faults = faults
+        .iter()
+        .map(|f| f.parse().map_err(|e: fault::FaultSpecError| anyhow!("--fault: {e}")))
+        .collect::<Result<_>>()?;
     let scenario = Scenario {
         machine,
         program,
@@ -156,11 +165,14 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Prepared> {
 
 fn read_program(path: &Path) -> Result<Program> {
     let name = path.to_string_lossy();
-    if !path.exists() && let Some(program) = Program::builtin(&name) {
+    if !path.exists()
+        && let Some(program) = Program::builtin(&name)
+    {
         return Ok(program);
     }
     let text = std::fs::read(path).with_context(|| format!("cannot read the program {}", path.display()))?;
-    let text = String::from_utf8(text).map_err(|_| anyhow!("{}: found bytes that are no UTF-8, needed G-code", path.display()))?;
+    let text = String::from_utf8(text)
+        .map_err(|_| anyhow!("{}: found bytes that are no UTF-8, needed G-code", path.display()))?;
     let stem = path.file_stem().map_or(name.clone(), |s| s.to_string_lossy());
     Ok(Program::parse(&stem, &text, path)?)
 }
@@ -222,7 +234,10 @@ fn run(args: &RunArgs) -> Result<()> {
     bar.finish_and_clear();
     let trace = trace.map(Trace::finish).transpose()?;
     let page = match &args.report {
-        Some(dir) => Some(report::write(&outcome.report(&scenario), dir).with_context(|| format!("cannot write into {}", dir.display()))?),
+        Some(dir) => Some(
+            report::write(&outcome.report(&scenario), dir)
+                .with_context(|| format!("cannot write into {}", dir.display()))?,
+        ),
         None => None,
     };
     if args.json {
@@ -253,12 +268,18 @@ fn time(args: &BenchArgs) -> Result<()> {
         });
         println!("{}", serde_json::to_string_pretty(&document)?);
     } else {
-        println!("{} steps of {} on {}, wall time on this host", args.cycles, scenario.program.name, scenario.machine.settings.name);
+        println!(
+            "{} steps of {} on {}, wall time on this host",
+            args.cycles, scenario.program.name, scenario.machine.settings.name
+        );
         println!(
             "  min {} ns, median {} ns, 99 % {} ns, 99.99 % {} ns, max {} ns (the clock's reading included)",
             l.min_ns, l.p50_ns, l.p99_ns, l.p99_99_ns, l.max_ns
         );
-        println!("  {:.2} million steps a second on one core, without a clock between them", outcome.steps_per_s * 1e-6);
+        println!(
+            "  {:.2} million steps a second on one core, without a clock between them",
+            outcome.steps_per_s * 1e-6
+        );
     }
     Ok(())
 }

@@ -223,8 +223,11 @@ impl Outcome {
         linear
             .map(|settings| {
                 let k = settings.axis.index();
-                let correction: Vec<[f64; 2]> =
-                    samples.iter().enumerate().map(|(n, s)| [n as f64 * period, f64::from(s.correction_um[k])]).collect();
+                let correction: Vec<[f64; 2]> = samples
+                    .iter()
+                    .enumerate()
+                    .map(|(n, s)| [n as f64 * period, f64::from(s.correction_um[k])])
+                    .collect();
                 let slope = correction.windows(2).map(|w| [w[1][0], 1e-3 * (w[1][1] - w[0][1]) / period]).collect();
                 AxisReport {
                     name: settings.axis.letter().into(),
@@ -257,14 +260,16 @@ impl fmt::Display for Summary<'_> {
         let s = self.scenario;
         let simulated = self.outcome.cycles as f64 * s.period_s();
         writeln!(f, "machine  {} ({})", s.machine.settings.name, s.machine.settings.chain)?;
-        writeln!(f, "program  {}, {:.1} s at {} Hz, {} servo cycles", s.program.name, simulated, s.rate_hz, self.outcome.cycles)?;
+        writeln!(
+            f,
+            "program  {}, {:.1} s at {} Hz, {} servo cycles",
+            s.program.name, simulated, s.rate_hz, self.outcome.cycles
+        )?;
         writeln!(f)?;
         writeln!(f, "true contour error of the tool tip while cutting      largest        RMS")?;
-        for (name, run) in [
-            ("without compensation", before),
-            ("with compensation", after),
-            ("servo alone (perfect geometry)", servo),
-        ] {
+        for (name, run) in
+            [("without compensation", before), ("with compensation", after), ("servo alone (perfect geometry)", servo)]
+        {
             writeln!(f, "  {name:<46} {:>9.3} µm {:>7.3} µm", run.error.max_um, run.error.rms_um)?;
         }
         if before.error.max_um > 0.0 && before.error.rms_um > 0.0 {

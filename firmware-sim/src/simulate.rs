@@ -185,7 +185,8 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         kind: Kind,
         servo: &'c ServoLoop<'a, f64, f64, N>,
     ) -> Result<Self> {
-        let mut state = servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
+        let mut state =
+            servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
         let axes = step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?;
         for (place, axis) in axes.iter().enumerate() {
             if let Some(settings) = scenario.machine.settings.axes.iter().find(|a| a.axis == *axis) {
@@ -230,7 +231,8 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let position = self.command(&first);
         self.feedback = position;
         let limits = self.scenario.machine.settings.axes.iter().map(|a| a.limits);
-        let slowest = limits.map(|l| l.magnitude / l.slope_per_s + l.slope_per_s / l.acceleration_per_s2).fold(0.0, f64::max);
+        let slowest =
+            limits.map(|l| l.magnitude / l.slope_per_s + l.slope_per_s / l.acceleration_per_s2).fold(0.0, f64::max);
         for _ in 0..(1.2 * slowest.min(2.0) * self.scenario.rate_hz) as u64 {
             self.exchange(&first, position);
         }
@@ -312,7 +314,9 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         }
         let axis = self.axes.get(usize::from(output.record.fault_axis)).copied().unwrap_or(Axis::X);
         match self.run.faults.last_mut() {
-            Some(last) if last.fault == fault && last.axis == axis && last.cycle + last.cycles == cycle => last.cycles += 1,
+            Some(last) if last.fault == fault && last.axis == axis && last.cycle + last.cycles == cycle => {
+                last.cycles += 1
+            }
             _ => self.run.faults.push(FaultSpan { fault, axis, cycle, cycles: 1, line }),
         }
     }

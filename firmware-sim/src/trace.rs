@@ -28,7 +28,8 @@ impl Trace {
     /// The file cannot be written.
     pub fn create(path: &Path, every: u64) -> Result<Trace> {
         let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
-        let mut trace = Trace { file: BufWriter::new(file), path: path.into(), every: every.max(1), count: 0, failure: None };
+        let mut trace =
+            Trace { file: BufWriter::new(file), path: path.into(), every: every.max(1), count: 0, failure: None };
         writeln!(trace.file, "{HEADER}").with_context(|| format!("cannot write {}", path.display()))?;
         Ok(trace)
     }

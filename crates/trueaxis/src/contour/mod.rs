@@ -1,1 +1,120 @@
-//! Contour error.
+//! Contour error: the true distance of the tool from the programmed path, every servo period.
+//!
+//! The foot point is where the derivative of the distance changes from − to +: `g(u) = (P(u) − P_a)·P'(u)`, which has the
+//! same zeros as the derivative of |P − P_a|, needs no root and is defined when the tool lies on the path. A change from
+//! + to − is a maximum and never taken.
+//!
+//! - [`Segment`]s (lines, arcs in any plane, helices, splines to degree 5) are converted once into [`Span`]s;
+//! - in a cycle, the search starts at the last foot plus the reference's progress. As a rule one call of the kernel
+//!   ends it; else it descends, brackets and refines, across borders and corners, within a window of
+//!   `5 µm + 4 × progress`. At most eight evaluations of the path in all;
+//! - with no foot known (first cycle, after a fault, lost) the way around the reference is looked over in several cycles.
+//!
+//! Source: Han Jiang et al., CN110161966A, bracket and bisect the derivative of the distance. Corrected: the published rule
+//! takes maxima too, compares signed derivatives where distances count, and searches around the reference instead of the
+//! last foot, which loses the path behind a narrow bend.
+
+mod convert;
+mod kernel;
+mod offline;
+mod refine;
+mod search;
+mod span;
+
+pub use convert::{PathError, Segment, convert};
+pub use search::{ContourSearch, ContourState, Method};
+pub use span::{Form, Path, Reference, Span};
+
+use crate::real::Real;
+use serde::{Deserialize, Serialize};
+
+/// How a contour error was found, as bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Flags(u8);
+
+impl Flags {
+    /// The foot is a minimum of the distance, bracketed by − and +.
+    pub const BRACKETED: Flags = Flags(1);
+    /// The foot is an end of an open path.
+    pub const AT_END: Flags = Flags(2);
+    /// The foot is a corner between two pieces.
+    pub const AT_CORNER: Flags = Flags(4);
+    /// A second minimum may be near.
+    pub const SECOND_MINIMUM: Flags = Flags(8);
+    /// No foot was known from the last cycle; the way around the reference is being looked over.
+    pub const COLD: Flags = Flags(16);
+    /// There is no path, or no belief in the readings: nothing was measured.
+    pub const NOT_FOUND: Flags = Flags(32);
+
+    /// Whether all bits of `other` are set.
+    pub const fn has(self, other: Flags) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Both.
+    #[must_use]
+    pub const fn and(self, other: Flags) -> Flags {
+        Flags(self.0 | other.0)
+    }
+
+    /// The bits.
+    pub const fn bits(self) -> u8 {
+        self.0
+    }
+}
+
+/// Contour error in a cycle; lengths in mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContourError<R> {
+    /// Piece on which the foot lies.
+    pub span: u32,
+    /// Parameter of the foot in the piece.
+    pub t: R,
+    /// Distance from the path: |actual − foot|.
+    pub error: R,
+    /// Actual − foot, in machine axes; at ends and corners this is the authority.
+    pub vector: [R; 3],
+    /// Component along n = b × t: positive to the left of the path, seen against the plane's normal b. Where the path
+    /// runs along b, n is machine X.
+    pub normal: R,
+    /// Component along t × n: out of the plane.
+    pub binormal: R,
+    /// Component along the tangent t: zero but at ends and corners.
+    pub tangential: R,
+    /// Arc length from the foot to the reference, positive while the tool lags.
+    pub lag: R,
+    /// What is left of the bracket, arc length.
+    pub width: R,
+    /// Evaluations of the path used (the kernel counts as two).
+    pub evaluations: u8,
+    /// How it was found.
+    pub flags: Flags,
+}
+
+impl<R: Real> ContourError<R> {
+    /// Nothing measured.
+    pub fn none() -> Self {
+        ContourError {
+            span: 0,
+            t: R::ZERO,
+            error: R::ZERO,
+            vector: [R::ZERO; 3],
+            normal: R::ZERO,
+            binormal: R::ZERO,
+            tangential: R::ZERO,
+            lag: R::ZERO,
+            width: R::ZERO,
+            evaluations: 0,
+            flags: Flags::NOT_FOUND,
+        }
+    }
+
+    /// Whether there is a value.
+    pub fn is_measured(&self) -> bool {
+        !self.flags.has(Flags::NOT_FOUND)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,429 @@
+//! The search of every cycle, warm and cold.
+
+use super::kernel::{Foot, foot};
+use super::refine::{Found, at, descend, dot};
+use super::span::{Path, Reference, Span};
+use super::{ContourError, Flags};
+use crate::error::{ConfigError, Field};
+use crate::position::Position;
+use crate::real::Real;
+
+/// How a bracket is narrowed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Third-order kernel, then Newton steps guarded by bisection.
+    #[default]
+    Guarded,
+    /// Plain bisection, as published: the reference. Up to 60 evaluations a cycle.
+    Bisection,
+}
+
+/// Settings of the search: immutable.
+#[derive(Clone, Copy, Debug)]
+pub struct ContourSearch<R> {
+    pub(super) max_lag: R,
+    pub(super) method: Method,
+}
+
+/// What one cycle's search hands to the next.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ContourState<R> {
+    foot: Reference<R>,
+    reference: Reference<R>,
+    /// A foot is known.
+    warm: bool,
+    /// Samples of the cold search that have been taken, and the best one.
+    looked: u16,
+    best: Reference<R>,
+    best_distance: R,
+}
+
+/// Evaluations of the path that a cycle may use.
+pub(super) const EVALUATIONS: u8 = 8;
+/// The same for the published bisection.
+const BISECTIONS: u8 = 60;
+/// Half-window at standstill, mm.
+const STANDSTILL_WINDOW: f64 = 5e-3;
+/// Half-window per progress of the reference.
+const WINDOW_PER_PROGRESS: f64 = 4.0;
+/// Samples of a cold search over ±max_lag.
+const COLD_SAMPLES: u16 = 128;
+/// Samples of a cold search in one cycle.
+const COLD_PER_CYCLE: u16 = 4;
+/// Evaluations of the descent in a cycle that takes cold samples too.
+const COLD_DESCENT: u8 = 4;
+
+impl<R: Real> ContourSearch<R> {
+    /// `max_lag_mm`: half-window of a cold search, arc length.
+    ///
+    /// # Errors
+    /// Not within 1e-3 to 1e3 mm.
+    pub fn new(max_lag_mm: f64, method: Method) -> Result<Self, ConfigError> {
+        if !(1e-3..=1e3).contains(&max_lag_mm) {
+            return Err(ConfigError::new(Field::Contour, max_lag_mm, "a lag of 0.001 to 1000 mm"));
+        }
+        Ok(ContourSearch { max_lag: R::of(max_lag_mm), method })
+    }
+
+    /// Contour error of `point` (mm) in this cycle; `reference` is where the interpolator is on the path.
+    ///
+    /// At most eight evaluations of the path. Cost: the kernel, as a rule; at worst some three times that.
+    #[inline(always)]
+    pub fn update<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        point: [P; 3],
+    ) -> ContourError<R> {
+        if !state.warm || self.method == Method::Bisection {
+            return self.slow(state, path, reference, &point);
+        }
+        let progress = way(path, state.reference, reference, self.max_lag);
+        let guess = advance(path, state.foot, progress);
+        let Some(span) = path.span(guess.span) else { return self.slow(state, path, reference, &point) };
+        let window = window(progress);
+        let found = foot(span, &span.relative(&point), guess.t);
+        let (place, length) = (span.arc_length(found.t), span.length());
+        let squared = dot(&found.vector, &found.vector);
+        let error = squared.sqrt();
+        // Borders within sight may hide a nearer foot behind them.
+        let sight = window + error + error;
+        let clear = place > sight && length - place > sight;
+        let near = (place - span.arc_length(guess.t)).abs() <= window;
+        if found.trusted && clear && near {
+            let result = Found {
+                place: Reference { span: guess.span, t: found.t },
+                vector: found.vector,
+                tangent: found.tangent,
+                width: R::ZERO,
+                flags: Flags::BRACKETED,
+            };
+            return self.report(state, path, reference, &result, error, 2);
+        }
+        self.beside(state, path, reference, &point, guess, window, found)
+    }
+
+    /// The kernel's foot is not clear: near a border, beyond it, or not trusted.
+    #[inline(never)]
+    fn beside<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        point: &[P; 3],
+        guess: Reference<R>,
+        window: R,
+        first: Foot<R>,
+    ) -> ContourError<R> {
+        let mut spent = 2;
+        let Some(span) = path.span(guess.span) else { return ContourError::none() };
+        let near = (span.arc_length(first.t) - span.arc_length(guess.t)).abs() <= window;
+        let mut found = if first.trusted && near {
+            Found {
+                place: Reference { span: guess.span, t: first.t },
+                vector: first.vector,
+                tangent: first.tangent,
+                width: R::ZERO,
+                flags: Flags::BRACKETED,
+            }
+        } else {
+            match descend(path, guess, point, window, false, EVALUATIONS - spent, &mut spent) {
+                Some(found) => found,
+                None => return ContourError::none(),
+            }
+        };
+        for forward in [true, false] {
+            if spent + 3 <= EVALUATIONS
+                && let Some(other) = across(path, &found, point, window, forward, &mut spent)
+            {
+                found = other;
+            }
+        }
+        if !found.flags.has(Flags::BRACKETED) {
+            state.warm = false;
+            state.looked = 0;
+        }
+        let error = dot(&found.vector, &found.vector).sqrt();
+        self.report(state, path, reference, &found, error, spent)
+    }
+
+    /// No foot known, or plain bisection.
+    #[inline(never)]
+    fn slow<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        point: &[P; 3],
+    ) -> ContourError<R> {
+        if path.span(reference.span).is_none() {
+            *state = ContourState::default();
+            return ContourError::none();
+        }
+        let known = state.warm || state.looked > 0;
+        let progress = if known { way(path, state.reference, reference, self.max_lag) } else { R::ZERO };
+        let mut start = if known { advance(path, state.foot, progress) } else { reference };
+        if path.span(start.span).is_none() {
+            start = reference;
+        }
+        let mut spent = 0;
+        let bisect = self.method == Method::Bisection;
+        let mut window = window(progress);
+        let mut flags = Flags::default();
+        if !state.warm {
+            window = self.max_lag;
+            flags = Flags::COLD;
+            self.look_around(state, path, reference, point, progress, &mut spent);
+            // The descent goes on from the better of the two.
+            if state.looked >= COLD_SAMPLES {
+                start = state.best;
+            }
+        }
+        let budget = match (bisect, state.warm) {
+            (true, _) => BISECTIONS,
+            (false, true) => EVALUATIONS,
+            (false, false) => COLD_DESCENT,
+        };
+        let Some(mut found) = descend(path, start, point, window, bisect, budget, &mut spent) else {
+            *state = ContourState::default();
+            return ContourError::none();
+        };
+        let bracketed = found.flags.has(Flags::BRACKETED);
+        found.flags = found.flags.and(flags);
+        if !state.warm && state.looked >= COLD_SAMPLES && bracketed {
+            state.warm = true;
+        } else if state.warm && !bracketed {
+            state.warm = false;
+            state.looked = 0;
+        }
+        let error = dot(&found.vector, &found.vector).sqrt();
+        self.report(state, path, reference, &found, error, spent)
+    }
+
+    /// Takes a few samples of the way around the reference; keeps the nearest.
+    fn look_around<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        point: &[P; 3],
+        progress: R,
+        spent: &mut u8,
+    ) {
+        if state.looked >= COLD_SAMPLES {
+            // Looked all over without a bracket: begin again.
+            state.looked = 0;
+        }
+        if state.looked == 0 {
+            state.best_distance = R::MAX;
+            state.best = reference;
+        } else {
+            state.best = advance(path, state.best, progress);
+        }
+        for _ in 0..COLD_PER_CYCLE {
+            let share = R::of_i32(i32::from(state.looked)) * R::of(2.0 / f64::from(COLD_SAMPLES - 1)) - R::ONE;
+            let place = advance(path, reference, share * self.max_lag);
+            if let Some(span) = path.span(place.span) {
+                let sample = at(span, place.span, point, place.t);
+                *spent = spent.saturating_add(1);
+                let distance = dot(&sample.vector, &sample.vector);
+                if distance < state.best_distance {
+                    (state.best_distance, state.best) = (distance, place);
+                }
+            }
+            state.looked = state.looked.saturating_add(1);
+        }
+    }
+
+    /// Components, lag and flags of a foot.
+    #[inline(always)]
+    fn report<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        found: &Found<R>,
+        error: R,
+        evaluations: u8,
+    ) -> ContourError<R> {
+        state.foot = found.place;
+        state.reference = reference;
+        let lag = way(path, found.place, reference, self.max_lag);
+        if state.warm && lag.abs() > self.max_lag {
+            // The foot has stayed behind: look around afresh.
+            state.warm = false;
+            state.looked = 0;
+        }
+        components(path, found, error, lag, evaluations)
+    }
+}
+
+/// Splits the vector at a foot into its signed components.
+#[inline(always)]
+pub(super) fn components<R: Real, P: Position>(
+    path: &Path<'_, R, P>,
+    found: &Found<R>,
+    error: R,
+    lag: R,
+    evaluations: u8,
+) -> ContourError<R> {
+    let [bx, by, bz] = path.span(found.place.span).map_or([R::ZERO, R::ZERO, R::ONE], |s| s.plane);
+    let [tx, ty, tz] = found.tangent;
+    let e = [-found.vector[0], -found.vector[1], -found.vector[2]];
+    // n = b × t; components by the unnormalised frame, one root for both lengths.
+    let n = [by * tz - bz * ty, bz * tx - bx * tz, bx * ty - by * tx];
+    let (tt, nn) = (dot(&found.tangent, &found.tangent), dot(&n, &n));
+    let (n, nn) = if nn > R::of(1e-12) * tt { (n, nn) } else { ([R::ONE, R::ZERO, R::ZERO], R::ONE) };
+    let product = tt * nn;
+    let i = if product > R::of(1e-30) { R::ONE / product.sqrt() } else { R::ZERO };
+    // 1/|n| = |t| i and 1/|t| = |n| i would need two more roots: |t × n| = |t||n| for n at right angles to t.
+    let out = [ty * n[2] - tz * n[1], tz * n[0] - tx * n[2], tx * n[1] - ty * n[0]];
+    let binormal = dot(&e, &out) * i;
+    let along = dot(&e, &found.tangent);
+    // At a plain foot the tangential part is rounding, and what is not out of the plane is in it.
+    let special =
+        found.flags.has(Flags::AT_END) || found.flags.has(Flags::AT_CORNER) || !found.flags.has(Flags::BRACKETED);
+    let tangential = if special && tt > R::of(1e-30) { along / tt.sqrt() } else { R::ZERO };
+    let in_plane = (error * error - binormal * binormal - tangential * tangential).sqrt();
+    let normal = if dot(&e, &n) < R::ZERO { -in_plane } else { in_plane };
+    ContourError {
+        span: found.place.span,
+        t: found.place.t,
+        error,
+        vector: e,
+        normal,
+        binormal,
+        tangential,
+        lag,
+        width: found.width,
+        evaluations,
+        flags: found.flags,
+    }
+}
+
+/// A minimum behind the nearer border, if the path bends so that there is one on each side: the nearer of the two.
+fn across<R: Real, P: Position>(
+    path: &Path<'_, R, P>,
+    found: &Found<R>,
+    point: &[P; 3],
+    window: R,
+    forward: bool,
+    spent: &mut u8,
+) -> Option<Found<R>> {
+    let span = path.span(found.place.span)?;
+    let place = span.arc_length(found.place.t);
+    let distance = dot(&found.vector, &found.vector);
+    let error = distance.sqrt();
+    let rest = if forward { span.length() - place } else { place };
+    if rest > window + error + error {
+        return None;
+    }
+    let (number, entry) =
+        if forward { (path.next(found.place.span)?, R::ZERO) } else { (path.previous(found.place.span)?, R::ONE) };
+    let beyond = path.span(number)?;
+    let local = beyond.relative(point);
+    *spent = spent.saturating_add(2);
+    let other = foot(beyond, &local, entry);
+    // Downhill into the neighbour, or no minimum there.
+    if !(other.converged && other.t > R::ZERO && other.t < R::ONE) {
+        return None;
+    }
+    let nearer = dot(&other.vector, &other.vector);
+    let both = Flags::BRACKETED.and(Flags::SECOND_MINIMUM);
+    if nearer < distance {
+        Some(Found {
+            place: Reference { span: number, t: other.t },
+            vector: other.vector,
+            tangent: other.tangent,
+            width: R::ZERO,
+            flags: both,
+        })
+    } else {
+        Some(Found { flags: found.flags.and(Flags::SECOND_MINIMUM), ..*found })
+    }
+}
+
+/// S = 5 µm + 4 × progress.
+#[inline(always)]
+fn window<R: Real>(progress: R) -> R {
+    R::of(STANDSTILL_WINDOW) + R::of(WINDOW_PER_PROGRESS) * progress.abs()
+}
+
+/// Arc length from one place to another, negative backwards; over more than four pieces it is more than `beyond`.
+#[inline(always)]
+pub(super) fn way<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, to: Reference<R>, beyond: R) -> R {
+    match path.span(from.span) {
+        Some(span) if from.span == to.span => span.arc_length(to.t) - span.arc_length(from.t),
+        _ => way_across(path, from, to, beyond),
+    }
+}
+
+#[inline(never)]
+fn way_across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, to: Reference<R>, beyond: R) -> R {
+    let length = |number| path.span(number).map_or(R::ZERO, Span::length);
+    let part = |place: Reference<R>| path.span(place.span).map_or(R::ZERO, |s| s.arc_length(place.t));
+    let (mut ahead, mut behind) = (Some(from.span), Some(from.span));
+    let (mut forward, mut backward) = (length(from.span) - part(from), part(from));
+    for _ in 0..64 {
+        ahead = ahead.and_then(|n| path.next(n));
+        behind = behind.and_then(|n| path.previous(n));
+        if ahead == Some(to.span) {
+            return forward + part(to);
+        }
+        if behind == Some(to.span) {
+            return -(backward + length(to.span) - part(to));
+        }
+        forward += ahead.map_or(R::ZERO, length);
+        backward += behind.map_or(R::ZERO, length);
+        if forward > beyond && backward > beyond {
+            break;
+        }
+    }
+    R::TWO * beyond
+}
+
+/// The place a way further along the path, held at the ends of an open one; over at most 64 pieces.
+#[inline(always)]
+pub(super) fn advance<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Reference<R> {
+    let Some(span) = path.span(from.span) else { return from };
+    let t = from.t + by / span.arc_speed(from.t);
+    if t >= R::ZERO && t <= R::ONE {
+        return Reference { span: from.span, t };
+    }
+    advance_across(path, from, by)
+}
+
+#[inline(never)]
+fn advance_across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Reference<R> {
+    let Some(span) = path.span(from.span) else { return from };
+    let (mut number, mut length) = (from.span, span.length());
+    let mut place = span.arc_length(from.t) + by;
+    for _ in 0..64 {
+        if place > length {
+            match path.next(number).and_then(|n| Some((n, path.span(n)?.length()))) {
+                Some((next, next_length)) => {
+                    place -= length;
+                    (number, length) = (next, next_length);
+                }
+                None => return Reference { span: number, t: R::ONE },
+            }
+        } else if place < R::ZERO {
+            match path.previous(number).and_then(|n| Some((n, path.span(n)?.length()))) {
+                Some((previous, previous_length)) => {
+                    place += previous_length;
+                    (number, length) = (previous, previous_length);
+                }
+                None => return Reference { span: number, t: R::ZERO },
+            }
+        } else {
+            break;
+        }
+    }
+    // From the nearer end, with the speed there.
+    let t = path.span(number).map_or(R::ZERO, |span| {
+        let rest = length - place;
+        if place < rest { place / span.arc_speed(R::ZERO) } else { R::ONE - rest / span.arc_speed(R::ONE) }
+    });
+    Reference { span: number, t: t.within(R::ZERO, R::ONE) }
+}
