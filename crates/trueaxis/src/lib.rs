@@ -5,6 +5,7 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+pub mod check;
 pub mod compensation;
 pub mod contour;
 pub mod error;
