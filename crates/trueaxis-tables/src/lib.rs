@@ -1,8 +1,13 @@
 //! Reading, checking, converting and compiling compensation tables.
 
 pub mod accuracy;
+mod compile;
 pub mod error;
 pub mod formats;
+mod read;
+mod source;
+
+pub use compile::{compile, write_atomically};
 
 use trueaxis::machine::{AxisSettings, MachineSettings, Row};
 

@@ -30,7 +30,9 @@ fn need(holds: bool, error: ConfigError) -> Result<(), ConfigError> {
 
 fn finite(values: &[f64], field: Field, axis: Option<Axis>) -> Result<(), ConfigError> {
     match values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-        Some((index, value)) => Err(ConfigError { axis, ..ConfigError::new(field, *value, "finite numbers").at(index) }),
+        Some((index, value)) => {
+            Err(ConfigError { axis, ..ConfigError::new(field, *value, "finite numbers").at(index) })
+        }
         None => Ok(()),
     }
 }
@@ -133,19 +135,47 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
     finite(&[thermal.offset_per_k, thermal.expansion_per_k, thermal.datum], Field::Thermal, on)
 }
 
+/// What a table has to keep to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableRule {
+    /// Number of lines.
+    Count,
+    /// Numbers are finite.
+    Finite,
+    /// Positions increase.
+    Increasing,
+    /// The ends of a full circle agree.
+    Closed,
+    /// Slope of the own error.
+    Slope,
+}
+
+impl TableRule {
+    /// The rule in words.
+    pub const fn needed(self) -> &'static str {
+        match self {
+            TableRule::Count => "2 to 65535 lines",
+            TableRule::Finite => "a finite number",
+            TableRule::Increasing => "a position above that of the line before",
+            TableRule::Closed => "the value at the start of the full circle, within 0.01 um or 0.01 urad",
+            TableRule::Slope => "a slope of the own error below 1",
+        }
+    }
+}
+
 /// Where a table is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TableFault {
+    /// What is broken.
+    pub rule: TableRule,
     /// Line, from 0.
     pub row: usize,
     /// Component, 0 to 5, where it is one; otherwise the position.
     pub component: Option<usize>,
     /// In the reverse column.
     pub reverse: bool,
-    /// What was found: mm, degrees, rad; a slope in mm/mm or rad/rad.
+    /// What was found: number of lines; mm, degrees, rad; a slope in mm/mm or rad/rad.
     pub found: f64,
-    /// What is needed.
-    pub needed: &'static str,
 }
 
 /// One table: 2 to 65535 lines, finite, positions strictly increasing, a full circle closed, and the slope of the axis'
@@ -155,24 +185,24 @@ pub struct TableFault {
 /// The first line that is wrong, and its column.
 pub fn table(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(), TableFault> {
     let count = rows.len();
-    let position = |row, found, needed| TableFault { row, component: None, reverse: false, found, needed };
+    let position = |rule, row, found| TableFault { rule, row, component: None, reverse: false, found };
     if !(2..=MOST_ROWS).contains(&count) {
-        return Err(position(0, count as f64, "2 to 65535 lines"));
+        return Err(position(TableRule::Count, 0, count as f64));
     }
     let mut before = f64::NEG_INFINITY;
     for index in 0..count {
-        let row = rows.row(index).ok_or(position(index, index as f64, "a line"))?;
+        let row = rows.row(index).ok_or(position(TableRule::Count, index, index as f64))?;
         if !row.position.is_finite() {
-            return Err(position(index, row.position, "a finite number"));
+            return Err(position(TableRule::Finite, index, row.position));
         }
         if row.position <= before {
-            return Err(position(index, row.position, "a position above that of the line before"));
+            return Err(position(TableRule::Increasing, index, row.position));
         }
         before = row.position;
         for (twist, reverse) in [(row.forward, false), (row.reverse, true)] {
             if let Some((component, found)) = twist.into_iter().enumerate().find(|(_, value)| !value.is_finite()) {
-                let needed = "a finite number";
-                return Err(TableFault { row: index, component: Some(component), reverse, found, needed });
+                let component = Some(component);
+                return Err(TableFault { rule: TableRule::Finite, row: index, component, reverse, found });
             }
         }
     }
@@ -180,10 +210,10 @@ pub fn table(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(),
     let own = settings.axis.index();
     for reverse in [false, true] {
         let (slope, row) = Curve::new(settings, rows, own, reverse).steepest();
-        let slope = if settings.axis.is_rotary() { slope.to_degrees() } else { slope };
-        if !(slope < 1.0) {
-            let needed = "a slope of the own error below 1";
-            return Err(TableFault { row, component: Some(own), reverse, found: slope, needed });
+        let found = if settings.axis.is_rotary() { slope.to_degrees() } else { slope };
+        // Written so that a slope that is no number is refused as well.
+        if !(found < 1.0) {
+            return Err(TableFault { rule: TableRule::Slope, row, component: Some(own), reverse, found });
         }
     }
     Ok(())
@@ -201,8 +231,8 @@ fn closed(axis: Axis, rows: &(impl Rows + ?Sized)) -> Result<(), TableFault> {
             // Two decimals that differ by exactly the tolerance pass whatever their rounding.
             let tolerance = if component < 3 { WRAP_TOLERANCE_MM } else { WRAP_TOLERANCE_RAD } * (1.0 + 1e-9);
             if (end - start).abs() > tolerance {
-                let needed = "the value at the start of the full circle, within 0.01 um or 0.01 urad";
-                return Err(TableFault { row: last, component: Some(component), reverse, found: end, needed });
+                let component = Some(component);
+                return Err(TableFault { rule: TableRule::Closed, row: last, component, reverse, found: end });
             }
         }
     }
@@ -215,7 +245,7 @@ fn closed(axis: Axis, rows: &(impl Rows + ?Sized)) -> Result<(), TableFault> {
 /// [`Field::Table`] with the axis and the line.
 pub fn rows(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(), ConfigError> {
     table(settings, rows).map_err(|fault| {
-        ConfigError::new(Field::Table, fault.found, fault.needed).on(settings.axis).at(fault.row)
+        ConfigError::new(Field::Table, fault.found, fault.rule.needed()).on(settings.axis).at(fault.row)
     })
 }
 

@@ -89,7 +89,8 @@ impl<'r, T: Rows + ?Sized> Curve<'r, T> {
     /// Largest |slope| over the whole table, exactly, and the line at which its interval starts.
     pub fn steepest(&self) -> (f64, usize) {
         let slopes = self.cells().map(|cell| cell.steepest()).enumerate();
-        slopes.fold((0.0, 0), |(most, at), (index, slope)| if slope > most { (slope, index) } else { (most, at) })
+        // Overflow may leave no number: it counts as the steepest.
+        slopes.fold((0.0, 0), |(most, at), (index, slope)| if slope <= most { (most, at) } else { (slope, index) })
     }
 
     /// Largest step of the slope between two intervals, the seam of a full circle included; 0 for a cubic table.
