@@ -6,8 +6,12 @@ pub mod error;
 pub mod formats;
 mod read;
 mod source;
+mod summary;
+mod warning;
 
 pub use compile::{compile, write_atomically};
+pub use summary::{AxisSummary, ErrorSummary, Summary, TableSummary, summary};
+pub use warning::{Warning, check};
 
 use trueaxis::machine::{AxisSettings, MachineSettings, Row};
 
