@@ -110,10 +110,6 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
     finite(&axis.joint, Field::Joint, on)?;
     finite(&axis.measured_at_mm, Field::MeasuredAt, on)?;
     let ([low, high], [joint_low, joint_high]) = (axis.travel, axis.joint);
-    need(low < high, wrong(Field::Travel, high, "a high end above the low end"))?;
-    need(joint_low < joint_high, wrong(Field::Joint, joint_high, "a high end above the low end"))?;
-    need(joint_low <= low, wrong(Field::Joint, joint_low, "a range that contains the travel"))?;
-    need(joint_high >= high, wrong(Field::Joint, joint_high, "a range that contains the travel"))?;
     let sense = f64::from(axis.direction);
     need(
         axis.direction == 1 || (axis.direction == -1 && axis.axis.is_rotary()),
@@ -126,6 +122,11 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
     need(positive(limits.slope_per_s), wrong(Field::Slope, limits.slope_per_s, "a positive limit"))?;
     let acceleration = limits.acceleration_per_s2;
     need(positive(acceleration), wrong(Field::Acceleration, acceleration, "a positive limit"))?;
+    // After the limits: the joint's default is the travel widened by the magnitude.
+    need(low < high, wrong(Field::Travel, high, "a high end above the low end"))?;
+    need(joint_low < joint_high, wrong(Field::Joint, joint_high, "a high end above the low end"))?;
+    need(joint_low <= low, wrong(Field::Joint, joint_low, "a range that contains the travel"))?;
+    need(joint_high >= high, wrong(Field::Joint, joint_high, "a range that contains the travel"))?;
     need(axis.backlash.is_finite(), wrong(Field::Backlash, axis.backlash, "a finite number"))?;
     need(
         axis.hysteresis >= 0.0 && axis.hysteresis.is_finite(),

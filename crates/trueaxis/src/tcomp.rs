@@ -229,7 +229,7 @@ impl<'a> Tcomp<'a> {
     /// Allocates nothing and never panics, whatever the bytes. Cost: linear in the file's length.
     ///
     /// # Errors
-    /// What is wrong with it; the first finding in the order of the codes.
+    /// What is wrong with it; the first thing found.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, TcompError> {
         let (magic, rest) = split::<8>(bytes)?;
         if magic != MAGIC {

@@ -94,7 +94,10 @@ fn read_table(
             (_, Some(component)) if component < 3 => format!("{} um", fault.found * 1e3),
             _ => format!("{} urad", fault.found * 1e6),
         };
-        source.at(if fault.rule == check::TableRule::Count { 0 } else { line }, name, found, fault.rule.needed())
+        match fault.rule {
+            check::TableRule::Count => source.whole(found, fault.rule.needed()),
+            _ => source.at(line, name, found, fault.rule.needed()),
+        }
     })?;
     Ok(table)
 }
@@ -123,7 +126,10 @@ impl Description {
         let exact = self.places.iter().filter(fits).find(|place| place.values.contains(&error.found));
         match exact.or_else(|| self.places.iter().find(fits)) {
             Some(place) => source.at(place.line, &place.key, &place.text, error.needed),
-            None => source.whole(error.to_string(), error.needed),
+            None => {
+                let axis = error.axis.map_or(String::new(), |axis| format!(" of axis {}", axis.letter()));
+                source.whole(format!("{:?}{axis} = {}", error.field, error.found), error.needed)
+            }
         }
     }
 
