@@ -212,8 +212,7 @@ pub fn table(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(),
     for reverse in [false, true] {
         let (slope, row) = Curve::new(settings, rows, own, reverse).steepest();
         let found = if settings.axis.is_rotary() { slope.to_degrees() } else { slope };
-        // Written so that a slope that is no number is refused as well.
-        if !(found < 1.0) {
+        if found.is_nan() || found >= 1.0 {
             return Err(TableFault { rule: TableRule::Slope, row, component: Some(own), reverse, found });
         }
     }

@@ -60,7 +60,8 @@ fn column(axis: Axis, name: &str, line: u32, source: &Source) -> Result<Column, 
         return Ok(known.swap_remove(place));
     }
     let stem = |name: &str| name.rsplit_once('_').map_or(name.to_owned(), |(stem, _)| stem.to_owned());
-    let meant = known.iter().find(|column| stem(&column.name) == name || stem(&column.name) == stem(name));
+    let without_unit = known.iter().find(|column| stem(&column.name) == name);
+    let meant = without_unit.or_else(|| known.iter().find(|column| stem(&column.name) == stem(name)));
     let needed = match meant {
         Some(column) => format!("{} (the unit is part of the name)", column.name),
         None => {

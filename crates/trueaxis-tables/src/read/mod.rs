@@ -116,7 +116,13 @@ fn contraction(machine: &Machine, source: &Source, error: &ConfigError) -> FileE
             }
         }
     }
-    source.whole(format!("{:.4} as norm over all tables, most of it {}", error.found, steepest.1), error.needed)
+    source.whole(
+        format!(
+            "a norm of {:.4} (all tables, thermal growth of 0.001 included), most of it {}",
+            error.found, steepest.1
+        ),
+        error.needed,
+    )
 }
 
 impl Description {
