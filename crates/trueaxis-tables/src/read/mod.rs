@@ -13,7 +13,7 @@ use std::fs;
 use std::path::Path;
 use trueaxis::check;
 use trueaxis::error::{ConfigError, Field};
-use trueaxis::machine::{Axis, Row};
+use trueaxis::machine::{Axis, AxisSettings, Row};
 
 impl Machine {
     /// Reads a `machine.toml`, or the one in a directory, and the tables it names, and checks everything that the
@@ -61,13 +61,16 @@ fn text(file: &Path, source: &Source) -> Result<String, FileError> {
         source.at(u32::try_from(line).unwrap_or(0), "", "bytes that are not UTF-8", "text in UTF-8")
     })?;
     // Spreadsheets put a byte order mark in front.
-    Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(rest) => rest.to_owned(),
+        None => text,
+    })
 }
 
 fn read_table(
     folder: &Path,
     reference: &TableReference,
-    settings: &trueaxis::machine::AxisSettings,
+    settings: &AxisSettings,
     machine_toml: &Source,
 ) -> Result<Table, FileError> {
     let file = folder.join(&reference.file);

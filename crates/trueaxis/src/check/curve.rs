@@ -26,9 +26,11 @@ struct Cell {
 }
 
 /// Whether a table is a full circle, so that it goes on at its start.
+///
+/// 360 degrees within 1e-9: the difference of two decimals need not be exact.
 pub fn wraps(axis: Axis, rows: &(impl Rows + ?Sized)) -> bool {
     match (rows.row(0), rows.row(rows.len().wrapping_sub(1))) {
-        (Some(first), Some(last)) => axis.is_rotary() && last.position - first.position == 360.0,
+        (Some(first), Some(last)) => axis.is_rotary() && (last.position - first.position - 360.0).abs() < 1e-9,
         _ => false,
     }
 }

@@ -166,6 +166,10 @@ fn tables_that_break_a_rule_are_refused_at_their_line() {
     assert_eq!(fault(&cubic, 0, &stair), Err((TableRule::Slope, 1, Some(0))));
     let found = table(&cubic, &column(0, &stair)[..]).unwrap_err().found;
     assert!((found - 1.5 * 0.9).abs() < 1e-14, "{found}");
+    // In doubles this is 360 + 5.7e-14.
+    let inexact = [(-103.1, 1e-6), (0.0, 0.0), (f64::next_up(256.9), 1.02e-6)];
+    assert!(inexact[2].0 - inexact[0].0 != 360.0);
+    assert_eq!(fault(&c, 5, &inexact), Err((TableRule::Closed, 2, Some(5))));
     let circle = |end| [(-180.0, 1e-6), (0.0, 0.0), (180.0, end)];
     assert_eq!(fault(&c, 5, &circle(1.01e-6)), Ok(()));
     assert_eq!(fault(&c, 5, &circle(1.02e-6)), Err((TableRule::Closed, 2, Some(5))));
@@ -210,4 +214,62 @@ fn defaults_of_any_chain_are_sound() {
     }
     let machine = machine_of("w b X Y t");
     assert_eq!(super::machine(&machine, |_| None::<&[Row]>).unwrap_err().field, Field::Table);
+}
+
+/// The step's own evaluation at random places never leaves the range that is checked at build, and reaches most of it.
+#[test]
+fn the_range_of_the_error_holds_what_the_step_computes() {
+    use crate::compensation::{Compensation, Storage, ThermalLine};
+    for (chain, tightest) in [("w X' b Y Z t", 0.9), ("w C' A' X' b Y Z t", 0.5)] {
+        let mut machine = machine_of(chain);
+        machine.location = LocationErrors { a0z: 30e-6, b0z: -20e-6, c0y: 50e-6, ..Default::default() };
+        machine.location.rotary[2] = [0.01, -0.02, 0.005, 0.0, 0.0, 0.0];
+        let mut tables = Vec::new();
+        for (number, axis) in machine.axes.iter_mut().enumerate() {
+            axis.interpolation = if number % 2 == 0 { Interpolation::Cubic } else { Interpolation::Linear };
+            axis.travel = [-100.0, 150.0];
+            axis.backlash = 0.002;
+            let row = |i: i32| {
+                let error = |k: i32| 0.01 * libm::sin(f64::from(i * (k + 2) + k * 7 + number as i32));
+                let forward = core::array::from_fn(|k| error(k as i32) * if k < 3 { 1.0 } else { 1e-3 });
+                Row { position: -120.0 + 10.0 * f64::from(i), forward, reverse: forward.map(|e| 1.1 * e) }
+            };
+            let rows: &'static [Row] = (0..26).map(row).collect::<Vec<_>>().leak();
+            tables.push((axis.axis, rows));
+        }
+        let find = |axis| tables.iter().find(|(a, _)| *a == axis).map(|(_, rows)| *rows);
+        fn widest<const N: usize>(
+            machine: &MachineSettings,
+            find: impl Fn(Axis) -> Option<&'static [Row]>,
+        ) -> Vec<f64> {
+            let need = Compensation::<f64, f64, N>::requirement(machine, &find);
+            let lent = Storage {
+                lines: vec![[0.0; 4]; need.lines].leak(),
+                knots: vec![0.0; need.knots].leak(),
+                guide: vec![0; need.guide].leak(),
+            };
+            let compensation = Compensation::<f64, f64, N>::build(machine, &find, 1, lent).unwrap();
+            let mut state = 1_u64;
+            let mut random = || {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                (state >> 11) as f64 / (1_u64 << 53) as f64
+            };
+            let mut share = vec![0.0_f64; N];
+            let ranges: Vec<_> =
+                machine.axes.iter().map(|drive| error_range(machine, &find, drive, drive.travel)).collect();
+            for _ in 0..200_000 {
+                let q: [f64; N] = core::array::from_fn(|_| -100.0 + 250.0 * random());
+                let reverse = core::array::from_fn(|_| if random() < 0.5 { 0 } else { usize::MAX });
+                let at = compensation.coordinates(&q);
+                let error = compensation.errors(&at, &reverse, &[ThermalLine::default(); N], &mut 0);
+                for ((share, error), &(least, most)) in share.iter_mut().zip(error).zip(&ranges) {
+                    assert!(error >= least - 1e-12 && error <= most + 1e-12, "{error} {least} {most}");
+                    *share = share.max(error / most).max(error / least);
+                }
+            }
+            share
+        }
+        let share = if machine.axes.len() == 3 { widest::<3>(&machine, find) } else { widest::<5>(&machine, find) };
+        assert!(share.iter().all(|share| *share > tightest), "{chain}: {share:?}");
+    }
 }
