@@ -4,6 +4,8 @@ use std::fmt;
 use std::path::PathBuf;
 
 /// Why a file is refused: where, what was found there, what is needed instead.
+///
+/// Displayed as `x.csv:14: column EXX_um: found "nan", needed a finite number`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileError {
     /// The file.
@@ -25,7 +27,9 @@ impl fmt::Display for FileError {
             write!(f, ":{line}")?;
         }
         if let Some(column) = &self.column {
-            write!(f, ", {column}")?;
+            let kind =
+                if self.file.extension().is_some_and(|extension| extension == "toml") { "key" } else { "column" };
+            write!(f, ": {kind} {column}")?;
         }
         write!(f, ": found {}, needed {}", self.found, self.needed)
     }

@@ -1,8 +1,17 @@
 //! Reading, checking, converting and compiling compensation tables.
 
 pub mod accuracy;
+mod compile;
 pub mod error;
 pub mod formats;
+mod read;
+mod source;
+mod summary;
+mod warning;
+
+pub use compile::{compile, write_atomically};
+pub use summary::{AxisSummary, ErrorSummary, Summary, TableSummary, summary};
+pub use warning::{Warning, check};
 
 use trueaxis::machine::{AxisSettings, MachineSettings, Row};
 

@@ -1,10 +1,12 @@
 //! Import and export: published examples, golden files, round trips, refusals.
 
+mod golden_file;
 mod random;
 mod small_machine;
 
+use golden_file::golden;
 use random::random;
-use small_machine::{golden, machine};
+use small_machine::machine;
 use std::f64::consts::PI;
 use std::path::Path;
 

@@ -1,1 +1,326 @@
-//! The compiled table file.
+//! The compiled table file, as the controller loads it: read in place, without allocation.
+//!
+//! All numbers little-endian:
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | magic `TRUEAXIS` |
+//! | 2 | format version, 1 |
+//! | 4 | machine id: CRC-32 of name, line feed, chain |
+//! | 4 | length n of the payload |
+//! | n | payload |
+//! | 4 | CRC-32 of everything before |
+//!
+//! CRC-32 is that of ISO-HDLC (Ethernet, zlib). The payload is [`MachineSettings`] in postcard, then for every axis, in
+//! their order, [`TableHeader`] in postcard and its lines as raw doubles: position (mm, degrees), the given forward errors
+//! (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if the table is bidirectional.
+
+use crate::check;
+use crate::compensation::Rows;
+use crate::error::ConfigError;
+use crate::machine::{AXES, Axis, AxisSettings, MachineSettings, Row, Twist};
+use core::fmt;
+use crc::{CRC_32_ISO_HDLC, Crc};
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// First eight bytes of the file.
+pub const MAGIC: [u8; 8] = *b"TRUEAXIS";
+/// Format version.
+pub const VERSION: u16 = 1;
+/// Bytes before the payload.
+pub const HEADER_BYTES: usize = 18;
+
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// CRC-32/ISO-HDLC, the sum at the end of the file.
+pub fn checksum(bytes: &[u8]) -> u32 {
+    CRC.checksum(bytes)
+}
+
+/// Id of a machine: CRC-32/ISO-HDLC of its name, a line feed and its structural code.
+pub fn machine_id(name: &str, chain: &str) -> u32 {
+    let mut digest = CRC.digest();
+    digest.update(name.as_bytes());
+    digest.update(b"\n");
+    digest.update(chain.as_bytes());
+    digest.finalize()
+}
+
+/// What stands before the lines of a table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TableHeader {
+    /// The axis has a table; everything below is zero where it has not.
+    pub present: bool,
+    /// Which errors are given: bit 0 EX … bit 5 EC.
+    pub given: u8,
+    /// Forward and reverse columns.
+    pub bidirectional: bool,
+    /// Number of lines.
+    pub rows: u32,
+}
+
+impl TableHeader {
+    /// Bytes of one line.
+    pub const fn row_bytes(&self) -> usize {
+        let columns = self.given.count_ones() as usize;
+        8 * (1 + columns * (1 + self.bidirectional as usize))
+    }
+
+    fn is_sound(&self) -> bool {
+        if self.present { self.given != 0 && self.given < 64 } else { *self == TableHeader::default() }
+    }
+}
+
+/// Why a file is refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(u8)]
+#[non_exhaustive]
+pub enum TcompError {
+    /// Shorter than its header says.
+    TooShort = 1,
+    /// Longer than its header says.
+    TooLong = 2,
+    /// Another kind of file.
+    Magic = 3,
+    /// Another version of the format.
+    Version = 4,
+    /// Damaged: the sum over the file is wrong.
+    Checksum = 5,
+    /// The settings cannot be decoded.
+    Settings = 6,
+    /// The header of a table cannot be decoded.
+    TableHeader = 7,
+    /// A table is longer than the payload.
+    TableTooLong = 8,
+    /// Bytes behind the last table.
+    PayloadTooLong = 9,
+    /// The id does not belong to the name and the chain.
+    MachineId = 10,
+    /// What is decoded makes no sense for a machine.
+    Content(ConfigError) = 11,
+    /// Made for another machine.
+    WrongMachine = 12,
+}
+
+impl TcompError {
+    /// The code by itself.
+    pub const fn code(&self) -> u8 {
+        match self {
+            TcompError::TooShort => 1,
+            TcompError::TooLong => 2,
+            TcompError::Magic => 3,
+            TcompError::Version => 4,
+            TcompError::Checksum => 5,
+            TcompError::Settings => 6,
+            TcompError::TableHeader => 7,
+            TcompError::TableTooLong => 8,
+            TcompError::PayloadTooLong => 9,
+            TcompError::MachineId => 10,
+            TcompError::Content(_) => 11,
+            TcompError::WrongMachine => 12,
+        }
+    }
+}
+
+impl fmt::Display for TcompError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = match self {
+            TcompError::TooShort => "the file is shorter than its header says",
+            TcompError::TooLong => "the file is longer than its header says",
+            TcompError::Magic => "not a compiled table file (it does not start with TRUEAXIS)",
+            TcompError::Version => "another version of the format (version 1 is needed)",
+            TcompError::Checksum => "the file is damaged (its CRC-32 is wrong)",
+            TcompError::Settings => "the machine settings cannot be decoded",
+            TcompError::TableHeader => "the header of a table cannot be decoded",
+            TcompError::TableTooLong => "a table is longer than the payload",
+            TcompError::PayloadTooLong => "there are bytes behind the last table",
+            TcompError::MachineId => "the machine id does not belong to the machine's name and chain",
+            TcompError::Content(error) => return error.fmt(f),
+            TcompError::WrongMachine => "the file is made for another machine",
+        };
+        f.write_str(text)
+    }
+}
+
+impl core::error::Error for TcompError {}
+
+/// A table inside the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TableData<'a> {
+    header: TableHeader,
+    bytes: &'a [u8],
+}
+
+impl TableData<'_> {
+    /// Which of the six errors the file gives (the others are zero).
+    pub fn given(&self) -> [bool; 6] {
+        core::array::from_fn(|component| self.header.given >> component & 1 == 1)
+    }
+
+    /// Whether forward and reverse are told apart; otherwise both are the same.
+    pub fn bidirectional(&self) -> bool {
+        self.header.bidirectional
+    }
+
+    /// Number of lines.
+    pub fn len(&self) -> usize {
+        self.header.rows as usize
+    }
+
+    /// No lines (never in a file that was accepted).
+    pub fn is_empty(&self) -> bool {
+        self.header.rows == 0
+    }
+
+    /// Line `index`.
+    pub fn row(&self, index: usize) -> Option<Row> {
+        let width = self.header.row_bytes();
+        let start = index.checked_mul(width)?;
+        let line = self.bytes.get(start..start.checked_add(width)?)?;
+        let mut numbers = line.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
+        let position = numbers.next()?;
+        let mut twist = || {
+            let mut errors = [0.0; 6];
+            for (error, given) in errors.iter_mut().zip(self.given()) {
+                if given {
+                    *error = numbers.next()?;
+                }
+            }
+            Some(errors)
+        };
+        let forward: Twist = twist()?;
+        let reverse = if self.header.bidirectional { twist()? } else { forward };
+        Some(Row { position, forward, reverse })
+    }
+
+    /// All lines in order.
+    pub fn rows(&self) -> impl Iterator<Item = Row> + '_ {
+        (0..self.len()).filter_map(|index| self.row(index))
+    }
+}
+
+impl Rows for TableData<'_> {
+    fn len(&self) -> usize {
+        TableData::len(self)
+    }
+    fn row(&self, index: usize) -> Option<Row> {
+        TableData::row(self, index)
+    }
+}
+
+/// A compiled table file, checked; its tables stay where the bytes are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tcomp<'a> {
+    settings: MachineSettings,
+    tables: Vec<Option<TableData<'a>>, AXES>,
+    machine_id: u32,
+    crc: u32,
+    inverse_passes: u8,
+}
+
+fn split<const N: usize>(bytes: &[u8]) -> Result<([u8; N], &[u8]), TcompError> {
+    bytes.split_first_chunk().map(|(first, rest)| (*first, rest)).ok_or(TcompError::TooShort)
+}
+
+impl<'a> Tcomp<'a> {
+    /// Reads and checks a whole file: its form, its sum, and everything in [`check::machine`].
+    ///
+    /// Allocates nothing and never panics, whatever the bytes. Cost: linear in the file's length.
+    ///
+    /// # Errors
+    /// What is wrong with it; the first thing found.
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, TcompError> {
+        let (magic, rest) = split::<8>(bytes)?;
+        if magic != MAGIC {
+            return Err(TcompError::Magic);
+        }
+        let (version, rest) = split::<2>(rest)?;
+        if u16::from_le_bytes(version) != VERSION {
+            return Err(TcompError::Version);
+        }
+        let (id, rest) = split::<4>(rest)?;
+        let (length, rest) = split::<4>(rest)?;
+        let length = u32::from_le_bytes(length) as usize;
+        let (payload, sum) = rest.split_at_checked(length).ok_or(TcompError::TooShort)?;
+        let (sum, behind) = split::<4>(sum)?;
+        if !behind.is_empty() {
+            return Err(TcompError::TooLong);
+        }
+        let crc = u32::from_le_bytes(sum);
+        if bytes.get(..bytes.len().saturating_sub(4)).map(checksum) != Some(crc) {
+            return Err(TcompError::Checksum);
+        }
+        let (settings, mut rest) =
+            postcard::take_from_bytes::<MachineSettings>(payload).map_err(|_| TcompError::Settings)?;
+        let mut tables = Vec::new();
+        for _ in &settings.axes {
+            let (table, behind) = table(rest)?;
+            rest = behind;
+            // One table for each of at most as many axes.
+            let _ = tables.push(table);
+        }
+        if !rest.is_empty() {
+            return Err(TcompError::PayloadTooLong);
+        }
+        let machine_id = machine_id(&settings.name, &settings.chain);
+        if u32::from_le_bytes(id) != machine_id {
+            return Err(TcompError::MachineId);
+        }
+        let mut file = Tcomp { settings, tables, machine_id, crc, inverse_passes: 0 };
+        file.inverse_passes = check::machine(&file.settings, |axis| file.table(axis)).map_err(TcompError::Content)?;
+        Ok(file)
+    }
+
+    /// Refuses the file on any machine but the one with this id.
+    ///
+    /// # Errors
+    /// [`TcompError::WrongMachine`].
+    pub fn expect_machine(&self, id: u32) -> Result<(), TcompError> {
+        if id == self.machine_id { Ok(()) } else { Err(TcompError::WrongMachine) }
+    }
+
+    /// Everything but the tables.
+    pub fn settings(&self) -> &MachineSettings {
+        &self.settings
+    }
+
+    /// Id of the machine, see [`machine_id`].
+    pub fn machine_id(&self) -> u32 {
+        self.machine_id
+    }
+
+    /// The sum at the end of the file: the version of the tables in every telemetry record.
+    pub fn crc(&self) -> u32 {
+        self.crc
+    }
+
+    /// Look-ups that the exact inverse of these tables takes.
+    pub fn inverse_passes(&self) -> u8 {
+        self.inverse_passes
+    }
+
+    /// The axes with their tables.
+    pub fn axes(&self) -> impl Iterator<Item = (&AxisSettings, Option<TableData<'a>>)> {
+        self.settings.axes.iter().zip(self.tables.iter().copied())
+    }
+
+    /// The table of an axis.
+    pub fn table(&self, axis: Axis) -> Option<&TableData<'a>> {
+        let place = self.settings.axes.iter().position(|settings| settings.axis == axis)?;
+        self.tables.get(place)?.as_ref()
+    }
+}
+
+fn table(bytes: &[u8]) -> Result<(Option<TableData<'_>>, &[u8]), TcompError> {
+    let (header, rest) = postcard::take_from_bytes::<TableHeader>(bytes).map_err(|_| TcompError::TableHeader)?;
+    if !header.is_sound() {
+        return Err(TcompError::TableHeader);
+    }
+    if !header.present {
+        return Ok((None, rest));
+    }
+    let length = (header.rows as usize).checked_mul(header.row_bytes()).ok_or(TcompError::TableTooLong)?;
+    let (bytes, rest) = rest.split_at_checked(length).ok_or(TcompError::TableTooLong)?;
+    Ok((Some(TableData { header, bytes }), rest))
+}

@@ -23,9 +23,9 @@
 //! component errors and the kinematic parameters of the ISG model are refused.
 
 use super::positioning;
-use super::source::{Source, fixed, numbered};
 use super::{ExportOptions, Exported, Imported};
 use crate::error::FileError;
+use crate::source::{Source, fixed, numbered};
 use crate::{Machine, Table};
 use std::collections::BTreeMap;
 use std::fmt::Write;

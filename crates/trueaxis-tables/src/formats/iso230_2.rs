@@ -15,10 +15,10 @@
 //! As a table: the mean of all runs at each position, both directions apart if both were measured. The scatter is not kept.
 
 use super::positioning;
-use super::source::{Source, fixed, numbered};
 use super::{ExportOptions, Exported, Imported};
 use crate::Machine;
 use crate::error::FileError;
+use crate::source::{Source, fixed, numbered};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use trueaxis::machine::{Axis, LocationErrors};

@@ -16,10 +16,10 @@
 //! here: lines that are not three numbers, points that do not increase, more than 256 points, lines longer than its buffer.
 
 use super::positioning::{self, Point};
-use super::source::{Source, fixed, numbered};
 use super::{ExportOptions, Exported, Imported};
 use crate::Machine;
 use crate::error::FileError;
+use crate::source::{Source, fixed, numbered};
 use std::fmt::Write;
 use trueaxis::machine::{Axis, LocationErrors};
 

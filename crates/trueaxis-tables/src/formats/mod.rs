@@ -20,14 +20,13 @@ pub mod iso230_2;
 pub mod linuxcnc;
 mod positioning;
 pub mod siemens;
-mod source;
 
 pub use axis_csv::{axis_csv_name, write_axis_csv};
 
 use crate::error::FileError;
+use crate::source::Source;
 use crate::{Machine, Table};
 use linuxcnc::CompFileType;
-use source::Source;
 use std::path::{Path, PathBuf};
 use trueaxis::machine::{Axis, LocationErrors, Row};
 

@@ -17,10 +17,10 @@
 //! table, is refused. So is a modulo table that is not a full circle of a rotary axis, and an axis with two measuring systems.
 
 use super::positioning;
-use super::source::{Source, fixed, numbered};
 use super::{ExportOptions, Exported, Imported};
 use crate::Machine;
 use crate::error::FileError;
+use crate::source::{Source, fixed, numbered};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use trueaxis::machine::{Axis, LocationErrors};

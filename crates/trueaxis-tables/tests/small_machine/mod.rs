@@ -1,7 +1,5 @@
-//! A machine small enough to be worked out by hand, and its golden files.
+//! A machine small enough to be worked out by hand.
 
-use std::fs;
-use std::path::Path;
 use trueaxis::machine::{
     Axis, AxisSettings, ContourSettings, FaultSettings, Interpolation, Limits, LocationErrors, Lookup, MachineSettings,
     Row, ThermalGrowth,
@@ -79,13 +77,4 @@ pub(crate) fn machine() -> Machine {
         },
         tables: vec![Some(x), None, Some(c)],
     }
-}
-
-/// Compares with a committed file; `GOLDEN=write` in the environment writes it instead.
-pub(crate) fn golden(name: &str, text: &str) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    if std::env::var_os("GOLDEN").is_some() {
-        fs::write(&file, text).unwrap();
-    }
-    assert_eq!(fs::read_to_string(&file).unwrap_or_default(), text, "{name}");
 }

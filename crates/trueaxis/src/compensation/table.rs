@@ -1,5 +1,6 @@
 //! One axis' error table in the form in which the step reads it.
 
+use crate::check;
 use crate::compensation::pchip;
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisSettings, Interpolation, Row};
@@ -145,7 +146,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
 
         let origin = P::of(first.position);
         let length = end.position - first.position;
-        let wraps = axis.is_rotary() && length == 360.0;
+        let wraps = check::wraps(axis, rows);
         let equidistant = spacing(rows);
         let source = Source { settings, rows, own_sign, wraps, cell: equidistant };
         let powers = need.lines / count / (1 + usize::from(two_sided(settings, rows)));

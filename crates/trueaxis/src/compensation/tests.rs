@@ -115,6 +115,41 @@ fn cubic_tables_pass_their_points_and_never_leave_a_cell() {
     }
 }
 
+/// Values of SciPy's PchipInterpolator, written by tests/reference/pchip.py.
+#[test]
+fn cubic_tables_agree_with_scipy() {
+    let text = include_str!("../../../../tests/reference/pchip.csv");
+    let lines: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let settings = AxisSettings { interpolation: Interpolation::Cubic, ..AxisSettings::with_defaults(Axis::Y, false) };
+    let mut compared = 0;
+    for grid in ["equidistant", "free", "two"] {
+        let of = |kind: &'static str| lines.iter().filter(move |line| line[0] == grid && line[1] == kind);
+        let number = |text: &str| text.parse::<f64>().unwrap();
+        let rows: Vec<Row> = of("knot")
+            .map(|line| {
+                let error = [number(line[3]), -number(line[3]), 0.0, 0.0, 0.0, 0.0];
+                Row { position: number(line[2]), forward: error, reverse: error }
+            })
+            .collect();
+        let table = table::<f64, f64>(&settings, &rows);
+        let curve = crate::check::Curve::new(&settings, &rows[..], 0, false);
+        let mut steepest = 0.0_f64;
+        for line in of("at") {
+            let (q, truth) = (number(line[2]), number(line[3]));
+            let (value, held) = table.at(table.coordinate(q), 0);
+            assert!(
+                (value[0] - truth).abs() < 1e-15 && value[1] == -value[0] && !held,
+                "{grid} {q}: {value:?} {truth}"
+            );
+            assert!((curve.at(q).unwrap() - truth).abs() < 1e-15, "{grid} {q}");
+            steepest = steepest.max(number(line[4]).abs());
+            compared += 1;
+        }
+        assert!(curve.steepest().0 >= steepest * (1.0 - 1e-12), "{grid}: {} {steepest}", curve.steepest().0);
+    }
+    assert_eq!(compared, 3 * 61);
+}
+
 #[test]
 fn a_rotary_table_wraps_and_a_million_degrees_is_the_angle_itself() {
     let mut rows = rows(&(0..=36).map(|i| -180.0 + 10.0 * f64::from(i)).collect::<Vec<_>>());

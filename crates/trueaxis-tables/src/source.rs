@@ -5,17 +5,17 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// The file that is being read, for its errors.
-pub(super) struct Source {
+pub(crate) struct Source {
     file: PathBuf,
 }
 
 impl Source {
-    pub(super) fn new(file: &Path) -> Source {
+    pub(crate) fn new(file: &Path) -> Source {
         Source { file: file.to_path_buf() }
     }
 
     /// An error in one line (0: in no single line); an empty `column` means the line as a whole.
-    pub(super) fn at(&self, line: u32, column: &str, found: impl Display, needed: impl Into<String>) -> FileError {
+    pub(crate) fn at(&self, line: u32, column: &str, found: impl Display, needed: impl Into<String>) -> FileError {
         FileError {
             file: self.file.clone(),
             line: (line > 0).then_some(line),
@@ -26,12 +26,12 @@ impl Source {
     }
 
     /// An error of the file as a whole.
-    pub(super) fn whole(&self, found: impl Into<String>, needed: impl Into<String>) -> FileError {
+    pub(crate) fn whole(&self, found: impl Into<String>, needed: impl Into<String>) -> FileError {
         FileError { file: self.file.clone(), line: None, column: None, found: found.into(), needed: needed.into() }
     }
 
     /// A finite decimal number.
-    pub(super) fn number(&self, line: u32, column: &str, text: &str) -> Result<f64, FileError> {
+    pub(crate) fn number(&self, line: u32, column: &str, text: &str) -> Result<f64, FileError> {
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
             Ok(_) => Err(self.at(line, column, format!("{text:?}"), "a finite number")),
@@ -50,7 +50,7 @@ fn shortened(found: &str) -> String {
 }
 
 /// A number with fixed decimals and without a sign if it rounds to zero.
-pub(super) fn fixed(value: f64, decimals: usize) -> String {
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
         Some(digits) if digits.chars().all(|digit| matches!(digit, '0' | '.')) => digits.to_owned(),
@@ -59,6 +59,6 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
 }
 
 /// Lines with their numbers, from 1.
-pub(super) fn numbered(text: &str) -> impl Iterator<Item = (u32, &str)> {
+pub(crate) fn numbered(text: &str) -> impl Iterator<Item = (u32, &str)> {
     (1..).zip(text.lines())
 }

@@ -1,0 +1,95 @@
+//! Tables for the controller: the bytes of a `.tcomp` file.
+
+use crate::{Machine, Table};
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::Path;
+use trueaxis::check;
+use trueaxis::error::{ConfigError, Field};
+use trueaxis::machine::{Axis, Row};
+use trueaxis::tcomp::{MAGIC, TableHeader, VERSION, checksum, machine_id};
+
+/// The compiled form of a machine, byte by byte as [`trueaxis::tcomp`] describes it. The same machine gives the same bytes.
+///
+/// # Errors
+/// Whatever [`check::machine`] refuses; a table that holds values in a component that it says is not given, or that tells
+/// two directions apart and says it does not.
+pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
+    if machine.tables.len() != machine.settings.axes.len() {
+        let found = machine.tables.len() as f64;
+        return Err(ConfigError::new(Field::Axes, found, "one entry of tables for each axis"));
+    }
+    check::machine(&machine.settings, |axis| machine.rows(axis))?;
+    let unencodable = |_| ConfigError::new(Field::Name, 0.0, "settings that postcard can encode");
+    let mut payload = postcard::to_stdvec(&machine.settings).map_err(unencodable)?;
+    for (settings, table) in machine.axes() {
+        let header = match table {
+            Some(table) => header(settings.axis, table)?,
+            None => TableHeader::default(),
+        };
+        payload.extend(postcard::to_stdvec(&header).map_err(unencodable)?);
+        for row in table.iter().flat_map(|table| &table.rows) {
+            write_row(&mut payload, &header, row);
+        }
+    }
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend(machine_id(&machine.settings.name, &machine.settings.chain).to_le_bytes());
+    let length = u32::try_from(payload.len())
+        .map_err(|_| ConfigError::new(Field::Table, payload.len() as f64, "at most 4 GiB of tables"))?;
+    bytes.extend(length.to_le_bytes());
+    bytes.extend(payload);
+    bytes.extend(checksum(&bytes).to_le_bytes());
+    Ok(bytes)
+}
+
+fn header(axis: Axis, table: &Table) -> Result<TableHeader, ConfigError> {
+    let wrong = |row, found, needed| Err(ConfigError::new(Field::Table, found, needed).on(axis).at(row));
+    for (index, row) in table.rows.iter().enumerate() {
+        for ((forward, reverse), given) in row.forward.iter().zip(&row.reverse).zip(table.given) {
+            if !given && (*forward != 0.0 || *reverse != 0.0) {
+                return wrong(index, *forward, "zero in a component that is not given");
+            }
+            if !table.bidirectional && forward != reverse {
+                return wrong(index, *reverse, "the forward value in a table that is not bidirectional");
+            }
+        }
+    }
+    let given = table.given.iter().enumerate().map(|(component, given)| u8::from(*given) << component).sum();
+    if given == 0 {
+        return wrong(0, 0.0, "at least one given component");
+    }
+    let rows = table.rows.len() as u32;
+    Ok(TableHeader { present: true, given, bidirectional: table.bidirectional, rows })
+}
+
+fn write_row(payload: &mut Vec<u8>, header: &TableHeader, row: &Row) {
+    payload.extend(row.position.to_le_bytes());
+    for (twist, stored) in [(&row.forward, true), (&row.reverse, header.bidirectional)] {
+        for (component, error) in twist.iter().enumerate() {
+            if stored && header.given >> component & 1 == 1 {
+                payload.extend(error.to_le_bytes());
+            }
+        }
+    }
+}
+
+/// Writes a file so that its old content stands until the new one is complete: a temporary file beside it, renamed.
+///
+/// # Errors
+/// Those of the file system; nothing is left behind.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
+    name.push(format!(".{}.tmp", std::process::id()));
+    let temporary = path.with_file_name(name);
+    let written = File::create(&temporary)
+        .and_then(|mut file| {
+            file.write_all(bytes)?;
+            file.sync_all()
+        })
+        .and_then(|()| std::fs::rename(&temporary, path));
+    if written.is_err() {
+        let _ = std::fs::remove_file(&temporary);
+    }
+    written
+}

@@ -1,0 +1,171 @@
+//! The CSV of one axis.
+
+use crate::Table;
+use crate::error::FileError;
+use crate::source::{Source, numbered};
+use trueaxis::machine::{Axis, Row};
+
+/// A table with the line of each of its rows and the names of its columns, for errors that show only when all is read.
+pub(super) struct TableFile {
+    pub(super) table: Table,
+    pub(super) lines: Vec<u32>,
+    pub(super) columns: Vec<Column>,
+}
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Content {
+    Position,
+    /// Component, and the directions of travel: forward, reverse.
+    Error(usize, [bool; 2]),
+}
+
+/// A column by its name.
+pub(super) struct Column {
+    pub(super) name: String,
+    content: Content,
+}
+
+impl Column {
+    /// Whether it holds this component (`None`: the position) in this direction.
+    pub(super) fn holds(&self, component: Option<usize>, reverse: bool) -> bool {
+        match (self.content, component) {
+            (Content::Position, None) => true,
+            (Content::Error(own, [forward, backward]), Some(component)) => {
+                own == component && if reverse { backward } else { forward }
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Every name that a column may have, and its content.
+fn known(axis: Axis) -> Vec<Column> {
+    let letter = axis.letter();
+    let unit = if axis.is_rotary() { "deg" } else { "mm" };
+    let mut columns = vec![Column { name: format!("{letter}_{unit}"), content: Content::Position }];
+    for (component, direction) in Axis::ALL.into_iter().enumerate() {
+        let (error, unit) = (format!("E{}{letter}", direction.letter()), if component < 3 { "um" } else { "urad" });
+        for (travel, directions) in [("", [true, true]), ("_fwd", [true, false]), ("_rev", [false, true])] {
+            let content = Content::Error(component, directions);
+            columns.push(Column { name: format!("{error}{travel}_{unit}"), content });
+        }
+    }
+    columns
+}
+
+fn column(axis: Axis, name: &str, line: u32, source: &Source) -> Result<Column, FileError> {
+    let mut known = known(axis);
+    if let Some(place) = known.iter().position(|column| column.name == name) {
+        return Ok(known.swap_remove(place));
+    }
+    let stem = |name: &str| name.rsplit_once('_').map_or(name.to_owned(), |(stem, _)| stem.to_owned());
+    let without_unit = known.iter().find(|column| stem(&column.name) == name);
+    let meant = without_unit.or_else(|| known.iter().find(|column| stem(&column.name) == stem(name)));
+    let needed = match meant {
+        Some(column) => format!("{} (the unit is part of the name)", column.name),
+        None => {
+            let plain: Vec<&str> = known
+                .iter()
+                .filter(|column| !matches!(column.content, Content::Error(_, directions) if directions != [true; 2]))
+                .map(|column| column.name.as_str())
+                .collect();
+            format!("one of {}, or a pair like {} and {}", plain.join(" "), known[2].name, known[3].name)
+        }
+    };
+    Err(source.at(line, name, format!("{name:?}"), needed))
+}
+
+fn header(axis: Axis, text: &str, line: u32, source: &Source) -> Result<Vec<Column>, FileError> {
+    let mut columns: Vec<Column> = Vec::new();
+    for name in text.split(',').map(str::trim) {
+        let next = column(axis, name, line, source)?;
+        for before in &columns {
+            let clash = match (before.content, next.content) {
+                (Content::Position, Content::Position) => true,
+                (Content::Error(a, [af, ar]), Content::Error(b, [bf, br])) => a == b && (af && bf || ar && br),
+                _ => false,
+            };
+            if clash {
+                let found = format!("both {} and {name}", before.name);
+                return Err(source.at(line, name, found, "every error once: one column, or one for each direction"));
+            }
+        }
+        columns.push(next);
+    }
+    if !columns.iter().any(|column| column.content == Content::Position) {
+        let needed = format!("a column {}", known(axis)[0].name);
+        return Err(source.at(line, "", "no column with the position", needed));
+    }
+    if columns.len() < 2 {
+        return Err(source.at(
+            line,
+            "",
+            "no column with an error",
+            format!("at least one, like {}", known(axis)[1].name),
+        ));
+    }
+    for column in &columns {
+        let Content::Error(component, directions) = column.content else { continue };
+        for (reverse, held) in [(false, directions[0]), (true, directions[1])] {
+            if !held && !columns.iter().any(|other| other.holds(Some(component), reverse)) {
+                let partner =
+                    if reverse { column.name.replace("_fwd_", "_rev_") } else { column.name.replace("_rev_", "_fwd_") };
+                return Err(source.at(line, &column.name, "one direction only", format!("a column {partner} as well")));
+            }
+        }
+    }
+    Ok(columns)
+}
+
+/// Reads a table: `X_mm,EXX_um,…`, `#` comments and blank lines anywhere.
+///
+/// Errors µm / 1e3 and µrad / 1e6, so that a value is the double nearest to the decimal in mm or rad.
+pub(super) fn read(text: &str, source: &Source, axis: Axis) -> Result<TableFile, FileError> {
+    let mut records = numbered(text)
+        .map(|(line, text)| (line, text.trim()))
+        .filter(|(_, text)| !text.is_empty() && !text.starts_with('#'));
+    let Some((line, names)) = records.next() else {
+        return Err(source.whole("nothing but comments", format!("a header line, like {}", example(axis))));
+    };
+    let columns = header(axis, names, line, source)?;
+    let mut given = [false; 6];
+    for column in &columns {
+        if let Content::Error(component, _) = column.content {
+            given[component] = true;
+        }
+    }
+    let (mut rows, mut lines) = (Vec::new(), Vec::new());
+    for (line, record) in records {
+        let fields: Vec<&str> = record.split(',').map(str::trim).collect();
+        if fields.len() != columns.len() {
+            let needed = format!("{} fields, as in the header", columns.len());
+            return Err(source.at(line, "", format!("{} fields", fields.len()), needed));
+        }
+        let mut row = Row { position: 0.0, forward: [0.0; 6], reverse: [0.0; 6] };
+        for (column, field) in columns.iter().zip(fields) {
+            let value = source.number(line, &column.name, field)?;
+            match column.content {
+                Content::Position => row.position = value,
+                Content::Error(component, [forward, reverse]) => {
+                    let value = value / if component < 3 { 1e3 } else { 1e6 };
+                    if forward {
+                        row.forward[component] = value;
+                    }
+                    if reverse {
+                        row.reverse[component] = value;
+                    }
+                }
+            }
+        }
+        rows.push(row);
+        lines.push(line);
+    }
+    let bidirectional = rows.iter().any(|row| row.forward != row.reverse);
+    Ok(TableFile { table: Table { given, bidirectional, rows }, lines, columns })
+}
+
+fn example(axis: Axis) -> String {
+    let known = known(axis);
+    format!("{},{}", known[0].name, known[1].name)
+}

@@ -1,0 +1,143 @@
+//! Typed access to a section of a TOML file, with lines, and no key unread.
+
+use crate::error::FileError;
+use crate::source::Source;
+use std::cell::RefCell;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A value with the place it stands at.
+pub(super) struct Found<T> {
+    pub(super) value: T,
+    pub(super) line: u32,
+    /// Full name of the key.
+    pub(super) key: String,
+    /// As written.
+    pub(super) text: String,
+}
+
+/// A section, e.g. `[axis.X.limits]`.
+pub(super) struct Section<'a> {
+    source: &'a Source,
+    text: &'a str,
+    table: &'a DeTable<'a>,
+    /// `axis.X.limits.`, empty for the file as a whole.
+    prefix: String,
+    asked: RefCell<Vec<String>>,
+}
+
+impl<'a> Section<'a> {
+    pub(super) fn new(source: &'a Source, text: &'a str, table: &'a DeTable<'a>) -> Self {
+        Section { source, text, table, prefix: String::new(), asked: RefCell::default() }
+    }
+
+    fn line(&self, span: &Range<usize>) -> u32 {
+        let before = self.text.as_bytes().get(..span.start).unwrap_or_default();
+        u32::try_from(1 + before.iter().filter(|byte| **byte == b'\n').count()).unwrap_or(0)
+    }
+
+    fn refuse(&self, key: &str, span: &Range<usize>, needed: impl Into<String>) -> FileError {
+        let found = self.text.get(span.clone()).unwrap_or_default();
+        self.source.at(self.line(span), &format!("{}{key}", self.prefix), found, needed)
+    }
+
+    fn value(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
+        self.asked.borrow_mut().push(key.to_owned());
+        self.table.get(key)
+    }
+
+    fn found<T>(&self, key: &str, span: &Range<usize>, value: T) -> Found<T> {
+        let text = self.text.get(span.clone()).unwrap_or_default().to_owned();
+        Found { value, line: self.line(span), key: format!("{}{key}", self.prefix), text }
+    }
+
+    fn plain_number(&self, key: &str, value: &Spanned<DeValue<'a>>) -> Result<f64, FileError> {
+        let number = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
+            DeValue::Integer(integer) => {
+                i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
+            }
+            _ => return Err(self.refuse(key, &value.span(), "a number")),
+        };
+        match number {
+            Some(number) if number.is_finite() => Ok(number),
+            _ => Err(self.refuse(key, &value.span(), "a finite number")),
+        }
+    }
+
+    /// A finite number.
+    pub(super) fn number(&self, key: &str) -> Result<Option<Found<f64>>, FileError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        Ok(Some(self.found(key, &value.span(), self.plain_number(key, value)?)))
+    }
+
+    /// A list of `N` finite numbers.
+    pub(super) fn numbers<const N: usize>(&self, key: &str) -> Result<Option<Found<[f64; N]>>, FileError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let needed = format!("a list of {N} numbers");
+        let Some(list) = value.get_ref().as_array().filter(|list| list.len() == N) else {
+            return Err(self.refuse(key, &value.span(), needed));
+        };
+        let mut numbers = [0.0; N];
+        for (number, value) in numbers.iter_mut().zip(list.iter()) {
+            *number = self.plain_number(key, value)?;
+        }
+        Ok(Some(self.found(key, &value.span(), numbers)))
+    }
+
+    /// A string.
+    pub(super) fn string(&self, key: &str) -> Result<Option<Found<&'a str>>, FileError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        match value.get_ref().as_str() {
+            Some(string) => Ok(Some(self.found(key, &value.span(), string))),
+            None => Err(self.refuse(key, &value.span(), "a string")),
+        }
+    }
+
+    /// One of several words.
+    pub(super) fn choice<T: Copy>(&self, key: &str, words: [(&str, T); 2]) -> Result<Option<T>, FileError> {
+        let Some(found) = self.string(key)? else { return Ok(None) };
+        match words.iter().find(|(word, _)| *word == found.value) {
+            Some((_, choice)) => Ok(Some(*choice)),
+            None => {
+                let needed = words.map(|(word, _)| format!("{word:?}")).join(" or ");
+                Err(self.source.at(found.line, &found.key, &found.text, needed))
+            }
+        }
+    }
+
+    /// A section in this one.
+    pub(super) fn section(&self, key: &str) -> Result<Option<Section<'a>>, FileError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let Some(table) = value.get_ref().as_table() else {
+            return Err(self.refuse(key, &value.span(), format!("a section [{}{key}]", self.prefix)));
+        };
+        let prefix = format!("{}{key}.", self.prefix);
+        Ok(Some(Section { source: self.source, text: self.text, table, prefix, asked: RefCell::default() }))
+    }
+
+    /// Refuses every key that was not asked for.
+    pub(super) fn finish(self, needed: Option<&str>) -> Result<(), FileError> {
+        let asked = self.asked.borrow();
+        let unknown = self.table.keys().filter(|key| !asked.contains(&key.get_ref().to_string()));
+        // In the order of the file.
+        match unknown.min_by_key(|key| key.span().start) {
+            None => Ok(()),
+            Some(key) => {
+                let known = format!("one of {}", asked.join(", "));
+                Err(self.refuse(key.get_ref(), &key.span(), needed.map_or(known, str::to_owned)))
+            }
+        }
+    }
+
+    /// An error at a value.
+    pub(super) fn wrong<T>(&self, at: &Found<T>, needed: impl Into<String>) -> FileError {
+        self.source.at(at.line, &at.key, &at.text, needed)
+    }
+
+    /// An error because a key is missing.
+    pub(super) fn missing(&self, key: &str, needed: &str) -> FileError {
+        self.source.at(0, &format!("{}{key}", self.prefix), "nothing", needed)
+    }
+}

@@ -1,0 +1,205 @@
+//! What a compiled file contains, for people and for programs.
+
+use serde::Serialize;
+use std::fmt;
+use trueaxis::compensation::carries_workpiece;
+use trueaxis::machine::{Axis, AxisSettings, Interpolation, Lookup};
+use trueaxis::tcomp::{TableData, Tcomp};
+
+/// A compiled file in figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Name of the machine.
+    pub name: String,
+    /// Structural code.
+    pub chain: String,
+    /// Id of the machine, as telemetry carries it.
+    pub machine_id: u32,
+    /// Sum over the file, as telemetry carries it.
+    pub crc: u32,
+    /// Tool vector, mm.
+    pub tool_mm: [f64; 3],
+    /// Temperature at which the tables hold, °C.
+    pub reference_temperature_c: f64,
+    /// Squareness A0Z, B0Z, C0Y, µrad.
+    pub squareness_urad: [f64; 3],
+    /// Look-ups of the exact inverse.
+    pub inverse_passes: u8,
+    /// The axes.
+    pub axes: Vec<AxisSummary>,
+}
+
+/// An axis of a compiled file. Positions and limits in the axis' unit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AxisSummary {
+    /// X, Y, Z, A, B or C.
+    pub axis: char,
+    /// Unit of positions and of everything below that names none: mm or deg.
+    pub unit: &'static str,
+    /// On the workpiece side of the chain.
+    pub carries_workpiece: bool,
+    /// Sense of a rotary axis.
+    pub direction: i8,
+    /// Declared travel; `None`: not declared.
+    pub travel: Option<[f64; 2]>,
+    /// Range of the joint; `None`: travel not declared.
+    pub joint: Option<[f64; 2]>,
+    /// Top feed per second.
+    pub max_feed_per_s: f64,
+    /// Backlash, µm or µrad.
+    pub backlash_micro: f64,
+    /// Largest |correction|, µm or µrad.
+    pub magnitude_micro: f64,
+    /// Largest rate of the correction per second.
+    pub slope_per_s: f64,
+    /// Largest acceleration of the correction per second².
+    pub acceleration_per_s2: f64,
+    /// The table.
+    pub table: Option<TableSummary>,
+}
+
+/// A table of a compiled file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TableSummary {
+    /// Number of lines.
+    pub rows: usize,
+    /// First and last position.
+    pub range: [f64; 2],
+    /// `linear` or `cubic`.
+    pub interpolation: &'static str,
+    /// Where the own error is looked up: `command` or `feedback`.
+    pub lookup: &'static str,
+    /// Where the other errors are looked up.
+    pub cross_lookup: &'static str,
+    /// Forward and reverse columns.
+    pub bidirectional: bool,
+    /// The given errors.
+    pub errors: Vec<ErrorSummary>,
+}
+
+/// One column of a table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ErrorSummary {
+    /// EXX and so on.
+    pub name: String,
+    /// um or urad.
+    pub unit: &'static str,
+    /// Largest |value| over both directions, in that unit.
+    pub max_abs: f64,
+}
+
+/// Sums up a compiled file.
+pub fn summary(file: &Tcomp<'_>) -> Summary {
+    let settings = file.settings();
+    let location = &settings.location;
+    Summary {
+        name: settings.name.to_string(),
+        chain: settings.chain.to_string(),
+        machine_id: file.machine_id(),
+        crc: file.crc(),
+        tool_mm: settings.tool_mm,
+        reference_temperature_c: settings.reference_temperature_c,
+        squareness_urad: [location.a0z, location.b0z, location.c0y].map(|angle| angle * 1e6),
+        inverse_passes: file.inverse_passes(),
+        axes: file.axes().map(|(axis, table)| axis_summary(&settings.chain, axis, table)).collect(),
+    }
+}
+
+fn axis_summary(chain: &str, settings: &AxisSettings, table: Option<TableData<'_>>) -> AxisSummary {
+    let axis = settings.axis;
+    let micro = |value: f64| if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 };
+    let declared = settings.travel != AxisSettings::with_defaults(axis, false).travel;
+    AxisSummary {
+        axis: axis.letter(),
+        unit: if axis.is_rotary() { "deg" } else { "mm" },
+        carries_workpiece: carries_workpiece(chain, axis),
+        direction: settings.direction,
+        travel: declared.then_some(settings.travel),
+        joint: declared.then_some(settings.joint),
+        max_feed_per_s: settings.max_feed_per_s,
+        backlash_micro: micro(settings.backlash),
+        magnitude_micro: micro(settings.limits.magnitude),
+        slope_per_s: settings.limits.slope_per_s,
+        acceleration_per_s2: settings.limits.acceleration_per_s2,
+        table: table.map(|table| table_summary(settings, &table)),
+    }
+}
+
+fn lookup(lookup: Lookup) -> &'static str {
+    match lookup {
+        Lookup::Command => "command",
+        Lookup::Feedback => "feedback",
+    }
+}
+
+fn table_summary(settings: &AxisSettings, table: &TableData<'_>) -> TableSummary {
+    let mut most = [0.0_f64; 6];
+    let mut range = [f64::NAN; 2];
+    for (index, row) in table.rows().enumerate() {
+        range = if index == 0 { [row.position; 2] } else { [range[0], row.position] };
+        for ((most, forward), reverse) in most.iter_mut().zip(row.forward).zip(row.reverse) {
+            *most = most.max(forward.abs()).max(reverse.abs());
+        }
+    }
+    let columns = Axis::ALL.into_iter().zip(most).zip(table.given()).filter(|(_, given)| *given);
+    TableSummary {
+        rows: table.len(),
+        range,
+        interpolation: match settings.interpolation {
+            Interpolation::Linear => "linear",
+            Interpolation::Cubic => "cubic",
+        },
+        lookup: lookup(settings.lookup),
+        cross_lookup: lookup(settings.cross_lookup),
+        bidirectional: table.bidirectional(),
+        errors: columns
+            .map(|((direction, most), _)| ErrorSummary {
+                name: format!("E{}{}", direction.letter(), settings.axis.letter()),
+                unit: if direction.is_rotary() { "urad" } else { "um" },
+                max_abs: most * if direction.is_rotary() { 1e6 } else { 1e3 },
+            })
+            .collect(),
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}   {}", self.name, self.chain)?;
+        writeln!(f, "machine id {:08x}, crc {:08x}", self.machine_id, self.crc)?;
+        let [x, y, z] = self.tool_mm;
+        writeln!(f, "tool {x} {y} {z} mm, reference {} °C", self.reference_temperature_c)?;
+        let [a0z, b0z, c0y] = self.squareness_urad;
+        writeln!(f, "squareness A0Z {a0z:.1}, B0Z {b0z:.1}, C0Y {c0y:.1} µrad")?;
+        write!(f, "exact inverse: {} look-ups", self.inverse_passes)?;
+        self.axes.iter().try_for_each(|axis| axis.fmt(f))
+    }
+}
+
+impl fmt::Display for AxisSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (unit, micro) = (self.unit, if self.unit == "deg" { "µrad" } else { "µm" });
+        let side = if self.carries_workpiece { "workpiece" } else { "tool" };
+        write!(f, "\n\n{} ({side} side)", self.axis)?;
+        match self.travel {
+            Some([low, high]) => write!(f, "   travel {low} to {high} {unit}")?,
+            None => write!(f, "   travel not declared")?,
+        }
+        write!(f, ", up to {} {unit}/s, backlash {:.2} {micro}", self.max_feed_per_s, self.backlash_micro)?;
+        write!(
+            f,
+            "\n  limits     {:.1} {micro}, {} {unit}/s, {} {unit}/s²",
+            self.magnitude_micro, self.slope_per_s, self.acceleration_per_s2
+        )?;
+        let Some(table) = &self.table else { return write!(f, "\n  no table") };
+        let [low, high] = table.range;
+        let directions = if table.bidirectional { ", bidirectional" } else { "" };
+        write!(f, "\n  table      {} lines, {low} to {high} {unit}, {}{directions}", table.rows, table.interpolation)?;
+        write!(f, "\n  look-up    own {}, cross {}", table.lookup, table.cross_lookup)?;
+        write!(f, "\n  max |E|   ")?;
+        for error in &table.errors {
+            let micro = if error.unit == "um" { "µm" } else { "µrad" };
+            write!(f, " {} {:.2} {micro}", error.name, error.max_abs)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,239 @@
+//! What works but not as well as it should.
+
+use crate::Machine;
+use std::fmt;
+use trueaxis::check::{self, Curve};
+use trueaxis::machine::{Axis, AxisSettings, Interpolation};
+
+/// A remark on a machine that can be compiled.
+///
+/// `mm` reads degrees where the axis is rotary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// No `travel` in the axis' section: no command is ever outside.
+    TravelNotDeclared {
+        /// The axis.
+        axis: Axis,
+    },
+    /// The table ends inside the declared travel; beyond it the edge value is held.
+    TravelNotCovered {
+        /// The axis.
+        axis: Axis,
+        /// Ends of the table, mm.
+        table: [f64; 2],
+        /// Declared travel, mm.
+        travel: [f64; 2],
+    },
+    /// At top feed of all axes the correction of a drive changes faster than its slope limit lets it.
+    SlopeAboveLimit {
+        /// The drive.
+        axis: Axis,
+        /// Rate of the wanted correction, mm/s.
+        rate: f64,
+        /// Its slope limit, mm/s.
+        limit: f64,
+        /// Moving axis with the largest part.
+        moving: Axis,
+        /// That part, mm/s.
+        part: f64,
+    },
+    /// The acceleration limit allows a change per cycle (of the change per cycle) that single precision hardly resolves.
+    AccelerationBelowResolution {
+        /// The drive.
+        axis: Axis,
+        /// a T², mm.
+        per_cycle: f64,
+        /// Resolution of the correction in single precision, mm.
+        resolution: f64,
+    },
+    /// A linear table puts steps of velocity into the command at its points.
+    VelocitySteps {
+        /// The moving axis, whose table it is.
+        axis: Axis,
+        /// Component with the largest step, 0 to 5.
+        component: usize,
+        /// Step at top feed, mm/s (rad/s for a rotation).
+        step: f64,
+        /// Top feed, mm/s.
+        feed: f64,
+    },
+    /// Tables and squareness ask for more than the magnitude limit.
+    MagnitudeAboveLimit {
+        /// The drive.
+        axis: Axis,
+        /// Largest wanted |correction|, mm.
+        correction: f64,
+        /// Its limit, mm.
+        limit: f64,
+    },
+}
+
+/// Number with its unit, angles in µrad or degrees as the files have them.
+struct Length {
+    axis: Axis,
+    value: f64,
+}
+
+impl fmt::Display for Length {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.axis.is_rotary() {
+            write!(f, "{:.1} µrad", self.value.to_radians() * 1e6)
+        } else {
+            write!(f, "{:.2} µm", self.value * 1e3)
+        }
+    }
+}
+
+fn unit(axis: Axis) -> &'static str {
+    if axis.is_rotary() { "deg" } else { "mm" }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Warning::TravelNotDeclared { axis } => {
+                let unit = unit(axis);
+                write!(f, "axis {}: travel_{unit} is not declared: no command counts as outside", axis.letter())
+            }
+            Warning::TravelNotCovered { axis, table: [low, high], travel: [from, to] } => {
+                let (letter, unit) = (axis.letter(), unit(axis));
+                write!(
+                    f,
+                    "axis {letter}: the table covers {low} to {high} {unit} of a travel of {from} to {to} {unit}; \
+                     beyond its ends the edge value is held"
+                )
+            }
+            Warning::SlopeAboveLimit { axis, rate, limit, moving, part } => {
+                let (letter, unit) = (axis.letter(), unit(axis));
+                write!(
+                    f,
+                    "axis {letter}: at top feed the correction changes by up to {rate:.3} {unit}/s ({part:.3} {unit}/s \
+                     from the motion of {}), above the slope limit of {limit} {unit}/s: it will lag",
+                    moving.letter()
+                )
+            }
+            Warning::AccelerationBelowResolution { axis, per_cycle, resolution } => {
+                let (letter, unit) = (axis.letter(), unit(axis));
+                write!(
+                    f,
+                    "axis {letter}: the acceleration limit is {per_cycle:.2e} {unit} per cycle and cycle, less than 10 \
+                     times the resolution of the correction in single precision, {resolution:.2e} {unit}"
+                )
+            }
+            Warning::VelocitySteps { axis, component, step, feed } => {
+                let direction = Axis::ALL.get(component).map_or('?', |axis| axis.letter());
+                let (letter, unit) = (axis.letter(), unit(axis));
+                let (step, micro) = if component < 3 { (step * 1e3, "µm/s") } else { (step * 1e6, "µrad/s") };
+                write!(
+                    f,
+                    "axis {letter}: linear interpolation of E{direction}{letter} puts velocity steps of up to \
+                     {step:.2} {micro} into the command at {feed} {unit}/s; interpolation = \"cubic\" has none"
+                )
+            }
+            Warning::MagnitudeAboveLimit { axis, correction, limit } => {
+                write!(
+                    f,
+                    "axis {}: the correction reaches {}, its magnitude is limited to {}",
+                    axis.letter(),
+                    Length { axis, value: correction },
+                    Length { axis, value: limit }
+                )
+            }
+        }
+    }
+}
+
+/// Everything about a machine that works but not as well as it should, axis by axis.
+///
+/// `servo_rate_hz`: cycles per second of the controller. Rates and magnitudes are upper bounds: every axis at its top feed
+/// at once, every other axis wherever it is worst; temperature at its reference.
+pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    for (settings, table) in machine.axes() {
+        let axis = settings.axis;
+        let open = AxisSettings::with_defaults(axis, false).travel;
+        let ends = table.and_then(|table| Some([table.rows.first()?.position, table.rows.last()?.position]));
+        if settings.travel == open {
+            warnings.push(Warning::TravelNotDeclared { axis });
+        } else if let (Some([low, high]), Some(table)) = (ends, table)
+            && !check::wraps(axis, table.rows.as_slice())
+            && (low > settings.travel[0] || high < settings.travel[1])
+        {
+            warnings.push(Warning::TravelNotCovered { axis, table: [low, high], travel: settings.travel });
+        }
+        if let Some(warning) = slope(machine, settings) {
+            warnings.push(warning);
+        }
+        let per_cycle = settings.limits.acceleration_per_s2 / (servo_rate_hz * servo_rate_hz);
+        let resolution = f64::from(f32::EPSILON) * settings.limits.magnitude;
+        if per_cycle < 10.0 * resolution {
+            warnings.push(Warning::AccelerationBelowResolution { axis, per_cycle, resolution });
+        }
+        if let Some(warning) = velocity_steps(machine, settings) {
+            warnings.push(warning);
+        }
+        let own = check::reach(settings, machine.rows(axis));
+        let (least, most) = check::error_range(&machine.settings, |axis| machine.rows(axis), settings, own);
+        let (correction, limit) = (least.abs().max(most.abs()), settings.limits.magnitude);
+        if correction > limit {
+            warnings.push(Warning::MagnitudeAboveLimit { axis, correction, limit });
+        }
+    }
+    warnings
+}
+
+/// Rate of a drive's correction with all axes at top feed.
+fn slope(machine: &Machine, drive: &AxisSettings) -> Option<Warning> {
+    let links = check::links(&machine.settings.chain).ok()?;
+    let component = drive.axis.index();
+    let parts = machine.axes().filter_map(|(moving, table)| {
+        let slopes = table.map_or([0.0; 6], |table| check::slopes(moving, table.rows.as_slice()));
+        let slope = if drive.axis.is_rotary() {
+            if moving.axis != drive.axis {
+                return None;
+            }
+            slopes[component].to_degrees()
+        } else if check::is_turned(&links, moving.axis) {
+            // Turned by a rotary axis the errors may point anywhere.
+            slopes[..3].iter().map(|slope| slope * slope).sum::<f64>().sqrt()
+        } else {
+            slopes[component] + check::tilt(&machine.settings, moving.axis, component).abs()
+        };
+        Some((moving.axis, slope * moving.max_feed_per_s))
+    });
+    let (mut rate, mut most) = (0.0, None::<(Axis, f64)>);
+    for (moving, part) in parts {
+        rate += part;
+        if most.is_none_or(|(_, largest)| part > largest) {
+            most = Some((moving, part));
+        }
+    }
+    let (moving, part) = most?;
+    let limit = drive.limits.slope_per_s;
+    (rate > limit).then_some(Warning::SlopeAboveLimit { axis: drive.axis, rate, limit, moving, part })
+}
+
+/// Largest step of velocity that a linear table causes.
+fn velocity_steps(machine: &Machine, settings: &AxisSettings) -> Option<Warning> {
+    let rows = machine.rows(settings.axis)?;
+    if settings.interpolation != Interpolation::Linear {
+        return None;
+    }
+    let step = |component, reverse| Curve::new(settings, rows, component, reverse).slope_step();
+    // What reaches a drive: the translations, and the own error of a rotary axis.
+    let own = settings.axis.index();
+    let components = (0..3).chain((own >= 3).then_some(own));
+    let steps = components.map(|component| (component, step(component, false).max(step(component, true))));
+    // A microradian of a rotary axis beside a micrometre of the tip.
+    let weight = |(component, step): &(usize, f64)| if *component < 3 { step * 1e3 } else { step * 1e6 };
+    let (component, step) = steps.max_by(|a, b| weight(a).total_cmp(&weight(b)))?;
+    let step = step * settings.max_feed_per_s;
+    // Below a nanometre per second a step is the rounding of the decimals.
+    (weight(&(component, step)) > 1e-3).then_some(Warning::VelocitySteps {
+        axis: settings.axis,
+        component,
+        step,
+        feed: settings.max_feed_per_s,
+    })
+}

@@ -1,0 +1,368 @@
+//! The compiled file: its bytes as documented, and whatever is not exactly such a file refused.
+
+mod random;
+mod small_machine;
+
+use proptest::prelude::*;
+use random::random;
+use std::path::Path;
+use trueaxis::check::{self, TableRule};
+use trueaxis::compensation::Rows;
+use trueaxis::error::{ConfigError, Field};
+use trueaxis::machine::{Axis, MachineSettings};
+use trueaxis::tcomp::{Tcomp, TcompError, checksum, machine_id};
+use trueaxis_tables::{Machine, Warning, check, compile, summary};
+
+/// CRC-32 bit by bit, as the polynomial is defined (reflected 0x04C11DB7).
+fn crc32(bytes: &[u8]) -> u32 {
+    let mut sum = !0_u32;
+    for byte in bytes {
+        sum ^= u32::from(*byte);
+        for _ in 0..8 {
+            sum = (sum >> 1) ^ if sum & 1 == 1 { 0xEDB8_8320 } else { 0 };
+        }
+    }
+    !sum
+}
+
+/// A file around a payload.
+fn file(id: u32, payload: &[u8]) -> Vec<u8> {
+    let mut bytes = b"TRUEAXIS\x01\x00".to_vec();
+    bytes.extend(id.to_le_bytes());
+    bytes.extend(u32::try_from(payload.len()).unwrap().to_le_bytes());
+    bytes.extend(payload);
+    let sum = crc32(&bytes);
+    bytes.extend(sum.to_le_bytes());
+    bytes
+}
+
+fn sample() -> Machine {
+    Machine::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-5axis")).unwrap()
+}
+
+/// The file of the small machine, put together by hand from the page that describes it.
+#[test]
+fn the_bytes_are_those_documented() {
+    assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+    assert_eq!(checksum(b"123456789"), 0xCBF4_3926);
+    let machine = small_machine::machine();
+    let mut payload = Vec::new();
+    let text = |payload: &mut Vec<u8>, text: &str| {
+        payload.push(text.len() as u8);
+        payload.extend(text.as_bytes());
+    };
+    let numbers = |payload: &mut Vec<u8>, numbers: &[f64]| {
+        numbers.iter().for_each(|number| payload.extend(number.to_le_bytes()));
+    };
+    text(&mut payload, "small");
+    text(&mut payload, "w C' X' b Z t");
+    numbers(&mut payload, &[0.0, 0.0, 0.0, 20.0]);
+    numbers(&mut payload, &[0.0, 2e-5, -3.5e-5]);
+    numbers(&mut payload, &[0.0; 12]);
+    numbers(&mut payload, &[0.012, 0.0, 0.0, 0.0, -1.4e-5, 0.0]);
+    numbers(&mut payload, &[0.05, 0.05, 2.0, 0.02, 0.02, 0.2, 0.2, 1.0]);
+    payload.push(3);
+    for (axis, direction, backlash, expansion) in [(0, 1_i8, 0.003, 11.5e-6), (2, 1, 0.002, 0.0), (5, -1, 0.0, 0.0)] {
+        payload.extend([axis, 0, 0, 0, direction as u8]);
+        numbers(&mut payload, &[-500.0, 500.0, -501.0, 501.0, 0.0, 0.0, 0.0, 500.0, backlash, 0.001]);
+        numbers(&mut payload, &[0.1, 1.0, 200.0, 0.0, expansion, 0.0]);
+    }
+    payload.extend([1, 0b10_0011, 1, 3]);
+    numbers(&mut payload, &[0.0, 0.010, 0.0, 0.0, 0.011, 0.0, 0.0]);
+    numbers(&mut payload, &[50.0, -0.020, 0.0, 0.0, -0.019, 0.0, 0.0]);
+    numbers(&mut payload, &[100.0, 0.0015, 0.004, -7e-6, 0.0025, 0.004, -7e-6]);
+    payload.extend([0, 0, 0, 0]);
+    payload.extend([1, 0b10_0001, 0, 3]);
+    let mdeg = std::f64::consts::PI / 180_000.0;
+    numbers(&mut payload, &[0.0, 0.0, 0.0, 180.0, 0.002, mdeg, 360.0, 0.0, 0.0]);
+    let id = crc32(b"small\nw C' X' b Z t");
+    assert_eq!(machine_id("small", "w C' X' b Z t"), id);
+    assert_eq!(compile(&machine).unwrap(), file(id, &payload));
+}
+
+#[test]
+fn every_bit_counts() {
+    let good = compile(&sample()).unwrap();
+    assert!(Tcomp::parse(&good).is_ok());
+    let mut bytes = good.clone();
+    for place in 0..bytes.len() {
+        for bit in 0..8 {
+            bytes[place] ^= 1 << bit;
+            let error = Tcomp::parse(&bytes).unwrap_err();
+            if place < 8 {
+                assert_eq!(error, TcompError::Magic);
+            } else if place < 10 {
+                assert_eq!(error, TcompError::Version);
+            } else if !(14..18).contains(&place) {
+                assert_eq!(error, TcompError::Checksum, "{place}");
+            }
+            bytes[place] ^= 1 << bit;
+        }
+    }
+    assert_eq!(bytes, good);
+}
+
+#[test]
+fn no_part_and_no_more_than_the_file() {
+    let good = compile(&sample()).unwrap();
+    for length in 0..good.len() {
+        assert_eq!(Tcomp::parse(&good[..length]), Err(TcompError::TooShort), "{length}");
+    }
+    for more in [&b"\0"[..], b"\n", b"TRUEAXIS", &good] {
+        assert_eq!(Tcomp::parse(&[&good[..], more].concat()), Err(TcompError::TooLong));
+    }
+}
+
+#[test]
+fn a_foreign_machine_is_refused() {
+    let bytes = compile(&sample()).unwrap();
+    let file = Tcomp::parse(&bytes).unwrap();
+    assert_eq!(file.expect_machine(machine_id("mill-5axis", "w C' A' Y' b X Z t")), Ok(()));
+    assert_eq!(file.expect_machine(machine_id("mill-3axis", "w X' Y' b Z t")), Err(TcompError::WrongMachine));
+    assert_eq!(file.crc(), u32::from_le_bytes(*bytes.last_chunk().unwrap()));
+    let mut other = bytes.clone();
+    other[10] ^= 1;
+    let sum = crc32(&other[..other.len() - 4]);
+    let end = other.len() - 4;
+    other[end..].copy_from_slice(&sum.to_le_bytes());
+    assert_eq!(Tcomp::parse(&other), Err(TcompError::MachineId));
+}
+
+/// Content that no compiler writes, under a sum that is right.
+#[test]
+fn nonsense_with_a_good_sum_is_refused() {
+    let machine = sample();
+    let bytes = compile(&machine).unwrap();
+    let payload = &bytes[18..bytes.len() - 4];
+    let id = Tcomp::parse(&bytes).unwrap().machine_id();
+    assert_eq!(file(id, payload), bytes);
+    let wrapped = |payload: &[u8]| Tcomp::parse(&file(id, payload)).unwrap_err();
+    assert_eq!(wrapped(&[]), TcompError::Settings);
+    assert_eq!(wrapped(&[payload, b"\0"].concat()), TcompError::PayloadTooLong);
+    assert_eq!(wrapped(&payload[..payload.len() - 1]), TcompError::TableTooLong);
+    let settings = postcard::to_stdvec(&machine.settings).unwrap().len();
+    assert_eq!(wrapped(&payload[..settings]), TcompError::TableHeader);
+    let header = |change: &[u8]| wrapped(&[&payload[..settings], change, &payload[settings + change.len()..]].concat());
+    // No column, a seventh column, absent with lines, no bool.
+    for change in [[1, 0], [1, 0x40], [0, 1], [2, 1]] {
+        assert_eq!(header(&change), TcompError::TableHeader);
+    }
+    assert_eq!(header(&[1, 63, 0, 0xff, 0xff, 0xff, 0xff, 0x0f]), TcompError::TableTooLong);
+    // The first position of X becomes NaN, then higher than the second.
+    for (position, needed) in [(f64::NAN, TableRule::Finite), (1e3, TableRule::Increasing)] {
+        let mut payload = payload.to_vec();
+        let first = settings + 4;
+        payload[first..first + 8].copy_from_slice(&position.to_le_bytes());
+        let TcompError::Content(error) = wrapped(&payload) else { panic!() };
+        assert_eq!((error.field, error.axis, error.needed), (Field::Table, Some(Axis::X), needed.needed()));
+    }
+}
+
+/// Bytes of a file whose settings are changed behind the compiler's back.
+fn forged(change: impl Fn(&mut MachineSettings)) -> Result<(), TcompError> {
+    let machine = sample();
+    let bytes = compile(&machine).unwrap();
+    let length = postcard::to_stdvec(&machine.settings).unwrap().len();
+    let mut settings = machine.settings.clone();
+    change(&mut settings);
+    let mut payload = postcard::to_stdvec(&settings).unwrap();
+    payload.extend(&bytes[18 + length..bytes.len() - 4]);
+    Tcomp::parse(&file(machine_id(&settings.name, &settings.chain), &payload)).map(|_| ())
+}
+
+#[test]
+fn settings_that_make_no_sense_are_refused() {
+    assert_eq!(forged(|_| ()), Ok(()));
+    type Change = fn(&mut MachineSettings);
+    let cases: [(Field, Change); 20] = [
+        (Field::Name, |m| m.name.clear()),
+        (Field::Chain, |m| m.chain = "w C' A' Y' b X Z".parse().unwrap()),
+        (Field::Axes, |m| m.chain = "w C' A' Y' b X t".parse().unwrap()),
+        (Field::Axes, |m| m.axes.swap(0, 1)),
+        (Field::Axes, |m| m.axes[1].axis = Axis::X),
+        (Field::Tool, |m| m.tool_mm[1] = f64::NAN),
+        (Field::ReferenceTemperature, |m| m.reference_temperature_c = f64::INFINITY),
+        (Field::Location, |m| m.location.rotary[2][5] = f64::NAN),
+        (Field::Location, |m| m.location.a0z = f64::NAN),
+        (Field::Faults, |m| m.faults.stuck[1] = 0.0),
+        (Field::Contour, |m| m.contour.max_lag_mm = f64::NAN),
+        (Field::Travel, |m| m.axes[0].travel = [1.0, 1.0]),
+        (Field::Joint, |m| m.axes[0].joint = [f64::NEG_INFINITY, 1e3]),
+        (Field::Joint, |m| m.axes[0].joint = m.axes[0].travel),
+        (Field::MaxFeed, |m| m.axes[2].max_feed_per_s = -1.0),
+        (Field::Magnitude, |m| m.axes[2].limits.magnitude = 0.0),
+        (Field::Direction, |m| m.axes[0].direction = -1),
+        (Field::Direction, |m| m.axes[4].direction = 0),
+        (Field::Inverse, |m| m.location.c0y = 2.0),
+        (Field::Thermal, |m| m.axes[0].thermal.offset_per_k = f64::NAN),
+    ];
+    for (field, change) in cases {
+        match forged(change) {
+            Err(TcompError::Content(error)) => assert_eq!(error.field, field, "{error}"),
+            other => panic!("{field:?}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn the_compiler_refuses_what_the_file_cannot_hold() {
+    let refused = |change: fn(&mut Machine)| {
+        let mut machine = small_machine::machine();
+        change(&mut machine);
+        compile(&machine).unwrap_err()
+    };
+    let table = |error: ConfigError| assert_eq!((error.field, error.axis), (Field::Table, Some(Axis::X)), "{error}");
+    table(refused(|m| m.tables[0].as_mut().unwrap().given[1] = false));
+    table(refused(|m| m.tables[0].as_mut().unwrap().bidirectional = false));
+    table(refused(|m| m.tables[0].as_mut().unwrap().rows.truncate(1)));
+    assert_eq!(refused(|m| m.tables.truncate(2)).field, Field::Axes);
+    assert_eq!(refused(|m| m.tables = vec![None; 3]).field, Field::Table);
+    assert_eq!(refused(|m| m.settings.location.b0z = 1.5).field, Field::Inverse);
+}
+
+#[test]
+fn codes_and_texts() {
+    let content = TcompError::Content(ConfigError::new(Field::Chain, 3.0, "sense"));
+    let all = [
+        TcompError::TooShort,
+        TcompError::TooLong,
+        TcompError::Magic,
+        TcompError::Version,
+        TcompError::Checksum,
+        TcompError::Settings,
+        TcompError::TableHeader,
+        TcompError::TableTooLong,
+        TcompError::PayloadTooLong,
+        TcompError::MachineId,
+        content,
+        TcompError::WrongMachine,
+    ];
+    let texts: std::collections::BTreeSet<String> = all.iter().map(ToString::to_string).collect();
+    assert_eq!(texts.len(), 12);
+    assert!(all.iter().map(TcompError::code).eq(1..=12));
+}
+
+/// Random errors in a machine with every kind of table go through the file bit for bit.
+#[test]
+fn numbers_pass_bit_for_bit() {
+    let mut next = random(3);
+    for _ in 0..200 {
+        let mut machine = small_machine::machine();
+        for row in &mut machine.tables[0].as_mut().unwrap().rows {
+            for component in [0, 1, 5] {
+                row.forward[component] = next() * 1e-2;
+                row.reverse[component] = next() * 1e-2;
+            }
+        }
+        let bytes = compile(&machine).unwrap();
+        let file = Tcomp::parse(&bytes).unwrap();
+        let table = file.table(Axis::X).unwrap();
+        for (index, row) in machine.tables[0].as_ref().unwrap().rows.iter().enumerate() {
+            assert_eq!(table.row(index), Some(*row));
+        }
+        assert_eq!((table.row(3), Rows::len(table)), (None, 3));
+        assert_eq!((file.table(Axis::Z), file.table(Axis::Y)), (None, None));
+        let norm = check::jacobian_norm(file.settings(), |axis| file.table(axis));
+        assert_eq!(norm, check::jacobian_norm(&machine.settings, |axis| machine.rows(axis)));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+
+    #[test]
+    fn random_bytes_are_refused(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
+        prop_assert!(Tcomp::parse(&bytes).is_err());
+        // Past the header and the sum, so that the decoder itself meets them.
+        prop_assert!(Tcomp::parse(&file(0, &bytes)).is_err());
+    }
+
+    #[test]
+    fn damage_behind_a_good_sum_never_panics(place in 0usize..60_000, value in any::<u8>(), cut in 0usize..60_000) {
+        let bytes = compile(&small_machine::machine()).unwrap();
+        let mut payload = bytes[18..bytes.len() - 4].to_vec();
+        let id = machine_id("small", "w C' X' b Z t");
+        let place = place % payload.len();
+        let old = payload[place];
+        payload[place] = value;
+        if let Ok(read) = Tcomp::parse(&file(id, &payload)) {
+            // Another machine, but a possible one.
+            prop_assert!(check::machine(read.settings(), |axis| read.table(axis)).is_ok());
+        }
+        payload[place] = old;
+        let cut = cut % payload.len();
+        prop_assert!(Tcomp::parse(&file(id, &payload[..cut])).is_err());
+    }
+}
+
+#[test]
+fn the_summary_tells_the_figures() {
+    let bytes = compile(&small_machine::machine()).unwrap();
+    let summary = summary(&Tcomp::parse(&bytes).unwrap());
+    let json = serde_json::to_value(&summary).unwrap();
+    assert_eq!(json["name"], "small");
+    assert_eq!(json["axes"][0]["table"]["errors"][0]["name"], "EXX");
+    let near = |value: &serde_json::Value, truth: f64| {
+        let value = value.as_f64().unwrap();
+        assert!((value - truth).abs() < 1e-9 * truth.abs(), "{value} {truth}");
+    };
+    near(&json["axes"][0]["table"]["errors"][0]["max_abs"], 20.0);
+    near(&json["axes"][0]["backlash_micro"], 3.0);
+    near(&json["axes"][2]["table"]["errors"][1]["max_abs"], std::f64::consts::PI / 180.0 * 1e3);
+    near(&json["axes"][2]["table"]["range"][1], 360.0);
+    assert!(json["axes"][1]["table"].is_null());
+    let text = summary.to_string();
+    for part in ["w C' X' b Z t", "3 lines, 0 to 100 mm, linear, bidirectional", "EXX 20.00 µm", "ECX 7.00 µrad"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
+/// The small machine's warnings, worked out by hand.
+#[test]
+fn warnings_carry_their_numbers() {
+    let mut machine = small_machine::machine();
+    let found = check(&machine, 10_000.0);
+    let steps = |axis| found.iter().find(|w| matches!(w, Warning::VelocitySteps { axis: a, .. } if *a == axis));
+    // EXX: −0.6 µm/mm then +0.43 µm/mm, at 500 mm/s.
+    let Some(Warning::VelocitySteps { component: 0, step, .. }) = steps(Axis::X) else { panic!("{found:?}") };
+    assert!((step - 500.0 * (0.030 + 0.0215) / 50.0).abs() < 1e-12, "{step}");
+    assert!(steps(Axis::Z).is_none() && steps(Axis::C).is_some());
+    let covered = |w: &&Warning| matches!(w, Warning::TravelNotCovered { .. });
+    assert_eq!(found.iter().filter(covered).count(), 1, "{found:?}");
+    assert!(found.contains(&Warning::TravelNotCovered { axis: Axis::X, table: [0.0, 100.0], travel: [-500.0, 500.0] }));
+    assert!(!found.iter().any(|w| matches!(w, Warning::SlopeAboveLimit { .. } | Warning::MagnitudeAboveLimit { .. })));
+
+    // EXX 0.6 µm/mm and B0Z 20 µm/m at 500 mm/s, C 2 µm on 180 degrees at 500 deg/s: 0.3 + 0.01 + 0.0056 mm/s.
+    machine.settings.axes[0].limits.slope_per_s = 0.3;
+    machine.settings.axes[0].limits.magnitude = 0.02;
+    machine.settings.axes[0].joint = [-510.0, 510.0];
+    machine.settings.axes[1].travel = [-1e6, 1e6];
+    machine.settings.axes[1].joint = [-1e6 - 1.0, 1e6 + 1.0];
+    machine.settings.axes[1].limits.acceleration_per_s2 = 10.0;
+    let found = check(&machine, 100_000.0);
+    let Some(Warning::SlopeAboveLimit { rate, moving: Axis::X, part, .. }) =
+        found.iter().find(|w| matches!(w, Warning::SlopeAboveLimit { axis: Axis::X, .. }))
+    else {
+        panic!("{found:?}")
+    };
+    assert!((part - 0.3).abs() < 1e-12 && (rate - 0.3 - 0.01 - 500.0 * 0.002 / 180.0).abs() < 1e-12, "{rate} {part}");
+    assert!(found.contains(&Warning::TravelNotDeclared { axis: Axis::Z }));
+    let resolution = f64::from(f32::EPSILON) * 0.1;
+    let expected = Warning::AccelerationBelowResolution { axis: Axis::Z, per_cycle: 1e-9, resolution };
+    assert!(found.iter().any(|w| w.to_string() == expected.to_string()), "{found:?}");
+    // 20 µm of EXX against −20 µm, C 12 + 2 µm.
+    let Some(Warning::MagnitudeAboveLimit { correction, limit, .. }) =
+        found.iter().find(|w| matches!(w, Warning::MagnitudeAboveLimit { axis: Axis::X, .. }))
+    else {
+        panic!("{found:?}")
+    };
+    assert_eq!(*limit, 0.02);
+    assert!((correction - 0.014 - 0.014).abs() < 1e-12, "{correction}");
+    for warning in &found {
+        let text = warning.to_string();
+        assert!(
+            text.starts_with("axis ") && (text.contains("mm") || text.contains("µm") || text.contains("deg")),
+            "{text}"
+        );
+    }
+}

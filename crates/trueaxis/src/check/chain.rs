@@ -1,0 +1,68 @@
+//! The structural code of a machine.
+
+use crate::error::{ConfigError, Field};
+use crate::machine::{AXES, Axis};
+use heapless::Vec;
+
+/// An axis in its place in the kinematic chain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Link {
+    /// Which axis.
+    pub axis: Axis,
+    /// On the workpiece side of the bed (marked by a prime).
+    pub carries_workpiece: bool,
+}
+
+/// The axes of a structural code from the workpiece to the tool, e.g. `w Y' X' b Z t`.
+///
+/// The code reads: `w`, the axes that carry the workpiece (each with a prime), `b` for the bed, the axes that carry the
+/// tool (without), `t`; blanks are optional, every axis stands at most once. After ISO 10791-6.
+///
+/// # Errors
+/// [`Field::Chain`] with the place in the code, counted from 0, of the first letter that makes no sense.
+pub fn links(chain: &str) -> Result<Vec<Link, AXES>, ConfigError> {
+    let wrong = |place: usize, needed| ConfigError::new(Field::Chain, place as f64, needed).at(place);
+    let mut letters = chain.char_indices().filter(|(_, letter)| !letter.is_whitespace()).peekable();
+    let mut links = Vec::new();
+    if letters.next().is_none_or(|(_, letter)| letter != 'w') {
+        return Err(wrong(0, "w, the workpiece, at the start of the chain"));
+    }
+    let mut behind_bed = false;
+    while let Some((place, letter)) = letters.next() {
+        if letter == 'b' && !behind_bed {
+            behind_bed = true;
+            continue;
+        }
+        if letter == 't' && behind_bed {
+            return match letters.next() {
+                None => Ok(links),
+                Some((place, _)) => Err(wrong(place, "nothing behind t in the chain")),
+            };
+        }
+        let axis = Axis::from_letter(letter).ok_or(wrong(
+            place,
+            if behind_bed { "X Y Z A B C, or t, behind the bed" } else { "X' Y' Z' A' B' C', or b, before the bed" },
+        ))?;
+        if links.iter().any(|link: &Link| link.axis == axis) {
+            return Err(wrong(place, "each axis at most once in the chain"));
+        }
+        let primed = letters.next_if(|(_, letter)| *letter == '\'').is_some();
+        match (primed, behind_bed) {
+            (false, false) => return Err(wrong(place, "a prime at every axis between w and b")),
+            (true, true) => return Err(wrong(place, "no prime at an axis between b and t")),
+            _ => {}
+        }
+        links.push(Link { axis, carries_workpiece: primed }).map_err(|_| wrong(place, "at most six axes"))?;
+    }
+    Err(wrong(chain.len(), "t, the tool, at the end of the chain, and b, the bed, before it"))
+}
+
+/// Whether a rotary axis between the bed and `axis` turns its errors.
+pub fn is_turned(links: &[Link], axis: Axis) -> bool {
+    let Some(place) = links.iter().position(|link| link.axis == axis) else { return false };
+    let side = links.get(place).is_some_and(|link| link.carries_workpiece);
+    links.iter().enumerate().any(|(other, link)| {
+        let nearer = if side { other > place } else { other < place };
+        nearer && link.carries_workpiece == side && link.axis.is_rotary()
+    })
+}

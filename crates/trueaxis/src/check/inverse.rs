@@ -1,0 +1,224 @@
+//! What the tables of all axes add up to: contraction and length of the exact inverse, range of the correction.
+
+use super::chain::{self, Link};
+use super::curve::Curve;
+use crate::compensation::{Rows, ThermalLine};
+use crate::error::{ConfigError, Field};
+use crate::machine::{Axis, AxisSettings, MachineSettings};
+
+/// Most look-ups of the exact inverse.
+pub const MOST_PASSES: u8 = 8;
+/// What the inverse may leave, mm.
+pub const INVERSE_TOLERANCE_MM: f64 = 1e-6;
+
+/// Largest |dE/dq| of each component of a table over both directions: mm or rad per mm or degree; exact.
+pub fn slopes(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> [f64; 6] {
+    core::array::from_fn(|component| {
+        let steepest = |reverse| Curve::new(settings, rows, component, reverse).steepest().0;
+        steepest(false).max(steepest(true))
+    })
+}
+
+/// Part of the nine-term error that grows with the position: −C0Y·y in X, +B0Z·z in X, −A0Z·z in Y; mm/mm.
+pub fn tilt(machine: &MachineSettings, axis: Axis, component: usize) -> f64 {
+    match (component, axis) {
+        (0, Axis::Y) => -machine.location.c0y,
+        (0, Axis::Z) => machine.location.b0z,
+        (1, Axis::Z) => -machine.location.a0z,
+        _ => 0.0,
+    }
+}
+
+/// Upper bound of the norm of the Jacobian of the nine-term error: the Frobenius norm of the largest |slopes|.
+///
+/// Of a machine with linear axes only, 3 by 3, squareness included. A rotary axis adds its column (mm per degree, with
+/// what its turning does to the errors of the axes it carries) and the slope of its own error (degree per degree): the
+/// norm is that of millimetres beside degrees. Thermal growth, writable at run time, is not in it.
+pub fn jacobian_norm<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: impl Fn(Axis) -> Option<&'r T>,
+) -> f64 {
+    let links = chain::links(&machine.chain).unwrap_or_default();
+    let mut sum = 0.0;
+    for settings in &machine.axes {
+        let slopes = rows(settings.axis).map_or([0.0; 6], |rows| slopes(settings, rows));
+        for (component, slope) in slopes.into_iter().enumerate().take(3) {
+            let slope = slope + tilt(machine, settings.axis, component).abs();
+            sum += slope * slope;
+        }
+        if settings.axis.is_rotary() {
+            let own = slopes.get(settings.axis.index()).copied().unwrap_or(0.0).to_degrees();
+            let swing = swing(machine, &rows, &links, settings.axis).to_radians();
+            sum += own * own + swing * swing;
+        }
+    }
+    libm::sqrt(sum)
+}
+
+/// Largest length of the errors that `carrier` turns, mm.
+fn swing<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: &impl Fn(Axis) -> Option<&'r T>,
+    links: &[Link],
+    carrier: Axis,
+) -> f64 {
+    let others = machine.axes.iter().filter(|other| other.axis != carrier && chain::is_turned(links, other.axis));
+    others.map(|other| length(machine, other, rows(other.axis), reach(other, rows(other.axis)))).sum()
+}
+
+/// The positions an axis takes: its travel; where that is not declared, the range of its table, or zero.
+pub fn reach<T: Rows + ?Sized>(settings: &AxisSettings, rows: Option<&T>) -> [f64; 2] {
+    let open = AxisSettings::with_defaults(settings.axis, false).travel;
+    if settings.travel != open {
+        return settings.travel;
+    }
+    let ends = rows.and_then(|rows| Some([rows.row(0)?.position, rows.row(rows.len().checked_sub(1)?)?.position]));
+    ends.unwrap_or([0.0; 2])
+}
+
+/// Smallest and largest error of one component that an axis causes over a range of its positions, both directions,
+/// backlash and squareness included; mm (component 3 to 5: rad, an axis' own with backlash).
+pub fn contribution<T: Rows + ?Sized>(
+    machine: &MachineSettings,
+    settings: &AxisSettings,
+    rows: Option<&T>,
+    component: usize,
+    [low, high]: [f64; 2],
+) -> (f64, f64) {
+    let tilt = tilt(machine, settings.axis, component);
+    let mut both = (f64::INFINITY, f64::NEG_INFINITY);
+    for reverse in [false, true] {
+        let found = rows.and_then(|rows| Curve::new(settings, rows, component, reverse).extremes(low, high, tilt));
+        let (least, most) = found.unwrap_or(((tilt * low).min(tilt * high), (tilt * low).max(tilt * high)));
+        let own = reverse && component == settings.axis.index();
+        let lost = match (own, settings.axis.is_rotary()) {
+            (false, _) => 0.0,
+            (true, false) => settings.backlash,
+            (true, true) => settings.backlash.to_radians(),
+        };
+        both = (both.0.min(least + lost), both.1.max(most + lost));
+    }
+    both
+}
+
+/// Largest length of the translation that an axis causes, location errors of a rotary axis included, mm.
+fn length<T: Rows + ?Sized>(
+    machine: &MachineSettings,
+    settings: &AxisSettings,
+    rows: Option<&T>,
+    range: [f64; 2],
+) -> f64 {
+    let location = settings.axis.index().checked_sub(3).and_then(|index| machine.location.rotary.get(index));
+    let mut sum = 0.0;
+    for component in 0..3 {
+        let (least, most) = contribution(machine, settings, rows, component, range);
+        let constant = location.and_then(|errors| errors.get(component)).copied().unwrap_or(0.0);
+        let largest = (least + constant).abs().max((most + constant).abs());
+        sum += largest * largest;
+    }
+    libm::sqrt(sum)
+}
+
+/// Smallest and largest error that a drive corrects: the sum over all axes, the axis' own positions restricted to `own`,
+/// the others anywhere in their reach. mm; a rotary axis in degrees. Thermal growth is not in it.
+pub fn error_range<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: impl Fn(Axis) -> Option<&'r T>,
+    drive: &AxisSettings,
+    own: [f64; 2],
+) -> (f64, f64) {
+    let axis = drive.axis;
+    if axis.is_rotary() {
+        let (least, most) = contribution(machine, drive, rows(axis), axis.index(), own);
+        let sense = f64::from(drive.direction) * if carries_workpiece(machine, axis) { -1.0 } else { 1.0 };
+        let ends = [least.to_degrees() * sense, most.to_degrees() * sense];
+        return (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    }
+    let links = chain::links(&machine.chain).unwrap_or_default();
+    let mut sum = (0.0, 0.0);
+    for other in &machine.axes {
+        let rows = rows(other.axis);
+        let range = if other.axis == axis { own } else { reach(other, rows) };
+        let (least, most) = if chain::is_turned(&links, other.axis) {
+            let length = length(machine, other, rows, range);
+            (-length, length)
+        } else {
+            let location = other.axis.index().checked_sub(3).and_then(|index| machine.location.rotary.get(index));
+            let constant = location.and_then(|errors| errors.get(axis.index())).copied().unwrap_or(0.0);
+            let (least, most) = contribution(machine, other, rows, axis.index(), range);
+            (least + constant, most + constant)
+        };
+        sum = (sum.0 + least, sum.1 + most);
+    }
+    sum
+}
+
+fn carries_workpiece(machine: &MachineSettings, axis: Axis) -> bool {
+    crate::compensation::carries_workpiece(&machine.chain, axis)
+}
+
+/// Command + correction stays inside the joint over the declared travel, whatever the other axes do.
+///
+/// The corrected position grows with the command (slopes are below 1), so that both ends of the travel decide. The
+/// correction counts as the magnitude limit lets it pass.
+///
+/// # Errors
+/// [`Field::Joint`] with the corrected position that leaves the range.
+pub fn joint_range<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: impl Fn(Axis) -> Option<&'r T>,
+) -> Result<(), ConfigError> {
+    for drive in &machine.axes {
+        let magnitude = drive.limits.magnitude;
+        let [low, high] = drive.travel;
+        let lowest = low - error_range(machine, &rows, drive, [low; 2]).1.min(magnitude).max(-magnitude);
+        let highest = high - error_range(machine, &rows, drive, [high; 2]).0.min(magnitude).max(-magnitude);
+        let [joint_low, joint_high] = drive.joint;
+        let wrong = |found| Err(ConfigError::new(Field::Joint, found, "room for travel and correction").on(drive.axis));
+        if lowest < joint_low {
+            return wrong(lowest);
+        }
+        if highest > joint_high {
+            return wrong(highest);
+        }
+    }
+    Ok(())
+}
+
+/// Smallest number of look-ups `r ← −E(q + r)`, from `r = 0`, that leaves at most 1e-6 mm.
+///
+/// After N look-ups the error is at most `magnitude · normᴺ` (Banach): 0.1 mm at norm 0.05 takes 4.
+///
+/// # Errors
+/// [`Field::Inverse`]: norm of 1 or more (no contraction), or more than 8 look-ups.
+pub fn inverse_passes(norm: f64, magnitude_mm: f64) -> Result<u8, ConfigError> {
+    if !(0.0..1.0).contains(&norm) {
+        return Err(ConfigError::new(Field::Inverse, norm, "a norm of the errors' Jacobian below 1"));
+    }
+    if !(magnitude_mm >= 0.0 && magnitude_mm.is_finite()) {
+        return Err(ConfigError::new(Field::Magnitude, magnitude_mm, "a finite magnitude"));
+    }
+    let mut error = magnitude_mm;
+    for passes in 1..=MOST_PASSES {
+        error *= norm;
+        // A product that should be exactly the tolerance is not one look-up too many for a rounding.
+        if error <= INVERSE_TOLERANCE_MM * (1.0 + 1e-12) {
+            return Ok(passes);
+        }
+    }
+    Err(ConfigError::new(Field::Inverse, norm, "a norm of the errors' Jacobian small enough for 8 passes"))
+}
+
+/// Look-ups that the inverse of a whole machine takes, for corrections up to the magnitude limits of all axes together
+/// and any thermal growth that may be set at run time ([`ThermalLine::SLOPE_LIMIT`] on top of the norm).
+///
+/// # Errors
+/// As [`inverse_passes`].
+pub fn machine_passes<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: impl Fn(Axis) -> Option<&'r T>,
+) -> Result<u8, ConfigError> {
+    let squares = machine.axes.iter().map(|axis| axis.limits.magnitude * axis.limits.magnitude);
+    let norm = jacobian_norm(machine, rows) + ThermalLine::<f64>::SLOPE_LIMIT;
+    inverse_passes(norm, libm::sqrt(squares.sum()))
+}
