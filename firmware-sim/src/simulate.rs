@@ -14,7 +14,7 @@ use glam::DVec3;
 use std::ops::ControlFlow;
 use std::time::Instant;
 use trueaxis::compensation::{Storage, ThermalLine, step_axes};
-use trueaxis::contour::{Method, Path};
+use trueaxis::contour::Path;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Fault, Input, Output, ServoLoop, State};
 
@@ -142,14 +142,7 @@ pub fn with_loop<const N: usize, T>(
     let bytes = trueaxis_tables::compile(&scenario.machine).map_err(|e| anyhow!("{e}"))?;
     let tcomp = Tcomp::parse(&bytes).map_err(|e| anyhow!("compiled tables: {e}"))?;
     let rows = |axis: Axis| tcomp.table(axis);
-    let config = Config {
-        machine: tcomp.settings(),
-        machine_id: tcomp.machine_id(),
-        tables_crc: tcomp.crc(),
-        period_ns: scenario.period_ns(),
-        inverse_passes: tcomp.inverse_passes(),
-        method: Method::Guarded,
-    };
+    let config = Config::of(&tcomp, scenario.period_ns());
     let need = config.requirement::<f64, f64, N, _>(rows);
     let (mut lines, mut knots, mut guide) = (vec![[0.0; 4]; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
     let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };

@@ -24,6 +24,21 @@ pub struct Input<P, const N: usize> {
     pub reset: bool,
 }
 
+impl<P: Position, const N: usize> Input<P, N> {
+    /// All axes at zero, neither homed nor enabled, the cycle in time: what the other fields start from.
+    pub fn at_rest(period_ns: u32) -> Self {
+        Input {
+            command: [P::default(); N],
+            feedback: [P::default(); N],
+            encoder_alarm: 0,
+            elapsed_ns: period_ns,
+            homed: false,
+            enable: false,
+            reset: false,
+        }
+    }
+}
+
 /// Positions of an encoder that counts in integers: `offset + counts · resolution`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncoderScale<P> {

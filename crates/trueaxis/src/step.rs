@@ -8,6 +8,7 @@ use crate::output::{Release, ReleaseState, Released};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
+use crate::tcomp::Tcomp;
 use crate::telemetry::{Record, Status};
 
 /// What a servo loop is built from.
@@ -21,13 +22,25 @@ pub struct Config<'m> {
     pub tables_crc: u32,
     /// Servo period.
     pub period_ns: u32,
-    /// Passes of the exact inverse, 1 to 8; [`crate::check::inverse_passes`] tells how many a machine needs.
+    /// Passes of the exact inverse, 1 to 8; [`crate::check::machine_passes`] tells how many a machine needs.
     pub inverse_passes: u8,
     /// How the foot point is found.
     pub method: Method,
 }
 
 impl<'m> Config<'m> {
+    /// The configuration that a compiled table file describes, with guarded search and as many passes as it needs.
+    pub fn of(file: &'m Tcomp<'_>, period_ns: u32) -> Self {
+        Config {
+            machine: file.settings(),
+            machine_id: file.machine_id(),
+            tables_crc: file.crc(),
+            period_ns,
+            inverse_passes: file.inverse_passes(),
+            method: Method::Guarded,
+        }
+    }
+
     /// Checks everything once and precomputes what a cycle needs, in memory lent by the caller.
     ///
     /// # Errors
