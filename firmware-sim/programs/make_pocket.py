@@ -56,8 +56,8 @@ def wavy(out):
         out.append(f"(floor line {line + 1}: waves in ZX)")
         out.append("G18")
         for _ in range(waves):
-            for code, up in (("G2", 1), ("G3", -1)):
-                # Seen along -Y, clockwise is from Z to X's negative: the sense changes with the direction of travel.
+            for code, up in (("G3", 1), ("G2", -1)):
+                # Counter-clockwise in G18 is from Z to X: over the top towards +X. The sense changes with the direction.
                 code = code if sign > 0 else {"G2": "G3", "G3": "G2"}[code]
                 position += sign * WAVE_CHORD
                 out.append(words(code, X=position, Z=DEPTH + 2, I=sign * half, K=-up * sag))
