@@ -2,7 +2,7 @@
 
 use crate::program::Curve;
 
-/// Largest distance in mm along the curve between the table's point and the exact one, tested at the middle of each
+/// Largest distance in mm along the curve between the table's point and the exact one, tested at three points of each
 /// interval.
 const TOLERANCE: f64 = 1.0e-9;
 
@@ -40,11 +40,17 @@ impl ArcLength {
         self.nodes.last().map_or(0.0, |node| node.s)
     }
 
-    /// Appends nodes for u in a..b, halving until the middle agrees.
+    /// Appends nodes for u in a..b, halving until the quarters agree.
     fn add(&mut self, curve: &Curve, a: f64, b: f64, depth: u32) {
-        let middle = 0.5 * (a + b);
-        let (left, right) = (curve.length_between(a, middle), curve.length_between(middle, b));
-        let length = left + right;
+        let quarters = [0.0, 0.25, 0.5, 0.75].map(|part| a + part * (b - a));
+        let [_, first_quarter, middle, last_quarter] = quarters;
+        let parts = [
+            curve.length_between(a, first_quarter),
+            curve.length_between(first_quarter, middle),
+            curve.length_between(middle, last_quarter),
+            curve.length_between(last_quarter, b),
+        ];
+        let length: f64 = parts.iter().sum();
         if length <= 0.0 {
             return;
         }
@@ -56,8 +62,12 @@ impl ArcLength {
         let inside = b - (b - a) * 1.0e-9;
         let first = Node { s: start, u: a, after: slope(a), before: 0.0 };
         let last = Node { s: start + length, u: b, after: 0.0, before: slope(inside) };
-        let off = (hermite(&first, &last, start + left) - middle).abs() * curve.speed(middle);
-        if depth > 0 && off > TOLERANCE {
+        let mut s = start;
+        let off = quarters.iter().skip(1).zip(parts).any(|(u, part)| {
+            s += part;
+            (hermite(&first, &last, s) - u).abs() * curve.speed(*u) > TOLERANCE
+        });
+        if depth > 0 && off && length > TOLERANCE {
             self.add(curve, a, middle, depth - 1);
             self.add(curve, middle, b, depth - 1);
             return;

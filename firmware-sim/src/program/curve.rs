@@ -70,8 +70,10 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// Relative difference of one rule against two halves that ends the halving, and its bound.
-const LENGTH_TOLERANCE: f64 = 1.0e-13;
+/// Difference of one rule against two halves that ends the halving: relative, and in mm, above the rounding of |C'|
+/// where it nearly vanishes.
+const RELATIVE_TOLERANCE: f64 = 1.0e-13;
+const ABSOLUTE_TOLERANCE: f64 = 1.0e-12;
 const DEEPEST_HALVING: u32 = 30;
 
 /// An arc prepared: axes in its plane, angle, and what changes along it.
@@ -218,7 +220,7 @@ impl Curve {
         let middle = 0.5 * (a + b);
         let (left, right) = (self.gauss(a, middle), self.gauss(middle, b));
         let both = left + right;
-        if depth == 0 || (both - whole).abs() <= LENGTH_TOLERANCE * both.abs().max(1.0e-3) {
+        if depth == 0 || (both - whole).abs() <= ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * both.abs() {
             return both;
         }
         self.halved(a, middle, left, depth - 1) + self.halved(middle, b, right, depth - 1)
