@@ -27,11 +27,11 @@ pub struct Outcome {
 /// The machine's tables do not build.
 pub fn simulate<const N: usize>(
     scenario: &Scenario,
-    motion: &Motion,
+    motion: &Motion<'_>,
     path: &PlannedPath,
     paced: bool,
     mut trace: Option<&mut Trace>,
-    progress: &mut dyn FnMut(f64),
+    progress: &mut (dyn FnMut(f64) + Send),
 ) -> Result<Outcome> {
     let started = Instant::now();
     let total = 3.0 * motion.cycles() as f64;
