@@ -232,12 +232,14 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let position = self.command(&first);
         self.feedback = position;
         self.plant.rest_at(&self.to_plant(&position));
+        self.plant.hold_faults();
         let limits = self.scenario.machine.settings.axes.iter().map(|a| a.limits);
         let slowest =
             limits.map(|l| l.magnitude / l.slope_per_s + l.slope_per_s / l.acceleration_per_s2).fold(0.0, f64::max);
         for _ in 0..(1.2 * slowest.min(2.0) * self.scenario.rate_hz) as u64 {
             self.exchange(&first, position);
         }
+        self.plant.start_faults();
     }
 
     fn command(&self, setpoint: &Setpoint) -> [f64; N] {
