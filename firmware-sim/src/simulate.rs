@@ -255,7 +255,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     fn exchange(&mut self, setpoint: &Setpoint, mut command: [f64; N]) -> (Output<f64, f64, N>, u64) {
         let mut disturbed = self.to_plant(&command);
         self.plant.disturb_command(&mut disturbed);
-        self.from_plant(&disturbed, &mut command);
+        self.take_from_plant(&disturbed, &mut command);
         let input = Input {
             command,
             feedback: self.feedback,
@@ -272,7 +272,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let nanoseconds = start.elapsed().as_nanos() as u64;
         let readings = self.plant.cycle(&self.to_plant(&output.drive));
         let mut feedback = self.feedback;
-        self.from_plant(&readings.position, &mut feedback);
+        self.take_from_plant(&readings.position, &mut feedback);
         self.feedback = feedback;
         self.elapsed_periods = readings.elapsed_periods;
         (output, nanoseconds)
@@ -287,7 +287,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         plant
     }
 
-    fn from_plant(&self, plant: &[f64; AXES], positions: &mut [f64; N]) {
+    fn take_from_plant(&self, plant: &[f64; AXES], positions: &mut [f64; N]) {
         for (from, place) in plant.iter().zip(&self.order) {
             if let Some(to) = place.and_then(|p| positions.get_mut(p)) {
                 *to = *from;

@@ -141,7 +141,8 @@ fn tangent_moves_are_run_through() {
 fn arcs_slow_down_to_the_normal_acceleration() {
     // 10 mm radius, 1000 mm/s²: 100 mm/s of the 150 mm/s programmed.
     let circle = program("F9000 G3 X0 Y0 I10 P4");
-    let motion = Motion::plan(&circle, MotionSettings::default()).unwrap();
+    let settings = MotionSettings { normal_acceleration: 1000.0, ..MotionSettings::default() };
+    let motion = Motion::plan(&circle, settings).unwrap();
     let fastest = motion.setpoints().map(|p| p.feed).fold(0.0, f64::max);
     assert!((fastest - 100.0).abs() < 1e-9, "{fastest}");
 }

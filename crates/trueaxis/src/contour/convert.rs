@@ -170,7 +170,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
         }
         let (start, end, length) =
             (speed(&piece.coefficients, 0.0), speed(&piece.coefficients, 1.0), length(&piece.coefficients));
-        if !(length > 0.0) {
+        if length <= 0.0 {
             return Ok(());
         }
         // a t + b t² + c t³ with the speeds at both ends and the whole length.
