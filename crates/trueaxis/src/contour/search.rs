@@ -87,8 +87,7 @@ impl<R: Real> ContourSearch<R> {
         let (place, length) = (span.arc_length(found.t), span.length());
         let squared = dot(&found.vector, &found.vector);
         let error = squared.sqrt();
-        // Borders within sight may hide a nearer foot behind them.
-        let sight = window + error + error;
+        let sight = sight(window, error);
         let clear = place > sight && length - place > sight;
         let near = (place - span.arc_length(guess.t)).abs() <= window;
         if found.trusted && clear && near {
@@ -316,7 +315,7 @@ fn across<R: Real, P: Position>(
     let distance = dot(&found.vector, &found.vector);
     let error = distance.sqrt();
     let rest = if forward { span.length() - place } else { place };
-    if rest > window + error + error {
+    if rest > sight(window, error) {
         return None;
     }
     let (number, entry) =
@@ -342,6 +341,13 @@ fn across<R: Real, P: Position>(
     } else {
         Some(Found { flags: found.flags.and(Flags::SECOND_MINIMUM), ..*found })
     }
+}
+
+/// Borders within this may hide a nearer foot behind them: where a tool cuts a corner of 28° or more by the error, the
+/// foot on the old leg lies within four times that of the corner.
+#[inline(always)]
+fn sight<R: Real>(window: R, error: R) -> R {
+    window + R::of(4.0) * error
 }
 
 /// S = 5 µm + 4 × progress.

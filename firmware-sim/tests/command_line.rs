@@ -1,0 +1,186 @@
+//! The simulator as it is called: what it prints, writes and refuses.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn simulator(arguments: &[&str], directory: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_firmware-sim")).args(arguments).current_dir(directory).output().unwrap()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let directory = tempfile::tempdir().unwrap();
+    let output = simulator(arguments, directory.path());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+}
+
+fn size(run: &Value, which: &str, what: &str) -> f64 {
+    run["contour_error_um"][which][what].as_f64().unwrap()
+}
+
+#[test]
+fn the_default_scenario_falls_to_a_fifth_or_less_and_repeats_exactly() {
+    let first = json(&["run", "--json"]);
+    for what in ["max", "rms"] {
+        let (before, after) = (size(&first, "uncompensated", what), size(&first, "compensated", what));
+        assert!(after <= 0.2 * before, "{what}: {before} to {after}");
+        assert!(size(&first, "servo_only", what) > 0.0);
+    }
+    assert_eq!(first["servo_rate_hz"], 10_000.0);
+    assert_eq!(first["faults"], Value::Array(vec![]));
+    for key in ["min", "p50", "p99", "p99_99", "max"] {
+        assert!(first["latency_ns"][key].as_u64().unwrap() > 0);
+    }
+    assert!(first["budget_ns"].as_u64().is_some() && first["missed_deadlines"].as_u64().is_some());
+    let second = json(&["run", "--json"]);
+    assert_eq!(first["contour_error_um"], second["contour_error_um"]);
+    assert_eq!(first["cycles"], second["cycles"]);
+    assert_ne!(json(&["run", "--json", "--seed", "7"])["contour_error_um"], first["contour_error_um"]);
+}
+
+#[test]
+fn other_programs_machines_and_rates_run() {
+    for (program, machine, rate) in [
+        ("butterfly", "mill-3axis", "10000"),
+        ("pocket-3d", "mill-3axis", "4000"),
+        ("circle-diamond-square", "mill-5axis", "2000"),
+    ] {
+        let run = json(&["run", "--json", "--program", program, "--machine", machine, "--rate-hz", rate]);
+        for what in ["max", "rms"] {
+            assert!(
+                size(&run, "compensated", what) < 0.4 * size(&run, "uncompensated", what),
+                "{program} on {machine}: {run}"
+            );
+        }
+    }
+}
+
+/// A short program of one's own, with every kind of injected fault.
+#[test]
+fn injected_faults_are_reported_where_they_happen_and_only_bad_commands_stop() {
+    let directory = tempfile::tempdir().unwrap();
+    let program = directory.path().join("own.ngc");
+    std::fs::write(&program, "G21 G90 G17 F1200\nG1 X20 Y5 Z-1\nG2 X20 Y25 J10\nG1 X0 Y0\nM2\n").unwrap();
+    let program = program.to_str().unwrap();
+    let run = json(&[
+        "run",
+        "--json",
+        "--program",
+        program,
+        "--fault",
+        "dropout:X@0.5s+3",
+        "--fault",
+        "glitch:Y@0.8s+1=5mm",
+        "--fault",
+        "late@1.1s+1=2.5",
+        "--fault",
+        "stuck:X@0.3s+400",
+    ]);
+    let faults: Vec<&str> = run["faults"].as_array().unwrap().iter().map(|f| f["fault"].as_str().unwrap()).collect();
+    for expected in ["FeedbackNotFinite", "FeedbackJump", "LateCycle"] {
+        assert!(faults.contains(&expected), "{faults:?}");
+    }
+    assert_eq!(run["stopped"], false);
+    let dropout = run["faults"].as_array().unwrap().iter().find(|f| f["fault"] == "FeedbackNotFinite").unwrap();
+    assert_eq!((dropout["axis"].as_str(), dropout["cycles"].as_u64()), (Some("X"), Some(3)));
+    assert!((dropout["time_s"].as_f64().unwrap() - 0.5).abs() < 2e-4, "{dropout}");
+    for (fault, name) in [("nan-command:X@0.6s+1", "CommandNotFinite"), ("jump-command:Y@0.6s+1=3mm", "CommandJump")] {
+        let run = json(&["run", "--json", "--program", program, "--fault", fault]);
+        assert_eq!(run["stopped"], true);
+        assert_eq!(run["faults"][0]["fault"], name);
+    }
+}
+
+/// The trace of a run with faults keeps every limit of the correction in every line.
+#[test]
+fn the_trace_keeps_the_limits_and_the_report_is_written() {
+    let directory = tempfile::tempdir().unwrap();
+    let arguments =
+        ["run", "--report", "out", "--trace-every", "1", "--program", "butterfly", "--fault", "dropout:Y@1s+50"];
+    let output = simulator(&arguments, directory.path());
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("without compensation") && text.contains("servo alone") && text.contains("FeedbackNotFinite")
+    );
+    assert!(std::fs::read_to_string(directory.path().join("out/index.html")).unwrap().contains("</html>"));
+    let trace = std::fs::read_to_string(directory.path().join("out/trace.csv")).unwrap();
+    let mut lines = trace.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let columns: Vec<usize> = ["x", "y", "z"]
+        .iter()
+        .map(|a| header.iter().position(|h| *h == format!("correction_{a}_um")).unwrap())
+        .collect();
+    let drive: Vec<usize> =
+        ["x", "y", "z"].iter().map(|a| header.iter().position(|h| *h == format!("drive_{a}_mm")).unwrap()).collect();
+    let (mut last, mut velocity) = (None::<[f64; 3]>, [0.0; 3]);
+    let mut count = 0;
+    for line in lines {
+        let values: Vec<&str> = line.split(',').collect();
+        let c: [f64; 3] = std::array::from_fn(|k| values[columns[k]].parse().unwrap());
+        assert!(drive.iter().all(|i| values[*i].parse::<f64>().unwrap().is_finite()));
+        if let Some(last) = last {
+            for k in 0..3 {
+                let v = c[k] - last[k];
+                // 100 µm, 1 mm/s = 0.1 µm and 0.2 m/s² = 0.002 µm a cycle; five decimals in the file.
+                assert!(c[k].abs() <= 100.0 && v.abs() <= 0.1 + 2e-5, "line {count}: {v}");
+                assert!(count < 3 || (v - velocity[k]).abs() <= 0.002 + 4e-5, "line {count}: {}", v - velocity[k]);
+                velocity[k] = v;
+            }
+        }
+        last = Some(c);
+        count += 1;
+    }
+    assert!(count > 100_000);
+}
+
+#[test]
+fn bad_input_ends_with_2_says_why_and_writes_nothing() {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("bad.ngc"), "G21 G90\nG1 X1 F100\nG33 Z1 K1\n").unwrap();
+    std::fs::write(directory.path().join("far.ngc"), "G21 G90 F100\nG1 X900\n").unwrap();
+    std::fs::write(directory.path().join("binary.ngc"), [0xff, 0xfe, 0x00]).unwrap();
+    let cases: [(&[&str], &str); 10] = [
+        (&["run", "--program", "bad.ngc"], "bad.ngc:3"),
+        (&["run", "--program", "far.ngc"], "axis X goes to"),
+        (&["run", "--program", "binary.ngc"], "UTF-8"),
+        (&["run", "--program", "missing.ngc"], "missing.ngc"),
+        (&["run", "--machine", "nowhere"], "nowhere"),
+        (&["run", "--rate-hz", "0"], "--rate-hz"),
+        (&["run", "--rate-hz", "nan"], "--rate-hz"),
+        (&["run", "--origin-mm", "1,2"], "--origin-mm"),
+        (&["run", "--fault", "fire:X@1s"], "--fault"),
+        (&["run", "--fault", "dropout:C@1s+1"], "axis C"),
+    ];
+    for (arguments, expected) in cases {
+        let with_report = [arguments, &["--report", "out"]].concat();
+        let output = simulator(&with_report, directory.path());
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+        assert!(error.contains(expected), "{arguments:?}: {error}");
+        assert!(output.stdout.is_empty());
+        assert!(!directory.path().join("out/index.html").exists());
+    }
+}
+
+#[test]
+fn the_step_alone_is_timed() {
+    let bench = json(&["bench", "--cycles", "20000", "--json"]);
+    assert_eq!(bench["cycles"], 20_000);
+    assert!(bench["steps_per_s"].as_f64().unwrap() > 1e4);
+    assert!(bench["latency_ns"]["p50"].as_u64().unwrap() > 0);
+    assert_eq!(simulator(&["bench", "--cycles", "0"], Path::new(".")).status.code(), Some(2));
+}
+
+#[test]
+fn paced_runs_say_what_was_permitted() {
+    let directory = tempfile::tempdir().unwrap();
+    let program = directory.path().join("short.ngc");
+    std::fs::write(&program, "G21 G90 F1200\nG1 X5\n").unwrap();
+    let run = json(&["run", "--json", "--paced", "--rate-hz", "1000", "--program", program.to_str().unwrap()]);
+    let notes: Vec<&str> = run["notes"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
+    for means in ["SCHED_FIFO", "mlockall"] {
+        assert!(notes.iter().any(|note| note.contains(means)), "{notes:?}");
+    }
+}
