@@ -1,2 +1,53 @@
-//! trueaxis on the bench.
-fn main() {}
+//! `trueaxis` on the bench: error tables, what they correct, and how far a tool was from its path.
+
+mod accuracy;
+mod compensate;
+mod contour;
+mod csv_in;
+mod model;
+mod output;
+mod tables;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Geometric error compensation and contour error of CNC machines, from files.
+///
+/// Lengths are mm, positions of rotary axes degrees, errors µm and µrad. Error = actual − ideal (ISO 230-1), of the tool
+/// relative to the workpiece. Exit code 0: done; 2: bad input, with file, line, column, what was found and what is needed.
+#[derive(Parser)]
+#[command(version, name = "trueaxis")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Check, compile, show and convert error tables; evaluate measurements after ISO 230-2.
+    #[command(subcommand)]
+    Tables(tables::Command),
+    /// Errors and corrected commands at positions.
+    #[command(after_help = compensate::HELP)]
+    Compensate(compensate::Arguments),
+    /// Contour error of measured positions against a path.
+    #[command(after_help = contour::HELP)]
+    Contour(contour::Arguments),
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Tables(command) => tables::run(command),
+        Command::Compensate(arguments) => compensate::run(&arguments),
+        Command::Contour(arguments) => contour::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        // A reader that has seen enough (`trueaxis … | head`) is no error.
+        Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}

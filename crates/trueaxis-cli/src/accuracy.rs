@@ -1,0 +1,115 @@
+//! `trueaxis tables accuracy`: ISO 230-2 before and after compensation.
+
+use crate::model::{axis_count, compiled, parsed, with_compensation};
+use crate::output::{json, put};
+use anyhow::{Context, Result, anyhow, bail};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+use trueaxis::Axis;
+use trueaxis::compensation::{ThermalLine, step_axes};
+use trueaxis::tcomp::Tcomp;
+use trueaxis_tables::accuracy::{Accuracy, evaluate, evaluate_compensated};
+use trueaxis_tables::formats::iso230_2::{Direction, Measurement, read_measurement};
+
+#[derive(Serialize)]
+struct Document {
+    measured: Accuracy,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    compensated: Option<Accuracy>,
+}
+
+pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_json: bool) -> Result<()> {
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let measurement = read_measurement(&text, file, axis)?;
+    let measured = evaluate(&measurement).map_err(|error| anyhow!("{}: {error}", file.display()))?;
+    let compensated = match machine {
+        None => None,
+        Some(path) => {
+            let bytes = compiled(path)?;
+            let tables = parsed(&bytes, path)?;
+            if tables.table(measurement.axis).is_none() {
+                bail!("{}: found no table of axis {}, needed one", path.display(), measurement.axis.letter());
+            }
+            Some(match axis_count(&tables) {
+                3 => after::<3>(&tables, &measurement)?,
+                4 => after::<4>(&tables, &measurement)?,
+                5 => after::<5>(&tables, &measurement)?,
+                _ => after::<6>(&tables, &measurement)?,
+            })
+        }
+    };
+    if as_json {
+        return json(&Document { measured, compensated });
+    }
+    put(&table(&measured, compensated.as_ref())?, None)
+}
+
+/// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.
+fn after<const N: usize>(tables: &Tcomp<'_>, measurement: &Measurement) -> Result<Accuracy> {
+    let axes = step_axes::<N>(tables.settings()).map_err(|error| anyhow!("{error}"))?;
+    let place = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
+    with_compensation::<N, _>(tables, 1, |compensation| {
+        let own = |position: f64, direction: Direction| {
+            let mask = if direction == Direction::Down { usize::MAX } else { 0 };
+            let error = |q: f64| {
+                let mut at = [0.0; N];
+                at[place] = q;
+                let (at, thermal) = (compensation.coordinates(&at), [ThermalLine::default(); N]);
+                let mut reverse = [0; N];
+                reverse[place] = mask;
+                compensation.errors(&at, &reverse, &thermal, &mut 0)[place]
+            };
+            // The other axes stand still: what they add is the same everywhere.
+            let constant = {
+                let table = tables.table(measurement.axis);
+                let own = table.and_then(|t| t.row(0)).map_or(0.0, |row| row.forward[measurement.axis.index()]);
+                let start = table.and_then(|t| t.row(0)).map_or(0.0, |row| row.position);
+                let mut at = [0.0; N];
+                at[place] = start;
+                let forward =
+                    compensation.errors(&compensation.coordinates(&at), &[0; N], &[ThermalLine::default(); N], &mut 0)
+                        [place];
+                let own = if measurement.axis.is_rotary() { own.to_degrees() } else { own };
+                forward - own
+            };
+            let value = error(position) - constant;
+            if measurement.axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 }
+        };
+        evaluate_compensated(measurement, own).map_err(|error| anyhow!("{error}"))
+    })
+}
+
+fn table(measured: &Accuracy, compensated: Option<&Accuracy>) -> Result<String> {
+    let unit = if measured.unit == "um" { "µm" } else { "µrad" };
+    let mut text = format!(
+        "axis {}, {} target positions, {} runs; ISO 230-2:2014, values in {unit}\n\n",
+        measured.axis,
+        measured.positions.len(),
+        measured.runs
+    );
+    writeln!(text, "{:<46}{:>10}{}", "", "measured", if compensated.is_some() { "  compensated" } else { "" })?;
+    let mut line = |name: &str, value: &dyn Fn(&Accuracy) -> Option<f64>| -> Result<()> {
+        if let Some(before) = value(measured) {
+            let after = compensated.and_then(value).map_or(String::new(), |after| format!("{after:>13.2}"));
+            writeln!(text, "{name:<46}{before:>10.2}{after}")?;
+        }
+        Ok(())
+    };
+    line("A    bidirectional accuracy", &|a| Some(a.both?.accuracy))?;
+    line("A↑   accuracy, positive approach", &|a| Some(a.up?.accuracy))?;
+    line("A↓   accuracy, negative approach", &|a| Some(a.down?.accuracy))?;
+    line("E    bidirectional systematic error", &|a| Some(a.both?.systematic))?;
+    line("E↑   systematic error, positive approach", &|a| Some(a.up?.systematic))?;
+    line("E↓   systematic error, negative approach", &|a| Some(a.down?.systematic))?;
+    line("R    bidirectional repeatability", &|a| Some(a.both?.repeatability))?;
+    line("R↑   repeatability, positive approach", &|a| Some(a.up?.repeatability))?;
+    line("R↓   repeatability, negative approach", &|a| Some(a.down?.repeatability))?;
+    line("M    range of the mean bidirectional deviation", &|a| Some(a.both?.mean_range))?;
+    line("B    reversal error", &|a| Some(a.both?.reversal))?;
+    line("B̄    mean reversal error", &|a| Some(a.both?.mean_reversal))?;
+    if measured.runs < 5 {
+        writeln!(text, "\nISO 230-2 asks for five runs in each direction.")?;
+    }
+    Ok(text)
+}

@@ -1,0 +1,215 @@
+//! `trueaxis contour`.
+
+use crate::csv_in::{Column, Rows};
+use crate::output::{progress, put};
+use anyhow::{Context, Result, anyhow, bail};
+use clap::{Args, ValueEnum};
+use serde::Deserialize;
+use std::fmt::Write;
+use std::path::{Path as FilePath, PathBuf};
+use trueaxis::contour::{ContourSearch, Flags, Method, Path, Reference, Segment, Span, convert};
+
+pub(crate) const HELP: &str = "\
+PATH.json: {\"segments\":[
+  {\"type\":\"line\",\"start\":[x,y,z],\"end\":[x,y,z]},
+  {\"type\":\"arc\",\"start\":[…],\"end\":[…],\"center\":[…],\"normal\":[…],\"turns\":0},    right hand about the normal; start = end: full circle
+  {\"type\":\"nurbs\",\"degree\":3,\"knots\":[…],\"points\":[[x,y,z],…],\"weights\":[…]}]}    degree 1 to 5; mm
+ACTUAL.csv: segment,u,x_mm,y_mm,z_mm; u is where the reference is: 0..1 on lines and arcs, the knot domain on NURBS.
+Output: segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed: the foot point, its distance, the vector actual − foot.
+The nearest point within --max-lag-mm of path length on either side of the reference is found, each row for itself.
+
+Example: trueaxis contour path.json actual.csv -o error.csv";
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Refinement {
+    /// Newton steps guarded by bisection.
+    Guarded,
+    /// Plain bisection of the distance's derivative.
+    Bisection,
+}
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The programmed path.
+    #[arg(value_name = "PATH.json")]
+    path: PathBuf,
+    /// Measured positions with the reference's place on the path.
+    #[arg(value_name = "ACTUAL.csv")]
+    actual: PathBuf,
+    /// How a bracket is narrowed.
+    #[arg(long, value_enum, default_value = "guarded")]
+    method: Refinement,
+    /// Path length searched on either side of the reference.
+    #[arg(long, value_name = "MM", default_value_t = 1.0)]
+    max_lag_mm: f64,
+    /// Result [default: standard output].
+    #[arg(short, long, value_name = "OUT.csv")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PathFile {
+    segments: Vec<SegmentFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
+enum SegmentFile {
+    Line {
+        start: [f64; 3],
+        end: [f64; 3],
+    },
+    Arc {
+        start: [f64; 3],
+        end: [f64; 3],
+        center: [f64; 3],
+        #[serde(default = "z_axis")]
+        normal: [f64; 3],
+        #[serde(default)]
+        turns: u32,
+    },
+    Nurbs {
+        degree: usize,
+        knots: Vec<f64>,
+        points: Vec<[f64; 3]>,
+        #[serde(default)]
+        weights: Vec<f64>,
+    },
+}
+
+fn z_axis() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+
+impl SegmentFile {
+    fn segment(&self) -> Segment<'_> {
+        match self {
+            SegmentFile::Line { start, end } => Segment::Line { start: *start, end: *end },
+            SegmentFile::Arc { start, end, center, normal, turns } => {
+                Segment::Arc { start: *start, end: *end, center: *center, normal: *normal, turns: *turns }
+            }
+            SegmentFile::Nurbs { degree, knots, points, weights } => {
+                Segment::Nurbs { degree: *degree, knots, points, weights }
+            }
+        }
+    }
+}
+
+/// A path with the first span of every segment.
+struct Converted {
+    spans: Vec<Span<f64, f64>>,
+    first: Vec<usize>,
+    closed: bool,
+}
+
+/// Segments may be this far apart without a word, mm.
+const JOINED: f64 = 1e-6;
+/// Further than this they are no path, mm.
+const GAP: f64 = 1e-3;
+
+fn read_path(file: &FilePath) -> Result<Converted> {
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let parsed: PathFile = serde_json::from_str(&text)
+        .map_err(|e| anyhow!("{}:{}: column {}: {e}", file.display(), e.line(), e.column()))?;
+    if parsed.segments.is_empty() {
+        bail!("{}: segments: found none, needed at least one", file.display());
+    }
+    let mut path = Converted { spans: Vec::new(), first: Vec::new(), closed: false };
+    for (number, segment) in parsed.segments.iter().enumerate() {
+        let start = path.spans.len();
+        path.first.push(start);
+        convert(&segment.segment(), number as u32, z_axis(), |span| {
+            path.spans.push(span);
+            Ok(())
+        })
+        .map_err(|error| anyhow!("{}: segments[{number}]: {error}", file.display()))?;
+        if path.spans.len() == start {
+            bail!("{}: segments[{number}]: found no length, needed a path", file.display());
+        }
+        if let Some(before) = start.checked_sub(1) {
+            let gap = distance(path.spans[before].position(1.0), path.spans[start].position(0.0));
+            if gap > GAP {
+                bail!(
+                    "{}: segments[{number}]: start: found {gap} mm from the end of the segment before, needed at most {GAP}",
+                    file.display()
+                );
+            }
+            if gap > JOINED {
+                eprintln!(
+                    "note: {}: segments[{number}] starts {gap:.2e} mm from the end of the one before",
+                    file.display()
+                );
+            }
+        }
+    }
+    path.first.push(path.spans.len());
+    let (start, end) = (path.spans[0].position(0.0), path.spans[path.spans.len() - 1].position(1.0));
+    path.closed = distance(start, end) <= JOINED;
+    Ok(path)
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+impl Converted {
+    /// The place of a segment's parameter, or the range that it must lie in.
+    fn reference(&self, segment: usize, u: f64) -> Result<Reference<f64>, [f64; 2]> {
+        let (first, end) = (self.first[segment], self.first[segment + 1]);
+        let [low, high] = [self.spans[first].u_range()[0], self.spans[end - 1].u_range()[1]];
+        // A reference that was printed with fewer digits may lie a hair outside.
+        let slack = 1e-9 * (high - low);
+        if !(low - slack..=high + slack).contains(&u) {
+            return Err([low, high]);
+        }
+        let inside = self.spans[first..end].partition_point(|span| span.u_range()[1] < u);
+        let span = (first + inside).min(end - 1);
+        Ok(Reference { span: span as u32, t: self.spans[span].t_of(u) })
+    }
+}
+
+const COLUMNS: [Column; 5] = [
+    Column { name: "segment", needed: true },
+    Column { name: "u", needed: true },
+    Column { name: "x_mm", needed: true },
+    Column { name: "y_mm", needed: true },
+    Column { name: "z_mm", needed: true },
+];
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let path = read_path(&arguments.path)?;
+    let actual = Rows::read(&arguments.actual, &COLUMNS)?;
+    let method = match arguments.method {
+        Refinement::Guarded => Method::Guarded,
+        Refinement::Bisection => Method::Bisection,
+    };
+    let search = ContourSearch::new(arguments.max_lag_mm, method).map_err(|error| anyhow!("--max-lag-mm: {error}"))?;
+    let view = Path::new(&path.spans, 0, path.closed);
+    let segments = path.first.len() - 1;
+    let mut text = String::from("segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed\n");
+    let bar = progress(actual.rows.len(), "positions");
+    for (line, [segment, u, x, y, z], _) in &actual.rows {
+        if segment.fract() != 0.0 || *segment < 0.0 || *segment >= segments as f64 {
+            return Err(actual.error(*line, "segment", segment, format!("a whole number from 0 to {}", segments - 1)));
+        }
+        let reference = path
+            .reference(*segment as usize, *u)
+            .map_err(|[low, high]| actual.error(*line, "u", u, format!("{low} to {high} on this segment")))?;
+        let found = search.nearest(&view, reference, [*x, *y, *z]);
+        let span = &path.spans[found.span as usize];
+        let [ex, ey, ez] = found.vector.map(|e| e * 1e3);
+        writeln!(
+            text,
+            "{},{},{},{ex},{ey},{ez},{},{}",
+            span.segment(),
+            span.u_of(found.t),
+            found.error * 1e3,
+            found.evaluations,
+            found.flags.has(Flags::BRACKETED)
+        )?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    put(&text, arguments.output.as_deref())
+}
