@@ -1,0 +1,369 @@
+//! The commands as they are called, on files whose results can be worked out by hand.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn samples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables")
+}
+
+fn call(directory: &TempDir, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(directory.path()).output().unwrap()
+}
+
+fn good(directory: &TempDir, arguments: &[&str]) -> String {
+    let output = call(directory, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Exit code 2, nothing on the standard output, and every part of the message.
+fn bad(directory: &TempDir, arguments: &[&str], parts: &[&str]) {
+    let output = call(directory, arguments);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    for part in parts {
+        assert!(error.contains(part), "{arguments:?}: {error}");
+    }
+}
+
+fn put(directory: &TempDir, name: &str, text: &str) {
+    let path = directory.path().join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, text).unwrap();
+}
+
+/// Rows of a CSV as numbers (true = 1), by column name.
+fn column(csv: &str, name: &str) -> Vec<f64> {
+    let mut lines = csv.lines();
+    let place = lines.next().unwrap().split(',').position(|c| c == name).unwrap_or_else(|| panic!("no {name}"));
+    lines
+        .map(|line| match line.split(',').nth(place).unwrap() {
+            "true" => 1.0,
+            "false" => 0.0,
+            number => number.parse().unwrap(),
+        })
+        .collect()
+}
+
+/// X: 10 µm at 0 to 30 µm at 100; Y: straightness; C: wraps. Squareness 20 µrad.
+fn small_machine(directory: &TempDir) {
+    put(
+        directory,
+        "m/machine.toml",
+        "name = \"small\"\nchain = \"w C' X' b Y Z t\"\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [-50, 150]\n\
+         [axis.Y]\ntable = \"y.csv\"\n[axis.C]\ntable = \"c.csv\"\n[location]\nC0Y_urad = 20\n",
+    );
+    put(directory, "m/x.csv", "X_mm,EXX_um,EZX_um\n0,10,-4\n100,30,4\n");
+    put(directory, "m/y.csv", "# straightness\nEXY_um,Y_mm\n0,-100\n8,0\n2,300\n");
+    put(directory, "m/c.csv", "C_deg,EXC_um,EYC_um\n0,0,1\n90,6,1\n180,0,1\n270,-6,1\n360,0,1\n");
+}
+
+#[test]
+fn errors_and_corrected_commands_are_what_the_tables_say() {
+    let directory = tempfile::tempdir().unwrap();
+    small_machine(&directory);
+    put(&directory, "p.csv", "x_mm,y_mm,z_mm,c_deg\n25,150,5,45\n25,150,5,1000045\n25,150,5,-675\n-40,-100,0,0\n");
+    let csv = good(&directory, &["compensate", "m", "p.csv"]);
+    assert!(csv.starts_with("x_mm,y_mm,z_mm,c_deg,ex_um,ey_um,ez_um,cx_mm,cy_mm,cz_mm\n25,150,5,45,"));
+    // EXX 15, EXY 5, squareness −20e-6 · 150 mm = −3 µm, EXC 3; 1000045 = 2777 · 360 + 325 degrees: EXC = −6 · 35/90.
+    let ex = column(&csv, "ex_um");
+    for (found, truth) in ex.iter().zip([20.0, 17.0 - 6.0 * 35.0 / 90.0, 20.0, 10.0 + 2.0]) {
+        assert!((found - truth).abs() < 1e-9, "{ex:?}");
+    }
+    assert!(column(&csv, "ey_um").iter().all(|e| (e - 1.0).abs() < 1e-9));
+    let ez = column(&csv, "ez_um");
+    assert!((ez[0] + 2.0).abs() < 1e-9 && (ez[3] + 4.0).abs() < 1e-9, "{ez:?}");
+    // The corrected command lands: q' + E(q') = q. In the first row E is linear in x and y.
+    let (cx, cy) = (column(&csv, "cx_mm")[0], column(&csv, "cy_mm")[0]);
+    let error = |x: f64, y: f64| 1e-3 * (10.0 + 0.2 * x + 8.0 - 0.02 * y + 3.0) - 20e-6 * y;
+    assert!((cx + error(cx, cy) - 25.0).abs() < 1e-6);
+    // One look-up: minus the error at the uncorrected command.
+    let once = good(&directory, &["compensate", "m", "p.csv", "--inverse-passes", "1", "--model", "nine"]);
+    assert!((column(&once, "cx_mm")[0] - (25.0 - 0.020)).abs() < 1e-12);
+    let _ = good(&directory, &["compensate", "m/machine.toml", "p.csv", "-o", "out.csv"]);
+    assert_eq!(fs::read_to_string(directory.path().join("out.csv")).unwrap(), csv);
+}
+
+#[test]
+fn the_held_out_interpolation_is_the_tables_own() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut table = String::from("X_mm,EXX_um\n");
+    let value = |i: i32| f64::from((i * 7919) % 41) - 20.0;
+    for i in 0..64 {
+        table.push_str(&format!("{},{}\n", 5 * i, value(i)));
+    }
+    put(&directory, "m/machine.toml", "name = \"t\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\n");
+    put(&directory, "m/x.csv", &table);
+    let mut positions = String::from("x_mm,y_mm,z_mm\n");
+    let places: Vec<f64> = (0..3000).map(|i| f64::from(i) * 0.105).collect();
+    for x in &places {
+        positions.push_str(&format!("{x},0,0\n"));
+    }
+    put(&directory, "p.csv", &positions);
+    let csv = good(&directory, &["compensate", "m", "p.csv"]);
+    for (x, found) in places.iter().zip(column(&csv, "ex_um")) {
+        let cell = ((x / 5.0) as i32).min(62);
+        let t = x / 5.0 - f64::from(cell);
+        assert!((found - (value(cell) + t * (value(cell + 1) - value(cell)))).abs() < 1e-9, "{x}");
+    }
+}
+
+#[test]
+fn bad_positions_are_refused_with_their_place() {
+    let directory = tempfile::tempdir().unwrap();
+    small_machine(&directory);
+    let cases: [(&str, &[&str]); 9] = [
+        ("x_mm,y_mm,z_mm\n1,2,nan\n", &["p.csv:2", "z_mm", "nan", "finite"]),
+        ("x_mm,y_mm,z_mm\n1,2,3\n1,inf,3\n", &["p.csv:3", "y_mm"]),
+        ("x_mm,y_mm\n1,2\n", &["p.csv:1", "z_mm"]),
+        ("x_mm,y_mm,z_mm,q_mm\n1,2,3,4\n", &["p.csv:1", "q_mm"]),
+        ("x_mm,y_mm,z_mm,x_mm\n1,2,3,4\n", &["p.csv:1", "x_mm"]),
+        ("x_mm,y_mm,z_mm\n1,2\n", &["p.csv:2", "2 values", "3"]),
+        ("x_mm,y_mm,z_mm\n", &["no rows"]),
+        ("x_mm,y_mm,z_mm,a_deg\n1,2,3,4\n", &["a_deg"]),
+        ("x_mm,y_mm,z_mm\n151,2,3\n", &["p.csv:2", "x_mm", "151", "-50 to 150"]),
+    ];
+    for (text, parts) in cases {
+        put(&directory, "p.csv", text);
+        bad(&directory, &["compensate", "m", "p.csv", "-o", "out.csv"], parts);
+        assert!(!directory.path().join("out.csv").exists());
+    }
+    put(&directory, "p.csv", "x_mm,y_mm,z_mm\n1,2,3\n");
+    bad(&directory, &["compensate", "m", "missing.csv"], &["missing.csv"]);
+    bad(&directory, &["compensate", "nowhere", "p.csv"], &["nowhere"]);
+    bad(&directory, &["compensate", "m", "p.csv", "--inverse-passes", "9"], &["9"]);
+    bad(&directory, &["compensate", "m", "p.csv", "--model", "guess"], &["nine"]);
+}
+
+#[test]
+fn tables_check_compile_show_and_damage() {
+    let directory = tempfile::tempdir().unwrap();
+    small_machine(&directory);
+    let text = good(&directory, &["tables", "check", "m"]);
+    assert!(text.contains("small") && text.contains("no errors"));
+    let document: Value = serde_json::from_str(&good(&directory, &["tables", "check", "m", "--json"])).unwrap();
+    assert_eq!(document["ok"], true);
+    assert_eq!(good(&directory, &["tables", "compile", "m", "-o", "t.tcomp"]), "");
+    let shown: Value = serde_json::from_str(&good(&directory, &["tables", "show", "t.tcomp", "--json"])).unwrap();
+    assert_eq!((shown["name"].as_str(), shown["chain"].as_str()), (Some("small"), Some("w C' X' b Y Z t")));
+    assert!(good(&directory, &["tables", "show", "t.tcomp"]).contains("small"));
+    // The compiled file gives the same corrections as its source.
+    put(&directory, "p.csv", "x_mm,y_mm,z_mm\n25,150,5\n");
+    assert_eq!(good(&directory, &["compensate", "m", "p.csv"]), good(&directory, &["compensate", "t.tcomp", "p.csv"]));
+    let bytes = fs::read(directory.path().join("t.tcomp")).unwrap();
+    for damage in
+        [&bytes[..bytes.len() - 1], &bytes[..20], &[], b"not tables at all, but long enough to look like some"]
+    {
+        fs::write(directory.path().join("bad.tcomp"), damage).unwrap();
+        bad(&directory, &["tables", "show", "bad.tcomp"], &["bad.tcomp"]);
+        bad(&directory, &["compensate", "bad.tcomp", "p.csv"], &["bad.tcomp"]);
+    }
+    let mut flipped = bytes.clone();
+    flipped[bytes.len() / 2] ^= 0x10;
+    fs::write(directory.path().join("bad.tcomp"), flipped).unwrap();
+    bad(&directory, &["tables", "show", "bad.tcomp"], &["bad.tcomp"]);
+}
+
+#[test]
+fn bad_machines_are_refused_and_nothing_is_written() {
+    let directory = tempfile::tempdir().unwrap();
+    let cases: [(&str, &str, &[&str]); 10] = [
+        ("x.csv", "X_mm,EXX_um\n0,1\n0,2\n", &["x.csv:3", "X_mm"]),
+        ("x.csv", "X_mm,EXX_um\n0,1\n10,nan\n", &["x.csv:3", "EXX_um", "nan"]),
+        ("x.csv", "X_mm,EXX_um\n10,1\n0,2\n", &["x.csv:3"]),
+        ("x.csv", "X_mm,EXX_um\n0,1\n", &["x.csv"]),
+        ("x.csv", "X_mm,EXX\n0,1\n10,2\n", &["x.csv:1", "EXX"]),
+        ("x.csv", "X_mm,EXX_um\n0,0\n1,1000\n", &["x.csv", "EXX"]),
+        ("c.csv", "C_deg,EXC_um\n0,0\n360,5\n", &["c.csv", "EXC"]),
+        (
+            "machine.toml",
+            "name = \"s\"\nchain = \"w X' X b Z t\"\n[axis.X]\ntable=\"x.csv\"\n",
+            &["machine.toml", "chain"],
+        ),
+        (
+            "machine.toml",
+            "name = \"s\"\nchain = \"w X' b Z t\"\nspeed = 3\n[axis.X]\ntable=\"x.csv\"\n",
+            &["machine.toml:3", "speed"],
+        ),
+        ("machine.toml", "name = \"s\"\nchain = \"w X' b Z t\"\n[axis.X]\ntable=\"none.csv\"\n", &["none.csv"]),
+    ];
+    for (file, text, parts) in cases {
+        small_machine(&directory);
+        put(&directory, &format!("m/{file}"), text);
+        bad(&directory, &["tables", "compile", "m", "-o", "t.tcomp"], parts);
+        bad(&directory, &["tables", "check", "m"], parts);
+        assert!(!directory.path().join("t.tcomp").exists());
+    }
+}
+
+const PATH: &str = r#"{"segments":[
+  {"type":"line","start":[0,0,0],"end":[10,0,0]},
+  {"type":"arc","start":[10,0,0],"end":[10,20,0],"center":[10,10,0],"normal":[0,0,1],"turns":0},
+  {"type":"nurbs","degree":2,"knots":[0,0,0,2,2,2],"points":[[10,20,0],[5,20,0],[0,20,5]],"weights":[1,1,1]}]}"#;
+
+#[test]
+fn contour_errors_on_a_line_an_arc_and_a_spline() {
+    let directory = tempfile::tempdir().unwrap();
+    put(&directory, "path.json", PATH);
+    let (s, c) = 0.3_f64.sin_cos();
+    let inside = format!("{},{},0", 10.0 + 9.99 * s, 10.0 - 9.99 * c);
+    // The spline is (10 − 5v, 20, 5/4 v²), v = u; at v = 1 its tangent is (−5, 0, 2.5): 3 µm along y is off at right angles.
+    put(
+        &directory,
+        "actual.csv",
+        &format!(
+            "segment,u,x_mm,y_mm,z_mm\n0,0.503,5,0.004,-0.003\n1,0.1,{inside}\n2,1.01,5,20.003,1.25\n0,1,10.002,-0.003,0\n"
+        ),
+    );
+    for method in ["guarded", "bisection"] {
+        let csv = good(&directory, &["contour", "path.json", "actual.csv", "--method", method]);
+        assert!(csv.starts_with("segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed\n"));
+        let error = column(&csv, "error_um");
+        for (found, truth) in error.iter().zip([5.0, 10.0, 3.0]) {
+            assert!((found - truth).abs() < 1e-5, "{method}: {csv}");
+        }
+        assert_eq!(column(&csv, "segment")[..3], [0.0, 1.0, 2.0]);
+        let u = column(&csv, "u");
+        assert!(
+            (u[0] - 0.5).abs() < 1e-9 && (u[1] - 0.3 / std::f64::consts::PI).abs() < 1e-9 && (u[2] - 1.0).abs() < 1e-9
+        );
+        assert!((column(&csv, "ey_um")[0] - 4.0).abs() < 1e-6 && (column(&csv, "ez_um")[0] + 3.0).abs() < 1e-6);
+        assert!(column(&csv, "bracketed").iter().all(|b| *b == 1.0));
+        // Past the line's end the arc goes on: radius 10, centre (10, 10).
+        assert!((error[3] - 1e3 * ((0.002_f64).hypot(10.003) - 10.0)).abs() < 1e-5);
+    }
+    let far = "segment,u,x_mm,y_mm,z_mm\n0,0.5,8,0,0\n";
+    put(&directory, "far.csv", far);
+    assert_eq!(column(&good(&directory, &["contour", "path.json", "far.csv"]), "bracketed"), [0.0]);
+    assert_eq!(
+        column(&good(&directory, &["contour", "path.json", "far.csv", "--max-lag-mm", "5"]), "bracketed"),
+        [1.0]
+    );
+}
+
+#[test]
+fn bad_paths_and_positions_are_refused_with_their_place() {
+    let directory = tempfile::tempdir().unwrap();
+    put(&directory, "actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
+    let paths: [(&str, &[&str]); 8] = [
+        ("{\"segments\":[]}", &["segments"]),
+        ("{\"segments\":[\n{\"type\":\"line\",\"start\":[0,0,0]}]}", &["path.json:2", "end"]),
+        ("{\"segments\":[{\"type\":\"wave\"}]}", &["path.json:1", "wave"]),
+        ("{\"segments\":[{\"type\":\"line\",\"start\":[0,0,0],\"end\":[0,0,0]}]}", &["segments[0]", "end"]),
+        ("{\"segments\":[{\"type\":\"line\",\"start\":[0,0,0],\"end\":[1,0,0],\"colour\":1}]}", &["colour"]),
+        (
+            "{\"segments\":[{\"type\":\"line\",\"start\":[0,0,0],\"end\":[1,0,0]},{\"type\":\"line\",\"start\":[2,0,0],\"end\":[3,0,0]}]}",
+            &["segments[1]", "1 mm"],
+        ),
+        (
+            "{\"segments\":[{\"type\":\"arc\",\"start\":[1,0,0],\"end\":[0,2,0],\"center\":[0,0,0]}]}",
+            &["segments[0]", "radius"],
+        ),
+        (
+            "{\"segments\":[{\"type\":\"nurbs\",\"degree\":2,\"knots\":[0,0,0,1,1],\"points\":[[0,0,0],[1,0,0],[2,0,0]]}]}",
+            &["segments[0]", "knots", "5"],
+        ),
+    ];
+    for (text, parts) in paths {
+        put(&directory, "path.json", text);
+        bad(&directory, &["contour", "path.json", "actual.csv", "-o", "out.csv"], parts);
+        assert!(!directory.path().join("out.csv").exists());
+    }
+    put(&directory, "path.json", PATH);
+    for (row, parts) in [
+        ("3,0.5,0,0,0", &["actual.csv:2", "segment", "3", "0 to 2"][..]),
+        ("0.5,0.5,0,0,0", &["actual.csv:2", "segment"]),
+        ("2,2.5,0,0,0", &["actual.csv:2", "column u", "2.5", "0 to 2"]),
+        ("0,0.5,0,nan,0", &["actual.csv:2", "y_mm", "nan"]),
+    ] {
+        put(&directory, "actual.csv", &format!("segment,u,x_mm,y_mm,z_mm\n{row}\n"));
+        bad(&directory, &["contour", "path.json", "actual.csv"], parts);
+    }
+    put(&directory, "actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
+    bad(&directory, &["contour", "path.json", "actual.csv", "--max-lag-mm", "0"], &["--max-lag-mm"]);
+}
+
+#[test]
+fn iso_230_2_before_and_after_compensation() {
+    let directory = tempfile::tempdir().unwrap();
+    let mill = samples().join("mill-3axis");
+    let measured = mill.join("x-iso230-2.csv");
+    let (mill, measured) = (mill.to_str().unwrap(), measured.to_str().unwrap());
+    let document: Value =
+        serde_json::from_str(&good(&directory, &["tables", "accuracy", measured, "--machine", mill, "--json"]))
+            .unwrap();
+    let (before, after) = (&document["measured"]["both"], &document["compensated"]["both"]);
+    assert!(after["systematic"].as_f64().unwrap() < 0.1 * before["systematic"].as_f64().unwrap());
+    assert!(after["reversal"].as_f64().unwrap() < 0.5 * before["reversal"].as_f64().unwrap());
+    let table = good(&directory, &["tables", "accuracy", measured]);
+    assert!(table.contains("bidirectional accuracy") && !table.contains("compensated"));
+    // A machine whose table is the measured mean: what is left is the scatter alone.
+    put(
+        &directory,
+        "m/machine.toml",
+        "name = \"b\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\nbacklash_um = 3\n",
+    );
+    put(&directory, "m/x.csv", "X_mm,EXX_um\n0,1\n100,21\n");
+    put(
+        &directory,
+        "b.csv",
+        "X_mm,run,direction,deviation_um\n0,1,+,1\n0,2,+,1\n0,1,-,4\n0,2,-,4\n50,1,+,11\n50,2,+,11\n50,1,-,14\n50,2,-,14\n",
+    );
+    let document: Value =
+        serde_json::from_str(&good(&directory, &["tables", "accuracy", "b.csv", "--machine", "m", "--json"])).unwrap();
+    assert!((document["measured"]["both"]["reversal"].as_f64().unwrap() - 3.0).abs() < 1e-9);
+    for what in ["accuracy", "systematic", "reversal"] {
+        assert!(document["compensated"]["both"][what].as_f64().unwrap().abs() < 1e-9, "{document}");
+    }
+    put(&directory, "b.csv", "X_mm,run,direction,deviation_um\n0,1,+,x\n");
+    bad(&directory, &["tables", "accuracy", "b.csv"], &["b.csv:2", "deviation_um"]);
+}
+
+#[test]
+fn tables_travel_to_other_controls_and_back() {
+    let directory = tempfile::tempdir().unwrap();
+    put(&directory, "m/machine.toml", "name = \"t\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\n");
+    put(&directory, "m/x.csv", "X_mm,EXX_um\n0,1\n50,11\n100,21\n");
+    put(&directory, "p.csv", "x_mm,y_mm,z_mm\n25,0,0\n77,0,0\n");
+    let truth = column(&good(&directory, &["compensate", "m", "p.csv"]), "ex_um");
+    for (format, file) in [("linuxcnc", "t.comp"), ("linuxcnc-1", "t1.comp"), ("siemens", "t.mpf"), ("isg", "t.txt")] {
+        good(&directory, &["tables", "export", "--to", format, "m", "-o", file]);
+        good(&directory, &["tables", "import", "--from", format, file, "--axis", "X", "-o", "back"]);
+        let found = column(&good(&directory, &["compensate", "back", "p.csv"]), "ex_um");
+        for (found, truth) in found.iter().zip(&truth) {
+            assert!((found - truth).abs() < 1e-6, "{format}: {found} {truth}");
+        }
+        fs::remove_dir_all(directory.path().join("back")).unwrap();
+    }
+    put(&directory, "cut.comp", "0 0 0\n# LinuxCNC would stop reading here without a word\n50 50 50\n");
+    bad(
+        &directory,
+        &["tables", "import", "--from", "linuxcnc", "cut.comp", "--axis", "X", "-o", "back"],
+        &["cut.comp:2"],
+    );
+    assert!(!directory.path().join("back").exists());
+    bad(&directory, &["tables", "export", "--to", "fanuc", "m", "-o", "x"], &["--to", "fanuc", "siemens"]);
+    bad(&directory, &["tables", "import", "--from", "linuxcnc", "t.comp", "--axis", "Q", "-o", "back"], &["--axis"]);
+    let mill = samples().join("mill-3axis");
+    let mill = mill.to_str().unwrap();
+    bad(&directory, &["tables", "export", "--to", "siemens", mill, "-o", "lost.mpf"], &["equidistant"]);
+    assert!(!directory.path().join("lost.mpf").exists());
+}
+
+#[test]
+fn help_teaches() {
+    let directory = tempfile::tempdir().unwrap();
+    for (arguments, part) in [
+        (&["--help"][..], "actual − ideal"),
+        (&["compensate", "--help"], "corrected command"),
+        (&["contour", "--help"], "PATH.json"),
+        (&["tables", "import", "--help"], "COMP_FILE"),
+    ] {
+        assert!(good(&directory, arguments).contains(part), "{arguments:?}");
+    }
+}
