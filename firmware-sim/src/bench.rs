@@ -24,7 +24,12 @@ pub struct Outcome {
 ///
 /// # Errors
 /// The machine's tables do not build.
-pub fn run<const N: usize>(scenario: &Scenario, motion: &Motion, path: &PlannedPath, cycles: u64) -> Result<Outcome> {
+pub fn run<const N: usize>(
+    scenario: &Scenario,
+    motion: &Motion<'_>,
+    path: &PlannedPath,
+    cycles: u64,
+) -> Result<Outcome> {
     let mut span = 0;
     let prepared: Vec<(Input<f64, N>, Reference<f64>)> = motion
         .setpoints()

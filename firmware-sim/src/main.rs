@@ -4,9 +4,9 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, Parser, Subcommand};
 use firmware_sim::motion::{Motion, MotionSettings};
 use firmware_sim::path::PlannedPath;
-use firmware_sim::plant::{axis_count, fault};
+use firmware_sim::plant::fault::FaultScript;
 use firmware_sim::program::Program;
-use firmware_sim::scenario::{Scenario, middle_of_travel, sample_machine};
+use firmware_sim::scenario::{Scenario, axis_count, middle_of_travel, sample_machine};
 use firmware_sim::trace::Trace;
 use firmware_sim::{bench, outcome, report};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -64,7 +64,7 @@ struct RunArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,
     /// Inject a fault, e.g. dropout:X@1.25s+3, glitch:Y@0.5s+1=5mm, stuck:Z@2s+200, late@3s+1=2.5, nan-command:X@2s+1,
-    /// jump-command:X@2s+1=3mm (may be given several times; time counts from the start of the simulation).
+    /// jump-command:X@2s+1=3mm (may be given several times; time counts from the start of the program).
     #[arg(long, value_name = "FAULT")]
     fault: Vec<String>,
     /// Run the compensated run at the real rate, with real-time scheduling where it is permitted.
@@ -115,14 +115,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// A scenario with its planned motion.
-struct Prepared {
-    scenario: Scenario,
-    motion: Motion,
-    path: PlannedPath,
-}
-
-fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Prepared> {
+fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     if !(100.0..=100_000.0).contains(&args.rate_hz) {
         bail!("--rate-hz: found {}, needed 100 to 100000", args.rate_hz);
     }
@@ -142,10 +135,7 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Prepared> {
         Some(other) => bail!("--origin-mm: found {other:?}, needed three finite numbers X,Y,Z"),
     };
     let kelvin = args.temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);
-    let faults = faults
-        .iter()
-        .map(|f| f.parse().map_err(|e: fault::FaultSpecError| anyhow!("--fault: {e}")))
-        .collect::<Result<_>>()?;
+    let faults = FaultScript::parse(faults).map_err(|e| anyhow!("--fault: {e}"))?;
     let scenario = Scenario {
         machine,
         program,
@@ -157,10 +147,14 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Prepared> {
         budget_ns: args.budget_ns.unwrap_or((1e8 / args.rate_hz) as u64),
     };
     stays_in_travel(&scenario)?;
+    Ok(scenario)
+}
+
+/// Motion and path of a scenario's program.
+fn plan(scenario: &Scenario) -> Result<(Motion<'_>, PlannedPath)> {
     let settings = MotionSettings { period_s: scenario.period_s(), ..MotionSettings::default() };
     let motion = Motion::plan(&scenario.program, settings).map_err(|e| anyhow!("{}: {e}", scenario.program.name))?;
-    let path = PlannedPath::new(&scenario.program, scenario.origin_mm)?;
-    Ok(Prepared { scenario, motion, path })
+    Ok((motion, PlannedPath::new(&scenario.program, scenario.origin_mm)?))
 }
 
 fn read_program(path: &Path) -> Result<Program> {
@@ -168,7 +162,7 @@ fn read_program(path: &Path) -> Result<Program> {
     if !path.exists()
         && let Some(program) = Program::builtin(&name)
     {
-        return Ok(program);
+        return Ok(program?);
     }
     let text = std::fs::read(path).with_context(|| format!("cannot read the program {}", path.display()))?;
     let text = String::from_utf8(text)
@@ -202,18 +196,19 @@ fn stays_in_travel(scenario: &Scenario) -> Result<()> {
 
 /// Calls a function that is generic over the number of axes.
 macro_rules! with_axes {
-    ($machine:expr, $function:path, ($($argument:expr),*)) => {
+    ($machine:expr, $module:ident, $function:ident, ($($argument:expr),*)) => {
         match axis_count($machine) {
-            3 => $function::<3>($($argument),*),
-            4 => $function::<4>($($argument),*),
-            5 => $function::<5>($($argument),*),
-            _ => $function::<6>($($argument),*),
+            3 => $module::$function::<3>($($argument),*),
+            4 => $module::$function::<4>($($argument),*),
+            5 => $module::$function::<5>($($argument),*),
+            _ => $module::$function::<6>($($argument),*),
         }
     };
 }
 
 fn run(args: &RunArgs) -> Result<()> {
-    let Prepared { scenario, motion, path } = prepare(&args.scenario, &args.fault)?;
+    let scenario = prepare(&args.scenario, &args.fault)?;
+    let (motion, path) = plan(&scenario)?;
     let mut trace = match &args.report {
         Some(dir) => {
             std::fs::create_dir_all(dir).with_context(|| format!("cannot create {}", dir.display()))?;
@@ -228,7 +223,8 @@ fn run(args: &RunArgs) -> Result<()> {
     let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
     let outcome = with_axes!(
         &scenario.machine,
-        outcome::simulate,
+        outcome,
+        simulate,
         (&scenario, &motion, &path, args.paced, trace.as_mut(), &mut tell)
     )?;
     bar.finish_and_clear();
@@ -255,8 +251,9 @@ fn time(args: &BenchArgs) -> Result<()> {
     if args.cycles == 0 {
         bail!("--cycles: found 0, needed at least 1");
     }
-    let Prepared { scenario, motion, path } = prepare(&args.scenario, &[])?;
-    let outcome = with_axes!(&scenario.machine, bench::run, (&scenario, &motion, &path, args.cycles))?;
+    let scenario = prepare(&args.scenario, &[])?;
+    let (motion, path) = plan(&scenario)?;
+    let outcome = with_axes!(&scenario.machine, bench, run, (&scenario, &motion, &path, args.cycles))?;
     let l = outcome.latency;
     if args.json {
         let document = json!({

@@ -27,11 +27,11 @@ pub struct Outcome {
 /// The machine's tables do not build.
 pub fn simulate<const N: usize>(
     scenario: &Scenario,
-    motion: &Motion,
+    motion: &Motion<'_>,
     path: &PlannedPath,
     paced: bool,
     mut trace: Option<&mut Trace>,
-    progress: &mut dyn FnMut(f64),
+    progress: &mut (dyn FnMut(f64) + Send),
 ) -> Result<Outcome> {
     let started = Instant::now();
     let total = 3.0 * motion.cycles() as f64;
@@ -171,15 +171,29 @@ impl Outcome {
             length += step.curve.length();
         }
         let wide = |d: [f32; 3]| d.map(f64::from);
-        let pairs = self.uncompensated.samples.iter().zip(&self.compensated.samples);
-        let path = pairs
-            .filter(|(before, _)| before.cutting)
-            .map(|(before, after)| PathPoint {
-                nominal_mm: before.nominal_mm,
-                uncompensated_um: wide(before.deviation_um),
-                compensated_um: wide(after.deviation_um),
-            })
-            .collect();
+        let mut breaks = Vec::new();
+        for pair in self.uncompensated.samples.windows(2) {
+            if let [positioning, cutting] = pair
+                && !positioning.cutting
+                && cutting.cutting
+            {
+                breaks.push(cutting.length_mm);
+            }
+        }
+        let mut path = Vec::new();
+        let (mut run, mut was_cutting) = (0, true);
+        for (before, after) in self.uncompensated.samples.iter().zip(&self.compensated.samples) {
+            if before.cutting {
+                run += u32::from(!was_cutting);
+                path.push(PathPoint {
+                    run,
+                    nominal_mm: before.nominal_mm,
+                    uncompensated_um: wide(before.deviation_um),
+                    compensated_um: wide(after.deviation_um),
+                });
+            }
+            was_cutting = before.cutting;
+        }
         let latency = &self.compensated.latency;
         Report {
             title: "Compensated servo step".into(),
@@ -197,6 +211,7 @@ impl Outcome {
                 uncompensated: error_over_path(&self.uncompensated),
                 compensated: error_over_path(&self.compensated),
                 servo_only: error_over_path(&self.servo_only),
+                breaks,
                 program_lines,
             },
             path,

@@ -1,6 +1,6 @@
 //! What is simulated: machine, program, rate, seed, faults.
 
-use crate::plant::fault::Injection;
+use crate::plant::fault::FaultScript;
 use crate::program::Program;
 use std::path::PathBuf;
 use trueaxis_tables::Machine;
@@ -19,7 +19,7 @@ pub struct Scenario {
     /// Seed of the encoders' noise.
     pub seed: u64,
     /// Injected faults.
-    pub faults: Vec<Injection>,
+    pub faults: FaultScript,
     /// Kelvin above the reference temperature that the plugin is told.
     pub kelvin: f64,
     /// Time a step may take, ns.
@@ -55,4 +55,9 @@ pub fn middle_of_travel(machine: &Machine) -> [f64; 3] {
         middle[settings.axis.index()] = 0.5 * (low + high);
     }
     middle
+}
+
+/// How many axes the step of a machine has: X, Y, Z, and its rotary ones.
+pub fn axis_count(machine: &Machine) -> usize {
+    3 + machine.settings.axes.iter().filter(|a| a.axis.is_rotary()).count()
 }

@@ -4,7 +4,8 @@ use crate::latency::Latency;
 use crate::motion::{Motion, Setpoint};
 use crate::pace::{self, Pace, PaceReport};
 use crate::path::PlannedPath;
-use crate::plant::Plant;
+use crate::plant::fault::FaultScript;
+use crate::plant::{Plant, PlantSettings};
 use crate::report::ErrorSize;
 use crate::scenario::Scenario;
 use crate::trace::Trace;
@@ -15,6 +16,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 use trueaxis::compensation::{Storage, ThermalLine, step_axes};
 use trueaxis::contour::Path;
+use trueaxis::machine::AXES;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Fault, Input, Output, ServoLoop, State};
 
@@ -88,7 +90,7 @@ pub struct Options<'o> {
     /// Run at the real rate.
     pub paced: bool,
     /// Called every thousand cycles with the number done.
-    pub progress: &'o mut dyn FnMut(u64),
+    pub progress: &'o mut (dyn FnMut(u64) + Send),
     /// Where every cycle of the compensated run is written.
     pub trace: Option<&'o mut Trace>,
 }
@@ -99,7 +101,7 @@ pub struct Options<'o> {
 /// The machine's tables do not build.
 pub fn run<const N: usize>(
     scenario: &Scenario,
-    motion: &Motion,
+    motion: &Motion<'_>,
     path: &PlannedPath,
     kind: Kind,
     options: &mut Options<'_>,
@@ -155,9 +157,11 @@ struct Cell<'c, 'a, const N: usize> {
     scenario: &'c Scenario,
     servo: &'c ServoLoop<'a, f64, f64, N>,
     state: State<f64, f64, N>,
-    plant: Plant<N>,
+    plant: Plant,
+    /// Place in the step of each of the machine's axes.
+    order: Vec<Option<usize>>,
     path: &'c PlannedPath,
-    motion: &'c Motion,
+    motion: &'c Motion<'c>,
     axes: [Axis; N],
     kind: Kind,
     origin: DVec3,
@@ -173,7 +177,7 @@ struct Cell<'c, 'a, const N: usize> {
 impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     fn new(
         scenario: &'c Scenario,
-        motion: &'c Motion,
+        motion: &'c Motion<'c>,
         path: &'c PlannedPath,
         kind: Kind,
         servo: &'c ServoLoop<'a, f64, f64, N>,
@@ -188,13 +192,17 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
                 state.set_thermal(place, line);
             }
         }
-        let faults = if kind == Kind::ServoOnly { &[][..] } else { &scenario.faults[..] };
         let perfect = kind == Kind::ServoOnly;
+        let faults = if perfect { FaultScript::default() } else { scenario.faults.clone() };
+        let settings = PlantSettings { temperature_rise_k: scenario.kelvin, faults, ..PlantSettings::default() };
+        let plant = Plant::new(&scenario.machine, settings, perfect, scenario.seed, scenario.period_s())?;
+        let order = scenario.machine.settings.axes.iter().map(|a| axes.iter().position(|b| *b == a.axis)).collect();
         Ok(Cell {
             scenario,
             servo,
             state,
-            plant: Plant::new(&scenario.machine, perfect, scenario.seed, scenario.period_s(), faults),
+            plant,
+            order,
             path,
             motion,
             axes,
@@ -223,12 +231,15 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let Some(first) = self.motion.setpoints().next() else { return };
         let position = self.command(&first);
         self.feedback = position;
+        self.plant.rest_at(&self.to_plant(&position));
+        self.plant.hold_faults();
         let limits = self.scenario.machine.settings.axes.iter().map(|a| a.limits);
         let slowest =
             limits.map(|l| l.magnitude / l.slope_per_s + l.slope_per_s / l.acceleration_per_s2).fold(0.0, f64::max);
         for _ in 0..(1.2 * slowest.min(2.0) * self.scenario.rate_hz) as u64 {
             self.exchange(&first, position);
         }
+        self.plant.start_faults();
     }
 
     fn command(&self, setpoint: &Setpoint) -> [f64; N] {
@@ -242,7 +253,9 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
 
     /// One servo period: plugin, then drives and encoders.
     fn exchange(&mut self, setpoint: &Setpoint, mut command: [f64; N]) -> (Output<f64, f64, N>, u64) {
-        self.plant.spoil(&mut command);
+        let mut disturbed = self.to_plant(&command);
+        self.plant.disturb_command(&mut disturbed);
+        self.take_from_plant(&disturbed, &mut command);
         let input = Input {
             command,
             feedback: self.feedback,
@@ -257,10 +270,29 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let start = Instant::now();
         let output = self.servo.step(&mut self.state, &input, &path, reference);
         let nanoseconds = start.elapsed().as_nanos() as u64;
-        let readings = self.plant.cycle(&output.drive);
-        self.feedback = readings.position;
+        let readings = self.plant.cycle(&self.to_plant(&output.drive));
+        let mut feedback = self.feedback;
+        self.take_from_plant(&readings.position, &mut feedback);
+        self.feedback = feedback;
         self.elapsed_periods = readings.elapsed_periods;
         (output, nanoseconds)
+    }
+
+    /// Positions in the step's order as the plant counts them: by the machine's list of axes.
+    fn to_plant(&self, positions: &[f64; N]) -> [f64; AXES] {
+        let mut plant = [0.0; AXES];
+        for (to, place) in plant.iter_mut().zip(&self.order) {
+            *to = place.and_then(|p| positions.get(p)).copied().unwrap_or(0.0);
+        }
+        plant
+    }
+
+    fn take_from_plant(&self, plant: &[f64; AXES], positions: &mut [f64; N]) {
+        for (from, place) in plant.iter().zip(&self.order) {
+            if let Some(to) = place.and_then(|p| positions.get_mut(p)) {
+                *to = *from;
+            }
+        }
     }
 
     fn cycle(&mut self, setpoint: &Setpoint, cycle: u64, trace: Option<&mut Trace>) {

@@ -50,7 +50,7 @@ fn foot(curve: &Curve, u: f64, point: DVec3) -> DVec3 {
         let t = (point - a).dot(b - a) / (b - a).length_squared();
         return a + (b - a) * t.clamp(0.0, 1.0);
     }
-    let speed = DVec3::from(curve.derivative(u)).length().max(1e-9);
+    let speed = curve.speed(u).max(1e-9);
     let reach = (WINDOW_MM / speed).min(last - first);
     let distance = |u: f64| (DVec3::from(curve.position(u)) - point).length_squared();
     let samples = (0..=SAMPLES).map(|i| (u - reach + 2.0 * reach * i as f64 / SAMPLES as f64).clamp(first, last));
@@ -61,8 +61,9 @@ fn foot(curve: &Curve, u: f64, point: DVec3) -> DVec3 {
     };
     let mut at = start;
     for _ in 0..30 {
-        let offset = DVec3::from(curve.position(at)) - point;
-        let (d1, d2) = (DVec3::from(curve.derivative(at)), DVec3::from(curve.second_derivative(at)));
+        let here = curve.derivatives(at);
+        let offset = DVec3::from(here.position) - point;
+        let (d1, d2) = (DVec3::from(here.first), DVec3::from(here.second));
         let curvature = d1.length_squared() + offset.dot(d2);
         // Where the distance is not convex, the tangent's own projection still goes downhill.
         let slope = if curvature > 0.1 * d1.length_squared() { curvature } else { d1.length_squared() };

@@ -61,6 +61,7 @@ fn circle() -> Report {
         let lift = 2.0 * angle;
         if k % 5 == 0 {
             report.path.push(PathPoint {
+                run: 0,
                 nominal_mm: [RADIUS_MM * cos, RADIUS_MM * sin, lift],
                 uncompensated_um: [radial * cos, radial * sin, 3.0 * sin],
                 compensated_um: [residue * cos, residue * sin, 0.2 * sin],
@@ -232,6 +233,7 @@ fn degenerate_data_make_a_page_all_the_same() {
                     cycles: u64::MAX,
                     contour_error: ContourErrors { uncompensated: size, compensated: size, servo_only: size },
                     contour: ContourSeries {
+                        breaks: Vec::new(),
                         uncompensated: series.clone(),
                         compensated: decimate(&series, 3),
                         servo_only: Vec::new(),
@@ -239,6 +241,7 @@ fn degenerate_data_make_a_page_all_the_same() {
                     },
                     path: (0..count)
                         .map(|k| PathPoint {
+                            run: 0,
                             nominal_mm: [at(k), at(k / 2), value],
                             uncompensated_um: [value, at(k), 0.0],
                             compensated_um: [0.0, at(k), value],

@@ -108,6 +108,7 @@ pub struct Plant {
     geometry: Geometry,
     perfect_geometry: bool,
     faults: FaultScript,
+    faults_held: bool,
     period_s: f64,
     cycle: u64,
 }
@@ -146,7 +147,15 @@ impl Plant {
         if let Some(axis) = settings.faults.faults.iter().filter_map(|fault| fault.kind.axis()).find(|a| !has(a)) {
             return Err(PlantError::FaultAxis { axis: axis.letter() });
         }
-        Ok(Plant { stations, geometry, perfect_geometry, faults: settings.faults, period_s, cycle: 0 })
+        Ok(Plant {
+            stations,
+            geometry,
+            perfect_geometry,
+            faults: settings.faults,
+            faults_held: false,
+            period_s,
+            cycle: 0,
+        })
     }
 
     /// Puts all axes to rest at `position` (mm, deg), last moved in positive direction; noise and fault script go on.
@@ -159,9 +168,26 @@ impl Plant {
         }
     }
 
+    /// Lets nothing go wrong until [`Plant::start_faults`].
+    pub fn hold_faults(&mut self) {
+        self.faults_held = true;
+    }
+
+    /// The cycle counter and with it the fault script start at zero.
+    pub fn start_faults(&mut self) {
+        self.faults_held = false;
+        self.cycle = 0;
+    }
+
+    /// Cycle of the fault script; far beyond its end while it is held.
+    fn script_cycle(&self) -> u64 {
+        if self.faults_held { u64::MAX } else { self.cycle }
+    }
+
     /// What the faults scripted for the coming cycle do to the position that the host commands.
     pub fn disturb_command(&self, command: &mut [f64; AXES]) {
-        for kind in self.faults.acting(self.cycle, self.period_s) {
+        let cycle = self.script_cycle();
+        for kind in self.faults.acting(cycle, self.period_s) {
             for (station, value) in self.stations.iter().zip(command.iter_mut()) {
                 match kind {
                     FaultKind::NanCommand(axis) if axis == station.axis => *value = f64::NAN,
@@ -174,9 +200,10 @@ impl Plant {
 
     /// One servo cycle: the drives get `drive_command` (mm, deg), the encoders are read at its end.
     pub fn cycle(&mut self, drive_command: &[f64; AXES]) -> Readings {
+        let cycle = self.script_cycle();
         let elapsed_periods = self
             .faults
-            .acting(self.cycle, self.period_s)
+            .acting(cycle, self.period_s)
             .filter_map(|kind| if let FaultKind::Late(periods) = kind { Some(periods) } else { None })
             .fold(1.0, f64::max);
         let mut readings = Readings { counts: [0; AXES], position: [0.0; AXES], valid: [true; AXES], elapsed_periods };
@@ -189,7 +216,7 @@ impl Plant {
             station.counts = station.encoder.read(now);
 
             let mut sent = station.counts;
-            for kind in self.faults.acting(self.cycle, self.period_s) {
+            for kind in self.faults.acting(cycle, self.period_s) {
                 match kind {
                     FaultKind::Stuck(axis) if axis == station.axis => sent = station.sent,
                     FaultKind::Glitch(axis, by) if axis == station.axis => {

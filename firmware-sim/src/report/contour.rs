@@ -79,7 +79,10 @@ fn figure(report: &Report, curves: &[&Curve], all: &[&Curve], caption: &str) -> 
         }
         // Compensated before servo only in the legend, but on top of it in the plot.
         for curve in curves.iter().rev() {
-            plot.line(curve.points.iter().copied(), Stroke { colour: curve.colour, width: 1.2, opacity: 0.85 })?;
+            let run = |point: &[f64; 2]| report.contour.breaks.partition_point(|at| *at <= point[0]);
+            for points in curve.points.chunk_by(|a, b| run(a) == run(b)) {
+                plot.line(points.iter().copied(), Stroke { colour: curve.colour, width: 1.2, opacity: 0.85 })?;
+            }
         }
         curves.iter().try_for_each(|curve| plot.dot(curve.largest, curve.colour))
     });

@@ -93,6 +93,8 @@ pub struct ContourSeries {
     pub compensated: Vec<[f64; 2]>,
     /// A geometrically perfect machine.
     pub servo_only: Vec<[f64; 2]>,
+    /// Path lengths at which the curves are interrupted, ascending, mm: what lies between was not cutting.
+    pub breaks: Vec<f64>,
     /// Where each program line begins: path length in mm and line number.
     pub program_lines: Vec<(f64, u32)>,
 }
@@ -100,6 +102,8 @@ pub struct ContourSeries {
 /// A point of the programmed path and how far the true tip was from it, actual − foot point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PathPoint {
+    /// Number of the uninterrupted cut that the point belongs to.
+    pub run: u32,
     /// Programmed position in mm.
     pub nominal_mm: [f64; 3],
     /// Deviation without compensation in µm.

@@ -127,9 +127,19 @@ fn figure(points: &[PathPoint], plane: [usize; 2], largest_um: f64, both: bool) 
         for (point, end) in points.iter().zip(deviated).step_by(points.len().div_ceil(VECTORS)) {
             plot.line([nominal(point), *end], Stroke { colour: vector_colour, width: 0.8, opacity: 0.4 })?;
         }
-        plot.line(points.iter().map(nominal), Stroke::new(colour::NOMINAL, 1.0))?;
-        plot.line(before.iter().copied(), Stroke::new(colour::UNCOMPENSATED, 1.6))?;
-        plot.line(after.iter().copied(), Stroke::new(colour::COMPENSATED, 1.6))?;
+        for run in points.chunk_by(|a, b| a.run == b.run) {
+            plot.line(run.iter().map(nominal), Stroke::new(colour::NOMINAL, 1.0))?;
+        }
+        if both {
+            for run in points.chunk_by(|a, b| a.run == b.run) {
+                let moved = run.iter().map(|point| moved(point, point.uncompensated_um));
+                plot.line(moved, Stroke::new(colour::UNCOMPENSATED, 1.6))?;
+            }
+        }
+        for run in points.chunk_by(|a, b| a.run == b.run) {
+            let moved = run.iter().map(|point| moved(point, point.compensated_um));
+            plot.line(moved, Stroke::new(colour::COMPENSATED, 1.6))?;
+        }
         let ends = [[bar_from, bar_y], [bar_from + bar_mm, bar_y]];
         plot.line(ends, Stroke::new(colour::NOMINAL, 2.5))?;
         plot.text_above([bar_from + 0.5 * bar_mm, bar_y], 5, &bar_text)

@@ -363,7 +363,7 @@ impl<T: Rows + ?Sized> Source<'_, T> {
         let zero = [0.0; 4];
         let Some((q1, v1)) = self.point(index + 1, reverse) else { return Ok([v0, zero, zero, zero]) };
         let h = q1 - q0;
-        if !(h > 0.0 && h.is_finite()) || !v0.iter().chain(&v1).all(|v| v.is_finite()) {
+        if !(h > 0.0 && h.is_finite() && v0.iter().chain(&v1).all(|v| v.is_finite())) {
             return Err(q1);
         }
         let rise: [f64; 4] = core::array::from_fn(|k| v1[k] - v0[k]);

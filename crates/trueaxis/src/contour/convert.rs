@@ -77,8 +77,9 @@ const REACH: f64 = 8.0;
 const TURN: f64 = 0.523;
 /// Largest error of a helix' axial coordinate, mm.
 const HELIX_ERROR: f64 = 1e-10;
-/// Radii at start and end of an arc may differ by this much, mm: what four decimals in a program leave.
-const RADIUS_TOLERANCE: f64 = 5e-4;
+/// Radii at start and end of an arc may differ by this much, mm (what rounded programs leave); the radius then changes
+/// linearly with the angle.
+const RADIUS_TOLERANCE: f64 = 0.02;
 /// Points closer than this are the same, mm.
 const SAME_POINT: f64 = 1e-9;
 /// A spline is halved at most this often; a cusp is never turned by less.
@@ -169,7 +170,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
         }
         let (start, end, length) =
             (speed(&piece.coefficients, 0.0), speed(&piece.coefficients, 1.0), length(&piece.coefficients));
-        if !(length > 0.0) {
+        if length <= 0.0 {
             return Ok(());
         }
         // a t + b t² + c t³ with the speeds at both ends and the whole length.
@@ -228,8 +229,8 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
         if radius < SAME_POINT {
             return refuse("center", None, radius, "a radius above 1e-9 mm");
         }
-        if (radius - end_radius).abs() > RADIUS_TOLERANCE + 1e-6 * radius {
-            return refuse("end", None, end_radius - radius, "the same radius at start and end, within 0.5 um");
+        if (radius - end_radius).abs() > RADIUS_TOLERANCE + 1e-3 * radius.min(1.0) {
+            return refuse("end", None, end_radius - radius, "the same radius at start and end, within 0.02 mm");
         }
         let e1 = from.map(|x| x / radius);
         let e2 = cross(n, e1);
@@ -240,6 +241,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
         let angle = angle + core::f64::consts::TAU * f64::from(turns);
         let rise = dot(sub(end, start), n);
         let pitch = rise / angle;
+        let growth = if (end_radius - radius).abs() < SAME_POINT { 0.0 } else { (end_radius - radius) / angle };
 
         // Enough pieces for the turn, the reach, and the helix' axial polynomial.
         let mut count = libm::ceil((angle / TURN).max(norm([radius * angle, rise, 0.0]) / (2.0 * REACH))).max(1.0);
@@ -259,8 +261,9 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             let on: Vector = core::array::from_fn(|j| c * e2[j] - s * e1[j]);
             let origin: Vector = core::array::from_fn(|j| {
                 let height = dot(sub(start, center), n) + pitch * middle;
-                center[j] + radius * out[j] + height * n[j]
+                center[j] + (radius + growth * middle) * out[j] + height * n[j]
             });
+            let radius = radius + growth * middle;
             // In τ = −1..1: w = 1 + k²τ², (xyz) w = r(−2k²τ² out + 2kτ on) + pitch θ w n.
             let axial = axial_polynomial(k).map(|c| c * pitch);
             let mut tau = [[0.0; 4]; 6];
@@ -271,9 +274,23 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
                     tau[power][j] += axial * n[j];
                 }
             }
+            // A changing radius adds growth θ ((1 − k²τ²) out + 2kτ on); what its series leaves out is growth k⁷.
+            let (k2, k3, k4, k5) = (k * k, k * k * k, k * k * k * k, k * k * k * k * k);
+            let spiral = [
+                (1, 2.0 * k, 0.0),
+                (2, 0.0, 4.0 * k2),
+                (3, -8.0 / 3.0 * k3, 0.0),
+                (4, 0.0, -4.0 / 3.0 * k4),
+                (5, 16.0 / 15.0 * k5, 0.0),
+            ];
+            for (power, outward, onward) in spiral {
+                for j in 0..3 {
+                    tau[power][j] += growth * (outward * out[j] + onward * on[j]);
+                }
+            }
             tau[0][3] = 1.0;
-            tau[2][3] = k * k;
-            let form = if rise == 0.0 { Form::RationalCubic } else { Form::RationalQuintic };
+            tau[2][3] = k2;
+            let form = if rise == 0.0 && growth == 0.0 { Form::RationalCubic } else { Form::RationalQuintic };
             self.emit(Piece { origin, coefficients: from_tau(tau), form, u, quarter_tangent: k })?;
         }
         Ok(())

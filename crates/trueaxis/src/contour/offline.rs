@@ -73,7 +73,7 @@ impl<R: Real> ContourSearch<R> {
     ) {
         let Some(span) = path.span(number) else { return };
         let (first, last) = (span.t_at(reference - self.max_lag), span.t_at(reference + self.max_lag));
-        if !(last > first) {
+        if last <= first {
             return;
         }
         let local = span.relative(point);

@@ -91,13 +91,13 @@ impl<R: Real, P: Position> Span<R, P> {
     /// t = (1 + tan(θ/2)/k)/2 with the tangent's series to the 13th power.
     pub fn t_of(&self, u: f64) -> R {
         let [u0, u1] = self.u;
-        let linear = ((u - u0) / (u1 - u0)).max(0.0).min(1.0);
+        let linear = Real::within((u - u0) / (u1 - u0), 0.0, 1.0);
         let k = self.quarter_tangent;
         if k == 0.0 {
             return R::of(linear);
         }
         let tangent = tan((2.0 * linear - 1.0) * atan(k));
-        R::of((0.5 + 0.5 * tangent / k).max(0.0).min(1.0))
+        R::of(Real::within(0.5 + 0.5 * tangent / k, 0.0, 1.0))
     }
 
     /// The segment's parameter at span parameter `t`: the inverse of [`Span::t_of`].

@@ -194,6 +194,27 @@ fn arcs_and_helices_are_exact_in_any_plane() {
 }
 
 #[test]
+fn a_rounded_programs_radius_changes_linearly_with_the_angle() {
+    let (r0, r1, angle) = (10.0, 10.004, 2.0_f64);
+    let all = spans::<f64, f64>(&[Segment::Arc {
+        start: [r0, 0.0, 0.0],
+        end: [r1 * angle.cos(), r1 * angle.sin(), 0.0],
+        center: [0.0; 3],
+        normal: Z,
+        turns: 0,
+    }]);
+    for span in &all {
+        for i in 0..=8 {
+            let u = span.u_of(f64::from(i) / 8.0);
+            let r = r0 + u * (r1 - r0);
+            let truth = [r * (u * angle).cos(), r * (u * angle).sin(), 0.0];
+            // 4 µm of growth times k⁷ = 5e-7.
+            assert!(norm(sub(point(span, f64::from(i) / 8.0), truth)) < 1e-8);
+        }
+    }
+}
+
+#[test]
 fn segments_that_are_no_path_are_refused() {
     let refused = |segment: Segment<'_>| convert::<f64, f64>(&segment, 0, Z, |_| Ok(())).unwrap_err();
     let o = [0.0; 3];

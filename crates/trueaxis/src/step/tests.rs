@@ -185,7 +185,8 @@ fn tables_are_exchanged_between_two_cycles_of_a_moving_machine() {
 #[test]
 fn bad_feedback_freezes_the_correction_and_lets_the_command_pass() {
     let far = 60.0;
-    let cases: [(Fault, fn(&mut Input<f64, 3>)); 5] = [
+    type Spoil = fn(&mut Input<f64, 3>);
+    let cases: [(Fault, Spoil); 5] = [
         (Fault::FeedbackNotFinite, |i| i.feedback[1] = f64::NAN),
         (Fault::FeedbackNotFinite, |i| i.feedback[0] = f64::INFINITY),
         (Fault::FeedbackJump, |i| i.feedback[2] += 0.5),

@@ -1,0 +1,175 @@
+//! From a program to setpoints at the servo period.
+//!
+//! The path is divided into sections of one speed limit: the feed, or the speed at which the normal acceleration
+//! reaches its limit. Between moves the speed is low enough that the velocity vector steps by no more than a permitted
+//! amount. Backward and forward passes make the speeds at the section ends reachable, and each section becomes a
+//! time-optimal jerk-limited profile between them, without acceleration at its ends. The limits of acceleration and
+//! jerk hold along the path; across it, the normal acceleration.
+
+mod arc_length;
+mod ceiling;
+mod profile;
+mod setpoints;
+
+use arc_length::ArcLength;
+use profile::Phase;
+
+use crate::program::Program;
+
+pub use setpoints::{Setpoint, Setpoints};
+
+/// Cycles at rest before the first and after the last move.
+pub const DWELL_CYCLES: u64 = 200;
+
+/// Longest motion that is planned, in cycles (a day and more at 10 kHz).
+const MOST_CYCLES: f64 = 1.0e9;
+
+/// Limits of the motion along the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionSettings {
+    /// Servo period, s.
+    pub period_s: f64,
+    /// Largest acceleration along the path, mm/s².
+    pub acceleration: f64,
+    /// Largest jerk along the path, mm/s³.
+    pub jerk: f64,
+    /// Speed of G0, mm/min.
+    pub rapid_mm_per_min: f64,
+    /// Largest acceleration across the path, v² times curvature, mm/s².
+    pub normal_acceleration: f64,
+    /// Largest step of the velocity vector between two moves, mm/s; with 0 every corner is a stop.
+    pub junction_mm_per_s: f64,
+}
+
+impl Default for MotionSettings {
+    /// A finishing cut: 10 kHz, 1 m/s², 10 m/s³, 10 m/min rapid, 0.5 m/s² across the path, 0.3 mm/s at corners. Harder
+    /// settings leave the corners to the servo: 2 m/s² and 50 m/s³ double its contour error.
+    fn default() -> Self {
+        MotionSettings {
+            period_s: 1.0e-4,
+            acceleration: 1.0e3,
+            jerk: 1.0e4,
+            rapid_mm_per_min: 1.0e4,
+            normal_acceleration: 5.0e2,
+            junction_mm_per_s: 0.3,
+        }
+    }
+}
+
+/// Why a program cannot be turned into motion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MotionError {
+    /// The program has no move.
+    #[error("the program has no move")]
+    Empty,
+    /// A setting is out of range.
+    #[error("{setting}: found {found}; needed: {needed}")]
+    Setting {
+        /// Field of [`MotionSettings`].
+        setting: &'static str,
+        /// Its value.
+        found: f64,
+        /// What is accepted.
+        needed: &'static str,
+    },
+    /// The motion takes too many cycles.
+    #[error("the motion takes {0:e} servo cycles; at most {MOST_CYCLES:e} are planned")]
+    TooLong(f64),
+    /// No speed profile was found for a section.
+    #[error("no speed profile at {length_mm} mm of the path: {reason}")]
+    Planner {
+        /// Arc length at the beginning of the section, mm.
+        length_mm: f64,
+        /// What the planner says.
+        reason: String,
+    },
+}
+
+/// A planned program.
+#[derive(Clone, Debug)]
+pub struct Motion<'p> {
+    program: &'p Program,
+    settings: MotionSettings,
+    tables: Vec<ArcLength>,
+    /// Arc length at the beginning of each move.
+    starts: Vec<f64>,
+    length: f64,
+    phases: Vec<Phase>,
+    cycles: u64,
+}
+
+impl<'p> Motion<'p> {
+    /// Plans the whole program.
+    pub fn plan(program: &'p Program, settings: MotionSettings) -> Result<Motion<'p>, MotionError> {
+        settings.check()?;
+        let tables: Vec<ArcLength> = program.moves.iter().map(|m| ArcLength::new(&m.curve)).collect();
+        let mut starts = Vec::with_capacity(tables.len());
+        let mut sections = Vec::new();
+        let mut length = 0.0;
+        for (i, (element, table)) in program.moves.iter().zip(&tables).enumerate() {
+            starts.push(length);
+            length += table.length();
+            ceiling::add_sections(element, table.length(), &settings, &mut sections);
+            if let (Some(next), Some(section)) = (program.moves.get(i + 1), sections.last_mut()) {
+                section.end_limit = ceiling::corner_speed(&element.curve, &next.curve, settings.junction_mm_per_s);
+            }
+        }
+        if sections.is_empty() {
+            return Err(MotionError::Empty);
+        }
+        let phases = profile::phases(&sections, &settings)?;
+        let duration = phases.last().map_or(0.0, |phase| phase.end);
+        let cycles = (duration / settings.period_s).ceil();
+        // Also refuses what is not a number.
+        if !(0.0..=MOST_CYCLES).contains(&cycles) {
+            return Err(MotionError::TooLong(cycles));
+        }
+        let cycles = cycles as u64 + 1 + 2 * DWELL_CYCLES;
+        Ok(Motion { program, settings, tables, starts, length, phases, cycles })
+    }
+
+    /// The setpoints from the first cycle on.
+    pub fn setpoints(&self) -> Setpoints<'_> {
+        Setpoints::new(self)
+    }
+
+    /// Number of setpoints, the cycles at rest included.
+    pub fn cycles(&self) -> u64 {
+        self.cycles
+    }
+
+    /// Length of the path, mm.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Time from the beginning of the first move to the end of the last one, s.
+    pub fn duration(&self) -> f64 {
+        self.phases.last().map_or(0.0, |phase| phase.end)
+    }
+
+    /// The program planned.
+    pub fn program(&self) -> &'p Program {
+        self.program
+    }
+}
+
+impl MotionSettings {
+    fn check(&self) -> Result<(), MotionError> {
+        let positive = [
+            ("period_s", self.period_s, 1.0e-6, 0.1, "1e-6 to 0.1 s"),
+            ("acceleration", self.acceleration, 1.0, 1.0e6, "1 to 1e6 mm/s²"),
+            ("jerk", self.jerk, 1.0, 1.0e9, "1 to 1e9 mm/s³"),
+            ("rapid_mm_per_min", self.rapid_mm_per_min, 1.0, 1.0e6, "1 to 1e6 mm/min"),
+            ("normal_acceleration", self.normal_acceleration, 1.0, 1.0e6, "1 to 1e6 mm/s²"),
+            ("junction_mm_per_s", self.junction_mm_per_s, 0.0, 1.0e6, "0 to 1e6 mm/s"),
+        ];
+        for (setting, found, low, high, needed) in positive {
+            if !(low..=high).contains(&found) {
+                return Err(MotionError::Setting { setting, found, needed });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,91 @@
+//! Samples of the motion at the servo period.
+
+use super::Motion;
+
+/// Command of one servo cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setpoint {
+    /// C(u) of the move, mm.
+    pub position: [f64; 3],
+    /// `feed` times the unit tangent, mm/s.
+    pub velocity: [f64; 3],
+    /// Index into [`Program::moves`](crate::program::Program).
+    pub move_index: usize,
+    /// Parameter on the curve of that move.
+    pub u: f64,
+    /// Arc length from the beginning of the program, mm.
+    pub length: f64,
+    /// Speed along the path, mm/s.
+    pub feed: f64,
+}
+
+/// The setpoints of a motion in order, one per cycle.
+#[derive(Clone, Debug)]
+pub struct Setpoints<'a> {
+    motion: &'a Motion<'a>,
+    cycle: u64,
+    phase: usize,
+    element: usize,
+    node: usize,
+}
+
+impl<'a> Setpoints<'a> {
+    pub(super) fn new(motion: &'a Motion<'a>) -> Self {
+        Setpoints { motion, cycle: 0, phase: 0, element: 0, node: 0 }
+    }
+
+    /// Arc length and speed at a time from the beginning of the motion, s.
+    fn progress(&mut self, time: f64) -> (f64, f64) {
+        let phases = &self.motion.phases;
+        if time <= 0.0 {
+            return (0.0, 0.0);
+        }
+        while phases.get(self.phase).is_some_and(|phase| phase.end <= time) {
+            self.phase += 1;
+        }
+        // Rounding of the planner may leave a speed of −1e-9 at a stop.
+        phases.get(self.phase).map_or((self.motion.length, 0.0), |phase| {
+            let (length, speed) = phase.at(time);
+            (length, speed.max(0.0))
+        })
+    }
+}
+
+impl Iterator for Setpoints<'_> {
+    type Item = Setpoint;
+
+    fn next(&mut self) -> Option<Setpoint> {
+        let motion = self.motion;
+        if self.cycle >= motion.cycles {
+            return None;
+        }
+        // From the cycle number, not by adding periods: no drift, and the same on every run.
+        let time = (self.cycle as f64 - super::DWELL_CYCLES as f64) * motion.settings.period_s;
+        self.cycle += 1;
+        let (length, feed) = self.progress(time);
+        while self.element + 1 < motion.starts.len() && motion.starts[self.element + 1] <= length {
+            self.element += 1;
+            self.node = 0;
+        }
+        let curve = &motion.program.moves.get(self.element)?.curve;
+        let along = (length - motion.starts[self.element]).max(0.0);
+        let u = motion.tables[self.element].parameter(along, &mut self.node);
+        let (position, first, _) = curve.vectors(u);
+        let velocity = feed * first.try_normalize().unwrap_or_default();
+        Some(Setpoint {
+            position: position.into(),
+            velocity: velocity.into(),
+            move_index: self.element,
+            u,
+            length,
+            feed,
+        })
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = usize::try_from(self.motion.cycles - self.cycle).unwrap_or(usize::MAX);
+        (left, Some(left))
+    }
+}
+
+impl ExactSizeIterator for Setpoints<'_> {}

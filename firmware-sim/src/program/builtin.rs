@@ -1,0 +1,21 @@
+//! Programs shipped with the simulator.
+
+use std::path::Path;
+
+use super::{Program, ProgramError};
+
+/// Names for [`Program::builtin`], the default one first.
+pub const BUILTIN_NAMES: [&str; 3] = ["circle-diamond-square", "butterfly", "pocket-3d"];
+
+impl Program {
+    /// Reads a shipped program; `None` if there is none of that name (see [`BUILTIN_NAMES`]).
+    pub fn builtin(name: &str) -> Option<Result<Program, ProgramError>> {
+        let text = match name {
+            "circle-diamond-square" => include_str!("../../programs/circle-diamond-square.ngc"),
+            "butterfly" => include_str!("../../programs/butterfly.ngc"),
+            "pocket-3d" => include_str!("../../programs/pocket-3d.ngc"),
+            _ => return None,
+        };
+        Some(Program::parse(name, text, Path::new(&format!("{name}.ngc"))))
+    }
+}

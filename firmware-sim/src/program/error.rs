@@ -1,0 +1,35 @@
+//! What is wrong with a program, and where.
+
+use std::path::{Path, PathBuf};
+
+/// A program that cannot be executed: file, line, what was found there and what is needed instead.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}:{line}: found {found}; needed: {needed}", file.display())]
+pub struct ProgramError {
+    /// File the text came from.
+    pub file: PathBuf,
+    /// Line, from 1.
+    pub line: u32,
+    /// The offending word or state.
+    pub found: String,
+    /// What is accepted in its place.
+    pub needed: String,
+}
+
+/// The same without the file, as raised below [`super::Program::parse`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Refusal {
+    pub(super) line: u32,
+    pub(super) found: String,
+    pub(super) needed: String,
+}
+
+impl Refusal {
+    pub(super) fn new(line: u32, found: impl Into<String>, needed: impl Into<String>) -> Self {
+        Refusal { line, found: found.into(), needed: needed.into() }
+    }
+
+    pub(super) fn in_file(self, file: &Path) -> ProgramError {
+        ProgramError { file: file.to_path_buf(), line: self.line, found: self.found, needed: self.needed }
+    }
+}
