@@ -1,21 +1,7 @@
-//! What the documents say about the code, held against the code.
+//! The wire format of docs/telemetry.md, held against the code.
 
-use std::path::Path;
-use trueaxis::telemetry::{AxisFrame, FRAME_BYTES, FRAME_VERSION, Frame, Status};
 use trueaxis::Fault;
-
-fn text(name: &str) -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name)).unwrap()
-}
-
-/// The embedding example in the README is the one that is compiled and run as a documentation test.
-#[test]
-fn the_readme_shows_the_embedding_example() {
-    let example = text("crates/trueaxis/examples/embed.rs");
-    let code: String = example.lines().filter(|line| !line.starts_with("//!")).map(|line| format!("{line}\n")).collect();
-    assert!(code.lines().count() > 15, "the example is read");
-    assert!(text("README.md").contains(&format!("```rust\n{code}```\n")), "README.md differs from examples/embed.rs");
-}
+use trueaxis::telemetry::{AxisFrame, FRAME_BYTES, FRAME_VERSION, Frame, Status};
 
 /// A frame with the longest variable-length numbers.
 fn longest(axes: usize) -> Frame {
