@@ -6,6 +6,7 @@ use core::fmt;
 /// What a configuration got wrong, with the figure that was found and what is needed in its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ConfigError {
     /// Which setting.
     pub field: Field,
@@ -54,6 +55,7 @@ impl core::error::Error for ConfigError {}
 /// A setting that can be wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Field {
     /// Machine name.
     Name,

@@ -1,5 +1,7 @@
 //! Hand-over of a new configuration from a task to the servo interrupt, between two cycles.
 
+#![deny(clippy::indexing_slicing)]
+
 use core::cell::Cell;
 use critical_section::Mutex;
 

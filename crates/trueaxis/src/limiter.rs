@@ -21,6 +21,8 @@
 //! V started from rest is caught up with slowly, one above V never; a target that jitters by more than a per cycle is
 //! followed with chatter; limits lowered in motion are reached with a. All of it is flagged *limited*.
 
+#![deny(clippy::indexing_slicing)]
+
 use crate::error::{ConfigError, Field};
 use crate::machine::Limits;
 use crate::real::Real;

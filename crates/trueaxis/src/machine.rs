@@ -114,6 +114,7 @@ pub struct ThermalGrowth {
 
 /// Everything about one axis but its table values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisSettings {
     /// Which axis.
     pub axis: Axis,
@@ -220,6 +221,7 @@ impl Default for ContourSettings {
 
 /// Everything about a machine but its table values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MachineSettings {
     /// Name of the machine.
     pub name: String<NAME_CAPACITY>,
@@ -244,6 +246,7 @@ pub type Twist = [f64; 6];
 
 /// One line of an error table.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Row {
     /// Axis position, mm (deg).
     pub position: f64,

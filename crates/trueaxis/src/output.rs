@@ -1,5 +1,7 @@
 //! Last stage: the wanted correction becomes what the drives get, and what the host sees of its feedback.
 
+#![deny(clippy::indexing_slicing)]
+
 use crate::error::{ConfigError, Fault};
 use crate::limiter::{Limited, Limiter};
 use crate::machine::{Limits, MachineSettings};

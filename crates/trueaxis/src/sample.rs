@@ -1,5 +1,7 @@
 //! First stage: command and encoder readings become finite, plausible positions, or a fault.
 
+#![deny(clippy::indexing_slicing)]
+
 use crate::error::{ConfigError, Fault, Field};
 use crate::machine::{FaultSettings, MachineSettings};
 use crate::position::Position;
@@ -7,6 +9,7 @@ use crate::real::Real;
 
 /// What the host hands over in a servo cycle.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Input<P, const N: usize> {
     /// Commanded positions, uncorrected, mm (rotary: degrees).
     pub command: [P; N],

@@ -1,5 +1,7 @@
 //! The servo cycle: configuration, state, and the pipeline of named stages.
 
+#![deny(clippy::indexing_slicing)]
+
 use crate::compensation::{Compensation, Requirement, Reversal, Rows, Storage, ThermalLine, step_axes};
 use crate::contour::{ContourError, ContourSearch, ContourState, Method, Path, Reference};
 use crate::error::{ConfigError, Fault, Field};
@@ -120,6 +122,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
 
 /// What a cycle gives back.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output<R, P, const N: usize> {
     /// Corrected positions for the drives, mm (deg).
     pub drive: [P; N],

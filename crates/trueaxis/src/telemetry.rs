@@ -5,6 +5,8 @@
 //! each ends with a zero byte, so that a receiver finds its place again after a loss, and the sequence number tells how
 //! many are missing.
 
+#![deny(clippy::indexing_slicing)]
+
 use crate::contour::ContourError;
 use crate::error::Fault;
 use crate::machine::AXES;
@@ -40,6 +42,7 @@ impl Status {
 
 /// Everything about one servo cycle, as the step knows it.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Record<R, P, const N: usize> {
     /// Counts cycles from 0, wrapping.
     pub sequence: u32,
@@ -99,6 +102,7 @@ pub struct ContourFrame {
 
 /// Wire form of a [`Record`]: the same layout for every build; see `docs/telemetry.md`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frame {
     /// Layout of this record; [`FRAME_VERSION`].
     pub version: u8,

@@ -10,6 +10,7 @@ use crate::real::Real;
 
 /// How a bracket is narrowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Method {
     /// Third-order kernel, then Newton steps guarded by bisection.
     #[default]

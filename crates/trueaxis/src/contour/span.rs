@@ -5,6 +5,7 @@ use crate::real::Real;
 
 /// Which terms of a span's polynomial are there, so that the kernel computes no others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Form {
     /// Degree up to 3, weight 1.
     Cubic,
@@ -198,6 +199,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
 
 /// A place on a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reference<R> {
     /// Sequence number of the piece.
     pub span: u32,

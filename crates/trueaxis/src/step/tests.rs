@@ -1,3 +1,5 @@
+#![allow(clippy::indexing_slicing)]
+
 use super::*;
 use crate::exchange::Exchange;
 use crate::machine::{AxisSettings, Interpolation, Row};
@@ -305,7 +307,7 @@ fn any_float() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 20_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 50_000, ..ProptestConfig::default() })]
 
     /// Fifty cycles of anything: no panic, nothing that is not finite, nothing beyond a limit, no jump while active.
     #[test]
