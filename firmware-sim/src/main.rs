@@ -63,7 +63,7 @@ struct ScenarioArgs {
 struct RunArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,
-    /// Inject a fault, e.g. dropout:X@1.25s+3, glitch:Y@0.5s+1=5mm, stuck:Z@2s+200, late@3s+1=2.5, nan-command:X@2s+1,
+    /// Inject a fault, e.g. dropout:X@1.25s+3, glitch:Y@0.5s+1=5mm, stuck:X@2s+500, late@3s+1=2.5, nan-command:X@2s+1,
     /// jump-command:X@2s+1=3mm (may be given several times; time counts from the start of the program).
     #[arg(long, value_name = "FAULT")]
     fault: Vec<String>,

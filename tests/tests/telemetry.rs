@@ -45,7 +45,7 @@ fn frames_are_laid_out_as_documented() {
         Fault::PeriodMismatch,
     ];
     let codes = [0, 1, 2, 3, 4, 5, 16, 17, 18, 19, 32];
-    for (wire, (fault, code)) in faults.into_iter().zip(codes).enumerate() {
+    for (fault, code) in faults.into_iter().zip(codes) {
         assert_eq!(fault as u8, code);
         let mut frame = longest(3);
         (frame.sequence, frame.fault) = (300, fault);
@@ -55,10 +55,11 @@ fn frames_are_laid_out_as_documented() {
         assert_eq!(*closing, 0);
         let record = uncobs(body);
         assert_eq!(record[..3], [1, 0xac, 0x02], "version 1, 300 as a varint");
-        assert_eq!(record[13..18], [wire as u8, 0, 1, 0, 0], "fault, its axis, status, limited, at edge");
+        assert_eq!(record[13..18], [code, 0, 1, 0, 0], "fault, its axis, status, limited, at edge");
         assert_eq!(record[18], 3, "number of axes");
         assert_eq!(record[19..27], 1.1_f64.to_le_bytes());
         assert_eq!(record[35..39], 1.1_f32.to_le_bytes());
+        assert_eq!(Frame::decode(bytes).unwrap(), frame);
         assert_eq!(record.len(), 19 + 3 * 20 + 2 * 17);
     }
 }

@@ -114,6 +114,7 @@ pub enum Field {
 /// the plugin stays inactive, the command passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[serde(into = "u8", try_from = "u8")]
 #[repr(u8)]
 #[non_exhaustive]
 pub enum Fault {
@@ -151,5 +152,34 @@ impl Fault {
     /// The output holds and a stop is requested.
     pub const fn stops(self) -> bool {
         (self as u8) >= 16 && (self as u8) < 32
+    }
+}
+
+impl From<Fault> for u8 {
+    fn from(fault: Fault) -> u8 {
+        fault as u8
+    }
+}
+
+impl TryFrom<u8> for Fault {
+    type Error = &'static str;
+
+    fn try_from(code: u8) -> Result<Fault, &'static str> {
+        [
+            Fault::None,
+            Fault::FeedbackNotFinite,
+            Fault::FeedbackJump,
+            Fault::EncoderStuck,
+            Fault::EncoderAlarm,
+            Fault::LateCycle,
+            Fault::CommandNotFinite,
+            Fault::CommandOutOfTravel,
+            Fault::CommandJump,
+            Fault::JointRange,
+            Fault::PeriodMismatch,
+        ]
+        .into_iter()
+        .find(|fault| *fault as u8 == code)
+        .ok_or("a known fault code")
     }
 }
