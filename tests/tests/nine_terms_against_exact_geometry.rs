@@ -1,0 +1,87 @@
+//! The nine-term form against the plant's exact transforms: two implementations that share no code but the file reader.
+
+use firmware_sim::plant::geometry::Geometry;
+use std::path::Path;
+use trueaxis::Axis;
+use trueaxis::compensation::{Compensation, Storage, ThermalLine, step_axes};
+use trueaxis::machine::AXES;
+use trueaxis_tables::Machine;
+
+/// Largest difference, mm. Both interpolate in doubles; squareness and translations are exact in either form.
+const TOLERANCE_MM: f64 = 1e-12;
+
+struct Random(u64);
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// A sample machine without its angular errors: what is left, nine terms hold exactly.
+fn without_angles(name: &str) -> Machine {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compensation-tables").join(name);
+    let mut machine = Machine::read(&path).unwrap();
+    for table in machine.tables.iter_mut().flatten() {
+        for row in &mut table.rows {
+            for k in 3..6 {
+                (row.forward[k], row.reverse[k]) = (0.0, 0.0);
+            }
+        }
+    }
+    for errors in &mut machine.settings.location.rotary {
+        errors[3..].fill(0.0);
+    }
+    machine
+}
+
+fn compare<const N: usize>(name: &str) {
+    let machine = without_angles(name);
+    let geometry = Geometry::new(&machine, 0.0).unwrap();
+    let rows = |axis: Axis| machine.rows(axis);
+    let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
+    let (mut lines, mut knots, mut guide) = (vec![[0.0; 4]; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
+    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
+    let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, storage).unwrap();
+    let axes = step_axes::<N>(&machine.settings).unwrap();
+
+    let mut random = Random(17);
+    let mut largest = 0.0_f64;
+    for _ in 0..20_000 {
+        let (mut step, mut plant, mut reversed) = ([0.0; N], [0.0; AXES], [0.0; AXES]);
+        let mut mask = [0; N];
+        for (i, settings) in machine.settings.axes.iter().enumerate() {
+            let place = axes.iter().position(|a| *a == settings.axis).unwrap();
+            let [low, high] = if settings.axis.is_rotary() { [-700.0, 700.0] } else { settings.travel };
+            let [low, high] = [low.max(settings.travel[0]), high.min(settings.travel[1])];
+            let q = low + (high - low) * random.next();
+            (step[place], plant[i]) = (q, q);
+            // Backlash is the drive's in the plant and the table's in the plugin: it is left out on both sides.
+            if settings.backlash == 0.0 && random.next() < 0.5 {
+                (mask[place], reversed[i]) = (usize::MAX, 1.0);
+            }
+        }
+        let exact = geometry.tip_error(&plant, &reversed);
+        let at = compensation.coordinates(&step);
+        let nine = compensation.errors(&at, &mask, &[ThermalLine::default(); N], &mut 0);
+        for k in 0..3 {
+            let difference = (exact[k] - nine[k]).abs();
+            assert!(difference < TOLERANCE_MM, "{name} at {step:?}: {exact:?}, {nine:?}");
+            largest = largest.max(nine[k].abs());
+        }
+    }
+    assert!(largest > 5e-3, "there was something to compare: {largest} mm");
+}
+
+#[test]
+fn three_axes() {
+    compare::<3>("mill-3axis");
+}
+
+#[test]
+fn five_axes_at_any_rotary_pose() {
+    compare::<5>("mill-5axis");
+}
