@@ -6,7 +6,7 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 /// A hardware float in which the step computes.
 ///
 /// Only operations that cannot panic, allocate or call a transcendental function are here; results are the same on
-/// every target (the square root is libm's or an equivalent integer-seeded Newton iteration, never the FPU's).
+/// every target (the square root is libm's).
 pub trait Real:
     Copy
     + Debug
@@ -114,8 +114,7 @@ macro_rules! real {
 real!(f64, sqrt_f64);
 real!(f32, sqrt_f32);
 
-/// Host: libm's routine, which is correctly rounded. On Arm the same result to the last bit or two, from a seed by
-/// integer arithmetic and Newton steps, in half of libm's instructions (core's instruction is not reachable on stable).
+/// libm's routine, correctly rounded on every target; core's own is not reachable without std.
 #[inline(always)]
 fn sqrt_f64(x: f64) -> f64 {
     if x > 0.0 { libm::sqrt(x) } else { 0.0 }

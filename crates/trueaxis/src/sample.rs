@@ -366,3 +366,26 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::position::Micro;
+
+    #[test]
+    fn counts_become_positions_in_either_form() {
+        for (offset, resolution) in [(-12.5, 1e-4), (0.0, 2e-5 / 3.0), (3.0, -1e-3)] {
+            let double = EncoderScale::<f64>::new(offset, resolution).unwrap();
+            let fixed = EncoderScale::<Micro>::new(offset, resolution).unwrap();
+            for counts in [0, 1, -1, 77_777, -1_234_567] {
+                let truth = offset + f64::from(counts) * resolution;
+                assert_eq!(double.position(counts), truth);
+                assert!((fixed.micro(counts).to_f64() - truth).abs() <= 0.51e-6, "{counts}: {truth}");
+            }
+        }
+        for bad in [0.0, f64::NAN, 2.0] {
+            assert!(EncoderScale::<f64>::new(0.0, bad).is_err());
+        }
+        assert!(EncoderScale::<f64>::new(f64::INFINITY, 1e-3).is_err());
+    }
+}
