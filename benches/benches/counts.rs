@@ -6,11 +6,11 @@ use gungraun::{Callgrind, EntryPoint};
 use std::hint::black_box;
 use trueaxis::compensation::Compensation;
 use trueaxis::contour::ContourError;
+use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
 use trueaxis_benches::limiter::Limits;
 use trueaxis_benches::step::{self, Cycle};
 use trueaxis_benches::tables::{Grid, compensation, position};
-use trueaxis_benches::Random;
 
 struct Lookup(Compensation<'static, f64, f64, 3>, [f64; 3]);
 

@@ -1,8 +1,8 @@
 //! Three axes of the limiter with its default limits at 10 kHz.
 
+use trueaxis::Axis;
 use trueaxis::limiter::{Limited, Limiter};
 use trueaxis::machine::AxisSettings;
-use trueaxis::Axis;
 
 /// Servo period, s.
 pub const PERIOD_S: f64 = 1e-4;

@@ -1,8 +1,8 @@
 //! The whole three-axis step on the butterfly.
 
+use crate::Random;
 use crate::contour::{Shape, Track};
 use crate::tables::{Grid, machine, rows, storage};
-use crate::Random;
 use trueaxis::contour::{Method, Path, Reference};
 use trueaxis::{Axis, Config, Input, Output, ServoLoop, State};
 

@@ -40,8 +40,11 @@ pub fn rows(grid: Grid, seed: u64) -> Vec<Row> {
 pub fn machine() -> MachineSettings {
     let mut axes = heapless::Vec::new();
     for axis in [Axis::X, Axis::Y, Axis::Z] {
-        let settings =
-            AxisSettings { travel: [-290.0, 325.0], joint: [-290.1, 325.1], ..AxisSettings::with_defaults(axis, false) };
+        let settings = AxisSettings {
+            travel: [-290.0, 325.0],
+            joint: [-290.1, 325.1],
+            ..AxisSettings::with_defaults(axis, false)
+        };
         axes.push(settings).expect("three axes fit");
     }
     MachineSettings {
