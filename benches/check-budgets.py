@@ -23,9 +23,7 @@ def instructions(summary):
     """Executed instructions of a benchmark's summary."""
     for profile in summary["profiles"]:
         if profile["tool"] == "Callgrind":
-            metrics = profile["summaries"]["total"]["summary"]["Callgrind"]["Ir"]["metrics"]
-            value = metrics["Left"] if "Left" in metrics else metrics["Both"][0]
-            return int(next(iter(value.values()))) if isinstance(value, dict) else int(value)
+            return profile["data"]["total"]["metrics"]["Ir"]["values"]["new"]
     sys.exit("no callgrind profile in the summary")
 
 
@@ -56,6 +54,8 @@ def main():
         counts = measure(target)
         for budget in (b for b in budgets if b["target"] == target):
             measured = counts.get(budget["thing"])
+            if measured is not None:
+                measured = measured // budget.get("calls", 1) - counts.get(budget.get("frame"), 0)
             committed, limit, goal = (budget.get(k) for k in ("count", "limit", "goal"))
             verdict = []
             if measured is None:

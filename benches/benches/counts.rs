@@ -47,6 +47,13 @@ fn binding() -> &'static mut Limits {
     leak(limits)
 }
 
+// What a look-up's frame costs: call, result in memory.
+#[library_benchmark(setup = lookup)]
+#[bench::frame(Grid::Equidistant)]
+fn nothing(lookup: &'static Lookup) -> [f64; 3] {
+    black_box(lookup.1)
+}
+
 #[library_benchmark(setup = lookup)]
 #[bench::equidistant(Grid::Equidistant)]
 fn nine_terms(lookup: &'static Lookup) -> [f64; 3] {
@@ -58,7 +65,7 @@ fn nine_terms(lookup: &'static Lookup) -> [f64; 3] {
 #[bench::free(Grid::Free)]
 fn nine_terms_free(lookup: &'static Lookup) -> [f64; 3] {
     let mut held = 0;
-    black_box(lookup.0.errors(&lookup.1, &[0; 3], &Default::default(), &mut held))
+    black_box(lookup.0.linear_terms(&lookup.1, &[0; 3], &mut held))
 }
 
 #[library_benchmark(setup = middle)]
@@ -80,7 +87,7 @@ fn kernel(query: &'static mut Query) -> ContourError<f64> {
 }
 
 #[library_benchmark(setup = seeded)]
-#[bench::worst(0)]
+#[bench::worst(197)]
 fn contour_worst(query: &'static mut Query) -> ContourError<f64> {
     black_box(query.run())
 }
@@ -109,6 +116,6 @@ fn whole_step(cycle: &'static mut Cycle) -> trueaxis::Output<f64, f64, 3> {
 
 library_benchmark_group!(
     name = counts,
-    benchmarks = [nine_terms, nine_terms_free, contour, kernel, contour_worst, limiter, whole_step]
+    benchmarks = [nothing, nine_terms, nine_terms_free, contour, kernel, contour_worst, limiter, whole_step]
 );
 main!(library_benchmark_groups = counts);
