@@ -65,6 +65,8 @@ pub struct Compensation<'a, R, P, const N: usize> {
     passes: u8,
     /// All tables equidistant and linear, no rotary axis, look-up at the command.
     plain: bool,
+    /// The same with free grids among them.
+    linear: bool,
 }
 
 /// The axes of a step with `N` axes: X, Y, Z and the rotary axes of the machine in alphabetical order.
@@ -166,6 +168,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             datum: [R::ZERO; N],
             passes,
             plain: N == 3,
+            linear: N == 3,
         };
         for (place, axis) in axes.into_iter().enumerate() {
             let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) else { continue };
@@ -177,6 +180,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             };
             let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
             built.plain &= table.is_plain() && feedback == (false, false);
+            built.linear &= table.is_linear() && feedback == (false, false);
             let set = |slot: Option<&mut R>, value| {
                 if let Some(slot) = slot {
                     *slot = R::of(value);
@@ -225,6 +229,30 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         let mut bit = 1;
         for ((table, at), reverse) in self.tables.iter().zip(at).zip(reverse) {
             let ([x, y, z, _], edge) = table.at_plain(*at, *reverse);
+            let [sx, sy, sz] = &mut sum;
+            *sx += x;
+            *sy += y;
+            *sz += z;
+            if edge {
+                *held |= bit;
+            }
+            bit <<= 1;
+        }
+        let mut errors = [R::ZERO; N];
+        for (error, sum) in errors.iter_mut().zip(sum) {
+            *error = sum;
+        }
+        errors
+    }
+
+    /// Error of the nine terms alone, linear tables on any grid; apart from [`Compensation::plain_terms`], so that
+    /// equidistant tables do not carry the search.
+    #[inline(never)]
+    pub fn linear_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+        let mut sum = [R::ZERO; 3];
+        let mut bit = 1;
+        for ((table, at), reverse) in self.tables.iter().zip(at).zip(reverse) {
+            let ([x, y, z, _], edge) = table.at_linear(*at, *reverse);
             let [sx, sy, sz] = &mut sum;
             *sx += x;
             *sy += y;
@@ -338,6 +366,8 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     ) -> Errors<R, N> {
         let mut errors = if self.plain {
             self.plain_terms(command, reverse, held)
+        } else if self.linear {
+            self.linear_terms(command, reverse, held)
         } else {
             self.general_terms(command, feedback, reverse, held)
         };

@@ -218,6 +218,26 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
         }
     }
 
+    /// Linear and not wrapping: what [`AxisTable::at_linear`] handles.
+    pub fn is_linear(&self) -> bool {
+        !self.wraps && matches!(self.nodes, Nodes::Linear(_))
+    }
+
+    /// Contribution at a coordinate of a *linear* table on any grid, and whether its edge value is held.
+    #[inline(always)]
+    pub fn at_linear(&self, coordinate: R, reverse: usize) -> (Contribution<R>, bool) {
+        if self.knots.is_empty() {
+            return self.at_plain(coordinate, reverse);
+        }
+        let held = coordinate.within(R::ZERO, self.span);
+        let (index, t) = self.search(held);
+        let Nodes::Linear(nodes) = self.nodes else { return ([R::ZERO; 4], false) };
+        match nodes.get(index.wrapping_add(self.reverse_offset & reverse)) {
+            Some([value, slope]) => (along(value, t, slope), coordinate != held),
+            None => ([R::ZERO; 4], false),
+        }
+    }
+
     /// Contribution at a coordinate, and whether the table's edge value is held; any table.
     #[inline]
     pub fn at(&self, coordinate: R, reverse: usize) -> (Contribution<R>, bool) {

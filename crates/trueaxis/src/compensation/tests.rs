@@ -66,6 +66,7 @@ fn linear_tables_agree_with_the_textbook_on_any_grid() {
                 assert!((value[k] - truth[k]).abs() < tolerance, "{q}: {} {}", value[k], truth[k]);
             }
             assert_eq!(held, q < grid[0] || q > grid[grid.len() - 1], "{q}");
+            assert_eq!(table.at_linear(table.coordinate(q), 0), (value, held));
             if table.is_plain() {
                 assert_eq!(table.at_plain(table.coordinate(q), 0), (value, held));
             }

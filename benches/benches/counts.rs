@@ -1,0 +1,121 @@
+//! Instruction counts under callgrind, one call of each thing with fixed input.
+#![allow(missing_docs)]
+
+use gungraun::prelude::*;
+use gungraun::{Callgrind, EntryPoint};
+use std::hint::black_box;
+use trueaxis::compensation::Compensation;
+use trueaxis::contour::ContourError;
+use trueaxis_benches::Random;
+use trueaxis_benches::contour::{Query, Shape, Track};
+use trueaxis_benches::limiter::Limits;
+use trueaxis_benches::step::{self, Cycle};
+use trueaxis_benches::tables::{Grid, compensation, position};
+
+struct Lookup(Compensation<'static, f64, f64, 3>, [f64; 3]);
+
+fn lookup(grid: Grid) -> &'static Lookup {
+    let compensation = compensation(grid);
+    let at = compensation.coordinates(&position(&mut Random(5)));
+    Box::leak(Box::new(Lookup(compensation, at)))
+}
+
+fn leak<T>(value: T) -> &'static mut T {
+    Box::leak(Box::new(value))
+}
+
+fn middle(shape: Shape) -> &'static mut Query {
+    let track = Track::new(shape);
+    let query = track.middle(track.pieces() / 2);
+    assert_eq!({ query }.run().evaluations, 2, "not the fast path");
+    leak(query)
+}
+
+fn seeded(seed: u64) -> &'static mut Query {
+    leak(Track::new(Shape::RationalCubic).query(seed))
+}
+
+fn free() -> &'static mut Limits {
+    let limits = Limits::free();
+    assert_eq!({ limits }.follow(), 0);
+    leak(limits)
+}
+
+fn binding() -> &'static mut Limits {
+    let limits = Limits::binding();
+    assert_eq!({ limits }.follow(), 3);
+    leak(limits)
+}
+
+// What a look-up's frame costs: call, result in memory.
+#[library_benchmark(setup = lookup)]
+#[bench::frame(Grid::Equidistant)]
+fn nothing(lookup: &'static Lookup) -> [f64; 3] {
+    black_box(lookup.1)
+}
+
+#[library_benchmark(setup = lookup)]
+#[bench::equidistant(Grid::Equidistant)]
+fn nine_terms(lookup: &'static Lookup) -> [f64; 3] {
+    let mut held = 0;
+    black_box(lookup.0.plain_terms(&lookup.1, &[0; 3], &mut held))
+}
+
+#[library_benchmark(setup = lookup)]
+#[bench::free(Grid::Free)]
+fn nine_terms_free(lookup: &'static Lookup) -> [f64; 3] {
+    let mut held = 0;
+    black_box(lookup.0.linear_terms(&lookup.1, &[0; 3], &mut held))
+}
+
+#[library_benchmark(setup = middle)]
+#[bench::rational_cubic(Shape::RationalCubic)]
+#[bench::polynomial_cubic(Shape::PolynomialCubic)]
+fn contour(query: &'static mut Query) -> ContourError<f64> {
+    black_box(query.run())
+}
+
+#[library_benchmark(
+    setup = middle,
+    config = LibraryBenchmarkConfig::default()
+        .tool(Callgrind::default().entry_point(EntryPoint::Custom("trueaxis::contour::kernel::cubic*".to_owned())))
+)]
+#[bench::rational_cubic(Shape::RationalCubic)]
+#[bench::polynomial_cubic(Shape::PolynomialCubic)]
+fn kernel(query: &'static mut Query) -> ContourError<f64> {
+    black_box(query.run())
+}
+
+#[library_benchmark(setup = seeded)]
+#[bench::worst(197)]
+fn contour_worst(query: &'static mut Query) -> ContourError<f64> {
+    black_box(query.run())
+}
+
+#[library_benchmark]
+#[bench::free(setup = free)]
+#[bench::binding(setup = binding)]
+fn limiter(limits: &'static mut Limits) -> u8 {
+    black_box(limits.follow())
+}
+
+fn typical() -> &'static mut Cycle {
+    leak(step::typical())
+}
+
+fn worst() -> &'static mut Cycle {
+    leak(step::worst(20_000))
+}
+
+#[library_benchmark]
+#[bench::typical(setup = typical)]
+#[bench::worst(setup = worst)]
+fn whole_step(cycle: &'static mut Cycle) -> trueaxis::Output<f64, f64, 3> {
+    black_box(cycle.run())
+}
+
+library_benchmark_group!(
+    name = counts,
+    benchmarks = [nothing, nine_terms, nine_terms_free, contour, kernel, contour_worst, limiter, whole_step]
+);
+main!(library_benchmark_groups = counts);

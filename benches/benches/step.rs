@@ -1,0 +1,63 @@
+//! Wall time of the parts of the step and of the whole.
+#![allow(missing_docs)]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use trueaxis_benches::Random;
+use trueaxis_benches::contour::{Query, Shape, Track};
+use trueaxis_benches::limiter::Limits;
+use trueaxis_benches::step;
+use trueaxis_benches::tables::{Grid, compensation, position};
+
+fn look_up(c: &mut Criterion) {
+    let mut group = c.benchmark_group("nine terms");
+    let places = [0; 256].map(|_| ()).iter().scan(Random(3), |r, ()| Some(position(r))).collect::<Vec<_>>();
+    for (name, grid) in [("equidistant", Grid::Equidistant), ("free", Grid::Free)] {
+        let compensation = compensation(grid);
+        let mut next = places.iter().cycle();
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let at = compensation.coordinates(black_box(next.next().unwrap_or(&[0.0; 3])));
+                compensation.errors(&at, &[0; 3], &Default::default(), &mut 0)
+            })
+        });
+    }
+    group.finish();
+}
+
+fn contour(c: &mut Criterion) {
+    let mut group = c.benchmark_group("contour, warm");
+    for (name, shape) in [
+        ("rational cubic", Shape::RationalCubic),
+        ("polynomial cubic", Shape::PolynomialCubic),
+        ("arc", Shape::Arc),
+        ("line", Shape::Line),
+    ] {
+        let track = Track::new(shape);
+        let inside = |q: &Query| { *q }.run().evaluations == 2;
+        let queries: Vec<Query> = (0..4096).map(|seed| track.query(seed)).filter(inside).take(256).collect();
+        let mut next = queries.iter().cycle();
+        group.bench_function(name, |b| b.iter(|| next.next().map(|query| { black_box(*query) }.run())));
+    }
+    group.finish();
+}
+
+fn limiter(c: &mut Criterion) {
+    let mut group = c.benchmark_group("limiter, three axes");
+    for (name, limits) in [("nothing binding", Limits::free()), ("all binding", Limits::binding())] {
+        group.bench_function(name, |b| b.iter(|| { black_box(limits) }.follow()));
+    }
+    group.finish();
+}
+
+fn whole_step(c: &mut Criterion) {
+    let mut group = c.benchmark_group("three-axis step");
+    let mut cycles = Vec::new();
+    step::walk(2600, |cycle, _| cycles.push(*cycle));
+    let mut next = cycles.iter().skip(2000).cycle();
+    group.bench_function("butterfly", |b| b.iter(|| next.next().map(|cycle| { black_box(*cycle) }.run())));
+    group.finish();
+}
+
+criterion_group!(parts, look_up, contour, limiter, whole_step);
+criterion_main!(parts);

@@ -1,0 +1,172 @@
+//! Paths and queries of the contour search.
+
+use crate::Random;
+use trueaxis::contour::{ContourError, ContourSearch, ContourState, Method, Path, Reference, Segment, Span, convert};
+
+const BUTTERFLY: &str = include_str!("../../crates/trueaxis/tests/data/butterfly.csv");
+
+/// A cubic spline as it stands in a program.
+#[derive(Clone, Debug, Default)]
+pub struct Spline {
+    /// Knots.
+    pub knots: Vec<f64>,
+    /// Control points, mm.
+    pub points: Vec<[f64; 3]>,
+    /// Weights; empty for weights of one.
+    pub weights: Vec<f64>,
+}
+
+impl Spline {
+    /// The butterfly of the test data, degree 3, rational.
+    pub fn butterfly() -> Self {
+        let mut spline = Spline::default();
+        for line in BUTTERFLY.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
+            let numbers: Vec<f64> = line.split(',').map(|x| x.parse().expect("a number")).collect();
+            match numbers[..] {
+                [knot] => spline.knots.push(knot),
+                [x, y, weight] => {
+                    spline.points.push([x, y, 0.0]);
+                    spline.weights.push(weight);
+                }
+                _ => panic!("neither a knot nor a point: {line}"),
+            }
+        }
+        spline
+    }
+
+    /// The butterfly with all weights one.
+    pub fn polynomial() -> Self {
+        Spline { weights: Vec::new(), ..Spline::butterfly() }
+    }
+
+    /// As a segment of a path.
+    pub fn segment(&self) -> Segment<'_> {
+        Segment::Nurbs { degree: 3, knots: &self.knots, points: &self.points, weights: &self.weights }
+    }
+}
+
+/// Which path is searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// The butterfly.
+    RationalCubic,
+    /// The butterfly with weights of one.
+    PolynomialCubic,
+    /// A semicircle of 30 mm.
+    Arc,
+    /// 100 mm straight.
+    Line,
+}
+
+/// The spans of a shape.
+pub fn spans(shape: Shape) -> Vec<Span<f64, f64>> {
+    let (butterfly, polynomial) = (Spline::butterfly(), Spline::polynomial());
+    let segment = match shape {
+        Shape::RationalCubic => butterfly.segment(),
+        Shape::PolynomialCubic => polynomial.segment(),
+        Shape::Arc => Segment::Arc {
+            start: [30.0, 0.0, 0.0],
+            end: [-30.0, 0.0, 0.0],
+            center: [0.0; 3],
+            normal: [0.0, 0.0, 1.0],
+            turns: 0,
+        },
+        Shape::Line => Segment::Line { start: [0.0; 3], end: [80.0, 60.0, 0.0] },
+    };
+    let mut spans = Vec::new();
+    convert(&segment, 0, [0.0, 0.0, 1.0], |span| {
+        spans.push(span);
+        Ok(())
+    })
+    .expect("a valid path");
+    spans
+}
+
+/// A warm search and the query of the next cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct Query {
+    /// The search.
+    pub search: ContourSearch<f64>,
+    /// Its path.
+    pub path: Path<'static, f64, f64>,
+    /// What it remembers.
+    pub state: ContourState<f64>,
+    /// Where the interpolator is.
+    pub reference: Reference<f64>,
+    /// Where the tool is, mm.
+    pub point: [f64; 3],
+}
+
+impl Query {
+    /// One cycle.
+    #[inline(always)]
+    pub fn run(&mut self) -> ContourError<f64> {
+        self.search.update(&mut self.state, &self.path, self.reference, self.point)
+    }
+}
+
+/// A path for queries.
+#[derive(Clone, Copy, Debug)]
+pub struct Track(Path<'static, f64, f64>, u32);
+
+/// Cycles after which a search that stands still is warm.
+const WARM: usize = 40;
+
+impl Track {
+    /// Converts the shape; it stays in memory as long as the process.
+    pub fn new(shape: Shape) -> Self {
+        let spans = spans(shape);
+        let count = spans.len() as u32;
+        Track(Path::new(spans.leak(), 0, false), count)
+    }
+
+    /// The path.
+    pub fn path(&self) -> Path<'static, f64, f64> {
+        self.0
+    }
+
+    /// Number of pieces.
+    pub fn pieces(&self) -> u32 {
+        self.1
+    }
+
+    /// Query number `seed`: warm at a random place, then up to 50 µm on, the tool up to 20 µm beside the path and up
+    /// to 20 µm away along it.
+    pub fn query(&self, seed: u64) -> Query {
+        let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let number = ((random.unit() * f64::from(self.1)) as u32).min(self.1 - 1);
+        self.near(number, random.unit(), &mut random)
+    }
+
+    /// A query in the middle of piece `number`.
+    pub fn middle(&self, number: u32) -> Query {
+        self.near(number, 0.5, &mut Random(7))
+    }
+
+    fn near(&self, number: u32, t: f64, random: &mut Random) -> Query {
+        let span = self.0.span(number).expect("a piece of the path");
+        let beside = |random: &mut Random, place: [f64; 3]| {
+            [place[0] + 0.02 * random.signed(), place[1] + 0.02 * random.signed(), place[2] + 0.02 * random.signed()]
+        };
+        let mut query = Query {
+            search: ContourSearch::new(1.0, Method::Guarded).expect("a valid lag"),
+            path: self.0,
+            state: ContourState::default(),
+            reference: Reference { span: number, t },
+            point: beside(random, span.position(t)),
+        };
+        for _ in 0..WARM {
+            query.run();
+        }
+        let step = 0.05 * random.unit();
+        let next = span.arc_length(t) + step;
+        let ahead = self.0.span(number + 1).filter(|_| next > span.length());
+        let (span, number, t) = match ahead {
+            Some(ahead) => (ahead, number + 1, ahead.t_at(next - span.length())),
+            None => (span, number, span.t_at(next)),
+        };
+        query.reference = Reference { span: number, t };
+        query.point = beside(random, span.position(t));
+        query
+    }
+}

@@ -1,0 +1,107 @@
+//! The whole three-axis step on the butterfly.
+
+use crate::Random;
+use crate::contour::{Shape, Track};
+use crate::tables::{Grid, machine, rows, storage};
+use trueaxis::contour::{Method, Path, Reference};
+use trueaxis::{Axis, Config, Input, Output, ServoLoop, State};
+
+/// Servo period, ns.
+pub const PERIOD_NS: u32 = 100_000;
+/// Passes of the exact inverse.
+pub const PASSES: u8 = 2;
+
+/// A running servo loop and the input of its next cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct Cycle {
+    /// The loop.
+    pub servo: &'static ServoLoop<'static, f64, f64, 3>,
+    /// What it remembers.
+    pub state: State<f64, f64, 3>,
+    /// Command and readings.
+    pub input: Input<f64, 3>,
+    /// The butterfly.
+    pub path: Path<'static, f64, f64>,
+    /// Where the command is on it.
+    pub reference: Reference<f64>,
+}
+
+impl Cycle {
+    /// One cycle.
+    #[inline(always)]
+    pub fn run(&mut self) -> Output<f64, f64, 3> {
+        self.servo.step(&mut self.state, &self.input, &self.path, self.reference)
+    }
+}
+
+/// Walks the butterfly at 100 mm/s with readings that stray by ±5 µm; calls `seen` with every cycle as it was before
+/// it ran, and its output.
+pub fn walk(cycles: u32, mut seen: impl FnMut(&Cycle, &Output<f64, f64, 3>)) {
+    let machine = Box::leak(Box::new(machine()));
+    let tables = [1, 2, 3].map(|seed| rows(Grid::Equidistant, seed));
+    let config = Config {
+        machine,
+        machine_id: 1,
+        tables_crc: 2,
+        period_ns: PERIOD_NS,
+        inverse_passes: PASSES,
+        method: Method::Guarded,
+    };
+    let servo = config.build(|axis: Axis| tables.get(axis.index()).map(Vec::as_slice), storage());
+    let servo: &'static ServoLoop<'static, f64, f64, 3> = Box::leak(Box::new(servo.expect("a valid configuration")));
+    let track = Track::new(Shape::RationalCubic);
+    let mut cycle = Cycle {
+        servo,
+        state: servo.start(PERIOD_NS).expect("the configured period"),
+        input: Input { homed: true, enable: true, ..Input::at_rest(PERIOD_NS) },
+        path: track.path(),
+        reference: Reference { span: 0, t: 0.0 },
+    };
+    let mut random = Random(17);
+    let mut place = 0.0;
+    for number in 0..cycles {
+        // Stands first, until the search is warm and the correction is led in.
+        place += if number < 2000 { 0.0 } else { 0.01 };
+        let Some(mut span) = cycle.path.span(cycle.reference.span) else { break };
+        if place > span.length() {
+            if cycle.reference.span + 1 >= track.pieces() {
+                break;
+            }
+            place -= span.length();
+            cycle.reference.span += 1;
+            span = cycle.path.span(cycle.reference.span).unwrap_or(span);
+        }
+        cycle.reference.t = span.t_at(place);
+        cycle.input.command = span.position(cycle.reference.t);
+        cycle.input.feedback = cycle.input.command.map(|x| x + 0.005 * random.signed());
+        let before = cycle;
+        let output = cycle.run();
+        seen(&before, &output);
+    }
+}
+
+/// A cycle in which both searches end in the kernel and no limit binds.
+pub fn typical() -> Cycle {
+    let mut found = None;
+    walk(2600, |cycle, output| {
+        let record = &output.record;
+        if record.tip.evaluations == 2 && record.encoder.evaluations == 2 && record.limited == 0 {
+            found = Some(*cycle);
+        }
+    });
+    found.expect("such a cycle")
+}
+
+/// The cycle of the walk with the most evaluations of the path, the most limited axes among those.
+pub fn worst(cycles: u32) -> Cycle {
+    let mut found = None;
+    walk(cycles, |cycle, output| {
+        let record = &output.record;
+        let evaluations = u32::from(record.tip.evaluations) + u32::from(record.encoder.evaluations);
+        let score = 4 * evaluations + record.limited.count_ones();
+        if found.as_ref().is_none_or(|(best, _)| score > *best) {
+            found = Some((score, *cycle));
+        }
+    });
+    found.expect("at least one cycle").1
+}

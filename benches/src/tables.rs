@@ -1,0 +1,82 @@
+//! Error tables of three linear axes, 128 points each, travel −300 … 335 mm.
+
+use crate::Random;
+use trueaxis::compensation::{Compensation, Storage};
+use trueaxis::machine::{AxisSettings, MachineSettings};
+use trueaxis::{Axis, Row};
+
+/// Points of each table.
+pub const POINTS: u32 = 128;
+/// First point of each table, mm.
+pub const FIRST_MM: f64 = -300.0;
+/// Mean distance of two points, mm.
+pub const CELL_MM: f64 = 5.0;
+
+/// How the points are spaced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grid {
+    /// All at the same distance.
+    Equidistant,
+    /// Distances vary by ±40 %.
+    Free,
+}
+
+/// Lines of one table: errors of some 10 µm, changing by less than 1 µm from point to point.
+pub fn rows(grid: Grid, seed: u64) -> Vec<Row> {
+    let mut random = Random(seed);
+    let mut error = [0.0; 6];
+    (0..POINTS)
+        .map(|i| {
+            let stray = if grid == Grid::Free && i > 0 { 0.2 * random.signed() } else { 0.0 };
+            for e in error.iter_mut().take(3) {
+                *e += 1e-3 * random.signed();
+            }
+            Row { position: FIRST_MM + CELL_MM * (f64::from(i) + stray), forward: error, reverse: error }
+        })
+        .collect()
+}
+
+/// A machine with three linear axes on the tool side.
+pub fn machine() -> MachineSettings {
+    let mut axes = heapless::Vec::new();
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        let settings = AxisSettings {
+            travel: [-290.0, 325.0],
+            joint: [-290.1, 325.1],
+            ..AxisSettings::with_defaults(axis, false)
+        };
+        axes.push(settings).expect("three axes fit");
+    }
+    MachineSettings {
+        name: "bench".try_into().expect("a short name"),
+        chain: "w b X Y Z t".try_into().expect("a short chain"),
+        tool_mm: [0.0; 3],
+        reference_temperature_c: 20.0,
+        location: Default::default(),
+        faults: Default::default(),
+        contour: Default::default(),
+        axes,
+    }
+}
+
+/// Memory for 3 tables; leaked, because it serves as long as the process.
+pub fn storage() -> Storage<'static, f64> {
+    let points = 3 * POINTS as usize;
+    Storage {
+        lines: vec![[0.0; 4]; 2 * points].leak(),
+        knots: vec![0.0; points].leak(),
+        guide: vec![0; 2 * points].leak(),
+    }
+}
+
+/// The compensation of [`machine`] with one pass of the inverse.
+pub fn compensation(grid: Grid) -> Compensation<'static, f64, f64, 3> {
+    let tables = [1, 2, 3].map(|seed| rows(grid, seed));
+    Compensation::build(&machine(), |axis: Axis| tables.get(axis.index()).map(Vec::as_slice), 1, storage())
+        .expect("valid tables")
+}
+
+/// A position within the tables, mm.
+pub fn position(random: &mut Random) -> [f64; 3] {
+    [0; 3].map(|_| FIRST_MM + CELL_MM * f64::from(POINTS - 1) * (0.01 + 0.98 * random.unit()))
+}
