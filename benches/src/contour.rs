@@ -110,7 +110,7 @@ impl Query {
 pub struct Track(Path<'static, f64, f64>, u32);
 
 /// Cycles after which a search that stands still is warm.
-const WARM: usize = 40;
+const WARM: usize = 100;
 
 impl Track {
     /// Converts the shape; it stays in memory as long as the process.

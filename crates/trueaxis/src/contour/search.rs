@@ -37,10 +37,12 @@ pub struct ContourState<R> {
     looked: u16,
     best: Reference<R>,
     best_distance: R,
+    /// Where the next sample is taken.
+    sample: Reference<R>,
 }
 
 /// Evaluations of the path that a cycle may use.
-pub(super) const EVALUATIONS: u8 = 8;
+pub(super) const EVALUATIONS: u8 = 6;
 /// The same for the published bisection.
 const BISECTIONS: u8 = 60;
 /// Half-window at standstill, mm.
@@ -48,11 +50,11 @@ const STANDSTILL_WINDOW: f64 = 5e-3;
 /// Half-window per progress of the reference.
 const WINDOW_PER_PROGRESS: f64 = 4.0;
 /// Samples of a cold search over ±max_lag.
-const COLD_SAMPLES: u16 = 128;
+const COLD_SAMPLES: u16 = 129;
 /// Samples of a cold search in one cycle.
-const COLD_PER_CYCLE: u16 = 4;
+const COLD_PER_CYCLE: u16 = 3;
 /// Evaluations of the descent in a cycle that takes cold samples too.
-const COLD_DESCENT: u8 = 4;
+const COLD_DESCENT: u8 = 2;
 
 impl<R: Real> ContourSearch<R> {
     /// `max_lag_mm`: half-window of a cold search, arc length.
@@ -68,7 +70,7 @@ impl<R: Real> ContourSearch<R> {
 
     /// Contour error of `point` (mm) in this cycle; `reference` is where the interpolator is on the path.
     ///
-    /// At most eight evaluations of the path. Cost: the kernel, as a rule; at worst some three times that.
+    /// At most six evaluations of the path. Cost: the kernel, as a rule; at worst some three times that.
     #[inline(always)]
     pub fn update<P: Position>(
         &self,
@@ -133,12 +135,11 @@ impl<R: Real> ContourSearch<R> {
                 None => return ContourError::none(),
             }
         };
-        for forward in [true, false] {
-            if spent + 3 <= EVALUATIONS
-                && let Some(other) = across(path, &found, point, window, forward, &mut spent)
-            {
-                found = other;
-            }
+        // One more call of the kernel, at the nearer border; a piece so short that both are in sight is left soon.
+        if spent + 2 <= EVALUATIONS
+            && let Some(other) = across(path, &found, point, window, &mut spent)
+        {
+            found = other;
         }
         if !found.flags.has(Flags::BRACKETED) {
             state.warm = false;
@@ -169,39 +170,37 @@ impl<R: Real> ContourSearch<R> {
         }
         let mut spent = 0;
         let bisect = self.method == Method::Bisection;
-        let mut window = window(progress);
-        let mut flags = Flags::default();
         if !state.warm {
-            window = self.max_lag;
-            flags = Flags::COLD;
             self.look_around(state, path, reference, point, progress, &mut spent);
-            // The descent goes on from the better of the two.
-            if state.looked >= COLD_SAMPLES {
-                start = state.best;
-            }
+            start = state.best;
         }
-        let budget = match (bisect, state.warm) {
-            (true, _) => BISECTIONS,
-            (false, true) => EVALUATIONS,
-            (false, false) => COLD_DESCENT,
-        };
+        // A cycle that took samples only touches the best of them up; the one after the last descends.
+        let sampled = spent > 0;
+        let window = if state.warm { window(progress) } else { self.max_lag };
+        let budget = if sampled { COLD_DESCENT } else { EVALUATIONS };
+        let budget = if bisect { BISECTIONS } else { budget };
         let Some(mut found) = descend(path, start, point, window, bisect, budget, &mut spent) else {
             *state = ContourState::default();
             return ContourError::none();
         };
         let bracketed = found.flags.has(Flags::BRACKETED);
-        found.flags = found.flags.and(flags);
-        if !state.warm && state.looked >= COLD_SAMPLES && bracketed {
-            state.warm = true;
-        } else if state.warm && !bracketed {
+        if !state.warm {
+            found.flags = found.flags.and(Flags::COLD);
+        }
+        if state.warm && !bracketed {
             state.warm = false;
+            state.looked = 0;
+        } else if !state.warm && !sampled {
+            // Looked all over: either it is found, or the search begins again.
+            state.warm = bracketed;
             state.looked = 0;
         }
         let error = dot(&found.vector, &found.vector).sqrt();
         self.report(state, path, reference, &found, error, spent)
     }
 
-    /// Takes a few samples of the way around the reference; keeps the nearest.
+    /// Takes a few samples of the way around the reference, from behind it to ahead of it; keeps the nearest. None are
+    /// taken in the cycle after the last, which leaves its evaluations to the descent.
     fn look_around<P: Position>(
         &self,
         state: &mut ContourState<R>,
@@ -211,27 +210,29 @@ impl<R: Real> ContourSearch<R> {
         progress: R,
         spent: &mut u8,
     ) {
-        if state.looked >= COLD_SAMPLES {
-            // Looked all over without a bracket: begin again.
-            state.looked = 0;
-        }
         if state.looked == 0 {
             state.best_distance = R::MAX;
             state.best = reference;
+            state.sample = advance(path, reference, -self.max_lag);
         } else {
             state.best = advance(path, state.best, progress);
+            state.sample = advance(path, state.sample, progress);
         }
+        if state.looked > COLD_SAMPLES - COLD_PER_CYCLE {
+            state.looked = COLD_SAMPLES;
+            return;
+        }
+        let spacing = self.max_lag * R::of(2.0 / f64::from(COLD_SAMPLES - COLD_PER_CYCLE));
         for _ in 0..COLD_PER_CYCLE {
-            let share = R::of_i32(i32::from(state.looked)) * R::of(2.0 / f64::from(COLD_SAMPLES - 1)) - R::ONE;
-            let place = advance(path, reference, share * self.max_lag);
-            if let Some(span) = path.span(place.span) {
-                let sample = at(span, place.span, point, place.t);
+            if let Some(span) = path.span(state.sample.span) {
+                let sample = at(span, state.sample.span, point, state.sample.t);
                 *spent = spent.saturating_add(1);
                 let distance = dot(&sample.vector, &sample.vector);
                 if distance < state.best_distance {
-                    (state.best_distance, state.best) = (distance, place);
+                    (state.best_distance, state.best) = (distance, state.sample);
                 }
             }
+            state.sample = advance(path, state.sample, spacing);
             state.looked = state.looked.saturating_add(1);
         }
     }
@@ -308,14 +309,14 @@ fn across<R: Real, P: Position>(
     found: &Found<R>,
     point: &[P; 3],
     window: R,
-    forward: bool,
     spent: &mut u8,
 ) -> Option<Found<R>> {
     let span = path.span(found.place.span)?;
-    let place = span.arc_length(found.place.t);
+    let (place, length) = (span.arc_length(found.place.t), span.length());
     let distance = dot(&found.vector, &found.vector);
     let error = distance.sqrt();
-    let rest = if forward { span.length() - place } else { place };
+    let forward = place + place > length;
+    let rest = if forward { length - place } else { place };
     if rest > sight(window, error) {
         return None;
     }
