@@ -65,14 +65,6 @@ fn take<'a, T>(from: &mut &'a mut [T], count: usize, needed: &'static str) -> Re
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Nodes<'a, R> {
-    /// Value and slope of each interval.
-    Linear(&'a [[Contribution<R>; 2]]),
-    /// Value and three coefficients of each interval.
-    Cubic(&'a [[Contribution<R>; 4]]),
-}
-
 /// The errors of one axis as a function of its position, in the form for the step.
 ///
 /// Equidistant grids cost one multiplication to find the interval, free grids a guide table and a search of fixed
@@ -85,7 +77,10 @@ pub struct AxisTable<'a, R, P> {
     last: R,
     wraps: bool,
     reverse_offset: usize,
-    nodes: Nodes<'a, R>,
+    /// Value and slope of each interval; empty for a cubic table.
+    linear: &'a [[Contribution<R>; 2]],
+    /// Value and three coefficients of each interval; empty for a linear table.
+    cubic: &'a [[Contribution<R>; 4]],
     knots: &'a [R],
     guide: &'a [u16],
     depth: u32,
@@ -101,7 +96,8 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
             last: R::ZERO,
             wraps: false,
             reverse_offset: 0,
-            nodes: Nodes::Linear(&[]),
+            linear: &[],
+            cubic: &[],
             knots: &[],
             guide: &[],
             depth: 0,
@@ -169,6 +165,10 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
         let scale = R::of(scale);
         let depth = fill_guide(knots, guide, scale);
         let lines: &'a [Contribution<R>] = lines;
+        let (linear, cubic): (&[_], &[_]) = match settings.interpolation {
+            Interpolation::Linear => (lines.as_chunks().0, &[]),
+            Interpolation::Cubic => (&[], lines.as_chunks().0),
+        };
         Ok(AxisTable {
             origin,
             span: R::of(length),
@@ -176,10 +176,8 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
             last: R::of(last),
             wraps,
             reverse_offset: if lines.len() > count * powers { count } else { 0 },
-            nodes: match settings.interpolation {
-                Interpolation::Linear => Nodes::Linear(lines.as_chunks().0),
-                Interpolation::Cubic => Nodes::Cubic(lines.as_chunks().0),
-            },
+            linear,
+            cubic,
             knots,
             guide,
             depth,
@@ -199,7 +197,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
 
     /// Equidistant, linear and not wrapping: what [`AxisTable::at_plain`] handles.
     pub fn is_plain(&self) -> bool {
-        !self.wraps && self.knots.is_empty() && matches!(self.nodes, Nodes::Linear(_))
+        self.knots.is_empty() && self.is_linear()
     }
 
     /// Contribution at a coordinate of a *plain* table, and whether its edge value is held.
@@ -211,8 +209,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
         let held = wanted.within(R::ZERO, self.last);
         let index = held.to_i32();
         let t = held - R::of_i32(index);
-        let Nodes::Linear(nodes) = self.nodes else { return ([R::ZERO; 4], false) };
-        match nodes.get((index as usize).wrapping_add(self.reverse_offset & reverse)) {
+        match self.linear.get((index as usize).wrapping_add(self.reverse_offset & reverse)) {
             Some([value, slope]) => (along(value, t, slope), wanted != held),
             None => ([R::ZERO; 4], false),
         }
@@ -220,7 +217,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
 
     /// Linear and not wrapping: what [`AxisTable::at_linear`] handles.
     pub fn is_linear(&self) -> bool {
-        !self.wraps && matches!(self.nodes, Nodes::Linear(_))
+        !self.wraps && self.cubic.is_empty()
     }
 
     /// Contribution at a coordinate of a *linear* table on any grid, and whether its edge value is held.
@@ -231,8 +228,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
         }
         let held = coordinate.within(R::ZERO, self.span);
         let (index, t) = self.search(held);
-        let Nodes::Linear(nodes) = self.nodes else { return ([R::ZERO; 4], false) };
-        match nodes.get(index.wrapping_add(self.reverse_offset & reverse)) {
+        match self.linear.get(index.wrapping_add(self.reverse_offset & reverse)) {
             Some([value, slope]) => (along(value, t, slope), coordinate != held),
             None => ([R::ZERO; 4], false),
         }
@@ -259,11 +255,11 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
             self.search(held)
         };
         let index = index.wrapping_add(self.reverse_offset & reverse);
-        let value = match self.nodes {
-            Nodes::Linear(nodes) => nodes.get(index).map(|[value, slope]| along(value, t, slope)),
-            Nodes::Cubic(nodes) => {
-                nodes.get(index).map(|[value, c1, c2, c3]| along(value, t, &along(c1, t, &along(c2, t, c3))))
-            }
+        let value = if self.cubic.is_empty() {
+            self.linear.get(index).map(|[value, slope]| along(value, t, slope))
+        } else {
+            let cell = self.cubic.get(index);
+            cell.map(|[value, c1, c2, c3]| along(value, t, &along(c1, t, &along(c2, t, c3))))
         };
         match value {
             Some(value) => (value, coordinate != held),
