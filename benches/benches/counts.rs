@@ -87,7 +87,7 @@ fn kernel(query: &'static mut Query) -> ContourError<f64> {
 }
 
 #[library_benchmark(setup = seeded)]
-#[bench::worst(197)]
+#[bench::worst(565)]
 fn contour_worst(query: &'static mut Query) -> ContourError<f64> {
     black_box(query.run())
 }

@@ -1,7 +1,7 @@
 //! The whole cold search in one call: for files, not for cycles.
 
 use super::kernel::evaluate;
-use super::refine::{Found, at, descend, dot};
+use super::refine::{Found, at, dot};
 use super::search::{ContourSearch, Method, components, way};
 use super::span::{Path, Reference, Span};
 use super::{ContourError, Flags};
@@ -104,7 +104,7 @@ impl<R: Real> ContourSearch<R> {
         }
     }
 
-    /// A minimum between two samples of one piece.
+    /// The minimum between two samples of one piece.
     fn narrow<P: Position>(
         &self,
         path: &Path<'_, R, P>,
@@ -116,22 +116,29 @@ impl<R: Real> ContourSearch<R> {
         let span = path.span(number)?;
         let local = span.relative(point);
         let (mut low, mut high) = (low, high);
-        // A few halvings by hand keep the bracket; the rest is the step's own refinement.
-        let halvings = if self.method == Method::Bisection { 60 } else { 6 };
-        for _ in 0..halvings {
-            let middle = R::HALF * (low + high);
-            let e = evaluate(span, &local, middle);
+        let mut t = R::HALF * (low + high);
+        for _ in 0..80 {
+            let e = evaluate(span, &local, t);
             *spent = spent.saturating_add(1);
-            if e.g < R::ZERO { low = middle } else { high = middle }
+            if e.g < R::ZERO {
+                low = t
+            } else {
+                high = t
+            }
+            // Near the centre of curvature the slope nearly vanishes: bisection goes on where Newton's step leads out.
+            let newton = t - e.g / e.slope;
+            let guarded = self.method == Method::Guarded && e.slope > R::ZERO && low < newton && newton < high;
+            let next = if guarded { newton } else { R::HALF * (low + high) };
+            let done = next == t || !(low < next && next < high);
+            t = next;
+            if done {
+                break;
+            }
         }
-        let middle = Reference { span: number, t: R::HALF * (low + high) };
-        let width = (span.arc_length(high) - span.arc_length(low)).max(R::of(1e-9));
-        if self.method == Method::Bisection {
-            let mut found = at(span, number, point, middle.t);
-            (found.width, found.flags) = (width, Flags::BRACKETED);
-            return Some(found);
-        }
-        descend(path, middle, point, width + width, false, 60, spent).filter(|found| found.flags.has(Flags::BRACKETED))
+        let mut found = at(span, number, point, t);
+        found.width = span.arc_length(high) - span.arc_length(low);
+        found.flags = Flags::BRACKETED;
+        Some(found)
     }
 
     /// Whether a sample at a border of its piece is a corner's or an end's minimum.
