@@ -225,34 +225,29 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// `held` gets a bit for every axis whose edge value is held.
     #[inline(always)]
     pub fn plain_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
-        let mut sum = [R::ZERO; 3];
-        let mut bit = 1;
-        for ((table, at), reverse) in self.tables.iter().zip(at).zip(reverse) {
-            let ([x, y, z, _], edge) = table.at_plain(*at, *reverse);
-            let [sx, sy, sz] = &mut sum;
-            *sx += x;
-            *sy += y;
-            *sz += z;
-            if edge {
-                *held |= bit;
-            }
-            bit <<= 1;
-        }
-        let mut errors = [R::ZERO; N];
-        for (error, sum) in errors.iter_mut().zip(sum) {
-            *error = sum;
-        }
-        errors
+        self.sum_of(at, reverse, held, AxisTable::at_plain)
     }
 
     /// Error of the nine terms alone, linear tables on any grid; apart from [`Compensation::plain_terms`], so that
     /// equidistant tables do not carry the search.
     #[inline(never)]
     pub fn linear_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+        self.sum_of(at, reverse, held, AxisTable::at_linear)
+    }
+
+    /// Translations of all tables, looked up one way.
+    #[inline(always)]
+    fn sum_of(
+        &self,
+        at: &[R; N],
+        reverse: &[usize; N],
+        held: &mut u8,
+        look_up: impl Fn(&AxisTable<'a, R, P>, R, usize) -> (Contribution<R>, bool),
+    ) -> Errors<R, N> {
         let mut sum = [R::ZERO; 3];
         let mut bit = 1;
         for ((table, at), reverse) in self.tables.iter().zip(at).zip(reverse) {
-            let ([x, y, z, _], edge) = table.at_linear(*at, *reverse);
+            let ([x, y, z, _], edge) = look_up(table, *at, *reverse);
             let [sx, sy, sz] = &mut sum;
             *sx += x;
             *sy += y;
