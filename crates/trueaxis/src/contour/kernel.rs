@@ -204,20 +204,22 @@ pub(super) struct Evaluation<R> {
 /// Evaluates a span at `t`, any form.
 #[inline(never)]
 pub(super) fn evaluate<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], t: R) -> Evaluation<R> {
-    let cubic = [R::ZERO; 4];
-    let (mut x, mut v, mut z) = match (&span.coefficients, span.form) {
-        ([_, _, _, _, c4, c5], Form::Quintic | Form::RationalQuintic) => {
-            let x = mad(c4, t, c5);
-            (x, *c5, cubic)
+    let [c0, c1, c2, c3, c4, c5] = &span.coefficients;
+    // Horner's scheme for value (p), first (q) and half second derivative (r), from the third power down.
+    let (p3, q3, r2) = match span.form {
+        Form::Cubic | Form::RationalCubic => (*c3, *c3, *c3),
+        Form::Quintic | Form::RationalQuintic => {
+            let p4 = mad(c4, t, c5);
+            let p3 = mad(c3, t, &p4);
+            let q4 = mad(&p4, t, c5);
+            let q3 = mad(&p3, t, &q4);
+            (p3, q3, mad(&q3, t, &mad(&q4, t, c5)))
         }
-        _ => (cubic, cubic, cubic),
     };
-    let [c0, c1, c2, c3, ..] = &span.coefficients;
-    for c in [c3, c2, c1, c0] {
-        z = mad(&v, t, &z);
-        v = mad(&x, t, &v);
-        x = mad(c, t, &x);
-    }
+    let p2 = mad(c2, t, &p3);
+    let p1 = mad(c1, t, &p2);
+    let q2 = mad(&p2, t, &q3);
+    let (x, v, z) = (mad(c0, t, &p1), mad(&p1, t, &q2), mad(&q2, t, &r2));
     // Projected: position, first and half second derivative of x/w.
     let i = R::ONE / x[3];
     let (mut vector, mut tangent, mut bend) = ([R::ZERO; 3], [R::ZERO; 3], [R::ZERO; 3]);
