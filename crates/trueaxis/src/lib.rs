@@ -41,6 +41,7 @@ pub mod machine;
 mod output;
 pub mod position;
 pub mod real;
+pub mod roundness;
 pub mod sample;
 mod step;
 pub mod tcomp;

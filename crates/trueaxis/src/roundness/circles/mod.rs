@@ -1,0 +1,1 @@
+//! Reference circles: least squares, minimum zone, maximum inscribed, minimum circumscribed.
