@@ -105,6 +105,24 @@ pub enum Field {
     Encoder,
     /// Memory lent for tables.
     Storage,
+    /// Points of a revolution.
+    Points,
+    /// Band of harmonics.
+    Harmonics,
+    /// Angles between the probes.
+    ProbeAngles,
+    /// Gain, zero or range of a probe.
+    Probe,
+    /// Encoder of the spindle.
+    Spindle,
+    /// Crank throw, wheel radius, pin radius or encoder of the following arm.
+    Arm,
+    /// Gaussian filter.
+    Filter,
+    /// Revolutions of an evaluation of the spindle.
+    Revolutions,
+    /// Infeed correction.
+    Infeed,
 }
 
 /// What a servo cycle met; carried in its output and telemetry.
