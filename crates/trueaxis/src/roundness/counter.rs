@@ -1,0 +1,292 @@
+//! Encoder counts to angles.
+//!
+//! Angles are 32-bit fractions of a turn: 2^32 is 360°, one unit 1.5 nrad. They add and wrap as the angles do, over any
+//! number of revolutions, without a division and without losing anything.
+
+use super::flags::Flags;
+use super::settings::{ArmSettings, SpindleEncoder};
+
+/// Counts of one turn to a fraction of 2^32, within two units: counts · ⌊2^(32+s)/counts per turn⌉ / 2^s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Scale {
+    factor: u32,
+    shift: u32,
+}
+
+impl Scale {
+    fn new(counts: u32) -> Self {
+        let counts = counts.max(1);
+        // The largest shift whose factor fits into 32 bits.
+        let shift = (32 - (counts - 1).leading_zeros()).saturating_sub(1);
+        let factor = ((1u64 << (32 + shift)) + u64::from(counts) / 2) / u64::from(counts);
+        Scale { factor: u32::try_from(factor).unwrap_or(u32::MAX), shift }
+    }
+
+    #[inline(always)]
+    fn angle(self, counts: u32) -> u32 {
+        ((u64::from(counts) * u64::from(self.factor)) >> self.shift) as u32
+    }
+}
+
+/// Follows the spindle's encoder from cycle to cycle: immutable half.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SpindleCounter {
+    scale: Scale,
+    counts: u32,
+    reversed: bool,
+    index: bool,
+    tolerance: u32,
+}
+
+/// Follows the spindle's encoder from cycle to cycle: what it remembers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SpindleState {
+    last: i32,
+    /// Counts since α = 0, below one turn.
+    in_turn: u32,
+    /// Counts since the last index pulse, in either direction.
+    travelled: i32,
+    started: bool,
+    referenced: bool,
+    /// The last index pulse contradicted the one before: the next has to agree.
+    doubtful: bool,
+}
+
+impl SpindleState {
+    pub(super) const NEW: SpindleState =
+        SpindleState { last: 0, in_turn: 0, travelled: 0, started: false, referenced: false, doubtful: false };
+}
+
+impl SpindleCounter {
+    pub(super) fn new(encoder: &SpindleEncoder) -> Self {
+        SpindleCounter {
+            scale: Scale::new(encoder.counts),
+            counts: encoder.counts,
+            reversed: encoder.direction < 0,
+            index: encoder.index,
+            tolerance: encoder.index_tolerance,
+        }
+    }
+
+    /// α of this cycle, if it is known; what is wrong is added to the flags.
+    #[inline(always)]
+    pub(super) fn update(
+        &self,
+        state: &mut SpindleState,
+        raw: i32,
+        pulse: Option<i32>,
+        flags: &mut Flags,
+    ) -> Option<u32> {
+        let raw = if self.reversed { raw.wrapping_neg() } else { raw };
+        let moved = raw.wrapping_sub(state.last);
+        state.last = raw;
+        if !state.started || moved.unsigned_abs() > self.counts / 4 {
+            if state.started {
+                flags.set(Flags::SPINDLE_JUMP);
+            }
+            self.restart(state, raw);
+        } else {
+            state.in_turn = self.advanced(state.in_turn, moved);
+            state.travelled = state.travelled.wrapping_add(moved);
+        }
+        if self.index {
+            if let Some(latched) = pulse {
+                self.at_index(state, raw, latched, flags);
+            } else if state.referenced && state.travelled.unsigned_abs() > self.counts + self.counts / 4 {
+                // An index pulse is overdue: the count may have slipped by any amount.
+                state.referenced = false;
+                flags.set(Flags::INDEX_MISSING);
+            }
+            if !state.referenced {
+                flags.set(Flags::NO_INDEX);
+                return None;
+            }
+        }
+        Some(self.scale.angle(state.in_turn))
+    }
+
+    /// Counts within the turn after a motion of less than one turn.
+    #[inline(always)]
+    fn advanced(&self, in_turn: u32, moved: i32) -> u32 {
+        let sum = in_turn.wrapping_add_signed(moved);
+        if sum < self.counts {
+            sum
+        } else if moved < 0 {
+            sum.wrapping_add(self.counts)
+        } else {
+            sum.wrapping_sub(self.counts)
+        }
+    }
+
+    #[cold]
+    fn restart(&self, state: &mut SpindleState, raw: i32) {
+        *state = SpindleState { last: raw, started: true, ..SpindleState::NEW };
+        // Without an index the count itself is absolute.
+        state.in_turn = i64::from(raw).checked_rem_euclid(i64::from(self.counts)).map_or(0, |rest| rest as u32);
+    }
+
+    #[cold]
+    fn at_index(&self, state: &mut SpindleState, raw: i32, latched: i32, flags: &mut Flags) {
+        let latched = if self.reversed { latched.wrapping_neg() } else { latched };
+        let since = raw.wrapping_sub(latched);
+        if since.unsigned_abs() > self.counts / 4 {
+            // Latched more than a quarter turn ago: not this cycle's pulse.
+            flags.set(Flags::INDEX_SHIFTED);
+            return;
+        }
+        let now = self.advanced(0, since);
+        let apart = now.abs_diff(state.in_turn);
+        let agrees = apart.min(self.counts.wrapping_sub(apart)) <= self.tolerance;
+        state.travelled = since;
+        if state.referenced && agrees {
+            return;
+        }
+        if state.referenced {
+            flags.set(Flags::INDEX_SHIFTED);
+        }
+        let first = !state.referenced && !state.doubtful;
+        state.doubtful = !(first || agrees);
+        state.referenced = !state.doubtful;
+        state.in_turn = now;
+    }
+}
+
+/// The arm's encoder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ArmCounter {
+    scale: Scale,
+    reversed: bool,
+    /// A quarter turn, in counts.
+    most: u32,
+}
+
+impl ArmCounter {
+    pub(super) fn new(arm: &ArmSettings) -> Self {
+        ArmCounter { scale: Scale::new(arm.counts), reversed: arm.direction < 0, most: arm.counts / 4 }
+    }
+
+    /// β, a signed fraction of 2^32, if it lies within ±90°.
+    #[inline(always)]
+    pub(super) fn angle(&self, raw: i32) -> Option<i32> {
+        if raw.unsigned_abs() > self.most {
+            return None;
+        }
+        let magnitude = self.scale.angle(raw.unsigned_abs()) as i32;
+        Some(if (raw < 0) == self.reversed { magnitude } else { magnitude.wrapping_neg() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn encoder(counts: u32) -> SpindleEncoder {
+        SpindleEncoder { counts, direction: 1, index: true, index_tolerance: 2 }
+    }
+
+    #[test]
+    fn counts_become_angles_within_two_units() {
+        for counts in [64, 1000, 4096, 3_600_000, 1 << 28, 1_000_003] {
+            let scale = Scale::new(counts);
+            for i in 0..2000u64 {
+                let count = (i * 7919 * u64::from(counts) / 2000) % u64::from(counts);
+                let exact = (count << 32) as f64 / f64::from(counts);
+                let found = f64::from(scale.angle(count as u32));
+                assert!((found - exact).abs() <= 2.0, "{counts} {count}: {found} {exact}");
+            }
+        }
+    }
+
+    /// Turns at `step` counts a cycle with a pulse whenever `pulse(revolution)`; returns the flags of every cycle.
+    fn turn(counter: &SpindleCounter, state: &mut SpindleState, from: i32, cycles: i32, pulse: fn(i32) -> Option<i32>) -> Flags {
+        let mut seen = Flags::default();
+        for i in 1..=cycles {
+            let (before, now) = (from + 10 * (i - 1), from + 10 * i);
+            let turn = now.div_euclid(1000);
+            let crossed = turn != before.div_euclid(1000);
+            let latched = if crossed { pulse(turn).map(|off| turn * 1000 + off) } else { None };
+            counter.update(state, now, latched, &mut seen);
+        }
+        seen
+    }
+
+    #[test]
+    fn zero_is_at_the_index_over_many_turns() {
+        let counter = SpindleCounter::new(&encoder(1000));
+        let mut state = SpindleState::NEW;
+        let mut flags = Flags::default();
+        assert_eq!(counter.update(&mut state, 137, None, &mut flags), None);
+        assert!(flags.has(Flags::NO_INDEX));
+        turn(&counter, &mut state, 137, 100, |_| Some(0));
+        let seen = turn(&counter, &mut state, 1137, 5000, |_| Some(0));
+        assert_eq!(seen, Flags::default());
+        let alpha = counter.update(&mut state, 51_150, None, &mut flags).unwrap();
+        assert!((f64::from(alpha) / 4_294_967_296.0 - 0.15).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_missing_index_is_noticed_and_the_next_one_taken() {
+        let counter = SpindleCounter::new(&encoder(1000));
+        let mut state = SpindleState::NEW;
+        turn(&counter, &mut state, 0, 250, |_| Some(0));
+        let seen = turn(&counter, &mut state, 2500, 100, |_| None);
+        assert!(seen.has(Flags::INDEX_MISSING) && seen.has(Flags::NO_INDEX));
+        let seen = turn(&counter, &mut state, 3500, 60, |_| Some(0));
+        assert!(!seen.has(Flags::INDEX_SHIFTED));
+        assert!(state.referenced);
+    }
+
+    #[test]
+    fn a_shifted_index_has_to_be_confirmed() {
+        let counter = SpindleCounter::new(&encoder(1000));
+        let mut state = SpindleState::NEW;
+        turn(&counter, &mut state, 0, 250, |_| Some(0));
+        // Lost counts: the pulse comes 40 counts late, and stays there.
+        let seen = turn(&counter, &mut state, 2500, 60, |_| Some(4));
+        assert!(seen.has(Flags::INDEX_SHIFTED) && !state.referenced);
+        turn(&counter, &mut state, 3100, 100, |_| Some(4));
+        assert!(state.referenced);
+        let seen = turn(&counter, &mut state, 4100, 200, |_| Some(4));
+        assert_eq!(seen, Flags::default());
+    }
+
+    #[test]
+    fn a_jump_needs_a_new_index() {
+        let counter = SpindleCounter::new(&encoder(1000));
+        let mut state = SpindleState::NEW;
+        turn(&counter, &mut state, 0, 250, |_| Some(0));
+        let mut flags = Flags::default();
+        assert_eq!(counter.update(&mut state, i32::MIN, None, &mut flags), None);
+        assert!(flags.has(Flags::SPINDLE_JUMP) && flags.has(Flags::NO_INDEX));
+    }
+
+    #[test]
+    fn without_an_index_the_count_is_absolute_in_both_directions() {
+        for direction in [1, -1] {
+            let counter = SpindleCounter::new(&SpindleEncoder { index: false, direction, ..encoder(1024) });
+            let mut state = SpindleState::NEW;
+            let mut flags = Flags::default();
+            for raw in (-5000..5000).step_by(37) {
+                let alpha = counter.update(&mut state, raw, None, &mut flags).unwrap();
+                let exact = (raw * i32::from(direction)).rem_euclid(1024) as u32;
+                assert_eq!(alpha, exact << 22, "{raw}");
+            }
+            assert_eq!(flags, Flags::default());
+        }
+    }
+
+    #[test]
+    fn counts_of_the_arm_are_signed() {
+        let settings = ArmSettings {
+            lengths: super::super::Arm { crank_mm: 1.0, wheel_mm: 1.0, pin_mm: 1.0 },
+            counts: 4096,
+            direction: -1,
+            tolerance_deg: 1.0,
+        };
+        let arm = ArmCounter::new(&settings);
+        assert_eq!(arm.angle(256), Some(-(1 << 28)));
+        assert_eq!(arm.angle(-256), Some(1 << 28));
+        assert_eq!(arm.angle(1025), None);
+        assert_eq!(arm.angle(i32::MIN), None);
+    }
+}

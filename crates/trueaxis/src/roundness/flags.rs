@@ -1,0 +1,58 @@
+//! What happened to a revolution.
+
+use serde::{Deserialize, Serialize};
+
+/// What a cycle or a revolution met, as bits; see the constants.
+///
+/// All but the last group end the revolution that is being sampled: it is discarded whole, and sampling begins again at
+/// the next θ = 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Flags(pub u16);
+
+impl Flags {
+    /// No index pulse has been seen yet, or none that can be relied on: θ is unknown.
+    pub const NO_INDEX: Flags = Flags(1);
+    /// An index pulse did not come.
+    pub const INDEX_MISSING: Flags = Flags(1 << 1);
+    /// An index pulse came at another count than before: counts were lost, or the pulse is a disturbance.
+    pub const INDEX_SHIFTED: Flags = Flags(1 << 2);
+    /// The spindle's count changed by more than a quarter turn in a cycle.
+    pub const SPINDLE_JUMP: Flags = Flags(1 << 3);
+    /// A probe is outside its range, or gave no finite reading.
+    pub const PROBE_RANGE: Flags = Flags(1 << 4);
+    /// The arm's angle is outside ±90°, or contradicts the linkage.
+    pub const ARM: Flags = Flags(1 << 5);
+    /// θ ran backwards by more than a point.
+    pub const REVERSED: Flags = Flags(1 << 6);
+    /// θ passed more than two points in a cycle.
+    pub const TOO_FAST: Flags = Flags(1 << 7);
+    /// The spindle stood.
+    pub const STOPPED: Flags = Flags(1 << 8);
+    /// The speed changed by more than a quarter within the revolution; resampling takes account of it.
+    pub const SPEED: Flags = Flags(1 << 9);
+    /// The work on the revolution before was not finished: this one is skipped whole.
+    pub const SKIPPED: Flags = Flags(1 << 10);
+    /// The infeed correction was not updated: it was limited, or would have passed its bound, or the arm is in doubt.
+    pub const INFEED_FROZEN: Flags = Flags(1 << 11);
+
+    /// Whether all bits of `other` are set.
+    pub const fn has(self, other: Flags) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Whether any bit that ends a revolution is set.
+    pub const fn discards(self) -> bool {
+        self.0 & (Flags::SPEED.0 - 1) != 0
+    }
+
+    /// No bit set.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    #[inline(always)]
+    pub(super) const fn set(&mut self, other: Flags) {
+        self.0 |= other.0;
+    }
+}

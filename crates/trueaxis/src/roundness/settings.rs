@@ -1,0 +1,229 @@
+//! What a gauge of three probes is, as it stands in a compiled table file.
+
+use super::angles::{Band, Gain, ProbeAngles};
+use super::arm::Arm;
+use super::filter;
+use crate::error::{ConfigError, Field};
+use crate::machine::Axis;
+use serde::{Deserialize, Serialize};
+
+/// Harmonics of a worse noise gain are suppressed unless set otherwise.
+pub const NOISE_GAIN_LIMIT: f64 = 100.0;
+/// Fewest points of a revolution.
+pub const FEWEST_POINTS: usize = 64;
+/// Most points of a revolution.
+pub const MOST_POINTS: usize = 4096;
+/// Most counts of an encoder in a revolution.
+pub const MOST_COUNTS: u32 = 1 << 28;
+
+/// One displacement probe: reading in µm = gain · (raw − zero).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ProbeSettings {
+    /// µm per unit of the raw value; negative where the raw value falls when the surface comes nearer.
+    pub gain_um: f64,
+    /// Raw value at zero.
+    pub zero: f64,
+    /// Raw values in which the probe is believed.
+    pub range: [f64; 2],
+}
+
+impl Default for ProbeSettings {
+    fn default() -> Self {
+        ProbeSettings { gain_um: 1.0, zero: 0.0, range: [-1000.0, 1000.0] }
+    }
+}
+
+/// Encoder of the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SpindleEncoder {
+    /// Counts per revolution of the workpiece, after quadrature.
+    pub counts: u32,
+    /// +1 where counts rise while θ does, −1 otherwise.
+    pub direction: i8,
+    /// The encoder has an index pulse, which is zero of α; without, zero is where the count is zero.
+    pub index: bool,
+    /// An index pulse this many counts off its place is an error.
+    pub index_tolerance: u32,
+}
+
+/// The following arm and its encoder.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ArmSettings {
+    /// Lengths of the linkage.
+    pub lengths: Arm,
+    /// Counts of the arm's encoder per full turn.
+    pub counts: u32,
+    /// +1 where counts rise while β does.
+    pub direction: i8,
+    /// Largest difference between the arm's reading and the linkage, degrees.
+    pub tolerance_deg: f64,
+}
+
+/// Infeed correction of the next revolutions from the separated profile.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct InfeedSettings {
+    /// Axis that feeds in.
+    pub axis: Axis,
+    /// +1 where the axis moves toward the workpiece in positive direction.
+    pub direction: i8,
+    /// Harmonics that are corrected.
+    pub band: Band,
+    /// Gain g of the law c ← c + g r̂.
+    pub gain: f64,
+    /// D, revolutions from a change of the correction to the first update that has seen it.
+    pub delay_revolutions: u8,
+    /// ψ, from probe 1 to the contact with the wheel, in the sense of θ, degrees.
+    pub contact_deg: f64,
+    /// τ, from the command to the motion of the drive, s.
+    pub drive_delay_s: f64,
+    /// Largest |c|, µm.
+    pub limit_um: f64,
+}
+
+/// Stability limit of the gain of an integrating law with D updates of delay: 2 sin(π/(2(2D + 1))).
+///
+/// c ← c + g r̂ with r̂ = d − c of D updates ago has the characteristic polynomial z^D (z − 1) + g, whose roots leave the
+/// unit circle there: 1, 0.618, 0.445 for D = 1, 2, 3.
+pub fn gain_limit(delay_revolutions: u8) -> f64 {
+    2.0 * libm::sin(core::f64::consts::PI / (2.0 * (2.0 * f64::from(delay_revolutions) + 1.0)))
+}
+
+/// A gauge of three probes at a turning workpiece.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RoundnessSettings {
+    /// Points of a revolution, a power of two from 64 to 4096.
+    pub points: u16,
+    /// Angles between the probes.
+    pub angles: ProbeAngles,
+    /// Harmonics of the profile that are separated; the rest of the profile is taken for zero.
+    pub band: Band,
+    /// Harmonics of a worse noise gain are suppressed.
+    pub noise_gain_limit: f64,
+    /// Probes 1, 2, 3.
+    pub probes: [ProbeSettings; 3],
+    /// Encoder of the spindle.
+    pub spindle: SpindleEncoder,
+    /// Following arm; an ordinary shaft without.
+    pub arm: Option<ArmSettings>,
+    /// Cut-off of the Gaussian filter before the evaluation of roundness, UPR.
+    pub filter: Option<u16>,
+    /// Revolutions over which synchronous and asynchronous motion of the spindle are told apart.
+    pub revolutions: u16,
+    /// Units of work done in a cycle.
+    pub units_per_cycle: u8,
+    /// The spindle stands when no point was passed for so long, s.
+    pub stop_s: f64,
+    /// Infeed correction; only measured without.
+    pub infeed: Option<InfeedSettings>,
+}
+
+impl RoundnessSettings {
+    /// The stated defaults: band 2 to 100 (or up to half the points), noise gain limit 100, probes of 1 µm per unit in
+    /// ±1000, index pulse within a thousandth of a turn, eight revolutions, one unit per cycle, stopped after 1 s.
+    pub fn with_defaults(points: u16, angles: ProbeAngles, counts: u32) -> Self {
+        RoundnessSettings {
+            points,
+            angles,
+            band: Band { first: 2, last: 100.min((points / 2).saturating_sub(1)) },
+            noise_gain_limit: NOISE_GAIN_LIMIT,
+            probes: [ProbeSettings::default(); 3],
+            spindle: SpindleEncoder { counts, direction: 1, index: true, index_tolerance: counts / 1000 + 1 },
+            arm: None,
+            filter: None,
+            revolutions: 8,
+            units_per_cycle: 1,
+            stop_s: 1.0,
+            infeed: None,
+        }
+    }
+
+    /// Checks everything and resolves the angles.
+    ///
+    /// # Errors
+    /// The first setting that is wrong. A harmonic in the band that the probes cannot see is `Field::ProbeAngles` with
+    /// the harmonic found; [`Gain::singular`] names all of them.
+    pub fn check(&self) -> Result<Gain, ConfigError> {
+        let points = usize::from(self.points);
+        let need = |holds: bool, field, found: f64, needed| {
+            if holds { Ok(()) } else { Err(ConfigError::new(field, found, needed)) }
+        };
+        let power = points.is_power_of_two() && (FEWEST_POINTS..=MOST_POINTS).contains(&points);
+        need(power, Field::Points, f64::from(self.points), "a power of two from 64 to 4096")?;
+        self.band.check(points)?;
+        let gain = self.angles.resolve(points)?;
+        if let Some(harmonic) = gain.singular(self.band).next() {
+            let needed = "angles that see every harmonic of the band";
+            return Err(ConfigError::new(Field::ProbeAngles, f64::from(harmonic), needed));
+        }
+        let limit = self.noise_gain_limit;
+        need(limit >= 1.0 && limit.is_finite(), Field::ProbeAngles, limit, "a noise gain limit of at least 1")?;
+        for (index, probe) in self.probes.iter().enumerate() {
+            let [low, high] = probe.range;
+            let numbers = [probe.gain_um, probe.zero, low, high];
+            let error = |found, needed| ConfigError::new(Field::Probe, found, needed).at(index);
+            if let Some(found) = numbers.into_iter().find(|x| !(x.is_finite() && x.abs() <= 1e9)) {
+                return Err(error(found, "finite numbers"));
+            }
+            if probe.gain_um == 0.0 {
+                return Err(error(0.0, "a gain other than 0"));
+            }
+            if low >= high {
+                return Err(error(high, "a range from low to high"));
+            }
+        }
+        encoder(self.spindle.counts, self.spindle.direction, Field::Spindle)?;
+        let counts = f64::from(self.spindle.counts);
+        need(counts >= f64::from(self.points), Field::Spindle, counts, "at least as many counts as points")?;
+        let tolerance = self.spindle.index_tolerance;
+        need(tolerance < self.spindle.counts / 4, Field::Spindle, f64::from(tolerance), "an index tolerance below a quarter turn")?;
+        if let Some(arm) = &self.arm {
+            arm.lengths.ratio()?;
+            encoder(arm.counts, arm.direction, Field::Arm)?;
+            let tolerance = arm.tolerance_deg;
+            need(tolerance > 0.0 && tolerance <= 90.0, Field::Arm, tolerance, "a tolerance of 0° to 90°")?;
+        }
+        self.filter.map_or(Ok(()), filter::check)?;
+        let revolutions = f64::from(self.revolutions);
+        need((1..=10_000).contains(&self.revolutions), Field::Revolutions, revolutions, "1 to 10,000 revolutions")?;
+        let units = f64::from(self.units_per_cycle);
+        need((1..=16).contains(&self.units_per_cycle), Field::Revolutions, units, "1 to 16 units per cycle")?;
+        need(self.stop_s > 0.0 && self.stop_s <= 60.0, Field::Spindle, self.stop_s, "a time of 0 to 60 s")?;
+        self.infeed.as_ref().map_or(Ok(()), |infeed| infeed.check(points))?;
+        Ok(gain)
+    }
+}
+
+fn encoder(counts: u32, direction: i8, field: Field) -> Result<(), ConfigError> {
+    if !(1..=MOST_COUNTS).contains(&counts) {
+        return Err(ConfigError::new(field, f64::from(counts), "1 to 2^28 counts per revolution"));
+    }
+    if !matches!(direction, 1 | -1) {
+        return Err(ConfigError::new(field, f64::from(direction), "a direction of +1 or -1"));
+    }
+    Ok(())
+}
+
+impl InfeedSettings {
+    fn check(&self, points: usize) -> Result<(), ConfigError> {
+        let need = |holds: bool, found: f64, needed| {
+            if holds { Ok(()) } else { Err(ConfigError::new(Field::Infeed, found, needed)) }
+        };
+        need(!self.axis.is_rotary(), self.axis.index() as f64, "a linear axis")?;
+        need(matches!(self.direction, 1 | -1), f64::from(self.direction), "a direction of +1 or -1")?;
+        self.band.check(points)?;
+        // Four points carry the correction between the slots: enough up to an eighth of them.
+        need(8 * usize::from(self.band.last) <= points, f64::from(self.band.last), "harmonics up to N/8")?;
+        need((1..=16).contains(&self.delay_revolutions), f64::from(self.delay_revolutions), "a delay of 1 to 16 revolutions")?;
+        // Half the stability limit: room for what the model of the process leaves out.
+        let most = 0.5 * gain_limit(self.delay_revolutions);
+        need(self.gain > 0.0 && self.gain <= most, self.gain, "a gain above 0 and at most sin(π/(2(2D + 1)))")?;
+        need(self.contact_deg.is_finite() && self.contact_deg.abs() <= 360.0, self.contact_deg, "an angle in ±360°")?;
+        need((0.0..=1.0).contains(&self.drive_delay_s), self.drive_delay_s, "a delay of 0 to 1 s")?;
+        need(self.limit_um > 0.0 && self.limit_um <= 1e4, self.limit_um, "a limit of 0 to 10,000 µm")
+    }
+}

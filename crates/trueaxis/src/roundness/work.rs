@@ -1,0 +1,447 @@
+//! The work on one revolution, in units of a fixed size.
+//!
+//! ```text
+//! Forward ─► Spread, Inverse (profile at θ + φ2) ─► Spread, Inverse (profile) ─► Arm ─► Orbit ─► Statistics
+//!        ─► Evaluate, Express (once a window) ─► Spread, Inverse, Judge, Commit (infeed) ─► Spread, Inverse (filter) ─► Range
+//! ```
+//!
+//! Which of them a gauge needs is settled when it is built; what a unit does is bounded whatever the data.
+
+use super::Evaluation;
+use super::angles::Gain;
+use super::arm_angle;
+use super::filter;
+use super::flags::Flags;
+use super::infeed::Infeed;
+use super::motion::Motion;
+use super::settings::RoundnessSettings;
+use super::transform::{
+    AMPLITUDE_SCALE, Complex, Progress, circle, forward_unit, inverse_unit, multipliers, pair_unit,
+};
+use crate::real::Real;
+
+/// Harmonics 0 to 127 of the profile are kept as amplitudes.
+pub const HARMONICS: usize = 128;
+/// Places of a revolution at which the arm's reading is compared with the linkage.
+pub(super) const ARM_CHECKS: usize = 16;
+/// Points in a unit of the passes that only compare or add.
+const POINTS_PER_UNIT: usize = 4;
+
+/// What is measured in one revolution; turned into the motion of the centre while it is worked on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Revolution<R, const N: usize> {
+    /// Probe 1; then R_X.
+    pub(super) first: [R; N],
+    /// Probe 2; then R_Y.
+    pub(super) second: [R; N],
+    /// Weighted sum of the three; then its spectrum.
+    pub(super) sum: [R; N],
+    /// β at `ARM_CHECKS` points, in 2^−32 turns.
+    pub(super) beta: [i32; ARM_CHECKS],
+}
+
+impl<R: Real, const N: usize> Revolution<R, N> {
+    pub(super) const fn new() -> Self {
+        Revolution { first: [R::ZERO; N], second: [R::ZERO; N], sum: [R::ZERO; N], beta: [0; ARM_CHECKS] }
+    }
+}
+
+/// What a profile is computed for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Use {
+    Shifted,
+    Profile,
+    Infeed,
+    Filtered,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Task {
+    Idle,
+    Forward,
+    Spread(Use),
+    Inverse(Use),
+    Arm,
+    Orbit,
+    Statistics,
+    Evaluate,
+    Express,
+    Judge,
+    Commit,
+    Clear,
+    Range,
+}
+
+/// Immutable: multipliers of the four uses, and constants.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan<R, const N: usize> {
+    pub(super) circle: [Complex<R>; N],
+    profile: [R; N],
+    shifted: Option<[R; N]>,
+    infeed: Option<[R; N]>,
+    filtered: Option<[R; N]>,
+    /// φ2 in whole slots, where it has not a transform of its own.
+    slots: usize,
+    cos2: R,
+    sin2: R,
+    per_sin2: R,
+    has_arm: bool,
+    arm_tolerance: R,
+    revolutions: u16,
+    per_revolutions: R,
+}
+
+/// State of the work, and its results.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Work<R, const N: usize> {
+    task: Task,
+    progress: Progress,
+    at: usize,
+    pub(super) profile: [R; N],
+    other: [R; N],
+    pub(super) harmonics: [Complex<R>; HARMONICS],
+    motion: [Motion<R, N>; 2],
+    /// Revolutions in the window of the motion so far.
+    pub(super) gathered: u16,
+    pub(super) correction: [R; N],
+    /// Smallest and largest value of a pass.
+    range: [R; 2],
+    worst: R,
+    result: Evaluation<R>,
+    clear: bool,
+}
+
+impl<R: Real, const N: usize> Plan<R, N> {
+    /// Of settings that have been checked.
+    pub(super) fn new(settings: &RoundnessSettings, gain: &Gain) -> Self {
+        let seen = |k: usize| {
+            u16::try_from(k).is_ok_and(|k| settings.band.contains(k)) && gain.noise_gain(k) <= settings.noise_gain_limit
+        };
+        let quotient = |k: usize| {
+            if !seen(k) {
+                return [0.0; 2];
+            }
+            let [re, im] = gain.of(k);
+            let square = re * re + im * im;
+            [re / square, -im / square]
+        };
+        let turned = |k: usize| {
+            let ([a, b], [c, d]) = (quotient(k), gain.phase2(k));
+            [a * c - b * d, a * d + b * c]
+        };
+        let (sin2, cos2) = (libm::sin(gain.phi2()), libm::cos(gain.phi2()));
+        Plan {
+            circle: circle::<R, N>(),
+            profile: multipliers(quotient),
+            shifted: gain.slots().is_none().then(|| multipliers(turned)),
+            infeed: settings.infeed.map(|infeed| {
+                multipliers(|k| {
+                    if u16::try_from(k).is_ok_and(|k| infeed.band.contains(k)) { quotient(k) } else { [0.0; 2] }
+                })
+            }),
+            filtered: settings.filter.map(|cut_off| {
+                multipliers(|k| quotient(k).map(|part| part * filter::transmission(k, cut_off)))
+            }),
+            slots: gain.slots().map_or(0, |[p, _]| p),
+            cos2: R::of(cos2),
+            sin2: R::of(sin2),
+            per_sin2: R::of(1.0 / sin2),
+            has_arm: settings.arm.is_some(),
+            arm_tolerance: R::of(settings.arm.map_or(0.0, |arm| libm::sin(arm.tolerance_deg.to_radians()))),
+            revolutions: settings.revolutions,
+            per_revolutions: R::of(1.0 / f64::from(settings.revolutions)),
+        }
+    }
+
+    /// Units that one revolution takes at most.
+    pub(super) fn units(&self) -> usize {
+        let half = N / 2;
+        let logarithm = half.ilog2() as usize;
+        let pass = half / 4 * (logarithm / 2) + half / 8 * (logarithm % 2);
+        let spread = half / 2 + pass;
+        let optional = |present: bool, units: usize| if present { units } else { 0 };
+        pass + spread
+            + optional(self.shifted.is_some(), spread)
+            + optional(self.has_arm, ARM_CHECKS)
+            + 4 * N
+            + optional(self.infeed.is_some(), spread + 2 * N / POINTS_PER_UNIT)
+            + optional(self.filtered.is_some(), spread)
+            + N / POINTS_PER_UNIT
+    }
+
+    fn multipliers(&self, of: Use) -> &[R; N] {
+        let table = match of {
+            Use::Profile => None,
+            Use::Shifted => self.shifted.as_ref(),
+            Use::Infeed => self.infeed.as_ref(),
+            Use::Filtered => self.filtered.as_ref(),
+        };
+        table.unwrap_or(&self.profile)
+    }
+
+    /// What comes after a task.
+    fn next(&self, work: &Work<R, N>) -> Task {
+        let window_is_full = work.gathered >= self.revolutions;
+        match work.task {
+            Task::Forward if self.shifted.is_some() => Task::Spread(Use::Shifted),
+            Task::Forward | Task::Inverse(Use::Shifted) => Task::Spread(Use::Profile),
+            Task::Spread(of) => Task::Inverse(of),
+            Task::Inverse(Use::Profile) if self.has_arm => Task::Arm,
+            Task::Inverse(Use::Profile) | Task::Arm => Task::Orbit,
+            Task::Orbit => Task::Statistics,
+            Task::Statistics if window_is_full => Task::Evaluate,
+            Task::Evaluate => Task::Express,
+            Task::Statistics | Task::Express if self.infeed.is_some() => Task::Spread(Use::Infeed),
+            Task::Inverse(Use::Infeed) => Task::Judge,
+            Task::Judge if !work.result.flags.has(Flags::INFEED_FROZEN) => Task::Commit,
+            Task::Statistics | Task::Express | Task::Judge | Task::Commit if self.filtered.is_some() => {
+                Task::Spread(Use::Filtered)
+            }
+            Task::Statistics | Task::Express | Task::Judge | Task::Commit | Task::Inverse(Use::Filtered) => Task::Range,
+            Task::Range | Task::Clear | Task::Idle => Task::Idle,
+        }
+    }
+}
+
+impl<R: Real, const N: usize> Work<R, N> {
+    pub(super) const fn new() -> Self {
+        Work {
+            task: Task::Idle,
+            progress: Progress::pairs(),
+            at: 0,
+            profile: [R::ZERO; N],
+            other: [R::ZERO; N],
+            harmonics: [[R::ZERO; 2]; HARMONICS],
+            motion: [Motion::new(), Motion::new()],
+            gathered: 0,
+            correction: [R::ZERO; N],
+            range: [R::ZERO; 2],
+            worst: R::ZERO,
+            result: Evaluation::none(),
+            clear: false,
+        }
+    }
+
+    pub(super) fn is_idle(&self) -> bool {
+        self.task == Task::Idle
+    }
+
+    /// The correction is being set to zero, or waits for it.
+    pub(super) fn is_cleared(&self) -> bool {
+        self.clear
+    }
+
+    /// A new part: drops what is being worked on and sets the correction to zero.
+    #[cold]
+    pub(super) fn clear(&mut self) {
+        (self.task, self.at, self.gathered, self.clear) = (Task::Clear, 0, 0, true);
+    }
+
+    /// Takes over a revolution.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, result: Evaluation<R>) {
+        (self.task, self.progress, self.at, self.result) = (Task::Forward, Progress::forward::<N>(), 0, result);
+    }
+
+    /// One unit; the result, when it was the last.
+    #[inline(always)]
+    pub(super) fn unit(
+        &mut self,
+        plan: &Plan<R, N>,
+        revolution: &mut Revolution<R, N>,
+        infeed: Option<&Infeed<R>>,
+        ratio: R,
+    ) -> Option<Evaluation<R>> {
+        let done = match self.task {
+            Task::Idle => return None,
+            Task::Forward => forward_unit(&mut revolution.sum, &plan.circle, &mut self.progress),
+            Task::Spread(of) => self.spread(plan, &revolution.sum, of),
+            Task::Inverse(Use::Profile) => inverse_unit(&mut self.profile, &plan.circle, &mut self.progress),
+            Task::Inverse(_) => inverse_unit(&mut self.other, &plan.circle, &mut self.progress),
+            Task::Arm => self.compare_arm(plan, &revolution.beta, ratio),
+            Task::Orbit => self.orbit(plan, revolution, ratio),
+            Task::Statistics => self.gather(revolution),
+            Task::Evaluate => self.evaluate(plan),
+            Task::Express => self.express(plan),
+            Task::Judge => self.judge(infeed),
+            Task::Commit => self.commit(infeed),
+            Task::Clear => self.zero(),
+            Task::Range => self.measure(plan),
+        };
+        if done { self.finish(plan) } else { None }
+    }
+
+    /// From one task to the next; out of line, once a task.
+    #[inline(never)]
+    fn finish(&mut self, plan: &Plan<R, N>) -> Option<Evaluation<R>> {
+        let finished = self.task;
+        match finished {
+            Task::Arm if self.worst > plan.arm_tolerance => {
+                self.result.flags.set(Flags::ARM);
+                self.result.flags.set(Flags::INFEED_FROZEN);
+            }
+            Task::Statistics => self.gathered = self.gathered.saturating_add(1),
+            Task::Evaluate => self.motion.iter_mut().for_each(Motion::express),
+            Task::Express => {
+                let [x, y] = &self.motion;
+                (self.result.x, self.result.y) = (x.result(), y.result());
+                self.result.revolutions = self.gathered;
+            }
+            Task::Clear => self.clear = false,
+            _ => {}
+        }
+        self.task = plan.next(self);
+        if finished == Task::Express {
+            self.gathered = 0;
+        }
+        self.at = 0;
+        self.worst = R::ZERO;
+        self.range = [R::MAX, -R::MAX];
+        self.progress = match self.task {
+            Task::Inverse(_) => Progress::inverse::<N>(),
+            _ => Progress::pairs(),
+        };
+        if self.task == Task::Evaluate {
+            self.motion.iter_mut().for_each(Motion::begin);
+        }
+        (finished == Task::Range).then_some(self.result)
+    }
+
+    #[inline(always)]
+    fn spread(&mut self, plan: &Plan<R, N>, spectrum: &[R; N], of: Use) -> bool {
+        let to = if of == Use::Profile { &mut self.profile } else { &mut self.other };
+        let (pair, last) = pair_unit(spectrum, to, &plan.circle, plan.multipliers(of), &mut self.progress);
+        if of == Use::Profile {
+            let scale = R::of(AMPLITUDE_SCALE);
+            for (k, [re, im]) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
+                if let Some(amplitude) = self.harmonics.get_mut(k) {
+                    *amplitude = [re * scale, -im * scale];
+                }
+            }
+        }
+        last
+    }
+
+    /// sin β of the reading against sin β of the linkage, at one of the places.
+    #[inline(always)]
+    fn compare_arm(&mut self, plan: &Plan<R, N>, beta: &[i32; ARM_CHECKS], ratio: R) -> bool {
+        let at = self.at & (ARM_CHECKS - 1);
+        let [cos, sin] = plan.circle[(at * (N / ARM_CHECKS)) & (N - 1)];
+        let [_, expected] = arm_angle(ratio, [cos, -sin]);
+        let beta = R::of_i32(beta[at]) * R::of(core::f64::consts::TAU / 4_294_967_296.0);
+        let square = beta * beta;
+        let found = beta * (R::ONE - square * (R::of(1.0 / 6.0) - square * (R::of(1.0 / 120.0) - square * R::of(1.0 / 5040.0))));
+        self.worst = R::max((found - expected).abs(), self.worst);
+        self.at = at + 1;
+        self.at >= ARM_CHECKS
+    }
+
+    /// Motion of the centre at one point.
+    #[inline(always)]
+    fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>, ratio: R) -> bool {
+        let n = self.at & (N - 1);
+        let [cos, sin] = if ratio > R::ZERO {
+            let [cos, sin] = plan.circle[n];
+            arm_angle(ratio, [cos, -sin])
+        } else {
+            [R::ONE, R::ZERO]
+        };
+        let ahead = match plan.shifted {
+            Some(_) => self.other[n],
+            None => self.profile[(n + plan.slots) & (N - 1)],
+        };
+        let first = revolution.first[n] - self.profile[n];
+        let second = revolution.second[n] - ahead;
+        let cos2 = plan.cos2 * cos - plan.sin2 * sin;
+        let sin2 = plan.sin2 * cos + plan.cos2 * sin;
+        revolution.first[n] = (cos * second - cos2 * first) * plan.per_sin2;
+        revolution.second[n] = (sin2 * first - sin * second) * plan.per_sin2;
+        self.at = n + 1;
+        self.at >= N
+    }
+
+    #[inline(always)]
+    fn gather(&mut self, revolution: &Revolution<R, N>) -> bool {
+        let n = self.at & (N - 1);
+        let begins = self.gathered == 0;
+        let [x, y] = &mut self.motion;
+        x.add(n, revolution.first[n], begins);
+        y.add(n, revolution.second[n], begins);
+        self.at = n + 1;
+        self.at >= N
+    }
+
+    #[inline(always)]
+    fn evaluate(&mut self, plan: &Plan<R, N>) -> bool {
+        let n = self.at & (N - 1);
+        let [cos, sin] = plan.circle[n];
+        for motion in &mut self.motion {
+            motion.evaluate(n, [cos, -sin], plan.per_revolutions);
+        }
+        self.at = n + 1;
+        self.at >= N
+    }
+
+    #[inline(always)]
+    fn express(&mut self, plan: &Plan<R, N>) -> bool {
+        let n = self.at & (N - 1);
+        let [cos, sin] = plan.circle[n];
+        for motion in &mut self.motion {
+            motion.range(n, [cos, -sin]);
+        }
+        self.at = n + 1;
+        self.at >= N
+    }
+
+    /// How far the correction would go.
+    #[inline(always)]
+    fn judge(&mut self, infeed: Option<&Infeed<R>>) -> bool {
+        let Some(infeed) = infeed else { return true };
+        for i in 0..POINTS_PER_UNIT {
+            let n = (self.at + i) & (N - 1);
+            self.worst = R::max((self.correction[n] + infeed.gain * self.other[n]).abs(), self.worst);
+        }
+        self.at += POINTS_PER_UNIT;
+        let done = self.at >= N;
+        if done && self.worst > infeed.limit {
+            self.result.flags.set(Flags::INFEED_FROZEN);
+        }
+        done
+    }
+
+    #[inline(always)]
+    fn commit(&mut self, infeed: Option<&Infeed<R>>) -> bool {
+        let Some(infeed) = infeed else { return true };
+        for i in 0..POINTS_PER_UNIT {
+            let n = (self.at + i) & (N - 1);
+            self.correction[n] += infeed.gain * self.other[n];
+        }
+        self.at += POINTS_PER_UNIT;
+        self.at >= N
+    }
+
+    #[inline(always)]
+    fn zero(&mut self) -> bool {
+        for i in 0..POINTS_PER_UNIT {
+            self.correction[(self.at + i) & (N - 1)] = R::ZERO;
+        }
+        self.at += POINTS_PER_UNIT;
+        self.at >= N
+    }
+
+    /// Peak to valley about the least-squares circle: mean and first harmonic are not in the profile.
+    #[inline(always)]
+    fn measure(&mut self, plan: &Plan<R, N>) -> bool {
+        let profile = if plan.filtered.is_some() { &self.other } else { &self.profile };
+        let [mut low, mut high] = self.range;
+        for i in 0..POINTS_PER_UNIT {
+            let value = profile[(self.at + i) & (N - 1)];
+            low = R::min(value, low);
+            high = R::max(value, high);
+        }
+        self.range = [low, high];
+        self.result.peak_to_valley_um = high - low;
+        self.at += POINTS_PER_UNIT;
+        self.at >= N
+    }
+}
