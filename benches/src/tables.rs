@@ -48,6 +48,7 @@ pub fn machine() -> MachineSettings {
         axes.push(settings).expect("three axes fit");
     }
     MachineSettings {
+        roundness: None,
         name: "bench".try_into().expect("a short name"),
         chain: "w b X Y Z t".try_into().expect("a short chain"),
         tool_mm: [0.0; 3],

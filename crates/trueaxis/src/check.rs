@@ -74,7 +74,21 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     )?;
     let lag = machine.contour.max_lag_mm;
     need(lag > 0.0 && lag.is_finite(), ConfigError::new(Field::Contour, lag, "a positive max_lag_mm"))?;
-    machine.axes.iter().try_for_each(axis_settings)
+    machine.axes.iter().try_for_each(axis_settings)?;
+    roundness(machine)
+}
+
+/// A gauge, where there is one: its settings, and an infeed axis that the machine has and may move far enough.
+fn roundness(machine: &MachineSettings) -> Result<(), ConfigError> {
+    let Some(settings) = &machine.roundness else { return Ok(()) };
+    settings.check()?;
+    let Some(infeed) = &settings.infeed else { return Ok(()) };
+    let index = infeed.axis.index() as f64;
+    let Some(axis) = machine.axes.iter().find(|known| known.axis == infeed.axis) else {
+        return Err(ConfigError::new(Field::Infeed, index, "an axis of the machine"));
+    };
+    let needed = "a limit within the magnitude of the axis' correction";
+    need(infeed.limit_um * 1e-3 <= axis.limits.magnitude, ConfigError::new(Field::Infeed, infeed.limit_um, needed))
 }
 
 /// The axes are those of the chain, each once, in the order X Y Z A B C.

@@ -3,6 +3,7 @@
 //! Lengths are mm, angles of rotary *positions* are degrees, angular *errors* are radians; time is seconds.
 //! For a rotary axis every `mm` of an axis-own quantity (travel, backlash, correction limits) reads `degree`.
 
+use crate::roundness::RoundnessSettings;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
@@ -239,6 +240,8 @@ pub struct MachineSettings {
     pub contour: ContourSettings,
     /// The axes that the chain names, each once, in the order X Y Z A B C.
     pub axes: Vec<AxisSettings, AXES>,
+    /// Gauge of three probes, where the machine has one.
+    pub roundness: Option<RoundnessSettings>,
 }
 
 /// The six errors of an axis at one position: translations along X, Y, Z (mm), rotations about X, Y, Z (rad).

@@ -9,6 +9,7 @@ use crate::machine::{AXES, Axis, MachineSettings};
 use crate::output::{Release, ReleaseState, Released};
 use crate::position::Position;
 use crate::real::Real;
+use crate::roundness::{Cycle, Probes, Roundness, RoundnessState};
 use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
 use crate::tcomp::Tcomp;
 use crate::telemetry::{Record, Status};
@@ -108,6 +109,8 @@ pub struct State<R, P, const N: usize> {
     tip: ContourState<R>,
     encoder: ContourState<R>,
     release: ReleaseState<R, P, N>,
+    /// Axes whose correction was limited in the last cycle.
+    limited: u8,
     sequence: u32,
 }
 
@@ -155,6 +158,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             tip: ContourState::default(),
             encoder: ContourState::default(),
             release: ReleaseState::new(),
+            limited: 0,
             sequence: 0,
         })
     }
@@ -178,9 +182,50 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) -> Output<R, P, N> {
         let sample = self.sampler.read(&mut state.sample, input);
         let modelled = self.model(state, &sample);
-        let contour = self.contour(state, &sample, &modelled, path, reference);
-        let released = self.release.release(&mut state.release, &mut state.sample, &sample, &modelled.wanted);
-        self.record(state, &sample, &modelled, contour, released)
+        self.finish(state, &sample, modelled, path, reference)
+    }
+
+    /// The same with a gauge of three probes riding along: some units of its work a cycle, and its infeed correction
+    /// added to what the tables want of that axis, through the same limiter.
+    ///
+    /// While the step is not active the gauge measures on, but nothing is fed in. What the infeed moves on purpose is
+    /// part of the contour error: the programmed path knows nothing of it.
+    #[inline]
+    pub fn step_with_gauge<const POINTS: usize>(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        gauge: &Roundness<R, POINTS>,
+        gauge_state: &mut RoundnessState<R, POINTS>,
+        probes: &Probes<R>,
+    ) -> (Output<R, P, N>, Cycle<R>) {
+        let sample = self.sampler.read(&mut state.sample, input);
+        let mut modelled = self.model(state, &sample);
+        let place = gauge.infeed_place().unwrap_or(N);
+        let limited = (state.limited >> (place & 7)) & 1 == 1;
+        let cycle = gauge.update(gauge_state, probes, limited);
+        if let (Verdict::Active, Some(wanted)) = (sample.verdict, modelled.wanted.get_mut(place)) {
+            *wanted += cycle.infeed;
+        }
+        (self.finish(state, &sample, modelled, path, reference), cycle)
+    }
+
+    /// The stages after the model.
+    #[inline(always)]
+    fn finish(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        modelled: Modelled<R, N>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+    ) -> Output<R, P, N> {
+        let contour = self.contour(state, sample, &modelled, path, reference);
+        let released = self.release.release(&mut state.release, &mut state.sample, sample, &modelled.wanted);
+        state.limited = released.limited;
+        self.record(state, sample, &modelled, contour, released)
     }
 
     /// Wanted correction at the command, modelled error at the feedback.

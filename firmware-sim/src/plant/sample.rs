@@ -9,6 +9,7 @@ use trueaxis_tables::{Machine, Table};
 /// A machine without tables or errors; axes in the order X Y Z A B C.
 pub(super) fn machine(chain: &str) -> Machine {
     let mut settings = MachineSettings {
+        roundness: None,
         name: "sample".parse().unwrap(),
         chain: chain.parse().unwrap(),
         tool_mm: [0.0; 3],

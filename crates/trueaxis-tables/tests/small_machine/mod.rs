@@ -61,6 +61,7 @@ pub(crate) fn machine() -> Machine {
     location.rotary[2] = [0.012, 0.0, 0.0, 0.0, -1.4e-5, 0.0];
     Machine {
         settings: MachineSettings {
+            roundness: None,
             name: "small".parse().unwrap(),
             chain: "w C' X' b Z t".parse().unwrap(),
             tool_mm: [0.0; 3],

@@ -15,6 +15,7 @@ fn machine_of(chain: &str) -> MachineSettings {
     let links = links(chain).unwrap();
     let of = |axis: Axis| links.iter().find(|link| link.axis == axis);
     MachineSettings {
+        roundness: None,
         name: heapless::String::try_from("test").unwrap(),
         chain: heapless::String::try_from(chain).unwrap(),
         tool_mm: [0.0; 3],

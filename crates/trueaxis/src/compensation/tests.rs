@@ -206,6 +206,7 @@ fn dither_within_the_band_does_not_toggle_the_direction() {
 
 fn machine(chain: &str, axes: &[AxisSettings]) -> MachineSettings {
     MachineSettings {
+        roundness: None,
         name: heapless::String::try_from("test").unwrap(),
         chain: heapless::String::try_from(chain).unwrap(),
         tool_mm: [0.0; 3],

@@ -198,7 +198,13 @@ mod tests {
     }
 
     /// Turns at `step` counts a cycle with a pulse whenever `pulse(revolution)`; returns the flags of every cycle.
-    fn turn(counter: &SpindleCounter, state: &mut SpindleState, from: i32, cycles: i32, pulse: fn(i32) -> Option<i32>) -> Flags {
+    fn turn(
+        counter: &SpindleCounter,
+        state: &mut SpindleState,
+        from: i32,
+        cycles: i32,
+        pulse: fn(i32) -> Option<i32>,
+    ) -> Flags {
         let mut seen = Flags::default();
         for i in 1..=cycles {
             let (before, now) = (from + 10 * (i - 1), from + 10 * i);

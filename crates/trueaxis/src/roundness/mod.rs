@@ -409,11 +409,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             flags.set(of_revolution);
             if state.work.is_idle() {
                 state.second = !state.second;
-                state.work.begin(Evaluation {
-                    revolution: state.counts.sampled,
-                    flags: of_revolution,
-                    ..state.latest
-                });
+                state.work.begin(Evaluation { revolution: state.counts.sampled, flags: of_revolution, ..state.latest });
             } else {
                 state.counts.skipped = state.counts.skipped.wrapping_add(1);
                 flags.set(Flags::SKIPPED);

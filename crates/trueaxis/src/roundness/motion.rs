@@ -80,8 +80,7 @@ impl<R: Real, const N: usize> Motion<R, N> {
     /// First pass: mean and first harmonic of the mean contour, width of the bundle.
     #[inline(always)]
     pub(super) fn evaluate(&mut self, place: usize, [cos, sin]: [R; 2], per_revolution: R) {
-        let (Some(sum), Some(low), Some(high)) =
-            (self.sum.get_mut(place), self.low.get(place), self.high.get(place))
+        let (Some(sum), Some(low), Some(high)) = (self.sum.get_mut(place), self.low.get(place), self.high.get(place))
         else {
             return;
         };

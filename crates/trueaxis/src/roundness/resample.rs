@@ -156,13 +156,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
     }
 
     #[inline(always)]
-    fn advance(
-        &self,
-        state: &mut ResamplerState<R>,
-        theta: u32,
-        readings: [R; 3],
-        flags: &mut Flags,
-    ) -> Passed<R> {
+    fn advance(&self, state: &mut ResamplerState<R>, theta: u32, readings: [R; 3], flags: &mut Flags) -> Passed<R> {
         let mut passed = [None; MOST_POINTS];
         let width = 1i32 << Self::SHIFT;
         let [before, last] = state.theta;

@@ -180,7 +180,12 @@ impl RoundnessSettings {
         let counts = f64::from(self.spindle.counts);
         need(counts >= f64::from(self.points), Field::Spindle, counts, "at least as many counts as points")?;
         let tolerance = self.spindle.index_tolerance;
-        need(tolerance < self.spindle.counts / 4, Field::Spindle, f64::from(tolerance), "an index tolerance below a quarter turn")?;
+        need(
+            tolerance < self.spindle.counts / 4,
+            Field::Spindle,
+            f64::from(tolerance),
+            "an index tolerance below a quarter turn",
+        )?;
         if let Some(arm) = &self.arm {
             arm.lengths.ratio()?;
             encoder(arm.counts, arm.direction, Field::Arm)?;
@@ -218,7 +223,11 @@ impl InfeedSettings {
         self.band.check(points)?;
         // Four points carry the correction between the slots: enough up to an eighth of them.
         need(8 * usize::from(self.band.last) <= points, f64::from(self.band.last), "harmonics up to N/8")?;
-        need((1..=16).contains(&self.delay_revolutions), f64::from(self.delay_revolutions), "a delay of 1 to 16 revolutions")?;
+        need(
+            (1..=16).contains(&self.delay_revolutions),
+            f64::from(self.delay_revolutions),
+            "a delay of 1 to 16 revolutions",
+        )?;
         // Half the stability limit: room for what the model of the process leaves out.
         let most = 0.5 * gain_limit(self.delay_revolutions);
         need(self.gain > 0.0 && self.gain <= most, self.gain, "a gain above 0 and at most sin(π/(2(2D + 1)))")?;

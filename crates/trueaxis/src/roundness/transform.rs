@@ -224,8 +224,7 @@ pub(crate) fn pair_unit<R: Real, const N: usize>(
     multipliers: &[R; N],
     progress: &mut Progress,
 ) -> (Pair<R>, bool) {
-    let (from, to, multipliers) =
-        (from.as_chunks::<2>().0, to.as_chunks_mut::<2>().0, multipliers.as_chunks::<2>().0);
+    let (from, to, multipliers) = (from.as_chunks::<2>().0, to.as_chunks_mut::<2>().0, multipliers.as_chunks::<2>().0);
     let half = N / 2;
     let mask = half - 1;
     let at = progress.at;

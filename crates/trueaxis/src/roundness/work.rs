@@ -139,9 +139,9 @@ impl<R: Real, const N: usize> Plan<R, N> {
                     if u16::try_from(k).is_ok_and(|k| infeed.band.contains(k)) { quotient(k) } else { [0.0; 2] }
                 })
             }),
-            filtered: settings.filter.map(|cut_off| {
-                multipliers(|k| quotient(k).map(|part| part * filter::transmission(k, cut_off)))
-            }),
+            filtered: settings
+                .filter
+                .map(|cut_off| multipliers(|k| quotient(k).map(|part| part * filter::transmission(k, cut_off)))),
             slots: gain.slots().map_or(0, |[p, _]| p),
             cos2: R::of(cos2),
             sin2: R::of(sin2),
@@ -330,7 +330,8 @@ impl<R: Real, const N: usize> Work<R, N> {
         let [_, expected] = arm_angle(ratio, [cos, -sin]);
         let beta = R::of_i32(beta[at]) * R::of(core::f64::consts::TAU / 4_294_967_296.0);
         let square = beta * beta;
-        let found = beta * (R::ONE - square * (R::of(1.0 / 6.0) - square * (R::of(1.0 / 120.0) - square * R::of(1.0 / 5040.0))));
+        let found = beta
+            * (R::ONE - square * (R::of(1.0 / 6.0) - square * (R::of(1.0 / 120.0) - square * R::of(1.0 / 5040.0))));
         self.worst = R::max((found - expected).abs(), self.worst);
         self.at = at + 1;
         self.at >= ARM_CHECKS

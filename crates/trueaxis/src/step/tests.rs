@@ -15,6 +15,7 @@ type Out = Output<f64, f64, 3>;
 /// Each axis gives 6 to 12 µm of error to all three components; travel −10 … 110.
 fn servo_loop(scale: f64) -> &'static Loop {
     let mut machine = MachineSettings {
+        roundness: None,
         name: heapless::String::try_from("bench").unwrap(),
         chain: heapless::String::try_from("w b X Y Z t").unwrap(),
         tool_mm: [0.0; 3],
