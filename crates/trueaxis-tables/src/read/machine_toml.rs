@@ -39,11 +39,11 @@ pub(super) struct Description {
 
 /// The places of all settings, collected while they are read.
 #[derive(Default)]
-struct Places(Vec<Place>);
+pub(super) struct Places(Vec<Place>);
 
 impl Places {
     /// Stores a number, converted, where the key is given.
-    fn number(
+    pub(super) fn number(
         &mut self,
         to: &mut f64,
         found: Option<Found<f64>>,
@@ -58,7 +58,7 @@ impl Places {
     }
 
     /// Stores a list of numbers where the key is given.
-    fn numbers<const N: usize>(
+    pub(super) fn numbers<const N: usize>(
         &mut self,
         to: &mut [f64; N],
         found: Option<Found<[f64; N]>>,
@@ -155,6 +155,7 @@ pub(super) fn read(text: &str, source: &Source) -> Result<Description, FileError
         places.number(&mut settings.contour.max_lag_mm, lag, Field::Contour, None, |mm| mm);
         section.finish(None)?;
     }
+    settings.roundness = super::roundness_toml::read(&root, &mut places)?;
     root.finish(None)?;
     Ok(Description { settings, tables, places: places.0 })
 }

@@ -2,6 +2,7 @@
 
 mod axis_table;
 mod machine_toml;
+mod roundness_toml;
 mod section;
 
 use crate::error::FileError;

@@ -107,6 +107,15 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// True or false.
+    pub(super) fn boolean(&self, key: &str) -> Result<Option<bool>, FileError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        match value.get_ref().as_bool() {
+            Some(given) => Ok(Some(given)),
+            None => Err(self.refuse(key, &value.span(), "true or false")),
+        }
+    }
+
     /// A section in this one.
     pub(super) fn section(&self, key: &str) -> Result<Option<Section<'a>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
