@@ -3,9 +3,13 @@
 //! The step fills a [`Record`] in the scalars it computes with. Below the step, a task of lower priority turns records
 //! into [`Frame`]s (SI-near units, the same for every build of the plugin) and those into COBS frames of postcard:
 //! each ends with a zero byte, so that a receiver finds its place again after a loss, and the sequence number tells how
-//! many are missing.
+//! many are missing. A gauge of three probes adds a [`RoundnessFrame`] for every revolution it has evaluated.
 
 #![deny(clippy::indexing_slicing)]
+
+mod roundness;
+
+pub use roundness::{ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION, RoundnessFrame};
 
 use crate::contour::ContourError;
 use crate::error::Fault;

@@ -137,6 +137,7 @@ pub struct Roundness<R, const N: usize> {
     infeed: Option<Infeed<R>>,
     arm: Option<Arm>,
     gain: Gain,
+    band: Band,
     noise_gain_limit: f64,
     units_per_cycle: u8,
 }
@@ -292,6 +293,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             infeed: settings.infeed.as_ref().map(|infeed| Infeed::new(infeed, period_s)),
             arm: settings.arm.map(|arm| arm.lengths),
             gain,
+            band: settings.band,
             noise_gain_limit: settings.noise_gain_limit,
             units_per_cycle: settings.units_per_cycle,
         })
@@ -314,6 +316,11 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     /// What the probes see of each harmonic.
     pub fn gain(&self) -> &Gain {
         &self.gain
+    }
+
+    /// Harmonics of the profile that are separated.
+    pub fn band(&self) -> Band {
+        self.band
     }
 
     /// A harmonic of the band that is left out because of its noise gain.

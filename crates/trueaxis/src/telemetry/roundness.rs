@@ -1,0 +1,99 @@
+//! One record per evaluated revolution.
+
+use crate::real::Real;
+use crate::roundness::{Counts, ErrorMotion, Evaluation, Flags, HARMONICS, Roundness, RoundnessState};
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Version of the layout that [`RoundnessFrame`] writes; apart from those of [`super::Frame`], so that a receiver can
+/// tell the two kinds by their first byte.
+pub const ROUNDNESS_FRAME_VERSION: u8 = 129;
+/// A buffer of this size holds the COBS frame of any revolution.
+pub const ROUNDNESS_FRAME_BYTES: usize = 1280;
+
+/// Wire form of what is known about a revolution: the same layout for every build; see `docs/telemetry.md`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RoundnessFrame {
+    /// Layout of this record; [`ROUNDNESS_FRAME_VERSION`].
+    pub version: u8,
+    /// Identity of the machine.
+    pub machine_id: u32,
+    /// Counts revolutions sampled whole, from 1, wrapping.
+    pub revolution: u32,
+    /// Revolutions evaluated so far.
+    pub evaluated: u32,
+    /// Revolutions skipped whole so far.
+    pub skipped: u32,
+    /// Revolutions discarded whole so far.
+    pub discarded: u32,
+    /// What this revolution met.
+    pub flags: Flags,
+    /// Peak-to-valley roundness about the least-squares circle, µm.
+    pub peak_to_valley_um: f32,
+    /// Revolutions in the window of the error motions; 0 until one is full.
+    pub revolutions: u16,
+    /// Error motion along X.
+    pub x: ErrorMotion<f32>,
+    /// Error motion along Y.
+    pub y: ErrorMotion<f32>,
+    /// First harmonic of the list below.
+    pub first_harmonic: u16,
+    /// Amplitudes of cos kθ and sin kθ, µm, of the band as far as it is kept (k <= 127).
+    pub harmonics: Vec<[f32; 2], HARMONICS>,
+}
+
+impl RoundnessFrame {
+    /// Puts the latest revolution into its wire form; `None` before the first. Not part of the step; take it while the
+    /// state is settled, or between two cycles.
+    pub fn of<R: Real, const POINTS: usize>(
+        machine_id: u32,
+        gauge: &Roundness<R, POINTS>,
+        state: &RoundnessState<R, POINTS>,
+    ) -> Option<RoundnessFrame> {
+        let Evaluation { revolution, flags, peak_to_valley_um, x, y, revolutions } = *state.latest()?;
+        let Counts { evaluated, skipped, discarded, .. } = state.counts();
+        let single = |x: R| x.to_f64() as f32;
+        let motion = |motion: ErrorMotion<R>| ErrorMotion {
+            synchronous_um: single(motion.synchronous_um),
+            asynchronous_um: single(motion.asynchronous_um),
+            once_per_revolution_um: motion.once_per_revolution_um.map(single),
+            total_um: single(motion.total_um),
+        };
+        let band = gauge.band();
+        let kept = state.harmonics().get(usize::from(band.first)..=usize::from(band.last).min(HARMONICS - 1));
+        Some(RoundnessFrame {
+            version: ROUNDNESS_FRAME_VERSION,
+            machine_id,
+            revolution,
+            evaluated,
+            skipped,
+            discarded,
+            flags,
+            peak_to_valley_um: single(peak_to_valley_um),
+            revolutions,
+            x: motion(x),
+            y: motion(y),
+            first_harmonic: band.first,
+            harmonics: kept.unwrap_or_default().iter().map(|amplitude| amplitude.map(single)).collect(),
+        })
+    }
+
+    /// Encodes into `buffer`; returns the part used, its last byte zero.
+    ///
+    /// # Errors
+    /// The buffer is smaller than the frame ([`ROUNDNESS_FRAME_BYTES`] always do).
+    pub fn encode<'b>(&self, buffer: &'b mut [u8]) -> Result<&'b mut [u8], postcard::Error> {
+        postcard::to_slice_cobs(self, buffer)
+    }
+
+    /// Decodes one frame, with its closing zero byte or without; `bytes` are scratch afterwards.
+    ///
+    /// # Errors
+    /// The bytes are not one whole frame, or its version is not [`ROUNDNESS_FRAME_VERSION`].
+    pub fn decode(bytes: &mut [u8]) -> Result<RoundnessFrame, postcard::Error> {
+        let frame: RoundnessFrame = postcard::from_bytes_cobs(bytes)?;
+        let known = frame.version == ROUNDNESS_FRAME_VERSION;
+        if known { Ok(frame) } else { Err(postcard::Error::DeserializeBadEncoding) }
+    }
+}
