@@ -49,7 +49,7 @@ impl<R: Real> Infeed<R> {
 
     /// Infeed of this cycle, mm in the sense of the axis.
     ///
-    /// Between the points c is the cubic through the nearest four: 3e-4 of harmonic N/20, 1.2 % of N/8.
+    /// Between the points c is the cubic through the nearest four: 2e-4 of harmonic N/20, 0.9 % of N/8.
     #[inline(always)]
     pub(super) fn at<const N: usize>(
         &self,

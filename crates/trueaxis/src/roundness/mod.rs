@@ -325,8 +325,8 @@ impl<R: Real, const N: usize> Roundness<R, N> {
 
     /// A harmonic of the band that is left out because of its noise gain.
     pub fn is_suppressed(&self, harmonic: usize) -> bool {
-        // Written so that a noise gain that is not a number counts as suppressed.
-        !(self.gain.noise_gain(harmonic) <= self.noise_gain_limit)
+        let noise_gain = self.gain.noise_gain(harmonic);
+        noise_gain.is_nan() || noise_gain > self.noise_gain_limit
     }
 
     /// Cycles that the work on a revolution takes at most; revolutions that are shorter are skipped whole in between.
