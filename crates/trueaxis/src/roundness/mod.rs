@@ -60,8 +60,8 @@ pub use work::HARMONICS;
 use crate::error::{ConfigError, Field};
 use crate::real::Real;
 use infeed::Infeed;
-use resample::{Passed, Resampler, ResamplerState};
-use work::{ARM_CHECKS, Plan, Revolution, Work};
+use resample::{Angles, POINTS_PER_CYCLE, Resampler, ResamplerState};
+use work::{ARM_CHECKS, Plan, Revolution, Task, Use, Work};
 
 /// Readings of one cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -155,6 +155,16 @@ pub struct RoundnessState<R, const N: usize> {
     ratio: R,
     latest: Evaluation<R>,
     counts: Counts,
+    speed: Speed<R>,
+}
+
+/// How fast the surface turns.
+#[derive(Clone, Copy, Debug)]
+struct Speed<R> {
+    /// θ of the last cycle in which it was known.
+    theta: Option<u32>,
+    /// Change of θ per cycle, 2^−32 turns, smoothed over some 64 cycles.
+    per_cycle: R,
 }
 
 /// How whole revolutions fared.
@@ -177,13 +187,14 @@ struct Sampling {
     running: bool,
     points: usize,
     flags: Flags,
-    /// Sixteenth of a turn of α, cycles since it began, fewest and most cycles that one took.
-    sixteenth: u32,
-    elapsed: u32,
+    /// The cycle in which it began.
+    began: u32,
+    /// Quarter of a turn of α, the cycle in which it began, fewest and most cycles that one took.
+    quarter: u32,
+    entered: u32,
     fewest: u32,
     most: u32,
-    /// Cycles, and those of them in which the infeed axis was limited.
-    cycles: u32,
+    /// Cycles in which the infeed axis was limited.
     limited: u32,
 }
 
@@ -192,28 +203,28 @@ impl Sampling {
         running: false,
         points: 0,
         flags: Flags(0),
-        sixteenth: 0,
-        elapsed: 0,
+        began: 0,
+        quarter: u32::MAX,
+        entered: 0,
         fewest: u32::MAX,
         most: 0,
-        cycles: 0,
         limited: 0,
     };
 
-    /// Follows the speed by the time that every sixteenth of a turn takes.
+    /// Follows the speed by the time that every quarter of a turn takes.
     #[inline(always)]
-    fn time(&mut self, alpha: u32) {
-        self.elapsed = self.elapsed.saturating_add(1);
-        let sixteenth = alpha >> 28;
-        if sixteenth == self.sixteenth {
+    fn time(&mut self, alpha: u32, clock: u32) {
+        let quarter = alpha >> 30;
+        if quarter == self.quarter {
             return;
         }
         // The first one seen is not whole.
-        if self.sixteenth != u32::MAX {
-            self.fewest = self.fewest.min(self.elapsed);
-            self.most = self.most.max(self.elapsed);
+        if self.quarter != u32::MAX {
+            let took = clock.wrapping_sub(self.entered);
+            self.fewest = self.fewest.min(took);
+            self.most = self.most.max(took);
         }
-        (self.sixteenth, self.elapsed) = (sixteenth, 0);
+        (self.quarter, self.entered) = (quarter, clock);
     }
 }
 
@@ -230,6 +241,7 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
             ratio: R::ZERO,
             latest: Evaluation::none(),
             counts: Counts { sampled: 0, evaluated: 0, skipped: 0, discarded: 0 },
+            speed: Speed { theta: None, per_cycle: R::ZERO },
         }
     }
 
@@ -265,6 +277,12 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
     /// Infeed correction over the surface, c(θ), µm.
     pub fn correction(&self) -> &[R; N] {
         &self.work.correction
+    }
+
+    #[inline(always)]
+    fn work_and_revolution(&mut self) -> (&mut Work<R, N>, &mut Revolution<R, N>) {
+        let [first, second] = &mut self.revolutions;
+        (&mut self.work, if self.second { first } else { second })
     }
 
     /// No work is under way: results do not change until the next revolution is whole.
@@ -353,33 +371,46 @@ impl<R: Real, const N: usize> Roundness<R, N> {
 
     /// One servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
     ///
-    /// `limited` tells whether the infeed axis' correction was limited in the cycle before.
+    /// `limited` tells whether the infeed axis' correction was limited in the cycle before. The three stages can be
+    /// called by themselves, [`Roundness::work`] for instance in the background.
     #[inline]
     pub fn update(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, limited: bool) -> Cycle<R> {
+        let flags = self.sample(state, probes, limited);
+        let finished = self.work(state);
+        Cycle { infeed: self.infeed(state), flags, finished }
+    }
+
+    /// First stage: a cycle's readings, resampled; gives what it met.
+    #[inline]
+    pub fn sample(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, limited: bool) -> Flags {
         if probes.new_part {
             state.work.clear();
             state.sampling = Sampling::NEW;
         }
         let mut flags = Flags::default();
         let passed = self.resampler.update(&mut state.resampler, probes, &mut flags);
-        self.sample(state, &passed, limited, &mut flags);
-        let finished = self.work(state);
-        Cycle { infeed: self.infeed(state), flags, finished }
-    }
-
-    /// Keeps the points passed; hands a whole revolution over.
-    #[inline(always)]
-    fn sample(&self, state: &mut RoundnessState<R, N>, passed: &Passed<R>, limited: bool, flags: &mut Flags) {
-        let sampling = &mut state.sampling;
-        if flags.discards() && sampling.running {
-            sampling.running = false;
+        if flags.discards() && state.sampling.running {
+            state.sampling.running = false;
             state.counts.discarded = state.counts.discarded.wrapping_add(1);
         }
-        sampling.cycles = sampling.cycles.wrapping_add(1);
-        sampling.limited = sampling.limited.wrapping_add(u32::from(limited));
-        let Some(angles) = state.resampler.angles() else { return };
-        sampling.time(angles.alpha);
-        for point in passed.iter().flatten() {
+        state.sampling.limited = state.sampling.limited.wrapping_add(u32::from(limited));
+        if let Some(points) = passed {
+            if points > 0 {
+                self.pass(state, &probes.readings, points, &mut flags);
+            }
+            Resampler::<R, N>::keep(&mut state.resampler, &probes.readings);
+        }
+        flags
+    }
+
+    /// θ has passed a point, or two.
+    #[inline(never)]
+    fn pass(&self, state: &mut RoundnessState<R, N>, readings: &[R; 3], points: usize, flags: &mut Flags) {
+        let Some(Angles { theta, alpha, beta }) = state.resampler.angles else { return };
+        state.sampling.time(alpha, state.resampler.clock);
+        let mut angle = Resampler::<R, N>::last(&state.resampler);
+        for _ in 0..points.min(POINTS_PER_CYCLE) {
+            let point = self.resampler.point(&mut state.resampler, theta, readings, &mut angle);
             if point.place == 0 {
                 Self::turn(state, flags);
             }
@@ -393,7 +424,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             revolution.second[n] = point.h2;
             revolution.sum[n] = point.sum;
             if n & (N / ARM_CHECKS - 1) == 0 {
-                revolution.beta[(n / (N / ARM_CHECKS)) & (ARM_CHECKS - 1)] = angles.beta;
+                revolution.beta[(n / (N / ARM_CHECKS)) & (ARM_CHECKS - 1)] = beta;
             }
             state.sampling.points = state.sampling.points.wrapping_add(1);
         }
@@ -410,7 +441,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             if sampling.most > sampling.fewest.saturating_add(sampling.fewest / 4).saturating_add(2) {
                 of_revolution.set(Flags::SPEED);
             }
-            if sampling.limited > sampling.cycles / 64 {
+            if sampling.limited > state.resampler.clock.wrapping_sub(sampling.began) / 64 {
                 of_revolution.set(Flags::INFEED_FROZEN);
             }
             flags.set(of_revolution);
@@ -423,38 +454,132 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             }
         }
         let skipped = if flags.has(Flags::SKIPPED) { Flags::SKIPPED } else { Flags::default() };
-        state.sampling = Sampling {
-            running: !flags.discards(),
-            flags: skipped,
-            sixteenth: u32::MAX,
-            elapsed: sampling.elapsed,
-            ..Sampling::NEW
-        };
+        state.sampling =
+            Sampling { running: !flags.discards(), flags: skipped, began: state.resampler.clock, ..Sampling::NEW };
     }
 
-    #[inline(always)]
-    fn work(&self, state: &mut RoundnessState<R, N>) -> bool {
-        let [first, second] = &mut state.revolutions;
-        let evaluated = if state.second { first } else { second };
+    /// Second stage: the units of work of a cycle; true when a revolution has just been evaluated.
+    #[inline]
+    pub fn work(&self, state: &mut RoundnessState<R, N>) -> bool {
         let mut finished = false;
         for _ in 0..self.units_per_cycle {
-            if let Some(result) = state.work.unit(&self.plan, evaluated, self.infeed.as_ref(), state.ratio) {
-                state.latest = result;
-                state.counts.evaluated = state.counts.evaluated.wrapping_add(1);
-                finished = true;
-            }
+            finished |= self.unit(state);
         }
         finished
     }
 
+    /// One unit. Every task is a function of its own, so that nothing is prepared before it is known which one it is.
     #[inline(always)]
-    fn infeed(&self, state: &RoundnessState<R, N>) -> R {
-        match (&self.infeed, state.resampler.angles()) {
-            (Some(infeed), Some(angles)) if !state.work.is_cleared() => {
-                infeed.at(&state.work.correction, &self.plan.circle, state.ratio, angles, state.resampler.speed())
-            }
-            _ => R::ZERO,
+    fn unit(&self, state: &mut RoundnessState<R, N>) -> bool {
+        match state.work.task {
+            Task::Idle => false,
+            Task::Forward => self.forward(state),
+            Task::Spread(of) => self.spread(state, of),
+            Task::Inverse(of) => self.inverse(state, of),
+            Task::Arm => self.compare_arm(state),
+            Task::Orbit => self.orbit(state),
+            Task::Statistics => self.gather(state),
+            Task::Evaluate => self.evaluate(state),
+            Task::Express => self.express(state),
+            Task::Judge => self.judge(state),
+            Task::Commit => self.commit(state),
+            Task::Clear => self.zero(state),
+            Task::Range => self.measure(state),
         }
+    }
+
+    #[inline(never)]
+    fn forward(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let (work, revolution) = state.work_and_revolution();
+        work.forward(&self.plan, revolution) && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn spread(&self, state: &mut RoundnessState<R, N>, of: Use) -> bool {
+        let (work, revolution) = state.work_and_revolution();
+        work.spread(&self.plan, revolution, of) && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn inverse(&self, state: &mut RoundnessState<R, N>, of: Use) -> bool {
+        state.work.inverse(&self.plan, of) && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn compare_arm(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let ratio = state.ratio;
+        let (work, revolution) = state.work_and_revolution();
+        work.compare_arm(&self.plan, revolution, ratio) && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn orbit(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let ratio = state.ratio;
+        let (work, revolution) = state.work_and_revolution();
+        work.orbit(&self.plan, revolution, ratio) && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn gather(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let (work, revolution) = state.work_and_revolution();
+        work.gather(revolution) && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn evaluate(&self, state: &mut RoundnessState<R, N>) -> bool {
+        state.work.evaluate(&self.plan) && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn express(&self, state: &mut RoundnessState<R, N>) -> bool {
+        state.work.express(&self.plan) && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn judge(&self, state: &mut RoundnessState<R, N>) -> bool {
+        state.work.judge(self.infeed.as_ref()) && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn commit(&self, state: &mut RoundnessState<R, N>) -> bool {
+        state.work.commit(self.infeed.as_ref()) && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn zero(&self, state: &mut RoundnessState<R, N>) -> bool {
+        state.work.zero() && self.finish(state)
+    }
+
+    #[inline(never)]
+    fn measure(&self, state: &mut RoundnessState<R, N>) -> bool {
+        state.work.measure(&self.plan) && self.finish(state)
+    }
+
+    /// A task is done; true when it was the last of a revolution.
+    #[inline(never)]
+    fn finish(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let finished = state.work.finish(&self.plan);
+        if let Some(result) = finished {
+            state.latest = result;
+            state.counts.evaluated = state.counts.evaluated.wrapping_add(1);
+        }
+        finished.is_some()
+    }
+
+    /// Third stage: infeed correction of this cycle, mm in the sense of its axis.
+    #[inline]
+    pub fn infeed(&self, state: &mut RoundnessState<R, N>) -> R {
+        let (Some(infeed), Some(angles)) = (&self.infeed, state.resampler.angles) else { return R::ZERO };
+        let speed = &mut state.speed;
+        if let Some(theta) = speed.theta {
+            let change = R::of_i32(angles.theta.wrapping_sub(theta) as i32);
+            speed.per_cycle += (change - speed.per_cycle) * R::of(1.0 / 64.0);
+        }
+        speed.theta = Some(angles.theta);
+        if state.work.is_cleared() {
+            return R::ZERO;
+        }
+        infeed.at(&state.work.correction, &self.plan.circle, state.ratio, angles, speed.per_cycle)
     }
 }
 

@@ -48,7 +48,7 @@ impl<R: Real, const N: usize> Revolution<R, N> {
 
 /// What a profile is computed for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Use {
+pub(super) enum Use {
     Shifted,
     Profile,
     Infeed,
@@ -56,7 +56,7 @@ enum Use {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Task {
+pub(super) enum Task {
     Idle,
     Forward,
     Spread(Use),
@@ -94,7 +94,7 @@ pub(super) struct Plan<R, const N: usize> {
 /// State of the work, and its results.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Work<R, const N: usize> {
-    task: Task,
+    pub(super) task: Task,
     progress: Progress,
     at: usize,
     pub(super) profile: [R; N],
@@ -243,37 +243,9 @@ impl<R: Real, const N: usize> Work<R, N> {
         (self.task, self.progress, self.at, self.result) = (Task::Forward, Progress::forward::<N>(), 0, result);
     }
 
-    /// One unit; the result, when it was the last.
-    #[inline(always)]
-    pub(super) fn unit(
-        &mut self,
-        plan: &Plan<R, N>,
-        revolution: &mut Revolution<R, N>,
-        infeed: Option<&Infeed<R>>,
-        ratio: R,
-    ) -> Option<Evaluation<R>> {
-        let done = match self.task {
-            Task::Idle => return None,
-            Task::Forward => forward_unit(&mut revolution.sum, &plan.circle, &mut self.progress),
-            Task::Spread(of) => self.spread(plan, &revolution.sum, of),
-            Task::Inverse(Use::Profile) => inverse_unit(&mut self.profile, &plan.circle, &mut self.progress),
-            Task::Inverse(_) => inverse_unit(&mut self.other, &plan.circle, &mut self.progress),
-            Task::Arm => self.compare_arm(plan, &revolution.beta, ratio),
-            Task::Orbit => self.orbit(plan, revolution, ratio),
-            Task::Statistics => self.gather(revolution),
-            Task::Evaluate => self.evaluate(plan),
-            Task::Express => self.express(plan),
-            Task::Judge => self.judge(infeed),
-            Task::Commit => self.commit(infeed),
-            Task::Clear => self.zero(),
-            Task::Range => self.measure(plan),
-        };
-        if done { self.finish(plan) } else { None }
-    }
-
-    /// From one task to the next; out of line, once a task.
+    /// From one task to the next; the result, when there is none.
     #[inline(never)]
-    fn finish(&mut self, plan: &Plan<R, N>) -> Option<Evaluation<R>> {
+    pub(super) fn finish(&mut self, plan: &Plan<R, N>) -> Option<Evaluation<R>> {
         let finished = self.task;
         match finished {
             Task::Arm if self.worst > plan.arm_tolerance => {
@@ -307,10 +279,24 @@ impl<R: Real, const N: usize> Work<R, N> {
         (finished == Task::Range).then_some(self.result)
     }
 
+    /// One unit of the forward transform.
     #[inline(always)]
-    fn spread(&mut self, plan: &Plan<R, N>, spectrum: &[R; N], of: Use) -> bool {
+    pub(super) fn forward(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>) -> bool {
+        forward_unit(&mut revolution.sum, &plan.circle, &mut self.progress)
+    }
+
+    /// One unit of an inverse transform.
+    #[inline(always)]
+    pub(super) fn inverse(&mut self, plan: &Plan<R, N>, of: Use) -> bool {
+        let z = if of == Use::Profile { &mut self.profile } else { &mut self.other };
+        inverse_unit(z, &plan.circle, &mut self.progress)
+    }
+
+    /// One pair, for one of the uses.
+    #[inline(always)]
+    pub(super) fn spread(&mut self, plan: &Plan<R, N>, revolution: &Revolution<R, N>, of: Use) -> bool {
         let to = if of == Use::Profile { &mut self.profile } else { &mut self.other };
-        let (pair, last) = pair_unit(spectrum, to, &plan.circle, plan.multipliers(of), &mut self.progress);
+        let (pair, last) = pair_unit(&revolution.sum, to, &plan.circle, plan.multipliers(of), &mut self.progress);
         if of == Use::Profile {
             let scale = R::of(AMPLITUDE_SCALE);
             for (k, [re, im]) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
@@ -324,11 +310,11 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// sin β of the reading against sin β of the linkage, at one of the places.
     #[inline(always)]
-    fn compare_arm(&mut self, plan: &Plan<R, N>, beta: &[i32; ARM_CHECKS], ratio: R) -> bool {
+    pub(super) fn compare_arm(&mut self, plan: &Plan<R, N>, revolution: &Revolution<R, N>, ratio: R) -> bool {
         let at = self.at & (ARM_CHECKS - 1);
         let [cos, sin] = plan.circle[(at * (N / ARM_CHECKS)) & (N - 1)];
         let [_, expected] = arm_angle(ratio, [cos, -sin]);
-        let beta = R::of_i32(beta[at]) * R::of(core::f64::consts::TAU / 4_294_967_296.0);
+        let beta = R::of_i32(revolution.beta[at]) * R::of(core::f64::consts::TAU / 4_294_967_296.0);
         let square = beta * beta;
         let found = beta
             * (R::ONE - square * (R::of(1.0 / 6.0) - square * (R::of(1.0 / 120.0) - square * R::of(1.0 / 5040.0))));
@@ -339,7 +325,7 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// Motion of the centre at one point.
     #[inline(always)]
-    fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>, ratio: R) -> bool {
+    pub(super) fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>, ratio: R) -> bool {
         let n = self.at & (N - 1);
         let [cos, sin] = if ratio > R::ZERO {
             let [cos, sin] = plan.circle[n];
@@ -362,7 +348,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     }
 
     #[inline(always)]
-    fn gather(&mut self, revolution: &Revolution<R, N>) -> bool {
+    pub(super) fn gather(&mut self, revolution: &Revolution<R, N>) -> bool {
         let n = self.at & (N - 1);
         let begins = self.gathered == 0;
         let [x, y] = &mut self.motion;
@@ -373,7 +359,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     }
 
     #[inline(always)]
-    fn evaluate(&mut self, plan: &Plan<R, N>) -> bool {
+    pub(super) fn evaluate(&mut self, plan: &Plan<R, N>) -> bool {
         let n = self.at & (N - 1);
         let [cos, sin] = plan.circle[n];
         for motion in &mut self.motion {
@@ -384,7 +370,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     }
 
     #[inline(always)]
-    fn express(&mut self, plan: &Plan<R, N>) -> bool {
+    pub(super) fn express(&mut self, plan: &Plan<R, N>) -> bool {
         let n = self.at & (N - 1);
         let [cos, sin] = plan.circle[n];
         for motion in &mut self.motion {
@@ -396,7 +382,7 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// How far the correction would go.
     #[inline(always)]
-    fn judge(&mut self, infeed: Option<&Infeed<R>>) -> bool {
+    pub(super) fn judge(&mut self, infeed: Option<&Infeed<R>>) -> bool {
         let Some(infeed) = infeed else { return true };
         for i in 0..POINTS_PER_UNIT {
             let n = (self.at + i) & (N - 1);
@@ -411,7 +397,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     }
 
     #[inline(always)]
-    fn commit(&mut self, infeed: Option<&Infeed<R>>) -> bool {
+    pub(super) fn commit(&mut self, infeed: Option<&Infeed<R>>) -> bool {
         let Some(infeed) = infeed else { return true };
         for i in 0..POINTS_PER_UNIT {
             let n = (self.at + i) & (N - 1);
@@ -422,7 +408,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     }
 
     #[inline(always)]
-    fn zero(&mut self) -> bool {
+    pub(super) fn zero(&mut self) -> bool {
         for i in 0..POINTS_PER_UNIT {
             self.correction[(self.at + i) & (N - 1)] = R::ZERO;
         }
@@ -432,7 +418,7 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// Peak to valley about the least-squares circle: mean and first harmonic are not in the profile.
     #[inline(always)]
-    fn measure(&mut self, plan: &Plan<R, N>) -> bool {
+    pub(super) fn measure(&mut self, plan: &Plan<R, N>) -> bool {
         let profile = if plan.filtered.is_some() { &self.other } else { &self.profile };
         let [mut low, mut high] = self.range;
         for i in 0..POINTS_PER_UNIT {
