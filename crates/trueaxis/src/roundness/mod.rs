@@ -147,12 +147,10 @@ pub struct Roundness<R, const N: usize> {
 pub struct RoundnessState<R, const N: usize> {
     resampler: ResamplerState<R>,
     revolutions: [Revolution<R, N>; 2],
-    /// The second of them is being sampled.
-    second: bool,
+    /// The one of them that is worked on; the other is being sampled.
+    worked: usize,
     sampling: Sampling,
     work: Work<R, N>,
-    /// λ of the arm, as the wheel is now.
-    ratio: R,
     latest: Evaluation<R>,
     counts: Counts,
     speed: Speed<R>,
@@ -235,10 +233,9 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
         RoundnessState {
             resampler: ResamplerState::new(),
             revolutions: [Revolution::new(), Revolution::new()],
-            second: false,
+            worked: 1,
             sampling: Sampling::NEW,
             work: Work::new(),
-            ratio: R::ZERO,
             latest: Evaluation::none(),
             counts: Counts { sampled: 0, evaluated: 0, skipped: 0, discarded: 0 },
             speed: Speed { theta: None, per_cycle: R::ZERO },
@@ -269,8 +266,7 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
     /// Motion of the centre in the latest revolution, R_X and R_Y, µm; while no work is under way and until the next
     /// revolution is whole.
     pub fn motion(&self) -> [&[R; N]; 2] {
-        let [first, second] = &self.revolutions;
-        let evaluated = if self.second { first } else { second };
+        let evaluated = &self.revolutions[self.worked & 1];
         [&evaluated.first, &evaluated.second]
     }
 
@@ -281,8 +277,7 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
 
     #[inline(always)]
     fn work_and_revolution(&mut self) -> (&mut Work<R, N>, &mut Revolution<R, N>) {
-        let [first, second] = &mut self.revolutions;
-        (&mut self.work, if self.second { first } else { second })
+        (&mut self.work, &mut self.revolutions[self.worked & 1])
     }
 
     /// No work is under way: results do not change until the next revolution is whole.
@@ -327,8 +322,9 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     /// Makes a state new in its place, for one that is too large to be moved.
     pub fn restart(&self, state: &mut RoundnessState<R, N>) {
         *state = RoundnessState::new();
-        let ratio = self.arm.and_then(|arm| arm.ratio().ok());
-        state.ratio = R::of(ratio.unwrap_or(0.0));
+        if let Some(ratio) = self.arm.and_then(|arm| arm.ratio().ok()) {
+            state.work.link_all(&self.plan, R::of(ratio));
+        }
     }
 
     /// What the probes see of each harmonic.
@@ -357,7 +353,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         self.infeed.as_ref().map(|infeed| infeed.place)
     }
 
-    /// Sets the wheel's radius R_S, mm (wear, dressing); not part of the step.
+    /// Sets the wheel's radius R_S, mm (wear, dressing); in force from the next revolution that is worked on.
     ///
     /// # Errors
     /// There is no arm, or the linkage could not close.
@@ -365,7 +361,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         let Some(arm) = self.arm else {
             return Err(ConfigError::new(Field::Arm, wheel_mm, "a gauge with a following arm"));
         };
-        state.ratio = R::of(Arm { wheel_mm, ..arm }.ratio()?);
+        state.work.ratio = R::of(Arm { wheel_mm, ..arm }.ratio()?);
         Ok(())
     }
 
@@ -417,8 +413,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             if !state.sampling.running {
                 continue;
             }
-            let [first, second] = &mut state.revolutions;
-            let revolution = if state.second { second } else { first };
+            let revolution = &mut state.revolutions[!state.worked & 1];
             let n = point.place & (N - 1);
             revolution.first[n] = point.h1;
             revolution.second[n] = point.h2;
@@ -446,7 +441,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             }
             flags.set(of_revolution);
             if state.work.is_idle() {
-                state.second = !state.second;
+                state.worked ^= 1;
                 state.work.begin(Evaluation { revolution: state.counts.sampled, flags: of_revolution, ..state.latest });
             } else {
                 state.counts.skipped = state.counts.skipped.wrapping_add(1);
@@ -461,6 +456,9 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     /// Second stage: the units of work of a cycle; true when a revolution has just been evaluated.
     #[inline]
     pub fn work(&self, state: &mut RoundnessState<R, N>) -> bool {
+        if self.units_per_cycle == 1 {
+            return self.unit(state);
+        }
         let mut finished = false;
         for _ in 0..self.units_per_cycle {
             finished |= self.unit(state);
@@ -472,8 +470,9 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     #[inline(always)]
     fn unit(&self, state: &mut RoundnessState<R, N>) -> bool {
         match state.work.task {
-            Task::Idle => false,
+            Task::Idle => {}
             Task::Forward => self.forward(state),
+            Task::Spread(Use::Profile) => self.spread_profile(state),
             Task::Spread(of) => self.spread(state, of),
             Task::Inverse(of) => self.inverse(state, of),
             Task::Arm => self.compare_arm(state),
@@ -485,77 +484,125 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             Task::Commit => self.commit(state),
             Task::Clear => self.zero(state),
             Task::Range => self.measure(state),
+            Task::Linkage => self.link(state),
+            Task::Turn => return self.finish(state),
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn forward(&self, state: &mut RoundnessState<R, N>) {
+        let (work, revolution) = state.work_and_revolution();
+        if work.forward(&self.plan, revolution) {
+            work.end();
         }
     }
 
     #[inline(never)]
-    fn forward(&self, state: &mut RoundnessState<R, N>) -> bool {
+    fn spread_profile(&self, state: &mut RoundnessState<R, N>) {
         let (work, revolution) = state.work_and_revolution();
-        work.forward(&self.plan, revolution) && self.finish(state)
+        if work.spread_profile(&self.plan, revolution) {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn spread(&self, state: &mut RoundnessState<R, N>, of: Use) -> bool {
+    fn spread(&self, state: &mut RoundnessState<R, N>, of: Use) {
         let (work, revolution) = state.work_and_revolution();
-        work.spread(&self.plan, revolution, of) && self.finish(state)
+        if work.spread(&self.plan, revolution, self.plan.multipliers(of)) {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn inverse(&self, state: &mut RoundnessState<R, N>, of: Use) -> bool {
-        state.work.inverse(&self.plan, of) && self.finish(state)
+    fn inverse(&self, state: &mut RoundnessState<R, N>, of: Use) {
+        let work = &mut state.work;
+        if work.inverse(&self.plan, of) {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn compare_arm(&self, state: &mut RoundnessState<R, N>) -> bool {
-        let ratio = state.ratio;
+    fn compare_arm(&self, state: &mut RoundnessState<R, N>) {
         let (work, revolution) = state.work_and_revolution();
-        work.compare_arm(&self.plan, revolution, ratio) && self.finish(state)
+        if work.compare_arm(revolution) {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn orbit(&self, state: &mut RoundnessState<R, N>) -> bool {
-        let ratio = state.ratio;
+    fn orbit(&self, state: &mut RoundnessState<R, N>) {
         let (work, revolution) = state.work_and_revolution();
-        work.orbit(&self.plan, revolution, ratio) && self.finish(state)
+        if work.orbit(&self.plan, revolution) {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn gather(&self, state: &mut RoundnessState<R, N>) -> bool {
+    fn gather(&self, state: &mut RoundnessState<R, N>) {
         let (work, revolution) = state.work_and_revolution();
-        work.gather(revolution) && self.finish(state)
+        if work.gather(revolution) {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn evaluate(&self, state: &mut RoundnessState<R, N>) -> bool {
-        state.work.evaluate(&self.plan) && self.finish(state)
+    fn evaluate(&self, state: &mut RoundnessState<R, N>) {
+        let work = &mut state.work;
+        if work.evaluate(&self.plan) {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn express(&self, state: &mut RoundnessState<R, N>) -> bool {
-        state.work.express(&self.plan) && self.finish(state)
+    fn express(&self, state: &mut RoundnessState<R, N>) {
+        let work = &mut state.work;
+        if work.express(&self.plan) {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn judge(&self, state: &mut RoundnessState<R, N>) -> bool {
-        state.work.judge(self.infeed.as_ref()) && self.finish(state)
+    fn judge(&self, state: &mut RoundnessState<R, N>) {
+        let work = &mut state.work;
+        if work.judge(self.infeed.as_ref()) {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn commit(&self, state: &mut RoundnessState<R, N>) -> bool {
-        state.work.commit(self.infeed.as_ref()) && self.finish(state)
+    fn commit(&self, state: &mut RoundnessState<R, N>) {
+        let work = &mut state.work;
+        if work.commit(self.infeed.as_ref()) {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn zero(&self, state: &mut RoundnessState<R, N>) -> bool {
-        state.work.zero() && self.finish(state)
+    fn zero(&self, state: &mut RoundnessState<R, N>) {
+        let work = &mut state.work;
+        if work.zero() {
+            work.end();
+        }
     }
 
     #[inline(never)]
-    fn measure(&self, state: &mut RoundnessState<R, N>) -> bool {
-        state.work.measure(&self.plan) && self.finish(state)
+    fn measure(&self, state: &mut RoundnessState<R, N>) {
+        let work = &mut state.work;
+        if work.measure(&self.plan) {
+            work.end();
+        }
     }
 
-    /// A task is done; true when it was the last of a revolution.
+    #[inline(never)]
+    fn link(&self, state: &mut RoundnessState<R, N>) {
+        let work = &mut state.work;
+        if work.link(&self.plan) {
+            work.end();
+        }
+    }
+
+    /// From one task to the next; true when it was the last of a revolution.
     #[inline(never)]
     fn finish(&self, state: &mut RoundnessState<R, N>) -> bool {
         let finished = state.work.finish(&self.plan);
@@ -579,7 +626,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         if state.work.is_cleared() {
             return R::ZERO;
         }
-        infeed.at(&state.work.correction, &self.plan.circle, state.ratio, angles, speed.per_cycle)
+        infeed.at(&state.work.correction, &state.work.linkage, angles, speed.per_cycle)
     }
 }
 

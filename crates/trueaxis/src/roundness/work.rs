@@ -70,6 +70,10 @@ pub(super) enum Task {
     Commit,
     Clear,
     Range,
+    /// β at every point, for another radius of the wheel.
+    Linkage,
+    /// From one task to the next: a unit of its own.
+    Turn,
 }
 
 /// Immutable: multipliers of the four uses, and constants.
@@ -95,6 +99,8 @@ pub(super) struct Plan<R, const N: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Work<R, const N: usize> {
     pub(super) task: Task,
+    /// The task that has just been done.
+    done: Task,
     progress: Progress,
     at: usize,
     pub(super) profile: [R; N],
@@ -109,6 +115,11 @@ pub(super) struct Work<R, const N: usize> {
     worst: R,
     result: Evaluation<R>,
     clear: bool,
+    /// λ of the arm, as the wheel is now, and for which the linkage holds.
+    pub(super) ratio: R,
+    linked: R,
+    /// [cos β, sin β] at every point.
+    pub(super) linkage: [Complex<R>; N],
 }
 
 impl<R: Real, const N: usize> Plan<R, N> {
@@ -162,14 +173,16 @@ impl<R: Real, const N: usize> Plan<R, N> {
         let optional = |present: bool, units: usize| if present { units } else { 0 };
         pass + spread
             + optional(self.shifted.is_some(), spread)
-            + optional(self.has_arm, ARM_CHECKS)
+            + optional(self.has_arm, N + ARM_CHECKS)
             + 4 * N
             + optional(self.infeed.is_some(), spread + 2 * N / POINTS_PER_UNIT)
             + optional(self.filtered.is_some(), spread)
             + N / POINTS_PER_UNIT
+            // Between the tasks.
+            + 18
     }
 
-    fn multipliers(&self, of: Use) -> &[R; N] {
+    pub(super) fn multipliers(&self, of: Use) -> &[R; N] {
         let table = match of {
             Use::Profile => None,
             Use::Shifted => self.shifted.as_ref(),
@@ -182,7 +195,8 @@ impl<R: Real, const N: usize> Plan<R, N> {
     /// What comes after a task.
     fn next(&self, work: &Work<R, N>) -> Task {
         let window_is_full = work.gathered >= self.revolutions;
-        match work.task {
+        match work.done {
+            Task::Linkage => Task::Forward,
             Task::Forward if self.shifted.is_some() => Task::Spread(Use::Shifted),
             Task::Forward | Task::Inverse(Use::Shifted) => Task::Spread(Use::Profile),
             Task::Spread(of) => Task::Inverse(of),
@@ -198,7 +212,7 @@ impl<R: Real, const N: usize> Plan<R, N> {
                 Task::Spread(Use::Filtered)
             }
             Task::Statistics | Task::Express | Task::Judge | Task::Commit | Task::Inverse(Use::Filtered) => Task::Range,
-            Task::Range | Task::Clear | Task::Idle => Task::Idle,
+            Task::Range | Task::Clear | Task::Idle | Task::Turn => Task::Idle,
         }
     }
 }
@@ -207,6 +221,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     pub(super) const fn new() -> Self {
         Work {
             task: Task::Idle,
+            done: Task::Idle,
             progress: Progress::pairs(),
             at: 0,
             profile: [R::ZERO; N],
@@ -219,6 +234,9 @@ impl<R: Real, const N: usize> Work<R, N> {
             worst: R::ZERO,
             result: Evaluation::none(),
             clear: false,
+            ratio: R::ZERO,
+            linked: R::ZERO,
+            linkage: [[R::ONE, R::ZERO]; N],
         }
     }
 
@@ -240,13 +258,20 @@ impl<R: Real, const N: usize> Work<R, N> {
     /// Takes over a revolution.
     #[inline(always)]
     pub(super) fn begin(&mut self, result: Evaluation<R>) {
-        (self.task, self.progress, self.at, self.result) = (Task::Forward, Progress::forward::<N>(), 0, result);
+        let first = if self.linked == self.ratio { Task::Forward } else { Task::Linkage };
+        (self.task, self.progress, self.at, self.result) = (first, Progress::forward::<N>(), 0, result);
+    }
+
+    /// The last unit of a task.
+    #[inline(always)]
+    pub(super) fn end(&mut self) {
+        (self.done, self.task) = (self.task, Task::Turn);
     }
 
     /// From one task to the next; the result, when there is none.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn finish(&mut self, plan: &Plan<R, N>) -> Option<Evaluation<R>> {
-        let finished = self.task;
+        let finished = self.done;
         match finished {
             Task::Arm if self.worst > plan.arm_tolerance => {
                 self.result.flags.set(Flags::ARM);
@@ -260,6 +285,7 @@ impl<R: Real, const N: usize> Work<R, N> {
                 self.result.revolutions = self.gathered;
             }
             Task::Clear => self.clear = false,
+            Task::Linkage => self.linked = self.ratio,
             _ => {}
         }
         self.task = plan.next(self);
@@ -270,6 +296,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.worst = R::ZERO;
         self.range = [R::MAX, -R::MAX];
         self.progress = match self.task {
+            Task::Forward => Progress::forward::<N>(),
             Task::Inverse(_) => Progress::inverse::<N>(),
             _ => Progress::pairs(),
         };
@@ -292,28 +319,48 @@ impl<R: Real, const N: usize> Work<R, N> {
         inverse_unit(z, &plan.circle, &mut self.progress)
     }
 
-    /// One pair, for one of the uses.
+    /// One pair of the profile; its harmonics are kept.
     #[inline(always)]
-    pub(super) fn spread(&mut self, plan: &Plan<R, N>, revolution: &Revolution<R, N>, of: Use) -> bool {
-        let to = if of == Use::Profile { &mut self.profile } else { &mut self.other };
-        let (pair, last) = pair_unit(&revolution.sum, to, &plan.circle, plan.multipliers(of), &mut self.progress);
-        if of == Use::Profile {
-            let scale = R::of(AMPLITUDE_SCALE);
-            for (k, [re, im]) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
-                if let Some(amplitude) = self.harmonics.get_mut(k) {
-                    *amplitude = [re * scale, -im * scale];
-                }
+    pub(super) fn spread_profile(&mut self, plan: &Plan<R, N>, revolution: &Revolution<R, N>) -> bool {
+        let (pair, last) =
+            pair_unit(&revolution.sum, &mut self.profile, &plan.circle, &plan.profile, &mut self.progress);
+        for (k, [re, im]) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
+            if let Some(amplitude) = self.harmonics.get_mut(k) {
+                *amplitude = [re * R::of(AMPLITUDE_SCALE), im * R::of(-AMPLITUDE_SCALE)];
             }
         }
         last
     }
 
+    /// One pair, for another use.
+    #[inline(always)]
+    pub(super) fn spread(&mut self, plan: &Plan<R, N>, revolution: &Revolution<R, N>, multipliers: &[R; N]) -> bool {
+        pair_unit(&revolution.sum, &mut self.other, &plan.circle, multipliers, &mut self.progress).1
+    }
+
+    /// β at one point.
+    #[inline(always)]
+    pub(super) fn link(&mut self, plan: &Plan<R, N>) -> bool {
+        let n = self.at & (N - 1);
+        let [cos, sin] = plan.circle[n];
+        self.linkage[n] = arm_angle(self.ratio, [cos, -sin]);
+        self.at = n + 1;
+        self.at >= N
+    }
+
+    /// β at all points, at once: not part of the step.
+    pub(super) fn link_all(&mut self, plan: &Plan<R, N>, ratio: R) {
+        (self.ratio, self.linked) = (ratio, ratio);
+        for (place, [cos, sin]) in self.linkage.iter_mut().zip(&plan.circle) {
+            *place = arm_angle(ratio, [*cos, -*sin]);
+        }
+    }
+
     /// sin β of the reading against sin β of the linkage, at one of the places.
     #[inline(always)]
-    pub(super) fn compare_arm(&mut self, plan: &Plan<R, N>, revolution: &Revolution<R, N>, ratio: R) -> bool {
+    pub(super) fn compare_arm(&mut self, revolution: &Revolution<R, N>) -> bool {
         let at = self.at & (ARM_CHECKS - 1);
-        let [cos, sin] = plan.circle[(at * (N / ARM_CHECKS)) & (N - 1)];
-        let [_, expected] = arm_angle(ratio, [cos, -sin]);
+        let [_, expected] = self.linkage[(at * (N / ARM_CHECKS)) & (N - 1)];
         let beta = R::of_i32(revolution.beta[at]) * R::of(core::f64::consts::TAU / 4_294_967_296.0);
         let square = beta * beta;
         let found = beta
@@ -325,14 +372,9 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// Motion of the centre at one point.
     #[inline(always)]
-    pub(super) fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>, ratio: R) -> bool {
+    pub(super) fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>) -> bool {
         let n = self.at & (N - 1);
-        let [cos, sin] = if ratio > R::ZERO {
-            let [cos, sin] = plan.circle[n];
-            arm_angle(ratio, [cos, -sin])
-        } else {
-            [R::ONE, R::ZERO]
-        };
+        let [cos, sin] = self.linkage[n];
         let ahead = match plan.shifted {
             Some(_) => self.other[n],
             None => self.profile[(n + plan.slots) & (N - 1)],
