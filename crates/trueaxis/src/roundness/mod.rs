@@ -131,29 +131,33 @@ pub struct Cycle<R> {
 
 /// The immutable half: angles, multipliers, limits. `N` is the number of points of a revolution.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Roundness<R, const N: usize> {
+    units_per_cycle: u8,
     resampler: Resampler<R, N>,
-    plan: Plan<R, N>,
     infeed: Option<Infeed<R>>,
     arm: Option<Arm>,
     gain: Gain,
     band: Band,
     noise_gain_limit: f64,
-    units_per_cycle: u8,
+    plan: Plan<R, N>,
 }
 
-/// The mutable half: what one cycle hands to the next, and the results. Large (15 N scalars): a static's place.
+/// The mutable half: what one cycle hands to the next, and the results. Large (17 N scalars): a static's place.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct RoundnessState<R, const N: usize> {
-    resampler: ResamplerState<R>,
-    revolutions: [Revolution<R, N>; 2],
-    /// The one of them that is worked on; the other is being sampled.
+    /// The one of the two revolutions that is worked on; the other is being sampled.
     worked: usize,
+    resampler: ResamplerState<R>,
     sampling: Sampling,
-    work: Work<R, N>,
     latest: Evaluation<R>,
     counts: Counts,
     speed: Speed<R>,
+    work: Work<R, N>,
+    revolutions: [Revolution<R, N>; 2],
+    /// Weighted sums of the three probes; of the one that is worked on, their spectrum.
+    sums: [[R; N]; 2],
 }
 
 /// How fast the surface turns.
@@ -233,6 +237,7 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
         RoundnessState {
             resampler: ResamplerState::new(),
             revolutions: [Revolution::new(), Revolution::new()],
+            sums: [[R::ZERO; N]; 2],
             worked: 1,
             sampling: Sampling::NEW,
             work: Work::new(),
@@ -417,7 +422,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             let n = point.place & (N - 1);
             revolution.first[n] = point.h1;
             revolution.second[n] = point.h2;
-            revolution.sum[n] = point.sum;
+            state.sums[!state.worked & 1][n] = point.sum;
             if n & (N / ARM_CHECKS - 1) == 0 {
                 revolution.beta[(n / (N / ARM_CHECKS)) & (ARM_CHECKS - 1)] = beta;
             }
@@ -456,9 +461,11 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     /// Second stage: the units of work of a cycle; true when a revolution has just been evaluated.
     #[inline]
     pub fn work(&self, state: &mut RoundnessState<R, N>) -> bool {
-        if self.units_per_cycle == 1 {
-            return self.unit(state);
-        }
+        if self.units_per_cycle == 1 { self.unit(state) } else { self.units(state) }
+    }
+
+    #[inline(never)]
+    fn units(&self, state: &mut RoundnessState<R, N>) -> bool {
         let mut finished = false;
         for _ in 0..self.units_per_cycle {
             finished |= self.unit(state);
@@ -467,10 +474,10 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     }
 
     /// One unit. Every task is a function of its own, so that nothing is prepared before it is known which one it is.
-    #[inline(always)]
+    #[inline(never)]
     fn unit(&self, state: &mut RoundnessState<R, N>) -> bool {
         match state.work.task {
-            Task::Idle => {}
+            Task::Idle => false,
             Task::Forward => self.forward(state),
             Task::Spread(Use::Profile) => self.spread_profile(state),
             Task::Spread(of) => self.spread(state, of),
@@ -485,121 +492,134 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             Task::Clear => self.zero(state),
             Task::Range => self.measure(state),
             Task::Linkage => self.link(state),
-            Task::Turn => return self.finish(state),
+            Task::Turn => self.finish(state),
+        }
+    }
+
+    #[inline(never)]
+    fn forward(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let (work, sum) = (&mut state.work, &mut state.sums[state.worked & 1]);
+        if work.forward(&self.plan, sum) {
+            work.end();
         }
         false
     }
 
     #[inline(never)]
-    fn forward(&self, state: &mut RoundnessState<R, N>) {
-        let (work, revolution) = state.work_and_revolution();
-        if work.forward(&self.plan, revolution) {
+    fn spread_profile(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let (work, sum) = (&mut state.work, &mut state.sums[state.worked & 1]);
+        if work.spread_profile(&self.plan, sum) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn spread_profile(&self, state: &mut RoundnessState<R, N>) {
-        let (work, revolution) = state.work_and_revolution();
-        if work.spread_profile(&self.plan, revolution) {
+    fn spread(&self, state: &mut RoundnessState<R, N>, of: Use) -> bool {
+        let (work, sum) = (&mut state.work, &mut state.sums[state.worked & 1]);
+        if work.spread(&self.plan, sum, self.plan.multipliers(of)) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn spread(&self, state: &mut RoundnessState<R, N>, of: Use) {
-        let (work, revolution) = state.work_and_revolution();
-        if work.spread(&self.plan, revolution, self.plan.multipliers(of)) {
-            work.end();
-        }
-    }
-
-    #[inline(never)]
-    fn inverse(&self, state: &mut RoundnessState<R, N>, of: Use) {
+    fn inverse(&self, state: &mut RoundnessState<R, N>, of: Use) -> bool {
         let work = &mut state.work;
         if work.inverse(&self.plan, of) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn compare_arm(&self, state: &mut RoundnessState<R, N>) {
+    fn compare_arm(&self, state: &mut RoundnessState<R, N>) -> bool {
         let (work, revolution) = state.work_and_revolution();
         if work.compare_arm(revolution) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn orbit(&self, state: &mut RoundnessState<R, N>) {
+    fn orbit(&self, state: &mut RoundnessState<R, N>) -> bool {
         let (work, revolution) = state.work_and_revolution();
         if work.orbit(&self.plan, revolution) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn gather(&self, state: &mut RoundnessState<R, N>) {
+    fn gather(&self, state: &mut RoundnessState<R, N>) -> bool {
         let (work, revolution) = state.work_and_revolution();
         if work.gather(revolution) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn evaluate(&self, state: &mut RoundnessState<R, N>) {
+    fn evaluate(&self, state: &mut RoundnessState<R, N>) -> bool {
         let work = &mut state.work;
         if work.evaluate(&self.plan) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn express(&self, state: &mut RoundnessState<R, N>) {
+    fn express(&self, state: &mut RoundnessState<R, N>) -> bool {
         let work = &mut state.work;
         if work.express(&self.plan) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn judge(&self, state: &mut RoundnessState<R, N>) {
+    fn judge(&self, state: &mut RoundnessState<R, N>) -> bool {
         let work = &mut state.work;
         if work.judge(self.infeed.as_ref()) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn commit(&self, state: &mut RoundnessState<R, N>) {
+    fn commit(&self, state: &mut RoundnessState<R, N>) -> bool {
         let work = &mut state.work;
         if work.commit(self.infeed.as_ref()) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn zero(&self, state: &mut RoundnessState<R, N>) {
+    fn zero(&self, state: &mut RoundnessState<R, N>) -> bool {
         let work = &mut state.work;
         if work.zero() {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn measure(&self, state: &mut RoundnessState<R, N>) {
+    fn measure(&self, state: &mut RoundnessState<R, N>) -> bool {
         let work = &mut state.work;
         if work.measure(&self.plan) {
             work.end();
         }
+        false
     }
 
     #[inline(never)]
-    fn link(&self, state: &mut RoundnessState<R, N>) {
+    fn link(&self, state: &mut RoundnessState<R, N>) -> bool {
         let work = &mut state.work;
         if work.link(&self.plan) {
             work.end();
         }
+        false
     }
 
     /// From one task to the next; true when it was the last of a revolution.

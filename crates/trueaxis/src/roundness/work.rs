@@ -34,15 +34,13 @@ pub(super) struct Revolution<R, const N: usize> {
     pub(super) first: [R; N],
     /// Probe 2; then R_Y.
     pub(super) second: [R; N],
-    /// Weighted sum of the three; then its spectrum.
-    pub(super) sum: [R; N],
     /// β at `ARM_CHECKS` points, in 2^−32 turns.
     pub(super) beta: [i32; ARM_CHECKS],
 }
 
 impl<R: Real, const N: usize> Revolution<R, N> {
     pub(super) const fn new() -> Self {
-        Revolution { first: [R::ZERO; N], second: [R::ZERO; N], sum: [R::ZERO; N], beta: [0; ARM_CHECKS] }
+        Revolution { first: [R::ZERO; N], second: [R::ZERO; N], beta: [0; ARM_CHECKS] }
     }
 }
 
@@ -95,29 +93,30 @@ pub(super) struct Plan<R, const N: usize> {
     per_revolutions: R,
 }
 
-/// State of the work, and its results.
+/// State of the work, and its results. What every unit needs stands first, within reach of short offsets.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(super) struct Work<R, const N: usize> {
+    progress: Progress,
+    at: usize,
     pub(super) task: Task,
     /// The task that has just been done.
     done: Task,
-    progress: Progress,
-    at: usize,
-    pub(super) profile: [R; N],
-    other: [R; N],
-    pub(super) harmonics: [Complex<R>; HARMONICS],
-    motion: [Motion<R, N>; 2],
     /// Revolutions in the window of the motion so far.
     pub(super) gathered: u16,
-    pub(super) correction: [R; N],
+    /// λ of the arm, as the wheel is now, and for which the linkage holds.
+    pub(super) ratio: R,
+    linked: R,
     /// Smallest and largest value of a pass.
     range: [R; 2],
     worst: R,
     result: Evaluation<R>,
     clear: bool,
-    /// λ of the arm, as the wheel is now, and for which the linkage holds.
-    pub(super) ratio: R,
-    linked: R,
+    pub(super) harmonics: [Complex<R>; HARMONICS],
+    pub(super) profile: [R; N],
+    other: [R; N],
+    motion: [Motion<R, N>; 2],
+    pub(super) correction: [R; N],
     /// [cos β, sin β] at every point.
     pub(super) linkage: [Complex<R>; N],
 }
@@ -308,8 +307,8 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// One unit of the forward transform.
     #[inline(always)]
-    pub(super) fn forward(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>) -> bool {
-        forward_unit(&mut revolution.sum, &plan.circle, &mut self.progress)
+    pub(super) fn forward(&mut self, plan: &Plan<R, N>, sum: &mut [R; N]) -> bool {
+        forward_unit(sum, &plan.circle, &mut self.progress)
     }
 
     /// One unit of an inverse transform.
@@ -321,9 +320,8 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// One pair of the profile; its harmonics are kept.
     #[inline(always)]
-    pub(super) fn spread_profile(&mut self, plan: &Plan<R, N>, revolution: &Revolution<R, N>) -> bool {
-        let (pair, last) =
-            pair_unit(&revolution.sum, &mut self.profile, &plan.circle, &plan.profile, &mut self.progress);
+    pub(super) fn spread_profile(&mut self, plan: &Plan<R, N>, spectrum: &[R; N]) -> bool {
+        let (pair, last) = pair_unit(spectrum, &mut self.profile, &plan.circle, &plan.profile, &mut self.progress);
         for (k, [re, im]) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
             if let Some(amplitude) = self.harmonics.get_mut(k) {
                 *amplitude = [re * R::of(AMPLITUDE_SCALE), im * R::of(-AMPLITUDE_SCALE)];
@@ -334,8 +332,8 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// One pair, for another use.
     #[inline(always)]
-    pub(super) fn spread(&mut self, plan: &Plan<R, N>, revolution: &Revolution<R, N>, multipliers: &[R; N]) -> bool {
-        pair_unit(&revolution.sum, &mut self.other, &plan.circle, multipliers, &mut self.progress).1
+    pub(super) fn spread(&mut self, plan: &Plan<R, N>, spectrum: &[R; N], multipliers: &[R; N]) -> bool {
+        pair_unit(spectrum, &mut self.other, &plan.circle, multipliers, &mut self.progress).1
     }
 
     /// β at one point.
