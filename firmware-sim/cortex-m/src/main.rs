@@ -30,8 +30,7 @@ fn panic(info: &core::panic::PanicInfo) -> ! {
 }
 
 fn settings(whole: bool) -> RoundnessSettings {
-    let mut settings =
-        RoundnessSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 22);
+    let mut settings = RoundnessSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 22);
     settings.revolutions = 1;
     if whole {
         settings.angles = ProbeAngles::Degrees { phi2: 66.1, phi3: 234.5 };
@@ -104,7 +103,8 @@ fn count<R: Real>(name: &str, whole: bool, gauge: &mut Roundness<R, POINTS>, sta
         let counts = cycle * 431 - 1000;
         let before = counts - 431;
         stage.probes.spindle = counts;
-        stage.probes.index = (counts.div_euclid(1 << 22) != before.div_euclid(1 << 22)).then_some(counts & !((1 << 22) - 1));
+        stage.probes.index =
+            (counts.div_euclid(1 << 22) != before.div_euclid(1 << 22)).then_some(counts & !((1 << 22) - 1));
         stage.probes.readings = [R::of_i32(cycle & 63), R::of_i32(cycle & 31), R::of_i32(cycle & 127)];
         let idle = stage.state().is_settled();
         let taken = timed(sample, &stage).0 - frame;
@@ -125,12 +125,13 @@ fn count<R: Real>(name: &str, whole: bool, gauge: &mut Roundness<R, POINTS>, sta
             break;
         }
     }
-    hprintln!("{} sampling {}", name, sampling);
-    hprintln!("{} slice {}", name, slices);
-    if !whole {
-        hprintln!("{} transform {}", name, transform);
-    } else {
+    let arm = if whole { "_whole" } else { "" };
+    hprintln!("{} sampling{} {}", name, arm, sampling);
+    hprintln!("{} slice{} {}", name, arm, slices);
+    if whole {
         hprintln!("{} infeed {}", name, feeding);
+    } else {
+        hprintln!("{} transform {}", name, transform);
     }
 }
 

@@ -61,7 +61,7 @@ use crate::error::{ConfigError, Field};
 use crate::real::Real;
 use infeed::Infeed;
 use resample::{Angles, POINTS_PER_CYCLE, Resampler, ResamplerState};
-use work::{ARM_CHECKS, Plan, Revolution, Task, Use, Work};
+use work::{ARM_CHECKS, Outcome, Plan, Revolution, Task, Use, Work};
 
 /// Readings of one cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,26 +95,6 @@ pub struct Evaluation<R> {
     pub y: ErrorMotion<R>,
     /// Revolutions in that window; 0 until one is full.
     pub revolutions: u16,
-}
-
-impl<R: Real> Evaluation<R> {
-    const NO_MOTION: ErrorMotion<R> = ErrorMotion {
-        synchronous_um: R::ZERO,
-        asynchronous_um: R::ZERO,
-        once_per_revolution_um: [R::ZERO; 2],
-        total_um: R::ZERO,
-    };
-
-    const fn none() -> Self {
-        Evaluation {
-            revolution: 0,
-            flags: Flags(0),
-            peak_to_valley_um: R::ZERO,
-            x: Self::NO_MOTION,
-            y: Self::NO_MOTION,
-            revolutions: 0,
-        }
-    }
 }
 
 /// What a cycle gives back.
@@ -151,7 +131,7 @@ pub struct RoundnessState<R, const N: usize> {
     worked: usize,
     resampler: ResamplerState<R>,
     sampling: Sampling,
-    latest: Evaluation<R>,
+    latest: Outcome<R>,
     counts: Counts,
     speed: Speed<R>,
     work: Work<R, N>,
@@ -241,15 +221,17 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
             worked: 1,
             sampling: Sampling::NEW,
             work: Work::new(),
-            latest: Evaluation::none(),
+            latest: Outcome::NONE,
             counts: Counts { sampled: 0, evaluated: 0, skipped: 0, discarded: 0 },
             speed: Speed { theta: None, per_cycle: R::ZERO },
         }
     }
 
     /// The latest revolution evaluated.
-    pub fn latest(&self) -> Option<&Evaluation<R>> {
-        (self.counts.evaluated > 0).then_some(&self.latest)
+    pub fn latest(&self) -> Option<Evaluation<R>> {
+        let Outcome { revolution, flags, peak_to_valley_um } = self.latest;
+        let ([x, y], revolutions) = (self.work.error_motion, self.work.window);
+        (self.counts.evaluated > 0).then_some(Evaluation { revolution, flags, peak_to_valley_um, x, y, revolutions })
     }
 
     /// How whole revolutions fared so far.
@@ -263,9 +245,10 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
         &self.work.profile
     }
 
-    /// Amplitudes of cos kθ and sin kθ in the profile, µm, k = 0 to 127; zero outside the band and where suppressed.
-    pub fn harmonics(&self) -> &[[R; 2]; HARMONICS] {
-        &self.work.harmonics
+    /// Amplitudes of cos kθ and sin kθ in the profile, µm; zero outside the band, where suppressed, and from
+    /// [`HARMONICS`] on.
+    pub fn harmonic(&self, harmonic: usize) -> [R; 2] {
+        self.work.harmonic(harmonic)
     }
 
     /// Motion of the centre in the latest revolution, R_X and R_Y, µm; while no work is under way and until the next
@@ -447,7 +430,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             flags.set(of_revolution);
             if state.work.is_idle() {
                 state.worked ^= 1;
-                state.work.begin(Evaluation { revolution: state.counts.sampled, flags: of_revolution, ..state.latest });
+                state.work.begin(state.counts.sampled, of_revolution);
             } else {
                 state.counts.skipped = state.counts.skipped.wrapping_add(1);
                 flags.set(Flags::SKIPPED);
@@ -626,11 +609,11 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     #[inline(never)]
     fn finish(&self, state: &mut RoundnessState<R, N>) -> bool {
         let finished = state.work.finish(&self.plan);
-        if let Some(result) = finished {
-            state.latest = result;
+        if finished {
+            state.latest = state.work.result;
             state.counts.evaluated = state.counts.evaluated.wrapping_add(1);
         }
-        finished.is_some()
+        finished
     }
 
     /// Third stage: infeed correction of this cycle, mm in the sense of its axis.

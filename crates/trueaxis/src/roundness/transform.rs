@@ -111,9 +111,24 @@ impl Progress {
         Self::stage::<N>(if (N / 2).trailing_zeros() % 2 == 1 { 2 } else { 4 })
     }
 
-    /// Before the first pair.
+    /// Before the first pair: the place 1, its own partner. Here `quarter` is the first place of the block, `turn` the
+    /// partner.
     pub(crate) const fn pairs() -> Self {
-        Progress { quarter: 0, at: 0, turn: 0, step: 0 }
+        Progress { quarter: 1, at: 1, turn: 1, step: 0 }
+    }
+
+    /// To the next pair; true after the last.
+    #[inline(always)]
+    fn next_pair<const N: usize>(&mut self) -> bool {
+        self.at += 1;
+        self.turn = self.turn.wrapping_sub(1);
+        // Half of [b, 2b) has met the other half; the place 1 has gone past itself.
+        if self.at <= self.turn {
+            return false;
+        }
+        self.quarter *= 2;
+        (self.at, self.turn) = (self.quarter, 2 * self.quarter - 1);
+        self.at >= N / 2
     }
 
     /// To the next butterfly; true at the end of a block.
@@ -238,15 +253,7 @@ pub(crate) fn pair_unit<R: Real, const N: usize>(
     let (from, to, multipliers) = (from.as_chunks::<2>().0, to.as_chunks_mut::<2>().0, multipliers.as_chunks::<2>().0);
     let half = N / 2;
     let mask = half - 1;
-    let at = progress.at;
-    // at = 0: the place 1, its own partner; then b + t, b the power of two at or below t, t = 1 … M/2 − 1.
-    let block = at | usize::from(at == 0);
-    let block = 1 << ((usize::BITS - 1).wrapping_sub(block.leading_zeros()) & (usize::BITS - 1));
-    let (i, partner) = if at == 0 { (1, 1) } else { (at + block, (5 * block - 1 - at) & mask) };
-    let i = i & mask;
-    if at == 0 {
-        to[0] = [R::ZERO; 2];
-    }
+    let (i, partner) = (progress.at & mask, progress.turn & mask);
     let k = (i.reverse_bits() >> (half.leading_zeros() + 1)) & mask;
     let w = circle[k];
     let (a, b) = (from[i], conj(from[partner]));
@@ -258,9 +265,12 @@ pub(crate) fn pair_unit<R: Real, const N: usize>(
     let (even, odd) = (add(low, mirrored), mul_conj(sub(low, mirrored), w));
     to[i] = [even[0] - odd[1], even[1] + odd[0]];
     to[partner] = [even[0] + odd[1], odd[0] - even[1]];
-    progress.at = at + 1;
-    let pair = Pair { low: k, at_low: low, high: other, at_high: high };
-    (pair, progress.at >= half / 2)
+    let last = progress.next_pair::<N>();
+    if last {
+        // The mean is not in the product.
+        to[0] = [R::ZERO; 2];
+    }
+    (Pair { low: k, at_low: low, high: other, at_high: high }, last)
 }
 
 /// From the product in the scale of the multipliers to an amplitude: x contains a cos kθ − b sin kθ where this times X

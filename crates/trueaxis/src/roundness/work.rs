@@ -7,13 +7,12 @@
 //!
 //! Which of them a gauge needs is settled when it is built; what a unit does is bounded whatever the data.
 
-use super::Evaluation;
 use super::angles::Gain;
 use super::arm_angle;
 use super::filter;
 use super::flags::Flags;
 use super::infeed::Infeed;
-use super::motion::Motion;
+use super::motion::{ErrorMotion, Motion};
 use super::settings::RoundnessSettings;
 use super::transform::{
     AMPLITUDE_SCALE, Complex, Progress, circle, forward_unit, inverse_unit, multipliers, pair_unit,
@@ -93,6 +92,18 @@ pub(super) struct Plan<R, const N: usize> {
     per_revolutions: R,
 }
 
+/// What a revolution is known by while it is worked on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outcome<R> {
+    pub(super) revolution: u32,
+    pub(super) flags: Flags,
+    pub(super) peak_to_valley_um: R,
+}
+
+impl<R: Real> Outcome<R> {
+    pub(super) const NONE: Outcome<R> = Outcome { revolution: 0, flags: Flags(0), peak_to_valley_um: R::ZERO };
+}
+
 /// State of the work, and its results. What every unit needs stands first, within reach of short offsets.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -110,9 +121,13 @@ pub(super) struct Work<R, const N: usize> {
     /// Smallest and largest value of a pass.
     range: [R; 2],
     worst: R,
-    result: Evaluation<R>,
+    pub(super) result: Outcome<R>,
     clear: bool,
-    pub(super) harmonics: [Complex<R>; HARMONICS],
+    /// Error motions along X and Y over the last full window, and its revolutions.
+    pub(super) error_motion: [ErrorMotion<R>; 2],
+    pub(super) window: u16,
+    /// Spectrum of the profile, in the scale of the multipliers.
+    harmonics: [Complex<R>; HARMONICS],
     pub(super) profile: [R; N],
     other: [R; N],
     motion: [Motion<R, N>; 2],
@@ -231,8 +246,10 @@ impl<R: Real, const N: usize> Work<R, N> {
             correction: [R::ZERO; N],
             range: [R::ZERO; 2],
             worst: R::ZERO,
-            result: Evaluation::none(),
+            result: Outcome::NONE,
             clear: false,
+            error_motion: [ErrorMotion::NONE; 2],
+            window: 0,
             ratio: R::ZERO,
             linked: R::ZERO,
             linkage: [[R::ONE, R::ZERO]; N],
@@ -256,9 +273,16 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// Takes over a revolution.
     #[inline(always)]
-    pub(super) fn begin(&mut self, result: Evaluation<R>) {
+    pub(super) fn begin(&mut self, revolution: u32, flags: Flags) {
         let first = if self.linked == self.ratio { Task::Forward } else { Task::Linkage };
-        (self.task, self.progress, self.at, self.result) = (first, Progress::forward::<N>(), 0, result);
+        (self.task, self.progress, self.at) = (first, Progress::forward::<N>(), 0);
+        self.result = Outcome { revolution, flags, ..Outcome::NONE };
+    }
+
+    /// Amplitudes of cos kθ and sin kθ in the profile.
+    pub(super) fn harmonic(&self, harmonic: usize) -> [R; 2] {
+        let [re, im] = self.harmonics.get(harmonic).copied().unwrap_or([R::ZERO; 2]);
+        [re * R::of(AMPLITUDE_SCALE), im * R::of(-AMPLITUDE_SCALE)]
     }
 
     /// The last unit of a task.
@@ -267,9 +291,9 @@ impl<R: Real, const N: usize> Work<R, N> {
         (self.done, self.task) = (self.task, Task::Turn);
     }
 
-    /// From one task to the next; the result, when there is none.
+    /// From one task to the next; true when the result stands.
     #[inline(always)]
-    pub(super) fn finish(&mut self, plan: &Plan<R, N>) -> Option<Evaluation<R>> {
+    pub(super) fn finish(&mut self, plan: &Plan<R, N>) -> bool {
         let finished = self.done;
         match finished {
             Task::Arm if self.worst > plan.arm_tolerance => {
@@ -279,9 +303,10 @@ impl<R: Real, const N: usize> Work<R, N> {
             Task::Statistics => self.gathered = self.gathered.saturating_add(1),
             Task::Evaluate => self.motion.iter_mut().for_each(Motion::express),
             Task::Express => {
-                let [x, y] = &self.motion;
-                (self.result.x, self.result.y) = (x.result(), y.result());
-                self.result.revolutions = self.gathered;
+                for (to, motion) in self.error_motion.iter_mut().zip(&self.motion) {
+                    *to = motion.result();
+                }
+                self.window = self.gathered;
             }
             Task::Clear => self.clear = false,
             Task::Linkage => self.linked = self.ratio,
@@ -302,7 +327,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         if self.task == Task::Evaluate {
             self.motion.iter_mut().for_each(Motion::begin);
         }
-        (finished == Task::Range).then_some(self.result)
+        finished == Task::Range
     }
 
     /// One unit of the forward transform.
@@ -324,7 +349,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         let (pair, last) = pair_unit(spectrum, &mut self.profile, &plan.circle, &plan.profile, &mut self.progress);
         for (k, [re, im]) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
             if let Some(amplitude) = self.harmonics.get_mut(k) {
-                *amplitude = [re * R::of(AMPLITUDE_SCALE), im * R::of(-AMPLITUDE_SCALE)];
+                *amplitude = [re, im];
             }
         }
         last
