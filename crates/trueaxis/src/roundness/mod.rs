@@ -467,7 +467,6 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             Task::Inverse(of) => self.inverse(state, of),
             Task::Arm => self.compare_arm(state),
             Task::Orbit => self.orbit(state),
-            Task::Statistics => self.gather(state),
             Task::Evaluate => self.evaluate(state),
             Task::Express => self.express(state),
             Task::Judge => self.judge(state),
@@ -528,15 +527,6 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     fn orbit(&self, state: &mut RoundnessState<R, N>) -> bool {
         let (work, revolution) = state.work_and_revolution();
         if work.orbit(&self.plan, revolution) {
-            work.end();
-        }
-        false
-    }
-
-    #[inline(never)]
-    fn gather(&self, state: &mut RoundnessState<R, N>) -> bool {
-        let (work, revolution) = state.work_and_revolution();
-        if work.gather(revolution) {
             work.end();
         }
         false

@@ -170,7 +170,7 @@ pub(crate) fn forward_unit<R: Real, const N: usize>(
         return false;
     }
     let length = progress.quarter;
-    *progress = Progress::stage::<N>(length);
+    *progress = Progress { quarter: length >> 2, at: 0, turn: 0, step: 4 * progress.step };
     length < 2
 }
 
@@ -199,9 +199,9 @@ pub(crate) fn inverse_unit<R: Real, const N: usize>(
     if !(progress.advance::<N>() && progress.next_block::<N>()) {
         return false;
     }
-    let length = 16 * progress.quarter;
-    *progress = Progress::stage::<N>(length);
-    length > N / 2
+    let quarter = 4 * progress.quarter;
+    *progress = Progress { quarter, at: 0, turn: 0, step: progress.step >> 2 };
+    quarter > N / 8
 }
 
 /// Places of the four values of a butterfly, and its three twiddle factors.

@@ -1,7 +1,7 @@
 //! The work on one revolution, in units of a fixed size.
 //!
 //! ```text
-//! Forward ─► Spread, Inverse (profile at θ + φ2) ─► Spread, Inverse (profile) ─► Arm ─► Orbit ─► Statistics
+//! Forward ─► Spread, Inverse (profile at θ + φ2) ─► Spread, Inverse (profile) ─► Arm ─► Orbit
 //!        ─► Evaluate, Express (once a window) ─► Spread, Inverse, Judge, Commit (infeed) ─► Spread, Inverse (filter) ─► Range
 //! ```
 //!
@@ -60,7 +60,6 @@ pub(super) enum Task {
     Inverse(Use),
     Arm,
     Orbit,
-    Statistics,
     Evaluate,
     Express,
     Judge,
@@ -188,7 +187,7 @@ impl<R: Real, const N: usize> Plan<R, N> {
         pass + spread
             + optional(self.shifted.is_some(), spread)
             + optional(self.has_arm, N + ARM_CHECKS)
-            + 4 * N
+            + 3 * N
             + optional(self.infeed.is_some(), spread + 2 * N / POINTS_PER_UNIT)
             + optional(self.filtered.is_some(), spread)
             + N / POINTS_PER_UNIT
@@ -207,6 +206,7 @@ impl<R: Real, const N: usize> Plan<R, N> {
     }
 
     /// What comes after a task.
+    #[inline(always)]
     fn next(&self, work: &Work<R, N>) -> Task {
         let window_is_full = work.gathered >= self.revolutions;
         match work.done {
@@ -216,16 +216,15 @@ impl<R: Real, const N: usize> Plan<R, N> {
             Task::Spread(of) => Task::Inverse(of),
             Task::Inverse(Use::Profile) if self.has_arm => Task::Arm,
             Task::Inverse(Use::Profile) | Task::Arm => Task::Orbit,
-            Task::Orbit => Task::Statistics,
-            Task::Statistics if window_is_full => Task::Evaluate,
+            Task::Orbit if window_is_full => Task::Evaluate,
             Task::Evaluate => Task::Express,
-            Task::Statistics | Task::Express if self.infeed.is_some() => Task::Spread(Use::Infeed),
+            Task::Orbit | Task::Express if self.infeed.is_some() => Task::Spread(Use::Infeed),
             Task::Inverse(Use::Infeed) => Task::Judge,
             Task::Judge if !work.result.flags.has(Flags::INFEED_FROZEN) => Task::Commit,
-            Task::Statistics | Task::Express | Task::Judge | Task::Commit if self.filtered.is_some() => {
+            Task::Orbit | Task::Express | Task::Judge | Task::Commit if self.filtered.is_some() => {
                 Task::Spread(Use::Filtered)
             }
-            Task::Statistics | Task::Express | Task::Judge | Task::Commit | Task::Inverse(Use::Filtered) => Task::Range,
+            Task::Orbit | Task::Express | Task::Judge | Task::Commit | Task::Inverse(Use::Filtered) => Task::Range,
             Task::Range | Task::Clear | Task::Idle | Task::Turn => Task::Idle,
         }
     }
@@ -300,7 +299,7 @@ impl<R: Real, const N: usize> Work<R, N> {
                 self.result.flags.set(Flags::ARM);
                 self.result.flags.set(Flags::INFEED_FROZEN);
             }
-            Task::Statistics => self.gathered = self.gathered.saturating_add(1),
+            Task::Orbit => self.gathered = self.gathered.saturating_add(1),
             Task::Evaluate => self.motion.iter_mut().for_each(Motion::express),
             Task::Express => {
                 for (to, motion) in self.error_motion.iter_mut().zip(&self.motion) {
@@ -393,7 +392,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.at >= ARM_CHECKS
     }
 
-    /// Motion of the centre at one point.
+    /// Motion of the centre at one point; it joins those of the window.
     #[inline(always)]
     pub(super) fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>) -> bool {
         let n = self.at & (N - 1);
@@ -406,19 +405,13 @@ impl<R: Real, const N: usize> Work<R, N> {
         let second = revolution.second[n] - ahead;
         let cos2 = plan.cos2 * cos - plan.sin2 * sin;
         let sin2 = plan.sin2 * cos + plan.cos2 * sin;
-        revolution.first[n] = (cos * second - cos2 * first) * plan.per_sin2;
-        revolution.second[n] = (sin2 * first - sin * second) * plan.per_sin2;
-        self.at = n + 1;
-        self.at >= N
-    }
-
-    #[inline(always)]
-    pub(super) fn gather(&mut self, revolution: &Revolution<R, N>) -> bool {
-        let n = self.at & (N - 1);
+        let x = (cos * second - cos2 * first) * plan.per_sin2;
+        let y = (sin2 * first - sin * second) * plan.per_sin2;
+        (revolution.first[n], revolution.second[n]) = (x, y);
         let begins = self.gathered == 0;
-        let [x, y] = &mut self.motion;
-        x.add(n, revolution.first[n], begins);
-        y.add(n, revolution.second[n], begins);
+        let [of_x, of_y] = &mut self.motion;
+        of_x.add(n, x, begins);
+        of_y.add(n, y, begins);
         self.at = n + 1;
         self.at >= N
     }
