@@ -1,7 +1,11 @@
 //! The wire format of docs/telemetry.md, held against the code.
 
 use trueaxis::Fault;
-use trueaxis::telemetry::{AxisFrame, FRAME_BYTES, FRAME_VERSION, Frame, Status};
+use trueaxis::roundness::{ErrorMotion, Flags, HARMONICS, ProbeAngles, Probes, Roundness, RoundnessSettings};
+use trueaxis::telemetry::{
+    AxisFrame, FRAME_BYTES, FRAME_VERSION, Frame, ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION, RoundnessFrame,
+    Status,
+};
 
 /// A frame with the longest variable-length numbers.
 fn longest(axes: usize) -> Frame {
@@ -62,6 +66,81 @@ fn frames_are_laid_out_as_documented() {
         assert_eq!(Frame::decode(bytes).unwrap(), frame);
         assert_eq!(record.len(), 19 + 3 * 20 + 2 * 17);
     }
+}
+
+/// A revolution with the longest numbers.
+fn longest_revolution() -> RoundnessFrame {
+    let motion = ErrorMotion {
+        synchronous_um: 1.1_f32,
+        asynchronous_um: 2.2,
+        once_per_revolution_um: [3.3, 4.4],
+        total_um: 5.5,
+    };
+    RoundnessFrame {
+        version: ROUNDNESS_FRAME_VERSION,
+        machine_id: u32::MAX,
+        revolution: u32::MAX,
+        evaluated: u32::MAX,
+        skipped: u32::MAX,
+        discarded: u32::MAX,
+        flags: Flags(u16::MAX),
+        peak_to_valley_um: 1.1,
+        revolutions: u16::MAX,
+        x: motion,
+        y: motion,
+        first_harmonic: u16::MAX,
+        harmonics: (0..HARMONICS).map(|_| [1.1, 2.2]).collect(),
+    }
+}
+
+#[test]
+fn revolutions_are_laid_out_as_documented() {
+    let mut buffer = [0; ROUNDNESS_FRAME_BYTES];
+    let frame = longest_revolution();
+    let bytes = frame.encode(&mut buffer).unwrap();
+    assert_eq!(bytes.len(), 1 + 25 + 3 + 4 + 3 + 2 * 20 + 3 + 2 + 8 * HARMONICS + 2 + bytes.len() / 255);
+    let (closing, body) = bytes.split_last().unwrap();
+    assert_eq!(*closing, 0);
+    let record = uncobs(body);
+    assert_eq!(record[0], 129, "a byte that no record of a cycle begins with");
+    assert_eq!(record[29..33], 1.1_f32.to_le_bytes(), "peak to valley");
+    assert_eq!(record[36..40], 1.1_f32.to_le_bytes(), "synchronous, X");
+    assert_eq!(record[44..52], [3.3_f32.to_le_bytes(), 4.4_f32.to_le_bytes()].concat(), "once per revolution, X");
+    assert_eq!(record[79..81], [0x80, 0x01], "128 harmonics");
+    assert_eq!(RoundnessFrame::decode(bytes).unwrap(), frame);
+    let mut buffer = [0; ROUNDNESS_FRAME_BYTES];
+    let bytes = frame.encode(&mut buffer).unwrap();
+    assert!(Frame::decode(bytes).is_err(), "not taken for a cycle");
+    assert!(frame.encode(&mut [0; 100]).is_err());
+}
+
+/// What the gauge knows of a revolution arrives.
+#[test]
+fn a_revolution_of_the_gauge_arrives() {
+    let settings = RoundnessSettings::with_defaults(64, ProbeAngles::Slots { p: 11, q: 15 }, 1 << 20);
+    let gauge = Roundness::<f32, 64>::build(&settings, 100_000).unwrap();
+    let mut state = gauge.start();
+    assert_eq!(RoundnessFrame::of(7, &gauge, &state), None);
+    let phi = [0.0, gauge.gain().phi2(), gauge.gain().phi2() + gauge.gain().phi3()];
+    for cycle in 0..4_000 {
+        let (now, before) = (cycle * 1000, (cycle - 1) * 1000);
+        let theta = f64::from(now) / f64::from(1 << 20) * std::f64::consts::TAU;
+        let probes = Probes {
+            readings: phi.map(|phi| (2.0 * (3.0 * (theta + phi)).cos()) as f32),
+            spindle: now,
+            index: ((now >> 20) != (before >> 20)).then_some((now >> 20) << 20),
+            arm: 0,
+            new_part: false,
+        };
+        gauge.update(&mut state, &probes, false);
+    }
+    let frame = RoundnessFrame::of(7, &gauge, &state).unwrap();
+    assert_eq!((frame.machine_id, frame.revolution, frame.evaluated, frame.flags), (7, 2, 2, Flags::default()));
+    assert_eq!((frame.first_harmonic, frame.harmonics.len()), (2, 30));
+    assert!((frame.harmonics[1][0] - 2.0).abs() < 1e-4 && frame.harmonics[1][1].abs() < 1e-4, "{frame:?}");
+    assert!((frame.peak_to_valley_um - 4.0).abs() < 0.05);
+    let mut buffer = [0; ROUNDNESS_FRAME_BYTES];
+    assert_eq!(RoundnessFrame::decode(frame.encode(&mut buffer).unwrap()).unwrap(), frame);
 }
 
 /// Consistent overhead byte stuffing, undone: every code byte says how far off the next zero is.

@@ -10,6 +10,7 @@ use trueaxis::check::{self, TableRule};
 use trueaxis::compensation::Rows;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{Axis, MachineSettings};
+use trueaxis::roundness::{Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, RoundnessSettings};
 use trueaxis::tcomp::{Tcomp, TcompError, checksum, machine_id};
 use trueaxis_tables::{Machine, Warning, check, compile, summary};
 
@@ -27,7 +28,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 /// A file around a payload.
 fn file(id: u32, payload: &[u8]) -> Vec<u8> {
-    let mut bytes = b"TRUEAXIS\x01\x00".to_vec();
+    let mut bytes = b"TRUEAXIS\x02\x00".to_vec();
     bytes.extend(id.to_le_bytes());
     bytes.extend(u32::try_from(payload.len()).unwrap().to_le_bytes());
     bytes.extend(payload);
@@ -67,6 +68,8 @@ fn the_bytes_are_those_documented() {
         numbers(&mut payload, &[-500.0, 500.0, -501.0, 501.0, 0.0, 0.0, 0.0, 500.0, backlash, 0.001]);
         numbers(&mut payload, &[0.1, 1.0, 200.0, 0.0, expansion, 0.0]);
     }
+    let gauge = payload.len();
+    payload.push(0);
     payload.extend([1, 0b10_0011, 1, 3]);
     numbers(&mut payload, &[0.0, 0.010, 0.0, 0.0, 0.011, 0.0, 0.0]);
     numbers(&mut payload, &[50.0, -0.020, 0.0, 0.0, -0.019, 0.0, 0.0]);
@@ -78,6 +81,47 @@ fn the_bytes_are_those_documented() {
     let id = crc32(b"small\nw C' X' b Z t");
     assert_eq!(machine_id("small", "w C' X' b Z t"), id);
     assert_eq!(compile(&machine).unwrap(), file(id, &payload));
+
+    // The same machine with a gauge of three probes.
+    let mut with = small_machine::machine();
+    let mut settings = RoundnessSettings::with_defaults(1024, ProbeAngles::Slots { p: 188, q: 667 }, 3_600_000);
+    settings.arm = Some(ArmSettings {
+        lengths: Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 },
+        counts: 4096,
+        direction: -1,
+        tolerance_deg: 0.5,
+    });
+    settings.filter = Some(50);
+    settings.infeed = Some(InfeedSettings {
+        axis: Axis::X,
+        direction: 1,
+        band: Band { first: 2, last: 50 },
+        gain: 0.25,
+        delay_revolutions: 2,
+        contact_deg: 180.0,
+        drive_delay_s: 0.001,
+        limit_um: 20.0,
+    });
+    with.settings.roundness = Some(settings);
+    // Varints: seven bits a byte, lowest first.
+    let mut gauge_bytes = vec![1, 0x80, 0x08, 0, 0xbc, 0x01, 0x9b, 0x05, 2, 100];
+    numbers(&mut gauge_bytes, &[100.0]);
+    for _ in 0..3 {
+        numbers(&mut gauge_bytes, &[1.0, 0.0, -1000.0, 1000.0]);
+    }
+    gauge_bytes.extend([0x80, 0xdd, 0xdb, 0x01, 1, 1, 0x91, 0x1c]);
+    gauge_bytes.push(1);
+    numbers(&mut gauge_bytes, &[45.0, 300.0, 27.5]);
+    gauge_bytes.extend([0x80, 0x20, 0xff]);
+    numbers(&mut gauge_bytes, &[0.5]);
+    gauge_bytes.extend([1, 50, 8, 1]);
+    numbers(&mut gauge_bytes, &[1.0]);
+    gauge_bytes.extend([1, 0, 1, 2, 50]);
+    numbers(&mut gauge_bytes, &[0.25]);
+    gauge_bytes.push(2);
+    numbers(&mut gauge_bytes, &[180.0, 0.001, 20.0]);
+    payload.splice(gauge..=gauge, gauge_bytes);
+    assert_eq!(compile(&with).unwrap(), file(id, &payload));
 }
 
 #[test]
@@ -158,6 +202,10 @@ fn nonsense_with_a_good_sum_is_refused() {
     }
 }
 
+fn gauge(points: u16) -> RoundnessSettings {
+    RoundnessSettings::with_defaults(points, ProbeAngles::Slots { p: 11, q: 15 }, 1 << 20)
+}
+
 /// Bytes of a file whose settings are changed behind the compiler's back.
 fn forged(change: impl Fn(&mut MachineSettings)) -> Result<(), TcompError> {
     let machine = sample();
@@ -174,7 +222,10 @@ fn forged(change: impl Fn(&mut MachineSettings)) -> Result<(), TcompError> {
 fn settings_that_make_no_sense_are_refused() {
     assert_eq!(forged(|_| ()), Ok(()));
     type Change = fn(&mut MachineSettings);
-    let cases: [(Field, Change); 20] = [
+    let cases: [(Field, Change); 23] = [
+        (Field::Points, |m| m.roundness = Some(gauge(1000))),
+        (Field::Harmonics, |m| m.roundness = Some(RoundnessSettings { band: Band { first: 0, last: 9 }, ..gauge(64) })),
+        (Field::Spindle, |m| m.roundness = Some(RoundnessSettings { stop_s: f64::NAN, ..gauge(64) })),
         (Field::Name, |m| m.name.clear()),
         (Field::Chain, |m| m.chain = "w C' A' Y' b X Z".parse().unwrap()),
         (Field::Axes, |m| m.chain = "w C' A' Y' b X t".parse().unwrap()),
