@@ -319,7 +319,7 @@ fn read_page(page: &str) -> (String, usize) {
 #[test]
 fn the_report_shows_circles_harmonics_and_orbits() {
     let directory = tempfile::tempdir().unwrap();
-    let profile = |theta: f64| 2.0 * (2.0 * theta).cos() + (3.0 * theta + 0.4).cos() + 0.2 * (40.0 * theta).sin();
+    let profile = |theta: f64| 1.5 * (2.0 * theta).cos() + (3.0 * theta + 0.4).cos() + 0.2 * (40.0 * theta).sin();
     let motion = |revolution: usize, theta: f64| {
         let wobble = 0.3 * (2.5 * theta + 2.0 * revolution as f64).sin();
         [20.0 * theta.cos() + wobble, (4.0 * theta).cos() - wobble]
@@ -334,7 +334,7 @@ fn the_report_shows_circles_harmonics_and_orbits() {
     // One figure each for polar plot, amplitudes, noise gains, orbit, motion over θ, development.
     assert_eq!(page.matches("<figure").count(), 6);
     for part in
-        ["LSC", "MZC", "MIC", "MCC", "Magnification 5000 : 1", "one division is", "Suppressed: ", "5 revolutions"]
+        ["LSC", "MZC", "MIC", "MCC", "Magnification 10000 : 1", "one division is", "Suppressed: ", "5 revolutions"]
     {
         assert!(text.contains(part), "{part}");
     }

@@ -24,10 +24,9 @@ pub(crate) fn page(source: &str, evaluation: &Evaluation, gain: &Gain, noise_gai
     let filter = found.upr.map_or("no filter".to_owned(), |upr| format!("Gaussian filter {upr} UPR"));
     let body = [
         format!(
-            "<p class=\"run\">{} · {} revolution{} of {} points · φ2 = {}°, φ3 = {}° · {filter}</p>\n",
+            "<p class=\"run\">{} · {} of {} points · φ2 = {}°, φ3 = {}° · {filter}</p>\n",
             escape(source),
-            found.revolutions,
-            if found.revolutions == 1 { "" } else { "s" },
+            count(found.revolutions),
             found.n,
             tick(gain.phi2().to_degrees()),
             tick(gain.phi3().to_degrees())
@@ -42,6 +41,10 @@ pub(crate) fn page(source: &str, evaluation: &Evaluation, gain: &Gain, noise_gai
     document("Roundness and spindle error", &body.concat())
 }
 
+fn count(revolutions: usize) -> String {
+    format!("{revolutions} revolution{}", if revolutions == 1 { "" } else { "s" })
+}
+
 fn warnings(found: &Document) -> String {
     if found.warnings.is_empty() {
         return String::new();
@@ -50,13 +53,16 @@ fn warnings(found: &Document) -> String {
     format!("<ul>{items}</ul>\n")
 }
 
+/// One figure of a revolution.
+type Pick = fn(&Zones) -> f64;
+
 fn tables(found: &Document) -> String {
-    let range = |pick: fn(&Zones) -> f64| {
+    let range = |pick: Pick| {
         let values = || found.per_revolution.iter().map(|revolution| pick(&revolution.zones));
         let [low, high] = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
         format!("{} to {}", significant(low, 3), significant(high, 3))
     };
-    let picks: [(&str, fn(&Zones) -> f64); 4] = [
+    let picks: [(&str, Pick); 4] = [
         ("LSC, least squares", |zones| zones.lsc_um),
         ("MZC, minimum zone", |zones| zones.mzc_um),
         ("MIC, maximum inscribed", |zones| zones.mic_um),
@@ -150,9 +156,9 @@ fn polar(evaluation: &Evaluation) -> String {
         keys.push(Key { colour, dashed: colour == colour::ORANGE, text });
     }
     let caption = format!(
-        "Mean of {} revolution(s). Magnification {} : 1 at the figure's full width of 160 mm; one division is {} µm. \
+        "Mean of {}. Magnification {} : 1 at the figure's full width of 160 mm; one division is {} µm. \
          θ = 0 to the right, counter-clockwise. The circles are limaçons: the radius of the part is not known.",
-        evaluation.document.revolutions,
+        count(evaluation.document.revolutions),
         magnification(scale),
         tick(division)
     );
@@ -289,8 +295,9 @@ fn orbit(evaluation: &Evaluation) -> String {
         Key { colour: colour::BLUE, dashed: false, text: "mean of the revolutions (synchronous)" },
         Key { colour: colour::GREY, dashed: false, text: "single revolutions (asynchronous)" },
     ];
-    let shown = if every == 1 { "All".to_owned() } else { format!("Every {every}th of the") };
-    let caption = format!("{shown} revolutions; position and once-per-revolution part are taken out (ISO 230-7).");
+    let shown = if every == 1 { "All".to_owned() } else { format!("One in {every}") };
+    let caption =
+        format!("{shown} of the revolutions; position and once-per-revolution part are taken out (ISO 230-7).");
     let over_theta = over_theta(evaluation, every);
     format!("<div class=\"figures\">\n{}{over_theta}</div>\n", framed("half", &keys, &svg, &caption))
 }

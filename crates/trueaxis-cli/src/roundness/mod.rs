@@ -15,6 +15,7 @@ use std::path::PathBuf;
 use trueaxis::roundness::filter;
 use trueaxis::roundness::offline::{NOISE_GAIN_LIMIT, Separation, Separator};
 use trueaxis::roundness::{Arm, Band};
+use trueaxis_tables::error::FileError;
 
 pub(crate) const HELP: &str = "\
 PROBES.csv: h1_um,h2_um,h3_um, whole revolutions of N rows, equidistant in θ (the angle over the part's surface) from 0.
@@ -115,9 +116,14 @@ fn read(arguments: &Arguments, points: usize) -> Result<[Vec<f64>; 3]> {
     let file = Rows::read(&arguments.readings, &COLUMNS)?;
     let count = file.rows.len();
     if !count.is_multiple_of(points) {
-        let line = file.rows.last().map_or(1, |(line, _, _)| *line);
-        let found = format!("{count} rows ({} revolutions and {} rows)", count / points, count % points);
-        return Err(file.error(line, "h1_um", found, format!("whole revolutions of {points} rows")));
+        return Err(FileError {
+            file: file.file,
+            line: file.rows.last().map(|(line, _, _)| *line),
+            column: None,
+            found: format!("{count} rows ({} revolutions and {} rows)", count / points, count % points),
+            needed: format!("whole revolutions of {points} rows"),
+        }
+        .into());
     }
     let mut probes = [const { Vec::new() }; 3];
     for (_, values, _) in &file.rows {
