@@ -195,3 +195,28 @@ fn what_cannot_be_separated_is_refused() {
     let error = separator.separate([&right, &right[1..], &right]).unwrap_err();
     assert_eq!((error.index, error.found), (Some(1), 1023.0));
 }
+
+/// Independent noise of standard deviation σ in every probe makes a mean square amplitude of 4 σ² g²/N in a harmonic of
+/// noise gain g.
+#[test]
+fn noise_grows_by_the_noise_gain() {
+    let (points, revolutions) = (128, 600);
+    let band = Band { first: 2, last: 40 };
+    let gain = degrees(90.0, 181.05).resolve(points).unwrap();
+    let separator = Separator::new(gain, band, NOISE_GAIN_LIMIT, 0.1).unwrap();
+    let mut noise = Noise(11);
+    let mut squares = std::vec![0.0; band.iter().count()];
+    for _ in 0..revolutions {
+        let probes = [(); 3].map(|()| (0..points).map(|_| noise.next()).collect::<Vec<f64>>());
+        let found = separator.separate([&probes[0], &probes[1], &probes[2]]).unwrap();
+        for (square, harmonic) in squares.iter_mut().zip(separator.harmonics(&found.profile).unwrap()) {
+            *square += harmonic.amplitude * harmonic.amplitude / f64::from(revolutions);
+        }
+    }
+    for (k, square) in band.iter().zip(squares) {
+        // σ² of numbers spread evenly over −1..1 is 1/3.
+        let expected = 4.0 / 3.0 * gain.noise_gain(usize::from(k)).powi(2) / points as f64;
+        // The mean of 600 exponentially distributed squares strays by 4 %.
+        assert!((square / expected - 1.0).abs() < 0.2, "{k}: {square} {expected}");
+    }
+}
