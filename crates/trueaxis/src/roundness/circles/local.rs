@@ -29,6 +29,8 @@ pub(super) struct Local {
     /// R₀.
     pub(super) radius: f64,
     pub(super) points: Vec<Point>,
+    /// Largest |e| and largest coordinate.
+    largest: [f64; 2],
 }
 
 /// Farthest and nearest point from a centre.
@@ -52,7 +54,10 @@ impl Local {
             let rest = rest_1 + rest_2 + (xx.1 + yy.1 - rr.1) + 2.0 * (x * x_rest + y * y_rest);
             Point { x, y, e: sum + rest, index }
         };
-        Self { origin, radius, points: points.iter().enumerate().map(local).collect() }
+        let points: Vec<Point> = points.iter().enumerate().map(local).collect();
+        let largest = |value: fn(&Point) -> f64| points.iter().map(value).fold(0.0, f64::max);
+        let largest = [largest(|p| p.e.abs()), largest(|p| p.x.abs().max(p.y.abs()))];
+        Self { origin, radius, points, largest }
     }
 
     /// Distance from the local centre c of a point with this f(c).
@@ -72,8 +77,12 @@ impl Local {
 
     /// What rounding makes of f at centres up to a distance from the origin: nothing below it means anything.
     pub(super) fn noise(&self, distance: f64) -> f64 {
-        let largest = |value: fn(&Point) -> f64| self.points.iter().map(value).fold(0.0, f64::max);
-        4.0 * f64::EPSILON * (largest(|p| p.e.abs()) + 2.0 * distance * largest(|p| p.x.abs().max(p.y.abs())))
+        4.0 * f64::EPSILON * (self.largest[0] + 2.0 * distance * self.largest[1])
+    }
+
+    /// Bound on how much f differs between two points a unit of the centre apart.
+    pub(super) fn steepest(&self) -> f64 {
+        8.0 * self.largest[1]
     }
 
     /// The circle about c with all points between inner and outer; the radius is the mean of the two.

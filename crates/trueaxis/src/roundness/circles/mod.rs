@@ -22,7 +22,7 @@
 //! ```
 
 mod circumscribed;
-//mod inscribed;
+mod inscribed;
 mod least_squares;
 //pub mod limacon;
 mod local;
@@ -30,7 +30,7 @@ mod minimum_zone;
 mod width;
 
 pub use circumscribed::minimum_circumscribed;
-//pub use inscribed::maximum_inscribed;
+pub use inscribed::maximum_inscribed;
 pub use least_squares::least_squares;
 pub use minimum_zone::minimum_zone;
 
