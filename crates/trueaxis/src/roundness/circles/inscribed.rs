@@ -1,6 +1,6 @@
 //! Maximum inscribed circle.
 
-use super::local::{Local, Point, equidistant, extremes};
+use super::local::{Local, Point, QUARTERS, equidistant, extremes};
 use super::{NoCircle, ReferenceCircle, check, largest_gap, least_squares};
 use core::f64::consts::PI;
 use std::vec::Vec;
@@ -31,13 +31,25 @@ pub fn maximum_inscribed(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircl
     let (x, y) = (range(|p| p.x), range(|p| p.y));
     let middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];
     let half = 0.5 * (x[1] - x[0]).max(y[1] - y[0]);
-    let mut search = Search { local: &local, square: f64::NEG_INFINITY, best: None };
-    let low = extremes(&local.points, &local.points, middle);
-    search.cut(middle, half, &local.points, (low.near, low.low));
+    let mut search = {
+        let [_, near] = local.sample(GROUPS);
+        Search::new(&local, near)
+    };
+    search.inflate();
+    search.narrow(middle, half);
     let (centre, contacts) = search.best.ok_or(NoCircle::PartArc)?;
     let circle = local.circle(centre, contacts);
     Ok(ReferenceCircle { radius: circle.inner, ..circle })
 }
+
+/// Groups of points, the extremes of which shrink the square of centres to the size of the zone.
+const GROUPS: usize = 24;
+
+/// Squares that may be tried on that sample before all points are asked.
+const TRIALS: usize = 10_000;
+
+/// Points that the first circle is made of at most.
+const MOST: usize = 30;
 
 /// A square is searched triple by triple when no more points than this can be nearest in it.
 const FEW: usize = 6;
@@ -47,27 +59,84 @@ struct Search<'a> {
     /// Best radius, as R² − R₀².
     square: f64,
     best: Option<([f64; 2], Vec<usize>)>,
+    sample: Vec<Point>,
+    /// Zone about the least-squares centre.
+    zone: f64,
+    trials: usize,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(local: &'a Local, sample: Vec<Point>) -> Self {
+        let at = local.extremes([0.0; 2]);
+        let zone = local.width(at.high, at.low, [0.0; 2]);
+        Self { local, square: f64::NEG_INFINITY, best: None, sample, zone, trials: 0 }
+    }
+
+    /// A first circle: the best one of a few points all round, with the nearest point added until none is inside. For
+    /// near-round points it is the answer already.
+    fn inflate(&mut self) {
+        for groups in [8, 16, MOST / 2] {
+            let [_, mut few] = self.local.sample(groups);
+            while few.len() < MOST {
+                let mut inner = Self::new(self.local, Vec::new());
+                inner.triples(&few, &few);
+                let Some((c, _)) = inner.best else { break };
+                let nearest = self.local.extremes(c).near;
+                if few.iter().any(|p| p.index == nearest.index) {
+                    self.triples(&few, &self.local.points);
+                    break;
+                }
+                few.push(nearest);
+            }
+            if self.best.is_some() {
+                return;
+            }
+        }
+    }
+
+    /// Upper bound of R² − R₀² in a square about m, the nearest of a list there, and its f.
+    fn bound(&self, list: &[Point], m: [f64; 2], half: f64) -> (f64, Point, f64) {
+        let at = extremes(list, list, m);
+        let reach = (at.near.x - m[0]).abs() + (at.near.y - m[1]).abs() + half;
+        (at.low + m[0] * m[0] + m[1] * m[1] + 2.0 * half * reach, at.near, at.low)
+    }
+
+    /// Cuts a square in four on a few points as long as it is large against the zone, because all points can still be
+    /// nearest in it then.
+    fn narrow(&mut self, m: [f64; 2], half: f64) {
+        self.trials += 1;
+        if self.bound(&self.sample, m, half).0 <= self.square {
+            return;
+        }
+        if half > 2.0 * self.zone && self.trials < TRIALS {
+            let quarter = 0.5 * half;
+            for [x, y] in QUARTERS {
+                self.narrow([m[0] + x * quarter, m[1] + y * quarter], quarter);
+            }
+            return;
+        }
+        let (bound, nearest, low) = self.bound(&self.local.points, m, half);
+        if bound > self.square {
+            self.cut(m, half, &self.local.points, (nearest, low));
+        }
+    }
+
     fn cut(&mut self, m: [f64; 2], half: f64, near: &[Point], (nearest, low): (Point, f64)) {
         let noise = self.local.noise(m[0].hypot(m[1]) + half);
         let reach = |p: &Point| 2.0 * half * ((p.x - nearest.x).abs() + (p.y - nearest.y).abs()) + noise;
         let near: Vec<Point> = near.iter().filter(|p| p.f(m) - reach(p) <= low).copied().collect();
         if near.len() <= FEW {
-            return self.triples(&near);
+            return self.triples(&near, &self.local.points);
         }
         let quarter = 0.5 * half;
         // Points that share the centre to rounding (exact symmetry): it cannot be told apart any further.
         if quarter * self.local.steepest() <= noise {
             return self.tied(m, &near);
         }
-        let mut parts = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[x, y]| {
+        let mut parts = QUARTERS.map(|[x, y]| {
             let m = [m[0] + x * quarter, m[1] + y * quarter];
-            let at = extremes(&near, &near, m);
-            // The nearest of the middle bounds the distance to the nearest in the square.
-            let reach = (at.near.x - m[0]).abs() + (at.near.y - m[1]).abs() + quarter;
-            (at.low + m[0] * m[0] + m[1] * m[1] + 2.0 * quarter * reach, m, (at.near, at.low))
+            let (bound, nearest, low) = self.bound(&near, m, quarter);
+            (bound, m, (nearest, low))
         });
         parts.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (bound, m, at) in parts {
@@ -77,20 +146,20 @@ impl Search<'_> {
         }
     }
 
-    fn triples(&mut self, near: &[Point]) {
+    fn triples(&mut self, near: &[Point], all: &[Point]) {
         for (i, a) in near.iter().enumerate() {
             for (j, b) in near.iter().enumerate().skip(i + 1) {
                 for c in &near[j + 1..] {
                     if let Some(centre) = equidistant(a, b, a, c) {
-                        self.offer(centre, [a, b, c], near);
+                        self.offer(centre, [a, b, c], near, all);
                     }
                 }
             }
         }
     }
 
-    /// Takes a circle on three points if it is the largest so far, empty, and held on all sides.
-    fn offer(&mut self, c: [f64; 2], on: [&Point; 3], near: &[Point]) {
+    /// Takes a circle on three points if it is the largest so far, empty of all points, and held on all sides.
+    fn offer(&mut self, c: [f64; 2], on: [&Point; 3], near: &[Point], all: &[Point]) {
         let values = on.map(|p| p.f(c));
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -101,10 +170,10 @@ impl Search<'_> {
         // The three agree to the rounding of their own centre; points within it touch as well.
         let tie = (most - least) + self.local.noise(c[0].hypot(c[1]));
         let inside = |p: &Point| p.f(c) < least - tie;
-        if near.iter().any(inside) || self.local.points.iter().any(inside) {
+        if near.iter().any(inside) || all.iter().any(inside) {
             return;
         }
-        let touching: Vec<&Point> = self.local.points.iter().filter(|p| p.f(c) <= most + tie).collect();
+        let touching: Vec<&Point> = all.iter().filter(|p| p.f(c) <= most + tie).collect();
         if held(&touching, c) {
             self.square = square;
             self.best = Some((c, contacts(&touching, c)));

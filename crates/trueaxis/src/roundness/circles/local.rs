@@ -33,6 +33,9 @@ pub(super) struct Local {
     largest: [f64; 2],
 }
 
+/// Middles of the four parts of a square with half sides of 2.
+pub(super) const QUARTERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
+
 /// Farthest and nearest point from a centre.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extremes {
@@ -69,6 +72,19 @@ impl Local {
     pub(super) fn width(&self, high: f64, low: f64, c: [f64; 2]) -> f64 {
         let sum = self.distance(high, c) + self.distance(low, c);
         if sum > 0.0 { (high - low) / sum } else { 0.0 }
+    }
+
+    /// The farthest and the nearest point of each of a number of equally large groups, in the order of their directions:
+    /// a bound on these is a bound on all.
+    pub(super) fn sample(&self, groups: usize) -> [Vec<Point>; 2] {
+        let mut around: Vec<(f64, &Point)> = self.points.iter().map(|p| (p.y.atan2(p.x), p)).collect();
+        around.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let order = |a: &&(f64, &Point), b: &&(f64, &Point)| a.1.e.total_cmp(&b.1.e);
+        let groups = || around.chunks(self.points.len().div_ceil(groups));
+        [
+            groups().filter_map(|group| group.iter().max_by(order)).map(|(_, p)| **p).collect(),
+            groups().filter_map(|group| group.iter().min_by(order)).map(|(_, p)| **p).collect(),
+        ]
     }
 
     pub(super) fn extremes(&self, c: [f64; 2]) -> Extremes {

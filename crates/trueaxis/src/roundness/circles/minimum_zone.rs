@@ -1,7 +1,7 @@
 //! Minimum zone circle.
 
 use super::circumscribed::enclose;
-use super::local::{Extremes, Local, Point, equidistant, extremes};
+use super::local::{Extremes, QUARTERS, Local, Point, equidistant, extremes};
 use super::width::smallest_width;
 use super::{NoCircle, ReferenceCircle, check, least_squares};
 use std::vec::Vec;
@@ -30,8 +30,7 @@ pub fn minimum_zone(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     let strip = smallest_width(points);
     let mut search = Search::new(&local, strip);
     let half = search.start(strip);
-    let at = local.extremes([0.0; 2]);
-    search.cut([0.0; 2], half, &local.points, &local.points, at);
+    search.narrow([0.0; 2], half);
     if search.width >= strip {
         return Err(NoCircle::Straight);
     }
@@ -55,6 +54,12 @@ fn reference(points: &[[f64; 2]]) -> Local {
     }
 }
 
+/// Groups of points, the extremes of which shrink the square of centres to the size of the zone.
+const GROUPS: usize = 24;
+
+/// Squares that may be tried on that sample before all points are asked.
+const TRIALS: usize = 10_000;
+
 /// A square is searched centre by centre when no more points than this can decide in it, far and near together.
 const FEW: usize = 9;
 
@@ -64,11 +69,14 @@ struct Search<'a> {
     width: f64,
     centre: [f64; 2],
     contacts: Vec<usize>,
+    sample: [Vec<Point>; 2],
+    trials: usize,
 }
 
 impl<'a> Search<'a> {
     fn new(local: &'a Local, strip: f64) -> Self {
-        let mut search = Self { local, width: strip, centre: [0.0; 2], contacts: Vec::new() };
+        let sample = local.sample(GROUPS);
+        let mut search = Self { local, width: strip, centre: [0.0; 2], contacts: Vec::new(), sample, trials: 0 };
         search.offer([0.0; 2], &[]);
         search
     }
@@ -92,7 +100,29 @@ impl<'a> Search<'a> {
         size + (size * size / (strip - self.width).max(0.0)).min(1e4 * size)
     }
 
-    /// Far and near points of a smaller square, or nothing if no better zone can be in it.
+    /// Cuts a square in four on a few points as long as it is large against the zone, because all points can still be
+    /// farthest or nearest in it then.
+    fn narrow(&mut self, m: [f64; 2], half: f64) {
+        self.trials += 1;
+        let at = extremes(&self.sample[0], &self.sample[1], m);
+        if self.bound(&at, m, half) >= self.width {
+            return;
+        }
+        if half > 2.0 * self.width && self.trials < TRIALS {
+            let quarter = 0.5 * half;
+            for [x, y] in QUARTERS {
+                self.narrow([m[0] + x * quarter, m[1] + y * quarter], quarter);
+            }
+            return;
+        }
+        let at = self.local.extremes(m);
+        self.offer(m, &[]);
+        if self.bound(&at, m, half) < self.width {
+            self.cut(m, half, &self.local.points, &self.local.points, at);
+        }
+    }
+
+    /// Lower bound of the zone in a square about m.
     fn bound(&self, at: &Extremes, m: [f64; 2], half: f64) -> f64 {
         let local = self.local;
         let reach = 2.0 * half * ((at.far.x - at.near.x).abs() + (at.far.y - at.near.y).abs());
@@ -111,7 +141,7 @@ impl<'a> Search<'a> {
             return self.vertices(&far, &near);
         }
         let quarter = 0.5 * half;
-        let mut parts = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[x, y]| {
+        let mut parts = QUARTERS.map(|[x, y]| {
             let m = [m[0] + x * quarter, m[1] + y * quarter];
             let at = extremes(&far, &near, m);
             (self.bound(&at, m, quarter), m, at)
