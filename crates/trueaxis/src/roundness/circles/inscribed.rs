@@ -191,12 +191,15 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Whether the points surround the centre: no gap of half a turn between neighbours.
+/// Whether the points surround the centre: no gap of more than half a turn between neighbours.
+///
+/// Exactly symmetric points hold a circle between two opposite ones, to the second order of their rounding: hence the
+/// hair above half a turn.
 fn held(touching: &[&Point], c: [f64; 2]) -> bool {
-    largest_gap(touching.iter().map(|p| (p.y - c[1]).atan2(p.x - c[0]))) < PI * (1.0 - 1e-12)
+    largest_gap(touching.iter().map(|p| (p.y - c[1]).atan2(p.x - c[0]))) <= PI * (1.0 + 1e-9)
 }
 
-/// The three, or of exactly opposite ones four, points out of those that touch which hold the circle best.
+/// Three of the points that touch which hold the circle, or all of them.
 fn contacts(touching: &[&Point], c: [f64; 2]) -> Vec<usize> {
     let angle = |p: &Point| (p.y - c[1]).atan2(p.x - c[0]);
     let index = |points: &[&Point]| points.iter().map(|p| p.index).collect();

@@ -24,7 +24,7 @@
 mod circumscribed;
 mod inscribed;
 mod least_squares;
-//pub mod limacon;
+pub mod limacon;
 mod local;
 mod minimum_zone;
 mod width;
