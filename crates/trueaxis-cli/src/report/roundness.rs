@@ -114,11 +114,12 @@ fn around(count: usize, distance: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
 fn polar(evaluation: &Evaluation) -> String {
     let (profile, circles) = (&evaluation.profile, &evaluation.circles);
     let base = circles.lsc.radius;
-    let all = [&circles.lsc, &circles.mzc, &circles.mic, &circles.mcc];
-    let edge = |circle: &ReferenceCircle| {
-        (circle.radius - base).abs() + circle.centre[0].hypot(circle.centre[1]) + 0.5 * circle.zone
-    };
-    let largest = all.map(edge).into_iter().chain(profile.iter().map(|r| (r - base).abs())).fold(0.0, f64::max);
+    // How far each circle goes from the base; of the minimum zone both circles are drawn.
+    let half_zone = 0.5 * circles.mzc.zone;
+    let drawn = [(&circles.lsc, 0.0), (&circles.mzc, half_zone), (&circles.mic, 0.0), (&circles.mcc, 0.0)];
+    let edges =
+        drawn.map(|(circle, half)| (circle.radius - base).abs() + circle.centre[0].hypot(circle.centre[1]) + half);
+    let largest = edges.into_iter().chain(profile.iter().map(|r| (r - base).abs())).fold(0.0, f64::max);
     // mm on the page per µm; 1, 2 or 5 times a power of ten.
     let scale = round_down(REACH_MM / largest);
     let division = round_down(1.02 * 10.0 / scale);
@@ -135,8 +136,8 @@ fn polar(evaluation: &Evaluation) -> String {
             })
         };
         plot.line(limacon(&circles.lsc, 0.0), Stroke::new(colour::BLUE, 1.2))?;
-        for half in [-0.5, 0.5] {
-            plot.dashed(limacon(&circles.mzc, half * circles.mzc.zone), Stroke::new(colour::ORANGE, 1.2))?;
+        for half in [-half_zone, half_zone] {
+            plot.dashed(limacon(&circles.mzc, half), Stroke::new(colour::ORANGE, 1.2))?;
         }
         plot.line(limacon(&circles.mcc, 0.0), Stroke::new(colour::GREEN, 1.2))?;
         plot.line(limacon(&circles.mic, 0.0), Stroke::new(colour::PURPLE, 1.2))?;

@@ -291,7 +291,9 @@ impl Vertex {
             if best.as_ref().is_none_or(|best| value < best.value) {
                 let of = match (triple, aim) {
                     (false, _) => [a, b, c, d].to_vec(),
-                    (true, Aim::Zone) if a.residual(centre) > 0.5 * (at.high.0 + at.low.0) => [a, b, d, &at.low.1].to_vec(),
+                    (true, Aim::Zone) if a.residual(centre) > 0.5 * (at.high.0 + at.low.0) => {
+                        [a, b, d, &at.low.1].to_vec()
+                    }
                     (true, Aim::Zone) => [a, b, d, &at.high.1].to_vec(),
                     (true, _) => [a, b, d].to_vec(),
                 };

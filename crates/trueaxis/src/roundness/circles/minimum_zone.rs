@@ -1,7 +1,7 @@
 //! Minimum zone circle.
 
 use super::circumscribed::enclose;
-use super::local::{Extremes, QUARTERS, Local, Point, equidistant, extremes};
+use super::local::{Extremes, Local, Point, QUARTERS, equidistant, extremes};
 use super::width::smallest_width;
 use super::{NoCircle, ReferenceCircle, check, least_squares};
 use std::vec::Vec;
