@@ -142,6 +142,12 @@ impl Plot<'_, '_> {
         self.chart.draw_series([PathElement::new(points, stroke.style())]).map(|_| ())
     }
 
+    /// A bold curve that stays visible on top of many others.
+    pub(super) fn bold(&mut self, points: Vec<[f64; 2]>, colour: RGBColor) -> Drawn {
+        self.line(points.iter().copied(), Stroke::new(WHITE, 4.5))?;
+        self.line(points, Stroke::new(colour, 2.2))
+    }
+
     /// A dashed curve through the points.
     pub(super) fn dashed(&mut self, points: impl IntoIterator<Item = [f64; 2]>, stroke: Stroke) -> Drawn {
         let points: Vec<(f64, f64)> = points.into_iter().map(|[x, y]| (x, y)).collect();

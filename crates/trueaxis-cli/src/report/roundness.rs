@@ -15,7 +15,7 @@ const HALF_MM: f64 = 80.0;
 const BASE_MM: f64 = 48.0;
 /// The largest departure from it takes at most this much, mm.
 const REACH_MM: f64 = 22.0;
-/// Single revolutions drawn in the orbit plot.
+/// Single revolutions drawn with the spindle: the last ones. One in so many would hide what repeats every second one.
 const DRAWN_REVOLUTIONS: usize = 30;
 
 /// The whole page; `source` is the name of the readings' file.
@@ -283,28 +283,28 @@ fn orbit(evaluation: &Evaluation) -> String {
         pairs.clone().chain(pairs.take(1)).collect::<Vec<_>>()
     };
     let revolutions = evaluation.document.revolutions;
-    let every = revolutions.div_ceil(DRAWN_REVOLUTIONS);
+    let skipped = revolutions.saturating_sub(DRAWN_REVOLUTIONS);
     let thin = Stroke { colour: colour::GREY, width: 0.6, opacity: 0.6 };
     let svg = figure.draw(|plot| {
-        for (x, y) in x.revolutions.chunks(points).zip(y.revolutions.chunks(points)).step_by(every) {
+        for (x, y) in x.revolutions.chunks(points).zip(y.revolutions.chunks(points)).skip(skipped) {
             // Open: the end of a revolution is the start of the next, not its own.
             plot.line(x.iter().zip(y).map(|(x, y)| [*x, *y]), thin)?;
         }
-        plot.line(orbit(&x.mean_contour, &y.mean_contour), Stroke::new(colour::BLUE, 2.0))
+        plot.bold(orbit(&x.mean_contour, &y.mean_contour), colour::BLUE)
     });
     let keys = [
         Key { colour: colour::BLUE, dashed: false, text: "mean of the revolutions (synchronous)" },
         Key { colour: colour::GREY, dashed: false, text: "single revolutions (asynchronous)" },
     ];
-    let shown = if every == 1 { "All".to_owned() } else { format!("One in {every}") };
+    let shown = if skipped == 0 { "All".to_owned() } else { format!("The last {DRAWN_REVOLUTIONS}") };
     let caption =
         format!("{shown} of the revolutions; position and once-per-revolution part are taken out (ISO 230-7).");
-    let over_theta = over_theta(evaluation, every);
+    let over_theta = over_theta(evaluation, skipped);
     format!("<div class=\"figures\">\n{}{over_theta}</div>\n", framed("half", &keys, &svg, &caption))
 }
 
 /// Mean contours of both directions over θ.
-fn over_theta(evaluation: &Evaluation, every: usize) -> String {
+fn over_theta(evaluation: &Evaluation, skipped: usize) -> String {
     let (x, y) = (&evaluation.x, &evaluation.y);
     let points = x.mean_contour.len();
     let largest = x.revolutions.iter().chain(&y.revolutions).map(|value| value.abs()).fold(0.0, f64::max);
@@ -321,12 +321,12 @@ fn over_theta(evaluation: &Evaluation, every: usize) -> String {
     };
     let svg = figure.draw(|plot| {
         for (motion, colour) in [(x, colour::BLUE), (y, colour::ORANGE)] {
-            for revolution in motion.revolutions.chunks(points).step_by(every) {
+            for revolution in motion.revolutions.chunks(points).skip(skipped) {
                 plot.line(curve(revolution), Stroke { colour, width: 0.5, opacity: 0.25 })?;
             }
         }
-        plot.line(curve(&x.mean_contour), Stroke::new(colour::BLUE, 1.8))?;
-        plot.line(curve(&y.mean_contour), Stroke::new(colour::ORANGE, 1.8))
+        plot.bold(curve(&x.mean_contour), colour::BLUE)?;
+        plot.bold(curve(&y.mean_contour), colour::ORANGE)
     });
     let keys = [
         Key { colour: colour::BLUE, dashed: false, text: "X, across probe 1" },
