@@ -128,6 +128,9 @@ impl<'a> Search<'a> {
         if near.len() <= FEW {
             return self.triples(&near, &self.local.points);
         }
+        if beside(&near, m, half) {
+            return;
+        }
         let quarter = 0.5 * half;
         // Points that share the centre to rounding (exact symmetry): it cannot be told apart any further.
         if quarter * self.local.steepest() <= noise {
@@ -189,6 +192,18 @@ impl<'a> Search<'a> {
             self.best = Some((m, contacts(&touching, m)));
         }
     }
+}
+
+/// Whether all points lie on one side of a square, so that none of its centres is between them.
+fn beside(points: &[Point], m: [f64; 2], half: f64) -> bool {
+    // Directions every 22.5 degrees: cos and sin of the first quadrant, and those turned by right angles.
+    const FAN: [[f64; 2]; 4] = [[1.0, 0.0], [0.92388, 0.38268], [0.70711, 0.70711], [0.38268, 0.92388]];
+    FAN.iter().flat_map(|&[x, y]| [[x, y], [-y, x]]).any(|[x, y]| {
+        let along = points.iter().map(|p| (p.x - m[0]) * x + (p.y - m[1]) * y);
+        let (least, most) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        let reach = half * (x.abs() + y.abs());
+        least > reach || most < -reach
+    })
 }
 
 /// Whether the points surround the centre: no gap of more than half a turn between neighbours.
