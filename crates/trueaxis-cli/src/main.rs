@@ -1,6 +1,7 @@
 //! `trueaxis` on the bench: error tables, what they correct, and how far a tool was from its path.
 
 mod accuracy;
+mod circle;
 mod compensate;
 mod contour;
 mod csv_in;
@@ -33,6 +34,9 @@ enum Command {
     /// Contour error of measured positions against a path.
     #[command(after_help = contour::HELP)]
     Contour(contour::Arguments),
+    /// Least-squares, minimum zone, maximum inscribed and minimum circumscribed circle of points.
+    #[command(after_help = circle::HELP)]
+    Circle(circle::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -40,6 +44,7 @@ fn main() -> ExitCode {
         Command::Tables(command) => tables::run(command),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Contour(arguments) => contour::run(&arguments),
+        Command::Circle(arguments) => circle::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

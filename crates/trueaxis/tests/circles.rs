@@ -87,8 +87,11 @@ fn smallest_zone(points: &[P]) -> f64 {
     best
 }
 
-/// Smallest extent along any normal of two points: no strip is narrower.
+/// Smallest extent along any normal of two points: no strip is narrower. 0 where all points are in one place.
 fn strip(points: &[P]) -> f64 {
+    if points.iter().all(|p| p == &points[0]) {
+        return 0.0;
+    }
     pairs(points.len())
         .filter_map(|(i, j)| {
             let (x, y) = (points[j][0] - points[i][0], points[j][1] - points[i][1]);

@@ -1,6 +1,6 @@
 //! Minimum zone circle.
 
-use super::circumscribed::enclose;
+use super::circumscribed::about;
 use super::local::{Extremes, QUARTERS, Local, Point, equidistant, extremes};
 use super::width::smallest_width;
 use super::{NoCircle, ReferenceCircle, check, least_squares};
@@ -38,18 +38,18 @@ pub fn minimum_zone(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     Ok(local.circle(search.centre, search.contacts))
 }
 
+/// A least-squares centre this many times farther away than the set is wide costs more digits than it saves.
+const FAR: f64 = 1e3;
+
 /// Points about the better of the least-squares and the circumscribed centre.
 fn reference(points: &[[f64; 2]]) -> Local {
     let zone = |local: &Local| {
         let at = local.extremes([0.0; 2]);
         local.width(at.high, at.low, [0.0; 2])
     };
-    let any = Local::new(points, points[0], 0.0);
-    let (c, _) = enclose(&any);
-    let at = any.extremes(c);
-    let around = Local::new(points, [any.origin[0] + c[0], any.origin[1] + c[1]], any.distance(at.high, c));
+    let around = about(points);
     match least_squares::fit(points) {
-        Ok((mean, _)) if zone(&mean) <= zone(&around) => mean,
+        Ok((mean, _)) if mean.radius < FAR * around.radius && zone(&mean) <= zone(&around) => mean,
         _ => around,
     }
 }
