@@ -87,7 +87,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     // The circumscribed circle exists for all points that have any circle.
     let mcc = minimum_circumscribed(&points).map_err(|error| match error {
         NoCircle::Straight => {
-            anyhow!("{}: found {} points on one straight line, needed three that are not", rows.file.display(), points.len())
+            anyhow!(
+                "{}: found {} points on one straight line, needed three that are not",
+                rows.file.display(),
+                points.len()
+            )
         }
         error => anyhow!("{}: {error}", rows.file.display()),
     })?;
@@ -108,9 +112,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 
 fn table(document: &Document, rows: &Rows<2>) -> Result<String> {
     let mut text = format!("{} points; ISO 12181-1\n\n", document.points);
-    writeln!(text, "{:<5}{:>20}{:>20}{:>20}{:>18}  lines", "", "centre x, mm", "centre y, mm", "radius, mm", "zone, µm")?;
-    let circles =
-        [("LSC", &document.lsc), ("MZC", &document.mzc), ("MIC", &document.mic), ("MCC", &document.mcc)];
+    writeln!(
+        text,
+        "{:<5}{:>20}{:>20}{:>20}{:>18}  lines",
+        "", "centre x, mm", "centre y, mm", "radius, mm", "zone, µm"
+    )?;
+    let circles = [("LSC", &document.lsc), ("MZC", &document.mzc), ("MIC", &document.mic), ("MCC", &document.mcc)];
     for (name, circle) in circles {
         match circle {
             Some(circle) => {

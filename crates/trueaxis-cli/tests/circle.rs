@@ -30,7 +30,8 @@ fn near(value: &Value, truth: f64) {
 fn round() -> String {
     let mut text = String::from("# section\ny_mm,x_mm\n");
     let root = 0.5f64.sqrt();
-    let place = [(1.0, 0.0), (root, root), (0.0, 1.0), (-root, root), (-1.0, 0.0), (-root, -root), (0.0, -1.0), (root, -root)];
+    let place =
+        [(1.0, 0.0), (root, root), (0.0, 1.0), (-root, root), (-1.0, 0.0), (-root, -root), (0.0, -1.0), (root, -root)];
     for ((x, y), r) in place.into_iter().zip([10.0, 10.02, 10.0, 9.99, 10.0, 10.02, 10.0, 9.99]) {
         text.push_str(&format!("{},{}\n", -50.0 + r * y, 100.0 + r * x));
     }
@@ -97,7 +98,10 @@ fn a_part_arc_has_no_inscribed_circle() {
 fn bad_points_are_refused_with_what_is_needed() {
     let cases: [(&str, &[&str]); 7] = [
         ("x_mm,y_mm\n1,2\n3,4\n", &["points.csv", "found 2 points", "needed at least 3"]),
-        ("x_mm,y_mm\n0.1,0.1\n0.2,0.2\n0.3,0.3\n0.7,0.7\n", &["points.csv", "4 points on one straight line", "needed three"]),
+        (
+            "x_mm,y_mm\n0.1,0.1\n0.2,0.2\n0.3,0.3\n0.7,0.7\n",
+            &["points.csv", "4 points on one straight line", "needed three"],
+        ),
         ("x_mm,y_mm\n1,1\n1,1\n1,1\n", &["points.csv", "found", "needed"]),
         ("x_mm,y_mm\n1,1\nnan,1\n1,5\n", &["points.csv:3", "x_mm", "nan", "a finite number"]),
         ("x_mm,y_mm\n1,1\n2,1\n1,inf\n", &["points.csv:4", "y_mm", "inf"]),

@@ -54,7 +54,10 @@ fn set(seed: u64) -> Vec<P> {
 }
 
 fn distances(points: &[P], c: P) -> (f64, f64) {
-    points.iter().map(|p| (p[0] - c[0]).hypot(p[1] - c[1])).fold((0.0, f64::INFINITY), |(high, low), d| (d.max(high), d.min(low)))
+    points
+        .iter()
+        .map(|p| (p[0] - c[0]).hypot(p[1] - c[1]))
+        .fold((0.0, f64::INFINITY), |(high, low), d| (d.max(high), d.min(low)))
 }
 
 /// The centre equally far from a and b, and from c and d.
@@ -165,7 +168,11 @@ fn no_centre_of_any_two_pairs_or_three_points_is_better() {
         let (truth, limit) = (smallest_zone(&points), strip(&points));
         match minimum_zone(&points) {
             Ok(zone) => {
-                assert!((zone.zone - truth).abs() < 1e-11, "{seed}: {} for {truth}, strip {limit}\n{points:?}", zone.zone);
+                assert!(
+                    (zone.zone - truth).abs() < 1e-11,
+                    "{seed}: {} for {truth}, strip {limit}\n{points:?}",
+                    zone.zone
+                );
                 let (high, low) = distances(&points, zone.centre);
                 assert!((high - low - zone.zone).abs() < 1e-11 * (1.0 + high), "{seed}");
                 zones += 1;
@@ -209,7 +216,8 @@ fn no_point_is_outside_and_none_inside() {
             .collect();
         let rounding = 1e-12;
         let [fit, zone, inner, outer] =
-            [least_squares as Circle, minimum_zone, maximum_inscribed, minimum_circumscribed].map(|f| f(&points).unwrap());
+            [least_squares as Circle, minimum_zone, maximum_inscribed, minimum_circumscribed]
+                .map(|f| f(&points).unwrap());
         for circle in [&fit, &zone, &inner, &outer] {
             let (high, low) = distances(&points, circle.centre);
             assert!((high - circle.outer).abs() < rounding && (low - circle.inner).abs() < rounding, "{seed}");
@@ -255,8 +263,16 @@ fn turning_moving_and_scaling_change_nothing() {
 fn a_zone_of_a_billionth_keeps_nine_digits() {
     let unit = 2f64.powi(-30);
     // Two far and two near points about (−560, 34), the others in between; Pythagorean: exact distances of 13.
-    let on: [(f64, f64); 8] =
-        [(12.0, 5.0), (5.0, 12.0), (-5.0, 12.0), (-12.0, 5.0), (-12.0, -5.0), (-5.0, -12.0), (5.0, -12.0), (12.0, -5.0)];
+    let on: [(f64, f64); 8] = [
+        (12.0, 5.0),
+        (5.0, 12.0),
+        (-5.0, 12.0),
+        (-12.0, 5.0),
+        (-12.0, -5.0),
+        (-5.0, -12.0),
+        (5.0, -12.0),
+        (12.0, -5.0),
+    ];
     let mut points: Vec<P> = on.iter().map(|(x, y)| [-560.0 + x, 34.0 + y]).collect();
     for (i, outwards) in [(0, 1.0), (4, 1.0), (2, -1.0), (6, -1.0)] {
         points[i][0] += outwards * unit * on[i].0.signum();
@@ -280,7 +296,10 @@ fn what_has_no_circle_is_refused() {
         assert_eq!(circle(&[[0.0, 0.0], [1.0, f64::NAN], [0.0, 1.0]]), Err(NoCircle::NonFinite { index: 1 }));
         assert_eq!(circle(&[[0.0, 0.0], [1.0, 0.0], [0.0, f64::INFINITY]]), Err(NoCircle::NonFinite { index: 2 }));
     }
-    let arc: Vec<P> = (0..40).map(|i| f64::from(i) * 0.07).map(|a| [10.0 * a.cos(), 10.0 * a.sin() + 0.01 * (9.0 * a).cos()]).collect();
+    let arc: Vec<P> = (0..40)
+        .map(|i| f64::from(i) * 0.07)
+        .map(|a| [10.0 * a.cos(), 10.0 * a.sin() + 0.01 * (9.0 * a).cos()])
+        .collect();
     assert_eq!(maximum_inscribed(&arc), Err(NoCircle::PartArc));
     assert!(minimum_zone(&arc).is_ok_and(|zone| zone.zone < 0.02), "a part arc has a zone");
     assert_eq!(NoCircle::TooFew { found: 2 }.to_string(), "found 2 points, needed at least 3");
@@ -295,16 +314,15 @@ fn reference_values() {
     let mut worst: f64 = 0.0;
     for case in &cases {
         let name = case["name"].as_str().unwrap();
-        let points: Vec<P> = case["points"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|p| [0, 1].map(|k| p[k].as_f64().unwrap()))
-            .collect();
+        let points: Vec<P> =
+            case["points"].as_array().unwrap().iter().map(|p| [0, 1].map(|k| p[k].as_f64().unwrap())).collect();
         let value = |circle: &str, key: &str| case[circle][key].as_str().map(|text| text.parse::<f64>().unwrap());
-        for (key, circle) in
-            [("lsc", least_squares as Circle), ("mcc", minimum_circumscribed), ("mic", maximum_inscribed), ("mzc", minimum_zone)]
-        {
+        for (key, circle) in [
+            ("lsc", least_squares as Circle),
+            ("mcc", minimum_circumscribed),
+            ("mic", maximum_inscribed),
+            ("mzc", minimum_zone),
+        ] {
             let found = circle(&points);
             let (Some(zone), Some(x), Some(y), Some(radius)) =
                 (value(key, "zone"), value(key, "cx"), value(key, "cy"), value(key, "r"))

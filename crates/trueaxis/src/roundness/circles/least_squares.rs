@@ -199,9 +199,6 @@ fn taubin(points: &[[f64; 2]]) -> [f64; 2] {
         (root, value) = (next, next_value);
     }
     let determinant = root * root - root * z + covariance;
-    let c = [
-        (xz * (yy - root) - yz * xy) / determinant / 2.0,
-        (yz * (xx - root) - xz * xy) / determinant / 2.0,
-    ];
+    let c = [(xz * (yy - root) - yz * xy) / determinant / 2.0, (yz * (xx - root) - xz * xy) / determinant / 2.0];
     if c[0].hypot(c[1]) < STRAIGHT { c } else { [0.0; 2] }
 }

@@ -1,7 +1,7 @@
 //! Minimum zone circle.
 
 use super::circumscribed::about;
-use super::local::{Extremes, QUARTERS, Local, Point, equidistant, extremes};
+use super::local::{Extremes, Local, Point, QUARTERS, equidistant, extremes};
 use super::width::smallest_width;
 use super::{NoCircle, ReferenceCircle, check, least_squares};
 use std::vec::Vec;
@@ -79,7 +79,8 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(local: &'a Local, strip: f64) -> Self {
         let sample = local.sample(GROUPS);
-        let mut search = Self { local, width: strip, centre: [0.0; 2], contacts: Vec::new(), sample, trials: 0, limit: 0.0 };
+        let mut search =
+            Self { local, width: strip, centre: [0.0; 2], contacts: Vec::new(), sample, trials: 0, limit: 0.0 };
         search.offer([0.0; 2], &[]);
         search
     }

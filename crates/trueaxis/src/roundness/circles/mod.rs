@@ -88,7 +88,9 @@ impl core::fmt::Display for NoCircle {
             Self::TooFew { found } => write!(f, "found {found} points, needed at least 3"),
             Self::NonFinite { index } => write!(f, "found a value that is not finite at index {index}"),
             Self::Straight => f.write_str("found points that fit a straight line as well as any circle"),
-            Self::PartArc => f.write_str("found a part arc that leaves half a turn or more open, needed points all round"),
+            Self::PartArc => {
+                f.write_str("found a part arc that leaves half a turn or more open, needed points all round")
+            }
             Self::Lengths { angles, readings } => {
                 write!(f, "found {angles} angles and {readings} readings, needed as many of both")
             }
