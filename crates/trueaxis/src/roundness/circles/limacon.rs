@@ -85,7 +85,7 @@ pub fn least_squares_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoC
         let (cc, cs, ss) = (cc - c * c / n, cs - c * s / n, ss - s * s / n);
         let (cr, sr) = (cr - c * r / n, sr - s * r / n);
         let determinant = cc * ss - cs * cs;
-        if !(determinant > 1e-24 * n * n) {
+        if determinant.is_nan() || determinant <= 1e-24 * n * n {
             return Err(NoCircle::Straight);
         }
         centre = [centre[0] + (cr * ss - sr * cs) / determinant, centre[1] + (sr * cc - cr * cs) / determinant];
@@ -196,7 +196,7 @@ impl Profile {
         if r.len() < 3 {
             return Err(NoCircle::TooFew { found: r.len() });
         }
-        if let Some(index) = theta.iter().zip(r).position(|(t, r)| !t.is_finite() || !(r.abs() < 1e150)) {
+        if let Some(index) = theta.iter().zip(r).position(|(t, r)| !(t.is_finite() && r.abs() < 1e150)) {
             return Err(NoCircle::NonFinite { index });
         }
         let most = r.iter().copied().fold(f64::NEG_INFINITY, f64::max);

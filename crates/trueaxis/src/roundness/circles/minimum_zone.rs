@@ -190,7 +190,7 @@ impl<'a> Search<'a> {
     fn vertex(&mut self, centre: Option<[f64; 2]>, of: &[&Point], far: &[Point], near: &[Point]) {
         let Some(c) = centre else { return };
         // Points of one line meet at infinity, or by rounding somewhere before.
-        if !(c[0].abs().max(c[1].abs()) <= self.limit) {
+        if c[0].abs().max(c[1].abs()) > self.limit {
             return;
         }
         // Few points first: what is too wide for them is too wide for all.
