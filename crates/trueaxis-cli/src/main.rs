@@ -1,6 +1,7 @@
 //! `trueaxis` on the bench: error tables, what they correct, and how far a tool was from its path.
 
 mod accuracy;
+mod circle;
 mod compensate;
 mod contour;
 mod csv_in;
@@ -43,6 +44,9 @@ enum Command {
     /// Where to set three probes: the best slots of a circle, and what a given pair is worth.
     #[command(after_help = probe_angles::HELP)]
     ProbeAngles(probe_angles::Arguments),
+    /// Least-squares, minimum zone, maximum inscribed and minimum circumscribed circle of points.
+    #[command(after_help = circle::HELP)]
+    Circle(circle::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -52,6 +56,7 @@ fn main() -> ExitCode {
         Command::Contour(arguments) => contour::run(&arguments),
         Command::Roundness(arguments) => roundness::run(&arguments),
         Command::ProbeAngles(arguments) => probe_angles::run(&arguments),
+        Command::Circle(arguments) => circle::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

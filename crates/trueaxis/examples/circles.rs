@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::time::Instant;
 use trueaxis::roundness::circles::{
-    NoCircle, ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
+    NoCircle, ReferenceCircle, least_squares, limacon, maximum_inscribed, minimum_circumscribed, minimum_zone,
 };
 
 type Circle = fn(&[[f64; 2]]) -> Result<ReferenceCircle, NoCircle>;
@@ -23,7 +23,10 @@ fn main() {
             .map(|(angle, r)| [-560.0 + r * angle.cos(), 34.0 + r * angle.sin()])
             .collect()
     };
-    println!("times in ms              {:>9}{:>9}{:>9}{:>9}{:>9}  zone", "n", "LSC", "MCC", "MIC", "MZC");
+    println!(
+        "times in ms              {:>9}{:>9}{:>9}{:>9}{:>9}{:>9}  zone",
+        "n", "LSC", "MCC", "MIC", "MZC", "limaçon"
+    );
     for n in [1_000, 4_000, 100_000] {
         let sets = [
             ("noise 1e-3", around(n, TAU, &|_, s| 13.0 + 1e-3 * noise(s))),
@@ -46,7 +49,10 @@ fn main() {
                 print!("{:>9.2}", started.elapsed().as_secs_f64() * 1e3);
                 zone = found.map_or(f64::NAN, |circle| circle.zone);
             }
-            println!("  {zone:.6e}");
+            let profile: Vec<f64> = points.iter().map(|p| (p[0] + 560.0).hypot(p[1] - 34.0)).collect();
+            let started = Instant::now();
+            let _ = limacon::minimum_zone(&profile);
+            println!("{:>9.2}  {zone:.6e}", started.elapsed().as_secs_f64() * 1e3);
         }
     }
 }

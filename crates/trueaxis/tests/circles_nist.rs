@@ -6,8 +6,9 @@
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
+use trueaxis::roundness::circles::limacon;
 use trueaxis::roundness::circles::{
-    ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
+    NoCircle, ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
 };
 
 fn data(name: &str) -> Option<String> {
@@ -23,7 +24,7 @@ fn number(value: &Value, name: &str) -> f64 {
     value[name].as_str().and_then(|text| text.parse().ok()).unwrap_or_else(|| panic!("{name}: {value}"))
 }
 
-/// Largest relative error of the zones, in units of what is allowed.
+/// Largest error of a centre, mm, and largest relative error of a zone.
 #[derive(Default)]
 struct Worst {
     centre: f64,
@@ -66,10 +67,10 @@ fn nist_reference_pairs() {
                 circle.zone,
                 error / truth
             );
-            if error / truth > worst[k].zone {
-                println!("{name} {key} {:e}", error / truth);
+            // Three points lie on their circle; what is left of the zone is rounding.
+            if points.len() > 3 {
+                worst[k].zone = worst[k].zone.max(error / truth);
             }
-            worst[k].zone = worst[k].zone.max(error / truth);
             let off = (circle.centre[0] - number(&case[key], "cx")).hypot(circle.centre[1] - number(&case[key], "cy"));
             worst[k].centre = worst[k].centre.max(off);
         };
@@ -79,10 +80,38 @@ fn nist_reference_pairs() {
             check(2, "mzc", &minimum_zone(&points).unwrap());
             check(3, "mic", &maximum_inscribed(&points).unwrap());
         } else {
-            println!("{name} gap {} {:?} {:?}", case["max_gap_deg"], minimum_zone(&points), maximum_inscribed(&points));
+            assert_eq!(maximum_inscribed(&points), Err(NoCircle::PartArc), "{name}");
+            let zone = minimum_zone(&points).unwrap();
+            assert!(zone.zone <= fit.zone, "{name}");
         }
     }
     for (k, name) in ["least squares", "circumscribed", "minimum zone", "inscribed"].iter().enumerate() {
         println!("{name}: centre within {:.1e} mm, zone within {:.1e}", worst[k].centre, worst[k].zone);
+    }
+}
+
+/// Zones of three records, least squares and minimum, in their own unit; published beside them with six decimals.
+#[test]
+fn indicator_records() {
+    for (name, lsc, mzc) in
+        [("balyrond", 7.579967, 6.907403), ("epsilon", 101.440890, 94.776244), ("tri_lobe", 24.000198, 23.921453)]
+    {
+        let Some(text) = data(&format!("{name}_sample_data.csv")) else { return };
+        let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+        let place = |column: &str| header.iter().position(|name| *name == column).unwrap();
+        let (angle, distance) = (place("angle"), place("distance"));
+        let (theta, r): (Vec<f64>, Vec<f64>) = text
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>())
+            .map(|row| (row[angle].to_radians(), row[distance]))
+            .unzip();
+        let plane: Vec<[f64; 2]> = theta.iter().zip(&r).map(|(t, r)| [r * t.cos(), r * t.sin()]).collect();
+        let a =
+            [limacon::least_squares_at(&theta, &r).unwrap().zone, limacon::minimum_zone_at(&theta, &r).unwrap().zone];
+        let b = [least_squares(&plane).unwrap().zone, minimum_zone(&plane).unwrap().zone];
+        println!("{name}: limaçon {a:?}, plane {b:?}");
+        // The files hold readings without a known radius: the published figures are those of the limaçon.
+        assert!((a[0] - lsc).abs() < 1e-6 && (a[1] - mzc).abs() < 1e-6, "{name}: {a:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! Minimum circumscribed circle.
 
 use super::local::{Local, Point, equidistant, extremes};
-use super::{NoCircle, ReferenceCircle, check, least_squares};
+use super::{NoCircle, ReferenceCircle, check};
 use std::vec::Vec;
 
 /// Smallest circle that holds all points, MCC; it always exists and is unique.
@@ -17,18 +17,22 @@ use std::vec::Vec;
 /// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`].
 pub fn minimum_circumscribed(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     check(points)?;
-    // A mean circle as reference keeps the digits of near-round points; any other serves where there is none.
-    let local = match least_squares::fit(points) {
-        Ok((local, _)) => local,
-        Err(_) => Local::new(points, points[0], 0.0),
-    };
+    let local = about(points);
     let (c, contacts) = enclose(&local);
     let circle = local.circle(c, contacts);
     Ok(ReferenceCircle { radius: circle.outer, ..circle })
 }
 
+/// Points about the centre of their circumscribed circle, to rounding: a second search from there keeps all digits.
+pub(super) fn about(points: &[[f64; 2]]) -> Local {
+    let any = Local::new(points, points[0], 0.0);
+    let (c, _) = enclose(&any);
+    let radius = any.distance(any.extremes(c).high, c);
+    Local::new(points, [any.origin[0] + c[0], any.origin[1] + c[1]], radius)
+}
+
 /// Local centre of the smallest enclosing circle and the points that determine it.
-pub(super) fn enclose(local: &Local) -> ([f64; 2], Vec<usize>) {
+fn enclose(local: &Local) -> ([f64; 2], Vec<usize>) {
     let first = local.extremes([local.points[0].x, local.points[0].y]).far;
     let second = local.extremes([first.x, first.y]).far;
     let mut basis = Basis::smallest(&[first, second]);

@@ -2,7 +2,7 @@
 
 use super::local::{Local, Point, QUARTERS, equidistant, extremes};
 use super::{NoCircle, ReferenceCircle, check, largest_gap, least_squares};
-use core::f64::consts::PI;
+use core::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::vec::Vec;
 
 /// Largest circle without a point inside that points hold on all sides, MIC.
@@ -48,8 +48,9 @@ const GROUPS: usize = 24;
 /// Squares that may be tried on that sample before all points are asked.
 const TRIALS: usize = 10_000;
 
-/// Points that the first circle is made of at most.
-const MOST: usize = 30;
+/// Points that the first circle is made of at most, and exchanges of them that are tried.
+const MOST: usize = 24;
+const EXCHANGES: usize = 60;
 
 /// A square is searched triple by triple when no more points than this can be nearest in it.
 const FEW: usize = 6;
@@ -77,7 +78,7 @@ impl<'a> Search<'a> {
     fn inflate(&mut self) {
         for groups in [8, 16, MOST / 2] {
             let [_, mut few] = self.local.sample(groups);
-            while few.len() < MOST {
+            for _ in 0..EXCHANGES {
                 let mut inner = Self::new(self.local, Vec::new());
                 inner.triples(&few, &few);
                 let Some((c, _)) = inner.best else { break };
@@ -85,6 +86,11 @@ impl<'a> Search<'a> {
                 if few.iter().any(|p| p.index == nearest.index) {
                     self.triples(&few, &self.local.points);
                     break;
+                }
+                if few.len() == MOST {
+                    // Far from the circle by now.
+                    few.sort_by(|a, b| a.f(c).total_cmp(&b.f(c)));
+                    few.truncate(MOST / 2);
                 }
                 few.push(nearest);
             }
@@ -127,6 +133,9 @@ impl<'a> Search<'a> {
         let near: Vec<Point> = near.iter().filter(|p| p.f(m) - reach(p) <= low).copied().collect();
         if near.len() <= FEW {
             return self.triples(&near, &self.local.points);
+        }
+        if beside(&near, m, half) {
+            return;
         }
         let quarter = 0.5 * half;
         // Points that share the centre to rounding (exact symmetry): it cannot be told apart any further.
@@ -189,6 +198,18 @@ impl<'a> Search<'a> {
             self.best = Some((m, contacts(&touching, m)));
         }
     }
+}
+
+/// Whether all points lie on one side of a square, so that none of its centres is between them.
+fn beside(points: &[Point], m: [f64; 2], half: f64) -> bool {
+    // Directions every 22.5 degrees: cos and sin of the first quadrant, and those turned by right angles.
+    const FAN: [[f64; 2]; 4] = [[1.0, 0.0], [0.92388, 0.38268], [FRAC_1_SQRT_2, FRAC_1_SQRT_2], [0.38268, 0.92388]];
+    FAN.iter().flat_map(|&[x, y]| [[x, y], [-y, x]]).any(|[x, y]| {
+        let along = points.iter().map(|p| (p.x - m[0]) * x + (p.y - m[1]) * y);
+        let (least, most) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        let reach = half * (x.abs() + y.abs());
+        least > reach || most < -reach
+    })
 }
 
 /// Whether the points surround the centre: no gap of more than half a turn between neighbours.

@@ -55,7 +55,8 @@ pub(super) fn fit(points: &[[f64; 2]]) -> Result<(Local, [f64; 2]), NoCircle> {
         } else {
             damping = (damping * 10.0).max(1e-4 * now.trace());
         }
-        if !(c[0].hypot(c[1]) < STRAIGHT) {
+        let distance = c[0].hypot(c[1]);
+        if distance.is_nan() || distance >= STRAIGHT {
             return Err(NoCircle::Straight);
         }
     }

@@ -85,7 +85,7 @@ pub fn least_squares_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoC
         let (cc, cs, ss) = (cc - c * c / n, cs - c * s / n, ss - s * s / n);
         let (cr, sr) = (cr - c * r / n, sr - s * r / n);
         let determinant = cc * ss - cs * cs;
-        if !(determinant > 1e-24 * n * n) {
+        if determinant.is_nan() || determinant <= 1e-24 * n * n {
             return Err(NoCircle::Straight);
         }
         centre = [centre[0] + (cr * ss - sr * cs) / determinant, centre[1] + (sr * cc - cr * cs) / determinant];
@@ -196,7 +196,7 @@ impl Profile {
         if r.len() < 3 {
             return Err(NoCircle::TooFew { found: r.len() });
         }
-        if let Some(index) = theta.iter().zip(r).position(|(t, r)| !t.is_finite() || !(r.abs() < 1e150)) {
+        if let Some(index) = theta.iter().zip(r).position(|(t, r)| !(t.is_finite() && r.abs() < 1e150)) {
             return Err(NoCircle::NonFinite { index });
         }
         let most = r.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -251,20 +251,56 @@ impl Profile {
                 break;
             }
         }
+        // Two opposite readings alone leave the centre free along a line: the least-squares centre is as good then.
+        let as_good = |at: &Range| aim.value(at) <= best.value + 8.0 * f64::EPSILON * best.value.abs();
+        if aim != Aim::Zone && range(&self.points, &self.points, start).as_ref().is_some_and(as_good) {
+            best = Vertex::of(start, &[]);
+        }
+        let touching = self.touching(best.centre, aim);
+        // By symmetry readings that do not touch can name the same centre.
+        if best.contacts.is_empty() || best.contacts.iter().any(|i| !touching.contains(i)) {
+            best.contacts = touching;
+        }
         self.circle(best.centre, best.contacts)
     }
 
-    /// Extreme readings about the least-squares circle in five equally large groups, in the order of their angles.
+    /// Readings on the circles that matter, to rounding.
+    fn touching(&self, centre: [f64; 2], aim: Aim) -> Vec<usize> {
+        let Some(at) = range(&self.points, &self.points, centre) else { return Vec::new() };
+        let size = centre[0].hypot(centre[1]) + at.high.0.abs().max(at.low.0.abs());
+        let tie = 64.0 * f64::EPSILON * size;
+        let touches = |p: &&Reading| {
+            let value = p.residual(centre);
+            (aim != Aim::Inner && value >= at.high.0 - tie) || (aim != Aim::Outer && value <= at.low.0 + tie)
+        };
+        self.points.iter().filter(touches).map(|p| p.index).collect()
+    }
+
+    /// Extreme readings about the least-squares circle in five equally large groups, in the order of their angles, and
+    /// three readings that surround the centre: without them the few could have no optimum.
     fn around(&self, start: [f64; 2]) -> [Vec<Reading>; 2] {
-        let mut sorted = self.points.clone();
         let angle = |p: &Reading| p.direction[1].atan2(p.direction[0]);
+        let mut sorted = self.points.clone();
         sorted.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
         let order = |a: &&Reading, b: &&Reading| a.residual(start).total_cmp(&b.residual(start));
         let groups = || sorted.chunks(sorted.len().div_ceil(5));
-        [
-            groups().filter_map(|group| group.iter().max_by(order)).copied().collect(),
+        let mut lists = [
+            groups().filter_map(|group| group.iter().max_by(order)).copied().collect::<Vec<Reading>>(),
             groups().filter_map(|group| group.iter().min_by(order)).copied().collect(),
-        ]
+        ];
+        // The first reading and those next to its opposite on both sides.
+        let first = self.points[0];
+        let turned = |p: &Reading| (angle(p) - angle(&first)).rem_euclid(TAU);
+        let left = sorted.iter().filter(|p| turned(p) <= PI).max_by(|a, b| turned(a).total_cmp(&turned(b)));
+        let right = sorted.iter().filter(|p| turned(p) >= PI).min_by(|a, b| turned(a).total_cmp(&turned(b)));
+        for list in &mut lists {
+            for p in [Some(&first), left, right].into_iter().flatten() {
+                if !list.iter().any(|other| other.index == p.index) {
+                    list.push(*p);
+                }
+            }
+        }
+        lists
     }
 }
 

@@ -1,6 +1,6 @@
 //! Minimum zone circle.
 
-use super::circumscribed::enclose;
+use super::circumscribed::about;
 use super::local::{Extremes, Local, Point, QUARTERS, equidistant, extremes};
 use super::width::smallest_width;
 use super::{NoCircle, ReferenceCircle, check, least_squares};
@@ -30,13 +30,17 @@ pub fn minimum_zone(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     let strip = smallest_width(points);
     let mut search = Search::new(&local, strip);
     let half = search.start(strip);
+    search.limit = half;
     search.narrow([0.0; 2], half);
-    if search.width >= strip {
+    if search.width >= strip * (1.0 - 1e-9) {
         return Err(NoCircle::Straight);
     }
     search.settle();
     Ok(local.circle(search.centre, search.contacts))
 }
+
+/// A least-squares centre this many times farther away than the set is wide costs more digits than it saves.
+const FAR: f64 = 1e3;
 
 /// Points about the better of the least-squares and the circumscribed centre.
 fn reference(points: &[[f64; 2]]) -> Local {
@@ -44,12 +48,9 @@ fn reference(points: &[[f64; 2]]) -> Local {
         let at = local.extremes([0.0; 2]);
         local.width(at.high, at.low, [0.0; 2])
     };
-    let any = Local::new(points, points[0], 0.0);
-    let (c, _) = enclose(&any);
-    let at = any.extremes(c);
-    let around = Local::new(points, [any.origin[0] + c[0], any.origin[1] + c[1]], any.distance(at.high, c));
+    let around = about(points);
     match least_squares::fit(points) {
-        Ok((mean, _)) if zone(&mean) <= zone(&around) => mean,
+        Ok((mean, _)) if mean.radius < FAR * around.radius && zone(&mean) <= zone(&around) => mean,
         _ => around,
     }
 }
@@ -71,12 +72,15 @@ struct Search<'a> {
     contacts: Vec<usize>,
     sample: [Vec<Point>; 2],
     trials: usize,
+    /// Half the side of the square of all centres.
+    limit: f64,
 }
 
 impl<'a> Search<'a> {
     fn new(local: &'a Local, strip: f64) -> Self {
         let sample = local.sample(GROUPS);
-        let mut search = Self { local, width: strip, centre: [0.0; 2], contacts: Vec::new(), sample, trials: 0 };
+        let mut search =
+            Self { local, width: strip, centre: [0.0; 2], contacts: Vec::new(), sample, trials: 0, limit: 0.0 };
         search.offer([0.0; 2], &[]);
         search
     }
@@ -104,6 +108,9 @@ impl<'a> Search<'a> {
     /// farthest or nearest in it then.
     fn narrow(&mut self, m: [f64; 2], half: f64) {
         self.trials += 1;
+        if self.width <= 0.0 {
+            return;
+        }
         let at = extremes(&self.sample[0], &self.sample[1], m);
         if self.bound(&at, m, half) >= self.width {
             return;
@@ -185,6 +192,10 @@ impl<'a> Search<'a> {
 
     fn vertex(&mut self, centre: Option<[f64; 2]>, of: &[&Point], far: &[Point], near: &[Point]) {
         let Some(c) = centre else { return };
+        // Points of one line meet at infinity, or by rounding somewhere before.
+        if c[0].abs().max(c[1].abs()) > self.limit {
+            return;
+        }
         // Few points first: what is too wide for them is too wide for all.
         let at = extremes(far, near, c);
         if self.local.width(at.high, at.low, c) > self.width {
@@ -197,20 +208,33 @@ impl<'a> Search<'a> {
             [_, _, _] => contacts.push(&at.far),
             _ => {}
         }
+        // By symmetry points that do not touch can name the same centre.
+        let tie = self.tie(c);
+        if contacts.iter().any(|p| p.f(c) < at.high - tie && p.f(c) > at.low + tie) {
+            contacts.clear();
+        }
         self.offer(c, &contacts);
     }
 
-    /// Where the search ended at rounding, a vertex of the points that are then farthest and nearest.
+    /// Values of f closer than this are taken for equal.
+    fn tie(&self, c: [f64; 2]) -> f64 {
+        64.0 * self.local.noise(c[0].hypot(c[1]))
+    }
+
+    /// Where the search ended at rounding, or at points that do not touch: the points that are then farthest and nearest.
     fn settle(&mut self) {
         if !self.contacts.is_empty() {
             return;
         }
         let c = self.centre;
         let at = self.local.extremes(c);
-        let tie = 64.0 * self.local.noise(c[0].hypot(c[1]));
+        let tie = self.tie(c);
         let all = &self.local.points;
         let far: Vec<Point> = all.iter().filter(|p| p.f(c) >= at.high - tie).take(FEW).copied().collect();
         let near: Vec<Point> = all.iter().filter(|p| p.f(c) <= at.low + tie).take(FEW).copied().collect();
+        // Another vertex may be wider by rounding.
+        let sum = self.local.distance(at.high, c) + self.local.distance(at.low, c);
+        self.width += tie / sum.max(f64::MIN_POSITIVE);
         self.vertices(&far, &near);
         if self.contacts.is_empty() {
             self.contacts = far.iter().take(2).chain(near.iter().take(2)).map(|p| p.index).collect();
