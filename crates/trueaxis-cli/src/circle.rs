@@ -2,6 +2,7 @@
 
 use crate::csv_in::{Column, Rows};
 use crate::output::{json, put};
+use crate::report;
 use anyhow::{Result, anyhow};
 use clap::Args;
 use serde::Serialize;
@@ -33,6 +34,9 @@ pub(crate) struct Arguments {
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
+    /// Write circle.html with a polar plot into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
 }
 
 const COLUMNS: [Column; 2] = [Column { name: "x_mm", needed: true }, Column { name: "y_mm", needed: true }];
@@ -95,6 +99,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         }
         error => anyhow!("{}: {error}", rows.file.display()),
     })?;
+    let [lsc, mzc, mic] = [least_squares(&points), minimum_zone(&points), maximum_inscribed(&points)];
+    if let Some(directory) = &arguments.report {
+        let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
+        let circles = [lsc.as_ref().ok(), mzc.as_ref().ok(), Some(&mcc), mic.as_ref().ok()];
+        report::write(&report::circle::page(&source, &points, circles), directory, "circle.html")?;
+    }
     let mut refused = BTreeMap::new();
     let mut or_reason = |name, circle: Result<ReferenceCircle, NoCircle>| match circle {
         Ok(circle) => Some(circle.into()),
@@ -103,9 +113,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             None
         }
     };
-    let lsc = or_reason("lsc", least_squares(&points));
-    let mzc = or_reason("mzc", minimum_zone(&points));
-    let mic = or_reason("mic", maximum_inscribed(&points));
+    let lsc = or_reason("lsc", lsc);
+    let mzc = or_reason("mzc", mzc);
+    let mic = or_reason("mic", mic);
     let document = Document { points: points.len(), lsc, mzc, mic, mcc: Some(mcc.into()), refused };
     if arguments.json { json(&document) } else { put(&table(&document, &rows)?, None) }
 }

@@ -348,3 +348,32 @@ fn the_report_shows_circles_harmonics_and_orbits() {
     let (text, _) = read_page(&fs::read_to_string(directory.path().join("zero/roundness.html")).unwrap());
     assert!(text.contains("no development"));
 }
+
+#[test]
+fn the_report_of_points_shows_them_with_their_circles() {
+    let directory = tempfile::tempdir().unwrap();
+    let points = |count: i32, share: f64| {
+        let mut text = String::from("x_mm,y_mm\n");
+        for i in 0..count {
+            let theta = TAU * share * f64::from(i) / f64::from(count);
+            let radius = 20.0 + 3e-3 * (3.0 * theta).cos();
+            writeln!(text, "{},{}", 100.0 + radius * theta.cos(), -50.0 + radius * theta.sin()).unwrap();
+        }
+        fs::write(directory.path().join("points.csv"), text).unwrap();
+    };
+    points(72, 1.0);
+    let json = document(&directory, &["circle", "points.csv", "--json", "--report=out"]);
+    close(&json["mzc"]["zone_um"], 6.0, 1e-6);
+    let page = fs::read_to_string(directory.path().join("out/circle.html")).unwrap();
+    let (text, _) = read_page(&page);
+    // 3 µm to either side: 22 mm on the page hold 5 mm/µm.
+    for part in ["LSC, zone 6.00", "MZC", "MCC", "MIC", "Magnification 5000 : 1", "division is 2 µm", "points.csv"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    // A part arc has no inscribed circle.
+    points(40, 0.3);
+    let json = document(&directory, &["circle", "points.csv", "--json", "--report=out"]);
+    assert_eq!(json["mic"], Value::Null);
+    let (text, _) = read_page(&fs::read_to_string(directory.path().join("out/circle.html")).unwrap());
+    assert!(text.contains("MCC, zone") && !text.contains("MIC, zone"));
+}

@@ -1,6 +1,8 @@
 //! Reports: one self-contained HTML page each, figures as SVG inside the page, no script, no network.
 
+pub(crate) mod circle;
 mod figure;
+mod polar;
 pub(crate) mod roundness;
 mod text;
 

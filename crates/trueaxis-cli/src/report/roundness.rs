@@ -1,7 +1,8 @@
 //! The page of `trueaxis roundness`.
 
-use super::figure::{Axes, Drawn, Figure, Key, Plot, Stroke, colour, framed};
-use super::text::{escape, round_down, significant, tick};
+use super::figure::{Axes, Figure, Key, Stroke, colour, framed};
+use super::polar::{COLOURS, Reference, polar};
+use super::text::{escape, significant, tick};
 use super::{document, section};
 use crate::roundness::evaluation::{Document, Evaluation, SpindleDirection, Zones};
 use std::f64::consts::TAU;
@@ -9,12 +10,8 @@ use std::fmt::Write;
 use trueaxis::roundness::Gain;
 use trueaxis::roundness::circles::ReferenceCircle;
 
-/// Half the width of the polar plot, mm on the page.
-const HALF_MM: f64 = 80.0;
-/// Radius of the least squares circle in the polar plot, mm.
-const BASE_MM: f64 = 48.0;
-/// The largest departure from it takes at most this much, mm.
-const REACH_MM: f64 = 22.0;
+/// Points of a drawn circle.
+const FINE: usize = 360;
 /// Single revolutions drawn with the spindle: the last ones. One in so many would hide what repeats every second one.
 const DRAWN_REVOLUTIONS: usize = 30;
 
@@ -33,7 +30,7 @@ pub(crate) fn page(source: &str, evaluation: &Evaluation, gain: &Gain, noise_gai
         ),
         warnings(found),
         tables(found),
-        section("Profile", &polar(evaluation)),
+        section("Profile", &profile(evaluation)),
         section("Harmonics", &harmonics(found, noise_gain_limit)),
         section("Spindle", &orbit(evaluation)),
         section("Development over the revolutions", &development(found)),
@@ -97,99 +94,36 @@ fn tables(found: &Document) -> String {
     html
 }
 
-fn turn(i: usize, count: usize) -> f64 {
-    TAU * i as f64 / count as f64
-}
-
-/// A closed curve at a distance from the centre, over θ counted from the right, counter-clockwise.
-fn around(count: usize, distance: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
-    (0..=count)
-        .map(|i| {
-            let ((sin, cos), distance) = (turn(i, count).sin_cos(), distance(i % count));
-            [distance * cos, distance * sin]
-        })
-        .collect()
-}
-
-fn polar(evaluation: &Evaluation) -> String {
+fn profile(evaluation: &Evaluation) -> String {
     let (profile, circles) = (&evaluation.profile, &evaluation.circles);
     let base = circles.lsc.radius;
-    // How far each circle goes from the base; of the minimum zone both circles are drawn.
-    let half_zone = 0.5 * circles.mzc.zone;
-    let drawn = [(&circles.lsc, 0.0), (&circles.mzc, half_zone), (&circles.mic, 0.0), (&circles.mcc, 0.0)];
-    let edges =
-        drawn.map(|(circle, half)| (circle.radius - base).abs() + circle.centre[0].hypot(circle.centre[1]) + half);
-    let largest = edges.into_iter().chain(profile.iter().map(|r| (r - base).abs())).fold(0.0, f64::max);
-    // mm on the page per µm; 1, 2 or 5 times a power of ten.
-    let scale = round_down(REACH_MM / largest);
-    let division = round_down(1.02 * 10.0 / scale);
-    let place = |value: f64| BASE_MM + scale * (value - base);
-    let description = "Polar plot of the profile with its four reference circles";
-    let size = [640, 640];
-    let figure = Figure { description, size, x: -HALF_MM..HALF_MM, y: -HALF_MM..HALF_MM, axes: None };
-    let svg = figure.draw(|plot| {
-        grid(plot, scale * division, division)?;
-        let limacon = |circle: &ReferenceCircle, offset: f64| {
-            around(360, |i| {
-                let (sin, cos) = turn(i, 360).sin_cos();
-                place(circle.radius + offset + circle.centre[0] * cos + circle.centre[1] * sin)
-            })
+    let turn = |i: usize, count: usize| TAU * i as f64 / count as f64;
+    let measured: Vec<[f64; 2]> =
+        profile.iter().enumerate().map(|(i, value)| [turn(i, profile.len()), value - base]).collect();
+    let reference = |name, colour, circle: &ReferenceCircle, offsets: &[f64]| {
+        let limacon = |offset: &f64| {
+            let departure = |i| {
+                let (sin, cos) = turn(i, FINE).sin_cos();
+                circle.radius + offset + circle.centre[0] * cos + circle.centre[1] * sin - base
+            };
+            (0..FINE).map(departure).collect()
         };
-        plot.line(limacon(&circles.lsc, 0.0), Stroke::new(colour::BLUE, 1.2))?;
-        for half in [-half_zone, half_zone] {
-            plot.dashed(limacon(&circles.mzc, half), Stroke::new(colour::ORANGE, 1.2))?;
-        }
-        plot.line(limacon(&circles.mcc, 0.0), Stroke::new(colour::GREEN, 1.2))?;
-        plot.line(limacon(&circles.mic, 0.0), Stroke::new(colour::PURPLE, 1.2))?;
-        plot.line(around(profile.len(), |i| place(profile[i])), Stroke::new(colour::PROFILE, 1.3))
-    });
-    let zones = &evaluation.document.zones;
-    let text = |name: &str, zone: f64| format!("{name}, zone {} µm", significant(zone, 3));
-    let texts = [
-        text("LSC", zones.lsc_um),
-        text("MZC (both circles)", zones.mzc_um),
-        text("MCC", zones.mcc_um),
-        text("MIC", zones.mic_um),
+        let curves = offsets.iter().map(limacon).collect();
+        Reference { name, zone_um: circle.zone, colour, dashed: offsets.len() > 1, curves }
+    };
+    let [blue, orange, green, purple] = COLOURS;
+    let half_zone = 0.5 * circles.mzc.zone;
+    let references = [
+        reference("LSC", blue, &circles.lsc, &[0.0]),
+        reference("MZC (both circles)", orange, &circles.mzc, &[-half_zone, half_zone]),
+        reference("MCC", green, &circles.mcc, &[0.0]),
+        reference("MIC", purple, &circles.mic, &[0.0]),
     ];
-    let colours = [colour::BLUE, colour::ORANGE, colour::GREEN, colour::PURPLE];
-    let mut keys = vec![Key { colour: colour::PROFILE, dashed: false, text: "profile" }];
-    for (text, colour) in texts.iter().zip(colours) {
-        keys.push(Key { colour, dashed: colour == colour::ORANGE, text });
-    }
     let caption = format!(
-        "Mean of {}. Magnification {} : 1 at the figure's full width of 160 mm; one division is {} µm. \
-         θ = 0 to the right, counter-clockwise. The circles are limaçons: the radius of the part is not known.",
-        count(evaluation.document.revolutions),
-        magnification(scale),
-        tick(division)
+        "Mean of {}. The circles are limaçons: the radius of the part is not known.",
+        count(evaluation.document.revolutions)
     );
-    framed("polar", &keys, &svg, &caption)
-}
-
-fn magnification(mm_per_um: f64) -> String {
-    let factor = 1e3 * mm_per_um;
-    if factor < 1e7 { tick(factor) } else { significant(factor, 1) }
-}
-
-fn grid(plot: &mut Plot<'_, '_>, step_mm: f64, division: f64) -> Drawn {
-    let thin = Stroke { colour: colour::GREY, width: 0.6, opacity: 0.5 };
-    let reach = (1.2 * REACH_MM / step_mm).floor().min(12.0) as i32;
-    let rings = -reach..=reach;
-    for ring in rings.clone() {
-        plot.line(around(180, |_| BASE_MM + f64::from(ring) * step_mm), thin)?;
-    }
-    let outside = BASE_MM + 1.2 * REACH_MM;
-    for spoke in 0..12 {
-        let (sin, cos) = turn(spoke, 12).sin_cos();
-        plot.line([[8.0 * cos, 8.0 * sin], [outside * cos, outside * sin]], thin)?;
-        plot.text([(outside + 3.4) * cos, (outside + 2.6) * sin], &format!("{}°", 30 * spoke))?;
-    }
-    let (sin, cos) = (TAU / 24.0).sin_cos();
-    for ring in rings {
-        let distance = BASE_MM + f64::from(ring) * step_mm;
-        plot.text([distance * cos, distance * sin], &tick(f64::from(ring) * division))?;
-    }
-    Ok(())
+    polar("profile", &measured, &references, &caption)
 }
 
 fn harmonics(found: &Document, limit: f64) -> String {
