@@ -285,6 +285,26 @@ fn a_zone_of_a_billionth_keeps_nine_digits() {
     assert_eq!(zone.contacts, [0, 2, 4, 6]);
 }
 
+/// Pythagorean points: every distance is the same number, and no point is more extreme than another.
+#[test]
+fn points_exactly_on_a_circle_have_no_zone() {
+    for place in [[0.0, 0.0], [-560.0, 34.0], [0.5, -0.25]] {
+        let quarter = [[5.0, 0.0], [4.0, 3.0], [3.0, 4.0], [1.4, 4.8]];
+        let points: Vec<P> = quarter
+            .iter()
+            .flat_map(|&[x, y]| [[x, y], [-y, x], [-x, -y], [y, -x]])
+            .map(|[x, y]| [place[0] + x, place[1] + y])
+            .collect();
+        for points in [&points[..12], &points[..]] {
+            for circle in [least_squares as Circle, minimum_circumscribed, maximum_inscribed, minimum_zone] {
+                let found = circle(points).unwrap();
+                assert!(found.zone < 1e-12 && (found.radius - 5.0).abs() < 1e-12, "{found:?}");
+                assert!((found.centre[0] - place[0]).hypot(found.centre[1] - place[1]) < 1e-12, "{found:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_has_no_circle_is_refused() {
     let circles = [least_squares as Circle, minimum_circumscribed, maximum_inscribed, minimum_zone];

@@ -93,7 +93,8 @@ impl Local {
 
     /// What rounding makes of f at centres up to a distance from the origin: nothing below it means anything.
     pub(super) fn noise(&self, distance: f64) -> f64 {
-        4.0 * f64::EPSILON * (self.largest[0] + 2.0 * distance * self.largest[1])
+        let [e, size] = self.largest;
+        4.0 * f64::EPSILON * (e + 2.0 * distance * size + f64::EPSILON * size * size)
     }
 
     /// Bound on how much f differs between two points a unit of the centre apart.

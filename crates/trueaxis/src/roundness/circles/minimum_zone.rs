@@ -108,6 +108,9 @@ impl<'a> Search<'a> {
     /// farthest or nearest in it then.
     fn narrow(&mut self, m: [f64; 2], half: f64) {
         self.trials += 1;
+        if self.width <= 0.0 {
+            return;
+        }
         let at = extremes(&self.sample[0], &self.sample[1], m);
         if self.bound(&at, m, half) >= self.width {
             return;

@@ -120,8 +120,7 @@ fn check(points: &[[f64; 2]]) -> Result<(), NoCircle> {
     let height = points.iter().map(|p| ((p[0] - a[0]) * line[1] - (p[1] - a[1]) * line[0]).abs()).fold(0.0, f64::max);
     let largest = points.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
     // Points that were rounded to the nearest number stray by half a unit in the last place of the largest coordinate.
-    // All in one place leaves no line, and no number.
-    if height.is_nan() || height <= 4.0 * f64::EPSILON * largest { Err(NoCircle::Straight) } else { Ok(()) }
+    if height <= 4.0 * f64::EPSILON * largest { Err(NoCircle::Straight) } else { Ok(()) }
 }
 
 /// Largest angle, rad, between neighbouring directions.
