@@ -151,6 +151,8 @@ def sets():
         yield f"ellipse, {n}", [(7 * math.cos(a), 4 * math.sin(a)) for a in angles(n)]
     for lobes in (2, 3, 4, 5):
         yield f"{lobes} lobes", [polar(20 + 0.3 * math.cos(lobes * a) + 0.02 * rng.uniform(-1, 1), a) for a in angles(12)]
+    for n in (6, 9, 12):
+        yield f"near-round 1e-10 far away, {n}", [polar(13 + 1e-9 * rng.uniform(-1, 1), a, -560, 34) for a in angles(n)]
     for turn in (0.4, 1.5, 2.5, 3.0, 4.5):
         yield f"arc of {turn} rad", [polar(50 + 0.05 * rng.uniform(-1, 1), a, 5, -7) for a in angles(11, turn)]
     yield "dented square", [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (0.0, 0.75), (0.125, -0.8125)]
@@ -162,7 +164,7 @@ def main():
         exact = [(D(x), D(y)) for x, y in points]
         fit = lsc(exact)
         found = {"lsc": fit, "mzc": mzc(exact), "mcc": mcc(exact), "mic": mic(exact, fit[1]) if fit else None}
-        case = {"name": name, "points": points}
+        case = {"name": name, "points": [[repr(v) for v in point] for point in points]}
         for key, circle in found.items():
             case[key] = circle and {k: f"{v:.40g}" for k, v in
                                     (("zone", circle[0]), ("cx", circle[1][0]), ("cy", circle[1][1]), ("r", circle[2]))}

@@ -334,8 +334,12 @@ fn reference_values() {
     let mut worst: f64 = 0.0;
     for case in &cases {
         let name = case["name"].as_str().unwrap();
-        let points: Vec<P> =
-            case["points"].as_array().unwrap().iter().map(|p| [0, 1].map(|k| p[k].as_f64().unwrap())).collect();
+        let points: Vec<P> = case["points"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|p| [0, 1].map(|k| p[k].as_str().unwrap().parse().unwrap()))
+            .collect();
         let value = |circle: &str, key: &str| case[circle][key].as_str().map(|text| text.parse::<f64>().unwrap());
         for (key, circle) in [
             ("lsc", least_squares as Circle),
