@@ -1,11 +1,16 @@
 //! `trueaxis` on the bench: error tables, what they correct, and how far a tool was from its path.
 
 mod accuracy;
+mod circle;
 mod compensate;
 mod contour;
 mod csv_in;
 mod model;
 mod output;
+mod probe_angles;
+mod probes;
+mod report;
+mod roundness;
 mod tables;
 
 use clap::{Parser, Subcommand};
@@ -33,6 +38,15 @@ enum Command {
     /// Contour error of measured positions against a path.
     #[command(after_help = contour::HELP)]
     Contour(contour::Arguments),
+    /// Roundness and spindle error from three probes.
+    #[command(after_help = roundness::HELP)]
+    Roundness(roundness::Arguments),
+    /// Where to set three probes: the best slots of a circle, and what a given pair is worth.
+    #[command(after_help = probe_angles::HELP)]
+    ProbeAngles(probe_angles::Arguments),
+    /// Least-squares, minimum zone, maximum inscribed and minimum circumscribed circle of points.
+    #[command(after_help = circle::HELP)]
+    Circle(circle::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -40,6 +54,9 @@ fn main() -> ExitCode {
         Command::Tables(command) => tables::run(command),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Contour(arguments) => contour::run(&arguments),
+        Command::Roundness(arguments) => roundness::run(&arguments),
+        Command::ProbeAngles(arguments) => probe_angles::run(&arguments),
+        Command::Circle(arguments) => circle::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

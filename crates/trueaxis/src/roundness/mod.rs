@@ -42,8 +42,14 @@ pub mod filter;
 mod flags;
 mod infeed;
 mod motion;
+#[cfg(feature = "rustfft")]
+pub mod offline;
+#[cfg(feature = "std")]
+pub mod pair_search;
 mod resample;
 mod settings;
+#[cfg(feature = "std")]
+pub mod spindle_offline;
 mod transform;
 mod work;
 

@@ -1,0 +1,120 @@
+//! `trueaxis circle` as it is called.
+
+use serde_json::Value;
+use std::fs;
+use std::process::{Command, Output};
+
+fn call(points: &str, arguments: &[&str]) -> Output {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("points.csv"), points).unwrap();
+    Command::new(env!("CARGO_BIN_EXE_trueaxis"))
+        .args(["circle", "points.csv"])
+        .args(arguments)
+        .current_dir(directory.path())
+        .output()
+        .unwrap()
+}
+
+fn document(points: &str) -> Value {
+    let output = call(points, &["--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn near(value: &Value, truth: f64) {
+    let value = value.as_f64().unwrap();
+    assert!((value - truth).abs() < 1e-9, "{value} for {truth}");
+}
+
+/// Eight points about (100, −50): four at 10 mm on the axes, two of 10.02 and two of 9.99 on the diagonals.
+fn round() -> String {
+    let mut text = String::from("# section\ny_mm,x_mm\n");
+    let root = 0.5f64.sqrt();
+    let place =
+        [(1.0, 0.0), (root, root), (0.0, 1.0), (-root, root), (-1.0, 0.0), (-root, -root), (0.0, -1.0), (root, -root)];
+    for ((x, y), r) in place.into_iter().zip([10.0, 10.02, 10.0, 9.99, 10.0, 10.02, 10.0, 9.99]) {
+        text.push_str(&format!("{},{}\n", -50.0 + r * y, 100.0 + r * x));
+    }
+    text
+}
+
+#[test]
+fn all_four_circles_of_a_round_section() {
+    let found = document(&round());
+    assert_eq!(found["points"], 8);
+    let mzc = &found["mzc"];
+    near(&mzc["centre_mm"][0], 100.0);
+    near(&mzc["centre_mm"][1], -50.0);
+    near(&mzc["cx_mm"], 100.0);
+    near(&mzc["cy_mm"], -50.0);
+    near(&mzc["outer_mm"], 10.02);
+    near(&mzc["inner_mm"], 9.99);
+    near(&mzc["radius_mm"], 10.005);
+    near(&mzc["diameter_mm"], 20.01);
+    near(&mzc["zone_um"], 30.0);
+    near(&mzc["zone_mm"], 0.03);
+    assert_eq!(mzc["contacts"], serde_json::json!([1, 3, 5, 7]));
+    near(&found["mcc"]["radius_mm"], 10.02);
+    near(&found["lsc"]["radius_mm"], 10.0025);
+    assert_eq!(found["lsc"]["contacts"], serde_json::json!([]));
+    let mic = found["mic"]["radius_mm"].as_f64().unwrap();
+    assert!((mic - 9.99).abs() < 1e-4, "{mic}");
+    assert!(found.get("refused").is_none());
+}
+
+#[test]
+fn the_table_gives_the_same_and_the_lines_in_the_file() {
+    let output = call(&round(), &[]);
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.starts_with("8 points"), "{text}");
+    let ring = text.lines().find(|line| line.starts_with("MZC")).unwrap();
+    let cells: Vec<&str> = ring.split_whitespace().collect();
+    assert!((cells[4].parse::<f64>().unwrap() - 30.0).abs() < 1e-6, "{ring}");
+    assert_eq!(cells[5..], ["4", "6", "8", "10"], "{ring}");
+    for name in ["LSC", "MIC", "MCC"] {
+        assert!(text.lines().any(|line| line.starts_with(name)), "{text}");
+    }
+}
+
+#[test]
+fn a_part_arc_has_no_inscribed_circle() {
+    let mut text = String::from("x_mm,y_mm\n");
+    for i in 0..20 {
+        let (sin, cos) = (f64::from(i) * 0.1).sin_cos();
+        let r = 50.0 + 0.01 * f64::from(i % 3);
+        text.push_str(&format!("{},{}\n", r * cos, r * sin));
+    }
+    let found = document(&text);
+    assert!(found["mic"].is_null());
+    assert!(found["refused"]["mic"].as_str().unwrap().contains("part arc"), "{found}");
+    assert!((found["lsc"]["radius_mm"].as_f64().unwrap() - 50.0).abs() < 0.1);
+    assert!(found["mzc"]["zone_um"].as_f64().unwrap() < 20.1);
+    let table = String::from_utf8(call(&text, &[]).stdout).unwrap();
+    assert!(table.lines().any(|line| line.starts_with("MIC  none: ") && line.contains("part arc")), "{table}");
+}
+
+#[test]
+fn bad_points_are_refused_with_what_is_needed() {
+    let cases: [(&str, &[&str]); 7] = [
+        ("x_mm,y_mm\n1,2\n3,4\n", &["points.csv", "found 2 points", "needed at least 3"]),
+        (
+            "x_mm,y_mm\n0.1,0.1\n0.2,0.2\n0.3,0.3\n0.7,0.7\n",
+            &["points.csv", "4 points on one straight line", "needed three"],
+        ),
+        ("x_mm,y_mm\n1,1\n1,1\n1,1\n", &["points.csv", "found", "needed"]),
+        ("x_mm,y_mm\n1,1\nnan,1\n1,5\n", &["points.csv:3", "x_mm", "nan", "a finite number"]),
+        ("x_mm,y_mm\n1,1\n2,1\n1,inf\n", &["points.csv:4", "y_mm", "inf"]),
+        ("x_mm,z_mm\n1,1\n2,1\n1,3\n", &["points.csv:1", "z_mm"]),
+        ("x_mm\n1\n2\n3\n", &["points.csv:1", "y_mm"]),
+    ];
+    for (text, parts) in cases {
+        let output = call(text, &["--json"]);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{text}: {error}");
+        assert!(output.stdout.is_empty(), "{text}");
+        for part in parts {
+            assert!(error.contains(part), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,379 @@
+//! `roundness` and `probe-angles` as they are called, against readings made from first principles.
+
+use serde_json::Value;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn reference(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/reference").join(name)
+}
+
+fn call(directory: &TempDir, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(directory.path()).output().unwrap()
+}
+
+fn good(directory: &TempDir, arguments: &[&str]) -> String {
+    let output = call(directory, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn document(directory: &TempDir, arguments: &[&str]) -> Value {
+    serde_json::from_str(&good(directory, arguments)).unwrap()
+}
+
+/// Exit code 2, nothing on the standard output, and every part of the message.
+fn bad(directory: &TempDir, arguments: &[&str], parts: &[&str]) {
+    let output = call(directory, arguments);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    for part in parts {
+        assert!(error.contains(part), "{arguments:?}: {error}");
+    }
+}
+
+/// Rows of a CSV without its comments and its header.
+fn numbers(csv: &str) -> Vec<Vec<f64>> {
+    let rows = csv.lines().filter(|line| !line.starts_with('#')).skip(1);
+    rows.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
+}
+
+fn close(a: &Value, b: f64, tolerance: f64) {
+    let a = a.as_f64().unwrap();
+    assert!((a - b).abs() <= tolerance, "{a} {b}");
+}
+
+/// Probes that stand still at angles in degrees; profile over θ, motion `[x, y]` over revolution and θ.
+fn write_probes(
+    directory: &TempDir,
+    points: usize,
+    revolutions: usize,
+    angles: [f64; 2],
+    profile: impl Fn(f64) -> f64,
+    motion: impl Fn(usize, f64) -> [f64; 2],
+) {
+    let mut text = String::from("h1_um,h2_um,h3_um\n");
+    for row in 0..points * revolutions {
+        let theta = TAU * (row % points) as f64 / points as f64;
+        let [x, y] = motion(row / points, theta);
+        let [h1, h2, h3] = [0.0, angles[0], angles[0] + angles[1]].map(|phi| {
+            let (sin, cos) = phi.to_radians().sin_cos();
+            profile(theta + phi.to_radians()) + y * cos + x * sin
+        });
+        writeln!(text, "{h1},{h2},{h3}").unwrap();
+    }
+    fs::write(directory.path().join("probes.csv"), text).unwrap();
+}
+
+const BEST: [f64; 2] = [66.093_75, 234.492_187_5];
+
+#[test]
+fn agrees_with_the_reference_script() {
+    let directory = tempfile::tempdir().unwrap();
+    let probes = reference("separation_probes.csv");
+    let arguments = [
+        "roundness",
+        probes.to_str().unwrap(),
+        "--n=64",
+        "--phi2-deg=66.1",
+        "--phi3-deg=125.4",
+        "--harmonics=2..12",
+        "--arm=60,300,30",
+    ];
+    let csv = good(&directory, &arguments);
+    assert!(csv.starts_with("theta_deg,r_um,rx_um,ry_um\n0,"));
+    let text = fs::read_to_string(reference("separation_truth.csv")).unwrap();
+    let (found, truth) = (numbers(&csv), numbers(&text));
+    assert_eq!((found.len(), truth.len()), (128, 128));
+    for (found, truth) in found.iter().zip(&truth) {
+        for (found, truth) in found.iter().zip(truth) {
+            assert!((found - truth).abs() < 1e-9, "{found:?} {truth:?}");
+        }
+    }
+
+    let json = document(&directory, &[&arguments[..], &["--json", "-o", "out.csv"]].concat());
+    assert_eq!(fs::read_to_string(directory.path().join("out.csv")).unwrap(), csv);
+    for line in text.lines().filter(|line| line.starts_with("# spindle")) {
+        let mut cells = line.split(' ').skip(2);
+        let direction = &json["spindle"][cells.next().unwrap()];
+        let names = ["synchronous_um", "asynchronous_um", "total_um", "once_per_revolution_um"];
+        for (name, truth) in names.into_iter().chain(["once_per_revolution_phase_deg"]).zip(cells) {
+            close(&direction[name], truth.parse().unwrap(), 1e-9);
+        }
+    }
+    let harmonics = json["harmonics"].as_array().unwrap();
+    assert_eq!(harmonics.len(), 11);
+    // The amplitudes that the script gives its profile.
+    for (harmonic, truth) in harmonics.iter().zip([3.0, 1.75, 0.5, 2.25, 0.0, 1.0, 0.25, 0.75, 0.6, 0.3, 0.9]) {
+        close(&harmonic["amplitude_um"], truth, 1e-9);
+    }
+    close(&harmonics[0]["phase_deg"], 0.3f64.to_degrees(), 1e-9);
+    assert_eq!(json["n"], 64);
+    assert_eq!(json["revolutions"], 2);
+    assert_eq!(json["warnings"], Value::Array(Vec::new()));
+}
+
+#[test]
+fn zones_of_four_lobes_and_what_the_filter_leaves() {
+    let directory = tempfile::tempdir().unwrap();
+    let shift = |revolution: usize, theta: f64| [0.25 * revolution as f64, 50.0 * theta.cos()];
+    write_probes(&directory, 1024, 3, BEST, |theta| 3.0 * (4.0 * theta).cos() + 0.5 * (92.0 * theta).cos(), shift);
+    let arguments = ["roundness", "probes.csv", "--n=1024", "--p=188", "--q=667", "--json"];
+    let json = document(&directory, &[&arguments[..], &["--upr=15"]].concat());
+    // H(4) = 2^−(4/15)², H(92) < 2^−37. Crests at 0°, 90°, …, troughs at 45°, 135°, …: all four circles are concentric.
+    let zone = 6.0 * 2f64.powf(-16.0 / 225.0);
+    for circle in ["lsc", "mzc", "mic", "mcc"] {
+        close(&json[format!("{circle}_um")], zone, 1e-6);
+        let centre = &json["centres_um"][circle];
+        assert!(centre[0].as_f64().unwrap().abs() < 1e-6 && centre[1].as_f64().unwrap().abs() < 1e-6);
+    }
+    assert_eq!(json["per_revolution"].as_array().unwrap().len(), 3);
+    assert_eq!(json["per_revolution"][2]["revolution"], 3);
+    close(&json["per_revolution"][2]["mzc_um"], zone, 1e-6);
+    // X moves by 0.25 µm from one revolution to the next, Y not at all.
+    let spindle = &json["spindle"];
+    close(&spindle["x"]["asynchronous_um"], 0.5, 1e-9);
+    close(&spindle["x"]["synchronous_um"], 0.0, 1e-9);
+    close(&spindle["x"]["total_um"], 0.5, 1e-9);
+    close(&spindle["y"]["once_per_revolution_um"], 50.0, 1e-9);
+    close(&spindle["y"]["once_per_revolution_phase_deg"], 0.0, 1e-9);
+    // The table of harmonics is before the filter.
+    close(&json["harmonics"][90]["amplitude_um"], 0.5, 1e-9);
+
+    // Without the filter both waves have crests and troughs there.
+    let json = document(&directory, &arguments);
+    for circle in ["lsc", "mzc", "mic", "mcc"] {
+        close(&json[format!("{circle}_um")], 7.0, 1e-9);
+    }
+    assert_eq!(json["upr"], Value::Null);
+}
+
+#[test]
+fn one_revolution_has_no_asynchronous_motion() {
+    let directory = tempfile::tempdir().unwrap();
+    write_probes(&directory, 512, 1, [108.984_375, 120.9375], |theta| (4.0 * theta).cos(), |_, _| [0.0; 2]);
+    let json = document(&directory, &["roundness", "probes.csv", "--n=512", "--p=155", "--q=172", "--json"]);
+    assert_eq!(json["spindle"]["x"]["asynchronous_um"], Value::Null);
+    close(&json["mzc_um"], 2.0, 1e-9);
+}
+
+#[test]
+fn doubtful_settings_are_warned_of() {
+    let directory = tempfile::tempdir().unwrap();
+    write_probes(&directory, 1024, 1, [90.0, 181.05], |theta| (2.0 * theta).cos(), |_, _| [0.0; 2]);
+    let arguments =
+        ["roundness", "probes.csv", "--n=1024", "--phi2-deg=90", "--phi3-deg=181.05", "--upr=150", "--json"];
+    let output = call(&directory, &[&arguments[..], &["--noise-gain-limit=10"]].concat());
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let warnings: Vec<&str> = json["warnings"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    let error = String::from_utf8(output.stderr).unwrap();
+    let suppressed: Vec<u64> = json["harmonics"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|harmonic| harmonic["suppressed"] == true)
+        .map(|harmonic| harmonic["k"].as_u64().unwrap())
+        .collect();
+    assert!(!suppressed.is_empty());
+    for harmonic in json["harmonics"].as_array().unwrap() {
+        assert_eq!(harmonic["suppressed"] == true, harmonic["noise_gain"].as_f64().unwrap() > 10.0);
+    }
+    let list = suppressed.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+    for part in [format!("harmonics {list} are left out"), "at least 1050".into(), "ends at harmonic 100".into()] {
+        assert!(warnings.iter().any(|warning| warning.contains(&part)), "{part}: {warnings:?}");
+        assert!(error.contains(&part), "{error}");
+    }
+}
+
+#[test]
+fn a_bad_measurement_is_refused_with_its_place() {
+    let directory = tempfile::tempdir().unwrap();
+    let write = |text: &str| fs::write(directory.path().join("probes.csv"), text).unwrap();
+    let head = "h1_um,h2_um,h3_um\n";
+    let roundness = |more: &[&'static str]| {
+        let mut arguments = vec!["roundness", "probes.csv", "--n=64", "-o", "out.csv", "--report", "out"];
+        arguments.extend(if more.iter().any(|m| m.starts_with("--p")) { &[][..] } else { &["--p=11", "--q=13"] });
+        arguments.extend(more);
+        arguments
+    };
+    write(&[head, &"1,2,3\n".repeat(100)].concat());
+    let parts = ["probes.csv:101", "100 rows (1 revolutions and 36 rows)", "whole revolutions of 64 rows"];
+    bad(&directory, &roundness(&[]), &parts);
+    write(&[head, &"1,2,3\n".repeat(30), "1,inf,3\n", &"1,2,3\n".repeat(33)].concat());
+    bad(&directory, &roundness(&[]), &["probes.csv:32", "h2_um", "found inf", "needed a finite number"]);
+    write(&[head, &"1,2,3\n".repeat(63), "1,2,nan\n"].concat());
+    bad(&directory, &roundness(&[]), &["probes.csv:65", "h3_um", "found nan"]);
+    write("h1_um,h2_um\n1,2\n");
+    bad(&directory, &roundness(&[]), &["probes.csv:1", "h3_um"]);
+    write(head);
+    bad(&directory, &roundness(&[]), &["probes.csv", "no rows"]);
+
+    write(&[head, &"1,2,3\n".repeat(64)].concat());
+    bad(&directory, &roundness(&["--arm=330,300,30"]), &["--arm R:", "found 330 mm", "cannot close"]);
+    bad(&directory, &roundness(&["--arm=30,300,0"]), &["--arm RW:", "found 0 mm"]);
+    bad(&directory, &roundness(&["--arm=30,300"]), &["--arm", "R,RS,RW"]);
+    bad(&directory, &roundness(&["--arm=-1,300,30"]), &["--arm R:", "found -1 mm"]);
+    bad(&directory, &roundness(&["--upr=60"]), &["--upr: found 60", "15, 50, 150 or 500"]);
+    bad(&directory, &roundness(&["--noise-gain-limit=0"]), &["--noise-gain-limit", "above 0"]);
+    bad(&directory, &roundness(&["--noise-gain-limit=nan"]), &["--noise-gain-limit", "NaN"]);
+    bad(&directory, &["roundness", "probes.csv", "--n=64"], &["no probe angles"]);
+    let few = "--harmonics=2..10";
+    let blind = roundness(&["--phi2-deg=120", "--phi3-deg=120", few]);
+    bad(&directory, &blind, &["--phi2-deg", "cannot see harmonics 2, 4, 5, 7, 8, 10,"]);
+    assert!(!directory.path().join("out.csv").exists() && !directory.path().join("out").exists());
+}
+
+#[test]
+fn bad_angles_and_bands_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let angles = |more: &[&'static str]| [&["probe-angles", "--n=1024", "--harmonics=2..100"], more].concat();
+    // 90° and 135°: all singular harmonics are 8 m ± 1.
+    let all: Vec<String> = (2..=100).filter(|k| [1, 7].contains(&(k % 8))).map(|k: i32| k.to_string()).collect();
+    bad(&directory, &angles(&["--p=256", "--q=384"]), &["--p, --q", &format!("see harmonics {},", all.join(", "))]);
+    bad(&directory, &angles(&["--p=0", "--q=3"]), &["--p: found 0", "1 to 1023"]);
+    bad(&directory, &angles(&["--p=3", "--q=1024"]), &["--q: found 1024", "1 to 1023"]);
+    bad(&directory, &angles(&["--p=-3", "--q=3"]), &["--p: found -3"]);
+    bad(&directory, &angles(&["--p=1.5", "--q=3"]), &["--p", "1.5", "whole number"]);
+    bad(&directory, &angles(&["--p=512", "--q=3"]), &["--p: found 180", "180°"]);
+    bad(&directory, &angles(&["--p=3"]), &["--q"]);
+    bad(&directory, &angles(&["--p=3", "--q=4", "--phi2-deg=3", "--phi3-deg=4"]), &["--phi2-deg"]);
+    bad(&directory, &angles(&["--phi2-deg=nan", "--phi3-deg=4"]), &["--phi2-deg: found NaN"]);
+    bad(&directory, &angles(&["--count=0"]), &["--count: found 0"]);
+    let band = |n: &'static str, band: &'static str| ["probe-angles", "--n", n, "--harmonics", band];
+    bad(&directory, &band("1024", "2..512"), &["--harmonics: found 2..512", "N/2 = 512"]);
+    bad(&directory, &band("1024", "1..9"), &["--harmonics: found 1..9", "2 or more"]);
+    bad(&directory, &band("1024", "9..8"), &["--harmonics: found 9..8"]);
+    bad(&directory, &band("1024", "2-9"), &["2-9", "2..100"]);
+    for n in ["1000", "32", "8192", "0"] {
+        bad(&directory, &band(n, "2..9"), &[&format!("--n: found {n}"), "power of two from 64 to 4096"]);
+    }
+    bad(&directory, &band("1e3", "2..9"), &["--n"]);
+}
+
+#[test]
+fn the_best_pairs_are_found_and_a_given_one_is_compared() {
+    let directory = tempfile::tempdir().unwrap();
+    let arguments = ["probe-angles", "--n=1024", "--harmonics=2..100", "--json"];
+    let json = document(&directory, &arguments);
+    assert_eq!(json["harmonics"], serde_json::json!([2, 100]));
+    assert_eq!(json.get("pair"), None);
+    let best = json["best"].as_array().unwrap();
+    assert_eq!(best.len(), 20);
+    assert_eq!((&best[0]["p"], &best[0]["q"]), (&Value::from(169), &Value::from(188)));
+    close(&best[0]["worst_gain"], 0.319, 5e-4);
+    close(&best[0]["phi2_deg"], 360.0 * 169.0 / 1024.0, 1e-12);
+    let gain = |pair: &Value| pair["worst_gain"].as_f64().unwrap();
+    let equals: Vec<&Value> = best.iter().filter(|pair| gain(pair) > gain(&best[0]) - 1e-9).collect();
+    assert_eq!(equals.len(), 12);
+    assert!(equals.iter().any(|pair| pair["p"] == 188 && pair["q"] == 667));
+
+    for (angles, worst) in [(["90", "181.05"], 0.052), (["60.82", "240.12"], 0.053)] {
+        let given = ["--phi2-deg", angles[0], "--phi3-deg", angles[1], "--count=1"];
+        let pair = &document(&directory, &[&arguments[..], &given].concat())["pair"];
+        close(&pair["worst_gain"], worst, 5e-4);
+        close(&pair["worst_noise_gain"], 1.0 / gain(pair), 1e-9);
+        let noise_gains = pair["noise_gains"].as_array().unwrap();
+        assert_eq!(noise_gains.len(), 99);
+        let at_worst = noise_gains.iter().find(|entry| entry["k"] == pair["worst_harmonic"]).unwrap();
+        assert_eq!(at_worst["noise_gain"], pair["worst_noise_gain"]);
+        assert_eq!(pair.get("p"), None);
+    }
+    // The band leaves out what the pair cannot see; it is named all the same.
+    let narrow = ["probe-angles", "--n=64", "--harmonics=2..6", "--p=16", "--q=24", "--json"];
+    let pair = &document(&directory, &narrow)["pair"];
+    assert_eq!(pair["singular"], serde_json::json!([7, 9, 15, 17, 23, 25, 31]));
+    let table = good(&directory, &["probe-angles", "--n=512", "--count=1", "--p=155", "--q=172"]);
+    assert!(
+        table.contains("100.0 %") && table.lines().filter(|line| line.contains("108.98438")).count() == 2,
+        "{table}"
+    );
+}
+
+/// The page is well-formed XML; texts of it, and its figures with every coordinate a number.
+fn read_page(page: &str) -> (String, usize) {
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let parsed = roxmltree::Document::parse_with_options(page, options).unwrap();
+    let mut svgs = 0;
+    for svg in parsed.descendants().filter(|node| node.tag_name().name() == "svg") {
+        assert_eq!(svg.tag_name().namespace(), Some("http://www.w3.org/2000/svg"));
+        let number = |text: &str| text.parse::<f64>().unwrap_or_else(|_| panic!("{text} is no number"));
+        let size: Vec<f64> = svg.attribute("viewBox").unwrap().split(' ').map(number).collect();
+        for shape in svg.descendants() {
+            for point in shape.attribute("points").unwrap_or_default().split_whitespace() {
+                let (x, y) = point.split_once(',').unwrap();
+                assert!((-40.0..=size[2] + 40.0).contains(&number(x)), "{point} in {size:?}");
+                assert!((-40.0..=size[3] + 40.0).contains(&number(y)), "{point} in {size:?}");
+            }
+        }
+        svgs += 1;
+    }
+    assert_eq!(svgs, page.matches("<svg").count());
+    let text = parsed.descendants().filter(roxmltree::Node::is_text).filter_map(|node| node.text()).collect();
+    (text, svgs)
+}
+
+#[test]
+fn the_report_shows_circles_harmonics_and_orbits() {
+    let directory = tempfile::tempdir().unwrap();
+    let profile = |theta: f64| 1.5 * (2.0 * theta).cos() + (3.0 * theta + 0.4).cos() + 0.2 * (40.0 * theta).sin();
+    let motion = |revolution: usize, theta: f64| {
+        let wobble = 0.3 * (2.5 * theta + 2.0 * revolution as f64).sin();
+        [20.0 * theta.cos() + wobble, (4.0 * theta).cos() - wobble]
+    };
+    write_probes(&directory, 1024, 5, [90.0, 181.05], profile, motion);
+    fs::rename(directory.path().join("probes.csv"), directory.path().join("pin & \"x\".csv")).unwrap();
+    let arguments = ["roundness", "pin & \"x\".csv", "--n=1024", "--phi2-deg=90", "--phi3-deg=181.05"];
+    let more = ["--noise-gain-limit=10", "--upr=50", "--report=deep/er", "-o=out.csv"];
+    assert_eq!(good(&directory, &[&arguments[..], &more].concat()), "");
+    let page = fs::read_to_string(directory.path().join("deep/er/roundness.html")).unwrap();
+    let (text, _) = read_page(&page);
+    // One figure each for polar plot, amplitudes, noise gains, orbit, motion over θ, development.
+    assert_eq!(page.matches("<figure").count(), 6);
+    for part in
+        ["LSC", "MZC", "MIC", "MCC", "Magnification 10000 : 1", "one division is", "Suppressed: ", "5 revolutions"]
+    {
+        assert!(text.contains(part), "{part}");
+    }
+    assert!(text.contains("pin & \"x\".csv") && !page.contains("http-equiv") && !page.contains("<script"));
+
+    // Nothing but zeros, one revolution: still a page.
+    fs::write(directory.path().join("zero.csv"), ["h1_um,h2_um,h3_um\n", &"0,0,0\n".repeat(64)].concat()).unwrap();
+    let zero = ["roundness", "zero.csv", "--n=64", "--p=11", "--q=13", "--json", "--report=zero"];
+    close(&document(&directory, &zero)["mzc_um"], 0.0, 0.0);
+    let (text, _) = read_page(&fs::read_to_string(directory.path().join("zero/roundness.html")).unwrap());
+    assert!(text.contains("no development"));
+}
+
+#[test]
+fn the_report_of_points_shows_them_with_their_circles() {
+    let directory = tempfile::tempdir().unwrap();
+    let points = |count: i32, share: f64| {
+        let mut text = String::from("x_mm,y_mm\n");
+        for i in 0..count {
+            let theta = TAU * share * f64::from(i) / f64::from(count);
+            let radius = 20.0 + 3e-3 * (3.0 * theta).cos();
+            writeln!(text, "{},{}", 100.0 + radius * theta.cos(), -50.0 + radius * theta.sin()).unwrap();
+        }
+        fs::write(directory.path().join("points.csv"), text).unwrap();
+    };
+    points(72, 1.0);
+    let json = document(&directory, &["circle", "points.csv", "--json", "--report=out"]);
+    close(&json["mzc"]["zone_um"], 6.0, 1e-6);
+    let page = fs::read_to_string(directory.path().join("out/circle.html")).unwrap();
+    let (text, _) = read_page(&page);
+    // 3 µm to either side: 22 mm on the page hold 5 mm/µm.
+    for part in ["LSC, zone 6.00", "MZC", "MCC", "MIC", "Magnification 5000 : 1", "division is 2 µm", "points.csv"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    // A part arc has no inscribed circle.
+    points(40, 0.3);
+    let json = document(&directory, &["circle", "points.csv", "--json", "--report=out"]);
+    assert_eq!(json["mic"], Value::Null);
+    let (text, _) = read_page(&fs::read_to_string(directory.path().join("out/circle.html")).unwrap());
+    assert!(text.contains("MCC, zone") && !text.contains("MIC, zone"));
+}

@@ -1,0 +1,222 @@
+//! Truth: cosine sums evaluated where each probe stands, and the linkage solved by bisection of its sine rule.
+
+use super::*;
+use crate::roundness::{Arm, ProbeAngles};
+use core::f64::consts::TAU;
+
+const BAND: Band = Band { first: 2, last: 100 };
+
+/// Reproducible numbers in −1..1 (Knuth's MMIX generator).
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+struct Truth {
+    /// Amplitude and phase of harmonics 2, 3, ….
+    harmonics: Vec<[f64; 2]>,
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+impl Truth {
+    /// Several µm of every harmonic up to the band's last; motion with 50 µm once per revolution, others and noise.
+    fn new(points: usize, seed: u64) -> Truth {
+        let mut noise = Noise(seed);
+        let harmonics = BAND.iter().map(|_| [3.0 + 2.0 * noise.next(), TAU * noise.next()]).collect();
+        let mut motion = |phase: f64| {
+            let wave = |i: usize, k: f64| (TAU * k * i as f64 / points as f64 + phase).cos();
+            (0..points).map(|i| 7.0 + 50.0 * wave(i, 1.0) + 4.0 * wave(i, 2.3) + 0.5 * noise.next()).collect()
+        };
+        let (x, y) = (motion(0.4), motion(2.0));
+        Truth { harmonics, x, y }
+    }
+
+    fn profile(&self, theta: f64) -> f64 {
+        (2..).zip(&self.harmonics).map(|(k, [a, phase])| a * (f64::from(k) * theta + phase).cos()).sum()
+    }
+
+    /// h1, h2, h3 with the arm angle at every θ.
+    fn readings(&self, [phi2, phi3]: [f64; 2], beta: impl Fn(f64) -> f64) -> [Vec<f64>; 3] {
+        [0.0, phi2, phi2 + phi3].map(|phi| {
+            let points = self.x.len();
+            (0..points)
+                .map(|i| {
+                    let theta = TAU * i as f64 / points as f64;
+                    let (sin, cos) = (phi + beta(theta)).sin_cos();
+                    self.profile(theta + phi) + self.y[i] * cos + self.x[i] * sin
+                })
+                .collect()
+        })
+    }
+}
+
+/// β where α + β = θ and R sin α = (R_S + R_W) sin β.
+fn solved_arm(ratio: f64, theta: f64) -> f64 {
+    let (mut low, mut high) = (-ratio.asin(), ratio.asin());
+    for _ in 0..80 {
+        let beta = 0.5 * (low + high);
+        // β − asin(λ sin(θ − β)) rises with β for λ < 1.
+        if beta.sin() < ratio * (theta - beta).sin() { low = beta } else { high = beta }
+    }
+    0.5 * (low + high)
+}
+
+fn largest_difference(a: &[f64], b: impl Iterator<Item = f64>) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+fn slots(p: u16, q: u16) -> ProbeAngles {
+    ProbeAngles::Slots { p, q }
+}
+
+fn degrees(phi2: f64, phi3: f64) -> ProbeAngles {
+    ProbeAngles::Degrees { phi2, phi3 }
+}
+
+#[test]
+fn noise_free_readings_are_taken_apart() {
+    let published = [degrees(90.0, 181.05), degrees(60.82, 240.12)];
+    let arrangements = [
+        (1024, published.to_vec()),
+        (
+            1024,
+            [slots(188, 667), slots(169, 188), slots(256, 515), degrees(66.1234, 234.5), degrees(-66.1, 125.4)]
+                .to_vec(),
+        ),
+        (512, published.to_vec()),
+        (512, [slots(155, 172), slots(94, 333)].to_vec()),
+    ];
+    let following = Arm { crank_mm: 60.0, wheel_mm: 300.0, pin_mm: 30.0 }.ratio().unwrap();
+    let mut worst = 0.0f64;
+    for (points, angles) in arrangements {
+        let truth = Truth::new(points, points as u64);
+        for angles in angles {
+            for ratio in [0.0, following] {
+                let gain = angles.resolve(points).unwrap();
+                let readings = truth.readings([gain.phi2(), gain.phi3()], |theta| solved_arm(ratio, theta));
+                let separator = Separator::new(gain, BAND, NOISE_GAIN_LIMIT, ratio).unwrap();
+                let found = separator.separate([&readings[0], &readings[1], &readings[2]]).unwrap();
+                let theta = (0..points).map(|i| TAU * i as f64 / points as f64);
+                let errors = [
+                    largest_difference(&found.profile, theta.map(|theta| truth.profile(theta))),
+                    largest_difference(&found.x, truth.x.iter().copied()),
+                    largest_difference(&found.y, truth.y.iter().copied()),
+                ];
+                std::println!(
+                    "N {points} {angles:?} λ {ratio:.3}: r, R_X, R_Y {} µm",
+                    errors.map(|e| std::format!("{e:.1e}")).join(" ")
+                );
+                for error in errors {
+                    assert!(error < 1e-6, "{angles:?} {ratio} {errors:?}");
+                    worst = worst.max(error);
+                }
+                for (harmonic, [amplitude, phase]) in
+                    separator.harmonics(&found.profile).unwrap().iter().zip(&truth.harmonics)
+                {
+                    assert!((harmonic.amplitude - amplitude).abs() < 1e-9, "{harmonic:?}");
+                    let turn = (harmonic.phase - phase).rem_euclid(TAU);
+                    assert!(turn.min(TAU - turn) < 1e-9, "{harmonic:?} {phase}");
+                    assert!(!harmonic.suppressed);
+                }
+            }
+        }
+    }
+    std::println!("largest error {worst:.1e} µm");
+}
+
+/// A wrong sign in β would go unnoticed with β = 0 and small motion; here the error is as large as the motion.
+#[test]
+fn the_arm_matters() {
+    let (points, angles) = (512, slots(155, 172));
+    let truth = Truth::new(points, 3);
+    let gain = angles.resolve(points).unwrap();
+    let readings = truth.readings([gain.phi2(), gain.phi3()], |theta| solved_arm(0.2, theta));
+    let still = Separator::new(gain, BAND, NOISE_GAIN_LIMIT, 0.0).unwrap();
+    let found = still.separate([&readings[0], &readings[1], &readings[2]]).unwrap();
+    assert!(largest_difference(&found.x, truth.x.iter().copied()) > 5.0);
+    // s does not contain the motion, however β turns it.
+    let theta = (0..points).map(|i| TAU * i as f64 / points as f64);
+    assert!(largest_difference(&found.profile, theta.map(|theta| truth.profile(theta))) < 1e-6);
+}
+
+#[test]
+fn suppressed_harmonics_are_left_out_and_marked() {
+    // 90° and 181.05°: noise gain 19 at its worst, so a limit of 10 hits some harmonics and not all.
+    let gain = degrees(90.0, 181.05).resolve(1024).unwrap();
+    let truth = Truth::new(1024, 5);
+    let readings = truth.readings([gain.phi2(), gain.phi3()], |_| 0.0);
+    let separator = Separator::new(gain, BAND, 10.0, 0.0).unwrap();
+    let suppressed: Vec<u16> = separator.suppressed().collect();
+    let expected: Vec<u16> = BAND.iter().filter(|k| gain.noise_gain(usize::from(*k)) > 10.0).collect();
+    assert_eq!(suppressed, expected);
+    assert!(!suppressed.is_empty() && suppressed.len() < 30, "{suppressed:?}");
+    let found = separator.separate([&readings[0], &readings[1], &readings[2]]).unwrap();
+    for (harmonic, [amplitude, _]) in separator.harmonics(&found.profile).unwrap().iter().zip(&truth.harmonics) {
+        let kept = !suppressed.contains(&harmonic.k);
+        assert_eq!(harmonic.suppressed, !kept);
+        let expected = if kept { *amplitude } else { 0.0 };
+        assert!((harmonic.amplitude - expected).abs() < 1e-9, "{harmonic:?}");
+    }
+}
+
+#[test]
+fn the_filter_halves_its_cut_off() {
+    let gain = slots(188, 667).resolve(1024).unwrap();
+    let separator = Separator::new(gain, BAND, NOISE_GAIN_LIMIT, 0.0).unwrap();
+    let wave = |k: f64, i: i32| (TAU * k * f64::from(i) / 1024.0).cos();
+    let profile: Vec<f64> = (0..1024).map(|i| 4.0 * wave(50.0, i) + 3.0 * wave(100.0, i)).collect();
+    let filtered = separator.filtered(&profile, 50).unwrap();
+    let expected = (0..1024).map(|i| 2.0 * wave(50.0, i) + 3.0 / 16.0 * wave(100.0, i));
+    assert!(largest_difference(&filtered, expected) < 1e-12);
+    assert!(separator.filtered(&profile, 51).is_err() && separator.filtered(&profile[1..], 50).is_err());
+}
+
+#[test]
+fn what_cannot_be_separated_is_refused() {
+    let refused = |angles: ProbeAngles, band, limit, ratio| {
+        Separator::new(angles.resolve(1024).unwrap(), band, limit, ratio).err().unwrap()
+    };
+    let few = Band { first: 2, last: 10 };
+    let blind = refused(degrees(120.0, 120.0), few, 100.0, 0.0);
+    assert_eq!(blind, NoSeparation::Blind([2, 4, 5, 7, 8, 10].to_vec()));
+    assert!(std::format!("{blind}").contains("harmonics 2, 4, 5, 7, 8, 10:"));
+    let setting = |error: &NoSeparation| matches!(error, NoSeparation::Setting(_));
+    assert!(setting(&refused(slots(188, 667), Band { first: 2, last: 512 }, 100.0, 0.0)));
+    assert!(setting(&refused(slots(188, 667), few, 0.0, 0.0)));
+    assert!(setting(&refused(slots(188, 667), few, f64::NAN, 0.0)));
+    assert!(setting(&refused(slots(188, 667), few, 100.0, 1.0)));
+    let separator = Separator::new(slots(188, 667).resolve(1024).unwrap(), few, 100.0, 0.0).unwrap();
+    let right = [0.0; 1024];
+    let error = separator.separate([&right, &right[1..], &right]).unwrap_err();
+    assert_eq!((error.index, error.found), (Some(1), 1023.0));
+}
+
+/// Independent noise of standard deviation σ in every probe makes a mean square amplitude of 4 σ² g²/N in a harmonic of
+/// noise gain g.
+#[test]
+fn noise_grows_by_the_noise_gain() {
+    let (points, revolutions) = (128, 600);
+    let band = Band { first: 2, last: 40 };
+    let gain = degrees(90.0, 181.05).resolve(points).unwrap();
+    let separator = Separator::new(gain, band, NOISE_GAIN_LIMIT, 0.1).unwrap();
+    let mut noise = Noise(11);
+    let mut squares = std::vec![0.0; band.iter().count()];
+    for _ in 0..revolutions {
+        let probes = [(); 3].map(|()| (0..points).map(|_| noise.next()).collect::<Vec<f64>>());
+        let found = separator.separate([&probes[0], &probes[1], &probes[2]]).unwrap();
+        for (square, harmonic) in squares.iter_mut().zip(separator.harmonics(&found.profile).unwrap()) {
+            *square += harmonic.amplitude * harmonic.amplitude / f64::from(revolutions);
+        }
+    }
+    for (k, square) in band.iter().zip(squares) {
+        // σ² of numbers spread evenly over −1..1 is 1/3.
+        let expected = 4.0 / 3.0 * gain.noise_gain(usize::from(k)).powi(2) / points as f64;
+        // The mean of 600 exponentially distributed squares strays by 4 %.
+        assert!((square / expected - 1.0).abs() < 0.2, "{k}: {square} {expected}");
+    }
+}
