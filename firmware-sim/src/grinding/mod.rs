@@ -38,7 +38,7 @@ pub use simulate::{Moment, Revolution, Run, run};
 pub use spindle::{CentreMotion, Linkage, Noise, Term, Turning, counts, sum};
 pub use workpiece::{CELLS, Harmonic, Workpiece, imprint};
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, bail};
 use trueaxis::roundness::{ProbeAngles, RoundnessSettings};
 use trueaxis_tables::Machine;
 
@@ -135,23 +135,29 @@ pub fn probe_angles(gauge: &RoundnessSettings) -> [f64; 3] {
     [0.0, phi2, phi2 + phi3]
 }
 
-/// Spindle speed at which the gauge has to skip `skip` whole revolutions between two that it evaluates, rpm.
+/// Fastest speed at which the gauge can resample: θ passes two points in a cycle at most, and the arm makes it run
+/// faster than α by up to R/(R_S + R_W); a tenth is kept for the ripple of the speed, rpm.
+pub fn fastest_rpm(gauge: &RoundnessSettings, rate_hz: f64) -> f64 {
+    let ratio = gauge.arm.map_or(0.0, |arm| arm.lengths.ratio().unwrap_or(0.0));
+    60.0 * rate_hz * 2.0 / (1.1 * (1.0 + ratio) * f64::from(gauge.points))
+}
+
+/// Speed at which the gauge has to skip `skip` whole revolutions between two that it evaluates, rpm.
 ///
 /// # Errors
-/// The settings do not build, or θ would pass more points in a cycle than the gauge can resample.
+/// The settings do not build, or that is faster than [`fastest_rpm`].
 pub fn speed_that_skips(gauge: &RoundnessSettings, rate_hz: f64, skip: u32) -> Result<f64> {
     let work = simulate::cycles_of_work(gauge, (1e9 / rate_hz).round() as u32)? as f64;
     let cycles = work / (f64::from(skip) + 0.5);
-    // Two points a cycle at most, and the arm makes θ run faster than α by R/(R_S + R_W).
-    let ratio = gauge.arm.map_or(0.0, |arm| arm.lengths.ratio().unwrap_or(0.0));
-    let fewest = 0.55 * f64::from(gauge.points) * (1.0 + ratio);
-    if cycles < fewest {
-        return Err(anyhow!(
-            "--skip: found {skip}, needed at most {}: the work of {work} cycles would span revolutions of {cycles:.0} cycles, \
-             too short for {} points",
-            (work / fewest - 0.5).floor().max(0.0),
+    let speed_rpm = 60.0 * rate_hz / cycles;
+    let fastest = fastest_rpm(gauge, rate_hz);
+    if speed_rpm > fastest {
+        bail!(
+            "--skip: found {skip}, needed at most {}: the work of {work} cycles would span revolutions of {cycles:.0} \
+             cycles, too short for {} points",
+            (work * fastest / (60.0 * rate_hz) - 0.5).floor().max(0.0),
             gauge.points
-        ));
+        );
     }
-    Ok(60.0 * rate_hz / cycles)
+    Ok(speed_rpm)
 }
