@@ -327,6 +327,12 @@ interpolation = "cubic"
 travel_mm = [-60.0, 60.0]
 max_feed_mm_per_min = 10000.0
 
+# The infeed correction follows the pin's harmonics at speed: a linear motor takes what a ball screw would not.
+[axis.X.limits]
+magnitude_um = 100.0
+slope_mm_per_s = 5.0
+acceleration_mm_per_s2 = 2000.0
+
 [axis.Z]
 travel_mm = [-400.0, 400.0]
 max_feed_mm_per_min = 10000.0

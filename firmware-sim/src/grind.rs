@@ -26,9 +26,9 @@ pub(crate) struct GrindArgs {
     /// Machine with a gauge: a machine.toml, its folder, or the name of a sample.
     #[arg(long, value_name = "M", default_value = "grinder")]
     machine: PathBuf,
-    /// Turns of the spindle, 8 to 10000.
-    #[arg(long, value_name = "N", default_value_t = 40)]
-    revolutions: u32,
+    /// Turns of the spindle, 8 to 10000 [default: 40; with --skip N, 20 (N + 1) if that is more].
+    #[arg(long, value_name = "N")]
+    revolutions: Option<u32>,
     /// Servo rate, 100 to 100000.
     #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
     rate_hz: f64,
@@ -56,8 +56,10 @@ fn prepare(args: &GrindArgs) -> Result<Grinding> {
     if !(100.0..=100_000.0).contains(&args.rate_hz) {
         bail!("--rate-hz: found {}, needed 100 to 100000", args.rate_hz);
     }
-    if !(8..=10_000).contains(&args.revolutions) {
-        bail!("--revolutions: found {}, needed 8 to 10000", args.revolutions);
+    let needed = args.skip.map_or(40, |skip| skip.saturating_add(1).saturating_mul(20).clamp(40, 10_000));
+    let revolutions = args.revolutions.unwrap_or(needed);
+    if !(8..=10_000).contains(&revolutions) {
+        bail!("--revolutions: found {revolutions}, needed 8 to 10000");
     }
     let mut machine = read_machine(&args.machine)?;
     if let (Some(gain), Some(infeed)) = (args.gain, machine.settings.roundness.as_mut().and_then(|g| g.infeed.as_mut()))
@@ -76,7 +78,7 @@ fn prepare(args: &GrindArgs) -> Result<Grinding> {
         machine,
         rate_hz: args.rate_hz,
         speed_rpm: args.speed_rpm,
-        revolutions: args.revolutions,
+        revolutions,
         seed: args.seed,
         process: Process::default(),
         events: Vec::new(),

@@ -142,12 +142,15 @@ pub fn fastest_rpm(gauge: &RoundnessSettings, rate_hz: f64) -> f64 {
     60.0 * rate_hz * 2.0 / (1.1 * (1.0 + ratio) * f64::from(gauge.points))
 }
 
-/// Speed at which the gauge has to skip `skip` whole revolutions between two that it evaluates, rpm.
+/// Speed at which the gauge has to skip at least `skip` whole revolutions between two that it evaluates, rpm.
 ///
 /// # Errors
 /// The settings do not build, or that is faster than [`fastest_rpm`].
 pub fn speed_that_skips(gauge: &RoundnessSettings, rate_hz: f64, skip: u32) -> Result<f64> {
-    let work = simulate::cycles_of_work(gauge, (1e9 / rate_hz).round() as u32)? as f64;
+    let most = simulate::cycles_of_work(gauge, (1e9 / rate_hz).round() as u32)?;
+    // Two units a point are spent only where a window of spindle motion is full.
+    let seldom = 2 * usize::from(gauge.points) / usize::from(gauge.units_per_cycle.max(1));
+    let work = most.saturating_sub(seldom).max(1) as f64;
     let cycles = work / (f64::from(skip) + 0.5);
     let speed_rpm = 60.0 * rate_hz / cycles;
     let fastest = fastest_rpm(gauge, rate_hz);

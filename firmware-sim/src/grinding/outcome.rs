@@ -17,7 +17,8 @@ pub struct Outcome {
     pub uncorrected: Run,
     /// Correction on.
     pub corrected: Run,
-    /// Error motion of the spindle as it is, X and Y.
+    /// Error motion of the corrected pin's centre as it is, X and Y: that of the spindle, and the eccentricity with which
+    /// the pin has been ground.
     pub motion: [ErrorMotion<f64>; 2],
     wall_s: f64,
 }
@@ -39,7 +40,12 @@ pub fn simulate(grinding: &Grinding, progress: &mut dyn FnMut(f64)) -> Result<Ou
         })
     };
     let (uncorrected, corrected) = (one(false)?, one(true)?);
-    Ok(Outcome { motion: true_motion(grinding)?, uncorrected, corrected, wall_s: started.elapsed().as_secs_f64() })
+    Ok(Outcome {
+        motion: true_motion(grinding, &corrected)?,
+        uncorrected,
+        corrected,
+        wall_s: started.elapsed().as_secs_f64(),
+    })
 }
 
 /// Spindle angle at an angle of the surface, by fixed-point iteration of θ = α + β(α).
@@ -50,23 +56,31 @@ pub(crate) fn alpha_at(linkage: &Linkage, theta: f64) -> f64 {
 /// Points over θ at which the true motion is evaluated.
 pub(crate) const MOTION_POINTS: usize = 1024;
 
-/// Synchronous motion of the centre over θ, [R_X, R_Y], µm, eccentricity included.
-pub(crate) fn true_orbit(grinding: &Grinding) -> Result<Vec<[f64; 2]>> {
+/// Motion of the pin's centre over θ in a mean revolution, [R_X, R_Y], µm.
+///
+/// The first harmonic a cos s + b sin s of the pin's surface is a displacement of its centre, which turns with it:
+/// R_Y += a cos α + b sin α, R_X += b cos α − a sin α.
+pub(crate) fn true_orbit(grinding: &Grinding, run: &Run) -> Result<Vec<[f64; 2]>> {
     let linkage = Linkage::of(grinding.gauge()?);
     let motion = &grinding.process.motion;
+    let [a, b] = run.average.get(1).copied().unwrap_or_default();
     let at = |n: usize| {
         let alpha = alpha_at(&linkage, TAU * n as f64 / MOTION_POINTS as f64);
-        std::array::from_fn(|i| sum(&motion.eccentricity[i..=i], alpha) + sum(&motion.synchronous[i], alpha))
+        let (sin, cos) = alpha.sin_cos();
+        let ground = [b * cos - a * sin, a * cos + b * sin];
+        std::array::from_fn(|i| {
+            ground[i] + sum(&motion.eccentricity[i..=i], alpha) + sum(&motion.synchronous[i], alpha)
+        })
     };
     Ok((0..MOTION_POINTS).map(at).collect())
 }
 
 /// Figures of the true motion over the window of the gauge, by their definitions; white noise left out.
-fn true_motion(grinding: &Grinding) -> Result<[ErrorMotion<f64>; 2]> {
+fn true_motion(grinding: &Grinding, run: &Run) -> Result<[ErrorMotion<f64>; 2]> {
     let gauge = grinding.gauge()?;
     let linkage = Linkage::of(gauge);
     let window = u32::from(gauge.revolutions).min(grinding.revolutions);
-    let orbit = true_orbit(grinding)?;
+    let orbit = true_orbit(grinding, run)?;
     let range = |values: &mut dyn Iterator<Item = f64>| {
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
     };
@@ -256,7 +270,7 @@ impl fmt::Display for Summary<'_> {
         }
         writeln!(f, "  {:<36} {:>9.1} %", "what is left", 100.0 * o.imprint_ratio())?;
         writeln!(f)?;
-        writeln!(f, "error motion of the spindle            synchronous  asynchronous  once per revolution")?;
+        writeln!(f, "error motion of the pin's centre        synchronous  asynchronous  once per revolution")?;
         let mut row = |name: &str, motion: &ErrorMotion<f64>| {
             let [a, b] = motion.once_per_revolution_um;
             let (synchronous, asynchronous) = (motion.synchronous_um, motion.asynchronous_um);
