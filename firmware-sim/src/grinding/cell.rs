@@ -38,7 +38,8 @@ pub(super) struct Cell<'g> {
     listed: Vec<usize>,
     geometry: Geometry,
     linkage: Linkage,
-    dressing: Option<[f64; 3]>,
+    /// Begin, radius before and after; whether the gauge is told.
+    dressing: Option<([f64; 3], bool)>,
     turning: Turning,
     drive: InfeedDrive,
     noise: Noise,
@@ -196,8 +197,8 @@ impl<'g> Cell<'g> {
                 Event::NewPart { at } if turns >= at && !*done => {
                     (*done, new_part) = (true, true);
                 }
-                Event::Wheel { at, wheel_mm } if turns >= at && !*done => {
-                    (*done, self.dressing) = (true, Some([at, self.linkage.wheel_mm, wheel_mm]));
+                Event::Wheel { at, wheel_mm, told } if turns >= at && !*done => {
+                    (*done, self.dressing) = (true, Some(([at, self.linkage.wheel_mm, wheel_mm], told)));
                 }
                 _ => {}
             }
@@ -213,13 +214,14 @@ impl<'g> Cell<'g> {
     }
 
     fn dress(&mut self) -> Option<f64> {
-        let [at, from, to] = self.dressing?;
+        let ([at, from, to], told) = self.dressing?;
         let share = (self.turns() - at).clamp(0.0, 1.0);
         self.linkage.wheel_mm = from + share * (to - from);
-        (share >= 1.0).then(|| {
-            self.dressing = None;
-            to
-        })
+        if share < 1.0 {
+            return None;
+        }
+        self.dressing = None;
+        told.then_some(to)
     }
 
     /// The machine over one period; at rest and off the part while `settling`.

@@ -29,11 +29,13 @@ pub enum Event {
         /// When.
         at: f64,
     },
-    /// The wheel is dressed to another radius within a turn; the gauge is told at the end of it.
+    /// The wheel is dressed to another radius within a turn.
     Wheel {
         /// When.
         at: f64,
         /// Radius afterwards, mm.
         wheel_mm: f64,
+        /// The gauge is told at the end of that turn.
+        told: bool,
     },
 }
