@@ -1,9 +1,10 @@
 //! `firmware-sim grind`: its arguments and what it prints.
 
 use crate::{progress_bar, read_machine};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use firmware_sim::grinding::{self, Grinding, Process};
+use firmware_sim::report;
 use std::path::PathBuf;
 use trueaxis::roundness::gain_limit;
 
@@ -41,6 +42,9 @@ pub(crate) struct GrindArgs {
     /// Turn so fast that the gauge has to skip N whole revolutions between two that it evaluates.
     #[arg(long, value_name = "N")]
     skip: Option<u32>,
+    /// Feed that remains after roughing, µm of radius per revolution, 0 to 5.
+    #[arg(long, value_name = "UM", default_value_t = Process::default().feed_um)]
+    feed_um: f64,
     /// Seed of the rough surface and of every noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -61,6 +65,9 @@ fn prepare(args: &GrindArgs) -> Result<Grinding> {
     if !(8..=10_000).contains(&revolutions) {
         bail!("--revolutions: found {revolutions}, needed 8 to 10000");
     }
+    if !(0.0..=5.0).contains(&args.feed_um) {
+        bail!("--feed-um: found {}, needed 0 to 5", args.feed_um);
+    }
     let mut machine = read_machine(&args.machine)?;
     if let (Some(gain), Some(infeed)) = (args.gain, machine.settings.roundness.as_mut().and_then(|g| g.infeed.as_mut()))
     {
@@ -80,7 +87,7 @@ fn prepare(args: &GrindArgs) -> Result<Grinding> {
         speed_rpm: args.speed_rpm,
         revolutions,
         seed: args.seed,
-        process: Process::default(),
+        process: Process { feed_um: args.feed_um, ..Process::default() },
         events: Vec::new(),
     };
     let gauge = *grinding.gauge()?;
@@ -104,10 +111,20 @@ pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
     let bar = progress_bar("grinding");
     let outcome = grinding::simulate(&grinding, &mut |fraction| bar.set_position((1000.0 * fraction) as u64))?;
     bar.finish_and_clear();
+    let page = match &args.report {
+        Some(dir) => Some(
+            report::grinding::write(&grinding, &outcome, dir)
+                .with_context(|| format!("cannot write into {}", dir.display()))?,
+        ),
+        None => None,
+    };
     if args.json {
         println!("{}", serde_json::to_string_pretty(&outcome.json(&grinding)?)?);
     } else {
         print!("{}", outcome.summary(&grinding));
+        if let Some(page) = page {
+            println!("written  {}", page.display());
+        }
     }
     Ok(())
 }

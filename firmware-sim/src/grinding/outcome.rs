@@ -20,6 +20,8 @@ pub struct Outcome {
     /// Error motion of the corrected pin's centre as it is, X and Y: that of the spindle, and the eccentricity with which
     /// the pin has been ground.
     pub motion: [ErrorMotion<f64>; 2],
+    /// Motion of that centre over θ in a mean revolution, [R_X, R_Y], µm.
+    pub orbit: Vec<[f64; 2]>,
     wall_s: f64,
 }
 
@@ -42,6 +44,7 @@ pub fn simulate(grinding: &Grinding, progress: &mut dyn FnMut(f64)) -> Result<Ou
     let (uncorrected, corrected) = (one(false)?, one(true)?);
     Ok(Outcome {
         motion: true_motion(grinding, &corrected)?,
+        orbit: true_orbit(grinding, &corrected)?,
         uncorrected,
         corrected,
         wall_s: started.elapsed().as_secs_f64(),
@@ -49,18 +52,18 @@ pub fn simulate(grinding: &Grinding, progress: &mut dyn FnMut(f64)) -> Result<Ou
 }
 
 /// Spindle angle at an angle of the surface, by fixed-point iteration of θ = α + β(α).
-pub(crate) fn alpha_at(linkage: &Linkage, theta: f64) -> f64 {
+fn alpha_at(linkage: &Linkage, theta: f64) -> f64 {
     (0..60).fold(theta, |alpha, _| theta - linkage.beta(alpha))
 }
 
 /// Points over θ at which the true motion is evaluated.
-pub(crate) const MOTION_POINTS: usize = 1024;
+const MOTION_POINTS: usize = 1024;
 
 /// Motion of the pin's centre over θ in a mean revolution, [R_X, R_Y], µm.
 ///
 /// The first harmonic a cos s + b sin s of the pin's surface is a displacement of its centre, which turns with it:
 /// R_Y += a cos α + b sin α, R_X += b cos α − a sin α.
-pub(crate) fn true_orbit(grinding: &Grinding, run: &Run) -> Result<Vec<[f64; 2]>> {
+fn true_orbit(grinding: &Grinding, run: &Run) -> Result<Vec<[f64; 2]>> {
     let linkage = Linkage::of(grinding.gauge()?);
     let motion = &grinding.process.motion;
     let [a, b] = run.average.get(1).copied().unwrap_or_default();
