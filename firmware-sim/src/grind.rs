@@ -43,7 +43,7 @@ pub(crate) struct GrindArgs {
     #[arg(long, value_name = "N")]
     skip: Option<u32>,
     /// Feed that remains after roughing, µm of radius per revolution, 0 to 5.
-    #[arg(long, value_name = "UM", default_value_t = Process::default().feed_um)]
+    #[arg(long, value_name = "UM", default_value_t = Process::default().feed_um, allow_hyphen_values = true)]
     feed_um: f64,
     /// Seed of the rough surface and of every noise.
     #[arg(long, default_value_t = 1)]

@@ -182,7 +182,7 @@ impl<'g> Cell<'g> {
     }
 
     fn index_is_missing(&self, turn: i64) -> bool {
-        self.grinding.events.iter().any(|event| *event == Event::MissingIndex { turn })
+        self.grinding.events.contains(&Event::MissingIndex { turn })
     }
 
     /// Begins what is due; tells of a new part and of a new wheel.
