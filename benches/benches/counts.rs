@@ -8,6 +8,7 @@ use trueaxis::compensation::Compensation;
 use trueaxis::contour::ContourError;
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
+use trueaxis_benches::gauge::Gauge;
 use trueaxis_benches::limiter::Limits;
 use trueaxis_benches::step::{self, Cycle};
 use trueaxis_benches::tables::{Grid, compensation, position};
@@ -114,8 +115,40 @@ fn whole_step(cycle: &'static mut Cycle) -> trueaxis::Output<f64, f64, 3> {
     black_box(cycle.run())
 }
 
+fn sampling(passing: bool) -> &'static mut Gauge {
+    leak(Gauge::sampling(passing))
+}
+
+fn revolution() -> &'static mut Gauge {
+    leak(Gauge::whole_revolution())
+}
+
+#[library_benchmark(setup = sampling)]
+#[bench::between_points(false)]
+#[bench::at_a_point(true)]
+fn gauge_sampling(gauge: &'static mut Gauge) -> u16 {
+    black_box(gauge.sample())
+}
+
+#[library_benchmark]
+#[bench::revolution(setup = revolution)]
+fn gauge_transform(gauge: &'static mut Gauge) -> bool {
+    black_box(gauge.transform())
+}
+
 library_benchmark_group!(
     name = counts,
-    benchmarks = [nothing, nine_terms, nine_terms_free, contour, kernel, contour_worst, limiter, whole_step]
+    benchmarks = [
+        nothing,
+        nine_terms,
+        nine_terms_free,
+        contour,
+        kernel,
+        contour_worst,
+        limiter,
+        whole_step,
+        gauge_sampling,
+        gauge_transform
+    ]
 );
 main!(library_benchmark_groups = counts);

@@ -1,10 +1,11 @@
 //! Wall time of the parts of the step and of the whole.
 #![allow(missing_docs)]
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
+use trueaxis_benches::gauge::Gauge;
 use trueaxis_benches::limiter::Limits;
 use trueaxis_benches::step;
 use trueaxis_benches::tables::{Grid, compensation, position};
@@ -59,5 +60,18 @@ fn whole_step(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(parts, look_up, contour, limiter, whole_step);
+fn gauge(c: &mut Criterion) {
+    let mut group = c.benchmark_group("gauge, 1024 points");
+    for (name, passing) in [("sampling between points", false), ("sampling at a point", true)] {
+        let mut gauge = Gauge::sampling(passing);
+        group.bench_function(name, |b| b.iter(|| black_box(&mut gauge).sample()));
+    }
+    let before = Gauge::whole_revolution();
+    group.bench_function("work on a revolution", |b| {
+        b.iter_batched_ref(|| before.clone(), |gauge| black_box(gauge).work(), BatchSize::LargeInput)
+    });
+    group.finish();
+}
+
+criterion_group!(parts, look_up, contour, limiter, whole_step, gauge);
 criterion_main!(parts);

@@ -1,6 +1,7 @@
 //! Fixed inputs for the benches: everything comes from seeds, so that instruction counts repeat exactly.
 
 pub mod contour;
+pub mod gauge;
 pub mod limiter;
 pub mod step;
 pub mod tables;

@@ -182,7 +182,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) -> Output<R, P, N> {
         let sample = self.sampler.read(&mut state.sample, input);
         let modelled = self.model(state, &sample);
-        self.finish(state, &sample, modelled, path, reference)
+        self.finish(state, &sample, &modelled, path, reference)
     }
 
     /// The same with a gauge of three probes riding along: some units of its work a cycle, and its infeed correction
@@ -209,7 +209,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         if let (Verdict::Active, Some(wanted)) = (sample.verdict, modelled.wanted.get_mut(place)) {
             *wanted += cycle.infeed;
         }
-        (self.finish(state, &sample, modelled, path, reference), cycle)
+        (self.finish(state, &sample, &modelled, path, reference), cycle)
     }
 
     /// The stages after the model.
@@ -218,14 +218,14 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
-        modelled: Modelled<R, N>,
+        modelled: &Modelled<R, N>,
         path: &Path<'_, R, P>,
         reference: Reference<R>,
     ) -> Output<R, P, N> {
-        let contour = self.contour(state, sample, &modelled, path, reference);
+        let contour = self.contour(state, sample, modelled, path, reference);
         let released = self.release.release(&mut state.release, &mut state.sample, sample, &modelled.wanted);
         state.limited = released.limited;
-        self.record(state, sample, &modelled, contour, released)
+        self.record(state, sample, modelled, contour, released)
     }
 
     /// Wanted correction at the command, modelled error at the feedback.

@@ -198,8 +198,8 @@ impl Gain {
 
     /// Whether the arrangement cannot see a harmonic at all.
     pub fn is_singular(&self, harmonic: usize) -> bool {
-        // Written so that a noise gain that is not a number counts as singular.
-        !(self.noise_gain(harmonic) < SINGULAR)
+        let noise_gain = self.noise_gain(harmonic);
+        noise_gain.is_nan() || noise_gain >= SINGULAR
     }
 
     /// All harmonics of a band that the arrangement cannot see.

@@ -6,34 +6,48 @@
 use super::flags::Flags;
 use super::settings::{ArmSettings, SpindleEncoder};
 
-/// Counts of one turn to a fraction of 2^32, within two units: counts · ⌊2^(32+s)/counts per turn⌉ / 2^s.
+/// Counts of one turn to a fraction of 2^32, within two units: (counts · 2^k) · ⌊2^(63−k)/counts per turn⌉ / 2^31.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Scale {
     factor: u32,
+    /// k: as far as the counts of a turn can be shifted in 32 bits.
     shift: u32,
 }
 
 impl Scale {
     fn new(counts: u32) -> Self {
         let counts = counts.max(1);
-        // The largest shift whose factor fits into 32 bits.
-        let shift = (32 - (counts - 1).leading_zeros()).saturating_sub(1);
-        let factor = ((1u64 << (32 + shift)) + u64::from(counts) / 2) / u64::from(counts);
+        let shift = (counts - 1).leading_zeros().min(31);
+        let factor = ((1u64 << (63 - shift)) + u64::from(counts) / 2) / u64::from(counts);
         Scale { factor: u32::try_from(factor).unwrap_or(u32::MAX), shift }
     }
 
     #[inline(always)]
     fn angle(self, counts: u32) -> u32 {
-        ((u64::from(counts) * u64::from(self.factor)) >> self.shift) as u32
+        ((u64::from(counts.wrapping_shl(self.shift)) * u64::from(self.factor)) >> 31) as u32
     }
+}
+
+/// 0 or −1: `(x ^ mask) − mask` is x or −x.
+fn mask(direction: i8) -> i32 {
+    if direction < 0 { -1 } else { 0 }
+}
+
+#[inline(always)]
+fn signed(x: i32, mask: i32) -> i32 {
+    (x ^ mask).wrapping_sub(mask)
 }
 
 /// Follows the spindle's encoder from cycle to cycle: immutable half.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpindleCounter {
     scale: Scale,
+    mask: i32,
     counts: u32,
-    reversed: bool,
+    /// Counts of a cycle beyond which the encoder has jumped.
+    most: u32,
+    /// Counts without an index pulse after which one is missing.
+    overdue: u32,
     index: bool,
     tolerance: u32,
 }
@@ -59,10 +73,13 @@ impl SpindleState {
 
 impl SpindleCounter {
     pub(super) fn new(encoder: &SpindleEncoder) -> Self {
+        let counts = encoder.counts;
         SpindleCounter {
-            scale: Scale::new(encoder.counts),
-            counts: encoder.counts,
-            reversed: encoder.direction < 0,
+            scale: Scale::new(counts),
+            mask: mask(encoder.direction),
+            counts,
+            most: counts / 4,
+            overdue: if encoder.index { counts + counts / 4 } else { u32::MAX },
             index: encoder.index,
             tolerance: encoder.index_tolerance,
         }
@@ -77,28 +94,15 @@ impl SpindleCounter {
         pulse: Option<i32>,
         flags: &mut Flags,
     ) -> Option<u32> {
-        let raw = if self.reversed { raw.wrapping_neg() } else { raw };
+        let raw = signed(raw, self.mask);
         let moved = raw.wrapping_sub(state.last);
         state.last = raw;
-        if !state.started || moved.unsigned_abs() > self.counts / 4 {
-            if state.started {
-                flags.set(Flags::SPINDLE_JUMP);
-            }
-            self.restart(state, raw);
-        } else {
-            state.in_turn = self.advanced(state.in_turn, moved);
-            state.travelled = state.travelled.wrapping_add(moved);
-        }
-        if self.index {
-            if let Some(latched) = pulse {
-                self.at_index(state, raw, latched, flags);
-            } else if state.referenced && state.travelled.unsigned_abs() > self.counts + self.counts / 4 {
-                // An index pulse is overdue: the count may have slipped by any amount.
-                state.referenced = false;
-                flags.set(Flags::INDEX_MISSING);
-            }
+        state.in_turn = self.advanced(state.in_turn, moved);
+        state.travelled = state.travelled.wrapping_add(moved);
+        let plain = state.referenced && moved.unsigned_abs() <= self.most && pulse.is_none();
+        if !(plain && state.travelled.unsigned_abs() <= self.overdue) {
+            self.exceptional(state, raw, moved, pulse, flags);
             if !state.referenced {
-                flags.set(Flags::NO_INDEX);
                 return None;
             }
         }
@@ -118,18 +122,42 @@ impl SpindleCounter {
         }
     }
 
+    /// Everything but a plain motion: first cycle, jump, index pulse, missing pulse.
+    #[inline(never)]
+    fn exceptional(&self, state: &mut SpindleState, raw: i32, moved: i32, pulse: Option<i32>, flags: &mut Flags) {
+        if !state.started || moved.unsigned_abs() > self.most {
+            if state.started {
+                flags.set(Flags::SPINDLE_JUMP);
+            }
+            self.restart(state, raw);
+        }
+        if !self.index {
+            return;
+        }
+        if let Some(latched) = pulse {
+            self.at_index(state, raw, latched, flags);
+        } else if state.referenced && state.travelled.unsigned_abs() > self.overdue {
+            // The count may have slipped by any amount.
+            state.referenced = false;
+            flags.set(Flags::INDEX_MISSING);
+        }
+        if !state.referenced {
+            flags.set(Flags::NO_INDEX);
+        }
+    }
+
     #[cold]
     fn restart(&self, state: &mut SpindleState, raw: i32) {
-        *state = SpindleState { last: raw, started: true, ..SpindleState::NEW };
+        *state = SpindleState { last: raw, started: true, referenced: !self.index, ..SpindleState::NEW };
         // Without an index the count itself is absolute.
         state.in_turn = i64::from(raw).checked_rem_euclid(i64::from(self.counts)).map_or(0, |rest| rest as u32);
     }
 
     #[cold]
     fn at_index(&self, state: &mut SpindleState, raw: i32, latched: i32, flags: &mut Flags) {
-        let latched = if self.reversed { latched.wrapping_neg() } else { latched };
+        let latched = signed(latched, self.mask);
         let since = raw.wrapping_sub(latched);
-        if since.unsigned_abs() > self.counts / 4 {
+        if since.unsigned_abs() > self.most {
             // Latched more than a quarter turn ago: not this cycle's pulse.
             flags.set(Flags::INDEX_SHIFTED);
             return;
@@ -155,24 +183,24 @@ impl SpindleCounter {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ArmCounter {
     scale: Scale,
-    reversed: bool,
+    mask: i32,
     /// A quarter turn, in counts.
     most: u32,
 }
 
 impl ArmCounter {
     pub(super) fn new(arm: &ArmSettings) -> Self {
-        ArmCounter { scale: Scale::new(arm.counts), reversed: arm.direction < 0, most: arm.counts / 4 }
+        ArmCounter { scale: Scale::new(arm.counts), mask: mask(arm.direction), most: arm.counts / 4 }
     }
 
     /// β, a signed fraction of 2^32, if it lies within ±90°.
     #[inline(always)]
     pub(super) fn angle(&self, raw: i32) -> Option<i32> {
-        if raw.unsigned_abs() > self.most {
+        let magnitude = raw.unsigned_abs();
+        if magnitude > self.most {
             return None;
         }
-        let magnitude = self.scale.angle(raw.unsigned_abs()) as i32;
-        Some(if (raw < 0) == self.reversed { magnitude } else { magnitude.wrapping_neg() })
+        Some(signed(self.scale.angle(magnitude) as i32, (raw >> 31) ^ self.mask))
     }
 }
 

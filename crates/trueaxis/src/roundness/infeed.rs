@@ -49,16 +49,9 @@ impl<R: Real> Infeed<R> {
 
     /// Infeed of this cycle, mm in the sense of the axis.
     ///
-    /// Between the points c is the cubic through the nearest four: 3e-4 of harmonic N/20, 1.2 % of N/8.
+    /// Between the points c is the cubic through the nearest four: 2e-4 of harmonic N/20, 0.9 % of N/8.
     #[inline(always)]
-    pub(super) fn at<const N: usize>(
-        &self,
-        table: &[R; N],
-        circle: &[Complex<R>; N],
-        ratio: R,
-        angles: Angles,
-        speed: R,
-    ) -> R {
+    pub(super) fn at<const N: usize>(&self, table: &[R; N], linkage: &[Complex<R>; N], angles: Angles, speed: R) -> R {
         let shift = u32::BITS - N.trailing_zeros();
         let lead = (self.lead * speed).to_i32();
         let angle = angles.theta.wrapping_add(self.contact).wrapping_add_signed(lead);
@@ -73,11 +66,7 @@ impl<R: Real> Infeed<R> {
         let bend = (before + high) * R::HALF - low;
         let slope = high - low - bend - outer;
         let c = low + t * (slope + t * (bend + t * outer));
-        let [cos, _] = match circle.get((angles.theta >> shift) as usize) {
-            // e^{−jθ} and e^{jθ} have the same cosine.
-            Some(direction) if ratio > R::ZERO => super::arm_angle(ratio, *direction),
-            _ => [R::ONE, R::ZERO],
-        };
+        let [cos, _] = linkage.get((angles.theta >> shift) as usize).copied().unwrap_or([R::ONE, R::ZERO]);
         c * self.scale / cos
     }
 }

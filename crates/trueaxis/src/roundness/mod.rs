@@ -60,8 +60,8 @@ pub use work::HARMONICS;
 use crate::error::{ConfigError, Field};
 use crate::real::Real;
 use infeed::Infeed;
-use resample::{Passed, Resampler, ResamplerState};
-use work::{ARM_CHECKS, Plan, Revolution, Work};
+use resample::{Angles, POINTS_PER_CYCLE, Resampler, ResamplerState};
+use work::{ARM_CHECKS, Outcome, Plan, Revolution, Task, Use, Work};
 
 /// Readings of one cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -97,26 +97,6 @@ pub struct Evaluation<R> {
     pub revolutions: u16,
 }
 
-impl<R: Real> Evaluation<R> {
-    const NO_MOTION: ErrorMotion<R> = ErrorMotion {
-        synchronous_um: R::ZERO,
-        asynchronous_um: R::ZERO,
-        once_per_revolution_um: [R::ZERO; 2],
-        total_um: R::ZERO,
-    };
-
-    const fn none() -> Self {
-        Evaluation {
-            revolution: 0,
-            flags: Flags(0),
-            peak_to_valley_um: R::ZERO,
-            x: Self::NO_MOTION,
-            y: Self::NO_MOTION,
-            revolutions: 0,
-        }
-    }
-}
-
 /// What a cycle gives back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -131,30 +111,42 @@ pub struct Cycle<R> {
 
 /// The immutable half: angles, multipliers, limits. `N` is the number of points of a revolution.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Roundness<R, const N: usize> {
+    units_per_cycle: u8,
     resampler: Resampler<R, N>,
-    plan: Plan<R, N>,
     infeed: Option<Infeed<R>>,
     arm: Option<Arm>,
     gain: Gain,
     band: Band,
     noise_gain_limit: f64,
-    units_per_cycle: u8,
+    plan: Plan<R, N>,
 }
 
-/// The mutable half: what one cycle hands to the next, and the results. Large (15 N scalars): a static's place.
+/// The mutable half: what one cycle hands to the next, and the results. Large (17 N scalars): a static's place.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct RoundnessState<R, const N: usize> {
+    /// The one of the two revolutions that is worked on; the other is being sampled.
+    worked: usize,
     resampler: ResamplerState<R>,
-    revolutions: [Revolution<R, N>; 2],
-    /// The second of them is being sampled.
-    second: bool,
     sampling: Sampling,
-    work: Work<R, N>,
-    /// λ of the arm, as the wheel is now.
-    ratio: R,
-    latest: Evaluation<R>,
+    latest: Outcome<R>,
     counts: Counts,
+    speed: Speed<R>,
+    work: Work<R, N>,
+    revolutions: [Revolution<R, N>; 2],
+    /// Weighted sums of the three probes; of the one that is worked on, their spectrum.
+    sums: [[R; N]; 2],
+}
+
+/// How fast the surface turns.
+#[derive(Clone, Copy, Debug)]
+struct Speed<R> {
+    /// θ of the last cycle in which it was known.
+    theta: Option<u32>,
+    /// Change of θ per cycle, 2^−32 turns, smoothed over some 64 cycles.
+    per_cycle: R,
 }
 
 /// How whole revolutions fared.
@@ -177,13 +169,14 @@ struct Sampling {
     running: bool,
     points: usize,
     flags: Flags,
-    /// Sixteenth of a turn of α, cycles since it began, fewest and most cycles that one took.
-    sixteenth: u32,
-    elapsed: u32,
+    /// The cycle in which it began.
+    began: u32,
+    /// Quarter of a turn of α, the cycle in which it began, fewest and most cycles that one took.
+    quarter: u32,
+    entered: u32,
     fewest: u32,
     most: u32,
-    /// Cycles, and those of them in which the infeed axis was limited.
-    cycles: u32,
+    /// Cycles in which the infeed axis was limited.
     limited: u32,
 }
 
@@ -192,28 +185,28 @@ impl Sampling {
         running: false,
         points: 0,
         flags: Flags(0),
-        sixteenth: 0,
-        elapsed: 0,
+        began: 0,
+        quarter: u32::MAX,
+        entered: 0,
         fewest: u32::MAX,
         most: 0,
-        cycles: 0,
         limited: 0,
     };
 
-    /// Follows the speed by the time that every sixteenth of a turn takes.
+    /// Follows the speed by the time that every quarter of a turn takes.
     #[inline(always)]
-    fn time(&mut self, alpha: u32) {
-        self.elapsed = self.elapsed.saturating_add(1);
-        let sixteenth = alpha >> 28;
-        if sixteenth == self.sixteenth {
+    fn time(&mut self, alpha: u32, clock: u32) {
+        let quarter = alpha >> 30;
+        if quarter == self.quarter {
             return;
         }
         // The first one seen is not whole.
-        if self.sixteenth != u32::MAX {
-            self.fewest = self.fewest.min(self.elapsed);
-            self.most = self.most.max(self.elapsed);
+        if self.quarter != u32::MAX {
+            let took = clock.wrapping_sub(self.entered);
+            self.fewest = self.fewest.min(took);
+            self.most = self.most.max(took);
         }
-        (self.sixteenth, self.elapsed) = (sixteenth, 0);
+        (self.quarter, self.entered) = (quarter, clock);
     }
 }
 
@@ -224,18 +217,21 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
         RoundnessState {
             resampler: ResamplerState::new(),
             revolutions: [Revolution::new(), Revolution::new()],
-            second: false,
+            sums: [[R::ZERO; N]; 2],
+            worked: 1,
             sampling: Sampling::NEW,
             work: Work::new(),
-            ratio: R::ZERO,
-            latest: Evaluation::none(),
+            latest: Outcome::NONE,
             counts: Counts { sampled: 0, evaluated: 0, skipped: 0, discarded: 0 },
+            speed: Speed { theta: None, per_cycle: R::ZERO },
         }
     }
 
     /// The latest revolution evaluated.
-    pub fn latest(&self) -> Option<&Evaluation<R>> {
-        (self.counts.evaluated > 0).then_some(&self.latest)
+    pub fn latest(&self) -> Option<Evaluation<R>> {
+        let Outcome { revolution, flags, peak_to_valley_um } = self.latest;
+        let ([x, y], revolutions) = (self.work.error_motion, self.work.window);
+        (self.counts.evaluated > 0).then_some(Evaluation { revolution, flags, peak_to_valley_um, x, y, revolutions })
     }
 
     /// How whole revolutions fared so far.
@@ -249,22 +245,27 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
         &self.work.profile
     }
 
-    /// Amplitudes of cos kθ and sin kθ in the profile, µm, k = 0 to 127; zero outside the band and where suppressed.
-    pub fn harmonics(&self) -> &[[R; 2]; HARMONICS] {
-        &self.work.harmonics
+    /// Amplitudes of cos kθ and sin kθ in the profile, µm; zero outside the band, where suppressed, and from
+    /// [`HARMONICS`] on.
+    pub fn harmonic(&self, harmonic: usize) -> [R; 2] {
+        self.work.harmonic(harmonic)
     }
 
     /// Motion of the centre in the latest revolution, R_X and R_Y, µm; while no work is under way and until the next
     /// revolution is whole.
     pub fn motion(&self) -> [&[R; N]; 2] {
-        let [first, second] = &self.revolutions;
-        let evaluated = if self.second { first } else { second };
+        let evaluated = &self.revolutions[self.worked & 1];
         [&evaluated.first, &evaluated.second]
     }
 
     /// Infeed correction over the surface, c(θ), µm.
     pub fn correction(&self) -> &[R; N] {
         &self.work.correction
+    }
+
+    #[inline(always)]
+    fn work_and_revolution(&mut self) -> (&mut Work<R, N>, &mut Revolution<R, N>) {
+        (&mut self.work, &mut self.revolutions[self.worked & 1])
     }
 
     /// No work is under way: results do not change until the next revolution is whole.
@@ -309,8 +310,9 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     /// Makes a state new in its place, for one that is too large to be moved.
     pub fn restart(&self, state: &mut RoundnessState<R, N>) {
         *state = RoundnessState::new();
-        let ratio = self.arm.and_then(|arm| arm.ratio().ok());
-        state.ratio = R::of(ratio.unwrap_or(0.0));
+        if let Some(ratio) = self.arm.and_then(|arm| arm.ratio().ok()) {
+            state.work.link_all(&self.plan, R::of(ratio));
+        }
     }
 
     /// What the probes see of each harmonic.
@@ -325,8 +327,8 @@ impl<R: Real, const N: usize> Roundness<R, N> {
 
     /// A harmonic of the band that is left out because of its noise gain.
     pub fn is_suppressed(&self, harmonic: usize) -> bool {
-        // Written so that a noise gain that is not a number counts as suppressed.
-        !(self.gain.noise_gain(harmonic) <= self.noise_gain_limit)
+        let noise_gain = self.gain.noise_gain(harmonic);
+        noise_gain.is_nan() || noise_gain > self.noise_gain_limit
     }
 
     /// Cycles that the work on a revolution takes at most; revolutions that are shorter are skipped whole in between.
@@ -339,7 +341,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         self.infeed.as_ref().map(|infeed| infeed.place)
     }
 
-    /// Sets the wheel's radius R_S, mm (wear, dressing); not part of the step.
+    /// Sets the wheel's radius R_S, mm (wear, dressing); in force from the next revolution that is worked on.
     ///
     /// # Errors
     /// There is no arm, or the linkage could not close.
@@ -347,53 +349,65 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         let Some(arm) = self.arm else {
             return Err(ConfigError::new(Field::Arm, wheel_mm, "a gauge with a following arm"));
         };
-        state.ratio = R::of(Arm { wheel_mm, ..arm }.ratio()?);
+        state.work.ratio = R::of(Arm { wheel_mm, ..arm }.ratio()?);
         Ok(())
     }
 
     /// One servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
     ///
-    /// `limited` tells whether the infeed axis' correction was limited in the cycle before.
+    /// `limited` tells whether the infeed axis' correction was limited in the cycle before. The three stages can be
+    /// called by themselves, [`Roundness::work`] for instance in the background.
     #[inline]
     pub fn update(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, limited: bool) -> Cycle<R> {
+        let flags = self.sample(state, probes, limited);
+        let finished = self.work(state);
+        Cycle { infeed: self.infeed(state), flags, finished }
+    }
+
+    /// First stage: a cycle's readings, resampled; gives what it met.
+    #[inline]
+    pub fn sample(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, limited: bool) -> Flags {
         if probes.new_part {
             state.work.clear();
             state.sampling = Sampling::NEW;
         }
         let mut flags = Flags::default();
         let passed = self.resampler.update(&mut state.resampler, probes, &mut flags);
-        self.sample(state, &passed, limited, &mut flags);
-        let finished = self.work(state);
-        Cycle { infeed: self.infeed(state), flags, finished }
-    }
-
-    /// Keeps the points passed; hands a whole revolution over.
-    #[inline(always)]
-    fn sample(&self, state: &mut RoundnessState<R, N>, passed: &Passed<R>, limited: bool, flags: &mut Flags) {
-        let sampling = &mut state.sampling;
-        if flags.discards() && sampling.running {
-            sampling.running = false;
+        if flags.discards() && state.sampling.running {
+            state.sampling.running = false;
             state.counts.discarded = state.counts.discarded.wrapping_add(1);
         }
-        sampling.cycles = sampling.cycles.wrapping_add(1);
-        sampling.limited = sampling.limited.wrapping_add(u32::from(limited));
-        let Some(angles) = state.resampler.angles() else { return };
-        sampling.time(angles.alpha);
-        for point in passed.iter().flatten() {
+        state.sampling.limited = state.sampling.limited.wrapping_add(u32::from(limited));
+        if let Some(points) = passed {
+            if points > 0 {
+                self.pass(state, &probes.readings, points, &mut flags);
+            }
+            Resampler::<R, N>::keep(&mut state.resampler, &probes.readings);
+        }
+        flags
+    }
+
+    /// θ has passed a point, or two.
+    #[inline(never)]
+    fn pass(&self, state: &mut RoundnessState<R, N>, readings: &[R; 3], points: usize, flags: &mut Flags) {
+        let Some(Angles { theta, alpha, beta }) = state.resampler.angles else { return };
+        state.sampling.time(alpha, state.resampler.clock);
+        let mut angle = Resampler::<R, N>::last(&state.resampler);
+        for _ in 0..points.min(POINTS_PER_CYCLE) {
+            let point = self.resampler.point(&mut state.resampler, theta, readings, &mut angle);
             if point.place == 0 {
                 Self::turn(state, flags);
             }
             if !state.sampling.running {
                 continue;
             }
-            let [first, second] = &mut state.revolutions;
-            let revolution = if state.second { second } else { first };
+            let revolution = &mut state.revolutions[!state.worked & 1];
             let n = point.place & (N - 1);
             revolution.first[n] = point.h1;
             revolution.second[n] = point.h2;
-            revolution.sum[n] = point.sum;
+            state.sums[!state.worked & 1][n] = point.sum;
             if n & (N / ARM_CHECKS - 1) == 0 {
-                revolution.beta[(n / (N / ARM_CHECKS)) & (ARM_CHECKS - 1)] = angles.beta;
+                revolution.beta[(n / (N / ARM_CHECKS)) & (ARM_CHECKS - 1)] = beta;
             }
             state.sampling.points = state.sampling.points.wrapping_add(1);
         }
@@ -410,51 +424,202 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             if sampling.most > sampling.fewest.saturating_add(sampling.fewest / 4).saturating_add(2) {
                 of_revolution.set(Flags::SPEED);
             }
-            if sampling.limited > sampling.cycles / 64 {
+            if sampling.limited > state.resampler.clock.wrapping_sub(sampling.began) / 64 {
                 of_revolution.set(Flags::INFEED_FROZEN);
             }
             flags.set(of_revolution);
             if state.work.is_idle() {
-                state.second = !state.second;
-                state.work.begin(Evaluation { revolution: state.counts.sampled, flags: of_revolution, ..state.latest });
+                state.worked ^= 1;
+                state.work.begin(state.counts.sampled, of_revolution);
             } else {
                 state.counts.skipped = state.counts.skipped.wrapping_add(1);
                 flags.set(Flags::SKIPPED);
             }
         }
         let skipped = if flags.has(Flags::SKIPPED) { Flags::SKIPPED } else { Flags::default() };
-        state.sampling = Sampling {
-            running: !flags.discards(),
-            flags: skipped,
-            sixteenth: u32::MAX,
-            elapsed: sampling.elapsed,
-            ..Sampling::NEW
-        };
+        state.sampling =
+            Sampling { running: !flags.discards(), flags: skipped, began: state.resampler.clock, ..Sampling::NEW };
     }
 
-    #[inline(always)]
-    fn work(&self, state: &mut RoundnessState<R, N>) -> bool {
-        let [first, second] = &mut state.revolutions;
-        let evaluated = if state.second { first } else { second };
+    /// Second stage: the units of work of a cycle; true when a revolution has just been evaluated.
+    #[inline]
+    pub fn work(&self, state: &mut RoundnessState<R, N>) -> bool {
+        if self.units_per_cycle == 1 { self.unit(state) } else { self.units(state) }
+    }
+
+    #[inline(never)]
+    fn units(&self, state: &mut RoundnessState<R, N>) -> bool {
         let mut finished = false;
         for _ in 0..self.units_per_cycle {
-            if let Some(result) = state.work.unit(&self.plan, evaluated, self.infeed.as_ref(), state.ratio) {
-                state.latest = result;
-                state.counts.evaluated = state.counts.evaluated.wrapping_add(1);
-                finished = true;
-            }
+            finished |= self.unit(state);
         }
         finished
     }
 
-    #[inline(always)]
-    fn infeed(&self, state: &RoundnessState<R, N>) -> R {
-        match (&self.infeed, state.resampler.angles()) {
-            (Some(infeed), Some(angles)) if !state.work.is_cleared() => {
-                infeed.at(&state.work.correction, &self.plan.circle, state.ratio, angles, state.resampler.speed())
-            }
-            _ => R::ZERO,
+    /// One unit. Every task is a function of its own, so that nothing is prepared before it is known which one it is.
+    #[inline(never)]
+    fn unit(&self, state: &mut RoundnessState<R, N>) -> bool {
+        match state.work.task {
+            Task::Idle => false,
+            Task::Forward => self.forward(state),
+            Task::Spread(Use::Profile) => self.spread_profile(state),
+            Task::Spread(of) => self.spread(state, of),
+            Task::Inverse(of) => self.inverse(state, of),
+            Task::Arm => self.compare_arm(state),
+            Task::Orbit => self.orbit(state),
+            Task::Evaluate => self.evaluate(state),
+            Task::Express => self.express(state),
+            Task::Judge => self.judge(state),
+            Task::Commit => self.commit(state),
+            Task::Clear => self.zero(state),
+            Task::Range => self.measure(state),
+            Task::Linkage => self.link(state),
+            Task::Turn => self.finish(state),
         }
+    }
+
+    #[inline(never)]
+    fn forward(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let (work, sum) = (&mut state.work, &mut state.sums[state.worked & 1]);
+        if work.forward(&self.plan, sum) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn spread_profile(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let (work, sum) = (&mut state.work, &mut state.sums[state.worked & 1]);
+        if work.spread_profile(&self.plan, sum) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn spread(&self, state: &mut RoundnessState<R, N>, of: Use) -> bool {
+        let (work, sum) = (&mut state.work, &mut state.sums[state.worked & 1]);
+        if work.spread(&self.plan, sum, self.plan.multipliers(of)) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn inverse(&self, state: &mut RoundnessState<R, N>, of: Use) -> bool {
+        let work = &mut state.work;
+        if work.inverse(&self.plan, of) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn compare_arm(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let (work, revolution) = state.work_and_revolution();
+        if work.compare_arm(revolution) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn orbit(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let (work, revolution) = state.work_and_revolution();
+        if work.orbit(&self.plan, revolution) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn evaluate(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let work = &mut state.work;
+        if work.evaluate(&self.plan) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn express(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let work = &mut state.work;
+        if work.express(&self.plan) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn judge(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let work = &mut state.work;
+        if work.judge(self.infeed.as_ref()) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn commit(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let work = &mut state.work;
+        if work.commit(self.infeed.as_ref()) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn zero(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let work = &mut state.work;
+        if work.zero() {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn measure(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let work = &mut state.work;
+        if work.measure(&self.plan) {
+            work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn link(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let work = &mut state.work;
+        if work.link(&self.plan) {
+            work.end();
+        }
+        false
+    }
+
+    /// From one task to the next; true when it was the last of a revolution.
+    #[inline(never)]
+    fn finish(&self, state: &mut RoundnessState<R, N>) -> bool {
+        let finished = state.work.finish(&self.plan);
+        if finished {
+            state.latest = state.work.result;
+            state.counts.evaluated = state.counts.evaluated.wrapping_add(1);
+        }
+        finished
+    }
+
+    /// Third stage: infeed correction of this cycle, mm in the sense of its axis.
+    #[inline]
+    pub fn infeed(&self, state: &mut RoundnessState<R, N>) -> R {
+        let (Some(infeed), Some(angles)) = (&self.infeed, state.resampler.angles) else { return R::ZERO };
+        let speed = &mut state.speed;
+        if let Some(theta) = speed.theta {
+            let change = R::of_i32(angles.theta.wrapping_sub(theta) as i32);
+            speed.per_cycle += (change - speed.per_cycle) * R::of(1.0 / 64.0);
+        }
+        speed.theta = Some(angles.theta);
+        if state.work.is_cleared() {
+            return R::ZERO;
+        }
+        infeed.at(&state.work.correction, &state.work.linkage, angles, speed.per_cycle)
     }
 }
 

@@ -28,6 +28,15 @@ pub struct ErrorMotion<R> {
     pub total_um: R,
 }
 
+impl<R: Real> ErrorMotion<R> {
+    pub(super) const NONE: ErrorMotion<R> = ErrorMotion {
+        synchronous_um: R::ZERO,
+        asynchronous_um: R::ZERO,
+        once_per_revolution_um: [R::ZERO; 2],
+        total_um: R::ZERO,
+    };
+}
+
 /// One direction, point by point, over the revolutions of a window.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion<R, const N: usize> {
@@ -118,6 +127,7 @@ impl<R: Real, const N: usize> Motion<R, N> {
     }
 
     /// What both passes found.
+    #[inline(always)]
     pub(super) fn result(&self) -> ErrorMotion<R> {
         let [_, a, b] = self.fundamental;
         let width = |[low, high]: [R; 2]| high - low;

@@ -22,7 +22,7 @@ use super::settings::RoundnessSettings;
 use crate::real::Real;
 
 /// Points that θ may pass in one cycle; beyond, the readings say too little about the surface between them.
-pub(super) const MOST_POINTS: usize = 2;
+pub(super) const POINTS_PER_CYCLE: usize = 2;
 
 /// Immutable half.
 #[derive(Clone, Copy, Debug)]
@@ -44,12 +44,12 @@ pub(super) struct ResamplerState<R> {
     readings: [[R; 3]; 2],
     /// How many of them there are.
     known: u8,
-    /// Cycles since a point was passed.
-    quiet: u32,
-    /// θ and α of the last cycle in which they were known.
-    angles: Option<Angles>,
-    /// Change of θ per cycle, smoothed.
-    speed: R,
+    /// Counts cycles, wrapping.
+    pub(super) clock: u32,
+    /// The cycle in which a point was passed last.
+    passed: u32,
+    /// Angles of this cycle, where they are known.
+    pub(super) angles: Option<Angles>,
 }
 
 impl<R: Real> ResamplerState<R> {
@@ -59,22 +59,10 @@ impl<R: Real> ResamplerState<R> {
             theta: [0; 2],
             readings: [[R::ZERO; 3]; 2],
             known: 0,
-            quiet: 0,
+            clock: 0,
+            passed: 0,
             angles: None,
-            speed: R::ZERO,
         }
-    }
-
-    /// θ, α and β of this cycle, where they are known.
-    #[inline(always)]
-    pub(super) fn angles(&self) -> Option<Angles> {
-        self.angles
-    }
-
-    /// Change of θ per cycle, in units of 2^−32 turns.
-    #[inline(always)]
-    pub(super) fn speed(&self) -> R {
-        self.speed
     }
 }
 
@@ -96,9 +84,6 @@ pub(super) struct Point<R> {
     pub(super) sum: R,
 }
 
-/// The points that θ has passed in a cycle, in their order.
-pub(super) type Passed<R> = [Option<Point<R>>; MOST_POINTS];
-
 impl<R: Real, const N: usize> Resampler<R, N> {
     /// Of settings that have been checked.
     pub(super) fn new(settings: &RoundnessSettings, gain: &Gain, period_s: f64) -> Self {
@@ -114,10 +99,27 @@ impl<R: Real, const N: usize> Resampler<R, N> {
 
     /// The shift that makes a place of an angle.
     const SHIFT: u32 = u32::BITS - N.trailing_zeros();
+    /// One point, in 2^−32 turns.
+    const WIDTH: i32 = 1 << Self::SHIFT;
 
-    /// Takes a cycle's readings; gives the points passed, adds what is wrong to the flags.
+    /// Takes a cycle's readings; `Some(points that θ has passed)` where the cycle counts, then
+    /// [`Resampler::keep`] has to follow. What is wrong is added to the flags.
     #[inline(always)]
-    pub(super) fn update(&self, state: &mut ResamplerState<R>, probes: &Probes<R>, flags: &mut Flags) -> Passed<R> {
+    pub(super) fn update(&self, state: &mut ResamplerState<R>, probes: &Probes<R>, flags: &mut Flags) -> Option<usize> {
+        state.clock = state.clock.wrapping_add(1);
+        let alpha = self.spindle.update(&mut state.spindle, probes.spindle, probes.index, flags);
+        let beta = match &self.arm {
+            None => Some(0),
+            Some(arm) => arm.angle(probes.arm),
+        };
+        let (Some(alpha), Some(beta)) = (alpha, beta) else {
+            return self.lose(state, beta, flags);
+        };
+        let theta = alpha.wrapping_add_signed(beta);
+        state.angles = Some(Angles { theta, alpha, beta });
+        if state.clock.wrapping_sub(state.passed) > self.patience {
+            flags.set(Flags::STOPPED);
+        }
         let mut sound = true;
         for (reading, [low, high]) in probes.readings.iter().zip(&self.range) {
             // False for what is not a number.
@@ -125,86 +127,86 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
         if !sound {
             flags.set(Flags::PROBE_RANGE);
+            state.known = 0;
+            return None;
         }
-        let alpha = self.spindle.update(&mut state.spindle, probes.spindle, probes.index, flags);
-        let beta = match &self.arm {
-            None => Some(0),
-            Some(arm) => arm.angle(probes.arm),
-        };
+        let [_, last] = state.theta;
+        let moved = theta.wrapping_sub(last) as i32;
+        if state.known > 0 && (moved < (Self::WIDTH >> 6) || moved > Self::WIDTH * POINTS_PER_CYCLE as i32) {
+            return Self::irregular(state, moved, flags);
+        }
+        if state.known < 2 {
+            return Some(0);
+        }
+        Some((theta >> Self::SHIFT).wrapping_sub(last >> Self::SHIFT) as usize & (N - 1))
+    }
+
+    /// θ is unknown.
+    #[inline(never)]
+    fn lose(&self, state: &mut ResamplerState<R>, beta: Option<i32>, flags: &mut Flags) -> Option<usize> {
         if beta.is_none() {
             flags.set(Flags::ARM);
         }
-        let (Some(alpha), Some(beta)) = (alpha, beta) else {
-            *state = ResamplerState { spindle: state.spindle, ..ResamplerState::new() };
-            return [None; MOST_POINTS];
-        };
-        let theta = alpha.wrapping_add_signed(beta);
-        if let Some(last) = state.angles {
-            let change = R::of_i32(theta.wrapping_sub(last.theta) as i32);
-            state.speed += (change - state.speed) * R::of(1.0 / 64.0);
-        }
-        state.angles = Some(Angles { theta, alpha, beta });
-        state.quiet = state.quiet.saturating_add(1);
-        if state.quiet > self.patience {
-            flags.set(Flags::STOPPED);
-        }
-        if !sound {
+        (state.known, state.angles, state.passed) = (0, None, state.clock);
+        None
+    }
+
+    /// θ stands, turns back, or runs too fast to be sampled.
+    #[inline(never)]
+    fn irregular(state: &mut ResamplerState<R>, moved: i32, flags: &mut Flags) -> Option<usize> {
+        if moved > 0 && moved >= Self::WIDTH {
+            flags.set(Flags::TOO_FAST);
             state.known = 0;
-            return [None; MOST_POINTS];
+            return Some(0);
         }
-        self.advance(state, theta, probes.readings, flags)
+        if moved < -Self::WIDTH {
+            flags.set(Flags::REVERSED);
+            state.known = 0;
+        }
+        None
     }
 
+    /// Readings at the next point after `angle`, which θ has passed in this cycle; moves `angle` there.
     #[inline(always)]
-    fn advance(&self, state: &mut ResamplerState<R>, theta: u32, readings: [R; 3], flags: &mut Flags) -> Passed<R> {
-        let mut passed = [None; MOST_POINTS];
-        let width = 1i32 << Self::SHIFT;
+    pub(super) fn point(
+        &self,
+        state: &mut ResamplerState<R>,
+        theta: u32,
+        readings: &[R; 3],
+        angle: &mut u32,
+    ) -> Point<R> {
+        state.passed = state.clock;
+        *angle = (*angle & (Self::WIDTH as u32).wrapping_neg()).wrapping_add(Self::WIDTH as u32);
+        let at = |other: u32| R::of_i32(other.wrapping_sub(*angle) as i32);
         let [before, last] = state.theta;
-        let moved = theta.wrapping_sub(last) as i32;
-        if state.known > 0 {
-            if moved < (width >> 6) {
-                if moved < -width {
-                    flags.set(Flags::REVERSED);
-                    state.known = 0;
-                }
-                return passed;
-            }
-            if moved > width * MOST_POINTS as i32 {
-                flags.set(Flags::TOO_FAST);
-                state.known = 0;
-            }
-        }
-        if state.known > 1 {
-            let count = (theta >> Self::SHIFT).wrapping_sub(last >> Self::SHIFT) as usize & (N - 1);
-            let mut point = last;
-            for (slot, _) in passed.iter_mut().zip(0..count) {
-                point = (point & (width as u32).wrapping_neg()).wrapping_add(width as u32);
-                let at = |angle: u32| R::of_i32(angle.wrapping_sub(point) as i32);
-                let x = [at(before), at(last), at(theta)];
-                let place = (point >> Self::SHIFT) as usize;
-                *slot = Some(self.point(place, x, [&state.readings[0], &state.readings[1], &readings]));
-                state.quiet = 0;
-            }
-        }
-        state.theta = [last, theta];
-        state.readings = [state.readings[1], readings];
-        state.known = (state.known + 1).min(2);
-        passed
-    }
-
-    /// The parabola through three cycles, at x = 0.
-    #[inline(always)]
-    fn point(&self, place: usize, [x0, x1, x2]: [R; 3], [h0, h1, h2]: [&[R; 3]; 3]) -> Point<R> {
+        let (x0, x1, x2) = (at(before), at(last), at(theta));
         let w0 = (x1 * x2) / ((x1 - x0) * (x2 - x0));
         let w1 = (x0 * x2) / ((x0 - x1) * (x2 - x1));
         let w2 = R::ONE - w0 - w1;
+        let [h0, h1] = &state.readings;
         let mut values = [R::ZERO; 3];
-        let rows = h0.iter().zip(h1).zip(h2).zip(&self.scale);
-        for (value, (((a, b), c), [gain, zero])) in values.iter_mut().zip(rows) {
+        for (value, (((a, b), c), [gain, zero])) in
+            values.iter_mut().zip(h0.iter().zip(h1).zip(readings).zip(&self.scale))
+        {
             *value = *gain * (w0 * *a + w1 * *b + w2 * *c - *zero);
         }
         let [first, second, third] = values;
         let [k2, k3] = self.weights;
-        Point { place, h1: first, h2: second, sum: first + k2 * second + k3 * third }
+        Point { place: (*angle >> Self::SHIFT) as usize, h1: first, h2: second, sum: first + k2 * second + k3 * third }
+    }
+
+    /// Where θ stood in the last cycle that counts.
+    #[inline(always)]
+    pub(super) fn last(state: &ResamplerState<R>) -> u32 {
+        state.theta[1]
+    }
+
+    /// Keeps the cycle for the points to come.
+    #[inline(always)]
+    pub(super) fn keep(state: &mut ResamplerState<R>, readings: &[R; 3]) {
+        let theta = state.angles.map_or(0, |angles| angles.theta);
+        state.theta = [state.theta[1], theta];
+        state.readings = [state.readings[1], *readings];
+        state.known = (state.known + 1).min(2);
     }
 }

@@ -85,26 +85,66 @@ pub(crate) fn multipliers<R: Real, const N: usize>(of: impl Fn(usize) -> [f64; 2
 /// Where a pass through the stages stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Progress {
-    /// Length of the blocks that this stage works on.
-    length: usize,
-    /// Units done in this stage.
+    /// Distance of the values of a butterfly, a quarter of a block; 0 in the radix-2 stage.
+    quarter: usize,
+    /// Place of the first value.
     at: usize,
+    /// Place of the first twiddle factor on the circle, and its step from one butterfly to the next: N/4 of them in a
+    /// block, whatever its length.
+    turn: usize,
+    step: usize,
 }
 
 impl Progress {
+    /// A stage of blocks of a length.
+    const fn stage<const N: usize>(length: usize) -> Self {
+        Progress { quarter: length >> 2, at: 0, turn: 0, step: N >> length.trailing_zeros() }
+    }
+
     /// Before the first unit of a forward transform.
     pub(crate) const fn forward<const N: usize>() -> Self {
-        Progress { length: N / 2, at: 0 }
+        Self::stage::<N>(N / 2)
     }
 
     /// Before the first unit of an inverse transform.
     pub(crate) const fn inverse<const N: usize>() -> Self {
-        Progress { length: if (N / 2).trailing_zeros() % 2 == 1 { 2 } else { 4 }, at: 0 }
+        Self::stage::<N>(if (N / 2).trailing_zeros() % 2 == 1 { 2 } else { 4 })
     }
 
-    /// Before the first pair.
+    /// Before the first pair: the place 1, its own partner. Here `quarter` is the first place of the block, `turn` the
+    /// partner.
     pub(crate) const fn pairs() -> Self {
-        Progress { length: 0, at: 0 }
+        Progress { quarter: 1, at: 1, turn: 1, step: 0 }
+    }
+
+    /// To the next pair; true after the last.
+    #[inline(always)]
+    fn next_pair<const N: usize>(&mut self) -> bool {
+        self.at += 1;
+        self.turn = self.turn.wrapping_sub(1);
+        // Half of [b, 2b) has met the other half; the place 1 has gone past itself.
+        if self.at <= self.turn {
+            return false;
+        }
+        self.quarter *= 2;
+        (self.at, self.turn) = (self.quarter, 2 * self.quarter - 1);
+        self.at >= N / 2
+    }
+
+    /// To the next butterfly; true at the end of a block.
+    #[inline(always)]
+    fn advance<const N: usize>(&mut self) -> bool {
+        self.at += 1;
+        self.turn += self.step;
+        self.turn >= N / 4
+    }
+
+    /// To the next block of a stage; true at the end of the stage.
+    #[inline(always)]
+    fn next_block<const N: usize>(&mut self) -> bool {
+        self.turn = 0;
+        self.at += 3 * self.quarter;
+        self.at >= N / 2
     }
 }
 
@@ -115,25 +155,23 @@ pub(crate) fn forward_unit<R: Real, const N: usize>(
     circle: &[Complex<R>; N],
     progress: &mut Progress,
 ) -> bool {
-    let Progress { length, at } = *progress;
     let z = z.as_chunks_mut::<2>().0;
-    if length == 2 {
+    if progress.quarter == 0 {
         return sums_and_differences::<R, N>(z, progress);
     }
-    let [i, w] = places::<N>(length, at);
-    let [w1, w2, w3] = [circle[w[0]], circle[w[1]], circle[w[2]]];
+    let (i, [w1, w2, w3]) = operands(circle, progress);
     let [a, b, c, d] = [z[i[0]], z[i[1]], z[i[2]], z[i[3]]];
     let (e, f, g, h) = (add(a, c), sub(a, c), add(b, d), turned(sub(b, d)));
     z[i[0]] = add(e, g);
     z[i[1]] = mul(sub(e, g), w2);
     z[i[2]] = mul(add(f, h), w1);
     z[i[3]] = mul(sub(f, h), w3);
-    progress.at = at + 1;
-    if progress.at < N / 8 {
+    if !(progress.advance::<N>() && progress.next_block::<N>()) {
         return false;
     }
-    *progress = Progress { length: length >> 2, at: 0 };
-    progress.length < 2
+    let length = progress.quarter;
+    *progress = Progress { quarter: length >> 2, at: 0, turn: 0, step: 4 * progress.step };
+    length < 2
 }
 
 /// One unit of the inverse transform, unscaled; true when it was the last.
@@ -143,16 +181,14 @@ pub(crate) fn inverse_unit<R: Real, const N: usize>(
     circle: &[Complex<R>; N],
     progress: &mut Progress,
 ) -> bool {
-    let Progress { length, at } = *progress;
     let z = z.as_chunks_mut::<2>().0;
-    if length == 2 {
+    if progress.quarter == 0 {
         if sums_and_differences::<R, N>(z, progress) {
-            *progress = Progress { length: 8, at: 0 };
+            *progress = Progress::stage::<N>(8);
         }
         return false;
     }
-    let [i, w] = places::<N>(length, at);
-    let [w1, w2, w3] = [circle[w[0]], circle[w[1]], circle[w[2]]];
+    let (i, [w1, w2, w3]) = operands(circle, progress);
     let (a, b) = (z[i[0]], mul_conj(z[i[1]], w2));
     let (c, d) = (mul_conj(z[i[2]], w1), mul_conj(z[i[3]], w3));
     let (e, f, g, h) = (add(a, b), sub(a, b), add(c, d), turned(sub(c, d)));
@@ -160,44 +196,34 @@ pub(crate) fn inverse_unit<R: Real, const N: usize>(
     z[i[2]] = sub(e, g);
     z[i[1]] = sub(f, h);
     z[i[3]] = add(f, h);
-    progress.at = at + 1;
-    if progress.at < N / 8 {
+    if !(progress.advance::<N>() && progress.next_block::<N>()) {
         return false;
     }
-    *progress = Progress { length: length << 2, at: 0 };
-    length >= N / 2
+    let quarter = 4 * progress.quarter;
+    *progress = Progress { quarter, at: 0, turn: 0, step: progress.step >> 2 };
+    quarter > N / 8
 }
 
-/// Places of the four values of a butterfly, and of its three twiddle factors.
+/// Places of the four values of a butterfly, and its three twiddle factors.
 #[inline(always)]
-fn places<const N: usize>(length: usize, at: usize) -> [[usize; 4]; 2] {
-    let quarter = length >> 2;
-    let within = at & quarter.wrapping_sub(1);
-    let first = ((at ^ within) << 2) + within;
-    let (mask, turn) = (N / 2 - 1, N - 1);
-    // N/length as a shift: both are powers of two.
-    let w = within << ((N.trailing_zeros() - length.trailing_zeros()) & (usize::BITS - 1));
-    [
-        [first & mask, (first + quarter) & mask, (first + 2 * quarter) & mask, (first + 3 * quarter) & mask],
-        [w & turn, (2 * w) & turn, (3 * w) & turn, 0],
-    ]
+fn operands<R: Real, const N: usize>(circle: &[Complex<R>; N], progress: &Progress) -> ([usize; 4], [Complex<R>; 3]) {
+    let Progress { quarter, at, turn, .. } = *progress;
+    let (mask, turn) = (N / 2 - 1, turn & (N / 4 - 1));
+    let places = [at & mask, (at + quarter) & mask, (at + 2 * quarter) & mask, (at + 3 * quarter) & mask];
+    (places, [circle[turn], circle[2 * turn], circle[3 * turn]])
 }
 
 /// Four butterflies of the radix-2 stage; true after the last.
 #[inline(always)]
 fn sums_and_differences<R: Real, const N: usize>(z: &mut [Complex<R>], progress: &mut Progress) -> bool {
-    let first = (progress.at * 8) & (N / 2 - 8);
+    let first = progress.at & (N / 2 - 8);
     for i in [first, first | 2, first | 4, first | 6] {
         let (a, b) = (z[i], z[i | 1]);
         z[i] = add(a, b);
         z[i | 1] = sub(a, b);
     }
-    progress.at += 1;
-    if progress.at < N / 16 {
-        return false;
-    }
-    *progress = Progress { length: 0, at: 0 };
-    true
+    progress.at += 8;
+    progress.at >= N / 2
 }
 
 /// The spectrum of the product at two harmonics, in the scale of the multipliers (times [`amplitude_scale`]: cosine and
@@ -227,15 +253,7 @@ pub(crate) fn pair_unit<R: Real, const N: usize>(
     let (from, to, multipliers) = (from.as_chunks::<2>().0, to.as_chunks_mut::<2>().0, multipliers.as_chunks::<2>().0);
     let half = N / 2;
     let mask = half - 1;
-    let at = progress.at;
-    // at = 0: the place 1, its own partner; then b + t, b the power of two at or below t, t = 1 … M/2 − 1.
-    let block = at | usize::from(at == 0);
-    let block = 1 << ((usize::BITS - 1).wrapping_sub(block.leading_zeros()) & (usize::BITS - 1));
-    let (i, partner) = if at == 0 { (1, 1) } else { (at + block, (5 * block - 1 - at) & mask) };
-    let i = i & mask;
-    if at == 0 {
-        to[0] = [R::ZERO; 2];
-    }
+    let (i, partner) = (progress.at & mask, progress.turn & mask);
     let k = (i.reverse_bits() >> (half.leading_zeros() + 1)) & mask;
     let w = circle[k];
     let (a, b) = (from[i], conj(from[partner]));
@@ -247,9 +265,12 @@ pub(crate) fn pair_unit<R: Real, const N: usize>(
     let (even, odd) = (add(low, mirrored), mul_conj(sub(low, mirrored), w));
     to[i] = [even[0] - odd[1], even[1] + odd[0]];
     to[partner] = [even[0] + odd[1], odd[0] - even[1]];
-    progress.at = at + 1;
-    let pair = Pair { low: k, at_low: low, high: other, at_high: high };
-    (pair, progress.at >= half / 2)
+    let last = progress.next_pair::<N>();
+    if last {
+        // The mean is not in the product.
+        to[0] = [R::ZERO; 2];
+    }
+    (Pair { low: k, at_low: low, high: other, at_high: high }, last)
 }
 
 /// From the product in the scale of the multipliers to an amplitude: x contains a cos kθ − b sin kθ where this times X

@@ -1,19 +1,18 @@
 //! The work on one revolution, in units of a fixed size.
 //!
 //! ```text
-//! Forward ─► Spread, Inverse (profile at θ + φ2) ─► Spread, Inverse (profile) ─► Arm ─► Orbit ─► Statistics
+//! Forward ─► Spread, Inverse (profile at θ + φ2) ─► Spread, Inverse (profile) ─► Arm ─► Orbit
 //!        ─► Evaluate, Express (once a window) ─► Spread, Inverse, Judge, Commit (infeed) ─► Spread, Inverse (filter) ─► Range
 //! ```
 //!
 //! Which of them a gauge needs is settled when it is built; what a unit does is bounded whatever the data.
 
-use super::Evaluation;
 use super::angles::Gain;
 use super::arm_angle;
 use super::filter;
 use super::flags::Flags;
 use super::infeed::Infeed;
-use super::motion::Motion;
+use super::motion::{ErrorMotion, Motion};
 use super::settings::RoundnessSettings;
 use super::transform::{
     AMPLITUDE_SCALE, Complex, Progress, circle, forward_unit, inverse_unit, multipliers, pair_unit,
@@ -34,21 +33,19 @@ pub(super) struct Revolution<R, const N: usize> {
     pub(super) first: [R; N],
     /// Probe 2; then R_Y.
     pub(super) second: [R; N],
-    /// Weighted sum of the three; then its spectrum.
-    pub(super) sum: [R; N],
     /// β at `ARM_CHECKS` points, in 2^−32 turns.
     pub(super) beta: [i32; ARM_CHECKS],
 }
 
 impl<R: Real, const N: usize> Revolution<R, N> {
     pub(super) const fn new() -> Self {
-        Revolution { first: [R::ZERO; N], second: [R::ZERO; N], sum: [R::ZERO; N], beta: [0; ARM_CHECKS] }
+        Revolution { first: [R::ZERO; N], second: [R::ZERO; N], beta: [0; ARM_CHECKS] }
     }
 }
 
 /// What a profile is computed for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Use {
+pub(super) enum Use {
     Shifted,
     Profile,
     Infeed,
@@ -56,20 +53,23 @@ enum Use {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Task {
+pub(super) enum Task {
     Idle,
     Forward,
     Spread(Use),
     Inverse(Use),
     Arm,
     Orbit,
-    Statistics,
     Evaluate,
     Express,
     Judge,
     Commit,
     Clear,
     Range,
+    /// β at every point, for another radius of the wheel.
+    Linkage,
+    /// From one task to the next: a unit of its own.
+    Turn,
 }
 
 /// Immutable: multipliers of the four uses, and constants.
@@ -91,24 +91,48 @@ pub(super) struct Plan<R, const N: usize> {
     per_revolutions: R,
 }
 
-/// State of the work, and its results.
+/// What a revolution is known by while it is worked on.
 #[derive(Clone, Copy, Debug)]
+pub(super) struct Outcome<R> {
+    pub(super) revolution: u32,
+    pub(super) flags: Flags,
+    pub(super) peak_to_valley_um: R,
+}
+
+impl<R: Real> Outcome<R> {
+    pub(super) const NONE: Outcome<R> = Outcome { revolution: 0, flags: Flags(0), peak_to_valley_um: R::ZERO };
+}
+
+/// State of the work, and its results. What every unit needs stands first, within reach of short offsets.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(super) struct Work<R, const N: usize> {
-    task: Task,
     progress: Progress,
     at: usize,
-    pub(super) profile: [R; N],
-    other: [R; N],
-    pub(super) harmonics: [Complex<R>; HARMONICS],
-    motion: [Motion<R, N>; 2],
+    pub(super) task: Task,
+    /// The task that has just been done.
+    done: Task,
     /// Revolutions in the window of the motion so far.
     pub(super) gathered: u16,
-    pub(super) correction: [R; N],
+    /// λ of the arm, as the wheel is now, and for which the linkage holds.
+    pub(super) ratio: R,
+    linked: R,
     /// Smallest and largest value of a pass.
     range: [R; 2],
     worst: R,
-    result: Evaluation<R>,
+    pub(super) result: Outcome<R>,
     clear: bool,
+    /// Error motions along X and Y over the last full window, and its revolutions.
+    pub(super) error_motion: [ErrorMotion<R>; 2],
+    pub(super) window: u16,
+    /// Spectrum of the profile, in the scale of the multipliers.
+    harmonics: [Complex<R>; HARMONICS],
+    pub(super) profile: [R; N],
+    other: [R; N],
+    motion: [Motion<R, N>; 2],
+    pub(super) correction: [R; N],
+    /// [cos β, sin β] at every point.
+    pub(super) linkage: [Complex<R>; N],
 }
 
 impl<R: Real, const N: usize> Plan<R, N> {
@@ -162,14 +186,16 @@ impl<R: Real, const N: usize> Plan<R, N> {
         let optional = |present: bool, units: usize| if present { units } else { 0 };
         pass + spread
             + optional(self.shifted.is_some(), spread)
-            + optional(self.has_arm, ARM_CHECKS)
-            + 4 * N
+            + optional(self.has_arm, N + ARM_CHECKS)
+            + 3 * N
             + optional(self.infeed.is_some(), spread + 2 * N / POINTS_PER_UNIT)
             + optional(self.filtered.is_some(), spread)
             + N / POINTS_PER_UNIT
+            // Between the tasks.
+            + 18
     }
 
-    fn multipliers(&self, of: Use) -> &[R; N] {
+    pub(super) fn multipliers(&self, of: Use) -> &[R; N] {
         let table = match of {
             Use::Profile => None,
             Use::Shifted => self.shifted.as_ref(),
@@ -180,25 +206,26 @@ impl<R: Real, const N: usize> Plan<R, N> {
     }
 
     /// What comes after a task.
+    #[inline(always)]
     fn next(&self, work: &Work<R, N>) -> Task {
         let window_is_full = work.gathered >= self.revolutions;
-        match work.task {
+        match work.done {
+            Task::Linkage => Task::Forward,
             Task::Forward if self.shifted.is_some() => Task::Spread(Use::Shifted),
             Task::Forward | Task::Inverse(Use::Shifted) => Task::Spread(Use::Profile),
             Task::Spread(of) => Task::Inverse(of),
             Task::Inverse(Use::Profile) if self.has_arm => Task::Arm,
             Task::Inverse(Use::Profile) | Task::Arm => Task::Orbit,
-            Task::Orbit => Task::Statistics,
-            Task::Statistics if window_is_full => Task::Evaluate,
+            Task::Orbit if window_is_full => Task::Evaluate,
             Task::Evaluate => Task::Express,
-            Task::Statistics | Task::Express if self.infeed.is_some() => Task::Spread(Use::Infeed),
+            Task::Orbit | Task::Express if self.infeed.is_some() => Task::Spread(Use::Infeed),
             Task::Inverse(Use::Infeed) => Task::Judge,
             Task::Judge if !work.result.flags.has(Flags::INFEED_FROZEN) => Task::Commit,
-            Task::Statistics | Task::Express | Task::Judge | Task::Commit if self.filtered.is_some() => {
+            Task::Orbit | Task::Express | Task::Judge | Task::Commit if self.filtered.is_some() => {
                 Task::Spread(Use::Filtered)
             }
-            Task::Statistics | Task::Express | Task::Judge | Task::Commit | Task::Inverse(Use::Filtered) => Task::Range,
-            Task::Range | Task::Clear | Task::Idle => Task::Idle,
+            Task::Orbit | Task::Express | Task::Judge | Task::Commit | Task::Inverse(Use::Filtered) => Task::Range,
+            Task::Range | Task::Clear | Task::Idle | Task::Turn => Task::Idle,
         }
     }
 }
@@ -207,6 +234,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     pub(super) const fn new() -> Self {
         Work {
             task: Task::Idle,
+            done: Task::Idle,
             progress: Progress::pairs(),
             at: 0,
             profile: [R::ZERO; N],
@@ -217,8 +245,13 @@ impl<R: Real, const N: usize> Work<R, N> {
             correction: [R::ZERO; N],
             range: [R::ZERO; 2],
             worst: R::ZERO,
-            result: Evaluation::none(),
+            result: Outcome::NONE,
             clear: false,
+            error_motion: [ErrorMotion::NONE; 2],
+            window: 0,
+            ratio: R::ZERO,
+            linked: R::ZERO,
+            linkage: [[R::ONE, R::ZERO]; N],
         }
     }
 
@@ -239,55 +272,43 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// Takes over a revolution.
     #[inline(always)]
-    pub(super) fn begin(&mut self, result: Evaluation<R>) {
-        (self.task, self.progress, self.at, self.result) = (Task::Forward, Progress::forward::<N>(), 0, result);
+    pub(super) fn begin(&mut self, revolution: u32, flags: Flags) {
+        let first = if self.linked == self.ratio { Task::Forward } else { Task::Linkage };
+        (self.task, self.progress, self.at) = (first, Progress::forward::<N>(), 0);
+        self.result = Outcome { revolution, flags, ..Outcome::NONE };
     }
 
-    /// One unit; the result, when it was the last.
+    /// Amplitudes of cos kθ and sin kθ in the profile.
+    pub(super) fn harmonic(&self, harmonic: usize) -> [R; 2] {
+        let [re, im] = self.harmonics.get(harmonic).copied().unwrap_or([R::ZERO; 2]);
+        [re * R::of(AMPLITUDE_SCALE), im * R::of(-AMPLITUDE_SCALE)]
+    }
+
+    /// The last unit of a task.
     #[inline(always)]
-    pub(super) fn unit(
-        &mut self,
-        plan: &Plan<R, N>,
-        revolution: &mut Revolution<R, N>,
-        infeed: Option<&Infeed<R>>,
-        ratio: R,
-    ) -> Option<Evaluation<R>> {
-        let done = match self.task {
-            Task::Idle => return None,
-            Task::Forward => forward_unit(&mut revolution.sum, &plan.circle, &mut self.progress),
-            Task::Spread(of) => self.spread(plan, &revolution.sum, of),
-            Task::Inverse(Use::Profile) => inverse_unit(&mut self.profile, &plan.circle, &mut self.progress),
-            Task::Inverse(_) => inverse_unit(&mut self.other, &plan.circle, &mut self.progress),
-            Task::Arm => self.compare_arm(plan, &revolution.beta, ratio),
-            Task::Orbit => self.orbit(plan, revolution, ratio),
-            Task::Statistics => self.gather(revolution),
-            Task::Evaluate => self.evaluate(plan),
-            Task::Express => self.express(plan),
-            Task::Judge => self.judge(infeed),
-            Task::Commit => self.commit(infeed),
-            Task::Clear => self.zero(),
-            Task::Range => self.measure(plan),
-        };
-        if done { self.finish(plan) } else { None }
+    pub(super) fn end(&mut self) {
+        (self.done, self.task) = (self.task, Task::Turn);
     }
 
-    /// From one task to the next; out of line, once a task.
-    #[inline(never)]
-    fn finish(&mut self, plan: &Plan<R, N>) -> Option<Evaluation<R>> {
-        let finished = self.task;
+    /// From one task to the next; true when the result stands.
+    #[inline(always)]
+    pub(super) fn finish(&mut self, plan: &Plan<R, N>) -> bool {
+        let finished = self.done;
         match finished {
             Task::Arm if self.worst > plan.arm_tolerance => {
                 self.result.flags.set(Flags::ARM);
                 self.result.flags.set(Flags::INFEED_FROZEN);
             }
-            Task::Statistics => self.gathered = self.gathered.saturating_add(1),
+            Task::Orbit => self.gathered = self.gathered.saturating_add(1),
             Task::Evaluate => self.motion.iter_mut().for_each(Motion::express),
             Task::Express => {
-                let [x, y] = &self.motion;
-                (self.result.x, self.result.y) = (x.result(), y.result());
-                self.result.revolutions = self.gathered;
+                for (to, motion) in self.error_motion.iter_mut().zip(&self.motion) {
+                    *to = motion.result();
+                }
+                self.window = self.gathered;
             }
             Task::Clear => self.clear = false,
+            Task::Linkage => self.linked = self.ratio,
             _ => {}
         }
         self.task = plan.next(self);
@@ -298,37 +319,71 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.worst = R::ZERO;
         self.range = [R::MAX, -R::MAX];
         self.progress = match self.task {
+            Task::Forward => Progress::forward::<N>(),
             Task::Inverse(_) => Progress::inverse::<N>(),
             _ => Progress::pairs(),
         };
         if self.task == Task::Evaluate {
             self.motion.iter_mut().for_each(Motion::begin);
         }
-        (finished == Task::Range).then_some(self.result)
+        finished == Task::Range
     }
 
+    /// One unit of the forward transform.
     #[inline(always)]
-    fn spread(&mut self, plan: &Plan<R, N>, spectrum: &[R; N], of: Use) -> bool {
-        let to = if of == Use::Profile { &mut self.profile } else { &mut self.other };
-        let (pair, last) = pair_unit(spectrum, to, &plan.circle, plan.multipliers(of), &mut self.progress);
-        if of == Use::Profile {
-            let scale = R::of(AMPLITUDE_SCALE);
-            for (k, [re, im]) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
-                if let Some(amplitude) = self.harmonics.get_mut(k) {
-                    *amplitude = [re * scale, -im * scale];
-                }
+    pub(super) fn forward(&mut self, plan: &Plan<R, N>, sum: &mut [R; N]) -> bool {
+        forward_unit(sum, &plan.circle, &mut self.progress)
+    }
+
+    /// One unit of an inverse transform.
+    #[inline(always)]
+    pub(super) fn inverse(&mut self, plan: &Plan<R, N>, of: Use) -> bool {
+        let z = if of == Use::Profile { &mut self.profile } else { &mut self.other };
+        inverse_unit(z, &plan.circle, &mut self.progress)
+    }
+
+    /// One pair of the profile; its harmonics are kept.
+    #[inline(always)]
+    pub(super) fn spread_profile(&mut self, plan: &Plan<R, N>, spectrum: &[R; N]) -> bool {
+        let (pair, last) = pair_unit(spectrum, &mut self.profile, &plan.circle, &plan.profile, &mut self.progress);
+        for (k, [re, im]) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
+            if let Some(amplitude) = self.harmonics.get_mut(k) {
+                *amplitude = [re, im];
             }
         }
         last
     }
 
+    /// One pair, for another use.
+    #[inline(always)]
+    pub(super) fn spread(&mut self, plan: &Plan<R, N>, spectrum: &[R; N], multipliers: &[R; N]) -> bool {
+        pair_unit(spectrum, &mut self.other, &plan.circle, multipliers, &mut self.progress).1
+    }
+
+    /// β at one point.
+    #[inline(always)]
+    pub(super) fn link(&mut self, plan: &Plan<R, N>) -> bool {
+        let n = self.at & (N - 1);
+        let [cos, sin] = plan.circle[n];
+        self.linkage[n] = arm_angle(self.ratio, [cos, -sin]);
+        self.at = n + 1;
+        self.at >= N
+    }
+
+    /// β at all points, at once: not part of the step.
+    pub(super) fn link_all(&mut self, plan: &Plan<R, N>, ratio: R) {
+        (self.ratio, self.linked) = (ratio, ratio);
+        for (place, [cos, sin]) in self.linkage.iter_mut().zip(&plan.circle) {
+            *place = arm_angle(ratio, [*cos, -*sin]);
+        }
+    }
+
     /// sin β of the reading against sin β of the linkage, at one of the places.
     #[inline(always)]
-    fn compare_arm(&mut self, plan: &Plan<R, N>, beta: &[i32; ARM_CHECKS], ratio: R) -> bool {
+    pub(super) fn compare_arm(&mut self, revolution: &Revolution<R, N>) -> bool {
         let at = self.at & (ARM_CHECKS - 1);
-        let [cos, sin] = plan.circle[(at * (N / ARM_CHECKS)) & (N - 1)];
-        let [_, expected] = arm_angle(ratio, [cos, -sin]);
-        let beta = R::of_i32(beta[at]) * R::of(core::f64::consts::TAU / 4_294_967_296.0);
+        let [_, expected] = self.linkage[(at * (N / ARM_CHECKS)) & (N - 1)];
+        let beta = R::of_i32(revolution.beta[at]) * R::of(core::f64::consts::TAU / 4_294_967_296.0);
         let square = beta * beta;
         let found = beta
             * (R::ONE - square * (R::of(1.0 / 6.0) - square * (R::of(1.0 / 120.0) - square * R::of(1.0 / 5040.0))));
@@ -337,16 +392,11 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.at >= ARM_CHECKS
     }
 
-    /// Motion of the centre at one point.
+    /// Motion of the centre at one point; it joins those of the window.
     #[inline(always)]
-    fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>, ratio: R) -> bool {
+    pub(super) fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>) -> bool {
         let n = self.at & (N - 1);
-        let [cos, sin] = if ratio > R::ZERO {
-            let [cos, sin] = plan.circle[n];
-            arm_angle(ratio, [cos, -sin])
-        } else {
-            [R::ONE, R::ZERO]
-        };
+        let [cos, sin] = self.linkage[n];
         let ahead = match plan.shifted {
             Some(_) => self.other[n],
             None => self.profile[(n + plan.slots) & (N - 1)],
@@ -355,25 +405,19 @@ impl<R: Real, const N: usize> Work<R, N> {
         let second = revolution.second[n] - ahead;
         let cos2 = plan.cos2 * cos - plan.sin2 * sin;
         let sin2 = plan.sin2 * cos + plan.cos2 * sin;
-        revolution.first[n] = (cos * second - cos2 * first) * plan.per_sin2;
-        revolution.second[n] = (sin2 * first - sin * second) * plan.per_sin2;
-        self.at = n + 1;
-        self.at >= N
-    }
-
-    #[inline(always)]
-    fn gather(&mut self, revolution: &Revolution<R, N>) -> bool {
-        let n = self.at & (N - 1);
+        let x = (cos * second - cos2 * first) * plan.per_sin2;
+        let y = (sin2 * first - sin * second) * plan.per_sin2;
+        (revolution.first[n], revolution.second[n]) = (x, y);
         let begins = self.gathered == 0;
-        let [x, y] = &mut self.motion;
-        x.add(n, revolution.first[n], begins);
-        y.add(n, revolution.second[n], begins);
+        let [of_x, of_y] = &mut self.motion;
+        of_x.add(n, x, begins);
+        of_y.add(n, y, begins);
         self.at = n + 1;
         self.at >= N
     }
 
     #[inline(always)]
-    fn evaluate(&mut self, plan: &Plan<R, N>) -> bool {
+    pub(super) fn evaluate(&mut self, plan: &Plan<R, N>) -> bool {
         let n = self.at & (N - 1);
         let [cos, sin] = plan.circle[n];
         for motion in &mut self.motion {
@@ -384,7 +428,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     }
 
     #[inline(always)]
-    fn express(&mut self, plan: &Plan<R, N>) -> bool {
+    pub(super) fn express(&mut self, plan: &Plan<R, N>) -> bool {
         let n = self.at & (N - 1);
         let [cos, sin] = plan.circle[n];
         for motion in &mut self.motion {
@@ -396,7 +440,7 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// How far the correction would go.
     #[inline(always)]
-    fn judge(&mut self, infeed: Option<&Infeed<R>>) -> bool {
+    pub(super) fn judge(&mut self, infeed: Option<&Infeed<R>>) -> bool {
         let Some(infeed) = infeed else { return true };
         for i in 0..POINTS_PER_UNIT {
             let n = (self.at + i) & (N - 1);
@@ -411,7 +455,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     }
 
     #[inline(always)]
-    fn commit(&mut self, infeed: Option<&Infeed<R>>) -> bool {
+    pub(super) fn commit(&mut self, infeed: Option<&Infeed<R>>) -> bool {
         let Some(infeed) = infeed else { return true };
         for i in 0..POINTS_PER_UNIT {
             let n = (self.at + i) & (N - 1);
@@ -422,7 +466,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     }
 
     #[inline(always)]
-    fn zero(&mut self) -> bool {
+    pub(super) fn zero(&mut self) -> bool {
         for i in 0..POINTS_PER_UNIT {
             self.correction[(self.at + i) & (N - 1)] = R::ZERO;
         }
@@ -432,7 +476,7 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// Peak to valley about the least-squares circle: mean and first harmonic are not in the profile.
     #[inline(always)]
-    fn measure(&mut self, plan: &Plan<R, N>) -> bool {
+    pub(super) fn measure(&mut self, plan: &Plan<R, N>) -> bool {
         let profile = if plan.filtered.is_some() { &self.other } else { &self.profile };
         let [mut low, mut high] = self.range;
         for i in 0..POINTS_PER_UNIT {

@@ -51,7 +51,7 @@ impl RoundnessFrame {
         gauge: &Roundness<R, POINTS>,
         state: &RoundnessState<R, POINTS>,
     ) -> Option<RoundnessFrame> {
-        let Evaluation { revolution, flags, peak_to_valley_um, x, y, revolutions } = *state.latest()?;
+        let Evaluation { revolution, flags, peak_to_valley_um, x, y, revolutions } = state.latest()?;
         let Counts { evaluated, skipped, discarded, .. } = state.counts();
         let single = |x: R| x.to_f64() as f32;
         let motion = |motion: ErrorMotion<R>| ErrorMotion {
@@ -61,7 +61,7 @@ impl RoundnessFrame {
             total_um: single(motion.total_um),
         };
         let band = gauge.band();
-        let kept = state.harmonics().get(usize::from(band.first)..=usize::from(band.last).min(HARMONICS - 1));
+        let last = usize::from(band.last).min(HARMONICS - 1);
         Some(RoundnessFrame {
             version: ROUNDNESS_FRAME_VERSION,
             machine_id,
@@ -75,7 +75,7 @@ impl RoundnessFrame {
             x: motion(x),
             y: motion(y),
             first_harmonic: band.first,
-            harmonics: kept.unwrap_or_default().iter().map(|amplitude| amplitude.map(single)).collect(),
+            harmonics: (usize::from(band.first)..=last).map(|k| state.harmonic(k).map(single)).collect(),
         })
     }
 

@@ -1,0 +1,166 @@
+//! Instructions of the gauge's stages on a Cortex-M, counted in QEMU (see `count.sh`).
+//!
+//! QEMU counts instructions, not cycles: with `-icount shift=7` one instruction takes 128 ns of virtual time, in which
+//! the board's 25 MHz timer ticks 3.2 times. The call of an empty function is subtracted.
+
+#![no_std]
+#![no_main]
+
+mod timer;
+
+use core::hint::black_box;
+use cortex_m as _;
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+use timer::{Tally, timed};
+use trueaxis::roundness::{
+    Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState,
+};
+use trueaxis::{Axis, Real};
+
+const POINTS: usize = 1024;
+/// Forward transform, pairs and inverse of 1024 points.
+const TRANSFORM_UNITS: usize = 576 + 256 + 576;
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo) -> ! {
+    hprintln!("PANIC {}", info);
+    debug::exit(debug::EXIT_FAILURE);
+    loop {}
+}
+
+fn settings(whole: bool) -> RoundnessSettings {
+    let mut settings = RoundnessSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 22);
+    settings.revolutions = 1;
+    if whole {
+        settings.angles = ProbeAngles::Degrees { phi2: 66.1, phi3: 234.5 };
+        settings.filter = Some(50);
+        let lengths = Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 };
+        settings.arm = Some(ArmSettings { lengths, counts: 1 << 22, direction: 1, tolerance_deg: 90.0 });
+        settings.infeed = Some(InfeedSettings {
+            axis: Axis::X,
+            direction: 1,
+            band: Band { first: 2, last: 50 },
+            gain: 0.25,
+            delay_revolutions: 2,
+            contact_deg: 180.0,
+            drive_delay_s: 0.001,
+            limit_um: 1000.0,
+        });
+    }
+    settings
+}
+
+/// A stage with everything it works on.
+struct Stage<'a, R: Real> {
+    gauge: &'a Roundness<R, POINTS>,
+    state: *mut RoundnessState<R, POINTS>,
+    probes: Probes<R>,
+}
+
+impl<R: Real> Stage<'_, R> {
+    #[allow(clippy::mut_from_ref)]
+    fn state(&self) -> &mut RoundnessState<R, POINTS> {
+        // SAFETY: one stage at a time, in one thread.
+        unsafe { &mut *self.state }
+    }
+}
+
+#[inline(never)]
+fn nothing<R: Real>(stage: &Stage<'_, R>) -> u32 {
+    black_box(stage);
+    0
+}
+
+#[inline(never)]
+fn sample<R: Real>(stage: &Stage<'_, R>) -> u32 {
+    u32::from(stage.gauge.sample(stage.state(), &stage.probes, false).0)
+}
+
+#[inline(never)]
+fn work<R: Real>(stage: &Stage<'_, R>) -> u32 {
+    u32::from(stage.gauge.work(stage.state()))
+}
+
+#[inline(never)]
+fn infeed<R: Real>(stage: &Stage<'_, R>) -> u32 {
+    stage.gauge.infeed(stage.state()).to_i32() as u32
+}
+
+fn count<R: Real>(name: &str, whole: bool, gauge: &mut Roundness<R, POINTS>, state: &mut RoundnessState<R, POINTS>) {
+    match Roundness::build(&settings(whole), 100_000) {
+        Ok(built) => *gauge = built,
+        Err(error) => panic!("{}", error),
+    }
+    gauge.restart(state);
+    let mut stage = Stage { gauge, state, probes: Probes::default() };
+    let frame = timed(nothing, &stage).0;
+    let (mut sampling, mut slices, mut transform, mut feeding) =
+        (Tally::default(), Tally::default(), Tally::default(), Tally::default());
+    let mut finished = 0;
+    // Nine and a half cycles to a point.
+    for cycle in 0i32..32_000 {
+        let counts = cycle * 431 - 1000;
+        let before = counts - 431;
+        stage.probes.spindle = counts;
+        stage.probes.index =
+            (counts.div_euclid(1 << 22) != before.div_euclid(1 << 22)).then_some(counts & !((1 << 22) - 1));
+        stage.probes.readings = [R::of_i32(cycle & 63), R::of_i32(cycle & 31), R::of_i32(cycle & 127)];
+        let idle = stage.state().is_settled();
+        let taken = timed(sample, &stage).0 - frame;
+        if cycle > 100 {
+            sampling.add(taken);
+        }
+        let was_idle = stage.state().is_settled();
+        let (taken, evaluated) = timed(work, &stage);
+        if !was_idle {
+            slices.add(taken - frame);
+            if slices.count() <= TRANSFORM_UNITS as u32 {
+                transform.add(taken - frame);
+            }
+        }
+        finished += evaluated;
+        feeding.add(timed(infeed, &stage).0 - frame);
+        if finished == 1 && idle {
+            break;
+        }
+    }
+    let arm = if whole { "_whole" } else { "" };
+    hprintln!("{} sampling{} {}", name, arm, sampling);
+    hprintln!("{} slice{} {}", name, arm, slices);
+    if whole {
+        hprintln!("{} infeed {}", name, feeding);
+    } else {
+        hprintln!("{} transform {}", name, transform);
+    }
+}
+
+/// Large: in memory of their own rather than on the stack.
+struct Large<R: Real>(Roundness<R, POINTS>, RoundnessState<R, POINTS>);
+
+static mut SINGLE: core::mem::MaybeUninit<Large<f32>> = core::mem::MaybeUninit::uninit();
+static mut DOUBLE: core::mem::MaybeUninit<Large<f64>> = core::mem::MaybeUninit::uninit();
+
+fn both<R: Real>(name: &str, large: &mut core::mem::MaybeUninit<Large<R>>) {
+    let gauge = match Roundness::build(&settings(false), 100_000) {
+        Ok(gauge) => gauge,
+        Err(error) => panic!("{}", error),
+    };
+    let Large(gauge, state) = large.write(Large(gauge, RoundnessState::new()));
+    count(name, false, gauge, state);
+    count(name, true, gauge, state);
+}
+
+#[entry]
+fn main() -> ! {
+    timer::start();
+    // SAFETY: the only use of the statics.
+    unsafe {
+        both("f32", &mut *(&raw mut SINGLE));
+        if cfg!(feature = "double") {
+            both("f64", &mut *(&raw mut DOUBLE));
+        }
+    }
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {}
+}
