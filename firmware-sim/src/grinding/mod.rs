@@ -148,8 +148,9 @@ pub fn fastest_rpm(gauge: &RoundnessSettings, rate_hz: f64) -> f64 {
 /// The settings do not build, or that is faster than [`fastest_rpm`].
 pub fn speed_that_skips(gauge: &RoundnessSettings, rate_hz: f64, skip: u32) -> Result<f64> {
     let most = simulate::cycles_of_work(gauge, (1e9 / rate_hz).round() as u32)?;
-    // Two units a point are spent only where a window of spindle motion is full.
-    let seldom = 2 * usize::from(gauge.points) / usize::from(gauge.units_per_cycle.max(1));
+    // Two units a point are spent only where a window of spindle motion is full, one only where the wheel is another.
+    let seldom = usize::from(gauge.points) * if gauge.arm.is_some() { 3 } else { 2 };
+    let seldom = seldom / usize::from(gauge.units_per_cycle.max(1));
     let work = most.saturating_sub(seldom).max(1) as f64;
     let cycles = work / (f64::from(skip) + 0.5);
     let speed_rpm = 60.0 * rate_hz / cycles;

@@ -263,9 +263,8 @@ impl<'c, 'a, const POINTS: usize> Control<'c, 'a, POINTS> {
         }
         self.hold_against_limits(output.record.correction, output.record.limited);
         if cycle.finished {
-            let harmonics = self.gauge_state.harmonics();
-            let last = self.band[1].min(harmonics.len() - 1);
-            self.gauge_imprint = Some(imprint(&harmonics[..=last], self.band[0]));
+            let harmonics: Vec<Harmonic> = (0..=self.band[1]).map(|k| self.gauge_state.harmonic(k)).collect();
+            self.gauge_imprint = Some(imprint(&harmonics, self.band[0]));
             self.run.motion = self.gauge_state.motion().map(|motion| motion.to_vec());
         }
         let turn = self.cell.turns().floor();
@@ -333,7 +332,7 @@ impl<'c, 'a, const POINTS: usize> Control<'c, 'a, POINTS> {
         self.run.roundness_um = last.iter().map(|r| r.roundness_um).sum::<f64>() / averaged.max(1) as f64;
         (self.run.average, self.run.averaged) = (average, averaged);
         self.run.counts = self.gauge_state.counts();
-        self.run.evaluation = self.gauge_state.latest().copied();
+        self.run.evaluation = self.gauge_state.latest();
         self.run.correction = self.gauge_state.correction().to_vec();
         self.run.surfaces[1] = self.cell.pin.about_the_circle();
         self.run
