@@ -179,7 +179,7 @@ impl Gain {
     /// Whole slots are reduced as integers: no rounding grows with the harmonic.
     fn phasor(&self, harmonic: usize, slots: Option<usize>, angle: f64) -> [f64; 2] {
         let angle = match slots {
-            Some(slots) => TAU * ((slots * harmonic) % self.points) as f64 / self.points as f64,
+            Some(slots) => TAU * (slots * harmonic).checked_rem(self.points).unwrap_or(0) as f64 / self.points as f64,
             None => libm::remainder(harmonic as f64 * angle, 2.0 * PI),
         };
         [libm::cos(angle), libm::sin(angle)]

@@ -85,65 +85,48 @@ pub(crate) fn multipliers<R: Real, const N: usize>(of: impl Fn(usize) -> [f64; 2
 /// Where a pass through the stages stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Progress {
-    /// Distance of the values of a butterfly, a quarter of a block; 0 in the radix-2 stage.
-    quarter: usize,
-    /// Place of the first value.
+    /// Stages of radix 4 are numbered as the forward transform goes through them; behind the last of them stands the one
+    /// of radix 2, where there is one. In the pair pass the first place of the block.
+    stage: usize,
+    /// Units done in this stage; in the pair pass the place.
     at: usize,
-    /// Place of the first twiddle factor on the circle, and its step from one butterfly to the next: N/4 of them in a
-    /// block, whatever its length.
-    turn: usize,
-    step: usize,
+    /// In the pair pass the partner.
+    partner: usize,
+}
+
+/// Distance of the values of a butterfly in a stage, a quarter of its block; 0 from the stage of radix 2 on.
+const fn quarter<const N: usize>(stage: usize) -> usize {
+    (N / 8) >> (2 * stage)
 }
 
 impl Progress {
-    /// A stage of blocks of a length.
-    const fn stage<const N: usize>(length: usize) -> Self {
-        Progress { quarter: length >> 2, at: 0, turn: 0, step: N >> length.trailing_zeros() }
-    }
-
     /// Before the first unit of a forward transform.
-    pub(crate) const fn forward<const N: usize>() -> Self {
-        Self::stage::<N>(N / 2)
+    pub(crate) const fn forward() -> Self {
+        Progress { stage: 0, at: 0, partner: 0 }
     }
 
     /// Before the first unit of an inverse transform.
     pub(crate) const fn inverse<const N: usize>() -> Self {
-        Self::stage::<N>(if (N / 2).trailing_zeros() % 2 == 1 { 2 } else { 4 })
+        // N/2 = 2^m: the last of m/2 stages of radix 4, or the one of radix 2 behind it.
+        Progress { stage: ((N / 2).trailing_zeros() as usize).div_ceil(2) - 1, at: 0, partner: 0 }
     }
 
-    /// Before the first pair: the place 1, its own partner. Here `quarter` is the first place of the block, `turn` the
-    /// partner.
+    /// Before the first pair: the place 1, its own partner.
     pub(crate) const fn pairs() -> Self {
-        Progress { quarter: 1, at: 1, turn: 1, step: 0 }
+        Progress { stage: 1, at: 1, partner: 1 }
     }
 
     /// To the next pair; true after the last.
     #[inline(always)]
     fn next_pair<const N: usize>(&mut self) -> bool {
         self.at += 1;
-        self.turn = self.turn.wrapping_sub(1);
+        self.partner = self.partner.wrapping_sub(1);
         // Half of [b, 2b) has met the other half; the place 1 has gone past itself.
-        if self.at <= self.turn {
+        if self.at <= self.partner {
             return false;
         }
-        self.quarter *= 2;
-        (self.at, self.turn) = (self.quarter, 2 * self.quarter - 1);
-        self.at >= N / 2
-    }
-
-    /// To the next butterfly; true at the end of a block.
-    #[inline(always)]
-    fn advance<const N: usize>(&mut self) -> bool {
-        self.at += 1;
-        self.turn += self.step;
-        self.turn >= N / 4
-    }
-
-    /// To the next block of a stage; true at the end of the stage.
-    #[inline(always)]
-    fn next_block<const N: usize>(&mut self) -> bool {
-        self.turn = 0;
-        self.at += 3 * self.quarter;
+        self.stage *= 2;
+        (self.at, self.partner) = (self.stage, 2 * self.stage - 1);
         self.at >= N / 2
     }
 }
@@ -155,23 +138,22 @@ pub(crate) fn forward_unit<R: Real, const N: usize>(
     circle: &[Complex<R>; N],
     progress: &mut Progress,
 ) -> bool {
-    let z = z.as_chunks_mut::<2>().0;
-    if progress.quarter == 0 {
-        return sums_and_differences::<R, N>(z, progress);
-    }
-    let (i, [w1, w2, w3]) = operands(circle, progress);
-    let [a, b, c, d] = [z[i[0]], z[i[1]], z[i[2]], z[i[3]]];
-    let (e, f, g, h) = (add(a, c), sub(a, c), add(b, d), turned(sub(b, d)));
-    z[i[0]] = add(e, g);
-    z[i[1]] = mul(sub(e, g), w2);
-    z[i[2]] = mul(add(f, h), w1);
-    z[i[3]] = mul(sub(f, h), w3);
-    if !(progress.advance::<N>() && progress.next_block::<N>()) {
+    let at = progress.at;
+    // One arm a stage, so that its distances are constants.
+    let stage_done = match progress.stage {
+        0 => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(0) }),
+        1 => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(1) }),
+        2 => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(2) }),
+        3 => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(3) }),
+        4 => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(4) }),
+        _ => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(5) }),
+    };
+    progress.at = at + 1;
+    if !stage_done {
         return false;
     }
-    let length = progress.quarter;
-    *progress = Progress { quarter: length >> 2, at: 0, turn: 0, step: 4 * progress.step };
-    length < 2
+    (progress.stage, progress.at) = (progress.stage + 1, 0);
+    progress.stage > const { Progress::inverse::<N>().stage }
 }
 
 /// One unit of the inverse transform, unscaled; true when it was the last.
@@ -181,49 +163,82 @@ pub(crate) fn inverse_unit<R: Real, const N: usize>(
     circle: &[Complex<R>; N],
     progress: &mut Progress,
 ) -> bool {
+    let at = progress.at;
+    let stage_done = match progress.stage {
+        0 => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(0) }),
+        1 => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(1) }),
+        2 => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(2) }),
+        3 => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(3) }),
+        4 => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(4) }),
+        _ => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(5) }),
+    };
+    progress.at = at + 1;
+    if !stage_done {
+        return false;
+    }
+    progress.at = 0;
+    if progress.stage == 0 {
+        return true;
+    }
+    progress.stage -= 1;
+    false
+}
+
+/// A unit of a forward stage; true when it was the stage's last.
+#[inline(always)]
+fn forward_stage<R: Real, const N: usize>(z: &mut [R; N], circle: &[Complex<R>; N], at: usize, quarter: usize) -> bool {
     let z = z.as_chunks_mut::<2>().0;
-    if progress.quarter == 0 {
-        if sums_and_differences::<R, N>(z, progress) {
-            *progress = Progress::stage::<N>(8);
-        }
-        return false;
+    if quarter == 0 {
+        return sums_and_differences::<R, N>(z, at);
     }
-    let (i, [w1, w2, w3]) = operands(circle, progress);
-    let (a, b) = (z[i[0]], mul_conj(z[i[1]], w2));
-    let (c, d) = (mul_conj(z[i[2]], w1), mul_conj(z[i[3]], w3));
+    let (i, [w1, w2, w3]) = operands(circle, at, quarter);
+    let [a, b, c, d] = [z[i], z[i | quarter], z[i | (2 * quarter)], z[i | (3 * quarter)]];
+    let (e, f, g, h) = (add(a, c), sub(a, c), add(b, d), turned(sub(b, d)));
+    z[i] = add(e, g);
+    z[i | quarter] = mul(sub(e, g), w2);
+    z[i | (2 * quarter)] = mul(add(f, h), w1);
+    z[i | (3 * quarter)] = mul(sub(f, h), w3);
+    at + 1 >= N / 8
+}
+
+/// A unit of an inverse stage; true when it was the stage's last.
+#[inline(always)]
+fn inverse_stage<R: Real, const N: usize>(z: &mut [R; N], circle: &[Complex<R>; N], at: usize, quarter: usize) -> bool {
+    let z = z.as_chunks_mut::<2>().0;
+    if quarter == 0 {
+        return sums_and_differences::<R, N>(z, at);
+    }
+    let (i, [w1, w2, w3]) = operands(circle, at, quarter);
+    let (a, b) = (z[i], mul_conj(z[i | quarter], w2));
+    let (c, d) = (mul_conj(z[i | (2 * quarter)], w1), mul_conj(z[i | (3 * quarter)], w3));
     let (e, f, g, h) = (add(a, b), sub(a, b), add(c, d), turned(sub(c, d)));
-    z[i[0]] = add(e, g);
-    z[i[2]] = sub(e, g);
-    z[i[1]] = sub(f, h);
-    z[i[3]] = add(f, h);
-    if !(progress.advance::<N>() && progress.next_block::<N>()) {
-        return false;
-    }
-    let quarter = 4 * progress.quarter;
-    *progress = Progress { quarter, at: 0, turn: 0, step: progress.step >> 2 };
-    quarter > N / 8
+    z[i] = add(e, g);
+    z[i | (2 * quarter)] = sub(e, g);
+    z[i | quarter] = sub(f, h);
+    z[i | (3 * quarter)] = add(f, h);
+    at + 1 >= N / 8
 }
 
-/// Places of the four values of a butterfly, and its three twiddle factors.
+/// Place of the first of the four values of a butterfly, with zeros where the quarters are counted, and its three
+/// twiddle factors.
 #[inline(always)]
-fn operands<R: Real, const N: usize>(circle: &[Complex<R>; N], progress: &Progress) -> ([usize; 4], [Complex<R>; 3]) {
-    let Progress { quarter, at, turn, .. } = *progress;
-    let (mask, turn) = (N / 2 - 1, turn & (N / 4 - 1));
-    let places = [at & mask, (at + quarter) & mask, (at + 2 * quarter) & mask, (at + 3 * quarter) & mask];
-    (places, [circle[turn], circle[2 * turn], circle[3 * turn]])
+fn operands<R: Real, const N: usize>(circle: &[Complex<R>; N], at: usize, quarter: usize) -> (usize, [Complex<R>; 3]) {
+    let within = at & (quarter - 1);
+    let place = (((at << 2) & (N / 2 - 1) & !(4 * quarter - 1)) | within) & (N / 2 - 1);
+    let turn = (within * (N / 4 / quarter)) & (N / 4 - 1);
+    (place, [circle[turn], circle[2 * turn], circle[3 * turn]])
 }
 
-/// Four butterflies of the radix-2 stage; true after the last.
+/// Four butterflies of the radix-2 stage; true when they were the last.
 #[inline(always)]
-fn sums_and_differences<R: Real, const N: usize>(z: &mut [Complex<R>], progress: &mut Progress) -> bool {
-    let first = progress.at & (N / 2 - 8);
+fn sums_and_differences<R: Real, const N: usize>(z: &mut [Complex<R>], at: usize) -> bool {
+    let first = (at << 3) & (N / 2 - 8);
     for i in [first, first | 2, first | 4, first | 6] {
         let (a, b) = (z[i], z[i | 1]);
         z[i] = add(a, b);
         z[i | 1] = sub(a, b);
     }
-    progress.at += 8;
-    progress.at >= N / 2
+    at + 1 >= N / 16
 }
 
 /// The spectrum of the product at two harmonics, in the scale of the multipliers (times [`amplitude_scale`]: cosine and
@@ -253,7 +268,7 @@ pub(crate) fn pair_unit<R: Real, const N: usize>(
     let (from, to, multipliers) = (from.as_chunks::<2>().0, to.as_chunks_mut::<2>().0, multipliers.as_chunks::<2>().0);
     let half = N / 2;
     let mask = half - 1;
-    let (i, partner) = (progress.at & mask, progress.turn & mask);
+    let (i, partner) = (progress.at & mask, progress.partner & mask);
     let k = (i.reverse_bits() >> (half.leading_zeros() + 1)) & mask;
     let w = circle[k];
     let (a, b) = (from[i], conj(from[partner]));
@@ -290,7 +305,7 @@ mod tests {
         for (to, from) in z.iter_mut().zip(x) {
             *to = R::of(*from);
         }
-        let (mut units, mut progress) = (1, Progress::forward::<N>());
+        let (mut units, mut progress) = (1, Progress::forward());
         while !forward_unit(&mut z, &circle, &mut progress) {
             units += 1;
         }

@@ -274,7 +274,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     #[inline(always)]
     pub(super) fn begin(&mut self, revolution: u32, flags: Flags) {
         let first = if self.linked == self.ratio { Task::Forward } else { Task::Linkage };
-        (self.task, self.progress, self.at) = (first, Progress::forward::<N>(), 0);
+        (self.task, self.progress, self.at) = (first, Progress::forward(), 0);
         self.result = Outcome { revolution, flags, ..Outcome::NONE };
     }
 
@@ -319,7 +319,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.worst = R::ZERO;
         self.range = [R::MAX, -R::MAX];
         self.progress = match self.task {
-            Task::Forward => Progress::forward::<N>(),
+            Task::Forward => Progress::forward(),
             Task::Inverse(_) => Progress::inverse::<N>(),
             _ => Progress::pairs(),
         };
