@@ -53,9 +53,10 @@ fn falls_below_a_tenth(what: &str, grinding: &Grinding) -> [Run; 2] {
 
 #[test]
 fn the_synchronous_imprint_falls_below_a_tenth_and_stays_without_correction() {
-    for seed in [1, 2] {
-        let grinding = Grinding { seed, ..grinding(40, |_| {}) };
-        let [before, after] = falls_below_a_tenth("default gain", &grinding);
+    for (seed, feed_um) in [(1, 0.1), (2, 0.3)] {
+        let process = Process { feed_um, ..Process::default() };
+        let grinding = Grinding { seed, process, ..grinding(40, |_| {}) };
+        let [before, after] = falls_below_a_tenth(&format!("default gain, feed {feed_um} um"), &grinding);
         let mean = |run: &Run, from: usize, to: usize| {
             run.revolutions[from..to].iter().map(|r| r.imprint_um).sum::<f64>() / (to - from) as f64
         };
