@@ -8,16 +8,7 @@ use firmware_sim::report;
 use std::path::PathBuf;
 use trueaxis::roundness::gain_limit;
 
-/// Grinds a crankpin twice with the same seed, with the gauge's infeed correction off and on, and measures the true
-/// surface after every revolution.
-///
-/// The pin circles with the crankshaft; three probes on an arm that follows it see the surface and the motion of the
-/// pin's centre. That motion is imprinted on the pin: where the centre comes toward the wheel, too much is ground off.
-/// The gauge separates surface and motion while the servo loop runs, and corrects the infeed of the next revolutions.
-/// Only what repeats with every turn (the synchronous imprint) can be corrected; it should fall below a tenth.
-///
-/// The gauge works on one revolution while the next is sampled. When a revolution is shorter than the work, it skips
-/// whole revolutions: --skip chooses a speed at which that happens.
+/// Arguments of `grind`.
 #[derive(Args)]
 #[command(after_help = "Examples:
   firmware-sim grind                            40 revolutions at 30 rpm

@@ -35,6 +35,16 @@ enum Command {
     /// Time the step alone, without the simulated machine.
     Bench(BenchArgs),
     /// Grind a crankpin twice: without and with the infeed correction of the three-probe gauge.
+    ///
+    /// Both runs have the same seed; the true surface is measured after every revolution.
+    ///
+    /// The pin circles with the crankshaft; three probes on an arm that follows it see the surface and the motion of the
+    /// pin's centre. That motion is imprinted on the pin: where the centre comes toward the wheel, too much is ground off.
+    /// The gauge separates surface and motion while the servo loop runs, and corrects the infeed of the next revolutions.
+    /// Only what repeats with every turn (the synchronous imprint) can be corrected; it should fall below a tenth.
+    ///
+    /// The gauge works on one revolution while the next is sampled. When a revolution is shorter than the work, it skips
+    /// whole revolutions: --skip chooses a speed at which that happens.
     Grind(grind::GrindArgs),
 }
 
