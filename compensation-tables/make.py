@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the two sample machines and the sample measurement beside this file.
+"""Writes the three sample machines and the sample measurement beside this file.
 
 Plain Python, no packages. Every run writes the same bytes: the error curves are closed formulas, the scatter of the
 measurement comes from `random.Random(SEED).random()`, whose sequence Python guarantees, and everything is rounded.
@@ -297,6 +297,80 @@ EB0C_urad = -14.0
 EC0C_urad = 0.0
 """
 
+
+# --- grinder: wheel head X on the table Z, work head on the bed, three probes on an arm that follows the crankpin ----
+
+
+def grinder():
+    folder = HERE / "grinder"
+    write_text(folder / "machine.toml", GRINDER)
+    write_table(
+        folder / "x.csv", ["X of grinder (wheel head), 5 mm; zero at machine zero, positive away from the workpiece"],
+        ["X_mm", "EXX_um", "EZX_um", "EBX_urad"],
+        grid(-60, 60, 5),
+        [lambda x: 0.012 * x + 0.4 * wave(x, 50, 0.4),
+         lambda x: 0.5 * ((x / 60) ** 2) + 0.2 * wave(x, 40, 1.2),
+         lambda x: 3 * math.sin(x / 90)])
+
+
+GRINDER = """
+# Crankpin grinding machine: the crankshaft turns in the work head, the wheel head X stands on Z; three probes ride on an
+# arm about the wheel's centre and follow the pin. X grows away from the workpiece; figures: see README.md beside this folder.
+name = "grinder"
+chain = "w b Z X t"
+tool_mm = [0.0, 0.0, 0.0]
+reference_temperature_c = 20.0
+
+[axis.X]
+table = "x.csv"
+interpolation = "cubic"
+travel_mm = [-60.0, 60.0]
+max_feed_mm_per_min = 10000.0
+
+# The infeed correction follows the pin's harmonics at speed: a linear motor takes what a ball screw would not.
+[axis.X.limits]
+magnitude_um = 100.0
+slope_mm_per_s = 5.0
+acceleration_mm_per_s2 = 2000.0
+
+[axis.Z]
+travel_mm = [-400.0, 400.0]
+max_feed_mm_per_min = 10000.0
+
+[roundness]
+points = 1024
+probe_slots = [188, 667]
+harmonics = [2, 100]
+filter_upr = 50
+revolutions = 8
+units_per_cycle = 1
+stop_s = 0.5
+spindle_counts_per_revolution = 3600000
+spindle_index = true
+spindle_index_tolerance_counts = 100
+probe_gain_um = [1.0, 1.0, 1.0]
+probe_low = [-500.0, -500.0, -500.0]
+probe_high = [500.0, 500.0, 500.0]
+
+[roundness.arm]
+crank_mm = 45.0
+wheel_mm = 300.0
+pin_mm = 27.5
+counts_per_revolution = 3600000
+tolerance_deg = 0.2
+
+[roundness.infeed]
+axis = "X"
+direction = -1
+harmonics = [2, 50]
+gain = 0.25
+delay_revolutions = 2
+contact_deg = 180.0
+drive_delay_s = 0.0025
+limit_um = 20.0
+"""
+
 if __name__ == "__main__":
     mill_3axis()
     mill_5axis()
+    grinder()

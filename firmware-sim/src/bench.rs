@@ -56,7 +56,7 @@ pub fn run<const N: usize>(
             (input, path.reference(setpoint.move_index, setpoint.u, &mut span))
         })
         .collect();
-    with_loop::<N, _>(scenario, |servo| {
+    with_loop::<N, _>(&scenario.machine, scenario.period_ns(), |servo| {
         let view = Path::new(&path.spans, 0, false);
         let rounds = || (0..cycles).zip(prepared.iter().cycle());
         let fresh =

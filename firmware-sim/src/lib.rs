@@ -12,6 +12,7 @@
 //! Plant and truth are written apart from the plugin; neither uses its code.
 
 pub mod bench;
+pub mod grinding;
 pub mod latency;
 pub mod motion;
 pub mod outcome;

@@ -1,5 +1,7 @@
 //! `firmware-sim`: servo cycles on the host, with the machine simulated.
 
+mod grind;
+
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, Parser, Subcommand};
 use firmware_sim::motion::{Motion, MotionSettings};
@@ -32,6 +34,18 @@ enum Command {
     Run(RunArgs),
     /// Time the step alone, without the simulated machine.
     Bench(BenchArgs),
+    /// Grind a crankpin twice: without and with the infeed correction of the three-probe gauge.
+    ///
+    /// Both runs have the same seed; the true surface is measured after every revolution.
+    ///
+    /// The pin circles with the crankshaft; three probes on an arm that follows it see the surface and the motion of the
+    /// pin's centre. That motion is imprinted on the pin: where the centre comes toward the wheel, too much is ground off.
+    /// The gauge separates surface and motion while the servo loop runs, and corrects the infeed of the next revolutions.
+    /// Only what repeats with every turn (the synchronous imprint) can be corrected; it should fall below a tenth.
+    ///
+    /// The gauge works on one revolution while the next is sampled. When a revolution is shorter than the work, it skips
+    /// whole revolutions: --skip chooses a speed at which that happens.
+    Grind(grind::GrindArgs),
 }
 
 #[derive(Args)]
@@ -105,6 +119,7 @@ fn main() -> ExitCode {
         }
         Some(Command::Run(args)) => run(&args),
         Some(Command::Bench(args)) => time(&args),
+        Some(Command::Grind(args)) => grind::grind(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -119,15 +134,7 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     if !(100.0..=100_000.0).contains(&args.rate_hz) {
         bail!("--rate-hz: found {}, needed 100 to 100000", args.rate_hz);
     }
-    let machine_path =
-        if args.machine.exists() { args.machine.clone() } else { sample_machine(&args.machine.to_string_lossy()) };
-    if !machine_path.exists() {
-        bail!(
-            "--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis or mill-5axis",
-            args.machine.display()
-        );
-    }
-    let machine = Machine::read(&machine_path)?;
+    let machine = read_machine(&args.machine)?;
     let program = read_program(&args.program)?;
     let origin_mm = match args.origin_mm.as_deref() {
         None => middle_of_travel(&machine),
@@ -148,6 +155,26 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     };
     stays_in_travel(&scenario)?;
     Ok(scenario)
+}
+
+/// A machine.toml, its folder, or a sample's name.
+fn read_machine(given: &Path) -> Result<Machine> {
+    let path = if given.exists() { given.to_path_buf() } else { sample_machine(&given.to_string_lossy()) };
+    if !path.exists() {
+        bail!(
+            "--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis, mill-5axis or grinder",
+            given.display()
+        );
+    }
+    Ok(Machine::read(&path)?)
+}
+
+/// A bar of thousandths on the standard error.
+fn progress_bar(message: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}");
+    let bar = ProgressBar::new(1000).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(message);
+    bar
 }
 
 /// Motion and path of a scenario's program.
@@ -216,10 +243,7 @@ fn run(args: &RunArgs) -> Result<()> {
         }
         None => None,
     };
-    let bar = ProgressBar::new(1000).with_style(
-        ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()),
-    );
-    bar.set_message("simulating");
+    let bar = progress_bar("simulating");
     let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
     let outcome = with_axes!(
         &scenario.machine,

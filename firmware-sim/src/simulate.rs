@@ -19,6 +19,7 @@ use trueaxis::contour::Path;
 use trueaxis::machine::AXES;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Fault, Input, Output, ServoLoop, State};
+use trueaxis_tables::Machine;
 
 /// Which of the three runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +107,7 @@ pub fn run<const N: usize>(
     kind: Kind,
     options: &mut Options<'_>,
 ) -> Result<Run> {
-    with_loop::<N, _>(scenario, |servo| {
+    with_loop::<N, _>(&scenario.machine, scenario.period_ns(), |servo| {
         let mut cell = Cell::<N>::new(scenario, motion, path, kind, servo)?;
         cell.settle();
         let mut setpoints = motion.setpoints();
@@ -133,18 +134,19 @@ pub fn run<const N: usize>(
     })
 }
 
-/// Builds the servo loop of a scenario from its compiled tables, as a controller would, and lends it out.
+/// Builds the servo loop of a machine from its compiled tables, as a controller would, and lends it out.
 ///
 /// # Errors
 /// The tables do not compile or build.
 pub fn with_loop<const N: usize, T>(
-    scenario: &Scenario,
+    machine: &Machine,
+    period_ns: u32,
     user: impl FnOnce(&ServoLoop<'_, f64, f64, N>) -> Result<T>,
 ) -> Result<T> {
-    let bytes = trueaxis_tables::compile(&scenario.machine).map_err(|e| anyhow!("{e}"))?;
+    let bytes = trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"))?;
     let tcomp = Tcomp::parse(&bytes).map_err(|e| anyhow!("compiled tables: {e}"))?;
     let rows = |axis: Axis| tcomp.table(axis);
-    let config = Config::of(&tcomp, scenario.period_ns());
+    let config = Config::of(&tcomp, period_ns);
     let need = config.requirement::<f64, f64, N, _>(rows);
     let (mut lines, mut knots, mut guide) = (vec![[0.0; 4]; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
     let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };

@@ -174,6 +174,60 @@ fn the_step_alone_is_timed() {
 }
 
 #[test]
+fn grinding_prints_its_figures_and_writes_its_page() {
+    let arguments = ["grind", "--revolutions", "16", "--speed-rpm", "200", "--seed", "3"];
+    let run = json(&[&arguments[..], &["--json"]].concat());
+    assert_eq!((run["revolutions"].as_u64(), run["points"].as_u64()), (Some(16), Some(1024)));
+    assert!(run["cycles_of_work"].as_u64().unwrap() > 5000);
+    assert_eq!(run["limits_exceeded"], 0);
+    for which in ["uncorrected", "corrected"] {
+        assert_eq!(run[which]["per_revolution"].as_array().unwrap().len(), 16);
+        assert!(run[which]["imprint_um"].as_f64().unwrap() > 0.0 && run[which]["roundness_um"].as_f64().unwrap() > 0.0);
+    }
+    let ratio = run["corrected"]["imprint_um"].as_f64().unwrap() / run["uncorrected"]["imprint_um"].as_f64().unwrap();
+    assert!((run["imprint_ratio"].as_f64().unwrap() - ratio).abs() < 1e-12);
+    // 3000 cycles a revolution are fewer than the work takes.
+    let [evaluated, skipped] = ["evaluated", "skipped"].map(|what| run["corrected"][what].as_u64().unwrap());
+    assert!(evaluated >= 6 && skipped >= 6 && evaluated + skipped <= 15, "{evaluated} {skipped}");
+    for axis in ["x", "y"] {
+        assert!(run["spindle"]["true"][axis]["synchronous_um"].as_f64().unwrap() > 1.0);
+    }
+    let directory = tempfile::tempdir().unwrap();
+    let output = simulator(&[&arguments[..], &["--report", "out"]].concat(), directory.path());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("without correction") && text.contains("grinding.html"), "{text}");
+    let page = std::fs::read_to_string(directory.path().join("out/grinding.html")).unwrap();
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..roxmltree::ParsingOptions::default() };
+    let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
+    let figures = document.descendants().filter(|n| n.has_tag_name("figure")).count();
+    assert_eq!(figures, 8);
+    for text in document.descendants().filter(|n| n.is_text()).filter_map(|n| n.text()) {
+        assert!(!text.contains("NaN"), "{text}");
+    }
+}
+
+#[test]
+fn bad_arguments_of_grinding_are_told_with_what_is_needed() {
+    let directory = tempfile::tempdir().unwrap();
+    for (arguments, expected) in [
+        (["--revolutions", "3"], "--revolutions: found 3, needed 8 to 10000"),
+        (["--gain", "0.5"], "--gain: found 0.5, needed above 0 and at most 0.3090"),
+        (["--gain", "nan"], "--gain: found NaN"),
+        (["--speed-rpm", "5000"], "--speed-rpm: found 5000, needed 0.1 to"),
+        (["--skip", "40"], "--skip: found 40, needed at most"),
+        (["--feed-um", "-1"], "--feed-um: found -1, needed 0 to 5"),
+        (["--machine", "mill-3axis"], "found no [roundness]"),
+        (["--rate-hz", "5"], "--rate-hz: found 5, needed 100 to 100000"),
+    ] {
+        let output = simulator(&[&["grind", "--report", "out"], &arguments[..]].concat(), directory.path());
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+        assert!(error.contains(expected), "{arguments:?}: {error}");
+        assert!(output.stdout.is_empty() && !directory.path().join("out").exists());
+    }
+}
+
+#[test]
 fn paced_runs_say_what_was_permitted() {
     let directory = tempfile::tempdir().unwrap();
     let program = directory.path().join("short.ngc");

@@ -116,7 +116,7 @@ impl Scale {
         let ticks = decades
             .flat_map(|decade| digits.iter().map(move |digit| digit * 10_f64.powi(decade)))
             .filter(|value| (low..=high).contains(&value.log10()))
-            .map(|value| (value.log10(), decimals(value, if value < 1.0 { 1 } else { 0 })))
+            .map(|value| (value.log10(), decimals(value, (-(value.log10() + 1e-9).floor() as i32).clamp(0, 9))))
             .collect();
         Self { caption: printable(caption), low, high, ticks }
     }

@@ -16,6 +16,7 @@ mod contour;
 mod correction;
 mod decimate;
 mod figure;
+pub mod grinding;
 mod latency;
 mod number;
 mod path;
@@ -154,14 +155,21 @@ struct Section {
 /// The page as one HTML document, which is well-formed XML too.
 #[must_use]
 pub fn render(report: &Report) -> String {
-    let title = number::escape(if report.title.is_empty() { "Simulation report" } else { &report.title });
+    let title = if report.title.is_empty() { "Simulation report" } else { &report.title };
+    let sections: Vec<Section> = SECTIONS.iter().filter_map(|section| section(report)).collect();
+    page(title, &summary::html(report), &sections)
+}
+
+/// A page: heading, summary, sections.
+fn page(title: &str, summary: &str, sections: &[Section]) -> String {
+    let title = number::escape(title);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en-GB\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n"
     );
-    page.push_str(&summary::html(report));
-    for section in SECTIONS.iter().filter_map(|section| section(report)) {
+    page.push_str(summary);
+    for section in sections {
         page.push_str(&format!("<section>\n<h2>{}</h2>\n{}</section>\n", section.heading, section.html));
     }
     page.push_str("</main>\n</body>\n</html>\n");

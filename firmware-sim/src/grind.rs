@@ -1,0 +1,121 @@
+//! `firmware-sim grind`: its arguments and what it prints.
+
+use crate::{progress_bar, read_machine};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use firmware_sim::grinding::{self, Grinding, Process};
+use firmware_sim::report;
+use std::path::PathBuf;
+use trueaxis::roundness::gain_limit;
+
+/// Arguments of `grind`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  firmware-sim grind                            40 revolutions at 30 rpm
+  firmware-sim grind --skip 3 --json            at a speed at which three of four revolutions are skipped
+  firmware-sim grind --gain 0.3 --report out    another gain of the correction; out/grinding.html shows what happened")]
+pub(crate) struct GrindArgs {
+    /// Machine with a gauge: a machine.toml, its folder, or the name of a sample.
+    #[arg(long, value_name = "M", default_value = "grinder")]
+    machine: PathBuf,
+    /// Turns of the spindle, 8 to 10000 [default: 40; with --skip N, 20 (N + 1) if that is more].
+    #[arg(long, value_name = "N")]
+    revolutions: Option<u32>,
+    /// Servo rate, 100 to 100000.
+    #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
+    rate_hz: f64,
+    /// Speed of the spindle.
+    #[arg(long, value_name = "RPM", default_value_t = 30.0, conflicts_with = "skip")]
+    speed_rpm: f64,
+    /// Gain of the correction c <- c + g r, at most half the limit of stability [default: the machine's].
+    #[arg(long, value_name = "G")]
+    gain: Option<f64>,
+    /// Turn so fast that the gauge has to skip N whole revolutions between two that it evaluates.
+    #[arg(long, value_name = "N")]
+    skip: Option<u32>,
+    /// Feed that remains after roughing, µm of radius per revolution, 0 to 5.
+    #[arg(long, value_name = "UM", default_value_t = Process::default().feed_um, allow_hyphen_values = true)]
+    feed_um: f64,
+    /// Seed of the rough surface and of every noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON document and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// Write grinding.html into this folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+fn prepare(args: &GrindArgs) -> Result<Grinding> {
+    if !(100.0..=100_000.0).contains(&args.rate_hz) {
+        bail!("--rate-hz: found {}, needed 100 to 100000", args.rate_hz);
+    }
+    let needed = args.skip.map_or(40, |skip| skip.saturating_add(1).saturating_mul(20).clamp(40, 10_000));
+    let revolutions = args.revolutions.unwrap_or(needed);
+    if !(8..=10_000).contains(&revolutions) {
+        bail!("--revolutions: found {revolutions}, needed 8 to 10000");
+    }
+    if !(0.0..=5.0).contains(&args.feed_um) {
+        bail!("--feed-um: found {}, needed 0 to 5", args.feed_um);
+    }
+    let mut machine = read_machine(&args.machine)?;
+    if let (Some(gain), Some(infeed)) = (args.gain, machine.settings.roundness.as_mut().and_then(|g| g.infeed.as_mut()))
+    {
+        let most = 0.5 * gain_limit(infeed.delay_revolutions);
+        if !(gain > 0.0 && gain <= most) {
+            bail!(
+                "--gain: found {gain}, needed above 0 and at most {most:.4}, half the limit of stability at a delay of {} \
+                 revolutions",
+                infeed.delay_revolutions
+            );
+        }
+        infeed.gain = gain;
+    }
+    let mut grinding = Grinding {
+        machine,
+        rate_hz: args.rate_hz,
+        speed_rpm: args.speed_rpm,
+        revolutions,
+        seed: args.seed,
+        process: Process { feed_um: args.feed_um, ..Process::default() },
+        events: Vec::new(),
+    };
+    let gauge = *grinding.gauge()?;
+    if let Some(skip) = args.skip {
+        grinding.speed_rpm = grinding::speed_that_skips(&gauge, args.rate_hz, skip)?;
+    }
+    let fastest = grinding::fastest_rpm(&gauge, args.rate_hz);
+    if !(0.1..=fastest).contains(&grinding.speed_rpm) {
+        bail!(
+            "--speed-rpm: found {}, needed 0.1 to {fastest:.1}, where {} points a revolution pass at {} Hz",
+            grinding.speed_rpm,
+            gauge.points,
+            args.rate_hz
+        );
+    }
+    Ok(grinding)
+}
+
+pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
+    let grinding = prepare(args)?;
+    let bar = progress_bar("grinding");
+    let outcome = grinding::simulate(&grinding, &mut |fraction| bar.set_position((1000.0 * fraction) as u64))?;
+    bar.finish_and_clear();
+    let page = match &args.report {
+        Some(dir) => Some(
+            report::grinding::write(&grinding, &outcome, dir)
+                .with_context(|| format!("cannot write into {}", dir.display()))?,
+        ),
+        None => None,
+    };
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&outcome.json(&grinding)?)?);
+    } else {
+        print!("{}", outcome.summary(&grinding));
+        if let Some(page) = page {
+            println!("written  {}", page.display());
+        }
+    }
+    Ok(())
+}
