@@ -68,6 +68,7 @@ fn every_key_arrives_and_survives_compilation() {
             contact_deg: 175.5,
             drive_delay_s: 0.002,
             limit_um: 15.0,
+            noise_gain_limit: 10.0,
         }),
     };
     assert_eq!(machine.settings.roundness, Some(expected));
@@ -107,7 +108,7 @@ fn what_is_wrong_is_refused_with_its_line() {
         (with("harmonics = [1, 50]\n"), ":9: key roundness.harmonics: found [1, 50], needed 2 or more"),
         (with("harmonics = [2, 512]\n"), ":9: key roundness.harmonics"),
         (with("harmonics = [50, 2]\n"), ":9: key roundness.harmonics"),
-        (with("noise_gain_limit = 0.5\n"), ":9: key roundness.noise_gain_limit"),
+        (with("noise_gain_limit = 0\n"), ":9: key roundness.noise_gain_limit"),
         (
             with("filter_upr = 51\n"),
             ":9: key roundness.filter_upr: found 51, needed a cut-off of 15, 50, 150 or 500 UPR",

@@ -101,6 +101,7 @@ fn the_bytes_are_those_documented() {
         contact_deg: 180.0,
         drive_delay_s: 0.001,
         limit_um: 20.0,
+        noise_gain_limit: 10.0,
     });
     with.settings.roundness = Some(settings);
     // Varints: seven bits a byte, lowest first.
@@ -119,7 +120,7 @@ fn the_bytes_are_those_documented() {
     gauge_bytes.extend([1, 0, 1, 2, 50]);
     numbers(&mut gauge_bytes, &[0.25]);
     gauge_bytes.push(2);
-    numbers(&mut gauge_bytes, &[180.0, 0.001, 20.0]);
+    numbers(&mut gauge_bytes, &[180.0, 0.001, 20.0, 10.0]);
     payload.splice(gauge..=gauge, gauge_bytes);
     assert_eq!(compile(&with).unwrap(), file(id, &payload));
 }

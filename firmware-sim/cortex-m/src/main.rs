@@ -45,7 +45,7 @@ fn settings(whole: bool) -> RoundnessSettings {
             delay_revolutions: 2,
             contact_deg: 180.0,
             drive_delay_s: 0.001,
-            limit_um: 1000.0,
+            limit_um: 1000.0, noise_gain_limit: 10.0,
         });
     }
     settings

@@ -6,7 +6,8 @@ use crate::error::FileError;
 use trueaxis::error::Field;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, ProbeSettings, RoundnessSettings, SpindleEncoder,
+    Arm, ArmSettings, Band, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings, RoundnessSettings,
+    SpindleEncoder,
 };
 
 /// A number that has to be whole and fit.
@@ -201,6 +202,7 @@ fn read_infeed(
         contact_deg: 180.0,
         drive_delay_s: 0.0,
         limit_um: 20.0,
+        noise_gain_limit: INFEED_NOISE_GAIN_LIMIT,
     };
     let mut reader = Reader { section, places, field: Field::Infeed };
     reader.direction(&mut infeed.direction, "direction")?;
@@ -209,6 +211,7 @@ fn read_infeed(
     reader.number(&mut infeed.contact_deg, "contact_deg")?;
     reader.number(&mut infeed.drive_delay_s, "drive_delay_s")?;
     reader.number(&mut infeed.limit_um, "limit_um")?;
+    reader.number(&mut infeed.noise_gain_limit, "noise_gain_limit")?;
     reader.band(&mut infeed.band, "harmonics")?;
     Ok(infeed)
 }

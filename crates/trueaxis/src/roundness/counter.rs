@@ -62,13 +62,22 @@ pub(super) struct SpindleState {
     travelled: i32,
     started: bool,
     referenced: bool,
+    /// Zero was known, and the count has gone on since: good enough to hold a correction by, not to measure.
+    counting: bool,
     /// The last index pulse contradicted the one before: the next has to agree.
     doubtful: bool,
 }
 
 impl SpindleState {
-    pub(super) const NEW: SpindleState =
-        SpindleState { last: 0, in_turn: 0, travelled: 0, started: false, referenced: false, doubtful: false };
+    pub(super) const NEW: SpindleState = SpindleState {
+        last: 0,
+        in_turn: 0,
+        travelled: 0,
+        started: false,
+        referenced: false,
+        counting: false,
+        doubtful: false,
+    };
 }
 
 impl SpindleCounter {
@@ -85,7 +94,7 @@ impl SpindleCounter {
         }
     }
 
-    /// α of this cycle, if it is known; what is wrong is added to the flags.
+    /// α of this cycle, if it is known, if only by counting on; what is wrong is added to the flags.
     #[inline(always)]
     pub(super) fn update(
         &self,
@@ -102,7 +111,7 @@ impl SpindleCounter {
         let plain = state.referenced && moved.unsigned_abs() <= self.most && pulse.is_none();
         if !(plain && state.travelled.unsigned_abs() <= self.overdue) {
             self.exceptional(state, raw, moved, pulse, flags);
-            if !state.referenced {
+            if !(state.referenced || state.counting) {
                 return None;
             }
         }
@@ -174,7 +183,7 @@ impl SpindleCounter {
         }
         let first = !state.referenced && !state.doubtful;
         state.doubtful = !(first || agrees);
-        state.referenced = !state.doubtful;
+        (state.referenced, state.counting) = (!state.doubtful, !state.doubtful);
         state.in_turn = now;
     }
 }

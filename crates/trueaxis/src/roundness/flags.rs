@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct Flags(pub u16);
 
 impl Flags {
-    /// No index pulse has been seen yet, or none that can be relied on: θ is unknown.
+    /// No index pulse has been seen yet, or none that can be relied on: θ is unknown, or known by counting on only.
     pub const NO_INDEX: Flags = Flags(1);
     /// An index pulse did not come.
     pub const INDEX_MISSING: Flags = Flags(1 << 1);
@@ -35,6 +35,8 @@ impl Flags {
     pub const SKIPPED: Flags = Flags(1 << 10);
     /// The infeed correction was not updated: it was limited, or would have passed its bound, or the arm is in doubt.
     pub const INFEED_FROZEN: Flags = Flags(1 << 11);
+    /// The infeed correction was limited over several revolutions and has been made smaller.
+    pub const INFEED_REDUCED: Flags = Flags(1 << 12);
 
     /// Whether all bits of `other` are set.
     pub const fn has(self, other: Flags) -> bool {

@@ -58,8 +58,8 @@ pub use arm::{Arm, arm_angle};
 pub use flags::Flags;
 pub use motion::ErrorMotion;
 pub use settings::{
-    ArmSettings, FEWEST_POINTS, InfeedSettings, MOST_COUNTS, MOST_POINTS, NOISE_GAIN_LIMIT, ProbeSettings,
-    RoundnessSettings, SpindleEncoder, gain_limit,
+    ArmSettings, FEWEST_POINTS, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, MOST_COUNTS, MOST_POINTS, NOISE_GAIN_LIMIT,
+    ProbeSettings, RoundnessSettings, SpindleEncoder, gain_limit,
 };
 pub use work::HARMONICS;
 
@@ -136,7 +136,7 @@ pub struct RoundnessState<R, const N: usize> {
     /// The one of the two revolutions that is worked on; the other is being sampled.
     worked: usize,
     resampler: ResamplerState<R>,
-    sampling: Sampling,
+    sampling: Sampling<R>,
     latest: Outcome<R>,
     counts: Counts,
     speed: Speed<R>,
@@ -171,10 +171,14 @@ pub struct Counts {
 
 /// The revolution that is being sampled.
 #[derive(Clone, Copy, Debug)]
-struct Sampling {
+struct Sampling<R> {
     running: bool,
     points: usize,
     flags: Flags,
+    /// Weighted sums added up.
+    total: R,
+    /// Their mean over the revolution before, if that was whole.
+    before: Option<R>,
     /// The cycle in which it began.
     began: u32,
     /// Quarter of a turn of α, the cycle in which it began, fewest and most cycles that one took.
@@ -186,11 +190,13 @@ struct Sampling {
     limited: u32,
 }
 
-impl Sampling {
-    const NEW: Sampling = Sampling {
+impl<R: Real> Sampling<R> {
+    const NEW: Sampling<R> = Sampling {
         running: false,
         points: 0,
         flags: Flags(0),
+        total: R::ZERO,
+        before: None,
         began: 0,
         quarter: u32::MAX,
         entered: 0,
@@ -402,7 +408,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         for _ in 0..points.min(POINTS_PER_CYCLE) {
             let point = self.resampler.point(&mut state.resampler, theta, readings, &mut angle);
             if point.place == 0 {
-                Self::turn(state, flags);
+                self.turn(state, flags);
             }
             if !state.sampling.running {
                 continue;
@@ -412,6 +418,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             revolution.first[n] = point.h1;
             revolution.second[n] = point.h2;
             state.sums[!state.worked & 1][n] = point.sum;
+            state.sampling.total += point.sum;
             if n & (N / ARM_CHECKS - 1) == 0 {
                 revolution.beta[(n / (N / ARM_CHECKS)) & (ARM_CHECKS - 1)] = beta;
             }
@@ -421,9 +428,12 @@ impl<R: Real, const N: usize> Roundness<R, N> {
 
     /// θ passes zero: a revolution ends, the next begins.
     #[inline(never)]
-    fn turn(state: &mut RoundnessState<R, N>, flags: &mut Flags) {
+    fn turn(&self, state: &mut RoundnessState<R, N>, flags: &mut Flags) {
         let sampling = state.sampling;
+        let mut before = None;
         if sampling.running && sampling.points == N {
+            let mean = sampling.total * R::of(1.0 / N as f64);
+            before = Some(mean);
             state.counts.sampled = state.counts.sampled.wrapping_add(1);
             let mut of_revolution = sampling.flags;
             // A quarter of the time, and a cycle of rounding at either end.
@@ -436,15 +446,21 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             flags.set(of_revolution);
             if state.work.is_idle() {
                 state.worked ^= 1;
-                state.work.begin(state.counts.sampled, of_revolution);
+                let drift = sampling.before.map_or(R::ZERO, |before| mean - before);
+                state.work.begin(&self.plan, state.counts.sampled, of_revolution, mean, drift);
             } else {
                 state.counts.skipped = state.counts.skipped.wrapping_add(1);
                 flags.set(Flags::SKIPPED);
             }
         }
         let skipped = if flags.has(Flags::SKIPPED) { Flags::SKIPPED } else { Flags::default() };
-        state.sampling =
-            Sampling { running: !flags.discards(), flags: skipped, began: state.resampler.clock, ..Sampling::NEW };
+        state.sampling = Sampling {
+            running: !flags.discards(),
+            flags: skipped,
+            before,
+            began: state.resampler.clock,
+            ..Sampling::NEW
+        };
     }
 
     /// Second stage: the units of work of a cycle; true when a revolution has just been evaluated.
@@ -480,6 +496,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             Task::Clear => self.zero(state),
             Task::Range => self.measure(state),
             Task::Linkage => self.link(state),
+            Task::Level => self.level(state),
             Task::Turn => self.finish(state),
         }
     }
@@ -597,6 +614,14 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         let work = &mut state.work;
         if work.link(&self.plan) {
             work.end();
+        }
+        false
+    }
+
+    #[inline(never)]
+    fn level(&self, state: &mut RoundnessState<R, N>) -> bool {
+        if state.work.level(&mut state.sums[state.worked & 1]) {
+            state.work.end();
         }
         false
     }

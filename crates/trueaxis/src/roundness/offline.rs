@@ -164,12 +164,16 @@ impl Separator {
             let [cos, sin] = self.gain.phase2(usize::from(k));
             Some([here, here * Complex::new(cos, sin)])
         });
+        // The mean radius, against the probes' zeros: with an arm it would look like motion. G(0) is real.
+        let [mean_gain, _] = self.gain.of(0);
+        let sees_mean = libm::fabs(mean_gain) > 1e-6 * self.gain.norm();
+        let radius = spectrum.first().filter(|_| sees_mean).map_or(0.0, |mean| mean.re / mean_gain);
         let (cos2, sin2) = (libm::cos(self.gain.phi2()), libm::sin(self.gain.phi2()));
         let points = self.gain.points();
         let mut parts =
             Separation { profile: Vec::with_capacity(points), x: Vec::with_capacity(points), y: Vec::new() };
         for (((h1, h2), profile), [cos, sin]) in h1.iter().zip(h2).zip(&both).zip(&self.arm) {
-            let (one, two) = (h1 - profile.re, h2 - profile.im);
+            let (one, two) = (h1 - profile.re - radius, h2 - profile.im - radius);
             // cos and sin of φ2 + β.
             let (cos_two, sin_two) = (cos2 * cos - sin2 * sin, sin2 * cos + cos2 * sin);
             parts.profile.push(profile.re);

@@ -144,6 +144,20 @@ fn the_arm_matters() {
     assert!(largest_difference(&found.profile, theta.map(|theta| truth.profile(theta))) < 1e-6);
 }
 
+/// A part that is larger than the master on which the probes were set to zero.
+#[test]
+fn the_size_of_the_part_is_no_motion() {
+    let ratio = Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 }.ratio().unwrap();
+    let gain = slots(188, 667).resolve(1024).unwrap();
+    let truth = Truth::new(1024, 5);
+    let readings = truth.readings([gain.phi2(), gain.phi3()], |theta| solved_arm(ratio, theta));
+    let larger = readings.map(|h| h.iter().map(|h| h + 12.0).collect::<Vec<_>>());
+    let [h1, h2, h3] = &larger;
+    let parts = Separator::new(gain, BAND, NOISE_GAIN_LIMIT, ratio).unwrap().separate([h1, h2, h3]).unwrap();
+    assert!(largest_difference(&parts.x, truth.x.iter().copied()) < 1e-9);
+    assert!(largest_difference(&parts.y, truth.y.iter().copied()) < 1e-9);
+}
+
 #[test]
 fn suppressed_harmonics_are_left_out_and_marked() {
     // 90° and 181.05°: noise gain 19 at its worst, so a limit of 10 hits some harmonics and not all.

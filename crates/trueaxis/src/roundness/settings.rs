@@ -82,7 +82,13 @@ pub struct InfeedSettings {
     pub drive_delay_s: f64,
     /// Largest |c|, µm.
     pub limit_um: f64,
+    /// Harmonics of a worse noise gain are measured, but not corrected.
+    pub noise_gain_limit: f64,
 }
+
+/// Harmonics of a worse noise gain are not corrected unless set otherwise: what a probe sees of the surface while it is
+/// being changed enters the profile with as much.
+pub const INFEED_NOISE_GAIN_LIMIT: f64 = 10.0;
 
 /// Stability limit of the gain of an integrating law with D updates of delay: 2 sin(π/(2(2D + 1))).
 ///
@@ -161,7 +167,7 @@ impl RoundnessSettings {
             return Err(ConfigError::new(Field::ProbeAngles, f64::from(harmonic), needed));
         }
         let limit = self.noise_gain_limit;
-        need(limit >= 1.0 && limit.is_finite(), Field::ProbeAngles, limit, "a noise gain limit of at least 1")?;
+        need(limit > 0.0 && limit.is_finite(), Field::ProbeAngles, limit, "a noise gain limit above 0")?;
         for (index, probe) in self.probes.iter().enumerate() {
             let [low, high] = probe.range;
             let numbers = [probe.gain_um, probe.zero, low, high];
@@ -233,6 +239,8 @@ impl InfeedSettings {
         need(self.gain > 0.0 && self.gain <= most, self.gain, "a gain above 0 and at most sin(π/(2(2D + 1)))")?;
         need(self.contact_deg.is_finite() && self.contact_deg.abs() <= 360.0, self.contact_deg, "an angle in ±360°")?;
         need((0.0..=1.0).contains(&self.drive_delay_s), self.drive_delay_s, "a delay of 0 to 1 s")?;
-        need(self.limit_um > 0.0 && self.limit_um <= 1e4, self.limit_um, "a limit of 0 to 10,000 µm")
+        need(self.limit_um > 0.0 && self.limit_um <= 1e4, self.limit_um, "a limit of 0 to 10,000 µm")?;
+        let limit = self.noise_gain_limit;
+        need(limit > 0.0 && limit.is_finite(), limit, "a noise gain limit above 0")
     }
 }

@@ -374,6 +374,38 @@ mod tests {
         assert_eq!(units, 2 * (half / 4 * stages + left * half / 8) + half / 2);
     }
 
+    /// The whole of it against rustfft: largest difference over largest value.
+    fn against_rustfft<const N: usize>() {
+        let x = signal(N);
+        let of = |k: usize| [1.0 / (1.0 + k as f64 / 40.0), 0.3 * (k as f64 * 0.7).sin()];
+        let mut buffer: Vec<_> = x.iter().map(|x| rustfft::num_complex::Complex::new(*x, 0.0)).collect();
+        let mut planner = rustfft::FftPlanner::new();
+        planner.plan_fft_forward(N).process(&mut buffer);
+        for k in 0..N {
+            let [re, im] = if k == 0 || k == N / 2 { [0.0; 2] } else { of(k.min(N - k)) };
+            buffer[k] *= rustfft::num_complex::Complex::new(re, if k < N / 2 { im } else { -im }) / N as f64;
+        }
+        planner.plan_fft_inverse(N).process(&mut buffer);
+        let truth: Vec<f64> = buffer.iter().map(|x| x.re).collect();
+        let largest = truth.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let (double, _, _) = run::<f64, N>(&x, of);
+        let (single, _, _) = run::<f32, N>(&x, of);
+        let (double, single) = (worst(&double, &truth) / largest, worst(&single, &truth) / largest);
+        std::println!("{N:5} points: {double:.1e} in f64, {single:.1e} in f32 from rustfft");
+        assert!(double < 1e-12 && single < 1e-5, "{N}: {double:e} {single:e}");
+    }
+
+    #[test]
+    fn all_lengths_agree_with_rustfft() {
+        against_rustfft::<64>();
+        against_rustfft::<128>();
+        against_rustfft::<256>();
+        against_rustfft::<512>();
+        against_rustfft::<1024>();
+        against_rustfft::<2048>();
+        against_rustfft::<4096>();
+    }
+
     #[test]
     fn all_lengths_agree_with_the_definition() {
         check::<64>();

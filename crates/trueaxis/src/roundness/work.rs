@@ -1,7 +1,7 @@
 //! The work on one revolution, in units of a fixed size.
 //!
 //! ```text
-//! Forward ─► Spread, Inverse (profile at θ + φ2) ─► Spread, Inverse (profile) ─► Arm ─► Orbit
+//! Linkage (another wheel) ─► Level (drift) ─► Forward ─► Spread, Inverse (profile at θ + φ2) ─► Spread, Inverse (profile) ─► Arm ─► Orbit
 //!        ─► Evaluate, Express (once a window) ─► Spread, Inverse, Judge, Commit (infeed) ─► Spread, Inverse (filter) ─► Range
 //! ```
 //!
@@ -23,6 +23,8 @@ use crate::real::Real;
 pub const HARMONICS: usize = 128;
 /// Places of a revolution at which the arm's reading is compared with the linkage.
 pub(super) const ARM_CHECKS: usize = 16;
+/// Revolutions in a row in which the infeed axis was limited before the correction is made smaller.
+const PATIENCE: u8 = 4;
 /// Points in a unit of the passes that only compare or add.
 const POINTS_PER_UNIT: usize = 4;
 
@@ -68,6 +70,8 @@ pub(super) enum Task {
     Range,
     /// β at every point, for another radius of the wheel.
     Linkage,
+    /// The drift of the radius out of the weighted sum.
+    Level,
     /// From one task to the next: a unit of its own.
     Turn,
 }
@@ -89,6 +93,8 @@ pub(super) struct Plan<R, const N: usize> {
     arm_tolerance: R,
     revolutions: u16,
     per_revolutions: R,
+    /// 1/G(0), from the mean of the weighted sum to that of the radius; 0 where the probes do not see it.
+    per_mean: R,
 }
 
 /// What a revolution is known by while it is worked on.
@@ -122,6 +128,12 @@ pub(super) struct Work<R, const N: usize> {
     worst: R,
     pub(super) result: Outcome<R>,
     clear: bool,
+    /// Revolutions in a row in which the infeed axis was limited.
+    limited_for: u8,
+    /// Change of the weighted sum in a revolution.
+    drift: R,
+    /// Mean radius and its change in a revolution, against the probes' zeros, µm.
+    radius: [R; 2],
     /// Error motions along X and Y over the last full window, and its revolutions.
     pub(super) error_motion: [ErrorMotion<R>; 2],
     pub(super) window: u16,
@@ -154,14 +166,19 @@ impl<R: Real, const N: usize> Plan<R, N> {
             [a * c - b * d, a * d + b * c]
         };
         let (sin2, cos2) = (libm::sin(gain.phi2()), libm::cos(gain.phi2()));
+        // G(0) is real.
+        let [mean, _] = gain.of(0);
+        let sees_mean = libm::fabs(mean) > 1e-6 * gain.norm();
         Plan {
             circle: circle::<R, N>(),
             profile: multipliers(quotient),
             shifted: gain.slots().is_none().then(|| multipliers(turned)),
             infeed: settings.infeed.map(|infeed| {
-                multipliers(|k| {
-                    if u16::try_from(k).is_ok_and(|k| infeed.band.contains(k)) { quotient(k) } else { [0.0; 2] }
-                })
+                let corrected = |k: usize| {
+                    let inside = u16::try_from(k).is_ok_and(|k| infeed.band.contains(k));
+                    inside && gain.noise_gain(k) <= infeed.noise_gain_limit
+                };
+                multipliers(|k| if corrected(k) { quotient(k) } else { [0.0; 2] })
             }),
             filtered: settings
                 .filter
@@ -174,6 +191,7 @@ impl<R: Real, const N: usize> Plan<R, N> {
             arm_tolerance: R::of(settings.arm.map_or(0.0, |arm| libm::sin(arm.tolerance_deg.to_radians()))),
             revolutions: settings.revolutions,
             per_revolutions: R::of(1.0 / f64::from(settings.revolutions)),
+            per_mean: R::of(if sees_mean { 1.0 / mean } else { 0.0 }),
         }
     }
 
@@ -190,9 +208,9 @@ impl<R: Real, const N: usize> Plan<R, N> {
             + 3 * N
             + optional(self.infeed.is_some(), spread + 2 * N / POINTS_PER_UNIT)
             + optional(self.filtered.is_some(), spread)
-            + N / POINTS_PER_UNIT
+            + 2 * N / POINTS_PER_UNIT
             // Between the tasks.
-            + 18
+            + 19
     }
 
     pub(super) fn multipliers(&self, of: Use) -> &[R; N] {
@@ -210,7 +228,8 @@ impl<R: Real, const N: usize> Plan<R, N> {
     fn next(&self, work: &Work<R, N>) -> Task {
         let window_is_full = work.gathered >= self.revolutions;
         match work.done {
-            Task::Linkage => Task::Forward,
+            Task::Linkage if work.drift != R::ZERO => Task::Level,
+            Task::Linkage | Task::Level => Task::Forward,
             Task::Forward if self.shifted.is_some() => Task::Spread(Use::Shifted),
             Task::Forward | Task::Inverse(Use::Shifted) => Task::Spread(Use::Profile),
             Task::Spread(of) => Task::Inverse(of),
@@ -220,7 +239,7 @@ impl<R: Real, const N: usize> Plan<R, N> {
             Task::Evaluate => Task::Express,
             Task::Orbit | Task::Express if self.infeed.is_some() => Task::Spread(Use::Infeed),
             Task::Inverse(Use::Infeed) => Task::Judge,
-            Task::Judge if !work.result.flags.has(Flags::INFEED_FROZEN) => Task::Commit,
+            Task::Judge if !work.result.flags.has(Flags::INFEED_FROZEN) || work.gives_way() => Task::Commit,
             Task::Orbit | Task::Express | Task::Judge | Task::Commit if self.filtered.is_some() => {
                 Task::Spread(Use::Filtered)
             }
@@ -247,6 +266,9 @@ impl<R: Real, const N: usize> Work<R, N> {
             worst: R::ZERO,
             result: Outcome::NONE,
             clear: false,
+            limited_for: 0,
+            drift: R::ZERO,
+            radius: [R::ZERO; 2],
             error_motion: [ErrorMotion::NONE; 2],
             window: 0,
             ratio: R::ZERO,
@@ -272,10 +294,24 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// Takes over a revolution.
     #[inline(always)]
-    pub(super) fn begin(&mut self, revolution: u32, flags: Flags) {
-        let first = if self.linked == self.ratio { Task::Forward } else { Task::Linkage };
+    pub(super) fn begin(&mut self, plan: &Plan<R, N>, revolution: u32, flags: Flags, mean: R, drift: R) {
+        let first = if self.linked != self.ratio {
+            Task::Linkage
+        } else if drift != R::ZERO {
+            Task::Level
+        } else {
+            Task::Forward
+        };
+        self.drift = drift;
+        self.radius = [mean * plan.per_mean, drift * plan.per_mean];
+        self.limited_for = if flags.has(Flags::INFEED_FROZEN) { self.limited_for.saturating_add(1) } else { 0 };
         (self.task, self.progress, self.at) = (first, Progress::forward(), 0);
         self.result = Outcome { revolution, flags, ..Outcome::NONE };
+    }
+
+    /// The axis cannot follow the correction, revolution after revolution: frozen for good it would never come free.
+    fn gives_way(&self) -> bool {
+        self.limited_for >= PATIENCE
     }
 
     /// Amplitudes of cos kθ and sin kθ in the profile.
@@ -307,7 +343,8 @@ impl<R: Real, const N: usize> Work<R, N> {
                 }
                 self.window = self.gathered;
             }
-            Task::Clear => self.clear = false,
+            Task::Clear => (self.clear, self.limited_for) = (false, 0),
+            Task::Judge if self.gives_way() => self.result.flags.set(Flags::INFEED_REDUCED),
             Task::Linkage => self.linked = self.ratio,
             _ => {}
         }
@@ -360,6 +397,23 @@ impl<R: Real, const N: usize> Work<R, N> {
         pair_unit(spectrum, &mut self.other, &plan.circle, multipliers, &mut self.progress).1
     }
 
+    /// Takes a steady change of the radius out of the weighted sum: it is no harmonic, but would look like all of them.
+    #[inline(always)]
+    pub(super) fn level(&mut self, sum: &mut [R; N]) -> bool {
+        for i in 0..POINTS_PER_UNIT {
+            let n = (self.at + i) & (N - 1);
+            sum[n] -= self.drift * Self::turned(n);
+        }
+        self.at += POINTS_PER_UNIT;
+        self.at >= N
+    }
+
+    /// Fraction of the revolution at a point, from its middle.
+    #[inline(always)]
+    fn turned(n: usize) -> R {
+        R::of_i32(n as i32) * R::of(1.0 / N as f64) - R::of((N as f64 - 1.0) / (2.0 * N as f64))
+    }
+
     /// β at one point.
     #[inline(always)]
     pub(super) fn link(&mut self, plan: &Plan<R, N>) -> bool {
@@ -401,8 +455,10 @@ impl<R: Real, const N: usize> Work<R, N> {
             Some(_) => self.other[n],
             None => self.profile[(n + plan.slots) & (N - 1)],
         };
-        let first = revolution.first[n] - self.profile[n];
-        let second = revolution.second[n] - ahead;
+        let [mean, drift] = self.radius;
+        let radius = mean + drift * Self::turned(n);
+        let first = revolution.first[n] - self.profile[n] - radius;
+        let second = revolution.second[n] - ahead - radius;
         let cos2 = plan.cos2 * cos - plan.sin2 * sin;
         let sin2 = plan.sin2 * cos + plan.cos2 * sin;
         let x = (cos * second - cos2 * first) * plan.per_sin2;
@@ -457,9 +513,10 @@ impl<R: Real, const N: usize> Work<R, N> {
     #[inline(always)]
     pub(super) fn commit(&mut self, infeed: Option<&Infeed<R>>) -> bool {
         let Some(infeed) = infeed else { return true };
+        let (keep, gain) = if self.gives_way() { (R::ONE - infeed.gain, R::ZERO) } else { (R::ONE, infeed.gain) };
         for i in 0..POINTS_PER_UNIT {
             let n = (self.at + i) & (N - 1);
-            self.correction[n] += infeed.gain * self.other[n];
+            self.correction[n] = keep * self.correction[n] + gain * self.other[n];
         }
         self.at += POINTS_PER_UNIT;
         self.at >= N
