@@ -20,8 +20,9 @@ Reference circles after ISO 12181-1, in the plane:
   MZC  narrowest ring that holds all points  radius: mean of inner and outer
   MIC  largest circle with none inside       radius: inner
   MCC  smallest circle that holds all        radius: outer
-Zone: largest less smallest distance of all points from that centre. MZC, MIC and MCC are exact: the points that determine
-them are given, in the table by their line in the file, in JSON (contacts) counted from 0.
+Zone: largest less smallest distance of all points from that centre.
+MZC, MIC and MCC are exact; the points that determine them are given, in the table by their line
+in the file, in JSON (contacts) counted from 0.
 An inscribed circle needs points all round: on a part arc it is null, with the reason in \"refused\".
 
 Example: trueaxis circle points.csv --json";

@@ -14,6 +14,7 @@
 //! - [`sample`]: commands and readings become positions in which the rest believes, or a [`Fault`];
 //! - [`compensation`]: error tables, direction of travel, thermal growth, exact inverse;
 //! - [`contour`]: distance of the estimated tool tip, and of the plain encoder position, from the path;
+//! - [`roundness`]: three probes on a turning workpiece, worked off in units ([`ServoLoop::step_with_gauge`]);
 //! - [`limiter`]: magnitude, slope and acceleration of the correction; nothing ever jumps;
 //! - [`telemetry`]: one fixed record per cycle.
 //!

@@ -122,8 +122,8 @@ fn motions(outcome: &Outcome) -> String {
         "<div><table><caption>Error motion of the pin's centre in µm, with correction</caption>\n<thead><tr><th></th>\
          <th>synchronous</th><th>asynchronous</th><th>once per revolution</th></tr></thead>\n<tbody>\n{rows}</tbody></table>\n\
          <p>X across probe 1, Y along it. Seen from the machine the centre of the pin moves with the spindle and with the \
-         eccentricity that was ground. The gauge's asynchronous value holds probe noise and the radius that falls from \
-         revolution to revolution.</p></div>\n"
+         eccentricity that was ground. The gauge's asynchronous value holds the probes' noise as \
+         well.</p></div>\n"
     )
 }
 
