@@ -14,7 +14,6 @@
 
 use super::resample::Angles;
 use super::settings::InfeedSettings;
-use super::transform::Complex;
 use crate::real::Real;
 
 /// The settings as a cycle needs them.
@@ -51,7 +50,13 @@ impl<R: Real> Infeed<R> {
     ///
     /// Between the points c is the cubic through the nearest four: 2e-4 of harmonic N/20, 0.9 % of N/8.
     #[inline(always)]
-    pub(super) fn at<const N: usize>(&self, table: &[R; N], linkage: &[Complex<R>; N], angles: Angles, speed: R) -> R {
+    pub(super) fn at<const N: usize>(
+        &self,
+        table: &[R; N],
+        cos_beta: impl Fn(usize) -> R,
+        angles: Angles,
+        speed: R,
+    ) -> R {
         let shift = u32::BITS - N.trailing_zeros();
         let lead = (self.lead * speed).to_i32();
         let angle = angles.theta.wrapping_add(self.contact).wrapping_add_signed(lead);
@@ -66,7 +71,6 @@ impl<R: Real> Infeed<R> {
         let bend = (before + high) * R::HALF - low;
         let slope = high - low - bend - outer;
         let c = low + t * (slope + t * (bend + t * outer));
-        let [cos, _] = linkage.get((angles.theta >> shift) as usize).copied().unwrap_or([R::ONE, R::ZERO]);
-        c * self.scale / cos
+        c * self.scale / cos_beta((angles.theta >> shift) as usize)
     }
 }

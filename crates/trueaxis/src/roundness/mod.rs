@@ -181,7 +181,7 @@ struct Sampling<R> {
     before: Option<R>,
     /// The cycle in which it began.
     began: u32,
-    /// Quarter of a turn of α, the cycle in which it began, fewest and most cycles that one took.
+    /// Quarter of a turn of α, from 1 (0: not known), the cycle in which it began, fewest and most cycles that one took.
     quarter: u32,
     entered: u32,
     fewest: u32,
@@ -198,9 +198,9 @@ impl<R: Real> Sampling<R> {
         total: R::ZERO,
         before: None,
         began: 0,
-        quarter: u32::MAX,
+        quarter: 0,
         entered: 0,
-        fewest: u32::MAX,
+        fewest: 0,
         most: 0,
         limited: 0,
     };
@@ -208,14 +208,14 @@ impl<R: Real> Sampling<R> {
     /// Follows the speed by the time that every quarter of a turn takes.
     #[inline(always)]
     fn time(&mut self, alpha: u32, clock: u32) {
-        let quarter = alpha >> 30;
+        let quarter = (alpha >> 30) + 1;
         if quarter == self.quarter {
             return;
         }
         // The first one seen is not whole.
-        if self.quarter != u32::MAX {
+        if self.quarter != 0 {
             let took = clock.wrapping_sub(self.entered);
-            self.fewest = self.fewest.min(took);
+            self.fewest = if self.most == 0 { took } else { self.fewest.min(took) };
             self.most = self.most.max(took);
         }
         (self.quarter, self.entered) = (quarter, clock);
@@ -223,14 +223,14 @@ impl<R: Real> Sampling<R> {
 }
 
 impl<R: Real, const N: usize> RoundnessState<R, N> {
-    /// Before the first cycle; fit for a static. The wheel's radius is that of the settings from the first cycle on.
+    /// Before the first cycle. All of it is zero: a static of it takes no flash.
     #[allow(clippy::new_without_default)]
     pub const fn new() -> Self {
         RoundnessState {
             resampler: ResamplerState::new(),
             revolutions: [Revolution::new(), Revolution::new()],
             sums: [[R::ZERO; N]; 2],
-            worked: 1,
+            worked: 0,
             sampling: Sampling::NEW,
             work: Work::new(),
             latest: Outcome::NONE,
@@ -312,19 +312,14 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         })
     }
 
-    /// A state for the wheel's radius of the settings.
+    /// A fresh state.
     pub fn start(&self) -> RoundnessState<R, N> {
-        let mut state = RoundnessState::new();
-        self.restart(&mut state);
-        state
+        RoundnessState::new()
     }
 
-    /// Makes a state new in its place, for one that is too large to be moved.
+    /// Makes a state new in its place: nothing is measured or fed in until another revolution is whole.
     pub fn restart(&self, state: &mut RoundnessState<R, N>) {
         *state = RoundnessState::new();
-        if let Some(ratio) = self.arm.and_then(|arm| arm.ratio().ok()) {
-            state.work.link_all(&self.plan, R::of(ratio));
-        }
     }
 
     /// What the probes see of each harmonic.
@@ -361,7 +356,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         let Some(arm) = self.arm else {
             return Err(ConfigError::new(Field::Arm, wheel_mm, "a gauge with a following arm"));
         };
-        state.work.ratio = R::of(Arm { wheel_mm, ..arm }.ratio()?);
+        state.work.ratio = Some(R::of(Arm { wheel_mm, ..arm }.ratio()?));
         Ok(())
     }
 
@@ -650,7 +645,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         if state.work.is_cleared() {
             return R::ZERO;
         }
-        infeed.at(&state.work.correction, &state.work.linkage, angles, speed.per_cycle)
+        infeed.at(&state.work.correction, |place| state.work.cos_beta(place), angles, speed.per_cycle)
     }
 }
 

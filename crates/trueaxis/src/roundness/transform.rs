@@ -100,6 +100,9 @@ const fn quarter<const N: usize>(stage: usize) -> usize {
 }
 
 impl Progress {
+    /// Before anything has begun.
+    pub(crate) const NONE: Progress = Progress { stage: 0, at: 0, partner: 0 };
+
     /// Before the first unit of a forward transform.
     pub(crate) const fn forward() -> Self {
         Progress { stage: 0, at: 0, partner: 0 }

@@ -90,6 +90,8 @@ pub(super) struct Plan<R, const N: usize> {
     sin2: R,
     per_sin2: R,
     has_arm: bool,
+    /// λ of the arm as set.
+    ratio: R,
     arm_tolerance: R,
     revolutions: u16,
     per_revolutions: R,
@@ -120,8 +122,8 @@ pub(super) struct Work<R, const N: usize> {
     done: Task,
     /// Revolutions in the window of the motion so far.
     pub(super) gathered: u16,
-    /// λ of the arm, as the wheel is now, and for which the linkage holds.
-    pub(super) ratio: R,
+    /// λ of the arm, where the wheel's radius has been set since, and that for which the linkage holds.
+    pub(super) ratio: Option<R>,
     linked: R,
     /// Smallest and largest value of a pass.
     range: [R; 2],
@@ -143,8 +145,8 @@ pub(super) struct Work<R, const N: usize> {
     other: [R; N],
     motion: [Motion<R, N>; 2],
     pub(super) correction: [R; N],
-    /// [cos β, sin β] at every point.
-    pub(super) linkage: [Complex<R>; N],
+    /// [cos β − 1, sin β] at every point: all zero is an arm that stands still.
+    linkage: [Complex<R>; N],
 }
 
 impl<R: Real, const N: usize> Plan<R, N> {
@@ -188,6 +190,7 @@ impl<R: Real, const N: usize> Plan<R, N> {
             sin2: R::of(sin2),
             per_sin2: R::of(1.0 / sin2),
             has_arm: settings.arm.is_some(),
+            ratio: R::of(settings.arm.and_then(|arm| arm.lengths.ratio().ok()).unwrap_or(0.0)),
             arm_tolerance: R::of(settings.arm.map_or(0.0, |arm| libm::sin(arm.tolerance_deg.to_radians()))),
             revolutions: settings.revolutions,
             per_revolutions: R::of(1.0 / f64::from(settings.revolutions)),
@@ -254,7 +257,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         Work {
             task: Task::Idle,
             done: Task::Idle,
-            progress: Progress::pairs(),
+            progress: Progress::NONE,
             at: 0,
             profile: [R::ZERO; N],
             other: [R::ZERO; N],
@@ -271,9 +274,9 @@ impl<R: Real, const N: usize> Work<R, N> {
             radius: [R::ZERO; 2],
             error_motion: [ErrorMotion::NONE; 2],
             window: 0,
-            ratio: R::ZERO,
+            ratio: None,
             linked: R::ZERO,
-            linkage: [[R::ONE, R::ZERO]; N],
+            linkage: [[R::ZERO; 2]; N],
         }
     }
 
@@ -295,7 +298,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     /// Takes over a revolution.
     #[inline(always)]
     pub(super) fn begin(&mut self, plan: &Plan<R, N>, revolution: u32, flags: Flags, mean: R, drift: R) {
-        let first = if self.linked != self.ratio {
+        let first = if self.linked != self.ratio(plan) {
             Task::Linkage
         } else if drift != R::ZERO {
             Task::Level
@@ -345,7 +348,7 @@ impl<R: Real, const N: usize> Work<R, N> {
             }
             Task::Clear => (self.clear, self.limited_for) = (false, 0),
             Task::Judge if self.gives_way() => self.result.flags.set(Flags::INFEED_REDUCED),
-            Task::Linkage => self.linked = self.ratio,
+            Task::Linkage => self.linked = self.ratio(plan),
             _ => {}
         }
         self.task = plan.next(self);
@@ -419,17 +422,22 @@ impl<R: Real, const N: usize> Work<R, N> {
     pub(super) fn link(&mut self, plan: &Plan<R, N>) -> bool {
         let n = self.at & (N - 1);
         let [cos, sin] = plan.circle[n];
-        self.linkage[n] = arm_angle(self.ratio, [cos, -sin]);
+        let [cos, sin] = arm_angle(self.ratio(plan), [cos, -sin]);
+        self.linkage[n] = [cos - R::ONE, sin];
         self.at = n + 1;
         self.at >= N
     }
 
-    /// β at all points, at once: not part of the step.
-    pub(super) fn link_all(&mut self, plan: &Plan<R, N>, ratio: R) {
-        (self.ratio, self.linked) = (ratio, ratio);
-        for (place, [cos, sin]) in self.linkage.iter_mut().zip(&plan.circle) {
-            *place = arm_angle(ratio, [*cos, -*sin]);
-        }
+    /// λ of the arm, as the wheel is now.
+    #[inline(always)]
+    fn ratio(&self, plan: &Plan<R, N>) -> R {
+        self.ratio.unwrap_or(plan.ratio)
+    }
+
+    /// cos β at a place.
+    #[inline(always)]
+    pub(super) fn cos_beta(&self, place: usize) -> R {
+        self.linkage.get(place).map_or(R::ONE, |[less, _]| *less + R::ONE)
     }
 
     /// sin β of the reading against sin β of the linkage, at one of the places.
@@ -450,7 +458,8 @@ impl<R: Real, const N: usize> Work<R, N> {
     #[inline(always)]
     pub(super) fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>) -> bool {
         let n = self.at & (N - 1);
-        let [cos, sin] = self.linkage[n];
+        let [less, sin] = self.linkage[n];
+        let cos = less + R::ONE;
         let ahead = match plan.shifted {
             Some(_) => self.other[n],
             None => self.profile[(n + plan.slots) & (N - 1)],
