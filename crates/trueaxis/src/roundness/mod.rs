@@ -30,6 +30,31 @@
 //! readings in bounded time; a revolution is evaluated while the next one is sampled. A revolution in which anything was
 //! wrong is discarded whole ([`Flags`]), one that comes while the work is not finished is skipped whole; both are counted.
 //!
+//! # Example
+//!
+//! ```
+//! use trueaxis::roundness::{ProbeAngles, Probes, Roundness, RoundnessSettings};
+//!
+//! let angles = ProbeAngles::Slots { p: 44, q: 57 };
+//! let settings = RoundnessSettings::with_defaults(256, angles, 1 << 20);
+//! let gauge = Roundness::<f32, 256>::build(&settings, 100_000)?; // refuses angles that are blind to a harmonic
+//! let mut state = gauge.start();
+//!
+//! // From here on the servo interrupt, or ServoLoop::step_with_gauge:
+//! for count in (0..4 << 20).step_by(500) {
+//!     let turned = count >> 20 != (count - 500) >> 20;
+//!     let index = turned.then_some(count & !((1 << 20) - 1));
+//!     let probes = Probes { readings: [0.4, 0.4, 0.4], spindle: count, index, ..Probes::default() };
+//!     let cycle = gauge.update(&mut state, &probes, false);
+//!     if cycle.finished {
+//!         let of = state.latest().unwrap();
+//!         assert!(of.flags.is_empty() && of.peak_to_valley_um < 1e-4);
+//!     }
+//! }
+//! assert_eq!(state.counts().evaluated, 2); // of four turns: up to the first index, two whole ones, one in work
+//! # Ok::<(), trueaxis::ConfigError>(())
+//! ```
+//!
 //! Source: Tian Y., Li M., CN1927535 (arm and separation; R_Y corrected here: the published one does not solve the
 //! equations); ISO 12181-1, ISO 16610-21 (roundness, filter); ISO 230-7 (spindle).
 
