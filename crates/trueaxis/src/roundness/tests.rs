@@ -1,4 +1,6 @@
 use super::*;
+use crate::error::Field;
+use crate::real::Real;
 use std::boxed::Box;
 use std::f64::consts::TAU;
 use std::vec::Vec;

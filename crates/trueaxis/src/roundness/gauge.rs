@@ -1,0 +1,125 @@
+//! The gauge: built once, and its cycle of three stages.
+
+use super::infeed::Infeed;
+use super::resample::Resampler;
+use super::work::Plan;
+use super::{Arm, Band, Cycle, Gain, Probes, RoundnessSettings, RoundnessState};
+use crate::error::{ConfigError, Field};
+use crate::real::Real;
+
+/// The immutable half: angles, multipliers, limits. `N` is the number of points of a revolution.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Roundness<R, const N: usize> {
+    pub(super) units_per_cycle: u8,
+    pub(super) resampler: Resampler<R, N>,
+    pub(super) infeed: Option<Infeed<R>>,
+    pub(super) arm: Option<Arm>,
+    pub(super) gain: Gain,
+    pub(super) band: Band,
+    pub(super) noise_gain_limit: f64,
+    pub(super) plan: Plan<R, N>,
+}
+
+impl<R: Real, const N: usize> Roundness<R, N> {
+    /// Checks the settings once and precomputes what a cycle needs.
+    ///
+    /// # Errors
+    /// What is wrong, with the figure found and what is needed; `N` other than the settings' number of points.
+    pub fn build(settings: &RoundnessSettings, period_ns: u32) -> Result<Self, ConfigError> {
+        if usize::from(settings.points) != N {
+            return Err(ConfigError::new(Field::Points, f64::from(settings.points), "the capacity of this build"));
+        }
+        if !(1_000..=100_000_000).contains(&period_ns) {
+            return Err(ConfigError::new(Field::Period, f64::from(period_ns) * 1e-9, "1e-6 s to 0.1 s"));
+        }
+        let gain = settings.check()?;
+        let period_s = f64::from(period_ns) * 1e-9;
+        Ok(Roundness {
+            resampler: Resampler::new(settings, &gain, period_s),
+            plan: Plan::new(settings, &gain),
+            infeed: settings.infeed.as_ref().map(|infeed| Infeed::new(infeed, period_s)),
+            arm: settings.arm.map(|arm| arm.lengths),
+            gain,
+            band: settings.band,
+            noise_gain_limit: settings.noise_gain_limit,
+            units_per_cycle: settings.units_per_cycle,
+        })
+    }
+
+    /// A fresh state.
+    pub fn start(&self) -> RoundnessState<R, N> {
+        RoundnessState::new()
+    }
+
+    /// Makes a state new in its place: nothing is measured or fed in until another revolution is whole, and the wheel is
+    /// that of the settings.
+    pub fn restart(&self, state: &mut RoundnessState<R, N>) {
+        *state = RoundnessState::new();
+    }
+
+    /// What the probes see of each harmonic.
+    pub fn gain(&self) -> &Gain {
+        &self.gain
+    }
+
+    /// Harmonics of the profile that are separated.
+    pub fn band(&self) -> Band {
+        self.band
+    }
+
+    /// A harmonic of the band that is left out because of its noise gain.
+    pub fn is_suppressed(&self, harmonic: usize) -> bool {
+        let noise_gain = self.gain.noise_gain(harmonic);
+        noise_gain.is_nan() || noise_gain > self.noise_gain_limit
+    }
+
+    /// Cycles that the work on a revolution takes at most; revolutions that are shorter are skipped whole in between.
+    pub fn cycles_of_work(&self) -> usize {
+        self.plan.units().div_ceil(usize::from(self.units_per_cycle.max(1)))
+    }
+
+    /// Place of the axis that the infeed correction moves.
+    pub fn infeed_place(&self) -> Option<usize> {
+        self.infeed.as_ref().map(|infeed| infeed.place)
+    }
+
+    /// Sets the wheel's radius R_S, mm (wear, dressing); in force from the next revolution that is worked on.
+    ///
+    /// # Errors
+    /// There is no arm, or the linkage could not close.
+    pub fn set_wheel(&self, state: &mut RoundnessState<R, N>, wheel_mm: f64) -> Result<(), ConfigError> {
+        let Some(arm) = self.arm else {
+            return Err(ConfigError::new(Field::Arm, wheel_mm, "a gauge with a following arm"));
+        };
+        state.work.ratio = Some(R::of(Arm { wheel_mm, ..arm }.ratio()?));
+        Ok(())
+    }
+
+    /// One servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
+    ///
+    /// `limited` tells whether the infeed axis' correction was limited in the cycle before. The three stages can be
+    /// called by themselves, [`Roundness::work`] for instance in the background.
+    #[inline]
+    pub fn update(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, limited: bool) -> Cycle<R> {
+        let flags = self.sample(state, probes, limited);
+        let finished = self.work(state);
+        Cycle { infeed: self.infeed(state), flags, finished }
+    }
+
+    /// Third stage: infeed correction of this cycle, mm in the sense of its axis.
+    #[inline]
+    pub fn infeed(&self, state: &mut RoundnessState<R, N>) -> R {
+        let (Some(infeed), Some(angles)) = (&self.infeed, state.resampler.angles) else { return R::ZERO };
+        let speed = &mut state.speed;
+        if let Some(theta) = speed.theta {
+            let change = R::of_i32(angles.theta.wrapping_sub(theta) as i32);
+            speed.per_cycle += (change - speed.per_cycle) * R::of(1.0 / 64.0);
+        }
+        speed.theta = Some(angles.theta);
+        if state.work.is_cleared() {
+            return R::ZERO;
+        }
+        infeed.at(&state.work.correction, |place| state.work.cos_beta(place), angles, speed.per_cycle)
+    }
+}

@@ -1,0 +1,148 @@
+//! First stage: a cycle's readings become points of a revolution, points become whole revolutions.
+
+use super::resample::{Angles, POINTS_PER_CYCLE, Resampler};
+use super::work::ARM_CHECKS;
+use super::{Flags, Probes, Roundness, RoundnessState};
+use crate::real::Real;
+
+/// The revolution that is being sampled.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sampling<R> {
+    pub(super) running: bool,
+    pub(super) points: usize,
+    pub(super) flags: Flags,
+    /// Weighted sums added up.
+    pub(super) total: R,
+    /// Their mean over the revolution before, if that was whole.
+    pub(super) before: Option<R>,
+    /// The cycle in which it began.
+    pub(super) began: u32,
+    /// Quarter of a turn of α, from 1 (0: not known), the cycle in which it began, fewest and most cycles that one took.
+    pub(super) quarter: u32,
+    pub(super) entered: u32,
+    pub(super) fewest: u32,
+    pub(super) most: u32,
+    /// Cycles in which the infeed axis was limited.
+    pub(super) limited: u32,
+}
+
+impl<R: Real> Sampling<R> {
+    pub(super) const NEW: Sampling<R> = Sampling {
+        running: false,
+        points: 0,
+        flags: Flags(0),
+        total: R::ZERO,
+        before: None,
+        began: 0,
+        quarter: 0,
+        entered: 0,
+        fewest: 0,
+        most: 0,
+        limited: 0,
+    };
+
+    /// Follows the speed by the time that every quarter of a turn takes.
+    #[inline(always)]
+    fn time(&mut self, alpha: u32, clock: u32) {
+        let quarter = (alpha >> 30) + 1;
+        if quarter == self.quarter {
+            return;
+        }
+        // The first one seen is not whole.
+        if self.quarter != 0 {
+            let took = clock.wrapping_sub(self.entered);
+            self.fewest = if self.most == 0 { took } else { self.fewest.min(took) };
+            self.most = self.most.max(took);
+        }
+        (self.quarter, self.entered) = (quarter, clock);
+    }
+}
+
+impl<R: Real, const N: usize> Roundness<R, N> {
+    /// First stage: a cycle's readings, resampled; gives what it met.
+    #[inline]
+    pub fn sample(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, limited: bool) -> Flags {
+        if probes.new_part {
+            state.work.clear();
+            state.sampling = Sampling::NEW;
+        }
+        let mut flags = Flags::default();
+        let passed = self.resampler.update(&mut state.resampler, probes, &mut flags);
+        if flags.discards() && state.sampling.running {
+            state.sampling.running = false;
+            state.counts.discarded = state.counts.discarded.wrapping_add(1);
+        }
+        state.sampling.limited = state.sampling.limited.wrapping_add(u32::from(limited));
+        if let Some(points) = passed {
+            if points > 0 {
+                self.pass(state, &probes.readings, points, &mut flags);
+            }
+            Resampler::<R, N>::keep(&mut state.resampler, &probes.readings);
+        }
+        flags
+    }
+
+    /// θ has passed a point, or two.
+    #[inline(never)]
+    fn pass(&self, state: &mut RoundnessState<R, N>, readings: &[R; 3], points: usize, flags: &mut Flags) {
+        let Some(Angles { theta, alpha, beta }) = state.resampler.angles else { return };
+        state.sampling.time(alpha, state.resampler.clock);
+        let mut angle = Resampler::<R, N>::last(&state.resampler);
+        for _ in 0..points.min(POINTS_PER_CYCLE) {
+            let point = self.resampler.point(&mut state.resampler, theta, readings, &mut angle);
+            if point.place == 0 {
+                self.turn(state, flags);
+            }
+            if !state.sampling.running {
+                continue;
+            }
+            let revolution = &mut state.revolutions[!state.worked & 1];
+            let n = point.place & (N - 1);
+            revolution.first[n] = point.h1;
+            revolution.second[n] = point.h2;
+            state.sums[!state.worked & 1][n] = point.sum;
+            state.sampling.total += point.sum;
+            if n & (N / ARM_CHECKS - 1) == 0 {
+                revolution.beta[(n / (N / ARM_CHECKS)) & (ARM_CHECKS - 1)] = beta;
+            }
+            state.sampling.points = state.sampling.points.wrapping_add(1);
+        }
+    }
+
+    /// θ passes zero: a revolution ends, the next begins.
+    #[inline(never)]
+    fn turn(&self, state: &mut RoundnessState<R, N>, flags: &mut Flags) {
+        let sampling = state.sampling;
+        let mut before = None;
+        if sampling.running && sampling.points == N {
+            let mean = sampling.total * R::of(1.0 / N as f64);
+            before = Some(mean);
+            state.counts.sampled = state.counts.sampled.wrapping_add(1);
+            let mut of_revolution = sampling.flags;
+            // A quarter of the time, and a cycle of rounding at either end.
+            if sampling.most > sampling.fewest.saturating_add(sampling.fewest / 4).saturating_add(2) {
+                of_revolution.set(Flags::SPEED);
+            }
+            if sampling.limited > state.resampler.clock.wrapping_sub(sampling.began) / 64 {
+                of_revolution.set(Flags::INFEED_FROZEN);
+            }
+            flags.set(of_revolution);
+            if state.work.is_idle() {
+                state.worked ^= 1;
+                let drift = sampling.before.map_or(R::ZERO, |before| mean - before);
+                state.work.begin(&self.plan, state.counts.sampled, of_revolution, mean, drift);
+            } else {
+                state.counts.skipped = state.counts.skipped.wrapping_add(1);
+                flags.set(Flags::SKIPPED);
+            }
+        }
+        let skipped = if flags.has(Flags::SKIPPED) { Flags::SKIPPED } else { Flags::default() };
+        state.sampling = Sampling {
+            running: !flags.discards(),
+            flags: skipped,
+            before,
+            began: state.resampler.clock,
+            ..Sampling::NEW
+        };
+    }
+}

@@ -1,0 +1,97 @@
+//! What a gauge remembers from cycle to cycle, and its results.
+
+use super::resample::ResamplerState;
+use super::sampling::Sampling;
+use super::work::{Outcome, Revolution, Work};
+use super::{Counts, Evaluation};
+use crate::real::Real;
+
+/// The mutable half: what one cycle hands to the next, and the results. Large (17 N scalars): a static's place.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct RoundnessState<R, const N: usize> {
+    /// The one of the two revolutions that is worked on; the other is being sampled.
+    pub(super) worked: usize,
+    pub(super) resampler: ResamplerState<R>,
+    pub(super) sampling: Sampling<R>,
+    pub(super) latest: Outcome<R>,
+    pub(super) counts: Counts,
+    pub(super) speed: Speed<R>,
+    pub(super) work: Work<R, N>,
+    pub(super) revolutions: [Revolution<R, N>; 2],
+    /// Weighted sums of the three probes; of the one that is worked on, their spectrum.
+    pub(super) sums: [[R; N]; 2],
+}
+
+/// How fast the surface turns.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Speed<R> {
+    /// θ of the last cycle in which it was known.
+    pub(super) theta: Option<u32>,
+    /// Change of θ per cycle, 2^−32 turns, smoothed over some 64 cycles.
+    pub(super) per_cycle: R,
+}
+
+impl<R: Real, const N: usize> RoundnessState<R, N> {
+    /// Before the first cycle. All of it is zero: a static of it takes no flash.
+    #[allow(clippy::new_without_default)]
+    pub const fn new() -> Self {
+        RoundnessState {
+            resampler: ResamplerState::new(),
+            revolutions: [Revolution::new(), Revolution::new()],
+            sums: [[R::ZERO; N]; 2],
+            worked: 0,
+            sampling: Sampling::NEW,
+            work: Work::new(),
+            latest: Outcome::NONE,
+            counts: Counts { sampled: 0, evaluated: 0, skipped: 0, discarded: 0 },
+            speed: Speed { theta: None, per_cycle: R::ZERO },
+        }
+    }
+
+    /// The latest revolution evaluated.
+    pub fn latest(&self) -> Option<Evaluation<R>> {
+        let Outcome { revolution, flags, peak_to_valley_um } = self.latest;
+        let ([x, y], revolutions) = (self.work.error_motion, self.work.window);
+        (self.counts.evaluated > 0).then_some(Evaluation { revolution, flags, peak_to_valley_um, x, y, revolutions })
+    }
+
+    /// How whole revolutions fared so far.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Profile r of the latest revolution, µm, before the filter; whole while no work is under way
+    /// ([`RoundnessState::is_settled`]).
+    pub fn profile(&self) -> &[R; N] {
+        &self.work.profile
+    }
+
+    /// Amplitudes of cos kθ and sin kθ in the profile, µm; zero outside the band, where suppressed, and from
+    /// [`super::HARMONICS`] on.
+    pub fn harmonic(&self, harmonic: usize) -> [R; 2] {
+        self.work.harmonic(harmonic)
+    }
+
+    /// Motion of the centre in the latest revolution, R_X and R_Y, µm; while no work is under way and until the next
+    /// revolution is whole.
+    pub fn motion(&self) -> [&[R; N]; 2] {
+        let evaluated = &self.revolutions[self.worked & 1];
+        [&evaluated.first, &evaluated.second]
+    }
+
+    /// Infeed correction over the surface, c(θ), µm.
+    pub fn correction(&self) -> &[R; N] {
+        &self.work.correction
+    }
+
+    #[inline(always)]
+    pub(super) fn work_and_revolution(&mut self) -> (&mut Work<R, N>, &mut Revolution<R, N>) {
+        (&mut self.work, &mut self.revolutions[self.worked & 1])
+    }
+
+    /// No work is under way: results do not change until the next revolution is whole.
+    pub fn is_settled(&self) -> bool {
+        self.work.is_idle()
+    }
+}
