@@ -1,7 +1,7 @@
 //! A gauge of three probes, 1024 points, nine and a half cycles to a point.
 
 use crate::step::PERIOD_NS;
-use trueaxis::roundness::{ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState};
+use trueaxis::roundness::{Followed, ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState};
 
 /// Points of a revolution.
 pub const POINTS: usize = 1024;
@@ -48,13 +48,14 @@ impl Gauge {
             index: crossed.then_some(turn * COUNTS),
             arm: 0,
             new_part: false,
+            idle: false,
         };
     }
 
     /// First stage.
     #[inline(always)]
     pub fn sample(&mut self) -> u16 {
-        self.gauge.sample(&mut self.state, &self.probes, false).0
+        self.gauge.sample(&mut self.state, &self.probes, Followed::Whole).0
     }
 
     /// Whether the next cycle passes a point.

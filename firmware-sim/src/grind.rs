@@ -22,13 +22,13 @@ pub(crate) struct GrindArgs {
     #[arg(long, value_name = "N")]
     revolutions: Option<u32>,
     /// Servo rate, 100 to 100000.
-    #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
+    #[arg(long, value_name = "HZ", default_value_t = 10_000.0, allow_negative_numbers = true)]
     rate_hz: f64,
     /// Speed of the spindle.
-    #[arg(long, value_name = "RPM", default_value_t = 30.0, conflicts_with = "skip")]
+    #[arg(long, value_name = "RPM", default_value_t = 30.0, conflicts_with = "skip", allow_negative_numbers = true)]
     speed_rpm: f64,
     /// Gain of the correction c <- c + g r, at most half the limit of stability [default: the machine's].
-    #[arg(long, value_name = "G")]
+    #[arg(long, value_name = "G", allow_negative_numbers = true)]
     gain: Option<f64>,
     /// Turn so fast that the gauge has to skip N whole revolutions between two that it evaluates.
     #[arg(long, value_name = "N")]
@@ -110,12 +110,8 @@ pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
         None => None,
     };
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&outcome.json(&grinding)?)?);
-    } else {
-        print!("{}", outcome.summary(&grinding));
-        if let Some(page) = page {
-            println!("written  {}", page.display());
-        }
+        return crate::put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&grinding)?)?));
     }
-    Ok(())
+    let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
+    crate::put(&(outcome.summary(&grinding).to_string() + &page))
 }

@@ -13,6 +13,7 @@ use firmware_sim::trace::Trace;
 use firmware_sim::{bench, outcome, report};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trueaxis_tables::Machine;
@@ -123,6 +124,12 @@ fn main() -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
+        // A reader that has seen enough (`firmware-sim … | head`) is no error.
+        Err(error)
+            if error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe) =>
+        {
+            ExitCode::SUCCESS
+        }
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(2)
@@ -261,14 +268,11 @@ fn run(args: &RunArgs) -> Result<()> {
         None => None,
     };
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&outcome.json(&scenario))?);
+        put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&scenario))?))
     } else {
-        print!("{}", outcome.summary(&scenario));
-        for file in [page, trace].into_iter().flatten() {
-            println!("written  {}", file.display());
-        }
+        let files = [page, trace].into_iter().flatten().map(|file| format!("written  {}\n", file.display()));
+        put(&(outcome.summary(&scenario).to_string() + &files.collect::<String>()))
     }
-    Ok(())
 }
 
 fn time(args: &BenchArgs) -> Result<()> {
@@ -287,20 +291,27 @@ fn time(args: &BenchArgs) -> Result<()> {
             "missed_deadlines": l.missed_deadlines,
             "steps_per_s": outcome.steps_per_s,
         });
-        println!("{}", serde_json::to_string_pretty(&document)?);
-    } else {
-        println!(
-            "{} steps of {} on {}, wall time on this host",
-            args.cycles, scenario.program.name, scenario.machine.settings.name
-        );
-        println!(
-            "  min {} ns, median {} ns, 99 % {} ns, 99.99 % {} ns, max {} ns (the clock's reading included)",
-            l.min_ns, l.p50_ns, l.p99_ns, l.p99_99_ns, l.max_ns
-        );
-        println!(
-            "  {:.2} million steps a second on one core, without a clock between them",
-            outcome.steps_per_s * 1e-6
-        );
+        return put(&format!("{}\n", serde_json::to_string_pretty(&document)?));
     }
-    Ok(())
+    put(&format!(
+        "{} steps of {} on {}, wall time on this host\n  \
+         min {} ns, median {} ns, 99 % {} ns, 99.99 % {} ns, max {} ns (the clock's reading included)\n  \
+         {:.2} million steps a second on one core, without a clock between them\n",
+        args.cycles,
+        scenario.program.name,
+        scenario.machine.settings.name,
+        l.min_ns,
+        l.p50_ns,
+        l.p99_ns,
+        l.p99_99_ns,
+        l.max_ns,
+        outcome.steps_per_s * 1e-6
+    ))
+}
+
+/// Writes to the standard output; a full disk or a closed pipe is an error, not a panic.
+fn put(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    Ok(out.flush()?)
 }

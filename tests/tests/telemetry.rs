@@ -1,7 +1,7 @@
 //! The wire format of docs/telemetry.md, held against the code.
 
 use trueaxis::Fault;
-use trueaxis::roundness::{ErrorMotion, Flags, HARMONICS, ProbeAngles, Probes, Roundness, RoundnessSettings};
+use trueaxis::roundness::{ErrorMotion, Flags, Followed, HARMONICS, ProbeAngles, Probes, Roundness, RoundnessSettings};
 use trueaxis::telemetry::{
     AxisFrame, FRAME_BYTES, FRAME_VERSION, Frame, ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION, RoundnessFrame,
     Status,
@@ -131,8 +131,9 @@ fn a_revolution_of_the_gauge_arrives() {
             index: ((now >> 20) != (before >> 20)).then_some((now >> 20) << 20),
             arm: 0,
             new_part: false,
+            idle: false,
         };
-        gauge.update(&mut state, &probes, false);
+        gauge.update(&mut state, &probes, Followed::Whole);
     }
     let frame = RoundnessFrame::of(7, &gauge, &state).unwrap();
     assert_eq!((frame.machine_id, frame.revolution, frame.evaluated, frame.flags), (7, 2, 2, Flags::default()));

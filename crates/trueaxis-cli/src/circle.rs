@@ -125,7 +125,7 @@ fn table(document: &Document, rows: &Rows<2>) -> Result<String> {
     let mut text = format!("{} points; ISO 12181-1\n\n", document.points);
     writeln!(
         text,
-        "{:<5}{:>20}{:>20}{:>20}{:>18}  lines",
+        "{:<5} {:>20} {:>20} {:>20} {:>18}  lines",
         "", "centre x, mm", "centre y, mm", "radius, mm", "zone, µm"
     )?;
     let circles = [("LSC", &document.lsc), ("MZC", &document.mzc), ("MIC", &document.mic), ("MCC", &document.mcc)];
@@ -135,7 +135,7 @@ fn table(document: &Document, rows: &Rows<2>) -> Result<String> {
                 let lines = circle.contacts.iter().filter_map(|&i| rows.rows.get(i)).map(|row| row.0.to_string());
                 writeln!(
                     text,
-                    "{name:<5}{:>20.12}{:>20.12}{:>20.12}{:>18.9}  {}",
+                    "{name:<5} {:>20.12} {:>20.12} {:>20.12} {:>18.9}  {}",
                     circle.cx_mm,
                     circle.cy_mm,
                     circle.radius_mm,

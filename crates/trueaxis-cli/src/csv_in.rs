@@ -74,7 +74,11 @@ impl<const C: usize> Rows<C> {
             for ((cell, place), name) in cells.iter().zip(&order).zip(&header) {
                 values[*place] = match cell.parse::<f64>() {
                     Ok(value) if value.is_finite() && value.abs() <= 1e9 => value,
-                    _ => return Err(wrong(Some(line), Some(name), cell.clone(), "a finite number".into()).into()),
+                    _ => {
+                        let found = if cell.is_empty() { "an empty cell".into() } else { cell.clone() };
+                        let needed = "a finite number, at most 1e9".into();
+                        return Err(wrong(Some(line), Some(name), found, needed).into());
+                    }
                 };
             }
             rows.push((line, values, cells));

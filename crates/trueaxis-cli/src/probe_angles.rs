@@ -11,7 +11,7 @@ use trueaxis::roundness::pair_search::PairSearch;
 use trueaxis::roundness::{Band, Gain, ProbeAngles};
 
 pub(crate) const HELP: &str = "\
-All pairs of slots are searched. Worst gain: smallest |G(k)|/√(1 + k2² + k3²) in the band, 0 (blind) to 1; its inverse, the
+All pairs of slots are searched. Worst gain: smallest |G(k)|/√(1 + k2² + k3²) in the band, 0 (blind) to √3; its inverse, the
 worst noise gain, says how much the probes' noise grows in the worst harmonic. Equal pairs: smallest p first, then q.
 A given pair is compared with the best; one that cannot see some harmonics of the band is refused, all of them named.
 

@@ -79,6 +79,12 @@ fn write_row(payload: &mut Vec<u8>, header: &TableHeader, row: &Row) {
 /// # Errors
 /// Those of the file system; nothing is left behind.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    // Behind a link, so that the link stays.
+    let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    if path.exists() && !path.is_file() && !path.is_dir() {
+        // A device or a pipe takes bytes; a file in its place would not be what was meant.
+        return std::fs::OpenOptions::new().write(true).open(path)?.write_all(bytes);
+    }
     let mut name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
     name.push(format!(".{}.tmp", std::process::id()));
     let temporary = path.with_file_name(name);

@@ -353,3 +353,26 @@ fn writing_leaves_either_the_old_or_the_new_file() {
     assert!(write_atomically(&folder.path().join("no/where"), b"new").is_err());
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }
+
+/// A link stays a link, and what is no file is written to, not replaced.
+#[cfg(unix)]
+#[test]
+fn links_and_pipes_are_written_through() {
+    use std::os::unix::fs::{FileTypeExt, symlink};
+    let folder = tempfile::tempdir().unwrap();
+    let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+    fs::write(&file, "old").unwrap();
+    symlink(&file, &link).unwrap();
+    write_atomically(&link, b"new").unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+    let pipe = folder.path().join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let read = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || fs::read_to_string(pipe).unwrap()
+    });
+    write_atomically(&pipe, b"through").unwrap();
+    assert_eq!(read.join().unwrap(), "through");
+    assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo());
+}

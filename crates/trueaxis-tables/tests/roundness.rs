@@ -32,7 +32,7 @@ fn defaults_are_those_stated() {
 fn every_key_arrives_and_survives_compilation() {
     let machine = read(
         "[roundness]\npoints = 512\nprobe_angles_deg = [66.1, 234.5]\nspindle_counts_per_revolution = 8192\n\
-         harmonics = [3, 60]\nnoise_gain_limit = 20\nspindle_direction = -1\nspindle_index = false\n\
+         harmonics = [2, 60]\nnoise_gain_limit = 20\nspindle_direction = -1\nspindle_index = false\n\
          spindle_index_tolerance_counts = 4\nstop_s = 0.25\nrevolutions = 5\nunits_per_cycle = 3\nfilter_upr = 50\n\
          probe_gain_um = [1, -2, 3]\nprobe_zero = [0.1, 0.2, 0.3]\nprobe_low = [-1, -2, -3]\nprobe_high = [1, 2, 3]\n\
          [roundness.arm]\ncrank_mm = 45\nwheel_mm = 300\npin_mm = 27.5\ncounts_per_revolution = 40000\n\
@@ -45,7 +45,7 @@ fn every_key_arrives_and_survives_compilation() {
     let expected = RoundnessSettings {
         points: 512,
         angles: ProbeAngles::Degrees { phi2: 66.1, phi3: 234.5 },
-        band: Band { first: 3, last: 60 },
+        band: Band { first: 2, last: 60 },
         noise_gain_limit: 20.0,
         probes: [probe(1.0, 0.1, 1.0), probe(-2.0, 0.2, 2.0), probe(3.0, 0.3, 3.0)],
         spindle: SpindleEncoder { counts: 8192, direction: -1, index: false, index_tolerance: 4 },
@@ -134,6 +134,20 @@ fn what_is_wrong_is_refused_with_its_line() {
         (
             with(&format!("{infeed}limit_um = 150\n")),
             ":11: key roundness.infeed.limit_um: found 150, needed a limit within",
+        ),
+        (
+            with(&format!("{infeed}harmonics = [1, 50]\n")),
+            ":11: key roundness.infeed.harmonics: found [1, 50], needed 2 or more",
+        ),
+        (
+            with(&format!("{infeed}harmonics = [2, 101]\n")),
+            ":11: key roundness.infeed.harmonics: found [2, 101], needed harmonics within those",
+        ),
+        (with(&format!("{infeed}drive_delay_s = 0.2\n")), ":11: key roundness.infeed.drive_delay_s"),
+        (with("filter_upr = 0\n"), ":9: key roundness.filter_upr: found 0"),
+        (
+            with(&arm.replace("45", "326")),
+            ":10: key roundness.arm.crank_mm: found 326, needed a crank throw R of at most 0.99",
         ),
         (
             with(&format!("{infeed}harmonics = [2, 129]\n")),

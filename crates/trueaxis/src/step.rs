@@ -9,7 +9,7 @@ use crate::machine::{AXES, Axis, MachineSettings};
 use crate::output::{Release, ReleaseState, Released};
 use crate::position::Position;
 use crate::real::Real;
-use crate::roundness::{Cycle, Probes, Roundness, RoundnessState};
+use crate::roundness::{Cycle, Followed, Probes, Roundness, RoundnessState};
 use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
 use crate::tcomp::Tcomp;
 use crate::telemetry::{Record, Status};
@@ -204,8 +204,12 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let sample = self.sampler.read(&mut state.sample, input);
         let mut modelled = self.model(state, &sample);
         let place = gauge.infeed_place().unwrap_or(N);
-        let limited = (state.limited >> (place & 7)) & 1 == 1;
-        let cycle = gauge.update(gauge_state, probes, limited);
+        let followed = match sample.verdict {
+            Verdict::Active if (state.limited >> (place & 7)) & 1 == 1 => Followed::Limited,
+            Verdict::Active => Followed::Whole,
+            _ => Followed::Not,
+        };
+        let cycle = gauge.update(gauge_state, probes, followed);
         if let (Verdict::Active, Some(wanted)) = (sample.verdict, modelled.wanted.get_mut(place)) {
             *wanted += cycle.infeed;
         }

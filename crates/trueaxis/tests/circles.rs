@@ -365,3 +365,21 @@ fn reference_values() {
     }
     println!("{} sets: zones within {worst:.1e}", cases.len());
 }
+
+/// Nearly straight points have a small circle through their middle that is a minimum of nothing: the fit is never worse
+/// than a straight line.
+#[test]
+fn nearly_straight_points_are_fitted_by_a_large_circle_or_refused() {
+    let zigzag = [[0.0, 0.0], [1.0, 0.001], [2.0, 0.0], [3.0, 0.001]];
+    match least_squares(&zigzag) {
+        Ok(circle) => {
+            let sum: f64 = zigzag
+                .iter()
+                .map(|p| ((p[0] - circle.centre[0]).hypot(p[1] - circle.centre[1]) - circle.radius).powi(2))
+                .sum();
+            // The straight line leaves 8e-7.
+            assert!(sum < 8.0e-7, "{sum:e} {circle:?}");
+        }
+        Err(error) => assert!(matches!(error, NoCircle::Straight), "{error}"),
+    }
+}

@@ -1,23 +1,24 @@
 //! Reference circles of the NIST two-dimensional reference pairs and of real indicator records, where they are at hand.
 //!
-//! The data are not part of this repository: the tests read them from a folder beside it and say so when it is missing.
+//! The data are not part of this repository: the tests read them from the folder that `TRUEAXIS_REFERENCE_DATA` names, and
+//! say so where it is not set.
 #![cfg(feature = "std")]
 
 use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use trueaxis::roundness::circles::limacon;
 use trueaxis::roundness::circles::{
     NoCircle, ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
 };
 
 fn data(name: &str) -> Option<String> {
-    let file: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
-    let text = fs::read_to_string(&file).ok();
-    if text.is_none() {
-        println!("skipped: {} is not there", file.display());
-    }
-    text
+    let Some(folder) = std::env::var_os("TRUEAXIS_REFERENCE_DATA") else {
+        println!("skipped: TRUEAXIS_REFERENCE_DATA names no folder with {name}");
+        return None;
+    };
+    let file = Path::new(&folder).join(name);
+    Some(fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display())))
 }
 
 fn number(value: &Value, name: &str) -> f64 {

@@ -14,7 +14,7 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use timer::{Tally, timed};
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState,
+    Arm, ArmSettings, Band, Followed, InfeedSettings, ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState,
 };
 use trueaxis::{Axis, Real};
 
@@ -45,7 +45,8 @@ fn settings(whole: bool) -> RoundnessSettings {
             delay_revolutions: 2,
             contact_deg: 180.0,
             drive_delay_s: 0.001,
-            limit_um: 1000.0, noise_gain_limit: 10.0,
+            limit_um: 1000.0,
+            noise_gain_limit: 10.0,
         });
     }
     settings
@@ -74,7 +75,7 @@ fn nothing<R: Real>(stage: &Stage<'_, R>) -> u32 {
 
 #[inline(never)]
 fn sample<R: Real>(stage: &Stage<'_, R>) -> u32 {
-    u32::from(stage.gauge.sample(stage.state(), &stage.probes, false).0)
+    u32::from(stage.gauge.sample(stage.state(), &stage.probes, Followed::Whole).0)
 }
 
 #[inline(never)]

@@ -163,7 +163,7 @@ impl<'g> Cell<'g> {
         let mut feedback = self.others;
         feedback[self.place] = self.drive.position();
         Readings {
-            probes: Probes { readings, spindle: count(alpha), index, arm, new_part },
+            probes: Probes { readings, spindle: count(alpha), index, arm, new_part, idle: false },
             command,
             feedback,
             wheel_mm,

@@ -157,8 +157,8 @@ pub fn speed_that_skips(gauge: &RoundnessSettings, rate_hz: f64, skip: u32) -> R
     let fastest = fastest_rpm(gauge, rate_hz);
     if speed_rpm > fastest {
         bail!(
-            "--skip: found {skip}, needed at most {}: the work of {work} cycles would span revolutions of {cycles:.0} \
-             cycles, too short for {} points",
+            "--skip: found {skip}, needed at most {}: revolutions of {cycles:.1} cycles, of which its {work} cycles of \
+             work would span so many, are too short for {} points",
             (work * fastest / (60.0 * rate_hz) - 0.5).floor().max(0.0),
             gauge.points
         );

@@ -136,6 +136,9 @@ fn run_with<const POINTS: usize>(
         while control.cell.turns() < f64::from(grinding.revolutions) && control.run.cycles < limit {
             control.cycle(observe, false)?;
         }
+        if control.cell.turns() < f64::from(grinding.revolutions) {
+            bail!("the spindle has not turned {} times within {limit} cycles", grinding.revolutions);
+        }
         control.run.limited_cycles = control.limited[place];
         Ok(control.finish())
     })

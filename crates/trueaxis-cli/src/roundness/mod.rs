@@ -45,7 +45,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "UPR")]
     upr: Option<u16>,
     /// Harmonics whose noise gain is above this are left out and marked.
-    #[arg(long, value_name = "GAIN", default_value_t = NOISE_GAIN_LIMIT)]
+    #[arg(long, value_name = "GAIN", default_value_t = NOISE_GAIN_LIMIT, allow_negative_numbers = true)]
     noise_gain_limit: f64,
     /// Print one JSON document.
     #[arg(long)]
@@ -108,7 +108,11 @@ fn separator(arguments: &Arguments, band: Band) -> Result<Separator> {
     if !(limit.is_finite() && limit > 0.0) {
         bail!("--noise-gain-limit: found {limit}, needed a number above 0");
     }
-    Ok(Separator::new(arguments.probes.gain()?, band, limit, ratio)?)
+    let separator = Separator::new(arguments.probes.gain()?, band, limit, ratio)?;
+    if separator.suppressed().count() == band.iter().count() {
+        bail!("--noise-gain-limit: found {limit}, which leaves out every harmonic, needed a limit that keeps some");
+    }
+    Ok(separator)
 }
 
 /// The readings of each probe, all revolutions one after the other.

@@ -134,12 +134,12 @@ fn read_keys(section: &Section<'_>, settings: &mut RoundnessSettings, places: &m
     reader.field = Field::Revolutions;
     reader.whole(&mut settings.revolutions, "revolutions", "a whole number from 1 to 10,000")?;
     reader.whole(&mut settings.units_per_cycle, "units_per_cycle", "a whole number from 1 to 16")?;
-    let mut cut_off = 0u16;
+    // No cut-off fits into the type and is not read from the file.
+    const NONE: u16 = u16::MAX;
+    let mut cut_off = NONE;
     reader.field = Field::Filter;
     reader.whole(&mut cut_off, "filter_upr", "a cut-off of 15, 50, 150 or 500 UPR")?;
-    if cut_off != 0 {
-        settings.filter = Some(cut_off);
-    }
+    settings.filter = (cut_off != NONE).then_some(cut_off);
     read_probes(section, &mut settings.probes, reader.places)
 }
 
@@ -196,7 +196,7 @@ fn read_infeed(
     let mut infeed = InfeedSettings {
         axis: letter,
         direction: 1,
-        band: Band { first: 2, last: settings.band.last.min(settings.points / 8) },
+        band: Band { first: settings.band.first, last: settings.band.last.min(settings.points / 8) },
         gain: 0.25,
         delay_revolutions: 2,
         contact_deg: 180.0,

@@ -103,9 +103,13 @@ impl ProbeAngles {
         };
         for (index, angle) in [(0, phi2), (1, phi3)] {
             if libm::fabs(libm::sin(angle)) < 1e-9 {
-                let needed = "angles that are no multiple of 180°: two of the probes see the same";
+                let needed = "angles that are no multiple of 180°: two probes on one line through the centre";
                 return Err(ConfigError::new(Field::ProbeAngles, angle.to_degrees(), needed).at(index));
             }
+        }
+        if libm::fabs(libm::sin(0.5 * (phi2 + phi3))) < 1e-9 {
+            let needed = "φ2 + φ3 no multiple of 360°: probes 1 and 3 stand in one place";
+            return Err(ConfigError::new(Field::ProbeAngles, (phi2 + phi3).to_degrees(), needed));
         }
         let slots = match self {
             ProbeAngles::Slots { p, q } => Some([usize::from(p), usize::from(q)]),
@@ -207,7 +211,7 @@ impl Gain {
         band.iter().filter(|k| self.is_singular(usize::from(*k)))
     }
 
-    /// Smallest |G|/√(1 + k2² + k3²) in a band: the figure by which arrangements are compared, 0 (blind) to 1.
+    /// Smallest |G|/√(1 + k2² + k3²) in a band: the figure by which arrangements are compared, 0 (blind) to √3.
     pub fn worst(&self, band: Band) -> f64 {
         band.iter().map(|k| 1.0 / self.noise_gain(usize::from(k))).fold(f64::INFINITY, f64::min)
     }
@@ -262,7 +266,9 @@ mod tests {
         assert_eq!(slots(0, 3).index, Some(0));
         assert_eq!(slots(3, 1024).found, 1024.0);
         assert_eq!(slots(512, 3).found, 180.0);
-        for (phi2, phi3) in [(f64::NAN, 1.0), (1.0, 400.0), (180.0, 30.0), (30.0, -180.0), (0.0, 30.0)] {
+        for (phi2, phi3) in
+            [(f64::NAN, 1.0), (1.0, 400.0), (180.0, 30.0), (30.0, -180.0), (0.0, 30.0), (90.0, -90.0), (120.0, 240.0)]
+        {
             assert!(ProbeAngles::Degrees { phi2, phi3 }.resolve(1024).is_err(), "{phi2} {phi3}");
         }
         assert!(Band { first: 1, last: 9 }.check(64).is_err());

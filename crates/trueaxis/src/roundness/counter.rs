@@ -110,8 +110,8 @@ impl SpindleCounter {
         state.travelled = state.travelled.wrapping_add(moved);
         let plain = state.referenced && moved.unsigned_abs() <= self.most && pulse.is_none();
         if !(plain && state.travelled.unsigned_abs() <= self.overdue) {
-            self.exceptional(state, raw, moved, pulse, flags);
-            if !(state.referenced || state.counting) {
+            let moved = self.exceptional(state, raw, moved, pulse, flags);
+            if moved || !(state.referenced || state.counting) {
                 return None;
             }
         }
@@ -131,9 +131,17 @@ impl SpindleCounter {
         }
     }
 
-    /// Everything but a plain motion: first cycle, jump, index pulse, missing pulse.
+    /// Everything but a plain motion: first cycle, jump, index pulse, missing pulse. True where zero has moved: the
+    /// angles before and after do not belong together.
     #[inline(never)]
-    fn exceptional(&self, state: &mut SpindleState, raw: i32, moved: i32, pulse: Option<i32>, flags: &mut Flags) {
+    fn exceptional(
+        &self,
+        state: &mut SpindleState,
+        raw: i32,
+        moved: i32,
+        pulse: Option<i32>,
+        flags: &mut Flags,
+    ) -> bool {
         if !state.started || moved.unsigned_abs() > self.most {
             if state.started {
                 flags.set(Flags::SPINDLE_JUMP);
@@ -141,18 +149,20 @@ impl SpindleCounter {
             self.restart(state, raw);
         }
         if !self.index {
-            return;
+            return false;
         }
+        let mut anew = false;
         if let Some(latched) = pulse {
-            self.at_index(state, raw, latched, flags);
+            anew = self.at_index(state, raw, latched, flags);
         } else if state.referenced && state.travelled.unsigned_abs() > self.overdue {
             // The count may have slipped by any amount.
             state.referenced = false;
             flags.set(Flags::INDEX_MISSING);
         }
-        if !state.referenced {
+        if !state.referenced || anew {
             flags.set(Flags::NO_INDEX);
         }
+        anew
     }
 
     #[cold]
@@ -163,20 +173,20 @@ impl SpindleCounter {
     }
 
     #[cold]
-    fn at_index(&self, state: &mut SpindleState, raw: i32, latched: i32, flags: &mut Flags) {
+    fn at_index(&self, state: &mut SpindleState, raw: i32, latched: i32, flags: &mut Flags) -> bool {
         let latched = signed(latched, self.mask);
         let since = raw.wrapping_sub(latched);
         if since.unsigned_abs() > self.most {
             // Latched more than a quarter turn ago: not this cycle's pulse.
             flags.set(Flags::INDEX_SHIFTED);
-            return;
+            return false;
         }
         let now = self.advanced(0, since);
         let apart = now.abs_diff(state.in_turn);
         let agrees = apart.min(self.counts.wrapping_sub(apart)) <= self.tolerance;
         state.travelled = since;
         if state.referenced && agrees {
-            return;
+            return false;
         }
         if state.referenced {
             flags.set(Flags::INDEX_SHIFTED);
@@ -185,6 +195,7 @@ impl SpindleCounter {
         state.doubtful = !(first || agrees);
         (state.referenced, state.counting) = (!state.doubtful, !state.doubtful);
         state.in_turn = now;
+        true
     }
 }
 

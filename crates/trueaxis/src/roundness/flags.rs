@@ -21,7 +21,8 @@ impl Flags {
     pub const SPINDLE_JUMP: Flags = Flags(1 << 3);
     /// A probe is outside its range, or gave no finite reading.
     pub const PROBE_RANGE: Flags = Flags(1 << 4);
-    /// The arm's angle is outside ±90°, or contradicts the linkage.
+    /// The arm's angle is outside ±90°. Or, found while a revolution is worked on, it contradicts the linkage: then the
+    /// profile stands, but its motion does not count and the infeed is not updated.
     pub const ARM: Flags = Flags(1 << 5);
     /// θ ran backwards by more than a point.
     pub const REVERSED: Flags = Flags(1 << 6);
@@ -31,9 +32,12 @@ impl Flags {
     pub const STOPPED: Flags = Flags(1 << 8);
     /// The speed changed by more than a quarter within the revolution; resampling takes account of it.
     pub const SPEED: Flags = Flags(1 << 9);
-    /// The work on the revolution before was not finished: this one is skipped whole.
+    /// In a cycle: the revolution that has just ended is skipped whole, because the work on one before was not finished.
+    /// Of a revolution: some before it were skipped.
     pub const SKIPPED: Flags = Flags(1 << 10);
-    /// The infeed correction was not updated: it was limited, or would have passed its bound, or the arm is in doubt.
+    /// The infeed correction was not updated: it was limited or not followed, or would have passed its bound, the wheel
+    /// was idle, the size of the part did not change steadily (nothing is known of that after a discarded revolution), or
+    /// the arm is in doubt.
     pub const INFEED_FROZEN: Flags = Flags(1 << 11);
     /// The infeed correction was limited over several revolutions and has been made smaller.
     pub const INFEED_REDUCED: Flags = Flags(1 << 12);

@@ -3,7 +3,7 @@
 use super::infeed::Infeed;
 use super::resample::Resampler;
 use super::work::Plan;
-use super::{Arm, Band, Cycle, Gain, Probes, RoundnessSettings, RoundnessState};
+use super::{Arm, Band, Cycle, Followed, Gain, Probes, RoundnessSettings, RoundnessState};
 use crate::error::{ConfigError, Field};
 use crate::real::Real;
 
@@ -98,11 +98,11 @@ impl<R: Real, const N: usize> Roundness<R, N> {
 
     /// One servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
     ///
-    /// `limited` tells whether the infeed axis' correction was limited in the cycle before. The three stages can be
+    /// `followed` tells how the infeed of the cycle before was followed: the law learns only from what was. The three stages can be
     /// called by themselves, [`Roundness::work`] for instance in the background.
     #[inline]
-    pub fn update(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, limited: bool) -> Cycle<R> {
-        let flags = self.sample(state, probes, limited);
+    pub fn update(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, followed: Followed) -> Cycle<R> {
+        let flags = self.sample(state, probes, followed);
         let finished = self.work(state);
         Cycle { infeed: self.infeed(state), flags, finished }
     }
@@ -110,7 +110,11 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     /// Third stage: infeed correction of this cycle, mm in the sense of its axis.
     #[inline]
     pub fn infeed(&self, state: &mut RoundnessState<R, N>) -> R {
-        let (Some(infeed), Some(angles)) = (&self.infeed, state.resampler.angles) else { return R::ZERO };
+        let (Some(infeed), Some(angles)) = (&self.infeed, state.resampler.angles) else {
+            // A θ found again says nothing about the speed since.
+            state.speed.theta = None;
+            return R::ZERO;
+        };
         let speed = &mut state.speed;
         if let Some(theta) = speed.theta {
             let change = R::of_i32(angles.theta.wrapping_sub(theta) as i32);

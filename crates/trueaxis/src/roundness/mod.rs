@@ -33,7 +33,7 @@
 //! # Example
 //!
 //! ```
-//! use trueaxis::roundness::{ProbeAngles, Probes, Roundness, RoundnessSettings};
+//! use trueaxis::roundness::{Followed, ProbeAngles, Probes, Roundness, RoundnessSettings};
 //!
 //! let angles = ProbeAngles::Slots { p: 44, q: 57 };
 //! let settings = RoundnessSettings::with_defaults(256, angles, 1 << 20);
@@ -45,7 +45,7 @@
 //!     let turned = count >> 20 != (count - 500) >> 20;
 //!     let index = turned.then_some(count & !((1 << 20) - 1));
 //!     let probes = Probes { readings: [0.4, 0.4, 0.4], spindle: count, index, ..Probes::default() };
-//!     let cycle = gauge.update(&mut state, &probes, false);
+//!     let cycle = gauge.update(&mut state, &probes, Followed::Whole);
 //!     if cycle.finished {
 //!         let of = state.latest().unwrap();
 //!         assert!(of.flags.is_empty() && of.peak_to_valley_um < 1e-4);
@@ -104,10 +104,25 @@ pub struct Probes<R> {
     pub spindle: i32,
     /// Counts latched by an index pulse since the last cycle; without a latch, the counts of this cycle.
     pub index: Option<i32>,
-    /// Counts of the arm's encoder, 0 where the arm points along the line of centres; unused without an arm.
+    /// Counts of the arm's encoder, 0 where the arm points along the line of centres, within ±90°; unused without an arm.
     pub arm: i32,
     /// Another workpiece: correction back to zero (through the limiter), evaluation of the spindle begun anew.
     pub new_part: bool,
+    /// The wheel does not grind: measured all the same, but nothing is learnt for the infeed.
+    pub idle: bool,
+}
+
+/// How the infeed of the cycle before was followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Followed {
+    /// As it was.
+    #[default]
+    Whole,
+    /// As far as the limits of the axis allow.
+    Limited,
+    /// Not at all: corrections are switched off, frozen or held.
+    Not,
 }
 
 /// What is known about one revolution.

@@ -30,7 +30,7 @@ pub struct SlotPair {
     pub p: u16,
     /// φ3 = 2π q/N.
     pub q: u16,
-    /// Smallest |G|/√(1 + k2² + k3²) in the band, 0 (blind) to 1; the inverse of the worst noise gain.
+    /// Smallest |G|/√(1 + k2² + k3²) in the band, 0 (blind) to √3; the inverse of the worst noise gain.
     pub worst_gain: f64,
 }
 

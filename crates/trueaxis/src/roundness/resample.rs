@@ -127,7 +127,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
         if !sound {
             flags.set(Flags::PROBE_RANGE);
-            state.known = 0;
+            (state.known, state.passed) = (0, state.clock);
             return None;
         }
         let [_, last] = state.theta;
@@ -156,7 +156,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
     fn irregular(state: &mut ResamplerState<R>, moved: i32, flags: &mut Flags) -> Option<usize> {
         if moved > 0 && moved >= Self::WIDTH {
             flags.set(Flags::TOO_FAST);
-            state.known = 0;
+            (state.known, state.passed) = (0, state.clock);
             return Some(0);
         }
         if moved < -Self::WIDTH {

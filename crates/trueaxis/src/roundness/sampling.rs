@@ -1,8 +1,8 @@
 //! First stage: a cycle's readings become points of a revolution, points become whole revolutions.
 
 use super::resample::{Angles, POINTS_PER_CYCLE, Resampler};
-use super::work::ARM_CHECKS;
-use super::{Flags, Probes, Roundness, RoundnessState};
+use super::work::{ARM_CHECKS, Beginning, Outcome};
+use super::{Flags, Followed, Probes, Roundness, RoundnessState};
 use crate::real::Real;
 
 /// The revolution that is being sampled.
@@ -22,8 +22,9 @@ pub(super) struct Sampling<R> {
     pub(super) entered: u32,
     pub(super) fewest: u32,
     pub(super) most: u32,
-    /// Cycles in which the infeed axis was limited.
+    /// Cycles in which the infeed was followed in part, or not at all.
     pub(super) limited: u32,
+    pub(super) unheard: u32,
 }
 
 impl<R: Real> Sampling<R> {
@@ -39,7 +40,15 @@ impl<R: Real> Sampling<R> {
         fewest: 0,
         most: 0,
         limited: 0,
+        unheard: 0,
     };
+
+    /// A cycle from which the infeed does not learn.
+    #[inline(never)]
+    fn count(&mut self, limited: bool) {
+        let counter = if limited { &mut self.limited } else { &mut self.unheard };
+        *counter = counter.wrapping_add(1);
+    }
 
     /// Follows the speed by the time that every quarter of a turn takes.
     #[inline(always)]
@@ -61,10 +70,11 @@ impl<R: Real> Sampling<R> {
 impl<R: Real, const N: usize> Roundness<R, N> {
     /// First stage: a cycle's readings, resampled; gives what it met.
     #[inline]
-    pub fn sample(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, limited: bool) -> Flags {
+    pub fn sample(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, followed: Followed) -> Flags {
         if probes.new_part {
             state.work.clear();
             state.sampling = Sampling::NEW;
+            state.latest = Outcome::NONE;
         }
         let mut flags = Flags::default();
         let passed = self.resampler.update(&mut state.resampler, probes, &mut flags);
@@ -72,7 +82,9 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             state.sampling.running = false;
             state.counts.discarded = state.counts.discarded.wrapping_add(1);
         }
-        state.sampling.limited = state.sampling.limited.wrapping_add(u32::from(limited));
+        if followed != Followed::Whole || probes.idle {
+            state.sampling.count(followed == Followed::Limited && !probes.idle);
+        }
         if let Some(points) = passed {
             if points > 0 {
                 self.pass(state, &probes.readings, points, &mut flags);
@@ -123,14 +135,26 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             if sampling.most > sampling.fewest.saturating_add(sampling.fewest / 4).saturating_add(2) {
                 of_revolution.set(Flags::SPEED);
             }
-            if sampling.limited > state.resampler.clock.wrapping_sub(sampling.began) / 64 {
+            let few = state.resampler.clock.wrapping_sub(sampling.began) / 64;
+            let limited = sampling.limited > few;
+            // The drift of this revolution is that between two means: only where it is steady.
+            let drift = sampling.before.map(|before| mean - before);
+            let change = match (drift, state.drift) {
+                (Some(drift), Some(before)) => (drift - before).abs() - (drift * R::of(0.25)).abs(),
+                _ => R::ZERO,
+            };
+            let steady = drift.is_some() && change <= self.plan.steady;
+            state.drift = drift;
+            if self.infeed.is_some() && (limited || sampling.unheard > few || !steady) {
                 of_revolution.set(Flags::INFEED_FROZEN);
             }
             flags.set(of_revolution);
             if state.work.is_idle() {
                 state.worked ^= 1;
-                let drift = sampling.before.map_or(R::ZERO, |before| mean - before);
-                state.work.begin(&self.plan, state.counts.sampled, of_revolution, mean, drift);
+                let drift = drift.unwrap_or(R::ZERO);
+                let beginning =
+                    Beginning { revolution: state.counts.sampled, flags: of_revolution, limited, mean, drift };
+                state.work.begin(&self.plan, beginning);
             } else {
                 state.counts.skipped = state.counts.skipped.wrapping_add(1);
                 flags.set(Flags::SKIPPED);

@@ -78,9 +78,9 @@ pub struct InfeedSettings {
     pub delay_revolutions: u8,
     /// ψ, from probe 1 to the contact with the wheel, in the sense of θ, degrees.
     pub contact_deg: f64,
-    /// τ, from the command to the motion of the drive, s.
+    /// τ, from the command to the motion of the drive, s; at most 0.1.
     pub drive_delay_s: f64,
-    /// Largest |c|, µm.
+    /// Largest |c|, µm; the command is c/cos β.
     pub limit_um: f64,
     /// Harmonics of a worse noise gain are measured, but not corrected.
     pub noise_gain_limit: f64,
@@ -193,7 +193,9 @@ impl RoundnessSettings {
             "an index tolerance below a quarter turn",
         )?;
         if let Some(arm) = &self.arm {
-            arm.lengths.ratio()?;
+            let ratio = arm.lengths.ratio()?;
+            let needed = "a crank throw R of at most 0.99 (R_S + R_W): beyond, the arm stands across";
+            need(ratio <= 0.99, Field::Arm, arm.lengths.crank_mm, needed)?;
             encoder(arm.counts, arm.direction, Field::Arm)?;
             let tolerance = arm.tolerance_deg;
             need(tolerance > 0.0 && tolerance <= 90.0, Field::Arm, tolerance, "a tolerance of 0° to 90°")?;
@@ -204,7 +206,13 @@ impl RoundnessSettings {
         let units = f64::from(self.units_per_cycle);
         need((1..=16).contains(&self.units_per_cycle), Field::Revolutions, units, "1 to 16 units per cycle")?;
         need(self.stop_s > 0.0 && self.stop_s <= 60.0, Field::Spindle, self.stop_s, "a time of 0 to 60 s")?;
-        self.infeed.as_ref().map_or(Ok(()), |infeed| infeed.check(points))?;
+        if let Some(infeed) = &self.infeed {
+            infeed.check(points)?;
+            for harmonic in [infeed.band.first, infeed.band.last] {
+                let inside = self.band.contains(harmonic);
+                need(inside, Field::Infeed, f64::from(harmonic), "harmonics within those that are separated")?;
+            }
+        }
         Ok(gain)
     }
 }
@@ -226,7 +234,7 @@ impl InfeedSettings {
         };
         need(!self.axis.is_rotary(), self.axis.index() as f64, "a linear axis")?;
         need(matches!(self.direction, 1 | -1), f64::from(self.direction), "a direction of +1 or -1")?;
-        self.band.check(points)?;
+        self.band.check(points).map_err(|error| ConfigError { field: Field::Infeed, ..error })?;
         // Four points carry the correction between the slots: enough up to an eighth of them.
         need(8 * usize::from(self.band.last) <= points, f64::from(self.band.last), "harmonics up to N/8")?;
         need(
@@ -238,7 +246,7 @@ impl InfeedSettings {
         let most = 0.5 * gain_limit(self.delay_revolutions);
         need(self.gain > 0.0 && self.gain <= most, self.gain, "a gain above 0 and at most sin(π/(2(2D + 1)))")?;
         need(self.contact_deg.is_finite() && self.contact_deg.abs() <= 360.0, self.contact_deg, "an angle in ±360°")?;
-        need((0.0..=1.0).contains(&self.drive_delay_s), self.drive_delay_s, "a delay of 0 to 1 s")?;
+        need((0.0..=0.1).contains(&self.drive_delay_s), self.drive_delay_s, "a delay of 0 to 0.1 s")?;
         need(self.limit_um > 0.0 && self.limit_um <= 1e4, self.limit_um, "a limit of 0 to 10,000 µm")?;
         let limit = self.noise_gain_limit;
         need(limit > 0.0 && limit.is_finite(), limit, "a noise gain limit above 0")

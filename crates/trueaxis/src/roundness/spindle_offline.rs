@@ -17,7 +17,7 @@ use std::vec::Vec;
 pub struct ErrorMotion {
     /// Mean over all points: where the axis stands.
     pub position: f64,
-    /// Amplitude of the once-per-revolution part: eccentricity of the part, not motion of the axis.
+    /// Amplitude of the once-per-revolution part: eccentricity of the part and fundamental of the axis, which cannot be told apart.
     pub once_per_revolution: f64,
     /// Its phase in rad, −π to π: `amplitude · cos(θ + phase)`.
     pub once_per_revolution_phase: f64,

@@ -17,6 +17,8 @@ pub struct RoundnessState<R, const N: usize> {
     pub(super) latest: Outcome<R>,
     pub(super) counts: Counts,
     pub(super) speed: Speed<R>,
+    /// Drift of the weighted sum over the revolution before.
+    pub(super) drift: Option<R>,
     pub(super) work: Work<R, N>,
     pub(super) revolutions: [Revolution<R, N>; 2],
     /// Weighted sums of the three probes; of the one that is worked on, their spectrum.
@@ -46,14 +48,16 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
             latest: Outcome::NONE,
             counts: Counts { sampled: 0, evaluated: 0, skipped: 0, discarded: 0 },
             speed: Speed { theta: None, per_cycle: R::ZERO },
+            drift: None,
         }
     }
 
-    /// The latest revolution evaluated.
+    /// The latest revolution evaluated, of this part; whole while no work is under way
+    /// ([`RoundnessState::is_settled`]), like everything below.
     pub fn latest(&self) -> Option<Evaluation<R>> {
         let Outcome { revolution, flags, peak_to_valley_um } = self.latest;
         let ([x, y], revolutions) = (self.work.error_motion, self.work.window);
-        (self.counts.evaluated > 0).then_some(Evaluation { revolution, flags, peak_to_valley_um, x, y, revolutions })
+        (revolution > 0).then_some(Evaluation { revolution, flags, peak_to_valley_um, x, y, revolutions })
     }
 
     /// How whole revolutions fared so far.

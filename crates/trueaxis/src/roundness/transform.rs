@@ -244,7 +244,7 @@ fn sums_and_differences<R: Real, const N: usize>(z: &mut [Complex<R>], at: usize
     at + 1 >= N / 16
 }
 
-/// The spectrum of the product at two harmonics, in the scale of the multipliers (times [`amplitude_scale`]: cosine and
+/// The spectrum of the product at two harmonics, in the scale of the multipliers (times [`AMPLITUDE_SCALE`]: cosine and
 /// negative sine amplitude).
 pub(crate) struct Pair<R> {
     /// k, below or at M/2.

@@ -25,6 +25,8 @@ pub const HARMONICS: usize = 128;
 pub(super) const ARM_CHECKS: usize = 16;
 /// Revolutions in a row in which the infeed axis was limited before the correction is made smaller.
 const PATIENCE: u8 = 4;
+/// The radius drifts steadily where its change per revolution itself changes by less than this and a quarter, µm.
+const STEADY_UM: f64 = 0.2;
 /// Points in a unit of the passes that only compare or add.
 const POINTS_PER_UNIT: usize = 4;
 
@@ -97,6 +99,20 @@ pub(super) struct Plan<R, const N: usize> {
     per_revolutions: R,
     /// 1/G(0), from the mean of the weighted sum to that of the radius; 0 where the probes do not see it.
     per_mean: R,
+    /// Change of the drift that is none, in the weighted sum.
+    pub(super) steady: R,
+}
+
+/// A whole revolution as it is handed over.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beginning<R> {
+    pub(super) revolution: u32,
+    pub(super) flags: Flags,
+    /// The infeed axis could not follow.
+    pub(super) limited: bool,
+    /// Mean of the weighted sum, and its change from the revolution before.
+    pub(super) mean: R,
+    pub(super) drift: R,
 }
 
 /// What a revolution is known by while it is worked on.
@@ -125,6 +141,8 @@ pub(super) struct Work<R, const N: usize> {
     /// λ of the arm, where the wheel's radius has been set since, and that for which the linkage holds.
     pub(super) ratio: Option<R>,
     linked: R,
+    /// λ for which the linkage is being worked out.
+    linking: R,
     /// Smallest and largest value of a pass.
     range: [R; 2],
     worst: R,
@@ -194,6 +212,7 @@ impl<R: Real, const N: usize> Plan<R, N> {
             arm_tolerance: R::of(settings.arm.map_or(0.0, |arm| libm::sin(arm.tolerance_deg.to_radians()))),
             revolutions: settings.revolutions,
             per_revolutions: R::of(1.0 / f64::from(settings.revolutions)),
+            steady: R::of(STEADY_UM * libm::fabs(mean)),
             per_mean: R::of(if sees_mean { 1.0 / mean } else { 0.0 }),
         }
     }
@@ -276,6 +295,7 @@ impl<R: Real, const N: usize> Work<R, N> {
             window: 0,
             ratio: None,
             linked: R::ZERO,
+            linking: R::ZERO,
             linkage: [[R::ZERO; 2]; N],
         }
     }
@@ -293,11 +313,13 @@ impl<R: Real, const N: usize> Work<R, N> {
     #[cold]
     pub(super) fn clear(&mut self) {
         (self.task, self.at, self.gathered, self.clear) = (Task::Clear, 0, 0, true);
+        (self.error_motion, self.window) = ([ErrorMotion::NONE; 2], 0);
     }
 
     /// Takes over a revolution.
     #[inline(always)]
-    pub(super) fn begin(&mut self, plan: &Plan<R, N>, revolution: u32, flags: Flags, mean: R, drift: R) {
+    pub(super) fn begin(&mut self, plan: &Plan<R, N>, beginning: Beginning<R>) {
+        let Beginning { revolution, flags, limited, mean, drift } = beginning;
         let first = if self.linked != self.ratio(plan) {
             Task::Linkage
         } else if drift != R::ZERO {
@@ -307,7 +329,8 @@ impl<R: Real, const N: usize> Work<R, N> {
         };
         self.drift = drift;
         self.radius = [mean * plan.per_mean, drift * plan.per_mean];
-        self.limited_for = if flags.has(Flags::INFEED_FROZEN) { self.limited_for.saturating_add(1) } else { 0 };
+        self.limited_for = if limited { self.limited_for.saturating_add(1) } else { 0 };
+        self.linking = self.ratio(plan);
         (self.task, self.progress, self.at) = (first, Progress::forward(), 0);
         self.result = Outcome { revolution, flags, ..Outcome::NONE };
     }
@@ -338,6 +361,8 @@ impl<R: Real, const N: usize> Work<R, N> {
                 self.result.flags.set(Flags::ARM);
                 self.result.flags.set(Flags::INFEED_FROZEN);
             }
+            // A motion by a linkage that is contradicted says nothing: the window begins anew.
+            Task::Orbit if self.result.flags.has(Flags::ARM) => self.gathered = 0,
             Task::Orbit => self.gathered = self.gathered.saturating_add(1),
             Task::Evaluate => self.motion.iter_mut().for_each(Motion::express),
             Task::Express => {
@@ -348,7 +373,7 @@ impl<R: Real, const N: usize> Work<R, N> {
             }
             Task::Clear => (self.clear, self.limited_for) = (false, 0),
             Task::Judge if self.gives_way() => self.result.flags.set(Flags::INFEED_REDUCED),
-            Task::Linkage => self.linked = self.ratio(plan),
+            Task::Linkage => self.linked = self.linking,
             _ => {}
         }
         self.task = plan.next(self);
@@ -422,7 +447,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     pub(super) fn link(&mut self, plan: &Plan<R, N>) -> bool {
         let n = self.at & (N - 1);
         let [cos, sin] = plan.circle[n];
-        let [cos, sin] = arm_angle(self.ratio(plan), [cos, -sin]);
+        let [cos, sin] = arm_angle(self.linking, [cos, -sin]);
         self.linkage[n] = [cos - R::ONE, sin];
         self.at = n + 1;
         self.at >= N

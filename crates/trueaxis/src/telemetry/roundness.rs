@@ -45,7 +45,7 @@ pub struct RoundnessFrame {
 
 impl RoundnessFrame {
     /// Puts the latest revolution into its wire form; `None` before the first. Not part of the step; take it while the
-    /// state is settled, or between two cycles.
+    /// state is settled: with the work on the next revolution under way some of it is already that one's.
     pub fn of<R: Real, const POINTS: usize>(
         machine_id: u32,
         gauge: &Roundness<R, POINTS>,

@@ -38,28 +38,17 @@ pub(super) fn fit(points: &[[f64; 2]]) -> Result<(Local, [f64; 2]), NoCircle> {
     let scale = (centred.iter().map(|p| p[0] * p[0] + p[1] * p[1]).sum::<f64>() / n).sqrt();
     let unit: Vec<[f64; 2]> = centred.iter().map(|p| [p[0] / scale, p[1] / scale]).collect();
 
-    let mut c = taubin(&unit);
-    let mut damping = 0.0;
-    let mut now = normal(&unit, c);
-    for _ in 0..STEPS {
-        let step = now.step(damping);
-        let next_c = [c[0] + step[0], c[1] + step[1]];
-        let next = normal(&unit, next_c);
-        if next.cost < now.cost {
-            (c, now, damping) = (next_c, next, damping * 0.1);
-            if damping < 1e-9 * now.trace() {
-                damping = 0.0;
-            }
-        } else if step[0].hypot(step[1]) <= 1e-14 * (1.0 + c[0].hypot(c[1])) {
-            break;
-        } else {
-            damping = (damping * 10.0).max(1e-4 * now.trace());
-        }
-        let distance = c[0].hypot(c[1]);
-        if distance.is_nan() || distance >= STRAIGHT {
-            return Err(NoCircle::Straight);
+    let line = Line::new(&unit);
+    let mut best = descend(&unit, taubin(&unit));
+    // Worse than a straight line, the fit has stopped in a hollow of its own: nearly straight sets have such.
+    if best.is_none_or(|(_, cost)| cost >= line.cost) {
+        for distance in [-1e5, -1e3, -10.0, 10.0, 1e3, 1e5] {
+            let start = [distance * line.normal[0], distance * line.normal[1]];
+            let other = descend(&unit, start);
+            best = [best, other].into_iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1));
         }
     }
+    let Some((c, _)) = best.filter(|(_, cost)| *cost < line.cost) else { return Err(NoCircle::Straight) };
 
     let origin = [mean[0] + scale * c[0], mean[1] + scale * c[1]];
     let radius = points.iter().map(|p| (p[0] - origin[0]).hypot(p[1] - origin[1]) / n).sum();
@@ -77,6 +66,53 @@ pub(super) fn fit(points: &[[f64; 2]]) -> Result<(Local, [f64; 2]), NoCircle> {
         }
     }
     Ok((local, c))
+}
+
+/// Newton's steps with Levenberg's damping; centre and sum of squares, or nothing where it runs off to a straight line.
+fn descend(unit: &[[f64; 2]], start: [f64; 2]) -> Option<([f64; 2], f64)> {
+    let mut c = start;
+    let mut damping = 0.0;
+    let mut now = normal(unit, c);
+    for _ in 0..STEPS {
+        let step = now.step(damping);
+        let next_c = [c[0] + step[0], c[1] + step[1]];
+        let next = normal(unit, next_c);
+        if next.cost < now.cost {
+            (c, now, damping) = (next_c, next, damping * 0.1);
+            if damping < 1e-9 * now.trace() {
+                damping = 0.0;
+            }
+        } else if step[0].hypot(step[1]) <= 1e-14 * (1.0 + c[0].hypot(c[1])) {
+            break;
+        } else {
+            damping = (damping * 10.0).max(1e-4 * now.trace());
+        }
+        let distance = c[0].hypot(c[1]);
+        if distance.is_nan() || distance >= STRAIGHT {
+            return None;
+        }
+    }
+    Some((c, now.cost))
+}
+
+/// Straight line with the smallest sum of squared distances, through the mean of centred points.
+struct Line {
+    normal: [f64; 2],
+    cost: f64,
+}
+
+impl Line {
+    fn new(unit: &[[f64; 2]]) -> Line {
+        let [mut xx, mut xy, mut yy] = [0.0; 3];
+        for [x, y] in unit {
+            (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
+        }
+        // Direction of the smaller principal moment; the sum from the distances themselves, not from moments that cancel.
+        let angle = 0.5 * (2.0 * xy).atan2(xx - yy) + core::f64::consts::FRAC_PI_2;
+        let normal = [angle.cos(), angle.sin()];
+        let cost = unit.iter().map(|[x, y]| (x * normal[0] + y * normal[1]).powi(2)).sum();
+        Line { normal, cost }
+    }
 }
 
 /// |p − c| − R₀, without cancellation.
