@@ -10,6 +10,7 @@ use crate::real::Real;
 pub(super) struct Sampling<R> {
     pub(super) running: bool,
     pub(super) points: usize,
+    /// Whether revolutions before it were skipped.
     pub(super) flags: Flags,
     /// Weighted sums added up.
     pub(super) total: R,
@@ -125,12 +126,12 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     #[inline(never)]
     fn turn(&self, state: &mut RoundnessState<R, N>, flags: &mut Flags) {
         let sampling = state.sampling;
-        let mut before = None;
+        let (mut before, mut skipped) = (None, Flags::default());
         if sampling.running && sampling.points == N {
             let mean = sampling.total * R::of(1.0 / N as f64);
             before = Some(mean);
             state.counts.sampled = state.counts.sampled.wrapping_add(1);
-            let mut of_revolution = sampling.flags;
+            let mut of_revolution = Flags::default();
             // A quarter of the time, and a cycle of rounding at either end.
             if sampling.most > sampling.fewest.saturating_add(sampling.fewest / 4).saturating_add(2) {
                 of_revolution.set(Flags::SPEED);
@@ -149,6 +150,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
                 of_revolution.set(Flags::INFEED_FROZEN);
             }
             flags.set(of_revolution);
+            of_revolution.set(sampling.flags);
             if state.work.is_idle() {
                 state.worked ^= 1;
                 let drift = drift.unwrap_or(R::ZERO);
@@ -158,9 +160,9 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             } else {
                 state.counts.skipped = state.counts.skipped.wrapping_add(1);
                 flags.set(Flags::SKIPPED);
+                skipped = Flags::SKIPPED;
             }
         }
-        let skipped = if flags.has(Flags::SKIPPED) { Flags::SKIPPED } else { Flags::default() };
         state.sampling = Sampling {
             running: !flags.discards(),
             flags: skipped,

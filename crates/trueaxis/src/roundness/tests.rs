@@ -358,9 +358,13 @@ fn revolutions_shorter_than_the_work_are_skipped_whole() {
         assert!(evaluated.abs_diff(sampled / kept) <= 1, "{evaluated} of {sampled}, one in {kept}");
         assert!((after.skipped - before.skipped).abs_diff(sampled - evaluated) <= 1);
         assert_eq!(run.seen.has(Flags::SKIPPED), kept > 1);
+        assert_eq!(run.state.latest().unwrap().flags.has(Flags::SKIPPED), kept > 1);
         assert_eq!(after.discarded, 0);
         assert!(run.profile_error(&truth) < 0.05, "{:e}", run.profile_error(&truth));
     }
+    // Slower again, nothing of it is left.
+    run.turn(&truth, 4.0, |_| TAU / (work as f64 + 8.0));
+    assert!(run.state.latest().unwrap().flags.is_empty(), "{:?}", run.state.latest().unwrap().flags);
 }
 
 #[test]
