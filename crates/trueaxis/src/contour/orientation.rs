@@ -154,7 +154,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
     ///
     /// `of_axes`: direction of rotary positions, degrees. Pieces on which the tip stands compete with the tip's foot for
     /// the nearest place of the path, where a tilt counts as the way of a point 100 mm up the tool; without them it is
-    /// one evaluation of `of_axes`, with them at most fifteen.
+    /// one evaluation of `of_axes`, with them at most twenty-seven.
     #[inline(always)]
     pub fn orientation(
         &self,
@@ -201,7 +201,9 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
             let Some(turn) = self.turn(from.span) else { break };
             let (t, spent) = nearest(turn, from.t.within(R::ZERO, R::ONE), actual, of_axes);
             evaluations = evaluations.saturating_add(spent).saturating_add(1);
-            let inside = t > R::ZERO && t < R::ONE;
+            // At a border that is seen at right angles, rounding decides on which side of it the place lies.
+            let margin = R::of(MARGIN_DEG) / turn.extent().max(R::of(MARGIN_DEG));
+            let inside = t > margin && t < R::ONE - margin;
             let flags = if inside { Flags::BRACKETED } else { Flags::AT_CORNER };
             let here = Reference { span: from.span, t };
             let error = OrientationError::between(turn.direction(t, of_axes), actual, here, 0, flags);
@@ -210,7 +212,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
             }
             let beyond = if inside {
                 None
-            } else if t == R::ONE {
+            } else if t > R::HALF {
                 self.path.following(from.span).map(|span| Reference { span, t: R::ZERO })
             } else {
                 self.path.preceding(from.span).map(|span| Reference { span, t: R::ONE })
@@ -242,13 +244,17 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
 /// Pieces without length that a cycle looks at.
 const PIECES: usize = 2;
 /// Steps towards the nearest orientation on each.
-const STEPS: u8 = 3;
+const STEPS: u8 = 4;
 /// Distance from the tip at which a tilt is weighed against a way of the tip, mm.
 const LEVER_MM: f64 = 100.0;
 /// Where the way between two places is not followed any further, mm.
 const BEYOND_MM: f64 = 1e3;
 /// Half the chord that stands for the tangent, degrees: leaves 1e-5 of it, which the angle at the foot sees squared.
 const CHORD_DEG: f64 = 0.5;
+/// A foot this close to the end of a turn may lie on the next one, degrees.
+const MARGIN_DEG: f64 = 0.1;
+/// A step shorter than this leaves nothing that the angle shows, degrees.
+const DONE_DEG: f64 = 1e-5;
 /// Longest step, degrees.
 const STEP_DEG: f64 = 30.0;
 
@@ -264,21 +270,20 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
     }
     let per_degree = R::ONE / extent;
     let (half, longest) = (R::of(CHORD_DEG) * per_degree, R::of(STEP_DEG) * per_degree);
-    let small = R::of(if R::EPSILON.to_f64() < 1e-10 { 1e-8 } else { 1e-5 }) * per_degree;
+    let small = R::of(DONE_DEG) * per_degree;
     let mut t = start;
     let mut spent = 0;
     for _ in 0..STEPS {
         let (ahead, behind) = (turn.direction(t + half, of_axes), turn.direction(t - half, of_axes));
-        spent += 2;
+        let left = actual - turn.direction(t, of_axes);
+        spent += 3;
         let chord = ahead - behind;
-        // Twice what is left to the middle of the chord, which the place itself misses along the radius only.
-        let left = actual + actual - ahead - behind;
         let square = chord.dot(chord);
         // The direction hardly changes: the tool turns about itself.
         if !(square > R::of(1e-12)) {
             break;
         }
-        let step = (half * left.dot(chord) / square).within(-longest, longest);
+        let step = ((half + half) * left.dot(chord) / square).within(-longest, longest);
         let next = (t + step).within(R::ZERO, R::ONE);
         let moved = (next - t).abs();
         t = next;
