@@ -3,7 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use crate::compensation::{Compensation, Requirement, Reversal, Rows, Storage, ThermalLine, step_axes};
-use crate::contour::{ContourError, ContourSearch, ContourState, Method, Path, Reference};
+use crate::contour::{ContourError, ContourSearch, ContourState, Method, OrientationError, Path, Reference};
 use crate::error::{ConfigError, Fault, Field};
 use crate::machine::{AXES, Axis, MachineSettings};
 use crate::output::{Release, ReleaseState, Released};
@@ -60,12 +60,14 @@ impl<'m> Config<'m> {
             return Err(ConfigError::new(Field::Period, f64::from(self.period_ns) * 1e-9, "1e-6 s to 0.1 s"));
         }
         crate::check::settings(self.machine)?;
+        let axes = step_axes::<N>(self.machine)?;
         let mut bands = [R::ZERO; N];
-        for (band, axis) in bands.iter_mut().zip(step_axes::<N>(self.machine)?) {
+        for (band, axis) in bands.iter_mut().zip(axes) {
             let settings = self.machine.axes.iter().find(|a| a.axis == axis);
             *band = R::of(settings.map_or(0.0, |s| s.hysteresis));
         }
         Ok(ServoLoop {
+            axes,
             sampler: Sampler::new(self.machine, self.period_ns)?,
             compensation: Compensation::build(self.machine, rows, self.inverse_passes, storage)?,
             bands,
@@ -90,6 +92,7 @@ impl<'m> Config<'m> {
 /// between two cycles ([`crate::exchange::Exchange`]); the state goes on, and the limiter makes the change bumpless.
 #[derive(Clone, Copy, Debug)]
 pub struct ServoLoop<'a, R, P, const N: usize> {
+    axes: [Axis; N],
     sampler: Sampler<R, P, N>,
     compensation: Compensation<'a, R, P, N>,
     bands: [R; N],
@@ -229,7 +232,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let contour = self.contour(state, sample, modelled, path, reference);
         let released = self.release.release(&mut state.release, &mut state.sample, sample, &modelled.wanted);
         state.limited = released.limited;
-        self.record(state, sample, modelled, contour, released)
+        self.record(state, sample, modelled.at_edge, contour, &OrientationError::none(), released)
     }
 
     /// Wanted correction at the command, modelled error at the feedback.
@@ -286,8 +289,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
-        modelled: &Modelled<R, N>,
+        at_edge: u8,
         [tip, encoder]: [ContourError<R>; 2],
+        orientation: &OrientationError<R>,
         released: Released<R, P, N>,
     ) -> Output<R, P, N> {
         let sequence = state.sequence;
@@ -309,12 +313,14 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             fault_axis,
             status,
             limited: released.limited,
-            at_edge: modelled.at_edge,
+            at_edge,
             command: sample.command,
             feedback: sample.feedback,
             correction: released.correction,
             tip,
             encoder,
+            orientation: orientation.angle,
+            orientation_flags: orientation.flags,
         };
         Output { drive: released.drive, feedback: released.feedback, record }
     }
