@@ -2,6 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod rtcp;
 mod tool;
 
 use crate::compensation::{Compensation, Requirement, Reversal, Rows, Storage, ThermalLine, step_axes};

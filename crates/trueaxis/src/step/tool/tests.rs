@@ -302,30 +302,38 @@ fn the_modelled_tip_error_is_turned_with_the_table() {
     }
 }
 
-/// A microradian of the inner rotary axis, by its table: seen whole, its lever on the tip too.
+/// A microradian of the inner rotary axis, by its table, while the path keeps its direction: seen with size and sense.
 fn resolves_a_microradian<R: Real, P: Position>(permitted: f64) {
     for chain in [TABLES, HEADS] {
-        let machine =
-            Machine::<R, P>::new(chain, |axis| if axis == Axis::A { [0.0, 0.0, 0.0, 1.0, 0.0, 0.0] } else { [0.0; 6] });
-        let plain = Machine::<R, P>::perfect(chain);
-        let (mut with, mut without) = (vec![], vec![]);
-        follow(&machine, |_| [0.0; 5], |_, _, _, orientation| with.push(orientation.vector));
-        follow(&plain, |_| [0.0; 5], |u, _, _, orientation| without.push((u, orientation.vector)));
-        for (with, (u, without)) in with.iter().zip(&without) {
-            let (_, _, c) = along(*u);
-            let found = (*with - *without).array().map(R::to_f64);
+        let own = |axis| if axis == Axis::A { [0.0, 0.0, 0.0, 1.0, 0.0, 0.0] } else { [0.0; 6] };
+        let (machine, perfect) = (Machine::<R, P>::new(chain, own), Machine::<R, P>::perfect(chain));
+        let (spans, _) = slanted();
+        for (a, c) in [(25.0, 10.0), (-70.0, 85.0), (40.0, -30.0)] {
+            let turns = [Turn::axes(&spans[0], [0.0, 1.0], [a, 0.0, c], [a, 0.0, c])].repeat(spans.len());
+            let path = ToolPath::new(Path::new(&spans, 0, false), &turns);
+            let at = joints(chain, along(0.5).0, a, c);
+            let here = reference(&spans, 0.5);
+            let (mut state, mut without) = (machine.start(), perfect.start());
+            for _ in 0..100 {
+                machine.cycle(&mut state, at, at, &path, here);
+                perfect.cycle(&mut without, at, at, &path, here);
+            }
+            let (_, with) = machine.cycle(&mut state, at, at, &path, here);
+            let (_, without) = perfect.cycle(&mut without, at, at, &path, here);
+            assert!(without.angle.to_f64() < permitted);
             // About x, turned by C; the table's error is the tool's over the workpiece whichever side turns.
             let truth = about_z([1e-6, 0.0, 0.0], c);
-            assert!(norm(sub(found, truth)) < permitted, "{chain} {u}: {found:?} {truth:?}");
+            let found = with.vector.array().map(R::to_f64);
+            assert!(norm(sub(found, truth)) < permitted, "{chain} {a} {c}: {found:?} {truth:?}");
+            assert!((with.angle.to_f64() - 1e-6).abs() < permitted);
         }
     }
 }
 
 #[test]
 fn a_microradian_of_a_rotary_axis_is_resolved() {
-    // In doubles what remains is the foot's shift by the lever: 0.15 µm of way.
-    resolves_a_microradian::<f64, f64>(3e-9);
-    resolves_a_microradian::<f32, Micro>(0.5e-6);
+    resolves_a_microradian::<f64, f64>(1e-12);
+    resolves_a_microradian::<f32, Micro>(0.3e-6);
 }
 
 /// The tip stands, the tool turns by 50 degrees about it; both machines lag by a millisecond in every joint.
