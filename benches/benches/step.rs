@@ -8,7 +8,7 @@ use trueaxis_benches::contour::{Query, Shape, Track};
 use trueaxis_benches::gauge::Gauge;
 use trueaxis_benches::limiter::Limits;
 use trueaxis_benches::step;
-use trueaxis_benches::tables::{Grid, compensation, position};
+use trueaxis_benches::tables::{Grid, nine_terms, position};
 
 fn look_up(c: &mut Criterion) {
     let mut group = c.benchmark_group("nine terms");
