@@ -47,7 +47,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let before = *follow;
         let (command, refused) = match follow.next(kinematics, tool) {
             Ok(solution) => (self.positions(&solution.axes), (Fault::None, 0)),
-            Err(error) => (state.sample.commanded(), self.refusal(&error)),
+            Err(error) => (state.sample.commanded(), self.refusal(&error, tool)),
         };
         let sample = self.sampler.read_unless(&mut state.sample, &Input { command, ..*input }, refused);
         if sample.verdict == Verdict::Hold {
@@ -63,10 +63,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 
     #[cold]
-    fn refusal(&self, error: &InverseError) -> (Fault, u8) {
+    fn refusal(&self, error: &InverseError, tool: &Tool<R>) -> (Fault, u8) {
+        let finite = tool.axis.array().iter().all(|x| x.is_finite());
         match *error {
             InverseError::TipNotFinite => (Fault::CommandNotFinite, 0),
-            InverseError::NotADirection { length } if !length.is_finite() => (Fault::CommandNotFinite, 0),
+            InverseError::NotADirection { .. } if !finite => (Fault::CommandNotFinite, 0),
             InverseError::SingularPose { .. } => (Fault::SingularPose, 0),
             InverseError::BranchChange { .. } => (Fault::BranchChange, 0),
             InverseError::TooFast { axis, .. } => (Fault::CommandJump, self.place(axis)),

@@ -135,4 +135,4 @@ fn position<R: Real, P: Position>(tip: V3<R>) -> [P; 3] {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
