@@ -5,13 +5,14 @@ use gungraun::prelude::*;
 use gungraun::{Callgrind, EntryPoint};
 use std::hint::black_box;
 use trueaxis::compensation::NineTerms;
-use trueaxis::contour::ContourError;
+use trueaxis::contour::{ContourError, OrientationError};
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
 use trueaxis_benches::gauge::Gauge;
 use trueaxis_benches::limiter::Limits;
 use trueaxis_benches::step::{self, Cycle};
 use trueaxis_benches::tables::{Grid, nine_terms as nine_terms_of, position};
+use trueaxis_benches::tool::{self, ToolCycle};
 
 struct Lookup(NineTerms<'static, f64, f64, 3>, [f64; 3]);
 
@@ -115,6 +116,22 @@ fn whole_step(cycle: &'static mut Cycle) -> trueaxis::Output<f64, f64, 3> {
     black_box(cycle.run())
 }
 
+fn five_axes() -> &'static mut ToolCycle {
+    leak(tool::typical())
+}
+
+#[library_benchmark(setup = five_axes)]
+#[bench::five_axis_tool()]
+fn whole_step_tool(cycle: &'static mut ToolCycle) -> (trueaxis::Output<f64, f64, 5>, OrientationError<f64>) {
+    black_box(cycle.run())
+}
+
+#[library_benchmark(setup = five_axes)]
+#[bench::five_axis_tool()]
+fn whole_step_rtcp(cycle: &'static mut ToolCycle) -> (trueaxis::Output<f64, f64, 5>, OrientationError<f64>) {
+    black_box(cycle.run_rtcp())
+}
+
 fn sampling(passing: bool) -> &'static mut Gauge {
     leak(Gauge::sampling(passing))
 }
@@ -147,6 +164,8 @@ library_benchmark_group!(
         contour_worst,
         limiter,
         whole_step,
+        whole_step_tool,
+        whole_step_rtcp,
         gauge_sampling,
         gauge_transform
     ]

@@ -5,6 +5,7 @@ pub mod gauge;
 pub mod limiter;
 pub mod step;
 pub mod tables;
+pub mod tool;
 
 /// Splitmix64: the same numbers on every machine.
 #[derive(Clone, Debug)]
