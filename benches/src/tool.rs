@@ -2,7 +2,7 @@
 
 use crate::Random;
 use crate::step::{PASSES, PERIOD_NS};
-use crate::tables::{FIRST_MM, Grid, rows};
+use crate::tables::{Grid, POINTS, rows};
 use trueaxis::compensation::Storage;
 use trueaxis::contour::{Method, OrientationError, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use trueaxis::kinematics::{Follow, Kinematics, Tool};
@@ -52,6 +52,22 @@ fn machine() -> MachineSettings {
     }
 }
 
+/// As many points on every axis; a whole turn that closes on rotary ones.
+fn table(axis: Axis, seed: u64) -> Vec<Row> {
+    let mut rows = rows(Grid::Equidistant, seed);
+    if axis.is_rotary() {
+        let cell = 360.0 / f64::from(POINTS - 1);
+        let closing = rows[0];
+        for (row, i) in rows.iter_mut().zip(0..) {
+            row.position = cell * f64::from(i);
+            if i == POINTS - 1 {
+                *row = Row { position: row.position, ..closing };
+            }
+        }
+    }
+    rows
+}
+
 /// 80 mm straight, both rotary axes turning.
 fn path() -> (Vec<Span<f64, f64>>, Vec<Turn<f64>>) {
     let (mut spans, mut turns) = (Vec::new(), Vec::new());
@@ -69,7 +85,7 @@ fn path() -> (Vec<Span<f64, f64>>, Vec<Turn<f64>>) {
 /// binds: nine terms, tables of 128 points, linear.
 pub fn typical() -> ToolCycle {
     let machine: &'static MachineSettings = Box::leak(Box::new(machine()));
-    let tables: Vec<Vec<Row>> = (1..=5).map(|seed| rows(Grid::Equidistant, seed)).collect();
+    let tables: Vec<Vec<Row>> = machine.axes.iter().zip(1..).map(|(axis, seed)| table(axis.axis, seed)).collect();
     let config = Config {
         machine,
         machine_id: 1,
@@ -80,8 +96,7 @@ pub fn typical() -> ToolCycle {
     };
     let rows = |axis: Axis| {
         let place = machine.axes.iter().position(|known| known.axis == axis)?;
-        // A table of a whole turn would have to close; these axes do not turn that far.
-        tables.get(place).map(Vec::as_slice).filter(|_| FIRST_MM < 0.0)
+        tables.get(place).map(Vec::as_slice)
     };
     let need = config.requirement::<f64, f64, 5, _>(rows);
     let storage = Storage {
