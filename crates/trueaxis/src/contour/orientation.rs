@@ -133,16 +133,19 @@ fn part<R: Real, P: Position>(span: &Span<R, P>, [low, high]: [f64; 2]) -> [f64;
 /// coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct ToolPath<'a, R, P> {
-    /// Way of the tip.
-    pub path: Path<'a, R, P>,
-    /// Directions; a piece without one has no orientation error.
-    pub turns: &'a [Turn<R>],
+    pub(crate) path: Path<'a, R, P>,
+    turns: &'a [Turn<R>],
 }
 
 impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
-    /// From a window of pieces and as many turns.
+    /// From a window of pieces and as many turns; a piece without one has no orientation error.
     pub fn new(path: Path<'a, R, P>, turns: &'a [Turn<R>]) -> Self {
-        ToolPath { path, turns }
+        ToolPath { path: Path { turning: true, ..path }, turns }
+    }
+
+    /// Way of the tip, with the pieces without length passed over by a search.
+    pub fn path(&self) -> &Path<'a, R, P> {
+        &self.path
     }
 
     #[inline(always)]
