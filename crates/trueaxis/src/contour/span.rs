@@ -228,7 +228,6 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     }
 
     /// Over pieces without length, at most [`TURNS_IN_A_ROW`] of them.
-    #[cold]
     #[inline(never)]
     fn pass(&self, mut number: u32, onwards: impl Fn(&Self, u32) -> Option<u32>) -> Option<u32> {
         for _ in 0..TURNS_IN_A_ROW {
@@ -241,12 +240,14 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     }
 
     /// The same place on a piece on which the tip moves, if the path has one nearby.
+    #[inline(always)]
+    pub(super) fn moving(&self, at: Reference<R>) -> Reference<R> {
+        if self.turning && self.stands(at.span) { self.beside(at) } else { at }
+    }
+
     #[cold]
     #[inline(never)]
-    pub(super) fn moving(&self, at: Reference<R>) -> Reference<R> {
-        if !self.stands(at.span) {
-            return at;
-        }
+    fn beside(&self, at: Reference<R>) -> Reference<R> {
         match (self.next(at.span), self.previous(at.span)) {
             (Some(span), _) => Reference { span, t: R::ZERO },
             (None, Some(span)) => Reference { span, t: R::ONE },
