@@ -268,7 +268,7 @@ const STEP_DEG: f64 = 30.0;
 #[inline(always)]
 fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R; 3]) -> V3<R> + Copy) -> (R, u8) {
     let extent = turn.extent();
-    if !(extent > R::of(1e-9)) {
+    if extent <= R::of(1e-9) || !extent.is_finite() {
         return (start, 0);
     }
     let per_degree = R::ONE / extent;
@@ -283,7 +283,7 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
         let chord = ahead - behind;
         let square = chord.dot(chord);
         // The direction hardly changes: the tool turns about itself.
-        if !(square > R::of(1e-12)) {
+        if square <= R::of(1e-12) || !square.is_finite() {
             break;
         }
         let step = ((half + half) * left.dot(chord) / square).within(-longest, longest);
