@@ -114,14 +114,14 @@ fn header(job: &Job, passes: Passes) -> Result<String> {
     let [x, y, z] = job.settings.work_offset_mm;
     writeln!(
         text,
-        "(directions: A {}, C {}; work offset on the table X {x} Y {y} Z {z} mm)",
+        "(directions: A {}, C {}, work offset on the table X {x} Y {y} Z {z} mm)",
         job.settings.direction_a, job.settings.direction_c
     )?;
     for (name, range) in [("u", job.u), ("theta", job.theta)] {
         writeln!(text, "({name}: {} to {} rad, {} values)", range.start, range.stop, range.count)?;
     }
     let along = if passes == Passes::Theta { "theta" } else { "u" };
-    writeln!(text, "(passes along {along}, back and forth; mm and degrees, machine positions, no tool length offset)")?;
+    writeln!(text, "(passes along {along}, back and forth, mm and degrees, machine positions, no tool length offset)")?;
     text.push_str("G21 G90 G94\nG17 G40 G49 G80\n");
     Ok(text)
 }

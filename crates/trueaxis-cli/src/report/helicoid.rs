@@ -25,10 +25,14 @@ pub(crate) fn page(job: &Job, document: &Document) -> Result<String> {
     let data = serde_json::to_string(&data)?.replace('<', "\\u003c").replace('&', "\\u0026");
     let what = match &job.gear {
         Some((gear, _)) => format!(
-            "gear m_n {} mm, z {}, α_n {}°, β {}°",
+            "gear mₙ {} mm, z {}, αₙ {}°, β {}°",
             gear.module_mm, gear.teeth, gear.pressure_angle_deg, gear.helix_angle_deg
         ),
-        None => format!("r_b {} mm, p {} mm/rad", job.surface.base_radius(), job.surface.lead_parameter()),
+        None => format!(
+            "base radius {} mm, lead parameter {} mm/rad",
+            job.surface.base_radius(),
+            job.surface.lead_parameter()
+        ),
     };
     let summary = format!(
         "{what} · {} · {} · pivot length {} mm · {} points",

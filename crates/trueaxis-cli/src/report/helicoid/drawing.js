@@ -159,15 +159,18 @@ function drawSpace(canvas, setup, at, camera, frame) {
   const normal = machine ? [0, -Math.sin(head), Math.cos(head)] : surfaceNormal(setup, ...at);
   const grid = ts.map(t => us.map(u => world(surfacePoint(setup, u, t))));
 
-  // The picture holds the flank, the base cylinder along it and a length of tool.
+  // The picture holds the flank and a length of tool; the base cylinder goes beyond it.
   const zs = ordered(setup.theta.map(t => setup.p * t));
-  const outer = setup.rb * Math.hypot(1, Math.max(...setup.u.map(Math.abs)));
-  const tall = zs[1] - zs[0];
-  const centre = world([0, 0, (zs[0] + zs[1]) / 2]);
-  const reach = Math.max(outer, tall / 2, 1e-9);
-  const toolLength = Math.min(setup.pivot, 0.9 * reach);
-  const size = 0.40 * Math.min(width, height) / Math.hypot(outer, tall / 2) * camera.zoom;
-  const [sy, cy, sp, cp] = [Math.sin(camera.yaw), Math.cos(camera.yaw), Math.sin(camera.pitch), Math.cos(camera.pitch)];
+  const corners = grid.flat();
+  const bounds = [0, 1, 2].map(i => [Math.min(...corners.map(v => v[i])), Math.max(...corners.map(v => v[i]))]);
+  const centre = bounds.map(([low, high]) => (low + high) / 2);
+  const reach = Math.max(0.5 * Math.hypot(...bounds.map(([low, high]) => high - low)), 0.15 * setup.rb);
+  const toolLength = Math.min(Math.max(setup.pivot, 0.2 * reach), 0.9 * reach);
+  const size = 0.38 * Math.min(width, height) / reach * camera.zoom;
+  // Seen from the outer side of the flank's middle.
+  const [um, tm] = [setup.u, setup.theta].map(([low, high]) => (low + high) / 2);
+  const yaw = camera.yaw + (machine ? (setup.branch === 1 ? 0 : Math.PI) : um + tm);
+  const [sy, cy, sp, cp] = [Math.sin(yaw), Math.cos(yaw), Math.sin(camera.pitch), Math.cos(camera.pitch)];
   const view = v => {
     const [x, y, z] = v.map((value, i) => value - centre[i]);
     const a = cy * x + sy * y, b = -sy * x + cy * y;
@@ -175,8 +178,16 @@ function drawSpace(canvas, setup, at, camera, frame) {
   };
   const path = points => { c.beginPath(); points.map(view).forEach(([x, y], i) => i ? c.lineTo(x, y) : c.moveTo(x, y)); };
 
-  c.strokeStyle = "#c3c8cf"; c.lineWidth = 1;
-  for (const z of zs) { path(between([0, 2 * Math.PI], 73).map(a => world([setup.rb * Math.cos(a), setup.rb * Math.sin(a), z]))); c.stroke(); }
+  c.strokeStyle = "#cdd2d8"; c.lineWidth = 1;
+  for (const z of zs) {
+    path(between([0, 2 * Math.PI], 181).map(a => world([setup.rb * Math.cos(a), setup.rb * Math.sin(a), z]))); c.stroke();
+    // The same flank of all other teeth, at both ends.
+    const teeth = setup.gear ? setup.gear.teeth : 0;
+    for (let k = 0; k < Math.min(teeth, 400); k++) {
+      path(between(setup.u, 10).map(u => world(aboutZ(2 * Math.PI * k / teeth, surfacePoint(setup, u, z / setup.p)))));
+      c.stroke();
+    }
+  }
   c.setLineDash([8, 4, 2, 4]);
   path([world([0, 0, zs[0] - 0.25 * reach]), world([0, 0, zs[1] + 0.25 * reach])]); c.stroke();
   c.setLineDash([]);
@@ -184,12 +195,11 @@ function drawSpace(canvas, setup, at, camera, frame) {
   const faces = [];
   for (let j = 0; j + 1 < lines; j++) for (let i = 0; i + 1 < lines; i++) {
     const corners = [grid[j][i], grid[j][i + 1], grid[j + 1][i + 1], grid[j + 1][i]].map(view);
-    const area = corners.reduce((sum, p, k) => sum + p[0] * corners[(k + 1) % 4][1] - p[1] * corners[(k + 1) % 4][0], 0);
     const n = surfaceNormal(setup, (us[i] + us[i + 1]) / 2, (ts[j] + ts[j + 1]) / 2);
     const m = machine ? aboutZ(table, n) : n;
     // Towards the eye: the view's depth axis is [−s_y c_p, c_y c_p, −s_p].
     const facing = m[0] * sy * cp - m[1] * cy * cp + m[2] * sp;
-    faces.push({ corners, depth: corners.reduce((sum, p) => sum + p[2], 0), facing, area });
+    faces.push({ corners, depth: corners.reduce((sum, p) => sum + p[2], 0), facing });
   }
   const tool = () => drawTool(c, view, tip, normal, toolLength, reach);
   // The tool stands outside: it hides the flank where its outer side faces the eye.

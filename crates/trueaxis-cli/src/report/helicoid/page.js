@@ -3,7 +3,7 @@
 const run = JSON.parse(document.getElementById("run").textContent);
 const field = name => document.querySelector(`[name="${name}"]`);
 const fields = [...document.querySelectorAll("#inputs [name]")];
-const camera = { yaw: 0.6, pitch: 0.45, zoom: 1 };
+const camera = { yaw: 0.75, pitch: 0.4, zoom: 1 };
 const CELLS = 48;
 let setup = null, grid = null, at = null;
 
@@ -67,8 +67,8 @@ function recompute() {
 }
 
 function derived() {
-  const rows = [["base radius r_b", show(setup.rb, 6), "mm"], ["lead parameter p", show(setup.p, 6), "mm/rad"], ["lead", show(2 * Math.PI * setup.p, 4), "mm"], ["tilt γ of the normal", show(Math.atan2(setup.p, setup.rb) / RAD, 6), "°"], ["pivot length L", show(setup.pivot, 4), "mm"]];
-  if (setup.data) rows.unshift(["transverse module m_t", show(setup.data.transverseModule, 6), "mm"], ["transverse pressure angle α_t", show(setup.data.alphaT / RAD, 6), "°"], ["reference radius r", show(setup.data.r, 6), "mm"], ["base helix angle β_b", show(setup.data.betaB / RAD, 6), "°"], ["u at the reference radius", show(Math.sign(setup.p) * setup.data.roll, 6), "rad"]);
+  const rows = [["base radius", show(setup.rb, 6), "mm"], ["lead parameter", show(setup.p, 6), "mm/rad"], ["lead", show(2 * Math.PI * setup.p, 4), "mm"], ["tilt γ of the normal", show(Math.atan2(setup.p, setup.rb) / RAD, 6), "°"], ["pivot length L", show(setup.pivot, 4), "mm"]];
+  if (setup.data) rows.unshift(["transverse module", show(setup.data.transverseModule, 6), "mm"], ["transverse pressure angle", show(setup.data.alphaT / RAD, 6), "°"], ["reference radius", show(setup.data.r, 6), "mm"], ["base helix angle", show(setup.data.betaB / RAD, 6), "°"], ["u at the reference radius", show(Math.sign(setup.p) * setup.data.roll, 6), "rad"]);
   document.getElementById("derived").replaceChildren(...rows.map(cells => row(cells)));
 }
 
