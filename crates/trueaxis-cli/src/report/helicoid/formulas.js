@@ -57,8 +57,6 @@ function place(setup, u, theta) {
 
 /** What does not go together, or null. */
 function refusal(setup) {
-  const numbers = [setup.rb, setup.p, setup.pivot, ...setup.w, ...setup.u, ...setup.theta];
-  if (!numbers.every(Number.isFinite)) return "A field is empty or not a number.";
   if (setup.gear) {
     const { module_mm: m, teeth, pressure_angle_deg: alpha, helix_angle_deg: beta } = setup.gear;
     if (!(m > 0)) return "The module must be above 0 mm.";
@@ -66,6 +64,8 @@ function refusal(setup) {
     if (!(alpha > 0 && alpha < 90)) return "The pressure angle must be between 0° and 90°.";
     if (!(beta !== 0 && Math.abs(beta) < 90)) return "The helix angle must be between −90° and 90° and not 0: a spur gear's flank has no lead.";
   }
+  const numbers = [setup.rb, setup.p, setup.pivot, ...setup.w, ...setup.u, ...setup.theta];
+  if (!numbers.every(Number.isFinite)) return "A field is empty or not a number.";
   if (!(setup.rb > 0 && setup.rb <= 1e6)) return "The base radius must be above 0 mm.";
   if (!(setup.p !== 0 && Math.abs(setup.p) <= 1e6)) return "The lead parameter must not be 0 mm/rad.";
   if (!(setup.pivot >= 0 && setup.pivot <= 1e6)) return "The pivot length must not be negative.";

@@ -108,6 +108,11 @@ function csv() {
   return lines.join("\n") + "\n";
 }
 
+// The other flank is the mirror image: u changes its sign with it.
+field("flank").addEventListener("input", () => {
+  const sign = field("flank").value === "right" ? 1 : -1;
+  for (const name of ["u_start", "u_stop"]) if (number(name) * sign < 0) field(name).value = -number(name);
+});
 for (const input of fields) input.addEventListener("input", recompute);
 document.getElementById("frame").addEventListener("change", draw);
 document.getElementById("inputs").addEventListener("submit", event => event.preventDefault());
