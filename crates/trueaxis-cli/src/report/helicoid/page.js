@@ -52,7 +52,8 @@ function recompute() {
   });
   const next = read();
   const counts = [number("u_count"), number("theta_count")];
-  const bad = counts.every(n => Number.isInteger(n) && n >= 1 && n <= 2000) ? refusal(next) : "Points: whole numbers from 1 to 2000.";
+  const countable = counts.every(n => Number.isInteger(n) && n >= 1) && counts[0] * counts[1] <= 1e6;
+  const bad = countable ? refusal(next) : "Points: whole numbers from 1, at most a million in all.";
   document.getElementById("refused").textContent = bad ?? "";
   document.body.classList.toggle("stale", bad !== null);
   if (bad !== null) return;
