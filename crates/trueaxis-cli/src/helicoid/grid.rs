@@ -1,4 +1,4 @@
-//! The grid of surface parameters, and how the C axis goes on from point to point.
+//! The grid of surface parameters.
 
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -44,12 +44,6 @@ impl Range {
     }
 }
 
-/// Brings an angle to within half a turn of the one before, by whole turns; degrees.
-pub(crate) fn shortest_way(before: f64, angle: f64) -> f64 {
-    // A half turn either way is as short: such an angle stays as it is, whatever its last bit.
-    if (angle - before).abs() <= 180.0 + 1e-9 { angle } else { angle - 360.0 * ((angle - before) / 360.0).round() }
-}
-
 /// Whether a step along a line of the grid turns the table by more than half a turn, so that a straight move between
 /// its points would leave the surface by far.
 pub(crate) fn is_coarse(range: Range) -> bool {
@@ -69,19 +63,6 @@ mod tests {
         assert_eq!(*values("0.1:0.7:7").last().unwrap(), 0.7);
         for bad in ["", "1:2", "1:2:3:4", "1:2:0", "1:2:-3", "1:2:2.5", "a:2:3", "nan:1:2", "0:inf:2", "0:1:1000001"] {
             assert!(Range::parse(bad).unwrap_err().contains("needed"), "{bad}");
-        }
-    }
-
-    #[test]
-    fn the_shortest_way_is_never_above_half_a_turn() {
-        for (before, angle, way) in [
-            (0.0, 350.0, -10.0),
-            (-715.0, 10.0, -710.0),
-            (90.0, -90.0, -90.0),
-            (0.0, 100.0, 100.0),
-            (170.0, -170.0, 190.0),
-        ] {
-            assert!((shortest_way(before, angle) - way).abs() < 1e-9, "{before} {angle}");
         }
     }
 }

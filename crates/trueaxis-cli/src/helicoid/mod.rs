@@ -9,7 +9,7 @@ pub(crate) use arguments::{Arguments, HELP, Passes};
 use crate::output::{json, put, put_bytes};
 use crate::report;
 use anyhow::{Result, bail};
-use grid::{MOST, Range, is_coarse, shortest_way};
+use grid::{MOST, Range, is_coarse};
 use serde::Serialize;
 use std::fmt::Write;
 use trueaxis::helicoid::{Branch, Flank, Form, Gear, GearData, HeadTable, Helicoid, MachineSettings};
@@ -41,16 +41,23 @@ impl Job {
         if self.branch == Branch::First { 1 } else { 2 }
     }
 
-    /// The grid, u the slow parameter; C goes the shortest way from row to row.
+    /// The grid, u the slow parameter. C is proportional to φ = u + θ and never jumps along a line of it.
     fn points(&self) -> Result<Vec<Point>> {
         let mut points: Vec<Point> = Vec::with_capacity(self.u.count * self.theta.count);
         for u_rad in self.u.values() {
             for theta_rad in self.theta.values() {
                 let axes = self.machine.place(&self.surface, u_rad, theta_rad, self.branch)?;
-                let c_deg = points.last().map_or(axes.c_deg, |before| shortest_way(before.c_deg, axes.c_deg));
                 // Adding 0 turns a −0 into 0.
                 let [x_mm, y_mm, z_mm] = axes.linear_mm.map(|value| value + 0.0);
-                points.push(Point { u_rad, theta_rad, x_mm, y_mm, z_mm, a_deg: axes.a_deg + 0.0, c_deg: c_deg + 0.0 });
+                points.push(Point {
+                    u_rad,
+                    theta_rad,
+                    x_mm,
+                    y_mm,
+                    z_mm,
+                    a_deg: axes.a_deg + 0.0,
+                    c_deg: axes.c_deg + 0.0,
+                });
             }
         }
         Ok(points)
@@ -188,7 +195,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     for (name, range) in [("--u-rad", job.u), ("--theta-rad", job.theta)] {
         if is_coarse(range) {
-            eprintln!("note: {name}: C turns by more than half a turn between points; it is given the shortest way");
+            eprintln!(
+                "note: {name}: C turns by more than half a turn between points, and a straight move leaves the surface"
+            );
         }
     }
     if let Some((text, file)) = &program {

@@ -1,6 +1,5 @@
 //! The G-code of a grid: one pass after the other, back and forth.
 
-use super::grid::shortest_way;
 use super::{Job, Passes};
 use anyhow::Result;
 use std::fmt::Write;
@@ -21,10 +20,7 @@ pub(super) fn write(job: &Job, feed_mm_per_min: f64, clearance_mm: f64, passes: 
         for step in 0..columns.len() {
             let column = columns[if index % 2 == 0 { step } else { columns.len() - 1 - step }];
             let [u, theta] = if passes == Passes::Theta { [*row, column] } else { [column, *row] };
-            let mut stand = Stand::new(job, u, theta)?;
-            if let Some(before) = before {
-                stand.axes.c_deg = shortest_way(before.axes.c_deg, stand.axes.c_deg);
-            }
+            let stand = Stand::new(job, u, theta)?;
             let feed = if before.is_none() {
                 text.push_str(&approach(job, &stand, clearance_mm)?);
                 format!(" F{feed_mm_per_min}")
