@@ -5,6 +5,7 @@ mod circle;
 mod compensate;
 mod contour;
 mod csv_in;
+mod helicoid;
 mod kinematics;
 mod model;
 mod output;
@@ -51,6 +52,9 @@ enum Command {
     /// Axis positions to tool and back: five-axis transformation.
     #[command(subcommand)]
     Kinematics(kinematics::Command),
+    /// Displacements of five axes that stand a tool normal to the flank of a helical gear, as CSV and as a program.
+    #[command(after_help = helicoid::HELP)]
+    Helicoid(Box<helicoid::Arguments>),
 }
 
 fn main() -> ExitCode {
@@ -62,6 +66,7 @@ fn main() -> ExitCode {
         Command::ProbeAngles(arguments) => probe_angles::run(&arguments),
         Command::Circle(arguments) => circle::run(&arguments),
         Command::Kinematics(command) => kinematics::run(command),
+        Command::Helicoid(arguments) => helicoid::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
