@@ -118,12 +118,15 @@ fn both_branches_and_the_one_asked_for() {
     assert_eq!(good(&directory, "inverse", &["t.csv"]).1[0], rows[0]);
 }
 
+/// Machine, way, input, more arguments, what the error names.
+type Case<'a> = (&'a str, &'a str, &'a str, &'a [&'a str], &'a [&'a str]);
+
 #[test]
 fn what_cannot_be_is_refused_with_place_and_figures() {
     let head = "tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k\n";
     let four = "name = \"four\"\nchain = \"w X' b Y Z A t\"\n[axis.X]\ntable = \"x.csv\"\n";
     let two = "name = \"two\"\nchain = \"w X' b Z t\"\n[axis.X]\ntable = \"x.csv\"\n";
-    let cases: [(&str, &str, &str, &[&str], &[&str]); 16] = [
+    let cases: [Case<'_>; 16] = [
         (TRUNNION, "inverse", "0,0,0,0,0,1\n", &[], &["in.csv:2", "tool_i", "0 degrees from the singular pose", "0.1"]),
         (TRUNNION, "inverse", "0,0,0,0,0.6,0.8\n0,0,0,0,0,2\n", &[], &["in.csv:3", "length 2", "1e-3"]),
         (TRUNNION, "inverse", "0,0,0,0,-0.6,0.8\n0,0,0,0.6,0,0.8\n", &["--max-step-deg", "5"], &["in.csv:3", "5"]),
