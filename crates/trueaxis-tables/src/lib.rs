@@ -3,6 +3,7 @@
 pub mod accuracy;
 mod compile;
 pub mod error;
+pub mod exact;
 pub mod formats;
 mod read;
 mod source;

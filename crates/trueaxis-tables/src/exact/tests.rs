@@ -1,8 +1,9 @@
+use super::sample::{machine, set_constant, set_table, slot};
 use super::*;
-use crate::plant::sample::{machine, set_constant, set_table, slot};
+use crate::Table;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
-use trueaxis::machine::{Interpolation, Row};
+use trueaxis::machine::{Axis, Interpolation, Row, Twist};
 
 const FORWARD: [f64; AXES] = [0.0; AXES];
 
@@ -374,4 +375,74 @@ fn bad_structural_codes_say_what_is_needed() {
     let mut m = machine("w X' b Y Z t");
     m.settings.axes.pop();
     assert!(matches!(wrong_axis(&m), GeometryError::Axis { axis: 'Z', .. }));
+}
+
+#[test]
+fn offsets_move_the_axes_of_rotation_and_nothing_else_when_they_stand_at_zero() {
+    // A trunnion A at (0, 20, 50) from the bed with C above it at (0, 0, 30): the workpiece lies on C.
+    let mut m = machine("w C' A' b X Y Z t");
+    let (a, c) = (slot(&m, Axis::A), slot(&m, Axis::C));
+    m.settings.axes[a].offset_mm = [0.0, 20.0, 50.0];
+    m.settings.axes[c].offset_mm = [0.0, 0.0, 30.0];
+    m.settings.tool_mm = [0.0, 0.0, -100.0];
+    let geometry = Geometry::new(&m, 0.0).unwrap();
+    let at = |a: f64, c: f64| [7.0, 20.0, 250.0, a, c, 0.0];
+    // Tip from A's axis: (7, 0, 100); from C's frame (7, 0, 70) at zero.
+    assert_near(geometry.ideal_pose(&at(0.0, 0.0)).tip_mm, [7.0, 0.0, 70.0], 1e-12);
+    // A at 90° turns the table by −90° about x: what lay along z lies along y of the table.
+    assert_near(geometry.ideal_pose(&at(90.0, 0.0)).tip_mm, [7.0, -100.0, -30.0], 1e-12);
+    // The error of A acts about A's axis: w × (7, 0, 100); that of C about C's.
+    let w: f64 = 1e-9;
+    set_constant(&mut m, Axis::A, [0.0, 0.0, 0.0, w, 0.0, 0.0]);
+    assert_near(tip(&m, &at(0.0, 0.0)), [0.0, -w * 100.0, 0.0], 1e-13);
+    set_constant(&mut m, Axis::A, [0.0; 6]);
+    set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.0, w, 0.0]);
+    assert_near(tip(&m, &at(0.0, 0.0)), [w * 70.0, 0.0, -w * 7.0], 1e-13);
+    // A table reads itself on the line of its measurement wherever the frame's origin is.
+    let mut m = machine("w Y' b X Z t");
+    m.settings.axes[0].offset_mm = [100.0, 200.0, 300.0];
+    m.settings.axes[0].measured_at_mm = [0.0, 0.0, -300.0];
+    set_constant(&mut m, Axis::X, [1e-3, 0.0, 0.0, 0.0, 20e-6, 0.0]);
+    assert_near(tip(&m, &[0.0, 0.0, -300.0]), [1e-3, 0.0, 0.0], 1e-7);
+}
+
+#[test]
+fn the_tool_axis_of_the_machine_is_the_direction_that_errs() {
+    let mut m = machine("w b Z A t");
+    let w: f64 = 30e-6;
+    set_constant(&mut m, Axis::A, [0.0, 0.0, 0.0, 0.0, w, 0.0]);
+    let direction = |m: &Machine| {
+        let error = Geometry::new(m, 0.0).unwrap().pose_error(&[0.0; AXES], &FORWARD);
+        assert_near(error.orientation, [0.0, w, 0.0], 1e-15);
+        error.direction
+    };
+    assert_near(direction(&m), [w.sin(), 0.0, w.cos() - 1.0], 1e-15);
+    // Its length does not matter; along the axis of the error nothing is seen.
+    m.settings.kinematics.tool_axis = [0.0, 2.0, 0.0];
+    assert_near(direction(&m), [0.0; 3], 1e-15);
+    m.settings.kinematics.tool_axis = [-0.5, 0.0, 0.0];
+    assert_near(direction(&m), [1.0 - w.cos(), 0.0, w.sin()], 1e-15);
+    let pose = Geometry::new(&m, 0.0).unwrap().ideal_pose(&[0.0; AXES]);
+    assert_near(pose.direction, [-1.0, 0.0, 0.0], 0.0);
+}
+
+#[test]
+fn orientation_stands_in_bed_directions_whatever_the_workpieces_pose() {
+    let w: f64 = 50e-6;
+    for angle in [0.0, 30.0, 90.0, -135.0] {
+        let mut m = machine("w C' Y' b X Z B t");
+        // Tool side: the carrier of B never turns. Workpiece side: tables state the tool relative to the workpiece.
+        set_constant(&mut m, Axis::B, [0.0, 0.0, 0.0, w, 0.0, 0.0]);
+        let turned = |m: &Machine| {
+            let at = [1.0, 2.0, 3.0, angle, -2.0 * angle, 0.0];
+            Geometry::new(m, 0.0).unwrap().pose_error(&at, &FORWARD).orientation
+        };
+        assert_near(turned(&m), [w, 0.0, 0.0], 1e-15);
+        set_constant(&mut m, Axis::B, [0.0; 6]);
+        set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.0, w, 0.0]);
+        assert_near(turned(&m), [0.0, w, 0.0], 1e-15);
+        // A rotation of a radian is no small one: still its vector.
+        set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.3, -0.4, 0.8]);
+        assert_near(turned(&m), [0.3, -0.4, 0.8], 1e-14);
+    }
 }
