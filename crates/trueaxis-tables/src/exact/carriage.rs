@@ -21,7 +21,7 @@ pub(super) struct Carriage {
     constant: Twist,
     per_position: Twist,
     /// Component of the axis' own positioning error, and its change in negative travel (mm, rad).
-    own: usize,
+    pub(super) own: usize,
     backlash: f64,
     pub(super) lever: DVec3,
     own_lever: f64,

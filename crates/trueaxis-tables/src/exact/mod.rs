@@ -32,6 +32,7 @@
 
 mod carriage;
 mod chain;
+mod correction;
 mod rotation;
 #[cfg(test)]
 mod sample;
@@ -42,6 +43,7 @@ mod tests;
 use crate::Machine;
 use carriage::{Carriage, unit};
 use chain::structural_code;
+pub use correction::CorrectionSettings;
 use glam::{DAffine3, DMat3, DVec3};
 use rotation::{rotation, rotation_vector};
 use thiserror::Error;
