@@ -43,7 +43,7 @@ fn compare<const N: usize>(name: &str) {
     let geometry = Geometry::new(&machine, 0.0).unwrap();
     let rows = |axis: Axis| machine.rows(axis);
     let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
-    let (mut lines, mut knots, mut guide) = (vec![[0.0; 4]; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
+    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
     let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
     let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, storage).unwrap();
     let axes = step_axes::<N>(&machine.settings).unwrap();
