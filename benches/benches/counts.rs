@@ -4,7 +4,7 @@
 use gungraun::prelude::*;
 use gungraun::{Callgrind, EntryPoint};
 use std::hint::black_box;
-use trueaxis::compensation::NineTerms;
+use trueaxis::compensation::{NineTerms, PoseError, Volumetric};
 use trueaxis::contour::{ContourError, OrientationError};
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
@@ -12,7 +12,7 @@ use trueaxis_benches::gauge::Gauge;
 use trueaxis_benches::kinematics::Pose;
 use trueaxis_benches::limiter::Limits;
 use trueaxis_benches::step::{self, Cycle};
-use trueaxis_benches::tables::{Grid, nine_terms as nine_terms_of, position};
+use trueaxis_benches::tables::{Grid, nine_terms as nine_terms_of, position, volumetric as volumetric_of};
 use trueaxis_benches::tool::{self, ToolCycle};
 
 struct Lookup(NineTerms<'static, f64, f64, 3>, [f64; 3]);
@@ -21,6 +21,16 @@ fn lookup(grid: Grid) -> &'static Lookup {
     let terms = nine_terms_of(grid);
     let at = terms.coordinates(&position(&mut Random(5)));
     Box::leak(Box::new(Lookup(terms, at)))
+}
+
+struct Poses<const N: usize>(Volumetric<'static, f64, f64, N>, [f64; N]);
+
+fn poses<const N: usize>() -> &'static Poses<N> {
+    let model = volumetric_of::<N>();
+    let mut random = Random(5);
+    let linear = position(&mut random);
+    let at = model.coordinates(&std::array::from_fn(|i| linear.get(i).copied().unwrap_or(-35.0 - 17.3 * i as f64)));
+    leak(Poses(model, at))
 }
 
 fn leak<T>(value: T) -> &'static mut T {
@@ -69,6 +79,20 @@ fn nine_terms(lookup: &'static Lookup) -> [f64; 3] {
 fn nine_terms_free(lookup: &'static Lookup) -> [f64; 3] {
     let mut held = 0;
     black_box(lookup.0.linear_terms(&lookup.1, &[0; 3], &mut held))
+}
+
+#[library_benchmark]
+#[bench::three_axis(setup = poses::<3>)]
+fn volumetric(poses: &'static Poses<3>) -> PoseError<f64> {
+    let mut held = 0;
+    black_box(poses.0.pose_error(&poses.1, &[0; 3], &Default::default(), &mut held))
+}
+
+#[library_benchmark]
+#[bench::five_axis(setup = poses::<5>)]
+fn volumetric_rotary(poses: &'static Poses<5>) -> PoseError<f64> {
+    let mut held = 0;
+    black_box(poses.0.pose_error(&poses.1, &[0; 5], &Default::default(), &mut held))
 }
 
 #[library_benchmark(setup = middle)]
@@ -180,6 +204,8 @@ library_benchmark_group!(
         nothing,
         nine_terms,
         nine_terms_free,
+        volumetric,
+        volumetric_rotary,
         contour,
         kernel,
         contour_worst,

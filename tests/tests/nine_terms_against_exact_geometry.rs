@@ -1,11 +1,11 @@
 //! The nine-term form against the plant's exact transforms: two implementations that share no code but the file reader.
 
-use firmware_sim::plant::geometry::Geometry;
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::{Compensation, Storage, ThermalLine, step_axes};
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
+use trueaxis_tables::exact::Geometry;
 
 /// Largest difference, mm. Both interpolate in doubles; squareness and translations are exact in either form.
 const TOLERANCE_MM: f64 = 1e-12;
