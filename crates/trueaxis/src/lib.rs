@@ -37,6 +37,8 @@ pub mod compensation;
 pub mod contour;
 pub mod error;
 pub mod exchange;
+#[cfg(feature = "identification")]
+pub mod identification;
 pub mod limiter;
 pub mod machine;
 mod output;
