@@ -5,6 +5,7 @@ mod circle;
 mod compensate;
 mod contour;
 mod csv_in;
+mod identify;
 mod model;
 mod output;
 mod probe_angles;
@@ -47,6 +48,9 @@ enum Command {
     /// Least-squares, minimum zone, maximum inscribed and minimum circumscribed circle of points.
     #[command(after_help = circle::HELP)]
     Circle(circle::Arguments),
+    /// Six errors of a rotary axis from a ball measured under RTCP.
+    #[command(after_help = identify::HELP)]
+    Identify(identify::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -57,6 +61,7 @@ fn main() -> ExitCode {
         Command::Roundness(arguments) => roundness::run(&arguments),
         Command::ProbeAngles(arguments) => probe_angles::run(&arguments),
         Command::Circle(arguments) => circle::run(&arguments),
+        Command::Identify(arguments) => identify::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

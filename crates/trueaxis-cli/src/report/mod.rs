@@ -2,6 +2,7 @@
 
 pub(crate) mod circle;
 mod figure;
+pub(crate) mod identify;
 mod polar;
 pub(crate) mod roundness;
 mod text;
@@ -16,6 +17,14 @@ const STYLE: &str = include_str!("style.css");
 pub(crate) fn write(page: &str, directory: &Path, name: &str) -> Result<()> {
     std::fs::create_dir_all(directory).with_context(|| format!("cannot create {}", directory.display()))?;
     put_bytes(page.as_bytes(), &directory.join(name))
+}
+
+/// Writes a page into a file that ends in `.html`, or under `name` into a folder.
+pub(crate) fn write_at(page: &str, place: &Path, name: &str) -> Result<()> {
+    match place.extension() {
+        Some(extension) if extension == "html" => put_bytes(page.as_bytes(), place),
+        _ => write(page, place, name),
+    }
 }
 
 /// A whole page; `body` must be well formed.
