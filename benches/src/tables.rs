@@ -56,6 +56,8 @@ pub fn machine() -> MachineSettings {
         location: Default::default(),
         faults: Default::default(),
         contour: Default::default(),
+        compensation: Default::default(),
+        kinematics: Default::default(),
         axes,
     }
 }

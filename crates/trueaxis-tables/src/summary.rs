@@ -3,7 +3,7 @@
 use serde::Serialize;
 use std::fmt;
 use trueaxis::compensation::carries_workpiece;
-use trueaxis::machine::{Axis, AxisSettings, Interpolation, Lookup};
+use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup};
 use trueaxis::roundness::{Band, RoundnessSettings};
 use trueaxis::tcomp::{TableData, Tcomp};
 
@@ -20,6 +20,12 @@ pub struct Summary {
     pub crc: u32,
     /// Tool vector, mm.
     pub tool_mm: [f64; 3],
+    /// Tool axis with all axes at zero.
+    pub tool_axis: [f64; 3],
+    /// Error model of the step: `nine` or `volumetric`.
+    pub model: &'static str,
+    /// The direction of the tool is corrected through the rotary axes.
+    pub orientation: bool,
     /// Temperature at which the tables hold, °C.
     pub reference_temperature_c: f64,
     /// Squareness A0Z, B0Z, C0Y, µrad.
@@ -135,6 +141,12 @@ pub fn summary(file: &Tcomp<'_>) -> Summary {
         machine_id: file.machine_id(),
         crc: file.crc(),
         tool_mm: settings.tool_mm,
+        tool_axis: settings.kinematics.tool_axis,
+        model: match settings.compensation.model {
+            ErrorModel::Nine => "nine",
+            ErrorModel::Volumetric => "volumetric",
+        },
+        orientation: settings.compensation.orientation,
         reference_temperature_c: settings.reference_temperature_c,
         squareness_urad: [location.a0z, location.b0z, location.c0y].map(|angle| angle * 1e6),
         inverse_passes: file.inverse_passes(),
@@ -206,6 +218,8 @@ impl fmt::Display for Summary {
         writeln!(f, "machine id {:08x}, crc {:08x}", self.machine_id, self.crc)?;
         let [x, y, z] = self.tool_mm;
         writeln!(f, "tool {x} {y} {z} mm, reference {} °C", self.reference_temperature_c)?;
+        let through = if self.orientation { ", direction of the tool corrected" } else { "" };
+        writeln!(f, "error model {}{through}", self.model)?;
         let [a0z, b0z, c0y] = self.squareness_urad;
         writeln!(f, "squareness A0Z {a0z:.1}, B0Z {b0z:.1}, C0Y {c0y:.1} µrad")?;
         write!(f, "exact inverse: {} look-ups", self.inverse_passes)?;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-use trueaxis::machine::{Axis, AxisSettings, Interpolation, Lookup};
+use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::formats::write_axis_csv;
 use trueaxis_tables::{Machine, Table, check, compile, write_atomically};
@@ -96,6 +96,7 @@ cross_lookup = "feedback"
 travel_mm = [0, 20]
 joint_mm = [-1, 21]
 measured_at_mm = [0, 1, 2]
+offset_mm = [3, 4, 5]
 max_feed_mm_per_min = 6000
 backlash_um = 3
 hysteresis_um = 2
@@ -135,12 +136,23 @@ stuck_mm = 0.5
 stuck_deg = 0.6
 [contour]
 max_lag_mm = 2
+[compensation]
+model = "volumetric"
+orientation = true
+fade_deg = 3
+[kinematics]
+tool_axis = [0, 1, 0]
+singular_cone_deg = 0.5
 "#;
     let s = read(toml, TABLE).unwrap().settings;
     assert_eq!((s.tool_mm, s.reference_temperature_c), ([1.0, 2.5, -150.0], 22.0));
     let [x, c] = &s.axes[..] else { panic!() };
     assert_eq!((x.interpolation, x.lookup, x.cross_lookup), (Interpolation::Cubic, Lookup::Feedback, Lookup::Feedback));
     assert_eq!((x.travel, x.joint, x.measured_at_mm), ([0.0, 20.0], [-1.0, 21.0], [0.0, 1.0, 2.0]));
+    assert_eq!(x.offset_mm, [3.0, 4.0, 5.0]);
+    let compensation = (s.compensation.model, s.compensation.orientation, s.compensation.fade_deg);
+    assert_eq!(compensation, (ErrorModel::Volumetric, true, 3.0));
+    assert_eq!((s.kinematics.tool_axis, s.kinematics.singular_cone_deg), ([0.0, 1.0, 0.0], 0.5));
     assert_eq!((x.max_feed_per_s, x.backlash, x.hysteresis), (100.0, 0.003, 0.002));
     assert_eq!((x.limits.magnitude, x.limits.slope_per_s, x.limits.acceleration_per_s2), (0.05, 2.0, 100.0));
     assert_eq!((x.thermal.offset_per_k, x.thermal.expansion_per_k, x.thermal.datum), (0.002, 11.5e-6, 5.0));

@@ -74,8 +74,27 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     )?;
     let lag = machine.contour.max_lag_mm;
     need(lag > 0.0 && lag.is_finite(), ConfigError::new(Field::Contour, lag, "a positive max_lag_mm"))?;
+    let fade = machine.compensation.fade_deg;
+    need((0.0..=45.0).contains(&fade), ConfigError::new(Field::Compensation, fade, "a fade_deg of 0 to 45 degrees"))?;
+    five_axes(machine)?;
     machine.axes.iter().try_for_each(axis_settings)?;
     roundness(machine)
+}
+
+/// Tool axis and singular cone.
+fn five_axes(machine: &MachineSettings) -> Result<(), ConfigError> {
+    let kinematics = &machine.kinematics;
+    finite(&kinematics.tool_axis, Field::Kinematics, None)?;
+    let length = libm::sqrt(kinematics.tool_axis.iter().map(|x| x * x).sum());
+    need(
+        (1e-3..=1e3).contains(&length),
+        ConfigError::new(Field::Kinematics, length, "a tool_axis of a length of about 1"),
+    )?;
+    let cone = kinematics.singular_cone_deg;
+    need(
+        (0.0..=45.0).contains(&cone),
+        ConfigError::new(Field::Kinematics, cone, "a singular_cone_deg of 0 to 45 degrees"),
+    )
 }
 
 /// A gauge, where there is one: its settings, and an infeed axis that the machine has and may move far enough.
@@ -122,6 +141,7 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
     let on = Some(axis.axis);
     finite(&axis.travel, Field::Travel, on)?;
     finite(&axis.joint, Field::Joint, on)?;
+    finite(&axis.offset_mm, Field::Offset, on)?;
     finite(&axis.measured_at_mm, Field::MeasuredAt, on)?;
     let ([low, high], [joint_low, joint_high]) = (axis.travel, axis.joint);
     let sense = f64::from(axis.direction);

@@ -97,6 +97,12 @@ pub enum Field {
     Faults,
     /// Contour search.
     Contour,
+    /// Error model and correction of the tool's direction.
+    Compensation,
+    /// Origin of an axis' frame.
+    Offset,
+    /// Tool axis or singular cone.
+    Kinematics,
     /// Error table.
     Table,
     /// Exact inverse.

@@ -49,6 +49,7 @@ pub mod sample;
 mod step;
 pub mod tcomp;
 pub mod telemetry;
+pub mod vector;
 
 pub use error::{ConfigError, Fault};
 pub use machine::{Axis, Row};

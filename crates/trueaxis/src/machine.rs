@@ -131,6 +131,9 @@ pub struct AxisSettings {
     pub travel: [f64; 2],
     /// Range in which command + correction must stay, mm (deg).
     pub joint: [f64; 2],
+    /// Origin of the axis' frame from its carrier's, in bed directions with all axes at zero, mm. For a rotary axis: a
+    /// point of its axis of rotation.
+    pub offset_mm: [f64; 3],
     /// Where the table was measured: position of the *other* linear axes (and of the measuring point), mm.
     pub measured_at_mm: [f64; 3],
     /// Highest feed of the axis, mm/s (deg/s).
@@ -162,6 +165,7 @@ impl AxisSettings {
             direction: if rotary && carries_workpiece { -1 } else { 1 },
             travel: [-reach, reach],
             joint: [-reach - magnitude, reach + magnitude],
+            offset_mm: [0.0; 3],
             measured_at_mm: [0.0; 3],
             max_feed_per_s: if rotary { 600.0 } else { 500.0 },
             backlash: 0.0,
@@ -220,6 +224,53 @@ impl Default for ContourSettings {
     }
 }
 
+/// Which errors the step corrects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ErrorModel {
+    /// Axis-wise: the translations of every axis, and a rotary axis' own error; angular errors have no lever.
+    #[default]
+    Nine,
+    /// Volumetric: the twist of every axis, carried to the tool tip by its lever.
+    Volumetric,
+}
+
+/// What is corrected, and through which axes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct CompensationSettings {
+    /// The error model.
+    pub model: ErrorModel,
+    /// Volumetric: the direction of the tool is corrected through the rotary axes. The tip always is, through the linear
+    /// ones.
+    pub orientation: bool,
+    /// The correction of the direction is whole while the tool is at least this far from the axis of the rotary axis next
+    /// to the workpiece (its singular pose), and fades to nothing towards it: degrees.
+    pub fade_deg: f64,
+}
+
+impl Default for CompensationSettings {
+    fn default() -> Self {
+        CompensationSettings { model: ErrorModel::Nine, orientation: false, fade_deg: 5.0 }
+    }
+}
+
+/// Settings of the transformation between axis positions and the tool in workpiece coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct KinematicsSettings {
+    /// Tool axis with all axes at zero, from the tip to the spindle, in bed directions; normalised where it is used.
+    pub tool_axis: [f64; 3],
+    /// An inverse is refused where the tool is closer than this to the singular pose: degrees.
+    pub singular_cone_deg: f64,
+}
+
+impl Default for KinematicsSettings {
+    fn default() -> Self {
+        KinematicsSettings { tool_axis: [0.0, 0.0, 1.0], singular_cone_deg: 0.1 }
+    }
+}
+
 /// Everything about a machine but its table values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -238,6 +289,10 @@ pub struct MachineSettings {
     pub faults: FaultSettings,
     /// Contour search.
     pub contour: ContourSettings,
+    /// Error model and how it is corrected.
+    pub compensation: CompensationSettings,
+    /// Tool axis and singular pose.
+    pub kinematics: KinematicsSettings,
     /// The axes that the chain names, each once, in the order X Y Z A B C.
     pub axes: Vec<AxisSettings, AXES>,
     /// Gauge of three probes, where the machine has one.

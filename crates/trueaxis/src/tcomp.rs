@@ -5,7 +5,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | magic `TRUEAXIS` |
-//! | 2 | format version, 2 |
+//! | 2 | format version, 3 |
 //! | 4 | machine id: CRC-32 of name, line feed, chain |
 //! | 4 | length n of the payload |
 //! | n | payload |
@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 /// First eight bytes of the file.
 pub const MAGIC: [u8; 8] = *b"TRUEAXIS";
 /// Format version.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 18;
 
@@ -129,7 +129,7 @@ impl fmt::Display for TcompError {
             TcompError::TooShort => "the file is shorter than its header says",
             TcompError::TooLong => "the file is longer than its header says",
             TcompError::Magic => "not a compiled table file (it does not start with TRUEAXIS)",
-            TcompError::Version => "another version of the format (version 2 is needed)",
+            TcompError::Version => "another version of the format (version 3 is needed)",
             TcompError::Checksum => "the file is damaged (its CRC-32 is wrong)",
             TcompError::Settings => "the machine settings cannot be decoded",
             TcompError::TableHeader => "the header of a table cannot be decoded",

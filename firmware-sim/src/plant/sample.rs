@@ -22,6 +22,8 @@ pub(super) fn machine(chain: &str) -> Machine {
             stuck: [0.2; 2],
         },
         contour: ContourSettings { max_lag_mm: 1.0 },
+        compensation: Default::default(),
+        kinematics: Default::default(),
         axes: Default::default(),
     };
     for axis in Axis::ALL.into_iter().filter(|axis| chain.contains(axis.letter())) {

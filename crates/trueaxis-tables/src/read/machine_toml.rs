@@ -7,7 +7,8 @@ use toml::de::DeTable;
 use trueaxis::check;
 use trueaxis::error::Field;
 use trueaxis::machine::{
-    Axis, AxisSettings, ContourSettings, FaultSettings, Interpolation, LocationErrors, Lookup, MachineSettings,
+    Axis, AxisSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, LocationErrors, Lookup,
+    MachineSettings,
 };
 
 /// Where a setting stands in the file.
@@ -114,6 +115,8 @@ pub(super) fn read(text: &str, source: &Source) -> Result<Description, FileError
         location: LocationErrors::default(),
         faults: FaultSettings::default(),
         contour: ContourSettings::default(),
+        compensation: Default::default(),
+        kinematics: Default::default(),
         axes: heapless::Vec::new(),
     };
     let links = check::links(chain.value).map_err(|error| {
@@ -155,6 +158,25 @@ pub(super) fn read(text: &str, source: &Source) -> Result<Description, FileError
         places.number(&mut settings.contour.max_lag_mm, lag, Field::Contour, None, |mm| mm);
         section.finish(None)?;
     }
+    if let Some(section) = root.section("compensation")? {
+        let models = [("nine", ErrorModel::Nine), ("volumetric", ErrorModel::Volumetric)];
+        if let Some(model) = section.choice("model", models)? {
+            settings.compensation.model = model;
+        }
+        if let Some(orientation) = section.boolean("orientation")? {
+            settings.compensation.orientation = orientation;
+        }
+        let fade = section.number("fade_deg")?;
+        places.number(&mut settings.compensation.fade_deg, fade, Field::Compensation, None, |degrees| degrees);
+        section.finish(None)?;
+    }
+    if let Some(section) = root.section("kinematics")? {
+        let to = &mut settings.kinematics;
+        places.numbers(&mut to.tool_axis, section.numbers("tool_axis")?, Field::Kinematics, None);
+        let cone = section.number("singular_cone_deg")?;
+        places.number(&mut to.singular_cone_deg, cone, Field::Kinematics, None, |degrees| degrees);
+        section.finish(None)?;
+    }
     settings.roundness = super::roundness_toml::read(&root, &mut places)?;
     root.finish(None)?;
     Ok(Description { settings, tables, places: places.0 })
@@ -194,6 +216,7 @@ fn read_axis(
     places.numbers(&mut settings.travel, section.numbers(&format!("travel_{unit}"))?, Field::Travel, on);
     let feed = section.number(&format!("max_feed_{unit}_per_min"))?;
     places.number(&mut settings.max_feed_per_s, feed, Field::MaxFeed, on, per_second);
+    places.numbers(&mut settings.offset_mm, section.numbers("offset_mm")?, Field::Offset, on);
     places.numbers(&mut settings.measured_at_mm, section.numbers("measured_at_mm")?, Field::MeasuredAt, on);
     let backlash = section.number(&format!("backlash_{micro}"))?;
     places.number(&mut settings.backlash, backlash, Field::Backlash, on, small);

@@ -23,6 +23,8 @@ fn machine_of(chain: &str) -> MachineSettings {
         location: LocationErrors::default(),
         faults: Default::default(),
         contour: Default::default(),
+        compensation: Default::default(),
+        kinematics: Default::default(),
         axes: Axis::ALL
             .into_iter()
             .filter_map(|axis| of(axis).map(|link| AxisSettings::with_defaults(axis, link.carries_workpiece)))

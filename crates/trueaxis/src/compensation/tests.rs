@@ -214,6 +214,8 @@ fn machine(chain: &str, axes: &[AxisSettings]) -> MachineSettings {
         location: LocationErrors::default(),
         faults: Default::default(),
         contour: Default::default(),
+        compensation: Default::default(),
+        kinematics: Default::default(),
         axes: axes.iter().copied().collect(),
     }
 }

@@ -23,6 +23,8 @@ fn servo_loop(scale: f64) -> &'static Loop {
         location: Default::default(),
         faults: Default::default(),
         contour: Default::default(),
+        compensation: Default::default(),
+        kinematics: Default::default(),
         axes: heapless::Vec::new(),
     };
     for axis in LINEAR {
