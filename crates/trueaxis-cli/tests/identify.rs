@@ -244,3 +244,44 @@ fn the_machine_must_have_the_axis() {
     refused(&text, &["--axis", "C", "--machine", machine], &["mill-3axis", "found no axis C"]);
     refused(&text, &["--axis", "C", "--machine", "nowhere"], &["nowhere"]);
 }
+
+/// A head on X: the ball of the first set-up hangs 250 mm below the head, and RTCP keeps all of them there.
+const HEAD: &str = "name = \"head\"\nchain = \"w b X Y Z C A t\"\n[axis.X]\ntable = \"x.csv\"\n";
+
+#[test]
+fn the_linear_axes_own_errors_are_removed() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("machine.toml"), HEAD).unwrap();
+    // 0.2 µm and 0.1 µrad per mm of X.
+    fs::write(directory.path().join("x.csv"), "X_mm,EXX_um,EBX_urad\n-500,-100,-50\n500,100,50\n").unwrap();
+    let start = 120.0;
+    let mut text = String::from("angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um\n");
+    for angle in circle(20) {
+        for (l, h) in SET_UPS {
+            let arm = turned([0.0, h, -l], 2, angle.to_radians());
+            let x = start - arm[0];
+            let tilt = 0.1 * x;
+            let [dx, dy, dz] = deviation(2, angle, (l, h));
+            let (dx, dz) = (dx + 0.2 * x - 1e-3 * tilt * SET_UPS[0].0, dz - 1e-3 * tilt * arm[0]);
+            writeln!(text, "{angle},{l},{h},{dx},{dy},{dz}").unwrap();
+        }
+    }
+    fs::write(directory.path().join("m.csv"), text).unwrap();
+    let given = ["m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "120,0,0"];
+    let found = document(&call(directory.path(), &given));
+    for angle in found["angles"].as_array().unwrap() {
+        for (key, truth) in KEYS.into_iter().zip(truth(angle["angle_deg"].as_f64().unwrap())) {
+            let value = angle[key].as_f64().unwrap();
+            assert!((value - truth).abs() < 1e-3, "{key} {value} for {truth} at {}", angle["angle_deg"]);
+        }
+    }
+    assert!(found["warnings"][0].as_str().unwrap().contains("own errors are removed"), "{found}");
+    // Without the machine, the errors of X go into those of C.
+    let raw = document(&call(directory.path(), &["m.csv", "--axis", "C", "--json"]));
+    let apart = raw["angles"][4]["exc_um"].as_f64().unwrap() - found["angles"][4]["exc_um"].as_f64().unwrap();
+    assert!(apart.abs() > 5.0, "{apart}");
+    // And a start that takes X beyond its table is told.
+    let far = ["m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "450,0,0"];
+    let far = document(&call(directory.path(), &far));
+    assert!(far["warnings"][1].as_str().unwrap().contains("edge value"), "{far}");
+}

@@ -1,12 +1,13 @@
 //! `trueaxis identify`.
 
 pub(crate) mod document;
+mod linear_axes;
 mod readings;
 mod table;
 
 use crate::output::{json, put};
 use crate::report;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use document::Document;
 use readings::Readings;
@@ -46,6 +47,9 @@ pub(crate) struct Arguments {
     /// Machine whose sense of the axis is taken (`direction`), and whose linear axes' own errors are removed.
     #[arg(long, value_name = "M")]
     machine: Option<PathBuf>,
+    /// With --machine: where X, Y, Z stand in the first set-up at the first angle; from there RTCP moves them.
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, requires = "machine")]
+    start_mm: Option<Vec<f64>>,
     /// Leave one offset, constant in machine directions, free in every set-up.
     #[arg(long)]
     free_offsets: bool,
@@ -85,7 +89,7 @@ const DOUBTFUL_CONDITION: f64 = 100.0;
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let axis = Axis::from(arguments.axis);
-    let readings = Readings::read(&arguments.measured)?;
+    let mut readings = Readings::read(&arguments.measured)?;
     let mut warnings = Vec::new();
     let mut direction = 1.0;
     if let Some(file) = &arguments.machine {
@@ -94,6 +98,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             anyhow!("{}: found no axis {}, needed the axis that was measured", file.display(), axis.letter())
         })?;
         direction = f64::from(settings.direction);
+        let start_mm = match arguments.start_mm.as_deref() {
+            None => [0.0; 3],
+            Some(&[x, y, z]) if [x, y, z].iter().all(|c| c.is_finite()) => [x, y, z],
+            Some(other) => bail!("--start-mm: found {other:?}, needed three finite numbers X,Y,Z"),
+        };
+        warnings.push(format!(
+            "the linear axes' own errors are removed, as {} predicts them from X {}, Y {}, Z {} mm at the start",
+            machine.settings.name, start_mm[0], start_mm[1], start_mm[2]
+        ));
+        if linear_axes::remove(&mut readings, &machine, file, axis, direction, start_mm)? {
+            warnings.push("RTCP takes a linear axis beyond its table, where the edge value is held".into());
+        }
+        let own = machine.settings.location.rotary.iter().zip([Axis::A, Axis::B, Axis::C]);
+        if !arguments.free_offsets && own.into_iter().any(|(errors, of)| of == axis && *errors != [0.0; 6]) {
+            let letter = axis.letter();
+            warnings.push(format!(
+                "{} has location errors of {letter}, which the errors found contain: set EX0{letter} to EC0{letter} to zero with this table",
+                machine.settings.name
+            ));
+        }
     }
     let offsets = if arguments.free_offsets { Offsets::Free } else { Offsets::Known };
     let found = identify(&readings.test(axis, direction), offsets)
