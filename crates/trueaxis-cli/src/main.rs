@@ -5,6 +5,7 @@ mod circle;
 mod compensate;
 mod contour;
 mod csv_in;
+mod helicoid;
 mod identify;
 mod model;
 mod output;
@@ -48,6 +49,9 @@ enum Command {
     /// Least-squares, minimum zone, maximum inscribed and minimum circumscribed circle of points.
     #[command(after_help = circle::HELP)]
     Circle(circle::Arguments),
+    /// Displacements of five axes that stand a tool normal to the flank of a helical gear, as CSV and as a program.
+    #[command(after_help = helicoid::HELP)]
+    Helicoid(Box<helicoid::Arguments>),
     /// Six errors of a rotary axis from a ball measured under RTCP.
     #[command(after_help = identify::HELP)]
     Identify(identify::Arguments),
@@ -61,6 +65,7 @@ fn main() -> ExitCode {
         Command::Roundness(arguments) => roundness::run(&arguments),
         Command::ProbeAngles(arguments) => probe_angles::run(&arguments),
         Command::Circle(arguments) => circle::run(&arguments),
+        Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
     };
     match result {

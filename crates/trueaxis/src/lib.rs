@@ -37,6 +37,7 @@ pub mod compensation;
 pub mod contour;
 pub mod error;
 pub mod exchange;
+pub mod helicoid;
 #[cfg(feature = "identification")]
 pub mod identification;
 pub mod limiter;

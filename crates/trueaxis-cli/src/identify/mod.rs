@@ -139,7 +139,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if let Some(place) = &arguments.report {
         let source = arguments.measured.file_name().unwrap_or_default().to_string_lossy();
         let page = report::identify::page(&source, axis, &document);
-        report::write_at(&page, place, "identify.html")?;
+        report::write_to(&page, place, "identify.html")?;
     }
     if let Some((output, text, _)) = &written {
         put(text, Some(output))?;
