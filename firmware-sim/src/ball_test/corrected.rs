@@ -1,23 +1,28 @@
 //! The identified machine as a controller loads it, and the true tip error with its correction.
 
 use super::cycle::{Cycle, with_ball};
-use crate::plant::geometry::Geometry;
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;
 use trueaxis::compensation::{Compensation, Storage, ThermalLine, step_axes};
 use trueaxis::identification::{Ball, Identified};
 use trueaxis::machine::{AXES, ErrorModel, LocationErrors, Row, Twist};
 use trueaxis::tcomp::Tcomp;
+use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::{Machine, Table, compile};
 
 /// X, Y, Z, A, C.
 const N: usize = 5;
 
 /// Table of an axis from its stops; a full circle is closed with its first line.
-pub(super) fn table(stops_deg: &[f64], found: &Identified, less: &Twist) -> Table {
+///
+/// Each cycle sees both axes: C's the constant errors that A has at 0, turned with C, and A's those that C has at 0. What both
+/// see at the shared pose, `at_zero`, becomes part of A: A's table is what was read, C's what was read less `at_zero` turned
+/// by C. Together they give back either cycle.
+pub(super) fn table(stops_deg: &[f64], found: &Identified, at_zero: &Twist) -> Table {
     let mut rows: Vec<Row> = (stops_deg.iter().zip(&found.angles))
         .map(|(&position, angle)| {
-            let errors = std::array::from_fn(|i| angle.errors[i] - less[i]);
+            let read = if angle.angle_rad == 0.0 { *at_zero } else { angle.errors };
+            let errors = if found.axis == Axis::C { less(read, turned(*at_zero, angle.angle_rad)) } else { read };
             Row { position, forward: errors, reverse: errors }
         })
         .collect();
@@ -27,6 +32,16 @@ pub(super) fn table(stops_deg: &[f64], found: &Identified, less: &Twist) -> Tabl
         rows.push(Row { position: first.position + 360.0, ..first });
     }
     Table { given: [true; 6], bidirectional: false, rows }
+}
+
+fn less(from: Twist, what: Twist) -> Twist {
+    std::array::from_fn(|i| from[i] - what[i])
+}
+
+/// A twist turned about Z.
+fn turned([x, y, z, a, b, c]: Twist, angle_rad: f64) -> Twist {
+    let (sin, cos) = angle_rad.sin_cos();
+    [x * cos - y * sin, x * sin + y * cos, z, a * cos - b * sin, a * sin + b * cos, c]
 }
 
 /// The machine as it is known after the test: identified tables, nothing else.

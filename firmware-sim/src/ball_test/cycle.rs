@@ -1,7 +1,6 @@
 //! Where the axes stand in the cycle, and what the gauge reads.
 
 use super::{BallCycle, place};
-use crate::plant::geometry::Geometry;
 use anyhow::{Result, anyhow};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -10,6 +9,7 @@ use trueaxis::Axis;
 use trueaxis::identification::{AngleReadings, Ball, BallTest};
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
+use trueaxis_tables::exact::Geometry;
 
 /// Set-ups for C, (L, H) in mm.
 pub const SET_UPS_C: [(f64, f64); 3] = [(250.0, 60.0), (250.0, 160.0), (350.0, 60.0)];

@@ -11,8 +11,7 @@
 //!                     └───────────────────────────── corrected command ◄──────────────────────────────┘
 //! ```
 //!
-//! Linear axes are taken for perfect: what is shown is what the rotary axes cause and what is left of it. While C is measured, A
-//! stands at 0, so that C's table contains what A has there; A's table therefore holds its errors less those at A 0.
+//! Linear axes are taken for perfect: what is shown is what the rotary axes cause and what is left of it.
 //!
 //! Source: CN105479268A (cycle and set-ups).
 

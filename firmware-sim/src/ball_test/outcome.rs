@@ -7,7 +7,8 @@ use anyhow::{Result, anyhow};
 use serde::Serialize;
 use std::fmt;
 use trueaxis::Axis;
-use trueaxis::identification::{BallTest, Identified, Offsets, identify};
+use trueaxis::identification::{BallTest, Identified, Observation, Offsets, identify, solve_angle};
+use trueaxis::machine::Twist;
 use trueaxis_tables::Table;
 use trueaxis_tables::formats::write_axis_csv;
 
@@ -71,11 +72,16 @@ pub(super) fn run(test: &BallCycle) -> Result<Outcome> {
         let cycle = Cycle::of(axis);
         let readings = cycle.measure(test, &plant, stream)?;
         let errors = identify(&readings, Offsets::Known).map_err(|error| anyhow!("axis {}: {error}", axis.letter()))?;
-        // C was measured with A at 0 and has what A has there.
-        let at_zero = errors.angles.first().filter(|_| axis == Axis::A).map_or([0.0; 6], |angle| angle.errors);
-        let table = table(&cycle.stops_deg, &errors, &at_zero);
-        found.push((cycle, readings, errors, table));
+        found.push((cycle, readings, errors));
     }
+    let at_zero = shared_pose(&found)?;
+    let found: Vec<_> = found
+        .into_iter()
+        .map(|(cycle, readings, errors)| {
+            let table = table(&cycle.stops_deg, &errors, &at_zero);
+            (cycle, readings, errors, table)
+        })
+        .collect();
     let tables: Vec<(Axis, Table)> = found.iter().map(|(cycle, _, _, table)| (cycle.axis, table.clone())).collect();
     let known = identified(&plant, &tables);
     let mut axes = Vec::new();
@@ -107,6 +113,21 @@ pub(super) fn run(test: &BallCycle) -> Result<Outcome> {
         rms: (axes.iter().map(|axis| pick(axis).rms.powi(2)).sum::<f64>() / axes.len().max(1) as f64).sqrt(),
     };
     Ok(Outcome { before: both(|axis| axis.before), after: both(|axis| axis.after), axes })
+}
+
+/// Errors of C and A together where both stand at 0, from the readings of both cycles there.
+///
+/// Six set-ups at one pose: were either axis' own estimate taken, the noise of that one stop would be carried to levers
+/// that were not measured at it.
+fn shared_pose(found: &[(Cycle, BallTest, Identified)]) -> Result<Twist> {
+    let mut seen = Vec::new();
+    for (_, readings, _) in found {
+        for at_zero in readings.angles.iter().filter(|angle| angle.angle_rad == 0.0) {
+            let pairs = readings.balls.iter().zip(&at_zero.deviations_mm);
+            seen.extend(pairs.map(|(&ball, &deviation_mm)| Observation { ball, deviation_mm }));
+        }
+    }
+    Ok(solve_angle(Axis::C, 0.0, &seen).map_err(|error| anyhow!("A and C at 0: {error}"))?.errors)
 }
 
 fn square_um2(error_mm: &[f64; 3]) -> f64 {
