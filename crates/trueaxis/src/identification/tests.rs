@@ -233,7 +233,7 @@ fn collinear_set_ups_are_refused_with_their_figures() {
     }
     // Nearly so: a tenth of a millimetre is still told apart, a hundredth is not.
     let bent = |off: f64| [(200.0, 50.0), (250.0, 50.0 + off), (300.0, 50.0)];
-    assert!(identify(&test_of(Axis::C, &bent(0.3), &angles, 1.0), Offsets::Known).is_ok());
+    assert!(identify(&test_of(Axis::C, &bent(0.1), &angles, 1.0), Offsets::Known).is_ok());
     let text = refused(&bent(0.01), Offsets::Known).to_string();
     assert!(text.contains("collinear") && text.contains("100.0000 mm") && text.contains("needed"), "{text}");
 }
