@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the three sample machines and the sample measurement beside this file.
+"""Writes the four sample machines and the sample measurement beside this file.
 
 Plain Python, no packages. Every run writes the same bytes: the error curves are closed formulas, the scatter of the
 measurement comes from `random.Random(SEED).random()`, whose sequence Python guarantees, and everything is rounded.
@@ -298,6 +298,125 @@ EC0C_urad = 0.0
 """
 
 
+# --- head-5axis: fork head, A in C, C on the ram Z on the cross slide Y; the table X carries the workpiece ----------
+
+
+def from_zero(curve):
+    """The curve less its value at 0: the other rotary axis stands at 0 and without error while this one is measured."""
+    return lambda q: curve(q) - curve(0)
+
+
+def head_5axis():
+    folder = HERE / "head-5axis"
+    write_text(folder / "machine.toml", HEAD_5AXIS)
+    write_table(
+        folder / "x.csv", ["X of head-5axis (table), line at Y 0, Z 0; zero at machine zero"],
+        ["X_mm", "EXX_um", "EYX_um", "EZX_um", "EAX_urad", "EBX_urad", "ECX_urad"],
+        grid(-1000, 1000, 50),
+        [lambda x: 0.011 * x + 2.4 * wave(x, 700, 0.5),
+         lambda x: 6.5 * ((x / 1000) ** 2) + 1.1 * wave(x, 600, 0.4),
+         lambda x: -5.5 * ((x / 1000) ** 2) + 1.0 * wave(x, 500, 1.0),
+         lambda x: 14 * math.sin(x / 900),
+         lambda x: -18 * math.sin(x / 950) + 2 * wave(x, 800, 0.2),
+         lambda x: 15 * math.sin(x / 1000)])
+    write_table(
+        folder / "y.csv", ["Y of head-5axis (cross slide), line at X 0, Z 0; zero at machine zero"],
+        ["Y_mm", "EXY_um", "EYY_um", "EZY_um", "EAY_urad", "EBY_urad", "ECY_urad"],
+        grid(-600, 600, 50),
+        [lambda y: -4.2 * ((y / 600) ** 2) + 0.8 * wave(y, 500, 0.9),
+         lambda y: -0.014 * y + 2.0 * wave(y, 400, 1.4),
+         lambda y: 5.0 * ((y / 600) ** 2) - 0.9 * wave(y, 450, 0.3),
+         lambda y: 16 * math.sin(y / 600) + 1.5 * wave(y, 400, 0.6),
+         lambda y: 11 * math.sin(y / 650),
+         lambda y: -13 * math.sin(y / 700)])
+    write_table(
+        folder / "z.csv", ["Z of head-5axis (ram), line at X 0, Y 0; zero at machine zero"],
+        ["Z_mm", "EXZ_um", "EYZ_um", "EZZ_um", "EAZ_urad", "EBZ_urad", "ECZ_urad"],
+        grid(-400, 400, 25),
+        [lambda z: 3.4 * math.sin(math.pi * z / 800) + 0.8 * wave(z, 400, 0.7),
+         lambda z: -3.1 * math.sin(math.pi * z / 800) + 0.7 * wave(z, 350, 0.1),
+         lambda z: 0.013 * z + 1.6 * wave(z, 300, 2.1),
+         lambda z: -12 * math.sin(z / 500),
+         lambda z: 13 * math.sin(z / 480) + 1.5 * wave(z, 400, 1.2),
+         lambda z: 6 * math.sin(z / 450)])
+    write_table(
+        folder / "a.csv", ["A of head-5axis (fork), -100 to 100 degrees, 2.5 degrees; zero at A 0"],
+        ["A_deg", "EXA_um", "EYA_um", "EZA_um", "EAA_urad", "EBA_urad", "ECA_urad"],
+        grid(-100, 100, 2.5),
+        [from_zero(total(cyclic(4.5, 1, 40), cyclic(0.7, 3, 10))),
+         from_zero(total(cyclic(7.5, 1, 95), cyclic(1.2, 2, 60))),
+         from_zero(total(cyclic(8.0, 1, 15), cyclic(1.0, 2, 130))),
+         from_zero(total(lambda a: 0.35 * a, cyclic(6, 4, 90))),
+         from_zero(total(cyclic(24, 1, 75), cyclic(4, 2, 20))),
+         from_zero(total(cyclic(28, 1, 160), cyclic(3, 2, 35)))])
+    write_table(
+        folder / "c.csv", ["C of head-5axis, full circle, 5 degrees; wraps: first and last line agree; zero at C 0"],
+        ["C_deg", "EXC_um", "EYC_um", "EZC_um", "EAC_urad", "EBC_urad", "ECC_urad"],
+        grid(0, 360, 5),
+        [from_zero(total(cyclic(6.2, 1, 30), cyclic(1.4, 2, 75), cyclic(0.5, 3, 0))),
+         from_zero(total(cyclic(5.6, 1, 122), cyclic(1.6, 2, 160), cyclic(0.4, 3, 45))),
+         from_zero(total(cyclic(2.4, 1, 200), cyclic(1.8, 2, 15))),
+         from_zero(total(cyclic(26, 1, 65), cyclic(5, 2, 140))),
+         from_zero(total(cyclic(23, 1, 152), cyclic(6, 2, 50))),
+         from_zero(total(cyclic(45, 1, 250), cyclic(14, 2, 100), cyclic(5, 4, 20)))])
+
+
+HEAD_5AXIS = """
+# Gantry mill with a fork head: C on the ram Z on the cross slide Y, A in C; the table X carries the workpiece.
+# At all axes zero the intersection of A and C stands in machine zero, the tool hangs below it; figures: see README.md.
+name = "head-5axis"
+chain = "w X' b Y Z C A t"
+tool_mm = [0.0, 0.0, -250.0]
+reference_temperature_c = 20.0
+
+[compensation]
+model = "volumetric"
+
+[axis.X]
+table = "x.csv"
+interpolation = "cubic"
+travel_mm = [-1000.0, 1000.0]
+max_feed_mm_per_min = 30000.0
+
+[axis.Y]
+table = "y.csv"
+interpolation = "cubic"
+travel_mm = [-600.0, 600.0]
+max_feed_mm_per_min = 30000.0
+
+[axis.Z]
+table = "z.csv"
+interpolation = "cubic"
+travel_mm = [-400.0, 400.0]
+max_feed_mm_per_min = 20000.0
+
+[axis.A]
+table = "a.csv"
+interpolation = "cubic"
+travel_deg = [-100.0, 100.0]
+max_feed_deg_per_min = 9000.0
+
+[axis.C]
+table = "c.csv"
+interpolation = "cubic"
+travel_deg = [-36000.0, 36000.0]
+max_feed_deg_per_min = 18000.0
+
+[location]
+A0Z_urad = 14.0
+B0Z_urad = -18.0
+C0Y_urad = 20.0
+EX0C_um = 9.0
+EY0C_um = -12.0
+EA0C_urad = 22.0
+EB0C_urad = -17.0
+EY0A_um = 14.0
+EZ0A_um = -6.0
+EB0A_urad = 19.0
+EC0A_urad = -25.0
+"""
+
+
 # --- grinder: wheel head X on the table Z, work head on the bed, three probes on an arm that follows the crankpin ----
 
 
@@ -373,4 +492,5 @@ limit_um = 20.0
 if __name__ == "__main__":
     mill_3axis()
     mill_5axis()
+    head_5axis()
     grinder()

@@ -11,6 +11,7 @@
 //!
 //! Plant and truth are written apart from the plugin; neither uses its code.
 
+pub mod ball_test;
 pub mod bench;
 pub mod grinding;
 pub mod latency;

@@ -1,6 +1,7 @@
 //! `firmware-sim`: servo cycles on the host, with the machine simulated.
 
 mod grind;
+mod rtcp;
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, Parser, Subcommand};
@@ -47,6 +48,10 @@ enum Command {
     /// The gauge works on one revolution while the next is sampled. When a revolution is shorter than the work, it skips
     /// whole revolutions: --skip chooses a speed at which that happens.
     Grind(grind::GrindArgs),
+    /// Measure a head's rotary axes with a ball under RTCP, identify their errors, correct them, and show what is left.
+    ///
+    /// C turns a full circle, A a quarter, with three set-ups of the ball each. Linear axes are taken for perfect.
+    Rtcp(rtcp::RtcpArgs),
 }
 
 #[derive(Args)]
@@ -121,6 +126,7 @@ fn main() -> ExitCode {
         Some(Command::Run(args)) => run(&args),
         Some(Command::Bench(args)) => time(&args),
         Some(Command::Grind(args)) => grind::grind(&args),
+        Some(Command::Rtcp(args)) => rtcp::rtcp(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -169,7 +175,7 @@ fn read_machine(given: &Path) -> Result<Machine> {
     let path = if given.exists() { given.to_path_buf() } else { sample_machine(&given.to_string_lossy()) };
     if !path.exists() {
         bail!(
-            "--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis, mill-5axis or grinder",
+            "--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis, mill-5axis, head-5axis or grinder",
             given.display()
         );
     }

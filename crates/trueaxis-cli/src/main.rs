@@ -6,6 +6,7 @@ mod compensate;
 mod contour;
 mod csv_in;
 mod helicoid;
+mod identify;
 mod kinematics;
 mod model;
 mod output;
@@ -55,6 +56,9 @@ enum Command {
     /// Displacements of five axes that stand a tool normal to the flank of a helical gear, as CSV and as a program.
     #[command(after_help = helicoid::HELP)]
     Helicoid(Box<helicoid::Arguments>),
+    /// Six errors of a rotary axis from a ball measured under RTCP.
+    #[command(after_help = identify::HELP)]
+    Identify(identify::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -67,6 +71,7 @@ fn main() -> ExitCode {
         Command::Circle(arguments) => circle::run(&arguments),
         Command::Kinematics(command) => kinematics::run(command),
         Command::Helicoid(arguments) => helicoid::run(&arguments),
+        Command::Identify(arguments) => identify::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

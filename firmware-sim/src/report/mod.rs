@@ -12,6 +12,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+pub mod ball_test;
 mod contour;
 mod correction;
 mod decimate;

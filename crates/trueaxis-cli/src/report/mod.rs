@@ -4,6 +4,7 @@
 pub(crate) mod circle;
 mod figure;
 pub(crate) mod helicoid;
+pub(crate) mod identify;
 mod polar;
 pub(crate) mod roundness;
 mod text;

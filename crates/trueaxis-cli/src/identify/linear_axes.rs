@@ -1,0 +1,92 @@
+//! What the linear axes themselves contribute to the ball's deviation, predicted from a machine's tables.
+
+use super::readings::Readings;
+use crate::model::{axis_count, parsed, with_compensation};
+use anyhow::{Result, anyhow};
+use std::path::Path;
+use trueaxis::Axis;
+use trueaxis::compensation::{Compensation, ThermalLine, carries_workpiece, step_axes};
+use trueaxis::identification::{Ball, lever};
+use trueaxis::machine::{ErrorModel, MachineSettings};
+use trueaxis::tcomp::Tcomp;
+use trueaxis_tables::{Machine, compile};
+
+/// Takes the linear axes' own errors out of the readings; true where a position lay beyond a table's end.
+///
+/// RTCP moves the linear axes so that the ball of every set-up stays in one place: `start_mm` is where X, Y, Z stand in the first
+/// set-up at the first angle. A head's axes go against the lever, a table's tool goes with it. Tables are read in positive travel, at
+/// the reference temperature; the lever from the linear axes to the ball is that of the volumetric model.
+pub(super) fn remove(
+    readings: &mut Readings,
+    machine: &Machine,
+    file: &Path,
+    axis: Axis,
+    direction: f64,
+    start_mm: [f64; 3],
+) -> Result<bool> {
+    let on_workpiece = carries_workpiece(&machine.settings.chain, axis);
+    let mut known = machine.clone();
+    known.settings.compensation.model = ErrorModel::Volumetric;
+    known.settings.location.rotary = Default::default();
+    for (settings, table) in known.settings.axes.iter_mut().zip(&mut known.tables) {
+        settings.backlash = 0.0;
+        if settings.axis.is_rotary() {
+            *table = None;
+        }
+    }
+    let sense = if on_workpiece { 1.0 } else { -1.0 };
+    let arm = |ball: Ball, angle_deg: f64| lever(axis, (direction * angle_deg).to_radians(), ball).unwrap_or_default();
+    let (Some(&first_ball), Some(&first_angle)) = (readings.balls.first(), readings.angles_deg.first()) else {
+        return Ok(false);
+    };
+    let origin = arm(first_ball, first_angle);
+    let mut beyond = false;
+    for (s, &ball) in readings.balls.iter().enumerate() {
+        if !on_workpiece {
+            known.settings.tool_mm = arm(ball, 0.0);
+        }
+        let stands = |angle_deg: f64| {
+            let arm = arm(ball, angle_deg);
+            std::array::from_fn(|i| start_mm[i] + sense * (arm[i] - origin[i]))
+        };
+        let bytes = compile(&known).map_err(|error| anyhow!("{}: {error}", file.display()))?;
+        let tables = parsed(&bytes, file)?;
+        let poses: Vec<([f64; 3], f64)> = readings.angles_deg.iter().map(|&angle| (stands(angle), angle)).collect();
+        let (errors, held) = match axis_count(&tables) {
+            4 => tip_errors::<4>(&tables, axis, &poses)?,
+            5 => tip_errors::<5>(&tables, axis, &poses)?,
+            _ => tip_errors::<6>(&tables, axis, &poses)?,
+        };
+        beyond |= held;
+        for (deviations, error) in readings.deviations_mm.iter_mut().zip(errors) {
+            if let Some(deviation) = deviations.get_mut(s) {
+                *deviation = std::array::from_fn(|i| deviation[i] - error[i]);
+            }
+        }
+    }
+    Ok(beyond)
+}
+
+/// Tip errors at poses of X, Y, Z and the turning axis, mm; whether an edge value was held.
+fn tip_errors<const N: usize>(
+    tables: &Tcomp<'_>,
+    axis: Axis,
+    poses: &[([f64; 3], f64)],
+) -> Result<(Vec<[f64; 3]>, bool)> {
+    let machine: &MachineSettings = tables.settings();
+    let axes = step_axes::<N>(machine).map_err(|error| anyhow!("{error}"))?;
+    with_compensation::<N, _>(tables, tables.inverse_passes(), |compensation: &Compensation<'_, f64, f64, N>| {
+        let mut held = 0;
+        let errors = poses.iter().map(|(position, angle)| {
+            let command: [f64; N] = axes.map(|of| match of {
+                of if of == axis => *angle,
+                of => position.get(of.index()).copied().unwrap_or(0.0),
+            });
+            let at = compensation.coordinates(&command);
+            let error = compensation.errors(&at, &[0; N], &[ThermalLine::default(); N], &mut held);
+            [error[0], error[1], error[2]]
+        });
+        let errors = errors.collect();
+        Ok((errors, held != 0))
+    })
+}

@@ -1,0 +1,148 @@
+//! `trueaxis identify`.
+
+pub(crate) mod document;
+mod linear_axes;
+mod readings;
+mod table;
+
+use crate::output::{json, put};
+use crate::report;
+use anyhow::{Context, Result, anyhow, bail};
+use clap::{Args, ValueEnum};
+use document::Document;
+use readings::Readings;
+use std::path::PathBuf;
+use trueaxis::Axis;
+use trueaxis::identification::{Offsets, identify};
+use trueaxis_tables::Machine;
+use trueaxis_tables::formats::write_axis_csv;
+
+pub(crate) const HELP: &str = "\
+MEASURED.csv: angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um, one row for each set-up and angle, # comments.
+RTCP holds the centre of a ball while the axis turns; d: how far it has moved (actual − ideal, tool relative to workpiece,
+machine directions). L: how far the ball's centre lies below the intersection of the rotary axes, H: beside it, along +Y
+for A and C, along +X for B, while the measured axis stands at 0. C stands at 0 while A or B is measured.
+
+  axis C at angle C:   dx = X − L β − H cos C · γ
+                       dy = Y + L α − H sin C · γ
+                       dz = Z + H cos C · α + H sin C · β
+  axis A at angle A:   dx = X + (−L cos A + H sin A) β − (H cos A + L sin A) γ
+                       dy = Y + (L cos A − H sin A) α
+                       dz = Z + (H cos A + L sin A) α
+
+X Y Z α β γ become EXC EYC EZC EAC EBC ECC (EXA … ECA). Three set-ups (L, H) at least, not on one line.
+--free-offsets: the gauges were zeroed in every set-up. Then ΣX = ΣY = ΣZ = 0 over the angles, and for A the patterns
+β = −k1 cos A + k2 sin A, γ = −k1 sin A − k2 cos A, which no reading sees, are at their minimum norm.
+
+Example: trueaxis identify measured.csv --axis C -o c.csv";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Readings of the ball.
+    #[arg(value_name = "MEASURED.csv")]
+    measured: PathBuf,
+    /// The axis that turns.
+    #[arg(long, value_enum, ignore_case = true)]
+    axis: Rotary,
+    /// Machine whose sense of the axis is taken (`direction`), and whose linear axes' own errors are removed.
+    #[arg(long, value_name = "M")]
+    machine: Option<PathBuf>,
+    /// With --machine: where X, Y, Z stand in the first set-up at the first angle; from there RTCP moves them.
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, requires = "machine")]
+    start_mm: Option<Vec<f64>>,
+    /// Leave one offset, constant in machine directions, free in every set-up.
+    #[arg(long)]
+    free_offsets: bool,
+    /// One JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write a page with plots: a folder (identify.html) or a file that ends in .html.
+    #[arg(long, value_name = "DIR|FILE")]
+    report: Option<PathBuf>,
+    /// Write the errors as the axis' table.
+    #[arg(short, long, value_name = "CSV")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Rotary {
+    #[value(name = "A")]
+    A,
+    #[value(name = "B")]
+    B,
+    #[value(name = "C")]
+    C,
+}
+
+impl From<Rotary> for Axis {
+    fn from(axis: Rotary) -> Axis {
+        match axis {
+            Rotary::A => Axis::A,
+            Rotary::B => Axis::B,
+            Rotary::C => Axis::C,
+        }
+    }
+}
+
+/// Condition number from which the set-ups are called doubtful: a gauge of 0.2 µm then gives errors of 20 µm.
+const DOUBTFUL_CONDITION: f64 = 100.0;
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let axis = Axis::from(arguments.axis);
+    let mut readings = Readings::read(&arguments.measured)?;
+    let mut warnings = Vec::new();
+    let mut direction = 1.0;
+    if let Some(file) = &arguments.machine {
+        let machine = Machine::read(file)?;
+        let settings = machine.settings.axes.iter().find(|settings| settings.axis == axis).ok_or_else(|| {
+            anyhow!("{}: found no axis {}, needed the axis that was measured", file.display(), axis.letter())
+        })?;
+        direction = f64::from(settings.direction);
+        let start_mm = match arguments.start_mm.as_deref() {
+            None => [0.0; 3],
+            Some(&[x, y, z]) if [x, y, z].iter().all(|c| c.is_finite()) => [x, y, z],
+            Some(other) => bail!("--start-mm: found {other:?}, needed three finite numbers X,Y,Z"),
+        };
+        warnings.push(format!(
+            "the linear axes' own errors are removed, as {} predicts them from X {}, Y {}, Z {} mm at the start",
+            machine.settings.name, start_mm[0], start_mm[1], start_mm[2]
+        ));
+        if linear_axes::remove(&mut readings, &machine, file, axis, direction, start_mm)? {
+            warnings.push("RTCP takes a linear axis beyond its table, where the edge value is held".into());
+        }
+        let own = machine.settings.location.rotary.iter().zip([Axis::A, Axis::B, Axis::C]);
+        if !arguments.free_offsets && own.into_iter().any(|(errors, of)| of == axis && *errors != [0.0; 6]) {
+            let letter = axis.letter();
+            warnings.push(format!(
+                "{} has location errors of {letter}, which the errors found contain: set EX0{letter} to EC0{letter} to zero with this table",
+                machine.settings.name
+            ));
+        }
+    }
+    let offsets = if arguments.free_offsets { Offsets::Free } else { Offsets::Known };
+    let found = identify(&readings.test(axis, direction), offsets)
+        .map_err(|refused| anyhow!("{}: {refused}", arguments.measured.display()))?;
+    let written = arguments.output.as_ref().map(|output| {
+        table::table(&readings.angles_deg, &found)
+            .map(|(table, note)| (output, write_axis_csv(&table, axis), note))
+            .with_context(|| arguments.measured.display().to_string())
+    });
+    let written = written.transpose()?;
+    warnings.extend(written.as_ref().and_then(|(_, _, note)| note.clone()));
+    let worst = found.angles.iter().map(|angle| angle.condition).fold(0.0, f64::max);
+    if worst > DOUBTFUL_CONDITION {
+        warnings.push(format!(
+            "condition number {worst:.0}: the set-ups are nearly on one line, the errors come out that much worse than the gauges read"
+        ));
+    }
+    let document = Document::new(&readings, &found, warnings);
+    if let Some(place) = &arguments.report {
+        let source = arguments.measured.file_name().unwrap_or_default().to_string_lossy();
+        let page = report::identify::page(&source, axis, &document);
+        report::write_to(&page, place, "identify.html")?;
+    }
+    if let Some((output, text, _)) = &written {
+        put(text, Some(output))?;
+    }
+    if arguments.json { json(&document) } else { put(&document.table(axis)?, None) }
+}

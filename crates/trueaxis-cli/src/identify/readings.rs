@@ -1,0 +1,132 @@
+//! MEASURED.csv as a ball test: every set-up at every angle.
+
+use crate::csv_in::{Column, Rows};
+use anyhow::{Result, anyhow};
+use std::path::Path;
+use trueaxis::Axis;
+use trueaxis::identification::{AngleReadings, Ball, BallTest};
+
+const COLUMNS: [Column; 6] = [
+    Column { name: "angle_deg", needed: true },
+    Column { name: "l_mm", needed: true },
+    Column { name: "h_mm", needed: true },
+    Column { name: "dx_um", needed: true },
+    Column { name: "dy_um", needed: true },
+    Column { name: "dz_um", needed: true },
+];
+
+/// Angles nearer than this are one, degrees: a hundredth of what the finest rotary encoder tells apart.
+pub(super) const SAME_ANGLE_DEG: f64 = 1e-6;
+
+/// A test as it stands in a file, angles in degrees.
+pub(super) struct Readings {
+    pub(super) angles_deg: Vec<f64>,
+    pub(super) balls: Vec<Ball>,
+    /// By angle, then by set-up, mm.
+    pub(super) deviations_mm: Vec<Vec<[f64; 3]>>,
+}
+
+/// A row of one set-up.
+struct Reading {
+    line: u32,
+    angle_deg: f64,
+    deviation_mm: [f64; 3],
+}
+
+struct SetUp {
+    ball: Ball,
+    readings: Vec<Reading>,
+}
+
+impl Readings {
+    /// Reads and checks a file; the rows of each set-up stand in increasing order of the angle.
+    pub(super) fn read(file: &Path) -> Result<Readings> {
+        let rows = Rows::read(file, &COLUMNS)?;
+        let set_ups = by_set_up(&rows)?;
+        if set_ups.len() < 3 {
+            let named: Vec<String> = set_ups.iter().map(|set_up| name(set_up.ball)).collect();
+            return Err(anyhow!(
+                "{}: columns l_mm, h_mm: found {} set-ups ({}), needed at least 3 that are not on one line",
+                file.display(),
+                named.len(),
+                named.join("; ")
+            ));
+        }
+        let mut angles_deg: Vec<f64> = set_ups.iter().flat_map(|s| s.readings.iter().map(|r| r.angle_deg)).collect();
+        angles_deg.sort_by(f64::total_cmp);
+        angles_deg.dedup_by(|next, kept| same(*next, *kept));
+        within_a_circle(&rows, &set_ups, &angles_deg)?;
+        let deviations_mm = angles_deg
+            .iter()
+            .map(|&angle| set_ups.iter().map(|set_up| reading_at(file, set_up, angle)).collect())
+            .collect::<Result<_>>()?;
+        Ok(Readings { angles_deg, balls: set_ups.iter().map(|set_up| set_up.ball).collect(), deviations_mm })
+    }
+
+    /// The test of an axis that turns by `direction` times its position.
+    pub(super) fn test(&self, axis: Axis, direction: f64) -> BallTest {
+        let angles = self.angles_deg.iter().zip(&self.deviations_mm);
+        let angles = angles
+            .map(|(angle, deviations_mm)| AngleReadings {
+                angle_rad: (direction * angle).to_radians(),
+                deviations_mm: deviations_mm.clone(),
+            })
+            .collect();
+        BallTest { axis, balls: self.balls.clone(), angles }
+    }
+}
+
+/// A set-up as it is named in messages.
+pub(super) fn name(ball: Ball) -> String {
+    format!("l_mm {}, h_mm {}", ball.vertical_mm, ball.horizontal_mm)
+}
+
+fn same(one: f64, other: f64) -> bool {
+    (one - other).abs() <= SAME_ANGLE_DEG
+}
+
+fn by_set_up(rows: &Rows<6>) -> Result<Vec<SetUp>> {
+    let mut set_ups: Vec<SetUp> = Vec::new();
+    for &(line, [angle_deg, vertical_mm, horizontal_mm, dx, dy, dz], _) in &rows.rows {
+        let ball = Ball { vertical_mm, horizontal_mm };
+        let reading = Reading { line, angle_deg, deviation_mm: [dx, dy, dz].map(|value| 1e-3 * value) };
+        let Some(set_up) = set_ups.iter_mut().find(|set_up| set_up.ball == ball) else {
+            set_ups.push(SetUp { ball, readings: vec![reading] });
+            continue;
+        };
+        if let Some(before) = set_up.readings.last().filter(|before| before.angle_deg + SAME_ANGLE_DEG >= angle_deg) {
+            if let Some(twin) = set_up.readings.iter().find(|before| same(before.angle_deg, angle_deg)) {
+                let found = format!("a second row for {} at {angle_deg}, as in line {}", name(ball), twin.line);
+                return Err(rows.error(line, "angle_deg", found, "one row for each set-up and angle"));
+            }
+            let needed =
+                format!("more than {} of line {} (angles of a set-up increase)", before.angle_deg, before.line);
+            return Err(rows.error(line, "angle_deg", angle_deg, needed));
+        }
+        set_up.readings.push(reading);
+    }
+    Ok(set_ups)
+}
+
+/// No angle twice after a full turn, but for the one that closes the circle.
+fn within_a_circle(rows: &Rows<6>, set_ups: &[SetUp], angles_deg: &[f64]) -> Result<()> {
+    let (Some(&first), Some(&last)) = (angles_deg.first(), angles_deg.last()) else { return Ok(()) };
+    if last - first <= 360.0 + SAME_ANGLE_DEG {
+        return Ok(());
+    }
+    let readings = set_ups.iter().flat_map(|set_up| &set_up.readings);
+    let line = readings.filter(|reading| same(reading.angle_deg, last)).map(|reading| reading.line).min();
+    let needed = format!("at most {}, a full turn after the first angle {first}", first + 360.0);
+    Err(rows.error(line.unwrap_or(1), "angle_deg", last, needed))
+}
+
+fn reading_at(file: &Path, set_up: &SetUp, angle: f64) -> Result<[f64; 3]> {
+    let row = set_up.readings.iter().find(|reading| same(reading.angle_deg, angle));
+    row.map(|reading| reading.deviation_mm).ok_or_else(|| {
+        anyhow!(
+            "{}: column angle_deg: found no row at angle {angle} for the set-up {}, needed one for each set-up and angle",
+            file.display(),
+            name(set_up.ball)
+        )
+    })
+}

@@ -1,0 +1,45 @@
+//! Errors found as an axis table.
+
+use super::readings::SAME_ANGLE_DEG;
+use anyhow::{Result, bail};
+use trueaxis::identification::Identified;
+use trueaxis::machine::Row;
+use trueaxis_tables::Table;
+
+/// A gap to the full circle that is at most this many of the widest steps belongs to a full circle.
+const CLOSING_STEPS: f64 = 1.5;
+
+/// The table, and what was done to its ends.
+///
+/// A table over exactly 360° wraps, and its ends must agree: a test that stops one step before is closed with its first
+/// line; one that has read the closing angle too gets the mean of both at either end.
+pub(super) fn table(angles_deg: &[f64], found: &Identified) -> Result<(Table, Option<String>)> {
+    let mut rows: Vec<Row> = angles_deg
+        .iter()
+        .zip(&found.angles)
+        .map(|(&position, angle)| Row { position, forward: angle.errors, reverse: angle.errors })
+        .collect();
+    let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else { bail!("found no angles, needed two") };
+    if rows.len() < 2 {
+        bail!("found one angle, needed at least two for a table");
+    }
+    let steps = rows.windows(2).map(|pair| pair[1].position - pair[0].position);
+    let (widest, gap) = (steps.fold(0.0, f64::max), first.position + 360.0 - last.position);
+    let mut note = None;
+    if gap.abs() <= SAME_ANGLE_DEG {
+        let mean = std::array::from_fn(|i| 0.5 * (first.forward[i] + last.forward[i]));
+        let apart = |i: usize| (last.forward[i] - first.forward[i]).abs();
+        note = Some(format!(
+            "the circle closes within {:.3} µm and {:.3} µrad; the table has the mean at both ends",
+            1e3 * (0..3).map(apart).fold(0.0, f64::max),
+            1e6 * (3..6).map(apart).fold(0.0, f64::max)
+        ));
+        let end = rows.len() - 1;
+        for (place, position) in [(0, first.position), (end, first.position + 360.0)] {
+            rows[place] = Row { position, forward: mean, reverse: mean };
+        }
+    } else if gap <= CLOSING_STEPS * widest {
+        rows.push(Row { position: first.position + 360.0, ..first });
+    }
+    Ok((Table { given: [true; 6], bidirectional: false, rows }, note))
+}

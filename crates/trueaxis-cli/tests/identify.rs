@@ -1,0 +1,287 @@
+//! `trueaxis identify` as it is called; readings from exact rotations of the ball, written apart from the rows.
+
+use serde_json::Value;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const SET_UPS: [(f64, f64); 3] = [(250.0, 60.0), (250.0, 160.0), (350.0, 60.0)];
+const SET_UPS_A: [(f64, f64); 3] = [(250.0, 60.0), (250.0, 160.0), (350.0, 160.0)];
+
+fn call(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_trueaxis"))
+        .arg("identify")
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .unwrap()
+}
+
+/// Turns a vector right-handed about an axis (0 X, 2 Z).
+fn turned(v: [f64; 3], axis: usize, angle: f64) -> [f64; 3] {
+    let (sin, cos) = angle.sin_cos();
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let mut out = v;
+    out[i] = v[i] * cos - v[j] * sin;
+    out[j] = v[i] * sin + v[j] * cos;
+    out
+}
+
+/// Six errors at an angle, µm and µrad, with means.
+fn truth(angle_deg: f64) -> [f64; 6] {
+    std::array::from_fn(|i| {
+        let k = i as f64;
+        (3.0 + k) * ((angle_deg.to_radians() * (1.0 + k % 2.0) + k).sin() + 0.25)
+    })
+}
+
+/// Where the ball goes: the small rotations about X, Y, Z one after the other, then the shift; µm.
+fn deviation(axis: usize, angle_deg: f64, (l, h): (f64, f64)) -> [f64; 3] {
+    let ideal = turned([0.0, h, -l], axis, angle_deg.to_radians());
+    let [x, y, z, a, b, c] = truth(angle_deg);
+    let actual = turned(turned(turned(ideal, 0, 1e-6 * a), 1, 1e-6 * b), 2, 1e-6 * c);
+    let shift = [x, y, z];
+    std::array::from_fn(|i| 1e3 * (actual[i] - ideal[i]) + shift[i])
+}
+
+fn measured(axis: usize, angles: &[f64], set_ups: &[(f64, f64)], offset: impl Fn(usize) -> f64) -> String {
+    let mut text = String::from("# a ball\nl_mm,angle_deg,h_mm,dx_um,dz_um,dy_um\n");
+    for &angle in angles {
+        for (s, &(l, h)) in set_ups.iter().enumerate() {
+            let [x, y, z] = deviation(axis, angle, (l, h)).map(|value| value + offset(s));
+            writeln!(text, "{l},{angle},{h},{x},{z},{y}").unwrap();
+        }
+    }
+    text
+}
+
+fn circle(step: usize) -> Vec<f64> {
+    (0..360).step_by(step).map(|angle| angle as f64).collect()
+}
+
+fn document(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+const KEYS: [&str; 6] = ["exc_um", "eyc_um", "ezc_um", "eac_urad", "ebc_urad", "ecc_urad"];
+
+#[test]
+fn errors_of_c_come_back_and_become_a_table_that_loads() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("m.csv"), measured(2, &circle(15), &SET_UPS, |_| 0.0)).unwrap();
+    let found =
+        document(&call(directory.path(), &["m.csv", "--axis", "C", "--json", "-o", "c.csv", "--report", "out"]));
+    assert_eq!((&found["axis"], &found["location"]), (&Value::from("C"), &Value::from("inside")));
+    assert_eq!(found["degrees_of_freedom"], 24 * 3);
+    let angles = found["angles"].as_array().unwrap();
+    assert_eq!(angles.len(), 24);
+    for angle in angles {
+        for (key, truth) in KEYS.into_iter().zip(truth(angle["angle_deg"].as_f64().unwrap())) {
+            let value = angle[key].as_f64().unwrap();
+            assert!((value - truth).abs() < 1e-4, "{key} {value} for {truth}");
+        }
+        assert_eq!(angle["rank"], 6);
+        assert!(angle["residual_um"].as_f64().unwrap() < 1e-4 && angle["condition"].as_f64().unwrap() < 30.0);
+    }
+    assert!(found["sigma_um"].as_f64().unwrap() < 1e-4 && found["standard_errors"]["exc_um"].is_number());
+
+    let table = fs::read_to_string(directory.path().join("c.csv")).unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines[0], "C_deg,EXC_um,EYC_um,EZC_um,EAC_urad,EBC_urad,ECC_urad");
+    assert_eq!(lines.len(), 26, "24 angles and the line that closes the circle");
+    assert_eq!(lines[1].split_once(',').unwrap().1, lines[25].strip_prefix("360,").unwrap());
+
+    let toml = "name = \"head\"\nchain = \"w b X Y Z C t\"\n[axis.C]\ntable = \"c.csv\"\n";
+    fs::write(directory.path().join("machine.toml"), toml).unwrap();
+    let check = Command::new(env!("CARGO_BIN_EXE_trueaxis"))
+        .args(["tables", "check", "machine.toml"])
+        .current_dir(directory.path())
+        .output()
+        .unwrap();
+    assert!(check.status.success(), "{}", String::from_utf8_lossy(&check.stderr));
+
+    let page = fs::read_to_string(directory.path().join("out/identify.html")).unwrap();
+    let page = page.strip_prefix("<!DOCTYPE html>\n").unwrap();
+    let tree = roxmltree::Document::parse(page).unwrap();
+    assert_eq!(tree.descendants().filter(|node| node.has_tag_name("figure")).count(), 3);
+}
+
+#[test]
+fn the_table_on_the_screen_has_the_figures() {
+    let directory = tempfile::tempdir().unwrap();
+    let angles: Vec<f64> = (0..10).map(|i| 10.0 * f64::from(i)).collect();
+    fs::write(directory.path().join("m.csv"), measured(0, &angles, &SET_UPS_A, |_| 0.0)).unwrap();
+    let output = call(directory.path(), &["m.csv", "--axis", "a", "--report", "page.html", "-o", "a.csv"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let line = text.lines().find(|line| line.trim_start().starts_with("40.000")).unwrap();
+    let cells: Vec<f64> = line.split_whitespace().map(|cell| cell.parse().unwrap()).collect();
+    for (cell, truth) in cells[1..7].iter().zip(truth(40.0)) {
+        assert!((cell - truth).abs() < 6e-4, "{line}");
+    }
+    for needed in ["EXA_um", "ECA_urad", "rank                6 of 6", "inside", "condition"] {
+        assert!(text.contains(needed), "{needed}: {text}");
+    }
+    assert!(directory.path().join("page.html").is_file());
+    // A part of the circle is not closed.
+    let table = fs::read_to_string(directory.path().join("a.csv")).unwrap();
+    assert_eq!(table.lines().count(), 11);
+}
+
+#[test]
+fn free_offsets_do_not_reach_the_errors() {
+    let directory = tempfile::tempdir().unwrap();
+    let angles = circle(15);
+    fs::write(directory.path().join("m.csv"), measured(2, &angles, &SET_UPS, |s| 40.0 * s as f64 - 7.0)).unwrap();
+    let found = document(&call(directory.path(), &["m.csv", "--axis", "C", "--free-offsets", "--json"]));
+    assert_eq!((&found["location"], &found["null_space"]), (&Value::from("removed"), &Value::from(3)));
+    assert!(found["sigma_um"].as_f64().unwrap() < 1e-3);
+    let mean: [f64; 3] =
+        std::array::from_fn(|i| angles.iter().map(|&angle| truth(angle)[i]).sum::<f64>() / angles.len() as f64);
+    for angle in found["angles"].as_array().unwrap() {
+        for (i, (key, truth)) in KEYS.into_iter().zip(truth(angle["angle_deg"].as_f64().unwrap())).enumerate() {
+            let expected = truth - mean.get(i).copied().unwrap_or(0.0);
+            let value = angle[key].as_f64().unwrap();
+            assert!((value - expected).abs() < 1e-3, "{key} {value} for {expected}");
+        }
+    }
+    // Offsets differ by 40 µm from set-up to set-up.
+    let offset = |s: usize| found["set_ups"][s]["offset_um"][1].as_f64().unwrap();
+    assert!((offset(1) - offset(0) - 40.0).abs() < 1e-2 && (offset(2) - offset(1) - 40.0).abs() < 1e-2);
+}
+
+#[test]
+fn a_measured_closing_angle_is_taken_for_both_ends() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut angles = circle(30);
+    angles.push(360.0);
+    let mut text = measured(2, &angles[..12], &SET_UPS, |_| 0.0);
+    let closing = measured(2, &[360.0], &SET_UPS, |_| 2.0);
+    text.extend(closing.lines().skip(2).map(|line| format!("{line}\n")));
+    fs::write(directory.path().join("m.csv"), text).unwrap();
+    let found = document(&call(directory.path(), &["m.csv", "--axis", "C", "--json", "-o", "c.csv"]));
+    assert_eq!(found["angles"].as_array().unwrap().len(), 13);
+    assert!(found["warnings"][0].as_str().unwrap().contains("closes within 2.000 µm"), "{found}");
+    let table = fs::read_to_string(directory.path().join("c.csv")).unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!((lines.len(), lines[1].split_once(',').unwrap().1), (14, lines[13].split_once(',').unwrap().1));
+    let x: f64 = lines[1].split(',').nth(1).unwrap().parse().unwrap();
+    assert!((x - truth(0.0)[0] - 1.0).abs() < 1e-3, "{x}");
+}
+
+/// Calls with bad readings: exit code 2, nothing on stdout, nothing written, and a message that says all of `needed`.
+fn refused(text: &str, arguments: &[&str], needed: &[&str]) {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("m.csv"), text).unwrap();
+    let mut all = vec!["m.csv", "-o", "c.csv", "--report", "out"];
+    all.extend(arguments);
+    let output = call(directory.path(), &all);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(output.stdout.is_empty());
+    for needed in needed {
+        assert!(message.contains(needed), "{needed:?} is not in {message:?}");
+    }
+    let left = fs::read_dir(directory.path()).unwrap().count();
+    assert_eq!(left, 1, "something was written");
+}
+
+#[test]
+fn set_ups_that_cannot_separate_the_six_are_refused() {
+    let line = [(200.0, 0.0), (250.0, 50.0), (300.0, 100.0)];
+    let text = measured(2, &circle(30), &line, |_| 0.0);
+    refused(&text, &["--axis", "C"], &["m.csv: found collinear set-ups", "141.4214 mm", "rank 5 of 6", "needed"]);
+    refused(&text, &["--axis", "C", "--free-offsets"], &["collinear"]);
+    let two = measured(2, &circle(30), &line[..2], |_| 0.0);
+    refused(&two, &["--axis", "C"], &["m.csv", "l_mm", "found 2 set-ups", "l_mm 250, h_mm 50", "needed at least 3"]);
+}
+
+#[test]
+fn rows_that_are_missing_twice_or_out_of_order_are_refused() {
+    let text = measured(2, &circle(30), &SET_UPS, |_| 0.0);
+    let without = |which: usize| {
+        let lines = text.lines().enumerate().filter(|(i, _)| *i != which).map(|(_, line)| format!("{line}\n"));
+        lines.collect::<String>()
+    };
+    // Line 6 of the file (0-based) is the second set-up at 30 degrees.
+    refused(&without(6), &["--axis", "C"], &["m.csv", "angle_deg", "no row at angle 30", "l_mm 250, h_mm 160"]);
+    let twice = format!("{text}{}\n", text.lines().nth(3).unwrap());
+    refused(&twice, &["--axis", "C"], &["m.csv:39: column angle_deg", "a second row", "line 4", "needed one row"]);
+    let backwards = measured(2, &[0.0, 60.0, 30.0], &SET_UPS, |_| 0.0);
+    refused(&backwards, &["--axis", "C"], &["m.csv:9: column angle_deg", "30", "more than 60 of line 6"]);
+    let beyond = measured(2, &[0.0, 120.0, 240.0, 370.0], &SET_UPS, |_| 0.0);
+    refused(&beyond, &["--axis", "C"], &["m.csv:12: column angle_deg", "370", "at most 360"]);
+}
+
+#[test]
+fn columns_and_numbers_are_checked() {
+    let text = measured(2, &circle(30), &SET_UPS, |_| 0.0);
+    let renamed = text.replace("angle_deg", "C_deg");
+    refused(&renamed, &["--axis", "C"], &["m.csv:2: column C_deg", "needed one of angle_deg"]);
+    let mixed = text.replacen("h_mm", "a_deg", 1);
+    refused(&mixed, &["--axis", "A"], &["m.csv:2", "a_deg"]);
+    let missing = "angle_deg,l_mm,h_mm,dx_um,dy_um\n0,1,1,1,1\n";
+    refused(missing, &["--axis", "C"], &["m.csv:1", "the column dz_um"]);
+    let broken = text.replacen("\n250,30,", "\nnan,30,", 1);
+    refused(&broken, &["--axis", "C"], &["m.csv:6: column l_mm", "nan", "finite"]);
+    refused(&text, &["--axis", "X"], &["--axis", "'X'"]);
+    refused("angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um\n", &["--axis", "C"], &["m.csv", "no rows"]);
+}
+
+#[test]
+fn a_single_angle_makes_no_table_and_free_offsets_need_several() {
+    let text = measured(2, &[45.0], &SET_UPS, |_| 0.0);
+    refused(&text, &["--axis", "C"], &["m.csv", "found one angle, needed at least two"]);
+    refused(&text, &["--axis", "C", "--free-offsets"], &["free offsets", "needed 3", "more angles"]);
+}
+
+#[test]
+fn the_machine_must_have_the_axis() {
+    let text = measured(2, &circle(30), &SET_UPS, |_| 0.0);
+    let machine = concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/mill-3axis");
+    refused(&text, &["--axis", "C", "--machine", machine], &["mill-3axis", "found no axis C"]);
+    refused(&text, &["--axis", "C", "--machine", "nowhere"], &["nowhere"]);
+}
+
+/// A head on X: the ball of the first set-up hangs 250 mm below the head, and RTCP keeps all of them there.
+const HEAD: &str = "name = \"head\"\nchain = \"w b X Y Z C A t\"\n[axis.X]\ntable = \"x.csv\"\n";
+
+#[test]
+fn the_linear_axes_own_errors_are_removed() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("machine.toml"), HEAD).unwrap();
+    // 0.2 µm and 0.1 µrad per mm of X.
+    fs::write(directory.path().join("x.csv"), "X_mm,EXX_um,EBX_urad\n-500,-100,-50\n500,100,50\n").unwrap();
+    let start = 120.0;
+    let mut text = String::from("angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um\n");
+    for angle in circle(20) {
+        for (l, h) in SET_UPS {
+            let arm = turned([0.0, h, -l], 2, angle.to_radians());
+            let x = start - arm[0];
+            let tilt = 0.1 * x;
+            let [dx, dy, dz] = deviation(2, angle, (l, h));
+            let (dx, dz) = (dx + 0.2 * x - 1e-3 * tilt * SET_UPS[0].0, dz - 1e-3 * tilt * arm[0]);
+            writeln!(text, "{angle},{l},{h},{dx},{dy},{dz}").unwrap();
+        }
+    }
+    fs::write(directory.path().join("m.csv"), text).unwrap();
+    let given = ["m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "120,0,0"];
+    let found = document(&call(directory.path(), &given));
+    for angle in found["angles"].as_array().unwrap() {
+        for (key, truth) in KEYS.into_iter().zip(truth(angle["angle_deg"].as_f64().unwrap())) {
+            let value = angle[key].as_f64().unwrap();
+            assert!((value - truth).abs() < 1e-3, "{key} {value} for {truth} at {}", angle["angle_deg"]);
+        }
+    }
+    assert!(found["warnings"][0].as_str().unwrap().contains("own errors are removed"), "{found}");
+    // Without the machine, the errors of X go into those of C.
+    let raw = document(&call(directory.path(), &["m.csv", "--axis", "C", "--json"]));
+    let apart = raw["angles"][4]["exc_um"].as_f64().unwrap() - found["angles"][4]["exc_um"].as_f64().unwrap();
+    assert!(apart.abs() > 5.0, "{apart}");
+    // And a start that takes X beyond its table is told.
+    let far = ["m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "450,0,0"];
+    let far = document(&call(directory.path(), &far));
+    assert!(far["warnings"][1].as_str().unwrap().contains("edge value"), "{far}");
+}

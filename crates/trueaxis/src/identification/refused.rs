@@ -1,0 +1,91 @@
+//! Why measurements cannot be solved.
+
+use crate::machine::Axis;
+use core::fmt;
+
+/// Why measurements cannot be solved, with the figures that were found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refused {
+    /// The axis does not turn.
+    NotRotary(Axis),
+    /// A value is infinite or not a number.
+    NotFinite {
+        /// Which set-up, from 0.
+        set_up: usize,
+    },
+    /// Fewer than three set-ups.
+    TooFewSetUps {
+        /// How many.
+        found: usize,
+    },
+    /// The points (L, H) lie on one line, or so near to one that the six errors cannot be told apart: turning about that
+    /// line moves no ball.
+    Collinear {
+        /// Extent of the points along the line, mm.
+        along_mm: f64,
+        /// Largest distance from the line, mm.
+        off_mm: f64,
+        /// How many of six errors are seen.
+        rank: u8,
+        /// Condition number of the scaled columns; infinite where the rank is exact.
+        condition: f64,
+    },
+    /// An angle has another number of readings than there are set-ups.
+    Readings {
+        /// Which angle, from 0.
+        angle: usize,
+        /// Its readings.
+        found: usize,
+        /// The set-ups.
+        needed: usize,
+    },
+    /// No angles at all.
+    NoAngles,
+    /// With free offsets: the angles are too few, or span too little, to tell the errors from the offsets.
+    Offsets {
+        /// Combinations of errors and offsets that no reading can see.
+        found: usize,
+        /// Those that there always are, and that the gauge fixes.
+        needed: usize,
+    },
+    /// The singular values did not converge.
+    NoConvergence,
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Refused::NotRotary(axis) => write!(f, "found axis {}, needed A, B or C", axis.letter()),
+            Refused::NotFinite { set_up } => {
+                write!(f, "set-up {}: found a value that is no finite number, needed finite numbers", set_up + 1)
+            }
+            Refused::TooFewSetUps { found } => write!(f, "found {found} set-ups, needed at least 3 (L, H)"),
+            Refused::Collinear { along_mm, off_mm, rank, condition } => {
+                write!(
+                    f,
+                    "found collinear set-ups: points (L, H) over {along_mm:.4} mm at most {off_mm:.4} mm off one line, \
+                     rank {rank} of 6, condition number "
+                )?;
+                if condition.is_finite() {
+                    write!(f, "{condition:.3e}")?;
+                } else {
+                    f.write_str("infinite")?;
+                }
+                f.write_str("; needed points that are not on one line: turning about it moves no ball")
+            }
+            Refused::Readings { angle, found, needed } => {
+                write!(f, "angle {}: found {found} readings, needed one for each of {needed} set-ups", angle + 1)
+            }
+            Refused::NoAngles => f.write_str("found no angles, needed at least one"),
+            Refused::Offsets { found, needed } => write!(
+                f,
+                "found {found} combinations of errors and free offsets that no reading sees, needed {needed}: more \
+                 angles, over more of the circle"
+            ),
+            Refused::NoConvergence => f.write_str("found singular values that do not converge, needed other readings"),
+        }
+    }
+}
+
+impl core::error::Error for Refused {}

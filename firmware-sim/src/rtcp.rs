@@ -1,0 +1,53 @@
+//! `firmware-sim rtcp`: its arguments and what it prints.
+
+use crate::read_machine;
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use firmware_sim::ball_test::BallCycle;
+use firmware_sim::report;
+use std::path::PathBuf;
+
+/// Arguments of `rtcp`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  firmware-sim rtcp                                 the sample head with a gauge of 0.2 µm
+  firmware-sim rtcp --gauge-noise-um 1 --report out out/rtcp.html, readings and tables beside it
+  trueaxis identify out/measured-c.csv --axis C     the same readings on the bench")]
+pub(crate) struct RtcpArgs {
+    /// Machine whose head carries A in C: a machine.toml, its folder, or the name of a sample.
+    #[arg(long, value_name = "M", default_value = "head-5axis")]
+    machine: PathBuf,
+    /// Standard deviation of a reading of the gauge, 0 to 100.
+    #[arg(long, value_name = "UM", default_value_t = 0.2, allow_negative_numbers = true)]
+    gauge_noise_um: f64,
+    /// Seed of the gauge's noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON document and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// Write rtcp.html, the readings and the tables into this folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn rtcp(args: &RtcpArgs) -> Result<()> {
+    if !(0.0..=100.0).contains(&args.gauge_noise_um) {
+        bail!("--gauge-noise-um: found {}, needed 0 to 100", args.gauge_noise_um);
+    }
+    let test =
+        BallCycle { machine: read_machine(&args.machine)?, gauge_noise_um: args.gauge_noise_um, seed: args.seed };
+    let outcome = test.run()?;
+    let page = match &args.report {
+        Some(dir) => Some(
+            report::ball_test::write(&test, &outcome, dir)
+                .with_context(|| format!("cannot write into {}", dir.display()))?,
+        ),
+        None => None,
+    };
+    if args.json {
+        return crate::put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&test))?));
+    }
+    let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
+    crate::put(&format!("{}{page}", outcome.summary(&test)))
+}
