@@ -9,6 +9,7 @@ use anyhow::{Result, anyhow};
 use std::hint::black_box;
 use std::time::Instant;
 use trueaxis::Input;
+use trueaxis::compensation::step_axes;
 use trueaxis::contour::{Path, Reference};
 
 /// What the bench gives.
@@ -31,12 +32,14 @@ pub fn run<const N: usize>(
     cycles: u64,
 ) -> Result<Outcome> {
     let mut span = 0;
+    let axes = step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?;
     let prepared: Vec<(Input<f64, N>, Reference<f64>)> = motion
         .setpoints()
         .map(|setpoint| {
             let mut command = [0.0; N];
-            for (k, to) in command.iter_mut().take(3).enumerate() {
-                *to = setpoint.position[k] + scenario.origin_mm[k];
+            let positions = scenario.axis_positions(&setpoint);
+            for (to, axis) in command.iter_mut().zip(axes) {
+                *to = positions[axis.index()];
             }
             let mut feedback = command;
             // A deterministic wobble of some micrometres, so that the contour search has something to find.

@@ -6,6 +6,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, Parser, Subcommand};
 use firmware_sim::motion::{Motion, MotionSettings};
 use firmware_sim::path::PlannedPath;
+use firmware_sim::placement::Placement;
 use firmware_sim::plant::fault::FaultScript;
 use firmware_sim::program::Program;
 use firmware_sim::scenario::{Scenario, axis_count, middle_of_travel, sample_machine};
@@ -143,6 +144,7 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     }
     let machine = read_machine(&args.machine)?;
     let program = read_program(&args.program)?;
+    program.check_axes(&machine.settings, &args.program)?;
     let origin_mm = match args.origin_mm.as_deref() {
         None => middle_of_travel(&machine),
         Some(&[x, y, z]) if [x, y, z].iter().all(|c| c.is_finite()) => [x, y, z],
@@ -150,7 +152,10 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     };
     let kelvin = args.temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);
     let faults = FaultScript::parse(faults).map_err(|e| anyhow!("--fault: {e}"))?;
+    let placement = Placement::new(&machine, origin_mm)?;
     let scenario = Scenario {
+        five_axis: program.is_five_axis(),
+        placement,
         machine,
         program,
         origin_mm,
@@ -187,8 +192,9 @@ fn progress_bar(message: &'static str) -> ProgressBar {
 /// Motion and path of a scenario's program.
 fn plan(scenario: &Scenario) -> Result<(Motion<'_>, PlannedPath)> {
     let settings = MotionSettings { period_s: scenario.period_s(), ..MotionSettings::default() };
-    let motion = Motion::plan(&scenario.program, settings).map_err(|e| anyhow!("{}: {e}", scenario.program.name))?;
-    Ok((motion, PlannedPath::new(&scenario.program, scenario.origin_mm)?))
+    let motion = Motion::plan_on(&scenario.program, settings, &scenario.placement)
+       .map_err(|e| anyhow!("{}: {e}", scenario.program.name))?;
+    Ok((motion, PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement)?))
 }
 
 fn read_program(path: &Path) -> Result<Program> {
@@ -210,13 +216,14 @@ fn stays_in_travel(scenario: &Scenario) -> Result<()> {
     for step in &scenario.program.moves {
         let (first, last) = step.curve.domain();
         for i in 0..=64 {
-            let point = step.curve.position(first + (last - first) * f64::from(i) / 64.0);
-            for settings in scenario.machine.settings.axes.iter().filter(|a| !a.axis.is_rotary()) {
-                let k = settings.axis.index();
-                let (q, [low, high]) = (point[k] + scenario.origin_mm[k], settings.travel);
+            let point = scenario.placement.axes(step, first + (last - first) * f64::from(i) / 64.0);
+            let counted = scenario.machine.settings.axes.iter().filter(|a| scenario.five_axis || !a.axis.is_rotary());
+            for settings in counted {
+                let (q, [low, high]) = (point[settings.axis.index()], settings.travel);
                 if q < low || q > high {
+                    let (unit, hint) = if settings.axis.is_rotary() { ("°", "") } else { (" mm", " (see --origin-mm)") };
                     bail!(
-                        "{}, line {}: axis {} goes to {q:.3} mm, needed within its travel {low} to {high} mm (see --origin-mm)",
+                        "{}, line {}: axis {} goes to {q:.3}{unit}, needed within its travel {low} to {high}{unit}{hint}",
                         scenario.program.name,
                         step.line,
                         settings.axis.letter()

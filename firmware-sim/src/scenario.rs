@@ -1,8 +1,11 @@
 //! What is simulated: machine, program, rate, seed, faults.
 
+use crate::motion::Setpoint;
+use crate::placement::Placement;
 use crate::plant::fault::FaultScript;
 use crate::program::Program;
 use std::path::PathBuf;
+use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
 
 /// One simulation.
@@ -14,6 +17,10 @@ pub struct Scenario {
     pub program: Program,
     /// Program zero in machine coordinates, mm.
     pub origin_mm: [f64; 3],
+    /// Where the axes stand for a programmed place.
+    pub placement: Placement,
+    /// Rotary axes or the tool centre point are programmed: errors are those of tip and direction in workpiece coordinates.
+    pub five_axis: bool,
     /// Servo rate.
     pub rate_hz: f64,
     /// Seed of the encoders' noise.
@@ -30,6 +37,17 @@ impl Scenario {
     /// Servo period, s.
     pub fn period_s(&self) -> f64 {
         1.0 / self.rate_hz
+    }
+
+    /// Commanded positions of X, Y, Z, A, B, C, mm and degrees.
+    pub fn axis_positions(&self, setpoint: &Setpoint) -> [f64; AXES] {
+        match self.program.moves.get(setpoint.move_index) {
+            Some(step) if self.five_axis => self.placement.axes(step, setpoint.u),
+            _ => {
+                let [x, y, z]: [f64; 3] = std::array::from_fn(|k| setpoint.position[k] + self.origin_mm[k]);
+                [x, y, z, 0.0, 0.0, 0.0]
+            }
+        }
     }
 
     /// Servo period, ns.

@@ -4,9 +4,10 @@ use crate::latency::Latency;
 use crate::motion::{Motion, Setpoint};
 use crate::pace::{self, Pace, PaceReport};
 use crate::path::PlannedPath;
+use crate::placement::Place;
 use crate::plant::fault::FaultScript;
 use crate::plant::{Plant, PlantSettings};
-use crate::report::ErrorSize;
+use crate::report::{AngleSize, ErrorSize};
 use crate::scenario::Scenario;
 use crate::trace::Trace;
 use crate::truth;
@@ -52,10 +53,14 @@ pub struct FaultSpan {
 pub struct Sample {
     /// Arc length along the program, mm.
     pub length_mm: f64,
-    /// Programmed point in machine coordinates, mm.
+    /// Programmed point in machine coordinates (with rotary axes: in workpiece coordinates), mm.
     pub nominal_mm: [f64; 3],
     /// True tip from the nearest point of the path, µm.
     pub deviation_um: [f32; 3],
+    /// Angle of the true tool direction from the programmed one, µrad.
+    pub orientation_urad: f32,
+    /// A, B, C commanded, degrees.
+    pub rotary_deg: [f32; 3],
     /// Correction sent to X, Y, Z, µm.
     pub correction_um: [f32; 3],
     /// Contour error that the plugin reports for the estimated tip, µm.
@@ -71,6 +76,8 @@ pub struct Run {
     pub samples: Vec<Sample>,
     /// Contour error of the true tip while cutting.
     pub error: ErrorSize,
+    /// Angle of the true tool direction from the programmed one while cutting; zero for a program of X, Y, Z alone.
+    pub orientation: AngleSize,
     /// Faults reported.
     pub faults: Vec<FaultSpan>,
     /// Cost of every step.
@@ -154,6 +161,13 @@ pub fn with_loop<const N: usize, T>(
     user(&servo)
 }
 
+/// The true error of a cycle.
+struct Measured {
+    tip: DVec3,
+    angle: f64,
+    nominal: DVec3,
+}
+
 /// Interpolator, plugin and machine of one run.
 struct Cell<'c, 'a, const N: usize> {
     scenario: &'c Scenario,
@@ -171,6 +185,7 @@ struct Cell<'c, 'a, const N: usize> {
     elapsed_periods: f64,
     stopped_for: u64,
     squares: f64,
+    orientation_squares: f64,
     cutting: u64,
     span: u32,
     run: Run,
@@ -214,11 +229,13 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             elapsed_periods: 1.0,
             stopped_for: 0,
             squares: 0.0,
+            orientation_squares: 0.0,
             cutting: 0,
             span: 0,
             run: Run {
                 samples: Vec::with_capacity(motion.cycles() as usize),
                 error: ErrorSize::default(),
+                orientation: AngleSize::default(),
                 faults: Vec::new(),
                 latency: Latency::new(scenario.budget_ns, scenario.period_ns().into()),
                 limited_cycles: 0,
@@ -245,12 +262,8 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     }
 
     fn command(&self, setpoint: &Setpoint) -> [f64; N] {
-        let point = DVec3::from(setpoint.position) + self.origin;
-        let mut command = [0.0; N];
-        for (to, from) in command.iter_mut().zip(point.to_array()) {
-            *to = from;
-        }
-        command
+        let positions = self.scenario.axis_positions(setpoint);
+        self.axes.map(|axis| positions[axis.index()])
     }
 
     /// One servo period: plugin, then drives and encoders.
@@ -301,15 +314,17 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let command = self.command(setpoint);
         let (output, nanoseconds) = self.exchange(setpoint, command);
         self.run.latency.record(nanoseconds);
-        let tip = DVec3::from(self.plant.true_tip());
-        let place = (setpoint.move_index, setpoint.u);
-        let deviation = 1e3 * truth::deviation(&self.scenario.program, self.origin, place, tip);
+        let measured = self.measure(setpoint);
+        let deviation = 1e3 * measured.tip;
+        let orientation_urad = 1e6 * measured.angle;
         let step = &self.scenario.program.moves[setpoint.move_index];
         let cutting = !step.rapid;
         if cutting && self.stopped_for == 0 {
             self.squares += deviation.length_squared();
             self.cutting += 1;
             self.run.error.max_um = self.run.error.max_um.max(deviation.length());
+            self.run.orientation.max_urad = self.run.orientation.max_urad.max(orientation_urad);
+            self.orientation_squares += orientation_urad * orientation_urad;
         }
         if output.record.limited != 0 {
             self.run.limited_cycles += 1;
@@ -322,8 +337,10 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let correction = &output.record.correction;
         let sample = Sample {
             length_mm: setpoint.length,
-            nominal_mm: (DVec3::from(setpoint.position) + self.origin).to_array(),
+            nominal_mm: measured.nominal.to_array(),
             deviation_um: deviation.as_vec3().to_array(),
+            orientation_urad: orientation_urad as f32,
+            rotary_deg: setpoint.rotary.map(|q| q as f32),
             correction_um: [correction[0], correction[1], correction[2]].map(|c| (c * 1e3) as f32),
             estimated_um: (output.record.tip.error * 1e3) as f32,
             cutting,
@@ -332,6 +349,26 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             trace.row(cycle as f64 * self.scenario.period_s(), step.line, &sample, &output);
         }
         self.run.samples.push(sample);
+    }
+
+    /// The truth: three-axis programs in machine coordinates, the others in workpiece coordinates with the direction.
+    fn measure(&self, setpoint: &Setpoint) -> Measured {
+        let place = (setpoint.move_index, setpoint.u);
+        let program = &self.scenario.program;
+        let step = program.moves.get(setpoint.move_index);
+        if let (true, Some(step)) = (self.scenario.five_axis, step) {
+            let pose = self.plant.true_pose();
+            let actual = Place { tip: DVec3::from(pose.tip_mm), direction: DVec3::from(pose.direction) };
+            let placement = &self.scenario.placement;
+            let found = truth::pose::deviation(program, placement, place, &actual);
+            return Measured { tip: found.tip, angle: found.angle, nominal: placement.place(step, setpoint.u).tip };
+        }
+        let tip = DVec3::from(self.plant.true_tip());
+        Measured {
+            tip: truth::deviation(program, self.origin, place, tip),
+            angle: 0.0,
+            nominal: DVec3::from(setpoint.position) + self.origin,
+        }
     }
 
     fn note_fault(&mut self, output: &Output<f64, f64, N>, cycle: u64, line: u32) {
@@ -351,6 +388,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     fn finish(mut self, pace: Option<PaceReport>) -> Run {
         if self.cutting > 0 {
             self.run.error.rms_um = (self.squares / self.cutting as f64).sqrt();
+            self.run.orientation.rms_urad = (self.orientation_squares / self.cutting as f64).sqrt();
         }
         self.run.pace = pace;
         self.run

@@ -74,6 +74,15 @@ pub struct ErrorSize {
     pub rms_um: f64,
 }
 
+/// Size of an angle over a run, in µrad.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct AngleSize {
+    /// Largest in µrad.
+    pub max_urad: f64,
+    /// Root mean square in µrad.
+    pub rms_urad: f64,
+}
+
 /// Contour error of the true tool tip against the programmed path, in three runs with the same servo and seed.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ContourErrors {
