@@ -92,6 +92,9 @@ pub struct Json {
     cycles: u64,
     servo_rate_hz: f64,
     contour_error_um: ErrorJson,
+    /// Programs with rotary axes only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    orientation_error_urad: Option<ErrorJson>,
     latency_ns: LatencyJson,
     budget_ns: u64,
     over_budget: u64,
@@ -128,6 +131,7 @@ impl Outcome {
     /// The outcome as one JSON document.
     pub fn json(&self, scenario: &Scenario) -> Json {
         let size = |run: &Run| Size { max: run.error.max_um, rms: run.error.rms_um };
+        let angle = |run: &Run| Size { max: run.orientation.max_urad, rms: run.orientation.rms_urad };
         let latency = self.compensated.latency.summary();
         Json {
             machine: scenario.machine.settings.name.as_str().into(),
@@ -139,6 +143,11 @@ impl Outcome {
                 compensated: size(&self.compensated),
                 servo_only: size(&self.servo_only),
             },
+            orientation_error_urad: scenario.five_axis.then(|| ErrorJson {
+                uncompensated: angle(&self.uncompensated),
+                compensated: angle(&self.compensated),
+                servo_only: angle(&self.servo_only),
+            }),
             latency_ns: LatencyJson {
                 min: latency.min_ns,
                 p50: latency.p50_ns,
@@ -168,7 +177,7 @@ impl Outcome {
         let mut length = 0.0;
         for step in &scenario.program.moves {
             program_lines.push((length, step.line));
-            length += step.curve.length();
+            length += step.length();
         }
         let wide = |d: [f32; 3]| d.map(f64::from);
         let mut breaks = Vec::new();
@@ -263,6 +272,8 @@ impl Outcome {
     }
 }
 
+const RUNS: [&str; 3] = ["without compensation", "with compensation", "servo alone (perfect geometry)"];
+
 /// Prints the outcome in plain words.
 pub struct Summary<'o> {
     outcome: &'o Outcome,
@@ -282,9 +293,8 @@ impl fmt::Display for Summary<'_> {
         )?;
         writeln!(f)?;
         writeln!(f, "true contour error of the tool tip while cutting      largest        RMS")?;
-        for (name, run) in
-            [("without compensation", before), ("with compensation", after), ("servo alone (perfect geometry)", servo)]
-        {
+        let runs = [before, after, servo];
+        for (name, run) in RUNS.into_iter().zip(runs) {
             writeln!(f, "  {name:<46} {:>9.3} µm {:>7.3} µm", run.error.max_um, run.error.rms_um)?;
         }
         if before.error.max_um > 0.0 && before.error.rms_um > 0.0 {
@@ -294,6 +304,12 @@ impl fmt::Display for Summary<'_> {
                 100.0 * after.error.max_um / before.error.max_um,
                 100.0 * after.error.rms_um / before.error.rms_um
             )?;
+        }
+        if s.five_axis {
+            writeln!(f, "true angle of the tool direction from the programmed one")?;
+            for (name, run) in RUNS.into_iter().zip(runs) {
+                writeln!(f, "  {name:<44} {:>9.2} µrad {:>6.2} µrad", run.orientation.max_urad, run.orientation.rms_urad)?;
+            }
         }
         let latency = after.latency.summary();
         writeln!(f)?;
