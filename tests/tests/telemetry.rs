@@ -16,6 +16,8 @@ fn longest(axes: usize) -> Frame {
         machine_id: u32::MAX,
         tables_crc: u32::MAX,
         status: Status(1),
+        orientation: 1.05,
+        orientation_flags: 32,
         ..Frame::default()
     };
     for _ in 0..axes {
@@ -28,8 +30,8 @@ fn longest(axes: usize) -> Frame {
 #[test]
 fn frames_are_as_long_as_documented() {
     let mut buffer = [0; FRAME_BYTES];
-    assert_eq!(longest(3).encode(&mut buffer).unwrap().len(), 118);
-    assert_eq!(longest(6).encode(&mut buffer).unwrap().len(), 178);
+    assert_eq!(longest(3).encode(&mut buffer).unwrap().len(), 123);
+    assert_eq!(longest(6).encode(&mut buffer).unwrap().len(), 183);
 }
 
 /// Byte offsets and the numbers of the faults in docs/telemetry.md; COBS undone here, not by the code under test.
@@ -46,9 +48,12 @@ fn frames_are_laid_out_as_documented() {
         Fault::CommandOutOfTravel,
         Fault::CommandJump,
         Fault::JointRange,
+        Fault::ToolUnreachable,
+        Fault::SingularPose,
+        Fault::BranchChange,
         Fault::PeriodMismatch,
     ];
-    let codes = [0, 1, 2, 3, 4, 5, 16, 17, 18, 19, 32];
+    let codes = [0, 1, 2, 3, 4, 5, 16, 17, 18, 19, 20, 21, 22, 32];
     for (fault, code) in faults.into_iter().zip(codes) {
         assert_eq!(fault as u8, code);
         let mut frame = longest(3);
@@ -58,13 +63,14 @@ fn frames_are_laid_out_as_documented() {
         let (closing, body) = bytes.split_last().unwrap();
         assert_eq!(*closing, 0);
         let record = uncobs(body);
-        assert_eq!(record[..3], [1, 0xac, 0x02], "version 1, 300 as a varint");
+        assert_eq!(record[..3], [2, 0xac, 0x02], "version 2, 300 as a varint");
         assert_eq!(record[13..18], [code, 0, 1, 0, 0], "fault, its axis, status, limited, at edge");
         assert_eq!(record[18], 3, "number of axes");
         assert_eq!(record[19..27], 1.1_f64.to_le_bytes());
         assert_eq!(record[35..39], 1.1_f32.to_le_bytes());
         assert_eq!(Frame::decode(bytes).unwrap(), frame);
-        assert_eq!(record.len(), 19 + 3 * 20 + 2 * 17);
+        assert_eq!(record[113..118], [0x66, 0x66, 0x86, 0x3f, 32], "orientation, its flags");
+        assert_eq!(record.len(), 19 + 3 * 20 + 2 * 17 + 5);
     }
 }
 

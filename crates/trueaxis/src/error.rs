@@ -163,6 +163,12 @@ pub enum Fault {
     CommandJump = 18,
     /// Command plus correction leaves the range of the joint.
     JointRange = 19,
+    /// No pose of the machine brings the tool to the commanded tip and direction.
+    ToolUnreachable = 20,
+    /// The commanded direction is too near to the one in which a rotary axis turns the tool about itself.
+    SingularPose = 21,
+    /// The commanded direction asks the rotary axes to go over to their other solution faster than they can.
+    BranchChange = 22,
     /// The host's servo period is not the configured one.
     PeriodMismatch = 32,
 }
@@ -200,6 +206,9 @@ impl TryFrom<u8> for Fault {
             Fault::CommandOutOfTravel,
             Fault::CommandJump,
             Fault::JointRange,
+            Fault::ToolUnreachable,
+            Fault::SingularPose,
+            Fault::BranchChange,
             Fault::PeriodMismatch,
         ]
         .into_iter()

@@ -161,6 +161,11 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
         }
     }
 
+    /// The command of the last cycle, the held one during a stop; none before the first.
+    pub(crate) fn commanded(&self) -> Option<&[P; N]> {
+        self.started.then_some(&self.command)
+    }
+
     pub(crate) fn latch(&mut self, fault: Fault, axis: u8) {
         (self.latched, self.latched_axis) = (fault, axis);
     }
@@ -203,10 +208,24 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 
     #[inline(always)]
     pub(crate) fn read(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> Sample<P, N> {
+        self.read_unless(state, input, Fault::None)
+    }
+
+    /// The same where a stage before this one has to refuse the command: with its fault, whatever `input` commands.
+    #[inline(always)]
+    pub(crate) fn read_unless(
+        &self,
+        state: &mut SampleState<R, P, N>,
+        input: &Input<P, N>,
+        refused: Fault,
+    ) -> Sample<P, N> {
         let first = !state.started;
         let active = input.homed && input.enable;
         let late = input.elapsed_ns > self.latest_ns;
-        let (command_fault, command_axis) = self.command_fault(state, input, active, late);
+        let (command_fault, command_axis) = match refused {
+            Fault::None => self.command_fault(state, input, active, late),
+            refused => (refused, 0),
+        };
         let reset = input.reset && !state.reset;
         state.reset = input.reset;
 

@@ -2,8 +2,10 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod tool;
+
 use crate::compensation::{Compensation, Requirement, Reversal, Rows, Storage, ThermalLine, step_axes};
-use crate::contour::{ContourError, ContourSearch, ContourState, Method, Path, Reference};
+use crate::contour::{ContourError, ContourSearch, ContourState, Method, OrientationError, Path, Reference};
 use crate::error::{ConfigError, Fault, Field};
 use crate::machine::{AXES, Axis, MachineSettings};
 use crate::output::{Release, ReleaseState, Released};
@@ -13,6 +15,7 @@ use crate::roundness::{Cycle, Followed, Probes, Roundness, RoundnessState};
 use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
 use crate::tcomp::Tcomp;
 use crate::telemetry::{Record, Status};
+use crate::vector::V3;
 
 /// What a servo loop is built from.
 #[derive(Clone, Copy, Debug)]
@@ -60,12 +63,14 @@ impl<'m> Config<'m> {
             return Err(ConfigError::new(Field::Period, f64::from(self.period_ns) * 1e-9, "1e-6 s to 0.1 s"));
         }
         crate::check::settings(self.machine)?;
+        let axes = step_axes::<N>(self.machine)?;
         let mut bands = [R::ZERO; N];
-        for (band, axis) in bands.iter_mut().zip(step_axes::<N>(self.machine)?) {
+        for (band, axis) in bands.iter_mut().zip(axes) {
             let settings = self.machine.axes.iter().find(|a| a.axis == axis);
             *band = R::of(settings.map_or(0.0, |s| s.hysteresis));
         }
         Ok(ServoLoop {
+            axes,
             sampler: Sampler::new(self.machine, self.period_ns)?,
             compensation: Compensation::build(self.machine, rows, self.inverse_passes, storage)?,
             bands,
@@ -90,6 +95,7 @@ impl<'m> Config<'m> {
 /// between two cycles ([`crate::exchange::Exchange`]); the state goes on, and the limiter makes the change bumpless.
 #[derive(Clone, Copy, Debug)]
 pub struct ServoLoop<'a, R, P, const N: usize> {
+    axes: [Axis; N],
     sampler: Sampler<R, P, N>,
     compensation: Compensation<'a, R, P, N>,
     bands: [R; N],
@@ -181,7 +187,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         reference: Reference<R>,
     ) -> Output<R, P, N> {
         let sample = self.sampler.read(&mut state.sample, input);
-        let modelled = self.model(state, &sample);
+        let modelled = self.model::<false>(state, &sample);
         self.finish(state, &sample, &modelled, path, reference)
     }
 
@@ -202,7 +208,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         probes: &Probes<R>,
     ) -> (Output<R, P, N>, Cycle<R>) {
         let sample = self.sampler.read(&mut state.sample, input);
-        let mut modelled = self.model(state, &sample);
+        let mut modelled = self.model::<false>(state, &sample);
         let place = gauge.infeed_place().unwrap_or(N);
         let followed = match sample.verdict {
             Verdict::Active if (state.limited >> (place & 7)) & 1 == 1 => Followed::Limited,
@@ -229,16 +235,16 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let contour = self.contour(state, sample, modelled, path, reference);
         let released = self.release.release(&mut state.release, &mut state.sample, sample, &modelled.wanted);
         state.limited = released.limited;
-        self.record(state, sample, modelled, contour, released)
+        self.record(state, sample, modelled.at_edge, contour, &OrientationError::none(), released)
     }
 
-    /// Wanted correction at the command, modelled error at the feedback.
+    /// Wanted correction at the command, modelled error at the feedback; that of the direction only for a `TOOL`.
     #[inline(always)]
-    fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> Modelled<R, N> {
+    fn model<const TOOL: bool>(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> Modelled<R, N> {
         // Switched off but homed, the tip is still estimated: that is how the errors look without correction.
         let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
         if !(sample.homed && believed) {
-            return Modelled { wanted: [R::ZERO; N], tip_error: [R::ZERO; N], at_edge: 0 };
+            return Modelled { wanted: [R::ZERO; N], tip_error: [R::ZERO; N], tilt: V3::ZERO, at_edge: 0 };
         }
         let mut reverse = [0; N];
         let bands = self.bands.iter().zip(&sample.command);
@@ -253,7 +259,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let feedback = self.compensation.coordinates(&sample.feedback);
         let wanted = self.compensation.correction(&command, &feedback, &reverse, &state.thermal, &mut at_edge);
         let tip_error = self.compensation.errors(&feedback, &reverse, &state.thermal, &mut 0);
-        Modelled { wanted, tip_error, at_edge }
+        Modelled { wanted, tip_error, tilt: V3::ZERO, at_edge }
     }
 
     /// Contour error of the estimated tip and of the plain encoder position; none while a reading is not believed.
@@ -286,8 +292,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
-        modelled: &Modelled<R, N>,
+        at_edge: u8,
         [tip, encoder]: [ContourError<R>; 2],
+        orientation: &OrientationError<R>,
         released: Released<R, P, N>,
     ) -> Output<R, P, N> {
         let sequence = state.sequence;
@@ -309,12 +316,14 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             fault_axis,
             status,
             limited: released.limited,
-            at_edge: modelled.at_edge,
+            at_edge,
             command: sample.command,
             feedback: sample.feedback,
             correction: released.correction,
             tip,
             encoder,
+            orientation: orientation.angle,
+            orientation_flags: orientation.flags,
         };
         Output { drive: released.drive, feedback: released.feedback, record }
     }
@@ -325,6 +334,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
 struct Modelled<R, const N: usize> {
     wanted: [R; N],
     tip_error: [R; N],
+    /// Small rotation of the tool in bed axes, rad, beside what the rotary axes' own entries in `tip_error` say.
+    tilt: V3<R>,
     at_edge: u8,
 }
 

@@ -11,7 +11,7 @@ mod roundness;
 
 pub use roundness::{ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION, RoundnessFrame};
 
-use crate::contour::ContourError;
+use crate::contour::{ContourError, Flags};
 use crate::error::Fault;
 use crate::machine::AXES;
 use crate::position::Position;
@@ -74,6 +74,10 @@ pub struct Record<R, P, const N: usize> {
     pub tip: ContourError<R>,
     /// Contour error of the plain encoder position.
     pub encoder: ContourError<R>,
+    /// Orientation contour error of the estimated tool, rad; 0 in a step without tool.
+    pub orientation: R,
+    /// How that was found; *not found* in a step without tool.
+    pub orientation_flags: Flags,
 }
 
 /// One axis in a [`Frame`].
@@ -132,10 +136,14 @@ pub struct Frame {
     pub tip: ContourFrame,
     /// Plain encoder position.
     pub encoder: ContourFrame,
+    /// Orientation contour error of the estimated tool, rad.
+    pub orientation: f32,
+    /// Flags of its search ([`crate::contour::Flags`]); *not found* in a step without tool.
+    pub orientation_flags: u8,
 }
 
 /// Version of the layout that [`Frame`] writes.
-pub const FRAME_VERSION: u8 = 1;
+pub const FRAME_VERSION: u8 = 2;
 /// A buffer of this size holds the COBS frame of any record.
 pub const FRAME_BYTES: usize = 256;
 
@@ -165,6 +173,8 @@ impl Frame {
             axes,
             tip: contour(&record.tip),
             encoder: contour(&record.encoder),
+            orientation: record.orientation.to_f64() as f32,
+            orientation_flags: record.orientation_flags.bits(),
         }
     }
 

@@ -23,6 +23,12 @@ pub fn cos_sin_deg<R: Real>(angle: R) -> (R, R) {
     }
 }
 
+/// Angle of the vector (x, y), rad.
+#[inline]
+pub fn atan2<R: Real>(y: R, x: R) -> R {
+    R::of(libm::atan2(y.to_f64(), x.to_f64()))
+}
+
 const SIN: [f64; 8] = [
     1.0,
     -1.0 / 6.0,

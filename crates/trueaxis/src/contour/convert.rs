@@ -29,6 +29,11 @@ pub enum Segment<'a> {
         /// Full turns beyond the first arc.
         turns: u32,
     },
+    /// The tip stands while the tool's direction turns; u = 0..1.
+    Turning {
+        /// Where.
+        point: [f64; 3],
+    },
     /// Spline with u over `knots[degree] ..= knots[points.len()]`.
     Nurbs {
         /// Degree, 1 to 5.
@@ -138,6 +143,11 @@ pub fn convert<R: Real, P: Position>(
     match *segment {
         Segment::Line { start, end } => maker.line(start, end),
         Segment::Arc { start, end, center, normal, turns } => maker.arc(start, end, center, normal, turns),
+        Segment::Turning { point } => {
+            finite("point", point)?;
+            let span = Span::turning(point.map(P::of), number, maker.plane);
+            (maker.sink)(span)
+        }
         Segment::Nurbs { degree, knots, points, weights } => maker.nurbs(degree, knots, points, weights),
     }
 }
@@ -193,7 +203,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
         let way = sub(end, start);
         let length = norm(way);
         if length < SAME_POINT {
-            return refuse("end", None, length, "a line longer than 1e-9 mm");
+            return refuse("end", None, length, "a line longer than 1e-9 mm, or a turning of the tool");
         }
         let count = libm::ceil(length / (2.0 * REACH)).max(1.0);
         if count > 1e7 {

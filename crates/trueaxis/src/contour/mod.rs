@@ -17,11 +17,13 @@
 mod convert;
 mod kernel;
 mod offline;
+mod orientation;
 mod refine;
 mod search;
 mod span;
 
 pub use convert::{PathError, Segment, convert};
+pub use orientation::{OrientationError, ToolPath, Turn};
 pub use search::{ContourSearch, ContourState, Method};
 pub use span::{Form, Path, Reference, Span};
 

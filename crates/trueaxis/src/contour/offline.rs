@@ -25,6 +25,7 @@ impl<R: Real> ContourSearch<R> {
         reference: Reference<R>,
         point: [P; 3],
     ) -> ContourError<R> {
+        let reference = path.moving(reference);
         let Some(home) = path.span(reference.span) else { return ContourError::none() };
         let mut spent = 0;
         let start = at(home, reference.span, &point, reference.t.within(R::ZERO, R::ONE));

@@ -62,6 +62,7 @@ pub(super) fn descend<R: Real, P: Position>(
     budget: u8,
     spent: &mut u8,
 ) -> Option<Found<R>> {
+    let start = path.moving(start);
     let mut at = Spot { piece: 0, number: start.span, t: start.t.within(R::ZERO, R::ONE) };
     let (mut low, mut high) = (None::<Spot<R>>, None::<Spot<R>>);
     let mut flags = Flags::default();

@@ -374,8 +374,8 @@ fn way_across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, t
     let (mut ahead, mut behind) = (Some(from.span), Some(from.span));
     let (mut forward, mut backward) = (length(from.span) - part(from), part(from));
     for _ in 0..64 {
-        ahead = ahead.and_then(|n| path.next(n));
-        behind = behind.and_then(|n| path.previous(n));
+        ahead = ahead.and_then(|n| path.following(n));
+        behind = behind.and_then(|n| path.preceding(n));
         if ahead == Some(to.span) {
             return forward + part(to);
         }
@@ -409,7 +409,7 @@ fn advance_across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R
     let mut place = span.arc_length(from.t) + by;
     for _ in 0..64 {
         if place > length {
-            match path.next(number).and_then(|n| Some((n, path.span(n)?.length()))) {
+            match path.following(number).and_then(|n| Some((n, path.span(n)?.length()))) {
                 Some((next, next_length)) => {
                     place -= length;
                     (number, length) = (next, next_length);
@@ -417,7 +417,7 @@ fn advance_across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R
                 None => return Reference { span: number, t: R::ONE },
             }
         } else if place < R::ZERO {
-            match path.previous(number).and_then(|n| Some((n, path.span(n)?.length()))) {
+            match path.preceding(number).and_then(|n| Some((n, path.span(n)?.length()))) {
                 Some((previous, previous_length)) => {
                     place += previous_length;
                     (number, length) = (previous, previous_length);

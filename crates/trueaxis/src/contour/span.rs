@@ -43,6 +43,33 @@ pub struct Span<R, P> {
 }
 
 impl<R: Real, P: Position> Span<R, P> {
+    /// A piece without length: the tip stands at `point` (mm) while the tool's direction turns.
+    ///
+    /// The search of the tip passes over it to the pieces on either side; what turns is a [`super::Turn`] of the same
+    /// number. `number` is the segment's, `plane` the unit normal of the machining plane; u = 0..1.
+    pub fn turning(point: [P; 3], number: u32, plane: [R; 3]) -> Self {
+        let mut coefficients = [[R::ZERO; 4]; 6];
+        coefficients[0][3] = R::ONE;
+        Span {
+            origin: point,
+            coefficients,
+            arc: [R::ZERO; 3],
+            plane,
+            form: Form::Cubic,
+            segment: number,
+            u: [0.0, 1.0],
+            quarter_tangent: 0.0,
+        }
+    }
+
+    /// Whether the tip stands still on it ([`Span::turning`]).
+    #[inline(always)]
+    pub fn stands(&self) -> bool {
+        // Every other piece starts with a speed: a cusp's is still a whole length's cubic.
+        let [a, b, c] = self.arc;
+        a == R::ZERO && b == R::ZERO && c == R::ZERO
+    }
+
     /// Number of the segment that this is a piece of.
     pub fn segment(&self) -> u32 {
         self.segment
@@ -133,6 +160,9 @@ impl<R: Real, P: Position> Span<R, P> {
     }
 }
 
+/// Most pieces without length in a row that the search of the tip passes over; a single one may turn by any angle.
+const TURNS_IN_A_ROW: u32 = 8;
+
 /// `a + t b`.
 #[inline(always)]
 pub(super) fn mad<R: Real>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4] {
@@ -140,7 +170,7 @@ pub(super) fn mad<R: Real>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4] {
 }
 
 /// |x| < 0.14: the next term is below 1e-14 of x.
-fn atan(x: f64) -> f64 {
+pub(super) fn atan(x: f64) -> f64 {
     let z = -x * x;
     x * (1.0 + z * (1.0 / 3.0 + z * (1.0 / 5.0 + z * (1.0 / 7.0 + z * (1.0 / 9.0 + z * (1.0 / 11.0 + z / 13.0))))))
 }
@@ -175,9 +205,58 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         self.spans.get(number.wrapping_sub(self.first) as usize)
     }
 
-    /// The number after `number`, if there is one.
+    /// The number after `number` on which the tip moves, if there is one.
     #[inline(always)]
     pub(super) fn next(&self, number: u32) -> Option<u32> {
+        let next = self.following(number)?;
+        if self.stands(next) { self.pass(next, Self::following) } else { Some(next) }
+    }
+
+    /// The number before `number` on which the tip moves, if there is one.
+    #[inline(always)]
+    pub(super) fn previous(&self, number: u32) -> Option<u32> {
+        let previous = self.preceding(number)?;
+        if self.stands(previous) { self.pass(previous, Self::preceding) } else { Some(previous) }
+    }
+
+    /// Whether the tip stands still on a piece.
+    #[inline(always)]
+    pub(super) fn stands(&self, number: u32) -> bool {
+        self.span(number).is_some_and(Span::stands)
+    }
+
+    /// Over pieces without length, at most [`TURNS_IN_A_ROW`] of them.
+    #[cold]
+    #[inline(never)]
+    fn pass(&self, mut number: u32, onwards: impl Fn(&Self, u32) -> Option<u32>) -> Option<u32> {
+        for _ in 0..TURNS_IN_A_ROW {
+            if !self.stands(number) {
+                return Some(number);
+            }
+            number = onwards(self, number)?;
+        }
+        (!self.stands(number)).then_some(number)
+    }
+
+    /// The same place on a piece on which the tip moves, if the path has one nearby.
+    #[inline(always)]
+    pub(super) fn moving(&self, at: Reference<R>) -> Reference<R> {
+        if self.stands(at.span) { self.beside(at) } else { at }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn beside(&self, at: Reference<R>) -> Reference<R> {
+        match (self.next(at.span), self.previous(at.span)) {
+            (Some(span), _) => Reference { span, t: R::ZERO },
+            (None, Some(span)) => Reference { span, t: R::ONE },
+            (None, None) => at,
+        }
+    }
+
+    /// The number after `number`, if there is one.
+    #[inline(always)]
+    pub(super) fn following(&self, number: u32) -> Option<u32> {
         let next = number.wrapping_add(1);
         if (next.wrapping_sub(self.first) as usize) < self.spans.len() {
             Some(next)
@@ -188,7 +267,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
 
     /// The number before `number`, if there is one.
     #[inline(always)]
-    pub(super) fn previous(&self, number: u32) -> Option<u32> {
+    pub(super) fn preceding(&self, number: u32) -> Option<u32> {
         if number == self.first {
             (self.closed && !self.spans.is_empty()).then_some(self.first.wrapping_add(self.spans.len() as u32 - 1))
         } else {

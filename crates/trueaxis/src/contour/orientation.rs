@@ -1,0 +1,343 @@
+//! Orientation contour error: the angle between the tool's direction and the one that the path has at the foot.
+//!
+//! A five-axis path has, beside the way of the tip, a direction for every piece: a [`Turn`]. The error is
+//!
+//! ```text
+//! ε = atan2(|a × b|, a · b)        a: direction of the path at the foot of the tip, b: the tool's
+//! ```
+//!
+//! an arc cosine would lose everything below a milliradian in single precision. Where the tip stands and only the
+//! direction turns (P' = 0), the tip's foot is that point and says nothing of how far the turn has come: there the foot
+//! is the nearest orientation of the turn.
+
+#![deny(clippy::indexing_slicing)]
+
+use super::search::way;
+use super::span::{Path, Reference, Span, atan};
+use super::{ContourError, Flags};
+use crate::compensation::trig::{atan2, cos_sin_deg};
+use crate::position::Position;
+use crate::real::Real;
+use crate::vector::V3;
+
+/// How the tool's direction goes along a piece of the path.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn<R> {
+    way: Way<R>,
+    /// tan² of a quarter of the piece's angle, and the weight that its series is divided by: on arcs the segment's
+    /// parameter is not linear in the piece's.
+    bend: R,
+    scale: R,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Way<R> {
+    /// Positions of A, B, C, degrees: `start + change · s`.
+    Axes { start: [R; 3], change: [R; 3] },
+    /// Unit vectors: `cos(φ s) from + sin(φ s) across`, φ in degrees.
+    Circle { from: V3<R>, across: V3<R>, degrees: R },
+}
+
+impl<R: Real> Turn<R> {
+    /// Rotary axes that move linearly in the segment's parameter u, which is what a block with rotary words means.
+    ///
+    /// `span`: the piece; `domain`: u at start and end of its segment (0 and 1, or the spline's outer knots); `start`
+    /// and `end`: positions of A, B, C there, degrees, any number of turns.
+    pub fn axes<P: Position>(span: &Span<R, P>, domain: [f64; 2], start: [f64; 3], end: [f64; 3]) -> Self {
+        let [from, to] = part(span, domain);
+        let (mut first, mut change) = ([R::ZERO; 3], [R::ZERO; 3]);
+        for ((first, change), (start, end)) in first.iter_mut().zip(&mut change).zip(start.into_iter().zip(end)) {
+            let at = start + (end - start) * from;
+            // Whole turns off, so that single precision keeps the angle.
+            *first = R::of(at - 360.0 * libm::rint(at / 360.0));
+            *change = R::of((end - start) * (to - from));
+        }
+        Turn::along(span, Way::Axes { start: first, change })
+    }
+
+    /// The great circle between two tool directions in workpiece coordinates, at a rate that is constant in the
+    /// segment's parameter; any lengths. `None` for a direction that is none, or two that are opposite.
+    pub fn directions<P: Position>(
+        span: &Span<R, P>,
+        domain: [f64; 2],
+        start: [f64; 3],
+        end: [f64; 3],
+    ) -> Option<Self> {
+        let unit = |v: V3<f64>| (v.norm() > 1e-9 && v.norm().is_finite()).then(|| v * (1.0 / v.norm()));
+        let (a, b) = (unit(V3::of(start))?, unit(V3::of(end))?);
+        let angle = libm::atan2(a.cross(b).norm(), a.dot(b));
+        if angle > core::f64::consts::PI - 1e-6 {
+            return None;
+        }
+        let across = unit(b - a * a.dot(b)).unwrap_or(V3::ZERO);
+        let [from, to] = part(span, domain);
+        let (c, s) = (libm::cos(angle * from), libm::sin(angle * from));
+        Some(Turn::along(
+            span,
+            Way::Circle {
+                from: V3::of((a * c + across * s).array()),
+                across: V3::of((across * c - a * s).array()),
+                degrees: R::of((angle * (to - from)).to_degrees()),
+            },
+        ))
+    }
+
+    fn along<P: Position>(span: &Span<R, P>, way: Way<R>) -> Self {
+        let k = span.quarter_tangent;
+        let scale = if k == 0.0 { 1.0 } else { k / atan(k) };
+        Turn { way, bend: R::of(k * k), scale: R::of(scale) }
+    }
+
+    /// Part of the piece's angle at its parameter: ½ + ½ atan(k(2t − 1))/atan k, to 1e-9.
+    #[inline(always)]
+    fn fraction(&self, t: R) -> R {
+        if self.bend == R::ZERO {
+            return t;
+        }
+        let x = t + t - R::ONE;
+        let z = -(self.bend * x * x);
+        let series = [1.0, 1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0, 1.0 / 9.0];
+        let sum = series.into_iter().rev().fold(R::ZERO, |sum, c| sum * z + R::of(c));
+        R::HALF + R::HALF * x * sum * self.scale
+    }
+
+    /// Direction at the piece's parameter; `of_axes` gives that of rotary positions, degrees.
+    #[inline(always)]
+    pub fn direction(&self, t: R, of_axes: impl Fn([R; 3]) -> V3<R>) -> V3<R> {
+        let s = self.fraction(t);
+        match &self.way {
+            Way::Axes { start: [a, b, c], change: [da, db, dc] } => of_axes([*a + *da * s, *b + *db * s, *c + *dc * s]),
+            Way::Circle { from, across, degrees } => {
+                let (cos, sin) = cos_sin_deg(*degrees * s);
+                *from * cos + *across * sin
+            }
+        }
+    }
+
+    /// Largest change of an angle over the piece, degrees.
+    #[inline(always)]
+    fn extent(&self) -> R {
+        match &self.way {
+            Way::Axes { change: [a, b, c], .. } => a.abs().max(b.abs()).max(c.abs()),
+            Way::Circle { degrees, .. } => *degrees,
+        }
+    }
+}
+
+/// The piece's part of its segment, 0 to 1.
+fn part<R: Real, P: Position>(span: &Span<R, P>, [low, high]: [f64; 2]) -> [f64; 2] {
+    span.u_range().map(|u| if high > low { (u - low) / (high - low) } else { u })
+}
+
+/// A path of the tip and the directions that go with it: one [`Turn`] for every piece, in the same order. In workpiece
+/// coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct ToolPath<'a, R, P> {
+    /// Way of the tip.
+    pub path: Path<'a, R, P>,
+    /// Directions; a piece without one has no orientation error.
+    pub turns: &'a [Turn<R>],
+}
+
+impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
+    /// From a window of pieces and as many turns.
+    pub fn new(path: Path<'a, R, P>, turns: &'a [Turn<R>]) -> Self {
+        ToolPath { path, turns }
+    }
+
+    #[inline(always)]
+    fn turn(&self, number: u32) -> Option<&'a Turn<R>> {
+        self.turns.get(number.wrapping_sub(self.path.first) as usize)
+    }
+
+    /// Orientation error of a tool direction (unit vector, workpiece coordinates), given the tip's foot of this cycle.
+    ///
+    /// `of_axes`: direction of rotary positions, degrees. Pieces on which the tip stands compete with the tip's foot for
+    /// the nearest place of the path, where a tilt counts as the way of a point 100 mm up the tool; without them it is
+    /// one evaluation of `of_axes`, with them at most twenty-seven.
+    #[inline(always)]
+    pub fn orientation(
+        &self,
+        reference: Reference<R>,
+        tip: &ContourError<R>,
+        actual: V3<R>,
+        of_axes: impl Fn([R; 3]) -> V3<R> + Copy,
+    ) -> OrientationError<R> {
+        let place = Reference { span: tip.span, t: tip.t };
+        let Some(turn) = self.turn(place.span).filter(|_| tip.is_measured()) else { return OrientationError::none() };
+        let error = OrientationError::between(turn.direction(place.t, of_axes), actual, place, 1, tip.flags);
+        let beside = if self.path.stands(reference.span) { Some(reference) } else { self.beside(place) };
+        match beside {
+            Some(start) => self.turning(start, place, &error, actual, of_axes),
+            None => error,
+        }
+    }
+
+    /// The piece without length at the nearer border of a place, from that border.
+    #[inline(always)]
+    fn beside(&self, place: Reference<R>) -> Option<Reference<R>> {
+        let (number, t) = if place.t > R::HALF {
+            (self.path.following(place.span)?, R::ZERO)
+        } else {
+            (self.path.preceding(place.span)?, R::ONE)
+        };
+        self.path.stands(number).then_some(Reference { span: number, t })
+    }
+
+    /// The nearest orientation of the turns from `start` on, if that is nearer than the one at the tip's foot.
+    #[inline(never)]
+    fn turning(
+        &self,
+        start: Reference<R>,
+        foot: Reference<R>,
+        at_foot: &OrientationError<R>,
+        actual: V3<R>,
+        of_axes: impl Fn([R; 3]) -> V3<R> + Copy,
+    ) -> OrientationError<R> {
+        let mut evaluations = at_foot.evaluations;
+        let mut best: Option<OrientationError<R>> = None;
+        let mut from = start;
+        for _ in 0..PIECES {
+            let Some(turn) = self.turn(from.span) else { break };
+            let (t, spent) = nearest(turn, from.t.within(R::ZERO, R::ONE), actual, of_axes);
+            evaluations = evaluations.saturating_add(spent).saturating_add(1);
+            // At a border that is seen at right angles, rounding decides on which side of it the place lies.
+            let margin = R::of(MARGIN_DEG) / turn.extent().max(R::of(MARGIN_DEG));
+            let inside = t > margin && t < R::ONE - margin;
+            let flags = if inside { Flags::BRACKETED } else { Flags::AT_CORNER };
+            let here = Reference { span: from.span, t };
+            let error = OrientationError::between(turn.direction(t, of_axes), actual, here, 0, flags);
+            if best.is_none_or(|best| error.angle < best.angle) {
+                best = Some(error);
+            }
+            let beyond = if inside {
+                None
+            } else if t > R::HALF {
+                self.path.following(from.span).map(|span| Reference { span, t: R::ZERO })
+            } else {
+                self.path.preceding(from.span).map(|span| Reference { span, t: R::ONE })
+            };
+            match beyond.filter(|b| self.path.stands(b.span)) {
+                Some(beyond) => from = beyond,
+                None => break,
+            }
+        }
+        let Some(best) = best else { return *at_foot };
+        // A path of turns alone has the tip's foot on one of them already.
+        let lever = R::of(LEVER_MM);
+        let cold = at_foot.flags.has(Flags::COLD);
+        let flags = if cold { best.flags.and(Flags::COLD) } else { best.flags };
+        let turned = OrientationError { evaluations, flags, ..best };
+        if self.path.stands(foot.span) {
+            return turned;
+        }
+        let apart = way(&self.path, foot, Reference { span: best.span, t: best.t }, R::of(BEYOND_MM)).abs();
+        let (tilt, remains) = (lever * at_foot.angle, lever * best.angle);
+        if apart * apart + remains * remains < tilt * tilt {
+            turned
+        } else {
+            OrientationError { evaluations, ..*at_foot }
+        }
+    }
+}
+
+/// Pieces without length that a cycle looks at.
+const PIECES: usize = 2;
+/// Steps towards the nearest orientation on each.
+const STEPS: u8 = 4;
+/// Distance from the tip at which a tilt is weighed against a way of the tip, mm.
+const LEVER_MM: f64 = 100.0;
+/// Where the way between two places is not followed any further, mm.
+const BEYOND_MM: f64 = 1e3;
+/// Half the chord that stands for the tangent, degrees: leaves 1e-5 of it, which the angle at the foot sees squared.
+const CHORD_DEG: f64 = 0.5;
+/// A foot this close to the end of a turn may lie on the next one, degrees.
+const MARGIN_DEG: f64 = 0.1;
+/// A step shorter than this leaves nothing that the angle shows, degrees.
+const DONE_DEG: f64 = 1e-5;
+/// Longest step, degrees.
+const STEP_DEG: f64 = 30.0;
+
+/// Parameter of the orientation nearest to `actual`, and the evaluations that took.
+///
+/// Gauss and Newton's step on |a − b|², with the chord about the place as its tangent, held within the piece and to 30°:
+/// always downhill, and the error shrinks by about ε + (30°)²/8 a step at worst.
+#[inline(always)]
+fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R; 3]) -> V3<R> + Copy) -> (R, u8) {
+    let extent = turn.extent();
+    if !(extent > R::of(1e-9)) {
+        return (start, 0);
+    }
+    let per_degree = R::ONE / extent;
+    let (half, longest) = (R::of(CHORD_DEG) * per_degree, R::of(STEP_DEG) * per_degree);
+    let small = R::of(DONE_DEG) * per_degree;
+    let mut t = start;
+    let mut spent = 0;
+    for _ in 0..STEPS {
+        let (ahead, behind) = (turn.direction(t + half, of_axes), turn.direction(t - half, of_axes));
+        let left = actual - turn.direction(t, of_axes);
+        spent += 3;
+        let chord = ahead - behind;
+        let square = chord.dot(chord);
+        // The direction hardly changes: the tool turns about itself.
+        if !(square > R::of(1e-12)) {
+            break;
+        }
+        let step = ((half + half) * left.dot(chord) / square).within(-longest, longest);
+        let next = (t + step).within(R::ZERO, R::ONE);
+        let moved = (next - t).abs();
+        t = next;
+        if moved <= small {
+            break;
+        }
+    }
+    (t, spent)
+}
+
+/// Orientation contour error of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct OrientationError<R> {
+    /// Angle between the tool and the path's direction at the foot, rad, 0 to π.
+    pub angle: R,
+    /// Path × tool, in workpiece coordinates: for small errors the rotation (rad) that takes the path's direction to the
+    /// tool's, actual − ideal; its length is the sine of the angle.
+    pub vector: V3<R>,
+    /// Piece on which the foot lies.
+    pub span: u32,
+    /// Parameter of the foot in the piece.
+    pub t: R,
+    /// Evaluations of the path's direction used.
+    pub evaluations: u8,
+    /// As the tip's foot was found; on a turn *bracketed* within it, *at corner* at its ends.
+    pub flags: Flags,
+}
+
+impl<R: Real> OrientationError<R> {
+    /// Nothing measured.
+    pub fn none() -> Self {
+        OrientationError {
+            angle: R::ZERO,
+            vector: V3::ZERO,
+            span: 0,
+            t: R::ZERO,
+            evaluations: 0,
+            flags: Flags::NOT_FOUND,
+        }
+    }
+
+    /// Whether there is a value.
+    pub fn is_measured(&self) -> bool {
+        !self.flags.has(Flags::NOT_FOUND)
+    }
+
+    #[inline(always)]
+    fn between(path: V3<R>, tool: V3<R>, at: Reference<R>, evaluations: u8, flags: Flags) -> Self {
+        let vector = path.cross(tool);
+        let angle = atan2(vector.norm(), path.dot(tool));
+        OrientationError { angle, vector, span: at.span, t: at.t, evaluations, flags }
+    }
+}
+
+#[cfg(test)]
+mod tests;
