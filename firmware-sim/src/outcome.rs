@@ -2,7 +2,7 @@
 
 use crate::motion::Motion;
 use crate::path::PlannedPath;
-use crate::report::{AxisReport, ContourErrors, ContourSeries, FaultEntry, PathPoint, Report};
+use crate::report::{AngleSize, AxisReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, PathPoint, Report};
 use crate::scenario::Scenario;
 use crate::simulate::{self, Kind, Options, Run};
 use crate::trace::Trace;
@@ -95,6 +95,11 @@ pub struct Json {
     /// Programs with rotary axes only.
     #[serde(skip_serializing_if = "Option::is_none")]
     orientation_error_urad: Option<ErrorJson>,
+    /// The same two as the step itself reports them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    estimated_contour_error_um: Option<ErrorJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    estimated_orientation_error_urad: Option<ErrorJson>,
     latency_ns: LatencyJson,
     budget_ns: u64,
     over_budget: u64,
@@ -128,26 +133,29 @@ impl Outcome {
         })
     }
 
+    fn each(&self, size: impl Fn(&Run) -> Size) -> ErrorJson {
+        ErrorJson {
+            uncompensated: size(&self.uncompensated),
+            compensated: size(&self.compensated),
+            servo_only: size(&self.servo_only),
+        }
+    }
+
     /// The outcome as one JSON document.
     pub fn json(&self, scenario: &Scenario) -> Json {
-        let size = |run: &Run| Size { max: run.error.max_um, rms: run.error.rms_um };
-        let angle = |run: &Run| Size { max: run.orientation.max_urad, rms: run.orientation.rms_urad };
+        let length = |size: &ErrorSize| Size { max: size.max_um, rms: size.rms_um };
+        let angle = |size: &AngleSize| Size { max: size.max_urad, rms: size.rms_urad };
+        let five_axis = |each: &dyn Fn(&Run) -> Size| scenario.five_axis.then(|| self.each(each));
         let latency = self.compensated.latency.summary();
         Json {
             machine: scenario.machine.settings.name.as_str().into(),
             program: scenario.program.name.clone(),
             cycles: self.cycles,
             servo_rate_hz: scenario.rate_hz,
-            contour_error_um: ErrorJson {
-                uncompensated: size(&self.uncompensated),
-                compensated: size(&self.compensated),
-                servo_only: size(&self.servo_only),
-            },
-            orientation_error_urad: scenario.five_axis.then(|| ErrorJson {
-                uncompensated: angle(&self.uncompensated),
-                compensated: angle(&self.compensated),
-                servo_only: angle(&self.servo_only),
-            }),
+            contour_error_um: self.each(|run| length(&run.error)),
+            orientation_error_urad: five_axis(&|run| angle(&run.orientation)),
+            estimated_contour_error_um: five_axis(&|run| length(&run.estimated)),
+            estimated_orientation_error_urad: five_axis(&|run| angle(&run.estimated_orientation)),
             latency_ns: LatencyJson {
                 min: latency.min_ns,
                 p50: latency.p50_ns,
@@ -306,9 +314,16 @@ impl fmt::Display for Summary<'_> {
             )?;
         }
         if s.five_axis {
-            writeln!(f, "true angle of the tool direction from the programmed one")?;
+            writeln!(f, "true angle of the tool from the programmed direction")?;
             for (name, run) in RUNS.into_iter().zip(runs) {
-                writeln!(f, "  {name:<44} {:>9.2} µrad {:>6.2} µrad", run.orientation.max_urad, run.orientation.rms_urad)?;
+                let size = run.orientation;
+                writeln!(f, "  {name:<44} {:>9.2} µrad {:>6.2} µrad", size.max_urad, size.rms_urad)?;
+            }
+            writeln!(f, "both as the step itself reports them")?;
+            for (name, run) in RUNS.into_iter().zip(runs) {
+                let (tip, angle) = (run.estimated, run.estimated_orientation);
+                writeln!(f, "  {name:<46} {:>9.3} µm {:>7.3} µm", tip.max_um, tip.rms_um)?;
+                writeln!(f, "  {:<44} {:>9.2} µrad {:>6.2} µrad", "", angle.max_urad, angle.rms_urad)?;
             }
         }
         let latency = after.latency.summary();

@@ -4,7 +4,7 @@ use crate::placement::Placement;
 use crate::program::{Curve, Move, Program};
 use anyhow::{Result, anyhow};
 use glam::DVec3;
-use trueaxis::contour::{Reference, Segment, Span, convert};
+use trueaxis::contour::{Path, Reference, Segment, Span, ToolPath, Turn, convert};
 
 /// Largest distance of a cubic piece from the curve that the tip describes, at the same parameter, mm.
 const TOLERANCE_MM: f64 = 1.0e-6;
@@ -19,18 +19,9 @@ pub struct PlannedPath {
     /// All spans in path order.
     pub spans: Vec<Span<f64, f64>>,
     /// Rotary axes along each span; none for a program of X, Y, Z alone.
-    pub turns: Vec<SpanTurn>,
+    pub turns: Vec<Turn<f64>>,
     /// First span of every move, and one past the last.
     first: Vec<u32>,
-}
-
-/// A, B, C along a span: start + t · change, degrees.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SpanTurn {
-    /// At the span's start.
-    pub start: [f64; 3],
-    /// From there to its end.
-    pub change: [f64; 3],
 }
 
 impl PlannedPath {
@@ -52,7 +43,10 @@ impl PlannedPath {
             };
             if five_axis {
                 tip_path(step, machine, &mut add)?;
-                path.add_turns(step);
+                for span in path.spans.iter().skip(path.turns.len()) {
+                    let (first, last) = step.curve.domain();
+                    path.turns.push(Turn::axes(span, [first, last], step.turn.start, step.turn.end()));
+                }
             } else {
                 programmed(step, origin_mm, &mut add)?;
             }
@@ -61,27 +55,22 @@ impl PlannedPath {
         Ok(path)
     }
 
-    fn add_turns(&mut self, step: &Move) {
-        for span in self.spans.iter().skip(self.turns.len()) {
-            let [start, end] = span.u_range().map(|u| step.rotary(u));
-            self.turns.push(SpanTurn { start, change: std::array::from_fn(|k| end[k] - start[k]) });
-        }
+    /// The path as the step takes it.
+    pub fn view(&self) -> Path<'_, f64, f64> {
+        Path::new(&self.spans, 0, false)
+    }
+
+    /// The path with its directions, for a program with rotary axes.
+    pub fn tool_view(&self) -> ToolPath<'_, f64, f64> {
+        ToolPath::new(self.view(), &self.turns)
     }
 
     /// Span and local parameter of a place in the program. `near` carries the span from call to call.
     pub fn reference(&self, move_index: usize, u: f64, near: &mut u32) -> Reference<f64> {
-        let (first, end) = match self.first.get(move_index..move_index + 2) {
-            Some([first, end]) => (*first, *end),
+        let (first, last) = match self.first.get(move_index..move_index + 2) {
+            Some([first, end]) => (*first, end.saturating_sub(1)),
             _ => (0, 0),
         };
-        // A move that leaves the tip where it is has no span: the end of what came before.
-        if first == end {
-            return match first.checked_sub(1) {
-                Some(before) => Reference { span: before, t: 1.0 },
-                None => Reference { span: 0, t: 0.0 },
-            };
-        }
-        let last = end - 1;
         *near = (*near).clamp(first, last);
         while *near < last && self.spans[*near as usize].u_range()[1] < u {
             *near += 1;
@@ -112,28 +101,33 @@ fn programmed(step: &Move, shift_mm: [f64; 3], add: &mut impl FnMut(&Segment<'_>
     }
 }
 
-/// The way of the tip in workpiece coordinates: straight lines as they are, everything else as cubics with parameter u.
+/// The way of the tip in workpiece coordinates: what is programmed there as it is, everything else as cubics with parameter u.
 fn tip_path(step: &Move, machine: &Placement, add: &mut impl FnMut(&Segment<'_>) -> Result<()>) -> Result<()> {
     let (first, last) = step.curve.domain();
-    let straight = matches!(step.curve, Curve::Line { .. }) && (step.tool_center || step.turn.change == [0.0; 3]);
-    if straight {
+    let standing = Segment::Turning { point: machine.place(step, first).tip.to_array() };
+    if step.tool_center {
+        let moves = step.curve.length() > 0.0;
+        return if moves { programmed(step, machine.zero().to_array(), add) } else { add(&standing) };
+    }
+    if let (Curve::Line { .. }, [0.0, 0.0, 0.0]) = (&step.curve, step.turn.change) {
         let [start, end] = [first, last].map(|u| machine.place(step, u).tip.to_array());
-        // Only the rotary axes turn, about the tip.
-        return if start == end { Ok(()) } else { add(&Segment::Line { start, end }) };
+        return add(&Segment::Line { start, end });
     }
+    let mut any = false;
     for piece in step.curve.breaks().windows(2) {
-        add_cubics(step, machine, [piece[0], piece[1]], DEEPEST_HALVING, add)?;
+        any |= add_cubics(step, machine, [piece[0], piece[1]], DEEPEST_HALVING, add)?;
     }
-    Ok(())
+    if any { Ok(()) } else { add(&standing) }
 }
 
+/// Whether there was anything to add.
 fn add_cubics(
     step: &Move,
     machine: &Placement,
     [a, b]: [f64; 2],
     depth: u32,
     add: &mut impl FnMut(&Segment<'_>) -> Result<()>,
-) -> Result<()> {
+) -> Result<bool> {
     let third = (b - a) / 3.0;
     // At a knot, the derivative of the piece inside.
     let inside = 1.0e-9 * (b - a);
@@ -150,14 +144,15 @@ fn add_cubics(
     });
     if off && depth > 0 {
         let middle = 0.5 * (a + b);
-        add_cubics(step, machine, [a, middle], depth - 1, add)?;
-        return add_cubics(step, machine, [middle, b], depth - 1, add);
+        let before = add_cubics(step, machine, [a, middle], depth - 1, add)?;
+        return Ok(add_cubics(step, machine, [middle, b], depth - 1, add)? || before);
     }
     if points.iter().all(|point| point.distance(p) < TOLERANCE_MM) {
-        return Ok(());
+        return Ok(false);
     }
     let points = points.map(|point| point.to_array());
-    add(&Segment::Nurbs { degree: 3, knots: &[a, a, a, a, b, b, b, b], points: &points, weights: &[] })
+    add(&Segment::Nurbs { degree: 3, knots: &[a, a, a, a, b, b, b, b], points: &points, weights: &[] })?;
+    Ok(true)
 }
 
 fn bezier(points: &[DVec3; 4], t: f64) -> DVec3 {

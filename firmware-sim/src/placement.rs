@@ -66,6 +66,11 @@ impl Placement {
         Ok(placement)
     }
 
+    /// Program zero in workpiece coordinates, mm.
+    pub fn zero(&self) -> DVec3 {
+        self.origin + self.zero_tip
+    }
+
     /// Highest feed of each axis, mm/s or deg/s; infinite where there is no such axis.
     pub(crate) fn max_feed_per_s(&self) -> &[f64; AXES] {
         &self.max_feed_per_s
@@ -106,7 +111,7 @@ impl Placement {
         let [a, b, c] = step.rotary(u);
         if step.tool_center {
             let direction = self.place_of(&[0.0, 0.0, 0.0, a, b, c]).direction;
-            return Place { tip: DVec3::from(step.curve.position(u)) + self.origin + self.zero_tip, direction };
+            return Place { tip: DVec3::from(step.curve.position(u)) + self.zero(), direction };
         }
         self.place_of(&self.axes(step, u))
     }

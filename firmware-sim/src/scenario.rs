@@ -4,7 +4,9 @@ use crate::motion::Setpoint;
 use crate::placement::Placement;
 use crate::plant::fault::FaultScript;
 use crate::program::Program;
+use anyhow::{Result, anyhow};
 use std::path::PathBuf;
+use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
 
@@ -34,6 +36,15 @@ pub struct Scenario {
 }
 
 impl Scenario {
+    /// The step's own transformation to workpiece coordinates, where the program needs it.
+    ///
+    /// # Errors
+    /// The machine has none: a linear axis missing, or more than two rotary ones.
+    pub fn kinematics(&self) -> Result<Option<Kinematics<f64>>> {
+        let build = || Kinematics::new(&self.machine.settings).map_err(|e| anyhow!("kinematics: {e}"));
+        self.five_axis.then(build).transpose()
+    }
+
     /// Servo period, s.
     pub fn period_s(&self) -> f64 {
         1.0 / self.rate_hz

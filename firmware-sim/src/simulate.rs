@@ -16,7 +16,8 @@ use glam::DVec3;
 use std::ops::ControlFlow;
 use std::time::Instant;
 use trueaxis::compensation::{Storage, ThermalLine, step_axes};
-use trueaxis::contour::Path;
+use trueaxis::contour::OrientationError;
+use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::AXES;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Fault, Input, Output, ServoLoop, State};
@@ -59,6 +60,8 @@ pub struct Sample {
     pub deviation_um: [f32; 3],
     /// Angle of the true tool direction from the programmed one, µrad.
     pub orientation_urad: f32,
+    /// The same as the step reports it, µrad.
+    pub estimated_orientation_urad: f32,
     /// A, B, C commanded, degrees.
     pub rotary_deg: [f32; 3],
     /// Correction sent to X, Y, Z, µm.
@@ -78,6 +81,10 @@ pub struct Run {
     pub error: ErrorSize,
     /// Angle of the true tool direction from the programmed one while cutting; zero for a program of X, Y, Z alone.
     pub orientation: AngleSize,
+    /// Contour error of the tip that the step itself reports, while cutting.
+    pub estimated: ErrorSize,
+    /// Orientation error that the step itself reports, while cutting.
+    pub estimated_orientation: AngleSize,
     /// Faults reported.
     pub faults: Vec<FaultSpan>,
     /// Cost of every step.
@@ -161,11 +168,38 @@ pub fn with_loop<const N: usize, T>(
     user(&servo)
 }
 
+/// What came out of the step, and how long it took.
+struct Exchanged<const N: usize> {
+    output: Output<f64, f64, N>,
+    orientation: OrientationError<f64>,
+    nanoseconds: u64,
+}
+
 /// The true error of a cycle.
 struct Measured {
     tip: DVec3,
     angle: f64,
     nominal: DVec3,
+}
+
+/// Largest and root mean square of what was added.
+#[derive(Default)]
+struct Tally {
+    max: f64,
+    squares: f64,
+    count: u64,
+}
+
+impl Tally {
+    fn add(&mut self, value: f64) {
+        self.max = self.max.max(value);
+        self.squares += value * value;
+        self.count += 1;
+    }
+
+    fn rms(&self) -> f64 {
+        if self.count > 0 { (self.squares / self.count as f64).sqrt() } else { 0.0 }
+    }
 }
 
 /// Interpolator, plugin and machine of one run.
@@ -181,12 +215,15 @@ struct Cell<'c, 'a, const N: usize> {
     axes: [Axis; N],
     kind: Kind,
     origin: DVec3,
+    /// For programs with rotary axes.
+    kinematics: Option<Kinematics<f64>>,
     feedback: [f64; N],
     elapsed_periods: f64,
     stopped_for: u64,
-    squares: f64,
-    orientation_squares: f64,
-    cutting: u64,
+    error: Tally,
+    orientation: Tally,
+    estimated: Tally,
+    estimated_orientation: Tally,
     span: u32,
     run: Run,
 }
@@ -225,17 +262,21 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             axes,
             kind,
             origin: DVec3::from(scenario.origin_mm),
+            kinematics: scenario.kinematics()?,
             feedback: [0.0; N],
             elapsed_periods: 1.0,
             stopped_for: 0,
-            squares: 0.0,
-            orientation_squares: 0.0,
-            cutting: 0,
+            error: Tally::default(),
+            orientation: Tally::default(),
+            estimated: Tally::default(),
+            estimated_orientation: Tally::default(),
             span: 0,
             run: Run {
                 samples: Vec::with_capacity(motion.cycles() as usize),
                 error: ErrorSize::default(),
                 orientation: AngleSize::default(),
+                estimated: ErrorSize::default(),
+                estimated_orientation: AngleSize::default(),
                 faults: Vec::new(),
                 latency: Latency::new(scenario.budget_ns, scenario.period_ns().into()),
                 limited_cycles: 0,
@@ -267,7 +308,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     }
 
     /// One servo period: plugin, then drives and encoders.
-    fn exchange(&mut self, setpoint: &Setpoint, mut command: [f64; N]) -> (Output<f64, f64, N>, u64) {
+    fn exchange(&mut self, setpoint: &Setpoint, mut command: [f64; N]) -> Exchanged<N> {
         let mut disturbed = self.to_plant(&command);
         self.plant.disturb_command(&mut disturbed);
         self.take_from_plant(&disturbed, &mut command);
@@ -281,16 +322,19 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             reset: false,
         };
         let reference = self.path.reference(setpoint.move_index, setpoint.u, &mut self.span);
-        let path = Path::new(&self.path.spans, 0, false);
+        let (path, tool_path) = (self.path.view(), self.path.tool_view());
         let start = Instant::now();
-        let output = self.servo.step(&mut self.state, &input, &path, reference);
+        let (output, orientation) = match &self.kinematics {
+            Some(kinematics) => self.servo.step_with_tool(&mut self.state, &input, &tool_path, reference, kinematics),
+            None => (self.servo.step(&mut self.state, &input, &path, reference), OrientationError::none()),
+        };
         let nanoseconds = start.elapsed().as_nanos() as u64;
         let readings = self.plant.cycle(&self.to_plant(&output.drive));
         let mut feedback = self.feedback;
         self.take_from_plant(&readings.position, &mut feedback);
         self.feedback = feedback;
         self.elapsed_periods = readings.elapsed_periods;
-        (output, nanoseconds)
+        Exchanged { output, orientation, nanoseconds }
     }
 
     /// Positions in the step's order as the plant counts them: by the machine's list of axes.
@@ -312,7 +356,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
 
     fn cycle(&mut self, setpoint: &Setpoint, cycle: u64, trace: Option<&mut Trace>) {
         let command = self.command(setpoint);
-        let (output, nanoseconds) = self.exchange(setpoint, command);
+        let Exchanged { output, orientation, nanoseconds } = self.exchange(setpoint, command);
         self.run.latency.record(nanoseconds);
         let measured = self.measure(setpoint);
         let deviation = 1e3 * measured.tip;
@@ -320,11 +364,14 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let step = &self.scenario.program.moves[setpoint.move_index];
         let cutting = !step.rapid;
         if cutting && self.stopped_for == 0 {
-            self.squares += deviation.length_squared();
-            self.cutting += 1;
-            self.run.error.max_um = self.run.error.max_um.max(deviation.length());
-            self.run.orientation.max_urad = self.run.orientation.max_urad.max(orientation_urad);
-            self.orientation_squares += orientation_urad * orientation_urad;
+            self.error.add(deviation.length());
+            self.orientation.add(orientation_urad);
+            if output.record.tip.is_measured() {
+                self.estimated.add(1e3 * output.record.tip.error);
+            }
+            if orientation.is_measured() {
+                self.estimated_orientation.add(1e6 * orientation.angle);
+            }
         }
         if output.record.limited != 0 {
             self.run.limited_cycles += 1;
@@ -340,6 +387,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             nominal_mm: measured.nominal.to_array(),
             deviation_um: deviation.as_vec3().to_array(),
             orientation_urad: orientation_urad as f32,
+            estimated_orientation_urad: (orientation.angle * 1e6) as f32,
             rotary_deg: setpoint.rotary.map(|q| q as f32),
             correction_um: [correction[0], correction[1], correction[2]].map(|c| (c * 1e3) as f32),
             estimated_um: (output.record.tip.error * 1e3) as f32,
@@ -386,10 +434,12 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     }
 
     fn finish(mut self, pace: Option<PaceReport>) -> Run {
-        if self.cutting > 0 {
-            self.run.error.rms_um = (self.squares / self.cutting as f64).sqrt();
-            self.run.orientation.rms_urad = (self.orientation_squares / self.cutting as f64).sqrt();
-        }
+        let lengths = |tally: &Tally| ErrorSize { max_um: tally.max, rms_um: tally.rms() };
+        let angles = |tally: &Tally| AngleSize { max_urad: tally.max, rms_urad: tally.rms() };
+        self.run.error = lengths(&self.error);
+        self.run.orientation = angles(&self.orientation);
+        self.run.estimated = lengths(&self.estimated);
+        self.run.estimated_orientation = angles(&self.estimated_orientation);
         self.run.pace = pace;
         self.run
     }
