@@ -37,6 +37,7 @@ pub mod compensation;
 pub mod contour;
 pub mod error;
 pub mod exchange;
+pub mod helicoid;
 pub mod kinematics;
 pub mod limiter;
 pub mod machine;
