@@ -4,21 +4,21 @@
 use gungraun::prelude::*;
 use gungraun::{Callgrind, EntryPoint};
 use std::hint::black_box;
-use trueaxis::compensation::Compensation;
+use trueaxis::compensation::NineTerms;
 use trueaxis::contour::ContourError;
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
 use trueaxis_benches::gauge::Gauge;
 use trueaxis_benches::limiter::Limits;
 use trueaxis_benches::step::{self, Cycle};
-use trueaxis_benches::tables::{Grid, compensation, position};
+use trueaxis_benches::tables::{Grid, nine_terms as nine_terms_of, position};
 
-struct Lookup(Compensation<'static, f64, f64, 3>, [f64; 3]);
+struct Lookup(NineTerms<'static, f64, f64, 3>, [f64; 3]);
 
 fn lookup(grid: Grid) -> &'static Lookup {
-    let compensation = compensation(grid);
-    let at = compensation.coordinates(&position(&mut Random(5)));
-    Box::leak(Box::new(Lookup(compensation, at)))
+    let terms = nine_terms_of(grid);
+    let at = terms.coordinates(&position(&mut Random(5)));
+    Box::leak(Box::new(Lookup(terms, at)))
 }
 
 fn leak<T>(value: T) -> &'static mut T {

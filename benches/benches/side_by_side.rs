@@ -10,7 +10,7 @@ use truck_geometry::prelude::{BSplineCurve, KnotVec, NurbsCurve, Point3, SPHint1
 use trueaxis::contour::Span;
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Spline, Track};
-use trueaxis_benches::tables::{CELL_MM, FIRST_MM, Grid, compensation, position, rows};
+use trueaxis_benches::tables::{CELL_MM, FIRST_MM, Grid, nine_terms, position, rows};
 
 const QUERIES: u64 = 256;
 
@@ -89,7 +89,7 @@ fn against_truck(c: &mut Criterion) {
 
 /// Nine values from nine functions of 128 points at 256 positions of three axes: interpn one function at a time.
 fn against_interpn(c: &mut Criterion) {
-    let compensation = compensation(Grid::Equidistant);
+    let compensation = nine_terms(Grid::Equidistant);
     let mut random = Random(3);
     let places: Vec<[f64; 3]> = (0..QUERIES).map(|_| position(&mut random)).collect();
     let values: Vec<Vec<f64>> = (0..9)

@@ -8,18 +8,18 @@ use trueaxis_benches::contour::{Query, Shape, Track};
 use trueaxis_benches::gauge::Gauge;
 use trueaxis_benches::limiter::Limits;
 use trueaxis_benches::step;
-use trueaxis_benches::tables::{Grid, compensation, position};
+use trueaxis_benches::tables::{Grid, nine_terms, position};
 
 fn look_up(c: &mut Criterion) {
     let mut group = c.benchmark_group("nine terms");
     let places = [0; 256].map(|_| ()).iter().scan(Random(3), |r, ()| Some(position(r))).collect::<Vec<_>>();
     for (name, grid) in [("equidistant", Grid::Equidistant), ("free", Grid::Free)] {
-        let compensation = compensation(grid);
+        let terms = nine_terms(grid);
         let mut next = places.iter().cycle();
         group.bench_function(name, |b| {
             b.iter(|| {
-                let at = compensation.coordinates(black_box(next.next().unwrap_or(&[0.0; 3])));
-                compensation.errors(&at, &[0; 3], &Default::default(), &mut 0)
+                let at = terms.coordinates(black_box(next.next().unwrap_or(&[0.0; 3])));
+                terms.errors(&at, &[0; 3], &Default::default(), &mut 0)
             })
         });
     }

@@ -1,7 +1,7 @@
 //! Error tables of three linear axes, 128 points each, travel −300 … 335 mm.
 
 use crate::Random;
-use trueaxis::compensation::{Compensation, Storage};
+use trueaxis::compensation::{NineTerms, Storage};
 use trueaxis::machine::{AxisSettings, MachineSettings};
 use trueaxis::{Axis, Row};
 
@@ -66,16 +66,16 @@ pub fn machine() -> MachineSettings {
 pub fn storage() -> Storage<'static, f64> {
     let points = 3 * POINTS as usize;
     Storage {
-        lines: vec![[0.0; 4]; 2 * points].leak(),
+        lines: vec![0.0; 2 * 6 * points].leak(),
         knots: vec![0.0; points].leak(),
         guide: vec![0; 2 * points].leak(),
     }
 }
 
-/// The compensation of [`machine`] with one pass of the inverse.
-pub fn compensation(grid: Grid) -> Compensation<'static, f64, f64, 3> {
+/// The nine terms of [`machine`].
+pub fn nine_terms(grid: Grid) -> NineTerms<'static, f64, f64, 3> {
     let tables = [1, 2, 3].map(|seed| rows(grid, seed));
-    Compensation::build(&machine(), |axis: Axis| tables.get(axis.index()).map(Vec::as_slice), 1, storage())
+    NineTerms::build(&machine(), |axis: Axis| tables.get(axis.index()).map(Vec::as_slice), storage())
         .expect("valid tables")
 }
 

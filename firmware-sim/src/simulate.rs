@@ -162,7 +162,7 @@ pub fn with_loop<const N: usize, T>(
     let rows = |axis: Axis| tcomp.table(axis);
     let config = Config::of(&tcomp, period_ns);
     let need = config.requirement::<f64, f64, N, _>(rows);
-    let (mut lines, mut knots, mut guide) = (vec![[0.0; 4]; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
+    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
     let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
     let servo = config.build::<f64, f64, N, _>(rows, storage).map_err(|e| anyhow!("{e}"))?;
     user(&servo)

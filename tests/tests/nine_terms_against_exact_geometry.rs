@@ -1,11 +1,11 @@
 //! The nine-term form against the plant's exact transforms: two implementations that share no code but the file reader.
 
-use firmware_sim::plant::geometry::Geometry;
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::{Compensation, Storage, ThermalLine, step_axes};
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
+use trueaxis_tables::exact::Geometry;
 
 /// Largest difference, mm. Both interpolate in doubles; squareness and translations are exact in either form.
 const TOLERANCE_MM: f64 = 1e-12;
@@ -43,7 +43,7 @@ fn compare<const N: usize>(name: &str) {
     let geometry = Geometry::new(&machine, 0.0).unwrap();
     let rows = |axis: Axis| machine.rows(axis);
     let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
-    let (mut lines, mut knots, mut guide) = (vec![[0.0; 4]; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
+    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
     let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
     let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, storage).unwrap();
     let axes = step_axes::<N>(&machine.settings).unwrap();

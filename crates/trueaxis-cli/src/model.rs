@@ -34,7 +34,7 @@ pub(crate) fn with_compensation<const N: usize, T>(
 ) -> Result<T> {
     let rows = |axis: Axis| tables.table(axis);
     let need = Compensation::<f64, f64, N>::requirement(tables.settings(), rows);
-    let (mut lines, mut knots, mut guide) = (vec![[0.0; 4]; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
+    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
     let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
     let compensation =
         Compensation::build(tables.settings(), rows, passes, storage).map_err(|error| anyhow!("{error}"))?;

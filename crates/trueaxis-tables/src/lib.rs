@@ -3,6 +3,7 @@
 pub mod accuracy;
 mod compile;
 pub mod error;
+pub mod exact;
 pub mod formats;
 mod read;
 mod source;
@@ -14,6 +15,7 @@ pub use summary::{AxisSummary, ErrorSummary, Summary, TableSummary, summary};
 pub use warning::{Warning, check};
 
 use trueaxis::machine::{AxisSettings, MachineSettings, Row};
+use trueaxis::tcomp::Tcomp;
 
 /// An axis' error table in source form: mm and radians, positions in mm or degrees, strictly increasing.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +38,18 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// The machine of a compiled file: settings and every line of every table, bit for bit.
+    pub fn from_tcomp(file: &Tcomp<'_>) -> Machine {
+        let tables = file.axes().map(|(_, table)| {
+            table.map(|table| Table {
+                given: table.given(),
+                bidirectional: table.bidirectional(),
+                rows: table.rows().collect(),
+            })
+        });
+        Machine { settings: file.settings().clone(), tables: tables.collect() }
+    }
+
     /// The axes with their tables.
     pub fn axes(&self) -> impl Iterator<Item = (&AxisSettings, Option<&Table>)> {
         self.settings.axes.iter().zip(self.tables.iter().map(Option::as_ref))

@@ -7,7 +7,7 @@ const TABLES: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tables = Tcomp::parse(TABLES)?; // any damage is refused
-    let (mut lines, mut knots, mut guide) = ([[0.0; 4]; 1536], [0.0; 256], [0; 512]);
+    let (mut lines, mut knots, mut guide) = ([0.0; 6144], [0.0; 256], [0; 512]);
     let memory = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
     let servo = Config::of(&tables, 100_000).build::<f64, f64, 3, _>(|axis| tables.table(axis), memory)?;
     let mut state = servo.start(100_000).map_err(|fault| format!("{fault:?}"))?;

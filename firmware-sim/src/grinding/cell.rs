@@ -1,11 +1,11 @@
 //! The machine that grinds: spindle, linkage, workpiece, infeed axis, probes and encoders.
 
 use super::{Event, Grinding, InfeedDrive, Linkage, Noise, Turning, Workpiece, counts, probe_angles};
-use crate::plant::geometry::Geometry;
 use anyhow::{Result, anyhow};
 use std::f64::consts::TAU;
 use trueaxis::machine::AXES;
 use trueaxis::roundness::{Probes, RoundnessSettings};
+use trueaxis_tables::exact::Geometry;
 
 /// Where the index pulse finds the spindle's counter: an incremental encoder starts anywhere.
 const COUNTER_OFFSET: i32 = -271_828;

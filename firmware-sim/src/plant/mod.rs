@@ -12,15 +12,14 @@
 pub mod drive;
 pub mod encoder;
 pub mod fault;
-pub mod geometry;
-mod table;
 
 use drive::{Drive, DriveSettings, LostMotion};
 use encoder::{Encoder, EncoderSettings};
 use fault::{FaultKind, FaultScript};
-use geometry::{Geometry, GeometryError, ToolPose};
+
 use thiserror::Error;
 use trueaxis::machine::{AXES, Axis, AxisSettings};
+use trueaxis_tables::exact::{Geometry, GeometryError, ToolPose};
 use trueaxis_tables::{Machine, Table};
 
 #[cfg(test)]

@@ -247,7 +247,7 @@ fn the_range_of_the_error_holds_what_the_step_computes() {
         ) -> Vec<f64> {
             let need = Compensation::<f64, f64, N>::requirement(machine, &find);
             let lent = Storage {
-                lines: vec![[0.0; 4]; need.lines].leak(),
+                lines: vec![0.0; need.lines].leak(),
                 knots: vec![0.0; need.knots].leak(),
                 guide: vec![0; need.guide].leak(),
             };

@@ -7,9 +7,11 @@ use crate::machine::{Axis, AxisSettings, Interpolation, Row};
 use crate::position::Position;
 use crate::real::Real;
 
-/// What an axis contributes at one position: the translations along X, Y, Z in mm and its own rotation in degrees
-/// (the fourth is zero for a linear axis, whose own positioning error is one of the translations).
-pub type Contribution<R> = [R; 4];
+/// What an axis contributes at one position.
+///
+/// Four numbers: the translations along X, Y, Z in mm and its own rotation in degrees (zero for a linear axis, whose own
+/// positioning error is one of the translations). Six: the translations in mm and the rotations about X, Y, Z in rad.
+pub type Contribution<R, const W: usize = 4> = [R; W];
 
 /// A table's lines by number: implemented for slices and for the lines of a compiled file.
 pub trait Rows {
@@ -35,7 +37,7 @@ impl Rows for [Row] {
 /// How much memory the tables of a machine take; see [`Storage`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Requirement {
-    /// Elements of [`Storage::lines`].
+    /// Elements of [`Storage::lines`]: scalars, whatever the model.
     pub lines: usize,
     /// Elements of [`Storage::knots`].
     pub knots: usize,
@@ -46,8 +48,8 @@ pub struct Requirement {
 /// Memory lent for the tables: nothing is allocated, the views of it live as long as the loan.
 #[derive(Debug, Default)]
 pub struct Storage<'a, R> {
-    /// Polynomial coefficients, one line per power and point.
-    pub lines: &'a mut [Contribution<R>],
+    /// Polynomial coefficients, one line of numbers per power and point.
+    pub lines: &'a mut [R],
     /// Positions of free grids.
     pub knots: &'a mut [R],
     /// Search guides of free grids.
@@ -68,9 +70,10 @@ fn take<'a, T>(from: &mut &'a mut [T], count: usize, needed: &'static str) -> Re
 /// The errors of one axis as a function of its position, in the form for the step.
 ///
 /// Equidistant grids cost one multiplication to find the interval, free grids a guide table and a search of fixed
-/// depth without a data-dependent branch. Beyond its ends a table holds its edge value.
+/// depth without a data-dependent branch. Beyond its ends a table holds its edge value. `W` numbers a line:
+/// [`Contribution`].
 #[derive(Clone, Copy, Debug)]
-pub struct AxisTable<'a, R, P> {
+pub struct AxisTable<'a, R, P, const W: usize = 4> {
     origin: P,
     span: R,
     scale: R,
@@ -78,15 +81,79 @@ pub struct AxisTable<'a, R, P> {
     wraps: bool,
     reverse_offset: usize,
     /// Value and slope of each interval; empty for a cubic table.
-    linear: &'a [[Contribution<R>; 2]],
+    linear: &'a [[Contribution<R, W>; 2]],
     /// Value and three coefficients of each interval; empty for a linear table.
-    cubic: &'a [[Contribution<R>; 4]],
+    cubic: &'a [[Contribution<R, W>; 4]],
     knots: &'a [R],
     guide: &'a [u16],
     depth: u32,
 }
 
-impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
+impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 4> {
+    /// Builds the table of the nine-term form into lent memory. `own_sign` is the sense in which the axis' own angular
+    /// error adds to its reading (+1 unless the axis turns against its convention); for linear axes it is not used.
+    ///
+    /// # Errors
+    /// Fewer than two rows, rows not ascending or not finite, or memory too small.
+    pub fn build(
+        settings: &AxisSettings,
+        rows: &(impl Rows + ?Sized),
+        own_sign: f64,
+        storage: &mut Storage<'a, R>,
+    ) -> Result<Self, ConfigError> {
+        let own = own_component(settings.axis);
+        let values = |row: &Row, reverse: bool| {
+            let error = if reverse { row.reverse } else { row.forward };
+            let [x, y, z, ..] = error;
+            let mut values = [x, y, z, 0.0];
+            if settings.axis.is_rotary() {
+                values[3] = error.get(settings.axis.index()).copied().unwrap_or(0.0).to_degrees() * own_sign;
+            }
+            if reverse && let Some(value) = values.get_mut(own) {
+                *value += settings.backlash;
+            }
+            values
+        };
+        Self::build_from(settings, rows, &values, &|line| line, storage)
+    }
+}
+
+impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 6> {
+    /// Builds the table of an axis' twist into lent memory: `e − w × lever` in mm and `w` in rad, e and w the
+    /// interpolated columns. The lever is taken off the polynomials, so that it holds between the points too.
+    ///
+    /// # Errors
+    /// Fewer than two rows, rows not ascending or not finite, or memory too small.
+    pub fn build_twists(
+        settings: &AxisSettings,
+        rows: &(impl Rows + ?Sized),
+        [lx, ly, lz]: [f64; 3],
+        storage: &mut Storage<'a, R>,
+    ) -> Result<Self, ConfigError> {
+        let own = settings.axis.index();
+        let swung = |[a, b, c]: [f64; 3]| [b * lz - c * ly, c * lx - a * lz, a * ly - b * lx];
+        // Lost motion is no reading along the measured line: the lever that will be taken off is put on first.
+        let mut lost = [0.0; 6];
+        if let Some(lost) = lost.get_mut(own) {
+            *lost = if own < 3 { settings.backlash } else { settings.backlash.to_radians() };
+        }
+        let [_, _, _, a, b, c] = lost;
+        for (lost, swung) in lost.iter_mut().zip(swung([a, b, c])) {
+            *lost += swung;
+        }
+        let values = |row: &Row, reverse: bool| {
+            let twist = if reverse { row.reverse } else { row.forward };
+            if reverse { core::array::from_fn(|k| twist[k] + lost[k]) } else { twist }
+        };
+        let levered = |[x, y, z, a, b, c]: [f64; 6]| {
+            let [sx, sy, sz] = swung([a, b, c]);
+            [x - sx, y - sy, z - sz, a, b, c]
+        };
+        Self::build_from(settings, rows, &values, &levered, storage)
+    }
+}
+
+impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     /// A table that is zero everywhere.
     pub fn zero() -> Self {
         AxisTable {
@@ -104,7 +171,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
         }
     }
 
-    /// Memory that [`AxisTable::build`] takes for this table.
+    /// Memory that building this table takes.
     pub fn requirement(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Requirement {
         let blocks = 1 + usize::from(two_sided(settings, rows));
         let powers = match settings.interpolation {
@@ -112,18 +179,15 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
             Interpolation::Cubic => 4,
         };
         let free = if spacing(rows).is_some() { 0 } else { rows.len() };
-        Requirement { lines: rows.len() * blocks * powers, knots: free, guide: 2 * free }
+        Requirement { lines: rows.len() * blocks * powers * W, knots: free, guide: 2 * free }
     }
 
-    /// Builds the table into lent memory. `own_sign` is the sense in which the axis' own angular error adds to its
-    /// reading (+1 unless the axis turns against its convention); for linear axes it is not used.
-    ///
-    /// # Errors
-    /// Fewer than two rows, rows not ascending or not finite, or memory too small.
-    pub fn build(
+    /// Builds a table from what is read of each row; `finish` acts on the coefficients of every polynomial.
+    fn build_from(
         settings: &AxisSettings,
         rows: &(impl Rows + ?Sized),
-        own_sign: f64,
+        values: &dyn Fn(&Row, bool) -> [f64; W],
+        finish: &dyn Fn([f64; W]) -> [f64; W],
         storage: &mut Storage<'a, R>,
     ) -> Result<Self, ConfigError> {
         let axis = settings.axis;
@@ -144,13 +208,14 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
         let length = end.position - first.position;
         let wraps = check::wraps(axis, rows);
         let equidistant = spacing(rows);
-        let source = Source { settings, rows, own_sign, wraps, cell: equidistant };
-        let powers = need.lines / count / (1 + usize::from(two_sided(settings, rows)));
+        let source = Source { settings, rows, values, wraps, cell: equidistant };
+        let powers = need.lines / count / (1 + usize::from(two_sided(settings, rows))) / W;
+        let lines = lines.as_chunks_mut::<W>().0;
         for (block, reverse) in lines.chunks_mut(count * powers).zip([false, true]) {
             for (index, node) in block.chunks_mut(powers).enumerate() {
                 let polynomial = source.polynomial(index, reverse).map_err(|found| bad(found, "ascending, finite"))?;
                 for (line, coefficients) in node.iter_mut().zip(polynomial) {
-                    *line = coefficients.map(R::of);
+                    *line = finish(coefficients).map(R::of);
                 }
             }
         }
@@ -164,7 +229,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
         };
         let scale = R::of(scale);
         let depth = fill_guide(knots, guide, scale);
-        let lines: &'a [Contribution<R>] = lines;
+        let lines: &'a [Contribution<R, W>] = lines;
         let (linear, cubic): (&[_], &[_]) = match settings.interpolation {
             Interpolation::Linear => (lines.as_chunks().0, &[]),
             Interpolation::Cubic => (&[], lines.as_chunks().0),
@@ -204,14 +269,14 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
     ///
     /// `v + t s` with the interval and `t` from one multiplication; `reverse` is all ones in negative travel.
     #[inline(always)]
-    pub fn at_plain(&self, coordinate: R, reverse: usize) -> (Contribution<R>, bool) {
+    pub fn at_plain(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {
         let wanted = coordinate * self.scale;
         let held = wanted.within(R::ZERO, self.last);
         let index = held.to_i32();
         let t = held - R::of_i32(index);
         match self.linear.get((index as usize).wrapping_add(self.reverse_offset & reverse)) {
             Some([value, slope]) => (along(value, t, slope), wanted != held),
-            None => ([R::ZERO; 4], false),
+            None => ([R::ZERO; W], false),
         }
     }
 
@@ -222,7 +287,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
 
     /// Contribution at a coordinate of a *linear* table on any grid, and whether its edge value is held.
     #[inline(always)]
-    pub fn at_linear(&self, coordinate: R, reverse: usize) -> (Contribution<R>, bool) {
+    pub fn at_linear(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {
         if self.knots.is_empty() {
             return self.at_plain(coordinate, reverse);
         }
@@ -230,13 +295,13 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
         let (index, t) = self.search(held);
         match self.linear.get(index.wrapping_add(self.reverse_offset & reverse)) {
             Some([value, slope]) => (along(value, t, slope), coordinate != held),
-            None => ([R::ZERO; 4], false),
+            None => ([R::ZERO; W], false),
         }
     }
 
     /// Contribution at a coordinate, and whether the table's edge value is held; any table.
     #[inline]
-    pub fn at(&self, coordinate: R, reverse: usize) -> (Contribution<R>, bool) {
+    pub fn at(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {
         let mut coordinate = coordinate;
         if self.wraps {
             // A correction can carry a reduced angle over the seam.
@@ -263,7 +328,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
         };
         match value {
             Some(value) => (value, coordinate != held),
-            None => ([R::ZERO; 4], false),
+            None => ([R::ZERO; W], false),
         }
     }
 
@@ -286,8 +351,8 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P> {
 }
 
 #[inline(always)]
-fn along<R: Real>(value: &Contribution<R>, t: R, slope: &Contribution<R>) -> Contribution<R> {
-    [value[0] + t * slope[0], value[1] + t * slope[1], value[2] + t * slope[2], value[3] + t * slope[3]]
+fn along<R: Real, const W: usize>(value: &[R; W], t: R, slope: &[R; W]) -> [R; W] {
+    core::array::from_fn(|k| value[k] + t * slope[k])
 }
 
 /// Constant spacing of the grid, if it has one within 1e-9 of a cell.
@@ -323,42 +388,31 @@ fn fill_guide<R: Real>(knots: &[R], guide: &mut [u16], scale: R) -> u32 {
 }
 
 /// Forms the polynomial of each interval, in double precision.
-struct Source<'s, T: ?Sized> {
+struct Source<'s, T: ?Sized, const W: usize> {
     settings: &'s AxisSettings,
     rows: &'s T,
-    own_sign: f64,
+    values: &'s dyn Fn(&Row, bool) -> [f64; W],
     wraps: bool,
     /// Spacing of an equidistant grid, whose parameter runs 0..1 over a cell; a free grid's runs in mm.
     cell: Option<f64>,
 }
 
-impl<T: Rows + ?Sized> Source<'_, T> {
-    fn point(&self, index: usize, reverse: bool) -> Option<(f64, [f64; 4])> {
+impl<T: Rows + ?Sized, const W: usize> Source<'_, T, W> {
+    fn point(&self, index: usize, reverse: bool) -> Option<(f64, [f64; W])> {
         let row = self.rows.row(index)?;
-        let axis = self.settings.axis;
-        let error = if reverse { row.reverse } else { row.forward };
-        let [x, y, z, ..] = error;
-        let mut values = [x, y, z, 0.0];
-        let own = if axis.is_rotary() { 3 } else { axis.index() };
-        if axis.is_rotary() {
-            values[3] = error.get(axis.index()).copied()?.to_degrees() * self.own_sign;
-        }
-        if reverse && let Some(value) = values.get_mut(own) {
-            *value += self.settings.backlash;
-        }
-        Some((row.position, values))
+        Some((row.position, (self.values)(&row, reverse)))
     }
 
     /// Slope at a point for monotone cubic interpolation.
-    fn slope(&self, index: usize, reverse: bool) -> Option<[f64; 4]> {
+    fn slope(&self, index: usize, reverse: bool) -> Option<[f64; W]> {
         let count = self.rows.len();
         let secant = |i: usize| {
             let (q0, v0) = self.point(i, reverse)?;
             let (q1, v1) = self.point(i + 1, reverse)?;
             let h = q1 - q0;
-            Some((h, core::array::from_fn::<f64, 4, _>(|k| (v1[k] - v0[k]) / h)))
+            Some((h, core::array::from_fn::<f64, W, _>(|k| (v1[k] - v0[k]) / h)))
         };
-        let join = |(h0, d0): (f64, [f64; 4]), (h1, d1): (f64, [f64; 4]), f: fn(f64, f64, f64, f64) -> f64| {
+        let join = |(h0, d0): (f64, [f64; W]), (h1, d1): (f64, [f64; W]), f: fn(f64, f64, f64, f64) -> f64| {
             Some(core::array::from_fn(|k| f(h0, d0[k], h1, d1[k])))
         };
         let last = count - 1;
@@ -374,15 +428,15 @@ impl<T: Rows + ?Sized> Source<'_, T> {
     }
 
     /// Coefficients of the interval that starts at point `index` in its parameter; constant behind the last point.
-    fn polynomial(&self, index: usize, reverse: bool) -> Result<[[f64; 4]; 4], f64> {
+    fn polynomial(&self, index: usize, reverse: bool) -> Result<[[f64; W]; 4], f64> {
         let Some((q0, v0)) = self.point(index, reverse) else { return Err(index as f64) };
-        let zero = [0.0; 4];
+        let zero = [0.0; W];
         let Some((q1, v1)) = self.point(index + 1, reverse) else { return Ok([v0, zero, zero, zero]) };
         let h = q1 - q0;
         if !(h > 0.0 && h.is_finite() && v0.iter().chain(&v1).all(|v| v.is_finite())) {
             return Err(q1);
         }
-        let rise: [f64; 4] = core::array::from_fn(|k| v1[k] - v0[k]);
+        let rise: [f64; W] = core::array::from_fn(|k| v1[k] - v0[k]);
         // In a parameter 0..1 over the interval, then per mm for free grids.
         let unit = match self.settings.interpolation {
             Interpolation::Linear => [v0, rise, zero, zero],

@@ -1,12 +1,12 @@
 use super::*;
-use crate::machine::{AxisSettings, Interpolation, LocationErrors, Row};
+use crate::machine::{AxisSettings, Interpolation, LocationErrors, Lookup, Row};
 use crate::position::Micro;
 use std::{vec, vec::Vec};
 
 /// Lent memory that a test leaks: it needs no owner.
 fn storage<R: Real>(need: Requirement) -> Storage<'static, R> {
     Storage {
-        lines: vec![[R::ZERO; 4]; need.lines].leak(),
+        lines: vec![R::ZERO; need.lines].leak(),
         knots: vec![R::ZERO; need.knots].leak(),
         guide: vec![0; need.guide].leak(),
     }
@@ -324,7 +324,7 @@ fn a_rotary_carrier_turns_the_translations_it_carries() {
 fn bad_tables_and_small_memory_are_refused() {
     let settings = AxisSettings::with_defaults(Axis::X, false);
     let build = |rows: &[Row]| {
-        let mut lent = storage::<f64>(Requirement { lines: 64, knots: 64, guide: 64 });
+        let mut lent = storage::<f64>(Requirement { lines: 256, knots: 64, guide: 64 });
         AxisTable::<f64, f64>::build(&settings, rows, 1.0, &mut lent).err()
     };
     let good = rows(&[0.0, 1.0, 2.0]);
@@ -334,7 +334,7 @@ fn bad_tables_and_small_memory_are_refused() {
     let mut bad = good.clone();
     bad[1].forward[2] = f64::NAN;
     assert!(build(&bad).is_some());
-    let mut little = storage::<f64>(Requirement { lines: 5, knots: 0, guide: 0 });
+    let mut little = storage::<f64>(Requirement { lines: 20, knots: 0, guide: 0 });
     let error = AxisTable::<f64, f64>::build(&settings, &good[..], 1.0, &mut little).err().unwrap();
     assert_eq!(error.field, Field::Storage);
 }

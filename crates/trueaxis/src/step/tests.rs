@@ -54,7 +54,7 @@ fn servo_loop(scale: f64) -> &'static Loop {
     };
     let need = config.requirement::<f64, f64, 3, _>(|_| Some(rows));
     let storage = Storage {
-        lines: vec![[0.0; 4]; need.lines].leak(),
+        lines: vec![0.0; need.lines].leak(),
         knots: vec![0.0; need.knots].leak(),
         guide: vec![0; need.guide].leak(),
     };

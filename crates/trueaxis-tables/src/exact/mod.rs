@@ -2,12 +2,12 @@
 //!
 //! Nothing here is shared with the compensation: the two meet only in the machine file.
 //!
-//! **Transforms.** With all axes at zero all frames coincide. From the bed outwards on either side, an axis with the
-//! errors e (mm) and w (rad) contributes
+//! **Transforms.** With all axes at zero all frames have the bed's directions, and each stands at its axis' `offset_mm` o
+//! from its carrier. From the bed outwards on either side, an axis with the errors e (mm) and w (rad) contributes
 //!
 //! ```text
-//! linear   T(±q n) · E(e, w)          the errors act about the moved frame's origin, in the carrier's directions
-//! rotary   E(e, w) · Rot(n, direction · q)                       the errors come before the axis' own turn
+//! linear   T(o) · T(±q n) · E(e, w)   the errors act about the moved frame's origin, in the carrier's directions
+//! rotary   T(o) · E(e, w) · Rot(n, direction · q)                the errors come before the axis' own turn
 //! ```
 //!
 //! E is the exact rotation of the rotation vector w, then the shift e. Tables state the tool relative to the workpiece;
@@ -26,20 +26,30 @@
 //!
 //! m_j is component j of `measured_at_mm`, but q_i where j is the axis i itself (only an axis that carries the
 //! workpiece lies between its own frame and the tool). A machine with this one table alone reads exactly the table
-//! along that line.
+//! along that line. The offsets are no part of l: like the tool's length they are not travelled.
 //!
 //! Source: ISO 230-1:2012 (names and signs of errors), ISO 10791-6:2014 (structural code).
 
-use super::table::ErrorTable;
-use glam::{DAffine3, DMat3, DVec3};
-use thiserror::Error;
-use trueaxis::machine::{AXES, Axis, AxisSettings, LocationErrors, Twist};
-use trueaxis_tables::{Machine, Table};
-
+mod carriage;
+mod chain;
+mod correction;
+mod rotation;
+#[cfg(test)]
+mod sample;
+mod table;
 #[cfg(test)]
 mod tests;
 
-/// Why a machine cannot be simulated.
+use crate::Machine;
+use carriage::{Carriage, unit};
+use chain::structural_code;
+pub use correction::CorrectionSettings;
+use glam::{DAffine3, DMat3, DVec3};
+use rotation::{rotation, rotation_vector};
+use thiserror::Error;
+use trueaxis::machine::AXES;
+
+/// Why a machine has no geometry.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum GeometryError {
@@ -68,8 +78,11 @@ pub enum GeometryError {
 pub struct PoseError {
     /// Tool tip: d = R_w (p_w,actual − p_w,ideal), mm.
     pub tip_mm: [f64; 3],
-    /// Tool direction (unit vector, +Z of the last tool-side frame): R_w (t_w,actual − t_w,ideal), rad.
+    /// Tool direction (the unit vector along `tool_axis`): R_w (t_w,actual − t_w,ideal), rad.
     pub direction: [f64; 3],
+    /// Orientation of the tool: rotation vector of the turn from the ideal to the actual orientation relative to the
+    /// workpiece, log(R_w ΔR R_wᵀ) with ΔR = R_wt,actual R_wt,idealᵀ, in bed directions, rad. To first order Σ R_i w_i.
+    pub orientation: [f64; 3],
 }
 
 /// Pose of the tool in the workpiece's frame.
@@ -77,28 +90,8 @@ pub struct PoseError {
 pub struct ToolPose {
     /// Tool tip, mm.
     pub tip_mm: [f64; 3],
-    /// Unit vector along +Z of the last tool-side frame.
+    /// Unit vector along the machine's `tool_axis`, carried along by the last tool-side frame.
     pub direction: [f64; 3],
-}
-
-/// One axis' carriage.
-#[derive(Clone, Debug)]
-struct Carriage {
-    slot: usize,
-    rotary: bool,
-    along: DVec3,
-    /// Sense of the carriage's motion for a positive command.
-    motion: f64,
-    /// −1 where the carriage carries the workpiece.
-    sign: f64,
-    table: Option<ErrorTable>,
-    constant: Twist,
-    per_position: Twist,
-    /// Component of the axis' own positioning error, and its change in negative travel (mm, rad).
-    own: usize,
-    backlash: f64,
-    lever: DVec3,
-    own_lever: f64,
 }
 
 /// The chain of carriages with their errors; immutable, no allocation after `new`.
@@ -108,6 +101,7 @@ pub struct Geometry {
     workpiece: Vec<Carriage>,
     tool: Vec<Carriage>,
     tool_mm: DVec3,
+    tool_axis: DVec3,
 }
 
 impl Geometry {
@@ -138,7 +132,12 @@ impl Geometry {
         // The code runs from the workpiece through the bed to the tool: only the first side has to be turned round.
         let workpiece = side(true).rev().collect();
         let tool = side(false).collect();
-        Ok(Geometry { workpiece, tool, tool_mm: DVec3::from_array(settings.tool_mm) })
+        Ok(Geometry {
+            workpiece,
+            tool,
+            tool_mm: DVec3::from_array(settings.tool_mm),
+            tool_axis: DVec3::from_array(settings.kinematics.tool_axis).normalize_or(DVec3::Z),
+        })
     }
 
     /// Error of the tool tip, d = R_w (p_w,actual − p_w,ideal), mm in machine directions.
@@ -154,15 +153,19 @@ impl Geometry {
         (workpiece.matrix3 * (actual - ideal)).to_array()
     }
 
-    /// Error of tool tip and tool direction; arguments as for [`Geometry::tip_error`].
+    /// Error of tool tip, tool direction and orientation; arguments as for [`Geometry::tip_error`].
+    ///
+    /// Rounding of the angles: below 1e-15 rad.
     pub fn pose_error(&self, position: &[f64; AXES], reverse: &[f64; AXES]) -> PoseError {
         let (workpiece, workpiece_actual) = side(&self.workpiece, position, reverse);
         let (tool, tool_actual) = side(&self.tool, position, reverse);
-        let ideal = workpiece.matrix3.transpose() * tool.matrix3.z_axis;
-        let actual = workpiece_actual.matrix3.transpose() * tool_actual.matrix3.z_axis;
+        let ideal = workpiece.matrix3.transpose() * tool.matrix3;
+        let actual = workpiece_actual.matrix3.transpose() * tool_actual.matrix3;
+        let turn = actual * ideal.transpose();
         PoseError {
             tip_mm: self.tip_error(position, reverse),
-            direction: (workpiece.matrix3 * (actual - ideal)).to_array(),
+            direction: (workpiece.matrix3 * (actual * self.tool_axis - ideal * self.tool_axis)).to_array(),
+            orientation: (workpiece.matrix3 * rotation_vector(turn)).to_array(),
         }
     }
 
@@ -183,62 +186,8 @@ impl Geometry {
     fn pose(&self, workpiece: &DAffine3, tool: &DAffine3) -> ToolPose {
         ToolPose {
             tip_mm: into_frame(workpiece, tool.transform_point3(self.tool_mm)).to_array(),
-            direction: (workpiece.matrix3.transpose() * tool.matrix3.z_axis).to_array(),
+            direction: (workpiece.matrix3.transpose() * tool.matrix3 * self.tool_axis).to_array(),
         }
-    }
-}
-
-impl Carriage {
-    fn new(slot: usize, settings: &AxisSettings, table: Option<&Table>, on_workpiece: bool) -> Carriage {
-        let rotary = settings.axis.is_rotary();
-        let sign = if on_workpiece { -1.0 } else { 1.0 };
-        Carriage {
-            slot,
-            rotary,
-            along: unit(settings.axis),
-            motion: if rotary { f64::from(settings.direction) } else { sign },
-            sign,
-            table: table.map(|table| ErrorTable::new(settings, &table.rows)),
-            constant: [0.0; 6],
-            per_position: [0.0; 6],
-            own: settings.axis.index(),
-            backlash: if rotary { settings.backlash.to_radians() } else { settings.backlash },
-            lever: DVec3::ZERO,
-            own_lever: if on_workpiece && !rotary { 1.0 } else { 0.0 },
-        }
-    }
-
-    fn add_location_errors(&mut self, axis: Axis, location: &LocationErrors) {
-        match axis {
-            Axis::X => {}
-            Axis::Y => self.per_position[0] -= location.c0y,
-            Axis::Z => {
-                self.per_position[0] += location.b0z;
-                self.per_position[1] -= location.a0z;
-            }
-            Axis::A => self.constant = location.rotary[0],
-            Axis::B => self.constant = location.rotary[1],
-            Axis::C => self.constant = location.rotary[2],
-        }
-    }
-
-    fn add_thermal_growth(&mut self, settings: &AxisSettings, rise_k: f64) {
-        let growth = &settings.thermal;
-        let unit = if self.rotary { 1f64.to_radians() } else { 1.0 };
-        let slope = unit * rise_k * growth.expansion_per_k;
-        self.per_position[self.own] += slope;
-        self.constant[self.own] += unit * rise_k * growth.offset_per_k - slope * growth.datum;
-    }
-
-    /// Translations (mm) and rotations (rad) at the axis frame's origin, tool relative to workpiece.
-    fn errors(&self, q: f64, reverse: f64) -> (DVec3, DVec3) {
-        let table = self.table.as_ref().map_or([0.0; 6], |table| table.at(q, reverse));
-        let turn = DVec3::new(table[3], table[4], table[5]);
-        let shift = turn.cross(self.lever + self.along * (self.own_lever * q));
-        let mut sum: Twist = std::array::from_fn(|i| table[i] + self.constant[i] + self.per_position[i] * q);
-        sum[self.own] += reverse * self.backlash;
-        let [ex, ey, ez, ea, eb, ec] = sum;
-        (DVec3::new(ex, ey, ez) - shift, DVec3::new(ea, eb, ec))
     }
 }
 
@@ -252,10 +201,11 @@ fn side(carriages: &[Carriage], position: &[f64; AXES], reverse: &[f64; AXES]) -
         let error = DAffine3 { matrix3: rotation(w * carriage.sign), translation: e * carriage.sign };
         if carriage.rotary {
             let turn = DMat3::from_axis_angle(carriage.along, (carriage.motion * q).to_radians());
+            ideal.translation += ideal.matrix3 * carriage.offset;
             ideal.matrix3 *= turn;
-            actual *= DAffine3 { matrix3: error.matrix3 * turn, translation: error.translation };
+            actual *= DAffine3 { matrix3: error.matrix3 * turn, translation: carriage.offset + error.translation };
         } else {
-            let travel = carriage.along * (carriage.motion * q);
+            let travel = carriage.offset + carriage.along * (carriage.motion * q);
             ideal.translation += ideal.matrix3 * travel;
             actual *= DAffine3 { matrix3: error.matrix3, translation: error.translation + travel };
         }
@@ -266,64 +216,4 @@ fn side(carriages: &[Carriage], position: &[f64; AXES], reverse: &[f64; AXES]) -
 /// A point of the bed in the coordinates of `frame`.
 fn into_frame(frame: &DAffine3, point: DVec3) -> DVec3 {
     frame.matrix3.transpose() * (point - frame.translation)
-}
-
-/// Rotation matrix of a rotation vector (Rodrigues).
-///
-/// Below 0.01 rad sin θ/θ and (1 − cos θ)/θ² are the first three terms of their series, exact to the last bit.
-fn rotation(w: DVec3) -> DMat3 {
-    let square = w.length_squared();
-    let (a, b) = if square < 1e-4 {
-        (1.0 - square / 6.0 * (1.0 - square / 20.0), 0.5 - square / 24.0 * (1.0 - square / 30.0))
-    } else {
-        let angle = square.sqrt();
-        (angle.sin() / angle, (1.0 - angle.cos()) / square)
-    };
-    let cross = DMat3::from_cols(DVec3::new(0.0, w.z, -w.y), DVec3::new(-w.z, 0.0, w.x), DVec3::new(w.y, -w.x, 0.0));
-    let outer = DMat3::from_cols(w * w.x, w * w.y, w * w.z);
-    DMat3::from_diagonal(DVec3::splat(1.0 - b * square)) + cross * a + outer * b
-}
-
-fn unit(axis: Axis) -> DVec3 {
-    match axis {
-        Axis::X | Axis::A => DVec3::X,
-        Axis::Y | Axis::B => DVec3::Y,
-        Axis::Z | Axis::C => DVec3::Z,
-    }
-}
-
-/// Axes in the order of the code, and whether they carry the workpiece.
-fn structural_code(chain: &str) -> Result<Vec<(Axis, bool)>, GeometryError> {
-    let wrong = |found: Option<char>, needed| GeometryError::Chain {
-        chain: chain.to_owned(),
-        found: found.map_or("the end".to_owned(), |c| format!("'{c}'")),
-        needed,
-    };
-    let mut code = chain.chars().filter(|c| !c.is_whitespace()).peekable();
-    match code.next() {
-        Some('w') => {}
-        other => return Err(wrong(other, "'w' first")),
-    }
-    let mut links = Vec::new();
-    let mut on_workpiece = true;
-    loop {
-        let next = code.next();
-        match next {
-            Some('b') if on_workpiece => on_workpiece = false,
-            Some('t') if !on_workpiece => break,
-            Some(letter) => {
-                let axis = Axis::from_letter(letter).ok_or_else(|| wrong(next, "an axis letter, 'b' or 't'"))?;
-                let primed = code.next_if_eq(&'\'').is_some();
-                if primed != on_workpiece {
-                    return Err(wrong(next, "a prime on every axis between w and b, none between b and t"));
-                }
-                links.push((axis, on_workpiece));
-            }
-            None => return Err(wrong(None, "'b' and 't'")),
-        }
-    }
-    match code.next() {
-        None => Ok(links),
-        other => Err(wrong(other, "nothing after 't'")),
-    }
 }

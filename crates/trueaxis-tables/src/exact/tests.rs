@@ -1,8 +1,9 @@
+use super::sample::{machine, set_constant, set_table, slot};
 use super::*;
-use crate::plant::sample::{machine, set_constant, set_table, slot};
+use crate::Table;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
-use trueaxis::machine::{Interpolation, Row};
+use trueaxis::machine::{Axis, Interpolation, Row, Twist};
 
 const FORWARD: [f64; AXES] = [0.0; AXES];
 
@@ -374,4 +375,153 @@ fn bad_structural_codes_say_what_is_needed() {
     let mut m = machine("w X' b Y Z t");
     m.settings.axes.pop();
     assert!(matches!(wrong_axis(&m), GeometryError::Axis { axis: 'Z', .. }));
+}
+
+#[test]
+fn offsets_move_the_axes_of_rotation_and_nothing_else_when_they_stand_at_zero() {
+    // A trunnion A at (0, 20, 50) from the bed with C above it at (0, 0, 30): the workpiece lies on C.
+    let mut m = machine("w C' A' b X Y Z t");
+    let (a, c) = (slot(&m, Axis::A), slot(&m, Axis::C));
+    m.settings.axes[a].offset_mm = [0.0, 20.0, 50.0];
+    m.settings.axes[c].offset_mm = [0.0, 0.0, 30.0];
+    m.settings.tool_mm = [0.0, 0.0, -100.0];
+    let geometry = Geometry::new(&m, 0.0).unwrap();
+    let at = |a: f64, c: f64| [7.0, 20.0, 250.0, a, c, 0.0];
+    // Tip from A's axis: (7, 0, 100); from C's frame (7, 0, 70) at zero.
+    assert_near(geometry.ideal_pose(&at(0.0, 0.0)).tip_mm, [7.0, 0.0, 70.0], 1e-12);
+    // A at 90° turns the table by −90° about x: what lay along z lies along y of the table.
+    assert_near(geometry.ideal_pose(&at(90.0, 0.0)).tip_mm, [7.0, -100.0, -30.0], 1e-12);
+    // The error of A acts about A's axis: w × (7, 0, 100); that of C about C's.
+    let w: f64 = 1e-9;
+    set_constant(&mut m, Axis::A, [0.0, 0.0, 0.0, w, 0.0, 0.0]);
+    assert_near(tip(&m, &at(0.0, 0.0)), [0.0, -w * 100.0, 0.0], 1e-13);
+    set_constant(&mut m, Axis::A, [0.0; 6]);
+    set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.0, w, 0.0]);
+    assert_near(tip(&m, &at(0.0, 0.0)), [w * 70.0, 0.0, -w * 7.0], 1e-13);
+    // A table reads itself on the line of its measurement wherever the frame's origin is.
+    let mut m = machine("w Y' b X Z t");
+    m.settings.axes[0].offset_mm = [100.0, 200.0, 300.0];
+    m.settings.axes[0].measured_at_mm = [0.0, 0.0, -300.0];
+    set_constant(&mut m, Axis::X, [1e-3, 0.0, 0.0, 0.0, 20e-6, 0.0]);
+    assert_near(tip(&m, &[0.0, 0.0, -300.0]), [1e-3, 0.0, 0.0], 1e-7);
+}
+
+#[test]
+fn the_tool_axis_of_the_machine_is_the_direction_that_errs() {
+    let mut m = machine("w b Z A t");
+    let w: f64 = 30e-6;
+    set_constant(&mut m, Axis::A, [0.0, 0.0, 0.0, 0.0, w, 0.0]);
+    let direction = |m: &Machine| {
+        let error = Geometry::new(m, 0.0).unwrap().pose_error(&[0.0; AXES], &FORWARD);
+        assert_near(error.orientation, [0.0, w, 0.0], 1e-15);
+        error.direction
+    };
+    assert_near(direction(&m), [w.sin(), 0.0, w.cos() - 1.0], 1e-15);
+    // Its length does not matter; along the axis of the error nothing is seen.
+    m.settings.kinematics.tool_axis = [0.0, 2.0, 0.0];
+    assert_near(direction(&m), [0.0; 3], 1e-15);
+    m.settings.kinematics.tool_axis = [-0.5, 0.0, 0.0];
+    assert_near(direction(&m), [1.0 - w.cos(), 0.0, w.sin()], 1e-15);
+    let pose = Geometry::new(&m, 0.0).unwrap().ideal_pose(&[0.0; AXES]);
+    assert_near(pose.direction, [-1.0, 0.0, 0.0], 0.0);
+}
+
+#[test]
+fn orientation_stands_in_bed_directions_whatever_the_workpieces_pose() {
+    let w: f64 = 50e-6;
+    for angle in [0.0, 30.0, 90.0, -135.0] {
+        let mut m = machine("w C' Y' b X Z B t");
+        // Tool side: the carrier of B never turns. Workpiece side: tables state the tool relative to the workpiece.
+        set_constant(&mut m, Axis::B, [0.0, 0.0, 0.0, w, 0.0, 0.0]);
+        let turned = |m: &Machine| {
+            let at = [1.0, 2.0, 3.0, angle, -2.0 * angle, 0.0];
+            Geometry::new(m, 0.0).unwrap().pose_error(&at, &FORWARD).orientation
+        };
+        assert_near(turned(&m), [w, 0.0, 0.0], 1e-15);
+        set_constant(&mut m, Axis::B, [0.0; 6]);
+        set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.0, w, 0.0]);
+        assert_near(turned(&m), [0.0, w, 0.0], 1e-15);
+        // A rotation of a radian is no small one: still its vector.
+        set_constant(&mut m, Axis::C, [0.0, 0.0, 0.0, 0.3, -0.4, 0.8]);
+        assert_near(turned(&m), [0.3, -0.4, 0.8], 1e-14);
+    }
+}
+
+/// Errors of every kind in every axis, mm and rad.
+fn spoil(m: &mut Machine, random: &mut impl FnMut(f64) -> f64) {
+    for own in m.settings.axes.clone() {
+        let reach = if own.axis.is_rotary() { 180.0 } else { 400.0 };
+        let rows: Vec<(f64, Twist)> = (0..9)
+            .map(|k| {
+                let position = reach * (f64::from(k) / 4.0 - 1.0);
+                (position, std::array::from_fn(|i| random(if i < 3 { 0.02 } else { 1e-4 })))
+            })
+            .collect();
+        set_table(m, own.axis, &rows);
+    }
+    m.settings.location.c0y = random(1e-4);
+    m.settings.location.rotary[0] = std::array::from_fn(|i| random(if i < 3 { 0.02 } else { 1e-4 }));
+}
+
+#[test]
+fn a_corrected_command_puts_the_tool_where_it_belongs() {
+    let mut bits = ChaCha8Rng::seed_from_u64(11);
+    let mut random = move |size: f64| size * (bits.next_u32() as f64 / f64::from(u32::MAX) * 2.0 - 1.0);
+    for chain in ["w X' Y' b Z t", "w C' A' Y' b X Z t", "w X' b Y Z C A t", "w b C X Y Z B t", "w C' b Z X t"] {
+        let mut m = machine(chain);
+        m.settings.tool_mm = [5.0, -3.0, -120.0];
+        spoil(&mut m, &mut random);
+        let geometry = Geometry::new(&m, 0.0).unwrap();
+        let mut worst = (0f64, 0f64);
+        for _ in 0..100 {
+            let mut at = [0.0; AXES];
+            for (q, own) in at.iter_mut().zip(&m.settings.axes) {
+                *q = random(if own.axis.is_rotary() { 170.0 } else { 350.0 });
+            }
+            for fade_deg in [None, Some(5.0)] {
+                let settings = CorrectionSettings { passes: None, fade_deg };
+                let correction = geometry.correction(&at, &FORWARD, settings).unwrap();
+                let sent: [f64; AXES] = std::array::from_fn(|slot| at[slot] + correction[slot]);
+                let (ideal, actual) = (geometry.ideal_pose(&at), geometry.actual_pose(&sent, &FORWARD));
+                let y_is_there = chain.contains('Y');
+                let off = |a: [f64; 3], b: [f64; 3]| (DVec3::from_array(a) - DVec3::from_array(b)).length();
+                let (tip, direction) = (off(ideal.tip_mm, actual.tip_mm), off(ideal.direction, actual.direction));
+                if y_is_there {
+                    worst.0 = worst.0.max(tip);
+                }
+                for (own, correction) in m.settings.axes.iter().zip(correction) {
+                    assert!(fade_deg.is_some() || !own.axis.is_rotary() || correction == 0.0);
+                }
+                // Away from the singular pose, and with two rotary axes, nothing is left of the direction's error.
+                let tilt = m.settings.axes.iter().zip(at).find(|(own, _)| matches!(own.axis, Axis::A | Axis::B));
+                if fade_deg.is_some() && tilt.is_some_and(|(_, q)| q.to_radians().sin().abs() > 0.09) {
+                    worst.1 = worst.1.max(direction);
+                }
+            }
+        }
+        println!("{chain}: tip {:.1e} mm, direction {:.1e}", worst.0, worst.1);
+        assert!(worst.0 < 3e-12 && worst.1 < 1e-14, "{chain}: {worst:?}");
+    }
+}
+
+#[test]
+fn a_count_of_passes_is_kept() {
+    // X errs by a slope of 1e-2: q + r with r ← −1e-2 (q + r) from 0.
+    let mut m = machine("w b X Y Z t");
+    set_table(&mut m, Axis::X, &[(0.0, [0.0; 6]), (100.0, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
+    let geometry = Geometry::new(&m, 0.0).unwrap();
+    let at = [50.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let mut expected = 0.0;
+    for passes in 1..=4 {
+        expected = -1e-2 * (50.0 + expected);
+        let found = geometry.correction(&at, &FORWARD, CorrectionSettings { passes: Some(passes), fade_deg: None });
+        assert_near(found.unwrap()[..3].try_into().unwrap(), [expected, 0.0, 0.0], 1e-13);
+    }
+    // Linear axes that lie in one another cannot take an error: B at 90° turns X into Z.
+    let mut m = machine("w Z' b B X Y t");
+    set_constant(&mut m, Axis::X, [1e-3; 6]);
+    let b = slot(&m, Axis::B);
+    let mut at = [0.0; AXES];
+    at[b] = 90.0;
+    assert_eq!(Geometry::new(&m, 0.0).unwrap().correction(&at, &FORWARD, CorrectionSettings::default()), None);
 }

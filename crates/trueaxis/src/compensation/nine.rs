@@ -1,0 +1,358 @@
+//! Axis-wise geometric error compensation: nine one-dimensional functions, one per direction and moving axis.
+//!
+//! Error at a position, tool relative to workpiece, actual − ideal (ISO 230-1:2012), in mm and bed axes:
+//!
+//! ```text
+//! dx = EXX(x) + EXY(y) + EXZ(z) − C0Y·y + B0Z·z
+//! dy = EYX(x) + EYY(y) + EYZ(z) − A0Z·z
+//! dz = EZX(x) + EZY(y) + EZZ(z)
+//! ```
+//!
+//! Each linear axis' own error also carries thermal growth `K0 + k·(q − q0)` and, in negative travel, its backlash. A
+//! rotary axis adds its three translations (turned by the nominal pose of the rotary axes that carry it) and has its
+//! own angular error corrected in its own position. Lever arms of angular errors are not part of this form.
+//!
+//! Source: Zhang Chong et al., geometric error compensation on an open CNC (2013); the direction of travel, the exact
+//! inverse and the look-up at the feedback are extensions.
+
+use super::table::{AxisTable, Contribution, Requirement, Rows, Storage, own_component};
+use super::thermal::ThermalLine;
+use super::trig::cos_sin_deg;
+use super::{Errors, carries_workpiece, step_axes};
+use crate::error::{ConfigError, Field};
+use crate::machine::{AXES, Axis, Lookup, MachineSettings};
+use crate::position::Position;
+use crate::real::Real;
+
+/// A rotary axis that turns the carrier of another one.
+#[derive(Clone, Copy, Debug)]
+struct Parent<R> {
+    /// Its place among the step's axes.
+    index: usize,
+    /// 0, 1, 2: it turns about X, Y, Z.
+    about: usize,
+    /// Sense in which it turns.
+    sense: R,
+}
+
+/// The tables of a machine for the nine-term form and how they are looked up: immutable, built once.
+///
+/// `N` axes: X, Y, Z first (an absent linear axis is a zero table), then the rotary axes of the chain.
+#[derive(Clone, Copy, Debug)]
+pub struct NineTerms<'a, R, P, const N: usize> {
+    tables: [AxisTable<'a, R, P>; N],
+    /// Position of each table's origin from machine zero.
+    origins: [R; N],
+    /// Look-up at the feedback: the axis' own error, its cross terms.
+    at_feedback: [(bool, bool); N],
+    parents: [[Option<Parent<R>>; 2]; N],
+    own: [usize; N],
+    /// C0Y, B0Z, A0Z.
+    squareness: [R; 3],
+    constant: [[R; 3]; N],
+    datum: [R; N],
+    /// All tables equidistant and linear, no rotary axis, look-up at the command.
+    plain: bool,
+    /// The same with free grids among them.
+    linear: bool,
+}
+
+/// The rotary axes between the bed and an axis, from the bed outwards; at most two count.
+fn parents_of<R: Real, const N: usize>(
+    machine: &MachineSettings,
+    axes: &[Axis; N],
+    axis: Axis,
+) -> Result<[Option<Parent<R>>; 2], ConfigError> {
+    let (workpiece, tool) = machine.chain.split_once('b').unwrap_or((&machine.chain, ""));
+    let letters = |side: &str| side.chars().filter_map(Axis::from_letter).collect::<heapless::Vec<Axis, AXES>>();
+    let mut side = if carries_workpiece(&machine.chain, axis) { letters(workpiece) } else { letters(tool) };
+    if carries_workpiece(&machine.chain, axis) {
+        side.reverse();
+    }
+    let mut parents = [None; 2];
+    let mut free = parents.iter_mut();
+    for carrier in side.into_iter().take_while(|a| *a != axis).filter(|a| a.is_rotary()) {
+        let slot =
+            free.next().ok_or(ConfigError::new(Field::Chain, 3.0, "at most two rotary axes below another").on(axis))?;
+        let settings = machine.axes.iter().find(|a| a.axis == carrier);
+        *slot = axes.iter().position(|a| *a == carrier).map(|index| Parent {
+            index,
+            about: carrier.index() - Axis::A.index(),
+            sense: R::of(settings.map_or(1.0, |s| f64::from(s.direction))),
+        });
+    }
+    Ok(parents)
+}
+
+impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
+    /// Memory that [`NineTerms::build`] takes.
+    pub fn requirement<'r, T: Rows + ?Sized + 'r>(
+        machine: &MachineSettings,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+    ) -> Requirement {
+        let mut sum = Requirement::default();
+        for settings in &machine.axes {
+            if let Some(rows) = rows(settings.axis) {
+                let need = AxisTable::<R, P>::requirement(settings, rows);
+                sum.lines += need.lines;
+                sum.knots += need.knots;
+                sum.guide += need.guide;
+            }
+        }
+        sum
+    }
+
+    /// Builds the tables of a machine into lent memory.
+    ///
+    /// # Errors
+    /// A table with fewer than two points or not ascending, memory too small, more axes than `N`.
+    pub fn build<'r, T: Rows + ?Sized + 'r>(
+        machine: &MachineSettings,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+        mut storage: Storage<'a, R>,
+    ) -> Result<Self, ConfigError> {
+        let axes = step_axes::<N>(machine)?;
+        let location = &machine.location;
+        let mut built = NineTerms {
+            tables: [AxisTable::zero(); N],
+            origins: [R::ZERO; N],
+            at_feedback: [(false, false); N],
+            parents: [[None; 2]; N],
+            own: axes.map(own_component),
+            squareness: [location.c0y, location.b0z, location.a0z].map(R::of),
+            constant: [[R::ZERO; 3]; N],
+            datum: [R::ZERO; N],
+            plain: N == 3,
+            linear: N == 3,
+        };
+        for (place, axis) in axes.into_iter().enumerate() {
+            let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) else { continue };
+            let sense =
+                f64::from(settings.direction) * if carries_workpiece(&machine.chain, axis) { -1.0 } else { 1.0 };
+            let table: AxisTable<'a, R, P> = match rows(axis) {
+                Some(rows) => AxisTable::build(settings, rows, sense, &mut storage)?,
+                None => AxisTable::zero(),
+            };
+            let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
+            built.plain &= table.is_plain() && feedback == (false, false);
+            built.linear &= table.is_linear() && feedback == (false, false);
+            let set = |slot: Option<&mut R>, value| {
+                if let Some(slot) = slot {
+                    *slot = R::of(value);
+                }
+            };
+            set(built.origins.get_mut(place), table.origin().to_f64());
+            set(built.datum.get_mut(place), settings.thermal.datum);
+            if let (Some(t), Some(f), Some(p), Some(c)) = (
+                built.tables.get_mut(place),
+                built.at_feedback.get_mut(place),
+                built.parents.get_mut(place),
+                built.constant.get_mut(place),
+            ) {
+                *t = table;
+                *f = feedback;
+                *p = parents_of(machine, &axes, axis)?;
+                if let Some([x, y, z, ..]) = axis.index().checked_sub(3).and_then(|i| location.rotary.get(i)) {
+                    *c = [*x, *y, *z].map(R::of);
+                }
+            }
+        }
+        Ok(built)
+    }
+
+    /// The positions as the tables count them.
+    #[inline(always)]
+    pub fn coordinates(&self, positions: &[P; N]) -> [R; N] {
+        let mut at = [R::ZERO; N];
+        for ((at, table), position) in at.iter_mut().zip(&self.tables).zip(positions) {
+            *at = table.coordinate(*position);
+        }
+        at
+    }
+
+    /// Error of the nine terms alone at table coordinates, plain tables: the inner loop of the step.
+    ///
+    /// `held` gets a bit for every axis whose edge value is held.
+    #[inline(always)]
+    pub fn plain_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+        self.sum_of(at, reverse, held, AxisTable::at_plain)
+    }
+
+    /// Error of the nine terms alone, linear tables on any grid; apart from [`NineTerms::plain_terms`], so that
+    /// equidistant tables do not carry the search.
+    #[inline(never)]
+    pub fn linear_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+        self.sum_of(at, reverse, held, AxisTable::at_linear)
+    }
+
+    /// Translations of all tables, looked up one way.
+    #[inline(always)]
+    fn sum_of(
+        &self,
+        at: &[R; N],
+        reverse: &[usize; N],
+        held: &mut u8,
+        look_up: impl Fn(&AxisTable<'a, R, P>, R, usize) -> (Contribution<R>, bool),
+    ) -> Errors<R, N> {
+        let mut sum = [R::ZERO; 3];
+        let mut bit = 1;
+        for ((table, at), reverse) in self.tables.iter().zip(at).zip(reverse) {
+            let ([x, y, z, _], edge) = look_up(table, *at, *reverse);
+            let [sx, sy, sz] = &mut sum;
+            *sx += x;
+            *sy += y;
+            *sz += z;
+            if edge {
+                *held |= bit;
+            }
+            bit <<= 1;
+        }
+        let mut errors = [R::ZERO; N];
+        for (error, sum) in errors.iter_mut().zip(sum) {
+            *error = sum;
+        }
+        errors
+    }
+
+    /// Error of any tables, each looked up at the command or the feedback as configured.
+    #[inline(never)]
+    fn general_terms(&self, command: &[R; N], feedback: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+        let mut tip = [R::ZERO; 3];
+        let mut errors = [R::ZERO; N];
+        for place in 0..N {
+            let (Some(table), Some(at_command), Some(at_feedback), Some(reverse)) =
+                (self.tables.get(place), command.get(place), feedback.get(place), reverse.get(place))
+            else {
+                continue;
+            };
+            let (Some(own_cross), Some(own), Some(parents), Some(constant)) =
+                (self.at_feedback.get(place), self.own.get(place), self.parents.get(place), self.constant.get(place))
+            else {
+                continue;
+            };
+            let (own_feedback, cross_feedback) = *own_cross;
+            let (cross, edge) = table.at(if cross_feedback { *at_feedback } else { *at_command }, *reverse);
+            if edge {
+                *held |= 1 << (place & 7);
+            }
+            let mut contribution = cross;
+            if own_feedback != cross_feedback {
+                let (own_at, edge) = table.at(if own_feedback { *at_feedback } else { *at_command }, *reverse);
+                if edge {
+                    *held |= 1 << (place & 7);
+                }
+                if let (Some(to), Some(from)) = (contribution.get_mut(*own), own_at.get(*own)) {
+                    *to = *from;
+                }
+            }
+            let [x, y, z, turn] = contribution;
+            let [cx, cy, cz] = *constant;
+            let mut shift = [x + cx, y + cy, z + cz];
+            // From the innermost carrier out to the bed.
+            for parent in parents.iter().rev().flatten() {
+                let angle = command.get(parent.index).copied().unwrap_or(R::ZERO)
+                    + self.origins.get(parent.index).copied().unwrap_or(R::ZERO);
+                shift = turned(shift, parent.about, angle * parent.sense);
+            }
+            for (sum, part) in tip.iter_mut().zip(shift) {
+                *sum += part;
+            }
+            if place >= 3
+                && let Some(error) = errors.get_mut(place)
+            {
+                *error = turn;
+            }
+        }
+        for (error, sum) in errors.iter_mut().zip(tip) {
+            *error = sum;
+        }
+        errors
+    }
+
+    /// Squareness and thermal growth: linear in the position, and not held at a table's edge.
+    #[inline(always)]
+    fn add_linear(&self, at: &[R; N], thermal: &[ThermalLine<R>; N], errors: &mut Errors<R, N>) {
+        let mut place = [R::ZERO; N];
+        for ((q, at), origin) in place.iter_mut().zip(at).zip(&self.origins) {
+            *q = *at + *origin;
+        }
+        for (((error, q), line), datum) in errors.iter_mut().zip(&place).zip(thermal).zip(&self.datum) {
+            *error += line.at(*q - *datum);
+        }
+        let [c0y, b0z, a0z] = self.squareness;
+        if let ([_, y, z, ..], [dx, dy, ..]) = (&place[..], &mut errors[..]) {
+            *dx += b0z * *z - c0y * *y;
+            *dy += -(a0z * *z);
+        }
+    }
+
+    /// Errors at a position: modelled deviation of the tip from where the axes stand, and of the rotary axes.
+    ///
+    /// All look-ups at `at`; `held` gets a bit for every axis whose edge value is held.
+    #[inline(always)]
+    pub fn errors(
+        &self,
+        at: &[R; N],
+        reverse: &[usize; N],
+        thermal: &[ThermalLine<R>; N],
+        held: &mut u8,
+    ) -> Errors<R, N> {
+        self.errors_between(at, at, reverse, thermal, held)
+    }
+
+    #[inline(always)]
+    fn errors_between(
+        &self,
+        command: &[R; N],
+        feedback: &[R; N],
+        reverse: &[usize; N],
+        thermal: &[ThermalLine<R>; N],
+        held: &mut u8,
+    ) -> Errors<R, N> {
+        let mut errors = if self.plain {
+            self.plain_terms(command, reverse, held)
+        } else if self.linear {
+            self.linear_terms(command, reverse, held)
+        } else {
+            self.general_terms(command, feedback, reverse, held)
+        };
+        self.add_linear(command, thermal, &mut errors);
+        errors
+    }
+
+    /// The wanted correction: `r` with `q + r + E(q + r) = q`, by `passes` look-ups `r ← −E(q + r)` from `r = 0`.
+    ///
+    /// mm, rotary axes in degrees. What is looked up at the feedback needs no inverse and stays as it is read.
+    #[inline(always)]
+    pub fn correction(
+        &self,
+        command: &[R; N],
+        feedback: &[R; N],
+        reverse: &[usize; N],
+        thermal: &[ThermalLine<R>; N],
+        passes: u8,
+        held: &mut u8,
+    ) -> [R; N] {
+        let mut at = *command;
+        let mut correction = [R::ZERO; N];
+        for _ in 0..passes & 15 {
+            let errors = self.errors_between(&at, feedback, reverse, thermal, held);
+            for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(command).zip(errors) {
+                *r = -error;
+                *at = *q - error;
+            }
+        }
+        correction
+    }
+}
+
+/// A vector turned about X (0), Y (1) or Z (2) by an angle in degrees.
+#[inline(always)]
+fn turned<R: Real>([x, y, z]: [R; 3], about: usize, angle: R) -> [R; 3] {
+    let (c, s) = cos_sin_deg(angle);
+    match about {
+        0 => [x, c * y - s * z, s * y + c * z],
+        1 => [c * x + s * z, y, c * z - s * x],
+        _ => [c * x - s * y, s * x + c * y, z],
+    }
+}

@@ -1,0 +1,167 @@
+//! The correction of the volumetric model: its exact inverse by a bounded number of passes.
+
+use super::Volumetric;
+use super::chain::Poses;
+use crate::compensation::{PoseError, ThermalLine};
+use crate::position::Position;
+use crate::real::Real;
+use crate::vector::V3;
+
+/// Below this |determinant| of the slides' directions the correction fades instead of growing without bound.
+pub(crate) const LEAST_DETERMINANT: f64 = 0.05;
+/// Smallest sine of `fade_deg`: the correction of the direction stays bounded where no fade is wanted.
+pub(crate) const LEAST_FADE: f64 = 1e-3;
+
+/// Where the correction of the direction fades.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fade<R> {
+    sine: R,
+    square: R,
+}
+
+impl<R: Real> Fade<R> {
+    pub(super) fn from_deg(angle: f64) -> Self {
+        let sine = libm::sin(angle.to_radians()).max(LEAST_FADE);
+        Fade { sine: R::of(sine), square: R::of(sine * sine) }
+    }
+
+    /// `f/s²` with s² = `square` the square of a singular measure and f its weight: 1 from the fade's sine outwards, below
+    /// it `x² (3 − 2x)`, x = s/sine. Bounded, with a continuous derivative.
+    fn over(&self, square: R) -> R {
+        if square >= self.square {
+            R::ONE / square
+        } else {
+            (R::THREE - R::TWO * (square.sqrt() / self.sine)) / self.square
+        }
+    }
+}
+
+impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
+    /// The correction `r` at a commanded position in table coordinates: the tip at `q + r`, errors included, is the ideal
+    /// one at `q` in workpiece coordinates. mm, rotary axes in degrees.
+    ///
+    /// The slides take the tip: `Σ r_j R_j n_j = −d(q + r)`, their directions as the rotary axes turn them; below a
+    /// determinant of 0.05 the solution fades with it. With `orientation` the rotary axes take the tool's direction t:
+    /// `Σ δ_k a_k × t = −w × t`, least squares over the axes' directions a_k, weighted by 1 where their singular measure
+    /// s = |t · (a_1 × a_2)| (one axis: |a × t|) is at least sin(`fade_deg`), by `x² (3 − 2x)`, x = s / sin(`fade_deg`),
+    /// below; on a machine with two perpendicular rotary axes s is the sine of the angle between the tool and the axis
+    /// next to the workpiece. The tip that they carry along is put back by the slides. Without `orientation` rotary axes
+    /// get none. An absent slide is not solved for.
+    ///
+    /// `passes` look-ups from `r = 0`; sines, rotary tables and directions once, unless rotary axes are corrected.
+    #[inline(never)]
+    pub fn correction(
+        &self,
+        command: &[R; N],
+        feedback: &[R; N],
+        reverse: &[usize; N],
+        thermal: &[ThermalLine<R>; N],
+        passes: u8,
+        held: &mut u8,
+    ) -> [R; N] {
+        let mut poses = self.chain.poses(command);
+        let mut twists = [[R::ZERO; 6]; N];
+        self.look_up(0..N, command, feedback, reverse, &mut twists, held);
+        let turned = self.chain.turned || self.orientation.is_some();
+        let nominal = if turned { self.chain.directions(&poses) } else { ([V3::ZERO; N], V3::ZERO) };
+        let mut directions = nominal.0;
+        let mut at = *command;
+        let mut correction = [R::ZERO; N];
+        for pass in 0..passes & 15 {
+            if pass > 0 {
+                let places = if self.orientation.is_some() { 0..N } else { 0..3 };
+                self.look_up(places, &at, feedback, reverse, &mut twists, held);
+            }
+            let PoseError { tip, orientation } = self.carried(&at, &poses, &twists, thermal);
+            let mut wrong = V3::from(tip);
+            if let Some(fade) = &self.orientation {
+                self.turn_back(fade, &nominal, V3::from(orientation), &mut correction);
+                for ((at, q), r) in at.iter_mut().zip(command).zip(&correction).skip(3) {
+                    *at = *q + *r;
+                }
+                poses = self.chain.poses(&at);
+                directions = self.slide_directions(&poses, directions);
+                wrong += self.chain.moved_tip(command, &poses, &correction);
+            }
+            let along = if self.chain.turned { self.along(&directions, wrong) } else { wrong.array() };
+            for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(command).zip(along) {
+                *r = -error;
+                *at = *q - error;
+            }
+        }
+        correction
+    }
+
+    fn slide_directions(&self, poses: &Poses<R, N>, before: [V3<R>; N]) -> [V3<R>; N] {
+        if self.chain.turned { self.chain.directions(poses).0 } else { before }
+    }
+
+    /// Corrections of the rotary axes that turn the tool's direction back by `w × t`, degrees.
+    fn turn_back(&self, fade: &Fade<R>, (directions, tool): &([V3<R>; N], V3<R>), w: V3<R>, correction: &mut [R; N]) {
+        let wrong = w.cross(*tool);
+        let mut columns = [V3::ZERO; N];
+        for (column, direction) in columns.iter_mut().zip(directions).skip(3) {
+            *column = direction.cross(*tool);
+        }
+        let columns = columns.get(3..).unwrap_or(&[]);
+        let mut wanted = [R::ZERO; N];
+        let mut square = R::ZERO;
+        if let [only] = columns {
+            square = only.dot(*only);
+            if let Some(wanted) = wanted.get_mut(3) {
+                *wanted = -only.dot(wrong);
+            }
+        }
+        // Of more than two axes the shortest solution is the mean of all pairs', weighted by their determinants' squares.
+        for (i, first) in columns.iter().enumerate() {
+            for (j, second) in columns.iter().enumerate().skip(i + 1) {
+                let determinant = tool.dot(first.cross(*second));
+                square += determinant * determinant;
+                if let Some(wanted) = wanted.get_mut(3 + i) {
+                    *wanted += -(determinant * tool.dot(wrong.cross(*second)));
+                }
+                if let Some(wanted) = wanted.get_mut(3 + j) {
+                    *wanted += -(determinant * tool.dot(first.cross(wrong)));
+                }
+            }
+        }
+        let scale = fade.over(square) * R::of(180.0 / core::f64::consts::PI);
+        for (correction, wanted) in correction.iter_mut().zip(wanted).skip(3) {
+            *correction = wanted * scale;
+        }
+    }
+
+    /// Components of an error along the slides' directions; the nearest to it where slides are absent.
+    fn along(&self, directions: &[V3<R>; N], error: V3<R>) -> [R; 3] {
+        let [x, y, z, ..] = directions.as_slice() else { return error.array() };
+        let (mut x, mut y, mut z) = (*x, *y, *z);
+        match self.chain.present {
+            [true, true, true] => {}
+            [false, true, true] => x = unit(y.cross(z)),
+            [true, false, true] => y = unit(z.cross(x)),
+            [true, true, false] => z = unit(x.cross(y)),
+            [x_present, y_present, z_present] => {
+                let one = |direction: V3<R>, present| if present { direction.dot(error) } else { R::ZERO };
+                return [one(x, x_present), one(y, y_present), one(z, z_present)];
+            }
+        }
+        let determinant = x.dot(y.cross(z));
+        let least = R::of(LEAST_DETERMINANT);
+        let inverse =
+            if determinant.abs() >= least { R::ONE / determinant } else { determinant * (R::ONE / (least * least)) };
+        let solution = [error.dot(y.cross(z)), x.dot(error.cross(z)), x.dot(y.cross(error))];
+        let mut along = [R::ZERO; 3];
+        for ((along, solution), present) in along.iter_mut().zip(solution).zip(self.chain.present) {
+            if present {
+                *along = solution * inverse;
+            }
+        }
+        along
+    }
+}
+
+/// A direction of length 1; zero where there is none.
+fn unit<R: Real>(v: V3<R>) -> V3<R> {
+    let length = v.norm();
+    if length > R::of(1e-6) { v * (R::ONE / length) } else { V3::ZERO }
+}

@@ -1,0 +1,272 @@
+//! The volumetric form against the plant's exact transforms: two implementations that share no code but the settings.
+
+use firmware_sim::plant::geometry::Geometry;
+use trueaxis::compensation::{Compensation, Storage, ThermalLine, carries_workpiece, step_axes};
+use trueaxis::machine::{
+    AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, MachineSettings, Row, ThermalGrowth,
+};
+use trueaxis::{Axis, check};
+use trueaxis_tables::{Machine, Table};
+
+struct Random(u64);
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn signed(&mut self) -> f64 {
+        2.0 * self.unit() - 1.0
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.unit() * count as f64) as usize
+    }
+}
+
+/// Linear axes travel ±250 mm, rotary ones wherever they want.
+const REACH_MM: f64 = 250.0;
+/// Temperature of every comparison above the reference, K.
+const RISE_K: f64 = 3.0;
+
+/// A chain of X, Y, Z and `rotary` rotary axes in any order, each on either side.
+fn chain(random: &mut Random, rotary: usize) -> String {
+    let mut axes = vec![Axis::X, Axis::Y, Axis::Z];
+    let mut free = vec![Axis::A, Axis::B, Axis::C];
+    for _ in 0..rotary {
+        axes.push(free.remove(random.below(free.len())));
+    }
+    let mut order = Vec::new();
+    while !axes.is_empty() {
+        order.push(axes.remove(random.below(axes.len())));
+    }
+    let bed = random.below(order.len() + 1);
+    let (mut code, tool) = (String::from("w"), &order[bed..]);
+    for axis in &order[..bed] {
+        code += &format!(" {}'", axis.letter());
+    }
+    code += " b";
+    for axis in tool {
+        code += &format!(" {}", axis.letter());
+    }
+    code + " t"
+}
+
+/// Errors of up to `mm` and `rad`; a table that changes slowly, as those of machines do.
+fn rows(random: &mut Random, axis: Axis, mm: f64, rad: f64) -> Vec<Row> {
+    let rotary = axis.is_rotary();
+    let (low, high) = if rotary { (-180.0, 180.0) } else { (-REACH_MM - 10.0, REACH_MM + 10.0) };
+    let free = random.unit() < 0.5;
+    let waves: [[f64; 3]; 6] = std::array::from_fn(|_| [random.signed(), random.signed(), random.signed()]);
+    (0..=24)
+        .map(|i| {
+            let stray = if free && i > 0 && i < 24 { 0.3 * random.signed() } else { 0.0 };
+            let phase = (f64::from(i) + stray) / 24.0;
+            let twist = std::array::from_fn(|k| {
+                let [a, b, c] = waves[k];
+                let turn = std::f64::consts::TAU * phase;
+                let size = if k < 3 { mm } else { rad } / 3.0;
+                size * (a * turn.cos() + b * turn.sin() + c * if rotary { (2.0 * turn).cos() } else { phase })
+            });
+            Row { position: low + (high - low) * phase, forward: twist, reverse: twist }
+        })
+        .collect()
+}
+
+struct Case {
+    machine: Machine,
+}
+
+fn case(random: &mut Random, rotary: usize, mm: f64, rad: f64) -> Case {
+    let chain = chain(random, rotary);
+    let mut axes = heapless::Vec::<AxisSettings, AXES>::new();
+    let mut tables = Vec::new();
+    for axis in Axis::ALL.into_iter().filter(|axis| chain.contains(axis.letter())) {
+        let mut settings = AxisSettings::with_defaults(axis, carries_workpiece(&chain, axis));
+        if axis.is_rotary() && random.unit() < 0.5 {
+            settings.direction = -settings.direction;
+        }
+        if random.unit() < 0.5 {
+            settings.interpolation = Interpolation::Cubic;
+        }
+        settings.measured_at_mm = [0; 3].map(|_| 100.0 * random.signed());
+        if axis.is_rotary() {
+            settings.backlash = (0.2 * rad * random.unit()).to_degrees();
+            settings.thermal =
+                ThermalGrowth { offset_per_k: (0.1 * rad).to_degrees(), expansion_per_k: 0.0, datum: 0.0 };
+        } else {
+            settings.backlash = 0.1 * mm * random.unit();
+            settings.thermal =
+                ThermalGrowth { offset_per_k: 0.02 * mm, expansion_per_k: 2e-4 * mm, datum: 50.0 * random.signed() };
+        }
+        let table = (random.unit() < 0.9).then(|| Table {
+            given: [true; 6],
+            bidirectional: false,
+            rows: rows(random, axis, mm, rad),
+        });
+        if table.is_none() {
+            // Lost motion is part of the table.
+            settings.backlash = 0.0;
+        }
+        axes.push(settings).unwrap();
+        tables.push(table);
+    }
+    let mut location = LocationErrors {
+        a0z: 0.5 * rad * random.signed(),
+        b0z: 0.5 * rad * random.signed(),
+        c0y: 0.5 * rad * random.signed(),
+        rotary: [[0.0; 6]; 3],
+    };
+    for errors in &mut location.rotary {
+        *errors = std::array::from_fn(|k| 0.3 * if k < 3 { mm } else { rad } * random.signed());
+    }
+    let mut settings = MachineSettings {
+        name: "any".try_into().unwrap(),
+        chain: chain.as_str().try_into().unwrap(),
+        tool_mm: [0; 3].map(|_| 100.0 * random.signed()),
+        reference_temperature_c: 20.0,
+        location,
+        faults: Default::default(),
+        contour: Default::default(),
+        compensation: Default::default(),
+        kinematics: Default::default(),
+        axes,
+        roundness: None,
+    };
+    settings.compensation.model = ErrorModel::Volumetric;
+    Case { machine: Machine { settings, tables } }
+}
+
+impl Case {
+    /// The same machine with all errors `factor` times as large.
+    fn scaled(&self, factor: f64) -> Case {
+        let mut machine = self.machine.clone();
+        for table in machine.tables.iter_mut().flatten() {
+            for row in &mut table.rows {
+                row.forward = row.forward.map(|x| x * factor);
+                row.reverse = row.reverse.map(|x| x * factor);
+            }
+        }
+        for axis in &mut machine.settings.axes {
+            axis.backlash *= factor;
+            axis.thermal.offset_per_k *= factor;
+            axis.thermal.expansion_per_k *= factor;
+        }
+        let location = &mut machine.settings.location;
+        location.a0z *= factor;
+        location.b0z *= factor;
+        location.c0y *= factor;
+        for errors in location.rotary.iter_mut().flatten() {
+            *errors *= factor;
+        }
+        Case { machine }
+    }
+
+    fn with<const N: usize, T>(&self, passes: u8, user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> T) -> T {
+        let settings = &self.machine.settings;
+        check::settings(settings).unwrap();
+        let rows = |axis: Axis| self.machine.rows(axis);
+        let need = Compensation::<f64, f64, N>::requirement(settings, rows);
+        let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
+        let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
+        user(&Compensation::build(settings, rows, passes, storage).unwrap())
+    }
+
+    fn thermal<const N: usize>(&self) -> [ThermalLine<f64>; N] {
+        step_axes::<N>(&self.machine.settings).unwrap().map(|axis| {
+            let settings = self.machine.settings.axes.iter().find(|a| a.axis == axis);
+            settings.map_or(ThermalLine::default(), |s| ThermalLine::for_axis(&s.thermal, RISE_K).unwrap())
+        })
+    }
+
+    /// Positions in the order of the step in that of the plant.
+    fn plant<const N: usize>(&self, step: &[f64; N]) -> [f64; AXES] {
+        let axes = step_axes::<N>(&self.machine.settings).unwrap();
+        let mut plant = [0.0; AXES];
+        for (slot, settings) in plant.iter_mut().zip(&self.machine.settings.axes) {
+            *slot = step[axes.iter().position(|a| *a == settings.axis).unwrap()];
+        }
+        plant
+    }
+}
+
+fn place<const N: usize>(random: &mut Random) -> [f64; N] {
+    std::array::from_fn(|i| if i < 3 { REACH_MM * random.signed() } else { 175.0 * random.signed() })
+}
+
+fn norm(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Largest error and largest difference from the exact one: tip (mm), direction (rad).
+fn compare<const N: usize>(case: &Case, seed: u64) -> [[f64; 2]; 2] {
+    let geometry = Geometry::new(&case.machine, RISE_K).unwrap();
+    let mut random = Random(seed);
+    let mut largest = [[0.0_f64; 2]; 2];
+    case.with::<N, _>(1, |compensation| {
+        for _ in 0..20 {
+            let q = place::<N>(&mut random);
+            let reversed: [f64; N] = std::array::from_fn(|_| f64::from(u8::from(random.unit() < 0.5)));
+            let mask = reversed.map(|r| if r > 0.5 { usize::MAX } else { 0 });
+            let at = compensation.coordinates(&q);
+            let found = compensation.pose_error(&at, &mask, &case.thermal(), &mut 0);
+            let tool = compensation.volumetric().unwrap().tool_axis(&at);
+            let exact = geometry.pose_error(&case.plant(&q), &case.plant(&reversed));
+            let direction = cross(found.orientation, tool);
+            let tip = [norm(exact.tip_mm), norm(minus(found.tip, exact.tip_mm))];
+            let turn = [norm(exact.direction), norm(minus(direction, exact.direction))];
+            for (largest, found) in largest.iter_mut().zip([tip, turn]) {
+                *largest = [largest[0].max(found[0]), largest[1].max(found[1])];
+            }
+        }
+    });
+    largest
+}
+
+fn first_order<const N: usize>(chains: u64) {
+    for seed in 0..chains {
+        let mut random = Random(seed * 7919 + N as u64);
+        let large = case(&mut random, N - 3, 60e-3, 60e-6);
+        let small = large.scaled(0.1);
+        let (found, tenth) = (compare::<N>(&large, seed), compare::<N>(&small, seed));
+        let chain = &large.machine.settings.chain;
+        for k in 0..2 {
+            let [size, difference] = found[k];
+            assert!(difference < 5e-3 * size, "{chain}: {found:?}");
+            // Rounding: 1e-12 mm, 1e-15 rad.
+            let rounding = [1e-12, 1e-15][k];
+            assert!(tenth[k][1] < difference / 70.0 + rounding, "{chain}: {found:?} {tenth:?}");
+        }
+    }
+}
+
+#[test]
+fn three_axes_agree_to_second_order() {
+    first_order::<3>(300);
+}
+
+#[test]
+fn four_axes_agree_to_second_order() {
+    first_order::<4>(400);
+}
+
+#[test]
+fn five_axes_agree_to_second_order() {
+    first_order::<5>(1000);
+}
+
+#[test]
+fn six_axes_agree_to_second_order() {
+    first_order::<6>(300);
+}
