@@ -161,9 +161,9 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
         }
     }
 
-    /// The command of the last cycle, the held one during a stop; none before the first.
-    pub(crate) fn commanded(&self) -> Option<&[P; N]> {
-        self.started.then_some(&self.command)
+    /// The command of the last cycle, the held one during a stop.
+    pub(crate) fn commanded(&self) -> [P; N] {
+        self.command
     }
 
     pub(crate) fn latch(&mut self, fault: Fault, axis: u8) {
@@ -208,25 +208,26 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 
     #[inline(always)]
     pub(crate) fn read(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> Sample<P, N> {
-        self.read_unless(state, input, Fault::None)
+        self.read_unless(state, input, (Fault::None, 0))
     }
 
-    /// The same where a stage before this one has to refuse the command: with its fault, whatever `input` commands.
+    /// The same where a stage before this one has to refuse the command: with its fault and the axis' place, whatever
+    /// `input` commands, and without release.
     #[inline(always)]
     pub(crate) fn read_unless(
         &self,
         state: &mut SampleState<R, P, N>,
         input: &Input<P, N>,
-        refused: Fault,
+        (refused, place): (Fault, u8),
     ) -> Sample<P, N> {
         let first = !state.started;
         let active = input.homed && input.enable;
         let late = input.elapsed_ns > self.latest_ns;
         let (command_fault, command_axis) = match refused {
             Fault::None => self.command_fault(state, input, active, late),
-            refused => (refused, 0),
+            refused => (refused, place),
         };
-        let reset = input.reset && !state.reset;
+        let reset = input.reset && !state.reset && refused == Fault::None;
         state.reset = input.reset;
 
         if state.latched != Fault::None || command_fault != Fault::None {

@@ -2,6 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod rtcp;
 mod tool;
 
 use crate::compensation::{Compensation, Requirement, Reversal, Rows, Storage, ThermalLine, step_axes};
@@ -258,8 +259,19 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let command = self.compensation.coordinates(&sample.command);
         let feedback = self.compensation.coordinates(&sample.feedback);
         let wanted = self.compensation.correction(&command, &feedback, &reverse, &state.thermal, &mut at_edge);
-        let tip_error = self.compensation.errors(&feedback, &reverse, &state.thermal, &mut 0);
-        Modelled { wanted, tip_error, tilt: V3::ZERO, at_edge }
+        let (reverse, thermal) = (&reverse, &state.thermal);
+        let (mut tip_error, mut tilt) = ([R::ZERO; N], V3::ZERO);
+        match self.compensation.volumetric() {
+            Some(volumetric) if TOOL => {
+                let pose = volumetric.pose_error(&feedback, reverse, thermal, &mut 0);
+                for (error, tip) in tip_error.iter_mut().zip(pose.tip) {
+                    *error = tip;
+                }
+                tilt = pose.orientation.into();
+            }
+            _ => tip_error = self.compensation.errors(&feedback, reverse, thermal, &mut 0),
+        }
+        Modelled { wanted, tip_error, tilt, at_edge }
     }
 
     /// Contour error of the estimated tip and of the plain encoder position; none while a reading is not believed.

@@ -1,4 +1,4 @@
-//! From axis positions to the tool in workpiece coordinates.
+//! From axis positions to the tool in workpiece coordinates, and back.
 //!
 //! With the structural code read from the workpiece to the tool, and the offsets of all carriages between two rotary
 //! axes added up, every machine with up to two rotary axes is
@@ -21,12 +21,19 @@
 #![deny(clippy::indexing_slicing)]
 
 mod chain;
+mod error;
+mod follow;
+mod inverse;
 
-use crate::compensation::trig::cos_sin_deg;
+pub use error::InverseError;
+pub use follow::Follow;
+pub use inverse::{Branch, Choice, Solution, Solutions};
+
+use crate::compensation::trig::{atan2, cos_sin_deg};
 use crate::error::{ConfigError, Field};
 use crate::machine::{AXES, Axis, MachineSettings};
 use crate::real::Real;
-use crate::vector::V3;
+use crate::vector::{About, V3};
 use chain::{Chain, Turn};
 
 /// The tool in workpiece coordinates.
@@ -47,6 +54,8 @@ pub struct Kinematics<R> {
     tool: V3<R>,
     /// Tool axis at all axes zero.
     tool_axis: V3<R>,
+    /// Inside this distance from the singular pose an inverse is refused, degrees.
+    cone_deg: R,
 }
 
 impl<R: Real> Kinematics<R> {
@@ -64,11 +73,16 @@ impl<R: Real> Kinematics<R> {
         if let Some(bad) = machine.tool_mm.iter().find(|value| !value.is_finite()) {
             return Err(ConfigError::new(Field::Tool, *bad, "finite numbers"));
         }
+        let cone = machine.kinematics.singular_cone_deg;
+        if !(0.0..=45.0).contains(&cone) {
+            return Err(ConfigError::new(Field::Kinematics, cone, "a singular_cone_deg of 0 to 45 degrees"));
+        }
         let tool_axis = [x / length, y / length, z / length];
         Ok(Kinematics {
             chain: Chain::new(machine, tool_axis)?,
             tool: V3::of(machine.tool_mm),
             tool_axis: V3::of(tool_axis),
+            cone_deg: R::of(cone),
         })
     }
 
@@ -81,6 +95,11 @@ impl<R: Real> Kinematics<R> {
     /// `length_mm` before it: −length · tool axis. On a swivelling head without offset behind it, that is the pivot length.
     pub fn with_tool_length(self, length_mm: R) -> Self {
         self.with_tool(self.tool_axis * -length_mm)
+    }
+
+    /// The same machine with another singular cone, degrees; limited to 0 … 45.
+    pub fn with_singular_cone_deg(self, cone_deg: R) -> Self {
+        Kinematics { cone_deg: cone_deg.within(R::ZERO, R::of(45.0)), ..self }
     }
 
     /// Tip from the last tool-side frame at all axes zero, mm.
@@ -128,6 +147,37 @@ impl<R: Real> Kinematics<R> {
         });
         turned(first, turned(second, bed))
     }
+}
+
+/// Margin of a machine without a singular pose, degrees.
+const NO_SINGULAR_POSE: f64 = 90.0;
+
+impl<R: Real> Kinematics<R> {
+    /// Distance of a pose from the singular one, 0 … 90 degrees; see [`Solution::singularity_margin_deg`].
+    pub fn singularity_margin_deg(&self, axes: &[R; AXES]) -> R {
+        let [Some(first), Some(second)] = self.chain.turns else { return R::of(NO_SINGULAR_POSE) };
+        let inner = self.tool_axis.turned(second.about, second.cos_sin(axes));
+        let [u, b, w] = in_frame(first.about, second.about, inner);
+        degrees(atan2(w.abs(), (u * u + b * b).sqrt()))
+    }
+}
+
+/// Components along n1, n2 and n1 × n2.
+#[inline(always)]
+fn in_frame<R: Real>(first: About, second: About, V3 { x, y, z }: V3<R>) -> [R; 3] {
+    match (first, second) {
+        (About::X, About::Y) => [x, y, z],
+        (About::X, _) => [x, z, -y],
+        (About::Y, About::Z) => [y, z, x],
+        (About::Y, _) => [y, x, -z],
+        (About::Z, About::X) => [z, x, y],
+        (About::Z, _) => [z, y, -x],
+    }
+}
+
+#[inline(always)]
+fn degrees<R: Real>(radians: R) -> R {
+    radians * R::of(180.0 / core::f64::consts::PI)
 }
 
 /// `v` turned by an axis, where there is one.

@@ -133,3 +133,6 @@ fn position<R: Real, P: Position>(tip: V3<R>) -> [P; 3] {
     let zero = P::default();
     [zero.plus(tip.x), zero.plus(tip.y), zero.plus(tip.z)]
 }
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -5,6 +5,8 @@ use trueaxis::machine::{AXES, Axis, AxisSettings, MachineSettings};
 use trueaxis::vector::V3;
 
 mod forward;
+mod inverse;
+mod published;
 
 /// A machine of the given structural code with the stated defaults.
 fn machine(chain: &str) -> MachineSettings {

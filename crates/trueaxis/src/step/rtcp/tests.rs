@@ -1,0 +1,256 @@
+#![allow(clippy::indexing_slicing)]
+
+use crate::contour::{Path, Reference, Span, ToolPath};
+use crate::kinematics::{Follow, Tool};
+use crate::machine::Axis;
+use crate::position::{Micro, Position};
+use crate::real::Real;
+use crate::step::tool::tests::{
+    HEADS, Machine, PERIOD_NS, TABLES, V, Z, add, along, joints, norm, reference, settings, slanted, sub, tool_at,
+    turned,
+};
+use crate::vector::V3;
+use crate::{Fault, Input, Output, State};
+use proptest::prelude::*;
+
+/// Largest step of a rotary axis in a cycle, degrees.
+const STEP_DEG: f64 = 0.1;
+
+fn tool<R: Real>(tip: V, direction: V) -> Tool<R> {
+    Tool { tip: V3::of(tip), axis: V3::of(direction) }
+}
+
+/// A machine under RTCP whose drives do at once what they are told.
+struct Bench<R: Real, P: Position> {
+    machine: Machine<R, P>,
+    state: State<R, P, 5>,
+    follow: Follow<R>,
+    feedback: [P; 5],
+    drive: Option<[f64; 5]>,
+    /// What an axis may move in a cycle: top feed with its factor, or the way to the held position at a release.
+    bound: [f64; 5],
+}
+
+impl<R: Real, P: Position> Bench<R, P> {
+    /// Standing with the tip and the rotary axes there.
+    fn standing(machine: Machine<R, P>, tip: V, a: f64, c: f64) -> Self {
+        let at = joints(machine.chain, tip, a, c);
+        let [x, y, z, a, c] = at.map(R::of);
+        let near = [x, y, z, a, R::ZERO, c];
+        let start = machine.kinematics.inverse(&machine.kinematics.forward(&near), &near).unwrap();
+        let state = machine.start();
+        let feedback = at.map(P::of);
+        let follow = Follow::new(&start, R::of(STEP_DEG));
+        Bench { machine, state, follow, feedback, drive: None, bound: [0.1 + 1e-6, 0.1 + 1e-6, 0.1 + 1e-6, 0.12, 0.12] }
+    }
+
+    fn cycle(&mut self, tool: &Tool<R>, reset: bool) -> Output<R, P, 5> {
+        let (spans, turns) = slanted();
+        let path = ToolPath::new(Path::new(&spans, 0, false), &turns);
+        let none = Reference { span: 0, t: R::ZERO };
+        self.on(tool, reset, &path, none)
+    }
+
+    fn on(&mut self, tool: &Tool<R>, reset: bool, path: &ToolPath<'_, R, P>, at: Reference<R>) -> Output<R, P, 5> {
+        let input = Input { feedback: self.feedback, homed: true, enable: true, reset, ..Input::at_rest(PERIOD_NS) };
+        let (servo, kinematics) = (self.machine.servo, &self.machine.kinematics);
+        let (out, _) = servo.step_rtcp(&mut self.state, &input, tool, &mut self.follow, path, at, kinematics);
+        let drive = out.drive.map(P::to_f64);
+        if let Some(last) = self.drive {
+            for k in 0..5 {
+                assert!((drive[k] - last[k]).abs() <= self.bound[k], "axis {k} jumps: {} {}", last[k], drive[k]);
+            }
+        }
+        self.drive = Some(drive);
+        self.feedback = out.drive;
+        out
+    }
+}
+
+/// Along a slanted line with the direction turning: the drives get the closed-form positions.
+fn follows_a_line<R: Real, P: Position>(permitted_mm: f64, permitted_deg: f64) {
+    for chain in [TABLES, HEADS] {
+        let (spans, turns) = slanted();
+        let path = ToolPath::new(Path::new(&spans, 0, false), &turns);
+        let (tip, a, c) = along(0.01);
+        let mut bench = Bench::<R, P>::standing(Machine::perfect(chain), tip, a, c);
+        for i in 0..4000 {
+            let u = 0.01 + f64::from(i) * 2e-4;
+            let (tip, a, c) = along(u);
+            let out = bench.on(&tool(tip, turned(Z, a, c)), false, &path, reference(&spans, u));
+            assert_eq!(out.record.fault, Fault::None);
+            let truth = joints(chain, tip, a, c);
+            for k in 0..5 {
+                let permitted = if k < 3 { permitted_mm } else { permitted_deg };
+                let off = (out.drive[k].to_f64() - truth[k]).abs();
+                assert!(off < permitted, "{chain} {u} axis {k}: {off:e}");
+            }
+            // The reading of this cycle is the last command: a hundredth of a millimetre behind, on the path.
+            if i > 200 {
+                assert!(out.record.tip.error.to_f64() < 0.2e-3, "{chain} {u}: {:?}", out.record.tip);
+                assert!(out.record.orientation.to_f64() < 2e-6);
+            }
+        }
+    }
+}
+
+#[test]
+fn follows_a_line_in_doubles() {
+    follows_a_line::<f64, f64>(1e-9, 1e-9);
+}
+
+#[test]
+fn follows_a_line_in_singles() {
+    follows_a_line::<f32, Micro>(150e-6, 20e-6);
+}
+
+/// The tip stands on a path of one piece without length while the direction turns by 50 degrees.
+#[test]
+fn the_tip_stays_while_the_tool_turns_about_it() {
+    for chain in [TABLES, HEADS] {
+        let tip = [12.0, 34.0, 5.0];
+        let spans = [Span::turning(tip, 0, Z)];
+        let turns = [crate::contour::Turn::axes(&spans[0], [0.0, 1.0], [5.0, 0.0, 0.0], [55.0, 0.0, 30.0])];
+        let path = ToolPath::new(Path::new(&spans, 0, false), &turns);
+        let mut bench = Bench::<f64, f64>::standing(Machine::perfect(chain), tip, 5.0, 0.0);
+        for i in 0..10_000 {
+            let s = f64::from(i) * 1e-4;
+            let direction = turned(Z, 5.0 + 50.0 * s, 30.0 * s);
+            let out = bench.on(&tool(tip, direction), false, &path, Reference { span: 0, t: s });
+            assert_eq!(out.record.fault, Fault::None);
+            let (reached, axis) = tool_at(chain, out.drive);
+            assert!(norm(sub(reached, tip)) < 1e-10 && norm(sub(axis, direction)) < 1e-12);
+            assert!(out.record.tip.error < 1e-9 && out.record.orientation < 2e-9, "{:?}", out.record);
+        }
+    }
+}
+
+/// Every refusal: its code, the output held, no release from afar or without the edge, release near, no jump ever.
+#[test]
+fn a_tool_that_cannot_be_reached_holds_until_a_reset_near_the_held_pose() {
+    let (tip, a, c) = ([25.0, -10.0, 12.0], 19.0, -15.0);
+    let here = turned(Z, a, c);
+    let nan = f64::NAN;
+    let cases: [(Fault, u8, V, V); 9] = [
+        (Fault::CommandNotFinite, 0, [nan, -10.0, 12.0], here),
+        (Fault::CommandNotFinite, 0, [25.0, f64::INFINITY, 12.0], here),
+        (Fault::CommandNotFinite, 0, tip, [0.0, nan, 1.0]),
+        (Fault::CommandNotFinite, 0, tip, [0.0, f64::INFINITY, 1.0]),
+        (Fault::ToolUnreachable, 0, tip, [0.0; 3]),
+        (Fault::SingularPose, 0, tip, turned(Z, 0.05, c)),
+        (Fault::CommandJump, 4, tip, turned(Z, a, c + 1.0)),
+        (Fault::CommandJump, 0, add(tip, [1.0, 0.0, 0.0]), here),
+        (Fault::CommandOutOfTravel, 0, [3000.0, 0.0, 0.0], here),
+    ];
+    for (fault, axis, bad_tip, bad_direction) in cases {
+        holds(Bench::standing(Machine::perfect(HEADS), tip, a, c), (fault, axis), tip, (a, c), bad_tip, bad_direction);
+    }
+    // Straight across the singular pose: the other branch goes on, this one would turn C by 180 degrees.
+    for chain in [TABLES, HEADS] {
+        let bench = Bench::standing(Machine::perfect(chain), tip, 0.2, c);
+        holds(bench, (Fault::BranchChange, 0), tip, (0.2, c), tip, turned(Z, -0.11, c));
+    }
+}
+
+/// A tool that lies 37 degrees off in the spindle cannot be set upright by A and C.
+#[test]
+fn a_direction_out_of_reach_holds() {
+    let mut tilted = settings(HEADS);
+    tilted.kinematics.tool_axis = [0.6, 0.0, 0.8];
+    let machine = Machine::<f64, f64>::of(HEADS, tilted, |_| [0.0; 6]);
+    let at = [10.0, 20.0, 30.0, 40.0, 0.0, -15.0];
+    let good = machine.kinematics.forward(&at);
+    let start = machine.kinematics.inverse(&good, &at).unwrap();
+    let mut bench = Bench::standing(Machine::perfect(HEADS), [0.0; 3], 40.0, -15.0);
+    let [x, y, z, a, _, c] = start.axes;
+    (bench.machine, bench.follow, bench.feedback) = (machine, Follow::new(&start, STEP_DEG), [x, y, z, a, c]);
+    let held = bench.cycle(&good, false);
+    let out = bench.cycle(&Tool { axis: V3::of(Z), ..good }, false);
+    assert_eq!(out.record.fault, Fault::ToolUnreachable);
+    assert_eq!(out.drive, held.drive);
+    let out = bench.cycle(&good, true);
+    assert_eq!((out.record.fault, out.drive), (Fault::None, held.drive));
+}
+
+fn holds(
+    mut bench: Bench<f64, f64>,
+    (fault, axis): (Fault, u8),
+    tip: V,
+    (a, c): (f64, f64),
+    bad_tip: V,
+    bad_direction: V,
+) {
+    let good = tool(tip, turned(Z, a, c));
+    let mut before = bench.cycle(&good, false);
+    for _ in 0..10 {
+        before = bench.cycle(&good, false);
+        assert_eq!(before.record.fault, Fault::None);
+    }
+    let pose = *bench.follow.axes();
+    let bad = tool(bad_tip, bad_direction);
+    let out = bench.cycle(&bad, false);
+    assert_eq!((out.record.fault, out.record.fault_axis), (fault, axis));
+    assert!(out.stop_requested());
+    assert_eq!(out.drive, before.drive);
+    // A reset is not heard while the tool is out of reach …
+    assert!(bench.cycle(&bad, true).stop_requested());
+    assert!(bench.cycle(&bad, false).stop_requested());
+    // … nor without one, however good the tool; nor from afar, and the pose that is followed stays at the held one.
+    assert_eq!(bench.cycle(&good, false).drive, before.drive);
+    let away = tool(add(tip, [0.2, 0.0, 0.0]), turned(Z, a, c));
+    assert!(bench.cycle(&away, true).stop_requested());
+    for k in 0..50 {
+        let wandering = tool(add(tip, [0.01 * f64::from(k), 0.0, 0.0]), turned(Z, a + 0.05 * f64::from(k), c));
+        let out = bench.cycle(&wandering, false);
+        assert_eq!((out.record.fault, out.drive), (fault, before.drive));
+        assert_eq!(*bench.follow.axes(), pose);
+    }
+    let near = tool(add(tip, [0.03, 0.0, 0.0]), turned(Z, a + 0.02, c));
+    let out = bench.cycle(&near, true);
+    assert_eq!(out.record.fault, Fault::None);
+    assert!(!out.stop_requested());
+    assert!((out.drive[3] - before.drive[3] - 0.02).abs() < 1e-9);
+    let out = bench.cycle(&near, false);
+    assert!(!out.stop_requested() && out.drive != before.drive);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    /// Any tools: no panic, finite drives that never jump, held ones that never move.
+    #[test]
+    fn no_sequence_of_tools_makes_a_drive_jump(
+        cycles in prop::collection::vec((any::<u64>(), prop::array::uniform3(-1.0..1.0f64), any::<u8>()), 60),
+    ) {
+        let (mut tip, mut a, mut c) = ([25.0, -10.0, 12.0], 19.0, -15.0);
+        let mut bench = Bench::<f64, f64>::standing(Machine::perfect(TABLES), tip, a, c);
+        let mut last: Option<Output<f64, f64, 5>> = None;
+        for (any, [x, y, z], bits) in cycles {
+            let mut wanted = tool(tip, turned(Z, a, c));
+            match bits & 7 {
+                0 => wanted.tip.x = f64::from_bits(any),
+                1 => wanted.axis.y = f64::from_bits(any),
+                2 => wanted = tool([900.0 * x, 900.0 * y, 900.0 * z], [x, y, z]),
+                3 => wanted.axis = wanted.axis * (1.0 + x),
+                _ => {
+                    tip = add(tip, [0.02 * x, 0.02 * y, 0.02 * z]);
+                    (a, c) = (a + 0.03 * x, c + 0.03 * y);
+                    wanted = tool(tip, turned(Z, a, c));
+                }
+            }
+            let out = bench.cycle(&wanted, bits & 64 != 0);
+            prop_assert!(out.drive.iter().all(|x| x.is_finite()));
+            prop_assert!(out.record.orientation.is_finite());
+            if let Some(last) = last {
+                prop_assert!(!out.stop_requested() || out.drive == last.drive);
+            }
+            if !out.stop_requested() {
+                // The interpolator goes on from where the machine is.
+                let at = bench.follow.axes();
+                let reached = bench.machine.kinematics.forward(at);
+                (tip, a, c) = (reached.tip.array(), at[Axis::A.index()], at[Axis::C.index()]);
+            }
+            last = Some(out);
+        }
+    }
+}
