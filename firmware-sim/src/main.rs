@@ -3,7 +3,7 @@
 mod grind;
 
 use anyhow::{Context, Result, anyhow, bail};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use firmware_sim::motion::{Motion, MotionSettings};
 use firmware_sim::path::PlannedPath;
 use firmware_sim::placement::Placement;
@@ -17,6 +17,7 @@ use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use trueaxis::machine::ErrorModel;
 use trueaxis_tables::Machine;
 
 /// Runs a part program through the compensated servo step against a simulated machine, and shows what was gained on
@@ -52,12 +53,19 @@ enum Command {
 
 #[derive(Args)]
 struct ScenarioArgs {
-    /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis).
+    /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
     #[arg(long, value_name = "M", default_value = "mill-3axis")]
     machine: PathBuf,
-    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d.
+    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis.
     #[arg(long, value_name = "P.ngc", default_value = "circle-diamond-square")]
     program: PathBuf,
+    /// Error model that the step corrects by [default: the machine file's].
+    #[arg(long, value_name = "MODEL", value_enum)]
+    model: Option<Model>,
+    /// Whether the tool's direction is corrected too, through the rotary axes; only with the volumetric model [default: the
+    /// machine file's].
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "on")]
+    orientation: Option<Switch>,
     /// Servo rate.
     #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
     rate_hz: f64,
@@ -73,6 +81,20 @@ struct ScenarioArgs {
     /// Temperature of the machine, °C [default: the tables' reference temperature].
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     temperature_c: Option<f64>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Model {
+    /// Nine one-dimensional tables; angular errors have no lever.
+    Nine,
+    /// All errors of every axis, carried to the tool tip.
+    Volumetric,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Switch {
+    On,
+    Off,
 }
 
 #[derive(Args)]
@@ -142,7 +164,8 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     if !(100.0..=100_000.0).contains(&args.rate_hz) {
         bail!("--rate-hz: found {}, needed 100 to 100000", args.rate_hz);
     }
-    let machine = read_machine(&args.machine)?;
+    let mut machine = read_machine(&args.machine)?;
+    choose_model(&mut machine, args)?;
     let program = read_program(&args.program)?;
     program.check_axes(&machine.settings, &args.program)?;
     let origin_mm = match args.origin_mm.as_deref() {
@@ -169,12 +192,29 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     Ok(scenario)
 }
 
+/// What the options say in place of the machine file's `[compensation]`.
+fn choose_model(machine: &mut Machine, args: &ScenarioArgs) -> Result<()> {
+    let settings = &mut machine.settings.compensation;
+    match args.model {
+        Some(Model::Nine) => (settings.model, settings.orientation) = (ErrorModel::Nine, false),
+        Some(Model::Volumetric) => settings.model = ErrorModel::Volumetric,
+        None => {}
+    }
+    if let Some(switch) = args.orientation {
+        settings.orientation = switch == Switch::On;
+    }
+    if settings.orientation && settings.model == ErrorModel::Nine {
+        bail!("--orientation: found on with the nine-term model, needed --model volumetric");
+    }
+    Ok(())
+}
+
 /// A machine.toml, its folder, or a sample's name.
 fn read_machine(given: &Path) -> Result<Machine> {
     let path = if given.exists() { given.to_path_buf() } else { sample_machine(&given.to_string_lossy()) };
     if !path.exists() {
         bail!(
-            "--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis, mill-5axis or grinder",
+            "--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis, mill-5axis, mill-turn or grinder",
             given.display()
         );
     }

@@ -4,11 +4,11 @@
 //! program's zero is the place of the tool tip with X, Y, Z at the origin and the rotary axes at zero. There, and at whole
 //! turns, programmed positions mean the same with and without tool centre point mode.
 
-use crate::plant::geometry::{Geometry, GeometryError};
 use crate::program::Move;
 use glam::{DMat3, DVec3};
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
+use trueaxis_tables::exact::{Geometry, GeometryError};
 
 /// Step of numerical derivatives, share of a move.
 const STEP: f64 = 1.0e-4;
