@@ -8,9 +8,9 @@ use crate::simulate::with_loop;
 use anyhow::{Result, anyhow};
 use std::hint::black_box;
 use std::time::Instant;
-use trueaxis::{Input, State};
 use trueaxis::compensation::step_axes;
 use trueaxis::contour::Reference;
+use trueaxis::{Input, State};
 
 /// What the bench gives.
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +62,8 @@ pub fn run<const N: usize>(
         .collect();
     with_loop::<N, _>(&scenario.machine, scenario.period_ns(), |servo| {
         let (view, tool_view) = (path.view(), path.tool_view());
-        let step = |state: &mut State<f64, f64, N>, input: &Input<f64, N>, reference: Reference<f64>| match &kinematics {
+        let step = |state: &mut State<f64, f64, N>, input: &Input<f64, N>, reference: Reference<f64>| match &kinematics
+        {
             Some(kinematics) => servo.step_with_tool(state, input, &tool_view, reference, kinematics).0,
             None => servo.step(state, input, &view, reference),
         };

@@ -233,7 +233,7 @@ fn progress_bar(message: &'static str) -> ProgressBar {
 fn plan(scenario: &Scenario) -> Result<(Motion<'_>, PlannedPath)> {
     let settings = MotionSettings { period_s: scenario.period_s(), ..MotionSettings::default() };
     let motion = Motion::plan_on(&scenario.program, settings, &scenario.placement)
-       .map_err(|e| anyhow!("{}: {e}", scenario.program.name))?;
+        .map_err(|e| anyhow!("{}: {e}", scenario.program.name))?;
     Ok((motion, PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement)?))
 }
 
@@ -261,7 +261,8 @@ fn stays_in_travel(scenario: &Scenario) -> Result<()> {
             for settings in counted {
                 let (q, [low, high]) = (point[settings.axis.index()], settings.travel);
                 if q < low || q > high {
-                    let (unit, hint) = if settings.axis.is_rotary() { ("°", "") } else { (" mm", " (see --origin-mm)") };
+                    let (unit, hint) =
+                        if settings.axis.is_rotary() { ("°", "") } else { (" mm", " (see --origin-mm)") };
                     bail!(
                         "{}, line {}: axis {} goes to {q:.3}{unit}, needed within its travel {low} to {high}{unit}{hint}",
                         scenario.program.name,

@@ -2,14 +2,17 @@
 
 use crate::motion::Motion;
 use crate::path::PlannedPath;
-use crate::report::{AngleSize, AxisReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, PathPoint, Report};
+use crate::report::{
+    AngleSize, AxisReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, OrientationSeries, PathPoint, Report,
+};
 use crate::scenario::Scenario;
-use crate::simulate::{self, Kind, Options, Run};
+use crate::simulate::{self, Kind, Options, Run, Sample};
 use crate::trace::Trace;
 use anyhow::Result;
 use serde::Serialize;
 use std::fmt;
 use std::time::Instant;
+use trueaxis::Axis;
 
 /// What the three runs gave.
 #[derive(Debug)]
@@ -65,6 +68,13 @@ struct ErrorJson {
     servo_only: Size,
 }
 
+/// Of the perfect machine the step would report the errors that its tables have and the machine has not.
+#[derive(Serialize)]
+struct EstimateJson {
+    uncompensated: Size,
+    compensated: Size,
+}
+
 #[derive(Serialize)]
 struct LatencyJson {
     min: u64,
@@ -97,9 +107,9 @@ pub struct Json {
     orientation_error_urad: Option<ErrorJson>,
     /// The same two as the step itself reports them.
     #[serde(skip_serializing_if = "Option::is_none")]
-    estimated_contour_error_um: Option<ErrorJson>,
+    estimated_contour_error_um: Option<EstimateJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    estimated_orientation_error_urad: Option<ErrorJson>,
+    estimated_orientation_error_urad: Option<EstimateJson>,
     latency_ns: LatencyJson,
     budget_ns: u64,
     over_budget: u64,
@@ -145,7 +155,11 @@ impl Outcome {
     pub fn json(&self, scenario: &Scenario) -> Json {
         let length = |size: &ErrorSize| Size { max: size.max_um, rms: size.rms_um };
         let angle = |size: &AngleSize| Size { max: size.max_urad, rms: size.rms_urad };
-        let five_axis = |each: &dyn Fn(&Run) -> Size| scenario.five_axis.then(|| self.each(each));
+        let estimate = |size: &dyn Fn(&Run) -> Size| {
+            let of_both =
+                || EstimateJson { uncompensated: size(&self.uncompensated), compensated: size(&self.compensated) };
+            scenario.five_axis.then(of_both)
+        };
         let latency = self.compensated.latency.summary();
         Json {
             machine: scenario.machine.settings.name.as_str().into(),
@@ -153,9 +167,9 @@ impl Outcome {
             cycles: self.cycles,
             servo_rate_hz: scenario.rate_hz,
             contour_error_um: self.each(|run| length(&run.error)),
-            orientation_error_urad: five_axis(&|run| angle(&run.orientation)),
-            estimated_contour_error_um: five_axis(&|run| length(&run.estimated)),
-            estimated_orientation_error_urad: five_axis(&|run| angle(&run.estimated_orientation)),
+            orientation_error_urad: scenario.five_axis.then(|| self.each(|run| angle(&run.orientation))),
+            estimated_contour_error_um: estimate(&|run| length(&run.estimated)),
+            estimated_orientation_error_urad: estimate(&|run| angle(&run.estimated_orientation)),
             latency_ns: LatencyJson {
                 min: latency.min_ns,
                 p50: latency.p50_ns,
@@ -212,7 +226,9 @@ impl Outcome {
             was_cutting = before.cutting;
         }
         let latency = &self.compensated.latency;
+        let orientation = if scenario.five_axis { self.orientation(scenario) } else { OrientationSeries::default() };
         Report {
+            orientation,
             title: "Compensated servo step".into(),
             machine: scenario.machine.settings.name.as_str().into(),
             program: scenario.program.name.clone(),
@@ -245,6 +261,27 @@ impl Outcome {
                 })
                 .collect(),
             notes: self.notes(),
+        }
+    }
+
+    fn orientation(&self, scenario: &Scenario) -> OrientationSeries {
+        let cutting = |run: &Run, value: &dyn Fn(&Sample) -> f32| {
+            run.samples.iter().filter(|s| s.cutting).map(|s| [s.length_mm, f64::from(value(s))]).collect::<Vec<_>>()
+        };
+        let angle = |run: &Run| cutting(run, &|s| s.orientation_urad);
+        let rotary = scenario.machine.settings.axes.iter().filter(|a| a.axis.is_rotary());
+        OrientationSeries {
+            uncompensated: angle(&self.uncompensated),
+            compensated: angle(&self.compensated),
+            servo_only: angle(&self.servo_only),
+            rotary: rotary
+                .map(|a| {
+                    let place = a.axis.index() - Axis::A.index();
+                    let positions =
+                        cutting(&self.compensated, &|s| s.rotary_deg.get(place).copied().unwrap_or_default());
+                    (a.axis.letter().to_string(), positions)
+                })
+                .collect(),
         }
     }
 
@@ -320,7 +357,7 @@ impl fmt::Display for Summary<'_> {
                 writeln!(f, "  {name:<44} {:>9.2} µrad {:>6.2} µrad", size.max_urad, size.rms_urad)?;
             }
             writeln!(f, "both as the step itself reports them")?;
-            for (name, run) in RUNS.into_iter().zip(runs) {
+            for (name, run) in RUNS.into_iter().zip(runs).take(2) {
                 let (tip, angle) = (run.estimated, run.estimated_orientation);
                 writeln!(f, "  {name:<46} {:>9.3} µm {:>7.3} µm", tip.max_um, tip.rms_um)?;
                 writeln!(f, "  {:<44} {:>9.2} µrad {:>6.2} µrad", "", angle.max_urad, angle.rms_urad)?;

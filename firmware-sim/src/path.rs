@@ -132,12 +132,8 @@ fn add_cubics(
     // At a knot, the derivative of the piece inside.
     let inside = 1.0e-9 * (b - a);
     let (p, q) = (machine.place(step, a).tip, machine.place(step, b).tip);
-    let points = [
-        p,
-        p + third * machine.tip_velocity(step, a + inside),
-        q - third * machine.tip_velocity(step, b - inside),
-        q,
-    ];
+    let points =
+        [p, p + third * machine.tip_velocity(step, a + inside), q - third * machine.tip_velocity(step, b - inside), q];
     let off = (1..8).any(|i| {
         let t = f64::from(i) / 8.0;
         machine.place(step, a + t * (b - a)).tip.distance(bezier(&points, t)) > TOLERANCE_MM
