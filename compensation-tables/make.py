@@ -439,6 +439,10 @@ chain = "w C' b X Y Z A t"
 tool_mm = [0.0, 0.0, -150.0]
 reference_temperature_c = 20.0
 
+[compensation]
+model = "volumetric"
+orientation = true
+
 [axis.X]
 table = "x.csv"
 interpolation = "cubic"

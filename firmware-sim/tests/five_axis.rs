@@ -247,7 +247,7 @@ fn faults_of_rotary_axes_are_reported_and_what_cannot_run_is_refused() {
         ("G0 X1\nG0 A5\n", "mill-3axis", "own.ngc:2: found a word of axis A"),
         ("G43.4\n", "mill-3axis", "own.ngc:1: found G43.4"),
         ("G0 A35\n", "mill-5axis", "line 1: axis A goes to"),
-        ("G43.4\nG1 X150 Z80 C180 A-90 F900\n", "mill-5axis", "line 2: axis Z goes to"),
+        ("G43.4\nG1 X150 Z120 C180 A-90 F900\n", "mill-5axis", "line 2: axis Y goes to"),
     ] {
         std::fs::write(&program, text).unwrap();
         let output = simulator(&["run", "--machine", machine, "--program", program.to_str().unwrap()]);
