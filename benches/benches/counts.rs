@@ -4,14 +4,16 @@
 use gungraun::prelude::*;
 use gungraun::{Callgrind, EntryPoint};
 use std::hint::black_box;
-use trueaxis::compensation::NineTerms;
-use trueaxis::contour::ContourError;
+use trueaxis::compensation::{NineTerms, PoseError, Volumetric};
+use trueaxis::contour::{ContourError, OrientationError};
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
 use trueaxis_benches::gauge::Gauge;
+use trueaxis_benches::kinematics::Pose;
 use trueaxis_benches::limiter::Limits;
 use trueaxis_benches::step::{self, Cycle};
-use trueaxis_benches::tables::{Grid, nine_terms as nine_terms_of, position};
+use trueaxis_benches::tables::{Grid, nine_terms as nine_terms_of, position, volumetric as volumetric_of};
+use trueaxis_benches::tool::{self, ToolCycle};
 
 struct Lookup(NineTerms<'static, f64, f64, 3>, [f64; 3]);
 
@@ -19,6 +21,16 @@ fn lookup(grid: Grid) -> &'static Lookup {
     let terms = nine_terms_of(grid);
     let at = terms.coordinates(&position(&mut Random(5)));
     Box::leak(Box::new(Lookup(terms, at)))
+}
+
+struct Poses<const N: usize>(Volumetric<'static, f64, f64, N>, [f64; N]);
+
+fn poses<const N: usize>() -> &'static Poses<N> {
+    let model = volumetric_of::<N>();
+    let mut random = Random(5);
+    let linear = position(&mut random);
+    let at = model.coordinates(&std::array::from_fn(|i| linear.get(i).copied().unwrap_or(-35.0 - 17.3 * i as f64)));
+    leak(Poses(model, at))
 }
 
 fn leak<T>(value: T) -> &'static mut T {
@@ -69,6 +81,20 @@ fn nine_terms_free(lookup: &'static Lookup) -> [f64; 3] {
     black_box(lookup.0.linear_terms(&lookup.1, &[0; 3], &mut held))
 }
 
+#[library_benchmark]
+#[bench::three_axis(setup = poses::<3>)]
+fn volumetric(poses: &'static Poses<3>) -> PoseError<f64> {
+    let mut held = 0;
+    black_box(poses.0.pose_error(&poses.1, &[0; 3], &Default::default(), &mut held))
+}
+
+#[library_benchmark]
+#[bench::five_axis(setup = poses::<5>)]
+fn volumetric_rotary(poses: &'static Poses<5>) -> PoseError<f64> {
+    let mut held = 0;
+    black_box(poses.0.pose_error(&poses.1, &[0; 5], &Default::default(), &mut held))
+}
+
 #[library_benchmark(setup = middle)]
 #[bench::rational_cubic(Shape::RationalCubic)]
 #[bench::polynomial_cubic(Shape::PolynomialCubic)]
@@ -115,6 +141,22 @@ fn whole_step(cycle: &'static mut Cycle) -> trueaxis::Output<f64, f64, 3> {
     black_box(cycle.run())
 }
 
+fn five_axes() -> &'static mut ToolCycle {
+    leak(tool::typical())
+}
+
+#[library_benchmark(setup = five_axes)]
+#[bench::five_axis_tool()]
+fn whole_step_tool(cycle: &'static mut ToolCycle) -> (trueaxis::Output<f64, f64, 5>, OrientationError<f64>) {
+    black_box(cycle.run())
+}
+
+#[library_benchmark(setup = five_axes)]
+#[bench::five_axis_tool()]
+fn whole_step_rtcp(cycle: &'static mut ToolCycle) -> (trueaxis::Output<f64, f64, 5>, OrientationError<f64>) {
+    black_box(cycle.run_rtcp())
+}
+
 fn sampling(passing: bool) -> &'static mut Gauge {
     leak(Gauge::sampling(passing))
 }
@@ -136,19 +178,44 @@ fn gauge_transform(gauge: &'static mut Gauge) -> bool {
     black_box(gauge.transform())
 }
 
+fn with_pose(way: fn(&Pose)) -> (&'static Pose, fn(&Pose)) {
+    (leak(Pose::trunnion()), way)
+}
+
+fn forward(pose: &Pose) {
+    black_box(pose.forward());
+}
+
+// Both branches, and the nearer one.
+fn inverse(pose: &Pose) {
+    black_box(pose.inverse()).expect("a pose within reach");
+}
+
+#[library_benchmark(setup = with_pose)]
+#[bench::forward(forward)]
+#[bench::inverse(inverse)]
+fn kinematics((pose, way): (&'static Pose, fn(&Pose))) {
+    way(pose);
+}
+
 library_benchmark_group!(
     name = counts,
     benchmarks = [
         nothing,
         nine_terms,
         nine_terms_free,
+        volumetric,
+        volumetric_rotary,
         contour,
         kernel,
         contour_worst,
         limiter,
         whole_step,
+        whole_step_tool,
+        whole_step_rtcp,
         gauge_sampling,
-        gauge_transform
+        gauge_transform,
+        kinematics
     ]
 );
 main!(library_benchmark_groups = counts);

@@ -2,9 +2,11 @@
 
 pub mod contour;
 pub mod gauge;
+pub mod kinematics;
 pub mod limiter;
 pub mod step;
 pub mod tables;
+pub mod tool;
 
 /// Splitmix64: the same numbers on every machine.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Error tables of three linear axes, 128 points each, travel −300 … 335 mm.
 
 use crate::Random;
-use trueaxis::compensation::{NineTerms, Storage};
-use trueaxis::machine::{AxisSettings, MachineSettings};
+use trueaxis::compensation::{NineTerms, Storage, Volumetric};
+use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
 use trueaxis::{Axis, Row};
 
 /// Points of each table.
@@ -66,7 +66,7 @@ pub fn machine() -> MachineSettings {
 pub fn storage() -> Storage<'static, f64> {
     let points = 3 * POINTS as usize;
     Storage {
-        lines: vec![0.0; 2 * 6 * points].leak(),
+        lines: vec![0.0; 2 * 4 * points].leak(),
         knots: vec![0.0; points].leak(),
         guide: vec![0; 2 * points].leak(),
     }
@@ -77,6 +77,50 @@ pub fn nine_terms(grid: Grid) -> NineTerms<'static, f64, f64, 3> {
     let tables = [1, 2, 3].map(|seed| rows(grid, seed));
     NineTerms::build(&machine(), |axis: Axis| tables.get(axis.index()).map(Vec::as_slice), storage())
         .expect("valid tables")
+}
+
+/// Twists of an axis, 128 points: translations of some 10 µm, rotations of some 10 µrad; a rotary table is a full circle.
+fn twists(axis: Axis) -> Vec<Row> {
+    let mut random = Random(10 + axis.index() as u64);
+    let mut error = [0.0; 6];
+    let cell = if axis.is_rotary() { 360.0 / f64::from(POINTS - 1) } else { CELL_MM };
+    let first = if axis.is_rotary() { 0.0 } else { FIRST_MM };
+    let mut rows: Vec<Row> = (0..POINTS)
+        .map(|i| {
+            for (k, e) in error.iter_mut().enumerate() {
+                *e += if k < 3 { 1e-3 } else { 1e-6 } * random.signed();
+            }
+            Row { position: first + cell * f64::from(i), forward: error, reverse: error }
+        })
+        .collect();
+    if let (true, Some(start)) = (axis.is_rotary(), rows.first().copied())
+        && let Some(last) = rows.last_mut()
+    {
+        (last.forward, last.reverse) = (start.forward, start.reverse);
+    }
+    rows
+}
+
+/// The volumetric model of a machine with `N` axes: X Y Z on the tool side, and with five a table C on a trunnion A.
+pub fn volumetric<const N: usize>() -> Volumetric<'static, f64, f64, N> {
+    let mut machine = machine();
+    machine.compensation.model = ErrorModel::Volumetric;
+    machine.tool_mm = [0.0, 0.0, -120.0];
+    if N == 5 {
+        machine.chain = "w C' A' b X Y Z t".try_into().expect("a short chain");
+        for axis in [Axis::A, Axis::C] {
+            machine.axes.push(AxisSettings::with_defaults(axis, true)).expect("five axes fit");
+        }
+    }
+    let tables: Vec<(Axis, Vec<Row>)> = machine.axes.iter().map(|a| (a.axis, twists(a.axis))).collect();
+    let rows = |axis: Axis| tables.iter().find(|(a, _)| *a == axis).map(|(_, rows)| &rows[..]);
+    let need = Volumetric::<f64, f64, N>::requirement(&machine, rows);
+    let storage = Storage {
+        lines: vec![0.0; need.lines].leak(),
+        knots: vec![0.0; need.knots].leak(),
+        guide: vec![0; need.guide].leak(),
+    };
+    Volumetric::build(&machine, rows, storage).expect("valid tables")
 }
 
 /// A position within the tables, mm.

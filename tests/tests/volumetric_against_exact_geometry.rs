@@ -1,11 +1,11 @@
-//! The volumetric form against the plant's exact transforms: two implementations that share no code but the settings.
+//! The volumetric form against the exact transforms: two implementations that share no code but the settings.
 
-use firmware_sim::plant::geometry::Geometry;
 use trueaxis::compensation::{Compensation, Storage, ThermalLine, carries_workpiece, step_axes};
 use trueaxis::machine::{
     AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, MachineSettings, Row, ThermalGrowth,
 };
 use trueaxis::{Axis, check};
+use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::{Machine, Table};
 
 struct Random(u64);
@@ -93,6 +93,7 @@ fn case(random: &mut Random, rotary: usize, mm: f64, rad: f64) -> Case {
             settings.interpolation = Interpolation::Cubic;
         }
         settings.measured_at_mm = [0; 3].map(|_| 100.0 * random.signed());
+        settings.offset_mm = [0; 3].map(|_| 80.0 * random.signed());
         if axis.is_rotary() {
             settings.backlash = (0.2 * rad * random.unit()).to_degrees();
             settings.thermal =
@@ -137,6 +138,7 @@ fn case(random: &mut Random, rotary: usize, mm: f64, rad: f64) -> Case {
         roundness: None,
     };
     settings.compensation.model = ErrorModel::Volumetric;
+    settings.kinematics.tool_axis = [0.0, 0.6, 0.8];
     Case { machine: Machine { settings, tables } }
 }
 
@@ -243,7 +245,7 @@ fn first_order<const N: usize>(chains: u64) {
         let chain = &large.machine.settings.chain;
         for k in 0..2 {
             let [size, difference] = found[k];
-            assert!(difference < 5e-3 * size, "{chain}: {found:?}");
+            assert!(difference <= 5e-3 * size, "{chain}: {found:?}");
             // Rounding: 1e-12 mm, 1e-15 rad.
             let rounding = [1e-12, 1e-15][k];
             assert!(tenth[k][1] < difference / 70.0 + rounding, "{chain}: {found:?} {tenth:?}");
@@ -269,4 +271,83 @@ fn five_axes_agree_to_second_order() {
 #[test]
 fn six_axes_agree_to_second_order() {
     first_order::<6>(300);
+}
+
+/// Largest distance, from the ideal pose at the command, of the pose that the corrected command reaches: tip in mm,
+/// direction in rad, of those poses whose slides and rotary axes can correct it; and the number of them.
+fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
+    let settings = &case.machine.settings;
+    let geometry = Geometry::new(&case.machine, RISE_K).unwrap();
+    let mut random = Random(seed);
+    let (mut largest, mut compared) = ([0.0_f64; 2], 0);
+    case.with::<N, _>(8, |compensation| {
+        for _ in 0..20 {
+            let q = place::<N>(&mut random);
+            let at = compensation.coordinates(&q);
+            let r = compensation.correction(&at, &at, &[0; N], &case.thermal(), &mut 0);
+            let there: [f64; N] = std::array::from_fn(|i| q[i] + r[i]);
+            let ideal = geometry.ideal_pose(&case.plant(&q));
+            let actual = geometry.actual_pose(&case.plant(&there), &[0.0; AXES]);
+            if !settings.compensation.orientation {
+                assert!(r[3..].iter().all(|r| *r == 0.0));
+            }
+            // How the slides stand to each other and the rotary axes to the tool, by differences of the exact geometry.
+            let moved = |place: usize, by: f64| {
+                let mut there = q;
+                there[place] += by;
+                geometry.ideal_pose(&case.plant(&there))
+            };
+            let slides = [0, 1, 2].map(|k| minus(moved(k, 1.0).tip_mm, ideal.tip_mm));
+            let determinant: f64 = (0..3).map(|k| slides[0][k] * cross(slides[1], slides[2])[k]).sum();
+            let columns: Vec<[f64; 3]> = (3..N)
+                .map(|k| minus(moved(k, 1e-4).direction, ideal.direction).map(|x| x / 1e-4_f64.to_radians()))
+                .collect();
+            let singular = match columns.as_slice() {
+                [first, second] => norm(cross(*first, *second)),
+                _ => 1.0,
+            };
+            if determinant.abs() < 0.06 || (settings.compensation.orientation && singular < 0.1) {
+                continue;
+            }
+            compared += 1;
+            largest[0] = largest[0].max(norm(minus(actual.tip_mm, ideal.tip_mm)));
+            if settings.compensation.orientation && columns.len() == 2 {
+                largest[1] = largest[1].max(norm(minus(actual.direction, ideal.direction)));
+            }
+        }
+    });
+    (largest, compared)
+}
+
+fn exact_inverse<const N: usize>(chains: u64, orientation: bool) {
+    let mut compared = 0;
+    for seed in 0..chains {
+        let mut random = Random(seed * 104_729 + N as u64);
+        let mut large = case(&mut random, N - 3, 6e-3, 6e-6);
+        large.machine.settings.compensation.orientation = orientation;
+        let (found, poses) = landing::<N>(&large, seed);
+        let (tenth, _) = landing::<N>(&large.scaled(0.1), seed);
+        let chain = &large.machine.settings.chain;
+        // Second order, magnified by slides (1/0.06) and rotary axes (1/0.1) that stand badly: 20 nm of 6 µm.
+        assert!(found[0] < 2e-5 && found[1] < 2e-8, "{chain}: {found:?}");
+        for k in 0..2 {
+            assert!(tenth[k] < found[k] / 50.0 + [1e-11, 1e-14][k], "{chain}: {found:?} {tenth:?}");
+        }
+        compared += poses;
+    }
+    assert!(f64::from(compared) > 0.5 * 20.0 * chains as f64, "{compared} poses compared");
+}
+
+#[test]
+fn the_corrected_command_brings_the_tip_where_it_was_meant() {
+    exact_inverse::<3>(100, false);
+    exact_inverse::<4>(200, false);
+    exact_inverse::<5>(400, false);
+}
+
+#[test]
+fn with_orientation_the_tool_points_where_it_was_meant_too() {
+    exact_inverse::<4>(200, true);
+    exact_inverse::<5>(400, true);
+    exact_inverse::<6>(50, true);
 }

@@ -6,6 +6,7 @@ mod compensate;
 mod contour;
 mod csv_in;
 mod helicoid;
+mod kinematics;
 mod model;
 mod output;
 mod probe_angles;
@@ -48,6 +49,9 @@ enum Command {
     /// Least-squares, minimum zone, maximum inscribed and minimum circumscribed circle of points.
     #[command(after_help = circle::HELP)]
     Circle(circle::Arguments),
+    /// Axis positions to tool and back: five-axis transformation.
+    #[command(subcommand)]
+    Kinematics(kinematics::Command),
     /// Displacements of five axes that stand a tool normal to the flank of a helical gear, as CSV and as a program.
     #[command(after_help = helicoid::HELP)]
     Helicoid(Box<helicoid::Arguments>),
@@ -61,6 +65,7 @@ fn main() -> ExitCode {
         Command::Roundness(arguments) => roundness::run(&arguments),
         Command::ProbeAngles(arguments) => probe_angles::run(&arguments),
         Command::Circle(arguments) => circle::run(&arguments),
+        Command::Kinematics(command) => kinematics::run(command),
         Command::Helicoid(arguments) => helicoid::run(&arguments),
     };
     match result {

@@ -3,7 +3,10 @@
 use crate::Machine;
 use std::fmt;
 use trueaxis::check::{self, Curve};
-use trueaxis::machine::{Axis, AxisSettings, Interpolation};
+use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation};
+
+/// A tip error below this needs no remark, mm.
+const NEGLIGIBLE_MM: f64 = 1e-5;
 
 /// A remark on a machine that can be compiled.
 ///
@@ -57,6 +60,11 @@ pub enum Warning {
         step: f64,
         /// Top feed, mm/s.
         feed: f64,
+    },
+    /// The model takes no notice of the machine's angular errors.
+    AnglesIgnored {
+        /// Upper bound of the tip error that they cause through their levers, mm.
+        tip: f64,
     },
     /// Tables and squareness ask for more than the magnitude limit.
     MagnitudeAboveLimit {
@@ -131,6 +139,14 @@ impl fmt::Display for Warning {
                      {step:.2} {micro} into the command at {feed} {unit}/s; interpolation = \"cubic\" has none"
                 )
             }
+            Warning::AnglesIgnored { tip } => {
+                write!(
+                    f,
+                    "angular errors (EA, EB, EC) are not corrected by the nine terms; over their levers they move the \
+                     tip by up to {:.1} µm; [compensation] model = \"volumetric\" corrects it",
+                    tip * 1e3
+                )
+            }
             Warning::MagnitudeAboveLimit { axis, correction, limit } => {
                 write!(
                     f,
@@ -150,6 +166,12 @@ impl fmt::Display for Warning {
 /// at once, every other axis wherever it is worst; temperature at its reference.
 pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
     let mut warnings = Vec::new();
+    if machine.settings.compensation.model == ErrorModel::Nine {
+        let tip = check::angular_tip_error(&machine.settings, |axis| machine.rows(axis));
+        if tip > NEGLIGIBLE_MM {
+            warnings.push(Warning::AnglesIgnored { tip });
+        }
+    }
     for (settings, table) in machine.axes() {
         let axis = settings.axis;
         let open = AxisSettings::with_defaults(axis, false).travel;
@@ -187,7 +209,15 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
 fn slope(machine: &Machine, drive: &AxisSettings) -> Option<Warning> {
     let links = check::links(&machine.settings.chain).ok()?;
     let component = drive.axis.index();
+    let volumetric = machine.settings.compensation.model == ErrorModel::Volumetric;
+    if volumetric && drive.axis.is_rotary() {
+        return None;
+    }
     let parts = machine.axes().filter_map(|(moving, table)| {
+        if volumetric {
+            let rate = check::tip_rate(&machine.settings, |axis| machine.rows(axis), moving);
+            return Some((moving.axis, rate * moving.max_feed_per_s));
+        }
         let slopes = table.map_or([0.0; 6], |table| check::slopes(moving, table.rows.as_slice()));
         let slope = if drive.axis.is_rotary() {
             if moving.axis != drive.axis {

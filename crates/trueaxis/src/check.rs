@@ -5,6 +5,7 @@
 mod chain;
 mod curve;
 mod inverse;
+mod volumetric;
 
 pub use chain::{Link, is_turned, links};
 pub use curve::{Curve, wraps};
@@ -12,6 +13,7 @@ pub use inverse::{
     INVERSE_TOLERANCE_MM, MOST_PASSES, contribution, error_range, inverse_passes, jacobian_norm, joint_range,
     machine_passes, reach, slopes, tilt,
 };
+pub use volumetric::{angular_tip_error, tip_rate};
 
 use crate::compensation::Rows;
 use crate::error::{ConfigError, Field};

@@ -14,8 +14,11 @@
 //! - [`sample`]: commands and readings become positions in which the rest believes, or a [`Fault`];
 //! - [`compensation`]: error tables, direction of travel, thermal growth, exact inverse;
 //! - [`contour`]: distance of the estimated tool tip, and of the plain encoder position, from the path;
+//! - [`kinematics`]: on five axes, before the contour stage the tool in workpiece coordinates
+//!   ([`ServoLoop::step_with_tool`]), before the sample the axes for a tool commanded there ([`ServoLoop::step_rtcp`]);
 //! - [`roundness`]: three probes on a turning workpiece, worked off in units ([`ServoLoop::step_with_gauge`]);
 //! - [`limiter`]: magnitude, slope and acceleration of the correction; nothing ever jumps;
+//! - [`kinematics`]: axis positions to the tool in workpiece coordinates, and back, for five axes;
 //! - [`telemetry`]: one fixed record per cycle.
 //!
 //! A [`Config`] is checked once and built into an immutable [`ServoLoop`]; the [`State`] is separate, so that tables

@@ -2,9 +2,10 @@
 
 use super::chain::{self, Link};
 use super::curve::Curve;
+use super::volumetric;
 use crate::compensation::{Rows, ThermalLine};
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, MachineSettings};
+use crate::machine::{Axis, AxisSettings, ErrorModel, MachineSettings};
 
 /// Most look-ups of the exact inverse.
 pub const MOST_PASSES: u8 = 8;
@@ -29,7 +30,10 @@ pub fn tilt(machine: &MachineSettings, axis: Axis, component: usize) -> f64 {
     }
 }
 
-/// Upper bound of the norm of the Jacobian of the nine-term error: the Frobenius norm of the largest |slopes|.
+/// Upper bound of the norm of the Jacobian of the error: the Frobenius norm of the largest |slopes|.
+///
+/// Volumetric: with the slopes of the angular errors times their levers, and the angular errors themselves where a travel
+/// makes their lever longer. What follows is said of the nine terms.
 ///
 /// Of a machine with linear axes only, 3 by 3, squareness included. A rotary axis adds its column (mm per degree, with
 /// what its turning does to the errors of the axes it carries) and the slope of its own error (degree per degree): the
@@ -38,6 +42,9 @@ pub fn jacobian_norm<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
 ) -> f64 {
+    if machine.compensation.model == ErrorModel::Volumetric {
+        return volumetric::contraction(machine, &rows).0;
+    }
     let links = chain::links(&machine.chain).unwrap_or_default();
     let mut sum = 0.0;
     for settings in &machine.axes {
@@ -102,7 +109,7 @@ pub fn contribution<T: Rows + ?Sized>(
 }
 
 /// Largest length of the translation that an axis causes, location errors of a rotary axis included, mm.
-fn length<T: Rows + ?Sized>(
+pub(super) fn length<T: Rows + ?Sized>(
     machine: &MachineSettings,
     settings: &AxisSettings,
     rows: Option<&T>,
@@ -127,6 +134,9 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
     drive: &AxisSettings,
     own: [f64; 2],
 ) -> (f64, f64) {
+    if machine.compensation.model == ErrorModel::Volumetric {
+        return volumetric::error_range(machine, &rows, drive, own);
+    }
     let axis = drive.axis;
     if axis.is_rotary() {
         let (least, most) = contribution(machine, drive, rows(axis), axis.index(), own);
@@ -218,6 +228,11 @@ pub fn machine_passes<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
 ) -> Result<u8, ConfigError> {
+    if machine.compensation.model == ErrorModel::Volumetric {
+        let (norm, magnitude) = volumetric::contraction(machine, &rows);
+        let thermal = ThermalLine::<f64>::SLOPE_LIMIT * volumetric::thermal_gain(machine);
+        return inverse_passes(norm + thermal, magnitude);
+    }
     let squares = machine.axes.iter().map(|axis| axis.limits.magnitude * axis.limits.magnitude);
     let norm = jacobian_norm(machine, rows) + ThermalLine::<f64>::SLOPE_LIMIT;
     inverse_passes(norm, libm::sqrt(squares.sum()))

@@ -9,7 +9,7 @@ mod reversal;
 mod table;
 mod thermal;
 pub mod trig;
-mod volumetric;
+pub(crate) mod volumetric;
 
 pub use nine::NineTerms;
 pub use reversal::Reversal;

@@ -39,6 +39,7 @@ use crate::real::Real;
 use crate::vector::V3;
 use chain::{Chain, Link, Poses, about};
 use inverse::Fade;
+pub(crate) use inverse::{LEAST_DETERMINANT, LEAST_FADE};
 
 /// Error of an axis at a position: translations in mm, rotations in rad.
 type Twist<R> = [R; 6];

@@ -9,6 +9,8 @@
 //!   ends it; else it descends, brackets and refines, across borders and corners, within a window of
 //!   `5 µm + 4 × progress`. At most eight evaluations of the path in all;
 //! - with no foot known (first cycle, after a fault, lost) the way around the reference is looked over in several cycles.
+//! - a [`ToolPath`] adds a direction to every piece ([`Turn`]): its error is the angle at the tip's foot, and where the
+//!   tip stands while the tool turns ([`Segment::Turning`]), that to the nearest orientation.
 //!
 //! Source: Han Jiang et al., CN110161966A, bracket and bisect the derivative of the distance. Corrected: the published rule
 //! takes maxima too, compares signed derivatives where distances count, and searches around the reference instead of the

@@ -133,16 +133,19 @@ fn part<R: Real, P: Position>(span: &Span<R, P>, [low, high]: [f64; 2]) -> [f64;
 /// coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct ToolPath<'a, R, P> {
-    /// Way of the tip.
-    pub path: Path<'a, R, P>,
-    /// Directions; a piece without one has no orientation error.
-    pub turns: &'a [Turn<R>],
+    pub(crate) path: Path<'a, R, P>,
+    turns: &'a [Turn<R>],
 }
 
 impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
-    /// From a window of pieces and as many turns.
+    /// From a window of pieces and as many turns; a piece without one has no orientation error.
     pub fn new(path: Path<'a, R, P>, turns: &'a [Turn<R>]) -> Self {
-        ToolPath { path, turns }
+        ToolPath { path: Path { turning: true, ..path }, turns }
+    }
+
+    /// Way of the tip, with the pieces without length passed over by a search.
+    pub fn path(&self) -> &Path<'a, R, P> {
+        &self.path
     }
 
     #[inline(always)]
@@ -265,7 +268,7 @@ const STEP_DEG: f64 = 30.0;
 #[inline(always)]
 fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R; 3]) -> V3<R> + Copy) -> (R, u8) {
     let extent = turn.extent();
-    if !(extent > R::of(1e-9)) {
+    if extent <= R::of(1e-9) || !extent.is_finite() {
         return (start, 0);
     }
     let per_degree = R::ONE / extent;
@@ -280,7 +283,7 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
         let chord = ahead - behind;
         let square = chord.dot(chord);
         // The direction hardly changes: the tool turns about itself.
-        if !(square > R::of(1e-12)) {
+        if square <= R::of(1e-12) || !square.is_finite() {
             break;
         }
         let step = ((half + half) * left.dot(chord) / square).within(-longest, longest);

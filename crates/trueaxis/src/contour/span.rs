@@ -45,8 +45,8 @@ pub struct Span<R, P> {
 impl<R: Real, P: Position> Span<R, P> {
     /// A piece without length: the tip stands at `point` (mm) while the tool's direction turns.
     ///
-    /// The search of the tip passes over it to the pieces on either side; what turns is a [`super::Turn`] of the same
-    /// number. `number` is the segment's, `plane` the unit normal of the machining plane; u = 0..1.
+    /// In a [`super::ToolPath`] the search of the tip passes over it to the pieces on either side; what turns is a
+    /// [`super::Turn`] of the same number. In a plain [`Path`] it is a point like any other, and holds the foot. `number` is the segment's, `plane` the unit normal of the machining plane; u = 0..1.
     pub fn turning(point: [P; 3], number: u32, plane: [R; 3]) -> Self {
         let mut coefficients = [[R::ZERO; 4]; 6];
         coefficients[0][3] = R::ONE;
@@ -191,12 +191,14 @@ pub struct Path<'a, R, P> {
     pub(super) spans: &'a [Span<R, P>],
     pub(super) first: u32,
     pub(super) closed: bool,
+    /// There may be pieces without length to be passed over; a path of the tip alone is not asked.
+    pub(super) turning: bool,
 }
 
 impl<'a, R: Real, P: Position> Path<'a, R, P> {
     /// A window of pieces; `closed` where the last one ends at the first one's start.
     pub fn new(spans: &'a [Span<R, P>], first: u32, closed: bool) -> Self {
-        Path { spans, first, closed }
+        Path { spans, first, closed, turning: false }
     }
 
     /// The piece with a sequence number.
@@ -209,14 +211,14 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     #[inline(always)]
     pub(super) fn next(&self, number: u32) -> Option<u32> {
         let next = self.following(number)?;
-        if self.stands(next) { self.pass(next, Self::following) } else { Some(next) }
+        if self.turning { self.pass(next, Self::following) } else { Some(next) }
     }
 
     /// The number before `number` on which the tip moves, if there is one.
     #[inline(always)]
     pub(super) fn previous(&self, number: u32) -> Option<u32> {
         let previous = self.preceding(number)?;
-        if self.stands(previous) { self.pass(previous, Self::preceding) } else { Some(previous) }
+        if self.turning { self.pass(previous, Self::preceding) } else { Some(previous) }
     }
 
     /// Whether the tip stands still on a piece.
@@ -226,7 +228,6 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     }
 
     /// Over pieces without length, at most [`TURNS_IN_A_ROW`] of them.
-    #[cold]
     #[inline(never)]
     fn pass(&self, mut number: u32, onwards: impl Fn(&Self, u32) -> Option<u32>) -> Option<u32> {
         for _ in 0..TURNS_IN_A_ROW {
@@ -241,7 +242,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     /// The same place on a piece on which the tip moves, if the path has one nearby.
     #[inline(always)]
     pub(super) fn moving(&self, at: Reference<R>) -> Reference<R> {
-        if self.stands(at.span) { self.beside(at) } else { at }
+        if self.turning && self.stands(at.span) { self.beside(at) } else { at }
     }
 
     #[cold]

@@ -112,7 +112,7 @@ impl<R: Real> Kinematics<R> {
     /// Axis positions for a tool, nearest to `near` (X Y Z A B C, mm and degrees).
     ///
     /// Rotary axes take the shortest way by whole turns, within their travel. Error: rounding; forward of the result is
-    /// the tool within 1e-12 mm at a metre (f64). Cost: at most seven polynomials for angles, bounded.
+    /// the tool within 1e-12 mm at a metre (f64). Cost: at most ten polynomials for angles, both branches included.
     ///
     /// # Errors
     /// A tool that is no tool, out of reach, in the singular cone, or whose axis positions leave the travel.

@@ -1,6 +1,6 @@
 //! Transformations between axis positions and the tool, against truth from outside.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use trueaxis::machine::{AXES, Axis, AxisSettings, MachineSettings};
 use trueaxis::vector::V3;
 
@@ -87,7 +87,7 @@ fn by_transforms(machine: &MachineSettings, q: &[f64; AXES], tool: [f64; 3]) -> 
     let head = code[count..].iter().fold(DAffine3::IDENTITY, |sum, &c| sum * carriage(c, 1.0));
     let relative = workpiece.inverse() * head;
     let axis = DVec3::from_array(machine.kinematics.tool_axis).normalize();
-    (relative.transform_point3(DVec3::from_array(tool)), DMat3::from(relative.matrix3) * axis)
+    (relative.transform_point3(DVec3::from_array(tool)), relative.matrix3 * axis)
 }
 
 fn apart(a: V3<f64>, b: DVec3) -> f64 {

@@ -1,6 +1,7 @@
 //! Formulas published for single machines.
 
 use super::*;
+use glam::DMat3;
 use trueaxis::kinematics::{Choice, Kinematics, Tool};
 
 fn random_angles(random: &mut Random) -> (f64, f64) {

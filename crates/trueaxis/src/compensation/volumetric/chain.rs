@@ -1,5 +1,7 @@
 //! The kinematic chain as the step walks it: poses of the rotary axes, directions of all axes in the bed.
 
+#![deny(clippy::indexing_slicing)]
+
 use crate::check;
 use crate::compensation::trig::cos_sin_deg;
 use crate::error::{ConfigError, Field};
@@ -135,9 +137,9 @@ impl<R: Real, const N: usize> Chain<R, N> {
         }
         let mut run = [0.0; 3];
         let (before, behind) = chain.links.split_at_mut(workpiece);
-        let mut carried_by_rotary = false;
         for side in [before, behind] {
-            (run, carried_by_rotary) = ([0.0; 3], false);
+            run = [0.0; 3];
+            let mut carried_by_rotary = false;
             for link in side.iter_mut().rev().flatten() {
                 let settings = machine.axes.iter().find(|a| a.axis == link.axis);
                 let offset = settings.map_or([0.0; 3], |s| s.offset_mm);
@@ -155,7 +157,6 @@ impl<R: Real, const N: usize> Chain<R, N> {
                 }
             }
         }
-        let _ = carried_by_rotary;
         let [x, y, z] = run;
         let [tx, ty, tz] = machine.tool_mm;
         chain.tool = V3::of([x + tx, y + ty, z + tz]);

@@ -1,5 +1,7 @@
 //! The correction of the volumetric model: its exact inverse by a bounded number of passes.
 
+#![deny(clippy::indexing_slicing)]
+
 use super::Volumetric;
 use super::chain::Poses;
 use crate::compensation::{PoseError, ThermalLine};

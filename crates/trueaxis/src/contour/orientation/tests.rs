@@ -294,7 +294,7 @@ proptest! {
             prop_assert!(tip.error.is_finite() && tip.lag.is_finite() && tip.t.is_finite() && tip.evaluations <= 6);
             prop_assert!(tip.normal.is_finite() && tip.binormal.is_finite() && tip.tangential.is_finite());
             let found = path.orientation(reference, &tip, V3::of(head([angle, 0.0, 3.0 * angle])), of_axes);
-            prop_assert!(found.angle.is_finite() && (0.0..=3.1416).contains(&found.angle));
+            prop_assert!(found.angle.is_finite() && (0.0..=std::f32::consts::PI).contains(&found.angle));
             prop_assert!(found.evaluations <= 27 && (0.0..=1.0).contains(&found.t));
         }
     }
