@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the four sample machines and the sample measurement beside this file.
+"""Writes the sample machines and the sample measurement beside this file.
 
 Plain Python, no packages. Every run writes the same bytes: the error curves are closed formulas, the scatter of the
 measurement comes from `random.Random(SEED).random()`, whose sequence Python guarantees, and everything is rounded.
@@ -489,8 +489,136 @@ drive_delay_s = 0.0025
 limit_um = 20.0
 """
 
+# --- mill-turn: table C on the bed, head A on Z on Y on X; the helicoid's machine in its vertical form ------------------
+
+
+def mill_turn():
+    folder = HERE / "mill-turn"
+    write_text(folder / "machine.toml", MILL_TURN)
+    write_table(
+        folder / "x.csv", ["X of mill-turn, line at Y 0, Z 0"],
+        ["X_mm", "EXX_um", "EYX_um", "EZX_um", "EAX_urad", "EBX_urad", "ECX_urad"],
+        grid(-400, 400, 20),
+        [lambda x: 0.018 * x + 1.5 * wave(x, 210, 0.9),
+         lambda x: 3.6 * ((x / 400) ** 2) + 0.6 * wave(x, 260, 0.2),
+         lambda x: -4.1 * ((x / 400) ** 2) + 0.7 * wave(x, 220, 1.4),
+         lambda x: 10 * math.sin(x / 420),
+         lambda x: -14 * math.sin(x / 390) + 1.4 * wave(x, 260, 0.5),
+         lambda x: 12 * math.sin(x / 450)])
+    write_table(
+        folder / "y.csv", ["Y of mill-turn, line at X 0, Z 0"],
+        ["Y_mm", "EXY_um", "EYY_um", "EZY_um", "EAY_urad", "EBY_urad", "ECY_urad"],
+        grid(-400, 400, 20),
+        [lambda y: -3.3 * ((y / 400) ** 2) + 0.5 * wave(y, 230, 0.3),
+         lambda y: -0.022 * y + 1.3 * wave(y, 180, 1.1),
+         lambda y: 3.8 * ((y / 400) ** 2) - 0.6 * wave(y, 250, 0.8),
+         lambda y: 13 * math.sin(y / 410) + 1.1 * wave(y, 240, 0.1),
+         lambda y: -9 * math.sin(y / 430),
+         lambda y: 11 * math.sin(y / 400)])
+    write_table(
+        folder / "z.csv", ["Z of mill-turn, line at X 0, Y 0"],
+        ["Z_mm", "EXZ_um", "EYZ_um", "EZZ_um", "EAZ_urad", "EBZ_urad", "ECZ_urad"],
+        grid(-400, 400, 20),
+        [lambda z: 2.9 * math.sin(math.pi * z / 800) + 0.5 * wave(z, 200, 1.6),
+         lambda z: -2.6 * math.sin(math.pi * z / 800) + 0.6 * wave(z, 240, 0.4),
+         lambda z: 0.015 * z + 1.2 * wave(z, 170, 1.9),
+         lambda z: -11 * math.sin(z / 440),
+         lambda z: 12 * math.sin(z / 420) + 0.9 * wave(z, 280, 0.7),
+         lambda z: -6 * math.sin(z / 400)])
+    write_table(
+        folder / "a.csv",
+        ["A of mill-turn (head), -100 to 100 degrees, 2.5 degrees; forward: turned in positive direction"],
+        ["A_deg", "EXA_um", "EYA_um", "EZA_um", "EAA_fwd_urad", "EAA_rev_urad", "EBA_urad", "ECA_urad"],
+        grid(-100, 100, 2.5),
+        [total(cyclic(1.2, 1, 60), cyclic(0.4, 3, 25)),
+         total(cyclic(2.9, 1, 110), cyclic(0.7, 2, 40)),
+         total(cyclic(3.2, 1, 20), cyclic(0.6, 2, 150)),
+         lambda a: 0.17 * a + 6.5 * math.sin(math.radians(4 * a)),
+         lambda a: 0.17 * a + 6.5 * math.sin(math.radians(4 * a)) + 8,
+         total(cyclic(7.0, 1, 85), cyclic(1.8, 2, 30)),
+         total(cyclic(8.0, 1, 170), cyclic(1.4, 2, 55))])
+    write_table(
+        folder / "c.csv",
+        ["C of mill-turn (rotary table), full circle, 5 degrees; wraps: first and last line agree"],
+        ["C_deg", "EXC_um", "EYC_um", "EZC_um", "EAC_urad", "EBC_urad", "ECC_urad"],
+        grid(0, 360, 5),
+        [total(cyclic(2.7, 1, 50), cyclic(0.8, 2, 95), cyclic(0.3, 3, 20)),
+         total(cyclic(2.5, 1, 142), cyclic(0.9, 2, 180), cyclic(0.3, 3, 65)),
+         total(cyclic(1.0, 1, 220), cyclic(1.2, 2, 35)),
+         total(cyclic(10, 1, 85), cyclic(2.5, 2, 160)),
+         total(cyclic(9, 1, 172), cyclic(3, 2, 70)),
+         total(cyclic(18, 1, 270), cyclic(7, 2, 120), cyclic(3, 6, 40))])
+
+
+MILL_TURN = """
+# Mill-turn centre: rotary table C on the bed, head A on Z on Y on X, tool tip 150 mm from the A axis, spindle up at A = 0.
+# At all axes zero the tool tip stands on the C axis; figures: see README.md beside this folder.
+name = "mill-turn"
+chain = "w C' b X Y Z A t"
+tool_mm = [0.0, 0.0, -150.0]
+reference_temperature_c = 20.0
+
+[compensation]
+model = "volumetric"
+orientation = true
+
+[axis.X]
+table = "x.csv"
+interpolation = "cubic"
+travel_mm = [-400.0, 400.0]
+max_feed_mm_per_min = 24000.0
+
+[axis.Y]
+table = "y.csv"
+interpolation = "cubic"
+travel_mm = [-400.0, 400.0]
+max_feed_mm_per_min = 24000.0
+
+[axis.Z]
+table = "z.csv"
+interpolation = "cubic"
+travel_mm = [-400.0, 400.0]
+max_feed_mm_per_min = 24000.0
+backlash_um = 1.2
+
+# The A axis lies one pivot length above the tool tip.
+[axis.A]
+table = "a.csv"
+interpolation = "cubic"
+offset_mm = [0.0, 0.0, 150.0]
+travel_deg = [-100.0, 100.0]
+max_feed_deg_per_min = 9000.0
+
+# Turns the workpiece right-handed about Z, unlike the default of a table.
+[axis.C]
+table = "c.csv"
+interpolation = "cubic"
+direction = 1
+max_feed_deg_per_min = 18000.0
+travel_deg = [-36000.0, 36000.0]
+backlash_urad = 10.0
+
+[location]
+A0Z_urad = 14.0
+B0Z_urad = -11.0
+C0Y_urad = 16.0
+EX0A_um = 0.0
+EY0A_um = 9.0
+EZ0A_um = -7.0
+EA0A_urad = 0.0
+EB0A_urad = 13.0
+EC0A_urad = -17.0
+EX0C_um = 10.0
+EY0C_um = -8.0
+EZ0C_um = 0.0
+EA0C_urad = 15.0
+EB0C_urad = -12.0
+EC0C_urad = 0.0
+"""
+
 if __name__ == "__main__":
     mill_3axis()
     mill_5axis()
     head_5axis()
     grinder()
+    mill_turn()

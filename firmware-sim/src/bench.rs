@@ -8,8 +8,9 @@ use crate::simulate::with_loop;
 use anyhow::{Result, anyhow};
 use std::hint::black_box;
 use std::time::Instant;
-use trueaxis::Input;
-use trueaxis::contour::{Path, Reference};
+use trueaxis::compensation::step_axes;
+use trueaxis::contour::Reference;
+use trueaxis::{Input, State};
 
 /// What the bench gives.
 #[derive(Clone, Copy, Debug)]
@@ -31,12 +32,15 @@ pub fn run<const N: usize>(
     cycles: u64,
 ) -> Result<Outcome> {
     let mut span = 0;
+    let kinematics = scenario.kinematics()?;
+    let axes = step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?;
     let prepared: Vec<(Input<f64, N>, Reference<f64>)> = motion
         .setpoints()
         .map(|setpoint| {
             let mut command = [0.0; N];
-            for (k, to) in command.iter_mut().take(3).enumerate() {
-                *to = setpoint.position[k] + scenario.origin_mm[k];
+            let positions = scenario.axis_positions(&setpoint);
+            for (to, axis) in command.iter_mut().zip(axes) {
+                *to = positions[axis.index()];
             }
             let mut feedback = command;
             // A deterministic wobble of some micrometres, so that the contour search has something to find.
@@ -57,7 +61,12 @@ pub fn run<const N: usize>(
         })
         .collect();
     with_loop::<N, _>(&scenario.machine, scenario.period_ns(), |servo| {
-        let view = Path::new(&path.spans, 0, false);
+        let (view, tool_view) = (path.view(), path.tool_view());
+        let step = |state: &mut State<f64, f64, N>, input: &Input<f64, N>, reference: Reference<f64>| match &kinematics
+        {
+            Some(kinematics) => servo.step_with_tool(state, input, &tool_view, reference, kinematics).0,
+            None => servo.step(state, input, &view, reference),
+        };
         let rounds = || (0..cycles).zip(prepared.iter().cycle());
         let fresh =
             || servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"));
@@ -65,13 +74,13 @@ pub fn run<const N: usize>(
         let mut state = fresh()?;
         for (_, (input, reference)) in rounds() {
             let start = Instant::now();
-            black_box(servo.step(&mut state, black_box(input), &view, *reference));
+            black_box(step(&mut state, black_box(input), *reference));
             latency.record(start.elapsed().as_nanos() as u64);
         }
         let mut state = fresh()?;
         let start = Instant::now();
         for (_, (input, reference)) in rounds() {
-            black_box(servo.step(&mut state, black_box(input), &view, *reference));
+            black_box(step(&mut state, black_box(input), *reference));
         }
         let steps_per_s = cycles as f64 / start.elapsed().as_secs_f64();
         Ok(Outcome { latency: latency.summary(), steps_per_s })

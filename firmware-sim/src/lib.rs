@@ -19,6 +19,7 @@ pub mod motion;
 pub mod outcome;
 pub mod pace;
 pub mod path;
+pub mod placement;
 pub mod plant;
 pub mod program;
 pub mod report;

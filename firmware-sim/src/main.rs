@@ -4,9 +4,10 @@ mod grind;
 mod rtcp;
 
 use anyhow::{Context, Result, anyhow, bail};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use firmware_sim::motion::{Motion, MotionSettings};
 use firmware_sim::path::PlannedPath;
+use firmware_sim::placement::Placement;
 use firmware_sim::plant::fault::FaultScript;
 use firmware_sim::program::Program;
 use firmware_sim::scenario::{Scenario, axis_count, middle_of_travel, sample_machine};
@@ -17,6 +18,7 @@ use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use trueaxis::machine::ErrorModel;
 use trueaxis_tables::Machine;
 
 /// Runs a part program through the compensated servo step against a simulated machine, and shows what was gained on
@@ -56,12 +58,19 @@ enum Command {
 
 #[derive(Args)]
 struct ScenarioArgs {
-    /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis).
+    /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
     #[arg(long, value_name = "M", default_value = "mill-3axis")]
     machine: PathBuf,
-    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d.
+    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis.
     #[arg(long, value_name = "P.ngc", default_value = "circle-diamond-square")]
     program: PathBuf,
+    /// Error model that the step corrects by [default: the machine file's].
+    #[arg(long, value_name = "MODEL", value_enum)]
+    model: Option<Model>,
+    /// Whether the tool's direction is corrected too, through the rotary axes; only with the volumetric model [default: the
+    /// machine file's].
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "on")]
+    orientation: Option<Switch>,
     /// Servo rate.
     #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
     rate_hz: f64,
@@ -77,6 +86,20 @@ struct ScenarioArgs {
     /// Temperature of the machine, °C [default: the tables' reference temperature].
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     temperature_c: Option<f64>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Model {
+    /// Nine one-dimensional tables; angular errors have no lever.
+    Nine,
+    /// All errors of every axis, carried to the tool tip.
+    Volumetric,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Switch {
+    On,
+    Off,
 }
 
 #[derive(Args)]
@@ -147,8 +170,10 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     if !(100.0..=100_000.0).contains(&args.rate_hz) {
         bail!("--rate-hz: found {}, needed 100 to 100000", args.rate_hz);
     }
-    let machine = read_machine(&args.machine)?;
+    let mut machine = read_machine(&args.machine)?;
+    choose_model(&mut machine, args)?;
     let program = read_program(&args.program)?;
+    program.check_axes(&machine.settings, &args.program)?;
     let origin_mm = match args.origin_mm.as_deref() {
         None => middle_of_travel(&machine),
         Some(&[x, y, z]) if [x, y, z].iter().all(|c| c.is_finite()) => [x, y, z],
@@ -156,7 +181,10 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     };
     let kelvin = args.temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);
     let faults = FaultScript::parse(faults).map_err(|e| anyhow!("--fault: {e}"))?;
+    let placement = Placement::new(&machine, origin_mm)?;
     let scenario = Scenario {
+        five_axis: program.is_five_axis(),
+        placement,
         machine,
         program,
         origin_mm,
@@ -170,12 +198,29 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     Ok(scenario)
 }
 
+/// What the options say in place of the machine file's `[compensation]`.
+fn choose_model(machine: &mut Machine, args: &ScenarioArgs) -> Result<()> {
+    let settings = &mut machine.settings.compensation;
+    match args.model {
+        Some(Model::Nine) => (settings.model, settings.orientation) = (ErrorModel::Nine, false),
+        Some(Model::Volumetric) => settings.model = ErrorModel::Volumetric,
+        None => {}
+    }
+    if let Some(switch) = args.orientation {
+        settings.orientation = switch == Switch::On;
+    }
+    if settings.orientation && settings.model == ErrorModel::Nine {
+        bail!("--orientation: found on with the nine-term model, needed --model volumetric");
+    }
+    Ok(())
+}
+
 /// A machine.toml, its folder, or a sample's name.
 fn read_machine(given: &Path) -> Result<Machine> {
     let path = if given.exists() { given.to_path_buf() } else { sample_machine(&given.to_string_lossy()) };
     if !path.exists() {
         bail!(
-            "--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis, mill-5axis, head-5axis or grinder",
+            "--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis, mill-5axis, mill-turn, head-5axis or grinder",
             given.display()
         );
     }
@@ -193,8 +238,9 @@ fn progress_bar(message: &'static str) -> ProgressBar {
 /// Motion and path of a scenario's program.
 fn plan(scenario: &Scenario) -> Result<(Motion<'_>, PlannedPath)> {
     let settings = MotionSettings { period_s: scenario.period_s(), ..MotionSettings::default() };
-    let motion = Motion::plan(&scenario.program, settings).map_err(|e| anyhow!("{}: {e}", scenario.program.name))?;
-    Ok((motion, PlannedPath::new(&scenario.program, scenario.origin_mm)?))
+    let motion = Motion::plan_on(&scenario.program, settings, &scenario.placement)
+        .map_err(|e| anyhow!("{}: {e}", scenario.program.name))?;
+    Ok((motion, PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement)?))
 }
 
 fn read_program(path: &Path) -> Result<Program> {
@@ -216,13 +262,15 @@ fn stays_in_travel(scenario: &Scenario) -> Result<()> {
     for step in &scenario.program.moves {
         let (first, last) = step.curve.domain();
         for i in 0..=64 {
-            let point = step.curve.position(first + (last - first) * f64::from(i) / 64.0);
-            for settings in scenario.machine.settings.axes.iter().filter(|a| !a.axis.is_rotary()) {
-                let k = settings.axis.index();
-                let (q, [low, high]) = (point[k] + scenario.origin_mm[k], settings.travel);
+            let point = scenario.placement.axes(step, first + (last - first) * f64::from(i) / 64.0);
+            let counted = scenario.machine.settings.axes.iter().filter(|a| scenario.five_axis || !a.axis.is_rotary());
+            for settings in counted {
+                let (q, [low, high]) = (point[settings.axis.index()], settings.travel);
                 if q < low || q > high {
+                    let (unit, hint) =
+                        if settings.axis.is_rotary() { ("°", "") } else { (" mm", " (see --origin-mm)") };
                     bail!(
-                        "{}, line {}: axis {} goes to {q:.3} mm, needed within its travel {low} to {high} mm (see --origin-mm)",
+                        "{}, line {}: axis {} goes to {q:.3}{unit}, needed within its travel {low} to {high}{unit}{hint}",
                         scenario.program.name,
                         step.line,
                         settings.axis.letter()

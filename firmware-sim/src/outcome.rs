@@ -2,14 +2,17 @@
 
 use crate::motion::Motion;
 use crate::path::PlannedPath;
-use crate::report::{AxisReport, ContourErrors, ContourSeries, FaultEntry, PathPoint, Report};
+use crate::report::{
+    AngleSize, AxisReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, OrientationSeries, PathPoint, Report,
+};
 use crate::scenario::Scenario;
-use crate::simulate::{self, Kind, Options, Run};
+use crate::simulate::{self, Kind, Options, Run, Sample};
 use crate::trace::Trace;
 use anyhow::Result;
 use serde::Serialize;
 use std::fmt;
 use std::time::Instant;
+use trueaxis::Axis;
 
 /// What the three runs gave.
 #[derive(Debug)]
@@ -65,6 +68,13 @@ struct ErrorJson {
     servo_only: Size,
 }
 
+/// Of the perfect machine the step would report the errors that its tables have and the machine has not.
+#[derive(Serialize)]
+struct EstimateJson {
+    uncompensated: Size,
+    compensated: Size,
+}
+
 #[derive(Serialize)]
 struct LatencyJson {
     min: u64,
@@ -92,6 +102,14 @@ pub struct Json {
     cycles: u64,
     servo_rate_hz: f64,
     contour_error_um: ErrorJson,
+    /// Programs with rotary axes only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    orientation_error_urad: Option<ErrorJson>,
+    /// The same two as the step itself reports them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    estimated_contour_error_um: Option<EstimateJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    estimated_orientation_error_urad: Option<EstimateJson>,
     latency_ns: LatencyJson,
     budget_ns: u64,
     over_budget: u64,
@@ -125,20 +143,33 @@ impl Outcome {
         })
     }
 
+    fn each(&self, size: impl Fn(&Run) -> Size) -> ErrorJson {
+        ErrorJson {
+            uncompensated: size(&self.uncompensated),
+            compensated: size(&self.compensated),
+            servo_only: size(&self.servo_only),
+        }
+    }
+
     /// The outcome as one JSON document.
     pub fn json(&self, scenario: &Scenario) -> Json {
-        let size = |run: &Run| Size { max: run.error.max_um, rms: run.error.rms_um };
+        let length = |size: &ErrorSize| Size { max: size.max_um, rms: size.rms_um };
+        let angle = |size: &AngleSize| Size { max: size.max_urad, rms: size.rms_urad };
+        let estimate = |size: &dyn Fn(&Run) -> Size| {
+            let of_both =
+                || EstimateJson { uncompensated: size(&self.uncompensated), compensated: size(&self.compensated) };
+            scenario.five_axis.then(of_both)
+        };
         let latency = self.compensated.latency.summary();
         Json {
             machine: scenario.machine.settings.name.as_str().into(),
             program: scenario.program.name.clone(),
             cycles: self.cycles,
             servo_rate_hz: scenario.rate_hz,
-            contour_error_um: ErrorJson {
-                uncompensated: size(&self.uncompensated),
-                compensated: size(&self.compensated),
-                servo_only: size(&self.servo_only),
-            },
+            contour_error_um: self.each(|run| length(&run.error)),
+            orientation_error_urad: scenario.five_axis.then(|| self.each(|run| angle(&run.orientation))),
+            estimated_contour_error_um: estimate(&|run| length(&run.estimated)),
+            estimated_orientation_error_urad: estimate(&|run| angle(&run.estimated_orientation)),
             latency_ns: LatencyJson {
                 min: latency.min_ns,
                 p50: latency.p50_ns,
@@ -168,7 +199,7 @@ impl Outcome {
         let mut length = 0.0;
         for step in &scenario.program.moves {
             program_lines.push((length, step.line));
-            length += step.curve.length();
+            length += step.length();
         }
         let wide = |d: [f32; 3]| d.map(f64::from);
         let mut breaks = Vec::new();
@@ -195,7 +226,9 @@ impl Outcome {
             was_cutting = before.cutting;
         }
         let latency = &self.compensated.latency;
+        let orientation = if scenario.five_axis { self.orientation(scenario) } else { OrientationSeries::default() };
         Report {
+            orientation,
             title: "Compensated servo step".into(),
             machine: scenario.machine.settings.name.as_str().into(),
             program: scenario.program.name.clone(),
@@ -231,6 +264,27 @@ impl Outcome {
         }
     }
 
+    fn orientation(&self, scenario: &Scenario) -> OrientationSeries {
+        let cutting = |run: &Run, value: &dyn Fn(&Sample) -> f32| {
+            run.samples.iter().filter(|s| s.cutting).map(|s| [s.length_mm, f64::from(value(s))]).collect::<Vec<_>>()
+        };
+        let angle = |run: &Run| cutting(run, &|s| s.orientation_urad);
+        let rotary = scenario.machine.settings.axes.iter().filter(|a| a.axis.is_rotary());
+        OrientationSeries {
+            uncompensated: angle(&self.uncompensated),
+            compensated: angle(&self.compensated),
+            servo_only: angle(&self.servo_only),
+            rotary: rotary
+                .map(|a| {
+                    let place = a.axis.index() - Axis::A.index();
+                    let positions =
+                        cutting(&self.compensated, &|s| s.rotary_deg.get(place).copied().unwrap_or_default());
+                    (a.axis.letter().to_string(), positions)
+                })
+                .collect(),
+        }
+    }
+
     fn axes(&self, scenario: &Scenario) -> Vec<AxisReport> {
         let period = scenario.period_s();
         let samples = &self.compensated.samples;
@@ -263,6 +317,8 @@ impl Outcome {
     }
 }
 
+const RUNS: [&str; 3] = ["without compensation", "with compensation", "servo alone (perfect geometry)"];
+
 /// Prints the outcome in plain words.
 pub struct Summary<'o> {
     outcome: &'o Outcome,
@@ -282,9 +338,8 @@ impl fmt::Display for Summary<'_> {
         )?;
         writeln!(f)?;
         writeln!(f, "true contour error of the tool tip while cutting      largest        RMS")?;
-        for (name, run) in
-            [("without compensation", before), ("with compensation", after), ("servo alone (perfect geometry)", servo)]
-        {
+        let runs = [before, after, servo];
+        for (name, run) in RUNS.into_iter().zip(runs) {
             writeln!(f, "  {name:<46} {:>9.3} µm {:>7.3} µm", run.error.max_um, run.error.rms_um)?;
         }
         if before.error.max_um > 0.0 && before.error.rms_um > 0.0 {
@@ -294,6 +349,19 @@ impl fmt::Display for Summary<'_> {
                 100.0 * after.error.max_um / before.error.max_um,
                 100.0 * after.error.rms_um / before.error.rms_um
             )?;
+        }
+        if s.five_axis {
+            writeln!(f, "true angle of the tool from the programmed direction")?;
+            for (name, run) in RUNS.into_iter().zip(runs) {
+                let size = run.orientation;
+                writeln!(f, "  {name:<44} {:>9.2} µrad {:>6.2} µrad", size.max_urad, size.rms_urad)?;
+            }
+            writeln!(f, "both as the step itself reports them")?;
+            for (name, run) in RUNS.into_iter().zip(runs).take(2) {
+                let (tip, angle) = (run.estimated, run.estimated_orientation);
+                writeln!(f, "  {name:<46} {:>9.3} µm {:>7.3} µm", tip.max_um, tip.rms_um)?;
+                writeln!(f, "  {:<44} {:>9.2} µrad {:>6.2} µrad", "", angle.max_urad, angle.rms_urad)?;
+            }
         }
         let latency = after.latency.summary();
         writeln!(f)?;

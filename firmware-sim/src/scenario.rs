@@ -1,8 +1,13 @@
 //! What is simulated: machine, program, rate, seed, faults.
 
+use crate::motion::Setpoint;
+use crate::placement::Placement;
 use crate::plant::fault::FaultScript;
 use crate::program::Program;
+use anyhow::{Result, anyhow};
 use std::path::PathBuf;
+use trueaxis::kinematics::Kinematics;
+use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
 
 /// One simulation.
@@ -14,6 +19,10 @@ pub struct Scenario {
     pub program: Program,
     /// Program zero in machine coordinates, mm.
     pub origin_mm: [f64; 3],
+    /// Where the axes stand for a programmed place.
+    pub placement: Placement,
+    /// Rotary axes or the tool centre point are programmed: errors are those of tip and direction in workpiece coordinates.
+    pub five_axis: bool,
     /// Servo rate.
     pub rate_hz: f64,
     /// Seed of the encoders' noise.
@@ -27,9 +36,29 @@ pub struct Scenario {
 }
 
 impl Scenario {
+    /// The step's own transformation to workpiece coordinates, where the program needs it.
+    ///
+    /// # Errors
+    /// The machine has none: a linear axis missing, or more than two rotary ones.
+    pub fn kinematics(&self) -> Result<Option<Kinematics<f64>>> {
+        let build = || Kinematics::new(&self.machine.settings).map_err(|e| anyhow!("kinematics: {e}"));
+        self.five_axis.then(build).transpose()
+    }
+
     /// Servo period, s.
     pub fn period_s(&self) -> f64 {
         1.0 / self.rate_hz
+    }
+
+    /// Commanded positions of X, Y, Z, A, B, C, mm and degrees.
+    pub fn axis_positions(&self, setpoint: &Setpoint) -> [f64; AXES] {
+        match self.program.moves.get(setpoint.move_index) {
+            Some(step) if self.five_axis => self.placement.axes(step, setpoint.u),
+            _ => {
+                let [x, y, z]: [f64; 3] = std::array::from_fn(|k| setpoint.position[k] + self.origin_mm[k]);
+                [x, y, z, 0.0, 0.0, 0.0]
+            }
+        }
     }
 
     /// Servo period, ns.

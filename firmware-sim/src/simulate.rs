@@ -4,9 +4,10 @@ use crate::latency::Latency;
 use crate::motion::{Motion, Setpoint};
 use crate::pace::{self, Pace, PaceReport};
 use crate::path::PlannedPath;
+use crate::placement::Place;
 use crate::plant::fault::FaultScript;
 use crate::plant::{Plant, PlantSettings};
-use crate::report::ErrorSize;
+use crate::report::{AngleSize, ErrorSize};
 use crate::scenario::Scenario;
 use crate::trace::Trace;
 use crate::truth;
@@ -15,7 +16,8 @@ use glam::DVec3;
 use std::ops::ControlFlow;
 use std::time::Instant;
 use trueaxis::compensation::{Storage, ThermalLine, step_axes};
-use trueaxis::contour::Path;
+use trueaxis::contour::OrientationError;
+use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::AXES;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Fault, Input, Output, ServoLoop, State};
@@ -52,10 +54,16 @@ pub struct FaultSpan {
 pub struct Sample {
     /// Arc length along the program, mm.
     pub length_mm: f64,
-    /// Programmed point in machine coordinates, mm.
+    /// Programmed point in machine coordinates (with rotary axes: in workpiece coordinates), mm.
     pub nominal_mm: [f64; 3],
     /// True tip from the nearest point of the path, µm.
     pub deviation_um: [f32; 3],
+    /// Angle of the true tool direction from the programmed one, µrad.
+    pub orientation_urad: f32,
+    /// The same as the step reports it, µrad.
+    pub estimated_orientation_urad: f32,
+    /// A, B, C commanded, degrees.
+    pub rotary_deg: [f32; 3],
     /// Correction sent to X, Y, Z, µm.
     pub correction_um: [f32; 3],
     /// Contour error that the plugin reports for the estimated tip, µm.
@@ -71,6 +79,12 @@ pub struct Run {
     pub samples: Vec<Sample>,
     /// Contour error of the true tip while cutting.
     pub error: ErrorSize,
+    /// Angle of the true tool direction from the programmed one while cutting; zero for a program of X, Y, Z alone.
+    pub orientation: AngleSize,
+    /// Contour error of the tip that the step itself reports, while cutting.
+    pub estimated: ErrorSize,
+    /// Orientation error that the step itself reports, while cutting.
+    pub estimated_orientation: AngleSize,
     /// Faults reported.
     pub faults: Vec<FaultSpan>,
     /// Cost of every step.
@@ -154,6 +168,40 @@ pub fn with_loop<const N: usize, T>(
     user(&servo)
 }
 
+/// What came out of the step, and how long it took.
+struct Exchanged<const N: usize> {
+    output: Output<f64, f64, N>,
+    orientation: OrientationError<f64>,
+    nanoseconds: u64,
+}
+
+/// The true error of a cycle.
+struct Measured {
+    tip: DVec3,
+    angle: f64,
+    nominal: DVec3,
+}
+
+/// Largest and root mean square of what was added.
+#[derive(Default)]
+struct Tally {
+    max: f64,
+    squares: f64,
+    count: u64,
+}
+
+impl Tally {
+    fn add(&mut self, value: f64) {
+        self.max = self.max.max(value);
+        self.squares += value * value;
+        self.count += 1;
+    }
+
+    fn rms(&self) -> f64 {
+        if self.count > 0 { (self.squares / self.count as f64).sqrt() } else { 0.0 }
+    }
+}
+
 /// Interpolator, plugin and machine of one run.
 struct Cell<'c, 'a, const N: usize> {
     scenario: &'c Scenario,
@@ -167,11 +215,15 @@ struct Cell<'c, 'a, const N: usize> {
     axes: [Axis; N],
     kind: Kind,
     origin: DVec3,
+    /// For programs with rotary axes.
+    kinematics: Option<Kinematics<f64>>,
     feedback: [f64; N],
     elapsed_periods: f64,
     stopped_for: u64,
-    squares: f64,
-    cutting: u64,
+    error: Tally,
+    orientation: Tally,
+    estimated: Tally,
+    estimated_orientation: Tally,
     span: u32,
     run: Run,
 }
@@ -210,15 +262,21 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             axes,
             kind,
             origin: DVec3::from(scenario.origin_mm),
+            kinematics: scenario.kinematics()?,
             feedback: [0.0; N],
             elapsed_periods: 1.0,
             stopped_for: 0,
-            squares: 0.0,
-            cutting: 0,
+            error: Tally::default(),
+            orientation: Tally::default(),
+            estimated: Tally::default(),
+            estimated_orientation: Tally::default(),
             span: 0,
             run: Run {
                 samples: Vec::with_capacity(motion.cycles() as usize),
                 error: ErrorSize::default(),
+                orientation: AngleSize::default(),
+                estimated: ErrorSize::default(),
+                estimated_orientation: AngleSize::default(),
                 faults: Vec::new(),
                 latency: Latency::new(scenario.budget_ns, scenario.period_ns().into()),
                 limited_cycles: 0,
@@ -245,16 +303,12 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     }
 
     fn command(&self, setpoint: &Setpoint) -> [f64; N] {
-        let point = DVec3::from(setpoint.position) + self.origin;
-        let mut command = [0.0; N];
-        for (to, from) in command.iter_mut().zip(point.to_array()) {
-            *to = from;
-        }
-        command
+        let positions = self.scenario.axis_positions(setpoint);
+        self.axes.map(|axis| positions[axis.index()])
     }
 
     /// One servo period: plugin, then drives and encoders.
-    fn exchange(&mut self, setpoint: &Setpoint, mut command: [f64; N]) -> (Output<f64, f64, N>, u64) {
+    fn exchange(&mut self, setpoint: &Setpoint, mut command: [f64; N]) -> Exchanged<N> {
         let mut disturbed = self.to_plant(&command);
         self.plant.disturb_command(&mut disturbed);
         self.take_from_plant(&disturbed, &mut command);
@@ -268,16 +322,19 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             reset: false,
         };
         let reference = self.path.reference(setpoint.move_index, setpoint.u, &mut self.span);
-        let path = Path::new(&self.path.spans, 0, false);
+        let (path, tool_path) = (self.path.view(), self.path.tool_view());
         let start = Instant::now();
-        let output = self.servo.step(&mut self.state, &input, &path, reference);
+        let (output, orientation) = match &self.kinematics {
+            Some(kinematics) => self.servo.step_with_tool(&mut self.state, &input, &tool_path, reference, kinematics),
+            None => (self.servo.step(&mut self.state, &input, &path, reference), OrientationError::none()),
+        };
         let nanoseconds = start.elapsed().as_nanos() as u64;
         let readings = self.plant.cycle(&self.to_plant(&output.drive));
         let mut feedback = self.feedback;
         self.take_from_plant(&readings.position, &mut feedback);
         self.feedback = feedback;
         self.elapsed_periods = readings.elapsed_periods;
-        (output, nanoseconds)
+        Exchanged { output, orientation, nanoseconds }
     }
 
     /// Positions in the step's order as the plant counts them: by the machine's list of axes.
@@ -299,17 +356,22 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
 
     fn cycle(&mut self, setpoint: &Setpoint, cycle: u64, trace: Option<&mut Trace>) {
         let command = self.command(setpoint);
-        let (output, nanoseconds) = self.exchange(setpoint, command);
+        let Exchanged { output, orientation, nanoseconds } = self.exchange(setpoint, command);
         self.run.latency.record(nanoseconds);
-        let tip = DVec3::from(self.plant.true_tip());
-        let place = (setpoint.move_index, setpoint.u);
-        let deviation = 1e3 * truth::deviation(&self.scenario.program, self.origin, place, tip);
+        let measured = self.measure(setpoint);
+        let deviation = 1e3 * measured.tip;
+        let orientation_urad = 1e6 * measured.angle;
         let step = &self.scenario.program.moves[setpoint.move_index];
         let cutting = !step.rapid;
         if cutting && self.stopped_for == 0 {
-            self.squares += deviation.length_squared();
-            self.cutting += 1;
-            self.run.error.max_um = self.run.error.max_um.max(deviation.length());
+            self.error.add(deviation.length());
+            self.orientation.add(orientation_urad);
+            if output.record.tip.is_measured() {
+                self.estimated.add(1e3 * output.record.tip.error);
+            }
+            if orientation.is_measured() {
+                self.estimated_orientation.add(1e6 * orientation.angle);
+            }
         }
         if output.record.limited != 0 {
             self.run.limited_cycles += 1;
@@ -322,8 +384,11 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let correction = &output.record.correction;
         let sample = Sample {
             length_mm: setpoint.length,
-            nominal_mm: (DVec3::from(setpoint.position) + self.origin).to_array(),
+            nominal_mm: measured.nominal.to_array(),
             deviation_um: deviation.as_vec3().to_array(),
+            orientation_urad: orientation_urad as f32,
+            estimated_orientation_urad: (orientation.angle * 1e6) as f32,
+            rotary_deg: setpoint.rotary.map(|q| q as f32),
             correction_um: [correction[0], correction[1], correction[2]].map(|c| (c * 1e3) as f32),
             estimated_um: (output.record.tip.error * 1e3) as f32,
             cutting,
@@ -332,6 +397,26 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             trace.row(cycle as f64 * self.scenario.period_s(), step.line, &sample, &output);
         }
         self.run.samples.push(sample);
+    }
+
+    /// The truth: three-axis programs in machine coordinates, the others in workpiece coordinates with the direction.
+    fn measure(&self, setpoint: &Setpoint) -> Measured {
+        let place = (setpoint.move_index, setpoint.u);
+        let program = &self.scenario.program;
+        let step = program.moves.get(setpoint.move_index);
+        if let (true, Some(step)) = (self.scenario.five_axis, step) {
+            let pose = self.plant.true_pose();
+            let actual = Place { tip: DVec3::from(pose.tip_mm), direction: DVec3::from(pose.direction) };
+            let placement = &self.scenario.placement;
+            let found = truth::pose::deviation(program, placement, place, &actual);
+            return Measured { tip: found.tip, angle: found.angle, nominal: placement.place(step, setpoint.u).tip };
+        }
+        let tip = DVec3::from(self.plant.true_tip());
+        Measured {
+            tip: truth::deviation(program, self.origin, place, tip),
+            angle: 0.0,
+            nominal: DVec3::from(setpoint.position) + self.origin,
+        }
     }
 
     fn note_fault(&mut self, output: &Output<f64, f64, N>, cycle: u64, line: u32) {
@@ -349,9 +434,12 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     }
 
     fn finish(mut self, pace: Option<PaceReport>) -> Run {
-        if self.cutting > 0 {
-            self.run.error.rms_um = (self.squares / self.cutting as f64).sqrt();
-        }
+        let lengths = |tally: &Tally| ErrorSize { max_um: tally.max, rms_um: tally.rms() };
+        let angles = |tally: &Tally| AngleSize { max_urad: tally.max, rms_urad: tally.rms() };
+        self.run.error = lengths(&self.error);
+        self.run.orientation = angles(&self.orientation);
+        self.run.estimated = lengths(&self.estimated);
+        self.run.estimated_orientation = angles(&self.estimated_orientation);
         self.run.pace = pace;
         self.run
     }

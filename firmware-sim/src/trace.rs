@@ -19,7 +19,8 @@ pub struct Trace {
 
 const HEADER: &str = "time_s,line,command_x_mm,command_y_mm,command_z_mm,drive_x_mm,drive_y_mm,drive_z_mm,\
 feedback_x_mm,feedback_y_mm,feedback_z_mm,correction_x_um,correction_y_um,correction_z_um,true_error_um,\
-true_error_x_um,true_error_y_um,true_error_z_um,estimated_error_um,encoder_error_um,lag_um,fault,status,limited,at_edge";
+true_error_x_um,true_error_y_um,true_error_z_um,estimated_error_um,encoder_error_um,lag_um,fault,status,limited,at_edge,\
+a_deg,b_deg,c_deg,true_orientation_urad,estimated_orientation_urad";
 
 impl Trace {
     /// Creates the file and writes its header.
@@ -44,11 +45,13 @@ impl Trace {
         let r = &output.record;
         let [dx, dy, dz] = sample.deviation_um;
         let [cx, cy, cz] = sample.correction_um;
+        let [a, b, c] = sample.rotary_deg;
         let size = (dx * dx + dy * dy + dz * dz).sqrt();
         let result = writeln!(
             self.file,
             "{time_s:.7},{line},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{cx:.5},{cy:.5},{cz:.5},\
-             {size:.5},{dx:.5},{dy:.5},{dz:.5},{:.5},{:.5},{:.5},{},{},{},{}",
+             {size:.5},{dx:.5},{dy:.5},{dz:.5},{:.5},{:.5},{:.5},{},{},{},{},\
+             {a:.4},{b:.4},{c:.4},{:.4},{:.4}",
             r.command[0],
             r.command[1],
             r.command[2],
@@ -65,6 +68,8 @@ impl Trace {
             r.status.0,
             r.limited,
             r.at_edge,
+            sample.orientation_urad,
+            sample.estimated_orientation_urad,
         );
         self.failure = result.err();
     }

@@ -15,7 +15,7 @@ fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 fn ceiling(element: &Move, settings: &MotionSettings) -> f64 {
-    (if element.rapid { settings.rapid_mm_per_min } else { element.feed_mm_per_min }) / 60.0
+    (if element.rapid { settings.rapid_mm_per_min } else { element.feed_per_min }) / 60.0
 }
 
 /// Every limit, at every cycle. Returns the largest normal acceleration seen.
@@ -187,7 +187,7 @@ fn settings_out_of_range_are_refused() {
         let error = Motion::plan(&program, settings).unwrap_err();
         assert!(matches!(error, MotionError::Setting { setting, .. } if setting == field), "{error}");
     }
-    let empty = Program { name: String::new(), moves: Vec::new(), notes: Vec::new() };
+    let empty = Program { name: String::new(), moves: Vec::new(), notes: Vec::new(), first: Default::default() };
     assert_eq!(Motion::plan(&empty, good).unwrap_err(), MotionError::Empty);
     // Seventeen hours in one move.
     let slow = self::program("F1 G1 X1000");

@@ -37,7 +37,7 @@ fn lines_feeds_units_and_distance_modes() {
     let mut start = [0.0; 3];
     assert_eq!(program.moves.len(), expected.len());
     for (found, (line, rapid, feed, end)) in program.moves.iter().zip(expected) {
-        assert_eq!((found.line, found.rapid, found.feed_mm_per_min), (line, rapid, feed));
+        assert_eq!((found.line, found.rapid, found.feed_per_min), (line, rapid, feed));
         assert_eq!(found.curve, Curve::Line { start, end });
         assert_eq!(found.plane_normal, [0.0, 0.0, 1.0]);
         start = end;
@@ -273,7 +273,7 @@ fn refusals_name_line_and_word() {
         ("G0 X--1", 1, "X", "number"),
         ("G0 X2000000", 1, "X2000000", "within"),
         ("G0 X.", 1, ".", ""),
-        ("G0 A10", 1, "A10", "dialect"),
+        ("A10", 1, "A10", "motion word"),
         ("G0 X1 Q3", 1, "Q3", "dialect"),
         ("G0 X1 P3", 1, "P3", "G64"),
         ("G0 X1 R3", 1, "R3", "G2 or G3"),

@@ -1,6 +1,6 @@
 //! Parameter of a curve at arc length, as a table for the servo cycle.
 
-use crate::program::Curve;
+use crate::program::{Curve, Move};
 
 /// Largest distance in mm along the curve between the table's point and the exact one, tested at three points of each
 /// interval.
@@ -34,6 +34,21 @@ impl ArcLength {
             table.add(curve, piece[0], piece[1], DEEPEST_HALVING);
         }
         table
+    }
+
+    /// Along a move: in proportion to the parameter where the move is measured in degrees.
+    pub(super) fn of(element: &Move) -> ArcLength {
+        if !element.in_degrees() {
+            return ArcLength::new(&element.curve);
+        }
+        let ((first, last), length) = (element.curve.domain(), element.length());
+        let slope = (last - first) / length;
+        ArcLength {
+            nodes: vec![
+                Node { s: 0.0, u: first, after: slope, before: 0.0 },
+                Node { s: length, u: last, after: 0.0, before: slope },
+            ],
+        }
     }
 
     pub(super) fn length(&self) -> f64 {

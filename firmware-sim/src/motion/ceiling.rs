@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::MotionSettings;
+use crate::placement::Placement;
 use crate::program::{Curve, Move};
 
 /// Ratio of neighbouring speed levels on curves of changing curvature. Finer levels follow the curvature more closely,
@@ -26,12 +27,23 @@ pub(super) struct Section {
     pub(super) end_limit: f64,
 }
 
+/// Largest angle of the rotary axes between two looks at the axes' speeds, degrees, and most looks in one move.
+const LOOK_EVERY_DEG: f64 = 2.0;
+const MOST_LOOKS: f64 = 64.0;
+
 /// Appends the sections of one move of the given length (mm).
 ///
 /// v = min(feed, √(a_n ρ)), ρ the radius of curvature. On a NURBS it is taken at samples, each interval gets the lower
-/// of its ends, rounded down to a level feed / 1.25^n, and intervals of one level are one section.
-pub(super) fn add_sections(element: &Move, length: f64, settings: &MotionSettings, sections: &mut Vec<Section>) {
-    let feed = if element.rapid { settings.rapid_mm_per_min } else { element.feed_mm_per_min } / 60.0;
+/// of its ends, rounded down to a level feed / 1.25^n, and intervals of one level are one section. The same is done
+/// where rotary axes turn, with the speeds that the axes themselves permit.
+pub(super) fn add_sections(
+    element: &Move,
+    length: f64,
+    settings: &MotionSettings,
+    machine: Option<&Placement>,
+    sections: &mut Vec<Section>,
+) {
+    let feed = if element.rapid { settings.rapid_mm_per_min } else { element.planned_feed_per_min() } / 60.0;
     let limit = |u: f64| {
         let curvature = element.curve.curvature(u);
         (settings.normal_acceleration / curvature).sqrt().max(SLOWEST.min(feed)).min(feed)
@@ -41,6 +53,26 @@ pub(super) fn add_sections(element: &Move, length: f64, settings: &MotionSetting
         Some(section) if section.ceiling == ceiling => section.length += length,
         _ => sections.push(Section { length, ceiling, end_limit: f64::INFINITY }),
     };
+    let level = |lowest: f64| {
+        let level = ((feed / lowest).ln() / LEVEL_RATIO.ln() - 1.0e-9).ceil().max(0.0);
+        feed / LEVEL_RATIO.powf(level)
+    };
+    if let Some(machine) = machine
+        && element.turn.angle() > 0.0
+    {
+        let (first, last) = element.curve.domain();
+        let looks = (element.turn.angle() / LOOK_EVERY_DEG).clamp(1.0, MOST_LOOKS).ceil();
+        let step = (last - first) / looks;
+        let permitted = |u: f64| {
+            let across = if element.curve.length() > 0.0 && !element.in_degrees() { limit(u) } else { feed };
+            across.min(axes_speed(element, machine, settings, u)).max(SLOWEST.min(feed))
+        };
+        for i in 0..looks as u32 {
+            let a = first + f64::from(i) * step;
+            add(length / looks, level(permitted(a).min(permitted(a + 0.5 * step)).min(permitted(a + step))));
+        }
+        return;
+    }
     match &element.curve {
         Curve::Line { .. } => add(length, feed),
         // The curvature of an arc or helix changes by the permitted mismatch of its radii only.
@@ -53,12 +85,31 @@ pub(super) fn add_sections(element: &Move, length: f64, settings: &MotionSetting
                     let a = piece[0] + f64::from(i) * step;
                     let b = if i + 1 == SAMPLES { piece[1] } else { a + step };
                     let lowest = limit(a).min(limit(0.5 * (a + b))).min(limit(b - inside));
-                    let level = ((feed / lowest).ln() / LEVEL_RATIO.ln() - 1.0e-9).ceil().max(0.0);
-                    add(element.curve.length_between(a, b), feed / LEVEL_RATIO.powf(level));
+                    add(element.curve.length_between(a, b), level(lowest));
                 }
             }
         }
     }
+}
+
+/// Speed along a turning move at which no axis is faster than its highest feed, and X, Y, Z, following the tool centre
+/// point, accelerate across by no more than is permitted.
+fn axes_speed(element: &Move, machine: &Placement, settings: &MotionSettings, u: f64) -> f64 {
+    let rates = machine.rates(element, u);
+    let own = rates.linear.to_array().into_iter().chain(rates.rotary.to_array());
+    let speeds = own.zip(machine.max_feed_per_s()).map(|(rate, feed)| feed / rate.abs());
+    speeds.fold((settings.normal_acceleration / rates.bend.length()).sqrt(), f64::min)
+}
+
+/// [`corner_speed`] by the axes: neither the velocity of X, Y, Z (mm/s) nor that of A, B, C (deg/s) steps by more.
+pub(super) fn corner_speed_of_axes(before: &Move, after: &Move, machine: &Placement, step_per_s: f64) -> f64 {
+    let (leaving, entering) =
+        (machine.rates(before, before.curve.domain().1), machine.rates(after, after.curve.domain().0));
+    if leaving.linear.dot(entering.linear) + leaving.rotary.dot(entering.rotary) < -1.0e-9 {
+        return 0.0;
+    }
+    let change = (entering.linear - leaving.linear).length().max((entering.rotary - leaving.rotary).length());
+    if change > 0.0 { step_per_s / change } else { f64::INFINITY }
 }
 
 /// Highest speed from one move to the next: the step of the velocity vector v |t₁ − t₀| stays within the permitted

@@ -4,7 +4,8 @@
 //! reaches its limit. Between moves the speed is low enough that the velocity vector steps by no more than a permitted
 //! amount. Backward and forward passes make the speeds at the section ends reachable, and each section becomes a
 //! time-optimal jerk-limited profile between them, without acceleration at its ends. The limits of acceleration and
-//! jerk hold along the path; across it, the normal acceleration.
+//! jerk hold along the path; across it, the normal acceleration. A move of rotary axes only is as long as it has degrees, and
+//! every mm reads degree there.
 
 mod arc_length;
 mod ceiling;
@@ -14,6 +15,7 @@ mod setpoints;
 use arc_length::ArcLength;
 use profile::Phase;
 
+use crate::placement::Placement;
 use crate::program::Program;
 
 pub use setpoints::{Setpoint, Setpoints};
@@ -100,19 +102,41 @@ pub struct Motion<'p> {
 }
 
 impl<'p> Motion<'p> {
-    /// Plans the whole program.
+    /// Plans the whole program without regard to the machine: programmed feeds, curvature and corners.
     pub fn plan(program: &'p Program, settings: MotionSettings) -> Result<Motion<'p>, MotionError> {
+        Motion::plan_with(program, settings, None)
+    }
+
+    /// Plans the whole program for a machine: where rotary axes turn or the tool centre point is programmed, the speeds and
+    /// corners of the axes themselves count too. A program of X, Y, Z alone gets the same motion as from [`Motion::plan`].
+    pub fn plan_on(
+        program: &'p Program,
+        settings: MotionSettings,
+        machine: &Placement,
+    ) -> Result<Motion<'p>, MotionError> {
+        Motion::plan_with(program, settings, Some(machine))
+    }
+
+    fn plan_with(
+        program: &'p Program,
+        settings: MotionSettings,
+        machine: Option<&Placement>,
+    ) -> Result<Motion<'p>, MotionError> {
         settings.check()?;
-        let tables: Vec<ArcLength> = program.moves.iter().map(|m| ArcLength::new(&m.curve)).collect();
+        let tables: Vec<ArcLength> = program.moves.iter().map(ArcLength::of).collect();
         let mut starts = Vec::with_capacity(tables.len());
         let mut sections = Vec::new();
         let mut length = 0.0;
         for (i, (element, table)) in program.moves.iter().zip(&tables).enumerate() {
             starts.push(length);
             length += table.length();
-            ceiling::add_sections(element, table.length(), &settings, &mut sections);
+            ceiling::add_sections(element, table.length(), &settings, machine, &mut sections);
             if let (Some(next), Some(section)) = (program.moves.get(i + 1), sections.last_mut()) {
-                section.end_limit = ceiling::corner_speed(&element.curve, &next.curve, settings.junction_mm_per_s);
+                let step = settings.junction_mm_per_s;
+                section.end_limit = match machine.filter(|_| element.is_five_axis() || next.is_five_axis()) {
+                    Some(machine) => ceiling::corner_speed_of_axes(element, next, machine, step),
+                    None => ceiling::corner_speed(&element.curve, &next.curve, step),
+                };
             }
         }
         if sections.is_empty() {
@@ -139,7 +163,7 @@ impl<'p> Motion<'p> {
         self.cycles
     }
 
-    /// Length of the path, mm.
+    /// Length of the path, mm; in moves measured in degrees ([`Move::in_degrees`](crate::program::Move)), degrees.
     pub fn length(&self) -> f64 {
         self.length
     }

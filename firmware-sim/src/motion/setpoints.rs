@@ -7,15 +7,17 @@ use super::Motion;
 pub struct Setpoint {
     /// C(u) of the move, mm.
     pub position: [f64; 3],
-    /// `feed` times the unit tangent, mm/s.
+    /// A, B, C, degrees.
+    pub rotary: [f64; 3],
+    /// `feed` times the unit tangent, mm/s; zero in moves measured in degrees.
     pub velocity: [f64; 3],
     /// Index into [`Program::moves`](crate::program::Program).
     pub move_index: usize,
     /// Parameter on the curve of that move.
     pub u: f64,
-    /// Arc length from the beginning of the program, mm.
+    /// Arc length from the beginning of the program, mm (degrees in moves measured in them).
     pub length: f64,
-    /// Speed along the path, mm/s.
+    /// Speed along the path, mm/s (deg/s).
     pub feed: f64,
 }
 
@@ -67,13 +69,16 @@ impl Iterator for Setpoints<'_> {
             self.element += 1;
             self.node = 0;
         }
-        let curve = &motion.program.moves.get(self.element)?.curve;
+        let element = motion.program.moves.get(self.element)?;
+        let curve = &element.curve;
         let along = (length - motion.starts[self.element]).max(0.0);
         let u = motion.tables[self.element].parameter(along, &mut self.node);
         let (position, first, _) = curve.vectors(u);
-        let velocity = feed * first.try_normalize().unwrap_or_default();
+        let along = if element.in_degrees() { 0.0 } else { feed };
+        let velocity = along * first.try_normalize().unwrap_or_default();
         Some(Setpoint {
             position: position.into(),
+            rotary: element.rotary(u),
             velocity: velocity.into(),
             move_index: self.element,
             u,

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{Program, ProgramError};
 
 /// Names for [`Program::builtin`], the default one first.
-pub const BUILTIN_NAMES: [&str; 3] = ["circle-diamond-square", "butterfly", "pocket-3d"];
+pub const BUILTIN_NAMES: [&str; 4] = ["circle-diamond-square", "butterfly", "pocket-3d", "cone-5axis"];
 
 impl Program {
     /// Reads a shipped program; `None` if there is none of that name (see [`BUILTIN_NAMES`]).
@@ -14,6 +14,7 @@ impl Program {
             "circle-diamond-square" => include_str!("../../programs/circle-diamond-square.ngc"),
             "butterfly" => include_str!("../../programs/butterfly.ngc"),
             "pocket-3d" => include_str!("../../programs/pocket-3d.ngc"),
+            "cone-5axis" => include_str!("../../programs/cone-5axis.ngc"),
             _ => return None,
         };
         Some(Program::parse(name, text, Path::new(&format!("{name}.ngc"))))

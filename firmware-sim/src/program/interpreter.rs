@@ -5,7 +5,7 @@ use super::curve::Curve;
 use super::error::Refusal;
 use super::nurbs_block::NurbsBlock;
 use super::words::{Block, Word};
-use super::{Move, Note};
+use super::{FirstWords, Move, Note, ROTARY_LETTERS, Turn};
 
 const MM_PER_INCH: f64 = 25.4;
 
@@ -29,6 +29,8 @@ struct Sorted {
     /// Taken by a G or M word or a note.
     used: [bool; 26],
     motion: Option<Motion>,
+    /// G43.4 (true) or G49 (false).
+    tool_center: Option<bool>,
     ends: bool,
 }
 
@@ -46,22 +48,42 @@ impl Sorted {
     fn has(&self, letters: &str) -> bool {
         letters.chars().any(|letter| self.values[Sorted::index(letter)].is_some())
     }
+
+    /// Whether it names a place to go to.
+    fn moves(&self) -> bool {
+        self.has("XYZABC")
+    }
+}
+
+/// A feed as it was programmed.
+#[derive(Clone, Copy)]
+struct Feed {
+    /// The F word.
+    number: f64,
+    /// The same in mm, where it counts lengths.
+    mm: f64,
 }
 
 /// State between lines. The default is that of the beginning of a program.
 #[derive(Default)]
 pub(super) struct Interpreter {
     position: [f64; 3],
+    /// A, B, C, degrees.
+    rotary: [f64; 3],
+    tool_center: bool,
     plane: Plane,
     inch: bool,
     incremental: bool,
     absolute_center: bool,
     motion: Option<Motion>,
-    feed_mm_per_min: Option<f64>,
+    inverse_time: bool,
+    /// Per minute in G94 and modal; in G93 one over the minutes of the move, and of this line only.
+    feed: Option<Feed>,
     nurbs: Option<NurbsBlock>,
     ended: bool,
     moves: Vec<Move>,
     notes: Vec<Note>,
+    first: FirstWords,
 }
 
 impl Interpreter {
@@ -76,6 +98,7 @@ impl Interpreter {
         }
         let mut sorted = self.sort(block)?;
         self.set_feed(&mut sorted)?;
+        self.set_tool_center(&mut sorted)?;
         self.execute(&mut sorted)?;
         for (letter, (value, used)) in ('A'..='Z').zip(sorted.values.iter().zip(sorted.used)) {
             if let (Some(value), false) = (value, used) {
@@ -84,7 +107,9 @@ impl Interpreter {
                     'I' | 'J' | 'K' | 'R' => "I, J, K, R only with G2 or G3",
                     'L' => "L only with G5.2",
                     'X' | 'Y' | 'Z' => "a motion word (G0, G1, G2, G3, G5.2) before axis words",
-                    _ => "a word of the supported dialect (G M X Y Z I J K R P L F N S T)",
+                    'A' | 'B' | 'C' => "a motion word (G0, G1, G2, G3) before rotary words",
+                    'H' => "H only with G43.4",
+                    _ => "a word of the supported dialect (G M X Y Z A B C I J K R P L F H N S T)",
                 };
                 return Err(Refusal::new(block.line, format!("`{letter}{value}`"), needed));
             }
@@ -93,11 +118,11 @@ impl Interpreter {
         Ok(())
     }
 
-    /// The moves and notes of a program whose last line was `last`.
-    pub(super) fn finish(self, last: u32) -> Result<(Vec<Move>, Vec<Note>), Refusal> {
+    /// The moves and notes of a program whose last line was `last`, and where it first needs more than X, Y and Z.
+    pub(super) fn finish(self, last: u32) -> Result<(Vec<Move>, Vec<Note>, FirstWords), Refusal> {
         match self.nurbs {
             Some(nurbs) => Err(Refusal::new(last, format!("the end in the NURBS of line {}", nurbs.line), "G5.3")),
-            None => Ok((self.moves, self.notes)),
+            None => Ok((self.moves, self.notes, self.first)),
         }
     }
 
@@ -163,15 +188,16 @@ impl Interpreter {
             170 | 180 | 190 => 2,
             900 | 910 => 3,
             901 | 911 => 4,
-            940 => 5,
+            930 | 940 => 5,
             200 | 210 => 6,
             400 => 7,
-            490 => 8,
+            434 | 490 => 8,
             540 => 12,
             610 | 611 | 640 => 13,
             _ => {
                 return refuse(
-                    "G0 G1 G2 G3 G5.2 G5.3 G17 G18 G19 G20 G21 G40 G49 G54 G61 G61.1 G64 G80 G90 G90.1 G91 G91.1 G94",
+                    "G0 G1 G2 G3 G5.2 G5.3 G17 G18 G19 G20 G21 G40 G43.4 G49 G54 G61 G61.1 G64 G80 G90 G90.1 G91 G91.1 G93 \
+                     G94",
                 );
             }
         };
@@ -188,7 +214,15 @@ impl Interpreter {
             910 => self.incremental = true,
             901 => self.absolute_center = true,
             911 => self.absolute_center = false,
-            940 => {}
+            930 | 940 => {
+                // A number of the other kind would be a wrong feed: F has to follow.
+                if self.inverse_time != (code == 930) {
+                    self.feed = None;
+                }
+                self.inverse_time = code == 930;
+            }
+            434 => sorted.tool_center = Some(true),
+            490 if self.tool_center => sorted.tool_center = Some(false),
             640 => {
                 let tolerance = sorted.take('P').map_or_else(String::new, |p| format!(" P{p}"));
                 self.note(sorted.line, format!("G64{tolerance}: the programmed path is followed exactly"));
@@ -224,16 +258,41 @@ impl Interpreter {
     }
 
     fn set_feed(&mut self, sorted: &mut Sorted) -> Result<(), Refusal> {
-        let Some(feed) = sorted.take('F') else { return Ok(()) };
-        if feed <= 0.0 {
-            return Err(Refusal::new(sorted.line, format!("`F{feed}`"), "a positive feed"));
+        let Some(number) = sorted.take('F') else {
+            if self.inverse_time {
+                self.feed = None;
+            }
+            return Ok(());
+        };
+        if number <= 0.0 {
+            return Err(Refusal::new(sorted.line, format!("`F{number}`"), "a positive feed"));
         }
-        self.feed_mm_per_min = Some(self.mm(feed));
+        self.feed = Some(Feed { number, mm: self.mm(number) });
         Ok(())
     }
 
-    fn required_feed(&self, line: u32) -> Result<f64, Refusal> {
-        self.feed_mm_per_min.ok_or_else(|| Refusal::new(line, "a feed motion without feed", "F before it"))
+    fn required_feed(&self, line: u32) -> Result<Feed, Refusal> {
+        let needed = if self.inverse_time { "F in every line of a feed motion in G93" } else { "F before it" };
+        self.feed.ok_or_else(|| Refusal::new(line, "a feed motion without feed", needed))
+    }
+
+    /// G43.4 and G49, before the motion of the line.
+    fn set_tool_center(&mut self, sorted: &mut Sorted) -> Result<(), Refusal> {
+        let Some(on) = sorted.tool_center else { return Ok(()) };
+        // Only there do X, Y and Z mean the same place before and after, on every machine.
+        if let Some((letter, angle)) = ROTARY_LETTERS.iter().zip(self.rotary).find(|(_, angle)| angle % 360.0 != 0.0) {
+            let word = if on { "G43.4" } else { "G49" };
+            let needed = "A, B and C at 0 (or whole turns) before G43.4 and before G49 after it";
+            return Err(Refusal::new(sorted.line, format!("{word} at {letter}{angle}"), needed));
+        }
+        self.tool_center = on;
+        if on {
+            self.first.tool_center.get_or_insert(sorted.line);
+            if let Some(number) = sorted.take('H') {
+                self.note(sorted.line, format!("H{number}: the tool's length is that of the machine file"));
+            }
+        }
+        Ok(())
     }
 
     /// The programmed value of an axis, mm and absolute.
@@ -250,23 +309,29 @@ impl Interpreter {
             }
             self.motion = Some(motion);
         }
-        let moving = sorted.has("XYZ");
+        let moving = sorted.moves();
         match self.motion {
             Some(Motion::Rapid) if moving => {
                 let curve = self.line(sorted);
-                self.push(line, true, 0.0, curve);
+                let turn = self.turn(sorted);
+                self.push(line, None, curve, turn);
             }
             Some(Motion::Feed) if moving => {
                 let feed = self.required_feed(line)?;
                 let curve = self.line(sorted);
-                self.push(line, false, feed, curve);
+                let turn = self.turn(sorted);
+                self.push(line, Some(feed), curve, turn);
             }
             Some(Motion::Arc { clockwise }) if moving || sorted.has("IJKR") || sorted.motion.is_some() => {
                 let feed = self.required_feed(line)?;
                 let curve = self.arc(sorted, clockwise)?;
-                self.push(line, false, feed, curve);
+                let turn = self.turn(sorted);
+                self.push(line, Some(feed), curve, turn);
             }
             Some(Motion::Nurbs) if moving || sorted.has("PL") || sorted.motion.is_some() => {
+                if self.inverse_time {
+                    return Err(Refusal::new(line, "a NURBS in G93", "G94"));
+                }
                 self.required_feed(line)?;
                 self.control_point(sorted)?;
             }
@@ -293,6 +358,18 @@ impl Interpreter {
         Curve::Line { start: self.position, end: self.end_point(sorted) }
     }
 
+    /// The rotary axes' way to the programmed angles.
+    fn turn(&mut self, sorted: &mut Sorted) -> Turn {
+        let mut turn = Turn { start: self.rotary, change: [0.0; 3] };
+        for (axis, letter) in ROTARY_LETTERS.into_iter().enumerate() {
+            if let Some(value) = sorted.take(letter) {
+                self.first.rotary[axis].get_or_insert(sorted.line);
+                turn.change[axis] = if self.incremental { value } else { value - self.rotary[axis] };
+            }
+        }
+        turn
+    }
+
     fn arc(&self, sorted: &mut Sorted, clockwise: bool) -> Result<Curve, Refusal> {
         ArcWords {
             line: sorted.line,
@@ -316,6 +393,9 @@ impl Interpreter {
         if sorted.has("Z") {
             return Err(Refusal::new(line, "Z within a NURBS", "X and Y only"));
         }
+        if sorted.has("ABC") {
+            return Err(Refusal::new(line, "a rotary word within a NURBS", "X and Y only"));
+        }
         // In G91 control points count from the start of the curve: the current point stays there until G5.3.
         let point =
             [sorted.take('X').map(|value| self.target(0, value)), sorted.take('Y').map(|value| self.target(1, value))];
@@ -335,21 +415,36 @@ impl Interpreter {
         };
         let feed = self.required_feed(line)?;
         let curve = nurbs.curve(line)?;
-        self.push(line, false, feed, curve);
+        self.push(line, Some(feed), curve, Turn { start: self.rotary, change: [0.0; 3] });
         Ok(())
     }
 
-    /// Appends a move and goes to its end; one without length leaves a note instead.
-    fn push(&mut self, line: u32, rapid: bool, feed_mm_per_min: f64, curve: Curve) {
+    /// Appends a move and goes to its end; one without length leaves a note instead. Without `feed` it is a rapid.
+    fn push(&mut self, line: u32, feed: Option<Feed>, curve: Curve, turn: Turn) {
         let (end, length) = match &curve {
             Curve::Line { end, .. } | Curve::Arc { end, .. } => (*end, curve.length()),
             Curve::Nurbs { points, .. } => (points.last().copied().unwrap_or_default(), curve.length()),
         };
         self.position = end;
-        if length > 0.0 {
-            self.moves.push(Move { line, rapid, feed_mm_per_min, plane_normal: self.plane.normal(), curve });
-        } else {
+        self.rotary = turn.end();
+        let angle = turn.angle();
+        if length <= 0.0 && angle <= 0.0 {
             self.note(line, "a move without length");
+            return;
         }
+        let feed_per_min = feed.map_or(0.0, |feed| match (self.inverse_time, length > 0.0) {
+            (true, along) => feed.number * if along { length } else { angle },
+            (false, true) => feed.mm,
+            (false, false) => feed.number,
+        });
+        self.moves.push(Move {
+            line,
+            rapid: feed.is_none(),
+            feed_per_min,
+            plane_normal: self.plane.normal(),
+            curve,
+            turn,
+            tool_center: self.tool_center,
+        });
     }
 }

@@ -20,6 +20,7 @@ mod figure;
 pub mod grinding;
 mod latency;
 mod number;
+mod orientation;
 mod path;
 mod summary;
 
@@ -28,8 +29,8 @@ pub use decimate::decimate;
 use crate::latency::{LatencyBucket, LatencySummary};
 
 /// The sections below the summary, in the order of the page.
-const SECTIONS: [fn(&Report) -> Option<Section>; 4] =
-    [path::section, contour::section, correction::section, latency::section];
+const SECTIONS: [fn(&Report) -> Option<Section>; 5] =
+    [path::section, contour::section, orientation::section, correction::section, latency::section];
 
 const STYLE: &str = include_str!("style.css");
 
@@ -52,6 +53,8 @@ pub struct Report {
     pub contour_error: ContourErrors,
     /// Contour error over the path.
     pub contour: ContourSeries,
+    /// Tool direction over the path; empty for a program of X, Y, Z alone.
+    pub orientation: OrientationSeries,
     /// The programmed path and the tip's deviations from it, in path order.
     pub path: Vec<PathPoint>,
     /// Correction and limits of each axis.
@@ -73,6 +76,15 @@ pub struct ErrorSize {
     pub max_um: f64,
     /// Root mean square in µm.
     pub rms_um: f64,
+}
+
+/// Size of an angle over a run, in µrad.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct AngleSize {
+    /// Largest in µrad.
+    pub max_urad: f64,
+    /// Root mean square in µrad.
+    pub rms_urad: f64,
 }
 
 /// Contour error of the true tool tip against the programmed path, in three runs with the same servo and seed.
@@ -99,6 +111,19 @@ pub struct ContourSeries {
     pub breaks: Vec<f64>,
     /// Where each program line begins: path length in mm and line number.
     pub program_lines: Vec<(f64, u32)>,
+}
+
+/// Tool direction over the path; first the path length in mm.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct OrientationSeries {
+    /// Angle from the programmed direction, machine with its geometric errors, compensation off, µrad.
+    pub uncompensated: Vec<[f64; 2]>,
+    /// The same machine, compensation on.
+    pub compensated: Vec<[f64; 2]>,
+    /// A geometrically perfect machine.
+    pub servo_only: Vec<[f64; 2]>,
+    /// Rotary axes by name: commanded position in degrees.
+    pub rotary: Vec<(String, Vec<[f64; 2]>)>,
 }
 
 /// A point of the programmed path and how far the true tip was from it, actual − foot point.

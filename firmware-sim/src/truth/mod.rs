@@ -1,7 +1,9 @@
 //! The true contour error: distance of a point from the programmed path, found without the plugin.
 //!
 //! Straight projections on lines and circles, Newton steps with a sampled start on everything else, on the program's own
-//! curves. Slow and plain: it is what the plugin's search is judged by.
+//! curves. Slow and plain: it is what the plugin's search is judged by. Programs with rotary axes: [`pose`].
+
+pub mod pose;
 
 use crate::program::{Curve, Program};
 use glam::DVec3;
