@@ -9,6 +9,7 @@ use trueaxis::contour::ContourError;
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
 use trueaxis_benches::gauge::Gauge;
+use trueaxis_benches::kinematics::Pose;
 use trueaxis_benches::limiter::Limits;
 use trueaxis_benches::step::{self, Cycle};
 use trueaxis_benches::tables::{Grid, nine_terms as nine_terms_of, position};
@@ -136,6 +137,26 @@ fn gauge_transform(gauge: &'static mut Gauge) -> bool {
     black_box(gauge.transform())
 }
 
+fn with_pose(way: fn(&Pose)) -> (&'static Pose, fn(&Pose)) {
+    (leak(Pose::trunnion()), way)
+}
+
+fn forward(pose: &Pose) {
+    black_box(pose.forward());
+}
+
+// Both branches, and the nearer one.
+fn inverse(pose: &Pose) {
+    black_box(pose.inverse()).expect("a pose within reach");
+}
+
+#[library_benchmark(setup = with_pose)]
+#[bench::forward(forward)]
+#[bench::inverse(inverse)]
+fn kinematics((pose, way): (&'static Pose, fn(&Pose))) {
+    way(pose);
+}
+
 library_benchmark_group!(
     name = counts,
     benchmarks = [
@@ -148,7 +169,8 @@ library_benchmark_group!(
         limiter,
         whole_step,
         gauge_sampling,
-        gauge_transform
+        gauge_transform,
+        kinematics
     ]
 );
 main!(library_benchmark_groups = counts);

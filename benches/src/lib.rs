@@ -2,6 +2,7 @@
 
 pub mod contour;
 pub mod gauge;
+pub mod kinematics;
 pub mod limiter;
 pub mod step;
 pub mod tables;

@@ -1,11 +1,11 @@
 //! The volumetric form against the plant's exact transforms: two implementations that share no code but the settings.
 
-use firmware_sim::plant::geometry::Geometry;
 use trueaxis::compensation::{Compensation, Storage, ThermalLine, carries_workpiece, step_axes};
 use trueaxis::machine::{
     AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, MachineSettings, Row, ThermalGrowth,
 };
 use trueaxis::{Axis, check};
+use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::{Machine, Table};
 
 struct Random(u64);

@@ -5,6 +5,8 @@ mod circle;
 mod compensate;
 mod contour;
 mod csv_in;
+mod helicoid;
+mod kinematics;
 mod model;
 mod output;
 mod probe_angles;
@@ -47,6 +49,12 @@ enum Command {
     /// Least-squares, minimum zone, maximum inscribed and minimum circumscribed circle of points.
     #[command(after_help = circle::HELP)]
     Circle(circle::Arguments),
+    /// Axis positions to tool and back: five-axis transformation.
+    #[command(subcommand)]
+    Kinematics(kinematics::Command),
+    /// Displacements of five axes that stand a tool normal to the flank of a helical gear, as CSV and as a program.
+    #[command(after_help = helicoid::HELP)]
+    Helicoid(Box<helicoid::Arguments>),
 }
 
 fn main() -> ExitCode {
@@ -57,6 +65,8 @@ fn main() -> ExitCode {
         Command::Roundness(arguments) => roundness::run(&arguments),
         Command::ProbeAngles(arguments) => probe_angles::run(&arguments),
         Command::Circle(arguments) => circle::run(&arguments),
+        Command::Kinematics(command) => kinematics::run(command),
+        Command::Helicoid(arguments) => helicoid::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

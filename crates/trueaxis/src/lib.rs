@@ -16,6 +16,7 @@
 //! - [`contour`]: distance of the estimated tool tip, and of the plain encoder position, from the path;
 //! - [`roundness`]: three probes on a turning workpiece, worked off in units ([`ServoLoop::step_with_gauge`]);
 //! - [`limiter`]: magnitude, slope and acceleration of the correction; nothing ever jumps;
+//! - [`kinematics`]: axis positions to the tool in workpiece coordinates, and back, for five axes;
 //! - [`telemetry`]: one fixed record per cycle.
 //!
 //! A [`Config`] is checked once and built into an immutable [`ServoLoop`]; the [`State`] is separate, so that tables
@@ -37,6 +38,8 @@ pub mod compensation;
 pub mod contour;
 pub mod error;
 pub mod exchange;
+pub mod helicoid;
+pub mod kinematics;
 pub mod limiter;
 pub mod machine;
 mod output;

@@ -1,0 +1,126 @@
+//! The structural code of a machine reduced to two turns and three shifts.
+
+use crate::check::links;
+use crate::error::{ConfigError, Field};
+use crate::machine::{Axis, MachineSettings};
+use crate::real::Real;
+use crate::vector::{About, V3};
+
+/// A second rotary axis has to turn the tool axis by more than this, rad.
+const LEAST_LEVER: f64 = 1e-3;
+
+/// A rotary axis as the workpiece sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn<R> {
+    pub(super) axis: Axis,
+    pub(super) about: About,
+    /// +1 or −1: sense in which a positive command turns the tool over the workpiece.
+    pub(super) sense: R,
+    pub(super) carries_workpiece: bool,
+    /// Travel, degrees.
+    pub(super) travel: [R; 2],
+}
+
+/// What stands between two rotary axes: a constant shift, and the linear axes (1 where the axis stands here, else 0).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Section<R> {
+    pub(super) offset: V3<R>,
+    pub(super) moves: V3<R>,
+}
+
+impl<R: Real> Section<R> {
+    /// Shift at the positions of X, Y, Z.
+    #[inline(always)]
+    pub(super) fn shift(&self, travel: V3<R>) -> V3<R> {
+        let (k, m) = (self.offset, self.moves);
+        V3::new(k.x + m.x * travel.x, k.y + m.y * travel.y, k.z + m.z * travel.z)
+    }
+}
+
+/// The chain from the workpiece to the tool: section, turn, section, turn, section.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chain<R> {
+    pub(super) turns: [Option<Turn<R>>; 2],
+    pub(super) sections: [Section<R>; 3],
+    /// Travel of X, Y, Z, mm.
+    pub(super) travel: [[R; 2]; 3],
+}
+
+impl<R: Real> Chain<R> {
+    pub(super) fn new(machine: &MachineSettings, tool_axis: [f64; 3]) -> Result<Self, ConfigError> {
+        let mut chain = Chain { turns: [None; 2], sections: [Section::default(); 3], travel: [[R::ZERO; 2]; 3] };
+        let mut offsets = [V3::<f64>::ZERO; 3];
+        let (mut linear, mut rotary) = (0, 0);
+        let links = links(&machine.chain)?;
+        for link in &links {
+            let Some(settings) = machine.axes.iter().find(|known| known.axis == link.axis) else {
+                let count = machine.axes.len() as f64;
+                return Err(ConfigError::new(Field::Axes, count, "every axis that the chain names").on(link.axis));
+            };
+            if let Some(bad) = settings.offset_mm.iter().find(|value| !value.is_finite()) {
+                return Err(ConfigError::new(Field::Offset, *bad, "finite numbers").on(link.axis));
+            }
+            let travel = settings.travel.map(R::of);
+            let offset = V3::of(settings.offset_mm);
+            // On the workpiece side the carrier lies behind the axis, and the point is carried back through it.
+            let offset = if link.carries_workpiece { -offset } else { offset };
+            let about = match link.axis {
+                Axis::X | Axis::Y | Axis::Z => {
+                    let here = if let Some(section) = chain.sections.get_mut(rotary) { section } else { continue };
+                    let component = match link.axis {
+                        Axis::X => &mut here.moves.x,
+                        Axis::Y => &mut here.moves.y,
+                        _ => &mut here.moves.z,
+                    };
+                    *component = R::ONE;
+                    if let Some(place) = chain.travel.get_mut(link.axis.index()) {
+                        *place = travel;
+                    }
+                    if let Some(sum) = offsets.get_mut(rotary) {
+                        *sum += offset;
+                    }
+                    linear += 1;
+                    continue;
+                }
+                Axis::A => About::X,
+                Axis::B => About::Y,
+                Axis::C => About::Z,
+            };
+            let direction = f64::from(settings.direction);
+            if direction.abs() != 1.0 {
+                return Err(ConfigError::new(Field::Direction, direction, "1 or -1").on(link.axis));
+            }
+            let Some(turn) = chain.turns.get_mut(rotary) else {
+                return Err(ConfigError::new(Field::Chain, 3.0, "at most two rotary axes").on(link.axis));
+            };
+            let sense = R::of(if link.carries_workpiece { -direction } else { direction });
+            *turn = Some(Turn { axis: link.axis, about, sense, carries_workpiece: link.carries_workpiece, travel });
+            // p = Rot⁻¹(p − o) on the workpiece side: the offset lies behind the turn; Rot(p) + o on the tool side: before.
+            let place = if link.carries_workpiece { rotary + 1 } else { rotary };
+            if let Some(sum) = offsets.get_mut(place) {
+                *sum += offset;
+            }
+            rotary += 1;
+        }
+        if linear < 3 {
+            let needed = "X, Y and Z in the chain: the tip is kept in its place by three linear axes";
+            return Err(ConfigError::new(Field::Chain, f64::from(linear), needed));
+        }
+        if let [_, Some(second)] = chain.turns {
+            let [x, y, z] = tool_axis;
+            let lever = match second.about {
+                About::X => y * y + z * z,
+                About::Y => x * x + z * z,
+                About::Z => x * x + y * y,
+            };
+            if lever < LEAST_LEVER * LEAST_LEVER {
+                let needed = "a tool_axis that the rotary axis nearest the tool can turn, not one along it";
+                return Err(ConfigError::new(Field::Kinematics, libm::sqrt(lever), needed).on(second.axis));
+            }
+        }
+        for (section, offset) in chain.sections.iter_mut().zip(offsets) {
+            section.offset = V3::of(offset.array());
+        }
+        Ok(chain)
+    }
+}

@@ -1,0 +1,104 @@
+//! Why a tool has no axis positions.
+
+use super::Branch;
+use crate::machine::Axis;
+use core::fmt;
+
+/// Why an inverse was refused, with the figures; mm and degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum InverseError {
+    /// The tip has a coordinate that is infinite or no number.
+    TipNotFinite,
+    /// The tool axis is no unit vector (1e-3).
+    NotADirection {
+        /// Its length.
+        length: f64,
+    },
+    /// No rotary axis can turn the tool there.
+    Unreachable {
+        /// Angle to the nearest direction within reach.
+        by_deg: f64,
+    },
+    /// The tool is within the singular cone.
+    SingularPose {
+        /// Distance from the singular pose.
+        margin_deg: f64,
+        /// The cone.
+        cone_deg: f64,
+    },
+    /// The rotary axes stand so that the linear ones between them no longer span space.
+    LinearAxes {
+        /// Volume of the three unit directions of travel.
+        volume: f64,
+    },
+    /// Every solution leaves the travel of an axis.
+    OutsideTravel {
+        /// The axis.
+        axis: Axis,
+        /// Where it would have to stand.
+        found: f64,
+        /// Low end of its travel.
+        low: f64,
+        /// High end.
+        high: f64,
+    },
+    /// There is only one solution where the other branch was asked for.
+    OneBranch,
+    /// The path goes on continuously only on the other branch.
+    BranchChange {
+        /// The branch that the path was on.
+        from: Branch,
+        /// The rotary step that staying on it would take; infinite where it leaves the travel.
+        step_deg: f64,
+        /// Largest permitted step.
+        limit_deg: f64,
+    },
+    /// A rotary axis would have to step too far.
+    TooFast {
+        /// The axis.
+        axis: Axis,
+        /// Its step.
+        step_deg: f64,
+        /// Largest permitted step.
+        limit_deg: f64,
+    },
+}
+
+impl fmt::Display for InverseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            InverseError::TipNotFinite => write!(f, "found a tip that is not finite, needed numbers"),
+            InverseError::NotADirection { length } => {
+                write!(f, "found a tool axis of length {length}, needed a unit vector within 1e-3")
+            }
+            InverseError::Unreachable { by_deg } => {
+                write!(f, "found a tool axis {by_deg} degrees beyond reach, needed one that the rotary axes can reach")
+            }
+            InverseError::SingularPose { margin_deg, cone_deg } => {
+                write!(f, "found a tool axis {margin_deg} degrees from the singular pose, needed at least {cone_deg}")
+            }
+            InverseError::LinearAxes { volume } => {
+                write!(
+                    f,
+                    "found directions of travel that span a volume of {volume}, needed linear axes that span space"
+                )
+            }
+            InverseError::OutsideTravel { axis, found, low, high } => {
+                write!(f, "axis {}: found {found}, needed the travel, {low} to {high}", axis.letter())
+            }
+            InverseError::OneBranch => write!(f, "found one solution, needed a machine with two branches"),
+            InverseError::BranchChange { from, step_deg, limit_deg } => write!(
+                f,
+                "found a path that leaves branch {} (a step of {step_deg} degrees on it), needed steps of at most {limit_deg}",
+                from as u8
+            ),
+            InverseError::TooFast { axis, step_deg, limit_deg } => {
+                write!(f, "axis {}: found a step of {step_deg} degrees, needed at most {limit_deg}", axis.letter())
+            }
+        }
+    }
+}
+
+impl core::error::Error for InverseError {}

@@ -1,0 +1,209 @@
+//! From axis positions to the tool in workpiece coordinates, and back.
+//!
+//! With the structural code read from the workpiece to the tool, and the offsets of all carriages between two rotary
+//! axes added up, every machine with up to two rotary axes is
+//!
+//! ```text
+//! p_w = k0 + L0 + Rot(n1, s1 q1) · (k1 + L1 + Rot(n2, s2 q2) · (k2 + L2 + tool))
+//! t_w =           Rot(n1, s1 q1) ·            Rot(n2, s2 q2) · t0
+//! ```
+//!
+//! n1 is the rotary axis nearest the workpiece *in the code*, whichever side of the bed it stands on; L0, L1, L2 are the
+//! positions of the linear axes that stand before, between and behind the rotary ones; k their offsets. A positive
+//! command moves the tool along +n over the workpiece on both sides. s is the axis' `direction` on the tool side and
+//! its opposite on the workpiece side, where the carriage turns and the workpiece sees the tool turn the other way.
+//!
+//! Positions are six numbers in the order X Y Z A B C, mm and degrees; axes that the machine does not have are ignored.
+//! Everything is bounded, allocates nothing and calls no transcendental function of a library.
+//!
+//! Source: ISO 10791-6:2014 (structural code).
+
+#![deny(clippy::indexing_slicing)]
+
+mod chain;
+mod error;
+mod follow;
+mod inverse;
+
+pub use error::InverseError;
+pub use follow::Follow;
+pub use inverse::{Branch, Choice, Solution, Solutions};
+
+use crate::compensation::trig::{atan2, cos_sin_deg};
+use crate::error::{ConfigError, Field};
+use crate::machine::{AXES, Axis, MachineSettings};
+use crate::real::Real;
+use crate::vector::{About, V3};
+use chain::{Chain, Turn};
+
+/// The tool in workpiece coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Tool<R> {
+    /// Tip, mm.
+    pub tip: V3<R>,
+    /// Unit vector from the tip to the spindle.
+    pub axis: V3<R>,
+}
+
+/// A machine's chain of axes, ready for transformations in both directions; immutable but for its tool.
+#[derive(Clone, Copy, Debug)]
+pub struct Kinematics<R> {
+    chain: Chain<R>,
+    /// Tip from the last tool-side frame at all axes zero, mm.
+    tool: V3<R>,
+    /// Tool axis at all axes zero.
+    tool_axis: V3<R>,
+    /// Inside this distance from the singular pose an inverse is refused, degrees.
+    cone_deg: R,
+}
+
+impl<R: Real> Kinematics<R> {
+    /// Reads the chain of a machine with X, Y, Z and up to two rotary axes.
+    ///
+    /// # Errors
+    /// A structural code that cannot be read or does not fit the axes; a linear axis missing; three rotary axes; a second
+    /// rotary axis that the tool axis lies along, so that it cannot turn the tool.
+    pub fn new(machine: &MachineSettings) -> Result<Self, ConfigError> {
+        let [x, y, z] = machine.kinematics.tool_axis;
+        let length = libm::sqrt(x * x + y * y + z * z);
+        if !(1e-3..=1e3).contains(&length) {
+            return Err(ConfigError::new(Field::Kinematics, length, "a tool_axis of a length of about 1"));
+        }
+        if let Some(bad) = machine.tool_mm.iter().find(|value| !value.is_finite()) {
+            return Err(ConfigError::new(Field::Tool, *bad, "finite numbers"));
+        }
+        let cone = machine.kinematics.singular_cone_deg;
+        if !(0.0..=45.0).contains(&cone) {
+            return Err(ConfigError::new(Field::Kinematics, cone, "a singular_cone_deg of 0 to 45 degrees"));
+        }
+        let tool_axis = [x / length, y / length, z / length];
+        Ok(Kinematics {
+            chain: Chain::new(machine, tool_axis)?,
+            tool: V3::of(machine.tool_mm),
+            tool_axis: V3::of(tool_axis),
+            cone_deg: R::of(cone),
+        })
+    }
+
+    /// The same machine with another tool: its tip from the last tool-side frame at all axes zero, mm.
+    pub fn with_tool(self, tool_mm: V3<R>) -> Self {
+        Kinematics { tool: tool_mm, ..self }
+    }
+
+    /// The same machine with a tool that lies on the tool axis through the origin of the last tool-side frame, its tip
+    /// `length_mm` before it: −length · tool axis. On a swivelling head without offset behind it, that is the pivot length.
+    pub fn with_tool_length(self, length_mm: R) -> Self {
+        self.with_tool(self.tool_axis * -length_mm)
+    }
+
+    /// The same machine with another singular cone, degrees; limited to 0 … 45.
+    pub fn with_singular_cone_deg(self, cone_deg: R) -> Self {
+        Kinematics { cone_deg: cone_deg.within(R::ZERO, R::of(45.0)), ..self }
+    }
+
+    /// Tip from the last tool-side frame at all axes zero, mm.
+    pub fn tool_mm(&self) -> V3<R> {
+        self.tool
+    }
+
+    /// Tool axis at all axes zero, from the tip to the spindle; a unit vector.
+    pub fn tool_axis(&self) -> V3<R> {
+        self.tool_axis
+    }
+
+    /// Whether the machine has the axis.
+    pub fn has(&self, axis: Axis) -> bool {
+        !axis.is_rotary() || self.chain.turns.iter().flatten().any(|turn| turn.axis == axis)
+    }
+
+    /// Tip and direction of the tool in workpiece coordinates.
+    ///
+    /// Positions in the order X Y Z A B C, mm and degrees (|angle| <= 1e6). Error: rounding, 1e-12 mm (f64) at a metre.
+    #[inline]
+    pub fn forward(&self, axes: &[R; AXES]) -> Tool<R> {
+        let [x, y, z, ..] = *axes;
+        let travel = V3::new(x, y, z);
+        let [first, second] = self.chain.turns.map(|turn| turn.map(|turn| (turn, turn.cos_sin(axes))));
+        let [before, between, behind] = self.chain.sections.map(|section| section.shift(travel));
+        let inner = turned(second, behind + self.tool);
+        let tip = turned(first, inner + between) + before;
+        Tool { tip, axis: turned(first, turned(second, self.tool_axis)) }
+    }
+
+    /// Direction of the tool in workpiece coordinates, from the tip to the spindle; only rotary axes matter.
+    #[inline]
+    pub fn direction(&self, axes: &[R; AXES]) -> V3<R> {
+        let [first, second] = self.chain.turns.map(|turn| turn.map(|turn| (turn, turn.cos_sin(axes))));
+        turned(first, turned(second, self.tool_axis))
+    }
+
+    /// A direction of the bed in workpiece coordinates.
+    #[inline]
+    pub fn to_workpiece(&self, axes: &[R; AXES], bed: V3<R>) -> V3<R> {
+        let [first, second] = self.chain.turns.map(|turn| {
+            let turn = turn.filter(|turn| turn.carries_workpiece)?;
+            Some((turn, turn.cos_sin(axes)))
+        });
+        turned(first, turned(second, bed))
+    }
+}
+
+/// Margin of a machine without a singular pose, degrees.
+const NO_SINGULAR_POSE: f64 = 90.0;
+
+impl<R: Real> Kinematics<R> {
+    /// Distance of a pose from the singular one, 0 … 90 degrees; see [`Solution::singularity_margin_deg`].
+    pub fn singularity_margin_deg(&self, axes: &[R; AXES]) -> R {
+        let [Some(first), Some(second)] = self.chain.turns else { return R::of(NO_SINGULAR_POSE) };
+        let inner = self.tool_axis.turned(second.about, second.cos_sin(axes));
+        let [u, b, w] = in_frame(first.about, second.about, inner);
+        degrees(atan2(w.abs(), (u * u + b * b).sqrt()))
+    }
+}
+
+/// Components along n1, n2 and n1 × n2.
+#[inline(always)]
+fn in_frame<R: Real>(first: About, second: About, V3 { x, y, z }: V3<R>) -> [R; 3] {
+    match (first, second) {
+        (About::X, About::Y) => [x, y, z],
+        (About::X, _) => [x, z, -y],
+        (About::Y, About::Z) => [y, z, x],
+        (About::Y, _) => [y, x, -z],
+        (About::Z, About::X) => [z, x, y],
+        (About::Z, _) => [z, y, -x],
+    }
+}
+
+#[inline(always)]
+fn degrees<R: Real>(radians: R) -> R {
+    radians * R::of(180.0 / core::f64::consts::PI)
+}
+
+/// `v` turned by an axis, where there is one.
+#[inline(always)]
+fn turned<R: Real>(turn: Option<(Turn<R>, (R, R))>, v: V3<R>) -> V3<R> {
+    match turn {
+        Some((turn, angle)) => v.turned(turn.about, angle),
+        None => v,
+    }
+}
+
+impl<R: Real> Turn<R> {
+    /// Position of this axis, degrees.
+    #[inline(always)]
+    fn position(&self, axes: &[R; AXES]) -> R {
+        let [_, _, _, a, b, c] = *axes;
+        match self.axis {
+            Axis::A => a,
+            Axis::B => b,
+            _ => c,
+        }
+    }
+
+    /// Cosine and sine of the turn that the workpiece sees.
+    #[inline(always)]
+    fn cos_sin(&self, axes: &[R; AXES]) -> (R, R) {
+        cos_sin_deg(self.sense * self.position(axes))
+    }
+}
