@@ -1,6 +1,6 @@
 //! `trueaxis tables accuracy`: ISO 230-2 before and after compensation.
 
-use crate::model::{axis_count, compiled, parsed, with_compensation};
+use crate::model::{self, axis_count, with_compensation};
 use crate::output::{json, put};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
@@ -8,7 +8,8 @@ use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::{ThermalLine, step_axes};
-use trueaxis::tcomp::Tcomp;
+use trueaxis::machine::ErrorModel;
+use trueaxis_tables::Machine;
 use trueaxis_tables::accuracy::{Accuracy, evaluate, evaluate_compensated};
 use trueaxis_tables::formats::iso230_2::{Direction, Measurement, read_measurement};
 
@@ -26,9 +27,10 @@ pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_js
     let compensated = match machine {
         None => None,
         Some(path) => {
-            let bytes = compiled(path)?;
-            let tables = parsed(&bytes, path)?;
-            if tables.table(measurement.axis).is_none() {
+            let mut tables = model::machine(path)?;
+            // A measurement along one axis knows no levers.
+            tables.settings.compensation.model = ErrorModel::Nine;
+            if tables.rows(measurement.axis).is_none() {
                 bail!("{}: found no table of axis {}, needed one", path.display(), measurement.axis.letter());
             }
             Some(match axis_count(&tables) {
@@ -46,8 +48,8 @@ pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_js
 }
 
 /// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.
-fn after<const N: usize>(tables: &Tcomp<'_>, measurement: &Measurement) -> Result<Accuracy> {
-    let axes = step_axes::<N>(tables.settings()).map_err(|error| anyhow!("{error}"))?;
+fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<Accuracy> {
+    let axes = step_axes::<N>(&tables.settings).map_err(|error| anyhow!("{error}"))?;
     let place = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
     with_compensation::<N, _>(tables, 1, |compensation| {
         let own = |position: f64, direction: Direction| {
@@ -62,9 +64,9 @@ fn after<const N: usize>(tables: &Tcomp<'_>, measurement: &Measurement) -> Resul
             };
             // The other axes stand still: what they add is the same everywhere.
             let constant = {
-                let table = tables.table(measurement.axis);
-                let own = table.and_then(|t| t.row(0)).map_or(0.0, |row| row.forward[measurement.axis.index()]);
-                let start = table.and_then(|t| t.row(0)).map_or(0.0, |row| row.position);
+                let first = tables.rows(measurement.axis).and_then(<[_]>::first);
+                let own = first.map_or(0.0, |row| row.forward[measurement.axis.index()]);
+                let start = first.map_or(0.0, |row| row.position);
                 let mut at = [0.0; N];
                 at[place] = start;
                 let forward =

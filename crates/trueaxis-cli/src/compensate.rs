@@ -1,20 +1,29 @@
 //! `trueaxis compensate`.
 
+mod exact;
+mod step;
+
 use crate::csv_in::{Column, Rows};
-use crate::model::{axis_count, compiled, parsed, with_compensation};
-use crate::output::{progress, put};
+use crate::model::{self, axis_count};
+use crate::output::put;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis::compensation::{ThermalLine, step_axes};
-use trueaxis::tcomp::Tcomp;
+use trueaxis::compensation::ThermalLine;
+use trueaxis::machine::ErrorModel;
+use trueaxis_tables::Machine;
 
 pub(crate) const HELP: &str = "\
 POSITIONS.csv: x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg], commanded positions, columns in any order.
 Output: the same columns and
   ex_um,ey_um,ez_um   error of the tool tip at the uncorrected command: actual − ideal, machine coordinates
   cx_mm,cy_mm,cz_mm   corrected command: where the axes must be sent so that the tool is at the position
+and with --orientation (volumetric and exact)
+  ea_urad,eb_urad,ec_urad   error of the tool's orientation: small rotation, actual − ideal, machine coordinates
+  ca_deg,cb_deg,cc_deg      corrected command of the machine's rotary axes; the tool's direction becomes the ideal one away
+                            from its singular pose ([compensation] fade_deg), and cx, cy, cz take back what they move
+Without --orientation only X, Y and Z are corrected (nine: whatever the tables say of them).
 A two-sided table is read in positive travel (--reverse: in negative travel, backlash included).
 
 Example: trueaxis compensate compensation-tables/mill-3axis positions.csv -o corrected.csv";
@@ -24,6 +33,10 @@ Example: trueaxis compensate compensation-tables/mill-3axis positions.csv -o cor
 pub(crate) enum Model {
     /// Axis-wise: nine one-dimensional functions, one per direction and moving axis (and the translations of rotary axes).
     Nine,
+    /// Volumetric: the six errors of every axis, carried to the tool tip by its lever; first order, as in the servo step.
+    Volumetric,
+    /// Exact products of rigid transforms along the machine's chain.
+    Exact,
 }
 
 #[derive(Args)]
@@ -37,7 +50,7 @@ pub(crate) struct Arguments {
     /// Error model.
     #[arg(long, value_enum, default_value = "nine")]
     model: Model,
-    /// Look-ups of the exact inverse, 1 to 8 [default: what the machine needs for 1e-3 µm].
+    /// Look-ups of the exact inverse, 1 to 8 [default: what the machine needs for 1e-3 µm; exact: until it stands].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     inverse_passes: Option<u8>,
     /// All axes travel in negative direction.
@@ -46,6 +59,9 @@ pub(crate) struct Arguments {
     /// Temperature of the machine, °C, for its thermal growth [default: its reference temperature].
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     temperature_c: Option<f64>,
+    /// Also the error of the tool's orientation, and the rotary axes' commands that correct its direction.
+    #[arg(long)]
+    orientation: bool,
     /// Result [default: standard output].
     #[arg(short, long, value_name = "OUT.csv")]
     output: Option<PathBuf>,
@@ -61,79 +77,105 @@ const COLUMNS: [Column; 6] = [
 ];
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let Model::Nine = arguments.model;
-    let bytes = compiled(&arguments.machine)?;
-    let tables = parsed(&bytes, &arguments.machine)?;
+    let mut machine = model::machine(&arguments.machine)?;
     let positions = Rows::read(&arguments.positions, &COLUMNS)?;
     for (column, present) in COLUMNS.iter().zip(positions.present).skip(3) {
         let letter = column.name.chars().next().map(|c| c.to_ascii_uppercase());
-        if present && !tables.settings().axes.iter().any(|a| Some(a.axis.letter()) == letter) {
+        if present && !machine.settings.axes.iter().any(|a| Some(a.axis.letter()) == letter) {
             bail!(
                 "{}: found the column {}, needed only axes of the machine {} ({})",
                 arguments.positions.display(),
                 column.name,
-                tables.settings().name,
-                tables.settings().chain
+                machine.settings.name,
+                machine.settings.chain
             );
         }
     }
-    let text = match axis_count(&tables) {
-        3 => evaluate::<3>(arguments, &tables, &positions)?,
-        4 => evaluate::<4>(arguments, &tables, &positions)?,
-        5 => evaluate::<5>(arguments, &tables, &positions)?,
-        _ => evaluate::<6>(arguments, &tables, &positions)?,
+    inside_travel(&machine, &positions)?;
+    machine.settings.compensation.orientation = arguments.orientation;
+    let evaluated = match arguments.model {
+        Model::Exact => exact::evaluate(arguments, &machine, &positions)?,
+        Model::Nine if arguments.orientation => bail!(
+            "--orientation: found --model nine, which has no orientation, needed --model volumetric or --model exact"
+        ),
+        Model::Nine | Model::Volumetric => {
+            let nine = arguments.model == Model::Nine;
+            machine.settings.compensation.model = if nine { ErrorModel::Nine } else { ErrorModel::Volumetric };
+            match axis_count(&machine) {
+                3 => step::evaluate::<3>(arguments, &machine, &positions)?,
+                4 => step::evaluate::<4>(arguments, &machine, &positions)?,
+                5 => step::evaluate::<5>(arguments, &machine, &positions)?,
+                _ => step::evaluate::<6>(arguments, &machine, &positions)?,
+            }
+        }
     };
-    put(&text, arguments.output.as_deref())
+    put(&written(arguments, &machine, &positions, &evaluated)?, arguments.output.as_deref())
 }
 
-fn evaluate<const N: usize>(arguments: &Arguments, tables: &Tcomp<'_>, positions: &Rows<6>) -> Result<String> {
-    let machine = tables.settings();
-    let axes = step_axes::<N>(machine).map_err(|error| anyhow::anyhow!("{error}"))?;
-    let passes = arguments.inverse_passes.unwrap_or(tables.inverse_passes());
-    let kelvin = arguments.temperature_c.map_or(0.0, |t| t - machine.reference_temperature_c);
-    let mut thermal = [ThermalLine::default(); N];
-    for (line, axis) in thermal.iter_mut().zip(axes) {
-        if let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) {
-            let Some(grown) = ThermalLine::for_axis(&settings.thermal, kelvin) else {
-                bail!(
-                    "--temperature-c: found {kelvin} K above the reference, needed a growth of at most 10 mm and 1e-3"
-                );
-            };
-            *line = grown;
+/// What is known about one position.
+struct Evaluated {
+    /// Tip error, mm.
+    error: [f64; 3],
+    /// Orientation error, rad.
+    orientation: [f64; 3],
+    /// Commands of X Y Z A B C, mm and degrees.
+    corrected: [f64; 6],
+    /// Beyond a table's end.
+    held: bool,
+}
+
+fn inside_travel(machine: &Machine, positions: &Rows<6>) -> Result<()> {
+    for (line, values, _) in &positions.rows {
+        for settings in &machine.settings.axes {
+            let place = settings.axis.index();
+            let (q, [low, high]) = (values[place], settings.travel);
+            if q < low || q > high {
+                let needed = format!("the declared travel, {low} to {high}");
+                return Err(positions.error(*line, COLUMNS[place].name, q, needed));
+            }
         }
     }
-    let reverse = [if arguments.reverse { usize::MAX } else { 0 }; N];
-    with_compensation::<N, _>(tables, passes, |compensation| {
-        let mut text = format!("{},ex_um,ey_um,ez_um,cx_mm,cy_mm,cz_mm\n", positions.header.join(","));
-        let bar = progress(positions.rows.len(), "positions");
-        let mut at_edge = 0u64;
-        for (line, values, cells) in &positions.rows {
-            let command: [f64; N] = std::array::from_fn(|place| values[axes[place].index()]);
-            for (axis, q) in axes.iter().zip(command) {
-                let Some(settings) = machine.axes.iter().find(|a| a.axis == *axis) else { continue };
-                let [low, high] = settings.travel;
-                if q < low || q > high {
-                    let column = COLUMNS[axis.index()].name;
-                    return Err(positions.error(*line, column, q, format!("the declared travel, {low} to {high}")));
-                }
+    Ok(())
+}
+
+/// Kelvin above the reference temperature.
+fn rise(arguments: &Arguments, machine: &Machine) -> Result<f64> {
+    let kelvin = arguments.temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);
+    for settings in &machine.settings.axes {
+        if ThermalLine::<f64>::for_axis(&settings.thermal, kelvin).is_none() {
+            bail!("--temperature-c: found {kelvin} K above the reference, needed a growth of at most 10 mm and 1e-3");
+        }
+    }
+    Ok(kelvin)
+}
+
+fn written(arguments: &Arguments, machine: &Machine, positions: &Rows<6>, evaluated: &[Evaluated]) -> Result<String> {
+    let rotary = || machine.settings.axes.iter().map(|settings| settings.axis).filter(|axis| axis.is_rotary());
+    let mut text = format!("{},ex_um,ey_um,ez_um,cx_mm,cy_mm,cz_mm", positions.header.join(","));
+    if arguments.orientation {
+        text.push_str(",ea_urad,eb_urad,ec_urad");
+        rotary().for_each(|axis| text.push_str(&format!(",c{}_deg", axis.letter().to_ascii_lowercase())));
+    }
+    text.push('\n');
+    for ((_, _, cells), at) in positions.rows.iter().zip(evaluated) {
+        let [ex, ey, ez] = at.error.map(|mm| mm * 1e3);
+        let [cx, cy, cz, ..] = at.corrected;
+        write!(text, "{},{ex},{ey},{ez},{cx},{cy},{cz}", cells.join(","))?;
+        if arguments.orientation {
+            let [ea, eb, ec] = at.orientation.map(|rad| rad * 1e6);
+            write!(text, ",{ea},{eb},{ec}")?;
+            for axis in rotary() {
+                write!(text, ",{}", at.corrected[axis.index()])?;
             }
-            let at = compensation.coordinates(&command);
-            let mut held = 0;
-            let error = compensation.errors(&at, &reverse, &thermal, &mut held);
-            let correction = compensation.correction(&at, &at, &reverse, &thermal, &mut 0);
-            at_edge += u64::from(held != 0);
-            let [ex, ey, ez] = [0, 1, 2].map(|k| error[k] * 1e3);
-            let [cx, cy, cz] = [0, 1, 2].map(|k| command[k] + correction[k]);
-            writeln!(text, "{},{ex},{ey},{ez},{cx},{cy},{cz}", cells.join(","))?;
-            bar.inc(1);
         }
-        bar.finish_and_clear();
-        if at_edge > 0 {
-            eprintln!(
-                "note: {at_edge} of {} positions lie beyond a table's end, where its edge value is held",
-                positions.rows.len()
-            );
-        }
-        Ok(text)
-    })
+        text.push('\n');
+    }
+    let held = evaluated.iter().filter(|at| at.held).count();
+    if held > 0 {
+        eprintln!(
+            "note: {held} of {} positions lie beyond a table's end, where its edge value is held",
+            evaluated.len()
+        );
+    }
+    Ok(text)
 }

@@ -1,7 +1,7 @@
 //! `trueaxis kinematics`.
 
 use crate::csv_in::{Column, Rows};
-use crate::model::{compiled, parsed};
+use crate::model;
 use crate::output::{json, put};
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, Subcommand, ValueEnum};
@@ -12,7 +12,6 @@ use trueaxis::Axis;
 use trueaxis::kinematics::{Choice, Follow, InverseError, Kinematics, Solution, Tool};
 use trueaxis::machine::{AXES, MachineSettings};
 use trueaxis::vector::V3;
-use trueaxis_tables::Machine;
 
 pub(crate) const HELP: &str = "\
 The tool's tip and axis (unit vector from the tip to the spindle) are in workpiece coordinates, which at all axes zero
@@ -119,12 +118,12 @@ struct Document<'m> {
 pub(crate) fn run(command: Command) -> Result<()> {
     let (common, sheet, settings) = match command {
         Command::Forward(common) => {
-            let settings = settings(&common.machine)?;
+            let settings = model::machine(&common.machine)?.settings;
             let sheet = forward(&common, &settings)?;
             (common, sheet, settings)
         }
         Command::Inverse(arguments) => {
-            let settings = settings(&arguments.common.machine)?;
+            let settings = model::machine(&arguments.common.machine)?.settings;
             let sheet = inverse(&arguments, &settings)?;
             (arguments.common, sheet, settings)
         }
@@ -136,14 +135,6 @@ pub(crate) fn run(command: Command) -> Result<()> {
         json(&Document { machine: &settings.name, chain: &settings.chain, rows: sheet.objects() })?;
     }
     Ok(())
-}
-
-fn settings(machine: &Path) -> Result<MachineSettings> {
-    if machine.extension().is_some_and(|e| e == "tcomp") {
-        let bytes = compiled(machine)?;
-        return Ok(parsed(&bytes, machine)?.settings().clone());
-    }
-    Ok(Machine::read(machine)?.settings)
 }
 
 /// The machine with the tool asked for.

@@ -5,15 +5,15 @@ use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::{Compensation, Storage};
 use trueaxis::tcomp::Tcomp;
-use trueaxis_tables::{Machine, compile};
+use trueaxis_tables::Machine;
 
-/// The compiled bytes of a machine, whatever form it came in.
-pub(crate) fn compiled(machine: &Path) -> Result<Vec<u8>> {
-    if machine.extension().is_some_and(|e| e == "tcomp") {
-        return std::fs::read(machine).with_context(|| format!("cannot read {}", machine.display()));
+/// A machine, whatever form it came in.
+pub(crate) fn machine(path: &Path) -> Result<Machine> {
+    if path.extension().is_some_and(|e| e == "tcomp") {
+        let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        return Ok(Machine::from_tcomp(&parsed(&bytes, path)?));
     }
-    let read = Machine::read(machine)?;
-    compile(&read).map_err(|error| anyhow!("{}: {error}", machine.display()))
+    Ok(Machine::read(path)?)
 }
 
 /// Parses compiled bytes; the error names the file they came from.
@@ -22,21 +22,21 @@ pub(crate) fn parsed<'b>(bytes: &'b [u8], machine: &Path) -> Result<Tcomp<'b>> {
 }
 
 /// Axes of the step: X, Y, Z, and the machine's rotary ones.
-pub(crate) fn axis_count(tables: &Tcomp<'_>) -> usize {
-    3 + tables.settings().axes.iter().filter(|a| a.axis.is_rotary()).count()
+pub(crate) fn axis_count(machine: &Machine) -> usize {
+    3 + machine.settings.axes.iter().filter(|a| a.axis.is_rotary()).count()
 }
 
-/// Builds the nine-term model and lends it out.
+/// Builds the model that the machine's settings name and lends it out.
 pub(crate) fn with_compensation<const N: usize, T>(
-    tables: &Tcomp<'_>,
+    machine: &Machine,
     passes: u8,
     user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> Result<T>,
 ) -> Result<T> {
-    let rows = |axis: Axis| tables.table(axis);
-    let need = Compensation::<f64, f64, N>::requirement(tables.settings(), rows);
+    let rows = |axis: Axis| machine.rows(axis);
+    let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
     let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
     let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
     let compensation =
-        Compensation::build(tables.settings(), rows, passes, storage).map_err(|error| anyhow!("{error}"))?;
+        Compensation::build(&machine.settings, rows, passes, storage).map_err(|error| anyhow!("{error}"))?;
     user(&compensation)
 }

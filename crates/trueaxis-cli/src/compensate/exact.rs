@@ -1,0 +1,52 @@
+//! Exact transforms.
+
+use super::{Arguments, COLUMNS, Evaluated, rise};
+use crate::csv_in::Rows;
+use crate::output::progress;
+use anyhow::{Result, anyhow};
+use trueaxis::check;
+use trueaxis::machine::AXES;
+use trueaxis_tables::Machine;
+use trueaxis_tables::exact::{CorrectionSettings, Geometry};
+
+pub(super) fn evaluate(arguments: &Arguments, machine: &Machine, positions: &Rows<6>) -> Result<Vec<Evaluated>> {
+    let axes = &machine.settings.axes;
+    let geometry = Geometry::new(machine, rise(arguments, machine)?)
+        .map_err(|error| anyhow!("{}: {error}", arguments.machine.display()))?;
+    let compensation = &machine.settings.compensation;
+    let settings = CorrectionSettings {
+        passes: arguments.inverse_passes,
+        fade_deg: compensation.orientation.then_some(compensation.fade_deg),
+    };
+    let reverse = [if arguments.reverse { 1.0 } else { 0.0 }; AXES];
+    // Ends of the tables that do not wrap.
+    let ends: Vec<Option<[f64; 2]>> = machine
+        .axes()
+        .map(|(own, table)| {
+            let rows = table.map(|table| table.rows.as_slice()).filter(|rows| !check::wraps(own.axis, *rows))?;
+            Some([rows.first()?.position, rows.last()?.position])
+        })
+        .collect();
+    let bar = progress(positions.rows.len(), "positions");
+    let mut evaluated = Vec::with_capacity(positions.rows.len());
+    for (line, values, _) in &positions.rows {
+        let mut at = [0.0; AXES];
+        for (q, own) in at.iter_mut().zip(axes) {
+            *q = values[own.axis.index()];
+        }
+        let error = geometry.pose_error(&at, &reverse);
+        let Some(correction) = geometry.correction(&at, &reverse, settings) else {
+            let found = "a pose in which the linear axes cannot take the error away";
+            return Err(positions.error(*line, COLUMNS[0].name, found, "linear axes that span space"));
+        };
+        let mut corrected = *values;
+        for (own, correction) in axes.iter().zip(correction) {
+            corrected[own.axis.index()] += correction;
+        }
+        let held = ends.iter().zip(at).any(|(ends, q)| ends.is_some_and(|[low, high]| q < low || q > high));
+        evaluated.push(Evaluated { error: error.tip_mm, orientation: error.orientation, corrected, held });
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(evaluated)
+}

@@ -1,0 +1,49 @@
+//! Nine terms and twists: the models of the servo step.
+
+use super::{Arguments, Evaluated, rise};
+use crate::csv_in::Rows;
+use crate::model::with_compensation;
+use crate::output::progress;
+use anyhow::{Result, anyhow};
+use trueaxis::check;
+use trueaxis::compensation::{ThermalLine, step_axes};
+use trueaxis_tables::Machine;
+
+pub(super) fn evaluate<const N: usize>(
+    arguments: &Arguments,
+    machine: &Machine,
+    positions: &Rows<6>,
+) -> Result<Vec<Evaluated>> {
+    let settings = &machine.settings;
+    let axes = step_axes::<N>(settings).map_err(|error| anyhow!("{error}"))?;
+    let passes = match arguments.inverse_passes {
+        Some(passes) => passes,
+        None => check::machine_passes(settings, |axis| machine.rows(axis)).map_err(|error| anyhow!("{error}"))?,
+    };
+    let kelvin = rise(arguments, machine)?;
+    let mut thermal = [ThermalLine::default(); N];
+    for (line, axis) in thermal.iter_mut().zip(axes) {
+        let own = settings.axes.iter().find(|a| a.axis == axis);
+        *line = own.and_then(|own| ThermalLine::for_axis(&own.thermal, kelvin)).unwrap_or_default();
+    }
+    let reverse = [if arguments.reverse { usize::MAX } else { 0 }; N];
+    with_compensation::<N, _>(machine, passes, |compensation| {
+        let bar = progress(positions.rows.len(), "positions");
+        let mut evaluated = Vec::with_capacity(positions.rows.len());
+        for (_, values, _) in &positions.rows {
+            let command: [f64; N] = std::array::from_fn(|place| values[axes[place].index()]);
+            let at = compensation.coordinates(&command);
+            let mut held = 0;
+            let error = compensation.pose_error(&at, &reverse, &thermal, &mut held);
+            let correction = compensation.correction(&at, &at, &reverse, &thermal, &mut 0);
+            let mut corrected = *values;
+            for (axis, (q, correction)) in axes.iter().zip(command.iter().zip(correction)) {
+                corrected[axis.index()] = q + correction;
+            }
+            evaluated.push(Evaluated { error: error.tip, orientation: error.orientation, corrected, held: held != 0 });
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(evaluated)
+    })
+}
