@@ -265,6 +265,12 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         self.knots.is_empty() && self.is_linear()
     }
 
+    /// Equidistant and linear: [`AxisTable::at_plain`] handles it wherever [`AxisTable::coordinate`] leads, though it
+    /// does not go on round a seam.
+    pub fn is_even(&self) -> bool {
+        self.knots.is_empty() && self.cubic.is_empty()
+    }
+
     /// Contribution at a coordinate of a *plain* table, and whether its edge value is held.
     ///
     /// `v + t s` with the interval and `t` from one multiplication; `reverse` is all ones in negative travel.

@@ -53,6 +53,15 @@ pub struct Volumetric<'a, R, P, const N: usize> {
     /// Look-up at the feedback: the axis' own error, its cross terms.
     at_feedback: [(bool, bool); N],
     own: [usize; N],
+    /// Position of each table's origin from machine zero, and of the point that does not grow from that origin.
+    origins: [R; N],
+    datum: [R; N],
+    /// C0Y, B0Z, A0Z.
+    squareness: [R; 3],
+    /// Location errors of the rotary axes.
+    constant: [Twist<R>; N],
+    /// Every table equidistant and linear and looked up at the command, no rotary axis corrected.
+    plain: bool,
     chain: Chain<R, N>,
     /// The tool's direction is corrected, and how it fades at the singular pose.
     orientation: Option<Fade<R>>,
@@ -85,18 +94,10 @@ impl<R: Real> Side<R> {
 
     /// Out of a rotary axis' frame into its carrier's, which adds the axis' own twist on the way.
     #[inline(always)]
-    fn turn(&mut self, link: &Link<R>, pose: (R, R), twist: Twist<R>, growth: R) {
+    fn turn(&mut self, link: &Link<R>, pose: (R, R), twist: Twist<R>) {
         self.v = self.v.turned(about(link.axis), pose);
         self.w = self.w.turned(about(link.axis), pose);
         self.add(twist);
-        self.v += link.shift;
-        self.w += link.turn;
-        let growth = growth * R::of(core::f64::consts::PI / 180.0);
-        match link.axis {
-            Axis::X | Axis::A => self.w.x += growth,
-            Axis::Y | Axis::B => self.w.y += growth,
-            Axis::Z | Axis::C => self.w.z += growth,
-        }
         self.v -= self.w.cross(link.offset);
     }
 }
@@ -133,21 +134,44 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         let (mut chain, levers) = Chain::build(machine, &axes)?;
         let mut tables = [AxisTable::zero(); N];
         let mut at_feedback = [(false, false); N];
+        let (mut origins, mut datum) = ([R::ZERO; N], [R::ZERO; N]);
+        let mut constant = [[R::ZERO; 6]; N];
+        let mut plain = !machine.compensation.orientation;
         for (place, (axis, lever)) in axes.into_iter().zip(levers).enumerate() {
             let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) else { continue };
             let table: AxisTable<'a, R, P, 6> = match rows(axis) {
                 Some(rows) => AxisTable::build_twists(settings, rows, lever, &mut storage)?,
                 None => AxisTable::zero(),
             };
-            chain.set_origin(place, table.origin().to_f64(), settings.thermal.datum);
-            if let (Some(slot), Some(feedback)) = (tables.get_mut(place), at_feedback.get_mut(place)) {
-                *slot = table;
-                *feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
+            let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
+            plain &= table.is_even() && feedback == (false, false);
+            let origin = table.origin().to_f64();
+            chain.set_origin(place, origin);
+            if let (Some(slot), Some(at), Some(from), Some(q0)) =
+                (tables.get_mut(place), at_feedback.get_mut(place), origins.get_mut(place), datum.get_mut(place))
+            {
+                (*slot, *at, *from, *q0) = (table, feedback, R::of(origin), R::of(settings.thermal.datum - origin));
+            }
+            let location = axis.index().checked_sub(3).and_then(|index| machine.location.rotary.get(index));
+            if let (Some(slot), Some(errors)) = (constant.get_mut(place), location) {
+                *slot = errors.map(R::of);
             }
         }
         let settings = &machine.compensation;
         let orientation = settings.orientation.then(|| Fade::from_deg(settings.fade_deg));
-        Ok(Volumetric { tables, at_feedback, own: axes.map(Axis::index), chain, orientation })
+        let location = &machine.location;
+        Ok(Volumetric {
+            tables,
+            at_feedback,
+            own: axes.map(Axis::index),
+            origins,
+            datum,
+            squareness: [location.c0y, location.b0z, location.a0z].map(R::of),
+            constant,
+            plain,
+            chain,
+            orientation,
+        })
     }
 
     /// The positions as the tables count them.
@@ -167,7 +191,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
 
     /// Error of the tool's pose at a position: tip in mm, rotation in rad, bed axes.
     ///
-    /// All look-ups at `at`, in table coordinates; `held` gets a bit for every axis whose edge value is held.
+    /// All look-ups at `at`, as [`Volumetric::coordinates`] gives it; `held` gets a bit for every axis whose edge value is held.
     #[inline(never)]
     pub fn pose_error(
         &self,
@@ -177,8 +201,26 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         held: &mut u8,
     ) -> PoseError<R> {
         let mut twists = [[R::ZERO; 6]; N];
-        self.look_up(0..N, at, at, reverse, &mut twists, held);
+        if self.plain {
+            self.look_up_plain(at, reverse, &mut twists, held);
+        } else {
+            self.look_up(0..N, at, at, reverse, &mut twists, held);
+        }
         self.carried(at, &self.chain.poses(at), &twists, thermal)
+    }
+
+    /// Twists of all axes from plain tables, at the command.
+    #[inline(always)]
+    fn look_up_plain(&self, at: &[R; N], reverse: &[usize; N], twists: &mut [Twist<R>; N], held: &mut u8) {
+        let mut bit = 1;
+        for (((twist, table), at), reverse) in twists.iter_mut().zip(&self.tables).zip(at).zip(reverse) {
+            let (found, edge) = table.at_plain(*at, *reverse);
+            *twist = found;
+            if edge {
+                *held |= bit;
+            }
+            bit <<= 1;
+        }
     }
 
     /// Twists of some axes, each looked up at the command or the feedback as configured.
@@ -218,7 +260,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         }
     }
 
-    /// The twists of all axes, carried to the tip.
+    /// The twists of all axes, with what does not stand in tables, carried to the tip.
     #[inline(always)]
     fn carried(
         &self,
@@ -227,52 +269,88 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         twists: &[Twist<R>; N],
         thermal: &[ThermalLine<R>; N],
     ) -> PoseError<R> {
-        let of = |link: &Link<R>| {
-            let place = link.place;
-            let from_origin = at.get(place).copied().unwrap_or(R::ZERO);
-            let twist = twists.get(place).copied().unwrap_or([R::ZERO; 6]);
-            let growth = thermal.get(place).map_or(R::ZERO, |line| line.at(from_origin - link.datum));
-            (from_origin + link.origin, twist, growth)
-        };
-        let pose = |link: &Link<R>| poses.get(link.place).copied().unwrap_or((R::ONE, R::ZERO));
-
-        let mut side = Side { v: V3::ZERO, w: V3::ZERO };
-        let mut tip = self.chain.tool;
-        for link in self.chain.tool_side() {
-            let (q, twist, growth) = of(link);
-            if link.axis.is_rotary() {
-                side.turn(link, pose(link), twist, growth);
-                tip = tip.turned(about(link.axis), pose(link)) + link.offset;
-                continue;
+        let mut twists = *twists;
+        let mut positions = [R::ZERO; N];
+        for (((twist, q), (at, origin)), ((line, datum), (constant, own))) in twists
+            .iter_mut()
+            .zip(&mut positions)
+            .zip(at.iter().zip(&self.origins))
+            .zip(thermal.iter().zip(&self.datum).zip(self.constant.iter().zip(&self.own)))
+        {
+            *q = *at + *origin;
+            let mut growth = line.at(*at - *datum);
+            if *own >= 3 {
+                growth = growth * R::of(core::f64::consts::PI / 180.0);
+                for (twist, constant) in twist.iter_mut().zip(constant) {
+                    *twist += *constant;
+                }
             }
-            side.add(twist);
-            side.v += link.shift * q;
-            side.slide(link.axis, q);
-            match link.axis {
-                Axis::X | Axis::A => (side.v.x, tip.x) = (side.v.x + growth, tip.x + q),
-                Axis::Y | Axis::B => (side.v.y, tip.y) = (side.v.y + growth, tip.y + q),
-                Axis::Z | Axis::C => (side.v.z, tip.z) = (side.v.z + growth, tip.z + q),
+            if let Some(own) = twist.get_mut(*own) {
+                *own += growth;
             }
         }
-        let tool = side;
-        side = Side { v: V3::ZERO, w: V3::ZERO };
-        for link in self.chain.workpiece_side() {
-            let (q, twist, growth) = of(link);
+        let [c0y, b0z, a0z] = self.squareness;
+        if let ([_, y, z, ..], [[x_error, ..], [x_error_of_z, y_error, ..], ..]) =
+            (&positions[..], twists.get_mut(1..).unwrap_or(&mut []))
+        {
+            *x_error += -(c0y * *y);
+            *x_error_of_z += b0z * *z;
+            *y_error += -(a0z * *z);
+        }
+        if N == 3 { self.sum_of_slides(&positions, &twists) } else { self.walk(&positions, poses, &twists) }
+    }
+
+    /// Where no axis turns, the lever of every twist is the tool and the travels beyond it: no walk.
+    #[inline(always)]
+    fn sum_of_slides(&self, positions: &[R; N], twists: &[Twist<R>; N]) -> PoseError<R> {
+        let (mut d, mut orientation) = (V3::ZERO, V3::ZERO);
+        if let [qx, qy, qz, ..] = positions.as_slice() {
+            for ([x, y, z, a, b, c], [bx, by, bz]) in twists.iter().zip(&self.chain.beyond) {
+                let w = V3::new(*a, *b, *c);
+                let lever = self.chain.tool + V3::new(*bx * *qx, *by * *qy, *bz * *qz);
+                d += V3::new(*x, *y, *z) + w.cross(lever);
+                orientation += w;
+            }
+        }
+        PoseError { tip: d.array(), orientation: orientation.array() }
+    }
+
+    /// Twists of both sides from their outer ends to the bed.
+    #[inline(always)]
+    fn walk(&self, positions: &[R; N], poses: &Poses<R, N>, twists: &[Twist<R>; N]) -> PoseError<R> {
+        let of = |link: &Link<R>| match (positions.get(link.place), twists.get(link.place), poses.get(link.place)) {
+            (Some(q), Some(twist), Some(pose)) => (*q, *twist, *pose),
+            _ => (R::ZERO, [R::ZERO; 6], (R::ONE, R::ZERO)),
+        };
+        let mut tool = Side { v: V3::ZERO, w: V3::ZERO };
+        let mut tip = self.chain.tool;
+        for link in self.chain.tool_side() {
+            let (q, twist, pose) = of(link);
             if link.axis.is_rotary() {
-                side.turn(link, pose(link), twist, growth);
+                tool.turn(link, pose, twist);
+                tip = tip.turned(about(link.axis), pose) + link.offset;
+                continue;
+            }
+            tool.add(twist);
+            tool.slide(link.axis, q);
+            match link.axis {
+                Axis::X | Axis::A => tip.x += q,
+                Axis::Y | Axis::B => tip.y += q,
+                Axis::Z | Axis::C => tip.z += q,
+            }
+        }
+        let mut workpiece = Side { v: V3::ZERO, w: V3::ZERO };
+        for link in self.chain.workpiece_side() {
+            let (q, twist, pose) = of(link);
+            if link.axis.is_rotary() {
+                workpiece.turn(link, pose, twist);
                 continue;
             }
             // What stands further out moves by −q; the slide's own twist already is where its travel starts.
-            side.slide(link.axis, -q);
-            side.add(twist);
-            side.v += link.shift * q;
-            match link.axis {
-                Axis::X | Axis::A => side.v.x += growth,
-                Axis::Y | Axis::B => side.v.y += growth,
-                Axis::Z | Axis::C => side.v.z += growth,
-            }
+            workpiece.slide(link.axis, -q);
+            workpiece.add(twist);
         }
-        let w = tool.w + side.w;
-        PoseError { tip: (tool.v + side.v + w.cross(tip)).array(), orientation: w.array() }
+        let w = tool.w + workpiece.w;
+        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).array(), orientation: w.array() }
     }
 }

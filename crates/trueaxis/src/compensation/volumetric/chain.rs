@@ -19,13 +19,8 @@ pub(super) struct Link<R> {
     pub(super) motion: R,
     /// Origin of a rotary axis' frame in its carrier's. A slide has none: see [`Chain::build`].
     pub(super) offset: V3<R>,
-    /// A rotary axis' location errors; a slide's squareness, mm per mm.
-    pub(super) shift: V3<R>,
-    /// A rotary axis' location errors, rad.
-    pub(super) turn: V3<R>,
-    /// Position of its table's origin from machine zero, and of the point that does not grow from that origin.
-    pub(super) origin: R,
-    pub(super) datum: R,
+    /// Position of its table's origin from machine zero.
+    origin: R,
 }
 
 /// Both sides of the bed, each from its outermost axis inwards.
@@ -40,6 +35,8 @@ pub(super) struct Chain<R, const N: usize> {
     tool_axis: V3<R>,
     /// A rotary axis carries a slide: corrections of the slides are not along the bed's axes.
     pub(super) turned: bool,
+    /// Of each axis 1 for the slides X, Y, Z that stand between its frame and the tool.
+    pub(super) beyond: [[R; 3]; N],
     /// Which of X, Y, Z the machine has.
     pub(super) present: [bool; 3],
 }
@@ -87,6 +84,7 @@ impl<R: Real, const N: usize> Chain<R, N> {
             tool: V3::ZERO,
             tool_axis: V3::ZERO,
             turned: false,
+            beyond: [[R::ZERO; 3]; N],
             present: [false; 3],
         };
         for (index, link) in found.iter().enumerate() {
@@ -95,29 +93,12 @@ impl<R: Real, const N: usize> Chain<R, N> {
             let settings = machine.axes.iter().find(|a| a.axis == link.axis).ok_or(absent)?;
             let place = axes.iter().position(|a| *a == link.axis).ok_or(absent)?;
             let rotary = link.axis.is_rotary();
-            let location = &machine.location;
-            let constant = match link.axis {
-                Axis::X => [0.0; 6],
-                Axis::Y => [-location.c0y, 0.0, 0.0, 0.0, 0.0, 0.0],
-                Axis::Z => [location.b0z, -location.a0z, 0.0, 0.0, 0.0, 0.0],
-                _ => location.rotary.get(link.axis.index() - 3).copied().unwrap_or_default(),
-            };
-            let [x, y, z, a, b, c] = constant;
             let sense = match (rotary, link.carries_workpiece) {
                 (true, _) => f64::from(settings.direction),
                 (false, true) => -1.0,
                 (false, false) => 1.0,
             };
-            let built = Link {
-                axis: link.axis,
-                place,
-                motion: R::of(sense),
-                offset: V3::ZERO,
-                shift: V3::of([x, y, z]),
-                turn: V3::of([a, b, c]),
-                origin: R::ZERO,
-                datum: R::ZERO,
-            };
+            let built = Link { axis: link.axis, place, motion: R::of(sense), offset: V3::ZERO, origin: R::ZERO };
             // From the workpiece to the bed as they stand; from the tool to the bed is the code backwards.
             let slot = if link.carries_workpiece { index } else { workpiece + found.len() - 1 - index };
             if let Some(slot) = chain.links.get_mut(slot) {
@@ -127,8 +108,11 @@ impl<R: Real, const N: usize> Chain<R, N> {
                 *present = !rotary;
             }
             let beyond = found.iter().skip(index + 1).filter(|beyond| !beyond.axis.is_rotary());
-            if let Some(lever) = levers.get_mut(place) {
+            if let (Some(lever), Some(slides)) = (levers.get_mut(place), chain.beyond.get_mut(place)) {
                 for axis in beyond.map(|beyond| beyond.axis.index()) {
+                    if let Some(slide) = slides.get_mut(axis) {
+                        *slide = R::ONE;
+                    }
                     if let (Some(lever), Some(measured)) = (lever.get_mut(axis), settings.measured_at_mm.get(axis)) {
                         *lever += measured;
                     }
@@ -166,10 +150,10 @@ impl<R: Real, const N: usize> Chain<R, N> {
         Ok((chain, levers))
     }
 
-    /// Origin and datum of the axis at a place, from machine zero.
-    pub(super) fn set_origin(&mut self, place: usize, origin: f64, datum: f64) {
+    /// Tells the axis at a place its table's origin, from machine zero.
+    pub(super) fn set_origin(&mut self, place: usize, origin: f64) {
         for link in self.links.iter_mut().flatten().filter(|link| link.place == place) {
-            (link.origin, link.datum) = (R::of(origin), R::of(datum - origin));
+            link.origin = R::of(origin);
         }
     }
 

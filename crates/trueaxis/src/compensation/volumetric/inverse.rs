@@ -63,7 +63,11 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     ) -> [R; N] {
         let mut poses = self.chain.poses(command);
         let mut twists = [[R::ZERO; 6]; N];
-        self.look_up(0..N, command, feedback, reverse, &mut twists, held);
+        if self.plain {
+            self.look_up_plain(command, reverse, &mut twists, held);
+        } else {
+            self.look_up(0..N, command, feedback, reverse, &mut twists, held);
+        }
         let turned = self.chain.turned || self.orientation.is_some();
         let nominal = if turned { self.chain.directions(&poses) } else { ([V3::ZERO; N], V3::ZERO) };
         let mut directions = nominal.0;
