@@ -1,15 +1,14 @@
 //! What the linear axes themselves contribute to the ball's deviation, predicted from a machine's tables.
 
 use super::readings::Readings;
-use crate::model::{axis_count, parsed, with_compensation};
-use anyhow::{Result, anyhow};
+use crate::model::{axis_count, with_compensation};
+use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::{Compensation, ThermalLine, carries_workpiece, step_axes};
 use trueaxis::identification::{Ball, lever};
-use trueaxis::machine::{ErrorModel, MachineSettings};
-use trueaxis::tcomp::Tcomp;
-use trueaxis_tables::{Machine, compile};
+use trueaxis::machine::ErrorModel;
+use trueaxis_tables::Machine;
 
 /// Takes the linear axes' own errors out of the readings; true where a position lay beyond a table's end.
 ///
@@ -49,14 +48,13 @@ pub(super) fn remove(
             let arm = arm(ball, angle_deg);
             std::array::from_fn(|i| start_mm[i] + sense * (arm[i] - origin[i]))
         };
-        let bytes = compile(&known).map_err(|error| anyhow!("{}: {error}", file.display()))?;
-        let tables = parsed(&bytes, file)?;
         let poses: Vec<([f64; 3], f64)> = readings.angles_deg.iter().map(|&angle| (stands(angle), angle)).collect();
-        let (errors, held) = match axis_count(&tables) {
-            4 => tip_errors::<4>(&tables, axis, &poses)?,
-            5 => tip_errors::<5>(&tables, axis, &poses)?,
-            _ => tip_errors::<6>(&tables, axis, &poses)?,
-        };
+        let (errors, held) = match axis_count(&known) {
+            4 => tip_errors::<4>(&known, axis, &poses),
+            5 => tip_errors::<5>(&known, axis, &poses),
+            _ => tip_errors::<6>(&known, axis, &poses),
+        }
+        .with_context(|| file.display().to_string())?;
         beyond |= held;
         for (deviations, error) in readings.deviations_mm.iter_mut().zip(errors) {
             if let Some(deviation) = deviations.get_mut(s) {
@@ -69,13 +67,12 @@ pub(super) fn remove(
 
 /// Tip errors at poses of X, Y, Z and the turning axis, mm; whether an edge value was held.
 fn tip_errors<const N: usize>(
-    tables: &Tcomp<'_>,
+    machine: &Machine,
     axis: Axis,
     poses: &[([f64; 3], f64)],
 ) -> Result<(Vec<[f64; 3]>, bool)> {
-    let machine: &MachineSettings = tables.settings();
-    let axes = step_axes::<N>(machine).map_err(|error| anyhow!("{error}"))?;
-    with_compensation::<N, _>(tables, tables.inverse_passes(), |compensation: &Compensation<'_, f64, f64, N>| {
+    let axes = step_axes::<N>(&machine.settings).map_err(|error| anyhow!("{error}"))?;
+    with_compensation::<N, _>(machine, 1, |compensation: &Compensation<'_, f64, f64, N>| {
         let mut held = 0;
         let errors = poses.iter().map(|(position, angle)| {
             let command: [f64; N] = axes.map(|of| match of {
