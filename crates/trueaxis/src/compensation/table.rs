@@ -114,13 +114,14 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 4> {
             }
             values
         };
-        Self::build_from(settings, rows, &values, &|line| line, storage)
+        Self::build_from(settings, rows, &values, &|line| line, [0.0; 4], storage)
     }
 }
 
 impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 6> {
     /// Builds the table of an axis' twist into lent memory: `e − w × lever` in mm and `w` in rad, e and w the
-    /// interpolated columns. The lever is taken off the polynomials, so that it holds between the points too.
+    /// interpolated columns. The lever is taken off the polynomials, so that it holds between the points too; `constant`
+    /// (mm, rad) is added everywhere.
     ///
     /// # Errors
     /// Fewer than two rows, rows not ascending or not finite, or memory too small.
@@ -128,6 +129,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 6> {
         settings: &AxisSettings,
         rows: &(impl Rows + ?Sized),
         [lx, ly, lz]: [f64; 3],
+        constant: [f64; 6],
         storage: &mut Storage<'a, R>,
     ) -> Result<Self, ConfigError> {
         let own = settings.axis.index();
@@ -149,7 +151,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 6> {
             let [sx, sy, sz] = swung([a, b, c]);
             [x - sx, y - sy, z - sz, a, b, c]
         };
-        Self::build_from(settings, rows, &values, &levered, storage)
+        Self::build_from(settings, rows, &values, &levered, constant, storage)
     }
 }
 
@@ -182,12 +184,14 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         Requirement { lines: rows.len() * blocks * powers * W, knots: free, guide: 2 * free }
     }
 
-    /// Builds a table from what is read of each row; `finish` acts on the coefficients of every polynomial.
+    /// Builds a table from what is read of each row; `finish` acts on the coefficients of every polynomial,
+    /// `constant` is added to it.
     fn build_from(
         settings: &AxisSettings,
         rows: &(impl Rows + ?Sized),
         values: &dyn Fn(&Row, bool) -> [f64; W],
         finish: &dyn Fn([f64; W]) -> [f64; W],
+        constant: [f64; W],
         storage: &mut Storage<'a, R>,
     ) -> Result<Self, ConfigError> {
         let axis = settings.axis;
@@ -214,8 +218,11 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         for (block, reverse) in lines.chunks_mut(count * powers).zip([false, true]) {
             for (index, node) in block.chunks_mut(powers).enumerate() {
                 let polynomial = source.polynomial(index, reverse).map_err(|found| bad(found, "ascending, finite"))?;
+                let mut added = constant;
                 for (line, coefficients) in node.iter_mut().zip(polynomial) {
-                    *line = finish(coefficients).map(R::of);
+                    let finished = finish(coefficients);
+                    *line = core::array::from_fn(|k| R::of(finished[k] + added[k]));
+                    added = [0.0; W];
                 }
             }
         }

@@ -2,6 +2,19 @@
 
 use crate::real::Real;
 
+/// Cosine and sine of an angle in degrees to 2e-9: enough to carry errors of micrometres, at half the cost of
+/// [`cos_sin_deg`]. Range and reduction are the same.
+#[inline(always)]
+pub(super) fn coarse_cos_sin_deg<R: Real>(angle: R) -> (R, R) {
+    let (quarter, x) = reduced(angle);
+    let z = x * x;
+    let [_, s3, s5, s7, s9, ..] = SIN.map(R::of);
+    let [c2, c4, c6, c8, c10, ..] = COS.map(R::of);
+    let sin = x + x * z * (s3 + z * (s5 + z * (s7 + z * s9)));
+    let cos = R::ONE + z * (c2 + z * (c4 + z * (c6 + z * (c8 + z * c10))));
+    in_quadrant(quarter, cos, sin)
+}
+
 /// Cosine and sine of an angle in degrees.
 ///
 /// Reduced to ±45° by quadrants, then Taylor polynomials to the 16th power: error below 2e-16 plus rounding (f64), one
@@ -9,12 +22,22 @@ use crate::real::Real;
 /// thousand on a single-precision core.
 #[inline]
 pub fn cos_sin_deg<R: Real>(angle: R) -> (R, R) {
-    let quarter = (angle * R::of(1.0 / 90.0) + if angle < R::ZERO { -R::HALF } else { R::HALF }).to_i32();
-    let x = (angle - R::of_i32(quarter) * R::of(90.0)) * R::of(core::f64::consts::PI / 180.0);
+    let (quarter, x) = reduced(angle);
     let z = x * x;
     let series = |coefficients: [f64; 8]| coefficients.into_iter().rev().fold(R::ZERO, |sum, c| sum * z + R::of(c));
-    let sin = x * series(SIN);
-    let cos = R::ONE + z * series(COS);
+    in_quadrant(quarter, R::ONE + z * series(COS), x * series(SIN))
+}
+
+/// The nearest multiple of 90 degrees, and what is left in rad.
+#[inline(always)]
+fn reduced<R: Real>(angle: R) -> (i32, R) {
+    let quarter = (angle * R::of(1.0 / 90.0) + if angle < R::ZERO { -R::HALF } else { R::HALF }).to_i32();
+    (quarter, (angle - R::of_i32(quarter) * R::of(90.0)) * R::of(core::f64::consts::PI / 180.0))
+}
+
+/// Cosine and sine after so many quarter turns more.
+#[inline(always)]
+fn in_quadrant<R: Real>(quarter: i32, cos: R, sin: R) -> (R, R) {
     match quarter & 3 {
         0 => (cos, sin),
         1 => (-sin, cos),

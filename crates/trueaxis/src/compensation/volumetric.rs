@@ -31,12 +31,13 @@ mod inverse;
 
 use super::table::{AxisTable, Requirement, Rows, Storage};
 use super::thermal::ThermalLine;
+use super::trig::coarse_cos_sin_deg;
 use super::{PoseError, step_axes};
 use crate::error::ConfigError;
 use crate::machine::{Axis, Lookup, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
-use crate::vector::V3;
+use crate::vector::{About, V3};
 use chain::{Chain, Link, Poses, about};
 use inverse::Fade;
 pub(crate) use inverse::{LEAST_DETERMINANT, LEAST_FADE};
@@ -67,6 +68,12 @@ pub struct Volumetric<'a, R, P, const N: usize> {
     orientation: Option<Fade<R>>,
 }
 
+/// Translations and rotations of a twist.
+#[inline(always)]
+fn halves<R: Real>([x, y, z, a, b, c]: Twist<R>) -> (V3<R>, V3<R>) {
+    (V3::new(x, y, z), V3::new(a, b, c))
+}
+
 /// Twist of a side at the origin of the frame that the walk has reached.
 #[derive(Clone, Copy, Debug)]
 struct Side<R> {
@@ -76,9 +83,9 @@ struct Side<R> {
 
 impl<R: Real> Side<R> {
     #[inline(always)]
-    fn add(&mut self, [x, y, z, a, b, c]: Twist<R>) {
-        self.v += V3::new(x, y, z);
-        self.w += V3::new(a, b, c);
+    fn add(&mut self, (e, w): (V3<R>, V3<R>)) {
+        self.v += e;
+        self.w += w;
     }
 
     /// The point of reference moves against a travel along X, Y or Z: `v ← v − w × travel`.
@@ -94,11 +101,12 @@ impl<R: Real> Side<R> {
 
     /// Out of a rotary axis' frame into its carrier's, which adds the axis' own twist on the way.
     #[inline(always)]
-    fn turn(&mut self, link: &Link<R>, pose: (R, R), twist: Twist<R>) {
-        self.v = self.v.turned(about(link.axis), pose);
-        self.w = self.w.turned(about(link.axis), pose);
-        self.add(twist);
-        self.v -= self.w.cross(link.offset);
+    fn turn(&mut self, link: &Link<R>, pose: (R, R), (e, w): (V3<R>, V3<R>)) {
+        self.v = self.v.turned(about(link.axis), pose) + e;
+        self.w = self.w.turned(about(link.axis), pose) + w;
+        if link.is_offset {
+            self.v -= self.w.cross(link.offset);
+        }
     }
 }
 
@@ -139,12 +147,14 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         let mut plain = !machine.compensation.orientation;
         for (place, (axis, lever)) in axes.into_iter().zip(levers).enumerate() {
             let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) else { continue };
-            let table: AxisTable<'a, R, P, 6> = match rows(axis) {
-                Some(rows) => AxisTable::build_twists(settings, rows, lever, &mut storage)?,
-                None => AxisTable::zero(),
+            let located = axis.index().checked_sub(3).and_then(|index| machine.location.rotary.get(index));
+            let located = located.copied().unwrap_or_default();
+            let (table, apart): (AxisTable<'a, R, P, 6>, _) = match rows(axis) {
+                Some(rows) => (AxisTable::build_twists(settings, rows, lever, located, &mut storage)?, [0.0; 6]),
+                None => (AxisTable::zero(), located),
             };
             let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
-            plain &= table.is_even() && feedback == (false, false);
+            plain &= table.is_even() && feedback == (false, false) && apart == [0.0; 6];
             let origin = table.origin().to_f64();
             chain.set_origin(place, origin);
             if let (Some(slot), Some(at), Some(from), Some(q0)) =
@@ -152,9 +162,8 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             {
                 (*slot, *at, *from, *q0) = (table, feedback, R::of(origin), R::of(settings.thermal.datum - origin));
             }
-            let location = axis.index().checked_sub(3).and_then(|index| machine.location.rotary.get(index));
-            if let (Some(slot), Some(errors)) = (constant.get_mut(place), location) {
-                *slot = errors.map(R::of);
+            if let Some(slot) = constant.get_mut(place) {
+                *slot = apart.map(R::of);
             }
         }
         let settings = &machine.compensation;
@@ -200,13 +209,136 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> PoseError<R> {
-        let mut twists = [[R::ZERO; 6]; N];
         if self.plain {
-            self.look_up_plain(at, reverse, &mut twists, held);
-        } else {
-            self.look_up(0..N, at, at, reverse, &mut twists, held);
+            return self.plain_pose_error(at, reverse, thermal, held);
         }
+        let mut twists = [[R::ZERO; 6]; N];
+        self.look_up(0..N, at, at, reverse, &mut twists, held);
         self.carried(at, &self.chain.poses(at), &twists, thermal)
+    }
+
+    /// Where no axis turns, the lever of every twist is the tool and the travels beyond it.
+    #[inline(always)]
+    fn plain_slides(
+        &self,
+        at: &[R; N],
+        reverse: &[usize; N],
+        thermal: &[ThermalLine<R>; N],
+        held: &mut u8,
+    ) -> PoseError<R> {
+        let (mut d, mut orientation) = (V3::ZERO, V3::ZERO);
+        let mut q = [R::ZERO; 3];
+        for ((q, at), origin) in q.iter_mut().zip(at).zip(&self.origins) {
+            *q = *at + *origin;
+        }
+        let [qx, qy, qz] = q;
+        let mut bit = 1;
+        for (((table, [bx, by, bz]), at), reverse) in self.tables.iter().zip(&self.chain.beyond).zip(at).zip(reverse) {
+            let (twist, edge) = table.at_plain(*at, *reverse);
+            if edge {
+                *held |= bit;
+            }
+            bit <<= 1;
+            let (e, w) = halves(twist);
+            d += e + w.cross(self.chain.tool + V3::new(*bx * qx, *by * qy, *bz * qz));
+            orientation += w;
+        }
+        let mut growth = [R::ZERO; 3];
+        for (((growth, at), line), datum) in growth.iter_mut().zip(at).zip(thermal).zip(&self.datum) {
+            *growth = line.at(*at - *datum);
+        }
+        let [c0y, b0z, a0z] = self.squareness;
+        d += V3::from(growth) + V3::new(b0z * qz - c0y * qy, -(a0z * qz), R::ZERO);
+        PoseError { tip: d.array(), orientation: orientation.array() }
+    }
+
+    /// Twist and position of one axis from its plain table, with what does not stand in tables.
+    #[inline(always)]
+    fn read_plain(
+        &self,
+        link: &Link<R>,
+        at: &[R; N],
+        reverse: &[usize; N],
+        thermal: &[ThermalLine<R>; N],
+        held: &mut u8,
+    ) -> (V3<R>, V3<R>, R) {
+        let place = link.place;
+        let (Some(table), Some(at), Some(reverse), Some(line), Some(origin), Some(datum)) = (
+            self.tables.get(place),
+            at.get(place),
+            reverse.get(place),
+            thermal.get(place),
+            self.origins.get(place),
+            self.datum.get(place),
+        ) else {
+            return (V3::ZERO, V3::ZERO, R::ZERO);
+        };
+        let (twist, edge) = table.at_plain(*at, *reverse);
+        if edge {
+            *held |= 1 << (place & 7);
+        }
+        let ((mut e, mut w), q, growth) = (halves(twist), *at + *origin, line.at(*at - *datum));
+        let [c0y, b0z, a0z] = self.squareness;
+        match link.axis {
+            Axis::X => e.x += growth,
+            Axis::Y => {
+                e.x -= c0y * q;
+                e.y += growth;
+            }
+            Axis::Z => {
+                e.x += b0z * q;
+                e.y -= a0z * q;
+                e.z += growth;
+            }
+            Axis::A => w.x += growth * R::of(core::f64::consts::PI / 180.0),
+            Axis::B => w.y += growth * R::of(core::f64::consts::PI / 180.0),
+            Axis::C => w.z += growth * R::of(core::f64::consts::PI / 180.0),
+        }
+        (e, w, q)
+    }
+
+    /// [`Volumetric::pose_error`] of plain tables: every twist is used where it is read.
+    #[inline(always)]
+    fn plain_pose_error(
+        &self,
+        at: &[R; N],
+        reverse: &[usize; N],
+        thermal: &[ThermalLine<R>; N],
+        held: &mut u8,
+    ) -> PoseError<R> {
+        if N == 3 {
+            return self.plain_slides(at, reverse, thermal, held);
+        }
+        let mut tool = Side { v: V3::ZERO, w: V3::ZERO };
+        let mut tip = self.chain.tool;
+        for link in self.chain.tool_side() {
+            let (e, w, q) = self.read_plain(link, at, reverse, thermal, held);
+            if link.axis.is_rotary() {
+                let pose = coarse_cos_sin_deg(q * link.motion);
+                tip = tip.turned(about(link.axis), pose) + link.offset;
+                tool.turn(link, pose, (e, w));
+                continue;
+            }
+            tool.add((e, w));
+            tool.slide(link.axis, q);
+            match about(link.axis) {
+                About::X => tip.x += q,
+                About::Y => tip.y += q,
+                About::Z => tip.z += q,
+            }
+        }
+        let mut workpiece = Side { v: V3::ZERO, w: V3::ZERO };
+        for link in self.chain.workpiece_side() {
+            let (e, w, q) = self.read_plain(link, at, reverse, thermal, held);
+            if link.axis.is_rotary() {
+                workpiece.turn(link, coarse_cos_sin_deg(q * link.motion), (e, w));
+                continue;
+            }
+            workpiece.slide(link.axis, -q);
+            workpiece.add((e, w));
+        }
+        let w = tool.w + workpiece.w;
+        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).array(), orientation: w.array() }
     }
 
     /// Twists of all axes from plain tables, at the command.
@@ -327,11 +459,11 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         for link in self.chain.tool_side() {
             let (q, twist, pose) = of(link);
             if link.axis.is_rotary() {
-                tool.turn(link, pose, twist);
+                tool.turn(link, pose, halves(twist));
                 tip = tip.turned(about(link.axis), pose) + link.offset;
                 continue;
             }
-            tool.add(twist);
+            tool.add(halves(twist));
             tool.slide(link.axis, q);
             match link.axis {
                 Axis::X | Axis::A => tip.x += q,
@@ -343,12 +475,12 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         for link in self.chain.workpiece_side() {
             let (q, twist, pose) = of(link);
             if link.axis.is_rotary() {
-                workpiece.turn(link, pose, twist);
+                workpiece.turn(link, pose, halves(twist));
                 continue;
             }
             // What stands further out moves by −q; the slide's own twist already is where its travel starts.
             workpiece.slide(link.axis, -q);
-            workpiece.add(twist);
+            workpiece.add(halves(twist));
         }
         let w = tool.w + workpiece.w;
         PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).array(), orientation: w.array() }

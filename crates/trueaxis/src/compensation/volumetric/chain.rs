@@ -19,6 +19,8 @@ pub(super) struct Link<R> {
     pub(super) motion: R,
     /// Origin of a rotary axis' frame in its carrier's. A slide has none: see [`Chain::build`].
     pub(super) offset: V3<R>,
+    /// It is not zero.
+    pub(super) is_offset: bool,
     /// Position of its table's origin from machine zero.
     origin: R,
 }
@@ -98,7 +100,14 @@ impl<R: Real, const N: usize> Chain<R, N> {
                 (false, true) => -1.0,
                 (false, false) => 1.0,
             };
-            let built = Link { axis: link.axis, place, motion: R::of(sense), offset: V3::ZERO, origin: R::ZERO };
+            let built = Link {
+                axis: link.axis,
+                place,
+                motion: R::of(sense),
+                offset: V3::ZERO,
+                is_offset: false,
+                origin: R::ZERO,
+            };
             // From the workpiece to the bed as they stand; from the tool to the bed is the code backwards.
             let slot = if link.carries_workpiece { index } else { workpiece + found.len() - 1 - index };
             if let Some(slot) = chain.links.get_mut(slot) {
@@ -132,6 +141,7 @@ impl<R: Real, const N: usize> Chain<R, N> {
                 }
                 if link.axis.is_rotary() {
                     link.offset = V3::of(run);
+                    link.is_offset = run != [0.0; 3];
                     (run, carried_by_rotary) = ([0.0; 3], true);
                 } else {
                     for (lever, run) in levers.get_mut(link.place).into_iter().flatten().zip(run) {
