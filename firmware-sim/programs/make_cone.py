@@ -56,7 +56,7 @@ def main():
         "; Tilted cone frustum in the manner of NAS 979 and ISO 10791-7: half angle 15, axis tilted by 10 degrees, lower circle",
         "; of 80, flank-milled with a tool of radius 6; X0 Y0 Z0 is its centre. Written by make_cone.py.",
         "G17 G21 G90 G94",
-        "G43.4 H1",
+        "G43.4",
         "G0 Z100",
     ]
     c = 0.0

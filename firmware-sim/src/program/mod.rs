@@ -104,7 +104,9 @@ impl Move {
     /// Whether it is measured in degrees: nothing but rotary axes moves, or they turn by more than 5° per millimetre. In
     /// millimetres, the acceleration of such a move would be too much for them.
     pub fn in_degrees(&self) -> bool {
-        self.turn.angle() > DEGREES_PER_MM * self.curve.length()
+        // Asked in every cycle: the length of a spline is an integral.
+        let angle = self.turn.angle();
+        angle > 0.0 && angle > DEGREES_PER_MM * self.curve.length()
     }
 
     /// Feed along [`Move::length`] per minute, where programmed.
