@@ -115,7 +115,7 @@ const FORMATS: &str = "\
 Formats, and what they hold for an error E = actual − ideal:
   linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or, with --comp-file-type 1, type 1 (−E)
   siemens     $AA_ENC_COMP, +E in one direction (mm, degrees)
-  isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees)
+  isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments
   iso230-2    measured deviations, one row per approach (µm, µrad)";
 
 pub(crate) fn run(command: Command) -> Result<()> {

@@ -355,6 +355,43 @@ fn tables_travel_to_other_controls_and_back() {
     assert!(!directory.path().join("lost.mpf").exists());
 }
 
+/// A five-axis machine through the volumetric CSV: the same chain, and the same tip errors to 0.03 µm.
+#[test]
+fn five_axes_travel_to_another_control_and_back() {
+    let directory = tempfile::tempdir().unwrap();
+    let head = samples().join("head-5axis");
+    let head = head.to_str().unwrap();
+    good(&directory, &["tables", "export", "--to", "isg", head, "-o", "head.csv"]);
+    good(&directory, &["tables", "import", "--from", "isg", "head.csv", "-o", "back"]);
+    good(&directory, &["tables", "check", "back"]);
+    let found: serde_json::Value =
+        serde_json::from_str(&good(&directory, &["tables", "check", "back", "--json"])).unwrap();
+    assert_eq!(found["summary"]["chain"], "w X' b Y Z C A t");
+    put(&directory, "p.csv", "x_mm,y_mm,z_mm,a_deg,c_deg\n310,-220,150,33,77\n-500,100,-90,-61,200\n");
+    let errors = |machine: &str| {
+        let text = good(&directory, &["compensate", machine, "p.csv", "--model", "exact"]);
+        ["ex_um", "ey_um", "ez_um"].map(|name| column(&text, name)).concat()
+    };
+    let (truth, back) = (errors(head), errors("back"));
+    assert!(truth.iter().any(|error| error.abs() > 5.0), "{truth:?}");
+    for (back, truth) in back.iter().zip(&truth) {
+        assert!((back - truth).abs() < 0.03, "{back} {truth}");
+    }
+    bad(
+        &directory,
+        &["tables", "export", "--to", "linuxcnc", head, "-o", "lost.comp"],
+        &["chain w X' b Y Z C A t", "tool_mm 0 0 -250", "location errors", "EA0C 22.000 urad"],
+    );
+    let text = fs::read_to_string(directory.path().join("head.csv")).unwrap();
+    put(&directory, "wrong.csv", &text.replace("w X' b", "w X' X' b"));
+    bad(
+        &directory,
+        &["tables", "import", "--from", "isg", "wrong.csv", "-o", "none"],
+        &["wrong.csv:1", "at most once"],
+    );
+    assert!(!directory.path().join("none").exists());
+}
+
 #[test]
 fn help_teaches() {
     let directory = tempfile::tempdir().unwrap();

@@ -9,7 +9,7 @@ use std::path::Path;
 use trueaxis::check::{self, TableRule};
 use trueaxis::compensation::Rows;
 use trueaxis::error::{ConfigError, Field};
-use trueaxis::machine::{Axis, MachineSettings};
+use trueaxis::machine::{Axis, CompensationSettings, ErrorModel, KinematicsSettings, MachineSettings};
 use trueaxis::roundness::{Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, RoundnessSettings};
 use trueaxis::tcomp::{Tcomp, TcompError, checksum, machine_id};
 use trueaxis_tables::{Machine, Warning, check, compile, summary};
@@ -28,7 +28,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 /// A file around a payload.
 fn file(id: u32, payload: &[u8]) -> Vec<u8> {
-    let mut bytes = b"TRUEAXIS\x02\x00".to_vec();
+    let mut bytes = b"TRUEAXIS\x03\x00".to_vec();
     bytes.extend(id.to_le_bytes());
     bytes.extend(u32::try_from(payload.len()).unwrap().to_le_bytes());
     bytes.extend(payload);
@@ -62,10 +62,16 @@ fn the_bytes_are_those_documented() {
     numbers(&mut payload, &[0.0; 12]);
     numbers(&mut payload, &[0.012, 0.0, 0.0, 0.0, -1.4e-5, 0.0]);
     numbers(&mut payload, &[0.05, 0.05, 2.0, 0.02, 0.02, 0.2, 0.2, 1.0]);
+    // Nine terms, no orientation.
+    payload.extend([0, 0]);
+    numbers(&mut payload, &[5.0]);
+    numbers(&mut payload, &[0.0, 0.0, 1.0, 0.1]);
     payload.push(3);
     for (axis, direction, backlash, expansion) in [(0, 1_i8, 0.003, 11.5e-6), (2, 1, 0.002, 0.0), (5, -1, 0.0, 0.0)] {
         payload.extend([axis, 0, 0, 0, direction as u8]);
-        numbers(&mut payload, &[-500.0, 500.0, -501.0, 501.0, 0.0, 0.0, 0.0, 500.0, backlash, 0.001]);
+        numbers(&mut payload, &[-500.0, 500.0, -501.0, 501.0]);
+        numbers(&mut payload, &[0.0; 6]);
+        numbers(&mut payload, &[500.0, backlash, 0.001]);
         numbers(&mut payload, &[0.1, 1.0, 200.0, 0.0, expansion, 0.0]);
     }
     let gauge = payload.len();
@@ -81,6 +87,22 @@ fn the_bytes_are_those_documented() {
     let id = crc32(b"small\nw C' X' b Z t");
     assert_eq!(machine_id("small", "w C' X' b Z t"), id);
     assert_eq!(compile(&machine).unwrap(), file(id, &payload));
+
+    // Settings of five axes, each with a value of its own: where they stand shows by the bytes that change.
+    let mut five = small_machine::machine();
+    five.settings.compensation =
+        CompensationSettings { model: ErrorModel::Volumetric, orientation: true, fade_deg: 7.5 };
+    five.settings.kinematics = KinematicsSettings { tool_axis: [0.0, 0.6, 0.8], singular_cone_deg: 0.25 };
+    five.settings.axes[0].offset_mm = [1.0, 2.0, 3.0];
+    five.settings.axes[0].measured_at_mm = [4.0, 5.0, 6.0];
+    let mut changed = payload.clone();
+    let compensation = "small".len() + "w C' X' b Z t".len() + 2 + 8 * (3 + 1 + 3 + 18 + 7 + 1);
+    let mut bytes = vec![1, 1];
+    numbers(&mut bytes, &[7.5, 0.0, 0.6, 0.8, 0.25]);
+    bytes.extend([3, 0, 0, 0, 0, 1]);
+    numbers(&mut bytes, &[-500.0, 500.0, -501.0, 501.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    changed.splice(compensation..compensation + bytes.len(), bytes);
+    assert_eq!(compile(&five).unwrap(), file(id, &changed));
 
     // The same machine with a gauge of three probes.
     let mut with = small_machine::machine();
@@ -188,6 +210,14 @@ fn nonsense_with_a_good_sum_is_refused() {
     let settings = postcard::to_stdvec(&machine.settings).unwrap().len();
     assert_eq!(wrapped(&payload[..settings]), TcompError::TableHeader);
     let header = |change: &[u8]| wrapped(&[&payload[..settings], change, &payload[settings + change.len()..]].concat());
+    // A model and an orientation that are none: enum and bool beyond their variants.
+    let location = 8 * (3 + 1 + 3 + 18 + 7 + 1);
+    let compensation = 2 + machine.settings.name.len() + machine.settings.chain.len() + location;
+    for place in [compensation, compensation + 1] {
+        let mut payload = payload.to_vec();
+        payload[place] = 2;
+        assert_eq!(wrapped(&payload), TcompError::Settings);
+    }
     // No column, a seventh column, absent with lines, no bool.
     for change in [[1, 0], [1, 0x40], [0, 1], [2, 1]] {
         assert_eq!(header(&change), TcompError::TableHeader);
@@ -223,7 +253,7 @@ fn forged(change: impl Fn(&mut MachineSettings)) -> Result<(), TcompError> {
 fn settings_that_make_no_sense_are_refused() {
     assert_eq!(forged(|_| ()), Ok(()));
     type Change = fn(&mut MachineSettings);
-    let cases: [(Field, Change); 23] = [
+    let cases: [(Field, Change); 31] = [
         (Field::Points, |m| m.roundness = Some(gauge(1000))),
         (Field::Harmonics, |m| m.roundness = Some(RoundnessSettings { band: Band { first: 0, last: 9 }, ..gauge(64) })),
         (Field::Spindle, |m| m.roundness = Some(RoundnessSettings { stop_s: f64::NAN, ..gauge(64) })),
@@ -238,6 +268,14 @@ fn settings_that_make_no_sense_are_refused() {
         (Field::Location, |m| m.location.a0z = f64::NAN),
         (Field::Faults, |m| m.faults.stuck[1] = 0.0),
         (Field::Contour, |m| m.contour.max_lag_mm = f64::NAN),
+        (Field::Compensation, |m| m.compensation.fade_deg = -1e-9),
+        (Field::Compensation, |m| m.compensation.fade_deg = f64::NAN),
+        (Field::Kinematics, |m| m.kinematics.tool_axis = [0.0; 3]),
+        (Field::Kinematics, |m| m.kinematics.tool_axis[0] = f64::INFINITY),
+        (Field::Kinematics, |m| m.kinematics.singular_cone_deg = 46.0),
+        (Field::Offset, |m| m.axes[4].offset_mm[2] = f64::NAN),
+        (Field::MeasuredAt, |m| m.axes[3].measured_at_mm[0] = f64::NEG_INFINITY),
+        (Field::Compensation, |m| m.compensation.fade_deg = 45.1),
         (Field::Travel, |m| m.axes[0].travel = [1.0, 1.0]),
         (Field::Joint, |m| m.axes[0].joint = [f64::NEG_INFINITY, 1e3]),
         (Field::Joint, |m| m.axes[0].joint = m.axes[0].travel),
@@ -413,7 +451,8 @@ fn warnings_carry_their_numbers() {
     for warning in &found {
         let text = warning.to_string();
         assert!(
-            text.starts_with("axis ") && (text.contains("mm") || text.contains("µm") || text.contains("deg")),
+            (text.starts_with("axis ") || text.starts_with("angular errors "))
+                && (text.contains("mm") || text.contains("µm") || text.contains("deg")),
             "{text}"
         );
     }

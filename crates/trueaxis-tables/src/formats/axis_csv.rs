@@ -1,9 +1,9 @@
 //! The crate's own files, written.
 
-use super::Imported;
+use super::{Imported, own_comments};
 use crate::Table;
 use std::fmt::Write;
-use trueaxis::machine::{Axis, LocationErrors, NAME_CAPACITY, Row};
+use trueaxis::machine::{Axis, LocationErrors, MachineSettings, NAME_CAPACITY, Row};
 
 /// File name of an axis' table, `x.csv`.
 pub fn axis_csv_name(axis: Axis) -> String {
@@ -75,6 +75,21 @@ pub(super) fn machine_files(imported: &Imported, name: &str) -> Vec<(String, Str
         end -= 1;
     }
     let name = toml::Value::from(name.get(..end).unwrap_or_default());
+    let mut text = match &imported.settings {
+        Some(settings) => described(settings, imported, &name),
+        None => undescribed(imported, &name),
+    };
+    let location = location_lines(&imported.location);
+    if !location.is_empty() {
+        let _ = write!(text, "\n[location]\n{location}");
+    }
+    let mut files = vec![(String::from("machine.toml"), text)];
+    files.extend(imported.tables.iter().map(|(axis, table)| (axis_csv_name(*axis), write_axis_csv(table, *axis))));
+    files
+}
+
+/// A machine of which only the tables are known.
+fn undescribed(imported: &Imported, name: &toml::Value) -> String {
     let letters: String = imported.tables.iter().map(|(axis, _)| format!(" {}", axis.letter())).collect();
     let mut text = format!(
         "# Imported. The file does not say which axes carry the workpiece: set the chain of your machine.\n\
@@ -96,13 +111,50 @@ pub(super) fn machine_files(imported: &Imported, name: &str) -> Vec<(String, Str
             let _ = writeln!(text, "travel_{unit} = [{low:?}, {high:?}]");
         }
     }
-    let location = location_lines(&imported.location);
-    if !location.is_empty() {
-        let _ = write!(text, "\n[location]\n{location}");
+    text
+}
+
+/// A machine whose file said what it is.
+fn described(settings: &MachineSettings, imported: &Imported, name: &toml::Value) -> String {
+    let chain = toml::Value::from(settings.chain.as_str());
+    let mut text =
+        format!("# Imported, with the chain that the file states in its comments.\nname = {name}\nchain = {chain}\n");
+    let mut section = "";
+    for (of, key, value) in own_comments::machine_items(settings) {
+        if of != section {
+            let _ = write!(text, "\n[{of}]\n");
+            section = of;
+        }
+        let _ = writeln!(text, "{key} = {}", toml_value(key, &value));
     }
-    let mut files = vec![(String::from("machine.toml"), text)];
-    files.extend(imported.tables.iter().map(|(axis, table)| (axis_csv_name(*axis), write_axis_csv(table, *axis))));
-    files
+    for axis in &settings.axes {
+        let _ = write!(text, "\n[axis.{}]\n", axis.axis.letter());
+        if imported.tables.iter().any(|(with_table, _)| *with_table == axis.axis) {
+            let _ = writeln!(text, "table = \"{}\"", axis_csv_name(axis.axis));
+        }
+        for (key, value) in own_comments::axis_items(axis) {
+            let _ = writeln!(text, "{key} = {}", toml_value(key, &value));
+        }
+    }
+    text
+}
+
+/// The value of a comment as TOML: a list, a word in quotes, or as it is.
+fn toml_value(key: &str, value: &str) -> String {
+    match key {
+        "interpolation" | "lookup" | "cross_lookup" | "model" => format!("\"{value}\""),
+        "orientation" => value.to_owned(),
+        _ => {
+            let numbers: Vec<String> = value
+                .split(' ')
+                .map(|number| number.parse::<f64>().map_or_else(|_| number.to_owned(), |n| format!("{n:?}")))
+                .collect();
+            match numbers.as_slice() {
+                [alone] => alone.clone(),
+                several => format!("[{}]", several.join(", ")),
+            }
+        }
+    }
 }
 
 fn location_lines(location: &LocationErrors) -> String {

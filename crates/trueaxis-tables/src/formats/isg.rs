@@ -19,17 +19,32 @@
 //! Location errors: `X0C` there is `EX0C` here; only `A0Z`, `B0Z`, `C0Y` of the linear axes and all six of the rotary ones
 //! exist here, others must be 0.
 //!
+//! Where the errors hold: tool of length zero, the other linear axes at zero, the rotary axes at zero. Tables measured elsewhere
+//! (`measured_at_mm`) are moved there, e = e_measured − w × l at every line.
+//!
+//! Chain, senses, tool, offsets, interpolation and `[compensation]` have no columns. They are written as comments and read back:
+//!
+//! ```text
+//! // trueaxis chain: w C' A' Y' b X Z t       w, axes that carry the workpiece, b, axes that carry the tool, t
+//! // trueaxis tool_mm: 0 0 -250               also tool_axis, singular_cone_deg, reference_temperature_c,
+//! // trueaxis model: volumetric               orientation, fade_deg
+//! // trueaxis axis A direction: -1            also interpolation, lookup, cross_lookup, travel_mm (travel_deg)
+//! // trueaxis axis A offset_mm: 0 0 150
+//! ```
+//!
+//! The other control skips them: what it must be told otherwise is in [`Exported::notes`]. A file with such comments is refused
+//! where one cannot be read, and where an axis of a comment, table or location error is not in the chain.
+//!
 //! No direction of travel (the mean is written), no backlash, no thermal growth. Tables over several arguments, constant
 //! component errors and the kinematic parameters of the ISG model are refused.
 
-use super::positioning;
-use super::{ExportOptions, Exported, Imported};
+use super::{ExportOptions, Exported, Imported, isg_notes, losses, measured_at, own_comments, positioning};
 use crate::error::FileError;
 use crate::source::{Source, fixed, numbered};
 use crate::{Machine, Table};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use trueaxis::machine::{Axis, LocationErrors, Row};
+use trueaxis::machine::{Axis, LocationErrors, MachineSettings, Row};
 
 /// Name of the written file.
 pub const FILE_NAME: &str = "volcomp.csv";
@@ -44,7 +59,9 @@ struct Block {
 pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<Imported, FileError> {
     let mut tables: BTreeMap<Axis, Table> = BTreeMap::new();
     let mut location = LocationErrors::default();
+    let mut settings = own_comments::read(text, source)?;
     for block in blocks(text, source)? {
+        in_chain(&block, settings.as_ref(), source)?;
         let arguments: Vec<Axis> = block.names.iter().filter_map(|name| axis_named(name)).collect();
         match arguments.as_slice() {
             [] => location_errors(&block, source, &mut location)?,
@@ -68,7 +85,33 @@ pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<
         };
         return Err(source.whole(found, "a header such as X EXX EYX EZX EAX EBX ECX and its values"));
     }
-    Ok(Imported { tables: tables.into_iter().collect(), location })
+    if let Some(settings) = &mut settings {
+        settings.location = location;
+    }
+    Ok(Imported { tables: tables.into_iter().collect(), location, settings })
+}
+
+/// Where the file gives the chain: every axis of a header, and every rotary axis with a location error, has to be in it.
+fn in_chain(block: &Block, settings: Option<&MachineSettings>, source: &Source) -> Result<(), FileError> {
+    let Some(settings) = settings else { return Ok(()) };
+    let values = block.lines.first().map_or(&[][..], |(_, values)| values);
+    for (place, name) in block.names.iter().enumerate() {
+        let letters: Vec<char> = name.chars().collect();
+        let axis = match letters.as_slice() {
+            [axis] => Axis::from_letter(*axis),
+            [_, '0', axis] if values.get(place) != Some(&0.0) => {
+                Axis::from_letter(*axis).filter(|axis| axis.is_rotary())
+            }
+            _ => None,
+        };
+        if let Some(axis) = axis
+            && !settings.axes.iter().any(|own| own.axis == axis)
+        {
+            let found = format!("axis {}, which is not in the chain {}", axis.letter(), settings.chain);
+            return Err(source.at(block.line, name, found, "an axis of the chain"));
+        }
+    }
+    Ok(())
 }
 
 fn blocks(text: &str, source: &Source) -> Result<Vec<Block>, FileError> {
@@ -213,30 +256,38 @@ fn location_entry<'a>(location: &'a mut LocationErrors, name: &str) -> Option<&'
 }
 
 pub(super) fn export(machine: &Machine, options: &ExportOptions, exported: &mut Exported) {
-    let mut text = String::new();
+    let mut text = own_comments::written(machine);
     let mut location = machine.settings.location;
     if options.axis.is_some() {
         // The location errors belong to the machine: a file of one axis does not carry them.
-        positioning::location_losses(machine, &mut exported.dropped);
+        losses::location_losses(machine, &mut exported.dropped);
         location = LocationErrors::default();
     }
     let entries = location_table(&mut location);
+    let mut begun = !entries.is_empty();
     if !entries.is_empty() {
         let (names, values): (Vec<String>, Vec<String>) =
             entries.into_iter().map(|(name, value)| (name, format!("{value}"))).unzip();
         let _ = writeln!(text, "// location errors, mm and rad\n{}\n{}", names.join("\t"), values.join("\t"));
     }
     for (settings, table) in positioning::chosen(machine, options.axis) {
-        if !text.is_empty() {
+        if begun {
             text.push_str("#\n");
+        }
+        begun = true;
+        let moved = measured_at::at_zero(machine, settings, table);
+        let table = moved.as_ref();
+        if settings.measured_at_mm != [0.0; 3] {
+            exported.notes.push(isg_notes::measured(settings));
         }
         one_way(machine, settings, table, &mut exported.dropped);
         // From the axis' positions to its error table, mm or rad.
         let backlash = settings.backlash / positioning::to_position_unit(machine, settings);
         axis_block(settings.axis, backlash, table, &mut text);
     }
-    positioning::settings_losses(machine, options.axis, &mut exported.dropped);
+    losses::settings_losses(machine, options.axis, &mut exported.dropped);
     exported.notes.push(format!("file_format of {FILE_NAME}: ISG CSV; workpiece_axes as the tables were measured"));
+    isg_notes::machine(&machine.settings, &mut exported.notes);
     exported.files.push((String::from(FILE_NAME), text));
 }
 

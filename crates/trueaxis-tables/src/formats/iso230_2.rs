@@ -14,8 +14,8 @@
 //!
 //! As a table: the mean of all runs at each position, both directions apart if both were measured. The scatter is not kept.
 
-use super::positioning;
 use super::{ExportOptions, Exported, Imported};
+use super::{losses, positioning};
 use crate::Machine;
 use crate::error::FileError;
 use crate::source::{Source, fixed, numbered};
@@ -237,14 +237,14 @@ pub(super) fn import(text: &str, source: &Source, axis: Option<Axis>) -> Result<
         lines.push((0, super::single(position, axis.index(), forward / scale, reverse / scale)));
     }
     let table = super::table(axis, super::only(axis.index()), lines, source)?;
-    Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default() })
+    Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default(), settings: None })
 }
 
 /// The axis' own error as a measurement of one run without scatter, backlash included, to 1 nm (0.001 µrad).
 pub(super) fn export(machine: &Machine, options: &ExportOptions, exported: &mut Exported) {
     for (settings, table) in positioning::chosen(machine, options.axis) {
         let axis = settings.axis;
-        positioning::cross_terms(settings, table, &mut exported.dropped);
+        losses::cross_terms(settings, table, &mut exported.dropped);
         let (unit, micro, scale) =
             if axis.is_rotary() { ("deg", "urad", 1e6 * std::f64::consts::PI / 180.0) } else { ("mm", "um", 1e3) };
         let mut text = format!("{}_{unit},run,direction,deviation_{micro}\n", axis.letter());
@@ -254,6 +254,6 @@ pub(super) fn export(machine: &Machine, options: &ExportOptions, exported: &mut 
         }
         exported.files.push((format!("{}-iso230-2.csv", axis.letter().to_ascii_lowercase()), text));
     }
-    positioning::settings_losses(machine, options.axis, &mut exported.dropped);
-    positioning::location_losses(machine, &mut exported.dropped);
+    losses::settings_losses(machine, options.axis, &mut exported.dropped);
+    losses::machine_losses(machine, options.axis, &mut exported.dropped);
 }

@@ -15,6 +15,7 @@
 //! table there, and `BACKLASH` of the joint is no longer used. Everything that it would cut off, skip or misread is an error
 //! here: lines that are not three numbers, points that do not increase, more than 256 points, lines longer than its buffer.
 
+use super::losses;
 use super::positioning::{self, Point};
 use super::{ExportOptions, Exported, Imported};
 use crate::Machine;
@@ -111,7 +112,7 @@ pub(super) fn import(
         lines.push((line, super::single(nominal, axis.index(), forward, reverse)));
     }
     let table = super::table(axis, super::only(axis.index()), lines, source)?;
-    Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default() })
+    Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default(), settings: None })
 }
 
 pub(super) fn export(
@@ -127,7 +128,7 @@ pub(super) fn export(
             let found = format!("{} points in the table of axis {letter}", table.rows.len());
             return Err(source.whole(found, format!("at most {MAX_POINTS}")));
         }
-        positioning::cross_terms(settings, table, &mut exported.dropped);
+        losses::cross_terms(settings, table, &mut exported.dropped);
         let points = positioning::points(machine, settings, table);
         if let (true, Some(first), Some(last)) = (settings.axis.is_rotary(), points.first(), points.last())
             && (last.position - first.position - 360.0).abs() < 1e-9
@@ -145,8 +146,8 @@ pub(super) fn export(
         ));
         exported.files.push((name, file(&points, file_type, decimals)));
     }
-    positioning::settings_losses(machine, options.axis, &mut exported.dropped);
-    positioning::location_losses(machine, &mut exported.dropped);
+    losses::settings_losses(machine, options.axis, &mut exported.dropped);
+    losses::machine_losses(machine, options.axis, &mut exported.dropped);
     Ok(())
 }
 

@@ -8,7 +8,7 @@
 //! | [`linuxcnc`] type 0 | positioning, both directions | nominal + E (mm, degrees) |
 //! | [`linuxcnc`] type 1 | positioning, both directions | −E (mm, degrees) |
 //! | [`siemens`] `$AA_ENC_COMP` | positioning, one direction, equidistant | +E (mm, degrees) |
-//! | [`isg`] volumetric CSV | all six errors, location errors | +E (mm, rad) |
+//! | [`isg`] volumetric CSV | all six errors, location errors; as comments chain, offsets, tool | +E (mm, rad) |
 //! | [`iso230_2`] measurement | deviations of single approaches | +E (µm, µrad) |
 //!
 //! Import refuses whatever it would have to ignore. Export refuses whatever the format cannot hold, unless told to drop it
@@ -16,8 +16,12 @@
 
 mod axis_csv;
 pub mod isg;
+mod isg_notes;
 pub mod iso230_2;
 pub mod linuxcnc;
+mod losses;
+mod measured_at;
+mod own_comments;
 mod positioning;
 pub mod siemens;
 
@@ -28,7 +32,7 @@ use crate::source::Source;
 use crate::{Machine, Table};
 use linuxcnc::CompFileType;
 use std::path::{Path, PathBuf};
-use trueaxis::machine::{Axis, LocationErrors, Row};
+use trueaxis::machine::{Axis, LocationErrors, MachineSettings, Row};
 
 /// A foreign format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,13 +75,17 @@ pub struct Imported {
     pub tables: Vec<(Axis, Table)>,
     /// Location errors (zero unless the file gives them).
     pub location: LocationErrors,
+    /// Chain, offsets, tool and how the tables are used, from the comments of an [`isg`] file that this crate wrote; what the
+    /// comments do not say has its default, the name is "imported". `None` from every other file.
+    pub settings: Option<MachineSettings>,
 }
 
 impl Imported {
     /// The files of a machine that uses these tables: `machine.toml` and one CSV per axis, as (file name, text).
     ///
-    /// A foreign file does not tell how the axes follow one another: `chain` puts all of them on the tool side and says so in a
-    /// comment. Interpolation is linear, as in the controls the files come from.
+    /// With [`Imported::settings`], the machine that they describe. Else the file does not tell how the axes follow one another:
+    /// `chain` puts all of them on the tool side and says so in a comment, and interpolation is linear, as in the controls the
+    /// files come from.
     pub fn machine_files(&self, name: &str) -> Vec<(String, String)> {
         axis_csv::machine_files(self, name)
     }

@@ -1,7 +1,10 @@
-//! An axis' own positioning error, as the one-dimensional formats want it, and what else the machine has.
+//! An axis' own positioning error, as the one-dimensional formats want it.
+//!
+//! Sign of an axis that carries the workpiece: its carriage moves by −q and errs by −e, so the tool moves over the workpiece by
+//! q + e, as on the tool side: linear, E is the table's own error on either side. Rotary: see [`to_position_unit`].
 
 use crate::{Machine, Table};
-use trueaxis::machine::{Axis, AxisSettings, LocationErrors, ThermalGrowth};
+use trueaxis::machine::{Axis, AxisSettings};
 
 /// Positioning error at one position, in the unit and sense of the axis' own positions (mm, degrees): actual − commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,44 +56,6 @@ pub(super) fn chosen(machine: &Machine, only: Option<Axis>) -> impl Iterator<Ite
 pub(super) fn error_name(axis: Axis, component: usize) -> String {
     let direction = Axis::ALL.get(component).map_or('?', |direction| direction.letter());
     format!("E{direction}{}", axis.letter())
-}
-
-/// What a format without cross terms cannot hold: the errors of this axis in other directions.
-pub(super) fn cross_terms(settings: &AxisSettings, table: &Table, dropped: &mut Vec<String>) {
-    let axis = settings.axis;
-    let names: Vec<String> = (0..6)
-        .filter(|&component| component != axis.index())
-        .filter(|&component| {
-            let nonzero = |twist: &[f64; 6]| twist.get(component).is_some_and(|value| *value != 0.0);
-            table.rows.iter().any(|row| nonzero(&row.forward) || nonzero(&row.reverse))
-        })
-        .map(|component| error_name(axis, component))
-        .collect();
-    if !names.is_empty() {
-        dropped.push(format!("{} of axis {}", names.join(", "), axis.letter()));
-    }
-}
-
-/// Settings of a machine that no foreign format has: thermal growth, and backlash of axes without a table.
-pub(super) fn settings_losses(machine: &Machine, only: Option<Axis>, dropped: &mut Vec<String>) {
-    for (settings, table) in machine.axes() {
-        if only.is_some_and(|axis| axis != settings.axis) {
-            continue;
-        }
-        if settings.thermal != (ThermalGrowth { datum: settings.thermal.datum, ..ThermalGrowth::default() }) {
-            dropped.push(format!("thermal growth of axis {}", settings.axis.letter()));
-        }
-        if table.is_none() && settings.backlash != 0.0 {
-            dropped.push(format!("backlash of axis {}, which has no table", settings.axis.letter()));
-        }
-    }
-}
-
-/// Location errors, where a format has none.
-pub(super) fn location_losses(machine: &Machine, dropped: &mut Vec<String>) {
-    if machine.settings.location != LocationErrors::default() {
-        dropped.push(String::from("location errors (squareness, rotary axes)"));
-    }
 }
 
 /// The mean of both directions, for formats without direction; the largest difference is entered as dropped.

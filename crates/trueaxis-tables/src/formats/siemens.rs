@@ -16,8 +16,8 @@
 //! The control keeps the old value of every point that a file does not write; such a file, or one with points outside the
 //! table, is refused. So is a modulo table that is not a full circle of a rotary axis, and an axis with two measuring systems.
 
-use super::positioning;
 use super::{ExportOptions, Exported, Imported};
+use super::{losses, positioning};
 use crate::Machine;
 use crate::error::FileError;
 use crate::source::{Source, fixed, numbered};
@@ -65,7 +65,7 @@ pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<
     for (axis, block) in blocks {
         tables.push((axis, block_table(axis, &block, source)?));
     }
-    Ok(Imported { tables, location: LocationErrors::default() })
+    Ok(Imported { tables, location: LocationErrors::default(), settings: None })
 }
 
 /// `N10 $AA_…` without its block number.
@@ -196,7 +196,7 @@ pub(super) fn export(
     let mut text = String::from("%_N_AX_EEC_INI\nCHANDATA(1)\n");
     for (settings, table) in positioning::chosen(machine, options.axis) {
         let letter = settings.axis.letter();
-        positioning::cross_terms(settings, table, &mut exported.dropped);
+        losses::cross_terms(settings, table, &mut exported.dropped);
         let points = positioning::points(machine, settings, table);
         let points = positioning::mean_of_directions(settings, &points, &mut exported.dropped);
         let (points, step) = equidistant(letter, &points, options, source, exported)?;
@@ -217,8 +217,8 @@ pub(super) fn export(
     }
     text.push_str("M17\n");
     exported.files.push((String::from(FILE_NAME), text));
-    positioning::settings_losses(machine, options.axis, &mut exported.dropped);
-    positioning::location_losses(machine, &mut exported.dropped);
+    losses::settings_losses(machine, options.axis, &mut exported.dropped);
+    losses::machine_losses(machine, options.axis, &mut exported.dropped);
     Ok(())
 }
 
