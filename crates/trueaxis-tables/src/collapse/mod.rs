@@ -172,12 +172,7 @@ pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapse
     })
 }
 
-fn wrong(
-    option: &'static str,
-    axis: Option<Axis>,
-    found: impl ToString,
-    needed: impl Into<String>,
-) -> CollapseError {
+fn wrong(option: &'static str, axis: Option<Axis>, found: impl ToString, needed: impl Into<String>) -> CollapseError {
     CollapseError::Option { option, axis, found: found.to_string(), needed: needed.into() }
 }
 
@@ -211,8 +206,7 @@ fn means(volume: &Volume, error: impl Fn([Level; 3]) -> [f64; 3]) -> MainEffects
     if full.iter().map(Vec::len).product::<usize>() <= MOST_CELLS {
         return MainEffects::of(&full, error);
     }
-    let few: [Vec<Level>; 3] =
-        std::array::from_fn(|i| levels(&thinned(&volume.nodes[i]), volume.two_sided_table[i]));
+    let few: [Vec<Level>; 3] = std::array::from_fn(|i| levels(&thinned(&volume.nodes[i]), volume.two_sided_table[i]));
     let mut effects = MainEffects::of(&few, &error);
     for i in 0..3 {
         let mut mixed = few.clone();

@@ -124,8 +124,7 @@ pub(super) fn evaluate(
                     for &z in &levels[2] {
                         let cell = [x, y, z];
                         let place = cell.map(|level| level.position);
-                        let (at, reverse) =
-                            (volume.position(place), volume.direction(cell.map(|level| level.reverse)));
+                        let (at, reverse) = (volume.position(place), volume.direction(cell.map(|level| level.reverse)));
                         let d = geometry.tip_error(&at, &reverse);
                         let weight = x.weight * y.weight * z.weight;
                         for (sum, model) in sums.iter_mut().zip([[0.0; 3], first(&at, &reverse), second(&at, &reverse)])
@@ -163,7 +162,8 @@ pub(super) fn causes(volume: &Volume, machine: &Machine) -> Result<Vec<Cause>, C
         let mut alone = machine.clone();
         let mut angular = false;
         for (k, table) in alone.tables.iter_mut().enumerate() {
-            for twist in table.iter_mut().flat_map(|t| &mut t.rows).flat_map(|row| [&mut row.forward, &mut row.reverse]) {
+            for twist in table.iter_mut().flat_map(|t| &mut t.rows).flat_map(|row| [&mut row.forward, &mut row.reverse])
+            {
                 angular |= k == slot && twist[3..].iter().any(|w| *w != 0.0);
                 if k != slot && volume.slots.contains(&Some(k)) {
                     twist[3..].fill(0.0);
@@ -183,7 +183,8 @@ pub(super) fn causes(volume: &Volume, machine: &Machine) -> Result<Vec<Cause>, C
         for (i, &x) in levels[0].iter().enumerate() {
             for (j, &y) in levels[1].iter().enumerate() {
                 for (k, &z) in levels[2].iter().enumerate() {
-                    let left = error([x, y, z]).into_iter().zip(effects.sum([i, j, k])).map(|(d, sum)| (d - sum).powi(2));
+                    let left =
+                        error([x, y, z]).into_iter().zip(effects.sum([i, j, k])).map(|(d, sum)| (d - sum).powi(2));
                     square += x.weight * y.weight * z.weight * left.sum::<f64>();
                 }
             }

@@ -146,7 +146,12 @@ fn pose(machine: &Machine, options: &CollapseOptions) -> Result<[f64; AXES], Col
             return Err(wrong("pose", Some(own.axis), angle, needed));
         }
         if angle != 0.0 && carries_linear(&machine.settings.chain, own.axis) {
-            return Err(wrong("pose", Some(own.axis), angle, "0: the axis carries a linear one and turns its nine terms"));
+            return Err(wrong(
+                "pose",
+                Some(own.axis),
+                angle,
+                "0: the axis carries a linear one and turns its nine terms",
+            ));
         }
         *to = angle;
     }

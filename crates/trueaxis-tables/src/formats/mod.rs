@@ -18,10 +18,12 @@ mod axis_csv;
 pub mod isg;
 pub mod iso230_2;
 pub mod linuxcnc;
+mod machine_toml;
 mod positioning;
 pub mod siemens;
 
 pub use axis_csv::{axis_csv_name, write_axis_csv};
+pub use machine_toml::machine_files;
 
 use crate::error::FileError;
 use crate::source::Source;
