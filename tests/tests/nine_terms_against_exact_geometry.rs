@@ -3,7 +3,7 @@
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::{Compensation, Storage, ThermalLine, step_axes};
-use trueaxis::machine::AXES;
+use trueaxis::machine::{AXES, ErrorModel};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
 
@@ -38,8 +38,13 @@ fn without_angles(name: &str) -> Machine {
     machine
 }
 
-fn compare<const N: usize>(name: &str) {
-    let machine = without_angles(name);
+fn compare<const N: usize>(name: &str, model: ErrorModel) {
+    let mut machine = without_angles(name);
+    machine.settings.compensation.model = model;
+    for axis in &mut machine.settings.axes {
+        // Lost motion of a rotary axis has a lever, and the nine terms have none.
+        axis.backlash = if axis.axis.is_rotary() { 0.0 } else { axis.backlash };
+    }
     let geometry = Geometry::new(&machine, 0.0).unwrap();
     let rows = |axis: Axis| machine.rows(axis);
     let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
@@ -78,10 +83,16 @@ fn compare<const N: usize>(name: &str) {
 
 #[test]
 fn three_axes() {
-    compare::<3>("mill-3axis");
+    compare::<3>("mill-3axis", ErrorModel::Nine);
 }
 
 #[test]
 fn five_axes_at_any_rotary_pose() {
-    compare::<5>("mill-5axis");
+    compare::<5>("mill-5axis", ErrorModel::Nine);
+}
+
+#[test]
+fn without_angular_errors_the_volumetric_form_says_the_same() {
+    compare::<3>("mill-3axis", ErrorModel::Volumetric);
+    compare::<5>("mill-5axis", ErrorModel::Volumetric);
 }

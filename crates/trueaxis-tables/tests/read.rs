@@ -6,7 +6,7 @@ use tempfile::TempDir;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::formats::write_axis_csv;
-use trueaxis_tables::{Machine, Table, check, compile, write_atomically};
+use trueaxis_tables::{Machine, Table, Warning, check, compile, write_atomically};
 
 fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables").join(name)
@@ -32,7 +32,9 @@ fn the_samples_compile_and_read_back_identical() {
             });
             assert_eq!(read, *written);
         }
-        let warnings = check(&machine, 10_000.0);
+        let mut warnings = check(&machine, 10_000.0);
+        // The three-axis samples keep to the nine terms on purpose.
+        warnings.retain(|warning| !matches!(warning, Warning::AnglesIgnored { .. }));
         assert!(warnings.is_empty(), "{name}: {}", warnings[0]);
     }
 }

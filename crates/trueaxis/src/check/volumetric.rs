@@ -1,7 +1,7 @@
 //! Bounds for the volumetric model: levers, largest errors, contraction of its inverse.
 
 use super::chain::{self, Link};
-use super::inverse::{contribution, reach, slopes, tilt};
+use super::inverse::{contribution, length, reach, slopes, tilt};
 use crate::compensation::Rows;
 use crate::compensation::volumetric::{LEAST_DETERMINANT, LEAST_FADE};
 use crate::machine::{Axis, AxisSettings, MachineSettings};
@@ -147,7 +147,7 @@ fn bounds<'r, T: Rows + ?Sized + 'r>(machine: &MachineSettings, rows: &impl Fn(A
         let rotations = rotations(machine, axis, table, range);
         bounds.lever = bounds.lever.max(norm(&lever));
         bounds.turn += norm(&rotations);
-        bounds.tip += super::inverse::length(machine, axis, table, range) + norm(&swing(rotations, lever));
+        bounds.tip += length(machine, axis, table, range) + norm(&swing(rotations, lever));
     }
     bounds
 }
@@ -158,19 +158,43 @@ fn rates<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
     settings: &AxisSettings,
-    all: &Bounds,
 ) -> [f64; 2] {
     let slopes = rows(settings.axis).map_or([0.0; 6], |rows| slopes(settings, rows));
     let [x, y, z, a, b, c] = slopes;
     let tilted: [f64; 3] =
         [(x, 0), (y, 1), (z, 2)].map(|(slope, k): (f64, usize)| slope + tilt(machine, settings.axis, k).abs());
     let own = norm(&tilted) + norm(&swing([a, b, c], lever(machine, rows, settings)));
+    let links = chain::links(&machine.chain).unwrap_or_default();
+    let place = |axis: Axis| links.iter().position(|link| link.axis == axis).unwrap_or(0);
+    let on_workpiece = links.get(place(settings.axis)).is_some_and(|link| link.carries_workpiece);
+    let (mut tip, mut turn) = (0.0, 0.0);
+    let arm = norm(&lever(machine, rows, settings));
+    for other in machine.axes.iter().filter(|other| other.axis != settings.axis) {
+        let (here, there) = (place(settings.axis), place(other.axis));
+        let same = links.get(there).is_some_and(|link| link.carries_workpiece == on_workpiece);
+        let carried = same && if on_workpiece { there < here } else { there > here };
+        let range = reach(other, rows(other.axis));
+        let rotations = rotations(machine, other, rows(other.axis), range);
+        if !settings.axis.is_rotary() {
+            // A travel between the other's frame and the tool makes its lever longer.
+            tip += if there < here { norm(&rotations) } else { 0.0 };
+        } else if carried {
+            // The error turns with what is carried; on the workpiece side the way to the tip turns against it too.
+            let swung = norm(&swing(rotations, lever(machine, rows, other)));
+            tip += length(machine, other, rows(other.axis), range) + if on_workpiece { 2.0 * swung } else { swung };
+            turn += norm(&rotations);
+        } else if !on_workpiece {
+            tip += norm(&rotations) * arm;
+        }
+    }
     if settings.axis.is_rotary() {
-        // It turns the errors of what it carries, and their levers.
         let radian = 1f64.to_radians();
-        [own + (all.tip + all.turn * all.lever) * radian, norm(&[a, b, c]) + all.turn * radian]
+        let location = rotations(machine, settings, rows(settings.axis), reach(settings, rows(settings.axis)));
+        // Its own twist stands in its carrier's directions; on the tool side the way to the tip turns under it.
+        let under = if on_workpiece { 0.0 } else { norm(&location) * arm };
+        [own + (tip + under) * radian, norm(&[a, b, c]) + turn * radian]
     } else {
-        [own + all.turn, norm(&[a, b, c])]
+        [own + tip, norm(&[a, b, c])]
     }
 }
 
@@ -181,7 +205,7 @@ pub fn tip_rate<'r, T: Rows + ?Sized + 'r>(
     settings: &AxisSettings,
 ) -> f64 {
     let bounds = bounds(machine, &rows);
-    let [tip, _] = rates(machine, &rows, settings, &bounds);
+    let [tip, _] = rates(machine, &rows, settings);
     tip * bounds.slides
 }
 
@@ -197,7 +221,7 @@ pub(super) fn contraction<'r, T: Rows + ?Sized + 'r>(
     let orientation = machine.compensation.orientation;
     let (mut sum, mut magnitude) = (0.0, 0.0);
     for axis in &machine.axes {
-        let [tip, turn] = rates(machine, rows, axis, &all);
+        let [tip, turn] = rates(machine, rows, axis);
         let limit = axis.limits.magnitude;
         if axis.axis.is_rotary() {
             if orientation {
@@ -250,7 +274,7 @@ pub(super) fn error_range<'r, T: Rows + ?Sized + 'r>(
         let range = if other.axis == drive.axis { own } else { reach(other, table) };
         let swing = swing(rotations(machine, other, table, range), lever(machine, rows, other));
         if chain::is_turned(&links, other.axis) {
-            let most = super::inverse::length(machine, other, table, range) + norm(&swing);
+            let most = length(machine, other, table, range) + norm(&swing);
             sum = (sum.0 - most, sum.1 + most);
             continue;
         }
