@@ -50,8 +50,8 @@ const FREE_NODES: usize = 11;
 const MOST_CELLS: usize = 4_000_000;
 /// Nodes per axis over which the means are formed beyond that.
 const THINNED: usize = 41;
-/// Steps in which tables are stored, 1e-7 µm: short decimals that read back as the same doubles.
-const STEPS_PER_MM: f64 = 1e10;
+/// Steps in which tables are stored, 1e-7 µm: short decimals.
+const STEPS_PER_UM: f64 = 1e7;
 
 /// For which tool, place and pose the tables shall hold.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -261,8 +261,8 @@ fn fill(machine: &mut Machine, volume: &Volume, effects: &MainEffects) {
     for slot in volume.slots.into_iter().flatten() {
         let Some(table) = machine.tables[slot].as_mut() else { continue };
         for value in table.rows.iter_mut().flat_map(|row| row.forward.iter_mut().chain(&mut row.reverse)) {
-            // + 0 turns −0 into 0.
-            *value = (*value * STEPS_PER_MM).round() / STEPS_PER_MM + 0.0;
+            // In µm and then / 1e3, as a file is read, so that it reads back as the same double; + 0 turns −0 into 0.
+            *value = (*value * 1e3 * STEPS_PER_UM).round() / STEPS_PER_UM / 1e3 + 0.0;
         }
         table.bidirectional = table.rows.iter().any(|row| row.forward != row.reverse);
     }
