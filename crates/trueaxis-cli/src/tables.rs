@@ -1,5 +1,7 @@
 //! `trueaxis tables …`.
 
+mod collapse;
+
 use crate::accuracy;
 use crate::model::parsed;
 use crate::output::{json, put, put_bytes};
@@ -46,6 +48,9 @@ pub(crate) enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// The best nine tables of a machine with angular errors, and what they leave.
+    #[command(after_help = collapse::HELP)]
+    Collapse(collapse::Arguments),
     /// Read another control's compensation file into machine.toml and axis tables.
     #[command(after_help = FORMATS)]
     Import {
@@ -123,6 +128,7 @@ pub(crate) fn run(command: Command) -> Result<()> {
         Command::Check { machine, rate_hz, json } => run_check(&machine, rate_hz, json),
         Command::Compile { machine, output } => run_compile(&machine, &output),
         Command::Show { file, json } => run_show(&file, json),
+        Command::Collapse(arguments) => collapse::run(&arguments),
         Command::Import { from, file, axis, comp_file_type, output } => {
             run_import(format_of("--from", &from, comp_file_type)?, &file, axis_of(axis.as_deref())?, &output)
         }

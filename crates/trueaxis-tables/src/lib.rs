@@ -1,6 +1,7 @@
 //! Reading, checking, converting and compiling compensation tables.
 
 pub mod accuracy;
+pub mod collapse;
 mod compile;
 pub mod error;
 pub mod exact;

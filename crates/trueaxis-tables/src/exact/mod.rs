@@ -36,7 +36,7 @@ mod correction;
 mod rotation;
 #[cfg(test)]
 mod sample;
-mod table;
+pub(crate) mod table;
 #[cfg(test)]
 mod tests;
 

@@ -11,7 +11,7 @@ struct Node {
 
 /// An axis' errors as a function of its position and of the side on which its lost motion lies.
 #[derive(Clone, Debug)]
-pub(super) struct ErrorTable {
+pub(crate) struct ErrorTable {
     positions: Vec<f64>,
     forward: Vec<Node>,
     reverse: Option<Vec<Node>>,
@@ -20,7 +20,7 @@ pub(super) struct ErrorTable {
 }
 
 impl ErrorTable {
-    pub(super) fn new(settings: &AxisSettings, rows: &[Row]) -> ErrorTable {
+    pub(crate) fn new(settings: &AxisSettings, rows: &[Row]) -> ErrorTable {
         let positions: Vec<f64> = rows.iter().map(|row| row.position).collect();
         let span = match (positions.first(), positions.last()) {
             (Some(first), Some(last)) => last - first,
@@ -40,7 +40,7 @@ impl ErrorTable {
 
     /// The six errors at `position`; `reverse` is 0 in positive and 1 in negative travel, in between while the lost
     /// motion is being traversed. Outside the table the edge value holds; a full turn repeats.
-    pub(super) fn at(&self, position: f64, reverse: f64) -> Twist {
+    pub(crate) fn at(&self, position: f64, reverse: f64) -> Twist {
         let (Some(&first), Some(&last)) = (self.positions.first(), self.positions.last()) else {
             return [0.0; 6];
         };

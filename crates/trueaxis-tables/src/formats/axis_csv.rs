@@ -53,7 +53,7 @@ fn value(twist: &[f64; 6], component: usize) -> f64 {
 }
 
 /// The shortest decimal u with u / scale == value, or else the double nearest to value · scale.
-fn shortest(value: f64, scale: f64) -> f64 {
+pub(super) fn shortest(value: f64, scale: f64) -> f64 {
     let micro = value * scale;
     for near in [micro, micro.next_up(), micro.next_down()] {
         for digits in 0..17 {
@@ -157,7 +157,7 @@ fn toml_value(key: &str, value: &str) -> String {
     }
 }
 
-fn location_lines(location: &LocationErrors) -> String {
+pub(super) fn location_lines(location: &LocationErrors) -> String {
     let mut lines = String::new();
     for (key, value) in [("A0Z", location.a0z), ("B0Z", location.b0z), ("C0Y", location.c0y)] {
         if value != 0.0 {

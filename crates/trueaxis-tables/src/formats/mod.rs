@@ -20,12 +20,14 @@ mod isg_notes;
 pub mod iso230_2;
 pub mod linuxcnc;
 mod losses;
+mod machine_toml;
 mod measured_at;
 mod own_comments;
 mod positioning;
 pub mod siemens;
 
 pub use axis_csv::{axis_csv_name, write_axis_csv};
+pub use machine_toml::machine_files;
 
 use crate::error::FileError;
 use crate::source::Source;

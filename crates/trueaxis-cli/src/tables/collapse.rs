@@ -1,0 +1,221 @@
+//! `trueaxis tables collapse`.
+
+use crate::model;
+use crate::output::{json, put, put_bytes};
+use anyhow::{Context, Result, anyhow, bail};
+use clap::Args;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use trueaxis::Axis;
+use trueaxis_tables::collapse::{CollapseError, CollapseOptions, Collapsed, Deviation, collapse};
+use trueaxis_tables::formats::machine_files;
+
+pub(crate) const HELP: &str = "\
+The tables are the least-squares ones over the working volume for one tool and one pose of the rotary axes; what they
+leave is evaluated by the controller's own nine-term model on a grid of its own.
+
+Example: trueaxis tables collapse compensation-tables/mill-3axis -o mill-nine --volume -200:200,-150:150,-300:-50";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// machine.toml, its folder, or a compiled .tcomp.
+    #[arg(value_name = "M")]
+    machine: PathBuf,
+    /// Folder that the machine with the nine tables is written into.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Tool tip from the last tool-side frame, mm (the machine's tool_mm).
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    tool_mm: Option<String>,
+    /// Where the cross terms are zero, mm (the middle of the volume).
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    reference_mm: Option<String>,
+    /// Working volume, mm; an empty entry: the declared travel, or the table's range.
+    #[arg(long, value_name = "X0:X1,Y0:Y1,Z0:Z1", allow_hyphen_values = true)]
+    volume: Option<String>,
+    /// Where the rotary axes stand, degrees (zero).
+    #[arg(long, value_name = "A=..,C=..", allow_hyphen_values = true)]
+    pose: Option<String>,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let options = CollapseOptions {
+        tool_mm: arguments.tool_mm.as_deref().map(|text| triple("--tool-mm", text)).transpose()?,
+        reference_mm: arguments.reference_mm.as_deref().map(|text| triple("--reference-mm", text)).transpose()?,
+        volume_mm: arguments.volume.as_deref().map_or(Ok([None; 3]), volume)?,
+        pose_deg: arguments.pose.as_deref().map_or(Ok(Vec::new()), pose)?,
+    };
+    let machine = model::machine(&arguments.machine)?;
+    let collapsed = collapse(&machine, &options).map_err(|error| match error {
+        CollapseError::Option { .. } => anyhow!("--{error}"),
+        error => anyhow!("{}: {error}", arguments.machine.display()),
+    })?;
+    let files = machine_files(&collapsed.machine, &comment(&collapsed, &options));
+    write(&arguments.machine, &arguments.output, &files)?;
+    if arguments.json { json(&document(&collapsed)) } else { put(&report(&collapsed), None) }
+}
+
+fn number(option: &str, text: &str) -> Result<f64> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => bail!("{option}: found \"{text}\", needed a finite number"),
+    }
+}
+
+fn triple(option: &str, text: &str) -> Result<[f64; 3]> {
+    let parts: Vec<f64> = text.split(',').map(|part| number(option, part)).collect::<Result<_>>()?;
+    <[f64; 3]>::try_from(parts).map_err(|_| anyhow!("{option}: found \"{text}\", needed three numbers X,Y,Z"))
+}
+
+fn volume(text: &str) -> Result<[Option<[f64; 2]>; 3]> {
+    let range = |part: &str| -> Result<Option<[f64; 2]>> {
+        if part.trim().is_empty() {
+            return Ok(None);
+        }
+        let (low, high) =
+            part.split_once(':').ok_or_else(|| anyhow!("--volume: found \"{part}\", needed a range LOW:HIGH in mm"))?;
+        Ok(Some([number("--volume", low)?, number("--volume", high)?]))
+    };
+    let parts: Vec<_> = text.split(',').map(range).collect::<Result<_>>()?;
+    <[_; 3]>::try_from(parts).map_err(|_| anyhow!("--volume: found \"{text}\", needed three ranges X0:X1,Y0:Y1,Z0:Z1"))
+}
+
+fn pose(text: &str) -> Result<Vec<(Axis, f64)>> {
+    let one = |part: &str| -> Result<(Axis, f64)> {
+        let entry = part.split_once('=').and_then(|(letter, angle)| {
+            let mut letters = letter.trim().chars();
+            let axis = Axis::from_letter(letters.next()?.to_ascii_uppercase())?;
+            letters.next().is_none().then_some((axis, angle))
+        });
+        let Some((axis, angle)) = entry else {
+            bail!("--pose: found \"{part}\", needed a rotary axis and its angle like A=30");
+        };
+        Ok((axis, number("--pose", angle)?))
+    };
+    text.split(',').map(one).collect()
+}
+
+/// Tables first: a machine.toml is only there with all of them.
+fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> {
+    let source = if input.is_dir() { input.to_path_buf() } else { input.parent().unwrap_or(Path::new("")).into() };
+    let source = if source.as_os_str().is_empty() { PathBuf::from(".") } else { source };
+    if let (Ok(source), Ok(target)) = (source.canonicalize(), output.canonicalize())
+        && source == target
+    {
+        bail!("--output: found {}, needed another folder than the machine's own", output.display());
+    }
+    std::fs::create_dir_all(output).with_context(|| format!("cannot create {}", output.display()))?;
+    for (name, _) in files {
+        let path = output.join(name);
+        if path.is_dir() {
+            bail!("--output: found a folder {}, needed a place for a file", path.display());
+        }
+    }
+    for (name, text) in files {
+        let path = output.join(name);
+        put_bytes(text.as_bytes(), &path)?;
+        eprintln!("written {}", path.display());
+    }
+    Ok(())
+}
+
+/// The linear axes that the machine has, with the ends of the volume.
+fn ranges(collapsed: &Collapsed) -> impl Iterator<Item = (char, [f64; 2])> {
+    let ends = collapsed.volume_mm.into_iter().zip(['X', 'Y', 'Z']);
+    ends.filter(|([low, high], _)| low < high).map(|(ends, letter)| (letter, ends))
+}
+
+fn volume_text(collapsed: &Collapsed) -> String {
+    let parts: Vec<String> = ranges(collapsed).map(|(axis, [low, high])| format!("{axis} {low} … {high}")).collect();
+    parts.join(", ")
+}
+
+fn comment(collapsed: &Collapsed, options: &CollapseOptions) -> String {
+    let [x, y, z] = collapsed.machine.settings.tool_mm;
+    let pose: Vec<String> = options.pose_deg.iter().map(|(axis, deg)| format!("{} {deg}", axis.letter())).collect();
+    let pose = if pose.is_empty() { String::new() } else { format!(", rotary axes at {} degrees", pose.join(", ")) };
+    format!(
+        "Collapsed: the best nine tables over {} mm, tool {x}, {y}, {z} mm{pose}.\n{}",
+        volume_text(collapsed),
+        verdict(collapsed)
+    )
+}
+
+fn verdict(collapsed: &Collapsed) -> String {
+    let um = |mm: f64| format!("{:.1}", mm * 1e3);
+    let (before, after) = (&collapsed.before, &collapsed.after);
+    let mut text = format!(
+        "nine tables leave {} um at most, {} um RMS, of {} um",
+        um(after.max_mm),
+        um(after.rms_mm),
+        um(before.max_mm)
+    );
+    let total = collapsed.causes.iter().map(|cause| cause.rms_mm.powi(2)).sum::<f64>().sqrt();
+    if let Some(cause) = collapsed.causes.first().filter(|cause| cause.rms_mm > 1e-9) {
+        let share = 100.0 * (cause.rms_mm / total).powi(2);
+        let _ = write!(
+            text,
+            "; angular errors of {} cause most of the rest ({} um RMS alone, {share:.0} %)",
+            cause.axis.letter(),
+            um(cause.rms_mm)
+        );
+    }
+    text
+}
+
+fn report(collapsed: &Collapsed) -> String {
+    let mut text = format!("working volume {} mm\n", volume_text(collapsed));
+    let [x, y, z] = collapsed.reference_mm;
+    let _ = writeln!(text, "cross terms zero at {x}, {y}, {z} mm; {} points, um\n", collapsed.evaluated);
+    let _ = writeln!(text, "{:26}{:>8}{:>8}{:>24}   worst at, mm", "", "max", "RMS", "RMS along X, Y, Z");
+    for (name, of) in [
+        ("error of the tip", &collapsed.before),
+        ("left, tables as they are", &collapsed.original),
+        ("left, collapsed tables", &collapsed.after),
+    ] {
+        let [rx, ry, rz] = of.rms_along_mm.map(|mm| mm * 1e3);
+        let [x, y, z] = of.at_mm;
+        let _ = writeln!(
+            text,
+            "{name:26}{:8.2}{:8.2}{rx:8.2}{ry:8.2}{rz:8.2}   {x:.1}, {y:.1}, {z:.1}",
+            of.max_mm * 1e3,
+            of.rms_mm * 1e3
+        );
+    }
+    let _ = writeln!(text, "\n{}", verdict(collapsed));
+    text
+}
+
+fn document(collapsed: &Collapsed) -> Value {
+    let deviation = |of: &Deviation| {
+        json!({
+            "max_um": of.max_mm * 1e3,
+            "rms_um": of.rms_mm * 1e3,
+            "max_along_um": of.max_along_mm.map(|mm| mm * 1e3),
+            "rms_along_um": of.rms_along_mm.map(|mm| mm * 1e3),
+            "at_mm": of.at_mm,
+        })
+    };
+    let volume: serde_json::Map<String, Value> =
+        ranges(collapsed).map(|(axis, ends)| (axis.to_string(), json!(ends))).collect();
+    let causes: Vec<Value> = collapsed
+        .causes
+        .iter()
+        .map(|cause| json!({ "axis": cause.axis.letter().to_string(), "rms_um": cause.rms_mm * 1e3 }))
+        .collect();
+    json!({
+        "volume_mm": volume,
+        "reference_mm": collapsed.reference_mm,
+        "tool_mm": collapsed.machine.settings.tool_mm,
+        "points": collapsed.evaluated,
+        "before": deviation(&collapsed.before),
+        "original_tables": deviation(&collapsed.original),
+        "collapsed_tables": deviation(&collapsed.after),
+        "angular_errors_alone": causes,
+        "verdict": verdict(collapsed),
+    })
+}

@@ -1,0 +1,269 @@
+//! The best nine tables of a machine with angular errors, and what they leave.
+//!
+//! **Fit.** d(x, y, z) is the exact error of the tool tip for one tool and one pose of the rotary axes. On the tensor grid of
+//! the tables' nodes within the working volume the nearest sum of one-dimensional functions, least squares with the
+//! weights of the trapezoidal rule (each node counts for its share of the length), consists of means:
+//!
+//! ```text
+//! d ≈ D + Σ_i (M_i(q_i) − D)     D: mean over the volume,  M_i: mean over the volume's section at q_i
+//! ```
+//!
+//! A two-sided axis has each node twice, once per direction of travel with half the weight; so its columns differ by the mean
+//! of what its reversal does, levers of its angular errors included.
+//!
+//! **Constant.** It may stand in any table. Here both cross terms of an axis vanish at the reference position in positive
+//! travel; the own term carries what is left: with f_ci the table of axis i in direction c and r the reference,
+//!
+//! ```text
+//! f_ci(q) = M_ci(q) − M_ci(r_i)   i ≠ c          f_cc(q) = M_cc(q) + Σ_{i ≠ c} M_ci(r_i) − (n − 1) D_c
+//! ```
+//!
+//! n linear axes; a direction without an axis of its own leaves its constant with the first axis. The choice does not change the sum.
+//!
+//! **What becomes of the rest.** Squareness is in the tables and leaves the location errors; `measured_at_mm` is zero, as the tables
+//! hold for the whole volume. Backlash, thermal growth, limits and the rotary axes stay as they are. The nine-term form corrects a rotary axis'
+//! own angular error in its own position and its translations by its own table: the linear tables take what both leave. The angles are in positive travel.
+//!
+//! The sum is the best *at the nodes*; between them the tables are interpolated as the axis' setting says. Beyond the volume the edge value holds.
+
+mod additive;
+mod residual;
+mod volume;
+
+pub use residual::{Cause, Deviation};
+
+use crate::exact::table::ErrorTable;
+use crate::exact::{Geometry, GeometryError};
+use crate::{Machine, Table, compile};
+use additive::{Level, MainEffects, levels};
+use residual::with_nine_terms;
+use thiserror::Error;
+use trueaxis::error::ConfigError;
+use trueaxis::machine::{AXES, Axis, ErrorModel, Row};
+use volume::Volume;
+
+/// The linear axes in their order.
+const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+/// Nodes of an axis without a table.
+const FREE_NODES: usize = 11;
+/// Up to so many cells the means are formed over all nodes.
+const MOST_CELLS: usize = 4_000_000;
+/// Nodes per axis over which the means are formed beyond that.
+const THINNED: usize = 41;
+/// Steps in which tables are stored, 1e-7 µm: short decimals.
+const STEPS_PER_UM: f64 = 1e7;
+
+/// For which tool, place and pose the tables shall hold.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CollapseOptions {
+    /// Tool tip from the last tool-side frame at all axes zero, mm; the machine's own if `None`.
+    pub tool_mm: Option<[f64; 3]>,
+    /// Where the cross terms are zero, mm; the middle of the volume if `None`. Entries of axes that the machine lacks are not read.
+    pub reference_mm: Option<[f64; 3]>,
+    /// Lower and upper end of the working volume for X, Y, Z, mm; `None`: the declared travel, or the table's range.
+    pub volume_mm: [Option<[f64; 2]>; 3],
+    /// Where the rotary axes stand, degrees; zero for an axis that is not named.
+    pub pose_deg: Vec<(Axis, f64)>,
+}
+
+/// Why a machine is not collapsed.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum CollapseError {
+    /// An option does not fit the machine.
+    #[error("{option}{}: found {found}, needed {needed}", axis.map_or(String::new(), |axis| format!(" of axis {}", axis.letter())))]
+    Option {
+        /// `volume`, `pose`, `tool` or `reference`.
+        option: &'static str,
+        /// The axis, where it is about one.
+        axis: Option<Axis>,
+        /// What was found.
+        found: String,
+        /// What is needed.
+        needed: String,
+    },
+    /// The structural code makes no sense.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// The collapsed machine is refused by the checks of the controller.
+    #[error("the collapsed tables: {0}")]
+    Config(ConfigError),
+}
+
+/// Nine tables and how good they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collapsed {
+    /// The machine with the collapsed tables, model nine, `tool_mm` the tool for which they hold.
+    pub machine: Machine,
+    /// The working volume; zero length for an axis that the machine lacks, mm.
+    pub volume_mm: [[f64; 2]; 3],
+    /// Where the cross terms are zero, mm.
+    pub reference_mm: [f64; 3],
+    /// Points and directions at which the deviations below were evaluated.
+    pub evaluated: usize,
+    /// Error of the tool tip as it is.
+    pub before: Deviation,
+    /// What the collapsed tables leave.
+    pub after: Deviation,
+    /// What the original tables leave when they are used as nine terms as they are, with the machine's squareness.
+    pub original: Deviation,
+    /// What one axis' angular errors contribute to the rest that no nine tables can hold, largest first.
+    pub causes: Vec<Cause>,
+}
+
+/// The best nine tables over a working volume.
+///
+/// Cost: one exact evaluation (about 1 µs) per node of the volume's grid, both directions of every two-sided axis; above
+/// four million of them the means are formed over at most 41 nodes an axis.
+///
+/// # Errors
+/// A volume, reference, tool or pose that the machine does not reach or that is no number; a machine without a linear
+/// axis; a pose other than zero of a rotary axis that carries a linear one (the nine terms would turn with it); tables
+/// that the controller would refuse.
+pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapsed, CollapseError> {
+    let mut source = machine.clone();
+    if let Some(tool) = options.tool_mm {
+        if let Some(found) = tool.iter().find(|mm| !mm.is_finite() || mm.abs() > 1e6) {
+            return Err(wrong("tool", None, found, "finite lengths below 1e6 mm"));
+        }
+        source.settings.tool_mm = tool;
+    }
+    let volume = Volume::new(&source, options)?;
+    let target = corrected_in_rotary_axes(&source);
+    let geometry = Geometry::new(&target, 0.0)?;
+
+    let mut collapsed = source.clone();
+    collapsed.settings.compensation.model = ErrorModel::Nine;
+    // The nine-term form has no correction of the direction.
+    collapsed.settings.compensation.orientation = false;
+    let location = &mut collapsed.settings.location;
+    (location.a0z, location.b0z, location.c0y) = (0.0, 0.0, 0.0);
+    for slot in volume.slots.into_iter().flatten() {
+        collapsed.tables[slot] = None;
+        collapsed.settings.axes[slot].measured_at_mm = [0.0; 3];
+    }
+    let of_rotary_axes = with_nine_terms(&collapsed, |tip| tip(&volume.position([0.0; 3]), &[0.0; AXES]))
+        .map_err(CollapseError::Config)?;
+
+    let without_backlash = without_backlash(&target, &volume);
+    let fitted = Geometry::new(&without_backlash, 0.0)?;
+    let error = |cell: [Level; 3]| {
+        let at = volume.position(cell.map(|level| level.position));
+        let d = fitted.tip_error(&at, &volume.direction(cell.map(|level| level.reverse)));
+        std::array::from_fn(|c| d[c] - of_rotary_axes[c])
+    };
+    fill(&mut collapsed, &volume, &means(&volume, error));
+    compile(&collapsed).map_err(CollapseError::Config)?;
+
+    let mut as_it_is = source.clone();
+    as_it_is.settings.compensation.model = ErrorModel::Nine;
+    as_it_is.settings.compensation.orientation = false;
+    let deviations = residual::evaluate(&volume, &geometry, [&as_it_is, &collapsed]).map_err(CollapseError::Config)?;
+    let causes = residual::causes(&volume, &without_backlash)?;
+    Ok(Collapsed {
+        machine: collapsed,
+        volume_mm: volume.ends,
+        reference_mm: volume.reference,
+        evaluated: deviations.count,
+        before: deviations.before,
+        original: deviations.left[0],
+        after: deviations.left[1],
+        causes,
+    })
+}
+
+fn wrong(option: &'static str, axis: Option<Axis>, found: impl ToString, needed: impl Into<String>) -> CollapseError {
+    CollapseError::Option { option, axis, found: found.to_string(), needed: needed.into() }
+}
+
+/// The machine as the tip sees it once the rotary axes' own tables are corrected in their own positions.
+fn corrected_in_rotary_axes(machine: &Machine) -> Machine {
+    let mut machine = machine.clone();
+    for (own, table) in machine.settings.axes.iter_mut().zip(&mut machine.tables) {
+        if own.axis.is_rotary() {
+            own.backlash = 0.0;
+            for row in table.iter_mut().flat_map(|table| &mut table.rows) {
+                row.forward[own.axis.index()] = 0.0;
+                row.reverse[own.axis.index()] = 0.0;
+            }
+        }
+    }
+    machine
+}
+
+/// Backlash of the linear axes is a setting of its own and stays out of the tables.
+fn without_backlash(machine: &Machine, volume: &Volume) -> Machine {
+    let mut machine = machine.clone();
+    for slot in volume.slots.into_iter().flatten() {
+        machine.settings.axes[slot].backlash = 0.0;
+    }
+    machine
+}
+
+/// Means at every node.
+fn means(volume: &Volume, error: impl Fn([Level; 3]) -> [f64; 3]) -> MainEffects {
+    let full: [Vec<Level>; 3] = std::array::from_fn(|i| levels(&volume.nodes[i], volume.two_sided_table[i]));
+    if full.iter().map(Vec::len).product::<usize>() <= MOST_CELLS {
+        return MainEffects::of(&full, error);
+    }
+    let few: [Vec<Level>; 3] = std::array::from_fn(|i| levels(&thinned(&volume.nodes[i]), volume.two_sided_table[i]));
+    let mut effects = MainEffects::of(&few, &error);
+    for i in 0..3 {
+        let mut mixed = few.clone();
+        mixed[i].clone_from(&full[i]);
+        effects.marginal[i] = std::mem::take(&mut MainEffects::of(&mixed, &error).marginal[i]);
+    }
+    effects
+}
+
+/// At most `THINNED` of the nodes, evenly taken, ends included.
+fn thinned(nodes: &[f64]) -> Vec<f64> {
+    if nodes.len() <= THINNED {
+        return nodes.to_vec();
+    }
+    (0..THINNED).map(|k| nodes[k * (nodes.len() - 1) / (THINNED - 1)]).collect()
+}
+
+/// Writes the tables of the linear axes.
+fn fill(machine: &mut Machine, volume: &Volume, effects: &MainEffects) {
+    let mut constant = effects.grand.map(|grand| -grand * (volume.slots.iter().flatten().count() as f64 - 1.0));
+    for (i, slot) in volume.slots.iter().enumerate() {
+        let Some(slot) = *slot else { continue };
+        let (nodes, means) = (&volume.nodes[i], &effects.marginal[i]);
+        let twist = |[x, y, z]: [f64; 3]| [x, y, z, 0.0, 0.0, 0.0];
+        let back = if volume.two_sided_table[i] { nodes.len() } else { 0 };
+        let rows: Vec<Row> = nodes
+            .iter()
+            .enumerate()
+            .map(|(k, &position)| Row { position, forward: twist(means[k]), reverse: twist(means[k + back]) })
+            .collect();
+        let at_reference = ErrorTable::new(&machine.settings.axes[slot], &rows).at(volume.reference[i], 0.0);
+        let given = [true, true, true, false, false, false];
+        let mut table = Table { given, bidirectional: false, rows };
+        for row in &mut table.rows {
+            for c in 0..3 {
+                row.forward[c] -= at_reference[c];
+                row.reverse[c] -= at_reference[c];
+            }
+        }
+        for c in 0..3 {
+            constant[c] += at_reference[c];
+        }
+        machine.tables[slot] = Some(table);
+    }
+    for (c, constant) in constant.into_iter().enumerate() {
+        let Some(slot) = volume.slots[c].or(volume.slots.iter().flatten().next().copied()) else { continue };
+        for row in machine.tables[slot].iter_mut().flat_map(|table| &mut table.rows) {
+            row.forward[c] += constant;
+            row.reverse[c] += constant;
+        }
+    }
+    for slot in volume.slots.into_iter().flatten() {
+        let Some(table) = machine.tables[slot].as_mut() else { continue };
+        for value in table.rows.iter_mut().flat_map(|row| row.forward.iter_mut().chain(&mut row.reverse)) {
+            // In µm and then / 1e3, as a file is read, so that it reads back as the same double; + 0 turns −0 into 0.
+            *value = (*value * 1e3 * STEPS_PER_UM).round() / STEPS_PER_UM / 1e3 + 0.0;
+        }
+        table.bidirectional = table.rows.iter().any(|row| row.forward != row.reverse);
+    }
+}
