@@ -18,7 +18,6 @@
 //!   ([`ServoLoop::step_with_tool`]), before the sample the axes for a tool commanded there ([`ServoLoop::step_rtcp`]);
 //! - [`roundness`]: three probes on a turning workpiece, worked off in units ([`ServoLoop::step_with_gauge`]);
 //! - [`limiter`]: magnitude, slope and acceleration of the correction; nothing ever jumps;
-//! - [`kinematics`]: axis positions to the tool in workpiece coordinates, and back, for five axes;
 //! - [`telemetry`]: one fixed record per cycle.
 //!
 //! A [`Config`] is checked once and built into an immutable [`ServoLoop`]; the [`State`] is separate, so that tables

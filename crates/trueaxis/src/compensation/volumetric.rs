@@ -66,6 +66,8 @@ pub struct Volumetric<'a, R, P, const N: usize> {
     chain: Chain<R, N>,
     /// The tool's direction is corrected, and how it fades at the singular pose.
     orientation: Option<Fade<R>>,
+    /// Largest correction of each axis, mm (deg).
+    most: [R; N],
 }
 
 /// Translations and rotations of a twist.
@@ -142,6 +144,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         let (mut chain, levers) = Chain::build(machine, &axes)?;
         let mut tables = [AxisTable::zero(); N];
         let mut at_feedback = [(false, false); N];
+        let mut most = [R::ZERO; N];
         let (mut origins, mut datum) = ([R::ZERO; N], [R::ZERO; N]);
         let mut constant = [[R::ZERO; 6]; N];
         let mut plain = !machine.compensation.orientation;
@@ -153,6 +156,9 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
                 Some(rows) => (AxisTable::build_twists(settings, rows, lever, located, &mut storage)?, [0.0; 6]),
                 None => (AxisTable::zero(), located),
             };
+            if let Some(most) = most.get_mut(place) {
+                *most = R::of(settings.limits.magnitude);
+            }
             let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
             plain &= table.is_even() && feedback == (false, false) && apart == [0.0; 6];
             let origin = table.origin().to_f64();
@@ -180,6 +186,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             plain,
             chain,
             orientation,
+            most,
         })
     }
 

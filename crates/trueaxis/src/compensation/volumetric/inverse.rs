@@ -47,7 +47,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// `Σ δ_k a_k × t = −w × t`, least squares over the axes' directions a_k, weighted by 1 where their singular measure
     /// s = |t · (a_1 × a_2)| (one axis: |a × t|) is at least sin(`fade_deg`), by `x² (3 − 2x)`, x = s / sin(`fade_deg`),
     /// below; on a machine with two perpendicular rotary axes s is the sine of the angle between the tool and the axis
-    /// next to the workpiece. The tip that they carry along is put back by the slides. Without `orientation` rotary axes
+    /// next to the workpiece; all together smaller where one would exceed its limit's magnitude. The tip that they carry along is put back by the slides. Without `orientation` rotary axes
     /// get none. An absent slide is not solved for.
     ///
     /// `passes` look-ups from `r = 0`; sines, rotary tables and directions once, unless rotary axes are corrected.
@@ -89,13 +89,24 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 directions = self.slide_directions(&poses, directions);
                 wrong += self.chain.moved_tip(command, &poses, &correction);
             }
-            let along = if self.chain.turned { self.along(&directions, wrong) } else { wrong.array() };
+            let along = if self.chain.turned { self.along(&directions, wrong) } else { self.present(wrong) };
             for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(command).zip(along) {
                 *r = -error;
                 *at = *q - error;
             }
         }
         correction
+    }
+
+    /// Components along the slides that the machine has.
+    fn present(&self, error: V3<R>) -> [R; 3] {
+        let mut components = error.array();
+        for (component, present) in components.iter_mut().zip(self.chain.present) {
+            if !present {
+                *component = R::ZERO;
+            }
+        }
+        components
     }
 
     fn slide_directions(&self, poses: &Poses<R, N>, before: [V3<R>; N]) -> [V3<R>; N] {
@@ -131,7 +142,13 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 }
             }
         }
-        let scale = fade.over(square) * R::of(180.0 / core::f64::consts::PI);
+        // What the drives will not be given must not be put back by the slides: all of them give way together.
+        let mut scale = fade.over(square) * R::of(180.0 / core::f64::consts::PI);
+        for (wanted, most) in wanted.iter().zip(&self.most).skip(3) {
+            if (*wanted * scale).abs() > *most {
+                scale = *most / wanted.abs();
+            }
+        }
         for (correction, wanted) in correction.iter_mut().zip(wanted).skip(3) {
             *correction = wanted * scale;
         }
