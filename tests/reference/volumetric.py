@@ -4,7 +4,7 @@ From the bed outwards on either side an axis contributes T(offset) . E . motion:
 directions before its own motion, motion a shift by +-q or a turn by direction * q. Tables state the tool relative to the
 workpiece: a carriage on the workpiece side moves by -q (linear) and errs by (-e, -w). Translations hold on the line
 measured_at (rotary axes at zero): e = e_table - w x l, l = sum of m_j n_j over the linear axes between the moved frame and
-the tool, with q_i for the axis i itself.
+the tool, with q_i for the axis i itself; without measured_at (zero) at the origin of the axis' moved frame.
 
     python3 volumetric.py > volumetric.json
 """
@@ -81,7 +81,7 @@ def twist(machine, links, place, q):
     e, w = [v / 1e3 for v in errors[:3]], [v / 1e6 for v in errors[3:]]
     lever = [0.0, 0.0, 0.0]
     between = [(a, own.get("measured_at_mm", [0, 0, 0])["XYZ".index(a)]) for a, _ in links[place + 1 :] if a in "XYZ"]
-    if axis in "XYZ" and workpiece:
+    if axis in "XYZ" and workpiece and any(own.get("measured_at_mm", [0, 0, 0])):
         between.append((axis, q[axis]))
     for a, m in between:
         lever = [v + m * n for v, n in zip(lever, unit(a))]

@@ -92,7 +92,9 @@ fn case(random: &mut Random, rotary: usize, mm: f64, rad: f64) -> Case {
         if random.unit() < 0.5 {
             settings.interpolation = Interpolation::Cubic;
         }
-        settings.measured_at_mm = [0; 3].map(|_| 100.0 * random.signed());
+        if random.unit() < 0.5 {
+            settings.measured_at_mm = [0; 3].map(|_| 100.0 * random.signed());
+        }
         settings.offset_mm = [0; 3].map(|_| 80.0 * random.signed());
         if axis.is_rotary() {
             settings.backlash = (0.2 * rad * random.unit()).to_degrees();

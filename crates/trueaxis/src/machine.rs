@@ -134,7 +134,8 @@ pub struct AxisSettings {
     /// Origin of the axis' frame from its carrier's, in bed directions with all axes at zero, mm. For a rotary axis: a
     /// point of its axis of rotation.
     pub offset_mm: [f64; 3],
-    /// Where the table was measured: position of the *other* linear axes (and of the measuring point), mm.
+    /// Where the table was measured: position of the *other* linear axes (and of the measuring point), mm. Zero: nowhere
+    /// in particular, its translations are those of the origin of the axis' moved frame.
     pub measured_at_mm: [f64; 3],
     /// Highest feed of the axis, mm/s (deg/s).
     pub max_feed_per_s: f64,
@@ -149,6 +150,12 @@ pub struct AxisSettings {
 }
 
 impl AxisSettings {
+    /// The table holds what is read along a line in the machine: of a slide that carries the workpiece, whose frame
+    /// moves away from that line, the own travel is then no lever.
+    pub fn is_measured_along_a_line(&self) -> bool {
+        self.measured_at_mm != [0.0; 3]
+    }
+
     /// The stated defaults of an axis; `carries_workpiece` for the workpiece side of the chain.
     ///
     /// Travel not declared (±1e6 mm, ±1e9 degrees), linear interpolation, look-up at the command, 1 µm (20 µrad) of

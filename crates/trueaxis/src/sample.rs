@@ -249,6 +249,15 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         Sample { command: state.command, feedback: state.feedback, verdict, fault, axis, first, homed: input.homed }
     }
 
+    /// Periods that a cycle took, for what may have moved meanwhile: 1 in time, at most 16.
+    #[inline(always)]
+    pub(crate) fn periods(&self, elapsed_ns: u32) -> R {
+        if elapsed_ns <= self.latest_ns {
+            return R::ONE;
+        }
+        (R::of_i32((elapsed_ns & 0x7fff_ffff) as i32) * self.per_period).min(R::of(16.0))
+    }
+
     /// The first thing that is wrong with the command. Travel and jumps count only while the plugin is active:
     /// before homing, positions have no meaning.
     #[inline(always)]
@@ -260,11 +269,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         late: bool,
     ) -> (Fault, u8) {
         let check_jump = state.started && state.active;
-        let slack = if late {
-            (R::of_i32((input.elapsed_ns & 0x7fff_ffff) as i32) * self.per_period).min(R::of(16.0))
-        } else {
-            R::ONE
-        };
+        let slack = if late { self.periods(input.elapsed_ns) } else { R::ONE };
         let mut place = 0;
         for ((axis, command), last) in self.axes.iter().zip(&input.command).zip(&state.command) {
             if !command.is_usable() {

@@ -44,7 +44,7 @@ impl Carriage {
             own: settings.axis.index(),
             backlash: if rotary { settings.backlash.to_radians() } else { settings.backlash },
             lever: DVec3::ZERO,
-            own_lever: if on_workpiece && !rotary { 1.0 } else { 0.0 },
+            own_lever: if on_workpiece && !rotary && settings.is_measured_along_a_line() { 1.0 } else { 0.0 },
         }
     }
 

@@ -17,7 +17,8 @@
 //! EYZ −= A0Z·z. The location errors `EX0r … EC0r` of a rotary axis r are constants added to its twist, at the origin of
 //! its frame, in its carrier's directions, with the sign of the tables.
 //!
-//! **Where a table holds.** Translations are what an instrument reads at a tool of length zero while the other linear axes stand
+//! **Where a table holds.** Without `measured_at_mm` (zero) translations are those of the origin of the axis' moved frame.
+//! With it they are what an instrument reads at a tool of length zero while the other linear axes stand
 //! at `measured_at_mm` and the rotary axes at zero. The twist at the axis frame's origin follows to first order:
 //!
 //! ```text

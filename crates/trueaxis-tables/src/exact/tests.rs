@@ -137,6 +137,14 @@ fn a_table_reads_itself_along_the_line_of_its_measurement() {
     assert_near(tip(&m, &[0.0, 0.0, 0.0]), [6e-3, 0.0, 0.0], 1e-12);
 }
 
+#[test]
+fn a_table_without_a_line_is_that_of_the_moved_frame() {
+    let mut m = machine("w X' b Y Z t");
+    set_constant(&mut m, Axis::X, [0.0, 0.0, 0.0, 10e-6, 20e-6, 30e-6]);
+    // The tip stands at (0, 50, -30), the origin of X's frame at (-100, 0, 0).
+    assert_near(tip(&m, &[100.0, 50.0, -30.0]), [-2.1e-3, 3.3e-3, -1.5e-3], 1e-7);
+}
+
 /// Nominal pose of every frame by hand: rotation and origin, from the bed outwards, for the cross-check below.
 fn nominal(axes: &[(Axis, f64, f64)]) -> Vec<(DMat3, DMat3, DVec3)> {
     let (mut carrier, mut origin, mut frames) = (DMat3::IDENTITY, DVec3::ZERO, Vec::new());

@@ -13,7 +13,7 @@ use crate::Table;
 ///
 /// l = Σ m_j n_j over the linear axes j between the moved frame of the axis and the tool; it does not change along the table, so
 /// every line is exact (1 ulp), and between lines what is interpolated linearly. A cubic goes through the same lines, with other
-/// slopes. The own position of an axis that carries the workpiece enters its lever at zero as well and stays as it is.
+/// slopes. Of a slide that carries the workpiece l contains its own position, so that it is exact at the lines only.
 pub(super) fn at_zero<'t>(machine: &Machine, settings: &AxisSettings, table: &'t Table) -> Cow<'t, Table> {
     let links = links(&machine.settings.chain).unwrap_or_default();
     let lever: DVec3 = links
@@ -27,16 +27,24 @@ pub(super) fn at_zero<'t>(machine: &Machine, settings: &AxisSettings, table: &'t
             _ => None,
         })
         .sum();
-    if lever == DVec3::ZERO {
+    let carries_workpiece = links.iter().any(|link| link.axis == settings.axis && link.carries_workpiece);
+    let travels = carries_workpiece && !settings.axis.is_rotary() && settings.is_measured_along_a_line();
+    let travel = match settings.axis {
+        Axis::X if travels => DVec3::X,
+        Axis::Y if travels => DVec3::Y,
+        Axis::Z if travels => DVec3::Z,
+        _ => DVec3::ZERO,
+    };
+    if lever == DVec3::ZERO && travel == DVec3::ZERO {
         return Cow::Borrowed(table);
     }
-    let moved = |[ex, ey, ez, ea, eb, ec]: Twist| {
-        let [x, y, z] = (DVec3::new(ex, ey, ez) - DVec3::new(ea, eb, ec).cross(lever)).to_array();
+    let moved = |q: f64, [ex, ey, ez, ea, eb, ec]: Twist| {
+        let [x, y, z] = (DVec3::new(ex, ey, ez) - DVec3::new(ea, eb, ec).cross(lever + travel * q)).to_array();
         [x, y, z, ea, eb, ec]
     };
     let mut table = table.clone();
     for row in &mut table.rows {
-        (row.forward, row.reverse) = (moved(row.forward), moved(row.reverse));
+        (row.forward, row.reverse) = (moved(row.position, row.forward), moved(row.position, row.reverse));
     }
     for (component, given) in table.given.iter_mut().enumerate() {
         *given |= table

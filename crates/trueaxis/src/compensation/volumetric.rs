@@ -14,10 +14,10 @@
 //! (and the tip) by its pose. Tables state the tool relative to the workpiece whichever side moves, so the two sides add:
 //! `d = v_t + v_w + (w_t + w_w) × p`.
 //!
-//! Where a table holds: its translations are what is read at a tool of length zero with the other slides at
-//! `measured_at_mm`, so `e = e_measured − w × l`, l the position of that point from the axis' frame. Its constant part is
-//! in the table's polynomials; the axis' own position, part of l where a slide carries the workpiece, cancels the travel
-//! of its own twist.
+//! Where a table holds: without `measured_at_mm` (zero) at the origin of the axis' moved frame. With it, its translations
+//! are what is read at a tool of length zero with the other slides there, so `e = e_measured − w × l`, l the position of
+//! that point from the axis' frame. The constant part of l is in the table's polynomials; the own position, part of it
+//! where a slide carries the workpiece, cancels the travel of the slide's own twist.
 //!
 //! First order in the errors: at 60 µrad and a lever of half a metre what is left out is some nanometres. Squareness
 //! tilts the direction of travel, not the carriage. Rotary poses are the nominal ones, without libm.
@@ -98,6 +98,18 @@ impl<R: Real> Side<R> {
             Axis::X | Axis::A => self.v -= V3::new(R::ZERO, z * travel, -(y * travel)),
             Axis::Y | Axis::B => self.v -= V3::new(-(z * travel), R::ZERO, x * travel),
             Axis::Z | Axis::C => self.v -= V3::new(y * travel, -(x * travel), R::ZERO),
+        }
+    }
+
+    /// A slide that carries the workpiece moves by −q what stands further out, and its own twist unless that is fixed.
+    #[inline(always)]
+    fn carry(&mut self, link: &Link<R>, q: R, twist: (V3<R>, V3<R>)) {
+        if link.fixed {
+            self.slide(link.axis, -q);
+            self.add(twist);
+        } else {
+            self.add(twist);
+            self.slide(link.axis, -q);
         }
     }
 
@@ -341,8 +353,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
                 workpiece.turn(link, coarse_cos_sin_deg(q * link.motion), (e, w));
                 continue;
             }
-            workpiece.slide(link.axis, -q);
-            workpiece.add((e, w));
+            workpiece.carry(link, q, (e, w));
         }
         let w = tool.w + workpiece.w;
         PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).array(), orientation: w.array() }
@@ -485,9 +496,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
                 workpiece.turn(link, pose, halves(twist));
                 continue;
             }
-            // What stands further out moves by −q; the slide's own twist already is where its travel starts.
-            workpiece.slide(link.axis, -q);
-            workpiece.add(halves(twist));
+            workpiece.carry(link, q, halves(twist));
         }
         let w = tool.w + workpiece.w;
         PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).array(), orientation: w.array() }

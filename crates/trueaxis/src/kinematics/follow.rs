@@ -39,15 +39,29 @@ impl<R: Real> Follow<R> {
     /// As [`Kinematics::inverse`]; [`InverseError::BranchChange`] where only the other branch goes on within the limit;
     /// [`InverseError::TooFast`] where neither does.
     pub fn next(&mut self, kinematics: &Kinematics<R>, tool: &Tool<R>) -> Result<Solution<R>, InverseError> {
+        self.next_after(kinematics, tool, R::ONE)
+    }
+
+    /// The next pose, so many calls after the last one: the largest step counts as many times.
+    ///
+    /// # Errors
+    /// As [`Follow::next`].
+    pub fn next_after(
+        &mut self,
+        kinematics: &Kinematics<R>,
+        tool: &Tool<R>,
+        calls: R,
+    ) -> Result<Solution<R>, InverseError> {
+        let max_step_deg = self.max_step_deg * calls;
         let solutions = kinematics.solutions(tool, &self.last)?;
         let (here, other) = match self.branch {
             Branch::First => (solutions.first, solutions.second),
             Branch::Second => (solutions.second, solutions.first),
         };
-        let limit_deg = self.max_step_deg.to_f64();
-        let other_goes_on = other.is_ok_and(|solution| solution.step_deg <= self.max_step_deg);
+        let limit_deg = max_step_deg.to_f64();
+        let other_goes_on = other.is_ok_and(|solution| solution.step_deg <= max_step_deg);
         match here {
-            Ok(solution) if solution.step_deg <= self.max_step_deg => {
+            Ok(solution) if solution.step_deg <= max_step_deg => {
                 self.last = solution.axes;
                 Ok(solution)
             }

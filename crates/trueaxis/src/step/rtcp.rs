@@ -20,7 +20,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ///
     /// A tool that has no such positions is a bad command: the output holds, the stop request is latched, `follow` stays
     /// at the held pose, and a reset is heard once the tool is again at one near it (`resume` of every axis, and within
-    /// the step of `follow`).
+    /// the step of `follow`). The call is for homed axes: positions have no meaning before.
     ///
     /// | refused | fault |
     /// |---|---|
@@ -45,7 +45,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         kinematics: &Kinematics<R>,
     ) -> (Output<R, P, N>, OrientationError<R>) {
         let before = *follow;
-        let (command, refused) = match follow.next(kinematics, tool) {
+        let (command, refused) = match follow.next_after(kinematics, tool, self.sampler.periods(input.elapsed_ns)) {
             Ok(solution) => (self.positions(&solution.axes), (Fault::None, 0)),
             Err(error) => (state.sample.commanded(), self.refusal(&error, tool)),
         };

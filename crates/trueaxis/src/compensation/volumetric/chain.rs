@@ -13,6 +13,8 @@ use crate::vector::{About, V3};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Link<R> {
     pub(super) axis: Axis,
+    /// Its errors act where its travel starts, not where it ends: see [`Chain::build`].
+    pub(super) fixed: bool,
     /// Its place among the step's axes.
     pub(super) place: usize,
     /// Sense of its motion for a positive command: −1 for a slide that carries the workpiece, a rotary axis' direction.
@@ -100,7 +102,10 @@ impl<R: Real, const N: usize> Chain<R, N> {
                 (false, true) => -1.0,
                 (false, false) => 1.0,
             };
+            // A slide that carries the workpiece, measured along a line: the reading contains the lever of its travel.
+            let fixed = !rotary && link.carries_workpiece && settings.is_measured_along_a_line();
             let built = Link {
+                fixed,
                 axis: link.axis,
                 place,
                 motion: R::of(sense),
@@ -118,6 +123,14 @@ impl<R: Real, const N: usize> Chain<R, N> {
             }
             let beyond = found.iter().skip(index + 1).filter(|beyond| !beyond.axis.is_rotary());
             if let (Some(lever), Some(slides)) = (levers.get_mut(place), chain.beyond.get_mut(place)) {
+                // Its own travel lies between the frame that it moves and the tool.
+                if !rotary
+                    && link.carries_workpiece
+                    && !fixed
+                    && let Some(slide) = slides.get_mut(link.axis.index())
+                {
+                    *slide = R::ONE;
+                }
                 for axis in beyond.map(|beyond| beyond.axis.index()) {
                     if let Some(slide) = slides.get_mut(axis) {
                         *slide = R::ONE;
