@@ -304,17 +304,28 @@ fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
             let columns: Vec<[f64; 3]> = (3..N)
                 .map(|k| minus(moved(k, 1e-4).direction, ideal.direction).map(|x| x / 1e-4_f64.to_radians()))
                 .collect();
+            // One axis: |a × t|; several: the determinants of all pairs.
             let singular = match columns.as_slice() {
-                [first, second] => norm(cross(*first, *second)),
-                _ => 1.0,
+                [only] => norm(*only),
+                columns => {
+                    let pairs =
+                        columns.iter().enumerate().flat_map(|(i, a)| columns[i + 1..].iter().map(move |b| (a, b)));
+                    pairs.map(|(a, b)| norm(cross(*a, *b)).powi(2)).sum::<f64>().sqrt()
+                }
             };
             if determinant.abs() < 0.06 || (settings.compensation.orientation && singular < 0.1) {
                 continue;
             }
             compared += 1;
             largest[0] = largest[0].max(norm(minus(actual.tip_mm, ideal.tip_mm)));
-            if settings.compensation.orientation && columns.len() == 2 {
-                largest[1] = largest[1].max(norm(minus(actual.direction, ideal.direction)));
+            if settings.compensation.orientation {
+                let off = minus(actual.direction, ideal.direction);
+                // One axis corrects what lies along its column.
+                let left = match columns.as_slice() {
+                    [only] => (0..3).map(|k| off[k] * only[k]).sum::<f64>().abs() / norm(*only),
+                    _ => norm(off),
+                };
+                largest[1] = largest[1].max(left);
             }
         }
     });

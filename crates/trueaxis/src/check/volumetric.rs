@@ -6,6 +6,9 @@ use crate::compensation::Rows;
 use crate::compensation::volumetric::{LEAST_DETERMINANT, LEAST_FADE};
 use crate::machine::{Axis, AxisSettings, MachineSettings};
 
+#[cfg(test)]
+mod tests;
+
 fn norm(v: &[f64]) -> f64 {
     libm::sqrt(v.iter().map(|x| x * x).sum())
 }
@@ -19,48 +22,74 @@ fn lever<'r, T: Rows + ?Sized + 'r>(
     rows: &impl Fn(Axis) -> Option<&'r T>,
     settings: &AxisSettings,
 ) -> [f64; 3] {
+    way_to_tip(machine, rows, settings, settings.measured_at_mm)
+}
+
+/// Longest way from the origin of an axis' frame to the tip over the reach of all axes, mm.
+fn arm<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: &impl Fn(Axis) -> Option<&'r T>,
+    settings: &AxisSettings,
+) -> f64 {
+    norm(&way_to_tip(machine, rows, settings, [0.0; 3]))
+}
+
+/// [`lever`] from the position `measured` of the slides beyond the axis.
+///
+/// What stands between two rotary axes turns as one: boxes on both sides of a rotary axis add by their lengths, as the
+/// axis may turn them into one line.
+fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: &impl Fn(Axis) -> Option<&'r T>,
+    settings: &AxisSettings,
+    measured: [f64; 3],
+) -> [f64; 3] {
     let links = chain::links(&machine.chain).unwrap_or_default();
+    let on_workpiece = links.iter().any(|link| link.axis == settings.axis && link.carries_workpiece);
     let beyond = links.iter().skip_while(|link| link.axis != settings.axis).skip(1);
-    let (mut low, mut high) = (machine.tool_mm, machine.tool_mm);
-    let mut turned = settings.axis.is_rotary();
-    let own = links.iter().find(|link| link.axis == settings.axis);
-    let mut add = |range: [f64; 2], k: usize| {
-        if let (Some(l), Some(h)) = (low.get_mut(k), high.get_mut(k)) {
-            (*l, *h) = (*l + range[0], *h + range[1]);
-        }
+    let length = |ranges: &[[f64; 2]; 3]| norm(&ranges.map(|[low, high]| low.abs().max(high.abs())));
+    let moved = |ranges: [[f64; 2]; 3], by: [f64; 3], sense: f64| {
+        let [[a, b], [c, d], [e, f]] = ranges;
+        let [x, y, z] = by.map(|by| sense * by);
+        [[a + x, b + x], [c + y, d + y], [e + z, f + z]]
     };
     // From a frame that carries the workpiece the way to the tip goes over its own offset, of a frame that carries the
-    // tool over those beyond.
-    let mut offset = |settings: &AxisSettings, carries_workpiece: bool| {
-        for (k, length) in settings.offset_mm.into_iter().enumerate() {
-            let length = if carries_workpiece { -length } else { length };
-            add([length; 2], k);
-        }
-    };
-    if own.is_some_and(|link| link.carries_workpiece) {
-        offset(settings, true);
-    }
-    for link in beyond.clone() {
-        if let Some(other) = machine.axes.iter().find(|other| other.axis == link.axis) {
-            offset(other, link.carries_workpiece);
-        }
-    }
+    // tool over those beyond. A rotary axis that carries the tool turns all of its lever.
+    let mut turned = settings.axis.is_rotary() && !on_workpiece;
+    let mut ranges = moved([[0.0; 2]; 3], settings.offset_mm, if on_workpiece { -1.0 } else { 0.0 });
+    let mut closed = 0.0;
+    // Where it was measured stands in the carrier's directions, whatever turns beyond.
+    let mut apart = [0.0; 3];
     for link in beyond {
         let Some(other) = machine.axes.iter().find(|other| other.axis == link.axis) else { continue };
-        if link.axis.is_rotary() {
+        let rotary = link.axis.is_rotary();
+        if !link.carries_workpiece {
+            ranges = moved(ranges, other.offset_mm, 1.0);
+        }
+        if rotary {
+            closed += length(&ranges);
+            ranges = [[0.0; 2]; 3];
             turned = true;
-            continue;
+        }
+        if link.carries_workpiece {
+            ranges = moved(ranges, other.offset_mm, -1.0);
         }
         let k = link.axis.index();
-        let measured = settings.measured_at_mm.get(k).copied().unwrap_or(0.0);
-        let [from, to] = reach(other, rows(link.axis));
-        add([from - measured, to - measured], k);
+        if let (false, Some(range), Some(measured)) = (rotary, ranges.get_mut(k), measured.get(k)) {
+            let [from, to] = reach(other, rows(link.axis));
+            let here = if turned { 0.0 } else { *measured };
+            *range = [range[0] + from - here, range[1] + to - here];
+            if let (true, Some(apart)) = (turned, apart.get_mut(k)) {
+                *apart = *measured;
+            }
+        }
     }
-    let boxed: [f64; 3] = core::array::from_fn(|k| match (low.get(k), high.get(k)) {
-        (Some(low), Some(high)) => low.abs().max(high.abs()),
-        _ => 0.0,
-    });
-    if turned { [norm(&boxed) + norm(&settings.measured_at_mm); 3] } else { boxed }
+    ranges = moved(ranges, machine.tool_mm, 1.0);
+    if turned {
+        [closed + length(&ranges) + norm(&apart); 3]
+    } else {
+        ranges.map(|[low, high]| low.abs().max(high.abs()))
+    }
 }
 
 /// Largest |rotation| about X, Y, Z that an axis causes, location errors included, rad.
@@ -99,7 +128,7 @@ pub fn angular_tip_error<'r, T: Rows + ?Sized + 'r>(
 
 /// Sums over all axes and what the chain makes of them.
 struct Bounds {
-    /// Longest lever of any axis, mm.
+    /// Root of the sum of squares of the rotary axes' levers, mm: how far turns of length 1 rad move the tip. At least 1.
     lever: f64,
     /// Largest error of the tip and of the orientation, mm and rad.
     tip: f64,
@@ -129,26 +158,40 @@ fn skewed(links: &[Link]) -> bool {
     slides.any(|other| Some(other) != first)
 }
 
+fn rotary_axes(links: &[Link]) -> f64 {
+    links.iter().filter(|link| link.axis.is_rotary()).count() as f64
+}
+
+/// Growth of the slides' corrections over the error they correct.
+fn slides_gain(links: &[Link]) -> f64 {
+    if skewed(links) { libm::sqrt(3.0) / LEAST_DETERMINANT } else { 1.0 }
+}
+
+/// Growth of the rotary axes' corrections over the direction's error, rad per rad.
+fn rotary_gain(machine: &MachineSettings, links: &[Link]) -> f64 {
+    let fade = libm::sin(machine.compensation.fade_deg.to_radians()).max(LEAST_FADE);
+    // √n for n columns of length 1 at most; x² (3 − 2x)/x is at most 9/8.
+    libm::sqrt(rotary_axes(links)) * 1.125 / fade
+}
+
 fn bounds<'r, T: Rows + ?Sized + 'r>(machine: &MachineSettings, rows: &impl Fn(Axis) -> Option<&'r T>) -> Bounds {
     let links = chain::links(&machine.chain).unwrap_or_default();
-    let fade = libm::sin(machine.compensation.fade_deg.to_radians()).max(LEAST_FADE);
-    let mut bounds = Bounds {
-        lever: 1.0,
-        tip: 0.0,
-        turn: 0.0,
-        slides: if skewed(&links) { libm::sqrt(3.0) / LEAST_DETERMINANT } else { 1.0 },
-        // Two columns of length 1 at most; x² (3 − 2x)/x is at most 9/8.
-        rotary: libm::sqrt(2.0) * 1.125 / fade,
-    };
+    let mut squares: f64 = 1.0;
+    let mut bounds =
+        Bounds { lever: 0.0, tip: 0.0, turn: 0.0, slides: slides_gain(&links), rotary: rotary_gain(machine, &links) };
     for axis in &machine.axes {
         let table = rows(axis.axis);
         let range = reach(axis, table);
         let lever = lever(machine, rows, axis);
         let rotations = rotations(machine, axis, table, range);
-        bounds.lever = bounds.lever.max(norm(&lever));
+        if axis.axis.is_rotary() {
+            let longest = arm(machine, rows, axis).max(norm(&lever));
+            squares += longest * longest;
+        }
         bounds.turn += norm(&rotations);
         bounds.tip += length(machine, axis, table, range) + norm(&swing(rotations, lever));
     }
+    bounds.lever = libm::sqrt(squares);
     bounds
 }
 
@@ -168,7 +211,7 @@ fn rates<'r, T: Rows + ?Sized + 'r>(
     let place = |axis: Axis| links.iter().position(|link| link.axis == axis).unwrap_or(0);
     let on_workpiece = links.get(place(settings.axis)).is_some_and(|link| link.carries_workpiece);
     let (mut tip, mut turn) = (0.0, 0.0);
-    let arm = norm(&lever(machine, rows, settings));
+    let arm = arm(machine, rows, settings);
     for other in machine.axes.iter().filter(|other| other.axis != settings.axis) {
         let (here, there) = (place(settings.axis), place(other.axis));
         let same = links.get(there).is_some_and(|link| link.carries_workpiece == on_workpiece);
@@ -179,9 +222,11 @@ fn rates<'r, T: Rows + ?Sized + 'r>(
             // A travel between the other's frame and the tool makes its lever longer.
             tip += if there < here { norm(&rotations) } else { 0.0 };
         } else if carried {
-            // The error turns with what is carried; on the workpiece side the way to the tip turns against it too.
+            // The error turns with what is carried. The tip turns along only on the tool side: with the workpiece the
+            // derivative is n × d − w × (n × (p − o)), o on the axis that turns.
             let swung = norm(&swing(rotations, lever(machine, rows, other)));
-            tip += length(machine, other, rows(other.axis), range) + if on_workpiece { 2.0 * swung } else { swung };
+            let against = if on_workpiece { norm(&rotations) * arm } else { 0.0 };
+            tip += length(machine, other, rows(other.axis), range) + swung + against;
             turn += norm(&rotations);
         } else if !on_workpiece {
             tip += norm(&rotations) * arm;
@@ -212,7 +257,7 @@ pub fn tip_rate<'r, T: Rows + ?Sized + 'r>(
 /// Upper bound of the norm of the volumetric inverse's Jacobian, and the largest correction it starts from, mm.
 ///
 /// Slides only: the Frobenius norm of |∂d/∂q|, times what directions that stand badly to each other make of it. With the
-/// direction corrected, rotary corrections count as the longest lever times their radians.
+/// direction corrected, rotary corrections count as their radians times the root of their levers' sum of squares.
 pub(super) fn contraction<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
@@ -241,9 +286,17 @@ pub(super) fn contraction<'r, T: Rows + ?Sized + 'r>(
 }
 
 /// Largest growth that [`contraction`] makes of thermal growth's slope.
+///
+/// Corrected rotary axes grow too: 1 rad of their correction, which counts as its lever, turns the tip by as much as that
+/// and the direction by √n, which the rotary axes and, through their levers, the slides turn back.
 pub(super) fn thermal_gain(machine: &MachineSettings) -> f64 {
     let links = chain::links(&machine.chain).unwrap_or_default();
-    if skewed(&links) { libm::sqrt(3.0) / LEAST_DETERMINANT } else { 1.0 }
+    let slides = slides_gain(&links);
+    if !machine.compensation.orientation {
+        return slides;
+    }
+    let turn = libm::sqrt(rotary_axes(&links)) * rotary_gain(machine, &links);
+    norm(&[slides, slides * (1.0 + turn), turn])
 }
 
 /// Smallest and largest error that a drive corrects under the volumetric model; arguments as for
