@@ -237,13 +237,16 @@ def mill_5axis():
          total(cyclic(21, 1, 250), cyclic(8, 2, 100), cyclic(4, 6, 20))])
 
 
-MILL_5AXIS = """
-# Five-axis machining centre: trunnion A on the slide Y, rotary table C in the trunnion; the spindle on Z on X.
+MILL_5AXIS = """# Five-axis machining centre: trunnion A on the slide Y, rotary table C in the trunnion; the spindle on Z on X.
 # At all axes zero the tool tip stands in the intersection of A and C; figures: see README.md beside this folder.
 name = "mill-5axis"
 chain = "w C' A' Y' b X Z t"
 tool_mm = [0.0, 0.0, 0.0]
 reference_temperature_c = 20.0
+
+# Its angular errors have levers of up to half a metre: the twists of all axes, carried to the tip.
+[compensation]
+model = "volumetric"
 
 [axis.X]
 table = "x.csv"
@@ -251,11 +254,19 @@ interpolation = "cubic"
 travel_mm = [-250.0, 250.0]
 max_feed_mm_per_min = 24000.0
 
+[axis.X.limits]
+magnitude_um = 200.0
+slope_mm_per_s = 1.5
+
 [axis.Y]
 table = "y.csv"
 interpolation = "cubic"
 travel_mm = [-250.0, 250.0]
 max_feed_mm_per_min = 24000.0
+
+[axis.Y.limits]
+magnitude_um = 200.0
+slope_mm_per_s = 1.5
 
 [axis.Z]
 table = "z.csv"
@@ -263,6 +274,10 @@ interpolation = "cubic"
 travel_mm = [-100.0, 400.0]
 max_feed_mm_per_min = 24000.0
 backlash_um = 1.5
+
+[axis.Z.limits]
+magnitude_um = 200.0
+slope_mm_per_s = 1.5
 
 [axis.A]
 table = "a.csv"

@@ -57,6 +57,13 @@ fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
     // tool over those beyond. A rotary axis that carries the tool turns all of its lever.
     let mut turned = settings.axis.is_rotary() && !on_workpiece;
     let mut ranges = moved([[0.0; 2]; 3], settings.offset_mm, if on_workpiece { -1.0 } else { 0.0 });
+    // Its own travel lies between the frame that it moves and the tool, unless its readings contain that.
+    if on_workpiece && !settings.axis.is_rotary() && !settings.is_measured_along_a_line() {
+        let [low, high] = reach(settings, rows(settings.axis));
+        if let Some([from, to]) = ranges.get_mut(settings.axis.index()) {
+            (*from, *to) = (*from + low, *to + high);
+        }
+    }
     let mut closed = 0.0;
     // Where it was measured stands in the carrier's directions, whatever turns beyond.
     let mut apart = [0.0; 3];
