@@ -17,6 +17,9 @@ use crate::machine::{Axis, Twist};
 use nalgebra::{DMatrix, DVector, QR};
 use std::{vec, vec::Vec};
 
+/// Steps of iterative refinement; each gains as many digits as the decomposition has.
+const REFINEMENTS: usize = 3;
+
 /// One angle of the joint solution.
 pub(super) struct Solved {
     pub(super) errors: Twist,
@@ -90,11 +93,8 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
 
     let right = triangle.view((0, size), (size, 1)).into_owned();
     let left_over = triangle[(size, size)];
-    let svd = triangle
-        .view((0, 0), (size, size))
-        .into_owned()
-        .try_svd(true, true, f64::EPSILON, SWEEPS)
-        .ok_or(Refused::NoConvergence)?;
+    let matrix = triangle.view((0, 0), (size, size)).into_owned();
+    let svd = matrix.clone().try_svd(true, true, f64::EPSILON, SWEEPS).ok_or(Refused::NoConvergence)?;
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Err(Refused::NoConvergence) };
     let floor = svd.singular_values.max() / CONDITION_LIMIT;
     let unseen: Vec<usize> = (0..size).filter(|&i| svd.singular_values[i] <= floor).collect();
@@ -104,10 +104,16 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
         return Err(Refused::Offsets { found: unseen.len(), needed });
     }
     let inverse_singular = svd.singular_values.map(|value| if value > floor { 1.0 / value } else { 0.0 });
-    let offsets = v_t.tr_mul(&DMatrix::from_diagonal(&inverse_singular)) * u.tr_mul(&right);
     let root = v_t.tr_mul(&DMatrix::from_diagonal(&inverse_singular));
     let scatter = &root * root.transpose();
-    let null = DMatrix::from_fn(size, needed, |i, j| v_t[(unseen[j], i)]);
+    // The factors of the decomposition may be off by far more than a rounding: what is solved with them is refined.
+    let pseudo_inverse = &root * u.transpose();
+    let mut offsets = &pseudo_inverse * &right;
+    let mut null = DMatrix::from_fn(size, needed, |i, j| v_t[(unseen[j], i)]);
+    for _ in 0..REFINEMENTS {
+        offsets += &pseudo_inverse * (&right - &matrix * &offsets);
+        null -= &pseudo_inverse * (&matrix * &null);
+    }
 
     // The functionals of the minimum-norm solution, and how they change along the null space.
     let mut value = DVector::<f64>::zeros(needed);
