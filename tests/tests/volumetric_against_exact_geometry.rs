@@ -302,7 +302,7 @@ fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
             let slides = [0, 1, 2].map(|k| minus(moved(k, 1.0).tip_mm, ideal.tip_mm));
             let determinant: f64 = (0..3).map(|k| slides[0][k] * cross(slides[1], slides[2])[k]).sum();
             let columns: Vec<[f64; 3]> = (3..N)
-                .map(|k| minus(moved(k, 1e-4).direction, ideal.direction).map(|x| x / 1e-4_f64.to_radians()))
+                .map(|k| minus(moved(k, 1e-4).direction, moved(k, -1e-4).direction).map(|x| x / 2e-4_f64.to_radians()))
                 .collect();
             // One axis: |a × t|; several: the determinants of all pairs.
             let singular = match columns.as_slice() {
