@@ -197,6 +197,13 @@ pub struct LocationErrors {
     pub rotary: [[f64; 6]; 3],
 }
 
+impl LocationErrors {
+    /// Those of a rotary axis: `EX0r, EY0r, EZ0r` (mm), `EA0r, EB0r, EC0r` (rad); `None` for a linear one.
+    pub fn of(&self, axis: Axis) -> Option<&Twist> {
+        self.rotary.get(axis.index().checked_sub(Axis::A.index())?)
+    }
+}
+
 /// When a reading or a command is believed. Pairs are for linear (mm) and rotary (degrees) axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

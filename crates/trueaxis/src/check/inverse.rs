@@ -115,7 +115,7 @@ pub(super) fn length<T: Rows + ?Sized>(
     rows: Option<&T>,
     range: [f64; 2],
 ) -> f64 {
-    let location = settings.axis.index().checked_sub(3).and_then(|index| machine.location.rotary.get(index));
+    let location = machine.location.of(settings.axis);
     let mut sum = 0.0;
     for component in 0..3 {
         let (least, most) = contribution(machine, settings, rows, component, range);
@@ -153,7 +153,7 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
             let length = length(machine, other, rows, range);
             (-length, length)
         } else {
-            let location = other.axis.index().checked_sub(3).and_then(|index| machine.location.rotary.get(index));
+            let location = machine.location.of(other.axis);
             let constant = location.and_then(|errors| errors.get(axis.index())).copied().unwrap_or(0.0);
             let (least, most) = contribution(machine, other, rows, axis.index(), range);
             (least + constant, most + constant)

@@ -106,7 +106,7 @@ fn rotations<T: Rows + ?Sized>(
     rows: Option<&T>,
     range: [f64; 2],
 ) -> [f64; 3] {
-    let location = settings.axis.index().checked_sub(3).and_then(|index| machine.location.rotary.get(index));
+    let location = machine.location.of(settings.axis);
     core::array::from_fn(|k| {
         let (least, most) = contribution(machine, settings, rows, 3 + k, range);
         let constant = location.and_then(|errors| errors.get(3 + k)).copied().unwrap_or(0.0);
@@ -338,7 +338,7 @@ pub(super) fn error_range<'r, T: Rows + ?Sized + 'r>(
             sum = (sum.0 - most, sum.1 + most);
             continue;
         }
-        let location = other.axis.index().checked_sub(3).and_then(|index| machine.location.rotary.get(index));
+        let location = machine.location.of(other.axis);
         let constant = location.and_then(|errors| errors.get(component)).copied().unwrap_or(0.0);
         let (least, most) = contribution(machine, other, table, component, range);
         let swing = swing.get(component).copied().unwrap_or(0.0);

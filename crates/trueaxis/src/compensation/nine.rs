@@ -90,16 +90,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
     ) -> Requirement {
-        let mut sum = Requirement::default();
-        for settings in &machine.axes {
-            if let Some(rows) = rows(settings.axis) {
-                let need = AxisTable::<R, P>::requirement(settings, rows);
-                sum.lines += need.lines;
-                sum.knots += need.knots;
-                sum.guide += need.guide;
-            }
-        }
-        sum
+        AxisTable::<R, P>::requirement_of_all(machine, rows)
     }
 
     /// Builds the tables of a machine into lent memory.
@@ -152,7 +143,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
                 *t = table;
                 *f = feedback;
                 *p = parents_of(machine, &axes, axis)?;
-                if let Some([x, y, z, ..]) = axis.index().checked_sub(3).and_then(|i| location.rotary.get(i)) {
+                if let Some([x, y, z, ..]) = location.of(axis) {
                     *c = [*x, *y, *z].map(R::of);
                 }
             }

@@ -3,7 +3,7 @@
 use crate::check;
 use crate::compensation::pchip;
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, Interpolation, Row};
+use crate::machine::{Axis, AxisSettings, Interpolation, MachineSettings, Row};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -182,6 +182,23 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         };
         let free = if spacing(rows).is_some() { 0 } else { rows.len() };
         Requirement { lines: rows.len() * blocks * powers * W, knots: free, guide: 2 * free }
+    }
+
+    /// Memory that the tables of all axes of a machine take.
+    pub(super) fn requirement_of_all<'r, T: Rows + ?Sized + 'r>(
+        machine: &MachineSettings,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+    ) -> Requirement {
+        let mut sum = Requirement::default();
+        for settings in &machine.axes {
+            if let Some(rows) = rows(settings.axis) {
+                let need = Self::requirement(settings, rows);
+                sum.lines += need.lines;
+                sum.knots += need.knots;
+                sum.guide += need.guide;
+            }
+        }
+        sum
     }
 
     /// Builds a table from what is read of each row; `finish` acts on the coefficients of every polynomial,

@@ -130,16 +130,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
     ) -> Requirement {
-        let mut sum = Requirement::default();
-        for settings in &machine.axes {
-            if let Some(rows) = rows(settings.axis) {
-                let need = AxisTable::<R, P, 6>::requirement(settings, rows);
-                sum.lines += need.lines;
-                sum.knots += need.knots;
-                sum.guide += need.guide;
-            }
-        }
-        sum
+        AxisTable::<R, P, 6>::requirement_of_all(machine, rows)
     }
 
     /// Builds the tables of a machine into lent memory.
@@ -162,8 +153,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         let mut plain = !machine.compensation.orientation;
         for (place, (axis, lever)) in axes.into_iter().zip(levers).enumerate() {
             let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) else { continue };
-            let located = axis.index().checked_sub(3).and_then(|index| machine.location.rotary.get(index));
-            let located = located.copied().unwrap_or_default();
+            let located = machine.location.of(axis).copied().unwrap_or_default();
             let (table, apart): (AxisTable<'a, R, P, 6>, _) = match rows(axis) {
                 Some(rows) => (AxisTable::build_twists(settings, rows, lever, located, &mut storage)?, [0.0; 6]),
                 None => (AxisTable::zero(), located),
