@@ -2,4 +2,5 @@
 
 #![no_std]
 
+pub mod device;
 pub mod timer;
