@@ -23,6 +23,7 @@ mod start;
 mod tables;
 mod telemetry;
 
+use cortex_m_rt as _;
 use cortex_m_semihosting::debug;
 use defmt_semihosting as _;
 
