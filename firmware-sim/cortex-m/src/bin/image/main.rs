@@ -144,7 +144,7 @@ mod app {
         let telemetry::SharedResources { mut gauge, mut figures, .. } = cx.shared;
         while let Some(new) = out.next() {
             out.cycle(&new);
-            if new.revolution {
+            if new.gauge.is_some_and(|gauge| gauge.finished) {
                 let machine_id = new.output.record.machine_id;
                 let frame = gauge.lock(|gauge| latest(machine_id, gauge.as_ref()?));
                 out.revolution(frame);

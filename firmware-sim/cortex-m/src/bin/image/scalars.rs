@@ -33,3 +33,5 @@ pub type Piece = Span<Scalar, Place>;
 pub type GaugePlan = Roundness<Scalar, POINTS>;
 /// The gauge's state.
 pub type GaugeState = RoundnessState<Scalar, POINTS>;
+/// What the gauge gives back in a cycle.
+pub type GaugeCycle = trueaxis::roundness::Cycle<Scalar>;

@@ -2,11 +2,11 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use crate::scalars::{AXES, GaugePlan, GaugeState, Loop, LoopState, Piece, Place, Scalar, StepOutput};
+use crate::scalars::{AXES, GaugeCycle, GaugePlan, GaugeState, Loop, LoopState, Piece, Place, Scalar, StepOutput};
 use trueaxis::Bypass;
 use trueaxis::contour::Path;
 use trueaxis::exchange::Exchange;
-use trueaxis_recording::Recording;
+use trueaxis_recording::{Cycle, Recording};
 
 /// What runs in a cycle. The state is the interrupt's alone: larger than what runs without tables, and never moved.
 #[allow(clippy::large_enum_variant)]
@@ -26,13 +26,12 @@ pub struct Gauge {
 }
 
 /// What a cycle produces for the telemetry.
+#[derive(Clone, Copy)]
 pub struct Produced {
     /// What the step gave back.
     pub output: StepOutput,
-    /// The gauge's infeed, mm, where one runs.
-    pub infeed: Option<Scalar>,
-    /// A revolution has just been evaluated.
-    pub revolution: bool,
+    /// What the gauge gave back, where one runs.
+    pub gauge: Option<GaugeCycle>,
 }
 
 /// A controller whose commands and readings come out of a recording.
@@ -60,24 +59,41 @@ impl Servo {
     }
 
     /// One cycle; `None` at the end of the recording.
+    #[inline(always)]
     pub fn cycle(&mut self, exchange: &Exchange<'static, Loop>, gauge: Option<&mut Gauge>) -> Option<Produced> {
         let cycle = self.recording.cycle(self.next)?;
         self.next += 1;
-        let (input, place) = (cycle.input(), cycle.place());
-        match &mut self.running {
+        let (output, gauge) = match &mut self.running {
             Running::Step(servo, state) => {
                 exchange.take_into(servo);
                 let path = Path::new(self.pieces, 0, false);
-                let Some(gauge) = gauge else {
-                    let output = servo.step(state, &input, &path, place);
-                    return Some(Produced { output, infeed: None, revolution: false });
-                };
-                let (plan, measured) = (gauge.plan, &mut *gauge.state);
-                let (output, cycle) =
-                    servo.step_with_gauge(state, &input, &path, place, plan, measured, &cycle.probes());
-                Some(Produced { output, infeed: Some(cycle.infeed), revolution: cycle.finished })
+                match gauge {
+                    None => (step(servo, state, &cycle, &path), None),
+                    Some(gauge) => {
+                        let (output, of_gauge) = step_with_gauge(servo, state, &cycle, &path, gauge);
+                        (output, Some(of_gauge))
+                    }
+                }
             }
-            Running::Bypass(bypass) => Some(Produced { output: bypass.step(&input), infeed: None, revolution: false }),
-        }
+            Running::Bypass(bypass) => (bypass.step(&cycle.input()), None),
+        };
+        Some(Produced { output, gauge })
     }
+}
+
+// Either step is a function by itself, so that the stack of the one does not hold the locals of the other.
+#[inline(never)]
+fn step(servo: &Loop, state: &mut LoopState, cycle: &Cycle<AXES>, path: &Path<'_, Scalar, Place>) -> StepOutput {
+    servo.step(state, &cycle.input(), path, cycle.place())
+}
+
+#[inline(never)]
+fn step_with_gauge(
+    servo: &Loop,
+    state: &mut LoopState,
+    cycle: &Cycle<AXES>,
+    path: &Path<'_, Scalar, Place>,
+    gauge: &mut Gauge,
+) -> (StepOutput, GaugeCycle) {
+    servo.step_with_gauge(state, &cycle.input(), path, cycle.place(), gauge.plan, gauge.state, &cycle.probes())
 }

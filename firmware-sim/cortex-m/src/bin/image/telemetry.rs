@@ -46,7 +46,7 @@ impl Telemetry {
         if let Ok(frame) = Frame::of(record).encode(&mut buffer) {
             self.frames.send(frame);
         }
-        self.raw.send(&raw::line(&produced.output, produced.infeed));
+        self.raw.send(&raw::line(&produced.output, produced.gauge.map(|gauge| gauge.infeed)));
         if record.tables_crc != self.tables_crc {
             self.tables_crc = record.tables_crc;
             defmt::info!("tables {=u32:08x} in force from cycle {=u32}", record.tables_crc, record.sequence);
