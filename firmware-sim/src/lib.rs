@@ -22,6 +22,7 @@ pub mod path;
 pub mod placement;
 pub mod plant;
 pub mod program;
+pub mod recorded;
 pub mod report;
 pub mod scenario;
 pub mod simulate;

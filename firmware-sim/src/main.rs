@@ -1,6 +1,7 @@
 //! `firmware-sim`: servo cycles on the host, with the machine simulated.
 
 mod grind;
+mod record;
 mod rtcp;
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -54,6 +55,10 @@ enum Command {
     ///
     /// C turns a full circle, A a quarter, with three set-ups of the ball each. Linear axes are taken for perfect.
     Rtcp(rtcp::RtcpArgs),
+    /// Record what the step is given in every cycle of a run, for the bare-metal image.
+    ///
+    /// Positions are rounded to 1e-6 mm. A machine file with [roundness] adds a workpiece that turns at three probes.
+    Record(record::RecordArgs),
 }
 
 #[derive(Args)]
@@ -61,7 +66,7 @@ struct ScenarioArgs {
     /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
     #[arg(long, value_name = "M", default_value = "mill-3axis")]
     machine: PathBuf,
-    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis.
+    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis, short-tour.
     #[arg(long, value_name = "P.ngc", default_value = "circle-diamond-square")]
     program: PathBuf,
     /// Error model that the step corrects by [default: the machine file's].
@@ -150,6 +155,7 @@ fn main() -> ExitCode {
         Some(Command::Bench(args)) => time(&args),
         Some(Command::Grind(args)) => grind::grind(&args),
         Some(Command::Rtcp(args)) => rtcp::rtcp(&args),
+        Some(Command::Record(args)) => record::record(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
