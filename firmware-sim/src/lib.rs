@@ -13,6 +13,7 @@
 
 pub mod ball_test;
 pub mod bench;
+pub mod compare;
 pub mod grinding;
 pub mod latency;
 pub mod motion;
