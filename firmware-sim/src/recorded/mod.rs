@@ -77,9 +77,8 @@ pub fn record(
         }
         writer.add(&cycle);
     };
-    let mut options = Options { paced: false, progress, trace: None, watch: Some(&mut watch) };
-    simulate::run::<3>(scenario, motion, path, Kind::Compensated, &mut options)?;
-    drop(options);
+    let options = &mut Options { paced: false, progress, trace: None, watch: Some(&mut watch) };
+    simulate::run::<3>(scenario, motion, path, Kind::Compensated, options)?;
     writer.finish().context("the recording cannot be written")
 }
 

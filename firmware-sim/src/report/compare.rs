@@ -75,13 +75,16 @@ fn summary(outcome: &Outcome) -> String {
 const AXES: [(&str, RGBColor); 3] = [("X", colour::UNCOMPENSATED), ("Y", colour::COMPENSATED), ("Z", colour::SERVO)];
 const WIDTH: usize = 1040;
 
+/// A curve with its entry in the legend.
+type Line<'t> = (Vec<[f64; 2]>, Key<'t>);
+
 fn series(rows: &[Row], period_s: f64, value: impl Fn(&Row) -> f64) -> Vec<[f64; 2]> {
     let all: Vec<[f64; 2]> = rows.iter().map(|row| [f64::from(row.sequence) * period_s, value(row)]).collect();
     decimate(&all, WIDTH)
 }
 
 /// One of two figures that stand side by side, or one of its own.
-fn plot(class: &str, width: i32, caption: &str, y: &str, lines: &[(Vec<[f64; 2]>, Key<'_>)], scaled: &[f64]) -> String {
+fn plot(class: &str, width: i32, caption: &str, y: &str, lines: &[Line<'_>], scaled: &[f64]) -> String {
     let times = lines.iter().flat_map(|(points, _)| points.iter().map(|p| p[0]));
     let figure = Figure {
         description: caption.to_owned(),
@@ -101,7 +104,7 @@ fn plot(class: &str, width: i32, caption: &str, y: &str, lines: &[(Vec<[f64; 2]>
 }
 
 fn core(one: &Comparison, period_s: f64) -> String {
-    let corrections = |rows: &[Row]| -> Vec<(Vec<[f64; 2]>, Key<'static>)> {
+    let corrections = |rows: &[Row]| -> Vec<Line<'static>> {
         let line = |(axis, (text, colour)): (usize, (&'static str, RGBColor))| {
             (series(rows, period_s, |row| 1e3 * row.correction[axis]), Key { colour, dashed: false, text })
         };
@@ -116,10 +119,10 @@ fn core(one: &Comparison, period_s: f64) -> String {
             line("estimated tool tip", colour::COMPENSATED, |row| row.tip),
         ]
     };
-    let values = |sets: [&[(Vec<[f64; 2]>, Key<'_>)]; 2]| -> Vec<f64> {
+    let values = |sets: [&[Line<'_>]; 2]| -> Vec<f64> {
         sets.into_iter().flatten().flat_map(|(points, _)| points.iter().map(|p| p[1])).chain([0.0]).collect()
     };
-    let pair = |what: &str, y: &str, host: Vec<(Vec<[f64; 2]>, Key<'_>)>, image: Vec<(Vec<[f64; 2]>, Key<'_>)>| {
+    let pair = |what: &str, y: &str, host: Vec<Line<'_>>, image: Vec<Line<'_>>| {
         let scaled = values([&host, &image]);
         plot("half", 550, &format!("{what}: on the host."), y, &host, &scaled)
             + &plot("half", 550, &format!("{what}: in the image."), y, &image, &scaled)
