@@ -3,4 +3,5 @@
 #![no_std]
 
 pub mod device;
+pub mod regions;
 pub mod timer;

@@ -15,7 +15,6 @@
 
 mod board;
 mod raw;
-mod regions;
 mod scalars;
 mod servo;
 mod stack;
@@ -123,7 +122,7 @@ mod app {
         (gauge, figures).lock(|gauge, figures| {
             stack::paint();
             match servo.cycle(&EXCHANGE, gauge.as_mut()) {
-                Some(new) => figures.dropped += u32::from(produced.enqueue(new).is_err()),
+                Some(new) => figures.dropped += u32::from(produced.enqueue(*new).is_err()),
                 None => figures.ended = true,
             }
             figures.below = figures.below.max(stack::used());

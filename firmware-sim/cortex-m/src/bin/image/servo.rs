@@ -3,9 +3,9 @@
 #![deny(clippy::indexing_slicing)]
 
 use crate::scalars::{AXES, GaugeCycle, GaugePlan, GaugeState, Loop, LoopState, Piece, Place, Scalar, StepOutput};
-use trueaxis::Bypass;
 use trueaxis::contour::Path;
 use trueaxis::exchange::Exchange;
+use trueaxis::{Bypass, Fault, Input};
 use trueaxis_recording::{Cycle, Recording};
 
 /// What runs in a cycle. The state is the interrupt's alone: larger than what runs without tables, and never moved.
@@ -40,12 +40,14 @@ pub struct Servo {
     pieces: &'static [Piece],
     running: Running,
     next: u32,
+    produced: Produced,
 }
 
 impl Servo {
     /// Before the first cycle.
     pub fn new(recording: Recording<'static, AXES>, pieces: &'static [Piece], running: Running) -> Self {
-        Servo { recording, pieces, running, next: 0 }
+        let nothing = Bypass::<Place, AXES>::new(Fault::None).step(&Input::at_rest(0));
+        Servo { recording, pieces, running, next: 0, produced: Produced { output: nothing, gauge: None } }
     }
 
     /// Cycles so far.
@@ -58,33 +60,37 @@ impl Servo {
         self.recording.header().exchange_at == Some(self.next)
     }
 
-    /// One cycle; `None` at the end of the recording.
-    #[inline(always)]
-    pub fn cycle(&mut self, exchange: &Exchange<'static, Loop>, gauge: Option<&mut Gauge>) -> Option<Produced> {
+    /// One cycle; what it produces takes the place of what the last one did. `None` at the end of the recording.
+    pub fn cycle(&mut self, exchange: &Exchange<'static, Loop>, gauge: Option<&mut Gauge>) -> Option<&Produced> {
         let cycle = self.recording.cycle(self.next)?;
         self.next += 1;
-        let (output, gauge) = match &mut self.running {
+        let produced = &mut self.produced;
+        produced.gauge = None;
+        match &mut self.running {
             Running::Step(servo, state) => {
                 exchange.take_into(servo);
                 let path = Path::new(self.pieces, 0, false);
                 match gauge {
-                    None => (step(servo, state, &cycle, &path), None),
-                    Some(gauge) => {
-                        let (output, of_gauge) = step_with_gauge(servo, state, &cycle, &path, gauge);
-                        (output, Some(of_gauge))
-                    }
+                    None => step(servo, state, &cycle, &path, produced),
+                    Some(gauge) => step_with_gauge(servo, state, &cycle, &path, gauge, produced),
                 }
             }
-            Running::Bypass(bypass) => (bypass.step(&cycle.input()), None),
-        };
-        Some(Produced { output, gauge })
+            Running::Bypass(bypass) => produced.output = bypass.step(&cycle.input()),
+        }
+        Some(produced)
     }
 }
 
 // Either step is a function by itself, so that the stack of the one does not hold the locals of the other.
 #[inline(never)]
-fn step(servo: &Loop, state: &mut LoopState, cycle: &Cycle<AXES>, path: &Path<'_, Scalar, Place>) -> StepOutput {
-    servo.step(state, &cycle.input(), path, cycle.place())
+fn step(
+    servo: &Loop,
+    state: &mut LoopState,
+    cycle: &Cycle<AXES>,
+    path: &Path<'_, Scalar, Place>,
+    produced: &mut Produced,
+) {
+    produced.output = servo.step(state, &cycle.input(), path, cycle.place());
 }
 
 #[inline(never)]
@@ -94,6 +100,9 @@ fn step_with_gauge(
     cycle: &Cycle<AXES>,
     path: &Path<'_, Scalar, Place>,
     gauge: &mut Gauge,
-) -> (StepOutput, GaugeCycle) {
-    servo.step_with_gauge(state, &cycle.input(), path, cycle.place(), gauge.plan, gauge.state, &cycle.probes())
+    produced: &mut Produced,
+) {
+    let (output, of_gauge) =
+        servo.step_with_gauge(state, &cycle.input(), path, cycle.place(), gauge.plan, gauge.state, &cycle.probes());
+    (produced.output, produced.gauge) = (output, Some(of_gauge));
 }

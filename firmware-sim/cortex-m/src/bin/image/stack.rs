@@ -3,7 +3,7 @@
 use core::arch::asm;
 
 /// Words that are painted below the interrupt's own frame.
-pub const PAINTED_WORDS: u32 = 384;
+pub const PAINTED_WORDS: u32 = 1024;
 const PAINT: u32 = 0xc0de_5afe;
 
 /// The stack pointer.

@@ -5,11 +5,12 @@ use crate::scalars::{AXES, GaugePlan, GaugeState, Loop, Piece};
 use crate::servo::{Gauge, Produced, Running, Servo};
 use crate::tables::{self, KNOTS, LINES, Memory, Refused};
 use crate::telemetry::Telemetry;
-use crate::{leave, regions};
+use crate::leave;
 use heapless::Vec;
 use heapless::spsc::{Producer, Queue};
 use static_cell::{ConstStaticCell, StaticCell};
 use trueaxis::Bypass;
+use trueaxis_cortex_m::regions;
 use trueaxis_recording::Recording;
 
 /// Pieces of a path that fit.

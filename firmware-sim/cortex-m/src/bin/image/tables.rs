@@ -5,7 +5,7 @@ use defmt::Format;
 use trueaxis::compensation::{Requirement, Storage};
 use trueaxis::error::Field;
 use trueaxis::roundness::RoundnessSettings;
-use trueaxis::tcomp::{HEADER_BYTES, Tcomp, TcompError};
+use trueaxis::tcomp::{Tcomp, TcompError};
 use trueaxis::{Config, ConfigError, Fault};
 
 /// Lines of numbers that fit: cubic tables of 3 × 1024 points with one direction, or half as many with both; four
@@ -85,25 +85,17 @@ pub struct Tables {
     pub used: Requirement,
 }
 
-/// The file at the start of a region: as long as its header says. What lies behind it belongs to no file.
-fn file(region: &'static [u8]) -> &'static [u8] {
-    let length = region.get(HEADER_BYTES - 4..).and_then(|bytes| bytes.first_chunk::<4>());
-    length
-        .and_then(|length| region.get(..(u32::from_le_bytes(*length) as usize).checked_add(HEADER_BYTES + 4)?))
-        .unwrap_or(region)
-}
-
-/// Reads and checks the file at the start of a region, and builds its step.
+/// Reads and checks a table file, and builds its step.
 ///
 /// # Errors
 /// Why the tables are not taken.
 pub fn build(
-    region: &'static [u8],
+    bytes: &'static [u8],
     machine_id: u32,
     period_ns: u32,
     memory: &'static mut Memory,
 ) -> Result<Tables, Refused> {
-    let file = Tcomp::parse(file(region)).map_err(Refused::File)?;
+    let file = Tcomp::parse(bytes).map_err(Refused::File)?;
     file.expect_machine(machine_id).map_err(Refused::File)?;
     let config = Config::of(&file, period_ns);
     let used = config.requirement::<Scalar, Place, AXES, _>(|axis| file.table(axis));
