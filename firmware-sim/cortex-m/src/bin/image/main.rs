@@ -67,6 +67,8 @@ mod app {
         overruns: u32,
         /// Cycles whose record found the queue full.
         dropped: u32,
+        /// Most records that waited for the telemetry.
+        waiting: usize,
         /// Longest time from the timer's interrupt to the cycle, ticks of the board's clock.
         latest: u32,
         /// Deepest stack below the interrupt's own frame, bytes.
@@ -129,6 +131,7 @@ mod app {
             let interrupted = IDLE.load(Ordering::Relaxed).checked_sub(stack::pointer());
             figures.entry = figures.entry.min(interrupted.unwrap_or(u32::MAX));
             figures.cycles = servo.cycles();
+            figures.waiting = figures.waiting.max(produced.len());
             figures.latest = figures.latest.max(late);
             figures.overruns += u32::from(timer.is_due());
         });
@@ -169,18 +172,20 @@ mod app {
         let finish::SharedResources { gauge, figures, .. } = cx.shared;
         let (counts, figures) =
             (gauge, figures).lock(|gauge, figures| (gauge.as_ref().map(|gauge| gauge.state.counts()), *figures));
-        let Figures { cycles, overruns, dropped, latest, below, entry, .. } = figures;
+        let Figures { cycles, overruns, dropped, waiting, latest, below, entry, .. } = figures;
         defmt::info!(
-            "end: {=u32} cycles, {=u32} overruns, {=u32} records dropped, latest start {=u32} instructions",
+            "end: {=u32} cycles, {=u32} overruns, {=u32} records dropped, at most {=usize} waiting, latest start {=u32} \
+             instructions",
             cycles,
             overruns,
             dropped,
+            waiting,
             instructions(latest)
         );
         if let Some(counts) = counts {
             defmt::info!("gauge: {}, {=u32} records lost", counts, lost_revolutions);
         }
-        defmt::info!("stack of the servo interrupt: {=u32} bytes, {=u32} of them on entry", below + entry, entry);
+        defmt::info!("stack of the servo interrupt: {=u32} bytes on entry, {=u32} bytes of the step", entry, below);
         leave(true)
     }
 }
