@@ -2,6 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod following;
 mod rtcp;
 mod tool;
 
