@@ -2,9 +2,12 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod bypass;
 mod following;
 mod rtcp;
 mod tool;
+
+pub use bypass::Bypass;
 
 use crate::compensation::{Compensation, Requirement, Reversal, Rows, Storage, ThermalLine, step_axes};
 use crate::contour::{ContourError, ContourSearch, ContourState, Method, OrientationError, Path, Reference};
@@ -131,6 +134,22 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     }
 }
 
+/// A stage of the step, in the order in which they run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Stage {
+    /// Command and readings looked at ([`crate::sample`]).
+    Sample,
+    /// Errors looked up at command and feedback, inverse solved ([`crate::compensation`]).
+    Compensation,
+    /// Foot points of the estimated tip and of the plain encoder position ([`crate::contour`]).
+    Contour,
+    /// Correction limited and led in, or held ([`crate::limiter`]).
+    Output,
+    /// The record filled ([`crate::telemetry`]).
+    Telemetry,
+}
+
 /// What a cycle gives back.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -188,9 +207,26 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         path: &Path<'_, R, P>,
         reference: Reference<R>,
     ) -> Output<R, P, N> {
+        self.step_watched(state, input, path, reference, |_| ())
+    }
+
+    /// The same, telling `watch` when a stage has ended: for counting or timing the stages on the target.
+    ///
+    /// The compiler may move work over the border of two stages; what all of them take together is exact.
+    #[inline(always)]
+    pub fn step_watched(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        mut watch: impl FnMut(Stage),
+    ) -> Output<R, P, N> {
         let sample = self.sampler.read(&mut state.sample, input);
+        watch(Stage::Sample);
         let modelled = self.model::<false>(state, &sample);
-        self.finish(state, &sample, &modelled, path, reference)
+        watch(Stage::Compensation);
+        self.finish(state, &sample, &modelled, path, reference, watch)
     }
 
     /// The same with a gauge of three probes riding along: some units of its work a cycle, and its infeed correction
@@ -221,7 +257,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         if let (Verdict::Active, Some(wanted)) = (sample.verdict, modelled.wanted.get_mut(place)) {
             *wanted += cycle.infeed;
         }
-        (self.finish(state, &sample, &modelled, path, reference), cycle)
+        (self.finish(state, &sample, &modelled, path, reference, |_| ()), cycle)
     }
 
     /// The stages after the model.
@@ -233,11 +269,29 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         modelled: &Modelled<R, N>,
         path: &Path<'_, R, P>,
         reference: Reference<R>,
+        mut watch: impl FnMut(Stage),
     ) -> Output<R, P, N> {
         let contour = self.contour(state, sample, modelled, path, reference);
+        watch(Stage::Contour);
+        self.finish_measured(state, sample, modelled, contour, watch)
+    }
+
+    /// The stages after the contour error.
+    #[inline(always)]
+    fn finish_measured(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        modelled: &Modelled<R, N>,
+        contour: [ContourError<R>; 2],
+        mut watch: impl FnMut(Stage),
+    ) -> Output<R, P, N> {
         let released = self.release.release(&mut state.release, &mut state.sample, sample, &modelled.wanted);
         state.limited = released.limited;
-        self.record(state, sample, modelled.at_edge, contour, &OrientationError::none(), released)
+        watch(Stage::Output);
+        let output = self.record(state, sample, modelled.at_edge, contour, &OrientationError::none(), released);
+        watch(Stage::Telemetry);
+        output
     }
 
     /// Wanted correction at the command, modelled error at the feedback; that of the direction only for a `TOOL`.
@@ -285,18 +339,13 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         path: &Path<'_, R, P>,
         reference: Reference<R>,
     ) -> [ContourError<R>; 2] {
-        let (true, [x, y, z, ..], [dx, dy, dz, ..]) = (
-            matches!(sample.verdict, Verdict::Active | Verdict::Inactive),
-            &sample.feedback[..],
-            &modelled.tip_error[..],
-        ) else {
+        let Some([tip, encoder]) = points(sample, modelled) else {
             // After a fault the last foot says nothing about the next one.
             (state.tip, state.encoder) = (ContourState::default(), ContourState::default());
             return [ContourError::none(); 2];
         };
-        let tip = [x.plus(*dx), y.plus(*dy), z.plus(*dz)];
         let at_tip = self.search.update(&mut state.tip, path, reference, tip);
-        let at_encoder = self.search.update(&mut state.encoder, path, reference, [*x, *y, *z]);
+        let at_encoder = self.search.update(&mut state.encoder, path, reference, encoder);
         [at_tip, at_encoder]
     }
 
@@ -340,6 +389,20 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         };
         Output { drive: released.drive, feedback: released.feedback, record }
     }
+}
+
+/// The estimated tip and the plain encoder position; none while a reading is not believed.
+#[inline(always)]
+fn points<R: Real, P: Position, const N: usize>(
+    sample: &Sample<P, N>,
+    modelled: &Modelled<R, N>,
+) -> Option<[[P; 3]; 2]> {
+    let (true, [x, y, z, ..], [dx, dy, dz, ..]) =
+        (matches!(sample.verdict, Verdict::Active | Verdict::Inactive), &sample.feedback[..], &modelled.tip_error[..])
+    else {
+        return None;
+    };
+    Some([[x.plus(*dx), y.plus(*dy), z.plus(*dz)], [*x, *y, *z]])
 }
 
 /// What the tables say in a cycle.

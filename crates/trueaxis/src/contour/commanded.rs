@@ -2,11 +2,14 @@
 
 #![deny(clippy::indexing_slicing)]
 
+use super::ContourError;
 use super::span::{Path, Reference, Span};
 use crate::error::{ConfigError, Field};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
+
+mod nearest;
 
 /// A short window of the last commanded points, joined to a smooth path that ends at the newest command.
 ///
@@ -87,7 +90,7 @@ impl<R: Real, P: Position, const K: usize> Commanded<R, P, K> {
     ///
     /// `plane`: normal of the machining plane, for the signed components; any length. `spacing_mm`: way between two
     /// points at slow feeds, 0.001 to 1 mm; 0.005 is a good one. At fast feeds every command is a point. The window must
-    /// hold the largest lag: K ≥ lag / max(spacing, way in a cycle), and no lag is measured over more than 64 pieces.
+    /// hold the largest lag: K ≥ lag / max(spacing, way in a cycle).
     ///
     /// # Errors
     /// No direction; a spacing outside the range.
@@ -156,6 +159,17 @@ impl<R: Real, P: Position, const K: usize> Commanded<R, P, K> {
         // A point becomes the first piece's start.
         let moved = self.last.is_some() || self.open.chord.is_some();
         Reference { span: self.number, t: if moved { R::ONE } else { R::ZERO } }
+    }
+
+    /// Contour error of `point` (mm): its distance from the nearest place of the whole window.
+    ///
+    /// Without memory, unlike [`super::ContourSearch`], which follows one foot on a path of long pieces: here a piece is
+    /// often shorter than what the tool moves in a cycle. Where the window passes the same place twice, the later pass
+    /// counts. Without [`super::Flags::BRACKETED`] the tool is further behind than the window reaches. Bounded: K
+    /// distances from a line, twice the kernel and at corners four evaluations more.
+    #[inline]
+    pub fn contour_error(&self, point: [P; 3]) -> ContourError<R> {
+        nearest::contour_error(&self.path(), self.reference(), self.count < K, &point)
     }
 
     /// A window of one point.

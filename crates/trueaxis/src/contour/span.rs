@@ -3,9 +3,10 @@
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
+use serde::{Deserialize, Serialize};
 
 /// Which terms of a span's polynomial are there, so that the kernel computes no others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Form {
     /// Degree up to 3, weight 1.
@@ -28,7 +29,7 @@ pub enum Form {
 ///
 /// mm. Every piece lies within 8 mm of its origin and its tangent turns by less than 30°: single precision then keeps
 /// about a nanometre, and the foot-point kernel's series converges.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Span<R, P> {
     pub(super) origin: [P; 3],
     pub(super) coefficients: [[R; 4]; 6],
@@ -41,6 +42,32 @@ pub struct Span<R, P> {
     pub(super) u: [f64; 2],
     /// tan of a quarter of the turned angle where u is proportional to an angle, 0 where t is linear in u.
     pub(super) quarter_tangent: f64,
+}
+
+impl Span<f64, f64> {
+    /// The same piece in the scalar and the positions of a step: a host plans in doubles, the servo's core gets this.
+    ///
+    /// Bit for bit what [`super::convert`] makes there: the origin is rounded to what positions can say, the polynomial
+    /// moves by what that leaves.
+    pub fn rounded<R: Real, P: Position>(&self) -> Span<R, P> {
+        let origin = self.origin.map(P::of);
+        let mut coefficients = self.coefficients;
+        for c in &mut coefficients {
+            for k in 0..3 {
+                c[k] += (self.origin[k] - origin[k].to_f64()) * c[3];
+            }
+        }
+        Span {
+            origin,
+            coefficients: coefficients.map(|c| c.map(R::of)),
+            arc: self.arc.map(R::of),
+            plane: self.plane.map(R::of),
+            form: self.form,
+            segment: self.segment,
+            u: self.u,
+            quarter_tangent: self.quarter_tangent,
+        }
+    }
 }
 
 impl<R: Real, P: Position> Span<R, P> {
@@ -177,6 +204,13 @@ impl<R: Real, P: Position> Span<R, P> {
         let [x, y, z, w] = self.coefficients.iter().rev().fold([R::ZERO; 4], |sum, c| mad(c, t, &sum));
         let i = R::ONE / w;
         [x * i, y * i, z * i]
+    }
+
+    /// Start, relative to the origin, and the way to the end, mm; of a cubic.
+    #[inline(always)]
+    pub(super) fn chord(&self) -> ([R; 4], V3<R>) {
+        let [start, [x1, y1, z1, _], [x2, y2, z2, _], [x3, y3, z3, _], ..] = self.coefficients;
+        (start, V3::new(x1 + x2 + x3, y1 + y2 + y3, z1 + z2 + z3))
     }
 
     /// Point at `t`, mm.

@@ -2,8 +2,8 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use super::{Output, ServoLoop, State};
-use crate::contour::Commanded;
+use super::{Output, ServoLoop, State, points};
+use crate::contour::{Commanded, ContourError};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::Input;
@@ -11,9 +11,9 @@ use crate::sample::Input;
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// One servo cycle with the commands themselves as the path: [`ServoLoop::step`] for a host that knows no other.
     ///
-    /// The command of the first three axes, once the sample stage believes it, is appended to `commanded`; its path and
-    /// its end are then path and reference of the step. What that path leaves of the planner's is said at [`Commanded`].
-    /// Before homing, and after a jump, call [`Commanded::restart`] or leave it to the bound there.
+    /// The command of the first three axes, once the sample stage believes it, is appended to `commanded`, from which the
+    /// contour errors are taken ([`Commanded::contour_error`]); what that path leaves of the planner's is said there.
+    /// After homing call [`Commanded::restart`].
     #[inline]
     pub fn step_following<const K: usize>(
         &self,
@@ -26,7 +26,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             commanded.append([x, y, z]);
         }
         let modelled = self.model::<false>(state, &sample);
-        self.finish(state, &sample, &modelled, &commanded.path(), commanded.reference())
+        let contour = match points(&sample, &modelled) {
+            Some(points) => points.map(|point| commanded.contour_error(point)),
+            None => [ContourError::none(); 2],
+        };
+        self.finish_measured(state, &sample, &modelled, contour, |_| ())
     }
 }
 

@@ -6,17 +6,16 @@
 #![no_std]
 #![no_main]
 
-mod timer;
-
 use core::hint::black_box;
 use cortex_m as _;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use timer::{Tally, timed};
+
 use trueaxis::roundness::{
     Arm, ArmSettings, Band, Followed, InfeedSettings, ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState,
 };
 use trueaxis::{Axis, Real};
+use trueaxis_cortex_m::timer::{self, Tally, timed};
 
 const POINTS: usize = 1024;
 /// Forward transform, pairs and inverse of 1024 points.

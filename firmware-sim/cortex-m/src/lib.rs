@@ -1,0 +1,5 @@
+//! What the images share: the board.
+
+#![no_std]
+
+pub mod timer;
