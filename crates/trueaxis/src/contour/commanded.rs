@@ -165,8 +165,9 @@ impl<R: Real, P: Position, const K: usize> Commanded<R, P, K> {
     ///
     /// Without memory, unlike [`super::ContourSearch`], which follows one foot on a path of long pieces: here a piece is
     /// often shorter than what the tool moves in a cycle. Where the window passes the same place twice, the later pass
-    /// counts. Without [`super::Flags::BRACKETED`] the tool is further behind than the window reaches. Bounded: K
-    /// distances from a line, twice the kernel and at corners four evaluations more.
+    /// counts; which of two pieces is nearer is told by their chords. Without [`super::Flags::BRACKETED`] the tool is
+    /// further behind than the window reaches. Bounded: K distances from a line, twice the kernel, and at corners four
+    /// evaluations more.
     #[inline]
     pub fn contour_error(&self, point: [P; 3]) -> ContourError<R> {
         nearest::contour_error(&self.path(), self.reference(), self.count < K, &point)
