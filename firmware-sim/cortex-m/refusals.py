@@ -1,9 +1,11 @@
 """Inputs that an image has to refuse, and what it has to say of each.
 
-    refusals.py make FOLDER          from FOLDER's good.tcomp, small.rec, wide.tcomp and points.tcomp
-    refusals.py check NAME FOLDER    what an image sent and logged in FOLDER, run with the inputs NAME
+    refusals.py machines MACHINE FOLDER    variants of the machine file that this image has no room for
+    refusals.py make FOLDER                the inputs, from FOLDER's good, mill, wide and points.tcomp and small.rec
+    refusals.py check NAME FOLDER CORE     what an image sent and logged in FOLDER/CORE, run with the inputs NAME
 """
 
+import re
 import struct
 import sys
 import zlib
@@ -27,6 +29,27 @@ CASES = {
     "recording": (1, None, "recording refused: damaged"),
     "no-recording": (1, None, "recording refused: no recording"),
 }
+
+
+def machines(machine, folder):
+    text = machine.read_text()
+    for name in ("wide", "points"):
+        to = folder / name
+        to.mkdir(parents=True, exist_ok=True)
+        tables = re.compile('table = "(.*)"')
+        own = tables.sub(lambda table: f'table = "{(machine.parent / table[1]).resolve()}"', text)
+        if name == "points":
+            # Slots of another division, and fewer harmonics than points can tell apart.
+            own = re.sub("points = .*", "points = 512", own)
+            own = re.sub("probe_slots = .*", "probe_slots = [94, 333]", own)
+        else:
+            for axis, low, high in (("x", -300, 300), ("y", -200, 200), ("z", -400, 0)):
+                lines = (f"{low + (high - low) * i / 2000},0.1" for i in range(2001))
+                letter = axis.upper()
+                head = f"{letter}_mm,E{letter}{letter}_um"
+                (to / f"{axis}.csv").write_text("\n".join([head, *lines]) + "\n")
+            own = tables.sub(lambda table: f'table = "{Path(table[1]).name}"', text)
+        (to / "machine.toml").write_text(own)
 
 
 def varint(value):
@@ -111,8 +134,9 @@ def records(data):
         yield sequence, crc, fault, status, not any(map(any, corrections))
 
 
-def check(name, folder):
+def check(name, inputs, core):
     code, fault, words = CASES[name]
+    folder = inputs / core
     found = int((folder / "exit").read_text())
     assert found == code, f"found exit code {found}, needed {code}"
     log = (folder / "log.txt").read_text()
@@ -124,7 +148,7 @@ def check(name, folder):
     said = f"end: {len(sent)} cycles, 0 overruns, 0 records dropped"
     assert said in log, f"needed {said!r} in the log, found:\n{log}"
     assert [record[0] for record in sent] == list(range(len(sent))), "records are missing"
-    good = struct.unpack("<I", (folder / "b.tcomp" if name != "exchange" else folder / "a.tcomp").read_bytes()[-SUM:])[0]
+    good = None if fault else struct.unpack("<I", (inputs / "a.tcomp").read_bytes()[-SUM:])[0]
     for sequence, crc, code, status, still in sent:
         if fault:
             assert (code, crc, status, still) == (fault, 0, 0, True), f"cycle {sequence}: {code}, {crc:x}, {status}"
@@ -136,11 +160,15 @@ def check(name, folder):
 
 
 if __name__ == "__main__":
-    if sys.argv[1] == "make":
-        make(Path(sys.argv[2]))
+    what, *arguments = sys.argv[1:]
+    if what == "machines":
+        machines(*map(Path, arguments))
+    elif what == "make":
+        make(Path(arguments[0]))
     else:
+        name, folder, core = arguments
         try:
-            count = check(sys.argv[2], Path(sys.argv[3]))
+            count = check(name, Path(folder), core)
         except AssertionError as error:
-            sys.exit(f"{sys.argv[3]}: {error}")
-        print(f"{sys.argv[3]}: refused as it must be, {count} records")
+            sys.exit(f"{name} on {core}: {error}")
+        print(f"{name} on {core}: refused as it must be, {count} records say so")

@@ -1,11 +1,11 @@
 //! From flash to a servo that can run.
 
 use crate::board::Uart;
+use crate::leave;
 use crate::scalars::{AXES, GaugePlan, GaugeState, Loop, Piece};
 use crate::servo::{Gauge, Produced, Running, Servo};
 use crate::tables::{self, KNOTS, LINES, Memory, Refused};
 use crate::telemetry::Telemetry;
-use crate::leave;
 use heapless::Vec;
 use heapless::spsc::{Producer, Queue};
 use static_cell::{ConstStaticCell, StaticCell};
@@ -123,12 +123,7 @@ pub fn start() -> Started {
             (Running::Bypass(Bypass::new(refused.fault())), None)
         }
     };
-    let spare = Spare {
-        memory: MEMORY_B.take(),
-        machine_id,
-        period_ns,
-        runs: matches!(running, Running::Step(..)),
-    };
+    let spare = Spare { memory: MEMORY_B.take(), machine_id, period_ns, runs: matches!(running, Running::Step(..)) };
     let (produced, waiting) = WAITING_CYCLES.take().split();
     // SAFETY: the only owner of either.
     let (frames, raw) = unsafe { (Uart::zero(), Uart::one()) };
