@@ -75,7 +75,7 @@ say 'against the host, bit for bit, twice'
 compare() {
     local core=$1 run=$2
     timeout 300 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/$run" \
-        --machine machine --program short-tour --rate-hz 1000 --drill --exchange-at 9000 --second machine/warm.toml \
+        --machine machine --program short-tour --rate-hz 1000 --drill --exchange-at 12000 --second machine/warm.toml \
         >"$work/$run-$core.json"
     defmt-print -e "$(elf "$core")" <"$work/$run/$core/defmt.bin" >"$work/$run/$core/log.txt"
 }
