@@ -7,6 +7,7 @@ mod machines;
 use machines::*;
 use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
+use std::sync::OnceLock;
 use trueaxis::compensation::Storage;
 use trueaxis::contour;
 use trueaxis::roundness::{self, Roundness};
@@ -23,9 +24,15 @@ type P = trueaxis::Micro;
 /// Counts of the spindle per revolution.
 const COUNTS: i32 = 1 << 20;
 
+/// The three-axis mill with a gauge at its side, 512 points.
+fn small() -> &'static [u8] {
+    static FILE: OnceLock<Vec<u8>> = OnceLock::new();
+    FILE.get_or_init(|| machine(512))
+}
+
 /// The three-axis mill with a gauge at its side: no files are read, so that Miri can make it too.
 fn machine(points: u16) -> Vec<u8> {
-    let mut machine = trueaxis_tables::Machine::from_tcomp(&Tcomp::parse(MILL).unwrap());
+    let mut machine = trueaxis_tables::Machine::from_tcomp(&Tcomp::parse(mill()).unwrap());
     let slots = roundness::ProbeAngles::Slots { p: points * 44 / 256, q: points * 57 / 256 };
     let mut settings = roundness::RoundnessSettings::with_defaults(points, slots, COUNTS as u32);
     settings.band = roundness::Band { first: 2, last: 30 };
@@ -103,11 +110,11 @@ fn rust_loop(tables: &Tcomp<'_>) -> ServoLoop<'static, Real, P, 3> {
 }
 
 fn compare<const N: usize>(state_size: usize, cycles: i32) {
-    let file = machine(N as u16);
-    let servo = built(&file);
+    let file = &if N == 512 { small().to_vec() } else { machine(N as u16) }[..];
+    let servo = built(file);
     let mut state = started(&servo.servo);
-    let Gauges { gauge, state: mut gauge_state } = gauges(&file, state_size);
-    let tables = Tcomp::parse(&file).unwrap();
+    let Gauges { gauge, state: mut gauge_state } = gauges(file, state_size);
+    let tables = Tcomp::parse(file).unwrap();
     let core = rust_loop(&tables);
     let mut core_state = core.start(PERIOD_NS).unwrap();
     let core_gauge =
@@ -217,8 +224,8 @@ fn half_as_many_in_short() {
 
 #[test]
 fn gauge_and_state_must_fit() {
-    let file = machine(512);
-    let Gauges { gauge, mut state } = gauges(&file, size_of::<GaugeState512>());
+    let file = small();
+    let Gauges { gauge, mut state } = gauges(file, size_of::<GaugeState512>());
     let mut other = zeroed::<Gauge>();
     let mut never = zeroed::<GaugeState>();
     let mut found = evaluation();
@@ -230,7 +237,7 @@ fn gauge_and_state_must_fit() {
         let other: *mut Gauge = &mut *other;
         let build =
             |gauge, size, bytes, length, period| trueaxis_gauge_build(gauge, size, bytes, length, period, null_mut());
-        assert_eq!(build(other, size, MILL.as_ptr(), MILL.len(), PERIOD_NS), ERROR_GAUGE);
+        assert_eq!(build(other, size, mill().as_ptr(), mill().len(), PERIOD_NS), ERROR_GAUGE);
         assert_eq!(build(other, size, bytes, length - 1, PERIOD_NS), ERROR_TABLES);
         assert_eq!(build(other, size, bytes, length, 0), ERROR_CONFIG);
         assert_eq!(build(other, size - 8, bytes, length, PERIOD_NS), ERROR_SIZE);
@@ -247,8 +254,8 @@ fn gauge_and_state_must_fit() {
 
 #[test]
 fn a_bypass_measures_on() {
-    let file = machine(512);
-    let Gauges { gauge, mut state } = gauges(&file, size_of::<GaugeState512>());
+    let file = small();
+    let Gauges { gauge, mut state } = gauges(file, size_of::<GaugeState512>());
     let mut bypass = zeroed::<Loop>();
     let (mut out, mut its) = (output(), cycle_of());
     let at = [10.0; 6];

@@ -168,7 +168,7 @@ fn memory_of_a_path_is_checked() {
 
 #[test]
 fn a_place_that_is_none_measures_nothing() {
-    let built = built(MILL);
+    let built = built(mill());
     let mut state = started(&built.servo);
     let mut path = Programmed::new(8, 0);
     assert_eq!(path.line([10.0, 20.0, -200.0], [50.0, 20.0, -200.0]), OK);

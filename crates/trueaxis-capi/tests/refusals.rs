@@ -57,14 +57,14 @@ impl Build {
 #[test]
 fn a_loop_is_built_of_nothing_less() {
     let mut storage = zeroed::<Loop>();
-    let mut memory = vec![0_u64; 32272 / 8];
+    let mut memory = built(mill()).memory;
     let (mut spare, mut error) = (vec![0_u64; 4096], error());
     let storage: *mut Loop = &mut *storage;
     let good = Build {
         storage,
         size: size_of::<Loop>(),
-        file: MILL.as_ptr(),
-        length: MILL.len(),
+        file: mill().as_ptr(),
+        length: mill().len(),
         machine_id: 0,
         period_ns: PERIOD_NS,
         memory: memory.as_mut_ptr(),
@@ -87,7 +87,7 @@ fn a_loop_is_built_of_nothing_less() {
         (ERROR_ALIGNMENT, Build { error: odd(&mut spare), ..good }),
         (ERROR_ARGUMENT, Build { memory: overlapping, memory_size: size_of::<Loop>(), ..good }),
         (ERROR_TABLES, Build { length: 0, ..good }),
-        (ERROR_TABLES, Build { length: MILL.len() - 1, ..good }),
+        (ERROR_TABLES, Build { length: mill().len() - 1, ..good }),
         (ERROR_MACHINE, Build { machine_id: 1, ..good }),
         (ERROR_CONFIG, Build { period_ns: 999, ..good }),
         (ERROR_CONFIG, Build { period_ns: 100_000_001, ..good }),
@@ -136,15 +136,15 @@ fn an_error_says_what_is_wrong() {
         assert_eq!(status, error.status);
         error
     };
-    let mut damaged = MILL.to_vec();
+    let mut damaged = mill().to_vec();
     damaged[600] ^= 0x10;
     let found = build(&damaged, 0, PERIOD_NS);
     assert_eq!((found.status, found.code, found.index), (ERROR_TABLES, 5, u32::MAX));
     assert_eq!(text(&found.text), "table file: the file is damaged (its CRC-32 is wrong)");
 
-    let found = build(MILL, 77, PERIOD_NS);
+    let found = build(mill(), 77, PERIOD_NS);
     assert_eq!((found.status, found.code), (ERROR_MACHINE, 12));
-    let found = build(MILL, 0, PERIOD_NS);
+    let found = build(mill(), 0, PERIOD_NS);
     assert_eq!((found.status, found.found), (ERROR_MEMORY, 128.0));
     assert!(text(&found.text).starts_with("memory: found 128 bytes, needed "), "{}", text(&found.text));
     let found = build(b"not a table file", 0, PERIOD_NS);
@@ -208,7 +208,7 @@ fn contents_that_make_no_sense_name_the_setting() {
 
 #[test]
 fn a_cycle_takes_what_it_says() {
-    let built = built(MILL);
+    let built = built(mill());
     let servo: &Loop = &built.servo;
     let mut state = started(servo);
     let at = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];
@@ -271,7 +271,7 @@ fn a_cycle_takes_what_it_says() {
 
 #[test]
 fn periods_and_numbers_of_axes_must_fit() {
-    let built = built(MILL);
+    let built = built(mill());
     let mut bypass = zeroed::<Loop>();
     let mut state = zeroed::<State>();
     let size = size_of::<Loop>();
@@ -320,7 +320,7 @@ fn periods_and_numbers_of_axes_must_fit() {
 
 #[test]
 fn temperatures_must_be_of_this_world() {
-    let built = built(MILL);
+    let built = built(mill());
     let mut state = started(&built.servo);
     let before = bytes_of(&*state);
     let state: *mut State = &mut *state;
@@ -339,7 +339,7 @@ fn temperatures_must_be_of_this_world() {
 
 #[test]
 fn frames_need_room() {
-    let built = built(MILL);
+    let built = built(mill());
     let mut state = started(&built.servo);
     let mut out = output();
     assert_eq!(step(&built.servo, &mut state, &input([0.0; 6], [0.0; 6]), &mut out), OK);

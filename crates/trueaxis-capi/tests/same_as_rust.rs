@@ -167,7 +167,7 @@ fn three_axes() {
 
 #[test]
 fn three_axes_in_short() {
-    around::<3>(MILL, MILL, MILL_CENTER, 60);
+    around::<3>(mill(), mill(), MILL_CENTER, 60);
 }
 
 #[test]
@@ -207,7 +207,7 @@ fn four_axes_and_six() {
 #[test]
 fn following_the_commands() {
     let cycles: usize = if cfg!(miri) { 30 } else { 4000 };
-    let (servo, core) = (built(MILL), rust_loop::<3>(MILL));
+    let (servo, core) = (built(mill()), rust_loop::<3>(mill()));
     let (mut state, mut core_state) = (started(&servo.servo), core.start(PERIOD_NS).unwrap());
     let mut follow = zeroed::<Follow>();
     let mut commanded = Commanded::<R, P, FOLLOW_PIECES>::new([0.0, 0.0, 1.0], 0.005).unwrap();
