@@ -131,7 +131,7 @@ struct instance {
     trueaxis_gauge_t gauge;
     trueaxis_gauge_state_t gauge_state;
     double temperature_rise[MAX_AXES];
-    bool started, held, reload_before, restart_before;
+    bool started, held, growth_told, reload_before, restart_before;
     bool axes_stopped, joint_stopped[MAX_JOINT_TABLES];
     uint32_t refused; /* status with which the library refused the thread's period, or 0 */
 

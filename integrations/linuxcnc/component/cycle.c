@@ -44,6 +44,7 @@ static void take_tables(struct instance *instance)
     const struct tables *next = atomic_exchange_explicit(&instance->offered, NULL, memory_order_acq_rel);
     if (next) {
         instance->tables = next;
+        instance->growth_told = false;
         atomic_store_explicit(&instance->in_force, next, memory_order_release);
     }
 }
@@ -86,18 +87,20 @@ static void gather(const struct instance *instance, trueaxis_input_t *input)
     }
 }
 
-/* Heated axes: hands a changed temperature on; a reading that is not a number keeps the last one. */
+/* Heated axes: hands a changed temperature on, and every one to new tables; a reading that is not a number keeps the
+ * last one. */
 static void follow_temperature(struct instance *instance)
 {
     for (int a = 0; a < instance->axes; a++) {
         if (instance->joints_of_axis[a] == 0)
             continue;
         double rise = *instance->pins->axis[a].temperature_rise;
-        if (isfinite(rise) && rise != instance->temperature_rise[a]) {
+        if (isfinite(rise) && (rise != instance->temperature_rise[a] || !instance->growth_told)) {
             instance->temperature_rise[a] = rise;
             trueaxis_set_thermal(&instance->tables->axes, &instance->axes_state, (uint32_t)a, rise);
         }
     }
+    instance->growth_told = true;
 }
 
 /* The tables that belong to one joint only: a step of its own, in which no other axis moves. */
