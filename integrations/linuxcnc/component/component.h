@@ -127,9 +127,6 @@ struct instance {
     const struct tables *tables;
     trueaxis_state_t axes_state;
     trueaxis_state_t joint_state[MAX_JOINT_TABLES];
-    trueaxis_follow_t follow;
-    trueaxis_gauge_t gauge;
-    trueaxis_gauge_state_t gauge_state;
     double temperature_rise[MAX_AXES];
     bool started, held, growth_told, reload_before, restart_before;
     bool axes_stopped, joint_stopped[MAX_JOINT_TABLES];

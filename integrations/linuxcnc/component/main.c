@@ -25,8 +25,6 @@ static int instance_load(struct instance *instance)
     uint32_t refused = tables_read(instance, NULL, tables, line);
     if (!refused)
         refused = tables_match(instance, tables, line);
-    if (!refused && tables->info.gauge_points > 0)
-        refused = tables_gauge(instance, line);
     if (refused) {
         rtapi_print_msg(RTAPI_MSG_ERR, "trueaxis: %s: %s\n", instance->name, line);
         return tables_errno(refused);

@@ -28,6 +28,16 @@ def program(pilot):
     pilot.save("run")
 
 
+def five_axes(pilot):
+    """As `program`, with the tip that the kinematics of LinuxCNC want."""
+    pilot.record(joints(5, *STREAM) + WHOLE + ["axis.x.pos-cmd", "axis.y.pos-cmd", "axis.z.pos-cmd"])
+    pilot.on()
+    pilot.home()
+    pilot.start("program.ngc")
+    pilot.finish()
+    pilot.save("run")
+
+
 def homing_offset(pilot):
     """As `program`; the joints are homed at a motor position that is not the joint's."""
     program(pilot)
