@@ -197,6 +197,12 @@ pub enum Fault {
     BranchChange = 22,
     /// The host's servo period is not the configured one.
     PeriodMismatch = 32,
+    /// The table file is damaged, or of another format, version or machine.
+    TablesRefused = 33,
+    /// The tables need more memory than there is.
+    CapacityTooSmall = 34,
+    /// Host and plugin were built for different versions of the interface.
+    AbiMismatch = 35,
 }
 
 impl Fault {
@@ -208,6 +214,11 @@ impl Fault {
     /// The output holds and a stop is requested.
     pub const fn stops(self) -> bool {
         (self as u8) >= 16 && (self as u8) < 32
+    }
+
+    /// Refused at start: the command passes uncorrected ([`crate::Bypass`]).
+    pub const fn refuses(self) -> bool {
+        (self as u8) >= 32
     }
 }
 
@@ -236,6 +247,9 @@ impl TryFrom<u8> for Fault {
             Fault::SingularPose,
             Fault::BranchChange,
             Fault::PeriodMismatch,
+            Fault::TablesRefused,
+            Fault::CapacityTooSmall,
+            Fault::AbiMismatch,
         ]
         .into_iter()
         .find(|fault| *fault as u8 == code)

@@ -60,4 +60,4 @@ pub use machine::{Axis, Row};
 pub use position::{Micro, Position};
 pub use real::Real;
 pub use sample::Input;
-pub use step::{Config, Output, ServoLoop, State};
+pub use step::{Bypass, Config, Output, ServoLoop, Stage, State};

@@ -2,8 +2,11 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod bypass;
 mod rtcp;
 mod tool;
+
+pub use bypass::Bypass;
 
 use crate::compensation::{Compensation, Requirement, Reversal, Rows, Storage, ThermalLine, step_axes};
 use crate::contour::{ContourError, ContourSearch, ContourState, Method, OrientationError, Path, Reference};
@@ -130,6 +133,22 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     }
 }
 
+/// A stage of the step, in the order in which they run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Stage {
+    /// Command and readings looked at ([`crate::sample`]).
+    Sample,
+    /// Errors looked up at command and feedback, inverse solved ([`crate::compensation`]).
+    Compensation,
+    /// Foot points of the estimated tip and of the plain encoder position ([`crate::contour`]).
+    Contour,
+    /// Correction limited and led in, or held ([`crate::limiter`]).
+    Output,
+    /// The record filled ([`crate::telemetry`]).
+    Telemetry,
+}
+
 /// What a cycle gives back.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -187,9 +206,26 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         path: &Path<'_, R, P>,
         reference: Reference<R>,
     ) -> Output<R, P, N> {
+        self.step_watched(state, input, path, reference, |_| ())
+    }
+
+    /// The same, telling `watch` when a stage has ended: for counting or timing the stages on the target.
+    ///
+    /// The compiler may move work over the border of two stages; what all of them take together is exact.
+    #[inline(always)]
+    pub fn step_watched(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        mut watch: impl FnMut(Stage),
+    ) -> Output<R, P, N> {
         let sample = self.sampler.read(&mut state.sample, input);
+        watch(Stage::Sample);
         let modelled = self.model::<false>(state, &sample);
-        self.finish(state, &sample, &modelled, path, reference)
+        watch(Stage::Compensation);
+        self.finish(state, &sample, &modelled, path, reference, watch)
     }
 
     /// The same with a gauge of three probes riding along: some units of its work a cycle, and its infeed correction
@@ -220,7 +256,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         if let (Verdict::Active, Some(wanted)) = (sample.verdict, modelled.wanted.get_mut(place)) {
             *wanted += cycle.infeed;
         }
-        (self.finish(state, &sample, &modelled, path, reference), cycle)
+        (self.finish(state, &sample, &modelled, path, reference, |_| ()), cycle)
     }
 
     /// The stages after the model.
@@ -232,11 +268,16 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         modelled: &Modelled<R, N>,
         path: &Path<'_, R, P>,
         reference: Reference<R>,
+        mut watch: impl FnMut(Stage),
     ) -> Output<R, P, N> {
         let contour = self.contour(state, sample, modelled, path, reference);
+        watch(Stage::Contour);
         let released = self.release.release(&mut state.release, &mut state.sample, sample, &modelled.wanted);
         state.limited = released.limited;
-        self.record(state, sample, modelled.at_edge, contour, &OrientationError::none(), released)
+        watch(Stage::Output);
+        let output = self.record(state, sample, modelled.at_edge, contour, &OrientationError::none(), released);
+        watch(Stage::Telemetry);
+        output
     }
 
     /// Wanted correction at the command, modelled error at the feedback; that of the direction only for a `TOOL`.
