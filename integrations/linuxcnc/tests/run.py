@@ -4,6 +4,7 @@ import os
 import shutil
 import sys
 import time
+import traceback
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 import checks
@@ -20,9 +21,10 @@ def main(work, names):
         try:
             said = checks.ALL[name](folder)
             print("ok     %-22s %5.1f s  %s" % (name, time.time() - start, said or ""), flush=True)
-        except Broken as broken:
+        except Exception as broken:
             failed.append(name)
-            print("FAILED %-22s %5.1f s  %s" % (name, time.time() - start, broken), flush=True)
+            said = broken if isinstance(broken, Broken) else traceback.format_exc()
+            print("FAILED %-22s %5.1f s  %s" % (name, time.time() - start, said), flush=True)
     print("%d tests, %d failed%s" % (len(names or checks.ALL), len(failed), "".join(" " + f for f in failed)))
     return 1 if failed else 0
 

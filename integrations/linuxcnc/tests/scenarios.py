@@ -140,13 +140,17 @@ def probing(pilot):
     pilot.home()
     for name, enable in (("with", "1"), ("without", "0")):
         hal.set_p("ta.enable", enable)
+        # LinuxCNC refuses to move a probe that touches.
+        hal.set_p("touch.in0", "1000")
         pilot.mdi("G0 X39.9")
         time.sleep(0.4)
+        hal.set_p("touch.in0", "40")
         pilot.mdi("G38.2 X40.2 F6", 20)
         pilot.poll()
         marks["probed " + name] = pilot.stat.probed_position[0]
         marks["tripped " + name] = pilot.stat.probe_tripped
     hal.set_p("ta.enable", "1")
+    hal.set_p("touch.in0", "1000")
     pilot.mdi("G0 X150")
     pilot.mdi("G10 L20 P1 X0")
     time.sleep(0.5)
