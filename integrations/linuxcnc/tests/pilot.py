@@ -45,6 +45,8 @@ class Recorder:
                 signal = words[-1] if words[-2] in ("==>", "<==") else "recorded-%d-%d" % (i, k)
                 halcmd("net", signal, pin, "sampler.%d.pin.%d" % (i, k))
             halcmd("net", "recording", "sampler.%d.enable" % i)
+            # The first pin of a signal brings its own value along, here TRUE: all samplers must start in one cycle.
+            halcmd("sets", "recording", "0")
             halcmd("addf", "sampler.%d" % i, "servo-thread")
         self.pins = pins
         self.count = len(groups)
@@ -88,6 +90,7 @@ class Pilot:
         self.errors = linuxcnc.error_channel()
         self.messages = []
         self.recorder = None
+        self.joints = int(linuxcnc.ini(os.environ["INI_FILE_NAME"]).find("KINS", "JOINTS"))
 
     def poll(self):
         self.stat.poll()
@@ -117,11 +120,10 @@ class Pilot:
         self.wait(lambda: self.stat.task_state == linuxcnc.STATE_ON, "machine on")
 
     def home(self):
-        joints = self.stat.joints
         self.command.mode(linuxcnc.MODE_MANUAL)
         self.command.wait_complete()
         self.command.home(-1)
-        self.wait(lambda: all(self.stat.homed[:joints]), "homing")
+        self.wait(lambda: all(self.stat.homed[: self.joints]), "homing")
         self.command.teleop_enable(1)
         self.command.wait_complete()
 

@@ -19,8 +19,7 @@ WHOLE = ["ta.active", "ta.limited", "ta.fault-code", "ta.stop-request", "ta.sequ
 
 def program(pilot):
     """A program with arcs, lines and reversals, from power-on to its end."""
-    count = pilot.stat.joints
-    pilot.record(joints(count, *STREAM) + WHOLE)
+    pilot.record(joints(pilot.joints, *STREAM) + WHOLE)
     pilot.on()
     pilot.home()
     pilot.start("program.ngc")

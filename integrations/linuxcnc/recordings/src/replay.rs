@@ -17,6 +17,8 @@ pub(crate) struct Agreement {
     pub(crate) same_bits: usize,
     /// Largest difference of a position sent to a drive, mm (deg).
     pub(crate) largest_difference: f64,
+    /// Sample and joint where that is.
+    pub(crate) at: (usize, usize),
     /// Largest correction in the recording, mm (deg).
     pub(crate) largest_correction: f64,
 }
@@ -82,15 +84,15 @@ fn of<const N: usize>(
     let need = config.requirement::<f64, f64, N, TableData<'_>>(|axis| tables.table(axis));
     let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
     let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    let servo: ServoLoop<'_, f64, f64, N> = config
-        .build(|axis: Axis| tables.table(axis), storage)
-        .map_err(|error| anyhow!("{error}"))?;
+    let servo: ServoLoop<'_, f64, f64, N> =
+        config.build(|axis: Axis| tables.table(axis), storage).map_err(|error| anyhow!("{error}"))?;
     let mut state = servo.start(period_ns).map_err(|fault| anyhow!("{fault:?}"))?;
     let no_path = Path::new(&[], 0, false);
 
-    let mut agreement = Agreement { samples: 0, same_bits: 0, largest_difference: 0.0, largest_correction: 0.0 };
+    let mut agreement =
+        Agreement { samples: 0, same_bits: 0, largest_difference: 0.0, at: (0, 0), largest_correction: 0.0 };
     let mut before: Option<&[f64]> = None;
-    for row in recording.rows() {
+    for (sample, row) in recording.rows().enumerate() {
         let mut input = Input::<f64, N>::at_rest(period_ns);
         input.homed = row[active] != 0.0;
         input.enable = true;
@@ -104,12 +106,15 @@ fn of<const N: usize>(
         if output.stop_requested() {
             bail!("the library stops with {:?} at sample {}", output.record.fault, output.record.sequence);
         }
-        for joint in &joints {
+        for (place, joint) in joints.iter().enumerate() {
             let correction = output.record.correction[joint.place];
             let expected = if correction == 0.0 { row[joint.motor_cmd] } else { row[joint.motor_cmd] + correction };
             agreement.samples += 1;
             agreement.same_bits += usize::from(expected.to_bits() == row[joint.drive].to_bits());
-            agreement.largest_difference = agreement.largest_difference.max((expected - row[joint.drive]).abs());
+            let difference = (expected - row[joint.drive]).abs();
+            if difference > agreement.largest_difference {
+                (agreement.largest_difference, agreement.at) = (difference, (sample, place));
+            }
             agreement.largest_correction = agreement.largest_correction.max(correction.abs());
         }
         before = Some(row);
