@@ -22,10 +22,10 @@ target=${CARGO_TARGET_DIR:-$PWD/target}
 count() {
     local board=$1 processor=$2 name=$3
     shift 3
-    CARGO_TARGET_DIR="$target/$name" cargo build --quiet --release "$@"
+    CARGO_TARGET_DIR="$target/$name" cargo build --quiet --release --bin count "$@"
     timeout 300 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
         -icount shift=7,align=off,sleep=off -semihosting-config enable=on,target=native \
-        -kernel "$target/$name/$mcu/release/trueaxis-cortex-m" >"$target/$name.txt"
+        -kernel "$target/$name/$mcu/release/count" >"$target/$name.txt"
 }
 mkdir -p "$target"
 count mps2-an386 cortex-m4 m4f

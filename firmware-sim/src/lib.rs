@@ -13,6 +13,7 @@
 
 pub mod ball_test;
 pub mod bench;
+pub mod compare;
 pub mod grinding;
 pub mod latency;
 pub mod motion;
@@ -22,6 +23,7 @@ pub mod path;
 pub mod placement;
 pub mod plant;
 pub mod program;
+pub mod recorded;
 pub mod report;
 pub mod scenario;
 pub mod simulate;

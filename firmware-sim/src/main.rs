@@ -1,6 +1,8 @@
 //! `firmware-sim`: servo cycles on the host, with the machine simulated.
 
+mod compare_command;
 mod grind;
+mod record;
 mod rtcp;
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -54,6 +56,15 @@ enum Command {
     ///
     /// C turns a full circle, A a quarter, with three set-ups of the ball each. Linear axes are taken for perfect.
     Rtcp(rtcp::RtcpArgs),
+    /// Record what the step is given in every cycle of a run, for the bare-metal image.
+    ///
+    /// Positions are rounded to 1e-6 mm. A machine file with [roundness] adds a workpiece that turns at three probes.
+    Record(record::RecordArgs),
+    /// Run the same recording on this host and in the bare-metal image under QEMU, and hold one against the other.
+    ///
+    /// Needs qemu-system-arm and, unless built images are given, the Rust target thumbv7em-none-eabihf. In the same scalar
+    /// both must agree in every bit; single and double precision within 2 nm.
+    Compare(compare_command::CompareArgs),
 }
 
 #[derive(Args)]
@@ -61,7 +72,7 @@ struct ScenarioArgs {
     /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
     #[arg(long, value_name = "M", default_value = "mill-3axis")]
     machine: PathBuf,
-    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis.
+    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis, short-tour.
     #[arg(long, value_name = "P.ngc", default_value = "circle-diamond-square")]
     program: PathBuf,
     /// Error model that the step corrects by [default: the machine file's].
@@ -150,6 +161,11 @@ fn main() -> ExitCode {
         Some(Command::Bench(args)) => time(&args),
         Some(Command::Grind(args)) => grind::grind(&args),
         Some(Command::Rtcp(args)) => rtcp::rtcp(&args),
+        Some(Command::Record(args)) => record::record(&args),
+        Some(Command::Compare(args)) => match compare_command::compare(&args) {
+            Ok(false) => return ExitCode::FAILURE,
+            other => other.map(|_| ()),
+        },
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

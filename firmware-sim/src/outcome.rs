@@ -42,7 +42,13 @@ pub fn simulate<const N: usize>(
     let mut run = |kind| {
         let trace = if kind == Kind::Compensated { trace.take() } else { None };
         let mut tell = |cycles: u64| progress((done + cycles as f64) / total);
-        let run = simulate::run::<N>(scenario, motion, path, kind, &mut Options { paced, progress: &mut tell, trace })?;
+        let run = simulate::run::<N>(
+            scenario,
+            motion,
+            path,
+            kind,
+            &mut Options { paced, progress: &mut tell, trace, watch: None },
+        )?;
         done += motion.cycles() as f64;
         Ok::<Run, anyhow::Error>(run)
     };

@@ -16,7 +16,7 @@ use glam::DVec3;
 use std::ops::ControlFlow;
 use std::time::Instant;
 use trueaxis::compensation::{Storage, ThermalLine, step_axes};
-use trueaxis::contour::OrientationError;
+use trueaxis::contour::{OrientationError, Reference};
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::AXES;
 use trueaxis::tcomp::Tcomp;
@@ -108,6 +108,24 @@ pub struct Options<'o> {
     pub progress: &'o mut (dyn FnMut(u64) + Send),
     /// Where every cycle of the compensated run is written.
     pub trace: Option<&'o mut Trace>,
+    /// Called with what the step is given in every cycle, those at rest before the program included.
+    pub watch: Watch<'o>,
+}
+
+/// Sees what the step is given.
+pub type Watch<'o> = Option<&'o mut (dyn FnMut(&Given<'_>) + Send)>;
+
+/// What the step is given in a cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<'i> {
+    /// Commanded positions in the step's order.
+    pub command: &'i [f64],
+    /// Readings.
+    pub feedback: &'i [f64],
+    /// Time since the last cycle.
+    pub elapsed_ns: u32,
+    /// Place on the path.
+    pub reference: Reference<f64>,
 }
 
 /// Simulates one run of a scenario on a machine of `N` axes.
@@ -123,12 +141,12 @@ pub fn run<const N: usize>(
 ) -> Result<Run> {
     with_loop::<N, _>(&scenario.machine, scenario.period_ns(), |servo| {
         let mut cell = Cell::<N>::new(scenario, motion, path, kind, servo)?;
-        cell.settle();
+        cell.settle(&mut options.watch);
         let mut setpoints = motion.setpoints();
         let mut cycle = 0u64;
         let mut advance = |options: &mut Options<'_>| -> ControlFlow<()> {
             let Some(setpoint) = setpoints.next() else { return ControlFlow::Break(()) };
-            cell.cycle(&setpoint, cycle, options.trace.as_deref_mut());
+            cell.cycle(&setpoint, cycle, options.trace.as_deref_mut(), &mut options.watch);
             cycle += 1;
             if cycle.is_multiple_of(1000) {
                 (options.progress)(cycle);
@@ -139,7 +157,7 @@ pub fn run<const N: usize>(
         if options.paced && kind == Kind::Compensated {
             // The real-time thread writes no file and draws no bar.
             let mut silent = |_| {};
-            let mut quiet = Options { paced: true, progress: &mut silent, trace: None };
+            let mut quiet = Options { paced: true, progress: &mut silent, trace: None, watch: None };
             pace = Some(pace::run(&Pace::new(scenario.period_ns().into()), |_| advance(&mut quiet)));
         } else {
             while advance(options).is_continue() {}
@@ -287,7 +305,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     }
 
     /// At rest on the first point until the correction has been led in, as a machine is switched on before it cuts.
-    fn settle(&mut self) {
+    fn settle(&mut self, watch: &mut Watch<'_>) {
         let Some(first) = self.motion.setpoints().next() else { return };
         let position = self.command(&first);
         self.feedback = position;
@@ -297,7 +315,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let slowest =
             limits.map(|l| l.magnitude / l.slope_per_s + l.slope_per_s / l.acceleration_per_s2).fold(0.0, f64::max);
         for _ in 0..(1.2 * slowest.min(2.0) * self.scenario.rate_hz) as u64 {
-            self.exchange(&first, position);
+            self.exchange(&first, position, watch);
         }
         self.plant.start_faults();
     }
@@ -308,7 +326,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     }
 
     /// One servo period: plugin, then drives and encoders.
-    fn exchange(&mut self, setpoint: &Setpoint, mut command: [f64; N]) -> Exchanged<N> {
+    fn exchange(&mut self, setpoint: &Setpoint, mut command: [f64; N], watch: &mut Watch<'_>) -> Exchanged<N> {
         let mut disturbed = self.to_plant(&command);
         self.plant.disturb_command(&mut disturbed);
         self.take_from_plant(&disturbed, &mut command);
@@ -322,6 +340,10 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             reset: false,
         };
         let reference = self.path.reference(setpoint.move_index, setpoint.u, &mut self.span);
+        if let Some(watch) = watch {
+            let Input { command, feedback, elapsed_ns, .. } = &input;
+            watch(&Given { command, feedback, elapsed_ns: *elapsed_ns, reference });
+        }
         let (path, tool_path) = (self.path.view(), self.path.tool_view());
         let start = Instant::now();
         let (output, orientation) = match &self.kinematics {
@@ -354,9 +376,9 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         }
     }
 
-    fn cycle(&mut self, setpoint: &Setpoint, cycle: u64, trace: Option<&mut Trace>) {
+    fn cycle(&mut self, setpoint: &Setpoint, cycle: u64, trace: Option<&mut Trace>, watch: &mut Watch<'_>) {
         let command = self.command(setpoint);
-        let Exchanged { output, orientation, nanoseconds } = self.exchange(setpoint, command);
+        let Exchanged { output, orientation, nanoseconds } = self.exchange(setpoint, command, watch);
         self.run.latency.record(nanoseconds);
         let measured = self.measure(setpoint);
         let deviation = 1e3 * measured.tip;

@@ -1,11 +1,12 @@
 //! Details of a refusal, for the operator's screen and the log.
 
 use crate::pointer::{Sized32, check_sized};
-use crate::status::{ERROR_CONFIG, ERROR_MACHINE, ERROR_MEMORY, ERROR_TABLES, Status};
+use crate::status::{ERROR_CONFIG, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_TABLES, Status};
 use crate::text::Text;
 use core::ffi::c_char;
 use core::fmt;
 use trueaxis::ConfigError;
+use trueaxis::contour::PathError;
 use trueaxis::error::Field;
 use trueaxis::tcomp::TcompError;
 
@@ -22,13 +23,13 @@ pub struct Error {
     /// the name, 11 contents make no sense (then `field`, `found` and `needed` tell which), 12 other machine. 0: not about
     /// a table file.
     pub code: u32,
-    /// Element of the setting that is wrong, from 0 (row of a table); `UINT32_MAX` if it is no list.
+    /// Element of the setting that is wrong, from 0 (row of a table, knot of a spline); `UINT32_MAX` if it is no list.
     pub index: u32,
     /// What was found, in mm, degrees or seconds.
     pub found: f64,
     /// Letter of the axis at fault, 0 if it is none's.
     pub axis: c_char,
-    /// Name of the setting at fault; empty if it is none's.
+    /// Name of the setting (of a segment: of the part) at fault; empty if it is none's.
     pub field: [c_char; 31],
     /// What is needed instead; empty if nothing can be said.
     pub needed: [c_char; 128],
@@ -50,6 +51,8 @@ pub(crate) enum Refusal {
     Config(ConfigError),
     /// Bytes of memory: lent, needed.
     Memory(usize, usize),
+    /// A segment of a path.
+    Path(PathError),
 }
 
 impl From<Status> for Refusal {
@@ -77,6 +80,7 @@ impl fmt::Display for Refusal {
             Refusal::Tables(error) => write!(f, "table file: {error}"),
             Refusal::Config(error) => error.fmt(f),
             Refusal::Memory(lent, needed) => write!(f, "memory: found {lent} bytes, needed {needed} bytes"),
+            Refusal::Path(error) => error.fmt(f),
         }
     }
 }
@@ -89,6 +93,7 @@ impl Refusal {
             Refusal::Tables(_) => ERROR_TABLES,
             Refusal::Config(ConfigError { field: Field::Storage, .. }) | Refusal::Memory(..) => ERROR_MEMORY,
             Refusal::Config(_) => ERROR_CONFIG,
+            Refusal::Path(_) => ERROR_PATH,
         }
     }
 
@@ -117,6 +122,12 @@ impl Refusal {
                 error.found = *lent as f64;
                 error.field = Text::of(&"Memory");
                 error.needed = Text::of(&format_args!("{needed} bytes"));
+            }
+            Refusal::Path(path) => {
+                error.index = path.index.and_then(|index| u32::try_from(index).ok()).unwrap_or(u32::MAX);
+                error.found = path.found;
+                error.field = Text::of(&path.field);
+                error.needed = Text::of(&path.needed);
             }
         }
         error

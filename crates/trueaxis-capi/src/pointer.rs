@@ -45,19 +45,6 @@ pub(crate) unsafe fn read_sized<T: Sized32>(pointer: *const T) -> Result<T, Stat
     Ok(unsafe { pointer.read() })
 }
 
-/// Bytes of the caller.
-///
-/// # Safety
-/// `pointer` is null, or points to `length` readable bytes that nobody writes while the slice is in use.
-pub(crate) unsafe fn bytes<'a>(pointer: *const u8, length: usize) -> Result<&'a [u8], Status> {
-    check(pointer)?;
-    if length > isize::MAX as usize {
-        return Err(ERROR_SIZE);
-    }
-    // SAFETY: not null, of a possible length, readable and unchanged by the caller's promise.
-    Ok(unsafe { core::slice::from_raw_parts(pointer, length) })
-}
-
 /// Alignment of memory that the caller lends.
 const MEMORY_ALIGNMENT: usize = 8;
 
@@ -81,4 +68,28 @@ const _: () = assert!(align_of::<u64>() <= MEMORY_ALIGNMENT && align_of::<f64>()
 /// Whether two ranges (address, size) have no byte in common.
 pub(crate) fn apart((a, a_size): (usize, usize), (b, b_size): (usize, usize)) -> bool {
     a.saturating_add(a_size) <= b || b.saturating_add(b_size) <= a
+}
+
+/// Three numbers of the caller.
+///
+/// # Safety
+/// `pointer` is null, misaligned, or points to three readable numbers.
+pub(crate) unsafe fn vector(pointer: *const f64) -> Result<[f64; 3], Status> {
+    check(pointer)?;
+    // SAFETY: not null, aligned, readable by the caller's promise; any bits are a number.
+    Ok(unsafe { pointer.cast::<[f64; 3]>().read() })
+}
+
+/// A list of the caller.
+///
+/// # Safety
+/// Of `T` every bit pattern is a value; `pointer` is null, misaligned, or points to `count` of them that are readable and
+/// that nobody writes while the slice is in use.
+pub(crate) unsafe fn slice<'a, T: Copy>(pointer: *const T, count: usize) -> Result<&'a [T], Status> {
+    check(pointer)?;
+    if count.checked_mul(size_of::<T>()).is_none_or(|bytes| bytes > isize::MAX as usize) {
+        return Err(ERROR_SIZE);
+    }
+    // SAFETY: not null, aligned, of a possible length, readable and unchanged by the caller's promise.
+    Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
 }

@@ -6,8 +6,8 @@ use crate::error::{Error, Refusal, explained};
 use crate::opaque::{self, Storage};
 use crate::path::{self, Path};
 use crate::plugin::{CorePosition, Servo, ServoState};
-use crate::pointer::{apart, bytes, check_sized, memory, read_sized};
-use crate::status::{self, ERROR_ARGUMENT, ERROR_AXES, ERROR_PERIOD, ERROR_STATE, Status};
+use crate::pointer::{apart, check_sized, memory, read_sized, slice};
+use crate::status::{self, ERROR_ARGUMENT, ERROR_AXES, ERROR_PERIOD, Status};
 use crate::tables::{axes_of, memory_bytes, requirement};
 use core::ffi::c_void;
 use trueaxis::compensation::{Storage as Tables, ThermalLine};
@@ -48,14 +48,14 @@ unsafe impl Storage for State {
 
 /// What a `trueaxis_loop_t` holds.
 pub(crate) struct Built {
-    servo: AnyServo,
+    pub(crate) servo: AnyServo,
     period_ns: u32,
     /// Thermal growth of the axes, in the order of the step.
     growth: [ThermalGrowth; AXES_MAX],
 }
 
 /// A servo loop of any number of axes.
-enum AnyServo {
+pub(crate) enum AnyServo {
     Three(Servo<3>),
     Four(Servo<4>),
     Five(Servo<5>),
@@ -80,7 +80,7 @@ pub(crate) enum Running {
 }
 
 impl AnyServo {
-    fn axes(&self) -> usize {
+    pub(crate) fn axes(&self) -> usize {
         match self {
             AnyServo::Three(_) => 3,
             AnyServo::Four(_) => 4,
@@ -92,7 +92,7 @@ impl AnyServo {
 }
 
 impl Running {
-    fn axes(&self) -> usize {
+    pub(crate) fn axes(&self) -> usize {
         match self {
             Running::Three(_) | Running::BypassThree(_) => 3,
             Running::Four(_) | Running::BypassFour(_) => 4,
@@ -137,7 +137,7 @@ pub unsafe extern "C" fn trueaxis_loop_build(
         let place = opaque::place(r#loop, loop_size)?;
         let start = self::memory(memory, memory_size)?;
         // SAFETY: the caller's promise.
-        let file = unsafe { bytes(file, length) }?;
+        let file = unsafe { slice(file, length) }?;
         let lent = (start.addr(), memory_size);
         if !apart(lent, (file.as_ptr().addr(), length)) || !apart(lent, (r#loop.addr(), loop_size)) {
             return Err(ERROR_ARGUMENT.into());
@@ -303,7 +303,10 @@ pub unsafe extern "C" fn trueaxis_step(
         let place = unsafe { path::place(path, reference) }?;
         // SAFETY: the caller's promise.
         let (built, running) = unsafe { (opaque::content(r#loop)?, opaque::content_mut(state)?) };
-        let result = built.step(running, &input, &place)?;
+        let result = with_servo!(built, running,
+            servo(servo, state) => Output::of(&servo.step(state, &input.to_core(), &place.path, place.reference)),
+            bypass(bypass) => Output::of(&bypass.step::<Real>(&input.to_core()))
+        )?;
         // SAFETY: checked: aligned, of the right size; writable by the caller's promise.
         unsafe { output.write(result) };
         Ok(())
@@ -311,35 +314,25 @@ pub unsafe extern "C" fn trueaxis_step(
     status::of(work())
 }
 
-impl Built {
-    #[inline(always)]
-    fn step(&self, running: &mut Running, input: &Input, place: &path::Place<'_>) -> Result<Output, Status> {
-        #[inline(always)]
-        fn servo<const N: usize>(
-            servo: &Servo<N>,
-            state: &mut ServoState<N>,
-            input: &Input,
-            place: &path::Place<'_>,
-        ) -> Output {
-            Output::of(&servo.step(state, &input.to_core(), &place.path, place.reference))
+/// Runs the same code for every number of axes: for a loop and a state that belong together.
+macro_rules! with_servo {
+    ($built:expr, $running:expr, servo($servo:ident, $state:ident) => $work:expr, bypass($passing:ident) => $pass:expr) => {{
+        use $crate::servo::{AnyServo, Running};
+        match (&$built.servo, $running) {
+            (AnyServo::Three($servo), Running::Three($state)) => Ok($work),
+            (AnyServo::Four($servo), Running::Four($state)) => Ok($work),
+            (AnyServo::Five($servo), Running::Five($state)) => Ok($work),
+            (AnyServo::Six($servo), Running::Six($state)) => Ok($work),
+            (AnyServo::Bypass { axes: 3, .. }, Running::BypassThree($passing)) => Ok($pass),
+            (AnyServo::Bypass { axes: 4, .. }, Running::BypassFour($passing)) => Ok($pass),
+            (AnyServo::Bypass { axes: 5, .. }, Running::BypassFive($passing)) => Ok($pass),
+            (AnyServo::Bypass { axes: 6, .. }, Running::BypassSix($passing)) => Ok($pass),
+            (servo, running) if servo.axes() == running.axes() => Err($crate::status::ERROR_STATE),
+            _ => Err($crate::status::ERROR_AXES),
         }
-        #[inline(always)]
-        fn bypass<const N: usize>(bypass: &mut Bypass<CorePosition, N>, input: &Input) -> Output {
-            Output::of(&bypass.step::<Real>(&input.to_core()))
-        }
-        Ok(match (&self.servo, running) {
-            (AnyServo::Three(built), Running::Three(state)) => servo(built, state, input, place),
-            (AnyServo::Four(built), Running::Four(state)) => servo(built, state, input, place),
-            (AnyServo::Five(built), Running::Five(state)) => servo(built, state, input, place),
-            (AnyServo::Six(built), Running::Six(state)) => servo(built, state, input, place),
-            (AnyServo::Bypass { axes: 3, .. }, Running::BypassThree(state)) => bypass(state, input),
-            (AnyServo::Bypass { axes: 4, .. }, Running::BypassFour(state)) => bypass(state, input),
-            (AnyServo::Bypass { axes: 5, .. }, Running::BypassFive(state)) => bypass(state, input),
-            (AnyServo::Bypass { axes: 6, .. }, Running::BypassSix(state)) => bypass(state, input),
-            (built, running) => return Err(if built.axes() == running.axes() { ERROR_STATE } else { ERROR_AXES }),
-        })
-    }
+    }};
 }
+pub(crate) use with_servo;
 
 /// Tells the temperature of an axis; its growth, as the table file describes it, takes effect in the next cycle, through
 /// the limiter.
@@ -368,18 +361,10 @@ pub unsafe extern "C" fn trueaxis_set_thermal(
         let place = place as usize;
         let growth = built.growth.get(place).filter(|_| place < running.axes()).ok_or(ERROR_ARGUMENT)?;
         let line = ThermalLine::for_axis(growth, kelvin).filter(|_| kelvin.is_finite()).ok_or(ERROR_ARGUMENT)?;
-        match (&built.servo, running) {
-            (AnyServo::Three(_), Running::Three(state)) => state.set_thermal(place, line),
-            (AnyServo::Four(_), Running::Four(state)) => state.set_thermal(place, line),
-            (AnyServo::Five(_), Running::Five(state)) => state.set_thermal(place, line),
-            (AnyServo::Six(_), Running::Six(state)) => state.set_thermal(place, line),
-            (AnyServo::Bypass { .. }, Running::Three(_) | Running::Four(_) | Running::Five(_) | Running::Six(_)) => {
-                return Err(ERROR_STATE);
-            }
-            (AnyServo::Bypass { .. }, _) => {}
-            _ => return Err(ERROR_STATE),
-        }
-        Ok(())
+        with_servo!(built, running,
+            servo(_servo, state) => state.set_thermal(place, line),
+            bypass(_bypass) => ()
+        )
     };
     status::of(work())
 }

@@ -4,7 +4,7 @@ use crate::Real;
 use crate::cycle::AXES_MAX;
 use crate::error::{Error, Refusal, explained};
 use crate::plugin::CorePosition;
-use crate::pointer::{Sized32, bytes, check_sized};
+use crate::pointer::{Sized32, check_sized, slice};
 use crate::text::Text;
 use core::ffi::c_char;
 use trueaxis::Config;
@@ -75,7 +75,7 @@ pub unsafe extern "C" fn trueaxis_tables_info(
         // SAFETY: the caller's promise.
         unsafe { check_sized(info) }?;
         // SAFETY: the caller's promise.
-        let tables = Tcomp::parse(unsafe { bytes(file, length) }?)?;
+        let tables = Tcomp::parse(unsafe { slice(file, length) }?)?;
         let contents = TablesInfo::of(&tables)?;
         // SAFETY: checked: aligned, of the right size; writable by the caller's promise.
         unsafe { info.write(contents) };

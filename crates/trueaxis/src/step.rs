@@ -3,6 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 mod bypass;
+mod following;
 mod rtcp;
 mod tool;
 
@@ -272,6 +273,19 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) -> Output<R, P, N> {
         let contour = self.contour(state, sample, modelled, path, reference);
         watch(Stage::Contour);
+        self.finish_measured(state, sample, modelled, contour, watch)
+    }
+
+    /// The stages after the contour error.
+    #[inline(always)]
+    fn finish_measured(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        modelled: &Modelled<R, N>,
+        contour: [ContourError<R>; 2],
+        mut watch: impl FnMut(Stage),
+    ) -> Output<R, P, N> {
         let released = self.release.release(&mut state.release, &mut state.sample, sample, &modelled.wanted);
         state.limited = released.limited;
         watch(Stage::Output);
@@ -325,18 +339,13 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         path: &Path<'_, R, P>,
         reference: Reference<R>,
     ) -> [ContourError<R>; 2] {
-        let (true, [x, y, z, ..], [dx, dy, dz, ..]) = (
-            matches!(sample.verdict, Verdict::Active | Verdict::Inactive),
-            &sample.feedback[..],
-            &modelled.tip_error[..],
-        ) else {
+        let Some([tip, encoder]) = points(sample, modelled) else {
             // After a fault the last foot says nothing about the next one.
             (state.tip, state.encoder) = (ContourState::default(), ContourState::default());
             return [ContourError::none(); 2];
         };
-        let tip = [x.plus(*dx), y.plus(*dy), z.plus(*dz)];
         let at_tip = self.search.update(&mut state.tip, path, reference, tip);
-        let at_encoder = self.search.update(&mut state.encoder, path, reference, [*x, *y, *z]);
+        let at_encoder = self.search.update(&mut state.encoder, path, reference, encoder);
         [at_tip, at_encoder]
     }
 
@@ -380,6 +389,20 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         };
         Output { drive: released.drive, feedback: released.feedback, record }
     }
+}
+
+/// The estimated tip and the plain encoder position; none while a reading is not believed.
+#[inline(always)]
+fn points<R: Real, P: Position, const N: usize>(
+    sample: &Sample<P, N>,
+    modelled: &Modelled<R, N>,
+) -> Option<[[P; 3]; 2]> {
+    let (true, [x, y, z, ..], [dx, dy, dz, ..]) =
+        (matches!(sample.verdict, Verdict::Active | Verdict::Inactive), &sample.feedback[..], &modelled.tip_error[..])
+    else {
+        return None;
+    };
+    Some([[x.plus(*dx), y.plus(*dy), z.plus(*dz)], [*x, *y, *z]])
 }
 
 /// What the tables say in a cycle.

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{Program, ProgramError};
 
 /// Names for [`Program::builtin`], the default one first.
-pub const BUILTIN_NAMES: [&str; 4] = ["circle-diamond-square", "butterfly", "pocket-3d", "cone-5axis"];
+pub const BUILTIN_NAMES: [&str; 5] = ["circle-diamond-square", "butterfly", "pocket-3d", "cone-5axis", "short-tour"];
 
 impl Program {
     /// Reads a shipped program; `None` if there is none of that name (see [`BUILTIN_NAMES`]).
@@ -15,6 +15,7 @@ impl Program {
             "butterfly" => include_str!("../../programs/butterfly.ngc"),
             "pocket-3d" => include_str!("../../programs/pocket-3d.ngc"),
             "cone-5axis" => include_str!("../../programs/cone-5axis.ngc"),
+            "short-tour" => include_str!("../../programs/short-tour.ngc"),
             _ => return None,
         };
         Some(Program::parse(name, text, Path::new(&format!("{name}.ngc"))))

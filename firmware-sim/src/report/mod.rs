@@ -13,6 +13,7 @@ use std::{
 };
 
 pub mod ball_test;
+pub mod compare;
 mod contour;
 mod correction;
 mod decimate;

@@ -2,9 +2,11 @@
 
 use crate::position::Position;
 use crate::real::Real;
+use crate::vector::V3;
+use serde::{Deserialize, Serialize};
 
 /// Which terms of a span's polynomial are there, so that the kernel computes no others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Form {
     /// Degree up to 3, weight 1.
@@ -27,7 +29,7 @@ pub enum Form {
 ///
 /// mm. Every piece lies within 8 mm of its origin and its tangent turns by less than 30°: single precision then keeps
 /// about a nanometre, and the foot-point kernel's series converges.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Span<R, P> {
     pub(super) origin: [P; 3],
     pub(super) coefficients: [[R; 4]; 6],
@@ -42,6 +44,32 @@ pub struct Span<R, P> {
     pub(super) quarter_tangent: f64,
 }
 
+impl Span<f64, f64> {
+    /// The same piece in the scalar and the positions of a step: a host plans in doubles, the servo's core gets this.
+    ///
+    /// Bit for bit what [`super::convert`] makes there: the origin is rounded to what positions can say, the polynomial
+    /// moves by what that leaves.
+    pub fn rounded<R: Real, P: Position>(&self) -> Span<R, P> {
+        let origin = self.origin.map(P::of);
+        let mut coefficients = self.coefficients;
+        for c in &mut coefficients {
+            for k in 0..3 {
+                c[k] += (self.origin[k] - origin[k].to_f64()) * c[3];
+            }
+        }
+        Span {
+            origin,
+            coefficients: coefficients.map(|c| c.map(R::of)),
+            arc: self.arc.map(R::of),
+            plane: self.plane.map(R::of),
+            form: self.form,
+            segment: self.segment,
+            u: self.u,
+            quarter_tangent: self.quarter_tangent,
+        }
+    }
+}
+
 impl<R: Real, P: Position> Span<R, P> {
     /// A piece without length: the tip stands at `point` (mm) while the tool's direction turns.
     ///
@@ -54,6 +82,39 @@ impl<R: Real, P: Position> Span<R, P> {
             origin: point,
             coefficients,
             arc: [R::ZERO; 3],
+            plane,
+            form: Form::Cubic,
+            segment: number,
+            u: [0.0, 1.0],
+            quarter_tangent: 0.0,
+        }
+    }
+
+    /// A cubic from one point over a way, with the derivatives at both ends (all mm); `number` and `plane` as above.
+    ///
+    /// Real-time: some sixty multiplications and three roots. The arc length is Simpson's, 1e-6 of itself at 20° of turn.
+    #[inline(always)]
+    pub(super) fn hermite(from: &[P; 3], way: V3<R>, start: V3<R>, end: V3<R>, number: u32, plane: [R; 3]) -> Self {
+        let [x, y, z] = from;
+        let half = way * R::HALF;
+        let origin = [x.plus(half.x), y.plus(half.y), z.plus(half.z)];
+        let [ox, oy, oz] = origin;
+        // What the rounding of the origin leaves goes into the polynomial.
+        let first = V3::new(x.since(ox), y.since(oy), z.since(oz));
+        let square = way * R::THREE - start * R::TWO - end;
+        let cube = start + end - way * R::TWO;
+        let term = |v: V3<R>, w: R| [v.x, v.y, v.z, w];
+        let none = [R::ZERO; 4];
+        let coefficients =
+            [term(first, R::ONE), term(start, R::ZERO), term(square, R::ZERO), term(cube, R::ZERO), none, none];
+        let middle = way * R::of(1.5) - (start + end) * R::of(0.25);
+        let (from, to) = (start.norm(), end.norm());
+        let length = (from + R::of(4.0) * middle.norm() + to) * R::of(1.0 / 6.0);
+        let arc = [from, R::THREE * length - R::TWO * from - to, from + to - R::TWO * length];
+        Span {
+            origin,
+            coefficients,
+            arc,
             plane,
             form: Form::Cubic,
             segment: number,
@@ -145,11 +206,29 @@ impl<R: Real, P: Position> Span<R, P> {
         [x * i, y * i, z * i]
     }
 
+    /// Start, relative to the origin, and the way to the end, mm; of a cubic.
+    #[inline(always)]
+    pub(super) fn chord(&self) -> ([R; 4], V3<R>) {
+        let [start, [x1, y1, z1, _], [x2, y2, z2, _], [x3, y3, z3, _], ..] = self.coefficients;
+        (start, V3::new(x1 + x2 + x3, y1 + y2 + y3, z1 + z2 + z3))
+    }
+
     /// Point at `t`, mm.
     pub fn position(&self, t: R) -> [P; 3] {
         let [x, y, z] = self.local(t);
         let [ox, oy, oz] = self.origin;
         [ox.plus(x), oy.plus(y), oz.plus(z)]
+    }
+
+    /// Foot of `point` (mm) near the parameter `guess`: its parameter, and actual − foot. The kernel of the cycle's search
+    /// by itself.
+    ///
+    /// `None` where its own test does not trust the result: the guess is too far off, the foot beyond an end, or a
+    /// maximum near. Then [`super::ContourSearch`] brackets.
+    #[inline(always)]
+    pub fn foot_near(&self, point: &[P; 3], guess: R) -> Option<(R, [R; 3])> {
+        let foot = super::kernel::foot(self, &self.relative(point), guess);
+        foot.trusted.then(|| (foot.t, foot.vector.map(|x| -x)))
     }
 
     /// A point relative to the origin.
@@ -270,7 +349,8 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     #[inline(always)]
     pub(super) fn preceding(&self, number: u32) -> Option<u32> {
         if number == self.first {
-            (self.closed && !self.spans.is_empty()).then_some(self.first.wrapping_add(self.spans.len() as u32 - 1))
+            let last = self.first.wrapping_add(self.spans.len() as u32).wrapping_sub(1);
+            (self.closed && !self.spans.is_empty()).then_some(last)
         } else {
             Some(number.wrapping_sub(1))
         }

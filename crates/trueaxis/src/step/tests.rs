@@ -6,14 +6,14 @@ use crate::machine::{AxisSettings, Interpolation, Row};
 use proptest::prelude::*;
 use std::{boxed::Box, vec, vec::Vec};
 
-const PERIOD_NS: u32 = 100_000;
+pub(super) const PERIOD_NS: u32 = 100_000;
 const T: f64 = 1e-4;
 const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
-type Loop = ServoLoop<'static, f64, f64, 3>;
+pub(super) type Loop = ServoLoop<'static, f64, f64, 3>;
 type Out = Output<f64, f64, 3>;
 
 /// Each axis gives 6 to 12 µm of error to all three components; travel −10 … 110.
-fn servo_loop(scale: f64) -> &'static Loop {
+pub(super) fn servo_loop(scale: f64) -> &'static Loop {
     let mut machine = MachineSettings {
         roundness: None,
         name: heapless::String::try_from("bench").unwrap(),
@@ -61,7 +61,7 @@ fn servo_loop(scale: f64) -> &'static Loop {
     Box::leak(Box::new(config.build(|_| Some(rows), storage).unwrap()))
 }
 
-fn input(command: [f64; 3]) -> Input<f64, 3> {
+pub(super) fn input(command: [f64; 3]) -> Input<f64, 3> {
     Input {
         command,
         feedback: command,

@@ -1,0 +1,171 @@
+//! One cycle of a recording.
+
+use trueaxis::contour::Reference;
+use trueaxis::roundness::Probes;
+use trueaxis::{Input, Micro, Position, Real};
+
+/// A position that a recording can say exactly.
+pub trait Integer: Position {
+    /// From 1e-6 mm (1e-6 degree).
+    fn of_micro(micro: Micro) -> Self;
+}
+
+impl Integer for Micro {
+    fn of_micro(micro: Micro) -> Micro {
+        micro
+    }
+}
+
+impl Integer for f64 {
+    fn of_micro(micro: Micro) -> f64 {
+        micro.to_f64()
+    }
+}
+
+/// What the gauge's host hands over in a cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Probe {
+    /// Raw values of the three probes.
+    pub readings: [f32; 3],
+    /// Counts of the spindle's encoder.
+    pub spindle: i32,
+    /// Counts latched by an index pulse.
+    pub index: Option<i32>,
+}
+
+/// What the step is given in one cycle of `N` axes.
+///
+/// | bytes | |
+/// |---|---|
+/// | 4 N | commands, i32, 1e-6 mm (1e-6 degree) |
+/// | 4 N | readings, the same |
+/// | 4 | elapsed time, ns |
+/// | 4 | number of the piece of the path |
+/// | 4 | place on it, f32, 0 to 1 |
+/// | 1 | switches: 1 homed, 2 enable, 4 reset, 8 index pulse |
+/// | 1 | a bit for every axis with an encoder alarm |
+/// | 2 | zero |
+/// | 20 | with a gauge: three readings f32, spindle i32, latched index i32 |
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cycle<const N: usize> {
+    /// Commanded positions.
+    pub command: [Micro; N],
+    /// Encoder positions.
+    pub feedback: [Micro; N],
+    /// Time since the last cycle, ns.
+    pub elapsed_ns: u32,
+    /// Place on the path.
+    pub reference: Reference<f32>,
+    /// All axes are homed.
+    pub homed: bool,
+    /// Compensation is wanted.
+    pub enable: bool,
+    /// Releases a latched stop.
+    pub reset: bool,
+    /// Axes with an encoder alarm.
+    pub encoder_alarm: u8,
+    /// The gauge's inputs; not kept in a recording without gauge.
+    pub probe: Probe,
+}
+
+const HOMED: u8 = 1;
+const ENABLE: u8 = 2;
+const RESET: u8 = 4;
+const INDEX: u8 = 8;
+
+impl<const N: usize> Cycle<N> {
+    /// Bytes of a cycle.
+    pub const fn bytes(gauge: bool) -> usize {
+        8 * N + 16 + if gauge { 20 } else { 0 }
+    }
+
+    /// As the step takes it.
+    pub fn input<P: Integer>(&self) -> Input<P, N> {
+        Input {
+            command: self.command.map(P::of_micro),
+            feedback: self.feedback.map(P::of_micro),
+            encoder_alarm: self.encoder_alarm,
+            elapsed_ns: self.elapsed_ns,
+            homed: self.homed,
+            enable: self.enable,
+            reset: self.reset,
+        }
+    }
+
+    /// As the step takes it.
+    pub fn place<R: Real>(&self) -> Reference<R> {
+        Reference { span: self.reference.span, t: R::of(f64::from(self.reference.t)) }
+    }
+
+    /// As the gauge takes it.
+    pub fn probes<R: Real>(&self) -> Probes<R> {
+        Probes {
+            readings: self.probe.readings.map(|value| R::of(f64::from(value))),
+            spindle: self.probe.spindle,
+            index: self.probe.index,
+            ..Probes::default()
+        }
+    }
+
+    pub(crate) fn decode(bytes: &[u8], gauge: bool) -> Option<Self> {
+        let (words, rest) = bytes.as_chunks::<4>();
+        let mut words = words.iter().copied();
+        if !rest.is_empty() {
+            return None;
+        }
+        let mut positions = || -> Option<[Micro; N]> {
+            let mut all = [Micro(0); N];
+            for micro in &mut all {
+                *micro = Micro(i32::from_le_bytes(words.next()?));
+            }
+            Some(all)
+        };
+        let (command, feedback) = (positions()?, positions()?);
+        let elapsed_ns = u32::from_le_bytes(words.next()?);
+        let span = u32::from_le_bytes(words.next()?);
+        let t = f32::from_le_bytes(words.next()?);
+        let [switches, encoder_alarm, _, _] = words.next()?;
+        let mut probe = Probe::default();
+        if gauge {
+            for reading in &mut probe.readings {
+                *reading = f32::from_le_bytes(words.next()?);
+            }
+            probe.spindle = i32::from_le_bytes(words.next()?);
+            let latched = i32::from_le_bytes(words.next()?);
+            probe.index = (switches & INDEX != 0).then_some(latched);
+        }
+        Some(Cycle {
+            command,
+            feedback,
+            elapsed_ns,
+            reference: Reference { span, t },
+            homed: switches & HOMED != 0,
+            enable: switches & ENABLE != 0,
+            reset: switches & RESET != 0,
+            encoder_alarm,
+            probe,
+        })
+    }
+
+    #[cfg(feature = "std")]
+    pub(crate) fn encode(&self, gauge: bool, into: &mut std::vec::Vec<u8>) {
+        for micro in self.command.iter().chain(&self.feedback) {
+            into.extend(micro.0.to_le_bytes());
+        }
+        into.extend(self.elapsed_ns.to_le_bytes());
+        into.extend(self.reference.span.to_le_bytes());
+        into.extend(self.reference.t.to_le_bytes());
+        let switch = |on: bool, bit: u8| if on { bit } else { 0 };
+        let index = gauge && self.probe.index.is_some();
+        let switches =
+            switch(self.homed, HOMED) | switch(self.enable, ENABLE) | switch(self.reset, RESET) | switch(index, INDEX);
+        into.extend([switches, self.encoder_alarm, 0, 0]);
+        if gauge {
+            for reading in self.probe.readings {
+                into.extend(reading.to_le_bytes());
+            }
+            into.extend(self.probe.spindle.to_le_bytes());
+            into.extend(self.probe.index.unwrap_or(0).to_le_bytes());
+        }
+    }
+}

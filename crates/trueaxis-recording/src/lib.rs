@@ -1,0 +1,34 @@
+//! Recorded servo cycles: the inputs of the step, the same bits for a host and for a bare-metal image.
+//!
+//! A recording holds the programmed path and, cycle by cycle, what a controller would hand to the step: commands and
+//! encoder readings as integers of 1e-6 mm (1e-6 degree), alarms and switches, the place on the path, and the probes of a
+//! gauge where there is one. It is read in place, without allocation, from flash or a file:
+//!
+//! ```text
+//! magic "TAXISREC" | version u16 | length u32 | header, pieces of the path (postcard) | cycles | CRC-32
+//! ```
+//!
+//! `length` counts the bytes between itself and the sum; the sum is over everything before it. Numbers are little-endian;
+//! a cycle of N axes takes 8 N + 16 bytes, 20 more with a gauge (see [`Cycle`]).
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(any(test, feature = "std"))]
+extern crate std;
+
+mod cycle;
+mod read;
+#[cfg(feature = "std")]
+mod write;
+
+pub use cycle::{Cycle, Integer, Probe};
+pub use read::{Header, Recording, Refused};
+#[cfg(feature = "std")]
+pub use write::Writer;
+
+/// First bytes of a recording.
+pub const MAGIC: [u8; 8] = *b"TAXISREC";
+/// Version of the layout.
+pub const VERSION: u16 = 1;
+
+const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);

@@ -1,0 +1,138 @@
+//! Reading a recording in place.
+
+use crate::cycle::Cycle;
+use crate::{CRC, MAGIC, VERSION};
+use core::fmt;
+use heapless::String;
+use serde::{Deserialize, Serialize};
+use trueaxis::contour::Span;
+use trueaxis::{Position, Real};
+
+/// What a recording is of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Header {
+    /// What was run.
+    pub name: String<48>,
+    /// Id of the machine that it was run on.
+    pub machine_id: u32,
+    /// Number of axes, 3 to 6.
+    pub axes: u8,
+    /// Servo period.
+    pub period_ns: u32,
+    /// Number of cycles.
+    pub cycles: u32,
+    /// Pieces of the path.
+    pub pieces: u32,
+    /// The gauge's inputs are there.
+    pub gauge: bool,
+    /// The cycle in which the second table file is asked for.
+    pub exchange_at: Option<u32>,
+}
+
+/// Why a recording is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Refused {
+    /// Shorter than it says, or than any recording.
+    TooShort,
+    /// Not a recording.
+    Magic,
+    /// Of another version.
+    Version,
+    /// The sum is wrong: damaged.
+    Checksum,
+    /// The header cannot be read.
+    Header,
+    /// Lengths contradict each other.
+    Length,
+    /// Of another number of axes than the reader's.
+    Axes,
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Refused::TooShort => "shorter than it says",
+            Refused::Magic => "no recording",
+            Refused::Version => "a recording of another version",
+            Refused::Checksum => "damaged: the sum is wrong",
+            Refused::Header => "the header cannot be read",
+            Refused::Length => "lengths contradict each other",
+            Refused::Axes => "of another number of axes",
+        })
+    }
+}
+
+impl core::error::Error for Refused {}
+
+/// A recording of `N` axes, checked; everything stays where the bytes are.
+#[derive(Clone, Debug)]
+pub struct Recording<'a, const N: usize> {
+    header: Header,
+    pieces: &'a [u8],
+    cycles: &'a [u8],
+}
+
+impl<'a, const N: usize> Recording<'a, N> {
+    /// Reads and checks the recording at the start of `bytes`; what lies behind it is not looked at.
+    ///
+    /// # Errors
+    /// What is wrong with it; the first thing found.
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, Refused> {
+        let (magic, rest) = bytes.split_first_chunk::<8>().ok_or(Refused::TooShort)?;
+        if *magic != MAGIC {
+            return Err(Refused::Magic);
+        }
+        let (version, rest) = rest.split_first_chunk::<2>().ok_or(Refused::TooShort)?;
+        if u16::from_le_bytes(*version) != VERSION {
+            return Err(Refused::Version);
+        }
+        let (length, rest) = rest.split_first_chunk::<4>().ok_or(Refused::TooShort)?;
+        let length = u32::from_le_bytes(*length) as usize;
+        let (content, behind) = rest.split_at_checked(length).ok_or(Refused::TooShort)?;
+        let (sum, _) = behind.split_first_chunk::<4>().ok_or(Refused::TooShort)?;
+        let summed = bytes.get(..14 + length).ok_or(Refused::TooShort)?;
+        if CRC.checksum(summed) != u32::from_le_bytes(*sum) {
+            return Err(Refused::Checksum);
+        }
+        let (header, rest) = postcard::take_from_bytes::<Header>(content).map_err(|_| Refused::Header)?;
+        if usize::from(header.axes) != N {
+            return Err(Refused::Axes);
+        }
+        let length = (header.cycles as usize).checked_mul(Cycle::<N>::bytes(header.gauge)).ok_or(Refused::Length)?;
+        let at = rest.len().checked_sub(length).ok_or(Refused::Length)?;
+        let (pieces, cycles) = rest.split_at_checked(at).ok_or(Refused::Length)?;
+        let recording = Recording { header, pieces, cycles };
+        let mut read = pieces;
+        for _ in 0..recording.header.pieces {
+            (_, read) = piece(read).ok_or(Refused::Length)?;
+        }
+        if read.is_empty() { Ok(recording) } else { Err(Refused::Length) }
+    }
+
+    /// What it is of.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Cycle `number`, from 0.
+    pub fn cycle(&self, number: u32) -> Option<Cycle<N>> {
+        let bytes = Cycle::<N>::bytes(self.header.gauge);
+        let start = (number as usize).checked_mul(bytes)?;
+        Cycle::decode(self.cycles.get(start..start.checked_add(bytes)?)?, self.header.gauge)
+    }
+
+    /// The pieces of the path, in order, in the scalar and the positions of the reader's step.
+    pub fn path<R: Real, P: Position>(&self) -> impl Iterator<Item = Span<R, P>> + use<'a, R, P, N> {
+        let mut rest = self.pieces;
+        core::iter::from_fn(move || {
+            let span;
+            (span, rest) = piece(rest)?;
+            Some(span.rounded())
+        })
+    }
+}
+
+fn piece(bytes: &[u8]) -> Option<(Span<f64, f64>, &[u8])> {
+    postcard::take_from_bytes(bytes).ok()
+}

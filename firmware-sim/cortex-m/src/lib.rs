@@ -1,0 +1,6 @@
+//! What the images share: the board.
+
+#![no_std]
+
+pub mod regions;
+pub mod timer;

@@ -1,0 +1,150 @@
+//! The recording in the bare-metal image, under QEMU.
+
+use anyhow::{Context, Result, anyhow, bail};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Where the image looks for what is flashed apart from it, and how much room there is.
+const TABLES_A: (u64, u64) = (0x0010_0000, 0x4_0000);
+const TABLES_B: (u64, u64) = (0x0014_0000, 0x4_0000);
+const RECORDING: (u64, u64) = (0x0018_0000, 0x28_0000);
+
+/// A core with the board that QEMU has for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Core {
+    /// Cortex-M4F, single precision.
+    M4f,
+    /// Cortex-M7, double precision.
+    M7,
+}
+
+impl Core {
+    /// Name in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Core::M4f => "m4f",
+            Core::M7 => "m7",
+        }
+    }
+
+    /// Name for readers.
+    pub fn title(self) -> &'static str {
+        match self {
+            Core::M4f => "Cortex-M4F, single precision",
+            Core::M7 => "Cortex-M7, double precision",
+        }
+    }
+
+    fn board(self) -> [&'static str; 4] {
+        match self {
+            Core::M4f => ["-M", "mps2-an386", "-cpu", "cortex-m4"],
+            Core::M7 => ["-M", "mps2-an500", "-cpu", "cortex-m7"],
+        }
+    }
+}
+
+/// Files that the image is given.
+#[derive(Clone, Debug)]
+pub struct Flash {
+    /// Compiled tables.
+    pub tables: PathBuf,
+    /// Tables that are asked for in motion.
+    pub second: Option<PathBuf>,
+    /// The recording.
+    pub recording: PathBuf,
+}
+
+/// What it sent.
+#[derive(Clone, Debug)]
+pub struct Sent {
+    /// Telemetry: COBS frames.
+    pub frames: Vec<u8>,
+    /// What the step gave back, byte for byte.
+    pub outputs: Vec<u8>,
+    /// Exit code that the image passed on.
+    pub exit: Option<i32>,
+    /// Wall time.
+    pub took: Duration,
+}
+
+/// A run that takes longer hangs.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// Runs an image to its end; what it writes lies in `folder` afterwards: frames.bin, outputs.bin and its log, defmt.bin.
+///
+/// # Errors
+/// QEMU is not there or fails, a file does not fit into its region, or the image does not come to an end.
+pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    let [frames, outputs, log] = ["frames.bin", "outputs.bin", "defmt.bin"].map(|name| folder.join(name));
+    let mut command = Command::new("qemu-system-arm");
+    command.args(core.board()).args(["-nographic", "-monitor", "none"]);
+    command.args(["-icount", "shift=7,align=off,sleep=off", "-semihosting-config", "enable=on,target=native"]);
+    for file in [&frames, &outputs] {
+        command.arg("-serial").arg(option("file:", file, "")?);
+    }
+    command.arg("-kernel").arg(elf);
+    let regions =
+        [(Some(&flash.tables), TABLES_A), (flash.second.as_ref(), TABLES_B), (Some(&flash.recording), RECORDING)];
+    for (file, (address, room)) in regions {
+        let Some(file) = file else { continue };
+        let length = std::fs::metadata(file).with_context(|| format!("cannot read {}", file.display()))?.len();
+        if length > room {
+            bail!(
+                "{}: found {length} bytes, needed at most {room} (fewer cycles: --cycles, --rate-hz)",
+                file.display()
+            );
+        }
+        command.arg("-device").arg(option("loader,file=", file, &format!(",addr={address:#x},force-raw=on"))?);
+    }
+    let file = std::fs::File::create(&log).with_context(|| format!("cannot write {}", log.display()))?;
+    command.stdin(Stdio::null()).stdout(file).stderr(Stdio::piped());
+    let started = Instant::now();
+    let mut child = command.spawn().map_err(|error| {
+        anyhow!("qemu-system-arm: {error}; needed QEMU with the Arm boards (Debian: apt-get install qemu-system-arm)")
+    })?;
+    let exit = loop {
+        if let Some(status) = child.try_wait()? {
+            break status.code();
+        }
+        if started.elapsed() > PATIENCE {
+            child.kill()?;
+            child.wait()?;
+            bail!("{}: found no end of the run after {} s", elf.display(), PATIENCE.as_secs());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    let read = |path: &Path| std::fs::read(path).with_context(|| format!("cannot read {}", path.display()));
+    Ok(Sent { frames: read(&frames)?, outputs: read(&outputs)?, exit, took: started.elapsed() })
+}
+
+/// QEMU separates options by commas, and doubles those in names.
+fn option(before: &str, path: &Path, behind: &str) -> Result<String> {
+    let path = path.to_str().ok_or_else(|| anyhow!("{}: found a name that is no UTF-8", path.display()))?;
+    Ok(format!("{before}{}{behind}", path.replace(',', ",,")))
+}
+
+/// The package of the image in this source tree.
+pub fn package() -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/cortex-m"))
+}
+
+/// Builds the image of a core into `target` with cargo; returns the ELF file.
+///
+/// # Errors
+/// cargo or the target thumbv7em-none-eabihf is not there, or the build fails.
+pub fn build(core: Core, target: &Path) -> Result<PathBuf> {
+    let mut command = Command::new("cargo");
+    command.current_dir(package()).args(["build", "--release", "--quiet", "--bin", "image"]);
+    command.arg("--target-dir").arg(target).env_remove("RUSTFLAGS").stdin(Stdio::null());
+    if core == Core::M7 {
+        command.args(["--features", "double"]);
+        command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS", "-Ctarget-cpu=cortex-m7");
+    }
+    let status = command.status().context("cargo cannot be run; give built images with --image-m4f and --image-m7")?;
+    if !status.success() {
+        bail!("the image for {} does not build (rustup target add thumbv7em-none-eabihf?)", core.title());
+    }
+    Ok(target.join("thumbv7em-none-eabihf/release/image"))
+}

@@ -1,0 +1,141 @@
+//! The same recording on the host and in the bare-metal image, side by side.
+//!
+//! In the same scalar host and image must agree in every bit. Between single and double precision the corrections and
+//! contour errors are held against each other in nanometres.
+
+pub mod host;
+pub mod image;
+mod outcome;
+pub mod outputs;
+
+pub use outcome::{Comparison, Difference, Outcome};
+
+use anyhow::{Result, anyhow, bail};
+use image::{Core, Flash, Sent};
+use outputs::{Row, Wire, bytes, decode};
+use std::path::Path;
+use trueaxis::Fault;
+use trueaxis::tcomp::Tcomp;
+use trueaxis::telemetry::{Frame, RoundnessFrame};
+use trueaxis_recording::Recording;
+
+/// What is compared.
+#[derive(Clone, Debug)]
+pub struct Inputs {
+    /// The recording.
+    pub recording: Vec<u8>,
+    /// Compiled tables.
+    pub tables: Vec<u8>,
+    /// Tables that the recording asks for in motion.
+    pub second: Option<Vec<u8>>,
+}
+
+impl Inputs {
+    /// Runs the recording on the host and on every core given with its image; files lie in `folder` afterwards.
+    ///
+    /// # Errors
+    /// QEMU is not there, an image fails or refuses its tables, or a file does not fit.
+    pub fn compare(&self, images: &[(Core, &Path)], folder: &Path) -> Result<Outcome> {
+        std::fs::create_dir_all(folder)?;
+        let flash = Flash {
+            tables: folder.join("tables-a.tcomp"),
+            second: self.second.as_ref().map(|_| folder.join("tables-b.tcomp")),
+            recording: folder.join("recording.rec"),
+        };
+        std::fs::write(&flash.tables, &self.tables)?;
+        std::fs::write(&flash.recording, &self.recording)?;
+        if let (Some(file), Some(bytes)) = (&flash.second, &self.second) {
+            std::fs::write(file, bytes)?;
+        }
+        let header = Recording::<{ outputs::AXES }>::parse(&self.recording)
+            .map_err(|e| anyhow!("recording: {e}"))?
+            .header()
+            .clone();
+        let mut comparisons = Vec::new();
+        for (core, elf) in images {
+            let sent = image::run(*core, elf, &flash, &folder.join(core.name()))?;
+            comparisons.push(match core {
+                Core::M4f => self.one::<f32>(*core, &sent, header.gauge)?,
+                Core::M7 => self.one::<f64>(*core, &sent, header.gauge)?,
+            });
+        }
+        Ok(Outcome { header, comparisons })
+    }
+
+    fn one<R: Wire>(&self, core: Core, sent: &Sent, gauge: bool) -> Result<Comparison> {
+        let on_image = decode::<R>(&sent.outputs, gauge);
+        if sent.exit != Some(0) {
+            bail!("{}: found exit code {:?} after {} cycles, needed 0", core.title(), sent.exit, on_image.len());
+        }
+        if let Some(code) = on_image.first().map(|row| row.fault).filter(|code| *code >= Fault::PeriodMismatch as u8) {
+            bail!("{}: found tables refused with code {code}, needed tables that the image accepts", core.title());
+        }
+        // The exchange is asked for by a cycle and made by a task: the records tell when.
+        let exchange = match &self.second {
+            None => None,
+            Some(bytes) => {
+                let crc = Tcomp::parse(bytes).map_err(|e| anyhow!("second tables: {e}"))?.crc();
+                on_image.iter().find(|row| row.tables_crc == crc).map(|row| (bytes.as_slice(), row.sequence))
+            }
+        };
+        let (on_host, revolutions) = host::replay::<R>(&self.recording, &self.tables, exchange)?;
+        let size = bytes::<R>(gauge);
+        let differing = on_host.chunks_exact(size).zip(sent.outputs.chunks_exact(size)).filter(|(a, b)| a != b).count();
+        let (double, _) = host::replay::<f64>(&self.recording, &self.tables, exchange)?;
+        let double = decode::<f64>(&double, gauge);
+        let received = Received::read(&sent.frames);
+        Ok(Comparison {
+            core,
+            cycles: on_image.len(),
+            cycles_on_host: on_host.len() / size,
+            differing,
+            exchange_at: exchange.map(|(_, at)| at),
+            frames: received.frames.len(),
+            frames_damaged: received.damaged,
+            frames_contradicting: contradicting(&received.frames, &on_image),
+            revolutions: received.revolutions.len(),
+            revolutions_equal: received.revolutions == revolutions,
+            took: sent.took,
+            against_double: Difference::between(&on_image, &double),
+            faults: outcome::faults(&on_image),
+            image: on_image,
+            host: decode::<R>(&on_host, gauge),
+            double,
+        })
+    }
+}
+
+/// Frames whose cycle says something else in the plain outputs.
+fn contradicting(frames: &[Frame], rows: &[Row]) -> usize {
+    let says = |frame: &&Frame| {
+        rows.get(frame.sequence as usize).is_none_or(|row| {
+            let correction = frame.axes.iter().zip(row.correction).all(|(axis, c)| axis.correction == c as f32);
+            let code = frame.fault as u8 == row.fault && frame.status.0 == row.status;
+            !(correction && code && frame.tables_crc == row.tables_crc && frame.tip.error == row.tip as f32)
+        })
+    };
+    frames.iter().filter(says).count()
+}
+
+struct Received {
+    frames: Vec<Frame>,
+    revolutions: Vec<RoundnessFrame>,
+    damaged: usize,
+}
+
+impl Received {
+    fn read(bytes: &[u8]) -> Received {
+        let mut received = Received { frames: Vec::new(), revolutions: Vec::new(), damaged: 0 };
+        for frame in bytes.split(|byte| *byte == 0).filter(|frame| !frame.is_empty()) {
+            let [mut first, mut second] = [frame.to_vec(), frame.to_vec()];
+            if let Ok(frame) = Frame::decode(&mut first) {
+                received.frames.push(frame);
+            } else if let Ok(revolution) = RoundnessFrame::decode(&mut second) {
+                received.revolutions.push(revolution);
+            } else {
+                received.damaged += 1;
+            }
+        }
+        received
+    }
+}

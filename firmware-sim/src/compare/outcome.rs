@@ -1,0 +1,206 @@
+//! What a comparison found.
+
+use super::image::Core;
+use super::outputs::Row;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::time::Duration;
+use trueaxis::contour::Flags;
+use trueaxis::telemetry::Status;
+use trueaxis_recording::Header;
+
+/// Two runs in nanometres, cycle by cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Difference {
+    /// Largest difference of a correction.
+    pub correction_nm: f64,
+    /// Difference of the tip's contour error that 99.9 % of the cycles stay below.
+    pub contour_p99_9_nm: f64,
+    /// Largest of them.
+    pub contour_max_nm: f64,
+    /// Cycles in which one of the two has no contour error, or took another foot, or another fault.
+    pub other: usize,
+}
+
+impl Difference {
+    /// Between two runs of the same recording.
+    pub fn between(a: &[Row], b: &[Row]) -> Difference {
+        let mut difference = Difference::default();
+        let mut contour = Vec::with_capacity(a.len());
+        let kinds = |row: &Row| (row.fault, row.status, row.flags & SAME);
+        for (a, b) in a.iter().zip(b) {
+            for (a, b) in a.correction.iter().zip(b.correction) {
+                difference.correction_nm = difference.correction_nm.max(1e6 * (a - b).abs());
+            }
+            if kinds(a) != kinds(b) {
+                difference.other += 1;
+            } else if a.status & Status::CONTOUR.0 != 0 {
+                contour.push(1e6 * (a.tip - b.tip).abs());
+            }
+        }
+        contour.sort_by(f64::total_cmp);
+        let at = |share: f64| contour.get((share * contour.len() as f64) as usize).or(contour.last()).copied();
+        difference.contour_p99_9_nm = at(0.999).unwrap_or(0.0);
+        difference.contour_max_nm = at(1.0).unwrap_or(0.0);
+        difference
+    }
+}
+
+/// Flags that must be the same for two feet to be the same.
+const SAME: u8 = Flags::AT_END.bits() | Flags::NOT_FOUND.bits() | Flags::COLD.bits();
+
+/// One core against the host.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// The core.
+    pub core: Core,
+    /// Cycles that the image ran.
+    pub cycles: usize,
+    /// Cycles that the host ran.
+    pub cycles_on_host: usize,
+    /// Cycles in which the image and the host, in the same scalar, differ in a bit.
+    pub differing: usize,
+    /// The cycle from which the second tables were in force.
+    pub exchange_at: Option<u32>,
+    /// Telemetry records that arrived.
+    pub frames: usize,
+    /// Telemetry records that cannot be read.
+    pub frames_damaged: usize,
+    /// Telemetry records that contradict the outputs.
+    pub frames_contradicting: usize,
+    /// Records of revolutions.
+    pub revolutions: usize,
+    /// The host's revolutions are the same.
+    pub revolutions_equal: bool,
+    /// Wall time of the image.
+    pub took: Duration,
+    /// The image against the host in doubles.
+    pub against_double: Difference,
+    /// Faults by code, with the number of cycles.
+    pub faults: Vec<(u8, usize)>,
+    /// The image's cycles.
+    pub image: Vec<Row>,
+    /// The host's cycles in the image's scalar.
+    pub host: Vec<Row>,
+    /// The host's cycles in doubles.
+    pub double: Vec<Row>,
+}
+
+impl Comparison {
+    /// Every cycle ran, equals the host's bit for bit, and was reported truly.
+    pub fn is_equal(&self) -> bool {
+        self.cycles == self.cycles_on_host
+            && self.differing == 0
+            && self.frames_damaged == 0
+            && self.frames_contradicting == 0
+            && self.revolutions_equal
+    }
+
+    /// Single and double precision within 2 nm (contour error: in 99.9 % of the cycles).
+    pub fn is_within(&self) -> bool {
+        self.against_double.correction_nm <= LIMIT_NM && self.against_double.contour_p99_9_nm <= LIMIT_NM
+    }
+}
+
+/// Permitted difference between single and double precision.
+const LIMIT_NM: f64 = 2.0;
+
+pub(super) fn faults(rows: &[Row]) -> Vec<(u8, usize)> {
+    let mut counts = std::collections::BTreeMap::new();
+    rows.iter().filter(|row| row.fault != 0).for_each(|row| *counts.entry(row.fault).or_insert(0) += 1);
+    counts.into_iter().collect()
+}
+
+/// All cores.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What the recording is of.
+    pub header: Header,
+    /// Core by core.
+    pub comparisons: Vec<Comparison>,
+}
+
+impl Outcome {
+    /// Bit for bit and within the tolerance, on all cores.
+    pub fn is_good(&self) -> bool {
+        self.comparisons.iter().all(|one| one.is_equal() && one.is_within())
+    }
+
+    /// The figures for people.
+    pub fn summary(&self) -> String {
+        let header = &self.header;
+        let mut text = format!(
+            "recording  {}, {} cycles at {} Hz{}\n",
+            header.name,
+            header.cycles,
+            1e9 / f64::from(header.period_ns),
+            if header.gauge { ", with a gauge" } else { "" }
+        );
+        for one in &self.comparisons {
+            let difference = &one.against_double;
+            let faults: Vec<String> = one.faults.iter().map(|(code, n)| format!("{code} ({n} cycles)")).collect();
+            let exchange = match (one.exchange_at, header.exchange_at) {
+                (Some(at), Some(asked)) => format!("asked for in cycle {asked}, in force from {at}"),
+                (None, Some(asked)) => format!("asked for in cycle {asked}, not made"),
+                _ => "none".to_owned(),
+            };
+            let _ = write!(
+                text,
+                "\n{}\n  cycles in the image {}, on the host {}, differing in a bit {}\n  telemetry {} records, {} damaged, \
+                 {} contradicting; revolutions {}, {}\n  exchange of tables {exchange}\n  against double precision: correction \
+                 {:.3} nm, contour error {:.3} nm in 99.9 % of the cycles, {:.3} nm at most; other foot or fault in {} cycles\n  \
+                 faults {}\n  wall time {:.1} s\n",
+                one.core.title(),
+                one.cycles,
+                one.cycles_on_host,
+                one.differing,
+                one.frames,
+                one.frames_damaged,
+                one.frames_contradicting,
+                one.revolutions,
+                if one.revolutions_equal { "as on the host" } else { "OTHER than on the host" },
+                difference.correction_nm,
+                difference.contour_p99_9_nm,
+                difference.contour_max_nm,
+                difference.other,
+                if faults.is_empty() { "none".to_owned() } else { faults.join(", ") },
+                one.took.as_secs_f64(),
+            );
+        }
+        text
+    }
+
+    /// What `--json` prints.
+    pub fn json(&self) -> Value {
+        let one = |one: &Comparison| {
+            json!({
+                "core": one.core.name(),
+                "cycles": one.cycles,
+                "cycles_on_host": one.cycles_on_host,
+                "differing": one.differing,
+                "exchange_at": one.exchange_at,
+                "frames": one.frames,
+                "frames_damaged": one.frames_damaged,
+                "frames_contradicting": one.frames_contradicting,
+                "revolutions": one.revolutions,
+                "revolutions_equal": one.revolutions_equal,
+                "against_double_nm": {
+                    "correction_max": one.against_double.correction_nm,
+                    "contour_p99_9": one.against_double.contour_p99_9_nm,
+                    "contour_max": one.against_double.contour_max_nm,
+                    "other_cycles": one.against_double.other,
+                },
+                "faults": one.faults.iter().map(|(code, n)| json!({"code": code, "cycles": n})).collect::<Vec<_>>(),
+                "equal": one.is_equal(),
+                "within_2_nm": one.is_within(),
+            })
+        };
+        json!({
+            "recording": self.header.name.as_str(),
+            "cycles": self.header.cycles,
+            "servo_rate_hz": 1e9 / f64::from(self.header.period_ns),
+            "cores": self.comparisons.iter().map(one).collect::<Vec<_>>(),
+            "good": self.is_good(),
+        })
+    }
+}

@@ -1,0 +1,105 @@
+//! `firmware-sim compare`: its arguments and what it prints.
+
+use crate::record::{self, How};
+use crate::{ScenarioArgs, prepare, read_machine};
+use anyhow::{Context, Result, anyhow, bail};
+use clap::{Args, ValueEnum};
+use firmware_sim::compare::Inputs;
+use firmware_sim::compare::image::{self, Core};
+use firmware_sim::report;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `compare`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  firmware-sim compare --rate-hz 1000 --cycles 20000 --report out
+                                    20 s of the default program on both cores; out/compare.html
+  firmware-sim compare --machine firmware-sim/cortex-m/machine --program short-tour --rate-hz 1000 \\
+      --drill --exchange-at 9000 --second firmware-sim/cortex-m/machine/warm.toml
+                                    with faults, a gauge, and other tables in motion
+Exit code 1: host and image do not agree as they must.")]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    scenario: ScenarioArgs,
+    #[command(flatten)]
+    how: How,
+    /// Tables that are asked for in motion, with --exchange-at: another machine.toml of the same machine.
+    #[arg(long, value_name = "M", requires = "exchange_at")]
+    second: Option<PathBuf>,
+    /// Which core.
+    #[arg(long, value_enum, default_value_t = Cores::Both)]
+    core: Cores,
+    /// A built image for the Cortex-M4F [default: built with cargo].
+    #[arg(long, value_name = "ELF")]
+    image_m4f: Option<PathBuf>,
+    /// A built image for the Cortex-M7 [default: built with cargo].
+    #[arg(long, value_name = "ELF")]
+    image_m7: Option<PathBuf>,
+    /// Where tables, recording and what the images sent are put.
+    #[arg(long, value_name = "DIR", default_value = "target/compare")]
+    folder: PathBuf,
+    /// Print one JSON document and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// Write compare.html into this folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Cores {
+    /// Cortex-M4F, single precision.
+    M4f,
+    /// Cortex-M7, double precision.
+    M7,
+    /// Both.
+    Both,
+}
+
+/// Whether they agree.
+pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
+    let scenario = prepare(&args.scenario, &[])?;
+    let compile = |machine: &trueaxis_tables::Machine| trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"));
+    let second = args.second.as_deref().map(read_machine).transpose()?;
+    if let Some(second) = &second
+        && (&second.settings.name, &second.settings.chain)
+            != (&scenario.machine.settings.name, &scenario.machine.settings.chain)
+    {
+        bail!("--second: found machine {}, needed {}", second.settings.name, scenario.machine.settings.name);
+    }
+    let inputs = Inputs {
+        recording: record::bytes(&scenario, &args.how)?,
+        tables: compile(&scenario.machine)?,
+        second: second.as_ref().map(compile).transpose()?,
+    };
+    let wanted = |core: Cores| args.core == core || args.core == Cores::Both;
+    let mut images = Vec::new();
+    for (chosen, core, given) in [(Cores::M4f, Core::M4f, &args.image_m4f), (Cores::M7, Core::M7, &args.image_m7)] {
+        if !wanted(chosen) {
+            continue;
+        }
+        let elf = match given {
+            Some(elf) => elf.clone(),
+            None => {
+                eprintln!("building the image for {}", core.title());
+                image::build(core, &std::path::absolute(args.folder.join("build").join(core.name()))?)?
+            }
+        };
+        images.push((core, elf));
+    }
+    let images: Vec<(Core, &Path)> = images.iter().map(|(core, elf)| (*core, elf.as_path())).collect();
+    let outcome = inputs.compare(&images, &args.folder)?;
+    let page = match &args.report {
+        Some(dir) => Some(
+            report::compare::write(&outcome, dir).with_context(|| format!("cannot write into {}", dir.display()))?,
+        ),
+        None => None,
+    };
+    if args.json {
+        crate::put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json())?))?;
+    } else {
+        let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
+        crate::put(&(outcome.summary() + &page))?;
+    }
+    Ok(outcome.is_good())
+}

@@ -1,0 +1,69 @@
+//! `firmware-sim record`: its arguments and what it prints.
+
+use crate::{ScenarioArgs, plan, prepare, progress_bar, put};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use firmware_sim::motion::Motion;
+use firmware_sim::recorded::{self, Settings};
+use firmware_sim::scenario::Scenario;
+use std::path::PathBuf;
+
+/// Arguments of `record`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  firmware-sim record --rate-hz 1000 -o run.rec                     the default program at 1 kHz
+  firmware-sim record --program short-tour --rate-hz 1000 --drill --exchange-at 9000 -o tour.rec
+                                                                    with faults, stops and an exchange of tables")]
+pub(crate) struct RecordArgs {
+    #[command(flatten)]
+    scenario: ScenarioArgs,
+    /// Inject a fault as in `run` (may be given several times).
+    #[arg(long, value_name = "FAULT")]
+    fault: Vec<String>,
+    #[command(flatten)]
+    pub(crate) how: How,
+    /// The recording.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+/// How a run is recorded.
+#[derive(Args, Clone, Copy)]
+pub(crate) struct How {
+    /// Stop after so many cycles.
+    #[arg(long, value_name = "N")]
+    cycles: Option<u32>,
+    /// Write over the run what a controller meets: not homed first, a jump and a command out of travel with their resets
+    /// while the machine stands, alarms, glitches and late cycles in motion.
+    #[arg(long)]
+    drill: bool,
+    /// Ask for other tables in this cycle.
+    #[arg(long, value_name = "CYCLE")]
+    exchange_at: Option<u32>,
+    /// Speed of the workpiece at a gauge.
+    #[arg(long, value_name = "RPM", default_value_t = 12.0)]
+    speed_rpm: f64,
+}
+
+/// Records a scenario; the bar runs on the standard error.
+pub(crate) fn bytes(scenario: &Scenario, how: &How) -> Result<Vec<u8>> {
+    if !(0.01..=10_000.0).contains(&how.speed_rpm) {
+        bail!("--speed-rpm: found {}, needed 0.01 to 10000", how.speed_rpm);
+    }
+    let (motion, path) = plan(scenario)?;
+    let settings =
+        Settings { cycles: how.cycles, drill: how.drill, exchange_at: how.exchange_at, speed_rpm: how.speed_rpm };
+    let bar = progress_bar("recording");
+    let whole = Motion::cycles(&motion).max(1);
+    let mut tell = |cycle: u64| bar.set_position(1000 * cycle / whole);
+    let bytes = recorded::record(scenario, &motion, &path, &settings, &mut tell)?;
+    bar.finish_and_clear();
+    Ok(bytes)
+}
+
+pub(crate) fn record(args: &RecordArgs) -> Result<()> {
+    let scenario = prepare(&args.scenario, &args.fault)?;
+    let bytes = bytes(&scenario, &args.how)?;
+    std::fs::write(&args.output, &bytes).with_context(|| format!("cannot write {}", args.output.display()))?;
+    put(&format!("written  {}  {} bytes\n", args.output.display(), bytes.len()))
+}

@@ -1,0 +1,107 @@
+//! A simulated run as a recording: what the step was given, cycle by cycle, for any build of the step to be given again.
+//!
+//! Positions are rounded to 1e-6 mm, as integer interfaces hand them over; what a fixed-point position cannot say is said
+//! as such an interface says it: a missing reading is an alarm of that encoder, a command that is no number lies at the
+//! end of the range.
+
+mod drill;
+mod gauge;
+
+use crate::motion::Motion;
+use crate::path::PlannedPath;
+use crate::scenario::Scenario;
+use crate::simulate::{self, Given, Kind, Options};
+use anyhow::{Context, Result, anyhow, bail};
+pub use drill::Drill;
+use gauge::Turned;
+use trueaxis::contour::Reference;
+use trueaxis::tcomp::machine_id;
+use trueaxis::{Micro, Position};
+use trueaxis_recording::{Cycle, Header, Probe, Writer};
+
+/// How a run is recorded.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Stop after so many cycles.
+    pub cycles: Option<u32>,
+    /// Disturb the recorded cycles by what a controller meets ([`Drill`]).
+    pub drill: bool,
+    /// The cycle in which other tables are asked for.
+    pub exchange_at: Option<u32>,
+    /// Speed of the spindle at a gauge.
+    pub speed_rpm: f64,
+}
+
+/// Records the compensated run of a scenario of X, Y, Z alone.
+///
+/// # Errors
+/// The program turns rotary axes, or the tables do not build.
+pub fn record(
+    scenario: &Scenario,
+    motion: &Motion<'_>,
+    path: &PlannedPath,
+    settings: &Settings,
+    progress: &mut (dyn FnMut(u64) + Send),
+) -> Result<Vec<u8>> {
+    let machine = &scenario.machine.settings;
+    if crate::scenario::axis_count(&scenario.machine) != 3 || scenario.five_axis {
+        bail!("{}: found rotary axes, needed a machine and a program of X, Y, Z alone", machine.name);
+    }
+    let name = scenario.program.name.chars().filter(char::is_ascii).take(48).collect::<String>();
+    let header = Header {
+        name: name.as_str().try_into().map_err(|_| anyhow!("the program's name does not fit"))?,
+        machine_id: machine_id(&machine.name, &machine.chain),
+        axes: 3,
+        period_ns: scenario.period_ns(),
+        cycles: 0,
+        pieces: 0,
+        gauge: machine.roundness.is_some(),
+        exchange_at: settings.exchange_at,
+    };
+    let mut writer = Writer::<3>::new(header, &path.spans).context("the path cannot be written")?;
+    let mut turned = machine.roundness.as_ref().map(|gauge| Turned::new(gauge, scenario, settings.speed_rpm));
+    let drill = settings.drill.then(|| Drill::new(scenario));
+    let most = settings.cycles.unwrap_or(u32::MAX);
+    let mut last = [Micro(0); 3];
+    let mut watch = |given: &Given<'_>| {
+        let number = writer.cycles();
+        if number >= most {
+            return;
+        }
+        let mut cycle = rounded(given, &mut last);
+        if let Some(turned) = &mut turned {
+            cycle.probe = turned.cycle();
+        }
+        if let Some(drill) = &drill {
+            drill.disturb(number, &mut cycle);
+        }
+        writer.add(&cycle);
+    };
+    let options = &mut Options { paced: false, progress, trace: None, watch: Some(&mut watch) };
+    simulate::run::<3>(scenario, motion, path, Kind::Compensated, options)?;
+    writer.finish().context("the recording cannot be written")
+}
+
+fn rounded(given: &Given<'_>, last: &mut [Micro; 3]) -> Cycle<3> {
+    let mut cycle = Cycle {
+        command: [Micro(0); 3],
+        feedback: *last,
+        elapsed_ns: given.elapsed_ns,
+        reference: Reference { span: given.reference.span, t: given.reference.t as f32 },
+        homed: true,
+        enable: true,
+        reset: false,
+        encoder_alarm: 0,
+        probe: Probe::default(),
+    };
+    for (axis, (command, reading)) in given.command.iter().zip(given.feedback).take(3).enumerate() {
+        cycle.command[axis] = if command.is_finite() { Micro::of(*command) } else { Micro(i32::MIN) };
+        if reading.is_finite() {
+            cycle.feedback[axis] = Micro::of(*reading);
+        } else {
+            cycle.encoder_alarm |= 1 << axis;
+        }
+    }
+    *last = cycle.feedback;
+    cycle
+}
