@@ -3,6 +3,7 @@
 #
 #   install.sh              build and install (the module, its man page); asks sudo where it is not run by root
 #   install.sh --build      build only; prints where trueaxis.so is
+#   install.sh --where      print where the module is installed
 #   install.sh --uninstall
 #
 # Needs LinuxCNC 2.9 with its development files (linuxcnc-uspace, linuxcnc-uspace-dev), gcc, make and cargo.
@@ -40,6 +41,9 @@ build() {
 }
 
 case ${1-} in
+--where)
+    echo "$modules/trueaxis.so"
+    ;;
 --uninstall)
     as_root rm -f "$modules/trueaxis.so" "$manual"
     echo "removed $modules/trueaxis.so"
@@ -55,7 +59,7 @@ case ${1-} in
     echo "installed $modules/trueaxis.so"
     ;;
 *)
-    sed -n '2,6s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,7s/^# \{0,1\}//p' "$0" >&2
     exit 2
     ;;
 esac

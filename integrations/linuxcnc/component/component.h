@@ -6,6 +6,7 @@
  *   reload.c      the thread that reads files while the machine moves
  *   pins.c        HAL pins and parameters
  *   cycle.c       the two realtime functions
+ *   gauge.c       the roundness gauge in a cycle
  *
  * License: MIT OR Apache-2.0
  */
@@ -33,6 +34,8 @@
 #define JOINT_TABLE_BYTES (128 * 1024)
 #define FILE_BYTES (1024 * 1024)
 #define LINE_BYTES 320
+/* Way between two points of the commanded path at slow feeds. */
+#define FOLLOW_SPACING_MM 0.005
 
 /* Why the component itself refuses; the library's own status codes are smaller. */
 enum refusal {
@@ -85,11 +88,11 @@ struct contour_pins {
 };
 
 struct gauge_pins {
-    hal_s32_t *counts, *arm_counts;
-    hal_bit_t *index, *restart;
+    hal_s32_t *spindle_counts, *index_counts, *arm_counts;
+    hal_bit_t *index, *new_part, *idle;
     hal_float_t *probe[3];
     hal_float_t *roundness, *infeed;
-    hal_u32_t *revolutions, *skipped, *flags;
+    hal_u32_t *evaluated, *skipped, *discarded, *flags, *revolution_flags;
 };
 
 /* HAL shared memory: pins only. */
@@ -127,8 +130,11 @@ struct instance {
     const struct tables *tables;
     trueaxis_state_t axes_state;
     trueaxis_state_t joint_state[MAX_JOINT_TABLES];
+    trueaxis_follow_t follow;
+    trueaxis_gauge_t gauge;
+    trueaxis_gauge_state_t gauge_state;
     double temperature_rise[MAX_AXES];
-    bool started, held, growth_told, reload_before, restart_before;
+    bool started, held, growth_told, homed_before, reload_before, index_before, new_part_before;
     bool axes_stopped, joint_stopped[MAX_JOINT_TABLES];
     uint32_t refused; /* status with which the library refused the thread's period, or 0 */
 
@@ -156,8 +162,8 @@ uint32_t tables_read(const struct instance *instance, const struct tables *befor
                      char line[LINE_BYTES]);
 /* Fills in where the file's axes are among the joints; 0 or a refusal with one line. */
 uint32_t tables_match(struct instance *instance, const struct tables *tables, char line[LINE_BYTES]);
-/* Builds the gauge of a machine that has one. */
-uint32_t tables_gauge(struct instance *instance, char line[LINE_BYTES]);
+/* Builds the gauge of a machine that has one, of as many points a revolution. */
+uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE_BYTES]);
 /* The negative errno that belongs to a status. */
 int tables_errno(uint32_t status);
 
@@ -171,6 +177,9 @@ bool pins_limits_accepted(const struct instance *instance);
 /* reload.c */
 int reload_start(void);
 void reload_stop(void);
+
+/* gauge.c: a cycle of a machine with a gauge; false if the library refuses. */
+bool gauge_step(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output);
 
 /* cycle.c */
 int cycle_export(struct instance *instance, int component);

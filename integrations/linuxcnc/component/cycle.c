@@ -121,11 +121,17 @@ static bool step_joint(struct instance *instance, int t, const trueaxis_input_t 
     return trueaxis_step(&instance->tables->joint[t], &instance->joint_state[t], &input, NULL, NULL, output) == TRUEAXIS_OK;
 }
 
+/* The path is what was commanded last, from homing on; a machine with a gauge measures its part instead. */
 static bool step_axes(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output)
 {
+    if (instance->has_gauge)
+        return gauge_step(instance, input, output);
+    if (input->homed && !instance->homed_before)
+        trueaxis_follow_restart(&instance->follow);
+    instance->homed_before = input->homed;
     const struct tables *tables = instance->tables;
     trueaxis_state_t *state = &instance->axes_state;
-    return trueaxis_step(&tables->axes, state, input, NULL, NULL, output) == TRUEAXIS_OK;
+    return trueaxis_step_following(&tables->axes, state, input, &instance->follow, output) == TRUEAXIS_OK;
 }
 
 static void show_contour(struct contour_pins *pins, const trueaxis_contour_t *contour)

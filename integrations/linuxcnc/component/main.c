@@ -25,6 +25,10 @@ static int instance_load(struct instance *instance)
     uint32_t refused = tables_read(instance, NULL, tables, line);
     if (!refused)
         refused = tables_match(instance, tables, line);
+    if (!refused && tables->info.gauge_points > 0)
+        refused = tables_gauge(instance, tables->info.gauge_points, line);
+    if (!refused)
+        refused = (uint32_t)trueaxis_follow_start(&instance->follow, sizeof instance->follow, NULL, FOLLOW_SPACING_MM);
     if (refused) {
         rtapi_print_msg(RTAPI_MSG_ERR, "trueaxis: %s: %s\n", instance->name, line);
         return tables_errno(refused);

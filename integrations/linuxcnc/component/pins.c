@@ -92,17 +92,21 @@ static int axis(struct axis_pins *p, int id, const char *name, const char *lette
 
 static int gauge(struct gauge_pins *p, int id, const char *name)
 {
-    TRY(hal_pin_s32_newf(HAL_IN, &p->counts, id, "%s.gauge.spindle-counts", name));
-    TRY(hal_pin_bit_newf(HAL_IN, &p->index, id, "%s.gauge.spindle-index", name));
+    TRY(hal_pin_s32_newf(HAL_IN, &p->spindle_counts, id, "%s.gauge.spindle-counts", name));
+    TRY(hal_pin_s32_newf(HAL_IN, &p->index_counts, id, "%s.gauge.index-counts", name));
+    TRY(hal_pin_bit_newf(HAL_IN, &p->index, id, "%s.gauge.index", name));
     TRY(hal_pin_s32_newf(HAL_IN, &p->arm_counts, id, "%s.gauge.arm-counts", name));
-    TRY(hal_pin_bit_newf(HAL_IN, &p->restart, id, "%s.gauge.restart", name));
+    TRY(hal_pin_bit_newf(HAL_IN, &p->new_part, id, "%s.gauge.new-part", name));
+    TRY(hal_pin_bit_newf(HAL_IN, &p->idle, id, "%s.gauge.idle", name));
     for (int k = 0; k < 3; k++)
         TRY(hal_pin_float_newf(HAL_IN, &p->probe[k], id, "%s.gauge.probe-%d", name, k + 1));
     TRY(hal_pin_float_newf(HAL_OUT, &p->roundness, id, "%s.gauge.roundness", name));
     TRY(hal_pin_float_newf(HAL_OUT, &p->infeed, id, "%s.gauge.infeed", name));
-    TRY(hal_pin_u32_newf(HAL_OUT, &p->revolutions, id, "%s.gauge.revolutions", name));
+    TRY(hal_pin_u32_newf(HAL_OUT, &p->evaluated, id, "%s.gauge.evaluated", name));
     TRY(hal_pin_u32_newf(HAL_OUT, &p->skipped, id, "%s.gauge.skipped", name));
+    TRY(hal_pin_u32_newf(HAL_OUT, &p->discarded, id, "%s.gauge.discarded", name));
     TRY(hal_pin_u32_newf(HAL_OUT, &p->flags, id, "%s.gauge.flags", name));
+    TRY(hal_pin_u32_newf(HAL_OUT, &p->revolution_flags, id, "%s.gauge.revolution-flags", name));
     return 0;
 }
 

@@ -156,6 +156,28 @@ uint32_t tables_match(struct instance *instance, const struct tables *tables, ch
     return 0;
 }
 
+uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE_BYTES])
+{
+    size_t length = 0;
+    char found[LINE_BYTES] = "";
+    trueaxis_error_t error = {.size = sizeof error};
+    uint32_t refused = file_read(instance->path, &length, found);
+    if (!refused) {
+        int status = trueaxis_gauge_build(&instance->gauge, sizeof instance->gauge, file, length, instance->period_ns, &error);
+        if (status == TRUEAXIS_OK) {
+            size_t size = points == 512 ? sizeof(uint64_t[TRUEAXIS_GAUGE_STATE_512_WORDS]) : sizeof instance->gauge_state;
+            status = trueaxis_gauge_restart(&instance->gauge, &instance->gauge_state, size);
+        }
+        if (status != TRUEAXIS_OK)
+            rtapi_snprintf(found, sizeof found, "gauge: %s", error.text[0] ? error.text : trueaxis_status_text(status));
+        refused = (uint32_t)status;
+    }
+    if (refused)
+        rtapi_snprintf(line, LINE_BYTES, "%s: %s", instance->path, found);
+    instance->has_gauge = !refused;
+    return refused;
+}
+
 int tables_errno(uint32_t status)
 {
     switch (status) {
