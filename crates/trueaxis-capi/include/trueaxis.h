@@ -44,17 +44,51 @@
 /**
  * Words of a `trueaxis_path_t`.
  */
-#define TRUEAXIS_PATH_WORDS 8
+#define TRUEAXIS_PATH_WORDS 12
 
+#if !defined(TRUEAXIS_SINGLE)
+/**
+ * Bytes that a piece of a path takes in the memory lent for it. A line takes a piece every 16 mm, an arc one every 30°
+ * or less, a spline some for every span of its knots.
+ */
+#define TRUEAXIS_SPAN_BYTES 296
+#endif
+
+#if defined(TRUEAXIS_SINGLE)
+/**
+ * Bytes that a piece of a path takes in the memory lent for it. A line takes a piece every 16 mm, an arc one every 30°
+ * or less, a spline some for every span of its knots.
+ */
+#define TRUEAXIS_SPAN_BYTES 168
+#endif
+
+#if !defined(TRUEAXIS_SINGLE)
 /**
  * Words of a `trueaxis_loop_t`.
  */
-#define TRUEAXIS_LOOP_WORDS 640
+#define TRUEAXIS_LOOP_WORDS 368
+#endif
 
+#if defined(TRUEAXIS_SINGLE)
+/**
+ * Words of a `trueaxis_loop_t`.
+ */
+#define TRUEAXIS_LOOP_WORDS 240
+#endif
+
+#if !defined(TRUEAXIS_SINGLE)
 /**
  * Words of a `trueaxis_state_t`.
  */
-#define TRUEAXIS_STATE_WORDS 160
+#define TRUEAXIS_STATE_WORDS 104
+#endif
+
+#if defined(TRUEAXIS_SINGLE)
+/**
+ * Words of a `trueaxis_state_t`.
+ */
+#define TRUEAXIS_STATE_WORDS 64
+#endif
 
 /**
  * Most axes of a machine.
@@ -203,6 +237,137 @@
 #define TRUEAXIS_FRAME_BYTES 256
 
 /**
+ * Pieces of the window in a `trueaxis_follow_t`.
+ */
+#define TRUEAXIS_FOLLOW_PIECES 64
+
+#if !defined(TRUEAXIS_SINGLE)
+/**
+ * Words of a `trueaxis_follow_t`.
+ */
+#define TRUEAXIS_FOLLOW_WORDS 4864
+#endif
+
+#if defined(TRUEAXIS_SINGLE)
+/**
+ * Words of a `trueaxis_follow_t`.
+ */
+#define TRUEAXIS_FOLLOW_WORDS 2880
+#endif
+
+#if !defined(TRUEAXIS_SINGLE)
+/**
+ * Words of a `trueaxis_gauge_t`.
+ */
+#define TRUEAXIS_GAUGE_WORDS 6400
+#endif
+
+#if defined(TRUEAXIS_SINGLE)
+/**
+ * Words of a `trueaxis_gauge_t`.
+ */
+#define TRUEAXIS_GAUGE_WORDS 3200
+#endif
+
+#if !defined(TRUEAXIS_SINGLE)
+/**
+ * Words of a `trueaxis_gauge_state_t`.
+ */
+#define TRUEAXIS_GAUGE_STATE_WORDS 18048
+#endif
+
+#if defined(TRUEAXIS_SINGLE)
+/**
+ * Words of a `trueaxis_gauge_state_t`.
+ */
+#define TRUEAXIS_GAUGE_STATE_WORDS 9088
+#endif
+
+#if !defined(TRUEAXIS_SINGLE)
+/**
+ * Words of a `trueaxis_gauge_state_512_t`.
+ */
+#define TRUEAXIS_GAUGE_STATE_512_WORDS 9216
+#endif
+
+#if defined(TRUEAXIS_SINGLE)
+/**
+ * Words of a `trueaxis_gauge_state_512_t`.
+ */
+#define TRUEAXIS_GAUGE_STATE_512_WORDS 4672
+#endif
+
+/**
+ * No index pulse has been seen yet, or none that can be relied on.
+ */
+#define TRUEAXIS_GAUGE_NO_INDEX 1
+
+/**
+ * An index pulse did not come.
+ */
+#define TRUEAXIS_GAUGE_INDEX_MISSING (1 << 1)
+
+/**
+ * An index pulse came at another count than before.
+ */
+#define TRUEAXIS_GAUGE_INDEX_SHIFTED (1 << 2)
+
+/**
+ * The spindle's count changed by more than a quarter turn in a cycle.
+ */
+#define TRUEAXIS_GAUGE_SPINDLE_JUMP (1 << 3)
+
+/**
+ * A probe is outside its range, or gave no finite reading.
+ */
+#define TRUEAXIS_GAUGE_PROBE_RANGE (1 << 4)
+
+/**
+ * The arm's angle is outside ±90°, or contradicts the linkage.
+ */
+#define TRUEAXIS_GAUGE_ARM (1 << 5)
+
+/**
+ * The part turned backwards by more than a point.
+ */
+#define TRUEAXIS_GAUGE_REVERSED (1 << 6)
+
+/**
+ * More than two points passed in a cycle.
+ */
+#define TRUEAXIS_GAUGE_TOO_FAST (1 << 7)
+
+/**
+ * The spindle stood.
+ */
+#define TRUEAXIS_GAUGE_STOPPED (1 << 8)
+
+/**
+ * The speed changed by more than a quarter within the revolution. From here on, the revolution counts all the same.
+ */
+#define TRUEAXIS_GAUGE_SPEED (1 << 9)
+
+/**
+ * Revolutions were skipped whole, because the work on one before was not finished.
+ */
+#define TRUEAXIS_GAUGE_SKIPPED (1 << 10)
+
+/**
+ * The infeed correction was not updated.
+ */
+#define TRUEAXIS_GAUGE_INFEED_FROZEN (1 << 11)
+
+/**
+ * The infeed correction was limited over several revolutions and has been made smaller.
+ */
+#define TRUEAXIS_GAUGE_INFEED_REDUCED (1 << 12)
+
+/**
+ * A buffer of this size holds the frame of any revolution.
+ */
+#define TRUEAXIS_GAUGE_FRAME_BYTES 1280
+
+/**
  * Answer of a function: `TRUEAXIS_OK` or one of `TRUEAXIS_ERROR_…`, never negative. `trueaxis_status_text` has words
  * for each.
  */
@@ -300,7 +465,7 @@ typedef struct trueaxis_error_t {
      */
     uint32_t code;
     /**
-     * Element of the setting that is wrong, from 0 (row of a table); `UINT32_MAX` if it is no list.
+     * Element of the setting that is wrong, from 0 (row of a table, knot of a spline); `UINT32_MAX` if it is no list.
      */
     uint32_t index;
     /**
@@ -312,7 +477,7 @@ typedef struct trueaxis_error_t {
      */
     char axis;
     /**
-     * Name of the setting at fault; empty if it is none's.
+     * Name of the setting (of a segment: of the part) at fault; empty if it is none's.
      */
     char field[31];
     /**
@@ -324,6 +489,42 @@ typedef struct trueaxis_error_t {
      */
     char text[256];
 } trueaxis_error_t;
+
+/**
+ * A programmed path: lines, arcs and splines, converted into pieces in memory that the caller lends.
+ */
+typedef struct trueaxis_path_t {
+    uint64_t words[TRUEAXIS_PATH_WORDS];
+} trueaxis_path_t;
+
+#if !defined(TRUEAXIS_SINGLE)
+/**
+ * Scalar of the arithmetic: `double`, with `TRUEAXIS_SINGLE` `float`.
+ */
+typedef double trueaxis_real_t;
+#endif
+
+#if defined(TRUEAXIS_SINGLE)
+/**
+ * Scalar of the arithmetic: `double`, with `TRUEAXIS_SINGLE` `float`.
+ */
+typedef float trueaxis_real_t;
+#endif
+
+/**
+ * A place on a path: a piece of it, and where in the piece. `trueaxis_path_reference` makes it from a segment and its
+ * parameter.
+ */
+typedef struct trueaxis_reference_t {
+    /**
+     * Sequence number of the piece.
+     */
+    uint32_t span;
+    /**
+     * Parameter in the piece, 0 to 1.
+     */
+    trueaxis_real_t t;
+} trueaxis_reference_t;
 
 /**
  * The immutable half: tables, limits and settings of a machine, built once. May be copied and read from any thread.
@@ -394,42 +595,6 @@ typedef struct trueaxis_input_t {
      */
     uint8_t reset;
 } trueaxis_input_t;
-
-/**
- * A programmed path: lines, arcs and splines, converted into pieces in memory that the caller lends.
- */
-typedef struct trueaxis_path_t {
-    uint64_t words[TRUEAXIS_PATH_WORDS];
-} trueaxis_path_t;
-
-#if !defined(TRUEAXIS_SINGLE)
-/**
- * Scalar of the arithmetic: `double`, with `TRUEAXIS_SINGLE` `float`.
- */
-typedef double trueaxis_real_t;
-#endif
-
-#if defined(TRUEAXIS_SINGLE)
-/**
- * Scalar of the arithmetic: `double`, with `TRUEAXIS_SINGLE` `float`.
- */
-typedef float trueaxis_real_t;
-#endif
-
-/**
- * A place on a path: a piece of it, and where in the piece. `trueaxis_path_reference` makes it from a segment and its
- * parameter.
- */
-typedef struct trueaxis_reference_t {
-    /**
-     * Sequence number of the piece.
-     */
-    uint32_t span;
-    /**
-     * Parameter in the piece, 0 to 1.
-     */
-    trueaxis_real_t t;
-} trueaxis_reference_t;
 
 /**
  * Contour error in a cycle; lengths in mm.
@@ -582,6 +747,181 @@ typedef struct trueaxis_output_t {
 } trueaxis_output_t;
 
 /**
+ * A short window of the last commanded points: the path, for a host that knows no other. Belongs to the thread that
+ * steps it.
+ */
+typedef struct trueaxis_follow_t {
+    uint64_t words[TRUEAXIS_FOLLOW_WORDS];
+} trueaxis_follow_t;
+
+/**
+ * The immutable half of a gauge: angles, multipliers, limits. May be copied and read from any thread.
+ */
+typedef struct trueaxis_gauge_t {
+    uint64_t words[TRUEAXIS_GAUGE_WORDS];
+} trueaxis_gauge_t;
+
+/**
+ * The mutable half of a gauge of 1024 points, and its results. Belongs to the thread that steps it. Large: a static.
+ */
+typedef struct trueaxis_gauge_state_t {
+    uint64_t words[TRUEAXIS_GAUGE_STATE_WORDS];
+} trueaxis_gauge_state_t;
+
+/**
+ * Error motion of the spindle in one direction, µm.
+ */
+typedef struct trueaxis_motion_t {
+    /**
+     * Synchronous, without the once-per-revolution part.
+     */
+    trueaxis_real_t synchronous_um;
+    /**
+     * Asynchronous; 0 over a single revolution.
+     */
+    trueaxis_real_t asynchronous_um;
+    /**
+     * Amplitude of cos θ: eccentricity and fundamental.
+     */
+    trueaxis_real_t cosine_um;
+    /**
+     * Amplitude of sin θ.
+     */
+    trueaxis_real_t sine_um;
+    /**
+     * Total.
+     */
+    trueaxis_real_t total_um;
+} trueaxis_motion_t;
+
+/**
+ * What is known about the latest revolution, and how all of them fared.
+ */
+typedef struct trueaxis_evaluation_t {
+    /**
+     * `sizeof(trueaxis_evaluation_t)`, set by the caller once; stays as it is.
+     */
+    uint32_t size;
+    /**
+     * Counts whole revolutions that were sampled, from 1, wrapping.
+     */
+    uint32_t revolution;
+    /**
+     * Revolutions sampled whole so far.
+     */
+    uint32_t sampled;
+    /**
+     * Revolutions evaluated so far.
+     */
+    uint32_t evaluated;
+    /**
+     * Revolutions skipped whole so far.
+     */
+    uint32_t skipped;
+    /**
+     * Revolutions discarded whole so far.
+     */
+    uint32_t discarded;
+    /**
+     * `TRUEAXIS_GAUGE_…` bits: what this revolution met.
+     */
+    uint16_t flags;
+    /**
+     * Revolutions in the window of the error motions; 0 until one is full.
+     */
+    uint16_t revolutions;
+    /**
+     * 1 while no work is under way: all of this is of one revolution then.
+     */
+    uint8_t settled;
+    /**
+     * 0.
+     */
+    uint8_t reserved[3];
+    /**
+     * Peak-to-valley roundness about the least-squares circle, after the filter if there is one, µm.
+     */
+    trueaxis_real_t peak_to_valley_um;
+    /**
+     * Error motion across probe 1.
+     */
+    struct trueaxis_motion_t x;
+    /**
+     * Error motion along probe 1.
+     */
+    struct trueaxis_motion_t y;
+} trueaxis_evaluation_t;
+
+/**
+ * Readings of the gauge in a cycle.
+ */
+typedef struct trueaxis_probes_t {
+    /**
+     * `sizeof(trueaxis_probes_t)`, set by the caller once.
+     */
+    uint32_t size;
+    /**
+     * Counts of the spindle's encoder, wrapping.
+     */
+    int32_t spindle;
+    /**
+     * Counts latched by an index pulse since the last cycle (without a latch the counts of this cycle), if `has_index`.
+     */
+    int32_t index;
+    /**
+     * Counts of the arm's encoder, 0 where the arm points along the line of centres; unused without an arm.
+     */
+    int32_t arm;
+    /**
+     * Raw values of the three probes, in the unit of their gain.
+     */
+    trueaxis_real_t readings[3];
+    /**
+     * Not 0: an index pulse came since the last cycle.
+     */
+    uint8_t has_index;
+    /**
+     * Not 0: another workpiece; correction back to zero, evaluation begun anew.
+     */
+    uint8_t new_part;
+    /**
+     * Not 0: the wheel does not grind; measured all the same, but nothing is learnt for the infeed.
+     */
+    uint8_t idle;
+    /**
+     * 0.
+     */
+    uint8_t reserved;
+} trueaxis_probes_t;
+
+/**
+ * What the gauge gives back in a cycle.
+ */
+typedef struct trueaxis_gauge_cycle_t {
+    /**
+     * `sizeof(trueaxis_gauge_cycle_t)`, set by the caller once; stays as it is.
+     */
+    uint32_t size;
+    /**
+     * `TRUEAXIS_GAUGE_…` bits: what this cycle met.
+     */
+    uint16_t flags;
+    /**
+     * 1: a revolution has just been evaluated.
+     */
+    uint8_t finished;
+    /**
+     * 0.
+     */
+    uint8_t reserved;
+    /**
+     * Infeed correction that was asked of its axis, mm in the axis' sense; it is part of `drive` as far as the limits
+     * allow.
+     */
+    trueaxis_real_t infeed;
+} trueaxis_gauge_cycle_t;
+
+/**
  * Done.
  */
 #define TRUEAXIS_OK 0
@@ -714,6 +1054,115 @@ trueaxis_status_t trueaxis_tables_info(const uint8_t *file,
                                        struct trueaxis_error_t *error);
 
 /**
+ * Starts an empty path in `memory`: 8-byte aligned, `TRUEAXIS_SPAN_BYTES` for every piece, the caller's as long as the
+ * path is used.
+ *
+ * `path`, `path_size`: the caller's, `sizeof(trueaxis_path_t)`. `first_span`: sequence number of the first piece, 0 for a
+ * path by itself. A host with a long program slides a window over it: each window is a path of its own whose
+ * `first_span` goes on counting, so that the search finds its last foot again.
+ *
+ * Segments are numbered from 0 in the order in which they are appended. All functions that change a path are not
+ * real-time safe, and must not run while a step uses it: fill another one and pass that.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`.
+ */
+trueaxis_status_t trueaxis_path_start(struct trueaxis_path_t *path,
+                                      size_t path_size,
+                                      void *memory,
+                                      size_t memory_size,
+                                      uint32_t first_span);
+
+/**
+ * Normal of the machining plane for the segments appended from now on (G17: 0, 0, 1, as at the start); signs of the
+ * contour error's components refer to it.
+ *
+ * `normal`: three numbers, of any length above 1e-6. `TRUEAXIS_ERROR_NULL`, `_ALIGNMENT`, `_UNBUILT`, `_ARGUMENT`.
+ */
+trueaxis_status_t trueaxis_path_plane(struct trueaxis_path_t *path, const double *normal);
+
+/**
+ * Appends a straight line, mm: u = 0..1 proportional to length.
+ *
+ * `start`, `end`: three numbers each, X, Y, Z; every segment begins where the one before ends. `error`: may be `NULL`.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_PATH` (shorter than 1e-9 mm, not finite), `_MEMORY`.
+ */
+trueaxis_status_t trueaxis_path_line(struct trueaxis_path_t *path,
+                                     const double *start,
+                                     const double *end,
+                                     struct trueaxis_error_t *error);
+
+/**
+ * Appends a circular arc about `normal` (right hand), a helix where start and end differ along it, mm: u = 0..1
+ * proportional to the angle. Start and end at the same angle make a full circle.
+ *
+ * `start`, `end`, `center`, `normal`: three numbers each; `center` any point of the axis, `normal` of any length.
+ * `turns`: full turns beyond the first arc. `error`: may be `NULL`.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_PATH` (radii that differ by more than 0.02 mm, …),
+ * `_MEMORY`.
+ */
+trueaxis_status_t trueaxis_path_arc(struct trueaxis_path_t *path,
+                                    const double *start,
+                                    const double *end,
+                                    const double *center,
+                                    const double *normal,
+                                    uint32_t turns,
+                                    struct trueaxis_error_t *error);
+
+/**
+ * Appends a spline (NURBS), mm: u over `knots[degree]` to `knots[point_count]`.
+ *
+ * `degree`: 1 to 5. `knots`: `point_count + degree + 1` ascending numbers. `points`: `3 * point_count` numbers, X, Y, Z of
+ * one control point after the other. `weights`: `point_count` positive numbers, or `NULL` for weights of one. `error`:
+ * may be `NULL`.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_PATH` (`error->index`: which element), `_MEMORY`.
+ */
+trueaxis_status_t trueaxis_path_nurbs(struct trueaxis_path_t *path,
+                                      uint32_t degree,
+                                      const double *knots,
+                                      const double *points,
+                                      const double *weights,
+                                      size_t point_count,
+                                      struct trueaxis_error_t *error);
+
+/**
+ * The path is closed: behind the last piece the first one follows. Appending a segment opens it again.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_ALIGNMENT`, `_UNBUILT`, `_PATH` (end and start are more than 0.02 mm apart, or the path is
+ * empty).
+ */
+trueaxis_status_t trueaxis_path_close(struct trueaxis_path_t *path);
+
+/**
+ * Takes all segments out; memory, plane and the number of the first piece stay.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_ALIGNMENT`, `_UNBUILT`.
+ */
+trueaxis_status_t trueaxis_path_clear(struct trueaxis_path_t *path);
+
+/**
+ * How many segments the path has, and how many pieces they were converted into. Either may be `NULL`.
+ *
+ * Real-time safe. `TRUEAXIS_ERROR_NULL`, `_ALIGNMENT`, `_UNBUILT`.
+ */
+trueaxis_status_t trueaxis_path_count(const struct trueaxis_path_t *path, uint32_t *segments, uint32_t *spans);
+
+/**
+ * The place on the path at which segment `segment` (from 0) has parameter `u`: what `trueaxis_step` wants as
+ * `reference`. Parameters beyond the segment's are held at its ends.
+ *
+ * Real-time safe: a search by halving over the pieces.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_ALIGNMENT`, `_UNBUILT`, `_ARGUMENT` (no such segment, `u` not finite).
+ */
+trueaxis_status_t trueaxis_path_reference(const struct trueaxis_path_t *path,
+                                          uint32_t segment,
+                                          double u,
+                                          struct trueaxis_reference_t *reference);
+
+/**
  * Builds a servo loop from a compiled table file: 3 to 6 axes, as the file says.
  *
  * `loop`, `loop_size`: the caller's, `sizeof(trueaxis_loop_t)`. `file`, `length`: the bytes of the `.tcomp`; may be freed
@@ -817,6 +1266,139 @@ trueaxis_status_t trueaxis_frame_encode(const struct trueaxis_output_t *output,
                                         uint8_t *buffer,
                                         size_t size,
                                         size_t *written);
+
+/**
+ * Starts an empty window.
+ *
+ * `follow`, `follow_size`: the caller's, `sizeof(trueaxis_follow_t)`. `plane`: normal of the machining plane, three
+ * numbers of any length, for the signed components of the contour error; `NULL` for 0, 0, 1 (G17). `spacing_mm`: way
+ * between two points at slow feeds, 0.001 to 1 mm; 0.005 is a good one. The window must hold the largest lag of the tool:
+ * `TRUEAXIS_FOLLOW_PIECES` times the spacing, or the way in as many cycles, whichever is more.
+ *
+ * Not real-time. `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_ARGUMENT` (plane or spacing).
+ */
+trueaxis_status_t trueaxis_follow_start(struct trueaxis_follow_t *follow,
+                                        size_t follow_size,
+                                        const double *plane,
+                                        double spacing_mm);
+
+/**
+ * Forgets all commands, as after homing: the next one begins anew. Real-time safe.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_ALIGNMENT`, `_UNBUILT`.
+ */
+trueaxis_status_t trueaxis_follow_restart(struct trueaxis_follow_t *follow);
+
+/**
+ * `trueaxis_step` with the commands themselves as the path: X, Y and Z of this cycle's command, once it is believed, are
+ * appended to the window, and the contour errors are measured against that.
+ *
+ * Arguments as there. While `record.tip.flags` lacks `TRUEAXIS_CONTOUR_BRACKETED` the tool is further behind than the
+ * window reaches. In a bypass nothing is measured. Real-time safe.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`.
+ */
+trueaxis_status_t trueaxis_step_following(const struct trueaxis_loop_t *loop,
+                                          struct trueaxis_state_t *state,
+                                          const struct trueaxis_input_t *input,
+                                          struct trueaxis_follow_t *follow,
+                                          struct trueaxis_output_t *output);
+
+/**
+ * Builds the gauge that a table file describes (its machine's `[roundness]` section): 1024 or 512 points a revolution.
+ *
+ * `gauge`, `gauge_size`: the caller's, `sizeof(trueaxis_gauge_t)`. `file`, `length`: the bytes of the `.tcomp`; may be
+ * freed afterwards. `period_ns`: servo period, 1,000 to 100,000,000 ns. `error`: may be `NULL`.
+ *
+ * Not real-time. `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_TABLES`, `_CONFIG` (period out of range), `_GAUGE` (no
+ * gauge, or of another number of points).
+ */
+trueaxis_status_t trueaxis_gauge_build(struct trueaxis_gauge_t *gauge,
+                                       size_t gauge_size,
+                                       const uint8_t *file,
+                                       size_t length,
+                                       uint32_t period_ns,
+                                       struct trueaxis_error_t *error);
+
+/**
+ * Makes a state new: nothing is measured or fed in until another revolution is whole, and the wheel is that of the file.
+ *
+ * `gauge_state`, `state_size`: the caller's; `sizeof(trueaxis_gauge_state_t)` for a gauge of 1024 points,
+ * `sizeof(trueaxis_gauge_state_512_t)` for one of 512.
+ *
+ * Not real-time: it clears all of the state. `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`.
+ */
+trueaxis_status_t trueaxis_gauge_restart(const struct trueaxis_gauge_t *gauge,
+                                         struct trueaxis_gauge_state_t *gauge_state,
+                                         size_t state_size);
+
+/**
+ * Sets the radius of the wheel, mm (wear, dressing); in force from the next revolution that is worked on.
+ *
+ * `error`: may be `NULL`. `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_CONFIG` (no following arm, or the
+ * linkage could not close).
+ */
+trueaxis_status_t trueaxis_gauge_set_wheel(const struct trueaxis_gauge_t *gauge,
+                                           struct trueaxis_gauge_state_t *gauge_state,
+                                           double wheel_mm,
+                                           struct trueaxis_error_t *error);
+
+/**
+ * The latest revolution evaluated.
+ *
+ * Real-time safe; to be called between two cycles. `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_NOT_YET`.
+ */
+trueaxis_status_t trueaxis_gauge_latest(const struct trueaxis_gauge_t *gauge,
+                                        struct trueaxis_gauge_state_t *gauge_state,
+                                        struct trueaxis_evaluation_t *evaluation);
+
+/**
+ * Amplitudes of cos kθ and sin kθ in the latest profile, µm: two numbers to `amplitudes_um`. Zero outside the band of the
+ * file and where a harmonic is suppressed.
+ *
+ * Real-time safe; to be called between two cycles. `TRUEAXIS_ERROR_NULL`, `_ALIGNMENT`, `_UNBUILT`, `_NOT_YET`,
+ * `_ARGUMENT` (harmonics are kept up to 127).
+ */
+trueaxis_status_t trueaxis_gauge_harmonic(const struct trueaxis_gauge_t *gauge,
+                                          struct trueaxis_gauge_state_t *gauge_state,
+                                          uint32_t harmonic,
+                                          trueaxis_real_t *amplitudes_um);
+
+/**
+ * Writes the telemetry frame of the latest revolution: postcard in COBS, its last byte 0, at most
+ * `TRUEAXIS_GAUGE_FRAME_BYTES`.
+ *
+ * `machine_id`: goes into the frame. `buffer`, `size`: where to. `written`: receives the number of bytes. Bounded time,
+ * but not part of the cycle; takes about 4 KiB of stack.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_NOT_YET`, `_BUFFER`.
+ */
+trueaxis_status_t trueaxis_gauge_frame_encode(const struct trueaxis_gauge_t *gauge,
+                                              struct trueaxis_gauge_state_t *gauge_state,
+                                              uint32_t machine_id,
+                                              uint8_t *buffer,
+                                              size_t size,
+                                              size_t *written);
+
+/**
+ * `trueaxis_step` with a gauge of three probes riding along: some units of its work a cycle, its infeed correction added
+ * to what the tables want of that axis, through the same limiter.
+ *
+ * Arguments as there; `probes->size` and `cycle->size` must be set as well. While the step is not active, and in a bypass,
+ * the gauge measures on but nothing is fed in. Real-time safe.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`.
+ */
+trueaxis_status_t trueaxis_step_with_gauge(const struct trueaxis_loop_t *loop,
+                                           struct trueaxis_state_t *state,
+                                           const struct trueaxis_input_t *input,
+                                           const struct trueaxis_path_t *path,
+                                           const struct trueaxis_reference_t *reference,
+                                           const struct trueaxis_gauge_t *gauge,
+                                           struct trueaxis_gauge_state_t *gauge_state,
+                                           const struct trueaxis_probes_t *probes,
+                                           struct trueaxis_output_t *output,
+                                           struct trueaxis_gauge_cycle_t *cycle);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -10,11 +10,23 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 
 /// Words of a `trueaxis_gauge_t`.
-pub const GAUGE_WORDS: usize = 8192;
+#[cfg(not(feature = "single"))]
+pub const GAUGE_WORDS: usize = 6400;
+/// Words of a `trueaxis_gauge_t`.
+#[cfg(feature = "single")]
+pub const GAUGE_WORDS: usize = 3200;
 /// Words of a `trueaxis_gauge_state_t`.
-pub const GAUGE_STATE_WORDS: usize = 20480;
+#[cfg(not(feature = "single"))]
+pub const GAUGE_STATE_WORDS: usize = 18048;
+/// Words of a `trueaxis_gauge_state_t`.
+#[cfg(feature = "single")]
+pub const GAUGE_STATE_WORDS: usize = 9088;
 /// Words of a `trueaxis_gauge_state_512_t`.
-pub const GAUGE_STATE_512_WORDS: usize = 10240;
+#[cfg(not(feature = "single"))]
+pub const GAUGE_STATE_512_WORDS: usize = 9216;
+/// Words of a `trueaxis_gauge_state_512_t`.
+#[cfg(feature = "single")]
+pub const GAUGE_STATE_512_WORDS: usize = 4672;
 
 /// The immutable half of a gauge: angles, multipliers, limits. May be copied and read from any thread.
 #[repr(C)]

@@ -16,9 +16,17 @@ use trueaxis::tcomp::{TableData, Tcomp};
 use trueaxis::{Bypass, Config, ConfigError, Fault};
 
 /// Words of a `trueaxis_loop_t`.
-pub const LOOP_WORDS: usize = 640;
+#[cfg(not(feature = "single"))]
+pub const LOOP_WORDS: usize = 368;
+/// Words of a `trueaxis_loop_t`.
+#[cfg(feature = "single")]
+pub const LOOP_WORDS: usize = 240;
 /// Words of a `trueaxis_state_t`.
-pub const STATE_WORDS: usize = 160;
+#[cfg(not(feature = "single"))]
+pub const STATE_WORDS: usize = 104;
+/// Words of a `trueaxis_state_t`.
+#[cfg(feature = "single")]
+pub const STATE_WORDS: usize = 64;
 
 /// The immutable half: tables, limits and settings of a machine, built once. May be copied and read from any thread.
 #[repr(C)]

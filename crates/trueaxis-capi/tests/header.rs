@@ -4,8 +4,10 @@ use std::{env, fs, path::Path};
 use trueaxis_capi::{ABI_MAJOR, ABI_MINOR};
 
 /// Source files in the order in which the header presents them.
-const SOURCES: &[&str] =
-    &["scalar", "version", "status", "error", "tables", "path", "servo", "cycle", "fault", "frame", "gauge", "ride"];
+const SOURCES: &[&str] = &[
+    "scalar", "version", "status", "error", "tables", "path", "servo", "cycle", "fault", "frame", "follow", "gauge",
+    "ride",
+];
 
 fn generated(root: &Path) -> String {
     let mut config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
