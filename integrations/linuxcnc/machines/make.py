@@ -68,6 +68,10 @@ def gantry():
     table("gantry/right.csv", "Y", ys, {"EYY": plus(slope(0.02), wave(-2.0, 220.0))}, "right side against the mean, joint 2")
 
 
+def gauge():
+    table("gauge/x.csv", "X", [-60, 60], {"EXX": slope(0.02)}, "0.02 um per mm")
+
+
 def trt():
     line = steps(-200, 200, 20)
     table("trt/x.csv", "X", line, {"EXX": plus(slope(0.04), wave(3.0, 260.0)), "EYX": wave(3.0, 420.0), "EZX": wave(4.0, 390.0),
@@ -87,4 +91,5 @@ def trt():
 stream()
 comp()
 gantry()
+gauge()
 trt()

@@ -1,4 +1,5 @@
 """Files, parameters and streams: without a machine around the component."""
+import math
 import os
 
 import rig
@@ -55,6 +56,137 @@ def stream(folder):
         # halsampler prints six decimals; the exact inverse stops at 1e-9 of what it inverts.
         expect(all(abs(float(g) - w) <= 0.5e-6 + 1e-9 for g, w in zip(got, wanted)), "sample %d" % n, got, wanted)
     return "%d samples exact to the sixth decimal" % len(sampled)
+
+
+GAUGE_HAL = """
+loadrt threads name1=servo-thread period1=1000000
+loadrt streamer depth=16000 cfg=sbfff
+loadrt trueaxis names=ta tables=gauge.tcomp joints=XZ
+loadrt sampler depth=16000 cfg=fuuuf
+setp ta.enable 1
+setp ta.joint.0.homed 1
+setp ta.joint.1.homed 1
+net counts streamer.0.pin.0 => ta.gauge.spindle-counts ta.gauge.index-counts
+net index streamer.0.pin.1 => ta.gauge.index
+net probe-1 streamer.0.pin.2 => ta.gauge.probe-1
+net probe-2 streamer.0.pin.3 => ta.gauge.probe-2
+net probe-3 streamer.0.pin.4 => ta.gauge.probe-3
+net roundness ta.gauge.roundness => sampler.0.pin.0
+net evaluated ta.gauge.evaluated => sampler.0.pin.1
+net flags ta.gauge.flags => sampler.0.pin.2
+net of ta.gauge.revolution-flags => sampler.0.pin.3
+net drive ta.joint.0.motor-pos-cmd-out => ta.joint.0.motor-pos-fb-in sampler.0.pin.4
+addf ta.update-feedback servo-thread
+addf streamer.0 servo-thread
+addf ta.update-output servo-thread
+addf sampler.0 servo-thread
+loadusr -w halstreamer stream.in
+start
+loadusr -w halsampler -n %d
+"""
+
+
+def gauge(folder):
+    """Three probes about a turning shaft with a known profile that runs out: roundness on a pin."""
+    compile_tables(folder, os.path.join(rig.MACHINES, "gauge", "machine.toml"), "gauge.tcomp")
+    turn, cycles, step = 16384, 6000, 12
+
+    def profile(angle):
+        return 2.0 * math.cos(3 * angle) + 0.7 * math.sin(7 * angle)
+
+    with open(os.path.join(folder, "stream.in"), "w") as f:
+        for n in range(cycles):
+            count = step * n
+            theta = 2.0 * math.pi * count / turn
+            index = count % turn < step and n > 0
+            # The centre runs round by 8 um and wobbles: none of it is roundness.
+            x, y = 8.0 * math.sin(theta), 8.0 * math.cos(theta) + 3.0 * math.sin(2.3 * theta)
+            probes = []
+            for slot in (0, 94, 94 + 333):
+                phi = 2.0 * math.pi * slot / 512
+                probes.append(profile(theta + phi) + y * math.cos(phi) + x * math.sin(phi))
+            f.write("%d %d %r %r %r\n" % (count, index, *probes))
+    code, printed = rig.halrun(folder, GAUGE_HAL % cycles, 60)
+    expect(code == 0, "halrun", printed)
+    rows = [line.split() for line in printed.splitlines() if line.count(" ") >= 4 and line[0] in "-0123456789"]
+    expect(len(rows) == cycles, "%d samples of %d" % (len(rows), cycles), printed[:2000])
+    roundness, evaluated = float(rows[-1][0]), int(rows[-1][1])
+    # Gaussian filter at 50 undulations a revolution: transmission of harmonic k is exp(-pi (0.4697 k / 50)^2).
+    through = {k: math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * k / 50) ** 2) for k in (3, 7)}
+    fine = [2.0 * math.pi * i / 512 for i in range(512)]
+    filtered = [2.0 * through[3] * math.cos(3 * a) + 0.7 * through[7] * math.sin(7 * a) for a in fine]
+    truth = max(filtered) - min(filtered)
+    expect(evaluated >= 2, "only %d revolutions" % evaluated, rows[-1])
+    expect(abs(roundness - truth) < 0.01, "roundness %g um, the shaft has %g" % (roundness, truth))
+    expect(int(rows[-1][3]) == 0, "flags of the revolution", rows[-1])
+    return "%.3f um after %d revolutions, the shaft has %.3f" % (roundness, evaluated, truth)
+
+
+PAIR_HAL = """
+loadrt threads name1=servo-thread period1=1000000
+loadrt trueaxis names=left,right tables=stream.tcomp,gantry.tcomp joints=XYZ,XYYZ joint_tables=right:1=side.tcomp
+addf left.update-feedback servo-thread
+addf right.update-feedback servo-thread
+addf left.update-output servo-thread
+addf right.update-output servo-thread
+%s
+start
+loadusr -w sleep 1.5
+getp left.x.correction
+getp right.x.correction
+getp right.joint.1.correction
+getp right.joint.2.correction
+getp left.machine-id
+getp right.machine-id
+"""
+
+
+def instances(folder):
+    """Two machines in one component, with tables, joints and states of their own."""
+    for name in ("stream", "gantry"):
+        compile_tables(folder, os.path.join(rig.MACHINES, name, "machine.toml"), name + ".tcomp")
+    compile_tables(folder, os.path.join(rig.MACHINES, "gantry", "left.toml"), "side.tcomp")
+    setting = ["setp %s.enable 1" % name for name in ("left", "right")]
+    for name, count in (("left", 3), ("right", 4)):
+        for j in range(count):
+            setting.append("setp %s.joint.%d.homed 1" % (name, j))
+            for pin in ("pos-cmd", "motor-pos-cmd-in", "motor-pos-fb-in"):
+                setting.append("setp %s.joint.%d.%s 100" % (name, j, pin) if j < 3 else "")
+    code, printed = rig.halrun(folder, PAIR_HAL % "\n".join(setting))
+    expect(code == 0, "halrun", printed)
+    values = [line.strip() for line in printed.splitlines() if line.strip()[:1] in "-0123456789"]
+    left, right, one, two = (float(value) for value in values[:4])
+    expect(abs(left + 100.0 - 100.0 / 1.0001) < 1e-9, "left: %g" % left)
+    expect(right != left and abs(one - two) > 1e-3, "right: %g, joints %g, %g" % (right, one, two))
+    expect(values[4] != values[5], "one machine for both", values)
+    code, printed = rig.halrun(folder, "loadrt trueaxis count=2 tables=stream.tcomp,gantry.tcomp\nshow funct\n")
+    expect(code == 0 and "trueaxis.1.update-output" in printed, "count=2", printed)
+    return "left %.6f, right %.6f and %.6f mm" % (left, one, two)
+
+
+PERIOD_HAL = """
+loadrt threads name1=servo-thread period1=2000000
+loadrt trueaxis names=ta tables=stream.tcomp
+setp ta.enable 1
+setp ta.joint.0.motor-pos-cmd-in 12.5
+addf ta.update-feedback servo-thread
+addf ta.update-output servo-thread
+start
+loadusr -w sleep 0.2
+getp ta.joint.0.motor-pos-cmd-out
+getp ta.fault-code
+getp ta.stop-request
+getp ta.tables-ok
+"""
+
+
+def period(folder):
+    """A thread of another period than the tables were built for: the command passes, a stop is requested."""
+    compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "stream.tcomp")
+    code, printed = rig.halrun(folder, PERIOD_HAL)
+    values = [line.strip() for line in printed.splitlines() if "Note:" not in line and line.strip()]
+    expect(code == 0 and values == ["12.5", "32", "TRUE", "FALSE"], "pins", printed)
+    return "fault 32"
 
 
 def damaged(source, target, change):
@@ -119,4 +251,4 @@ def many(folder):
     compile_tables(folder, os.path.join(source, "machine.toml"), "many.tcomp")
 
 
-TESTS = (refused, stream)
+TESTS = (refused, stream, gauge, instances, period)
