@@ -1,5 +1,6 @@
-//! Recordings of a LinuxCNC machine that trueaxis corrects: held against the library sample by sample.
+//! Recordings of a LinuxCNC machine that trueaxis corrects: held against the library sample by sample, and drawn.
 
+mod plot;
 mod recording;
 mod replay;
 
@@ -35,6 +36,25 @@ enum What {
         #[arg(long, default_value_t = 1e-12)]
         within: f64,
     },
+    /// Draws pins over time, as an oscilloscope shows them.
+    Plot {
+        /// RECORDING.json and RECORDING.f64.
+        recording: PathBuf,
+        /// The SVG to write.
+        out: PathBuf,
+        /// A panel: "UNIT*SCALE; LABEL = PIN; LABEL = PIN - PIN".
+        #[arg(long = "panel", required = true)]
+        panels: Vec<String>,
+        /// Start, s.
+        #[arg(long, default_value_t = 0.0)]
+        from_s: f64,
+        /// End, s.
+        #[arg(long, default_value_t = f64::MAX)]
+        to_s: f64,
+        /// Servo period.
+        #[arg(long, default_value_t = 1_000_000)]
+        period_ns: u32,
+    },
 }
 
 fn main() -> anyhow::Result<()> {
@@ -46,6 +66,10 @@ fn main() -> anyhow::Result<()> {
             println!("{}", serde_json::to_string(&agreement)?);
             anyhow::ensure!(agreement.largest_difference <= within, "the recording differs from the library");
             Ok(())
+        }
+        What::Plot { recording, out, panels, from_s, to_s, period_ns } => {
+            let recording = recording::Recording::load(&recording)?;
+            plot::plot(&recording, &panels, from_s, to_s, period_ns, &out)
         }
     }
 }
