@@ -25,7 +25,8 @@ fi
 
 root=$(cd ../.. && pwd)
 target=${CARGO_TARGET_DIR:-$root/target}
-(cd "$root" && cargo build --quiet --package trueaxis-cli --package trueaxis-linuxcnc)
+# As `cargo test` builds them: after it there is little left to do.
+(cd "$root" && cargo build --quiet --profile test --package trueaxis-cli --package trueaxis-linuxcnc)
 
 # The ordinary user cannot be expected to read this folder: it gets a copy of what it needs.
 work=$(mktemp -d /tmp/trueaxis-linuxcnc.XXXXXX)

@@ -121,6 +121,8 @@ struct instance {
     char axis_letters[MAX_AXES];
     int axes;
     int joints_of_axis[MAX_AXES];
+    bool inch;
+    double mm_per_unit[MAX_AXES]; /* degrees of rotary axes */
     uint32_t period_ns;
     bool has_gauge;
     struct pins *pins;
@@ -136,7 +138,7 @@ struct instance {
     double temperature_rise[MAX_AXES];
     bool started, held, growth_told, homed_before, reload_before, index_before, new_part_before;
     bool axes_stopped, joint_stopped[MAX_JOINT_TABLES];
-    uint32_t refused; /* status with which the library refused the thread's period, or 0 */
+    atomic_uint refused; /* status with which the library refused the thread's period, or 0 */
 
     /* Between the realtime functions and the thread. */
     _Atomic(const struct tables *) offered;

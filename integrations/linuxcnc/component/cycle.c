@@ -55,7 +55,7 @@ static void start(struct instance *instance, uint32_t period_ns)
     int status = trueaxis_start(&tables->axes, &instance->axes_state, sizeof instance->axes_state, period_ns);
     for (int t = 0; t < instance->joint_tables && status == TRUEAXIS_OK; t++)
         status = trueaxis_start(&tables->joint[t], &instance->joint_state[t], sizeof instance->joint_state[t], period_ns);
-    instance->refused = status == TRUEAXIS_OK ? 0 : (uint32_t)status;
+    atomic_store(&instance->refused, status == TRUEAXIS_OK ? 0u : (unsigned)status);
     for (int j = 0; j < instance->joints; j++) {
         struct joint *joint = &instance->joint[j];
         double command = *instance->pins->joint[j].motor_cmd_in;
@@ -75,11 +75,12 @@ static void gather(const struct instance *instance, trueaxis_input_t *input)
         int a = joint->axis;
         double command = *p->pos_cmd;
         if (!seen[a])
-            input->command[a] = command;
+            input->command[a] = command * instance->mm_per_unit[a];
         seen[a] = true;
         if (!isfinite(command) || !isfinite(*p->motor_cmd_in))
             input->command[a] = NAN;
-        input->feedback[a] += (joint->reading - joint->offset - joint->own) / instance->joints_of_axis[a];
+        double share = instance->mm_per_unit[a] / instance->joints_of_axis[a];
+        input->feedback[a] += (joint->reading - joint->offset - joint->own) * share;
         if (*p->alarm)
             input->encoder_alarm |= (uint8_t)(1u << a);
         if (!*p->homed)
@@ -111,12 +112,13 @@ static bool step_joint(struct instance *instance, int t, const trueaxis_input_t 
     trueaxis_input_t input = *axes;
     memset(input.command, 0, sizeof input.command);
     memset(input.feedback, 0, sizeof input.feedback);
-    double command = *p->pos_cmd;
+    double unit = instance->mm_per_unit[joint->axis];
+    double command = *p->pos_cmd * unit;
     /* A stop of the axes is a stop of the joint, by the same latch; and the other way round. */
     bool stopped_elsewhere = instance->held && !instance->joint_stopped[t];
     int place = instance->tables->joint_place[t];
     input.command[place] = isfinite(*p->motor_cmd_in) && !stopped_elsewhere ? command : NAN;
-    input.feedback[place] = joint->reading - joint->offset - (joint->sent - joint->own);
+    input.feedback[place] = (joint->reading - joint->offset - (joint->sent - joint->own)) * unit;
     input.encoder_alarm = *p->alarm ? (uint8_t)(1u << place) : 0;
     return trueaxis_step(&instance->tables->joint[t], &instance->joint_state[t], &input, NULL, NULL, output) == TRUEAXIS_OK;
 }
@@ -134,12 +136,12 @@ static bool step_axes(struct instance *instance, const trueaxis_input_t *input, 
     return trueaxis_step_following(&tables->axes, state, input, &instance->follow, output) == TRUEAXIS_OK;
 }
 
-static void show_contour(struct contour_pins *pins, const trueaxis_contour_t *contour)
+static void show_contour(struct contour_pins *pins, const trueaxis_contour_t *contour, double mm_per_unit)
 {
-    *pins->error = contour->error;
-    *pins->normal = contour->normal;
-    *pins->binormal = contour->binormal;
-    *pins->lag = contour->lag;
+    *pins->error = contour->error / mm_per_unit;
+    *pins->normal = contour->normal / mm_per_unit;
+    *pins->binormal = contour->binormal / mm_per_unit;
+    *pins->lag = contour->lag / mm_per_unit;
     *pins->found = !(contour->flags & TRUEAXIS_CONTOUR_NOT_FOUND);
 }
 
@@ -150,9 +152,10 @@ static void show_axes(const struct instance *instance, const trueaxis_input_t *i
         if (instance->joints_of_axis[a] == 0)
             continue;
         struct axis_pins *pins = &instance->pins->axis[a];
-        *pins->command = input->command[a];
-        *pins->corrected = output->drive[a];
-        *pins->correction = record->correction[a];
+        double unit = instance->mm_per_unit[a];
+        *pins->command = input->command[a] / unit;
+        *pins->corrected = output->drive[a] / unit;
+        *pins->correction = record->correction[a] / unit;
         *pins->limited = record->limited >> a & 1;
         *pins->at_edge = record->at_edge >> a & 1;
     }
@@ -165,9 +168,10 @@ static void drive(struct instance *instance, const trueaxis_output_t *axes, cons
         struct joint *joint = &instance->joint[j];
         struct joint_pins *p = &instance->pins->joint[j];
         if (!instance->held) {
+            double unit = instance->mm_per_unit[joint->axis];
             if (joint->table >= 0)
-                joint->own = joints[joint->table].record.correction[instance->tables->joint_place[joint->table]];
-            joint->sent = axes->record.correction[joint->axis] + joint->own;
+                joint->own = joints[joint->table].record.correction[instance->tables->joint_place[joint->table]] / unit;
+            joint->sent = axes->record.correction[joint->axis] / unit + joint->own;
             joint->drive = plus(*p->motor_cmd_in, joint->sent);
         }
         *p->motor_cmd_out = joint->drive;
@@ -204,8 +208,8 @@ static void show(struct instance *instance, const trueaxis_output_t *axes, const
     *pins->sequence = record->sequence;
     *pins->machine_id = record->machine_id;
     *pins->tables_crc = record->tables_crc;
-    show_contour(&pins->tip, &record->tip);
-    show_contour(&pins->encoder, &record->encoder);
+    show_contour(&pins->tip, &record->tip, instance->mm_per_unit[0]);
+    show_contour(&pins->encoder, &record->encoder, instance->mm_per_unit[0]);
 }
 
 /* The library refuses the thread's period, or a call: the command passes with the correction as it was, and a stop is
@@ -235,7 +239,7 @@ static void update_output(void *arg, long period)
     take_tables(instance);
     if (!instance->started)
         start(instance, period_ns);
-    if (instance->refused) {
+    if (atomic_load(&instance->refused)) {
         pass(instance, TRUEAXIS_FAULT_PERIOD_MISMATCH);
         return;
     }

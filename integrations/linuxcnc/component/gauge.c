@@ -4,7 +4,7 @@
 static void show(struct instance *instance, const trueaxis_gauge_cycle_t *cycle)
 {
     struct gauge_pins *pins = &instance->pins->gauge;
-    *pins->infeed = cycle->infeed;
+    *pins->infeed = cycle->infeed / instance->mm_per_unit[0];
     *pins->flags = cycle->flags;
     trueaxis_evaluation_t latest = {.size = sizeof latest};
     if (!cycle->finished || trueaxis_gauge_latest(&instance->gauge, &instance->gauge_state, &latest) != TRUEAXIS_OK)

@@ -18,6 +18,8 @@ RTAPI_MP_ARRAY_STRING(joints, MAX_INSTANCES, "axis letter of joint 0, 1, ... of 
 static char *joint_tables[MAX_JOINT_TABLE_PARAMETERS];
 RTAPI_MP_ARRAY_STRING(joint_tables, MAX_JOINT_TABLE_PARAMETERS,
                       "tables of single joints: [INSTANCE:]JOINT=FILE, e.g. 1=left.tcomp,2=right.tcomp");
+static int inch[MAX_INSTANCES];
+RTAPI_MP_ARRAY_INT(inch, MAX_INSTANCES, "1: linear joints of the instance are in inches, else mm");
 static long servo_period_nsec = 1000000;
 RTAPI_MP_LONG(servo_period_nsec, "period of the thread that the functions are added to");
 
@@ -135,6 +137,7 @@ static int instance_read(struct instance *instance, int place)
         return -ENAMETOOLONG;
     }
     instance->period_ns = (uint32_t)servo_period_nsec;
+    instance->inch = inch[place] != 0;
     for (int j = 0; j < MAX_JOINTS; j++)
         instance->joint[j].table = -1;
     instance->letters_from_file = !given(joints, place);

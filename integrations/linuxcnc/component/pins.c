@@ -137,11 +137,12 @@ void pins_limits(struct instance *instance, const struct tables *tables)
         if (instance->joints_of_axis[a] == 0)
             continue;
         struct axis_pins *p = &instance->pins->axis[a];
-        p->magnitude = info->correction_limit[a];
-        p->slope = info->slope_limit_per_s[a];
-        p->acceleration = info->acceleration_limit_per_s2[a];
-        p->travel_min = info->travel_low[a];
-        p->travel_max = info->travel_high[a];
+        double unit = instance->mm_per_unit[a];
+        p->magnitude = info->correction_limit[a] / unit;
+        p->slope = info->slope_limit_per_s[a] / unit;
+        p->acceleration = info->acceleration_limit_per_s2[a] / unit;
+        p->travel_min = info->travel_low[a] / unit;
+        p->travel_max = info->travel_high[a] / unit;
     }
 }
 

@@ -61,7 +61,7 @@ static void watch_limits(struct instance *instance)
 {
     bool permitted = pins_limits_accepted(instance);
     atomic_store_explicit(&instance->permitted, permitted, memory_order_release);
-    *instance->pins->tables_ok = permitted && !instance->refused;
+    *instance->pins->tables_ok = permitted && !atomic_load(&instance->refused);
 }
 
 static void *look_after(void *unused)

@@ -133,6 +133,7 @@ uint32_t tables_match(struct instance *instance, const struct tables *tables, ch
     instance->axes = (int)info->axes;
     for (int a = 0; a < instance->axes; a++) {
         instance->axis_letters[a] = info->letters[a];
+        instance->mm_per_unit[a] = instance->inch && strchr("XYZ", info->letters[a]) ? 25.4 : 1.0;
         if (instance->joints < MAX_JOINTS && instance->letters_from_file && names(info, info->letters[a]))
             instance->letters[instance->joints++] = info->letters[a];
     }

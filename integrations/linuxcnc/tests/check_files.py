@@ -9,7 +9,7 @@ from rig import expect
 STREAM_HAL = """
 loadrt threads name1=servo-thread period1=1000000
 loadrt streamer depth=4000 cfg=fff
-loadrt trueaxis names=ta tables=stream.tcomp joints=XYZ
+loadrt trueaxis names=ta tables=stream.tcomp joints=XYZ inch=%d
 loadrt sampler depth=4000 cfg=ffff
 setp ta.enable 1
 setp ta.joint.0.homed 1
@@ -35,12 +35,17 @@ loadusr -w halsampler -n %d
 def stream(folder):
     """streamer -> component -> sampler, against what the straight lines of the tables give in closed form."""
     compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "stream.tcomp")
+    return "%d samples exact to the sixth decimal, in mm and in inches" % (
+        streamed(folder, 0, 1.0) + streamed(folder, 1, 25.4))
+
+
+def streamed(folder, inch, unit):
     home = 37.0
     way = [0.125 * n for n in range(801)] + [100.0] * 20 + [100.0 - 0.125 * n for n in range(1, 1601)]
     with open(os.path.join(folder, "stream.in"), "w") as f:
         for x in way:
-            f.write("%r %r %r\n" % (x, x + home, 0.0))
-    code, printed = rig.halrun(folder, STREAM_HAL % len(way))
+            f.write("%r %r %r\n" % (x / unit, (x + home) / unit, 0.0))
+    code, printed = rig.halrun(folder, STREAM_HAL % (inch, len(way)))
     expect(code == 0, "halrun", printed)
     expected, before = [], None
     for x in way:
@@ -48,14 +53,14 @@ def stream(folder):
         y = x / 1.0001 if before is not None else x
         z = -5e-5 * y if before is not None else 0.0
         back = before + home if before is not None else 0.0
-        expected.append((y + home, back, z, y - x))
+        expected.append([value / unit for value in (y + home, back, z, y - x)])
         before = x
     sampled = [line.split() for line in printed.splitlines() if line.count(" ") >= 3 and line[0] in "-0123456789"]
     expect(len(sampled) == len(way), "%d samples of %d" % (len(sampled), len(way)), printed[:2000])
     for n, (got, wanted) in enumerate(zip(sampled, expected)):
         # halsampler prints six decimals; the exact inverse stops at 1e-9 of what it inverts.
         expect(all(abs(float(g) - w) <= 0.5e-6 + 1e-9 for g, w in zip(got, wanted)), "sample %d" % n, got, wanted)
-    return "%d samples exact to the sixth decimal" % len(sampled)
+    return len(sampled)
 
 
 GAUGE_HAL = """
@@ -138,6 +143,10 @@ getp right.joint.1.correction
 getp right.joint.2.correction
 getp left.machine-id
 getp right.machine-id
+stop
+unloadrt trueaxis
+loadrt trueaxis count=2 tables=stream.tcomp,gantry.tcomp
+show funct
 """
 
 
@@ -159,8 +168,7 @@ def instances(folder):
     expect(abs(left + 100.0 - 100.0 / 1.0001) < 1e-9, "left: %g" % left)
     expect(right != left and abs(one - two) > 1e-3, "right: %g, joints %g, %g" % (right, one, two))
     expect(values[4] != values[5], "one machine for both", values)
-    code, printed = rig.halrun(folder, "loadrt trueaxis count=2 tables=stream.tcomp,gantry.tcomp\nshow funct\n")
-    expect(code == 0 and "trueaxis.1.update-output" in printed, "count=2", printed)
+    expect("trueaxis.1.update-output" in printed, "unloaded and loaded again with count=2", printed)
     return "left %.6f, right %.6f and %.6f mm" % (left, one, two)
 
 
