@@ -183,7 +183,8 @@ void reload_stop(void);
 /* gauge.c: a cycle of a machine with a gauge; false if the library refuses. */
 bool gauge_step(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output);
 
-/* cycle.c */
-int cycle_export(struct instance *instance, int component);
+/* cycle.c: the functions of the servo thread; `arg` is an instance. */
+void cycle_update_feedback(void *arg, long period);
+void cycle_update_output(void *arg, long period);
 
 #endif

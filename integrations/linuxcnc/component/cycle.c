@@ -17,7 +17,7 @@ static inline double plus(double position, double correction)
     return correction == 0.0 ? position : position + correction;
 }
 
-static void update_feedback(void *arg, long period)
+void cycle_update_feedback(void *arg, long period)
 {
     struct instance *instance = arg;
     struct pins *pins = instance->pins;
@@ -230,7 +230,7 @@ static void pass(struct instance *instance, uint32_t fault)
     *pins->stop_request = 1;
 }
 
-static void update_output(void *arg, long period)
+void cycle_update_output(void *arg, long period)
 {
     struct instance *instance = arg;
     struct pins *pins = instance->pins;
@@ -279,17 +279,4 @@ static void update_output(void *arg, long period)
     drive(instance, &axes, joints);
     show_axes(instance, &shown, &axes);
     show(instance, &axes, joints);
-}
-
-static int export(struct instance *instance, const char *what, void (*function)(void *, long), int component)
-{
-    char name[HAL_NAME_LEN + 1];
-    rtapi_snprintf(name, sizeof name, "%s.%s", instance->name, what);
-    return hal_export_funct(name, function, instance, 1, 0, component);
-}
-
-int cycle_export(struct instance *instance, int component)
-{
-    int refused = export(instance, "update-feedback", update_feedback, component);
-    return refused ? refused : export(instance, "update-output", update_output, component);
 }

@@ -39,11 +39,20 @@ static int instance_load(struct instance *instance)
     return 0;
 }
 
+static int function_export(struct instance *instance, const char *what, void (*function)(void *, long))
+{
+    char name[HAL_NAME_LEN + 1];
+    rtapi_snprintf(name, sizeof name, "%s.%s", instance->name, what);
+    return hal_export_funct(name, function, instance, 1, 0, component);
+}
+
 static int instance_export(struct instance *instance)
 {
     int refused = pins_export(instance, component);
     if (!refused)
-        refused = cycle_export(instance, component);
+        refused = function_export(instance, "update-feedback", cycle_update_feedback);
+    if (!refused)
+        refused = function_export(instance, "update-output", cycle_update_output);
     if (!refused) {
         pins_limits(instance, instance->tables);
         *instance->pins->tables_ok = 1;

@@ -7,16 +7,35 @@ import limits
 import rig
 from machines import DEFAULT_LIMITS, mill
 from recording import Recording
-from rig import expect
+from rig import Broken, expect
 
 REPLAY = os.environ["TRUEAXIS_REPLAY"]
 
 
-def replay(folder, tables, joints):
-    done = subprocess.run([REPLAY, "replay", tables, "run", "--joints", joints], cwd=folder, capture_output=True,
+def replayed(folder, tables, joints, name="run"):
+    return subprocess.run([REPLAY, "replay", tables, name, "--joints", joints], cwd=folder, capture_output=True,
                           text=True, timeout=60)
+
+
+def replay(folder, tables, joints):
+    done = replayed(folder, tables, joints)
     expect(done.returncode == 0, "replay", done.stdout, done.stderr)
     return json.loads(done.stdout)
+
+
+def controls(folder, run):
+    """Both checkers must see what is wrong by a hair in a single sample."""
+    spoiled = Recording(run.names, [list(row) for row in run.rows])
+    middle = len(spoiled.rows) // 2
+    spoiled.rows[middle][run.place["ta.joint.1.motor-pos-cmd-out"]] += 1e-11
+    spoiled.save(os.path.join(folder, "spoiled"))
+    expect(replayed(folder, "mill-3axis.tcomp", "XYZ", "spoiled").returncode != 0, "replay does not see 1e-11 mm")
+    spoiled.rows[middle][run.place["ta.joint.1.motor-pos-cmd-out"]] += 3e-4
+    try:
+        limits.all_kept(spoiled, 3, [DEFAULT_LIMITS] * 3)
+    except Broken:
+        return
+    raise Broken("the check of the limits does not see 0.3 um")
 
 
 def largest(recording, pin):
@@ -43,6 +62,7 @@ def program(folder):
         os.remove(os.path.join(folder, "done"))
         runs.append(run)
     first = runs[0]
+    controls(folder, runs[1])
     expect(agreement["samples"] > 10000 and agreement["largest_correction"] > 0.01, "nothing was corrected", agreement)
     expect(max(first.column("ta.fault-code")) == 0, "faults in an ordinary run")
     ferror = max(largest(first, "joint.%d.f-error" % j) for j in range(3))
