@@ -252,7 +252,7 @@
 /**
  * Words of a `trueaxis_follow_t`.
  */
-#define TRUEAXIS_FOLLOW_WORDS 2880
+#define TRUEAXIS_FOLLOW_WORDS 2784
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)

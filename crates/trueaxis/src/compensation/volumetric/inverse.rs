@@ -4,7 +4,7 @@
 
 use super::Volumetric;
 use super::chain::Poses;
-use crate::compensation::{PoseError, ThermalLine};
+use crate::compensation::ThermalLine;
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -61,6 +61,9 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         passes: u8,
         held: &mut u8,
     ) -> [R; N] {
+        // Three slides carry no rotary axis, and need none of the code and the stack for it.
+        let orientation = if N > 3 { self.orientation.as_ref() } else { None };
+        let slides_turn = N > 3 && self.chain.turned;
         let mut poses = self.chain.poses(command);
         let mut twists = [[R::ZERO; 6]; N];
         if self.plain {
@@ -68,20 +71,20 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         } else {
             self.look_up(0..N, command, feedback, reverse, &mut twists, held);
         }
-        let turned = self.chain.turned || self.orientation.is_some();
+        let turned = slides_turn || orientation.is_some();
         let nominal = if turned { self.chain.directions(&poses) } else { ([V3::ZERO; N], V3::ZERO) };
         let mut directions = nominal.0;
         let mut at = *command;
         let mut correction = [R::ZERO; N];
         for pass in 0..passes & 15 {
             if pass > 0 {
-                let places = if self.orientation.is_some() { 0..N } else { 0..3 };
+                let places = if orientation.is_some() { 0..N } else { 0..3 };
                 self.look_up(places, &at, feedback, reverse, &mut twists, held);
             }
-            let PoseError { tip, orientation } = self.carried(&at, &poses, &twists, thermal);
-            let mut wrong = V3::from(tip);
-            if let Some(fade) = &self.orientation {
-                self.turn_back(fade, &nominal, V3::from(orientation), &mut correction);
+            let error = self.carried(&at, &poses, &twists, thermal);
+            let mut wrong = V3::from(error.tip);
+            if let Some(fade) = orientation {
+                self.turn_back(fade, &nominal, V3::from(error.orientation), &mut correction);
                 for ((at, q), r) in at.iter_mut().zip(command).zip(&correction).skip(3) {
                     *at = *q + *r;
                 }
@@ -89,7 +92,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 directions = self.slide_directions(&poses, directions);
                 wrong += self.chain.moved_tip(command, &poses, &correction);
             }
-            let along = if self.chain.turned { self.along(&directions, wrong) } else { self.present(wrong) };
+            let along = if slides_turn { self.along(&directions, wrong) } else { self.present(wrong) };
             for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(command).zip(along) {
                 *r = -error;
                 *at = *q - error;

@@ -5,9 +5,11 @@ use core::mem::MaybeUninit;
 const BYTES: usize = 3 << 20;
 
 #[repr(align(16))]
-struct Memory(MaybeUninit<[u8; BYTES]>);
+struct Memory {
+    _bytes: MaybeUninit<[u8; BYTES]>,
+}
 
-static mut MEMORY: Memory = Memory(MaybeUninit::uninit());
+static mut MEMORY: Memory = Memory { _bytes: MaybeUninit::uninit() };
 
 /// What is left of it.
 pub struct Arena {

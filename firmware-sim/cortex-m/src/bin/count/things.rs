@@ -297,6 +297,16 @@ fn searches<R: Real, P: Position>(scalar: &str, name: &str, spans: &'static [Spa
     hprintln!("{} contour_any_{} {}", scalar, name, all);
 }
 
+/// The root by the processor's instruction is the one that libm rounds correctly.
+fn roots() {
+    for i in 1..2000u32 {
+        let single = f32::from_bits(i * 1_048_583 % 0x7f80_0000);
+        let double = f64::from_bits(u64::from(i) * 4_503_599_627_370_449 % 0x7ff0_0000_0000_0000);
+        assert!(Real::sqrt(single) == libm::sqrtf(single), "root of {single}");
+        assert!(Real::sqrt(double) == libm::sqrt(double), "root of {double}");
+    }
+}
+
 /// Counts all of them.
 pub fn all<R: Real, P: Position>(scalar: &str, arena: &mut Arena) {
     let place = [P::of(-123.4), P::of(56.7), P::of(301.2)];
@@ -321,4 +331,5 @@ pub fn all<R: Real, P: Position>(scalar: &str, arena: &mut Arena) {
     contour::<R, P>(scalar, "rational", [1.0, 1.2, 1.0, 2.0], arena);
     contour::<R, P>(scalar, "polynomial", [1.0; 4], arena);
     limiter::<R>(scalar);
+    roots();
 }
