@@ -31,7 +31,8 @@ bool gauge_step(struct instance *instance, const trueaxis_input_t *input, trueax
     instance->index_before = *pins->index;
     instance->new_part_before = *pins->new_part;
     trueaxis_gauge_cycle_t cycle = {.size = sizeof cycle};
-    int status = trueaxis_step_with_gauge(&instance->tables->axes, &instance->axes_state, input, NULL, NULL, &instance->gauge,
+    const trueaxis_loop_t *axes = &instance->tables->axes;
+    int status = trueaxis_step_with_gauge(axes, &instance->axes_state, input, NULL, NULL, &instance->gauge,
                                           &instance->gauge_state, &probes, output, &cycle);
     if (status != TRUEAXIS_OK)
         return false;

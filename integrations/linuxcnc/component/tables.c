@@ -101,7 +101,8 @@ static uint32_t joint_match(const struct instance *instance, int t, struct table
         if ((int)a != place && info->rows[a] > 0)
             alone = false;
     if (!alone) {
-        rtapi_snprintf(line, LINE_BYTES, "%s: for joint %d: found tables of other axes or none of %c, needed one of %c alone",
+        rtapi_snprintf(line, LINE_BYTES,
+                       "%s: for joint %d: found tables of other axes or none of %c, needed one of %c alone",
                        instance->joint_path[t], instance->joint_of_table[t], letter, letter);
         return REFUSED_JOINTS;
     }
@@ -164,7 +165,8 @@ uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE
     trueaxis_error_t error = {.size = sizeof error};
     uint32_t refused = file_read(instance->path, &length, found);
     if (!refused) {
-        int status = trueaxis_gauge_build(&instance->gauge, sizeof instance->gauge, file, length, instance->period_ns, &error);
+        int status = trueaxis_gauge_build(&instance->gauge, sizeof instance->gauge, file, length, instance->period_ns,
+                                          &error);
         if (status == TRUEAXIS_OK) {
             size_t size = points == 512 ? sizeof(uint64_t[TRUEAXIS_GAUGE_STATE_512_WORDS]) : sizeof instance->gauge_state;
             status = trueaxis_gauge_restart(&instance->gauge, &instance->gauge_state, size);

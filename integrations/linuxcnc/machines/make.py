@@ -62,30 +62,34 @@ def comp():
 
 def gantry():
     ys = steps(-200, 200, 25)
-    table("gantry/x.csv", "X", steps(-300, 300, 50), {"EXX": wave(8.0, 500.0), "EYX": wave(3.0, 700.0)}, "cross beam")
-    table("gantry/y.csv", "Y", ys, {"EYY": plus(slope(0.05), wave(4.0, 300.0)), "EXY": wave(3.0, 450.0)}, "mean of both sides")
-    table("gantry/left.csv", "Y", ys, {"EYY": plus(slope(-0.02), wave(2.0, 220.0))}, "left side against the mean, joint 1")
-    table("gantry/right.csv", "Y", ys, {"EYY": plus(slope(0.02), wave(-2.0, 220.0))}, "right side against the mean, joint 2")
+    beam = {"EXX": wave(8.0, 500.0), "EYX": wave(3.0, 700.0)}
+    table("gantry/x.csv", "X", steps(-300, 300, 50), beam, "cross beam")
+    both = {"EYY": plus(slope(0.05), wave(4.0, 300.0)), "EXY": wave(3.0, 450.0)}
+    table("gantry/y.csv", "Y", ys, both, "mean of both sides")
+    left, right = plus(slope(-0.02), wave(2.0, 220.0)), plus(slope(0.02), wave(-2.0, 220.0))
+    table("gantry/left.csv", "Y", ys, {"EYY": left}, "left side against the mean, joint 1")
+    table("gantry/right.csv", "Y", ys, {"EYY": right}, "right side against the mean, joint 2")
 
 
 def gauge():
     table("gauge/x.csv", "X", [-60, 60], {"EXX": slope(0.02)}, "0.02 um per mm")
 
 
+# Of every axis: its own slope (0: none) and waves (amplitude, length, phase) in EX, EY, EZ, EA, EB, EC.
+TRT = {
+    "X": (steps(-200, 200, 20), 0.04, [(3, 260), (3, 420), (4, 390), (9, 400), (12, 500), (11, 450)]),
+    "Y": (steps(-200, 200, 20), -0.03, [(3, 410), (4, 300), (3, 430), (13, 450), (8, 420), (9, 380)]),
+    "Z": (steps(-200, 200, 20), 0.02, [(3, 400), (4, 430), (3, 280), (9, 420), (10, 410), (5, 500)]),
+    "A": (steps(-100, 60, 10), 0.0, [(3, 200), (4, 180), (5, 220), (40, 170), (10, 190), (12, 210)]),
+    "C": (steps(-180, 180, 15), 0.0, [(5, 360), (5, 360, 0.25), (3, 180), (12, 360, 0.1), (11, 360, 0.3), (45, 360)]),
+}
+
+
 def trt():
-    line = steps(-200, 200, 20)
-    table("trt/x.csv", "X", line, {"EXX": plus(slope(0.04), wave(3.0, 260.0)), "EYX": wave(3.0, 420.0), "EZX": wave(4.0, 390.0),
-                                   "EAX": wave(9.0, 400.0), "EBX": wave(12.0, 500.0), "ECX": wave(11.0, 450.0)}, "X of trt")
-    table("trt/y.csv", "Y", line, {"EXY": wave(3.0, 410.0), "EYY": plus(slope(-0.03), wave(4.0, 300.0)), "EZY": wave(3.0, 430.0),
-                                   "EAY": wave(13.0, 450.0), "EBY": wave(8.0, 420.0), "ECY": wave(9.0, 380.0)}, "Y of trt")
-    table("trt/z.csv", "Z", line, {"EXZ": wave(3.0, 400.0), "EYZ": wave(4.0, 430.0), "EZZ": plus(slope(0.02), wave(3.0, 280.0)),
-                                   "EAZ": wave(9.0, 420.0), "EBZ": wave(10.0, 410.0), "ECZ": wave(5.0, 500.0)}, "Z of trt")
-    tilt = steps(-100, 60, 10)
-    table("trt/a.csv", "A", tilt, {"EXA": wave(3.0, 200.0), "EYA": wave(4.0, 180.0), "EZA": wave(5.0, 220.0),
-                                   "EAA": wave(40.0, 170.0), "EBA": wave(10.0, 190.0), "ECA": wave(12.0, 210.0)}, "A of trt, trunnion")
-    turn = steps(-180, 180, 15)
-    table("trt/c.csv", "C", turn, {"EXC": wave(5.0, 360.0), "EYC": wave(5.0, 360.0, 0.25), "EZC": wave(3.0, 180.0),
-                                   "EAC": wave(12.0, 360.0, 0.1), "EBC": wave(11.0, 360.0, 0.3), "ECC": wave(45.0, 360.0)}, "C of trt, rotary table")
+    for axis, (positions, own, waves) in TRT.items():
+        columns = {"E%s%s" % (c, axis): wave(*w) for c, w in zip("XYZABC", waves)}
+        columns["E" + 2 * axis] = plus(slope(own), columns["E" + 2 * axis])
+        table("trt/%s.csv" % axis.lower(), axis, positions, columns, "%s of trt" % axis)
 
 
 stream()

@@ -58,7 +58,8 @@ def one(folder, machine, letters, offset):
                  "net back-{0} ta.joint.{0}.motor-pos-cmd-out => ta.joint.{0}.motor-pos-fb-in".format(j)]
     text = COST_HAL % {"tables": machine + ".tcomp", "cycles": CYCLES, "nets": "\n".join(nets), "offset": offset}
     code, printed = rig.halrun(folder, text, 60)
-    rows = [[int(word) for word in line.split()] for line in printed.splitlines() if line.count(" ") >= 4 and line[0].isdigit()]
+    lines = [line.split() for line in printed.splitlines() if line.count(" ") >= 4 and line[0].isdigit()]
+    rows = [[int(word) for word in line] for line in lines]
     expect(code == 0 and len(rows) == CYCLES, "%d samples" % len(rows), printed[-2000:])
     expect("TRUE" in printed.splitlines()[-3:-1] or "TRUE" in printed, "not active", printed[-300:])
     columns = list(zip(*rows[CYCLES // 4 :]))

@@ -272,7 +272,8 @@ def tip_truth(folder, run):
     apart = max(math.dist([float(row[k]) for k in ("tip_x_mm", "tip_y_mm", "tip_z_mm")], tips[n - 20])
                 for n, row in zip(poses, forward))
     expect(len(poses) >= 4 and apart < 1e-9, "kinematics of LinuxCNC and of the tables are %g mm apart" % apart, poses)
-    return "true tip off by %.1f um without, %.3f um with correction; kinematics agree within %.0e mm" % (before, after, apart)
+    return "true tip off by %.1f um without, %.3f um with correction; kinematics agree within %.0e mm" % (
+        before, after, apart)
 
 
 def table_of(folder, words, positions):

@@ -175,7 +175,8 @@ def side_by_side(pilot):
 def contour(pilot):
     """Arcs and lines on drives that lag."""
     pilot.record(joints(3, "joint.%d.pos-cmd", "ta.joint.%d.motor-pos-fb-in") +
-                 ["ta.contour.%s.%s" % (of, what) for of in ("tip", "encoder") for what in ("error", "normal", "lag", "found")] +
+                 ["ta.contour.%s.%s" % (of, what)
+                  for of in ("tip", "encoder") for what in ("error", "normal", "lag", "found")] +
                  ["ta.active", "ta.fault-code"])
     pilot.on()
     pilot.home()

@@ -22,7 +22,14 @@ struct Panel {
 }
 
 /// Draws panels below each other: `UNIT*SCALE; LABEL = PIN [- PIN]; …`.
-pub(crate) fn plot(recording: &Recording, panels: &[String], from_s: f64, to_s: f64, period_ns: u32, out: &Path) -> Result<()> {
+pub(crate) fn plot(
+    recording: &Recording,
+    panels: &[String],
+    from_s: f64,
+    to_s: f64,
+    period_ns: u32,
+    out: &Path,
+) -> Result<()> {
     let period_s = f64::from(period_ns) * 1e-9;
     let last = recording.rows().len() as f64 * period_s;
     let (from_s, to_s) = (from_s.max(0.0), to_s.min(last));
