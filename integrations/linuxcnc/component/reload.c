@@ -23,6 +23,7 @@ static void finish(struct instance *instance, uint32_t code)
     *pins->reload_code = code;
     *pins->reload_failed = code != 0;
     *pins->reload_busy = 0;
+    *pins->reloads += 1;
 }
 
 /* Reads into the place that is not in force and offers it; the servo thread takes it between two cycles. */
@@ -47,7 +48,6 @@ static void reload(struct instance *instance)
     unsigned wanted = atomic_load_explicit(&instance->reload_wanted, memory_order_acquire);
     if (instance->offer && atomic_load_explicit(&instance->in_force, memory_order_acquire) == instance->offer) {
         pins_limits(instance, instance->offer);
-        *instance->pins->reloads += 1;
         finish(instance, 0);
     }
     if (!instance->offer && wanted != instance->reload_done) {

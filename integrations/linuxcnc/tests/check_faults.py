@@ -35,7 +35,7 @@ def switching(folder):
     expect(marks["code of damaged"] == 6 and marks["code of stranger"] == 7, "codes of refused files", marks)
     expect(marks["failed after first"] == 0, "a good reload must clear the pin", marks)
     expect(marks["tables-ok"] == 0, "limits that are not accepted", marks)
-    expect(max(run.column("ta.reloads")) == 2, "reloads", max(run.column("ta.reloads")))
+    expect(max(run.column("ta.reloads")) == 4, "reloads", max(run.column("ta.reloads")))
     lines = [line for line in printed.splitlines() if line.startswith("LinuxCNC: trueaxis: ta: reload: ")]
     expect(len(lines) == 2, "two refusals, one message to the operator each", printed[-3000:])
     expect(max(run.column("ta.fault-code")) == 0, "faults")

@@ -64,7 +64,7 @@ def switching(pilot):
         mark(name)
         done = hal.get_value("ta.reloads")
         hal.set_p("ta.reload", "1")
-        pilot.wait(lambda: hal.get_value("ta.reloads") != done or hal.get_value("ta.reload-failed"), "reload", 5)
+        pilot.wait(lambda: hal.get_value("ta.reloads") != done, "reload", 10)
         time.sleep(0.02)
         hal.set_p("ta.reload", "0")
         time.sleep(0.5)

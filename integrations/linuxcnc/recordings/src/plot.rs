@@ -121,3 +121,22 @@ fn draw(panel: &Panel, area: &Area<'_>, from_s: f64, to_s: f64) -> Result<(), Bo
         .draw()?;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_single_spike_survives_the_thinning() {
+        let mut values = vec![0.0; 100_000];
+        values[54_321] = 7.0;
+        values[54_322] = -3.0;
+        values[9] = f64::NAN;
+        let points = thinned(&values, 0.0, 100.0);
+        assert!(points.len() <= 2 * COLUMNS);
+        assert!(points.windows(2).all(|pair| pair[0].0 < pair[1].0));
+        let spike = points.iter().find(|point| point.1 == 7.0).unwrap();
+        assert!((spike.0 - 54.321).abs() < 1e-9);
+        assert!(points.iter().any(|point| point.1 == -3.0));
+    }
+}

@@ -45,3 +45,34 @@ impl Recording {
         self.values.chunks_exact(self.columns.len())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(name: &str, head: &str, numbers: &[f64]) -> (tempfile::TempDir, std::path::PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        std::fs::write(path.with_extension("json"), head).unwrap();
+        std::fs::write(path.with_extension("f64"), bytes).unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn rows_come_back_as_they_were_written() {
+        let numbers = [1.0, -0.0, f64::MIN_POSITIVE, 4.0, 5.0, f64::NAN];
+        let (_folder, path) = written("run", r#"{"columns": ["a", "b", "c"], "rows": 2}"#, &numbers);
+        let recording = Recording::load(&path).unwrap();
+        let rows: Vec<Vec<u64>> = recording.rows().map(|row| row.iter().map(|x| x.to_bits()).collect()).collect();
+        assert_eq!(rows.concat(), numbers.map(f64::to_bits));
+        assert_eq!(recording.place("c").unwrap(), 2);
+        assert!(recording.place("d").is_err());
+    }
+
+    #[test]
+    fn a_recording_that_was_cut_off_is_refused() {
+        let (_folder, path) = written("run", r#"{"columns": ["a", "b"], "rows": 2}"#, &[1.0, 2.0, 3.0]);
+        assert!(Recording::load(&path).unwrap_err().to_string().contains("found 24 bytes, needed 32"));
+    }
+}
