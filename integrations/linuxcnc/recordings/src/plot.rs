@@ -106,6 +106,7 @@ fn draw(panel: &Panel, area: &Area<'_>, from_s: f64, to_s: f64) -> Result<(), Bo
         .x_labels(10)
         .y_labels(5)
         .x_label_formatter(&|t| format!("{t:.1} s"))
+        .y_label_formatter(&|v| if high - low < 0.1 && *v != 0.0 { format!("{v:.0e}") } else { format!("{v:.1}") })
         .draw()?;
     for ((label, values), colour) in panel.traces.iter().zip(TRACES.iter().cycle()) {
         chart
