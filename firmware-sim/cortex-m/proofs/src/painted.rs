@@ -45,6 +45,10 @@ fn deepest(worst: &mut usize, call: impl FnOnce()) {
     }
 }
 
+fn scalar(x: f64) -> R {
+    <R as Real>::of(x)
+}
+
 fn settings(axes: &[Axis], model: ErrorModel) -> MachineSettings {
     let five = axes.len() == 5;
     let mut machine = MachineSettings {
@@ -103,11 +107,11 @@ fn pieces() -> heapless::Vec<Span<R, P>, 64> {
 fn input<const N: usize>(cycle: u32, command: [P; N]) -> Input<P, N> {
     let mut input = Input { command, feedback: command, homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
     for (k, feedback) in input.feedback.iter_mut().enumerate() {
-        *feedback = feedback.plus(R::of(1e-3 * f64::from((cycle * 7 + k as u32 * 3) % 11)));
+        *feedback = feedback.plus(scalar(1e-3 * f64::from((cycle * 7 + k as u32 * 3) % 11)));
     }
     input.encoder_alarm = u8::from(cycle % 500 == 499);
     if cycle % 900 == 899 {
-        input.command[0] = input.command[0].plus(R::of(500.0));
+        input.command[0] = input.command[0].plus(scalar(500.0));
     }
     input.reset = cycle % 900 > 10 && cycle % 900 < 100;
     input
@@ -116,7 +120,7 @@ fn input<const N: usize>(cycle: u32, command: [P; N]) -> Input<P, N> {
 /// Where the interpolator is, and its command.
 fn place(spans: &[Span<R, P>], cycle: u32) -> (Reference<R>, [P; 3]) {
     let (piece, part) = ((cycle / 40) as usize % spans.len(), cycle % 40);
-    let t = R::of(f64::from(part) / 40.0);
+    let t = scalar(f64::from(part) / 40.0);
     (Reference { span: piece as u32, t }, spans[piece].position(t))
 }
 
@@ -135,7 +139,7 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
         method: Method::Guarded,
     };
     let rows = rows();
-    let (mut lines, mut knots, mut guide) = ([R::ZERO; 1024], [R::ZERO; 64], [0; 128]);
+    let (mut lines, mut knots, mut guide) = ([<R as Real>::ZERO; 1024], [<R as Real>::ZERO; 64], [0; 128]);
     let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
     let servo: ServoLoop<'_, R, P, 3> = config.build(|_| Some(&rows[..]), storage).expect("a configuration");
     // SAFETY: a static lifetime for the exchange; nothing of it outlives this function.
@@ -161,7 +165,7 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
     for cycle in 0..10 * CYCLES {
         let (reference, command) = place(&spans, cycle);
         let input = input(cycle, command);
-        let readings = [cycle % 13, cycle % 17, cycle % 19].map(|x| R::of(f64::from(x)));
+        let readings = [cycle % 13, cycle % 17, cycle % 19].map(|x| scalar(f64::from(x)));
         let index = (cycle % 8192 == 0).then_some((cycle * 8) as i32);
         let probes = Probes { readings, spindle: (cycle * 8) as i32, index, ..Probes::default() };
         deepest(&mut worst[1], || {
@@ -211,7 +215,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
         method: Method::Guarded,
     };
     let rows = rows();
-    let (mut lines, mut knots, mut guide) = ([R::ZERO; 2048], [R::ZERO; 64], [0; 128]);
+    let (mut lines, mut knots, mut guide) = ([<R as Real>::ZERO; 2048], [<R as Real>::ZERO; 64], [0; 128]);
     let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
     let servo: ServoLoop<'_, R, P, 5> = config.build(|_| Some(&rows[..]), storage).expect("a configuration");
     // SAFETY: the table's functions want a static loop; nothing of it outlives this function.
@@ -224,7 +228,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
     // Axes in the order of the kinematics.
     let joints = |cycle: u32| {
         let along = f64::from(cycle) / f64::from(CYCLES);
-        [10.0 * along, 5.0 * along, 150.0, 10.0 + 5.0 * along, 0.0, -20.0 + 9.0 * along].map(R::of)
+        [10.0 * along, 5.0 * along, 150.0, 10.0 + 5.0 * along, 0.0, -20.0 + 9.0 * along].map(scalar)
     };
 
     let mut state = servo.start(PERIOD_NS).expect("the period");
@@ -240,13 +244,13 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
     let mut state = servo.start(PERIOD_NS).expect("the period");
     let near = joints(0);
     let standing = kinematics.inverse(&kinematics.forward(&near), &near).expect("a pose");
-    let mut follow = Follow::new(&standing, R::of(0.1));
+    let mut follow = Follow::new(&standing, scalar(0.1));
     for cycle in 0..CYCLES {
         let [x, y, z, a, b, c] = joints(cycle);
         let input = input(cycle, [x, y, z, a, c].map(|joint| P::default().plus(joint)));
         let (reference, _) = place(&spans, cycle);
         // A tip that nothing reaches, now and then.
-        let far = if cycle % 700 == 699 { R::of(5000.0) } else { x };
+        let far = if cycle % 700 == 699 { scalar(5000.0) } else { x };
         let tool = kinematics.forward(&[far, y, z, a, b, c]);
         deepest(&mut worst[1], || {
             let commanded = (&tool, &mut follow);
