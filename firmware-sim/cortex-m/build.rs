@@ -1,8 +1,12 @@
-//! Puts the memory layout where the linker looks for it.
+//! Puts the memory layout and the names of the interrupts where the linker looks for them.
 
 fn main() {
     let out = std::env::var("OUT_DIR").expect("cargo sets OUT_DIR");
-    std::fs::copy("memory.x", format!("{out}/memory.x")).expect("memory.x can be copied");
+    for script in ["memory.x", "device.x"] {
+        std::fs::copy(script, format!("{out}/{script}")).expect("linker scripts can be copied");
+        println!("cargo:rerun-if-changed={script}");
+    }
     println!("cargo:rustc-link-search={out}");
-    println!("cargo:rerun-if-changed=memory.x");
+    // The log's format strings stay in the ELF file.
+    println!("cargo:rustc-link-arg-bin=image=-Tdefmt.x");
 }

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
   firmware-sim compare --rate-hz 1000 --cycles 20000 --report out
                                     20 s of the default program on both cores; out/compare.html
   firmware-sim compare --machine firmware-sim/cortex-m/machine --program short-tour --rate-hz 1000 \\
-      --drill --exchange-at 9000 --second firmware-sim/cortex-m/machine/warm.toml
+      --drill --exchange-at 12000 --second firmware-sim/cortex-m/machine/warm.toml
                                     with faults, a gauge, and other tables in motion
 Exit code 1: host and image do not agree as they must.")]
 pub(crate) struct CompareArgs {

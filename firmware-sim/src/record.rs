@@ -12,7 +12,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = "Examples:
   firmware-sim record --rate-hz 1000 -o run.rec                     the default program at 1 kHz
-  firmware-sim record --program short-tour --rate-hz 1000 --drill --exchange-at 9000 -o tour.rec
+  firmware-sim record --program short-tour --rate-hz 1000 --drill --exchange-at 12000 -o tour.rec
                                                                     with faults, stops and an exchange of tables")]
 pub(crate) struct RecordArgs {
     #[command(flatten)]

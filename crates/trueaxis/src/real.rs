@@ -6,7 +6,7 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 /// A hardware float in which the step computes.
 ///
 /// Only operations that cannot panic, allocate or call a transcendental function are here; results are the same on
-/// every target (the square root is libm's).
+/// every target (the square root is correctly rounded).
 pub trait Real:
     Copy
     + Debug
@@ -114,13 +114,12 @@ macro_rules! real {
 real!(f64, sqrt_f64);
 real!(f32, sqrt_f32);
 
-/// libm's routine, correctly rounded on every target; core's own is not reachable without std.
 #[inline(always)]
 fn sqrt_f64(x: f64) -> f64 {
-    if x > 0.0 { libm::sqrt(x) } else { 0.0 }
+    if x > 0.0 { trueaxis_sqrt::sqrt_f64(x) } else { 0.0 }
 }
 
 #[inline(always)]
 fn sqrt_f32(x: f32) -> f32 {
-    if x > 0.0 { libm::sqrtf(x) } else { 0.0 }
+    if x > 0.0 { trueaxis_sqrt::sqrt_f32(x) } else { 0.0 }
 }

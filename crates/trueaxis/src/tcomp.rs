@@ -74,6 +74,7 @@ impl TableHeader {
 
 /// Why a file is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 #[non_exhaustive]
 pub enum TcompError {

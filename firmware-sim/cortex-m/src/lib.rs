@@ -2,4 +2,6 @@
 
 #![no_std]
 
+pub mod device;
+pub mod regions;
 pub mod timer;

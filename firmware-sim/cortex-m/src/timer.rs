@@ -15,7 +15,9 @@ pub fn start() {
     }
 }
 
-fn now() -> u32 {
+/// Ticks left of the timer.
+#[inline(always)]
+pub fn now() -> u32 {
     // SAFETY: the timer's value register.
     unsafe { TIMER.add(1).read_volatile() }
 }
@@ -27,8 +29,12 @@ pub fn timed<A>(function: fn(&A) -> u32, argument: &A) -> (u32, u32) {
     let before = now();
     let result = function(black_box(argument));
     let ticks = before.wrapping_sub(now());
-    // 3.2 ticks an instruction, rounded.
-    (((u64::from(ticks) * 40 + 64) >> 7) as u32, result)
+    (instructions(ticks), result)
+}
+
+/// 3.2 ticks an instruction, rounded.
+pub fn instructions(ticks: u32) -> u32 {
+    ((u64::from(ticks) * 40 + 64) >> 7) as u32
 }
 
 /// Smallest, largest and mean of some counts.

@@ -9,6 +9,7 @@ use super::{
 use crate::compare::outputs::Row;
 use crate::compare::{Comparison, Outcome};
 use plotters::style::RGBColor;
+use trueaxis::contour::Flags;
 use std::{
     fs, io,
     path::{Path, PathBuf},
@@ -103,6 +104,12 @@ fn plot(class: &str, width: i32, caption: &str, y: &str, lines: &[Line<'_>], sca
     framed(class, &keys, &svg, caption)
 }
 
+/// A contour error, while the foot is known: not while the search looks around for it.
+fn found(row: &Row, error: f64) -> f64 {
+    let unknown = Flags::COLD.and(Flags::NOT_FOUND).bits();
+    if row.flags & unknown == 0 { error } else { f64::NAN }
+}
+
 fn core(one: &Comparison, period_s: f64) -> String {
     let corrections = |rows: &[Row]| -> Vec<Line<'static>> {
         let line = |(axis, (text, colour)): (usize, (&'static str, RGBColor))| {
@@ -115,8 +122,8 @@ fn core(one: &Comparison, period_s: f64) -> String {
             (series(rows, period_s, |row| 1e3 * value(row)), Key { colour, dashed: false, text })
         };
         vec![
-            line("plain encoder position", colour::UNCOMPENSATED, |row| row.encoder),
-            line("estimated tool tip", colour::COMPENSATED, |row| row.tip),
+            line("plain encoder position", colour::UNCOMPENSATED, |row| found(row, row.encoder)),
+            line("estimated tool tip", colour::COMPENSATED, |row| found(row, row.tip)),
         ]
     };
     let values = |sets: [&[Line<'_>]; 2]| -> Vec<f64> {
@@ -124,8 +131,11 @@ fn core(one: &Comparison, period_s: f64) -> String {
     };
     let pair = |what: &str, y: &str, host: Vec<Line<'_>>, image: Vec<Line<'_>>| {
         let scaled = values([&host, &image]);
-        plot("half", 550, &format!("{what}: on the host."), y, &host, &scaled)
-            + &plot("half", 550, &format!("{what}: in the image."), y, &image, &scaled)
+        format!(
+            "<div class=\"figures\">{}{}</div>\n",
+            plot("half", 550, &format!("{what}: on the host."), y, &host, &scaled),
+            plot("half", 550, &format!("{what}: in the image."), y, &image, &scaled)
+        )
     };
     let apart = |value: fn(&Row) -> f64| -> Vec<[f64; 2]> {
         let all: Vec<[f64; 2]> = one
@@ -140,7 +150,7 @@ fn core(one: &Comparison, period_s: f64) -> String {
         (apart(|row| row.correction[0]), Key { colour: AXES[0].1, dashed: false, text: "correction of X" }),
         (apart(|row| row.correction[1]), Key { colour: AXES[1].1, dashed: false, text: "correction of Y" }),
         (apart(|row| row.correction[2]), Key { colour: AXES[2].1, dashed: false, text: "correction of Z" }),
-        (apart(|row| row.tip), Key { colour: colour::NEUTRAL, dashed: false, text: "contour error of the tip" }),
+        (apart(|row| found(row, row.tip)), Key { colour: colour::NEUTRAL, dashed: false, text: "contour error of the tip" }),
     ];
     let scaled: Vec<f64> = lines.iter().flat_map(|(points, _)| points.iter().map(|p| p[1])).chain([0.0]).collect();
     let caption = "The image less the host in double precision, cycle by cycle.";

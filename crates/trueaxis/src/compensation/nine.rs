@@ -51,10 +51,20 @@ pub struct NineTerms<'a, R, P, const N: usize> {
     squareness: [R; 3],
     constant: [[R; 3]; N],
     datum: [R; N],
-    /// All tables equidistant and linear, no rotary axis, look-up at the command.
-    plain: bool,
-    /// The same with free grids among them.
-    linear: bool,
+    kind: Kind,
+}
+
+/// Which loop looks the tables up: three axes at the command, all alike, or anything else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Equidistant and linear.
+    Plain,
+    /// Linear, with free grids among them.
+    Linear,
+    /// Cubic, on any grid.
+    Cubic,
+    /// Mixed, with rotary axes, or looked up at the feedback.
+    Any,
 }
 
 /// The rotary axes between the bed and an axis, from the bed outwards; at most two count.
@@ -113,9 +123,9 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
             squareness: [location.c0y, location.b0z, location.a0z].map(R::of),
             constant: [[R::ZERO; 3]; N],
             datum: [R::ZERO; N],
-            plain: N == 3,
-            linear: N == 3,
+            kind: Kind::Any,
         };
+        let [mut plain, mut linear, mut cubic] = [N == 3; 3];
         for (place, axis) in axes.into_iter().enumerate() {
             let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) else { continue };
             let sense =
@@ -125,8 +135,10 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
                 None => AxisTable::zero(),
             };
             let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
-            built.plain &= table.is_plain() && feedback == (false, false);
-            built.linear &= table.is_linear() && feedback == (false, false);
+            let at_command = feedback == (false, false);
+            plain &= table.is_plain() && at_command;
+            linear &= table.is_linear() && at_command;
+            cubic &= table.is_cubic() && at_command;
             let set = |slot: Option<&mut R>, value| {
                 if let Some(slot) = slot {
                     *slot = R::of(value);
@@ -148,6 +160,12 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
                 }
             }
         }
+        built.kind = match (plain, linear, cubic) {
+            (true, ..) => Kind::Plain,
+            (_, true, _) => Kind::Linear,
+            (.., true) => Kind::Cubic,
+            _ => Kind::Any,
+        };
         Ok(built)
     }
 
@@ -174,6 +192,12 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     #[inline(never)]
     pub fn linear_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
         self.sum_of(at, reverse, held, AxisTable::at_linear)
+    }
+
+    /// Error of the nine terms alone, cubic tables on any grid.
+    #[inline(never)]
+    fn cubic_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+        self.sum_of(at, reverse, held, AxisTable::at_cubic)
     }
 
     /// Translations of all tables, looked up one way.
@@ -300,12 +324,11 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> Errors<R, N> {
-        let mut errors = if self.plain {
-            self.plain_terms(command, reverse, held)
-        } else if self.linear {
-            self.linear_terms(command, reverse, held)
-        } else {
-            self.general_terms(command, feedback, reverse, held)
+        let mut errors = match self.kind {
+            Kind::Plain => self.plain_terms(command, reverse, held),
+            Kind::Linear => self.linear_terms(command, reverse, held),
+            Kind::Cubic => self.cubic_terms(command, reverse, held),
+            Kind::Any => self.general_terms(command, feedback, reverse, held),
         };
         self.add_linear(command, thermal, &mut errors);
         errors

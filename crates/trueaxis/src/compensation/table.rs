@@ -329,6 +329,30 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
+    /// Cubic and not wrapping, or no table at all: what [`AxisTable::at_cubic`] handles.
+    pub fn is_cubic(&self) -> bool {
+        !self.wraps && self.linear.is_empty()
+    }
+
+    /// Contribution at a coordinate of a *cubic* table on any grid, and whether its edge value is held.
+    #[inline(always)]
+    pub fn at_cubic(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {
+        let (index, t, edge) = if self.knots.is_empty() {
+            let wanted = coordinate * self.scale;
+            let held = wanted.within(R::ZERO, self.last);
+            let index = held.to_i32();
+            (index as usize, held - R::of_i32(index), wanted != held)
+        } else {
+            let held = coordinate.within(R::ZERO, self.span);
+            let (index, t) = self.search(held);
+            (index, t, coordinate != held)
+        };
+        match self.cubic.get(index.wrapping_add(self.reverse_offset & reverse)) {
+            Some([value, c1, c2, c3]) => (along(value, t, &along(c1, t, &along(c2, t, c3))), edge),
+            None => ([R::ZERO; W], false),
+        }
+    }
+
     /// Contribution at a coordinate, and whether the table's edge value is held; any table.
     #[inline]
     pub fn at(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {

@@ -1,32 +1,18 @@
-//! Instructions of the gauge's stages on a Cortex-M, counted in QEMU (see `count.sh`).
-//!
-//! QEMU counts instructions, not cycles: with `-icount shift=7` one instruction takes 128 ns of virtual time, in which
-//! the board's 25 MHz timer ticks 3.2 times. The call of an empty function is subtracted.
+//! The gauge's stages, N = 1024, nine and a half cycles to a point.
 
-#![no_std]
-#![no_main]
-
+use crate::arena::Arena;
 use core::hint::black_box;
-use cortex_m as _;
-use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 
 use trueaxis::roundness::{
     Arm, ArmSettings, Band, Followed, InfeedSettings, ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState,
 };
 use trueaxis::{Axis, Real};
-use trueaxis_cortex_m::timer::{self, Tally, timed};
+use trueaxis_cortex_m::timer::{Tally, timed};
 
 const POINTS: usize = 1024;
 /// Forward transform, pairs and inverse of 1024 points.
 const TRANSFORM_UNITS: usize = 576 + 256 + 576;
-
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo) -> ! {
-    hprintln!("PANIC {}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {}
-}
 
 fn settings(whole: bool) -> RoundnessSettings {
     let mut settings = RoundnessSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 22);
@@ -135,32 +121,14 @@ fn count<R: Real>(name: &str, whole: bool, gauge: &mut Roundness<R, POINTS>, sta
     }
 }
 
-/// Large: in memory of their own rather than on the stack.
-struct Large<R: Real>(Roundness<R, POINTS>, RoundnessState<R, POINTS>);
-
-static mut SINGLE: core::mem::MaybeUninit<Large<f32>> = core::mem::MaybeUninit::uninit();
-static mut DOUBLE: core::mem::MaybeUninit<Large<f64>> = core::mem::MaybeUninit::uninit();
-
-fn both<R: Real>(name: &str, large: &mut core::mem::MaybeUninit<Large<R>>) {
+/// Counts the stages, as they are by default and with everything that a gauge can have.
+pub fn all<R: Real>(name: &str, arena: &mut Arena) {
     let gauge = match Roundness::build(&settings(false), 100_000) {
         Ok(gauge) => gauge,
         Err(error) => panic!("{}", error),
     };
-    let Large(gauge, state) = large.write(Large(gauge, RoundnessState::new()));
-    count(name, false, gauge, state);
-    count(name, true, gauge, state);
-}
-
-#[entry]
-fn main() -> ! {
-    timer::start();
-    // SAFETY: the only use of the statics.
-    unsafe {
-        both("f32", &mut *(&raw mut SINGLE));
-        if cfg!(feature = "double") {
-            both("f64", &mut *(&raw mut DOUBLE));
-        }
-    }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {}
+    let gauge = arena.keep(gauge);
+    let state = arena.keep(RoundnessState::new());
+    count::<R>(name, false, gauge, state);
+    count::<R>(name, true, gauge, state);
 }

@@ -1,0 +1,220 @@
+/*
+ * Steps a circular motion of 8,000 servo cycles through the tables of a machine, exchanges the tables in mid-motion, and
+ * prints what came of it. The same program runs on a host and, with cortex-m/, on bare metal.
+ *
+ *   step_trace FIRST.tcomp SECOND.tcomp        host: files of one machine with three axes
+ *   bare metal: the two files lie at fixed addresses of the image
+ *
+ * The motion is made of additions and multiplications only, and rounded to whole nanometres: the same on every machine.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "trueaxis.h"
+
+#define PERIOD_NS 100000u
+#define CYCLES 8000
+#define REST 100 /* cycles before it moves */
+#define EXCHANGE_AT 4000
+#define ALARM_AT 6000
+#define LAG_CYCLES 20
+#define AXES 3
+#define RADIUS_MM 25.0
+#define CENTER_MM { 60.0, -40.0, -200.0 }
+#ifndef MEMORY_BYTES
+#define MEMORY_BYTES 65536
+#endif
+#define SPANS 64
+
+/* Nothing here is on the stack or the heap: firmware has it in its static memory. uint64_t aligns to 8 bytes. */
+static trueaxis_loop_t loops[2];
+static uint64_t memory[2][MEMORY_BYTES / 8];
+static trueaxis_state_t state;
+static trueaxis_path_t path;
+static uint64_t path_memory[SPANS * TRUEAXIS_SPAN_BYTES / 8];
+static trueaxis_tables_info_t info;
+static trueaxis_error_t error;
+static trueaxis_input_t input;
+static trueaxis_output_t output;
+
+struct file {
+    const uint8_t *bytes;
+    size_t length;
+};
+
+#ifdef BARE_METAL
+/* Made by cortex-m/tables.S, placed by cortex-m/mps2.ld. */
+extern const uint8_t tables_first[], tables_first_end[], tables_second[], tables_second_end[];
+#else
+static uint8_t file_memory[2][1 << 20];
+
+static struct file load(const char *name, uint8_t *to, size_t size) {
+    struct file file = { to, 0 };
+    FILE *stream = fopen(name, "rb");
+    if (stream == NULL) {
+        fprintf(stderr, "%s cannot be opened\n", name);
+        return file;
+    }
+    file.length = fread(to, 1, size, stream);
+    fclose(stream);
+    return file;
+}
+#endif
+
+static trueaxis_position_t position(int32_t nm) {
+#ifdef TRUEAXIS_SINGLE
+    return nm;
+#else
+    return nm / 1e6;
+#endif
+}
+
+static int32_t whole_nm(double mm) {
+    double nm = mm * 1e6;
+    return (int32_t)(nm < 0 ? nm - 0.5 : nm + 0.5);
+}
+
+/* Builds the loop, or says why not; then one that passes commands uncorrected takes its place. */
+static uint8_t build(int which, struct file file, uint32_t machine_id) {
+    trueaxis_status_t status = trueaxis_check_abi(TRUEAXIS_ABI_VERSION);
+    uint8_t reason = TRUEAXIS_FAULT_ABI_MISMATCH;
+    if (status == TRUEAXIS_OK) {
+        status = trueaxis_loop_build(&loops[which], sizeof loops[which], file.bytes, file.length, machine_id, PERIOD_NS,
+                                     memory[which], sizeof memory[which], &error);
+        if (status == TRUEAXIS_OK) {
+            return TRUEAXIS_FAULT_NONE;
+        }
+        reason = status == TRUEAXIS_ERROR_MEMORY ? TRUEAXIS_FAULT_CAPACITY_TOO_SMALL : TRUEAXIS_FAULT_TABLES_REFUSED;
+        printf("refused: status %" PRId32 ", code %" PRIu32 ": %s\n", status, error.code, error.text);
+    } else {
+        printf("refused: status %" PRId32 ", header %08" PRIx32 ", library %08" PRIx32 ": %s\n", status,
+               (uint32_t)TRUEAXIS_ABI_VERSION, trueaxis_abi_version(), trueaxis_status_text(status));
+    }
+    status = trueaxis_loop_bypass(&loops[which], sizeof loops[which], AXES, reason, PERIOD_NS);
+    if (status != TRUEAXIS_OK) {
+        printf("no bypass: %s\n", trueaxis_status_text(status));
+    }
+    return reason;
+}
+
+static uint64_t fnv1a(uint64_t sum, const void *from, size_t size) {
+    const uint8_t *bytes = from;
+    for (size_t i = 0; i < size; ++i) {
+        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
+    }
+    return sum;
+}
+
+static int run(struct file first, struct file second) {
+    const double center[3] = CENTER_MM, up[3] = { 0, 0, 1 };
+    const double start[3] = { center[0] + RADIUS_MM, center[1], center[2] };
+    info.size = sizeof info;
+    error.size = sizeof error;
+    input.size = sizeof input;
+    output.size = sizeof output;
+
+    const trueaxis_loop_t *active = &loops[0];
+    const uint8_t refused = build(0, first, 0);
+    if (refused == TRUEAXIS_FAULT_NONE) {
+        if (trueaxis_tables_info(first.bytes, first.length, &info, &error) != TRUEAXIS_OK || info.axes != AXES ||
+            build(1, second, info.machine_id) != TRUEAXIS_FAULT_NONE) {
+            puts("two files of one machine with three axes are needed");
+            return 1;
+        }
+        printf("machine %s, axes %s, tables %08" PRIx32 ", memory %" PRIu32 " bytes\n", info.name, info.letters,
+               info.tables_crc, (uint32_t)info.memory_bytes);
+    }
+    if (trueaxis_path_start(&path, sizeof path, path_memory, sizeof path_memory, 0) != TRUEAXIS_OK ||
+        trueaxis_path_arc(&path, start, start, center, up, 0, &error) != TRUEAXIS_OK ||
+        trueaxis_path_close(&path) != TRUEAXIS_OK || trueaxis_start(active, &state, sizeof state, PERIOD_NS) != TRUEAXIS_OK) {
+        puts("path or state cannot be started");
+        return 1;
+    }
+
+    /* cos and sin of a turn / 8000: nearly once around. */
+    const double turn[2] = { 0.9999996915748783, 0.0007853980826519387 };
+    double phasor[2] = { RADIUS_MM, 0 };
+    trueaxis_position_t lag[LAG_CYCLES][AXES];
+    uint64_t sum = UINT64_C(0xcbf29ce484222325), frames = sum;
+    double worst_um = 0;
+    uint32_t faults = 0, frame_bytes = 0;
+    for (uint32_t cycle = 0; cycle < CYCLES; ++cycle) {
+        const double at[AXES] = { center[0] + phasor[0], center[1] + phasor[1], center[2] };
+        const uint32_t moved = cycle < REST ? 0 : cycle - REST;
+        if (cycle >= REST) {
+            const double x = phasor[0] * turn[0] - phasor[1] * turn[1];
+            phasor[1] = phasor[0] * turn[1] + phasor[1] * turn[0];
+            phasor[0] = x;
+        }
+        for (int axis = 0; axis < AXES; ++axis) {
+            input.command[axis] = position(whole_nm(at[axis]));
+            /* The machine follows its drives after some cycles. */
+            input.feedback[axis] = cycle < LAG_CYCLES ? input.command[axis] : lag[cycle % LAG_CYCLES][axis];
+        }
+        input.homed = input.enable = 1;
+        input.elapsed_ns = PERIOD_NS;
+        input.encoder_alarm = cycle >= ALARM_AT && cycle < ALARM_AT + 5;
+        if (cycle == EXCHANGE_AT && refused == TRUEAXIS_FAULT_NONE) {
+            active = &loops[1];
+        }
+        trueaxis_reference_t reference;
+        trueaxis_status_t status = trueaxis_path_reference(&path, 0, moved / 8000.0, &reference);
+        if (status == TRUEAXIS_OK) {
+            status = trueaxis_step(active, &state, &input, &path, &reference, &output);
+        }
+        uint8_t frame[TRUEAXIS_FRAME_BYTES];
+        size_t length = 0;
+        if (status == TRUEAXIS_OK) {
+            status = trueaxis_frame_encode(&output, frame, sizeof frame, &length);
+        }
+        if (status != TRUEAXIS_OK) {
+            printf("cycle %" PRIu32 ": %s\n", cycle, trueaxis_status_text(status));
+            return 1;
+        }
+        for (int axis = 0; axis < AXES; ++axis) {
+            lag[cycle % LAG_CYCLES][axis] = output.drive[axis];
+        }
+        sum = fnv1a(sum, output.drive, AXES * sizeof output.drive[0]);
+        frames = fnv1a(frames, frame, length);
+        frame_bytes += (uint32_t)length;
+        faults += output.record.fault != TRUEAXIS_FAULT_NONE;
+        if (refused != TRUEAXIS_FAULT_NONE &&
+            (output.record.fault != refused || memcmp(output.drive, input.command, sizeof output.drive) != 0)) {
+            printf("cycle %" PRIu32 ": not passed as commanded, or without the reason\n", cycle);
+            return 1;
+        }
+        if (!(output.record.tip.flags & TRUEAXIS_CONTOUR_NOT_FOUND) &&
+            output.record.tip.error * 1e3 > worst_um) {
+            worst_um = output.record.tip.error * 1e3;
+        }
+    }
+
+    printf("cycles %" PRIu32 ", faults %" PRIu32 ", last fault %d, tables %08" PRIx32 "\n", output.record.sequence + 1,
+           faults, output.record.fault, output.record.tables_crc);
+    for (int axis = 0; axis < AXES; ++axis) {
+        printf("correction %c %.6f um\n", "XYZ"[axis], output.record.correction[axis] * 1e3);
+    }
+    printf("worst contour error %.6f um\n", worst_um);
+    /* In halves: not every C library prints 64 bits. */
+    printf("drives %08" PRIx32 "%08" PRIx32 "\n", (uint32_t)(sum >> 32), (uint32_t)sum);
+    printf("frames %08" PRIx32 "%08" PRIx32 ", %" PRIu32 " bytes\n", (uint32_t)(frames >> 32), (uint32_t)frames, frame_bytes);
+    return 0;
+}
+
+#ifdef BARE_METAL
+int main(void) {
+    const struct file first = { tables_first, (size_t)(tables_first_end - tables_first) };
+    const struct file second = { tables_second, (size_t)(tables_second_end - tables_second) };
+    return run(first, second);
+}
+#else
+int main(int count, char **arguments) {
+    if (count != 3) {
+        fputs("usage: step_trace FIRST.tcomp SECOND.tcomp\n", stderr);
+        return 2;
+    }
+    return run(load(arguments[1], file_memory[0], sizeof file_memory[0]),
+               load(arguments[2], file_memory[1], sizeof file_memory[1]));
+}
+#endif

@@ -1,0 +1,97 @@
+//! Telemetry on the wire.
+
+use crate::cycle::{AXES_MAX, Contour, Output};
+use crate::plugin::to_core;
+use crate::pointer::read_sized;
+use crate::status::{self, ERROR_ARGUMENT, ERROR_BUFFER, ERROR_NULL, ERROR_SIZE, Status};
+use trueaxis::telemetry::{self, AxisFrame, ContourFrame, Frame};
+use trueaxis::{Fault, Position as _};
+
+/// A buffer of this size holds the frame of any record.
+pub const FRAME_BYTES: usize = 256;
+const _: () = assert!(FRAME_BYTES == telemetry::FRAME_BYTES);
+
+/// Writes the telemetry frame of a record: postcard in COBS, its last byte 0, at most `TRUEAXIS_FRAME_BYTES`; the same
+/// bytes in every build and precision.
+///
+/// `output`: of a step. `buffer`, `size`: where to. `written`: receives the number of bytes.
+///
+/// Bounded time, but not part of the cycle: on a core without double precision some hundred instructions an axis.
+///
+/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_BUFFER`, `_ARGUMENT` (no output of a step).
+///
+/// # Safety
+/// Pointers are null or point to what their types say, `buffer` to `size` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trueaxis_frame_encode(
+    output: *const Output,
+    buffer: *mut u8,
+    size: usize,
+    written: *mut usize,
+) -> Status {
+    let work = || {
+        // SAFETY: the caller's promise.
+        let output = unsafe { read_sized(output) }?;
+        crate::pointer::check(written)?;
+        if buffer.is_null() {
+            return Err(ERROR_NULL);
+        }
+        if size > isize::MAX as usize {
+            return Err(ERROR_SIZE);
+        }
+        let mut whole = [0; FRAME_BYTES];
+        let frame = frame(&output).ok_or(ERROR_ARGUMENT)?.encode(&mut whole).map_err(|_| ERROR_ARGUMENT)?;
+        if frame.len() > size {
+            return Err(ERROR_BUFFER);
+        }
+        // SAFETY: the buffer has at least as many bytes, and is the caller's and not this function's; `written` was checked.
+        unsafe {
+            buffer.copy_from_nonoverlapping(frame.as_ptr(), frame.len());
+            written.write(frame.len());
+        }
+        Ok(())
+    };
+    status::of(work())
+}
+
+fn frame(output: &Output) -> Option<Frame> {
+    let axes = usize::try_from(output.axes).ok().filter(|axes| (3..=AXES_MAX).contains(axes))?;
+    let record = &output.record;
+    let positions = record.command.iter().zip(&record.feedback).zip(&record.correction).take(axes);
+    Some(Frame {
+        version: telemetry::FRAME_VERSION,
+        sequence: record.sequence,
+        machine_id: record.machine_id,
+        tables_crc: record.tables_crc,
+        fault: Fault::try_from(record.fault).ok()?,
+        fault_axis: record.fault_axis,
+        status: telemetry::Status(record.status),
+        limited: record.limited,
+        at_edge: record.at_edge,
+        axes: positions
+            .map(|((command, feedback), correction)| AxisFrame {
+                command: to_core(*command).to_f64(),
+                feedback: to_core(*feedback).to_f64(),
+                correction: single(*correction),
+            })
+            .collect(),
+        tip: contour(&record.tip),
+        encoder: contour(&record.encoder),
+        orientation: single(record.orientation),
+        orientation_flags: record.orientation_flags,
+    })
+}
+
+fn contour(error: &Contour) -> ContourFrame {
+    ContourFrame {
+        error: single(error.error),
+        normal: single(error.normal),
+        binormal: single(error.binormal),
+        lag: single(error.lag),
+        flags: error.flags,
+    }
+}
+
+fn single(x: crate::Real) -> f32 {
+    trueaxis::Real::to_f64(x) as f32
+}

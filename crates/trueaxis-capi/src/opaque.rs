@@ -1,0 +1,105 @@
+//! Objects whose inside the caller does not see, in storage that the caller provides.
+//!
+//! The storage begins with a word that tells what was built there. An object in storage that was zeroed, that holds
+//! something else, or that another build of the library has filled is refused; its content is looked at only if the word
+//! is right.
+
+use crate::pointer::check;
+use crate::status::{ERROR_SIZE, ERROR_UNBUILT, Status};
+use core::mem::{align_of, size_of};
+
+/// Storage of the header: `uint64_t words[]`.
+///
+/// # Safety
+/// `#[repr(C)]`, one array of `u64`. The content fits: `Kept::<Self>::FITS` is evaluated where storage is filled.
+pub(crate) unsafe trait Storage {
+    /// What is in it.
+    type Content;
+    /// What the first word is while it is; another for every kind.
+    const MAGIC: u32;
+}
+
+/// What really stands in a [`Storage`].
+#[repr(C)]
+pub(crate) struct Kept<S: Storage> {
+    magic: u32,
+    content: S::Content,
+}
+
+impl<S: Storage> Kept<S> {
+    const FITS: () = assert!(size_of::<Self>() <= size_of::<S>() && align_of::<Self>() <= align_of::<S>());
+    // Storage of one precision is refused by a library of the other; so is that of another major version.
+    const WORD: u32 = S::MAGIC ^ crate::version::ABI_VERSION & 0xffff_0000;
+}
+
+/// Storage that can be filled; `size` is what the caller takes its size for.
+pub(crate) fn place<S: Storage>(storage: *mut S, size: usize) -> Result<*mut Kept<S>, Status> {
+    const { Kept::<S>::FITS };
+    check(storage)?;
+    if size == size_of::<S>() { Ok(storage.cast()) } else { Err(ERROR_SIZE) }
+}
+
+/// Fills storage.
+///
+/// # Safety
+/// `place` comes from [`place`], and the caller vouched for storage of that size which nobody else uses now.
+pub(crate) unsafe fn fill<S: Storage>(place: *mut Kept<S>, content: S::Content) {
+    // SAFETY: aligned and large enough (`place`), writable by the caller's promise. Nothing in it needs to be dropped:
+    // contents are `Copy` or hold no resources.
+    unsafe { place.write(Kept { magic: Kept::<S>::WORD, content }) }
+}
+
+/// What was built in a storage.
+///
+/// # Safety
+/// `storage` is null, misaligned, or points to a whole readable storage that nobody writes while the reference lives and
+/// whose bytes, if they begin with the magic word, were written by [`fill`].
+#[inline(always)]
+pub(crate) unsafe fn content<'a, S: Storage>(storage: *const S) -> Result<&'a S::Content, Status> {
+    check(storage)?;
+    let kept = storage.cast::<Kept<S>>();
+    // SAFETY: not null, aligned, readable; a plain word.
+    if unsafe { (&raw const (*kept).magic).read() } != Kept::<S>::WORD {
+        return Err(ERROR_UNBUILT);
+    }
+    // SAFETY: with the magic word in front, this is what `fill` wrote.
+    Ok(unsafe { &(*kept).content })
+}
+
+/// The same, to be changed.
+///
+/// # Safety
+/// As for [`content`], and nobody else uses the storage while the reference lives.
+#[inline(always)]
+pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a mut S::Content, Status> {
+    check(storage)?;
+    let kept = storage.cast::<Kept<S>>();
+    // SAFETY: not null, aligned, readable; a plain word.
+    if unsafe { (&raw const (*kept).magic).read() } != Kept::<S>::WORD {
+        return Err(ERROR_UNBUILT);
+    }
+    // SAFETY: with the magic word in front, this is what `fill` wrote, and ours alone for now.
+    Ok(unsafe { &mut (*kept).content })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Follow, Gauge, GaugeState, GaugeState512, Loop, Path, State};
+
+    #[test]
+    fn storage_is_not_much_larger_than_needed() {
+        fn spare<S: Storage>(name: &str) {
+            let (needed, given) = (size_of::<Kept<S>>(), size_of::<S>());
+            std::println!("{name}: {given} bytes given, {needed} needed = {} words", needed / 8);
+            assert!(needed <= given && given <= needed + needed / 16 + 64, "{name}");
+        }
+        spare::<Loop>("loop");
+        spare::<State>("state");
+        spare::<Path>("path");
+        spare::<Follow>("follow");
+        spare::<Gauge>("gauge");
+        spare::<GaugeState>("gauge state");
+        spare::<GaugeState512>("gauge state 512");
+    }
+}

@@ -1,0 +1,95 @@
+//! What a pointer of the caller is worth: null, alignment and size are looked at here, before anything else.
+
+use crate::status::{ERROR_ALIGNMENT, ERROR_NULL, ERROR_SIZE, Status};
+use core::mem::{align_of, size_of};
+
+/// A structure of the header that begins with its own size, a `u32`.
+///
+/// # Safety
+/// `#[repr(C)]`, first member `size: u32`, every bit pattern a valid value.
+pub(crate) unsafe trait Sized32: Copy {}
+
+/// Refuses null and misaligned pointers.
+#[inline(always)]
+pub(crate) fn check<T>(pointer: *const T) -> Result<(), Status> {
+    if pointer.is_null() {
+        Err(ERROR_NULL)
+    } else if !pointer.is_aligned() {
+        Err(ERROR_ALIGNMENT)
+    } else {
+        Ok(())
+    }
+}
+
+/// Refuses null, misaligned pointers, and a structure that does not say the size it has here.
+///
+/// # Safety
+/// `pointer` is null, misaligned, or points to at least four readable bytes.
+#[inline(always)]
+pub(crate) unsafe fn check_sized<T: Sized32>(pointer: *const T) -> Result<(), Status> {
+    check(pointer)?;
+    // SAFETY: not null and aligned; the caller vouches for four readable bytes, which `Sized32` begins with.
+    let size = unsafe { pointer.cast::<u32>().read() };
+    if size as usize == size_of::<T>() { Ok(()) } else { Err(ERROR_SIZE) }
+}
+
+/// A copy of a structure that the caller has filled.
+///
+/// # Safety
+/// `pointer` is null, misaligned, or points to as many readable bytes as its member `size` says (at least four).
+#[inline(always)]
+pub(crate) unsafe fn read_sized<T: Sized32>(pointer: *const T) -> Result<T, Status> {
+    // SAFETY: the caller's promise covers the first four bytes.
+    unsafe { check_sized(pointer) }?;
+    // SAFETY: aligned, and its size is that of `T`; any bits are a value (`Sized32`).
+    Ok(unsafe { pointer.read() })
+}
+
+/// Alignment of memory that the caller lends.
+const MEMORY_ALIGNMENT: usize = 8;
+
+/// Memory that the caller lends: its start, if it can be used.
+pub(crate) fn memory(pointer: *mut core::ffi::c_void, size: usize) -> Result<*mut u8, Status> {
+    let start = pointer.cast::<u8>();
+    if start.is_null() {
+        return Err(ERROR_NULL);
+    }
+    if start.addr() % MEMORY_ALIGNMENT != 0 {
+        return Err(ERROR_ALIGNMENT);
+    }
+    if size > isize::MAX as usize {
+        return Err(ERROR_SIZE);
+    }
+    Ok(start)
+}
+
+const _: () = assert!(align_of::<u64>() <= MEMORY_ALIGNMENT && align_of::<f64>() <= MEMORY_ALIGNMENT);
+
+/// Whether two ranges (address, size) have no byte in common.
+pub(crate) fn apart((a, a_size): (usize, usize), (b, b_size): (usize, usize)) -> bool {
+    a.saturating_add(a_size) <= b || b.saturating_add(b_size) <= a
+}
+
+/// Three numbers of the caller.
+///
+/// # Safety
+/// `pointer` is null, misaligned, or points to three readable numbers.
+pub(crate) unsafe fn vector(pointer: *const f64) -> Result<[f64; 3], Status> {
+    check(pointer)?;
+    // SAFETY: not null, aligned, readable by the caller's promise; any bits are a number.
+    Ok(unsafe { pointer.cast::<[f64; 3]>().read() })
+}
+
+/// A list of the caller.
+///
+/// # Safety
+/// Of `T` every bit pattern is a value; `pointer` is null, misaligned, or points to `count` of them that are readable and
+/// that nobody writes while the slice is in use.
+pub(crate) unsafe fn slice<'a, T: Copy>(pointer: *const T, count: usize) -> Result<&'a [T], Status> {
+    check(pointer)?;
+    if count.checked_mul(size_of::<T>()).is_none_or(|bytes| bytes > isize::MAX as usize) {
+        return Err(ERROR_SIZE);
+    }
+    // SAFETY: not null, aligned, of a possible length, readable and unchanged by the caller's promise.
+    Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
+}

@@ -1,0 +1,160 @@
+//! What a compiled table file contains, and what it takes to run it.
+
+use crate::Real;
+use crate::cycle::AXES_MAX;
+use crate::error::{Error, Refusal, explained};
+use crate::plugin::CorePosition;
+use crate::pointer::{Sized32, check_sized, slice};
+use crate::text::Text;
+use core::ffi::c_char;
+use trueaxis::Config;
+use trueaxis::compensation::Requirement;
+use trueaxis::machine::{Axis, AxisSettings};
+use trueaxis::tcomp::{TableData, Tcomp};
+
+/// Contents of a table file. The first `axes` places of the arrays count, in the order of the step; travel and limits of
+/// a linear axis that the machine does not have are 0: it is passed as commanded.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct TablesInfo {
+    /// `sizeof(trueaxis_tables_info_t)`, set by the caller once; stays as it is.
+    pub size: u32,
+    /// Number of axes of the step, 3 to 6.
+    pub axes: u32,
+    /// Letters of the axes, closed by a zero: X, Y, Z (always; a missing one has no table), then the rotary axes in
+    /// alphabetical order.
+    pub letters: [c_char; 8],
+    /// Identity of the machine: CRC-32 of its name and chain.
+    pub machine_id: u32,
+    /// CRC-32 at the end of the file: the version of these tables.
+    pub tables_crc: u32,
+    /// Look-ups that the exact inverse takes in a cycle.
+    pub inverse_passes: u32,
+    /// Points of a revolution of the machine's gauge, 0 without a gauge.
+    pub gauge_points: u32,
+    /// Bytes of memory that `trueaxis_loop_build` needs beside `trueaxis_loop_t`.
+    pub memory_bytes: u64,
+    /// Lines of the axis' error table, 0 without one.
+    pub rows: [u32; AXES_MAX],
+    /// Declared travel, low end, mm (deg). A command outside is a fault.
+    pub travel_low: [f64; AXES_MAX],
+    /// Declared travel, high end, mm (deg).
+    pub travel_high: [f64; AXES_MAX],
+    /// Largest |correction|, mm (deg).
+    pub correction_limit: [f64; AXES_MAX],
+    /// Largest |rate of change of the correction|, mm/s (deg/s).
+    pub slope_limit_per_s: [f64; AXES_MAX],
+    /// Largest |acceleration of the correction|, mm/s² (deg/s²).
+    pub acceleration_limit_per_s2: [f64; AXES_MAX],
+    /// Name of the machine, UTF-8, closed by a zero.
+    pub name: [c_char; 72],
+    /// Structural code of the machine (ISO 10791-6), closed by a zero.
+    pub chain: [c_char; 56],
+}
+
+// SAFETY: repr(C), `size` first, numbers only.
+unsafe impl Sized32 for TablesInfo {}
+
+/// Reads and checks a whole table file and tells what is in it.
+///
+/// `file`, `length`: the bytes of a `.tcomp`, anywhere, of any alignment; only read. `info`: its `size` set by the caller.
+/// `error`: may be `NULL`; written only on refusal. Not real-time: time linear in the length; takes about 8 KiB of stack.
+///
+/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_TABLES` (with `error->code`).
+///
+/// # Safety
+/// Pointers are null or point to what their types say, `file` to `length` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trueaxis_tables_info(
+    file: *const u8,
+    length: usize,
+    info: *mut TablesInfo,
+    error: *mut Error,
+) -> crate::Status {
+    let work = || {
+        // SAFETY: the caller's promise.
+        unsafe { check_sized(info) }?;
+        // SAFETY: the caller's promise.
+        let tables = Tcomp::parse(unsafe { slice(file, length) }?)?;
+        let contents = TablesInfo::of(&tables)?;
+        // SAFETY: checked: aligned, of the right size; writable by the caller's promise.
+        unsafe { info.write(contents) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { explained(error, work) }
+}
+
+/// Number of axes of a step with these tables.
+pub(crate) fn axes_of(tables: &Tcomp<'_>) -> usize {
+    3 + tables.settings().axes.iter().filter(|settings| settings.axis.is_rotary()).count()
+}
+
+/// The axes of the step in order, with their settings if the machine has them.
+pub(crate) fn places<'t>(tables: &'t Tcomp<'_>) -> impl Iterator<Item = (Axis, Option<&'t AxisSettings>)> {
+    Axis::ALL.into_iter().filter_map(|axis| {
+        let settings = tables.settings().axes.iter().find(|settings| settings.axis == axis);
+        (settings.is_some() || !axis.is_rotary()).then_some((axis, settings))
+    })
+}
+
+/// Memory that the tables take in a loop.
+pub(crate) fn requirement(tables: &Tcomp<'_>, period_ns: u32) -> Requirement {
+    fn of<const N: usize>(config: &Config<'_>, tables: &Tcomp<'_>) -> Requirement {
+        config.requirement::<Real, CorePosition, N, TableData<'_>>(|axis| tables.table(axis))
+    }
+    let config = Config::of(tables, period_ns);
+    match axes_of(tables) {
+        3 => of::<3>(&config, tables),
+        4 => of::<4>(&config, tables),
+        5 => of::<5>(&config, tables),
+        _ => of::<6>(&config, tables),
+    }
+}
+
+/// Bytes of a requirement, one kind of number behind the other, wide ones first.
+pub(crate) fn memory_bytes(need: &Requirement) -> usize {
+    (need.lines.saturating_add(need.knots))
+        .saturating_mul(size_of::<Real>())
+        .saturating_add(need.guide.saturating_mul(size_of::<u16>()))
+}
+
+impl TablesInfo {
+    fn of(tables: &Tcomp<'_>) -> Result<Self, Refusal> {
+        let settings = tables.settings();
+        let mut info = TablesInfo {
+            size: size_of::<TablesInfo>() as u32,
+            axes: axes_of(tables) as u32,
+            letters: [0; _],
+            machine_id: tables.machine_id(),
+            tables_crc: tables.crc(),
+            inverse_passes: tables.inverse_passes().into(),
+            gauge_points: settings.roundness.as_ref().map_or(0, |gauge| gauge.points.into()),
+            memory_bytes: memory_bytes(&requirement(tables, 0)) as u64,
+            rows: [0; _],
+            travel_low: [0.0; _],
+            travel_high: [0.0; _],
+            correction_limit: [0.0; _],
+            slope_limit_per_s: [0.0; _],
+            acceleration_limit_per_s2: [0.0; _],
+            name: Text::of(&settings.name),
+            chain: Text::of(&settings.chain),
+        };
+        fn put<T>(places: &mut [T], place: usize, value: T) {
+            if let Some(slot) = places.get_mut(place) {
+                *slot = value;
+            }
+        }
+        for (place, (axis, settings)) in places(tables).enumerate() {
+            put(&mut info.letters, place, axis.letter() as c_char);
+            put(&mut info.rows, place, tables.table(axis).map_or(0, |table| table.len() as u32));
+            let Some(settings) = settings else { continue };
+            put(&mut info.travel_low, place, settings.travel[0]);
+            put(&mut info.travel_high, place, settings.travel[1]);
+            put(&mut info.correction_limit, place, settings.limits.magnitude);
+            put(&mut info.slope_limit_per_s, place, settings.limits.slope_per_s);
+            put(&mut info.acceleration_limit_per_s2, place, settings.limits.acceleration_per_s2);
+        }
+        Ok(info)
+    }
+}

@@ -1,0 +1,42 @@
+//! Text in buffers of the caller: UTF-8, cut off between two characters, closed by a zero byte.
+
+use core::ffi::c_char;
+use core::fmt::{self, Display, Write};
+
+/// A fixed text under construction; what does not fit is left out.
+pub(crate) struct Text<const N: usize> {
+    characters: [c_char; N],
+    length: usize,
+    full: bool,
+}
+
+impl<const N: usize> Text<N> {
+    /// The text of something that can be printed.
+    pub(crate) fn of(what: &dyn Display) -> [c_char; N] {
+        let mut text = Text { characters: [0; N], length: 0, full: false };
+        // Writing here never fails; what does not fit is left out.
+        let _ = write!(text, "{what}");
+        text.characters
+    }
+}
+
+impl<const N: usize> Write for Text<N> {
+    fn write_str(&mut self, part: &str) -> fmt::Result {
+        let mut encoded = [0; 4];
+        for character in part.chars() {
+            let bytes = character.encode_utf8(&mut encoded).as_bytes();
+            // One place is kept for the zero byte.
+            let room = self.characters.get_mut(self.length..N.saturating_sub(1));
+            match room.and_then(|room| room.get_mut(..bytes.len())) {
+                Some(places) if !self.full => {
+                    for (place, byte) in places.iter_mut().zip(bytes) {
+                        *place = *byte as c_char;
+                    }
+                    self.length += bytes.len();
+                }
+                _ => self.full = true,
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# Builds the C example with the system's compiler and into images for a Cortex-M4F (single precision) and a Cortex-M7
+# (double precision), runs all of them (the images in QEMU), and holds their results against each other. Installs what is
+# missing where root may.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+exec </dev/null
+
+mcu=thumbv7em-none-eabihf
+rustc --print target-libdir --target "$mcu" | xargs test -d || rustup target add "$mcu"
+need() { # command, packages
+    local command=$1
+    shift
+    if command -v "$command" >/dev/null; then
+        return
+    fi
+    if [[ $(id -u) != 0 ]]; then
+        echo "$command is missing, and only root can install it: apt-get install $*" >&2
+        exit 1
+    fi
+    export DEBIAN_FRONTEND=noninteractive
+    apt-get -o DPkg::Lock::Timeout=300 -q update
+    apt-get -o DPkg::Lock::Timeout=300 -q -y install --no-install-recommends "$@"
+}
+need cc gcc libc6-dev
+need c++ g++
+need python3 python3
+need qemu-system-arm qemu-system-arm
+need arm-none-eabi-gcc gcc-arm-none-eabi libnewlib-arm-none-eabi
+if [[ ! -e $(arm-none-eabi-gcc -print-file-name=rdimon.specs) ]]; then
+    need newlib-for-arm-none-eabi gcc-arm-none-eabi libnewlib-arm-none-eabi
+fi
+
+root=$(cd ../.. && pwd)
+target=${CARGO_TARGET_DIR:-$root/target}
+out=$target/capi
+mkdir -p "$out"
+export CARGO_TARGET_DIR=$target
+
+# The library: host, Cortex-M4F, Cortex-M7. The images stay apart, since they are built for different processors.
+cargo build --quiet --release -p trueaxis-capi
+host=$target/release/libtrueaxis_capi.a
+thumb() { # name, further arguments of cargo
+    local name=$1
+    shift
+    CARGO_TARGET_DIR=$target/capi-$name cargo build --quiet --release -p trueaxis-capi --target "$mcu" "$@"
+}
+thumb m4f --features single
+CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' thumb m7
+
+# Tables: the sample machine's, the same with half the errors, and a damaged file.
+first=$root/crates/trueaxis/tests/data/mill-3axis.tcomp
+second=$out/second.tcomp
+damaged=$out/damaged.tcomp
+cargo run --quiet -p trueaxis-capi --example halved_tables -- "$first" "$second"
+python3 - "$first" "$damaged" <<'END'
+import sys
+data = bytearray(open(sys.argv[1], "rb").read())
+data[len(data) // 2] ^= 1
+open(sys.argv[2], "wb").write(data)
+END
+
+# FMA would round once where the host rounds twice.
+strict=(-O2 -Wall -Wextra -Wpedantic -Werror -ffp-contract=off -Iinclude)
+source=examples/c/step_trace.c
+
+on_host() { # name, first tables, further flags; text to $out/NAME.txt
+    local name=$1 tables=$2
+    shift 2
+    cc -std=c99 "${strict[@]}" "$@" "$source" "$host" -Wl,--gc-sections -lpthread -ldl -lm -o "$out/$name"
+    timeout 60 "$out/$name" "$tables" "$second" >"$out/$name.txt"
+}
+in_qemu() { # name, core (m4f or m7), first tables, further flags
+    local name=$1 core=$2 tables=$3 board cpu flags
+    shift 3
+    case $core in
+    m4f) board=mps2-an386 cpu=cortex-m4 flags=(-mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -DTRUEAXIS_SINGLE) ;;
+    m7) board=mps2-an500 cpu=cortex-m7 flags=(-mcpu=cortex-m7 -mfpu=fpv5-d16) ;;
+    esac
+    arm-none-eabi-gcc -std=c99 "${strict[@]}" "${flags[@]}" -mthumb -mfloat-abi=hard -ffunction-sections -DBARE_METAL "$@" \
+        "-DFIRST=\"$tables\"" "-DSECOND=\"$second\"" "$source" examples/c/cortex-m/startup.c examples/c/cortex-m/tables.S \
+        "$target/capi-$core/$mcu/release/libtrueaxis_capi.a" \
+        --specs=rdimon.specs -nostartfiles -Texamples/c/cortex-m/mps2.ld -Wl,--gc-sections,-z,noexecstack -o "$out/$name.elf"
+    timeout 120 qemu-system-arm -M "$board" -cpu "$cpu" -nographic -monitor none -serial none \
+        -semihosting-config enable=on,target=native -kernel "$out/$name.elf" >"$out/$name.txt"
+}
+
+on_host host "$first"
+in_qemu m4f m4f "$first"
+in_qemu m7 m7 "$first"
+# Refused: damaged tables, too little memory, a header of another version.
+on_host host-damaged "$damaged"
+on_host host-memory "$first" -DMEMORY_BYTES=8192
+on_host host-abi "$first" -DTRUEAXIS_ABI_MAJOR=9
+for core in m4f m7; do
+    in_qemu "$core-damaged" "$core" "$damaged"
+    in_qemu "$core-abi" "$core" "$first" -DTRUEAXIS_ABI_MAJOR=9
+done
+
+# The header from C++.
+printf '#include "trueaxis.h"\nint main() { return trueaxis_check_abi(TRUEAXIS_ABI_VERSION); }\n' >"$out/header.cpp"
+c++ -std=c++11 "${strict[@]}" "$out/header.cpp" "$host" -Wl,--gc-sections -lpthread -ldl -o "$out/header"
+timeout 10 "$out/header"
+
+arm-none-eabi-size "$out/m4f.elf" "$out/m7.elf"
+exec python3 test.py "$out"

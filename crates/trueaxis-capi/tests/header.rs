@@ -1,0 +1,57 @@
+//! The committed header is the one that the source gives.
+
+use std::{env, fs, path::Path};
+use trueaxis_capi::{ABI_MAJOR, ABI_MINOR};
+
+/// Source files in the order in which the header presents them.
+const SOURCES: &[&str] = &[
+    "scalar", "version", "status", "error", "tables", "path", "servo", "cycle", "fault", "frame", "follow", "gauge",
+    "ride",
+];
+
+fn generated(root: &Path) -> String {
+    let mut config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
+    config.header = Some(include_str!("header/opening.h").trim_end().to_string());
+    let version = include_str!("header/version.h");
+    let version = version.replace("@MAJOR@", &ABI_MAJOR.to_string()).replace("@MINOR@", &ABI_MINOR.to_string());
+    config.after_includes = Some(format!("\n{}", version.trim_end()));
+    let mut builder = cbindgen::Builder::new().with_config(config);
+    for source in SOURCES {
+        builder = builder.with_src(root.join(format!("src/{source}.rs")));
+    }
+    let mut bytes = Vec::new();
+    builder.generate().unwrap().write(&mut bytes);
+    without_safety_sections(&String::from_utf8(bytes).unwrap())
+}
+
+/// What a caller of the Rust functions must promise is for readers of the Rust code: a C pointer promises it by its type.
+fn without_safety_sections(header: &str) -> String {
+    let mut kept = Vec::new();
+    let mut inside = false;
+    for line in header.lines() {
+        if line.trim() == "* # Safety" {
+            inside = true;
+            kept.pop_if(|last: &mut &str| last.trim() == "*");
+        }
+        inside &= line.trim() != "*/";
+        if !inside {
+            kept.push(line);
+        }
+    }
+    kept.join("\n") + "\n"
+}
+
+#[test]
+fn header_is_current() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let file = root.join("include/trueaxis.h");
+    let header = generated(root);
+    if env::var_os("TRUEAXIS_WRITE_HEADER").is_some() {
+        fs::write(&file, &header).unwrap();
+    }
+    let committed = fs::read_to_string(&file).unwrap_or_default();
+    assert!(
+        header == committed,
+        "include/trueaxis.h is not what the source gives: TRUEAXIS_WRITE_HEADER=1 cargo test -p trueaxis-capi header"
+    );
+}

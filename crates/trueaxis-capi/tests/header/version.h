@@ -1,0 +1,12 @@
+/* Version of this header: check it against the library's with trueaxis_check_abi(TRUEAXIS_ABI_VERSION). */
+#ifndef TRUEAXIS_ABI_MAJOR
+#define TRUEAXIS_ABI_MAJOR @MAJOR@
+#endif
+#ifndef TRUEAXIS_ABI_MINOR
+#define TRUEAXIS_ABI_MINOR @MINOR@
+#endif
+#ifdef TRUEAXIS_SINGLE
+#define TRUEAXIS_ABI_VERSION (UINT32_C(0x80000000) | (uint32_t)TRUEAXIS_ABI_MAJOR << 16 | TRUEAXIS_ABI_MINOR)
+#else
+#define TRUEAXIS_ABI_VERSION ((uint32_t)TRUEAXIS_ABI_MAJOR << 16 | TRUEAXIS_ABI_MINOR)
+#endif

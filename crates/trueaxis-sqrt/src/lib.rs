@@ -1,0 +1,83 @@
+//! Square roots, correctly rounded on every target, by the instruction of the processor where it has one.
+//!
+//! `core` has none on stable Rust without std, and `libm` takes some 50 instructions (single precision) or 90 (double) on
+//! a Cortex-M for what its floating-point unit does in one. Both round correctly (IEEE 754), so which of them runs
+//! changes no bit. The one instruction needs assembly, hence a crate of its own: the plugin itself forbids `unsafe`.
+#![no_std]
+
+/// √x in single precision; NaN for x < 0.
+#[inline(always)]
+#[must_use]
+pub fn sqrt_f32(x: f32) -> f32 {
+    // The hard-float ABI of bare-metal Arm implies at least a single-precision unit.
+    #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+    {
+        let mut bits = x.to_bits();
+        // SAFETY: instructions that the ABI guarantees, on registers; s0 is as it was afterwards. The compiler lends
+        // floating-point registers to assembly only where the unit is a full one, so s0 is borrowed by hand.
+        unsafe {
+            core::arch::asm!(
+                "vmov {kept}, s0",
+                "vmov s0, {bits}",
+                "vsqrt.f32 s0, s0",
+                "vmov {bits}, s0",
+                "vmov s0, {kept}",
+                bits = inout(reg) bits,
+                kept = out(reg) _,
+                options(pure, nomem, nostack, preserves_flags)
+            );
+        }
+        f32::from_bits(bits)
+    }
+    #[cfg(not(all(target_arch = "arm", target_abi = "eabihf")))]
+    libm::sqrtf(x)
+}
+
+/// √x in double precision; NaN for x < 0.
+#[inline(always)]
+#[must_use]
+pub fn sqrt_f64(x: f64) -> f64 {
+    #[cfg(all(target_arch = "arm", target_abi = "eabihf", feature = "fp64"))]
+    {
+        let bits = x.to_bits();
+        let (mut low, mut high) = (bits as u32, (bits >> 32) as u32);
+        // SAFETY: as above, with d0; whoever sets the feature says that the core has a double-precision unit.
+        unsafe {
+            core::arch::asm!(
+                "vmov {kept_low}, {kept_high}, d0",
+                "vmov d0, {low}, {high}",
+                "vsqrt.f64 d0, d0",
+                "vmov {low}, {high}, d0",
+                "vmov d0, {kept_low}, {kept_high}",
+                low = inout(reg) low,
+                high = inout(reg) high,
+                kept_low = out(reg) _,
+                kept_high = out(reg) _,
+                options(pure, nomem, nostack, preserves_flags)
+            );
+        }
+        f64::from_bits(u64::from(high) << 32 | u64::from(low))
+    }
+    #[cfg(not(all(target_arch = "arm", target_abi = "eabihf", feature = "fp64")))]
+    libm::sqrt(x)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    /// Everything but 0, NaN and infinity in 4096 steps of the exponent and odd mantissas, against std's root.
+    #[test]
+    fn correctly_rounded() {
+        for i in 1..4096u32 {
+            let single = f32::from_bits(i * 522_111 % 0x7f80_0000);
+            let double = f64::from_bits(u64::from(i) * 2_251_799_813_685_119 % 0x7ff0_0000_0000_0000);
+            assert_eq!(sqrt_f32(single), std::primitive::f32::sqrt(single), "{single:e}");
+            assert_eq!(sqrt_f64(double), std::primitive::f64::sqrt(double), "{double:e}");
+            let (single, double) = (i as f32, f64::from(i));
+            assert_eq!((sqrt_f32(single * single), sqrt_f64(double * double)), (single, double));
+        }
+        assert!(sqrt_f32(-1.0).is_nan() && sqrt_f64(-1.0).is_nan());
+    }
+}

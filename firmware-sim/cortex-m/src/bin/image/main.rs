@@ -1,0 +1,191 @@
+//! A bare-metal image: the step as the servo interrupt of a controller, the same code as on a host.
+//!
+//! ```text
+//! recording ─► servo interrupt: step ─► queue ─► telemetry task ─► UART 0: frames, UART 1: raw outputs
+//!                    ▲                                └► log (defmt over semihosting)
+//!                    └─ mailbox ◄─ exchange task: tables B read, checked, built
+//! ```
+//!
+//! The interrupt has the highest priority and touches neither serial port nor log. Tables and the recording lie in
+//! regions of flash of their own (`memory.x`). Tables that are refused leave the machine running uncompensated, and
+//! every record says so; without a recording there is nothing to run: exit code 1.
+
+#![no_std]
+#![no_main]
+
+mod board;
+mod raw;
+mod scalars;
+mod servo;
+mod stack;
+mod start;
+mod tables;
+mod telemetry;
+
+use cortex_m_rt as _;
+use cortex_m_semihosting::debug;
+use defmt_semihosting as _;
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    match info.location() {
+        Some(at) => defmt::error!("panic at {=str}:{=u32}", at.file(), at.line()),
+        None => defmt::error!("panic"),
+    }
+    leave(false)
+}
+
+/// Ends QEMU: exit code 0 or 1.
+fn leave(well: bool) -> ! {
+    debug::exit(if well { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
+    loop {
+        cortex_m::asm::bkpt();
+    }
+}
+
+#[rtic::app(device = trueaxis_cortex_m::device, peripherals = false, dispatchers = [Uart2Rx, Uart2Tx])]
+mod app {
+    use super::board::{ServoTimer, instructions};
+    use super::scalars::Loop;
+    use super::servo::{Gauge, Produced, Servo};
+    use super::start::{self, Spare, Started};
+    use super::telemetry::{Telemetry, latest};
+    use super::{leave, stack};
+    use core::sync::atomic::{AtomicU32, Ordering};
+    use heapless::spsc::Producer;
+    use trueaxis::exchange::Exchange;
+
+    static EXCHANGE: Exchange<'static, Loop> = Exchange::new();
+    /// Stack pointer of the idle task: what the interrupt finds where it interrupts nothing.
+    static IDLE: AtomicU32 = AtomicU32::new(0);
+
+    /// What the interrupt counts.
+    #[derive(Clone, Copy, Default)]
+    pub struct Figures {
+        cycles: u32,
+        /// Cycles that were not over when the next one was due.
+        overruns: u32,
+        /// Cycles whose record found the queue full.
+        dropped: u32,
+        /// Most records that waited for the telemetry.
+        waiting: usize,
+        /// Longest time from the timer's interrupt to the cycle, ticks of the board's clock.
+        latest: u32,
+        /// Deepest stack below the interrupt's own frame, bytes.
+        below: u32,
+        /// Stack from the interrupted task to there, bytes: what the processor saves, and the frame.
+        entry: u32,
+        /// The recording is over.
+        ended: bool,
+    }
+
+    #[shared]
+    struct Shared {
+        gauge: Option<Gauge>,
+        figures: Figures,
+    }
+
+    #[local]
+    struct Local {
+        timer: ServoTimer,
+        servo: Servo,
+        produced: Producer<'static, Produced>,
+        telemetry: Telemetry,
+        spare: Option<Spare>,
+    }
+
+    #[init]
+    fn init(_: init::Context) -> (Shared, Local) {
+        let Started { servo, gauge, produced, telemetry, spare } = start::start();
+        let figures = Figures { entry: u32::MAX, ..Figures::default() };
+        // SAFETY: the only owner.
+        let timer = unsafe { ServoTimer::start() };
+        (Shared { gauge, figures }, Local { timer, servo, produced, telemetry, spare: Some(spare) })
+    }
+
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            IDLE.store(stack::pointer(), Ordering::Relaxed);
+            cortex_m::asm::wfi();
+        }
+    }
+
+    /// The servo cycle.
+    #[task(binds = Timer0, priority = 3, local = [timer, servo, produced], shared = [gauge, figures])]
+    fn servo_cycle(cx: servo_cycle::Context) {
+        let servo_cycle::LocalResources { timer, servo, produced, .. } = cx.local;
+        let servo_cycle::SharedResources { gauge, figures, .. } = cx.shared;
+        let late = timer.acknowledge();
+        if servo.is_exchange_due() {
+            // Spawned once: a recording asks for it in one cycle.
+            let _ = exchange_tables::spawn();
+        }
+        (gauge, figures).lock(|gauge, figures| {
+            stack::paint();
+            match servo.cycle(&EXCHANGE, gauge.as_mut()) {
+                Some(new) => figures.dropped += u32::from(produced.enqueue(*new).is_err()),
+                None => figures.ended = true,
+            }
+            figures.below = figures.below.max(stack::used());
+            let interrupted = IDLE.load(Ordering::Relaxed).checked_sub(stack::pointer());
+            figures.entry = figures.entry.min(interrupted.unwrap_or(u32::MAX));
+            figures.cycles = servo.cycles();
+            figures.waiting = figures.waiting.max(produced.len());
+            figures.latest = figures.latest.max(late);
+            figures.overruns += u32::from(timer.is_due());
+        });
+        // Still at work from the cycle before: it will find this one as well.
+        let _ = telemetry::spawn();
+    }
+
+    /// Everything that the cycles produced goes out.
+    #[task(priority = 2, local = [telemetry], shared = [gauge, figures])]
+    async fn telemetry(cx: telemetry::Context) {
+        let out = cx.local.telemetry;
+        let telemetry::SharedResources { mut gauge, mut figures, .. } = cx.shared;
+        while let Some(new) = out.next() {
+            out.cycle(&new);
+            if new.gauge.is_some_and(|gauge| gauge.finished) {
+                let machine_id = new.output.record.machine_id;
+                let frame = gauge.lock(|gauge| latest(machine_id, gauge.as_ref()?));
+                out.revolution(frame);
+            }
+        }
+        if figures.lock(|figures| figures.ended) && out.is_empty() {
+            let _ = finish::spawn(out.lost_revolutions());
+        }
+    }
+
+    /// Reads, checks and builds other tables, and offers them to the interrupt.
+    #[task(priority = 1, local = [spare])]
+    async fn exchange_tables(cx: exchange_tables::Context) {
+        if let Some(servo) = cx.local.spare.take().and_then(Spare::build) {
+            // The mailbox is empty: these are the only tables that are ever offered.
+            let _ = EXCHANGE.offer(servo);
+        }
+    }
+
+    /// Says how it went, and ends.
+    #[task(priority = 1, shared = [gauge, figures])]
+    async fn finish(cx: finish::Context, lost_revolutions: u32) {
+        let finish::SharedResources { gauge, figures, .. } = cx.shared;
+        let (counts, figures) =
+            (gauge, figures).lock(|gauge, figures| (gauge.as_ref().map(|gauge| gauge.state.counts()), *figures));
+        let Figures { cycles, overruns, dropped, waiting, latest, below, entry, .. } = figures;
+        defmt::info!(
+            "end: {=u32} cycles, {=u32} overruns, {=u32} records dropped, at most {=usize} waiting, latest start {=u32} \
+             instructions",
+            cycles,
+            overruns,
+            dropped,
+            waiting,
+            instructions(latest)
+        );
+        if let Some(counts) = counts {
+            defmt::info!("gauge: {}, {=u32} records lost", counts, lost_revolutions);
+        }
+        defmt::info!("stack of the servo interrupt: {=u32} bytes on entry, {=u32} bytes of the step", entry, below);
+        leave(true)
+    }
+}

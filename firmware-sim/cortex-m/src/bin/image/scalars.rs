@@ -1,0 +1,37 @@
+//! In which numbers this image computes.
+
+use trueaxis::contour::Span;
+use trueaxis::roundness::{Roundness, RoundnessState};
+use trueaxis::{Output, ServoLoop, State};
+
+/// Axes of the step.
+pub const AXES: usize = 3;
+/// Points of a revolution.
+pub const POINTS: usize = 1024;
+
+#[cfg(not(feature = "double"))]
+mod numbers {
+    pub type Scalar = f32;
+    pub type Place = trueaxis::Micro;
+}
+#[cfg(feature = "double")]
+mod numbers {
+    pub type Scalar = f64;
+    pub type Place = f64;
+}
+pub use numbers::{Place, Scalar};
+
+/// The step's immutable half.
+pub type Loop = ServoLoop<'static, Scalar, Place, AXES>;
+/// The step's state.
+pub type LoopState = State<Scalar, Place, AXES>;
+/// What a cycle gives back.
+pub type StepOutput = Output<Scalar, Place, AXES>;
+/// A piece of the path.
+pub type Piece = Span<Scalar, Place>;
+/// The gauge's immutable half.
+pub type GaugePlan = Roundness<Scalar, POINTS>;
+/// The gauge's state.
+pub type GaugeState = RoundnessState<Scalar, POINTS>;
+/// What the gauge gives back in a cycle.
+pub type GaugeCycle = trueaxis::roundness::Cycle<Scalar>;

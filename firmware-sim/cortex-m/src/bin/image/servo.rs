@@ -1,0 +1,108 @@
+//! The servo cycle: what the interrupt does, apart from the board.
+
+#![deny(clippy::indexing_slicing)]
+
+use crate::scalars::{AXES, GaugeCycle, GaugePlan, GaugeState, Loop, LoopState, Piece, Place, Scalar, StepOutput};
+use trueaxis::contour::Path;
+use trueaxis::exchange::Exchange;
+use trueaxis::{Bypass, Fault, Input};
+use trueaxis_recording::{Cycle, Recording};
+
+/// What runs in a cycle. The state is the interrupt's alone: larger than what runs without tables, and never moved.
+#[allow(clippy::large_enum_variant)]
+pub enum Running {
+    /// The step.
+    Step(&'static Loop, LoopState),
+    /// Commands pass uncorrected, with the reason in every record.
+    Bypass(Bypass<Place, AXES>),
+}
+
+/// A gauge of three probes.
+pub struct Gauge {
+    /// What was built.
+    pub plan: &'static GaugePlan,
+    /// What it remembers.
+    pub state: &'static mut GaugeState,
+}
+
+/// What a cycle produces for the telemetry.
+#[derive(Clone, Copy)]
+pub struct Produced {
+    /// What the step gave back.
+    pub output: StepOutput,
+    /// What the gauge gave back, where one runs.
+    pub gauge: Option<GaugeCycle>,
+}
+
+/// A controller whose commands and readings come out of a recording.
+pub struct Servo {
+    recording: Recording<'static, AXES>,
+    pieces: &'static [Piece],
+    running: Running,
+    next: u32,
+    produced: Produced,
+}
+
+impl Servo {
+    /// Before the first cycle.
+    pub fn new(recording: Recording<'static, AXES>, pieces: &'static [Piece], running: Running) -> Self {
+        let nothing = Bypass::<Place, AXES>::new(Fault::None).step(&Input::at_rest(0));
+        Servo { recording, pieces, running, next: 0, produced: Produced { output: nothing, gauge: None } }
+    }
+
+    /// Cycles so far.
+    pub fn cycles(&self) -> u32 {
+        self.next
+    }
+
+    /// The cycle that comes next is the one in which other tables are asked for.
+    pub fn is_exchange_due(&self) -> bool {
+        self.recording.header().exchange_at == Some(self.next)
+    }
+
+    /// One cycle; what it produces takes the place of what the last one did. `None` at the end of the recording.
+    pub fn cycle(&mut self, exchange: &Exchange<'static, Loop>, gauge: Option<&mut Gauge>) -> Option<&Produced> {
+        let cycle = self.recording.cycle(self.next)?;
+        self.next += 1;
+        let produced = &mut self.produced;
+        produced.gauge = None;
+        match &mut self.running {
+            Running::Step(servo, state) => {
+                exchange.take_into(servo);
+                let path = Path::new(self.pieces, 0, false);
+                match gauge {
+                    None => step(servo, state, &cycle, &path, produced),
+                    Some(gauge) => step_with_gauge(servo, state, &cycle, &path, gauge, produced),
+                }
+            }
+            Running::Bypass(bypass) => produced.output = bypass.step(&cycle.input()),
+        }
+        Some(produced)
+    }
+}
+
+// Either step is a function by itself, so that the stack of the one does not hold the locals of the other.
+#[inline(never)]
+fn step(
+    servo: &Loop,
+    state: &mut LoopState,
+    cycle: &Cycle<AXES>,
+    path: &Path<'_, Scalar, Place>,
+    produced: &mut Produced,
+) {
+    produced.output = servo.step(state, &cycle.input(), path, cycle.place());
+}
+
+#[inline(never)]
+fn step_with_gauge(
+    servo: &Loop,
+    state: &mut LoopState,
+    cycle: &Cycle<AXES>,
+    path: &Path<'_, Scalar, Place>,
+    gauge: &mut Gauge,
+    produced: &mut Produced,
+) {
+    let (output, of_gauge) =
+        servo.step_with_gauge(state, &cycle.input(), path, cycle.place(), gauge.plan, gauge.state, &cycle.probes());
+    (produced.output, produced.gauge) = (output, Some(of_gauge));
+}

@@ -1,0 +1,164 @@
+//! From flash to a servo that can run.
+
+use crate::board::Uart;
+use crate::leave;
+use crate::scalars::{AXES, GaugePlan, GaugeState, Loop, Piece};
+use crate::servo::{Gauge, Produced, Running, Servo};
+use crate::tables::{self, KNOTS, LINES, Memory, Refused};
+use crate::telemetry::Telemetry;
+use heapless::Vec;
+use heapless::spsc::{Producer, Queue};
+use static_cell::{ConstStaticCell, StaticCell};
+use trueaxis::Bypass;
+use trueaxis_cortex_m::regions;
+use trueaxis_recording::Recording;
+
+/// Pieces of a path that fit.
+pub const MOST_PIECES: usize = 2048;
+/// Cycles that may wait for the telemetry, and one.
+const WAITING: usize = 65;
+
+static PIECES: ConstStaticCell<Vec<Piece, MOST_PIECES>> = ConstStaticCell::new(Vec::new());
+static WAITING_CYCLES: ConstStaticCell<Queue<Produced, WAITING>> = ConstStaticCell::new(Queue::new());
+static MEMORY_A: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::EMPTY);
+static MEMORY_B: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::EMPTY);
+static LOOP_A: StaticCell<Loop> = StaticCell::new();
+static LOOP_B: StaticCell<Loop> = StaticCell::new();
+static GAUGE_PLAN: StaticCell<GaugePlan> = StaticCell::new();
+static GAUGE_STATE: ConstStaticCell<GaugeState> = ConstStaticCell::new(GaugeState::new());
+
+/// Everything that the tasks begin with.
+pub struct Started {
+    /// The interrupt's.
+    pub servo: Servo,
+    /// The interrupt's, looked at by the telemetry.
+    pub gauge: Option<Gauge>,
+    /// The interrupt's end of the queue.
+    pub produced: Producer<'static, Produced>,
+    /// The telemetry's.
+    pub telemetry: Telemetry,
+    /// The exchange's.
+    pub spare: Spare,
+}
+
+/// Room for a second set of tables.
+pub struct Spare {
+    memory: &'static mut Memory,
+    machine_id: u32,
+    period_ns: u32,
+    /// There is a step to be exchanged.
+    runs: bool,
+}
+
+impl Spare {
+    /// Builds the second set; `None` if it is refused.
+    pub fn build(self) -> Option<&'static Loop> {
+        if !self.runs {
+            defmt::warn!("tables B not taken: running uncompensated");
+            return None;
+        }
+        match tables::build(regions::tables_b(), self.machine_id, self.period_ns, self.memory) {
+            Ok(built) => {
+                defmt::info!("tables B {=u32:08x} offered", built.file.crc());
+                Some(LOOP_B.init(built.servo))
+            }
+            Err(refused) => {
+                say("B", &refused);
+                None
+            }
+        }
+    }
+}
+
+fn say(which: &str, refused: &Refused) {
+    let fault = refused.fault();
+    defmt::error!(
+        "tables {=str} refused: fault {=u8} {}, code {=u8}, {}",
+        which,
+        u8::from(fault),
+        fault,
+        refused.code(),
+        refused
+    );
+}
+
+/// Reads the recording and the first tables. Without a recording that can be run, ends with exit code 1.
+pub fn start() -> Started {
+    let recording = match Recording::<AXES>::parse(regions::recording()) {
+        Ok(recording) => recording,
+        Err(error) => {
+            defmt::error!("recording refused: {}", defmt::Display2Format(&error));
+            leave(false)
+        }
+    };
+    let header = recording.header();
+    let (machine_id, period_ns, with_gauge) = (header.machine_id, header.period_ns, header.gauge);
+    let Some(first) = recording.cycle(0) else {
+        defmt::error!("recording refused: no cycles");
+        leave(false)
+    };
+    let pieces = PIECES.take();
+    if header.pieces as usize > MOST_PIECES {
+        defmt::error!("recording refused: {=u32} pieces of path, room for {=usize}", header.pieces, MOST_PIECES);
+        leave(false)
+    }
+    pieces.extend(recording.path().take(MOST_PIECES));
+    defmt::info!(
+        "recording {=str}: {=u32} cycles of {=u32} ns, {=u32} pieces of path, gauge {=bool}",
+        header.name.as_str(),
+        header.cycles,
+        header.period_ns,
+        header.pieces,
+        with_gauge
+    );
+
+    let mut tables_crc = 0;
+    let (running, gauge) = match loaded(machine_id, period_ns, first.elapsed_ns, with_gauge) {
+        Ok((running, gauge, crc)) => {
+            tables_crc = crc;
+            (running, gauge)
+        }
+        Err(refused) => {
+            say("A", &refused);
+            (Running::Bypass(Bypass::new(refused.fault())), None)
+        }
+    };
+    let spare = Spare { memory: MEMORY_B.take(), machine_id, period_ns, runs: matches!(running, Running::Step(..)) };
+    let (produced, waiting) = WAITING_CYCLES.take().split();
+    // SAFETY: the only owner of either.
+    let (frames, raw) = unsafe { (Uart::zero(), Uart::one()) };
+    Started {
+        servo: Servo::new(recording, pieces, running),
+        gauge,
+        produced,
+        telemetry: Telemetry::new(waiting, frames, raw, tables_crc),
+        spare,
+    }
+}
+
+fn loaded(
+    machine_id: u32,
+    period_ns: u32,
+    first_ns: u32,
+    with_gauge: bool,
+) -> Result<(Running, Option<Gauge>, u32), Refused> {
+    let tables = tables::build(regions::tables_a(), machine_id, period_ns, MEMORY_A.take())?;
+    let settings = tables.file.settings();
+    let period = Refused::Period { found: first_ns, configured: period_ns };
+    let state = tables.servo.start(first_ns).map_err(|_| period)?;
+    let plan = if with_gauge { tables::gauge(settings.roundness.as_ref(), period_ns)? } else { None };
+    let gauge = plan.map(|plan| Gauge { plan: GAUGE_PLAN.init(plan), state: GAUGE_STATE.take() });
+    defmt::info!(
+        "machine {=str} id {=u32:08x}, axes {=str}, tables {=u32:08x}, capacity {=usize} of {=usize} lines, {=usize} of \
+         {=usize} knots",
+        settings.name.as_str(),
+        tables.file.machine_id(),
+        settings.chain.as_str(),
+        tables.file.crc(),
+        tables.used.lines,
+        LINES,
+        tables.used.knots,
+        KNOTS
+    );
+    Ok((Running::Step(LOOP_A.init(tables.servo), state), gauge, tables.file.crc()))
+}

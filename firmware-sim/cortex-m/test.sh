@@ -1,0 +1,152 @@
+#!/usr/bin/env bash
+# The bare-metal image from end to end: builds it for a Cortex-M4F (f32) and a Cortex-M7 (f64), runs recordings in QEMU
+# and checks what it sends: the host's outputs bit for bit, the same again in a second run, a refusal for every bad input,
+# its size and stack; then the counts of instructions.
+#
+# Installs the target and defmt-print (into target/tools; TRUEAXIS_TOOLS names another folder), and QEMU where root may.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+exec </dev/null
+
+repository=$(cd ../.. && pwd)
+on_host=${CARGO_TARGET_DIR:-$repository/target}
+target=${CARGO_TARGET_DIR:-$PWD/target}
+tools=${TRUEAXIS_TOOLS:-$on_host/tools}
+export PATH="$tools/bin:${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
+mcu=thumbv7em-none-eabihf
+cores=(m4f m7)
+
+say() {
+    printf -- '--- %s [%d s]\n' "$1" "$SECONDS"
+}
+
+say 'what is needed'
+rustc --print target-libdir --target "$mcu" | xargs test -d || rustup target add "$mcu"
+if ! command -v qemu-system-arm >/dev/null; then
+    if [[ $(id -u) != 0 ]]; then
+        echo 'qemu-system-arm is missing, and only root can install it: apt-get install qemu-system-arm' >&2
+        exit 1
+    fi
+    export DEBIAN_FRONTEND=noninteractive
+    apt-get -o DPkg::Lock::Timeout=300 -q update
+    apt-get -o DPkg::Lock::Timeout=300 -q -y install --no-install-recommends qemu-system-arm
+fi
+if ! command -v defmt-print >/dev/null; then
+    # Unoptimised it builds in a fraction of the time, and it has not much to do here.
+    CARGO_PROFILE_RELEASE_OPT_LEVEL=1 CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 \
+        CARGO_TARGET_DIR="$tools/build" cargo install --quiet --locked --root "$tools" defmt-print@1.2.0
+fi
+
+say 'host'
+# In the repository's folder: this one's configuration asks for the processor's target.
+(cd "$repository" && CARGO_TARGET_DIR="$on_host" cargo build --quiet --release -p firmware-sim -p trueaxis-cli)
+simulator=$on_host/release/firmware-sim
+trueaxis=$on_host/release/trueaxis
+
+say 'images'
+CARGO_TARGET_DIR="$target/m4f" cargo build --quiet --release --bin image
+CARGO_TARGET_DIR="$target/m7" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' \
+    cargo build --quiet --release --bin image --features double
+elf() {
+    echo "$target/$1/$mcu/release/image"
+}
+
+# Runs something for both cores at a time: `both NAME ARGUMENTS`, with the core as first argument.
+both() {
+    local core failed=0 jobs=()
+    for core in "${cores[@]}"; do
+        "$1" "$core" "${@:2}" &
+        jobs+=($!)
+    done
+    for job in "${jobs[@]}"; do
+        wait "$job" || failed=1
+    done
+    return "$failed"
+}
+
+work=$target/test
+rm -rf "$work"
+mkdir -p "$work"
+
+say 'against the host, bit for bit, twice'
+compare() {
+    local core=$1 run=$2
+    timeout 300 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/$run" \
+        --machine machine --program short-tour --rate-hz 1000 --drill --exchange-at 9000 --second machine/warm.toml \
+        >"$work/$run-$core.json"
+    defmt-print -e "$(elf "$core")" <"$work/$run/$core/defmt.bin" >"$work/$run/$core/log.txt"
+}
+for run in first second; do
+    mkdir -p "$work/$run"
+    both compare "$run"
+done
+for core in "${cores[@]}"; do
+    for file in frames.bin outputs.bin defmt.bin; do
+        cmp "$work/first/$core/$file" "$work/second/$core/$file"
+    done
+    python3 - "$work/first-$core.json" "$work/first/$core/log.txt" <<'PYTHON'
+import json, re, sys
+
+[core] = json.load(open(sys.argv[1]))["cores"]
+log = open(sys.argv[2]).read()
+if not (core["equal"] and core["within_2_nm"] and core["cycles"] > 10000 and core["revolutions"]):
+    sys.exit(f"found {core}, needed all cycles equal, double precision within 2 nm, and a revolution")
+if core["exchange_at"] is None or f"in force from cycle {core['exchange_at']}" not in log:
+    sys.exit(f"found no exchange of tables in:\n{log}")
+if f"end: {core['cycles']} cycles, 0 overruns, 0 records dropped" not in log:
+    sys.exit(f"found cycles that were late or not reported in:\n{log}")
+begun = {int(code) for code in re.findall(r"fault (\d+) ", log)}
+if begun != {fault["code"] for fault in core["faults"]} or len(begun) < 5:
+    sys.exit(f"found faults {begun} in the log, needed those of the drill")
+print(f"{core['core']}: {core['cycles']} cycles bit for bit as on the host; against double precision", core["against_double_nm"])
+PYTHON
+    python3 sizes.py sizes.toml "$core" "$(elf "$core")" "$work/first/$core/log.txt"
+done
+
+say 'bad input'
+bad=$work/bad
+mkdir -p "$bad"
+python3 refusals.py machines machine/machine.toml "$bad/machines"
+compile() {
+    "$trueaxis" tables compile "$1" -o "$bad/$2.tcomp" 2>>"$bad/compile.log"
+}
+compile machine good
+compile "$repository/compensation-tables/mill-3axis" mill
+compile "$bad/machines/wide" wide
+compile "$bad/machines/points" points
+"$simulator" record --machine machine --program short-tour --rate-hz 1000 --cycles 600 --exchange-at 100 -o "$bad/small.rec"
+read -ra cases < <(python3 refusals.py make "$bad")
+refuse() {
+    local core=$1 case inputs to board flash
+    case $core in
+        m4f) board=(-M mps2-an386 -cpu cortex-m4) ;;
+        m7) board=(-M mps2-an500 -cpu cortex-m7) ;;
+    esac
+    for case in "${cases[@]}"; do
+        inputs=$bad/$case
+        to=$inputs/$core
+        mkdir -p "$to"
+        flash=()
+        for file in a.tcomp=0x00100000 b.tcomp=0x00140000 run.rec=0x00180000; do
+            if [[ -f $inputs/${file%=*} ]]; then
+                flash+=(-device "loader,file=${inputs//,/,,}/${file%=*},addr=${file#*=},force-raw=on")
+            fi
+        done
+        local code=0
+        timeout 120 qemu-system-arm "${board[@]}" -nographic -monitor none -serial "file:${to//,/,,}/frames.bin" \
+            -serial "file:${to//,/,,}/outputs.bin" -icount shift=7,align=off,sleep=off \
+            -semihosting-config enable=on,target=native -kernel "$(elf "$core")" "${flash[@]}" >"$to/defmt.bin" || code=$?
+        echo "$code" >"$to/exit"
+        defmt-print -e "$(elf "$core")" <"$to/defmt.bin" >"$to/log.txt"
+        python3 refusals.py check "$case" "$inputs" "$core"
+    done
+}
+both refuse
+
+say 'counts'
+./count.sh
+if [[ -x proofs/run.sh ]]; then
+    say 'proofs'
+    proofs/run.sh
+fi
+say 'all good'
