@@ -36,7 +36,8 @@ fn the_step_does_not_allocate() {
         for cycle in 0..4000 {
             let along = 0.02 * f64::from(cycle);
             let command = [10.0 + along, -30.0, -200.0];
-            let mut input = Input { command, feedback: command, homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
+            let mut input =
+                Input { command, feedback: command, homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
             input.feedback[1] += 1e-3 * f64::from(cycle % 7);
             // A lost reading now and then; at the end a jump of the command.
             if cycle % 100 == 99 {
