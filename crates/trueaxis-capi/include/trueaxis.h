@@ -594,6 +594,10 @@ typedef struct trueaxis_input_t {
      * Not 0: releases a latched stop request (on its rising edge, near the held position).
      */
     uint8_t reset;
+    /**
+     * Not looked at.
+     */
+    uint8_t reserved[4];
 } trueaxis_input_t;
 
 /**
@@ -693,7 +697,7 @@ typedef struct trueaxis_record_t {
     /**
      * 0.
      */
-    uint16_t reserved;
+    uint8_t reserved[6];
     /**
      * Command as it came (the held one during a stop).
      */
@@ -889,9 +893,9 @@ typedef struct trueaxis_probes_t {
      */
     uint8_t idle;
     /**
-     * 0.
+     * Not looked at.
      */
-    uint8_t reserved;
+    uint8_t reserved[5];
 } trueaxis_probes_t;
 
 /**

@@ -31,6 +31,8 @@ pub struct Input {
     pub enable: u8,
     /// Not 0: releases a latched stop request (on its rising edge, near the held position).
     pub reset: u8,
+    /// Not looked at.
+    pub reserved: [u8; 4],
 }
 
 // SAFETY: repr(C), `size` first, numbers only.
@@ -174,7 +176,7 @@ pub struct Record {
     /// `TRUEAXIS_CONTOUR_…` bits of the orientation error: not found in all steps of this interface.
     pub orientation_flags: u8,
     /// 0.
-    pub reserved: u16,
+    pub reserved: [u8; 6],
     /// Command as it came (the held one during a stop).
     pub command: [Position; AXES_MAX],
     /// Raw feedback (last good one during a fault).
@@ -231,7 +233,7 @@ impl Output {
                 limited: record.limited,
                 at_edge: record.at_edge,
                 orientation_flags: record.orientation_flags.bits(),
-                reserved: 0,
+                reserved: [0; _],
                 command: padded(&record.command),
                 feedback: padded(&record.feedback),
                 correction,

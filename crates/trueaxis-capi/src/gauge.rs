@@ -91,9 +91,10 @@ pub(crate) unsafe fn pair<'a>(gauge: *const Gauge, state: *mut GaugeState) -> Re
     match unsafe { opaque::content(gauge) }? {
         // SAFETY: the caller's promise.
         AnyGauge::Points1024(gauge) => Ok(Pair::Points1024(gauge, unsafe { opaque::content_mut(state) }?)),
-        // SAFETY: the caller's promise; the magic word of the smaller state is another one.
         AnyGauge::Points512(gauge) => {
-            Ok(Pair::Points512(gauge, unsafe { opaque::content_mut(state.cast::<GaugeState512>()) }?))
+            let state = state.cast::<GaugeState512>();
+            // SAFETY: the caller's promise; the magic word of the smaller state is another one.
+            Ok(Pair::Points512(gauge, unsafe { opaque::content_mut(state) }?))
         }
     }
 }

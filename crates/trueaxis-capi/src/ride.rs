@@ -30,8 +30,8 @@ pub struct Probes {
     pub new_part: u8,
     /// Not 0: the wheel does not grind; measured all the same, but nothing is learnt for the infeed.
     pub idle: u8,
-    /// 0.
-    pub reserved: u8,
+    /// Not looked at.
+    pub reserved: [u8; 5],
 }
 
 // SAFETY: repr(C), `size` first, numbers only.

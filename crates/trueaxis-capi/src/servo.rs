@@ -63,6 +63,7 @@ pub(crate) struct Built {
 }
 
 /// A servo loop of any number of axes.
+#[allow(clippy::large_enum_variant)] // storage has the size of the largest anyway
 pub(crate) enum AnyServo {
     Three(Servo<3>),
     Four(Servo<4>),
@@ -76,6 +77,7 @@ pub(crate) enum AnyServo {
 }
 
 /// What a `trueaxis_state_t` holds.
+#[allow(clippy::large_enum_variant)] // as above
 pub(crate) enum Running {
     Three(ServoState<3>),
     Four(ServoState<4>),

@@ -27,6 +27,6 @@ pub extern "C" fn trueaxis_abi_version() -> u32 {
 /// Real-time safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn trueaxis_check_abi(header_version: u32) -> Status {
-    let same = (header_version ^ ABI_VERSION) & 0xffff_0000 == 0;
-    if same && header_version & 0xffff <= ABI_MINOR { OK } else { ERROR_ABI }
+    let same = header_version >> 16 == ABI_VERSION >> 16;
+    if same && header_version <= ABI_VERSION { OK } else { ERROR_ABI }
 }

@@ -1,0 +1,142 @@
+//! Machines, their table files, and what a C program would have in its static memory.
+
+#![allow(dead_code)]
+
+use std::ptr::{null, null_mut};
+use std::sync::OnceLock;
+use trueaxis::tcomp::Tcomp;
+use trueaxis_capi::*;
+use trueaxis_tables::{Machine, compile};
+
+pub(crate) const PERIOD_NS: u32 = 100_000;
+
+/// Nine terms, three axes.
+pub(crate) const MILL: &[u8] = include_bytes!("../../../trueaxis/tests/data/mill-3axis.tcomp");
+
+/// The same, with three lines a table where Miri has to work it off.
+pub(crate) fn mill() -> &'static [u8] {
+    static THIN: OnceLock<Vec<u8>> = OnceLock::new();
+    if !cfg!(miri) {
+        return MILL;
+    }
+    THIN.get_or_init(|| {
+        let mut machine = Machine::from_tcomp(&Tcomp::parse(MILL).unwrap());
+        for table in machine.tables.iter_mut().flatten() {
+            let last = table.rows.len() - 1;
+            table.rows = [0, last / 2, last].map(|row| table.rows[row]).to_vec();
+        }
+        compile(&machine).unwrap()
+    })
+}
+
+/// A sample machine of `compensation-tables`, compiled.
+pub(crate) fn sample(name: &str) -> Vec<u8> {
+    compile(&read(name)).unwrap()
+}
+
+pub(crate) fn read(name: &str) -> Machine {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/");
+    Machine::read(format!("{folder}{name}").as_ref()).unwrap()
+}
+
+/// The same machine with half the errors.
+pub(crate) fn halved(bytes: &[u8]) -> Vec<u8> {
+    let mut machine = Machine::from_tcomp(&Tcomp::parse(bytes).unwrap());
+    for row in machine.tables.iter_mut().flatten().flat_map(|table| &mut table.rows) {
+        row.forward = row.forward.map(|error| 0.5 * error);
+        row.reverse = row.reverse.map(|error| 0.5 * error);
+    }
+    compile(&machine).unwrap()
+}
+
+/// Zeroed storage of a C object.
+pub(crate) fn zeroed<T>() -> Box<T> {
+    // SAFETY: the objects of the header are arrays of words.
+    unsafe { Box::<T>::new_zeroed().assume_init() }
+}
+
+pub(crate) fn error() -> Error {
+    // SAFETY: numbers only.
+    Error { size: size_of::<Error>() as u32, ..unsafe { std::mem::zeroed() } }
+}
+
+pub(crate) fn info() -> TablesInfo {
+    // SAFETY: numbers only.
+    TablesInfo { size: size_of::<TablesInfo>() as u32, ..unsafe { std::mem::zeroed() } }
+}
+
+pub(crate) fn output() -> Output {
+    // SAFETY: numbers only.
+    Output { size: size_of::<Output>() as u32, ..unsafe { std::mem::zeroed() } }
+}
+
+pub(crate) fn input(command: [f64; AXES_MAX], feedback: [f64; AXES_MAX]) -> Input {
+    Input {
+        size: size_of::<Input>() as u32,
+        elapsed_ns: PERIOD_NS,
+        command: command.map(position),
+        feedback: feedback.map(position),
+        encoder_alarm: 0,
+        homed: 1,
+        enable: 1,
+        reset: 0,
+        reserved: [0; 4],
+    }
+}
+
+/// A position of this build.
+pub(crate) fn position(x: f64) -> Position {
+    #[cfg(not(feature = "single"))]
+    return x;
+    #[cfg(feature = "single")]
+    return (x * 1e6).round() as Position;
+}
+
+/// Text of a C string.
+pub(crate) fn text(characters: &[std::ffi::c_char]) -> String {
+    let bytes: Vec<u8> = characters.iter().take_while(|c| **c != 0).map(|c| *c as u8).collect();
+    assert!(bytes.len() < characters.len(), "closed by a zero");
+    String::from_utf8(bytes).unwrap()
+}
+
+/// A loop with the memory that its tables lie in.
+pub(crate) struct BuiltLoop {
+    pub(crate) servo: Box<Loop>,
+    pub(crate) memory: Vec<u64>,
+}
+
+pub(crate) fn built(file: &[u8]) -> BuiltLoop {
+    let mut info = info();
+    let mut servo = zeroed::<Loop>();
+    // SAFETY: everything is as the types say.
+    unsafe {
+        assert_eq!(trueaxis_tables_info(file.as_ptr(), file.len(), &mut info, null_mut()), OK);
+        let mut memory = vec![0xa5a5_a5a5_a5a5_a5a5_u64; (info.memory_bytes as usize).div_ceil(8)];
+        let status = trueaxis_loop_build(
+            &mut *servo,
+            size_of::<Loop>(),
+            file.as_ptr(),
+            file.len(),
+            info.machine_id,
+            PERIOD_NS,
+            memory.as_mut_ptr().cast(),
+            info.memory_bytes as usize,
+            null_mut(),
+        );
+        assert_eq!(status, OK);
+        BuiltLoop { servo, memory }
+    }
+}
+
+pub(crate) fn started(servo: &Loop) -> Box<State> {
+    let mut state = zeroed::<State>();
+    // SAFETY: everything is as the types say.
+    assert_eq!(unsafe { trueaxis_start(servo, &mut *state, size_of::<State>(), PERIOD_NS) }, OK);
+    state
+}
+
+/// A cycle without a path.
+pub(crate) fn step(servo: &Loop, state: &mut State, input: &Input, output: &mut Output) -> Status {
+    // SAFETY: everything is as the types say.
+    unsafe { trueaxis_step(servo, state, input, null(), null(), output) }
+}

@@ -1,0 +1,389 @@
+//! Whatever a caller gets wrong has its status, and what the function would have written stays as it was.
+
+#![allow(unsafe_code)]
+
+mod machines;
+
+use machines::*;
+use std::ptr::{null, null_mut};
+use std::slice;
+use trueaxis_capi::*;
+
+/// All bytes of a value. Miri does not let paddings be read, nothing is compared there.
+fn bytes_of<T>(value: &T) -> Vec<u8> {
+    if cfg!(miri) {
+        return Vec::new();
+    }
+    // SAFETY: as many bytes as the value has.
+    unsafe { slice::from_raw_parts((&raw const *value).cast(), size_of::<T>()) }.to_vec()
+}
+
+/// Memory in which nothing is aligned.
+fn odd<T>(memory: &mut [u64]) -> *mut T {
+    memory.as_mut_ptr().cast::<u8>().wrapping_add(1).cast()
+}
+
+struct Build {
+    storage: *mut Loop,
+    size: usize,
+    file: *const u8,
+    length: usize,
+    machine_id: u32,
+    period_ns: u32,
+    memory: *mut u64,
+    memory_size: usize,
+    error: *mut Error,
+}
+
+impl Build {
+    fn call(&self) -> Status {
+        // SAFETY: what is wrong is null, misaligned or said to be of another size.
+        unsafe {
+            trueaxis_loop_build(
+                self.storage,
+                self.size,
+                self.file,
+                self.length,
+                self.machine_id,
+                self.period_ns,
+                self.memory.cast(),
+                self.memory_size,
+                self.error,
+            )
+        }
+    }
+}
+
+#[test]
+fn a_loop_is_built_of_nothing_less() {
+    let mut storage = zeroed::<Loop>();
+    let mut memory = built(mill()).memory;
+    let (mut spare, mut error) = (vec![0_u64; 4096], error());
+    let storage: *mut Loop = &mut *storage;
+    let good = Build {
+        storage,
+        size: size_of::<Loop>(),
+        file: mill().as_ptr(),
+        length: mill().len(),
+        machine_id: 0,
+        period_ns: PERIOD_NS,
+        memory: memory.as_mut_ptr(),
+        memory_size: memory.len() * 8,
+        error: null_mut(),
+    };
+    let error: *mut Error = &mut error;
+    let overlapping = storage.cast::<u64>();
+    let refused = [
+        (ERROR_NULL, Build { storage: null_mut(), ..good }),
+        (ERROR_NULL, Build { file: null(), ..good }),
+        (ERROR_NULL, Build { memory: null_mut(), ..good }),
+        (ERROR_SIZE, Build { size: size_of::<Loop>() - 8, ..good }),
+        (ERROR_SIZE, Build { size: size_of::<Loop>() + 8, ..good }),
+        (ERROR_SIZE, Build { length: usize::MAX, ..good }),
+        (ERROR_SIZE, Build { memory_size: usize::MAX, ..good }),
+        (ERROR_ALIGNMENT, Build { storage: odd(&mut spare), ..good }),
+        (ERROR_ALIGNMENT, Build { memory: odd(&mut spare), ..good }),
+        (ERROR_ALIGNMENT, Build { memory: good.memory.cast::<u8>().wrapping_add(4).cast(), ..good }),
+        (ERROR_ALIGNMENT, Build { error: odd(&mut spare), ..good }),
+        (ERROR_ARGUMENT, Build { memory: overlapping, memory_size: size_of::<Loop>(), ..good }),
+        (ERROR_TABLES, Build { length: 0, ..good }),
+        (ERROR_TABLES, Build { length: mill().len() - 1, ..good }),
+        (ERROR_MACHINE, Build { machine_id: 1, ..good }),
+        (ERROR_CONFIG, Build { period_ns: 999, ..good }),
+        (ERROR_CONFIG, Build { period_ns: 100_000_001, ..good }),
+        (ERROR_MEMORY, Build { memory_size: 8, ..good }),
+        (ERROR_MEMORY, Build { memory_size: 0, ..good }),
+    ];
+    for (place, (status, build)) in refused.iter().enumerate() {
+        // SAFETY: our own storage, zeroed.
+        let before = bytes_of(unsafe { &*storage });
+        assert_eq!(build.call(), *status, "{place}");
+        assert_eq!(Build { error: if build.error.is_null() { error } else { build.error }, ..*build }.call(), *status);
+        // SAFETY: as above.
+        assert_eq!(bytes_of(unsafe { &*storage }), before, "{place}");
+        // SAFETY: as above.
+        assert_eq!(
+            unsafe { trueaxis_start(storage, spare.as_mut_ptr().cast(), size_of::<State>(), PERIOD_NS) },
+            ERROR_UNBUILT
+        );
+    }
+    let mut wrong_size = machines::error();
+    wrong_size.size -= 4;
+    let before = bytes_of(&wrong_size);
+    assert_eq!(Build { error: &mut wrong_size, machine_id: 1, ..good }.call(), ERROR_SIZE);
+    assert_eq!(bytes_of(&wrong_size), before);
+    assert_eq!(good.call(), OK);
+}
+
+#[test]
+fn an_error_says_what_is_wrong() {
+    let mut storage = zeroed::<Loop>();
+    let mut memory = vec![0_u64; 16];
+    let mut build = |file: &[u8], machine_id, period_ns| {
+        let mut error = error();
+        let build = Build {
+            storage: &mut *storage,
+            size: size_of::<Loop>(),
+            file: file.as_ptr(),
+            length: file.len(),
+            machine_id,
+            period_ns,
+            memory: memory.as_mut_ptr(),
+            memory_size: 128,
+            error: &mut error,
+        };
+        let status = build.call();
+        assert_eq!(status, error.status);
+        error
+    };
+    let mut damaged = mill().to_vec();
+    damaged[600] ^= 0x10;
+    let found = build(&damaged, 0, PERIOD_NS);
+    assert_eq!((found.status, found.code, found.index), (ERROR_TABLES, 5, u32::MAX));
+    assert_eq!(text(&found.text), "table file: the file is damaged (its CRC-32 is wrong)");
+
+    let found = build(mill(), 77, PERIOD_NS);
+    assert_eq!((found.status, found.code), (ERROR_MACHINE, 12));
+    let found = build(mill(), 0, PERIOD_NS);
+    assert_eq!((found.status, found.found), (ERROR_MEMORY, 128.0));
+    assert!(text(&found.text).starts_with("memory: found 128 bytes, needed "), "{}", text(&found.text));
+    let found = build(b"not a table file", 0, PERIOD_NS);
+    assert_eq!((found.status, found.code), (ERROR_TABLES, 3));
+}
+
+#[test]
+#[cfg_attr(miri, ignore)]
+fn every_damage_is_refused() {
+    let mut info = info();
+    let before = bytes_of(&info);
+    let mut codes = [0_usize; 16];
+    let mut refused = |bytes: &[u8]| {
+        let mut error = error();
+        // SAFETY: everything is as the types say.
+        let status = unsafe { trueaxis_tables_info(bytes.as_ptr(), bytes.len(), &mut info, &mut error) };
+        assert_eq!(status, ERROR_TABLES);
+        assert!(!text(&error.text).is_empty());
+        codes[error.code as usize] += 1;
+        assert_eq!(bytes_of(&info), before);
+    };
+    for length in (0..MILL.len()).step_by(7) {
+        refused(&MILL[..length]);
+    }
+    for place in (0..MILL.len()).step_by(3) {
+        let mut bytes = MILL.to_vec();
+        bytes[place] ^= 1 << (place % 8);
+        refused(&bytes);
+    }
+    refused(&[MILL, &[0]].concat());
+    // Too short, too long, another kind, another version, damaged: each of them was met.
+    assert!(codes[1..=5].iter().all(|count| *count > 0), "{codes:?}");
+}
+
+#[test]
+#[cfg_attr(miri, ignore)]
+fn contents_that_make_no_sense_name_the_setting() {
+    let mut machine = read("mill-3axis");
+    let good = trueaxis_tables::compile(&machine).unwrap();
+    machine.settings.axes[1].limits.slope_per_s = 0.0;
+    // The compiler refuses it as well, so the file is made from a good one: the slope limit of Y is a double in it.
+    assert!(trueaxis_tables::compile(&machine).is_err());
+    let slope = 1.0_f64.to_le_bytes();
+    let settings = read("mill-3axis").settings;
+    assert_eq!(settings.axes[1].limits.slope_per_s, 1.0);
+    let acceleration = settings.axes[1].limits.acceleration_per_s2.to_le_bytes();
+    let both = [slope, acceleration].concat();
+    let places: Vec<usize> = (0..good.len() - 16).filter(|at| good[*at..*at + 16] == both[..]).collect();
+    let mut bytes = good.clone();
+    bytes[places[1]..places[1] + 8].copy_from_slice(&0.0_f64.to_le_bytes());
+    let end = bytes.len() - 4;
+    let sum = trueaxis::tcomp::checksum(&bytes[..end]);
+    bytes[end..].copy_from_slice(&sum.to_le_bytes());
+    let (mut info, mut error) = (info(), error());
+    // SAFETY: everything is as the types say.
+    let status = unsafe { trueaxis_tables_info(bytes.as_ptr(), bytes.len(), &mut info, &mut error) };
+    assert_eq!((status, error.code, error.axis as u8), (ERROR_TABLES, 11, b'Y'));
+    assert_eq!((text(&error.field).as_str(), error.found), ("Slope", 0.0));
+    assert!(text(&error.text).starts_with("table file: axis Y: Slope: found 0, needed "), "{}", text(&error.text));
+}
+
+#[test]
+fn a_cycle_takes_what_it_says() {
+    let built = built(mill());
+    let servo: &Loop = &built.servo;
+    let mut state = started(servo);
+    let at = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];
+    let good = input(at, at);
+    let mut out = output();
+    assert_eq!(step(servo, &mut state, &good, &mut out), OK);
+
+    let mut spare = vec![0_u64; 4096];
+    let nothing = zeroed::<Loop>();
+    let mut never_started = zeroed::<State>();
+    let mut path = zeroed::<Path>();
+    let reference = Reference::default();
+    let (mut short_input, mut short_output) = (good, out);
+    short_input.size -= 8;
+    short_output.size += 8;
+    let state: *mut State = &mut *state;
+    let never_started: *mut State = &mut *never_started;
+    let path: *mut Path = &mut *path;
+    let servo: *const Loop = servo;
+    let foreign: *mut State = spare.as_mut_ptr().cast();
+    // SAFETY: as many bytes as a state; a loop where a state is wanted.
+    unsafe { foreign.cast::<u8>().copy_from(servo.cast(), size_of::<State>()) };
+    let mut unaligned = vec![0_u64; 4096];
+    let before = (bytes_of(&out), bytes_of(&short_output));
+    // SAFETY: the state is ours.
+    let state_before = bytes_of(unsafe { &*state });
+    let out: *mut Output = &mut out;
+    // SAFETY: what is wrong is null, misaligned, zeroed, or said to be of another size.
+    let answers = unsafe {
+        [
+            (ERROR_NULL, trueaxis_step(null(), state, &good, null(), null(), out)),
+            (ERROR_NULL, trueaxis_step(servo, null_mut(), &good, null(), null(), out)),
+            (ERROR_NULL, trueaxis_step(servo, state, null(), null(), null(), out)),
+            (ERROR_NULL, trueaxis_step(servo, state, &good, null(), null(), null_mut())),
+            (ERROR_SIZE, trueaxis_step(servo, state, &short_input, null(), null(), out)),
+            (ERROR_SIZE, trueaxis_step(servo, state, &good, null(), null(), &mut short_output)),
+            (ERROR_UNBUILT, trueaxis_step(&*nothing, state, &good, null(), null(), out)),
+            (ERROR_UNBUILT, trueaxis_step(state.cast(), state, &good, null(), null(), out)),
+            (ERROR_UNBUILT, trueaxis_step(servo, never_started, &good, null(), null(), out)),
+            (ERROR_UNBUILT, trueaxis_step(servo, foreign, &good, null(), null(), out)),
+            (ERROR_UNBUILT, trueaxis_step(servo, state, &good, path, &reference, out)),
+            (ERROR_ALIGNMENT, trueaxis_step(odd(&mut unaligned), state, &good, null(), null(), out)),
+            (ERROR_ALIGNMENT, trueaxis_step(servo, odd(&mut unaligned), &good, null(), null(), out)),
+            (ERROR_ALIGNMENT, trueaxis_step(servo, state, odd(&mut unaligned), null(), null(), out)),
+            (ERROR_ALIGNMENT, trueaxis_step(servo, state, &good, odd(&mut unaligned), null(), out)),
+            (ERROR_ALIGNMENT, trueaxis_step(servo, state, &good, null(), null(), odd(&mut unaligned))),
+        ]
+    };
+    for (place, (expected, answer)) in answers.into_iter().enumerate() {
+        assert_eq!(answer, expected, "{place}");
+    }
+    // SAFETY: ours.
+    unsafe {
+        assert_eq!((bytes_of(&*out), bytes_of(&short_output)), before);
+        assert_eq!(bytes_of(&*state), state_before);
+        assert_eq!(trueaxis_step(servo, state, &good, null(), null(), out), OK);
+        assert_eq!((*out).record.sequence, 1, "refused cycles do not count");
+    }
+}
+
+#[test]
+fn periods_and_numbers_of_axes_must_fit() {
+    let built = built(mill());
+    let mut bypass = zeroed::<Loop>();
+    let mut state = zeroed::<State>();
+    let size = size_of::<Loop>();
+    // SAFETY: everything is as the types say.
+    unsafe {
+        assert_eq!(trueaxis_start(&*built.servo, &mut *state, size_of::<State>(), 101_000), ERROR_PERIOD);
+        assert_eq!(trueaxis_start(&*built.servo, &mut *state, size_of::<State>() - 8, PERIOD_NS), ERROR_SIZE);
+        assert_eq!(trueaxis_start(&*built.servo, null_mut(), size_of::<State>(), PERIOD_NS), ERROR_NULL);
+        assert!(bytes_of(&*state).iter().all(|byte| *byte == 0));
+        assert_eq!(trueaxis_start(&*built.servo, &mut *state, size_of::<State>(), 100_099), OK);
+
+        for (axes, reason, period, status) in [
+            (2, FAULT_TABLES_REFUSED, PERIOD_NS, ERROR_AXES),
+            (7, FAULT_TABLES_REFUSED, PERIOD_NS, ERROR_AXES),
+            (3, FAULT_NONE, PERIOD_NS, ERROR_ARGUMENT),
+            (3, FAULT_JOINT_RANGE, PERIOD_NS, ERROR_ARGUMENT),
+            (3, 250, PERIOD_NS, ERROR_ARGUMENT),
+            (3, FAULT_TABLES_REFUSED, 0, ERROR_ARGUMENT),
+        ] {
+            assert_eq!(trueaxis_loop_bypass(&mut *bypass, size, axes, reason, period), status);
+            assert_eq!(trueaxis_start(&*bypass, &mut *state, size_of::<State>(), PERIOD_NS), ERROR_UNBUILT);
+        }
+        assert_eq!(trueaxis_loop_bypass(null_mut(), size, 3, FAULT_TABLES_REFUSED, PERIOD_NS), ERROR_NULL);
+        assert_eq!(trueaxis_loop_bypass(&mut *bypass, size - 1, 3, FAULT_TABLES_REFUSED, PERIOD_NS), ERROR_SIZE);
+
+        let at = input([1.0; 6], [1.0; 6]);
+        let mut out = output();
+        for axes in 3..=6 {
+            assert_eq!(trueaxis_loop_bypass(&mut *bypass, size, axes, FAULT_CAPACITY_TOO_SMALL, PERIOD_NS), OK);
+            let mut passing = zeroed::<State>();
+            assert_eq!(trueaxis_start(&*bypass, &mut *passing, size_of::<State>(), PERIOD_NS + 200), ERROR_PERIOD);
+            assert_eq!(trueaxis_start(&*bypass, &mut *passing, size_of::<State>(), PERIOD_NS), OK);
+            // Loop and state do not belong together, one way or the other.
+            let mixed = if axes == 3 { ERROR_STATE } else { ERROR_AXES };
+            assert_eq!(step(&bypass, &mut state, &at, &mut out), mixed);
+            assert_eq!(step(&built.servo, &mut passing, &at, &mut out), mixed);
+            for sequence in 0..3 {
+                assert_eq!(step(&bypass, &mut passing, &at, &mut out), OK);
+                assert_eq!((out.record.fault, out.record.sequence), (FAULT_CAPACITY_TOO_SMALL, sequence));
+                assert_eq!(out.drive[..axes as usize], at.command[..axes as usize]);
+                assert_eq!(out.axes, axes);
+            }
+        }
+    }
+}
+
+#[test]
+fn temperatures_must_be_of_this_world() {
+    let built = built(mill());
+    let mut state = started(&built.servo);
+    let before = bytes_of(&*state);
+    let state: *mut State = &mut *state;
+    let set = |place, kelvin| {
+        // SAFETY: everything is as the types say.
+        unsafe { trueaxis_set_thermal(&*built.servo, state, place, kelvin) }
+    };
+    assert_eq!(set(3, 1.0), ERROR_ARGUMENT);
+    assert_eq!(set(u32::MAX, 1.0), ERROR_ARGUMENT);
+    assert_eq!(set(0, f64::NAN), ERROR_ARGUMENT);
+    assert_eq!(set(0, f64::INFINITY), ERROR_ARGUMENT);
+    // SAFETY: ours.
+    assert_eq!(bytes_of(unsafe { &*state }), before);
+    assert_eq!(set(2, -3.0), OK);
+}
+
+#[test]
+fn frames_need_room() {
+    let built = built(mill());
+    let mut state = started(&built.servo);
+    let mut out = output();
+    assert_eq!(step(&built.servo, &mut state, &input([0.0; 6], [0.0; 6]), &mut out), OK);
+    let (mut bytes, mut written) = ([0xaa_u8; FRAME_BYTES], 12345);
+    let mut encode = |output: *const Output, size: usize| {
+        // SAFETY: what is wrong is null or said to be smaller.
+        let status = unsafe { trueaxis_frame_encode(output, bytes.as_mut_ptr(), size, &mut written) };
+        (status, written, bytes == [0xaa; FRAME_BYTES])
+    };
+    assert_eq!(encode(null(), FRAME_BYTES), (ERROR_NULL, 12345, true));
+    assert_eq!(encode(&out, 20), (ERROR_BUFFER, 12345, true));
+    assert_eq!(encode(&Output { size: 4, ..out }, FRAME_BYTES), (ERROR_SIZE, 12345, true));
+    assert_eq!(encode(&Output { axes: 7, ..out }, FRAME_BYTES), (ERROR_ARGUMENT, 12345, true));
+    let mut strange = out;
+    strange.record.fault = 99;
+    assert_eq!(encode(&strange, FRAME_BYTES), (ERROR_ARGUMENT, 12345, true));
+    // SAFETY: null is refused.
+    unsafe {
+        assert_eq!(trueaxis_frame_encode(&out, null_mut(), FRAME_BYTES, &mut written), ERROR_NULL);
+        assert_eq!(trueaxis_frame_encode(&out, bytes.as_mut_ptr(), FRAME_BYTES, null_mut()), ERROR_NULL);
+    }
+}
+
+#[test]
+fn versions() {
+    assert_eq!(trueaxis_abi_version(), ABI_VERSION);
+    assert_eq!(trueaxis_check_abi(ABI_VERSION), OK);
+    for other in [0, ABI_VERSION + 1, ABI_VERSION + (1 << 16), ABI_VERSION ^ ABI_SINGLE] {
+        assert_eq!(trueaxis_check_abi(other), ERROR_ABI, "{other:x}");
+    }
+}
+
+#[test]
+fn every_status_has_its_words() {
+    let words = |status| {
+        // SAFETY: a constant string.
+        unsafe { std::ffi::CStr::from_ptr(trueaxis_status_text(status)) }.to_str().unwrap().to_string()
+    };
+    let mut all: Vec<String> = (OK..=ERROR_NOT_YET).map(words).collect();
+    let unknown = words(ERROR_NOT_YET + 1);
+    assert_eq!((&unknown, &unknown), (&words(-1), &words(i32::MAX)));
+    all.push(unknown);
+    let count = all.len();
+    all.sort();
+    all.dedup();
+    assert_eq!(all.len(), count);
+}

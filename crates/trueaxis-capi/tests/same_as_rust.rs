@@ -1,0 +1,237 @@
+//! Through the C interface a machine does what it does through the Rust one, bit for bit.
+
+#![allow(unsafe_code)]
+
+mod machines;
+
+use machines::*;
+use std::f64::consts::TAU;
+use std::ptr::{null, null_mut};
+use trueaxis::compensation::{Storage, ThermalLine};
+use trueaxis::contour::{self, Commanded, Segment, convert};
+use trueaxis::tcomp::{TableData, Tcomp};
+use trueaxis::telemetry::{FRAME_BYTES as CORE_FRAME_BYTES, Frame};
+use trueaxis::{Config, Position as _, ServoLoop};
+use trueaxis_capi::*;
+
+#[cfg(not(feature = "single"))]
+type P = f64;
+#[cfg(feature = "single")]
+type P = trueaxis::Micro;
+type R = Real;
+
+fn core_position(x: f64) -> P {
+    P::of(x)
+}
+
+fn bits(x: P) -> u64 {
+    x.to_f64().to_bits()
+}
+
+#[cfg(not(feature = "single"))]
+fn from_c(x: Position) -> P {
+    x
+}
+#[cfg(feature = "single")]
+fn from_c(x: Position) -> P {
+    trueaxis::Micro(x)
+}
+
+/// The Rust side, over memory that lives as long as the test.
+fn rust_loop<const N: usize>(file: &[u8]) -> ServoLoop<'static, R, P, N> {
+    let tables = Tcomp::parse(file).unwrap();
+    let config = Config::of(&tables, PERIOD_NS);
+    let need = config.requirement::<R, P, N, TableData<'_>>(|axis| tables.table(axis));
+    let storage = Storage {
+        lines: vec![0.0; need.lines].leak(),
+        knots: vec![0.0; need.knots].leak(),
+        guide: vec![0; need.guide].leak(),
+    };
+    config.build(|axis| tables.table(axis), storage).unwrap()
+}
+
+fn same<const N: usize>(c: &Output, rust: &trueaxis::Output<R, P, N>, cycle: usize) {
+    assert_eq!(c.axes as usize, N);
+    for axis in 0..N {
+        assert_eq!(bits(from_c(c.drive[axis])), bits(rust.drive[axis]), "cycle {cycle}, drive {axis}");
+        assert_eq!(bits(from_c(c.feedback[axis])), bits(rust.feedback[axis]), "cycle {cycle}, feedback {axis}");
+        let [a, b] = [c.record.correction[axis], rust.record.correction[axis]];
+        assert_eq!(a.to_bits(), b.to_bits(), "cycle {cycle}, correction {axis}");
+    }
+    let (record, core) = (&c.record, &rust.record);
+    assert_eq!(record.sequence, core.sequence);
+    assert_eq!((record.machine_id, record.tables_crc), (core.machine_id, core.tables_crc));
+    assert_eq!((record.fault, record.fault_axis), (core.fault as u8, core.fault_axis), "cycle {cycle}");
+    assert_eq!((record.status, record.limited, record.at_edge), (core.status.0, core.limited, core.at_edge));
+    for (c, core) in [(&record.tip, &core.tip), (&record.encoder, &core.encoder)] {
+        assert_eq!((c.span, c.evaluations, c.flags), (core.span, core.evaluations, core.flags.bits()));
+        let numbers = [c.t, c.error, c.normal, c.binormal, c.tangential, c.lag, c.width];
+        let expected = [core.t, core.error, core.normal, core.binormal, core.tangential, core.lag, core.width];
+        assert_eq!(numbers.map(R::to_bits), expected.map(R::to_bits), "cycle {cycle}");
+        assert_eq!(c.vector.map(R::to_bits), core.vector.map(R::to_bits), "cycle {cycle}");
+    }
+    let (mut bytes, mut expected, mut written) = ([0; FRAME_BYTES], [0; CORE_FRAME_BYTES], 0);
+    // SAFETY: everything is as the types say.
+    assert_eq!(unsafe { trueaxis_frame_encode(c, bytes.as_mut_ptr(), bytes.len(), &mut written) }, OK);
+    assert_eq!(&bytes[..written], &*Frame::of(core).encode(&mut expected).unwrap(), "cycle {cycle}");
+}
+
+/// Within the travel of the three-axis mill.
+const MILL_CENTER: [f64; 3] = [60.0, -40.0, -200.0];
+const RADIUS: f64 = 25.0;
+/// Cycles once around: 196 mm/s.
+const AROUND: usize = 8000;
+
+/// On a circle about a centre, rotary axes to and fro.
+fn command(center: [f64; 3], cycle: usize) -> [f64; AXES_MAX] {
+    let turn = TAU * cycle as f64 / AROUND as f64;
+    let [x, y, z] = center;
+    let rotary = [20.0 * turn.sin(), -10.0 * turn.sin(), 15.0 * (1.0 - turn.cos())];
+    let [sin, cos] = [turn.sin(), turn.cos()];
+    [x + RADIUS * cos, y + RADIUS * sin, z, rotary[0], rotary[1], rotary[2]]
+}
+
+/// Both sides over a circle, with a reading that jumps, an alarm, a change of temperature and an exchange of tables.
+fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles: usize) {
+    let loops = [built(first), built(second)];
+    let cores = [rust_loop::<N>(first), rust_loop::<N>(second)];
+    let mut state = started(&loops[0].servo);
+    let mut core_state = cores[0].start(PERIOD_NS).unwrap();
+
+    let [x, y, z] = center;
+    let start = [x + RADIUS, y, z];
+    let normal = [0.0, 0.0, 1.0];
+    let mut memory = vec![0_u64; 64 * SPAN_BYTES / 8];
+    let mut path = zeroed::<Path>();
+    let bytes = memory.len() * 8;
+    // SAFETY: everything is as the types say.
+    unsafe {
+        assert_eq!(trueaxis_path_start(&mut *path, size_of::<Path>(), memory.as_mut_ptr().cast(), bytes, 7), OK);
+        let [from, about, up] = [&start, &center, &normal].map(|v| v.as_ptr());
+        assert_eq!(trueaxis_path_arc(&mut *path, from, from, about, up, 0, null_mut()), OK);
+        assert_eq!(trueaxis_path_close(&mut *path), OK);
+    }
+    let mut spans = Vec::new();
+    let arc = Segment::Arc { start, end: start, center, normal, turns: 0 };
+    convert::<R, P>(&arc, 0, normal, |span| {
+        spans.push(span);
+        Ok(())
+    })
+    .unwrap();
+    let core_path = contour::Path::new(&spans, 7, true);
+
+    let settings = Tcomp::parse(first).unwrap().settings().clone();
+    let (mut out, mut measured) = (output(), 0);
+    for cycle in 0..cycles {
+        let at = command(center, cycle.saturating_sub(20));
+        let mut feedback = command(center, cycle.saturating_sub(40));
+        feedback[0] += if cycle == cycles / 4 { 1.0 } else { 0.0 };
+        let mut c = input(at, feedback);
+        c.encoder_alarm = u8::from(cycle == cycles / 3) << 1;
+        let exchanged = usize::from(cycle >= cycles / 2);
+        if cycle == cycles / 5 {
+            // SAFETY: everything is as the types say.
+            assert_eq!(unsafe { trueaxis_set_thermal(&*loops[0].servo, &mut *state, 0, 4.0) }, OK);
+            let growth = settings.axes.iter().find(|axis| axis.axis == trueaxis::Axis::X).unwrap().thermal;
+            core_state.set_thermal(0, ThermalLine::for_axis(&growth, 4.0).unwrap());
+        }
+        let mut reference = Reference::default();
+        let u = cycle.saturating_sub(20) as f64 / AROUND as f64;
+        // SAFETY: everything is as the types say.
+        unsafe {
+            assert_eq!(trueaxis_path_reference(&*path, 0, u, &mut reference), OK);
+            let servo = &*loops[exchanged].servo;
+            assert_eq!(trueaxis_step(servo, &mut *state, &c, &*path, &reference, &mut out), OK);
+        }
+        let mut core_input = trueaxis::Input::<P, N>::at_rest(PERIOD_NS);
+        for axis in 0..N {
+            core_input.command[axis] = core_position(at[axis]);
+            core_input.feedback[axis] = core_position(feedback[axis]);
+        }
+        (core_input.homed, core_input.enable, core_input.encoder_alarm) = (true, true, c.encoder_alarm);
+        let place = contour::Reference { span: reference.span, t: reference.t };
+        let expected = cores[exchanged].step(&mut core_state, &core_input, &core_path, place);
+        same(&out, &expected, cycle);
+        measured += usize::from(out.record.status & STATUS_CONTOUR != 0);
+    }
+    // The search is cold at the start and after every fault.
+    assert!(measured + 40 > cycles, "{measured} of {cycles} cycles measured a contour error");
+    assert!(out.record.correction[..N].iter().any(|c| c.abs() > 1e-4), "nothing was corrected");
+}
+
+#[test]
+#[cfg_attr(miri, ignore)]
+fn three_axes() {
+    around::<3>(MILL, &halved(MILL), MILL_CENTER, 8000);
+}
+
+#[test]
+fn three_axes_in_short() {
+    around::<3>(mill(), mill(), MILL_CENTER, 60);
+}
+
+#[test]
+#[cfg_attr(miri, ignore)]
+fn five_axes_volumetric() {
+    let mill = sample("mill-5axis");
+    around::<5>(&mill, &halved(&mill), [60.0, -40.0, 100.0], 4000);
+}
+
+/// The machine without one of its rotary axes, or with another one.
+fn with_rotary_axes(chain: &str, rotary: &[trueaxis::Axis]) -> Vec<u8> {
+    let mut machine = read("mill-3axis");
+    machine.settings.chain = chain.try_into().unwrap();
+    let given = [false, false, false, true, true, true];
+    for axis in rotary {
+        let settings = trueaxis::machine::AxisSettings::with_defaults(*axis, true);
+        machine.settings.axes.push(settings).unwrap();
+        let rows = (0..5).map(|row| {
+            let errors = [0.0, 0.0, 0.0, 20e-6, -15e-6, 5e-6].map(|error: f64| error * f64::from(row % 3));
+            trueaxis::Row { position: f64::from(row - 2) * 100.0, forward: errors, reverse: errors }
+        });
+        machine.tables.push(Some(trueaxis_tables::Table { given, bidirectional: false, rows: rows.collect() }));
+    }
+    trueaxis_tables::compile(&machine).unwrap()
+}
+
+#[test]
+#[cfg_attr(miri, ignore)]
+fn four_axes_and_six() {
+    use trueaxis::Axis::{A, B, C};
+    let four = with_rotary_axes("w C' X' Y' b Z t", &[C]);
+    around::<4>(&four, &halved(&four), MILL_CENTER, 3000);
+    let six = with_rotary_axes("w C' B' A' X' Y' b Z t", &[A, B, C]);
+    around::<6>(&six, &halved(&six), MILL_CENTER, 3000);
+}
+
+#[test]
+fn following_the_commands() {
+    let cycles: usize = if cfg!(miri) { 30 } else { 4000 };
+    let (servo, core) = (built(mill()), rust_loop::<3>(mill()));
+    let (mut state, mut core_state) = (started(&servo.servo), core.start(PERIOD_NS).unwrap());
+    let mut follow = zeroed::<Follow>();
+    let mut commanded = Commanded::<R, P, FOLLOW_PIECES>::new([0.0, 0.0, 1.0], 0.005).unwrap();
+    // SAFETY: everything is as the types say.
+    assert_eq!(unsafe { trueaxis_follow_start(&mut *follow, size_of::<Follow>(), null(), 0.005) }, OK);
+    let mut out = output();
+    for cycle in 0..cycles {
+        let [at, feedback] = [cycle, cycle.saturating_sub(10)].map(|cycle| command(MILL_CENTER, cycle));
+        let c = input(at, feedback);
+        if cycle == cycles / 2 {
+            // SAFETY: everything is as the types say.
+            assert_eq!(unsafe { trueaxis_follow_restart(&mut *follow) }, OK);
+            commanded.restart();
+        }
+        // SAFETY: everything is as the types say.
+        let status = unsafe { trueaxis_step_following(&*servo.servo, &mut *state, &c, &mut *follow, &mut out) };
+        assert_eq!(status, OK);
+        let mut core_input = trueaxis::Input::<P, 3>::at_rest(PERIOD_NS);
+        for axis in 0..3 {
+            core_input.command[axis] = core_position(at[axis]);
+            core_input.feedback[axis] = core_position(feedback[axis]);
+        }
+        (core_input.homed, core_input.enable) = (true, true);
+        same(&out, &core.step_following(&mut core_state, &core_input, &mut commanded), cycle);
+    }
+    assert!(out.record.tip.error > 0.0 && out.record.status & STATUS_CONTOUR != 0);
+}
