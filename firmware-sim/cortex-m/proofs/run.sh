@@ -78,11 +78,11 @@ bound() {
 
 prove host "$host" double ''
 prove m4f "$mcu" '' ''
-prove m7 "$mcu" double '-Ctarget-cpu=cortex-m7'
+prove m7 "$mcu" double,fp64 '-Ctarget-cpu=cortex-m7'
 printf '%-26s %-4s %9s %9s %9s %7s\n' bytes core bound painted committed limit
 failed=0
 bound m4f painted '' mps2-an386 cortex-m4
-bound m7 painted,double '-Ctarget-cpu=cortex-m7' mps2-an500 cortex-m7
+bound m7 painted,double,fp64 '-Ctarget-cpu=cortex-m7' mps2-an500 cortex-m7
 python3 size.py budgets.toml m4f "$target/m4f.elf" || failed=1
 python3 size.py budgets.toml m7 "$target/m7.elf" || failed=1
 exit "$failed"

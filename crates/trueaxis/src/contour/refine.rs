@@ -67,13 +67,11 @@ pub(super) fn descend<R: Real, P: Position>(
     let (mut low, mut high) = (None::<Spot<R>>, None::<Spot<R>>);
     let mut flags = Flags::default();
     let mut walked = R::ZERO;
-    let mut last: Option<(Spot<R>, Evaluation<R>, R)> = None;
     for round in 0..budget {
         let span = path.span(at.number)?;
         let e = evaluate(span, &span.relative(point), at.t);
         *spent = spent.saturating_add(1);
         let speed = e.straight.sqrt();
-        last = Some((at, e, speed));
         if e.g == R::ZERO && e.slope >= R::ZERO {
             return Some(found(at, &e, R::ZERO, flags.and(Flags::BRACKETED)));
         }
@@ -119,6 +117,13 @@ pub(super) fn descend<R: Real, P: Position>(
             return Some(done);
         }
 
+        if round + 1 == budget {
+            let (width, flags) = match (low, high) {
+                (Some(l), Some(h)) => (bracket_width(path, &l, &h), flags.and(Flags::BRACKETED)),
+                _ => (window, flags),
+            };
+            return Some(found(at, &e, width, flags));
+        }
         at = match (low, high) {
             (Some(l), Some(h)) => {
                 let width = bracket_width(path, &l, &h);
@@ -185,12 +190,7 @@ pub(super) fn descend<R: Real, P: Position>(
             }
         };
     }
-    let (spot, e, _) = last?;
-    let (width, flags) = match (low, high) {
-        (Some(l), Some(h)) => (bracket_width(path, &l, &h), flags.and(Flags::BRACKETED)),
-        _ => (window, flags),
-    };
-    Some(found(spot, &e, width, flags))
+    None
 }
 
 /// A bracket narrower than this is a point, mm.

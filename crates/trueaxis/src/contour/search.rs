@@ -201,6 +201,7 @@ impl<R: Real> ContourSearch<R> {
 
     /// Takes a few samples of the way around the reference, from behind it to ahead of it; keeps the nearest. None are
     /// taken in the cycle after the last, which leaves its evaluations to the descent.
+    #[inline(never)]
     fn look_around<P: Position>(
         &self,
         state: &mut ContourState<R>,
