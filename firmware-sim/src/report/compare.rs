@@ -9,11 +9,11 @@ use super::{
 use crate::compare::outputs::Row;
 use crate::compare::{Comparison, Outcome};
 use plotters::style::RGBColor;
-use trueaxis::contour::Flags;
 use std::{
     fs, io,
     path::{Path, PathBuf},
 };
+use trueaxis::contour::Flags;
 
 /// Writes the page to `compare.html` in `directory`, which is created if need be.
 ///
@@ -150,7 +150,10 @@ fn core(one: &Comparison, period_s: f64) -> String {
         (apart(|row| row.correction[0]), Key { colour: AXES[0].1, dashed: false, text: "correction of X" }),
         (apart(|row| row.correction[1]), Key { colour: AXES[1].1, dashed: false, text: "correction of Y" }),
         (apart(|row| row.correction[2]), Key { colour: AXES[2].1, dashed: false, text: "correction of Z" }),
-        (apart(|row| found(row, row.tip)), Key { colour: colour::NEUTRAL, dashed: false, text: "contour error of the tip" }),
+        (
+            apart(|row| found(row, row.tip)),
+            Key { colour: colour::NEUTRAL, dashed: false, text: "contour error of the tip" },
+        ),
     ];
     let scaled: Vec<f64> = lines.iter().flat_map(|(points, _)| points.iter().map(|p| p[1])).chain([0.0]).collect();
     let caption = "The image less the host in double precision, cycle by cycle.";

@@ -19,11 +19,18 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use trueaxis_cortex_m::timer;
 
+/// Ends QEMU.
+fn leave(code: debug::ExitStatus) -> ! {
+    debug::exit(code);
+    loop {
+        cortex_m::asm::bkpt();
+    }
+}
+
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo) -> ! {
     hprintln!("PANIC {}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {}
+    leave(debug::EXIT_FAILURE)
 }
 
 #[entry]
@@ -39,6 +46,5 @@ fn main() -> ! {
         things::all::<f64, f64>("f64", &mut arena);
         recorded::all::<f64, f64>("f64", &mut arena);
     }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {}
+    leave(debug::EXIT_SUCCESS)
 }

@@ -5,7 +5,7 @@
 /// As many as a core of 168 MHz executes in 1 ms at two clocks each. Step and telemetry keep up at a quarter of it, in
 /// software doubles and byte by byte through two ports; what is left decides how soon other tables are in force, whose
 /// check takes some 35 million instructions of such doubles.
-pub const TICKS: u32 = 268_800;
+pub const TICKS: u32 = if cfg!(feature = "hurried") { 16_000 } else { 268_800 };
 
 /// Instructions that QEMU executes in so many ticks.
 pub fn instructions(ticks: u32) -> u32 {

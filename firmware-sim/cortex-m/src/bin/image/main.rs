@@ -122,6 +122,9 @@ mod app {
             let _ = exchange_tables::spawn();
         }
         (gauge, figures).lock(|gauge, figures| {
+            if figures.ended {
+                return;
+            }
             stack::paint();
             match servo.cycle(&EXCHANGE, gauge.as_mut()) {
                 Some(new) => figures.dropped += u32::from(produced.enqueue(*new).is_err()),
@@ -133,7 +136,7 @@ mod app {
             figures.cycles = servo.cycles();
             figures.waiting = figures.waiting.max(produced.len());
             figures.latest = figures.latest.max(late);
-            figures.overruns += u32::from(timer.is_due());
+            figures.overruns += u32::from(!figures.ended && timer.is_due());
         });
         // Still at work from the cycle before: it will find this one as well.
         let _ = telemetry::spawn();

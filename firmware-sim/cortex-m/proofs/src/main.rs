@@ -1,0 +1,43 @@
+//! A program of the servo step alone, that links only if no panic can be reached in it.
+//!
+//! The panic handler calls a function that does not exist. Where the compiler cannot show that a panic is out of reach,
+//! the call stays, and the linker names it: `a_panic_can_be_reached`. There is no allocator and no standard library, so
+//! that an allocation does not build at all. `run.sh` links it, and sees the negative controls fail.
+//!
+//! Nothing about the arguments of a function is known to the compiler: all are called through pointers in a table.
+
+#![no_std]
+#![no_main]
+
+mod controls;
+mod host;
+#[cfg(feature = "painted")]
+mod painted;
+mod symbols;
+
+use core::hint::black_box;
+
+#[cfg(not(feature = "painted"))]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    unsafe extern "C" {
+        fn a_panic_can_be_reached() -> !;
+    }
+    // SAFETY: never called, for it does not exist.
+    unsafe { a_panic_can_be_reached() }
+}
+
+#[cfg(all(target_arch = "arm", not(feature = "painted")))]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    proved();
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+/// Keeps every function that is proved, and the negative control that was asked for.
+fn proved() {
+    black_box(symbols::TABLE);
+    black_box(controls::TABLE);
+}

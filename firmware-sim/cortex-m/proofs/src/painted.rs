@@ -1,0 +1,281 @@
+//! How deep the stack of each function is in a run: what lies below it is painted before every call and looked at after.
+
+use crate::symbols::{
+    P, POINTS, R, WINDOW, proved_bypass, proved_step, proved_step_following, proved_step_rtcp, proved_step_with_gauge,
+    proved_step_with_tool, proved_take_into,
+};
+use core::hint::black_box;
+use cortex_m::register::msp;
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+use trueaxis::compensation::Storage;
+use trueaxis::contour::{Commanded, Method, Path, Reference, Segment, Span, ToolPath, Turn, convert};
+use trueaxis::exchange::Exchange;
+use trueaxis::kinematics::{Follow, Kinematics};
+use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
+use trueaxis::roundness::{ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState};
+use trueaxis::{Axis, Bypass, Config, Fault, Input, Position, Real, Row, ServoLoop};
+
+const PERIOD_NS: u32 = 100_000;
+const CYCLES: u32 = 3000;
+/// Bytes that are painted: more than any function needs.
+const PAINTED: usize = 16_384;
+const PAINT: u32 = 0xdead_beef;
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo) -> ! {
+    hprintln!("PANIC {}", info);
+    debug::exit(debug::EXIT_FAILURE);
+    loop {}
+}
+
+/// Calls it, and keeps the deepest that the stack was below this frame.
+#[inline(always)]
+fn deepest(worst: &mut usize, call: impl FnOnce()) {
+    let top = msp::read() as usize;
+    let bottom = top - PAINTED;
+    // SAFETY: the memory below the stack pointer is RAM that nothing uses; no interrupt is on.
+    unsafe {
+        for place in (bottom..top).step_by(4) {
+            (place as *mut u32).write_volatile(PAINT);
+        }
+        call();
+        let touched = (bottom..top).step_by(4).find(|place| (*place as *const u32).read_volatile() != PAINT);
+        *worst = (*worst).max(top - touched.unwrap_or(top));
+    }
+}
+
+fn scalar(x: f64) -> R {
+    <R as Real>::of(x)
+}
+
+fn settings(axes: &[Axis], model: ErrorModel) -> MachineSettings {
+    let five = axes.len() == 5;
+    let mut machine = MachineSettings {
+        roundness: None,
+        name: heapless::String::try_from("painted").expect("short"),
+        chain: heapless::String::try_from(if five { "w C' A' b X Y Z t" } else { "w b X Y Z t" }).expect("short"),
+        tool_mm: [0.0, 0.0, -150.0],
+        reference_temperature_c: 20.0,
+        location: Default::default(),
+        faults: Default::default(),
+        contour: Default::default(),
+        compensation: Default::default(),
+        kinematics: Default::default(),
+        axes: heapless::Vec::new(),
+    };
+    machine.compensation.model = model;
+    machine.compensation.orientation = five && model == ErrorModel::Volumetric;
+    for axis in axes {
+        let settings = AxisSettings::with_defaults(*axis, axis.is_rotary());
+        let settings =
+            AxisSettings { travel: [-1000.0, 1000.0], joint: [-1001.0, 1001.0], backlash: 0.002, ..settings };
+        machine.axes.push(settings).ok().expect("at most six axes");
+    }
+    machine
+}
+
+/// Tables with a grid that is not even, so that its search is run too.
+fn rows() -> [Row; 6] {
+    [-1000.0, -400.0, -90.0, 10.0, 380.0, 1000.0].map(|position| {
+        let e = 0.004 + 4e-6 * position;
+        Row { position, forward: [e, -e, 0.5 * e, 0.01 * e, 0.02 * e, -0.01 * e], reverse: [e, e, e, 0.0, 0.0, 0.0] }
+    })
+}
+
+/// A corner between two lines and an arc: a path that goes on for ever round the same way.
+fn pieces() -> heapless::Vec<Span<R, P>, 64> {
+    let normal = [0.0, 0.0, 1.0];
+    let segments = [
+        Segment::Line { start: [0.0, 0.0, 0.0], end: [30.0, 0.0, 0.0] },
+        Segment::Line { start: [30.0, 0.0, 0.0], end: [30.0, 10.0, 0.0] },
+        Segment::Arc { start: [30.0, 10.0, 0.0], end: [0.0, 10.0, 0.0], center: [15.0, 10.0, 0.0], normal, turns: 0 },
+        Segment::Line { start: [0.0, 10.0, 0.0], end: [0.0, 0.0, 0.0] },
+    ];
+    let mut all = heapless::Vec::new();
+    for (number, segment) in segments.iter().enumerate() {
+        convert(segment, number as u32, normal, |span| {
+            all.push(span).ok().expect("enough room for the path");
+            Ok(())
+        })
+        .expect("a path");
+    }
+    all
+}
+
+/// One cycle of a run: readings that stray, an alarm, a jump of the command and the reset that follows it.
+fn input<const N: usize>(cycle: u32, command: [P; N]) -> Input<P, N> {
+    let mut input = Input { command, feedback: command, homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
+    for (k, feedback) in input.feedback.iter_mut().enumerate() {
+        *feedback = feedback.plus(scalar(1e-3 * f64::from((cycle * 7 + k as u32 * 3) % 11)));
+    }
+    input.encoder_alarm = u8::from(cycle % 500 == 499);
+    if cycle % 900 == 899 {
+        input.command[0] = input.command[0].plus(scalar(500.0));
+    }
+    input.reset = cycle % 900 > 10 && cycle % 900 < 100;
+    input
+}
+
+/// Where the interpolator is, and its command.
+fn place(spans: &[Span<R, P>], cycle: u32) -> (Reference<R>, [P; 3]) {
+    let (piece, part) = ((cycle / 40) as usize % spans.len(), cycle % 40);
+    let t = scalar(f64::from(part) / 40.0);
+    (Reference { span: piece as u32, t }, spans[piece].position(t))
+}
+
+fn print(symbol: &str, bytes: usize) {
+    hprintln!("{} {}", symbol, bytes);
+}
+
+fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
+    let machine = settings(&[Axis::X, Axis::Y, Axis::Z], model);
+    let config = Config {
+        machine: &machine,
+        machine_id: 1,
+        tables_crc: 2,
+        period_ns: PERIOD_NS,
+        inverse_passes: 3,
+        method: Method::Guarded,
+    };
+    let rows = rows();
+    let (mut lines, mut knots, mut guide) = ([<R as Real>::ZERO; 1024], [<R as Real>::ZERO; 64], [0; 128]);
+    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
+    let servo: ServoLoop<'_, R, P, 3> = config.build(|_| Some(&rows[..]), storage).expect("a configuration");
+    // SAFETY: a static lifetime for the exchange; nothing of it outlives this function.
+    let servo: &'static ServoLoop<'static, R, P, 3> = unsafe { core::mem::transmute(&servo) };
+    let spans = pieces();
+    let path = Path::new(&spans, 0, true);
+
+    let mut state = servo.start(PERIOD_NS).expect("the period");
+    for cycle in 0..CYCLES {
+        let (reference, command) = place(&spans, cycle);
+        let input = input(cycle, command);
+        deepest(&mut worst[0], || {
+            black_box(proved_step(servo, &mut state, &input, &path, reference));
+        });
+    }
+
+    let mut gauge_settings =
+        RoundnessSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 16);
+    gauge_settings.revolutions = 1;
+    let gauge = Roundness::<R, POINTS>::build(&gauge_settings, PERIOD_NS).expect("a gauge");
+    let mut gauge_state = RoundnessState::new();
+    let mut state = servo.start(PERIOD_NS).expect("the period");
+    for cycle in 0..10 * CYCLES {
+        let (reference, command) = place(&spans, cycle);
+        let input = input(cycle, command);
+        let readings = [cycle % 13, cycle % 17, cycle % 19].map(|x| scalar(f64::from(x)));
+        let index = (cycle % 8192 == 0).then_some((cycle * 8) as i32);
+        let probes = Probes { readings, spindle: (cycle * 8) as i32, index, ..Probes::default() };
+        deepest(&mut worst[1], || {
+            let gauge = (&gauge, &mut gauge_state, &probes);
+            black_box(proved_step_with_gauge(servo, &mut state, &input, &path, reference, gauge));
+        });
+    }
+
+    let mut commanded = Commanded::<R, P, WINDOW>::new([0.0, 0.0, 1.0], 0.005).expect("a window");
+    let mut state = servo.start(PERIOD_NS).expect("the period");
+    for cycle in 0..CYCLES {
+        let (_, command) = place(&spans, cycle);
+        let input = input(cycle, command);
+        deepest(&mut worst[2], || {
+            black_box(proved_step_following(servo, &mut state, &input, &mut commanded));
+        });
+    }
+
+    let mut bypass = Bypass::<P, 3>::new(Fault::TablesRefused);
+    for cycle in 0..10 {
+        let input = input(cycle, [P::default(); 3]);
+        deepest(&mut worst[3], || {
+            black_box(proved_bypass(&mut bypass, &input));
+        });
+    }
+
+    let exchange = Exchange::new();
+    let mut active = servo;
+    for cycle in 0..10 {
+        if cycle % 2 == 0 {
+            exchange.offer(servo).expect("the place is free");
+        }
+        deepest(&mut worst[4], || {
+            black_box(proved_take_into(&exchange, &mut active));
+        });
+    }
+}
+
+fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
+    let machine = settings(&[Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C], model);
+    let config = Config {
+        machine: &machine,
+        machine_id: 1,
+        tables_crc: 2,
+        period_ns: PERIOD_NS,
+        inverse_passes: 3,
+        method: Method::Guarded,
+    };
+    let rows = rows();
+    let (mut lines, mut knots, mut guide) = ([<R as Real>::ZERO; 2048], [<R as Real>::ZERO; 64], [0; 128]);
+    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
+    let servo: ServoLoop<'_, R, P, 5> = config.build(|_| Some(&rows[..]), storage).expect("a configuration");
+    // SAFETY: the table's functions want a static loop; nothing of it outlives this function.
+    let servo: &'static ServoLoop<'static, R, P, 5> = unsafe { core::mem::transmute(&servo) };
+    let kinematics = Kinematics::<R>::new(&machine).expect("a chain");
+    let spans = pieces();
+    let turns: heapless::Vec<Turn<R>, 64> =
+        spans.iter().map(|span| Turn::axes(span, [0.0, 1.0], [10.0, 0.0, -20.0], [40.0, 0.0, 25.0])).collect();
+    let path = ToolPath::new(Path::new(&spans, 0, true), &turns);
+    // Axes in the order of the kinematics.
+    let joints = |cycle: u32| {
+        let along = f64::from(cycle) / f64::from(CYCLES);
+        [10.0 * along, 5.0 * along, 150.0, 10.0 + 5.0 * along, 0.0, -20.0 + 9.0 * along].map(scalar)
+    };
+
+    let mut state = servo.start(PERIOD_NS).expect("the period");
+    for cycle in 0..CYCLES {
+        let [x, y, z, a, _, c] = joints(cycle);
+        let input = input(cycle, [x, y, z, a, c].map(|joint| P::default().plus(joint)));
+        let (reference, _) = place(&spans, cycle);
+        deepest(&mut worst[0], || {
+            black_box(proved_step_with_tool(servo, &mut state, &input, &path, reference, &kinematics));
+        });
+    }
+
+    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let near = joints(0);
+    let standing = kinematics.inverse(&kinematics.forward(&near), &near).expect("a pose");
+    let mut follow = Follow::new(&standing, scalar(0.1));
+    for cycle in 0..CYCLES {
+        let [x, y, z, a, b, c] = joints(cycle);
+        let input = input(cycle, [x, y, z, a, c].map(|joint| P::default().plus(joint)));
+        let (reference, _) = place(&spans, cycle);
+        // A tip that nothing reaches, now and then.
+        let far = if cycle % 700 == 699 { scalar(5000.0) } else { x };
+        let tool = kinematics.forward(&[far, y, z, a, b, c]);
+        deepest(&mut worst[1], || {
+            let commanded = (&tool, &mut follow);
+            black_box(proved_step_rtcp(servo, &mut state, &input, commanded, &path, reference, &kinematics));
+        });
+    }
+}
+
+#[entry]
+fn main() -> ! {
+    // Keeps the compiler from making functions for these calls alone.
+    crate::proved();
+    let (mut three, mut five) = ([0; 5], [0; 2]);
+    for model in [ErrorModel::Nine, ErrorModel::Volumetric] {
+        three_axes(&mut three, model);
+        five_axes(&mut five, model);
+    }
+    let [step, gauge, following, bypass, take_into] = three;
+    print("proved_step", step);
+    print("proved_step_with_gauge", gauge);
+    print("proved_step_with_tool", five[0]);
+    print("proved_step_rtcp", five[1]);
+    print("proved_step_following", following);
+    print("proved_bypass", bypass);
+    print("proved_take_into", take_into);
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {}
+}

@@ -1,0 +1,125 @@
+//! The step in the forms in which a controller calls it, each a function of its own name.
+//!
+//! Single precision with positions in nanometres, or doubles with the feature `double`.
+
+use trueaxis::contour::{Commanded, OrientationError, Path, Reference, ToolPath};
+use trueaxis::exchange::Exchange;
+use trueaxis::kinematics::{Follow, Kinematics, Tool};
+use trueaxis::roundness::{Cycle, Probes, Roundness, RoundnessState};
+use trueaxis::{Bypass, Input, Output, ServoLoop, State};
+
+#[cfg(not(feature = "double"))]
+mod scalar {
+    pub type R = f32;
+    pub type P = trueaxis::Micro;
+}
+#[cfg(feature = "double")]
+mod scalar {
+    pub type R = f64;
+    pub type P = f64;
+}
+pub use scalar::{P, R};
+
+/// Points of a gauge's revolution.
+pub const POINTS: usize = 1024;
+/// Pieces in the window of commands.
+pub const WINDOW: usize = 16;
+
+pub type Loop<const N: usize> = ServoLoop<'static, R, P, N>;
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+pub fn proved_step(
+    servo: &Loop<3>,
+    state: &mut State<R, P, 3>,
+    input: &Input<P, 3>,
+    path: &Path<'_, R, P>,
+    reference: Reference<R>,
+) -> Output<R, P, 3> {
+    servo.step(state, input, path, reference)
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+pub fn proved_step_with_gauge(
+    servo: &Loop<3>,
+    state: &mut State<R, P, 3>,
+    input: &Input<P, 3>,
+    path: &Path<'_, R, P>,
+    reference: Reference<R>,
+    gauge: (&Roundness<R, POINTS>, &mut RoundnessState<R, POINTS>, &Probes<R>),
+) -> (Output<R, P, 3>, Cycle<R>) {
+    let (gauge, gauge_state, probes) = gauge;
+    servo.step_with_gauge(state, input, path, reference, gauge, gauge_state, probes)
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+pub fn proved_step_with_tool(
+    servo: &Loop<5>,
+    state: &mut State<R, P, 5>,
+    input: &Input<P, 5>,
+    path: &ToolPath<'_, R, P>,
+    reference: Reference<R>,
+    kinematics: &Kinematics<R>,
+) -> (Output<R, P, 5>, OrientationError<R>) {
+    servo.step_with_tool(state, input, path, reference, kinematics)
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+pub fn proved_step_rtcp(
+    servo: &Loop<5>,
+    state: &mut State<R, P, 5>,
+    input: &Input<P, 5>,
+    tool: (&Tool<R>, &mut Follow<R>),
+    path: &ToolPath<'_, R, P>,
+    reference: Reference<R>,
+    kinematics: &Kinematics<R>,
+) -> (Output<R, P, 5>, OrientationError<R>) {
+    let (tool, follow) = tool;
+    servo.step_rtcp(state, input, tool, follow, path, reference, kinematics)
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+pub fn proved_step_following(
+    servo: &Loop<3>,
+    state: &mut State<R, P, 3>,
+    input: &Input<P, 3>,
+    commanded: &mut Commanded<R, P, WINDOW>,
+) -> Output<R, P, 3> {
+    servo.step_following(state, input, commanded)
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+pub fn proved_bypass(bypass: &mut Bypass<P, 3>, input: &Input<P, 3>) -> Output<R, P, 3> {
+    bypass.step(input)
+}
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+pub fn proved_take_into(
+    exchange: &Exchange<'static, Loop<3>>,
+    active: &mut &'static Loop<3>,
+) -> Option<&'static Loop<3>> {
+    exchange.take_into(active)
+}
+
+/// One pointer to a function.
+#[derive(Clone, Copy)]
+pub struct Proved(#[allow(dead_code, reason = "it is there to be pointed to")] pub *const ());
+// SAFETY: an address, never followed.
+unsafe impl Sync for Proved {}
+
+/// All of them.
+pub static TABLE: [Proved; 7] = [
+    Proved(proved_step as *const ()),
+    Proved(proved_step_with_gauge as *const ()),
+    Proved(proved_step_with_tool as *const ()),
+    Proved(proved_step_rtcp as *const ()),
+    Proved(proved_step_following as *const ()),
+    Proved(proved_bypass as *const ()),
+    Proved(proved_take_into as *const ()),
+];

@@ -1,0 +1,190 @@
+/* trueaxis for LinuxCNC: what the parts of the component share.
+ *
+ *   main.c        loading and unloading
+ *   parameters.c  module parameters: instances, joints, files
+ *   tables.c      a table file becomes a servo loop (never in realtime)
+ *   reload.c      the thread that reads files while the machine moves
+ *   pins.c        HAL pins and parameters
+ *   cycle.c       the two realtime functions
+ *   gauge.c       the roundness gauge in a cycle
+ *
+ * License: MIT OR Apache-2.0
+ */
+#ifndef TRUEAXIS_COMPONENT_H
+#define TRUEAXIS_COMPONENT_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "rtapi.h"
+#include "hal.h"
+#include "trueaxis.h"
+
+#define MAX_INSTANCES 4
+#define MAX_JOINTS 9
+#define MAX_JOINT_TABLES 4
+#define MAX_AXES TRUEAXIS_AXES_MAX
+#define NAME_BYTES 24
+#define PATH_BYTES 1024
+
+/* Memory for tables, of one file in one of the two places that an exchange needs. The file itself is larger. */
+#define AXIS_TABLE_BYTES (768 * 1024)
+#define JOINT_TABLE_BYTES (128 * 1024)
+#define FILE_BYTES (1024 * 1024)
+#define LINE_BYTES 320
+/* Way between two points of the commanded path at slow feeds. */
+#define FOLLOW_SPACING_MM 0.005
+
+/* Why the component itself refuses; the library's own status codes are smaller. */
+enum refusal {
+    REFUSED_OPEN = 1000,
+    REFUSED_LONG = 1001,
+    REFUSED_JOINTS = 1002,
+    REFUSED_GAUGE = 1003,
+};
+
+/* ---- what one cycle of the servo thread may touch without waiting ---- */
+
+/* Everything that is exchanged at a reload. The memory is ours, not HAL's: HAL has 1 MiB for all components. */
+struct tables {
+    trueaxis_loop_t axes;
+    trueaxis_loop_t joint[MAX_JOINT_TABLES];
+    trueaxis_tables_info_t info;
+    int joint_place[MAX_JOINT_TABLES];        /* of the joint's axis in its own file */
+    uint32_t joint_machine[MAX_JOINT_TABLES]; /* identity of that file */
+    uint64_t axes_memory[AXIS_TABLE_BYTES / 8];
+    uint64_t joint_memory[MAX_JOINT_TABLES][JOINT_TABLE_BYTES / 8];
+};
+
+struct joint {
+    int axis;         /* place of its axis in the step */
+    int table;        /* of its own, or -1 */
+    double offset;    /* motor-pos-cmd - pos-cmd: homing, backlash, COMP_FILE */
+    double reading;   /* raw, this cycle */
+    double passed;    /* last reading without correction that is a number */
+    double own;       /* correction from its own table, sent */
+    double sent;      /* whole correction sent */
+    double drive;     /* motor position sent */
+};
+
+struct joint_pins {
+    hal_float_t *pos_cmd, *motor_cmd_in, *motor_cmd_out, *motor_fb_in, *motor_fb_out, *correction;
+    hal_bit_t *homed, *alarm;
+};
+
+struct axis_pins {
+    hal_float_t *command, *corrected, *correction, *temperature_rise;
+    hal_bit_t *limited, *at_edge;
+    /* Limits of the tables in force, read only, and the largest that the integrator accepts; 0: any. */
+    hal_float_t magnitude, slope, acceleration, travel_min, travel_max;
+    hal_float_t max_magnitude, max_slope, max_acceleration;
+};
+
+struct contour_pins {
+    hal_float_t *error, *normal, *binormal, *lag;
+    hal_bit_t *found;
+};
+
+struct gauge_pins {
+    hal_s32_t *spindle_counts, *index_counts, *arm_counts;
+    hal_bit_t *index, *new_part, *idle;
+    hal_float_t *probe[3];
+    hal_float_t *roundness, *infeed;
+    hal_u32_t *evaluated, *skipped, *discarded, *flags, *revolution_flags;
+};
+
+/* HAL shared memory: pins only. */
+struct pins {
+    hal_bit_t *enable, *reset, *reload;
+    hal_bit_t *active, *frozen, *limited, *at_edge, *fault, *stop_request;
+    hal_bit_t *tables_ok, *reload_busy, *reload_failed;
+    hal_u32_t *fault_code, *reload_code, *reloads, *sequence, *machine_id, *tables_crc;
+    hal_s32_t *fault_axis;
+    struct contour_pins tip, encoder;
+    struct joint_pins joint[MAX_JOINTS];
+    struct axis_pins axis[MAX_AXES];
+    struct gauge_pins gauge;
+};
+
+struct instance {
+    /* Set when the component is loaded, never changed afterwards. */
+    char name[NAME_BYTES];
+    char path[PATH_BYTES];
+    char joint_path[MAX_JOINT_TABLES][PATH_BYTES];
+    int joint_of_table[MAX_JOINT_TABLES];
+    int joint_tables;
+    char letters[MAX_JOINTS + 1];
+    bool letters_from_file;
+    int joints;
+    char axis_letters[MAX_AXES];
+    int axes;
+    int joints_of_axis[MAX_AXES];
+    bool inch;
+    double mm_per_unit[MAX_AXES]; /* degrees of rotary axes */
+    uint32_t period_ns;
+    bool has_gauge;
+    struct pins *pins;
+
+    /* The realtime functions' own. */
+    struct joint joint[MAX_JOINTS];
+    const struct tables *tables;
+    trueaxis_state_t axes_state;
+    trueaxis_state_t joint_state[MAX_JOINT_TABLES];
+    trueaxis_follow_t follow;
+    trueaxis_gauge_t gauge;
+    trueaxis_gauge_state_t gauge_state;
+    double temperature_rise[MAX_AXES];
+    bool started, held, growth_told, homed_before, reload_before, index_before, new_part_before;
+    bool axes_stopped, joint_stopped[MAX_JOINT_TABLES];
+    atomic_uint refused; /* status with which the library refused the thread's period, or 0 */
+
+    /* Between the realtime functions and the thread. */
+    _Atomic(const struct tables *) offered;
+    _Atomic(const struct tables *) in_force;
+    atomic_uint reload_wanted;
+    atomic_bool permitted;
+
+    /* The thread's own. */
+    struct tables place[2];
+    const struct tables *offer; /* read and offered, not taken yet */
+    unsigned reload_done;
+};
+
+extern struct instance trueaxis_instances[MAX_INSTANCES];
+extern int trueaxis_instance_count;
+
+/* parameters.c: fills the instances from the module parameters; 0 or a negative errno with a line printed. */
+int parameters_read(void);
+
+/* tables.c: reads the instance's files into `tables`. Returns 0, or the library's status or a `refusal`, and then one
+ * line of text. Files of other machines than those of `before` are refused, if that is not NULL. */
+uint32_t tables_read(const struct instance *instance, const struct tables *before, struct tables *tables,
+                     char line[LINE_BYTES]);
+/* Fills in where the file's axes are among the joints; 0 or a refusal with one line. */
+uint32_t tables_match(struct instance *instance, const struct tables *tables, char line[LINE_BYTES]);
+/* Builds the gauge of a machine that has one, of as many points a revolution. */
+uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE_BYTES]);
+/* The negative errno that belongs to a status. */
+int tables_errno(uint32_t status);
+
+/* pins.c */
+int pins_export(struct instance *instance, int component);
+/* Shows the limits of the tables in force. */
+void pins_limits(struct instance *instance, const struct tables *tables);
+/* Whether they are within the largest that the integrator accepts. */
+bool pins_limits_accepted(const struct instance *instance);
+
+/* reload.c */
+int reload_start(void);
+void reload_stop(void);
+
+/* gauge.c: a cycle of a machine with a gauge; false if the library refuses. */
+bool gauge_step(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output);
+
+/* cycle.c: the functions of the servo thread; `arg` is an instance. */
+void cycle_update_feedback(void *arg, long period);
+void cycle_update_output(void *arg, long period);
+
+#endif

@@ -1,0 +1,168 @@
+/* Module parameters: which instances there are, on which joints, with which files. */
+#include "component.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_JOINT_TABLE_PARAMETERS (MAX_INSTANCES * MAX_JOINT_TABLES)
+
+static int count;
+RTAPI_MP_INT(count, "number of instances, named trueaxis.0, trueaxis.1, ... (1 unless names are given)");
+static char *names[MAX_INSTANCES];
+RTAPI_MP_ARRAY_STRING(names, MAX_INSTANCES, "names of the instances, instead of count");
+static char *tables[MAX_INSTANCES];
+RTAPI_MP_ARRAY_STRING(tables, MAX_INSTANCES, "compiled table file (.tcomp) of every instance");
+static char *joints[MAX_INSTANCES];
+RTAPI_MP_ARRAY_STRING(joints, MAX_INSTANCES, "axis letter of joint 0, 1, ... of every instance, e.g. XYYZ");
+static char *joint_tables[MAX_JOINT_TABLE_PARAMETERS];
+RTAPI_MP_ARRAY_STRING(joint_tables, MAX_JOINT_TABLE_PARAMETERS,
+                      "tables of single joints: [INSTANCE:]JOINT=FILE, e.g. 1=left.tcomp,2=right.tcomp");
+static int inch[MAX_INSTANCES];
+RTAPI_MP_ARRAY_INT(inch, MAX_INSTANCES, "1: linear joints of the instance are in inches, else mm");
+static long servo_period_nsec = 1000000;
+RTAPI_MP_LONG(servo_period_nsec, "period of the thread that the functions are added to");
+
+#define COMPLAIN(...) rtapi_print_msg(RTAPI_MSG_ERR, "trueaxis: " __VA_ARGS__)
+
+static bool copied(char *to, size_t bytes, const char *from)
+{
+    size_t length = strlen(from);
+    if (length >= bytes)
+        return false;
+    memcpy(to, from, length + 1);
+    return true;
+}
+
+static bool given(char *const *list, int place)
+{
+    return list[place] != NULL && list[place][0] != '\0';
+}
+
+static int instances_named(void)
+{
+    int named = 0;
+    while (named < MAX_INSTANCES && given(names, named))
+        named++;
+    if (named > 0 && count > 0) {
+        COMPLAIN("names= and count= were both given; needed: one of them\n");
+        return -EINVAL;
+    }
+    if (named > 0)
+        return named;
+    if (count < 0 || count > MAX_INSTANCES) {
+        COMPLAIN("count=%d; needed: 1 to %d\n", count, MAX_INSTANCES);
+        return -EINVAL;
+    }
+    return count > 0 ? count : 1;
+}
+
+static int joint_letters(struct instance *instance, const char *letters)
+{
+    size_t joint_count = strlen(letters);
+    if (joint_count > MAX_JOINTS || strspn(letters, "XYZABCxyzabc") != joint_count) {
+        COMPLAIN("%s: joints=%s; needed: at most %d letters out of XYZABC, that of joint 0 first\n", instance->name,
+                 letters, MAX_JOINTS);
+        return -EINVAL;
+    }
+    for (size_t i = 0; i < joint_count; i++)
+        instance->letters[i] = (char)(letters[i] & ~0x20);
+    instance->joints = (int)joint_count;
+    return 0;
+}
+
+static struct instance *instance_of(const char *name, size_t length)
+{
+    for (int i = 0; i < trueaxis_instance_count; i++) {
+        struct instance *instance = &trueaxis_instances[i];
+        if (strlen(instance->name) == length && memcmp(instance->name, name, length) == 0)
+            return instance;
+    }
+    return NULL;
+}
+
+static int joint_table(const char *text)
+{
+    struct instance *instance = trueaxis_instance_count == 1 ? &trueaxis_instances[0] : NULL;
+    const char *rest = text;
+    const char *equals = strchr(text, '=');
+    const char *colon = strchr(text, ':');
+    if (equals && colon && colon < equals) {
+        instance = instance_of(text, (size_t)(colon - text));
+        rest = colon + 1;
+    }
+    char *end = NULL;
+    long joint = strtol(rest, &end, 10);
+    if (!instance || !equals || end != equals || end == rest || joint < 0 || equals[1] == '\0') {
+        COMPLAIN("joint_tables=%s; needed: JOINT=FILE, with several instances NAME:JOINT=FILE\n", text);
+        return -EINVAL;
+    }
+    if (joint >= instance->joints) {
+        COMPLAIN("%s: a table for joint %ld; needed: a joint named in joints= (%d of them)\n", instance->name, joint,
+                 instance->joints);
+        return -EINVAL;
+    }
+    int place = instance->joint_tables;
+    if (place == MAX_JOINT_TABLES || instance->joint[joint].table >= 0) {
+        COMPLAIN("%s: joint_tables=%s; needed: one table a joint, at most %d\n", instance->name, text,
+                 MAX_JOINT_TABLES);
+        return -EINVAL;
+    }
+    if (!copied(instance->joint_path[place], PATH_BYTES, equals + 1)) {
+        COMPLAIN("%s: the path of joint %ld's table; needed: below %d bytes\n", instance->name, joint, PATH_BYTES);
+        return -ENAMETOOLONG;
+    }
+    instance->joint_of_table[place] = (int)joint;
+    instance->joint[joint].table = place;
+    instance->joint_tables = place + 1;
+    return 0;
+}
+
+static int instance_read(struct instance *instance, int place)
+{
+    if (given(names, place)) {
+        if (!copied(instance->name, NAME_BYTES, names[place])) {
+            COMPLAIN("names=%s; needed: below %d bytes\n", names[place], NAME_BYTES);
+            return -EINVAL;
+        }
+    } else {
+        rtapi_snprintf(instance->name, NAME_BYTES, "trueaxis.%d", place);
+    }
+    if (!given(tables, place)) {
+        COMPLAIN("%s: no table file; needed: tables=FILE.tcomp, one for every instance\n", instance->name);
+        return -EINVAL;
+    }
+    if (!copied(instance->path, PATH_BYTES, tables[place])) {
+        COMPLAIN("%s: the path of the table file; needed: below %d bytes\n", instance->name, PATH_BYTES);
+        return -ENAMETOOLONG;
+    }
+    instance->period_ns = (uint32_t)servo_period_nsec;
+    instance->inch = inch[place] != 0;
+    for (int j = 0; j < MAX_JOINTS; j++)
+        instance->joint[j].table = -1;
+    instance->letters_from_file = !given(joints, place);
+    return instance->letters_from_file ? 0 : joint_letters(instance, joints[place]);
+}
+
+int parameters_read(void)
+{
+    int instances = instances_named();
+    if (instances < 0)
+        return instances;
+    if (servo_period_nsec < 1000 || servo_period_nsec > 100000000) {
+        COMPLAIN("servo_period_nsec=%ld; needed: 1000 to 100000000\n", servo_period_nsec);
+        return -EINVAL;
+    }
+    trueaxis_instance_count = instances;
+    for (int i = 0; i < instances; i++) {
+        int refused = instance_read(&trueaxis_instances[i], i);
+        if (refused)
+            return refused;
+    }
+    for (int i = 0; i < MAX_JOINT_TABLE_PARAMETERS && given(joint_tables, i); i++) {
+        int refused = joint_table(joint_tables[i]);
+        if (refused)
+            return refused;
+    }
+    return 0;
+}

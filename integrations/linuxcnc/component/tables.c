@@ -1,0 +1,193 @@
+/* A table file becomes a servo loop. Called while loading and by the reload thread, never in realtime. */
+#include "component.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* One file at a time: loading is over before the thread starts. */
+static uint8_t file[FILE_BYTES];
+static int open_errno;
+
+static uint32_t file_read(const char *path, size_t *length, char line[LINE_BYTES])
+{
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) {
+        open_errno = errno;
+        rtapi_snprintf(line, LINE_BYTES, "cannot be opened: %s", strerror(open_errno));
+        return REFUSED_OPEN;
+    }
+    struct stat status;
+    if (fstat(descriptor, &status) == 0 && !S_ISREG(status.st_mode)) {
+        close(descriptor);
+        open_errno = EINVAL;
+        rtapi_snprintf(line, LINE_BYTES, "cannot be read: found no ordinary file");
+        return REFUSED_OPEN;
+    }
+    size_t done = 0;
+    ssize_t piece = 1;
+    while (piece != 0 && done < sizeof file) {
+        piece = read(descriptor, file + done, sizeof file - done);
+        if (piece < 0 && errno != EINTR)
+            break;
+        if (piece > 0)
+            done += (size_t)piece;
+    }
+    open_errno = errno;
+    close(descriptor);
+    if (piece < 0) {
+        rtapi_snprintf(line, LINE_BYTES, "cannot be read: %s", strerror(open_errno));
+        return REFUSED_OPEN;
+    }
+    if (done == sizeof file) {
+        rtapi_snprintf(line, LINE_BYTES, "too long: found more than %d bytes, needed less; fewer points", FILE_BYTES - 1);
+        return REFUSED_LONG;
+    }
+    *length = done;
+    return 0;
+}
+
+/* Reads one file, checks it whole and builds its loop in the memory given. */
+static uint32_t loop_read(const char *path, uint32_t machine_id, uint32_t period_ns, trueaxis_loop_t *loop,
+                          trueaxis_tables_info_t *info, void *memory, size_t bytes, char line[LINE_BYTES])
+{
+    size_t length = 0;
+    char found[LINE_BYTES] = "";
+    trueaxis_error_t error = {.size = sizeof error};
+    info->size = sizeof *info;
+    uint32_t refused = file_read(path, &length, found);
+    if (!refused) {
+        int status = trueaxis_tables_info(file, length, info, &error);
+        if (status == TRUEAXIS_OK && info->memory_bytes > bytes) {
+            rtapi_snprintf(found, sizeof found, "too many points: found %llu bytes of tables, needed at most %zu",
+                           (unsigned long long)info->memory_bytes, bytes);
+            refused = REFUSED_LONG;
+        } else {
+            if (status == TRUEAXIS_OK)
+                status = trueaxis_loop_build(loop, sizeof *loop, file, length, machine_id, period_ns, memory, bytes, &error);
+            if (status != TRUEAXIS_OK)
+                rtapi_snprintf(found, sizeof found, "%s", error.text[0] ? error.text : trueaxis_status_text(status));
+            refused = (uint32_t)status;
+        }
+    }
+    if (refused)
+        rtapi_snprintf(line, LINE_BYTES, "%s: %s", path, found);
+    return refused;
+}
+
+static bool names(const trueaxis_tables_info_t *info, char letter)
+{
+    return strchr(info->chain, letter) != NULL;
+}
+
+static int place_of(const trueaxis_tables_info_t *info, char letter)
+{
+    for (uint32_t a = 0; a < info->axes; a++)
+        if (info->letters[a] == letter)
+            return (int)a;
+    return -1;
+}
+
+/* A joint's own file has a table for the joint's axis and for no other. */
+static uint32_t joint_match(const struct instance *instance, int t, struct tables *tables,
+                            const trueaxis_tables_info_t *info, char line[LINE_BYTES])
+{
+    char letter = instance->letters[instance->joint_of_table[t]];
+    int place = place_of(info, letter);
+    bool alone = place >= 0 && info->rows[place] > 0;
+    for (uint32_t a = 0; a < info->axes; a++)
+        if ((int)a != place && info->rows[a] > 0)
+            alone = false;
+    if (!alone) {
+        rtapi_snprintf(line, LINE_BYTES,
+                       "%s: for joint %d: found tables of other axes or none of %c, needed one of %c alone",
+                       instance->joint_path[t], instance->joint_of_table[t], letter, letter);
+        return REFUSED_JOINTS;
+    }
+    tables->joint_place[t] = place;
+    return 0;
+}
+
+uint32_t tables_read(const struct instance *instance, const struct tables *before, struct tables *tables,
+                     char line[LINE_BYTES])
+{
+    uint32_t period_ns = instance->period_ns;
+    uint32_t refused = loop_read(instance->path, before ? before->info.machine_id : 0, period_ns, &tables->axes,
+                                 &tables->info, tables->axes_memory, sizeof tables->axes_memory, line);
+    for (int t = 0; t < instance->joint_tables && !refused; t++) {
+        trueaxis_tables_info_t info;
+        refused = loop_read(instance->joint_path[t], before ? before->joint_machine[t] : 0, period_ns,
+                            &tables->joint[t], &info, tables->joint_memory[t], sizeof tables->joint_memory[t], line);
+        if (!refused)
+            refused = joint_match(instance, t, tables, &info, line);
+        if (!refused)
+            tables->joint_machine[t] = info.machine_id;
+    }
+    return refused;
+}
+
+uint32_t tables_match(struct instance *instance, const struct tables *tables, char line[LINE_BYTES])
+{
+    const trueaxis_tables_info_t *info = &tables->info;
+    instance->axes = (int)info->axes;
+    for (int a = 0; a < instance->axes; a++) {
+        instance->axis_letters[a] = info->letters[a];
+        instance->mm_per_unit[a] = instance->inch && strchr("XYZ", info->letters[a]) ? 25.4 : 1.0;
+        if (instance->joints < MAX_JOINTS && instance->letters_from_file && names(info, info->letters[a]))
+            instance->letters[instance->joints++] = info->letters[a];
+    }
+    for (int j = 0; j < instance->joints; j++) {
+        int place = place_of(info, instance->letters[j]);
+        if (place < 0 || !names(info, instance->letters[j])) {
+            rtapi_snprintf(line, LINE_BYTES, "%s: found no axis %c (chain \"%s\"), needed for joints=%s", instance->path,
+                           instance->letters[j], info->chain, instance->letters);
+            return REFUSED_JOINTS;
+        }
+        instance->joint[j].axis = place;
+        instance->joints_of_axis[place]++;
+    }
+    for (int a = 0; a < instance->axes; a++) {
+        if (instance->joints_of_axis[a] == 0 && names(info, info->letters[a])) {
+            rtapi_snprintf(line, LINE_BYTES, "%s: found axis %c (chain \"%s\"), needed: a joint for it in joints=%s",
+                           instance->path, info->letters[a], info->chain, instance->letters);
+            return REFUSED_JOINTS;
+        }
+    }
+    return 0;
+}
+
+uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE_BYTES])
+{
+    size_t length = 0;
+    char found[LINE_BYTES] = "";
+    trueaxis_error_t error = {.size = sizeof error};
+    uint32_t refused = file_read(instance->path, &length, found);
+    if (!refused) {
+        int status = trueaxis_gauge_build(&instance->gauge, sizeof instance->gauge, file, length, instance->period_ns,
+                                          &error);
+        if (status == TRUEAXIS_OK) {
+            size_t size = points == 512 ? sizeof(uint64_t[TRUEAXIS_GAUGE_STATE_512_WORDS]) : sizeof instance->gauge_state;
+            status = trueaxis_gauge_restart(&instance->gauge, &instance->gauge_state, size);
+        }
+        if (status != TRUEAXIS_OK)
+            rtapi_snprintf(found, sizeof found, "gauge: %s", error.text[0] ? error.text : trueaxis_status_text(status));
+        refused = (uint32_t)status;
+    }
+    if (refused)
+        rtapi_snprintf(line, LINE_BYTES, "%s: %s", instance->path, found);
+    instance->has_gauge = !refused;
+    return refused;
+}
+
+int tables_errno(uint32_t status)
+{
+    switch (status) {
+    case 0: return 0;
+    case REFUSED_OPEN: return open_errno > 0 ? -open_errno : -EIO;
+    case REFUSED_LONG:
+    case TRUEAXIS_ERROR_MEMORY: return -E2BIG;
+    default: return -EINVAL;
+    }
+}

@@ -1,0 +1,123 @@
+//! The same commands and readings through the library itself.
+
+use crate::recording::Recording;
+use anyhow::{Context, Result, anyhow, bail};
+use serde::Serialize;
+use trueaxis::compensation::Storage;
+use trueaxis::contour::{Path, Reference};
+use trueaxis::tcomp::{TableData, Tcomp};
+use trueaxis::{Axis, Config, Input, ServoLoop};
+
+/// How far component and library are apart.
+#[derive(Debug, Serialize)]
+pub(crate) struct Agreement {
+    /// Samples compared, of every joint.
+    pub(crate) samples: usize,
+    /// Of those, how many are the same to the last bit.
+    pub(crate) same_bits: usize,
+    /// Largest difference of a position sent to a drive, mm (deg).
+    pub(crate) largest_difference: f64,
+    /// Sample and joint where that is.
+    pub(crate) at: (usize, usize),
+    /// Largest correction in the recording, mm (deg).
+    pub(crate) largest_correction: f64,
+}
+
+/// Columns of one joint.
+struct Joint {
+    place: usize,
+    pos_cmd: usize,
+    motor_cmd: usize,
+    drive: usize,
+}
+
+/// Runs a recording through the library, in which every encoder read the position sent in the cycle before.
+pub(crate) fn replay(
+    file: &[u8],
+    recording: &Recording,
+    joints: &str,
+    instance: &str,
+    period_ns: u32,
+) -> Result<Agreement> {
+    let tables = Tcomp::parse(file).map_err(|error| anyhow!("{error}"))?;
+    match tables.settings().axes.iter().filter(|settings| settings.axis.is_rotary()).count() {
+        0 => of::<3>(&tables, recording, joints, instance, period_ns),
+        1 => of::<4>(&tables, recording, joints, instance, period_ns),
+        2 => of::<5>(&tables, recording, joints, instance, period_ns),
+        _ => of::<6>(&tables, recording, joints, instance, period_ns),
+    }
+}
+
+/// The axes of the step in their order.
+fn axes(tables: &Tcomp<'_>) -> Vec<Axis> {
+    let named = |axis: Axis| tables.settings().axes.iter().any(|settings| settings.axis == axis);
+    Axis::ALL.into_iter().filter(|axis| !axis.is_rotary() || named(*axis)).collect()
+}
+
+fn columns(tables: &Tcomp<'_>, recording: &Recording, joints: &str, instance: &str) -> Result<Vec<Joint>> {
+    let axes = axes(tables);
+    joints
+        .chars()
+        .enumerate()
+        .map(|(j, letter)| {
+            let place = axes.iter().position(|axis| axis.letter() == letter);
+            Ok(Joint {
+                place: place.with_context(|| format!("the tables have no axis {letter}"))?,
+                pos_cmd: recording.place(&format!("joint.{j}.pos-cmd"))?,
+                motor_cmd: recording.place(&format!("joint.{j}.motor-pos-cmd"))?,
+                drive: recording.place(&format!("{instance}.joint.{j}.motor-pos-cmd-out"))?,
+            })
+        })
+        .collect()
+}
+
+fn of<const N: usize>(
+    tables: &Tcomp<'_>,
+    recording: &Recording,
+    joints: &str,
+    instance: &str,
+    period_ns: u32,
+) -> Result<Agreement> {
+    let joints = columns(tables, recording, joints, instance)?;
+    let active = recording.place(&format!("{instance}.active"))?;
+    let config = Config::of(tables, period_ns);
+    let need = config.requirement::<f64, f64, N, TableData<'_>>(|axis| tables.table(axis));
+    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
+    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
+    let servo: ServoLoop<'_, f64, f64, N> =
+        config.build(|axis: Axis| tables.table(axis), storage).map_err(|error| anyhow!("{error}"))?;
+    let mut state = servo.start(period_ns).map_err(|fault| anyhow!("{fault:?}"))?;
+    let no_path = Path::new(&[], 0, false);
+
+    let mut agreement =
+        Agreement { samples: 0, same_bits: 0, largest_difference: 0.0, at: (0, 0), largest_correction: 0.0 };
+    let mut before: Option<&[f64]> = None;
+    for (sample, row) in recording.rows().enumerate() {
+        let mut input = Input::<f64, N>::at_rest(period_ns);
+        input.homed = row[active] != 0.0;
+        input.enable = true;
+        let answered = before.unwrap_or(row);
+        for joint in &joints {
+            input.command[joint.place] = row[joint.pos_cmd];
+            let offset = answered[joint.motor_cmd] - answered[joint.pos_cmd];
+            input.feedback[joint.place] = answered[joint.drive] - offset;
+        }
+        let output = servo.step(&mut state, &input, &no_path, Reference { span: 0, t: 0.0 });
+        if output.stop_requested() {
+            bail!("the library stops with {:?} at sample {}", output.record.fault, output.record.sequence);
+        }
+        for (place, joint) in joints.iter().enumerate() {
+            let correction = output.record.correction[joint.place];
+            let expected = if correction == 0.0 { row[joint.motor_cmd] } else { row[joint.motor_cmd] + correction };
+            agreement.samples += 1;
+            agreement.same_bits += usize::from(expected.to_bits() == row[joint.drive].to_bits());
+            let difference = (expected - row[joint.drive]).abs();
+            if difference > agreement.largest_difference {
+                (agreement.largest_difference, agreement.at) = (difference, (sample, place));
+            }
+            agreement.largest_correction = agreement.largest_correction.max(correction.abs());
+        }
+        before = Some(row);
+    }
+    Ok(agreement)
+}

@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# Builds and installs the component, runs LinuxCNC with it as an ordinary user without a screen, and takes it out again.
+#
+#   test.sh            all tests
+#   test.sh NAME...    some of them (names: tests/checks.py)
+#
+# Installs LinuxCNC 2.9 from Debian where root may; some five minutes. TRUEAXIS_KEEP=DIR keeps recordings there.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+exec </dev/null
+
+missing=()
+for package in linuxcnc-uspace linuxcnc-uspace-dev gcc make; do
+    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+done
+if [[ ${#missing[@]} != 0 ]]; then
+    if [[ $(id -u) != 0 ]]; then
+        echo "test.sh: ${missing[*]} missing, and only root can install them: apt-get install ${missing[*]}" >&2
+        exit 1
+    fi
+    export DEBIAN_FRONTEND=noninteractive
+    apt-get -o DPkg::Lock::Timeout=300 -q update
+    apt-get -o DPkg::Lock::Timeout=300 -q -y install --no-install-recommends "${missing[@]}"
+fi
+
+root=$(cd ../.. && pwd)
+target=${CARGO_TARGET_DIR:-$root/target}
+# As `cargo test` builds them: after it there is little left to do.
+(cd "$root" && cargo build --quiet --profile test --package trueaxis-cli --package trueaxis-linuxcnc)
+
+# The ordinary user cannot be expected to read this folder: it gets a copy of what it needs.
+work=$(mktemp -d /tmp/trueaxis-linuxcnc.XXXXXX)
+user=
+module=$(./install.sh --where)
+clean_up() {
+    if [[ -e $work/installed.so ]]; then
+        install -m 0644 "$work/installed.so" "$module"
+    else
+        ./install.sh --uninstall >/dev/null
+    fi
+    if [[ -n $user ]]; then
+        timeout 20 runuser -u "$user" -- halrun -U >/dev/null 2>&1 || true
+        userdel "$user" 2>/dev/null || true
+    fi
+    rm -rf "$work"
+}
+trap clean_up EXIT
+if [[ -e $module ]]; then cp "$module" "$work/installed.so"; fi
+mkdir -p "$work/repository/integrations/linuxcnc" "$work/bin" "$work/runs"
+cp -r tests config machines "$work/repository/integrations/linuxcnc"
+cp -r "$root/compensation-tables" "$work/repository"
+cp "$target/debug/trueaxis" "$target/debug/linuxcnc-recording" "$work/bin"
+chmod -R a+rX "$work"
+
+./install.sh
+# The realtime part may call the library and copy memory, and nothing else: no allocation, no file, no print.
+others=$(nm -u "$target/linuxcnc/cycle.o" "$target/linuxcnc/gauge.o" |
+    grep -vE '^$|:$|U (trueaxis_[a-z_]+|gauge_step|memset|memcpy|__stack_chk_fail|_GLOBAL_OFFSET_TABLE_)$' || true)
+if [[ -n $others ]]; then
+    printf 'test.sh: the realtime functions call %s\n' "$others" >&2
+    exit 1
+fi
+as_user=(env -i)
+if [[ $(id -u) == 0 ]]; then
+    user=trueaxis-test
+    id "$user" >/dev/null 2>&1 || useradd --system --no-create-home --shell /usr/sbin/nologin "$user"
+    chown -R "$user" "$work/runs"
+    as_user=(runuser -u "$user" -- env -i)
+fi
+(
+    cd "$work"
+    timeout --kill-after=20 440 "${as_user[@]}" HOME="$work/runs" PATH=/usr/bin:/bin PYTHONDONTWRITEBYTECODE=1 \
+        TRUEAXIS="$work/bin/trueaxis" TRUEAXIS_REPLAY="$work/bin/linuxcnc-recording" \
+        /usr/bin/python3 "$work/repository/integrations/linuxcnc/tests/run.py" "$work/runs" "$@"
+)
+if [[ -n ${TRUEAXIS_KEEP-} ]]; then
+    mkdir -p "$TRUEAXIS_KEEP"
+    cp -r "$work/runs/." "$TRUEAXIS_KEEP"
+fi
+./install.sh --uninstall
+if [[ -e $module ]]; then
+    echo "test.sh: found $module after install.sh --uninstall" >&2
+    exit 1
+fi

@@ -1,0 +1,262 @@
+"""Files, parameters and streams: without a machine around the component."""
+import math
+import os
+
+import rig
+from machines import SAMPLES, compile_tables
+from rig import expect
+
+STREAM_HAL = """
+loadrt threads name1=servo-thread period1=1000000
+loadrt streamer depth=4000 cfg=fff
+loadrt trueaxis names=ta tables=stream.tcomp joints=XYZ inch=%d
+loadrt sampler depth=4000 cfg=ffff
+setp ta.enable 1
+setp ta.joint.0.homed 1
+setp ta.joint.1.homed 1
+setp ta.joint.2.homed 1
+net x streamer.0.pin.0 => ta.joint.0.pos-cmd
+net x-motor streamer.0.pin.1 => ta.joint.0.motor-pos-cmd-in
+net z streamer.0.pin.2 => ta.joint.2.pos-cmd ta.joint.2.motor-pos-cmd-in
+net x-out ta.joint.0.motor-pos-cmd-out => ta.joint.0.motor-pos-fb-in sampler.0.pin.0
+net x-back ta.joint.0.motor-pos-fb-out => sampler.0.pin.1
+net z-out ta.joint.2.motor-pos-cmd-out => ta.joint.2.motor-pos-fb-in sampler.0.pin.2
+net x-correction ta.x.correction => sampler.0.pin.3
+addf ta.update-feedback servo-thread
+addf streamer.0 servo-thread
+addf ta.update-output servo-thread
+addf sampler.0 servo-thread
+loadusr -w halstreamer stream.in
+start
+loadusr -w halsampler -n %d
+"""
+
+
+def stream(folder):
+    """streamer -> component -> sampler, against what the straight lines of the tables give in closed form."""
+    compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "stream.tcomp")
+    return "%d samples exact to the sixth decimal, in mm and in inches" % (
+        streamed(folder, 0, 1.0) + streamed(folder, 1, 25.4))
+
+
+def streamed(folder, inch, unit):
+    home = 37.0
+    way = [0.125 * n for n in range(801)] + [100.0] * 20 + [100.0 - 0.125 * n for n in range(1, 1601)]
+    with open(os.path.join(folder, "stream.in"), "w") as f:
+        for x in way:
+            f.write("%r %r %r\n" % (x / unit, (x + home) / unit, 0.0))
+    code, printed = rig.halrun(folder, STREAM_HAL % (inch, len(way)))
+    expect(code == 0, "halrun", printed)
+    expected, before = [], None
+    for x in way:
+        # Where the tool is told to be x: y + 1e-4 y = x, and Z is off by 5e-5 y. The first cycle passes the command.
+        y = x / 1.0001 if before is not None else x
+        z = -5e-5 * y if before is not None else 0.0
+        back = before + home if before is not None else 0.0
+        expected.append([value / unit for value in (y + home, back, z, y - x)])
+        before = x
+    sampled = [line.split() for line in printed.splitlines() if line.count(" ") >= 3 and line[0] in "-0123456789"]
+    expect(len(sampled) == len(way), "%d samples of %d" % (len(sampled), len(way)), printed[:2000])
+    for n, (got, wanted) in enumerate(zip(sampled, expected)):
+        # halsampler prints six decimals; the exact inverse stops at 1e-9 of what it inverts.
+        expect(all(abs(float(g) - w) <= 0.5e-6 + 1e-9 for g, w in zip(got, wanted)), "sample %d" % n, got, wanted)
+    return len(sampled)
+
+
+GAUGE_HAL = """
+loadrt threads name1=servo-thread period1=1000000
+loadrt streamer depth=16000 cfg=sbfff
+loadrt trueaxis names=ta tables=gauge.tcomp joints=XZ
+loadrt sampler depth=16000 cfg=fuuuf
+setp ta.enable 1
+setp ta.joint.0.homed 1
+setp ta.joint.1.homed 1
+net counts streamer.0.pin.0 => ta.gauge.spindle-counts ta.gauge.index-counts
+net index streamer.0.pin.1 => ta.gauge.index
+net probe-1 streamer.0.pin.2 => ta.gauge.probe-1
+net probe-2 streamer.0.pin.3 => ta.gauge.probe-2
+net probe-3 streamer.0.pin.4 => ta.gauge.probe-3
+net roundness ta.gauge.roundness => sampler.0.pin.0
+net evaluated ta.gauge.evaluated => sampler.0.pin.1
+net flags ta.gauge.flags => sampler.0.pin.2
+net of ta.gauge.revolution-flags => sampler.0.pin.3
+net drive ta.joint.0.motor-pos-cmd-out => ta.joint.0.motor-pos-fb-in sampler.0.pin.4
+addf ta.update-feedback servo-thread
+addf streamer.0 servo-thread
+addf ta.update-output servo-thread
+addf sampler.0 servo-thread
+loadusr -w halstreamer stream.in
+start
+loadusr -w halsampler -n %d
+"""
+
+
+def gauge(folder):
+    """Three probes about a turning shaft with a known profile that runs out: roundness on a pin."""
+    compile_tables(folder, os.path.join(rig.MACHINES, "gauge", "machine.toml"), "gauge.tcomp")
+    turn, cycles, step = 16384, 6000, 12
+
+    def profile(angle):
+        return 2.0 * math.cos(3 * angle) + 0.7 * math.sin(7 * angle)
+
+    with open(os.path.join(folder, "stream.in"), "w") as f:
+        for n in range(cycles):
+            count = step * n
+            theta = 2.0 * math.pi * count / turn
+            index = count % turn < step and n > 0
+            # The centre runs round by 8 um and wobbles: none of it is roundness.
+            x, y = 8.0 * math.sin(theta), 8.0 * math.cos(theta) + 3.0 * math.sin(2.3 * theta)
+            probes = []
+            for slot in (0, 94, 94 + 333):
+                phi = 2.0 * math.pi * slot / 512
+                probes.append(profile(theta + phi) + y * math.cos(phi) + x * math.sin(phi))
+            f.write("%d %d %r %r %r\n" % (count, index, *probes))
+    code, printed = rig.halrun(folder, GAUGE_HAL % cycles, 60)
+    expect(code == 0, "halrun", printed)
+    rows = [line.split() for line in printed.splitlines() if line.count(" ") >= 4 and line[0] in "-0123456789"]
+    expect(len(rows) == cycles, "%d samples of %d" % (len(rows), cycles), printed[:2000])
+    roundness, evaluated = float(rows[-1][0]), int(rows[-1][1])
+    # Gaussian filter at 50 undulations a revolution: transmission of harmonic k is exp(-pi (0.4697 k / 50)^2).
+    through = {k: math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * k / 50) ** 2) for k in (3, 7)}
+    fine = [2.0 * math.pi * i / 512 for i in range(512)]
+    filtered = [2.0 * through[3] * math.cos(3 * a) + 0.7 * through[7] * math.sin(7 * a) for a in fine]
+    truth = max(filtered) - min(filtered)
+    expect(evaluated >= 2, "only %d revolutions" % evaluated, rows[-1])
+    expect(abs(roundness - truth) < 0.01, "roundness %g um, the shaft has %g" % (roundness, truth))
+    expect(int(rows[-1][3]) == 0, "flags of the revolution", rows[-1])
+    return "%.3f um after %d revolutions, the shaft has %.3f" % (roundness, evaluated, truth)
+
+
+PAIR_HAL = """
+loadrt threads name1=servo-thread period1=1000000
+loadrt trueaxis names=left,right tables=stream.tcomp,gantry.tcomp joints=XYZ,XYYZ joint_tables=right:1=side.tcomp
+addf left.update-feedback servo-thread
+addf right.update-feedback servo-thread
+addf left.update-output servo-thread
+addf right.update-output servo-thread
+%s
+start
+loadusr -w sleep 1.5
+getp left.x.correction
+getp right.x.correction
+getp right.joint.1.correction
+getp right.joint.2.correction
+getp left.machine-id
+getp right.machine-id
+stop
+unloadrt trueaxis
+loadrt trueaxis count=2 tables=stream.tcomp,gantry.tcomp
+show funct
+"""
+
+
+def instances(folder):
+    """Two machines in one component, with tables, joints and states of their own."""
+    for name in ("stream", "gantry"):
+        compile_tables(folder, os.path.join(rig.MACHINES, name, "machine.toml"), name + ".tcomp")
+    compile_tables(folder, os.path.join(rig.MACHINES, "gantry", "left.toml"), "side.tcomp")
+    setting = ["setp %s.enable 1" % name for name in ("left", "right")]
+    for name, count in (("left", 3), ("right", 4)):
+        for j in range(count):
+            setting.append("setp %s.joint.%d.homed 1" % (name, j))
+            for pin in ("pos-cmd", "motor-pos-cmd-in", "motor-pos-fb-in"):
+                setting.append("setp %s.joint.%d.%s 100" % (name, j, pin) if j < 3 else "")
+    code, printed = rig.halrun(folder, PAIR_HAL % "\n".join(setting))
+    expect(code == 0, "halrun", printed)
+    values = [line.strip() for line in printed.splitlines() if line.strip()[:1] in "-0123456789"]
+    left, right, one, two = (float(value) for value in values[:4])
+    expect(abs(left + 100.0 - 100.0 / 1.0001) < 1e-9, "left: %g" % left)
+    expect(right != left and abs(one - two) > 1e-3, "right: %g, joints %g, %g" % (right, one, two))
+    expect(values[4] != values[5], "one machine for both", values)
+    expect("trueaxis.1.update-output" in printed, "unloaded and loaded again with count=2", printed)
+    return "left %.6f, right %.6f and %.6f mm" % (left, one, two)
+
+
+PERIOD_HAL = """
+loadrt threads name1=servo-thread period1=2000000
+loadrt trueaxis names=ta tables=stream.tcomp
+setp ta.enable 1
+setp ta.joint.0.motor-pos-cmd-in 12.5
+addf ta.update-feedback servo-thread
+addf ta.update-output servo-thread
+start
+loadusr -w sleep 0.2
+getp ta.joint.0.motor-pos-cmd-out
+getp ta.fault-code
+getp ta.stop-request
+getp ta.tables-ok
+"""
+
+
+def period(folder):
+    """A thread of another period than the tables were built for: the command passes, a stop is requested."""
+    compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "stream.tcomp")
+    code, printed = rig.halrun(folder, PERIOD_HAL)
+    values = [line.strip() for line in printed.splitlines() if "Note:" not in line and line.strip()]
+    expect(code == 0 and values == ["12.5", "32", "TRUE", "FALSE"], "pins", printed)
+    return "fault 32"
+
+
+def damaged(source, target, change):
+    with open(source, "rb") as f:
+        data = bytearray(f.read())
+    change(data)
+    with open(target, "wb") as f:
+        f.write(data)
+
+
+def refused(folder):
+    """Files and parameters that loadrt must refuse: one line, a negative errno, nothing left in HAL."""
+    compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "good.tcomp")
+    compile_tables(folder, os.path.join(SAMPLES, "mill-5axis", "machine.toml"), "five.tcomp")
+    good = os.path.join(folder, "good.tcomp")
+    damaged(good, os.path.join(folder, "damaged.tcomp"), lambda data: data.__setitem__(300, data[300] ^ 1))
+    damaged(good, os.path.join(folder, "short.tcomp"), lambda data: data.__delitem__(slice(-5, None)))
+    open(os.path.join(folder, "empty.tcomp"), "w").close()
+    with open(os.path.join(folder, "huge.tcomp"), "wb") as f:
+        f.truncate(2 << 20)
+    many(folder)
+    cases = [
+        ("", "no table file", 22),
+        ("tables=absent.tcomp", "absent.tcomp: cannot be opened: No such file", 2),
+        ("tables=damaged.tcomp", "damaged.tcomp: ", 22),
+        ("tables=short.tcomp", "short.tcomp: ", 22),
+        ("tables=empty.tcomp", "empty.tcomp: ", 22),
+        ("tables=.", ".: cannot be read: found no ordinary file", 22),
+        ("tables=huge.tcomp", "huge.tcomp: too long", 7),
+        ("tables=many.tcomp", "many.tcomp: too many points", 7),
+        ("tables=good.tcomp joints=XYZA", "found no axis A", 22),
+        ("tables=good.tcomp joints=XY", "found axis Z", 22),
+        ("tables=five.tcomp joints=XYZ", "found axis A", 22),
+        ("tables=good.tcomp joints=XYW", "joints=XYW", 22),
+        ("tables=good.tcomp joints=XYYZ joint_tables=1=good.tcomp", "needed one of Y alone", 22),
+        ("tables=good.tcomp joint_tables=7=good.tcomp joints=XYZ", "joint 7", 22),
+        ("tables=good.tcomp,good.tcomp count=9", "count=9", 22),
+        ("tables=good.tcomp count=2", "trueaxis.1: no table file", 22),
+        ("tables=good.tcomp names=a count=2", "names= and count=", 22),
+        ("tables=good.tcomp servo_period_nsec=10", "servo_period_nsec=10", 22),
+    ]
+    for parameters, line, errno in cases:
+        code, printed = rig.halrun(folder, "loadrt trueaxis %s\nshow comp\n" % parameters)
+        own = [text for text in printed.splitlines() if text.startswith("trueaxis: ") and "rtapi_app_main" not in text]
+        expect(len(own) == 1 and line in own[0], "loadrt trueaxis %s: no one line with %r" % (parameters, line), printed)
+        expect("(-%d)" % errno in printed, "loadrt trueaxis %s: not errno %d" % (parameters, errno), printed)
+        expect(code != 0, "loadrt trueaxis %s succeeded" % parameters, printed)
+    return "%d refusals" % len(cases)
+
+
+def many(folder):
+    """A table with more points than the component has memory for."""
+    source = os.path.join(folder, "many")
+    os.makedirs(source)
+    columns = ",".join("E%sX_%s" % (c, "urad" if c in "ABC" else "um") for c in "XYZABC")
+    with open(os.path.join(source, "x.csv"), "w") as f:
+        f.write("X_mm,%s\n" % columns)
+        for n in range(14000):
+            f.write("%g,%s\n" % (0.01 * n, ",".join("%g" % (0.001 * ((n * k) % 7)) for k in range(1, 7))))
+    with open(os.path.join(source, "machine.toml"), "w") as f:
+        f.write('name = "many"\nchain = "w b X Y Z t"\n[axis.X]\ntable = "x.csv"\n')
+    compile_tables(folder, os.path.join(source, "machine.toml"), "many.tcomp")
+
+
+TESTS = (refused, stream, gauge, instances, period)

@@ -1,0 +1,117 @@
+"""The machines that the tests run, in a folder of their own."""
+import os
+import shutil
+import subprocess
+
+import rig
+
+TRUEAXIS = os.environ["TRUEAXIS"]
+REPOSITORY = os.path.realpath(os.path.join(rig.HERE, "..", "..", ".."))
+SAMPLES = os.path.join(REPOSITORY, "compensation-tables")
+DEFAULT_LIMITS = (0.1, 1.0, 200.0)
+
+
+def compile_tables(folder, machine, name):
+    subprocess.run([TRUEAXIS, "tables", "compile", machine, "-o", os.path.join(folder, name)], check=True,
+                   capture_output=True, timeout=60)
+
+
+def mill(folder):
+    """The sample configuration, as an integrator finds it."""
+    rig.copy(folder, rig.CONFIG, *os.listdir(rig.CONFIG))
+    rig.copy(folder, rig.HERE, "program.ngc")
+    compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "mill-3axis.tcomp")
+
+
+def edited_tables(folder, machine, name, change, axis="x"):
+    """The tables of a machine after `change` of the text of one axis' CSV, or of machine.toml itself."""
+    source = os.path.join(folder, name + ".tables")
+    shutil.copytree(machine, source)
+    rig.edit(source, axis + ".csv" if axis else "machine.toml", change)
+    compile_tables(folder, os.path.join(source, "machine.toml"), name + ".tcomp")
+
+
+def scaled(factor):
+    """Change of a CSV: every error times a factor."""
+
+    def change(text):
+        lines = []
+        for line in text.splitlines():
+            fields = line.split(",")
+            try:
+                numbers = [float(field) for field in fields]
+            except ValueError:
+                lines.append(line)
+            else:
+                lines.append(",".join("%.6f" % v for v in [numbers[0]] + [factor * n for n in numbers[1:]]))
+        return "\n".join(lines) + "\n"
+
+    return change
+
+
+def hal_of(letters, more=""):
+    """trueaxis.hal for other joints than X, Y, Z, with drives that stand where they are told."""
+    with open(os.path.join(rig.CONFIG, "trueaxis.hal")) as f:
+        text = f.read()
+    start, end = text.index("net x-pos-cmd"), text.index("# Correction is on")
+    nets = ""
+    for j, letter in enumerate(letters.lower()):
+        name = "%s%d" % (letter, j)
+        nets += "net {0}-pos-cmd joint.{1}.pos-cmd => ta.joint.{1}.pos-cmd\n".format(name, j)
+        nets += "net {0}-motor joint.{1}.motor-pos-cmd => ta.joint.{1}.motor-pos-cmd-in\n".format(name, j)
+        nets += "net {0}-motor-fb ta.joint.{1}.motor-pos-fb-out => joint.{1}.motor-pos-fb\n".format(name, j)
+        nets += "net {0}-homed joint.{1}.homed => ta.joint.{1}.homed\n".format(name, j)
+        nets += "net {0}-drive ta.joint.{1}.motor-pos-cmd-out => ta.joint.{1}.motor-pos-fb-in\n".format(name, j)
+    return text[:start] + nets + text[end:] + more
+
+
+AXIS = """
+[AXIS_%(letter)s]
+MIN_LIMIT = %(low)g
+MAX_LIMIT = %(high)g
+MAX_VELOCITY = %(velocity)g
+MAX_ACCELERATION = %(acceleration)g
+"""
+JOINT = """
+[JOINT_%(joint)d]
+TYPE = %(type)s
+HOME = 0
+HOME_SEQUENCE = %(sequence)s
+MAX_VELOCITY = %(velocity)g
+MAX_ACCELERATION = %(acceleration)g
+MIN_LIMIT = %(low)g
+MAX_LIMIT = %(high)g
+FERROR = 1.0
+MIN_FERROR = 0.05
+"""
+
+
+def ini_of(letters, kinematics, travel):
+    """The sample's INI for other joints; `travel`: letter -> low, high."""
+    with open(os.path.join(rig.CONFIG, "mill-3axis.ini")) as f:
+        text = f.read()
+    text = text[: text.index("# Travel, feed")]
+    text = rig.with_ini(text, "KINS", "KINEMATICS", kinematics)
+    text = rig.with_ini(text, "KINS", "JOINTS", len(letters))
+    text = rig.with_ini(text, "TRAJ", "COORDINATES", " ".join(letters))
+    text = rig.with_ini(text, "TRUEAXIS", "JOINTS", letters)
+    text = text.replace("HALFILE = drives.hal\n", "")
+    for letter in sorted(set(letters), key=letters.index):
+        low, high = travel[letter]
+        facts = {"letter": letter, "low": low, "high": high, "acceleration": 2000,
+                 "type": "ANGULAR" if letter in "ABC" else "LINEAR", "velocity": 90 if letter in "ABC" else 200}
+        text += AXIS % facts
+        places = [j for j, other in enumerate(letters) if other == letter]
+        for j in places:
+            text += JOINT % dict(facts, joint=j, sequence="-1" if len(places) > 1 else "0")
+    return text
+
+
+def narrow(text):
+    """Travel of the machine `stream` in the sample's INI."""
+    for section in ("AXIS_X", "JOINT_0", "AXIS_Y", "JOINT_1"):
+        text = rig.with_ini(text, section, "MIN_LIMIT", -195)
+        text = rig.with_ini(text, section, "MAX_LIMIT", 195)
+    for section in ("AXIS_Z", "JOINT_2"):
+        text = rig.with_ini(text, section, "MIN_LIMIT", -195)
+    return text

@@ -1,0 +1,188 @@
+"""What the simulated machine is made to do; run by pilot.py inside LinuxCNC. What must have come out is in checks."""
+import json
+import os
+import shutil
+import time
+
+import hal
+import linuxcnc
+
+
+def joints(count, *what):
+    return [w % j for w in what for j in range(count)]
+
+
+STREAM = ("joint.%d.pos-cmd", "joint.%d.motor-pos-cmd", "ta.joint.%d.motor-pos-cmd-out", "ta.joint.%d.motor-pos-fb-out",
+          "joint.%d.f-error")
+WHOLE = ["ta.active", "ta.limited", "ta.fault-code", "ta.stop-request", "ta.sequence"]
+
+
+def program(pilot):
+    """A program with arcs, lines and reversals, from power-on to its end."""
+    pilot.record(joints(pilot.joints, *STREAM) + WHOLE)
+    pilot.on()
+    pilot.home()
+    pilot.start("program.ngc")
+    pilot.finish()
+    pilot.save("run")
+
+
+def five_axes(pilot):
+    """As `program`, with the tip that the kinematics of LinuxCNC want."""
+    pilot.record(joints(5, *STREAM) + WHOLE + ["axis.x.pos-cmd", "axis.y.pos-cmd", "axis.z.pos-cmd"])
+    pilot.on()
+    pilot.home()
+    pilot.start("program.ngc")
+    pilot.finish()
+    pilot.save("run")
+
+
+def homing_offset(pilot):
+    """As `program`; the joints are homed at a motor position that is not the joint's."""
+    program(pilot)
+
+
+def switching(pilot):
+    """Enable, disable, reloads of good, damaged and missing files, and limits of the integrator, all in motion."""
+    pilot.record(joints(3, *STREAM[:3]) + ["ta.active", "ta.limited", "ta.fault-code", "ta.reload-failed", "ta.tables-ok",
+                                           "ta.reloads", "ta.tables-crc", "motion.current-vel"])
+    pilot.on()
+    pilot.home()
+    pilot.start("shuttle.ngc")
+    time.sleep(1.0)
+    marks = {}
+
+    def mark(name):
+        pilot.poll()
+        marks[name] = hal.get_value("ta.sequence")
+        if hal.get_value("motion.current-vel") == 0.0:
+            marks["standing at " + name] = 1
+
+    def reload(name, source):
+        shutil.copy(source, "mill-3axis.new")
+        os.replace("mill-3axis.new", "mill-3axis.tcomp")
+        mark(name)
+        done = hal.get_value("ta.reloads")
+        hal.set_p("ta.reload", "1")
+        pilot.wait(lambda: hal.get_value("ta.reloads") != done, "reload", 10)
+        time.sleep(0.02)
+        hal.set_p("ta.reload", "0")
+        time.sleep(0.5)
+
+    hal.set_p("ta.enable", "0")
+    mark("disable")
+    time.sleep(0.6)
+    hal.set_p("ta.enable", "1")
+    mark("enable")
+    time.sleep(0.6)
+    reload("other tables", "other.tcomp")
+    reload("damaged file", "damaged.tcomp")
+    marks["code of damaged"] = hal.get_value("ta.reload-code")
+    reload("another machine", "stranger.tcomp")
+    marks["code of stranger"] = hal.get_value("ta.reload-code")
+    reload("first tables", "first.tcomp")
+    marks["failed after first"] = hal.get_value("ta.reload-failed")
+    hal.set_p("ta.x.max-magnitude", "0.05")
+    mark("limits not accepted")
+    time.sleep(0.6)
+    marks["tables-ok"] = hal.get_value("ta.tables-ok")
+    hal.set_p("ta.x.max-magnitude", "0.1")
+    mark("limits accepted")
+    time.sleep(0.6)
+    marks["running"] = int(pilot.running())
+    pilot.command.abort()
+    pilot.wait(lambda: not pilot.running(), "abort")
+    time.sleep(0.2)
+    pilot.save("run")
+    with open("marks.json", "w") as f:
+        json.dump(marks, f)
+
+
+FAULTS = ["ta.joint.0.pos-cmd", "ta.active", "ta.frozen", "ta.fault-code", "ta.fault-axis", "ta.stop-request"]
+
+
+def faults(pilot):
+    """Dropouts, jumps and alarms of an encoder in motion; then a command that is not a number."""
+    marks = {}
+    pilot.record(joints(3, *STREAM[:4]) + FAULTS)
+    pilot.on()
+    pilot.home()
+    pilot.start("shuttle.ngc")
+    time.sleep(1.5)
+    for value, pin in (("nan", "dropout.in"), ("inf", "dropout.in"), ("1000", "dropout.in"), ("0", "alarm.in")):
+        hal.set_p("spoil-fb.in1", value)
+        hal.set_p(pin, "1")
+        time.sleep(0.2)
+        hal.set_p(pin, "0")
+        time.sleep(0.1)
+        pilot.poll()
+        marks["running after %s %s" % (pin, value)] = int(pilot.running())
+    hal.set_p("break.in", "1")
+    pilot.wait(lambda: pilot.stat.task_state == linuxcnc.STATE_ESTOP, "emergency stop", 5)
+    hal.set_p("break.in", "0")
+    time.sleep(0.3)
+    marks["held"] = hal.get_value("ta.stop-request")
+    pilot.on()
+    marks["released"] = hal.get_value("ta.stop-request")
+    pilot.command.teleop_enable(1)
+    pilot.mdi("G1 X20 Y20 Z-20 F6000")
+    time.sleep(0.3)
+    pilot.save("run")
+    with open("marks.json", "w") as f:
+        json.dump(marks, f)
+
+
+def probing(pilot):
+    """A surface stands at a true X of 40 mm; probed with and without correction, then touched off."""
+    marks = {}
+    pilot.on()
+    pilot.home()
+    for name, enable in (("with", "1"), ("without", "0")):
+        hal.set_p("ta.enable", enable)
+        # LinuxCNC refuses to move a probe that touches.
+        hal.set_p("touch.in0", "1000")
+        pilot.mdi("G0 X39.9")
+        time.sleep(0.4)
+        hal.set_p("touch.in0", "40")
+        pilot.mdi("G38.2 X40.2 F6", 20)
+        pilot.poll()
+        marks["probed " + name] = pilot.stat.probed_position[0]
+        marks["tripped " + name] = pilot.stat.probe_tripped
+    hal.set_p("ta.enable", "1")
+    hal.set_p("touch.in0", "1000")
+    pilot.mdi("G0 X150")
+    pilot.mdi("G10 L20 P1 X0")
+    time.sleep(0.5)
+    pilot.poll()
+    marks["work offset"] = pilot.stat.g5x_offset[0]
+    marks["true position"] = hal.get_value("truth.out")
+    marks["motor position"] = hal.get_value("truth.in")
+    with open("marks.json", "w") as f:
+        json.dump(marks, f)
+
+
+def side_by_side(pilot):
+    """LinuxCNC's own compensation and ours on the same table, in the same cycles."""
+    pilot.record(["joint.0.pos-cmd", "joint.0.vel-cmd", "joint.0.backlash-corr", "joint.0.motor-pos-cmd", "ta.x.correction",
+                  "ta.x.limited", "ta.active", "ta.fault-code", "joint.0.f-error"])
+    pilot.on()
+    pilot.home()
+    pilot.start("comp.ngc")
+    pilot.finish()
+    pilot.save("run")
+
+
+def contour(pilot):
+    """Arcs and lines on drives that lag."""
+    pilot.record(joints(3, "joint.%d.pos-cmd", "ta.joint.%d.motor-pos-fb-in") +
+                 ["ta.contour.%s.%s" % (of, what)
+                  for of in ("tip", "encoder") for what in ("error", "normal", "lag", "found")] +
+                 ["ta.active", "ta.fault-code"])
+    pilot.on()
+    pilot.home()
+    pilot.start("contour.ngc")
+    pilot.finish()
+    pilot.save("run")
+
+
+ALL = {name: value for name, value in globals().items() if callable(value) and name != "joints"}
