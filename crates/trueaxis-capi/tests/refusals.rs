@@ -137,7 +137,7 @@ fn an_error_says_what_is_wrong() {
         error
     };
     let mut damaged = mill().to_vec();
-    damaged[600] ^= 0x10;
+    damaged[60] ^= 0x10;
     let found = build(&damaged, 0, PERIOD_NS);
     assert_eq!((found.status, found.code, found.index), (ERROR_TABLES, 5, u32::MAX));
     assert_eq!(text(&found.text), "table file: the file is damaged (its CRC-32 is wrong)");
