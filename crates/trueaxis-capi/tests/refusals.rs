@@ -129,7 +129,7 @@ fn an_error_says_what_is_wrong() {
             machine_id,
             period_ns,
             memory: memory.as_mut_ptr(),
-            memory_size: 128,
+            memory_size: 8,
             error: &mut error,
         };
         let status = build.call();
@@ -137,7 +137,7 @@ fn an_error_says_what_is_wrong() {
         error
     };
     let mut damaged = mill().to_vec();
-    damaged[600] ^= 0x10;
+    damaged[60] ^= 0x10;
     let found = build(&damaged, 0, PERIOD_NS);
     assert_eq!((found.status, found.code, found.index), (ERROR_TABLES, 5, u32::MAX));
     assert_eq!(text(&found.text), "table file: the file is damaged (its CRC-32 is wrong)");
@@ -145,8 +145,8 @@ fn an_error_says_what_is_wrong() {
     let found = build(mill(), 77, PERIOD_NS);
     assert_eq!((found.status, found.code), (ERROR_MACHINE, 12));
     let found = build(mill(), 0, PERIOD_NS);
-    assert_eq!((found.status, found.found), (ERROR_MEMORY, 128.0));
-    assert!(text(&found.text).starts_with("memory: found 128 bytes, needed "), "{}", text(&found.text));
+    assert_eq!((found.status, found.found), (ERROR_MEMORY, 8.0));
+    assert!(text(&found.text).starts_with("memory: found 8 bytes, needed "), "{}", text(&found.text));
     let found = build(b"not a table file", 0, PERIOD_NS);
     assert_eq!((found.status, found.code), (ERROR_TABLES, 3));
 }
