@@ -226,6 +226,44 @@ def joint_stop(folder):
     return "held for %d cycles" % (over - first)
 
 
+WARM_HAL = """
+loadrt threads name1=servo-thread period1=1000000
+loadrt trueaxis names=ta tables=mill.tcomp
+setp ta.enable 1
+setp ta.joint.0.homed 1
+setp ta.joint.1.homed 1
+setp ta.joint.2.homed 1
+setp ta.joint.0.pos-cmd 100
+setp ta.joint.0.motor-pos-cmd-in 100
+setp ta.joint.0.motor-pos-fb-in 100
+addf ta.update-feedback servo-thread
+addf ta.update-output servo-thread
+start
+loadusr -w sleep 0.8
+getp ta.x.correction
+setp ta.x.temperature-rise 10
+loadusr -w sleep 0.8
+getp ta.x.correction
+setp ta.x.temperature-rise nan
+setp ta.reload 1
+loadusr -w sleep 0.8
+getp ta.x.correction
+getp ta.reloads
+"""
+
+
+def warm(folder):
+    """An axis that grows by 11.5 um/(m K) is 10 K warmer; new tables are told, a broken sensor changes nothing."""
+    compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "mill.tcomp")
+    code, printed = rig.halrun(folder, WARM_HAL)
+    values = [float(line) for line in printed.splitlines() if line.strip()[:1] in list("-0123456789")]
+    expect(code == 0 and len(values) == 4 and values[3] == 1, "halrun", printed)
+    grown = values[1] - values[0]
+    expect(abs(grown + 11.5e-6 * 10 * 100) < 1e-6, "correction changed by %g mm" % grown)
+    expect(values[2] == values[1], "after the reload", values)
+    return "correction %.5f mm cold, %.5f mm warm" % (values[0], values[1])
+
+
 PERIOD_HAL = """
 loadrt threads name1=servo-thread period1=2000000
 loadrt trueaxis names=ta tables=stream.tcomp
@@ -313,4 +351,4 @@ def many(folder):
     compile_tables(folder, os.path.join(source, "machine.toml"), "many.tcomp")
 
 
-TESTS = (refused, stream, gauge, instances, joint_stop, period)
+TESTS = (refused, stream, gauge, instances, joint_stop, warm, period)
