@@ -3,7 +3,7 @@ import math
 import os
 
 import rig
-from machines import SAMPLES, compile_tables
+from machines import SAMPLES, compile_tables, edited_tables
 from rig import expect
 
 STREAM_HAL = """
@@ -172,6 +172,98 @@ def instances(folder):
     return "left %.6f, right %.6f and %.6f mm" % (left, one, two)
 
 
+STOP_HAL = """
+loadrt threads name1=servo-thread period1=1000000
+loadrt streamer depth=4000 cfg=fb
+loadrt trueaxis names=ta tables=gantry.tcomp joints=XYYZ joint_tables=1=short.tcomp
+loadrt sampler depth=4000 cfg=ffubf
+setp ta.enable 1
+setp ta.joint.0.homed 1
+setp ta.joint.1.homed 1
+setp ta.joint.2.homed 1
+setp ta.joint.3.homed 1
+net y streamer.0.pin.0 => ta.joint.1.pos-cmd ta.joint.1.motor-pos-cmd-in ta.joint.2.pos-cmd ta.joint.2.motor-pos-cmd-in
+net reset streamer.0.pin.1 => ta.reset
+net left ta.joint.1.motor-pos-cmd-out => ta.joint.1.motor-pos-fb-in sampler.0.pin.0
+net right ta.joint.2.motor-pos-cmd-out => ta.joint.2.motor-pos-fb-in sampler.0.pin.1
+net code ta.fault-code => sampler.0.pin.2
+net stop ta.stop-request => sampler.0.pin.3
+net y => sampler.0.pin.4
+addf ta.update-feedback servo-thread
+addf streamer.0 servo-thread
+addf ta.update-output servo-thread
+addf sampler.0 servo-thread
+loadusr -w halstreamer stream.in
+start
+loadusr -w halsampler -n %d
+"""
+
+
+def joint_stop(folder):
+    """One joint of a gantry leaves the travel of its own table: both hold, and both go on together after a reset."""
+    machine = os.path.join(rig.MACHINES, "gantry")
+    compile_tables(folder, os.path.join(machine, "machine.toml"), "gantry.tcomp")
+    edited_tables(folder, machine, "short", lambda text: text.replace("-200.0, 200.0", "-20.0, 20.0"), None, "left.toml")
+    out = [0.02 * n for n in range(1201)]
+    way = [(y, 0) for y in out] + [(20.0, 0)] * 50 + [(20.0, 1)] * 50 + [(20.0 - 0.02 * n, 0) for n in range(1, 301)]
+    with open(os.path.join(folder, "stream.in"), "w") as f:
+        f.writelines("%r %d\n" % row for row in way)
+    code, printed = rig.halrun(folder, STOP_HAL % len(way))
+    rows = [line.split() for line in printed.splitlines() if line.count(" ") >= 4 and line[0] in "-0123456789"]
+    expect(code == 0 and len(rows) == len(way), "%d samples" % len(rows), printed[:2000])
+    stopped = [n for n, row in enumerate(rows) if row[3] == "1"]
+    expect(stopped and stopped == list(range(stopped[0], stopped[-1] + 1)), "not one stop", stopped[:3], stopped[-3:])
+    first, over = stopped[0], stopped[-1] + 1
+    expect(abs(float(rows[first][4]) - 20.02) < 1e-9 and rows[first][2] == "17", "stop for another reason", rows[first])
+    expect(over == len(out) + 50, "released in cycle %d" % over)
+    for side in (0, 1):
+        held = {row[side] for row in rows[first - 1 : over]}
+        expect(len(held) == 1, "side %d moved while held" % side, held)
+        changes = [abs(float(b[side]) - float(a[side])) for a, b in zip(rows, rows[1:])]
+        expect(max(changes) < 0.05, "side %d jumped by %g mm" % (side, max(changes)))
+    # Until they move again, readings that stood during the stop may count as stuck.
+    expect(all(row[2] in "03" for row in rows[over:]) and rows[-1][2] == "0", "faults after the reset", rows[over:][:3])
+    return "held for %d cycles" % (over - first)
+
+
+WARM_HAL = """
+loadrt threads name1=servo-thread period1=1000000
+loadrt trueaxis names=ta tables=mill.tcomp
+setp ta.enable 1
+setp ta.joint.0.homed 1
+setp ta.joint.1.homed 1
+setp ta.joint.2.homed 1
+setp ta.joint.0.pos-cmd 100
+setp ta.joint.0.motor-pos-cmd-in 100
+setp ta.joint.0.motor-pos-fb-in 100
+addf ta.update-feedback servo-thread
+addf ta.update-output servo-thread
+start
+loadusr -w sleep 0.8
+getp ta.x.correction
+setp ta.x.temperature-rise 10
+loadusr -w sleep 0.8
+getp ta.x.correction
+setp ta.x.temperature-rise nan
+setp ta.reload 1
+loadusr -w sleep 0.8
+getp ta.x.correction
+getp ta.reloads
+"""
+
+
+def warm(folder):
+    """An axis that grows by 11.5 um/(m K) is 10 K warmer; new tables are told, a broken sensor changes nothing."""
+    compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "mill.tcomp")
+    code, printed = rig.halrun(folder, WARM_HAL)
+    values = [float(line) for line in printed.splitlines() if line.strip()[:1] in list("-0123456789")]
+    expect(code == 0 and len(values) == 4 and values[3] == 1, "halrun", printed)
+    grown = values[1] - values[0]
+    expect(abs(grown + 11.5e-6 * 10 * 100) < 1e-6, "correction changed by %g mm" % grown)
+    expect(values[2] == values[1], "after the reload", values)
+    return "correction %.5f mm cold, %.5f mm warm" % (values[0], values[1])
+
+
 PERIOD_HAL = """
 loadrt threads name1=servo-thread period1=2000000
 loadrt trueaxis names=ta tables=stream.tcomp
@@ -259,4 +351,4 @@ def many(folder):
     compile_tables(folder, os.path.join(source, "machine.toml"), "many.tcomp")
 
 
-TESTS = (refused, stream, gauge, instances, period)
+TESTS = (refused, stream, gauge, instances, joint_stop, warm, period)

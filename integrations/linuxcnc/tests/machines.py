@@ -23,12 +23,12 @@ def mill(folder):
     compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "mill-3axis.tcomp")
 
 
-def edited_tables(folder, machine, name, change, axis="x"):
-    """The tables of a machine after `change` of the text of one axis' CSV, or of machine.toml itself."""
+def edited_tables(folder, machine, name, change, axis="x", description="machine.toml"):
+    """The tables of a machine after `change` of the text of one axis' CSV, or (None) of its description itself."""
     source = os.path.join(folder, name + ".tables")
     shutil.copytree(machine, source)
-    rig.edit(source, axis + ".csv" if axis else "machine.toml", change)
-    compile_tables(folder, os.path.join(source, "machine.toml"), name + ".tcomp")
+    rig.edit(source, axis + ".csv" if axis else description, change)
+    compile_tables(folder, os.path.join(source, description), name + ".tcomp")
 
 
 def scaled(factor):
