@@ -46,7 +46,7 @@ thumb() { # name, further arguments of cargo
     CARGO_TARGET_DIR=$target/capi-$name cargo build --quiet --release -p trueaxis-capi --target "$mcu" "$@"
 }
 thumb m4f --features single
-CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' thumb m7
+CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' thumb m7 --features fp64
 
 # Tables: the sample machine's, the same with half the errors, and a damaged file.
 first=$root/crates/trueaxis/tests/data/mill-3axis.tcomp
