@@ -194,14 +194,10 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         self.sum_of(at, reverse, held, AxisTable::at_linear)
     }
 
-    /// Error of the nine terms alone, any tables but plain ones; out of line, so that those do not carry it.
+    /// Error of the nine terms alone, cubic tables on any grid.
     #[inline(never)]
-    fn other_terms(&self, command: &[R; N], feedback: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
-        match self.kind {
-            Kind::Plain | Kind::Linear => self.sum_of(command, reverse, held, AxisTable::at_linear),
-            Kind::Cubic => self.sum_of(command, reverse, held, AxisTable::at_cubic),
-            Kind::Any => self.general_terms(command, feedback, reverse, held),
-        }
+    fn cubic_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+        self.sum_of(at, reverse, held, AxisTable::at_cubic)
     }
 
     /// Translations of all tables, looked up one way.
@@ -330,8 +326,12 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     ) -> Errors<R, N> {
         let mut errors = if self.kind == Kind::Plain {
             self.plain_terms(command, reverse, held)
+        } else if self.kind == Kind::Linear {
+            self.linear_terms(command, reverse, held)
+        } else if self.kind == Kind::Cubic {
+            self.cubic_terms(command, reverse, held)
         } else {
-            self.other_terms(command, feedback, reverse, held)
+            self.general_terms(command, feedback, reverse, held)
         };
         self.add_linear(command, thermal, &mut errors);
         errors
