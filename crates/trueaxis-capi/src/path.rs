@@ -5,7 +5,7 @@ use crate::cycle::Reference;
 use crate::error::{Error, Refusal, explained};
 use crate::opaque::{self, Storage};
 use crate::plugin::{CorePosition, PathSpan};
-use crate::pointer::{check, memory, slice, vector};
+use crate::pointer::{apart, check, memory, slice, vector};
 use crate::status::{self, ERROR_ARGUMENT, Status};
 use core::ffi::c_void;
 use trueaxis::contour::{self, PathError, Segment, convert};
@@ -90,9 +90,10 @@ impl Pieces {
 /// `first_span` goes on counting, so that the search finds its last foot again.
 ///
 /// Segments are numbered from 0 in the order in which they are appended. All functions that change a path are not
-/// real-time safe, and must not run while a step uses it: fill another one and pass that.
+/// real-time safe (those that append take up to 8 KiB of stack), and must not run while a step uses it: fill another one
+/// and pass that.
 ///
-/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`.
+/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_ARGUMENT` (memory overlaps path).
 ///
 /// # Safety
 /// Pointers are null or point to what their types and sizes say.
@@ -106,8 +107,12 @@ pub unsafe extern "C" fn trueaxis_path_start(
 ) -> Status {
     let work = || {
         let place = opaque::place(path, path_size)?;
+        let start = self::memory(memory, memory_size)?;
+        if !apart((start.addr(), memory_size), (path.addr(), path_size)) {
+            return Err(ERROR_ARGUMENT);
+        }
         let pieces = Pieces {
-            spans: self::memory(memory, memory_size)?.cast(),
+            spans: start.cast(),
             capacity: memory_size / size_of::<PathSpan>(),
             count: 0,
             first: first_span,

@@ -123,7 +123,7 @@ impl Running {
 /// To exchange tables in motion, build another loop in other memory and pass that to `trueaxis_step` from some cycle on;
 /// the limiter leads the correction over, nothing jumps. The old loop's memory is free from then on.
 ///
-/// Not real-time: time linear in the file's length; takes about 16 KiB of stack. On refusal the loop stays as it was, but
+/// Not real-time: time linear in the file's length; takes about 17 KiB of stack. On refusal the loop stays as it was, but
 /// `memory` may have been written to.
 ///
 /// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_TABLES`, `_MACHINE`, `_CONFIG` (also: a period out of range),

@@ -58,7 +58,7 @@ unsafe impl Sized32 for TablesInfo {}
 /// Reads and checks a whole table file and tells what is in it.
 ///
 /// `file`, `length`: the bytes of a `.tcomp`, anywhere, of any alignment; only read. `info`: its `size` set by the caller.
-/// `error`: may be `NULL`; written only on refusal. Not real-time: time linear in the length; takes about 8 KiB of stack.
+/// `error`: may be `NULL`; written only on refusal. Not real-time: time linear in the length; takes about 15 KiB of stack.
 ///
 /// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_TABLES` (with `error->code`).
 ///

@@ -158,6 +158,7 @@ fn memory_of_a_path_is_checked() {
         assert_eq!(trueaxis_path_start(path, size - 8, memory.cast(), 512, 0), ERROR_SIZE);
         assert_eq!(trueaxis_path_start(path, size, null_mut(), 512, 0), ERROR_NULL);
         assert_eq!(trueaxis_path_start(path, size, memory.cast::<u8>().add(4).cast(), 500, 0), ERROR_ALIGNMENT);
+        assert_eq!(trueaxis_path_start(path, size, path.cast(), size, 0), ERROR_ARGUMENT);
         assert_eq!(trueaxis_path_count(path, null_mut(), null_mut()), ERROR_UNBUILT);
         assert_eq!(trueaxis_path_start(path, size, memory.cast(), 0, 0), OK);
         assert_eq!(trueaxis_path_count(path, null_mut(), null_mut()), OK);

@@ -1,5 +1,4 @@
 //! What is written is read again, bit for bit, and nothing that is damaged is read.
-#![cfg(feature = "std")]
 #![allow(missing_docs)]
 
 use trueaxis::Micro;

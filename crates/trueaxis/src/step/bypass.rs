@@ -29,13 +29,15 @@ use crate::telemetry::{Record, Status};
 pub struct Bypass<P, const N: usize> {
     reason: Fault,
     sequence: u32,
+    /// A command was passed or held; until then there is nothing to hold.
+    started: bool,
     held: [P; N],
 }
 
 impl<P: Position, const N: usize> Bypass<P, N> {
     /// With the reason that goes into every record.
     pub fn new(reason: Fault) -> Self {
-        Bypass { reason, sequence: 0, held: [P::default(); N] }
+        Bypass { reason, sequence: 0, started: false, held: [P::default(); N] }
     }
 
     /// The reason.
@@ -49,7 +51,7 @@ impl<P: Position, const N: usize> Bypass<P, N> {
         let usable = input.command.iter().all(|command| command.is_usable());
         if usable {
             self.held = input.command;
-        } else if self.sequence == 0 {
+        } else if !self.started {
             // Nothing was ever commanded: stay where the machine stands.
             for (held, reading) in self.held.iter_mut().zip(&input.feedback) {
                 *held = if reading.is_usable() { *reading } else { P::default() };
@@ -73,6 +75,7 @@ impl<P: Position, const N: usize> Bypass<P, N> {
             orientation_flags: Flags::NOT_FOUND,
         };
         self.sequence = self.sequence.wrapping_add(1);
+        self.started = true;
         Output { drive: self.held, feedback: input.feedback, record }
     }
 }
@@ -109,5 +112,10 @@ mod tests {
         assert_eq!(held.drive, [3.0, 0.0, 0.0]);
         assert!(held.stop_requested());
         assert!(!bypass.step::<f64>(&at(4.0)).stop_requested());
+        // The number of cycles wraps; what is held does not.
+        bypass.sequence = u32::MAX;
+        bypass.step::<f64>(&at(5.0));
+        let held = bypass.step::<f64>(&at(f64::NAN));
+        assert_eq!((held.record.sequence, held.drive), (0, [5.0, 0.0, 0.0]));
     }
 }
