@@ -368,6 +368,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         if was_latched && reset && near && acceptable {
             state.latched = Fault::None;
             state.command = input.command;
+            // The drives were held: what was commanded meanwhile says nothing about the readings.
+            state.unmoved = [R::ZERO; N];
             state.active = input.homed && input.enable;
             let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };
             return Sample {

@@ -263,6 +263,22 @@ fn a_bad_command_holds_until_a_reset_near_the_held_position() {
 }
 
 #[test]
+fn readings_that_stood_during_a_stop_are_believed_after_it() {
+    let mut bench = Bench::new();
+    bench.settle([60.0; 3]);
+    bench.cycle(&Input { feedback: [60.0; 3], ..input([60.0, f64::NAN, 60.0]) });
+    // The host stands a little beside the held command for a second: no way that the axes were sent.
+    let beside = Input { feedback: [60.0; 3], ..input([60.04; 3]) };
+    for _ in 0..10_000 {
+        assert!(bench.cycle(&beside).stop_requested());
+    }
+    bench.cycle(&Input { reset: true, ..beside });
+    for _ in 0..100 {
+        assert_eq!(bench.cycle(&beside).record.fault, Fault::None);
+    }
+}
+
+#[test]
 fn a_bad_command_in_the_very_first_cycle_stays_where_the_machine_stands() {
     let mut bench = Bench::new();
     let out = bench.cycle(&Input { feedback: [1.0, 2.0, 3.0], ..input([f64::NAN; 3]) });
