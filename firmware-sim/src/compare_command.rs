@@ -58,6 +58,9 @@ enum Cores {
 
 /// Whether they agree.
 pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
+    if args.how.exchange_at.is_some() && args.second.is_none() {
+        bail!("--exchange-at: found no tables to ask for, needed --second");
+    }
     let scenario = prepare(&args.scenario, &[])?;
     let compile = |machine: &trueaxis_tables::Machine| trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"));
     let second = args.second.as_deref().map(read_machine).transpose()?;

@@ -39,7 +39,7 @@ pub(crate) struct How {
     drill: bool,
     /// Ask for other tables in this cycle.
     #[arg(long, value_name = "CYCLE")]
-    exchange_at: Option<u32>,
+    pub(crate) exchange_at: Option<u32>,
     /// Speed of the workpiece at a gauge.
     #[arg(long, value_name = "RPM", default_value_t = 12.0)]
     speed_rpm: f64,

@@ -99,7 +99,7 @@ pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent>
         command.arg("-device").arg(option("loader,file=", file, &format!(",addr={address:#x},force-raw=on"))?);
     }
     let file = std::fs::File::create(&log).with_context(|| format!("cannot write {}", log.display()))?;
-    command.stdin(Stdio::null()).stdout(file).stderr(Stdio::piped());
+    command.stdin(Stdio::null()).stdout(file);
     let started = Instant::now();
     let mut child = command.spawn().map_err(|error| {
         anyhow!("qemu-system-arm: {error}; needed QEMU with the Arm boards (Debian: apt-get install qemu-system-arm)")

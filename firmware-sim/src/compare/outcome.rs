@@ -14,9 +14,10 @@ use trueaxis_recording::Header;
 pub struct Difference {
     /// Largest difference of a correction.
     pub correction_nm: f64,
-    /// Difference of the tip's contour error that 99.9 % of the cycles stay below.
+    /// Difference of the tip's contour error that 99.9 % of the cycles stay below; a cycle that cannot be compared
+    /// (`other`) stays below nothing.
     pub contour_p99_9_nm: f64,
-    /// Largest of them.
+    /// Largest of those that can be compared.
     pub contour_max_nm: f64,
     /// Cycles in which one of the two has no contour error, or took another foot, or another fault.
     pub other: usize,
@@ -30,20 +31,27 @@ impl Difference {
         let kinds = |row: &Row| (row.fault, row.status, row.flags & SAME);
         for (a, b) in a.iter().zip(b) {
             for (a, b) in a.correction.iter().zip(b.correction) {
-                difference.correction_nm = difference.correction_nm.max(1e6 * (a - b).abs());
+                difference.correction_nm = difference.correction_nm.max(apart_nm(*a, b));
             }
             if kinds(a) != kinds(b) {
                 difference.other += 1;
             } else if a.status & Status::CONTOUR.0 != 0 {
-                contour.push(1e6 * (a.tip - b.tip).abs());
+                contour.push(apart_nm(a.tip, b.tip));
             }
         }
+        difference.contour_max_nm = contour.iter().copied().fold(0.0, f64::max);
+        contour.resize(contour.len() + difference.other, f64::INFINITY);
         contour.sort_by(f64::total_cmp);
-        let at = |share: f64| contour.get((share * contour.len() as f64) as usize).or(contour.last()).copied();
-        difference.contour_p99_9_nm = at(0.999).unwrap_or(0.0);
-        difference.contour_max_nm = at(1.0).unwrap_or(0.0);
+        let place = (0.999 * contour.len() as f64) as usize;
+        difference.contour_p99_9_nm = contour.get(place).copied().unwrap_or(0.0);
         difference
     }
+}
+
+/// From mm; what is no number is apart from everything.
+fn apart_nm(a: f64, b: f64) -> f64 {
+    let nm = 1e6 * (a - b).abs();
+    if nm.is_nan() { f64::INFINITY } else { nm }
 }
 
 /// Flags that must be the same for two feet to be the same.
@@ -91,6 +99,7 @@ impl Comparison {
     pub fn is_equal(&self) -> bool {
         self.cycles == self.cycles_on_host
             && self.differing == 0
+            && self.frames == self.cycles
             && self.frames_damaged == 0
             && self.frames_contradicting == 0
             && self.revolutions_equal
@@ -121,9 +130,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Bit for bit and within the tolerance, on all cores.
+    /// Bit for bit and within the tolerance, on all cores, and with the tables exchanged that were asked for.
     pub fn is_good(&self) -> bool {
-        self.comparisons.iter().all(|one| one.is_equal() && one.is_within())
+        let exchanged = |one: &Comparison| self.header.exchange_at.is_none() || one.exchange_at.is_some();
+        self.comparisons.iter().all(|one| one.is_equal() && one.is_within() && exchanged(one))
     }
 
     /// The figures for people.
@@ -202,5 +212,43 @@ impl Outcome {
             "cores": self.comparisons.iter().map(one).collect::<Vec<_>>(),
             "good": self.is_good(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(sequence: u32) -> Row {
+        Row {
+            sequence,
+            tables_crc: 1,
+            fault: 0,
+            status: Status::CONTOUR.0,
+            flags: 0,
+            drive: [0.0; 3],
+            correction: [1e-3; 3],
+            tip: 2e-3,
+            lag: 0.0,
+            encoder: 0.0,
+        }
+    }
+
+    #[test]
+    fn differences_are_those_that_were_put_in() {
+        let double: Vec<Row> = (0..10_000).map(row).collect();
+        assert_eq!(Difference::between(&double, &double), Difference::default());
+        let mut single = double.clone();
+        single[7].correction[2] += 1.5e-6;
+        // Less than a thousandth of the cycles may be anything.
+        single[..8].iter_mut().for_each(|row| row.tip += 3e-6);
+        single[9].fault = 2;
+        let found = Difference::between(&single, &double);
+        assert!((found.correction_nm - 1.5).abs() < 1e-6 && (found.contour_max_nm - 3.0).abs() < 1e-6, "{found:?}");
+        assert_eq!((found.other, found.contour_p99_9_nm), (1, 0.0));
+        single[10].flags = Flags::NOT_FOUND.bits();
+        assert!(Difference::between(&single, &double).contour_p99_9_nm > LIMIT_NM);
+        single[11].correction[0] = f64::NAN;
+        assert!(Difference::between(&single, &double).correction_nm > LIMIT_NM);
     }
 }
