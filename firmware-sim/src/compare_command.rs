@@ -63,7 +63,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     }
     let scenario = prepare(&args.scenario, &[])?;
     let compile = |machine: &trueaxis_tables::Machine| trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"));
-    let second = args.second.as_deref().map(read_machine).transpose()?;
+    let second = args.second.as_deref().map(|given| read_machine("--second", given)).transpose()?;
     if let Some(second) = &second
         && (&second.settings.name, &second.settings.chain)
             != (&scenario.machine.settings.name, &scenario.machine.settings.chain)

@@ -59,7 +59,7 @@ fn prepare(args: &GrindArgs) -> Result<Grinding> {
     if !(0.0..=5.0).contains(&args.feed_um) {
         bail!("--feed-um: found {}, needed 0 to 5", args.feed_um);
     }
-    let mut machine = read_machine(&args.machine)?;
+    let mut machine = read_machine("--machine", &args.machine)?;
     if let (Some(gain), Some(infeed)) = (args.gain, machine.settings.roundness.as_mut().and_then(|g| g.infeed.as_mut()))
     {
         let most = 0.5 * gain_limit(infeed.delay_revolutions);

@@ -186,7 +186,7 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     if !(100.0..=100_000.0).contains(&args.rate_hz) {
         bail!("--rate-hz: found {}, needed 100 to 100000", args.rate_hz);
     }
-    let mut machine = read_machine(&args.machine)?;
+    let mut machine = read_machine("--machine", &args.machine)?;
     choose_model(&mut machine, args)?;
     let program = read_program(&args.program)?;
     program.check_axes(&machine.settings, &args.program)?;
@@ -232,11 +232,11 @@ fn choose_model(machine: &mut Machine, args: &ScenarioArgs) -> Result<()> {
 }
 
 /// A machine.toml, its folder, or a sample's name.
-fn read_machine(given: &Path) -> Result<Machine> {
+fn read_machine(option: &str, given: &Path) -> Result<Machine> {
     let path = if given.exists() { given.to_path_buf() } else { sample_machine(&given.to_string_lossy()) };
     if !path.exists() {
         bail!(
-            "--machine: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis, mill-5axis, mill-turn, head-5axis or grinder",
+            "{option}: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis, mill-5axis, mill-turn, head-5axis or grinder",
             given.display()
         );
     }

@@ -3,6 +3,7 @@
 use crate::{ScenarioArgs, plan, prepare, progress_bar, put};
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use firmware_sim::compare::image;
 use firmware_sim::motion::Motion;
 use firmware_sim::recorded::{self, Settings};
 use firmware_sim::scenario::Scenario;
@@ -31,7 +32,7 @@ pub(crate) struct RecordArgs {
 #[derive(Args, Clone, Copy)]
 pub(crate) struct How {
     /// Stop after so many cycles.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     cycles: Option<u32>,
     /// Write over the run what a controller meets: not homed first, a jump and a command out of travel with their resets
     /// while the machine stands, alarms, glitches and late cycles in motion.
@@ -65,5 +66,11 @@ pub(crate) fn record(args: &RecordArgs) -> Result<()> {
     let scenario = prepare(&args.scenario, &args.fault)?;
     let bytes = bytes(&scenario, &args.how)?;
     std::fs::write(&args.output, &bytes).with_context(|| format!("cannot write {}", args.output.display()))?;
+    if bytes.len() as u64 > image::RECORDING.1 {
+        eprintln!(
+            "note: the bare-metal image has room for {} bytes (fewer cycles: --cycles, --rate-hz)",
+            image::RECORDING.1
+        );
+    }
     put(&format!("written  {}  {} bytes\n", args.output.display(), bytes.len()))
 }

@@ -35,8 +35,11 @@ pub(crate) fn rtcp(args: &RtcpArgs) -> Result<()> {
     if !(0.0..=100.0).contains(&args.gauge_noise_um) {
         bail!("--gauge-noise-um: found {}, needed 0 to 100", args.gauge_noise_um);
     }
-    let test =
-        BallCycle { machine: read_machine(&args.machine)?, gauge_noise_um: args.gauge_noise_um, seed: args.seed };
+    let test = BallCycle {
+        machine: read_machine("--machine", &args.machine)?,
+        gauge_noise_um: args.gauge_noise_um,
+        seed: args.seed,
+    };
     let outcome = test.run()?;
     let page = match &args.report {
         Some(dir) => Some(

@@ -48,6 +48,14 @@ pub(crate) struct Pieces {
     closed: bool,
 }
 
+/// Squared distance of two points, mm².
+fn squared_distance(a: [CorePosition; 3], b: [CorePosition; 3]) -> f64 {
+    a.into_iter().zip(b).fold(0.0, |sum, (a, b)| {
+        let difference: f64 = trueaxis::Position::since(a, b);
+        sum + difference * difference
+    })
+}
+
 impl Pieces {
     #[inline(always)]
     fn spans(&self) -> &[PathSpan] {
@@ -59,7 +67,13 @@ impl Pieces {
     fn append(&mut self, segment: &Segment<'_>) -> Result<(), Refusal> {
         let (start, mut count, mut full) = (self.spans, self.count, false);
         let capacity = self.capacity;
-        let converted = convert(segment, self.segments, self.plane, |span| {
+        let mut end = self.spans().last().map(|span| span.position(1.0));
+        let converted = convert(segment, self.segments, self.plane, |span: PathSpan| {
+            let gap = end.take().map_or(0.0, |end| squared_distance(span.position(0.0), end));
+            if gap > JOINED_WITHIN_MM * JOINED_WITHIN_MM {
+                let needed = "at most 4e-4 mm² between it and the end before";
+                return Err(PathError { field: "start", index: None, found: gap, needed });
+            }
             if count == capacity {
                 full = true;
                 return Err(PathError { field: "memory", index: None, found: count as f64, needed: "more pieces" });
@@ -153,7 +167,8 @@ pub unsafe extern "C" fn trueaxis_path_plane(path: *mut Path, normal: *const f64
 ///
 /// `start`, `end`: three numbers each, X, Y, Z; every segment begins where the one before ends. `error`: may be `NULL`.
 ///
-/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_PATH` (shorter than 1e-9 mm, not finite), `_MEMORY`.
+/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_PATH` (shorter than 1e-9 mm, not finite, or beginning
+/// more than 0.02 mm from the end of the segment before: so for every segment), `_MEMORY`.
 ///
 /// # Safety
 /// Pointers are null or point to what their types say, coordinates to three numbers.
@@ -255,13 +270,7 @@ pub unsafe extern "C" fn trueaxis_path_close(path: *mut Path) -> Status {
         let ([start, ..], [.., end]) = (pieces.spans(), pieces.spans()) else {
             return Err(status::ERROR_PATH);
         };
-        let (start, end) = (start.position(0.0), end.position(1.0));
-        let mut apart = 0.0;
-        for (start, end) in start.into_iter().zip(end) {
-            let difference: f64 = trueaxis::Position::since(end, start);
-            apart += difference * difference;
-        }
-        if apart > CLOSED_WITHIN_MM * CLOSED_WITHIN_MM {
+        if squared_distance(start.position(0.0), end.position(1.0)) > JOINED_WITHIN_MM * JOINED_WITHIN_MM {
             return Err(status::ERROR_PATH);
         }
         pieces.closed = true;
@@ -271,7 +280,7 @@ pub unsafe extern "C" fn trueaxis_path_close(path: *mut Path) -> Status {
 }
 
 /// As far as the end points of an arc may be from its circle.
-const CLOSED_WITHIN_MM: f64 = 0.02;
+const JOINED_WITHIN_MM: f64 = 0.02;
 
 /// Takes all segments out; memory, plane and the number of the first piece stay.
 ///

@@ -92,6 +92,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         }
     }
     inside_travel(&machine, &positions)?;
+    if arguments.model == Model::Nine && machine.settings.compensation.model == ErrorModel::Volumetric {
+        eprintln!(
+            "note: the machine file sets the volumetric model for the controller; this is the nine-term one (--model volumetric)"
+        );
+    }
     machine.settings.compensation.orientation = arguments.orientation;
     let evaluated = match arguments.model {
         Model::Exact => exact::evaluate(arguments, &machine, &positions)?,

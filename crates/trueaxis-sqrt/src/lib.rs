@@ -24,7 +24,7 @@ pub fn sqrt_f32(x: f32) -> f32 {
                 "vmov s0, {kept}",
                 bits = inout(reg) bits,
                 kept = out(reg) _,
-                options(pure, nomem, nostack, preserves_flags)
+                options(pure, nomem, nostack)
             );
         }
         f32::from_bits(bits)
@@ -53,7 +53,7 @@ pub fn sqrt_f64(x: f64) -> f64 {
                 high = inout(reg) high,
                 kept_low = out(reg) _,
                 kept_high = out(reg) _,
-                options(pure, nomem, nostack, preserves_flags)
+                options(pure, nomem, nostack)
             );
         }
         f64::from_bits(u64::from(high) << 32 | u64::from(low))

@@ -1,6 +1,7 @@
 //! The recording in the bare-metal image, under QEMU.
 
 use anyhow::{Context, Result, anyhow, bail};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -8,7 +9,8 @@ use std::time::{Duration, Instant};
 /// Where the image looks for what is flashed apart from it, and how much room there is.
 const TABLES_A: (u64, u64) = (0x0010_0000, 0x4_0000);
 const TABLES_B: (u64, u64) = (0x0014_0000, 0x4_0000);
-const RECORDING: (u64, u64) = (0x0018_0000, 0x28_0000);
+/// Address of the recording and room for it, bytes.
+pub const RECORDING: (u64, u64) = (0x0018_0000, 0x28_0000);
 
 /// A core with the board that QEMU has for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,8 +64,6 @@ pub struct Sent {
     pub frames: Vec<u8>,
     /// What the step gave back, byte for byte.
     pub outputs: Vec<u8>,
-    /// Exit code that the image passed on.
-    pub exit: Option<i32>,
     /// Wall time.
     pub took: Duration,
 }
@@ -74,7 +74,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// Runs an image to its end; what it writes lies in `folder` afterwards: frames.bin, outputs.bin and its log, defmt.bin.
 ///
 /// # Errors
-/// QEMU is not there or fails, a file does not fit into its region, or the image does not come to an end.
+/// QEMU is not there or fails, a file does not fit into its region, or the image does not come to a good end.
 pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
     let [frames, outputs, log] = ["frames.bin", "outputs.bin", "defmt.bin"].map(|name| folder.join(name));
@@ -115,8 +115,21 @@ pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent>
         }
         std::thread::sleep(Duration::from_millis(20));
     };
+    if exit != Some(0) {
+        let mut said = String::new();
+        if let Some(mut stderr) = child.stderr.take() {
+            stderr.read_to_string(&mut said)?;
+        }
+        let code = exit.map_or("none: ended by a signal".to_owned(), |code| code.to_string());
+        bail!(
+            "{}: found exit code {code}, needed 0; QEMU says \"{}\", the image's log is {} (defmt-print -e ELF)",
+            elf.display(),
+            said.trim(),
+            log.display()
+        );
+    }
     let read = |path: &Path| std::fs::read(path).with_context(|| format!("cannot read {}", path.display()));
-    Ok(Sent { frames: read(&frames)?, outputs: read(&outputs)?, exit, took: started.elapsed() })
+    Ok(Sent { frames: read(&frames)?, outputs: read(&outputs)?, took: started.elapsed() })
 }
 
 /// QEMU separates options by commas, and doubles those in names.

@@ -1,4 +1,4 @@
-//! The whole step over a recording: bare, with a gauge, and stage by stage.
+//! The whole step over a recording: bare, with a gauge, with all terms, and stage by stage.
 
 use crate::arena::Arena;
 use core::cell::RefCell;
@@ -6,6 +6,7 @@ use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
 use trueaxis::compensation::Storage;
 use trueaxis::contour::{Path, Reference};
+use trueaxis::machine::ErrorModel;
 use trueaxis::roundness::{Probes, Roundness, RoundnessState};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Input, Output, Real, ServoLoop, Stage, State};
@@ -23,9 +24,16 @@ const STAGES: [(Stage, &str); 5] = [
     (Stage::Telemetry, "telemetry"),
 ];
 
-fn build<R: Real, P: Integer>(file: &Tcomp<'_>, period_ns: u32, arena: &mut Arena) -> ServoLoop<'static, R, P, AXES> {
+fn build<R: Real, P: Integer>(
+    file: &Tcomp<'_>,
+    model: ErrorModel,
+    period_ns: u32,
+    arena: &mut Arena,
+) -> ServoLoop<'static, R, P, AXES> {
     let rows = |axis: Axis| file.table(axis);
-    let config = Config::of(file, period_ns);
+    let mut settings = file.settings().clone();
+    settings.compensation.model = model;
+    let config = Config { machine: &settings, ..Config::of(file, period_ns) };
     let need = config.requirement::<R, P, AXES, _>(rows);
     let storage = Storage {
         lines: arena.slice(need.lines, R::ZERO),
@@ -41,6 +49,7 @@ fn build<R: Real, P: Integer>(file: &Tcomp<'_>, period_ns: u32, arena: &mut Aren
 /// A cycle about to run.
 struct Cycle<'a, R: Real, P: Integer> {
     servo: &'a ServoLoop<'static, R, P, AXES>,
+    all_terms: &'a ServoLoop<'static, R, P, AXES>,
     path: Path<'a, R, P>,
     reference: Reference<R>,
     input: Input<P, AXES>,
@@ -54,6 +63,7 @@ struct Memory<R: Real, P: Integer> {
     bare: State<R, P, AXES>,
     gauged: State<R, P, AXES>,
     watched: State<R, P, AXES>,
+    volumetric: State<R, P, AXES>,
     gauge: RoundnessState<R, POINTS>,
     output: Option<Output<R, P, AXES>>,
 }
@@ -69,6 +79,14 @@ fn nothing<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 fn bare<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.memory.borrow_mut();
     memory.output = Some(cycle.servo.step(&mut memory.bare, &cycle.input, &cycle.path, cycle.reference));
+    0
+}
+
+/// All terms of cubic tables.
+#[inline(never)]
+fn volumetric<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
+    let memory = &mut *cycle.memory.borrow_mut();
+    memory.output = Some(cycle.all_terms.step(&mut memory.volumetric, &cycle.input, &cycle.path, cycle.reference));
     0
 }
 
@@ -138,8 +156,9 @@ pub fn all<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
     };
     let (first, second) = (file(regions::tables_a()), file(regions::tables_b()));
     let Some(settings) = first.settings().roundness else { panic!("tables without a gauge") };
-    let servo = build::<R, P>(&first, header.period_ns, arena);
-    let exchanged = build::<R, P>(&second, header.period_ns, arena);
+    let servo = build::<R, P>(&first, ErrorModel::Nine, header.period_ns, arena);
+    let exchanged = build::<R, P>(&second, ErrorModel::Nine, header.period_ns, arena);
+    let all_terms = build::<R, P>(&second, ErrorModel::Volumetric, header.period_ns, arena);
     let gauge = match Roundness::build(&settings, header.period_ns) {
         Ok(gauge) => arena.keep(gauge),
         Err(error) => panic!("{}", error),
@@ -149,16 +168,18 @@ pub fn all<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
         bare: state,
         gauged: state,
         watched: state,
+        volumetric: state,
         gauge: RoundnessState::new(),
         output: None,
     }));
-    let mut whole = [Tally::default(), Tally::default()];
-    let mut middle = [Middle(arena.slice(1 << 14, 0)), Middle(arena.slice(1 << 14, 0))];
+    let mut whole = [(); 3].map(|()| Tally::default());
+    let mut middle = [(); 3].map(|()| Middle(arena.slice(1 << 14, 0)));
     let mut parts = STAGES.map(|_| Tally::default());
     let mut worst_at = (0, 0);
     let mut evaluated = 0;
     let mut cycle = Cycle {
         servo: &servo,
+        all_terms: &all_terms,
         path: Path::new(spans, 0, false),
         reference: Reference { span: 0, t: R::ZERO },
         input: Input::at_rest(header.period_ns),
@@ -178,7 +199,7 @@ pub fn all<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
             cycle.servo = &exchanged;
         }
         (cycle.input, cycle.reference, cycle.probes) = (recorded.input(), recorded.place(), recorded.probes());
-        let taken = [timed(bare, &cycle), timed(gauged, &cycle)];
+        let taken = [timed(bare, &cycle), timed(gauged, &cycle), timed(volumetric, &cycle)];
         evaluated += taken[1].1;
         for ((taken, _), (tally, middle)) in taken.into_iter().zip(whole.iter_mut().zip(&mut middle)) {
             tally.add(taken - frame);
@@ -191,6 +212,7 @@ pub fn all<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
     }
     hprintln!("{} step typical {} {}", scalar, middle[0].value(), whole[0]);
     hprintln!("{} step_gauge typical {} {}", scalar, middle[1].value(), whole[1]);
+    hprintln!("{} step_volumetric typical {} {}", scalar, middle[2].value(), whole[2]);
     for ((_, name), part) in STAGES.iter().zip(&parts) {
         hprintln!("{} stage_{} {}", scalar, name, part);
     }
