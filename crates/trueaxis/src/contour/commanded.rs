@@ -40,6 +40,8 @@ pub struct Commanded<R, P, const K: usize> {
     number: u32,
     /// Pieces in the window; none before the first command.
     count: usize,
+    /// The window has been full since the motion began: its first point may be anywhere on the way.
+    cut: bool,
     /// The piece before the open one.
     last: Option<Chord<R, P>>,
     /// Last point that stays.
@@ -110,6 +112,7 @@ impl<R: Real, P: Position, const K: usize> Commanded<R, P, K> {
             place: 0,
             number: 0,
             count: 0,
+            cut: false,
             last: None,
             from: zero,
             open: Open::at(zero),
@@ -170,7 +173,7 @@ impl<R: Real, P: Position, const K: usize> Commanded<R, P, K> {
     /// evaluations more.
     #[inline]
     pub fn contour_error(&self, point: [P; 3]) -> ContourError<R> {
-        nearest::contour_error(&self.path(), self.reference(), self.count < K, &point)
+        nearest::contour_error(&self.path(), self.reference(), !self.cut, &point)
     }
 
     /// A window of one point.
@@ -179,6 +182,7 @@ impl<R: Real, P: Position, const K: usize> Commanded<R, P, K> {
         // A number that no foot can be on; its neighbour neither, or a search would walk across the jump.
         self.number = self.number.wrapping_add(2);
         (self.from, self.open, self.last, self.count) = (command, Open::at(command), None, 1);
+        self.cut = false;
         self.put(self.place, Span::turning(command, self.number, self.plane));
     }
 
@@ -222,6 +226,7 @@ impl<R: Real, P: Position, const K: usize> Commanded<R, P, K> {
             self.number = self.number.wrapping_add(1);
             self.place = if self.place + 1 < K { self.place + 1 } else { 0 };
             self.count = if self.count < K { self.count + 1 } else { K };
+            self.cut |= self.count == K;
         }
         self.put(self.place, chord.span(None, self.number, self.plane));
         if let Some(last) = &self.last {

@@ -209,6 +209,22 @@ fn at_standstill_nothing_is_appended_and_the_error_is_the_distance() {
 }
 
 #[test]
+fn a_tool_behind_the_window_is_said_to_be_so_also_where_a_command_comes_back() {
+    let mut commanded = Commanded::<f64, f64, 16>::new([0.0, 0.0, 1.0], 0.005).unwrap();
+    let flags = |commanded: &Commanded<f64, f64, 16>| commanded.contour_error([0.0, 0.01, 0.0]).flags;
+    (0..200).for_each(|i| commanded.append([0.02 * f64::from(i), 0.0, 0.0]));
+    assert!(!flags(&commanded).has(Flags::BRACKETED));
+    // A piece is begun and withdrawn: the window is shorter by it, and begins no earlier.
+    for x in [3.9801, 3.98] {
+        commanded.append([x, 0.0, 0.0]);
+        assert!(!flags(&commanded).has(Flags::BRACKETED), "at {x}");
+    }
+    commanded.restart();
+    (0..3).for_each(|i| commanded.append([0.02 * f64::from(i), 0.0, 0.0]));
+    assert!(flags(&commanded).has(Flags::BRACKETED));
+}
+
+#[test]
 fn after_a_jump_or_a_restart_the_window_begins_anew_and_the_search_finds_it() {
     let mut bench = Bench::<f64, f64>::new(0.005);
     let run = |bench: &mut Bench<f64, f64>, from: f64| {
