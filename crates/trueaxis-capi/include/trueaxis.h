@@ -1090,7 +1090,8 @@ trueaxis_status_t trueaxis_path_plane(struct trueaxis_path_t *path, const double
  *
  * `start`, `end`: three numbers each, X, Y, Z; every segment begins where the one before ends. `error`: may be `NULL`.
  *
- * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_PATH` (shorter than 1e-9 mm, not finite), `_MEMORY`.
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_PATH` (shorter than 1e-9 mm, not finite, or beginning
+ * more than 0.02 mm from the end of the segment before: so for every segment), `_MEMORY`.
  */
 trueaxis_status_t trueaxis_path_line(struct trueaxis_path_t *path,
                                      const double *start,
