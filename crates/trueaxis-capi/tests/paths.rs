@@ -136,7 +136,11 @@ fn what_is_no_path_is_refused() {
         let weights = [1.0, 2.0, 1.0];
         let (knots_, points_, weights_) = (knots.as_ptr(), points.as_ptr(), weights.as_ptr());
         assert_eq!(trueaxis_path_nurbs(raw, 2, knots_, points_, null(), 3, &mut error), OK);
-        assert_eq!(trueaxis_path_nurbs(raw, 2, knots_, points_, weights_, 3, &mut error), OK);
+        // It ends 10 mm from where the same would begin again.
+        assert_eq!(trueaxis_path_nurbs(raw, 2, knots_, points_, weights_, 3, &mut error), ERROR_PATH);
+        assert_eq!((text(&error.field).as_str(), error.found), ("start", 100.0));
+        let onward = [10.0, 0.0, 0.0, 15.0, 5.0, 0.0, 20.0, 0.0, 0.0];
+        assert_eq!(trueaxis_path_nurbs(raw, 2, knots_, onward.as_ptr(), weights_, 3, &mut error), OK);
         let descending = [0.0, 0.0, 0.0, 1.0, 0.5, 1.0];
         assert_eq!(trueaxis_path_nurbs(raw, 2, descending.as_ptr(), points_, null(), 3, &mut error), ERROR_PATH);
         assert_eq!((text(&error.field).as_str(), error.index), ("knots", 4));
