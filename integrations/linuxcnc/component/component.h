@@ -26,7 +26,8 @@
 #define MAX_JOINTS 9
 #define MAX_JOINT_TABLES 4
 #define MAX_AXES TRUEAXIS_AXES_MAX
-#define NAME_BYTES 24
+/* HAL names have 47 characters at most, and ".joint.0.motor-pos-cmd-out" is 26. */
+#define NAME_BYTES (HAL_NAME_LEN - 26 + 1)
 #define PATH_BYTES 1024
 
 /* Memory for tables, of one file in one of the two places that an exchange needs. The file itself is larger. */
@@ -36,6 +37,8 @@
 #define LINE_BYTES 320
 /* Way between two points of the commanded path at slow feeds. */
 #define FOLLOW_SPACING_MM 0.005
+/* So near its reading, a joint is commanded where it stands: mm, degrees. */
+#define STANDING 0.05
 
 /* Why the component itself refuses; the library's own status codes are smaller. */
 enum refusal {
@@ -97,7 +100,7 @@ struct gauge_pins {
 
 /* HAL shared memory: pins only. */
 struct pins {
-    hal_bit_t *enable, *reset, *reload;
+    hal_bit_t *enable, *motion_enabled, *reset, *reload;
     hal_bit_t *active, *frozen, *limited, *at_edge, *fault, *stop_request;
     hal_bit_t *tables_ok, *reload_busy, *reload_failed;
     hal_u32_t *fault_code, *reload_code, *reloads, *sequence, *machine_id, *tables_crc;
@@ -136,7 +139,7 @@ struct instance {
     trueaxis_gauge_t gauge;
     trueaxis_gauge_state_t gauge_state;
     double temperature_rise[MAX_AXES];
-    bool started, held, growth_told, homed_before, reload_before, index_before, new_part_before;
+    bool started, held, growth_told, homed_before, reload_before, reset_before, index_before, new_part_before;
     bool axes_stopped, joint_stopped[MAX_JOINT_TABLES];
     atomic_uint refused; /* status with which the library refused the thread's period, or 0 */
 

@@ -27,6 +27,7 @@ static const char *small(char letter)
 static int whole(struct pins *p, int id, const char *name)
 {
     TRY(hal_pin_bit_newf(HAL_IN, &p->enable, id, "%s.enable", name));
+    TRY(hal_pin_bit_newf(HAL_IN, &p->motion_enabled, id, "%s.motion-enabled", name));
     TRY(hal_pin_bit_newf(HAL_IN, &p->reset, id, "%s.reset", name));
     TRY(hal_pin_bit_newf(HAL_IN, &p->reload, id, "%s.reload", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->active, id, "%s.active", name));
