@@ -132,6 +132,32 @@ def faults(pilot):
         json.dump(marks, f)
 
 
+def homing(pilot):
+    """A joint jogged before homing, homed with a move, unhomed where its correction is large, and homed again."""
+    pilot.record(joints(3, *STREAM, "joint.%d.homed") + WHOLE)
+    pilot.on()
+    pilot.command.mode(linuxcnc.MODE_MANUAL)
+    pilot.command.wait_complete()
+    # Beyond the travel of the tables: before homing positions mean nothing.
+    pilot.command.jog(linuxcnc.JOG_INCREMENT, True, 0, 150, 400)
+    pilot.wait(lambda: pilot.stat.joint_actual_position[0] > 399.999, "jog", 15)
+    pilot.home()
+    time.sleep(0.5)
+    pilot.mdi("G0 X-250")
+    time.sleep(0.3)
+    pilot.command.mode(linuxcnc.MODE_MANUAL)
+    pilot.command.wait_complete()
+    pilot.command.teleop_enable(0)
+    pilot.command.wait_complete()
+    pilot.command.unhome(0)
+    pilot.wait(lambda: not pilot.stat.homed[0], "unhoming")
+    time.sleep(0.5)
+    pilot.command.home(0)
+    pilot.wait(lambda: all(pilot.stat.homed[:3]), "homing again")
+    time.sleep(0.5)
+    pilot.save("run")
+
+
 def switched_off(pilot):
     """Drives that lag and stand where they are without power: off, emergency stop and a bad command at full speed."""
     marks = {}
