@@ -46,6 +46,7 @@ enum refusal {
     REFUSED_LONG = 1001,
     REFUSED_JOINTS = 1002,
     REFUSED_GAUGE = 1003,
+    REFUSED_LIMITS = 1004,
 };
 
 /* ---- what one cycle of the servo thread may touch without waiting ---- */
@@ -142,6 +143,7 @@ struct instance {
     bool started, held, growth_told, homed_before, reload_before, reset_before, index_before, new_part_before;
     bool axes_stopped, joint_stopped[MAX_JOINT_TABLES];
     atomic_uint refused; /* status with which the library refused the thread's period, or 0 */
+    atomic_uint thread_period_ns;
 
     /* Between the realtime functions and the thread. */
     _Atomic(const struct tables *) offered;
@@ -153,6 +155,7 @@ struct instance {
     struct tables place[2];
     const struct tables *offer; /* read and offered, not taken yet */
     unsigned reload_done;
+    bool refusal_told;
 };
 
 extern struct instance trueaxis_instances[MAX_INSTANCES];
@@ -176,8 +179,8 @@ int tables_errno(uint32_t status);
 int pins_export(struct instance *instance, int component);
 /* Shows the limits of the tables in force. */
 void pins_limits(struct instance *instance, const struct tables *tables);
-/* Whether they are within the largest that the integrator accepts. */
-bool pins_limits_accepted(const struct instance *instance);
+/* Whether the limits of tables are within the largest that the integrator accepts. */
+bool pins_limits_accepted(const struct instance *instance, const struct tables *tables);
 
 /* reload.c */
 int reload_start(void);

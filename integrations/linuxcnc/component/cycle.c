@@ -55,6 +55,7 @@ static void start(struct instance *instance, uint32_t period_ns)
     int status = trueaxis_start(&tables->axes, &instance->axes_state, sizeof instance->axes_state, period_ns);
     for (int t = 0; t < instance->joint_tables && status == TRUEAXIS_OK; t++)
         status = trueaxis_start(&tables->joint[t], &instance->joint_state[t], sizeof instance->joint_state[t], period_ns);
+    atomic_store(&instance->thread_period_ns, period_ns);
     atomic_store(&instance->refused, status == TRUEAXIS_OK ? 0u : (unsigned)status);
     for (int j = 0; j < instance->joints; j++) {
         struct joint *joint = &instance->joint[j];
