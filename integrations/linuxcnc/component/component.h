@@ -26,7 +26,8 @@
 #define MAX_JOINTS 9
 #define MAX_JOINT_TABLES 4
 #define MAX_AXES TRUEAXIS_AXES_MAX
-#define NAME_BYTES 24
+/* HAL names have 47 characters at most, and ".joint.0.motor-pos-cmd-out" is 26. */
+#define NAME_BYTES (HAL_NAME_LEN - 26 + 1)
 #define PATH_BYTES 1024
 
 /* Memory for tables, of one file in one of the two places that an exchange needs. The file itself is larger. */
@@ -36,6 +37,8 @@
 #define LINE_BYTES 320
 /* Way between two points of the commanded path at slow feeds. */
 #define FOLLOW_SPACING_MM 0.005
+/* So near its reading, a joint is commanded where it stands: mm, degrees. */
+#define STANDING 0.05
 
 /* Why the component itself refuses; the library's own status codes are smaller. */
 enum refusal {
@@ -43,6 +46,7 @@ enum refusal {
     REFUSED_LONG = 1001,
     REFUSED_JOINTS = 1002,
     REFUSED_GAUGE = 1003,
+    REFUSED_LIMITS = 1004,
 };
 
 /* ---- what one cycle of the servo thread may touch without waiting ---- */
@@ -97,7 +101,7 @@ struct gauge_pins {
 
 /* HAL shared memory: pins only. */
 struct pins {
-    hal_bit_t *enable, *reset, *reload;
+    hal_bit_t *enable, *motion_enabled, *reset, *reload;
     hal_bit_t *active, *frozen, *limited, *at_edge, *fault, *stop_request;
     hal_bit_t *tables_ok, *reload_busy, *reload_failed;
     hal_u32_t *fault_code, *reload_code, *reloads, *sequence, *machine_id, *tables_crc;
@@ -136,9 +140,10 @@ struct instance {
     trueaxis_gauge_t gauge;
     trueaxis_gauge_state_t gauge_state;
     double temperature_rise[MAX_AXES];
-    bool started, held, growth_told, homed_before, reload_before, index_before, new_part_before;
+    bool started, held, growth_told, homed_before, reload_before, reset_before, index_before, new_part_before;
     bool axes_stopped, joint_stopped[MAX_JOINT_TABLES];
     atomic_uint refused; /* status with which the library refused the thread's period, or 0 */
+    atomic_uint thread_period_ns;
 
     /* Between the realtime functions and the thread. */
     _Atomic(const struct tables *) offered;
@@ -150,6 +155,7 @@ struct instance {
     struct tables place[2];
     const struct tables *offer; /* read and offered, not taken yet */
     unsigned reload_done;
+    bool refusal_told;
 };
 
 extern struct instance trueaxis_instances[MAX_INSTANCES];
@@ -173,8 +179,8 @@ int tables_errno(uint32_t status);
 int pins_export(struct instance *instance, int component);
 /* Shows the limits of the tables in force. */
 void pins_limits(struct instance *instance, const struct tables *tables);
-/* Whether they are within the largest that the integrator accepts. */
-bool pins_limits_accepted(const struct instance *instance);
+/* Whether the limits of tables are within the largest that the integrator accepts. */
+bool pins_limits_accepted(const struct instance *instance, const struct tables *tables);
 
 /* reload.c */
 int reload_start(void);

@@ -55,6 +55,7 @@ static void start(struct instance *instance, uint32_t period_ns)
     int status = trueaxis_start(&tables->axes, &instance->axes_state, sizeof instance->axes_state, period_ns);
     for (int t = 0; t < instance->joint_tables && status == TRUEAXIS_OK; t++)
         status = trueaxis_start(&tables->joint[t], &instance->joint_state[t], sizeof instance->joint_state[t], period_ns);
+    atomic_store(&instance->thread_period_ns, period_ns);
     atomic_store(&instance->refused, status == TRUEAXIS_OK ? 0u : (unsigned)status);
     for (int j = 0; j < instance->joints; j++) {
         struct joint *joint = &instance->joint[j];
@@ -62,6 +63,34 @@ static void start(struct instance *instance, uint32_t period_ns)
         joint->drive = isfinite(joint->reading) ? joint->reading : isfinite(command) ? command : 0.0;
     }
     instance->started = true;
+}
+
+/* Whether motion commands every joint to where it stands: without power for the drives, its command follows them. */
+static bool standing(const struct instance *instance)
+{
+    for (int j = 0; j < instance->joints; j++) {
+        const struct joint *joint = &instance->joint[j];
+        const struct joint_pins *p = &instance->pins->joint[j];
+        double way = fabs(*p->motor_cmd_in - joint->reading + joint->sent) * instance->mm_per_unit[joint->axis];
+        if (!(way <= STANDING) || !isfinite(*p->pos_cmd))
+            return false;
+    }
+    return true;
+}
+
+/* A machine that lost its power at speed comes to rest away from the held output, where the library would release the
+ * stop. Nothing can jump there: it begins anew from where the machine stands. */
+static void release_without_power(struct instance *instance, uint32_t period_ns)
+{
+    bool reset = *instance->pins->reset && !instance->reset_before;
+    instance->reset_before = *instance->pins->reset;
+    if (!reset || !instance->held || *instance->pins->motion_enabled || !standing(instance))
+        return;
+    start(instance, period_ns);
+    trueaxis_follow_restart(&instance->follow);
+    instance->growth_told = false;
+    instance->held = instance->axes_stopped = false;
+    memset(instance->joint_stopped, 0, sizeof instance->joint_stopped);
 }
 
 /* The axis' position in the command: that of its first joint. A motor command that is not a number stops the axis too. */
@@ -246,11 +275,14 @@ void cycle_update_output(void *arg, long period)
     if (*pins->reload && !instance->reload_before)
         atomic_fetch_add_explicit(&instance->reload_wanted, 1, memory_order_release);
     instance->reload_before = *pins->reload;
+    release_without_power(instance, period_ns);
     follow_temperature(instance);
 
     /* Motion advances by the nominal period in every call, and so does the step. */
     trueaxis_input_t input = {.size = sizeof input, .elapsed_ns = period_ns, .homed = 1};
-    input.enable = *pins->enable && atomic_load_explicit(&instance->permitted, memory_order_acquire);
+    bool permitted = atomic_load_explicit(&instance->permitted, memory_order_acquire);
+    /* Without power, motion's command follows the drives, with a jump of the following error: nothing to judge. */
+    input.enable = *pins->enable && *pins->motion_enabled && permitted;
     input.reset = *pins->reset;
     gather(instance, &input);
 

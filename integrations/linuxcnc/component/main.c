@@ -56,6 +56,8 @@ static int instance_export(struct instance *instance)
     if (!refused) {
         pins_limits(instance, instance->tables);
         *instance->pins->tables_ok = 1;
+        /* As if motion were on, where the pin is not connected. */
+        *instance->pins->motion_enabled = 1;
     }
     return refused;
 }

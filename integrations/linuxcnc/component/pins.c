@@ -27,6 +27,7 @@ static const char *small(char letter)
 static int whole(struct pins *p, int id, const char *name)
 {
     TRY(hal_pin_bit_newf(HAL_IN, &p->enable, id, "%s.enable", name));
+    TRY(hal_pin_bit_newf(HAL_IN, &p->motion_enabled, id, "%s.motion-enabled", name));
     TRY(hal_pin_bit_newf(HAL_IN, &p->reset, id, "%s.reset", name));
     TRY(hal_pin_bit_newf(HAL_IN, &p->reload, id, "%s.reload", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->active, id, "%s.active", name));
@@ -146,19 +147,22 @@ void pins_limits(struct instance *instance, const struct tables *tables)
     }
 }
 
-static bool within(double limit, double accepted)
+static bool within(double limit, double unit, double accepted)
 {
-    return accepted == 0.0 || limit <= accepted;
+    return accepted == 0.0 || limit / unit <= accepted;
 }
 
-bool pins_limits_accepted(const struct instance *instance)
+bool pins_limits_accepted(const struct instance *instance, const struct tables *tables)
 {
+    const trueaxis_tables_info_t *info = &tables->info;
     for (int a = 0; a < instance->axes; a++) {
         if (instance->joints_of_axis[a] == 0)
             continue;
         const struct axis_pins *p = &instance->pins->axis[a];
-        if (!within(p->magnitude, p->max_magnitude) || !within(p->slope, p->max_slope) ||
-            !within(p->acceleration, p->max_acceleration))
+        double unit = instance->mm_per_unit[a];
+        if (!within(info->correction_limit[a], unit, p->max_magnitude) ||
+            !within(info->slope_limit_per_s[a], unit, p->max_slope) ||
+            !within(info->acceleration_limit_per_s2[a], unit, p->max_acceleration))
             return false;
     }
     return true;

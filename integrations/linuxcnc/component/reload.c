@@ -34,6 +34,11 @@ static void begin(struct instance *instance)
     char line[LINE_BYTES] = "";
     *instance->pins->reload_busy = 1;
     uint32_t refused = tables_read(instance, now, free_place, line);
+    if (!refused && !pins_limits_accepted(instance, free_place)) {
+        rtapi_snprintf(line, sizeof line, "%s: found limits of an axis above its max-magnitude, max-slope or "
+                       "max-acceleration", instance->path);
+        refused = REFUSED_LIMITS;
+    }
     if (refused) {
         rtapi_print_msg(RTAPI_MSG_ERR, "trueaxis: %s: reload: %s; the tables in force stay\n", instance->name, line);
         finish(instance, refused);
@@ -56,12 +61,23 @@ static void reload(struct instance *instance)
     }
 }
 
-/* Limits above what the integrator accepts switch the correction off, as `enable` does: bumpless. */
+/* Limits above what the integrator accepts by now switch the correction off, as `enable` does: bumpless. */
 static void watch_limits(struct instance *instance)
 {
-    bool permitted = pins_limits_accepted(instance);
+    const struct tables *now = atomic_load_explicit(&instance->in_force, memory_order_acquire);
+    bool permitted = pins_limits_accepted(instance, now);
     atomic_store_explicit(&instance->permitted, permitted, memory_order_release);
     *instance->pins->tables_ok = permitted && !atomic_load(&instance->refused);
+}
+
+/* A thread of another period stops the machine at once: why, the realtime functions cannot say. */
+static void tell_refusal(struct instance *instance)
+{
+    if (instance->refusal_told || !atomic_load(&instance->refused))
+        return;
+    instance->refusal_told = true;
+    rtapi_print_msg(RTAPI_MSG_ERR, "trueaxis: %s: found a thread of %u ns, needed servo_period_nsec=%u, or the other one\n",
+                    instance->name, atomic_load(&instance->thread_period_ns), instance->period_ns);
 }
 
 static void *look_after(void *unused)
@@ -71,6 +87,7 @@ static void *look_after(void *unused)
         for (int i = 0; i < trueaxis_instance_count; i++) {
             reload(&trueaxis_instances[i]);
             watch_limits(&trueaxis_instances[i]);
+            tell_refusal(&trueaxis_instances[i]);
         }
         pause_briefly();
     }

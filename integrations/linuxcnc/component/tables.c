@@ -13,7 +13,8 @@ static int open_errno;
 
 static uint32_t file_read(const char *path, size_t *length, char line[LINE_BYTES])
 {
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    /* Nobody may ever write to a pipe: it must not be waited for. */
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) {
         open_errno = errno;
         rtapi_snprintf(line, LINE_BYTES, "cannot be opened: %s", strerror(open_errno));

@@ -61,7 +61,8 @@ def one(folder, machine, letters, offset):
     lines = [line.split() for line in printed.splitlines() if line.count(" ") >= 4 and line[0].isdigit()]
     rows = [[int(word) for word in line] for line in lines]
     expect(code == 0 and len(rows) == CYCLES, "%d samples" % len(rows), printed[-2000:])
-    expect("TRUE" in printed.splitlines()[-3:-1] or "TRUE" in printed, "not active", printed[-300:])
+    after = [line.strip() for line in printed.splitlines() if line.strip() in ("TRUE", "FALSE") or line.strip().isdigit()]
+    expect(after == ["TRUE", "0"], "not active, or a fault", printed[-300:])
     columns = list(zip(*rows[CYCLES // 4 :]))
     return [statistics.median(column) for column in columns]
 

@@ -127,6 +127,59 @@ def held_until_reset(run, stop):
     return over - stop
 
 
+POWERED = """
+loadrt mux2 names=power-x,power-y,power-z,spoil-cmd
+loadrt lowpass names=drive-x,drive-y,drive-z
+loadrt oneshot names=break
+loadrt not names=unstopped
+loadrt and2 names=power
+addf break servo-thread 1
+addf spoil-cmd servo-thread 6
+addf unstopped servo-thread
+addf power servo-thread
+net stop-request => unstopped.in
+net unstopped unstopped.out => power.in0
+net amplifiers joint.0.amp-enable-out => power.in1
+net power power.out => power-x.sel power-y.sel power-z.sel
+setp break.width 0.0005
+setp spoil-cmd.in1 nan
+net break break.out => spoil-cmd.sel
+net x-pos-cmd => spoil-cmd.in0
+net x-spoiled spoil-cmd.out => ta.joint.0.pos-cmd
+"""
+for _j, _axis in enumerate("xyz"):
+    POWERED += """addf power-{0} servo-thread
+addf drive-{0} servo-thread
+setp drive-{0}.gain 0.2
+net {0}-drive ta.joint.{1}.motor-pos-cmd-out => power-{0}.in1
+net {0}-wanted power-{0}.out => drive-{0}.in
+net {0}-encoder drive-{0}.out => power-{0}.in0 ta.joint.{1}.motor-pos-fb-in
+""".format(_axis, _j)
+
+
+def switched_off(folder):
+    """Without power, LinuxCNC's command jumps to where the drives stand: no fault, and no stop that cannot be left."""
+    mill(folder)
+    rig.copy(folder, rig.HERE, "shuttle.ngc")
+    for j in range(3):
+        rig.edit(folder, "mill-3axis.ini", lambda text: rig.with_ini(text, "JOINT_%d" % j, "MIN_FERROR", 3))
+    rig.edit(folder, "trueaxis.hal", lambda text: text.replace(
+        "net x-pos-cmd  joint.0.pos-cmd       => ta.joint.0.pos-cmd\n", "net x-pos-cmd  joint.0.pos-cmd\n"))
+    with open(os.path.join(folder, "drives.hal"), "w") as f:
+        f.write(POWERED)
+    rig.linuxcnc(folder, "mill-3axis.ini", "switched_off")
+    run, marks = Recording.load(os.path.join(folder, "run")), marks_of(folder)
+    expect(not marks["stop requested after off"] and not marks["stop requested after estop"], "a stop for nothing", marks)
+    expect(marks["stop requested after bad command"] and marks["lag after bad command"] > 0.1, "no stop", marks)
+    expect(not any(value for mark, value in marks.items() if "on again" in mark), "still held", marks)
+    expect(set(run.column("ta.fault-code")) == {0, 16}, "faults", set(run.column("ta.fault-code")))
+    expect(run.column("ta.active")[-1] == 1, "not corrected again", marks)
+    cmd = run.column("joint.0.motor-pos-cmd")
+    jump = max(abs(b - a) for a, b in zip(cmd, cmd[1:]))
+    expect(jump > 0.375, "the command never jumped by more than the tables permit", jump)
+    return "command jumped by %.2f mm; left a stop %.2f mm away" % (jump, marks["lag after bad command"])
+
+
 TRUTH = """
 loadrt scale names=truth
 loadrt comp names=touch
@@ -159,4 +212,4 @@ def probing(folder):
         found, bare, abs(marks["work offset"] - marks["true position"]))
 
 
-TESTS = (switching, faults, probing)
+TESTS = (switching, faults, switched_off, probing)

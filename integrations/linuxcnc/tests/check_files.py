@@ -263,6 +263,46 @@ def warm(folder):
     return "correction %.5f mm cold, %.5f mm warm" % (values[0], values[1])
 
 
+ACCEPTED_HAL = """
+loadrt threads name1=servo-thread period1=1000000
+loadrt trueaxis names=ta tables=mill.tcomp
+setp ta.enable 1
+addf ta.update-feedback servo-thread
+addf ta.update-output servo-thread
+start
+getp ta.x.slope
+setp ta.x.max-slope 1
+loadusr -w mv wide.tcomp mill.tcomp
+setp ta.reload 1
+loadusr -w sleep 0.3
+getp ta.reload-code
+getp ta.x.slope
+getp ta.tables-ok
+setp ta.x.max-slope 0.9
+loadusr -w sleep 0.1
+getp ta.tables-ok
+setp ta.reload 0
+setp ta.x.max-slope 1.5
+loadusr -w sleep 0.1
+setp ta.reload 1
+loadusr -w sleep 0.3
+getp ta.reload-code
+getp ta.x.slope
+"""
+
+
+def accepted(folder):
+    """Tables with larger limits than the integrator accepts never come into force."""
+    machine = os.path.join(SAMPLES, "mill-3axis")
+    compile_tables(folder, os.path.join(machine, "machine.toml"), "mill.tcomp")
+    edited_tables(folder, machine, "wide", lambda text: text.replace(
+        "[axis.X.thermal]", "[axis.X.limits]\nslope_mm_per_s = 1.5\n\n[axis.X.thermal]"), None)
+    code, printed = rig.halrun(folder, ACCEPTED_HAL)
+    values = [line.strip() for line in printed.splitlines() if "Note:" not in line and "trueaxis" not in line]
+    expect(code == 0 and [v for v in values if v] == ["1", "1004", "1", "TRUE", "FALSE", "0", "1.5"], "pins", printed)
+    return "refused with 1004"
+
+
 PERIOD_HAL = """
 loadrt threads name1=servo-thread period1=2000000
 loadrt trueaxis names=ta tables=stream.tcomp
@@ -283,8 +323,11 @@ def period(folder):
     """A thread of another period than the tables were built for: the command passes, a stop is requested."""
     compile_tables(folder, os.path.join(rig.MACHINES, "stream", "machine.toml"), "stream.tcomp")
     code, printed = rig.halrun(folder, PERIOD_HAL)
-    values = [line.strip() for line in printed.splitlines() if "Note:" not in line and line.strip()]
+    lines = [line.strip() for line in printed.splitlines() if "Note:" not in line and line.strip()]
+    values = [line for line in lines if not line.startswith("trueaxis: ")]
     expect(code == 0 and values == ["12.5", "32", "TRUE", "FALSE"], "pins", printed)
+    said = [line for line in lines if "found a thread of 2000000 ns, needed servo_period_nsec=1000000" in line]
+    expect(len(said) == 1, "one line that says why", printed)
     return "fault 32"
 
 
@@ -304,6 +347,7 @@ def refused(folder):
     damaged(good, os.path.join(folder, "damaged.tcomp"), lambda data: data.__setitem__(300, data[300] ^ 1))
     damaged(good, os.path.join(folder, "short.tcomp"), lambda data: data.__delitem__(slice(-5, None)))
     open(os.path.join(folder, "empty.tcomp"), "w").close()
+    os.mkfifo(os.path.join(folder, "pipe.tcomp"))
     with open(os.path.join(folder, "huge.tcomp"), "wb") as f:
         f.truncate(2 << 20)
     many(folder)
@@ -314,6 +358,8 @@ def refused(folder):
         ("tables=short.tcomp", "short.tcomp: ", 22),
         ("tables=empty.tcomp", "empty.tcomp: ", 22),
         ("tables=.", ".: cannot be read: found no ordinary file", 22),
+        ("tables=pipe.tcomp", "pipe.tcomp: cannot be read: found no ordinary file", 22),
+        ("tables=good.tcomp names=abcdefghijklmnopqrstuv", "needed: below 22 bytes", 22),
         ("tables=huge.tcomp", "huge.tcomp: too long", 7),
         ("tables=many.tcomp", "many.tcomp: too many points", 7),
         ("tables=good.tcomp joints=XYZA", "found no axis A", 22),
@@ -350,4 +396,4 @@ def many(folder):
     compile_tables(folder, os.path.join(source, "machine.toml"), "many.tcomp")
 
 
-TESTS = (refused, stream, gauge, instances, joint_stop, warm, period)
+TESTS = (refused, stream, gauge, instances, joint_stop, warm, accepted, period)

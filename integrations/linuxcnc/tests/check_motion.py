@@ -95,4 +95,30 @@ def homing_offset(folder):
         offset, agreement["largest_difference"], ferror)
 
 
-TESTS = (program, homing_offset)
+def homing(folder):
+    """Inactive until homed, whatever is jogged; homing and unhoming move no drive but for the fading correction."""
+    mill(folder)
+    for key, value in (("HOME", 200), ("HOME_OFFSET", 250), ("HOME_FINAL_VEL", 100)):
+        rig.edit(folder, "mill-3axis.ini", lambda text: rig.with_ini(text, "JOINT_0", key, value))
+    rig.linuxcnc(folder, "mill-3axis.ini", "homing")
+    run = Recording.load(os.path.join(folder, "run"))
+    expect(max(run.column("ta.fault-code")) == 0 and max(run.column("ta.stop-request")) == 0, "faults",
+           set(run.column("ta.fault-code")))
+    ferror = max(largest(run, "joint.%d.f-error" % j) for j in range(3))
+    expect(ferror < 1e-9, "following error %g mm" % ferror)
+    used = limits.all_kept(run, 3, [DEFAULT_LIMITS] * 3)
+    homed = [all(row) for row in run.columns(*("joint.%d.homed" % j for j in range(3)))]
+    expect([bool(a) for a in run.column("ta.active")] == homed, "active is not homed")
+    turns = [n for n in range(1, len(homed)) if homed[n] != homed[n - 1]]
+    expect(len(turns) == 3, "homed, unhomed, homed", turns)
+    cmd, out = run.column("joint.0.motor-pos-cmd"), run.column("ta.joint.0.motor-pos-cmd-out")
+    expect(max(run.column("joint.0.pos-cmd")[: turns[0]]) > 399.0 and out[: turns[0]] == cmd[: turns[0]],
+           "corrected before homing")
+    expect(abs(out[turns[1] - 1] - cmd[turns[1] - 1]) > 0.005, "no correction to fade")
+    expect(out[turns[2] - 1] == cmd[turns[2] - 1], "the correction did not go when unhomed")
+    jump = max(abs(b - a) for a, b in zip(out, out[1:]))
+    expect(jump < 0.201, "a drive was sent %g mm in a cycle" % jump)
+    return "nothing before homing, limits used %s" % " ".join("%.2f" % u for u in used)
+
+
+TESTS = (program, homing_offset, homing)

@@ -132,6 +132,60 @@ def faults(pilot):
         json.dump(marks, f)
 
 
+def homing(pilot):
+    """A joint jogged before homing, homed with a move, unhomed where its correction is large, and homed again."""
+    pilot.record(joints(3, *STREAM, "joint.%d.homed") + WHOLE)
+    pilot.on()
+    pilot.command.mode(linuxcnc.MODE_MANUAL)
+    pilot.command.wait_complete()
+    # Beyond the travel of the tables: before homing positions mean nothing.
+    pilot.command.jog(linuxcnc.JOG_INCREMENT, True, 0, 150, 400)
+    pilot.wait(lambda: pilot.stat.joint_actual_position[0] > 399.999, "jog", 15)
+    pilot.home()
+    time.sleep(0.5)
+    pilot.mdi("G0 X-250")
+    time.sleep(0.3)
+    pilot.command.mode(linuxcnc.MODE_MANUAL)
+    pilot.command.wait_complete()
+    pilot.command.teleop_enable(0)
+    pilot.command.wait_complete()
+    pilot.command.unhome(0)
+    pilot.wait(lambda: not pilot.stat.homed[0], "unhoming")
+    time.sleep(0.5)
+    pilot.command.home(0)
+    pilot.wait(lambda: all(pilot.stat.homed[:3]), "homing again")
+    time.sleep(0.5)
+    pilot.save("run")
+
+
+def switched_off(pilot):
+    """Drives that lag and stand where they are without power: off, emergency stop and a bad command at full speed."""
+    marks = {}
+    pilot.record(joints(3, *STREAM[:3]) + ["ta.active", "ta.fault-code", "ta.stop-request", "motion.motion-enabled"])
+    pilot.on()
+    pilot.home()
+    for name, stop in (("off", lambda: pilot.command.state(linuxcnc.STATE_OFF)),
+                       ("estop", lambda: pilot.command.state(linuxcnc.STATE_ESTOP)),
+                       ("bad command", lambda: hal.set_p("break.in", "1"))):
+        pilot.start("shuttle.ngc")
+        pilot.wait(lambda: hal.get_value("ta.active") and hal.get_value("motion.current-vel") > 140, "speed")
+        stop()
+        pilot.wait(lambda: pilot.stat.task_state != linuxcnc.STATE_ON, "stop after " + name, 5)
+        hal.set_p("break.in", "0")
+        time.sleep(0.4)
+        pilot.poll()
+        marks["stop requested after " + name] = hal.get_value("ta.stop-request")
+        marks["lag after " + name] = abs(hal.get_value("ta.joint.0.motor-pos-cmd-out") - hal.get_value("drive-x.out"))
+        pilot.on()
+        marks["held when on again after " + name] = hal.get_value("ta.stop-request")
+        pilot.command.teleop_enable(1)
+        pilot.mdi("G1 X0 Y0 Z-20 F6000")
+    time.sleep(0.3)
+    pilot.save("run")
+    with open("marks.json", "w") as f:
+        json.dump(marks, f)
+
+
 def probing(pilot):
     """A surface stands at a true X of 40 mm; probed with and without correction, then touched off."""
     marks = {}
