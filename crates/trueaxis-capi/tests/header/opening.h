@@ -6,7 +6,8 @@
  * Rules for all functions
  *   - The answer is a trueaxis_status_t: 0 (TRUEAXIS_OK) or a TRUEAXIS_ERROR_..., never negative. When a function
  *     refuses, everything that it would have written stays as it was (but trueaxis_error_t, which then says why).
- *   - No function panics, allocates, prints, locks or calls the operating system.
+ *   - No function panics, allocates, prints, locks or calls the operating system. Of the step itself the linker proves
+ *     it; the functions that set up have been tried with damaged files of every kind.
  *   - Objects (trueaxis_loop_t, trueaxis_state_t, ...) are storage of fixed size that the caller provides, best zeroed
  *     before; they hold no resources, so there is nothing to free. Memory that is lent to an object must outlive it.
  *   - Structures that begin with a member `size` want it set by the caller once: `input.size = sizeof input;`.
