@@ -4,8 +4,8 @@
 //! leaves all outputs untouched when it refuses. The documentation of the items here is that of the header: it speaks to
 //! the C programmer and gives the names of the header.
 //!
-//! This is the only crate with `unsafe`: what a pointer of the caller is worth is decided in [`mod@pointer`] and
-//! [`mod@opaque`], and nowhere else.
+//! `unsafe` stands here and in the square root: what a pointer of the caller is worth is decided in `pointer` and
+//! `opaque`, and nowhere else.
 #![no_std]
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks, clippy::indexing_slicing)]
