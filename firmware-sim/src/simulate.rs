@@ -15,12 +15,12 @@ use anyhow::{Context, Result, anyhow};
 use glam::DVec3;
 use std::ops::ControlFlow;
 use std::time::Instant;
-use trueaxis::compensation::{Storage, ThermalLine, step_axes};
+use trueaxis::compensation::{ThermalLine, step_axes};
 use trueaxis::contour::{OrientationError, Reference};
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::AXES;
 use trueaxis::tcomp::Tcomp;
-use trueaxis::{Axis, Config, Fault, Input, Output, ServoLoop, State};
+use trueaxis::{Axis, Config, Fault, Input, Output, Position, Real, ServoLoop, State};
 use trueaxis_tables::Machine;
 
 /// Which of the three runs.
@@ -177,12 +177,22 @@ pub fn with_loop<const N: usize, T>(
 ) -> Result<T> {
     let bytes = trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"))?;
     let tcomp = Tcomp::parse(&bytes).map_err(|e| anyhow!("compiled tables: {e}"))?;
+    with_tables(&tcomp, period_ns, user)
+}
+
+/// Builds the servo loop of compiled tables, in any scalar, and lends it out.
+///
+/// # Errors
+/// The tables do not build.
+pub fn with_tables<R: Real, P: Position, const N: usize, T>(
+    tcomp: &Tcomp<'_>,
+    period_ns: u32,
+    user: impl FnOnce(&ServoLoop<'_, R, P, N>) -> Result<T>,
+) -> Result<T> {
     let rows = |axis: Axis| tcomp.table(axis);
-    let config = Config::of(&tcomp, period_ns);
-    let need = config.requirement::<f64, f64, N, _>(rows);
-    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    let servo = config.build::<f64, f64, N, _>(rows, storage).map_err(|e| anyhow!("{e}"))?;
+    let config = Config::of(tcomp, period_ns);
+    let mut memory = config.requirement::<R, P, N, _>(rows).memory();
+    let servo = config.build::<R, P, N, _>(rows, memory.lend()).map_err(|e| anyhow!("{e}"))?;
     user(&servo)
 }
 

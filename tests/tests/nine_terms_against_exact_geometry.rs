@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, Storage, ThermalLine, step_axes};
+use trueaxis::compensation::{Compensation, ThermalLine, step_axes};
 use trueaxis::machine::{AXES, ErrorModel};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
@@ -48,9 +48,8 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
     let geometry = Geometry::new(&machine, 0.0).unwrap();
     let rows = |axis: Axis| machine.rows(axis);
     let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
-    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, storage).unwrap();
+    let mut memory = need.memory();
+    let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, memory.lend()).unwrap();
     let axes = step_axes::<N>(&machine.settings).unwrap();
 
     let mut random = Random(17);

@@ -1,6 +1,6 @@
 //! The volumetric form against the exact transforms: two implementations that share no code but the settings.
 
-use trueaxis::compensation::{Compensation, Storage, ThermalLine, carries_workpiece, step_axes};
+use trueaxis::compensation::{Compensation, ThermalLine, carries_workpiece, step_axes};
 use trueaxis::machine::{
     AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, MachineSettings, Row, ThermalGrowth,
 };
@@ -174,9 +174,8 @@ impl Case {
         check::settings(settings).unwrap();
         let rows = |axis: Axis| self.machine.rows(axis);
         let need = Compensation::<f64, f64, N>::requirement(settings, rows);
-        let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
-        let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-        user(&Compensation::build(settings, rows, passes, storage).unwrap())
+        let mut memory = need.memory();
+        user(&Compensation::build(settings, rows, passes, memory.lend()).unwrap())
     }
 
     fn thermal<const N: usize>(&self) -> [ThermalLine<f64>; N] {

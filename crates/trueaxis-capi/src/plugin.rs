@@ -14,7 +14,7 @@ pub(crate) type PathSpan = contour::Span<Real, CorePosition>;
 #[cfg(not(feature = "single"))]
 pub(crate) type CorePosition = f64;
 #[cfg(feature = "single")]
-pub(crate) type CorePosition = trueaxis::Micro;
+pub(crate) type CorePosition = trueaxis::Nanometres;
 
 /// A position as the core wants it.
 #[inline(always)]
@@ -22,7 +22,7 @@ pub(crate) fn to_core(position: Position) -> CorePosition {
     #[cfg(not(feature = "single"))]
     return position;
     #[cfg(feature = "single")]
-    return trueaxis::Micro(position);
+    return trueaxis::Nanometres(position);
 }
 
 /// A position of the core as C wants it.

@@ -19,7 +19,7 @@ use trueaxis_capi::*;
 #[cfg(not(feature = "single"))]
 type P = f64;
 #[cfg(feature = "single")]
-type P = trueaxis::Micro;
+type P = trueaxis::Nanometres;
 
 /// Counts of the spindle per revolution.
 const COUNTS: i32 = 1 << 20;

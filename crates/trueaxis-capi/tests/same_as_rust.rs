@@ -17,7 +17,7 @@ use trueaxis_capi::*;
 #[cfg(not(feature = "single"))]
 type P = f64;
 #[cfg(feature = "single")]
-type P = trueaxis::Micro;
+type P = trueaxis::Nanometres;
 type R = Real;
 
 fn core_position(x: f64) -> P {
@@ -34,7 +34,7 @@ fn from_c(x: Position) -> P {
 }
 #[cfg(feature = "single")]
 fn from_c(x: Position) -> P {
-    trueaxis::Micro(x)
+    trueaxis::Nanometres(x)
 }
 
 /// The Rust side, over memory that lives as long as the test.

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, Storage};
+use trueaxis::compensation::Compensation;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::Machine;
 
@@ -34,9 +34,8 @@ pub(crate) fn with_compensation<const N: usize, T>(
 ) -> Result<T> {
     let rows = |axis: Axis| machine.rows(axis);
     let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
-    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
+    let mut memory = need.memory();
     let compensation =
-        Compensation::build(&machine.settings, rows, passes, storage).map_err(|error| anyhow!("{error}"))?;
+        Compensation::build(&machine.settings, rows, passes, memory.lend()).map_err(|error| anyhow!("{error}"))?;
     user(&compensation)
 }

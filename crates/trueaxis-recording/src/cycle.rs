@@ -2,23 +2,23 @@
 
 use trueaxis::contour::Reference;
 use trueaxis::roundness::Probes;
-use trueaxis::{Input, Micro, Position, Real};
+use trueaxis::{Input, Nanometres, Position, Real};
 
 /// A position that a recording can say exactly.
 pub trait Integer: Position {
     /// From 1e-6 mm (1e-6 degree).
-    fn of_micro(micro: Micro) -> Self;
+    fn of_nanometres(nanometres: Nanometres) -> Self;
 }
 
-impl Integer for Micro {
-    fn of_micro(micro: Micro) -> Micro {
-        micro
+impl Integer for Nanometres {
+    fn of_nanometres(nanometres: Nanometres) -> Nanometres {
+        nanometres
     }
 }
 
 impl Integer for f64 {
-    fn of_micro(micro: Micro) -> f64 {
-        micro.to_f64()
+    fn of_nanometres(nanometres: Nanometres) -> f64 {
+        nanometres.to_f64()
     }
 }
 
@@ -49,9 +49,9 @@ pub struct Probe {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cycle<const N: usize> {
     /// Commanded positions.
-    pub command: [Micro; N],
+    pub command: [Nanometres; N],
     /// Encoder positions.
-    pub feedback: [Micro; N],
+    pub feedback: [Nanometres; N],
     /// Time since the last cycle, ns.
     pub elapsed_ns: u32,
     /// Place on the path.
@@ -82,8 +82,8 @@ impl<const N: usize> Cycle<N> {
     /// As the step takes it.
     pub fn input<P: Integer>(&self) -> Input<P, N> {
         Input {
-            command: self.command.map(P::of_micro),
-            feedback: self.feedback.map(P::of_micro),
+            command: self.command.map(P::of_nanometres),
+            feedback: self.feedback.map(P::of_nanometres),
             encoder_alarm: self.encoder_alarm,
             elapsed_ns: self.elapsed_ns,
             homed: self.homed,
@@ -113,10 +113,10 @@ impl<const N: usize> Cycle<N> {
         if !rest.is_empty() {
             return None;
         }
-        let mut positions = || -> Option<[Micro; N]> {
-            let mut all = [Micro(0); N];
-            for micro in &mut all {
-                *micro = Micro(i32::from_le_bytes(words.next()?));
+        let mut positions = || -> Option<[Nanometres; N]> {
+            let mut all = [Nanometres(0); N];
+            for nanometres in &mut all {
+                *nanometres = Nanometres(i32::from_le_bytes(words.next()?));
             }
             Some(all)
         };
@@ -149,8 +149,8 @@ impl<const N: usize> Cycle<N> {
 
     #[cfg(feature = "std")]
     pub(crate) fn encode(&self, gauge: bool, into: &mut std::vec::Vec<u8>) {
-        for micro in self.command.iter().chain(&self.feedback) {
-            into.extend(micro.0.to_le_bytes());
+        for nanometres in self.command.iter().chain(&self.feedback) {
+            into.extend(nanometres.0.to_le_bytes());
         }
         into.extend(self.elapsed_ns.to_le_bytes());
         into.extend(self.reference.span.to_le_bytes());

@@ -17,6 +17,7 @@
 extern crate std;
 
 mod cycle;
+pub mod outputs;
 mod read;
 #[cfg(feature = "std")]
 mod write;

@@ -1,7 +1,7 @@
 //! What is written is read again, bit for bit, and nothing that is damaged is read.
 #![allow(missing_docs)]
 
-use trueaxis::Micro;
+use trueaxis::Nanometres;
 use trueaxis::contour::{Reference, Segment, Span, convert};
 use trueaxis_recording::{Cycle, Header, Probe, Recording, Refused, Writer};
 
@@ -38,8 +38,8 @@ fn spans<R: trueaxis::Real, P: trueaxis::Position>() -> Vec<Span<R, P>> {
 
 fn cycle(i: i32) -> Cycle<3> {
     Cycle {
-        command: [Micro(i), Micro(-i), Micro(i * 1000)],
-        feedback: [Micro(i + 1), Micro(i32::MIN), Micro(i32::MAX)],
+        command: [Nanometres(i), Nanometres(-i), Nanometres(i * 1000)],
+        feedback: [Nanometres(i + 1), Nanometres(i32::MIN), Nanometres(i32::MAX)],
         elapsed_ns: 1_000_000 + i as u32,
         reference: Reference { span: i as u32 / 7, t: i as f32 / 100.0 },
         homed: i % 2 == 0,
@@ -83,8 +83,8 @@ fn what_is_written_is_read() {
         let path: Vec<Span<f64, f64>> = read.path().collect();
         assert_eq!(path, spans::<f64, f64>());
         // The rounded path is what the conversion makes in that scalar.
-        let rounded: Vec<Span<f32, Micro>> = read.path().collect();
-        assert_eq!(rounded, spans::<f32, Micro>());
+        let rounded: Vec<Span<f32, Nanometres>> = read.path().collect();
+        assert_eq!(rounded, spans::<f32, Nanometres>());
     }
 }
 

@@ -57,7 +57,7 @@ pub mod vector;
 
 pub use error::{ConfigError, Fault};
 pub use machine::{Axis, Row};
-pub use position::{Micro, Position};
+pub use position::{Nanometres, Position};
 pub use real::Real;
 pub use sample::Input;
 pub use step::{Bypass, Config, Output, ServoLoop, Stage, State};

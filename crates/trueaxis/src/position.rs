@@ -54,33 +54,33 @@ impl Position for f64 {
     }
 }
 
-/// A position in steps of one millionth: 1 nm (range ±2.147 m) or 1e-6 degree (±2147 degrees).
+/// A position in whole nanometres, ±2.147 m; of a rotary axis in 1e-6 degree, ±2147 degrees.
 ///
 /// For cores without a double-precision unit: an f64 subtraction costs about 120 instructions on a Cortex-M4F, this one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Micro(pub i32);
+pub struct Nanometres(pub i32);
 
-impl Position for Micro {
+impl Position for Nanometres {
     #[inline(always)]
-    fn of(x: f64) -> Micro {
-        Micro(libm::rint(x * 1e6) as i32)
+    fn of(x: f64) -> Nanometres {
+        Nanometres(libm::rint(x * 1e6) as i32)
     }
     #[inline(always)]
     fn to_f64(self) -> f64 {
         f64::from(self.0) / 1e6
     }
     #[inline(always)]
-    fn since<R: Real>(self, origin: Micro) -> R {
+    fn since<R: Real>(self, origin: Nanometres) -> R {
         R::of_i32(self.0.wrapping_sub(origin.0)) * R::of(1e-6)
     }
     #[inline(always)]
-    fn plus<R: Real>(self, d: R) -> Micro {
+    fn plus<R: Real>(self, d: R) -> Nanometres {
         let half = if d < R::ZERO { -R::HALF } else { R::HALF };
-        Micro(self.0.saturating_add((d * R::of(1e6) + half).to_i32()))
+        Nanometres(self.0.saturating_add((d * R::of(1e6) + half).to_i32()))
     }
     #[inline(always)]
-    fn turn_since<R: Real>(self, origin: Micro) -> R {
+    fn turn_since<R: Real>(self, origin: Nanometres) -> R {
         let angle = i64::from(self.0) - i64::from(origin.0);
         R::of_i32(angle.rem_euclid(360_000_000) as i32) * R::of(1e-6)
     }

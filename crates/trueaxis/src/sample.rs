@@ -46,7 +46,7 @@ impl<P: Position, const N: usize> Input<P, N> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncoderScale<P> {
     offset: P,
-    /// Micro-units per count, as 32.32 fixed point: exact to 1e-9 of a count step over the whole travel.
+    /// Nanometres (1e-6 deg) per count, as 32.32 fixed point: exact to 1e-9 of a count step over the whole travel.
     fixed: i64,
     resolution: f64,
 }
@@ -76,12 +76,12 @@ impl<P: Position> EncoderScale<P> {
     }
 }
 
-impl EncoderScale<crate::position::Micro> {
+impl EncoderScale<crate::position::Nanometres> {
     /// Position of a count without floating point: two multiplications and a shift.
     #[inline(always)]
-    pub fn micro(&self, counts: i32) -> crate::position::Micro {
+    pub fn nanometres(&self, counts: i32) -> crate::position::Nanometres {
         let wide = i128::from(counts) * i128::from(self.fixed) + (1 << 31);
-        crate::position::Micro(self.offset.0.saturating_add((wide >> 32) as i32))
+        crate::position::Nanometres(self.offset.0.saturating_add((wide >> 32) as i32))
     }
 }
 
@@ -397,17 +397,17 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::position::Micro;
+    use crate::position::Nanometres;
 
     #[test]
     fn counts_become_positions_in_either_form() {
         for (offset, resolution) in [(-12.5, 1e-4), (0.0, 2e-5 / 3.0), (3.0, -1e-3)] {
             let double = EncoderScale::<f64>::new(offset, resolution).unwrap();
-            let fixed = EncoderScale::<Micro>::new(offset, resolution).unwrap();
+            let fixed = EncoderScale::<Nanometres>::new(offset, resolution).unwrap();
             for counts in [0, 1, -1, 77_777, -1_234_567] {
                 let truth = offset + f64::from(counts) * resolution;
                 assert_eq!(double.position(counts), truth);
-                assert!((fixed.micro(counts).to_f64() - truth).abs() <= 0.51e-6, "{counts}: {truth}");
+                assert!((fixed.nanometres(counts).to_f64() - truth).abs() <= 0.51e-6, "{counts}: {truth}");
             }
         }
         for bad in [0.0, f64::NAN, 2.0] {

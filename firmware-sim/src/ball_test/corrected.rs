@@ -3,7 +3,7 @@
 use super::cycle::{Cycle, with_ball};
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, Storage, ThermalLine, step_axes};
+use trueaxis::compensation::{Compensation, ThermalLine, step_axes};
 use trueaxis::identification::{Ball, Identified};
 use trueaxis::machine::{AXES, ErrorModel, LocationErrors, Row, Twist};
 use trueaxis::tcomp::Tcomp;
@@ -62,11 +62,10 @@ pub(super) fn tip_errors(cycle: &Cycle, plant: &Machine, known: &Machine, ball: 
     let tcomp = Tcomp::parse(&bytes).map_err(|error| anyhow!("{error}"))?;
     let rows = |axis: Axis| tcomp.table(axis);
     let need = Compensation::<f64, f64, N>::requirement(tcomp.settings(), rows);
-    let mut lines = vec![Default::default(); need.lines];
-    let (mut knots, mut guide) = (vec![0.0; need.knots], vec![0; need.guide]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
+    let mut memory = need.memory();
     let compensation: Compensation<'_, f64, f64, N> =
-        Compensation::build(tcomp.settings(), rows, tcomp.inverse_passes(), storage).map_err(|e| anyhow!("{e}"))?;
+        Compensation::build(tcomp.settings(), rows, tcomp.inverse_passes(), memory.lend())
+            .map_err(|e| anyhow!("{e}"))?;
     let axes = step_axes::<N>(tcomp.settings()).map_err(|error| anyhow!("{error}"))?;
     let slots = axes.map(|axis| super::place(plant, axis));
 

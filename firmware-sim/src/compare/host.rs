@@ -1,14 +1,15 @@
 //! The recording on the host.
 
-use super::outputs::{AXES, Wire, encode};
+use super::outputs::AXES;
+use crate::simulate::with_tables;
 use anyhow::{Result, anyhow};
-use trueaxis::compensation::Storage;
+use trueaxis::ServoLoop;
 use trueaxis::contour::{Path, Span};
 use trueaxis::roundness::{Roundness, RoundnessState};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::RoundnessFrame;
-use trueaxis::{Axis, Config, ServoLoop};
 use trueaxis_recording::Recording;
+use trueaxis_recording::outputs::{Wire, line};
 
 /// Points of the gauge's revolution, as in the image.
 const POINTS: usize = 1024;
@@ -26,17 +27,28 @@ pub fn replay<R: Wire>(
 ) -> Result<(Vec<u8>, Vec<RoundnessFrame>)> {
     let recording = Recording::<AXES>::parse(recording).map_err(|e| anyhow!("recording: {e}"))?;
     let period_ns = recording.header().period_ns;
+    let file = Tcomp::parse(tables).map_err(|e| anyhow!("tables: {e}"))?;
+    with_tables(&file, period_ns, |first| match second {
+        None => run::<R>(&recording, &file, first, None),
+        Some((bytes, at)) => {
+            let other = Tcomp::parse(bytes).map_err(|e| anyhow!("second tables: {e}"))?;
+            with_tables(&other, period_ns, |second| run::<R>(&recording, &file, first, Some((second, at))))
+        }
+    })
+}
+
+/// A step in a scalar with its positions.
+type Loop<'a, R> = ServoLoop<'a, R, <R as Wire>::Place, AXES>;
+
+fn run<R: Wire>(
+    recording: &Recording<'_, AXES>,
+    file: &Tcomp<'_>,
+    first: &Loop<'_, R>,
+    exchanged: Option<(&Loop<'_, R>, u32)>,
+) -> Result<(Vec<u8>, Vec<RoundnessFrame>)> {
+    let period_ns = recording.header().period_ns;
     let path: Vec<Span<R, R::Place>> = recording.path().collect();
     let path = Path::new(&path, 0, false);
-    let file = Tcomp::parse(tables).map_err(|e| anyhow!("tables: {e}"))?;
-    let first = build::<R>(&file, period_ns)?;
-    let exchanged = match second {
-        None => None,
-        Some((bytes, at)) => {
-            let file = Tcomp::parse(bytes).map_err(|e| anyhow!("second tables: {e}"))?;
-            Some((build::<R>(&file, period_ns)?, at))
-        }
-    };
     let mut state = first.start(period_ns).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
     let gauge = match file.settings().roundness.filter(|_| recording.header().gauge) {
         None => None,
@@ -49,34 +61,21 @@ pub fn replay<R: Wire>(
     let mut revolutions = Vec::new();
     for number in 0..recording.header().cycles {
         let Some(cycle) = recording.cycle(number) else { break };
-        let servo = match &exchanged {
-            Some((second, at)) if number >= *at => second,
-            _ => &first,
+        let servo = match exchanged {
+            Some((second, at)) if number >= at => second,
+            _ => first,
         };
         let (input, reference) = (cycle.input::<R::Place>(), cycle.place::<R>());
         let Some(gauge) = &gauge else {
-            encode::<R>(&servo.step(&mut state, &input, &path, reference), None, &mut sent);
+            sent.extend(line(&servo.step(&mut state, &input, &path, reference), None));
             continue;
         };
         let (output, ridden) =
             servo.step_with_gauge(&mut state, &input, &path, reference, gauge, &mut gauge_state, &cycle.probes());
-        encode::<R>(&output, Some(ridden.infeed), &mut sent);
+        sent.extend(line(&output, Some(ridden.infeed)));
         if ridden.finished {
             revolutions.extend(RoundnessFrame::of(file.machine_id(), gauge, &gauge_state));
         }
     }
     Ok((sent, revolutions))
-}
-
-fn build<R: Wire>(file: &Tcomp<'_>, period_ns: u32) -> Result<ServoLoop<'static, R, R::Place, AXES>> {
-    let rows = |axis: Axis| file.table(axis);
-    let config = Config::of(file, period_ns);
-    let need = config.requirement::<R, R::Place, AXES, _>(rows);
-    // Two loops of one run: freed with the process.
-    let storage = Storage {
-        lines: vec![R::ZERO; need.lines].leak(),
-        knots: vec![R::ZERO; need.knots].leak(),
-        guide: vec![0; need.guide].leak(),
-    };
-    config.build::<R, R::Place, AXES, _>(rows, storage).map_err(|e| anyhow!("{e}"))
 }

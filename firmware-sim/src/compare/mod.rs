@@ -12,12 +12,13 @@ pub use outcome::{Comparison, Difference, Outcome};
 
 use anyhow::{Result, anyhow, bail};
 use image::{Core, Flash, Sent};
-use outputs::{Row, Wire, bytes, decode};
+use outputs::{Row, bytes, decode};
 use std::path::Path;
 use trueaxis::Fault;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{Frame, RoundnessFrame};
 use trueaxis_recording::Recording;
+use trueaxis_recording::outputs::Wire;
 
 /// What is compared.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! What a controller meets, written over the recorded cycles.
 
 use crate::scenario::Scenario;
-use trueaxis::Micro;
+use trueaxis::Nanometres;
 use trueaxis_recording::Cycle;
 
 /// A fixed script, in cycles of the recording:
@@ -47,7 +47,7 @@ impl Drill {
         cycle.reset = matches!(number, 80 | 120);
         match number {
             60 => cycle.command[0].0 += self.jump,
-            100 => cycle.command[1] = Micro(self.beyond),
+            100 => cycle.command[1] = Nanometres(self.beyond),
             140..150 => cycle.encoder_alarm |= 4,
             160 => cycle.feedback[0].0 += 5_000_000,
             170..174 => cycle.elapsed_ns = self.period_ns / 2 * 5,

@@ -16,7 +16,7 @@ pub use drill::Drill;
 use gauge::Turned;
 use trueaxis::contour::Reference;
 use trueaxis::tcomp::machine_id;
-use trueaxis::{Micro, Position};
+use trueaxis::{Nanometres, Position};
 use trueaxis_recording::{Cycle, Header, Probe, Writer};
 
 /// How a run is recorded.
@@ -62,7 +62,7 @@ pub fn record(
     let mut turned = machine.roundness.as_ref().map(|gauge| Turned::new(gauge, scenario, settings.speed_rpm));
     let drill = settings.drill.then(|| Drill::new(scenario));
     let most = settings.cycles.unwrap_or(u32::MAX);
-    let mut last = [Micro(0); 3];
+    let mut last = [Nanometres(0); 3];
     let mut watch = |given: &Given<'_>| {
         let number = writer.cycles();
         if number >= most {
@@ -82,9 +82,9 @@ pub fn record(
     writer.finish().context("the recording cannot be written")
 }
 
-fn rounded(given: &Given<'_>, last: &mut [Micro; 3]) -> Cycle<3> {
+fn rounded(given: &Given<'_>, last: &mut [Nanometres; 3]) -> Cycle<3> {
     let mut cycle = Cycle {
-        command: [Micro(0); 3],
+        command: [Nanometres(0); 3],
         feedback: *last,
         elapsed_ns: given.elapsed_ns,
         reference: Reference { span: given.reference.span, t: given.reference.t as f32 },
@@ -95,9 +95,9 @@ fn rounded(given: &Given<'_>, last: &mut [Micro; 3]) -> Cycle<3> {
         probe: Probe::default(),
     };
     for (axis, (command, reading)) in given.command.iter().zip(given.feedback).take(3).enumerate() {
-        cycle.command[axis] = if command.is_finite() { Micro::of(*command) } else { Micro(i32::MIN) };
+        cycle.command[axis] = if command.is_finite() { Nanometres::of(*command) } else { Nanometres(i32::MIN) };
         if reading.is_finite() {
-            cycle.feedback[axis] = Micro::of(*reading);
+            cycle.feedback[axis] = Nanometres::of(*reading);
         } else {
             cycle.encoder_alarm |= 1 << axis;
         }

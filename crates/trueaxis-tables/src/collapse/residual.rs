@@ -5,7 +5,7 @@ use super::volume::Volume;
 use super::{CollapseError, LINEAR};
 use crate::Machine;
 use crate::exact::Geometry;
-use trueaxis::compensation::{Compensation, Storage, ThermalLine, step_axes};
+use trueaxis::compensation::{Compensation, ThermalLine, step_axes};
 use trueaxis::error::ConfigError;
 use trueaxis::machine::{AXES, Axis};
 
@@ -86,9 +86,8 @@ fn with_step<const N: usize, T>(
 ) -> Result<T, ConfigError> {
     let rows = |axis: Axis| machine.rows(axis);
     let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
-    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 1, storage)?;
+    let mut memory = need.memory();
+    let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 1, memory.lend())?;
     // A step has X, Y and Z in any case, a machine need not.
     let slots: [Option<usize>; N] =
         step_axes::<N>(&machine.settings)?.map(|axis| machine.settings.axes.iter().position(|own| own.axis == axis));

@@ -3,6 +3,8 @@
 //! Two models, chosen by the machine's settings: [`NineTerms`], axis-wise and without levers, and [`Volumetric`], the
 //! twist of every axis carried to the tool tip by its lever.
 
+#[cfg(feature = "std")]
+mod memory;
 mod nine;
 pub mod pchip;
 mod reversal;
@@ -11,6 +13,8 @@ mod thermal;
 pub mod trig;
 pub(crate) mod volumetric;
 
+#[cfg(feature = "std")]
+pub use memory::Memory;
 pub use nine::NineTerms;
 pub use reversal::Reversal;
 pub use table::{AxisTable, Contribution, Requirement, Rows, Storage};

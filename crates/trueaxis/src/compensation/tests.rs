@@ -1,6 +1,6 @@
 use super::*;
 use crate::machine::{AxisSettings, Interpolation, LocationErrors, Lookup, Row};
-use crate::position::Micro;
+use crate::position::Nanometres;
 use std::{vec, vec::Vec};
 
 /// Lent memory that a test leaks: it needs no owner.
@@ -78,10 +78,10 @@ fn linear_tables_agree_with_the_textbook_on_any_grid() {
 fn single_precision_keeps_a_thousandth_of_a_micrometre() {
     let grid: Vec<f64> = (0..128).map(|i| -300.0 + 5.0 * f64::from(i)).collect();
     let rows = rows(&grid);
-    let table = table::<f32, Micro>(&AxisSettings::with_defaults(Axis::X, false), &rows);
+    let table = table::<f32, Nanometres>(&AxisSettings::with_defaults(Axis::X, false), &rows);
     for i in 0..20_000 {
         let q = -310.0 + 655.0 * f64::from(i) / 20_000.0;
-        let (value, _) = table.at(table.coordinate(Micro::of(q)), 0);
+        let (value, _) = table.at(table.coordinate(Nanometres::of(q)), 0);
         for (value, truth) in value.iter().zip(plain_linear(&rows, q)) {
             assert!((f64::from(*value) - truth).abs() < 1e-6, "{q}: {value} {truth}");
         }

@@ -1,6 +1,6 @@
 use super::kernel::foot;
 use super::*;
-use crate::position::{Micro, Position};
+use crate::position::{Nanometres, Position};
 use proptest::prelude::*;
 use std::{vec, vec::Vec};
 
@@ -246,7 +246,7 @@ fn the_kernel_is_exact_wherever_it_trusts_itself() {
         let spline =
             if round == 0 { Spline::butterfly() } else { Spline::random(&mut random, 2 + round % 4, round % 2 == 0) };
         let double = spans::<f64, f64>(&[spline.segment()]);
-        let single = spans::<f32, Micro>(&[spline.segment()]);
+        let single = spans::<f32, Nanometres>(&[spline.segment()]);
         for (span, small) in double.iter().zip(&single) {
             for _ in 0..30 {
                 let t = 0.05 + 0.9 * random.next();
@@ -269,7 +269,7 @@ fn the_kernel_is_exact_wherever_it_trusts_itself() {
                         }
                         let truth = norm(kernel::evaluate(span, &local, 0.5 * (low + high)).vector);
                         worst = worst.max((norm(found.vector) - truth).abs());
-                        let p = p.map(Micro::of);
+                        let p = p.map(Nanometres::of);
                         let rounded = norm(
                             kernel::evaluate(span, &span.relative(&p.map(|x| x.to_f64())), 0.5 * (low + high)).vector,
                         );

@@ -11,7 +11,7 @@ use trueaxis::{Bypass, Input, Output, ServoLoop, State};
 #[cfg(not(feature = "double"))]
 mod scalar {
     pub type R = f32;
-    pub type P = trueaxis::Micro;
+    pub type P = trueaxis::Nanometres;
 }
 #[cfg(feature = "double")]
 mod scalar {

@@ -3,7 +3,6 @@
 use crate::recording::Recording;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
-use trueaxis::compensation::Storage;
 use trueaxis::contour::{Path, Reference};
 use trueaxis::tcomp::{TableData, Tcomp};
 use trueaxis::{Axis, Config, Input, ServoLoop};
@@ -82,10 +81,9 @@ fn of<const N: usize>(
     let active = recording.place(&format!("{instance}.active"))?;
     let config = Config::of(tables, period_ns);
     let need = config.requirement::<f64, f64, N, TableData<'_>>(|axis| tables.table(axis));
-    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
+    let mut memory = need.memory();
     let servo: ServoLoop<'_, f64, f64, N> =
-        config.build(|axis: Axis| tables.table(axis), storage).map_err(|error| anyhow!("{error}"))?;
+        config.build(|axis: Axis| tables.table(axis), memory.lend()).map_err(|error| anyhow!("{error}"))?;
     let mut state = servo.start(period_ns).map_err(|fault| anyhow!("{fault:?}"))?;
     let no_path = Path::new(&[], 0, false);
 

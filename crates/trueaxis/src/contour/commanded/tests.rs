@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::contour::{ContourError, Flags};
-use crate::position::Micro;
+use crate::position::Nanometres;
 use std::vec::Vec;
 
 type V = [f64; 3];
@@ -57,7 +57,7 @@ fn on_a_circle_radial_error_and_lag_are_those_that_were_put_in() {
         (0.5, 0.02, 0.1, -0.002),
     ] {
         let double = circle::<f64, f64>(radius, way, lag, radial);
-        let single = circle::<f32, Micro>(radius, way, lag, radial);
+        let single = circle::<f32, Nanometres>(radius, way, lag, radial);
         std::println!("R {radius} way {way}: error, normal, lag off by f64 {double:.6?} nm, f32 {single:.3?} nm");
         // 0.1 rad a piece: a tenth of a picometre, and Simpson's arc length is off by 1e-7 of a piece.
         assert!(double[0] < 1e-3 && double[1] < 1e-3 && double[2] < 0.5, "{radius} {way}: {double:?}");
@@ -92,7 +92,7 @@ fn where_a_line_meets_an_arc_what_remains_is_as_stated() {
 fn on_a_line_in_space_nothing_is_lost() {
     for way in [0.5, 0.02, 0.0007] {
         let mut bench = Bench::<f64, f64>::new(0.005);
-        let mut single = Bench::<f32, Micro>::new(0.005);
+        let mut single = Bench::<f32, Nanometres>::new(0.005);
         let t = [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0];
         let at = |s: f64, left: f64| {
             [300.0 + s * t[0] + left / 5f64.sqrt(), 1.0 + s * t[1] + 2.0 * left / 5f64.sqrt(), s * t[2]]
@@ -308,7 +308,7 @@ fn random_walk<R: Real, P: Position, const K: usize>(seed: u64, rounds: u32) {
 fn a_million_random_appends_stay_finite_and_without_gaps() {
     for seed in 0..4 {
         random_walk::<f64, f64, 16>(seed, 250_000);
-        random_walk::<f32, Micro, 5>(seed + 100, 250_000);
+        random_walk::<f32, Nanometres, 5>(seed + 100, 250_000);
     }
 }
 

@@ -4,7 +4,7 @@ use crate::contour::{
     ContourError, ContourSearch, ContourState, Flags, Method, OrientationError, Path, Reference, Segment, Span,
     ToolPath, Turn, convert,
 };
-use crate::position::{Micro, Position};
+use crate::position::{Nanometres, Position};
 use crate::real::Real;
 use crate::vector::V3;
 use proptest::prelude::*;
@@ -87,7 +87,7 @@ fn a_microradian_is_resolved_in_doubles() {
 #[test]
 fn a_microradian_is_resolved_in_singles() {
     // Components of a unit vector are rounded to 6e-8, the rotary positions to 2e-6 degrees.
-    resolves_a_microradian::<f32, Micro>(0.25e-6);
+    resolves_a_microradian::<f32, Nanometres>(0.25e-6);
 }
 
 #[test]
@@ -250,7 +250,7 @@ fn a_turn_on_the_spot_is_crossed_in_doubles() {
 
 #[test]
 fn a_turn_on_the_spot_is_crossed_in_singles() {
-    walks_the_corner::<f32, Micro>(3e-6);
+    walks_the_corner::<f32, Nanometres>(3e-6);
 }
 
 #[test]
@@ -282,13 +282,13 @@ proptest! {
             segments.push((segment, axes, next));
             (at, axes) = (end, next);
         }
-        let (spans, turns) = build::<f32, Micro>(&segments);
+        let (spans, turns) = build::<f32, Nanometres>(&segments);
         let path = ToolPath::new(Path::new(&spans, 0, closed), &turns);
         let search = ContourSearch::<f32>::new(1.0, Method::Guarded).unwrap();
         let mut state = ContourState::default();
         for (span, t, off, angle) in walk {
             let reference = Reference { span, t: t as f32 };
-            let point = path.path.span(span).map_or([Micro(0); 3], |s| s.position(t as f32));
+            let point = path.path.span(span).map_or([Nanometres(0); 3], |s| s.position(t as f32));
             let point = [point[0].plus(off as f32), point[1], point[2].plus(-off as f32)];
             let tip = search.update(&mut state, &path.path, reference, point);
             prop_assert!(tip.error.is_finite() && tip.lag.is_finite() && tip.t.is_finite() && tip.evaluations <= 6);

@@ -3,7 +3,7 @@
 use crate::contour::{Path, Reference, Span, ToolPath};
 use crate::kinematics::{Follow, Tool};
 use crate::machine::Axis;
-use crate::position::{Micro, Position};
+use crate::position::{Nanometres, Position};
 use crate::real::Real;
 use crate::step::tool::tests::{
     HEADS, Machine, PERIOD_NS, TABLES, V, Z, add, along, joints, norm, reference, settings, slanted, sub, tool_at,
@@ -101,7 +101,7 @@ fn follows_a_line_in_doubles() {
 
 #[test]
 fn follows_a_line_in_singles() {
-    follows_a_line::<f32, Micro>(150e-6, 20e-6);
+    follows_a_line::<f32, Nanometres>(150e-6, 20e-6);
 }
 
 /// The tip stands on a path of one piece without length while the direction turns by 50 degrees.

@@ -4,7 +4,7 @@ use crate::compensation::Storage;
 use crate::contour::{Flags, Method, OrientationError, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use crate::kinematics::Kinematics;
 use crate::machine::{Axis, AxisSettings, ErrorModel, MachineSettings, Row};
-use crate::position::{Micro, Position};
+use crate::position::{Nanometres, Position};
 use crate::real::Real;
 use crate::telemetry::Status;
 use crate::{Config, Fault, Input, Output, ServoLoop, State};
@@ -277,8 +277,8 @@ fn errors_of_every_joint_agree_with_the_projection() {
 /// What single precision costs: the documented 30 nm at 500 mm from each sum, and the rounded angles.
 #[test]
 fn single_precision_costs_some_tens_of_nanometres() {
-    agrees_with_the_projection::<f32, Micro>(TABLES, 100e-6, 0.5e-6);
-    agrees_with_the_projection::<f32, Micro>(HEADS, 100e-6, 0.5e-6);
+    agrees_with_the_projection::<f32, Nanometres>(TABLES, 100e-6, 0.5e-6);
+    agrees_with_the_projection::<f32, Nanometres>(HEADS, 100e-6, 0.5e-6);
 }
 
 /// Tables say 7, -4, 3 µm at the bed; the workpiece sees that turned, across the path; the encoders see nothing.
@@ -341,7 +341,7 @@ fn resolves_a_microradian<R: Real, P: Position>(permitted: f64) {
 #[test]
 fn a_microradian_of_a_rotary_axis_is_resolved() {
     resolves_a_microradian::<f64, f64>(1e-12);
-    resolves_a_microradian::<f32, Micro>(0.3e-6);
+    resolves_a_microradian::<f32, Nanometres>(0.3e-6);
 }
 
 /// The volumetric model: X tilts the tool by 3 and -2 µrad; seen in the table's axes, lever on the tip included.
@@ -443,10 +443,11 @@ fn nothing_is_measured_while_a_reading_is_not_believed() {
 /// Positions count over many turns as within one.
 #[test]
 fn turns_of_a_rotary_axis_do_not_count() {
-    let machine = Machine::<f32, Micro>::perfect(TABLES);
+    let machine = Machine::<f32, Nanometres>::perfect(TABLES);
     for angle in [-179.9, -90.25, 0.0, 33.3, 179.9] {
         for turns in [-5.0, -1.0, 0.0, 1.0, 5.0] {
-            let [.., a, _, c] = machine.servo.joints(&[0.0, 0.0, 0.0, angle, angle + 360.0 * turns].map(Micro::of));
+            let [.., a, _, c] =
+                machine.servo.joints(&[0.0, 0.0, 0.0, angle, angle + 360.0 * turns].map(Nanometres::of));
             assert_eq!(a, c);
             assert!((f64::from(c) - angle).abs() < 1e-5);
         }

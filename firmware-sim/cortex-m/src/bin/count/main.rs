@@ -38,8 +38,8 @@ fn main() -> ! {
     timer::start();
     let mut arena = Arena::take();
     gauge::all::<f32>("f32", &mut arena);
-    things::all::<f32, trueaxis::Micro>("f32", &mut arena);
-    recorded::all::<f32, trueaxis::Micro>("f32", &mut arena);
+    things::all::<f32, trueaxis::Nanometres>("f32", &mut arena);
+    recorded::all::<f32, trueaxis::Nanometres>("f32", &mut arena);
     if cfg!(feature = "double") {
         let mut arena = Arena::take();
         gauge::all::<f64>("f64", &mut arena);

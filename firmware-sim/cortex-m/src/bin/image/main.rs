@@ -14,7 +14,6 @@
 #![no_main]
 
 mod board;
-mod raw;
 mod scalars;
 mod servo;
 mod stack;

@@ -12,7 +12,7 @@ pub const POINTS: usize = 1024;
 #[cfg(not(feature = "double"))]
 mod numbers {
     pub type Scalar = f32;
-    pub type Place = trueaxis::Micro;
+    pub type Place = trueaxis::Nanometres;
 }
 #[cfg(feature = "double")]
 mod numbers {

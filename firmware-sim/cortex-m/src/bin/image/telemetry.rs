@@ -1,11 +1,13 @@
-//! Records on their way out: frames on UART 0, raw outputs on UART 1, what is worth a line in the log.
+//! Records on their way out: frames on UART 0, raw outputs on UART 1 ([`outputs`]), what is worth a line in the log.
+//!
+//! A cycle whose record was dropped is missing on both.
 
 use crate::board::Uart;
-use crate::raw;
 use crate::servo::{Gauge, Produced};
 use heapless::spsc::Consumer;
 use trueaxis::Fault;
 use trueaxis::telemetry::{FRAME_BYTES, Frame, ROUNDNESS_FRAME_BYTES, RoundnessFrame};
+use trueaxis_recording::outputs;
 
 /// The task's end of the queue, and its ports.
 pub struct Telemetry {
@@ -46,7 +48,7 @@ impl Telemetry {
         if let Ok(frame) = Frame::of(record).encode(&mut buffer) {
             self.frames.send(frame);
         }
-        self.raw.send(&raw::line(&produced.output, produced.gauge.map(|gauge| gauge.infeed)));
+        self.raw.send(&outputs::line(&produced.output, produced.gauge.map(|gauge| gauge.infeed)));
         if record.tables_crc != self.tables_crc {
             self.tables_crc = record.tables_crc;
             defmt::info!("tables {=u32:08x} in force from cycle {=u32}", record.tables_crc, record.sequence);
