@@ -1,6 +1,6 @@
 //! The two kinds of error: what a configuration may get wrong at build, what a cycle may meet at run time.
 
-use crate::machine::Axis;
+use crate::axis::Axis;
 use core::fmt;
 
 /// What a configuration got wrong, with the figure that was found and what is needed in its place.

@@ -34,6 +34,7 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+mod axis;
 pub mod check;
 pub mod compensation;
 pub mod contour;

@@ -3,6 +3,7 @@
 //! Lengths are mm, angles of rotary *positions* are degrees, angular *errors* are radians; time is seconds.
 //! For a rotary axis every `mm` of an axis-own quantity (travel, backlash, correction limits) reads `degree`.
 
+pub use crate::axis::{AXES, Axis};
 use crate::roundness::RoundnessSettings;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
@@ -11,60 +12,6 @@ use serde::{Deserialize, Serialize};
 pub const NAME_CAPACITY: usize = 64;
 /// Longest structural code, in bytes.
 pub const CHAIN_CAPACITY: usize = 48;
-/// Most axes of one machine.
-pub const AXES: usize = 6;
-
-/// A machine axis, named as in ISO 841: X, Y, Z move along, A, B, C turn about X, Y, Z.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[repr(u8)]
-pub enum Axis {
-    /// Linear, along X.
-    X,
-    /// Linear, along Y.
-    Y,
-    /// Linear, along Z.
-    Z,
-    /// Rotary, about X.
-    A,
-    /// Rotary, about Y.
-    B,
-    /// Rotary, about Z.
-    C,
-}
-
-impl Axis {
-    /// All six, in their order.
-    pub const ALL: [Axis; AXES] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
-
-    /// The letter, upper case.
-    pub const fn letter(self) -> char {
-        match self {
-            Axis::X => 'X',
-            Axis::Y => 'Y',
-            Axis::Z => 'Z',
-            Axis::A => 'A',
-            Axis::B => 'B',
-            Axis::C => 'C',
-        }
-    }
-
-    /// The axis of an upper-case letter.
-    pub fn from_letter(letter: char) -> Option<Axis> {
-        Axis::ALL.into_iter().find(|axis| axis.letter() == letter)
-    }
-
-    /// A, B or C.
-    pub const fn is_rotary(self) -> bool {
-        self as u8 >= Axis::A as u8
-    }
-
-    /// Position in `ALL`, 0 to 5; for an error table also the component of its own positioning error
-    /// (`EXX` is component 0 of X, `ECC` component 5 of C).
-    pub const fn index(self) -> usize {
-        self as usize
-    }
-}
 
 /// How values between the points of a table are formed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

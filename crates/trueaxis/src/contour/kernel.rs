@@ -53,6 +53,19 @@ pub(super) fn foot<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], gues
     }
 }
 
+impl<R: Real, P: Position> Span<R, P> {
+    /// Foot of `point` (mm) near the parameter `guess`: its parameter, and actual − foot. The kernel of the cycle's search
+    /// by itself.
+    ///
+    /// `None` where its own test does not trust the result: the guess is too far off, the foot beyond an end, or a
+    /// maximum near. Then [`super::ContourSearch`] brackets.
+    #[inline(always)]
+    pub fn foot_near(&self, point: &[P; 3], guess: R) -> Option<(R, [R; 3])> {
+        let foot = foot(self, &self.relative(point), guess);
+        foot.trusted.then(|| (foot.t, foot.vector.map(|x| -x)))
+    }
+}
+
 /// Not inlined: in a driver's loop it runs slower.
 #[inline(never)]
 fn cubic<R: Real, const RATIONAL: bool>([c0, c1, c2, c3, ..]: &[[R; 4]; 6], point: &[R; 3], t: R) -> Foot<R> {

@@ -220,17 +220,6 @@ impl<R: Real, P: Position> Span<R, P> {
         [ox.plus(x), oy.plus(y), oz.plus(z)]
     }
 
-    /// Foot of `point` (mm) near the parameter `guess`: its parameter, and actual − foot. The kernel of the cycle's search
-    /// by itself.
-    ///
-    /// `None` where its own test does not trust the result: the guess is too far off, the foot beyond an end, or a
-    /// maximum near. Then [`super::ContourSearch`] brackets.
-    #[inline(always)]
-    pub fn foot_near(&self, point: &[P; 3], guess: R) -> Option<(R, [R; 3])> {
-        let foot = super::kernel::foot(self, &self.relative(point), guess);
-        foot.trusted.then(|| (foot.t, foot.vector.map(|x| -x)))
-    }
-
     /// A point relative to the origin.
     #[inline(always)]
     pub(super) fn relative(&self, point: &[P; 3]) -> [R; 3] {

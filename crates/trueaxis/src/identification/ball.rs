@@ -3,6 +3,8 @@
 #![deny(clippy::indexing_slicing)]
 
 use crate::machine::Axis;
+#[cfg(feature = "std")]
+use std::vec::Vec;
 
 /// Centre of the ball while the measured axis stands at 0, from the intersection of the rotary axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,4 +41,26 @@ pub fn lever(axis: Axis, angle_rad: f64, ball: Ball) -> Option<[f64; 3]> {
 /// Coefficients of X Y Z α β γ in the three rows of a lever, d = e + w × p.
 pub(super) fn rows([x, y, z]: [f64; 3]) -> [[f64; 6]; 3] {
     [[1.0, 0.0, 0.0, 0.0, z, -y], [0.0, 1.0, 0.0, -z, 0.0, x], [0.0, 0.0, 1.0, y, -x, 0.0]]
+}
+
+/// Readings of all set-ups at one angle.
+#[cfg(feature = "std")]
+#[derive(Clone, Debug, PartialEq)]
+pub struct AngleReadings {
+    /// Angle of the axis, rad, right-handed about it.
+    pub angle_rad: f64,
+    /// Deviations of the ball's centre, actual − ideal in mm, in the order of the set-ups.
+    pub deviations_mm: Vec<[f64; 3]>,
+}
+
+/// A ball test of one rotary axis: every set-up read at every angle.
+#[cfg(feature = "std")]
+#[derive(Clone, Debug, PartialEq)]
+pub struct BallTest {
+    /// The axis that turns.
+    pub axis: Axis,
+    /// The set-ups, three or more.
+    pub balls: Vec<Ball>,
+    /// The angles.
+    pub angles: Vec<AngleReadings>,
 }

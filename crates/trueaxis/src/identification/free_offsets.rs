@@ -10,9 +10,8 @@
 //! Work and memory grow with the number of angles linearly, not with its cube and square.
 
 use super::angle::{CONDITION_LIMIT, SWEEPS};
-use super::ball::{lever, rows};
+use super::ball::{BallTest, lever, rows};
 use super::refused::Refused;
-use super::whole_test::BallTest;
 use crate::machine::{Axis, Twist};
 use nalgebra::{DMatrix, DVector, QR};
 use std::{vec, vec::Vec};

@@ -50,16 +50,18 @@
 mod angle;
 mod ball;
 #[cfg(feature = "std")]
+mod ball_test;
+#[cfg(feature = "std")]
 mod free_offsets;
 mod refused;
-#[cfg(feature = "std")]
-mod whole_test;
 
 pub use angle::{AngleSolution, CONDITION_LIMIT, solve_angle};
-pub use ball::{Ball, Observation, lever};
-pub use refused::Refused;
 #[cfg(feature = "std")]
-pub use whole_test::{AngleReadings, BallTest, Identified, IdentifiedAngle, Location, Offsets, identify};
+pub use ball::{AngleReadings, BallTest};
+pub use ball::{Ball, Observation, lever};
+#[cfg(feature = "std")]
+pub use ball_test::{Identified, IdentifiedAngle, Location, Offsets, identify};
+pub use refused::Refused;
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! Why a tool has no axis positions.
 
-use super::Branch;
+use super::branch::Branch;
 use crate::machine::Axis;
 use core::fmt;
 

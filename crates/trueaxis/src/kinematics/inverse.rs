@@ -17,7 +17,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::chain::Turn;
-use super::{InverseError, Kinematics, NO_SINGULAR_POSE, Tool, degrees, in_frame, turned};
+use super::{Branch, InverseError, Kinematics, NO_SINGULAR_POSE, Tool, degrees, in_frame, turned};
 use crate::compensation::trig::atan2;
 use crate::machine::{AXES, Axis};
 use crate::real::Real;
@@ -33,18 +33,6 @@ const LEAST_VOLUME: f64 = 1e-3;
 const TRAVEL_ROUNDING: f64 = 64.0;
 /// Below this many EPSILON a component across an axis is nothing but rounding.
 const ALONG: f64 = 8.0;
-
-/// Which of the two poses of the rotary axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[repr(u8)]
-pub enum Branch {
-    /// The rotary axis nearest the tool has turned it by 0 … 180 degrees, right-handed (as the workpiece sees it), from
-    /// where it comes nearest to the other axis.
-    First = 1,
-    /// By 0 … −180 degrees.
-    Second = 2,
-}
 
 /// How a branch is chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

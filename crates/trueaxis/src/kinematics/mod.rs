@@ -20,14 +20,16 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod branch;
 mod chain;
 mod error;
 mod follow;
 mod inverse;
 
+pub use branch::Branch;
 pub use error::InverseError;
 pub use follow::Follow;
-pub use inverse::{Branch, Choice, Solution, Solutions};
+pub use inverse::{Choice, Solution, Solutions};
 
 use crate::compensation::trig::{atan2, cos_sin_deg};
 use crate::error::{ConfigError, Field};

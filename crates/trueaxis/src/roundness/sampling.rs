@@ -1,72 +1,10 @@
 //! First stage: a cycle's readings become points of a revolution, points become whole revolutions.
 
 use super::resample::{Angles, POINTS_PER_CYCLE, Resampler};
+use super::state::{RoundnessState, Sampling};
 use super::work::{ARM_CHECKS, Beginning, Outcome};
-use super::{Flags, Followed, Probes, Roundness, RoundnessState};
+use super::{Flags, Followed, Probes, Roundness};
 use crate::real::Real;
-
-/// The revolution that is being sampled.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sampling<R> {
-    pub(super) running: bool,
-    pub(super) points: usize,
-    /// Whether revolutions before it were skipped.
-    pub(super) flags: Flags,
-    /// Weighted sums added up.
-    pub(super) total: R,
-    /// Their mean over the revolution before, if that was whole.
-    pub(super) before: Option<R>,
-    /// The cycle in which it began.
-    pub(super) began: u32,
-    /// Quarter of a turn of α, from 1 (0: not known), the cycle in which it began, fewest and most cycles that one took.
-    pub(super) quarter: u32,
-    pub(super) entered: u32,
-    pub(super) fewest: u32,
-    pub(super) most: u32,
-    /// Cycles in which the infeed was followed in part, or not at all.
-    pub(super) limited: u32,
-    pub(super) unheard: u32,
-}
-
-impl<R: Real> Sampling<R> {
-    pub(super) const NEW: Sampling<R> = Sampling {
-        running: false,
-        points: 0,
-        flags: Flags(0),
-        total: R::ZERO,
-        before: None,
-        began: 0,
-        quarter: 0,
-        entered: 0,
-        fewest: 0,
-        most: 0,
-        limited: 0,
-        unheard: 0,
-    };
-
-    /// A cycle from which the infeed does not learn.
-    #[inline(never)]
-    fn count(&mut self, limited: bool) {
-        let counter = if limited { &mut self.limited } else { &mut self.unheard };
-        *counter = counter.wrapping_add(1);
-    }
-
-    /// Follows the speed by the time that every quarter of a turn takes.
-    #[inline(always)]
-    fn time(&mut self, alpha: u32, clock: u32) {
-        let quarter = (alpha >> 30) + 1;
-        if quarter == self.quarter {
-            return;
-        }
-        // The first one seen is not whole.
-        if self.quarter != 0 {
-            let took = clock.wrapping_sub(self.entered);
-            self.fewest = if self.most == 0 { took } else { self.fewest.min(took) };
-            self.most = self.most.max(took);
-        }
-        (self.quarter, self.entered) = (quarter, clock);
-    }
-}
 
 impl<R: Real, const N: usize> Roundness<R, N> {
     /// First stage: a cycle's readings, resampled; gives what it met.

@@ -3,8 +3,8 @@
 use super::angles::{Band, Gain, ProbeAngles};
 use super::arm::Arm;
 use super::filter;
+use crate::axis::Axis;
 use crate::error::{ConfigError, Field};
-use crate::machine::Axis;
 use serde::{Deserialize, Serialize};
 
 /// Harmonics of a worse noise gain are suppressed unless set otherwise.

@@ -1,31 +1,11 @@
 //! A whole test of an axis: all angles, pooled.
 
 use super::angle::solve_angle;
-use super::ball::{Ball, Observation};
+use super::ball::{BallTest, Observation};
 use super::free_offsets::with_free_offsets;
 use super::refused::Refused;
 use crate::machine::{Axis, Twist};
 use std::vec::Vec;
-
-/// Readings of all set-ups at one angle.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AngleReadings {
-    /// Angle of the axis, rad, right-handed about it.
-    pub angle_rad: f64,
-    /// Deviations of the ball's centre, actual − ideal in mm, in the order of the set-ups.
-    pub deviations_mm: Vec<[f64; 3]>,
-}
-
-/// A ball test of one rotary axis: every set-up read at every angle.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BallTest {
-    /// The axis that turns.
-    pub axis: Axis,
-    /// The set-ups, three or more.
-    pub balls: Vec<Ball>,
-    /// The angles.
-    pub angles: Vec<AngleReadings>,
-}
 
 /// What is known about the zero of the gauges in each set-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
