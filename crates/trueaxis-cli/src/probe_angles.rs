@@ -7,8 +7,8 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write;
-use trueaxis::roundness::pair_search::PairSearch;
 use trueaxis::roundness::{Band, Gain, ProbeAngles};
+use trueaxis_metrology::pair_search::PairSearch;
 
 pub(crate) const HELP: &str = "\
 All pairs of slots are searched. Worst gain: smallest |G(k)|/√(1 + k2² + k3²) in the band, 0 (blind) to √3; its inverse, the

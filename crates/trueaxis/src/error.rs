@@ -129,32 +129,6 @@ pub enum Field {
     Revolutions,
     /// Infeed correction.
     Infeed,
-    /// Normal module of a gear.
-    GearModule,
-    /// Number of teeth of a gear.
-    Teeth,
-    /// Normal pressure angle of a gear.
-    PressureAngle,
-    /// Helix angle of a gear.
-    HelixAngle,
-    /// Radius of a base cylinder.
-    BaseRadius,
-    /// Lead parameter of a helicoid.
-    LeadParameter,
-    /// Side of a tooth.
-    Flank,
-    /// Roll angle u of an involute.
-    RollAngle,
-    /// Angle θ along a helix.
-    LeadAngle,
-    /// Pivot length, tool tip to rotary axis.
-    Pivot,
-    /// Travel of an edge finder.
-    EdgeFinder,
-    /// Ball radius of an edge finder.
-    EdgeFinderRadius,
-    /// Place of the workpiece on the table.
-    WorkOffset,
 }
 
 /// What a servo cycle met; carried in its output and telemetry.

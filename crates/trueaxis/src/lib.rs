@@ -40,9 +40,6 @@ pub mod compensation;
 pub mod contour;
 pub mod error;
 pub mod exchange;
-pub mod helicoid;
-#[cfg(feature = "identification")]
-pub mod identification;
 pub mod kinematics;
 pub mod limiter;
 pub mod machine;

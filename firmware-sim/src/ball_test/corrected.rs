@@ -4,9 +4,9 @@ use super::cycle::{Cycle, with_ball};
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;
 use trueaxis::compensation::{Compensation, ThermalLine, step_axes};
-use trueaxis::identification::{Ball, Identified};
 use trueaxis::machine::{AXES, ErrorModel, LocationErrors, Row, Twist};
 use trueaxis::tcomp::Tcomp;
+use trueaxis_metrology::identification::{Ball, Identified};
 use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::{Machine, Table, compile};
 

@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis::Axis;
-use trueaxis::identification::{AngleReadings, Ball, BallTest};
 use trueaxis::machine::AXES;
+use trueaxis_metrology::identification::{AngleReadings, Ball, BallTest};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
 

@@ -7,8 +7,8 @@ use anyhow::{Result, anyhow};
 use serde::Serialize;
 use std::fmt;
 use trueaxis::Axis;
-use trueaxis::identification::{BallTest, Identified, Observation, Offsets, identify, solve_angle};
 use trueaxis::machine::Twist;
+use trueaxis_metrology::identification::{BallTest, Identified, Observation, Offsets, identify, solve_angle};
 use trueaxis_tables::Table;
 use trueaxis_tables::formats::write_axis_csv;
 

@@ -5,9 +5,8 @@ use super::grid::Range;
 use anyhow::{Error, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use trueaxis::ConfigError;
-use trueaxis::error::Field;
-use trueaxis::helicoid::{Branch, Flank, Form, Gear, HeadTable, Helicoid, MachineSettings, pivot_length};
+use trueaxis_metrology::error::{InputError, Quantity};
+use trueaxis_metrology::helicoid::{Branch, Flank, Form, Gear, HeadTable, Helicoid, MachineSettings, pivot_length};
 
 pub(crate) const HELP: &str = "\
 The surface, with φ = u + θ (gear's axis z, p positive for a right-hand helix):
@@ -155,27 +154,27 @@ fn offset(text: &str) -> Result<Offset, String> {
 
 /// The same error with the name of the option.
 pub(super) fn named(error: Error) -> Error {
-    match error.downcast_ref::<ConfigError>() {
+    match error.downcast_ref::<InputError>() {
         Some(error) => by_option(*error),
         None => error,
     }
 }
 
-fn by_option(error: ConfigError) -> Error {
-    let option = match error.field {
-        Field::GearModule => "--module-mm",
-        Field::Teeth => "--teeth",
-        Field::PressureAngle => "--pressure-angle-deg",
-        Field::HelixAngle => "--helix-angle-deg",
-        Field::BaseRadius => "--base-radius-mm",
-        Field::LeadParameter => "--lead-parameter-mm-per-rad",
-        Field::RollAngle => "--u-rad",
-        Field::LeadAngle => "--theta-rad",
-        Field::Pivot => "--pivot-mm",
-        Field::EdgeFinder => "--edge-finder-mm",
-        Field::EdgeFinderRadius => "--edge-finder-radius-mm",
-        Field::WorkOffset => "--work-offset-mm",
-        Field::Flank => {
+fn by_option(error: InputError) -> Error {
+    let option = match error.quantity {
+        Quantity::GearModule => "--module-mm",
+        Quantity::Teeth => "--teeth",
+        Quantity::PressureAngle => "--pressure-angle-deg",
+        Quantity::HelixAngle => "--helix-angle-deg",
+        Quantity::BaseRadius => "--base-radius-mm",
+        Quantity::LeadParameter => "--lead-parameter-mm-per-rad",
+        Quantity::RollAngle => "--u-rad",
+        Quantity::LeadAngle => "--theta-rad",
+        Quantity::Pivot => "--pivot-mm",
+        Quantity::EdgeFinder => "--edge-finder-mm",
+        Quantity::EdgeFinderRadius => "--edge-finder-radius-mm",
+        Quantity::WorkOffset => "--work-offset-mm",
+        Quantity::Flank => {
             return anyhow!("--flank: found a lead parameter p of {} mm/rad, needed {}", error.found, error.needed);
         }
         _ => return error.into(),

@@ -12,7 +12,7 @@ use anyhow::{Result, bail};
 use grid::{MOST, Range, is_coarse};
 use serde::Serialize;
 use std::fmt::Write;
-use trueaxis::helicoid::{Branch, Flank, Form, Gear, GearData, HeadTable, Helicoid, MachineSettings};
+use trueaxis_metrology::helicoid::{Branch, Flank, Form, Gear, GearData, HeadTable, Helicoid, MachineSettings};
 
 /// Everything that is asked for, checked.
 pub(crate) struct Job {

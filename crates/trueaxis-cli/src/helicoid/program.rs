@@ -3,7 +3,7 @@
 use super::{Job, Passes};
 use anyhow::Result;
 use std::fmt::Write;
-use trueaxis::helicoid::Placement;
+use trueaxis_metrology::helicoid::Placement;
 
 /// The program in LinuxCNC's dialect, straight moves of all five axes in machine positions.
 ///
@@ -52,7 +52,7 @@ impl Stand {
     fn new(job: &Job, u: f64, theta: f64) -> Result<Stand> {
         let axes = job.machine.place(&job.surface, u, theta, job.branch)?;
         let (sin, cos) = job.surface.tilt().sin_cos();
-        let lean = if job.branch == trueaxis::helicoid::Branch::First { -sin } else { sin };
+        let lean = if job.branch == trueaxis_metrology::helicoid::Branch::First { -sin } else { sin };
         Ok(Stand { axes, spindle: [0.0, lean, cos] })
     }
 

@@ -5,8 +5,8 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::fmt::Write;
 use trueaxis::Axis;
-use trueaxis::identification::{Identified, Location};
 use trueaxis::machine::Twist;
+use trueaxis_metrology::identification::{Identified, Location};
 
 /// The JSON document.
 #[derive(Serialize)]

@@ -6,8 +6,8 @@ use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::{Compensation, ThermalLine, carries_workpiece, step_axes};
-use trueaxis::identification::{Ball, lever};
 use trueaxis::machine::ErrorModel;
+use trueaxis_metrology::identification::{Ball, lever};
 use trueaxis_tables::Machine;
 
 /// Takes the linear axes' own errors out of the readings; true where a position lay beyond a table's end.

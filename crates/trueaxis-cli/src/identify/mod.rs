@@ -13,7 +13,7 @@ use document::Document;
 use readings::Readings;
 use std::path::PathBuf;
 use trueaxis::Axis;
-use trueaxis::identification::{Offsets, identify};
+use trueaxis_metrology::identification::{Offsets, identify};
 use trueaxis_tables::Machine;
 use trueaxis_tables::formats::write_axis_csv;
 

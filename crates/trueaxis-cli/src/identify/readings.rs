@@ -4,7 +4,7 @@ use crate::csv_in::{Column, Rows};
 use anyhow::{Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::identification::{AngleReadings, Ball, BallTest};
+use trueaxis_metrology::identification::{AngleReadings, Ball, BallTest};
 
 const COLUMNS: [Column; 6] = [
     Column { name: "angle_deg", needed: true },

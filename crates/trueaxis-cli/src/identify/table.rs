@@ -2,8 +2,8 @@
 
 use super::readings::SAME_ANGLE_DEG;
 use anyhow::{Result, bail};
-use trueaxis::identification::Identified;
 use trueaxis::machine::Row;
+use trueaxis_metrology::identification::Identified;
 use trueaxis_tables::Table;
 
 /// A gap to the full circle that is at most this many of the widest steps belongs to a full circle.

@@ -5,7 +5,7 @@ use super::text::{escape, significant};
 use super::{document, section};
 use std::f64::consts::TAU;
 use std::fmt::Write;
-use trueaxis::roundness::circles::ReferenceCircle;
+use trueaxis_metrology::circles::ReferenceCircle;
 
 /// Points of a drawn circle.
 const FINE: usize = 360;

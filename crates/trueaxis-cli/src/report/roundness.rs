@@ -8,7 +8,7 @@ use crate::roundness::evaluation::{Document, Evaluation, SpindleDirection, Zones
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use trueaxis::roundness::Gain;
-use trueaxis::roundness::circles::ReferenceCircle;
+use trueaxis_metrology::circles::ReferenceCircle;
 
 /// Points of a drawn circle.
 const FINE: usize = 360;

@@ -3,9 +3,9 @@
 use anyhow::{Result, anyhow};
 use rayon::prelude::*;
 use serde::Serialize;
-use trueaxis::roundness::circles::{ReferenceCircle, limacon};
-use trueaxis::roundness::offline::{Harmonic, Separation, Separator};
-use trueaxis::roundness::spindle_offline::{ErrorMotion, error_motion};
+use trueaxis_metrology::circles::{ReferenceCircle, limacon};
+use trueaxis_metrology::separation::{Harmonic, Separation, Separator};
+use trueaxis_metrology::spindle::{ErrorMotion, error_motion};
 
 /// The JSON document.
 #[derive(Serialize)]

@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis::roundness::filter;
-use trueaxis::roundness::offline::{NOISE_GAIN_LIMIT, Separation, Separator};
 use trueaxis::roundness::{Arm, Band};
+use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation, Separator};
 use trueaxis_tables::error::FileError;
 
 pub(crate) const HELP: &str = "\

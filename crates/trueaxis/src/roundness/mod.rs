@@ -60,23 +60,15 @@
 
 mod angles;
 mod arm;
-#[cfg(feature = "std")]
-pub mod circles;
 mod counter;
 pub mod filter;
 mod flags;
 mod gauge;
 mod infeed;
 mod motion;
-#[cfg(feature = "rustfft")]
-pub mod offline;
-#[cfg(feature = "std")]
-pub mod pair_search;
 mod resample;
 mod sampling;
 mod settings;
-#[cfg(feature = "std")]
-pub mod spindle_offline;
 mod state;
 mod tasks;
 mod transform;

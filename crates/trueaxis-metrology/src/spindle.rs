@@ -8,9 +8,9 @@
 //! total         max − min over all points
 //! ```
 
-use crate::error::{ConfigError, Field};
 use core::f64::consts::TAU;
 use std::vec::Vec;
+use trueaxis::error::{ConfigError, Field};
 
 /// Error motion in one direction, in the unit of the readings.
 #[derive(Clone, Debug, PartialEq)]

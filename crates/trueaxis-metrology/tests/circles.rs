@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};
-use trueaxis::roundness::circles::{
+use trueaxis_metrology::circles::{
     NoCircle, ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
 };
 

@@ -7,8 +7,8 @@
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use trueaxis::roundness::circles::limacon;
-use trueaxis::roundness::circles::{
+use trueaxis_metrology::circles::limacon;
+use trueaxis_metrology::circles::{
     NoCircle, ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
 };
 

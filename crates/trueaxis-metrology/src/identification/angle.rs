@@ -4,8 +4,9 @@
 
 use super::ball::{Ball, Observation, lever, rows};
 use super::refused::Refused;
-use crate::machine::{Axis, Twist};
 use nalgebra::{Matrix6, SMatrix, Vector6};
+use trueaxis::Axis;
+use trueaxis::machine::Twist;
 
 /// Largest condition number of the scaled columns that is solved.
 ///

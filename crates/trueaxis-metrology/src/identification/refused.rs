@@ -1,7 +1,7 @@
 //! Why measurements cannot be solved.
 
-use crate::machine::Axis;
 use core::fmt;
+use trueaxis::Axis;
 
 /// Why measurements cannot be solved, with the figures that were found.
 #[derive(Clone, Copy, Debug, PartialEq)]

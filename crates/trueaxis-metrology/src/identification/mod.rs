@@ -29,7 +29,7 @@
 //!
 //! ```
 //! use trueaxis::Axis;
-//! use trueaxis::identification::{Ball, Observation, lever, solve_angle};
+//! use trueaxis_metrology::identification::{Ball, Observation, lever, solve_angle};
 //!
 //! // C tilts by 20 µrad about X at 30 degrees, and nothing else.
 //! let angle = 30f64.to_radians();
@@ -41,7 +41,7 @@
 //! });
 //! let found = solve_angle(Axis::C, angle, &seen)?;
 //! assert!((found.errors[3] - 20e-6).abs() < 1e-12 && found.errors[0].abs() < 1e-9);
-//! # Ok::<(), trueaxis::identification::Refused>(())
+//! # Ok::<(), trueaxis_metrology::identification::Refused>(())
 //! ```
 //!
 //! Source: CN105479268A (rows, three set-ups an angle); Golub and Van Loan, Matrix Computations, 4th ed., sections 5.2 and

@@ -1,11 +1,12 @@
 //! Truth from rigid transforms of the ball, written apart from the rows that are solved.
 
 use super::*;
-use crate::machine::{Axis, Twist};
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 use std::string::ToString;
 use std::vec::Vec;
+use trueaxis::Axis;
+use trueaxis::machine::Twist;
 
 const BALLS_C: [(f64, f64); 3] = [(250.0, 60.0), (250.0, 160.0), (350.0, 60.0)];
 const BALLS_A: [(f64, f64); 3] = [(250.0, 60.0), (250.0, 160.0), (350.0, 160.0)];

@@ -1,8 +1,8 @@
 //! Truth: cosine sums evaluated where each probe stands, and the linkage solved by bisection of its sine rule.
 
 use super::*;
-use crate::roundness::{Arm, ProbeAngles};
 use core::f64::consts::TAU;
+use trueaxis::roundness::{Arm, ProbeAngles};
 
 const BAND: Band = Band { first: 2, last: 100 };
 

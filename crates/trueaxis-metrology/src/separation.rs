@@ -11,12 +11,12 @@
 //!
 //! Source: Tian Yingzhong and Li Ming, CN1927535; R_Y corrected: the published form does not solve h1 and h2.
 
-use super::{Band, Gain, arm_angle, filter};
-use crate::error::{ConfigError, Field};
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 use std::vec::Vec;
+use trueaxis::error::{ConfigError, Field};
+use trueaxis::roundness::{Band, Gain, arm_angle, filter};
 
 /// Noise gain above which a harmonic is suppressed unless another limit is asked for.
 pub const NOISE_GAIN_LIMIT: f64 = 100.0;
@@ -249,5 +249,4 @@ impl Separator {
 }
 
 #[cfg(test)]
-#[path = "offline_tests.rs"]
 mod tests;

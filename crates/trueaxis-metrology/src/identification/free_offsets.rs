@@ -12,9 +12,10 @@
 use super::angle::{CONDITION_LIMIT, SWEEPS};
 use super::ball::{BallTest, lever, rows};
 use super::refused::Refused;
-use crate::machine::{Axis, Twist};
 use nalgebra::{DMatrix, DVector, QR};
 use std::{vec, vec::Vec};
+use trueaxis::Axis;
+use trueaxis::machine::Twist;
 
 /// Steps of iterative refinement; each gains as many digits as the decomposition has.
 const REFINEMENTS: usize = 3;

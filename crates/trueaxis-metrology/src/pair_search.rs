@@ -10,13 +10,13 @@
 //! pairs (p, q), and one of them, a <= b <= c with a + b + c = N, is looked at: N²/12 arrangements. Looking ends at
 //! the first harmonic that is worse than the best arrangements known so far.
 
-use super::Band;
-use crate::error::ConfigError;
 use core::cmp::Ordering;
 use core::f64::consts::TAU;
 use core::sync::atomic::{AtomicU64, Ordering as Memory};
 use std::sync::{Mutex, PoisonError};
 use std::vec::Vec;
+use trueaxis::error::ConfigError;
+use trueaxis::roundness::Band;
 
 /// Figures of merit that differ by less than this share count as equal.
 const TIE: f64 = 1e-12;
@@ -185,7 +185,7 @@ impl Bound {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::roundness::ProbeAngles;
+    use trueaxis::roundness::ProbeAngles;
 
     const BAND: Band = Band { first: 2, last: 100 };
 

@@ -11,7 +11,7 @@
 //! joins twice, so the search is finite). Cost: linear, some ten passes.
 //!
 //! ```
-//! use trueaxis::roundness::circles::limacon;
+//! use trueaxis_metrology::circles::limacon;
 //!
 //! // 2 µm out of centre, three lobes of ±1 µm.
 //! let profile: Vec<f64> = (0..360)
@@ -20,7 +20,7 @@
 //!     .collect();
 //! let circle = limacon::minimum_zone(&profile)?;
 //! assert!((circle.zone - 2.0).abs() < 1e-12 && (circle.centre[0] - 2.0).abs() < 1e-12);
-//! # Ok::<(), trueaxis::roundness::circles::NoCircle>(())
+//! # Ok::<(), trueaxis_metrology::circles::NoCircle>(())
 //! ```
 
 use super::{NoCircle, ReferenceCircle, largest_gap};

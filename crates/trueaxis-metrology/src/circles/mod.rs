@@ -11,14 +11,14 @@
 //! origin of the coordinates and when it is many orders of magnitude below the radius.
 //!
 //! ```
-//! use trueaxis::roundness::circles::{maximum_inscribed, minimum_circumscribed, minimum_zone};
+//! use trueaxis_metrology::circles::{maximum_inscribed, minimum_circumscribed, minimum_zone};
 //!
 //! let points = [[10.0, 0.0], [0.0, 10.2], [-10.0, 0.0], [0.0, -10.2]];
 //! let zone = minimum_zone(&points)?;
 //! assert!((zone.zone - 0.2).abs() < 1e-12 && zone.contacts == [0, 1, 2, 3]);
 //! assert!((minimum_circumscribed(&points)?.radius - 10.2).abs() < 1e-12);
 //! assert!(maximum_inscribed(&points).is_ok());
-//! # Ok::<(), trueaxis::roundness::circles::NoCircle>(())
+//! # Ok::<(), trueaxis_metrology::circles::NoCircle>(())
 //! ```
 
 mod circumscribed;

@@ -239,47 +239,47 @@ fn the_relations_of_a_helical_gear() {
 #[test]
 fn a_pivot_length_from_an_edge_finder() {
     assert_eq!(pivot_length(142.5, 5.0), Ok(147.5));
-    assert_eq!(pivot_length(f64::NAN, 5.0).unwrap_err().field, Field::EdgeFinder);
-    assert_eq!(pivot_length(142.5, 0.0).unwrap_err().field, Field::EdgeFinderRadius);
-    assert_eq!(pivot_length(-20.0, 5.0).unwrap_err().field, Field::Pivot);
+    assert_eq!(pivot_length(f64::NAN, 5.0).unwrap_err().quantity, Quantity::EdgeFinder);
+    assert_eq!(pivot_length(142.5, 0.0).unwrap_err().quantity, Quantity::EdgeFinderRadius);
+    assert_eq!(pivot_length(-20.0, 5.0).unwrap_err().quantity, Quantity::Pivot);
 }
 
 #[test]
 fn what_no_tool_can_stand_on_is_refused() {
-    let field = |rb, p, flank| Helicoid::new(rb, p, flank).unwrap_err().field;
+    let field = |rb, p, flank| Helicoid::new(rb, p, flank).unwrap_err().quantity;
     for rb in [0.0, -1.0, f64::NAN, f64::INFINITY, 2e6] {
-        assert_eq!(field(rb, 20.0, Flank::Right), Field::BaseRadius);
+        assert_eq!(field(rb, 20.0, Flank::Right), Quantity::BaseRadius);
     }
     for p in [0.0, f64::NAN, f64::NEG_INFINITY, 2e6] {
-        assert_eq!(field(10.0, p, Flank::Right), Field::LeadParameter);
+        assert_eq!(field(10.0, p, Flank::Right), Quantity::LeadParameter);
     }
-    assert_eq!(field(10.0, -20.0, Flank::Right), Field::Flank);
-    assert_eq!(field(10.0, 20.0, Flank::Left), Field::Flank);
+    assert_eq!(field(10.0, -20.0, Flank::Right), Quantity::Flank);
+    assert_eq!(field(10.0, 20.0, Flank::Left), Quantity::Flank);
 
     let (right, left) =
         (Helicoid::new(10.0, 20.0, Flank::Right).unwrap(), Helicoid::new(10.0, -20.0, Flank::Left).unwrap());
     let table = machine(Form::Horizontal, 100.0, 1, 1, [0.0; 3]);
-    let refused = |surface: &Helicoid, u, theta| table.place(surface, u, theta, Branch::First).unwrap_err().field;
-    assert_eq!(refused(&right, -0.1, 0.0), Field::RollAngle);
-    assert_eq!(refused(&left, 0.1, 0.0), Field::RollAngle);
-    assert_eq!(refused(&right, f64::NAN, 0.0), Field::RollAngle);
-    assert_eq!(refused(&right, 0.1, f64::INFINITY), Field::LeadAngle);
+    let refused = |surface: &Helicoid, u, theta| table.place(surface, u, theta, Branch::First).unwrap_err().quantity;
+    assert_eq!(refused(&right, -0.1, 0.0), Quantity::RollAngle);
+    assert_eq!(refused(&left, 0.1, 0.0), Quantity::RollAngle);
+    assert_eq!(refused(&right, f64::NAN, 0.0), Quantity::RollAngle);
+    assert_eq!(refused(&right, 0.1, f64::INFINITY), Quantity::LeadAngle);
     assert!(table.place(&right, 0.0, 0.0, Branch::First).is_ok() && right.contains(0.0, -1.0).is_ok());
 }
 
 #[test]
 fn a_gear_or_machine_that_cannot_be_is_refused() {
     let sound = Gear { module_mm: 3.0, teeth: 24, pressure_angle_deg: 20.0, helix_angle_deg: 15.0 };
-    let field = |gear: Gear| gear.data().unwrap_err().field;
+    let field = |gear: Gear| gear.data().unwrap_err().quantity;
     for module_mm in [0.0, -3.0, f64::NAN] {
-        assert_eq!(field(Gear { module_mm, ..sound }), Field::GearModule);
+        assert_eq!(field(Gear { module_mm, ..sound }), Quantity::GearModule);
     }
-    assert_eq!(field(Gear { teeth: 0, ..sound }), Field::Teeth);
+    assert_eq!(field(Gear { teeth: 0, ..sound }), Quantity::Teeth);
     for pressure_angle_deg in [0.0, 90.0, f64::NAN] {
-        assert_eq!(field(Gear { pressure_angle_deg, ..sound }), Field::PressureAngle);
+        assert_eq!(field(Gear { pressure_angle_deg, ..sound }), Quantity::PressureAngle);
     }
     for helix_angle_deg in [0.0, -0.0, 90.0, -90.0, f64::NAN] {
-        assert_eq!(field(Gear { helix_angle_deg, ..sound }), Field::HelixAngle);
+        assert_eq!(field(Gear { helix_angle_deg, ..sound }), Quantity::HelixAngle);
     }
     let settings = MachineSettings {
         form: Form::Vertical,
@@ -288,13 +288,13 @@ fn a_gear_or_machine_that_cannot_be_is_refused() {
         direction_c: 1,
         work_offset_mm: [0.0; 3],
     };
-    let field = |settings: MachineSettings| HeadTable::new(&settings).unwrap_err().field;
+    let field = |settings: MachineSettings| HeadTable::new(&settings).unwrap_err().quantity;
     for pivot_mm in [-1.0, f64::NAN, f64::INFINITY] {
-        assert_eq!(field(MachineSettings { pivot_mm, ..settings }), Field::Pivot);
+        assert_eq!(field(MachineSettings { pivot_mm, ..settings }), Quantity::Pivot);
     }
     let error = HeadTable::new(&MachineSettings { direction_c: 0, ..settings }).unwrap_err();
-    assert_eq!((error.field, error.axis), (Field::Direction, Some(crate::Axis::C)));
-    assert_eq!(field(MachineSettings { direction_a: 2, ..settings }), Field::Direction);
+    assert_eq!((error.quantity, error.axis), (Quantity::Direction, Some(trueaxis::Axis::C)));
+    assert_eq!(field(MachineSettings { direction_a: 2, ..settings }), Quantity::Direction);
     let error = HeadTable::new(&MachineSettings { work_offset_mm: [0.0, f64::NAN, 0.0], ..settings }).unwrap_err();
-    assert_eq!((error.field, error.index), (Field::WorkOffset, Some(1)));
+    assert_eq!((error.quantity, error.index), (Quantity::WorkOffset, Some(1)));
 }

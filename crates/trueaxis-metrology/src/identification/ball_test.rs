@@ -4,8 +4,9 @@ use super::angle::solve_angle;
 use super::ball::{BallTest, Observation};
 use super::free_offsets::with_free_offsets;
 use super::refused::Refused;
-use crate::machine::{Axis, Twist};
 use std::vec::Vec;
+use trueaxis::Axis;
+use trueaxis::machine::Twist;
 
 /// What is known about the zero of the gauges in each set-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

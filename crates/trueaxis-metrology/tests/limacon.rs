@@ -2,7 +2,7 @@
 #![cfg(feature = "std")]
 
 use std::f64::consts::TAU;
-use trueaxis::roundness::circles::{NoCircle, ReferenceCircle, limacon};
+use trueaxis_metrology::circles::{NoCircle, ReferenceCircle, limacon};
 
 type Circle = fn(&[f64], &[f64]) -> Result<ReferenceCircle, NoCircle>;
 

@@ -2,9 +2,9 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use crate::machine::Axis;
 #[cfg(feature = "std")]
 use std::vec::Vec;
+use trueaxis::Axis;
 
 /// Centre of the ball while the measured axis stands at 0, from the intersection of the rotary axes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,11 +1,10 @@
 //! The mill-turn: table C turns the workpiece about z, head A turns the tool about x, X, Y, Z carry the head.
 
 use super::{Helicoid, LONGEST_MM};
-use crate::error::{ConfigError, Field};
+use crate::error::{InputError, Quantity};
 
 /// How the head stands at A = 0. One and the same machine: *vertical* is *horizontal* with the head turned by 90°.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Form {
     /// Spindle along +y at A = 0: t0 = [0, 1, 0].
     #[default]
@@ -26,7 +25,6 @@ impl Form {
 
 /// Which of the two pairs (A, C) that turn the tool axis onto the normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Branch {
     /// C = −φ; A = γ (vertical) or 90° + γ (horizontal).
     #[default]
@@ -37,7 +35,6 @@ pub enum Branch {
 
 /// What is known about the machine and the set-up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MachineSettings {
     /// How the head stands at A = 0.
     pub form: Form,
@@ -53,7 +50,6 @@ pub struct MachineSettings {
 
 /// Positions of the five axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Placement {
     /// X, Y, Z, mm.
     pub linear_mm: [f64; 3],
@@ -65,7 +61,6 @@ pub struct Placement {
 
 /// Where a tool stands in the gear's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ToolPose {
     /// Tip, mm.
     pub tip_mm: [f64; 3],
@@ -78,7 +73,6 @@ pub struct ToolPose {
 /// X, Y, Z are counted so that at A = 0 and C = 0 they are the tip's place in the table's frame, which has its origin
 /// on the C axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HeadTable {
     form: Form,
     pivot: f64,
@@ -93,19 +87,19 @@ impl HeadTable {
     /// # Errors
     /// A pivot length that is negative, beyond 1e6 mm or not finite; a sense other than ±1; a work offset beyond 1e6 mm
     /// or not finite.
-    pub fn new(settings: &MachineSettings) -> Result<HeadTable, ConfigError> {
+    pub fn new(settings: &MachineSettings) -> Result<HeadTable, InputError> {
         let MachineSettings { form, pivot_mm, direction_a, direction_c, work_offset_mm } = *settings;
         if !(0.0..=LONGEST_MM).contains(&pivot_mm) {
-            return Err(ConfigError::new(Field::Pivot, pivot_mm, "a length from 0 to 1e6 mm"));
+            return Err(InputError::new(Quantity::Pivot, pivot_mm, "a length from 0 to 1e6 mm"));
         }
-        for (direction, axis) in [(direction_a, crate::Axis::A), (direction_c, crate::Axis::C)] {
+        for (direction, axis) in [(direction_a, trueaxis::Axis::A), (direction_c, trueaxis::Axis::C)] {
             if direction != 1 && direction != -1 {
-                return Err(ConfigError::new(Field::Direction, f64::from(direction), "1 or -1").on(axis));
+                return Err(InputError::new(Quantity::Direction, f64::from(direction), "1 or -1").on(axis));
             }
         }
         for (index, offset) in work_offset_mm.into_iter().enumerate() {
             if !(-LONGEST_MM..=LONGEST_MM).contains(&offset) {
-                return Err(ConfigError::new(Field::WorkOffset, offset, "a length within ±1e6 mm").at(index));
+                return Err(InputError::new(Quantity::WorkOffset, offset, "a length within ±1e6 mm").at(index));
             }
         }
         Ok(HeadTable {
@@ -134,7 +128,7 @@ impl HeadTable {
     ///
     /// Source: parametric coordinates of a five-axis mill-turn (Nanjing Tech patent family); the publication counts the
     /// head's angle left-handed, A = −θ_A.
-    pub fn place(&self, surface: &Helicoid, u: f64, theta: f64, branch: Branch) -> Result<Placement, ConfigError> {
+    pub fn place(&self, surface: &Helicoid, u: f64, theta: f64, branch: Branch) -> Result<Placement, InputError> {
         surface.contains(u, theta)?;
         let (phi, tilt) = (u + theta, surface.tilt());
         // A counted from the vertical pose, and the turn of the table.
@@ -180,16 +174,16 @@ impl HeadTable {
 /// a not finite or beyond 1e6 mm; r not above 0; a sum below 0.
 ///
 /// Source: as [`HeadTable::place`].
-pub fn pivot_length(travel_mm: f64, ball_radius_mm: f64) -> Result<f64, ConfigError> {
+pub fn pivot_length(travel_mm: f64, ball_radius_mm: f64) -> Result<f64, InputError> {
     if !(-LONGEST_MM..=LONGEST_MM).contains(&travel_mm) {
-        return Err(ConfigError::new(Field::EdgeFinder, travel_mm, "a travel within ±1e6 mm"));
+        return Err(InputError::new(Quantity::EdgeFinder, travel_mm, "a travel within ±1e6 mm"));
     }
     if !(ball_radius_mm > 0.0 && ball_radius_mm <= LONGEST_MM) {
-        return Err(ConfigError::new(Field::EdgeFinderRadius, ball_radius_mm, "a ball radius above 0 mm"));
+        return Err(InputError::new(Quantity::EdgeFinderRadius, ball_radius_mm, "a ball radius above 0 mm"));
     }
     let length = travel_mm + ball_radius_mm;
     if length < 0.0 {
-        return Err(ConfigError::new(Field::Pivot, length, "a travel and a ball radius with a sum from 0"));
+        return Err(InputError::new(Quantity::Pivot, length, "a travel and a ball radius with a sum from 0"));
     }
     Ok(length)
 }

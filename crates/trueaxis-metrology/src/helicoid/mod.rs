@@ -25,7 +25,7 @@ mod tests;
 pub use gear::{Gear, GearData};
 pub use machine::{Branch, Form, HeadTable, MachineSettings, Placement, ToolPose, pivot_length};
 
-use crate::error::{ConfigError, Field};
+use crate::error::{InputError, Quantity};
 
 /// Largest length that is taken, mm; keeps every result finite.
 const LONGEST_MM: f64 = 1e6;
@@ -37,7 +37,6 @@ const WIDEST_RAD: f64 = 1e4;
 /// The involute with u > 0 leaves the base circle counter-clockwise, so the tooth's material lies on its
 /// counter-clockwise side: it is the *right* flank. u < 0 is its mirror image, the *left* flank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Flank {
     /// u >= 0.
     Right,
@@ -62,7 +61,6 @@ impl Flank {
 /// (p > 0), the left flank of a left-hand one (p < 0). There n itself points outward. The other flank is cut with the
 /// part turned over.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Helicoid {
     base_radius: f64,
     lead_parameter: f64,
@@ -75,14 +73,14 @@ impl Helicoid {
     /// # Errors
     /// r_b outside (0, 1e6] mm; p zero (a spur gear), beyond 1e6 mm/rad or not finite; a flank whose outward normal
     /// faces away from the tool.
-    pub fn new(base_radius_mm: f64, lead_parameter_mm_per_rad: f64, flank: Flank) -> Result<Self, ConfigError> {
+    pub fn new(base_radius_mm: f64, lead_parameter_mm_per_rad: f64, flank: Flank) -> Result<Self, InputError> {
         if !(base_radius_mm > 0.0 && base_radius_mm <= LONGEST_MM) {
-            return Err(ConfigError::new(Field::BaseRadius, base_radius_mm, "a radius above 0, at most 1e6 mm"));
+            return Err(InputError::new(Quantity::BaseRadius, base_radius_mm, "a radius above 0, at most 1e6 mm"));
         }
         let p = lead_parameter_mm_per_rad;
         if !(p != 0.0 && p.abs() <= LONGEST_MM) {
             let needed = "a lead parameter other than 0 (a flank that climbs), at most 1e6 mm/rad";
-            return Err(ConfigError::new(Field::LeadParameter, p, needed));
+            return Err(InputError::new(Quantity::LeadParameter, p, needed));
         }
         if p * flank.sign() < 0.0 {
             let needed = match flank {
@@ -93,7 +91,7 @@ impl Helicoid {
                     "p < 0 on the left flank: with p > 0 its outward normal faces away from the tool (right flank)"
                 }
             };
-            return Err(ConfigError::new(Field::Flank, p, needed));
+            return Err(InputError::new(Quantity::Flank, p, needed));
         }
         Ok(Helicoid { base_radius: base_radius_mm, lead_parameter: p, flank })
     }
@@ -124,19 +122,19 @@ impl Helicoid {
     ///
     /// # Errors
     /// u of the other flank's sign (0, the base cylinder, belongs to both); u or θ not finite or beyond 1e4 rad.
-    pub fn contains(&self, u: f64, theta: f64) -> Result<(), ConfigError> {
+    pub fn contains(&self, u: f64, theta: f64) -> Result<(), InputError> {
         if !(-WIDEST_RAD..=WIDEST_RAD).contains(&u) {
-            return Err(ConfigError::new(Field::RollAngle, u, "a finite angle, at most 1e4 rad"));
+            return Err(InputError::new(Quantity::RollAngle, u, "a finite angle, at most 1e4 rad"));
         }
         if u * self.flank.sign() < 0.0 {
             let needed = match self.flank {
                 Flank::Right => "u >= 0 on the right flank",
                 Flank::Left => "u <= 0 on the left flank",
             };
-            return Err(ConfigError::new(Field::RollAngle, u, needed));
+            return Err(InputError::new(Quantity::RollAngle, u, needed));
         }
         if !(-WIDEST_RAD..=WIDEST_RAD).contains(&theta) {
-            return Err(ConfigError::new(Field::LeadAngle, theta, "a finite angle, at most 1e4 rad"));
+            return Err(InputError::new(Quantity::LeadAngle, theta, "a finite angle, at most 1e4 rad"));
         }
         Ok(())
     }

@@ -1,11 +1,10 @@
 //! A cylindrical helical gear by its normal module, and the base cylinder and lead that follow.
 
 use super::{Flank, Helicoid, LONGEST_MM};
-use crate::error::{ConfigError, Field};
+use crate::error::{InputError, Quantity};
 
 /// What a drawing says about a helical gear. Profile shift does not enter: it moves the flank about z only.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gear {
     /// Normal module m_n, mm, above 0.
     pub module_mm: f64,
@@ -19,7 +18,6 @@ pub struct Gear {
 
 /// What follows from a [`Gear`]; mm and degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GearData {
     /// Transverse module m_t = m_n/cos β.
     pub transverse_module_mm: f64,
@@ -48,21 +46,21 @@ impl Gear {
     /// A value outside the range that its field states; β = 0 (a spur gear's flank has no lead).
     ///
     /// Source: ISO 21771:2007, clause 4.
-    pub fn data(&self) -> Result<GearData, ConfigError> {
+    pub fn data(&self) -> Result<GearData, InputError> {
         let Gear { module_mm, teeth, pressure_angle_deg, helix_angle_deg } = *self;
         if !(module_mm > 0.0 && module_mm <= LONGEST_MM) {
-            return Err(ConfigError::new(Field::GearModule, module_mm, "a normal module above 0 mm"));
+            return Err(InputError::new(Quantity::GearModule, module_mm, "a normal module above 0 mm"));
         }
         if !(1..=10_000).contains(&teeth) {
-            return Err(ConfigError::new(Field::Teeth, f64::from(teeth), "1 to 10000 teeth"));
+            return Err(InputError::new(Quantity::Teeth, f64::from(teeth), "1 to 10000 teeth"));
         }
         if !(pressure_angle_deg > 0.0 && pressure_angle_deg < 90.0) {
             let needed = "a normal pressure angle between 0 and 90 degrees";
-            return Err(ConfigError::new(Field::PressureAngle, pressure_angle_deg, needed));
+            return Err(InputError::new(Quantity::PressureAngle, pressure_angle_deg, needed));
         }
         if !(helix_angle_deg != 0.0 && helix_angle_deg.abs() < 90.0) {
             let needed = "a helix angle between -90 and 90 degrees other than 0: a spur gear's flank has no lead";
-            return Err(ConfigError::new(Field::HelixAngle, helix_angle_deg, needed));
+            return Err(InputError::new(Quantity::HelixAngle, helix_angle_deg, needed));
         }
         let beta = helix_angle_deg.to_radians();
         let transverse_module_mm = module_mm / libm::cos(beta);
@@ -87,7 +85,7 @@ impl Gear {
     ///
     /// # Errors
     /// As [`Gear::data`] and [`Helicoid::new`].
-    pub fn helicoid(&self, flank: Flank) -> Result<Helicoid, ConfigError> {
+    pub fn helicoid(&self, flank: Flank) -> Result<Helicoid, InputError> {
         let data = self.data()?;
         Helicoid::new(data.base_radius_mm, data.lead_parameter_mm_per_rad, flank)
     }

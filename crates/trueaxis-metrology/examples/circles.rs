@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::time::Instant;
-use trueaxis::roundness::circles::{
+use trueaxis_metrology::circles::{
     NoCircle, ReferenceCircle, least_squares, limacon, maximum_inscribed, minimum_circumscribed, minimum_zone,
 };
 

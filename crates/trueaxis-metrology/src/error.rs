@@ -1,0 +1,86 @@
+//! What an input of the bench got wrong.
+
+use core::fmt;
+use trueaxis::Axis;
+
+/// A quantity that is wrong, with the figure found and what is needed in its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct InputError {
+    /// Which quantity.
+    pub quantity: Quantity,
+    /// Of which axis, where it belongs to one.
+    pub axis: Option<Axis>,
+    /// Which element, where it is a list, from 0.
+    pub index: Option<usize>,
+    /// The figure found, in the quantity's unit at the interface.
+    pub found: f64,
+    /// What is needed.
+    pub needed: &'static str,
+}
+
+impl InputError {
+    /// An error of a single quantity.
+    pub fn new(quantity: Quantity, found: f64, needed: &'static str) -> Self {
+        InputError { quantity, axis: None, index: None, found, needed }
+    }
+
+    /// The same, of one axis.
+    pub fn on(self, axis: Axis) -> Self {
+        InputError { axis: Some(axis), ..self }
+    }
+
+    /// The same, at one element of a list.
+    pub fn at(self, index: usize) -> Self {
+        InputError { index: Some(index), ..self }
+    }
+}
+
+impl fmt::Display for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(axis) = self.axis {
+            write!(f, "axis {}: ", axis.letter())?;
+        }
+        write!(f, "{:?}", self.quantity)?;
+        if let Some(index) = self.index {
+            write!(f, " [{index}]")?;
+        }
+        write!(f, ": found {}, needed {}", self.found, self.needed)
+    }
+}
+
+impl core::error::Error for InputError {}
+
+/// A quantity that can be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// Normal module of a gear.
+    GearModule,
+    /// Number of teeth of a gear.
+    Teeth,
+    /// Normal pressure angle of a gear.
+    PressureAngle,
+    /// Helix angle of a gear.
+    HelixAngle,
+    /// Radius of a base cylinder.
+    BaseRadius,
+    /// Lead parameter of a helicoid.
+    LeadParameter,
+    /// Side of a tooth.
+    Flank,
+    /// Roll angle u of an involute.
+    RollAngle,
+    /// Angle θ along a helix.
+    LeadAngle,
+    /// Pivot length, tool tip to rotary axis.
+    Pivot,
+    /// Travel of an edge finder.
+    EdgeFinder,
+    /// Ball radius of an edge finder.
+    EdgeFinderRadius,
+    /// Place of the workpiece on the table.
+    WorkOffset,
+    /// Sense of a rotary axis.
+    Direction,
+}
