@@ -1,7 +1,7 @@
 //! What `trueaxis helicoid` is asked, and what of it does not go together.
 
-use super::Job;
 use super::grid::Range;
+use super::job::Job;
 use anyhow::{Error, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;

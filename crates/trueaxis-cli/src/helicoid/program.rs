@@ -1,6 +1,7 @@
 //! The G-code of a grid: one pass after the other, back and forth.
 
-use super::{Job, Passes};
+use super::arguments::Passes;
+use super::job::Job;
 use anyhow::Result;
 use std::fmt::Write;
 use trueaxis_metrology::helicoid::Placement;

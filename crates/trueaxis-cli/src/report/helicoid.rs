@@ -2,7 +2,7 @@
 
 use super::document_with;
 use super::text::escape;
-use crate::helicoid::{Document, Job};
+use crate::helicoid::job::{Document, Job};
 use anyhow::Result;
 use serde_json::json;
 
