@@ -8,8 +8,8 @@ use crate::simulate::with_loop;
 use anyhow::{Result, anyhow};
 use std::hint::black_box;
 use std::time::Instant;
-use trueaxis::compensation::step_axes;
 use trueaxis::contour::Reference;
+use trueaxis::machine::step_axes;
 use trueaxis::{Input, State};
 
 /// What the bench gives.

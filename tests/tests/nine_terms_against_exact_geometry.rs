@@ -2,7 +2,8 @@
 
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, ThermalLine, step_axes};
+use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::machine::step_axes;
 use trueaxis::machine::{AXES, ErrorModel};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;

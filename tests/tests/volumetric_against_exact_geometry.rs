@@ -1,9 +1,10 @@
 //! The volumetric form against the exact transforms: two implementations that share no code but the settings.
 
-use trueaxis::compensation::{Compensation, ThermalLine, carries_workpiece, step_axes};
+use trueaxis::compensation::{Compensation, ThermalLine};
 use trueaxis::machine::{
     AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, MachineSettings, Row, ThermalGrowth,
 };
+use trueaxis::machine::{carries_workpiece, step_axes};
 use trueaxis::{Axis, check};
 use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::{Machine, Table};

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use std::fmt;
-use trueaxis::compensation::carries_workpiece;
+use trueaxis::machine::carries_workpiece;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup};
 use trueaxis::roundness::{Band, RoundnessSettings};
 use trueaxis::tcomp::{TableData, Tcomp};

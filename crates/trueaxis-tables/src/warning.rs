@@ -2,7 +2,8 @@
 
 use crate::Machine;
 use std::fmt;
-use trueaxis::check::{self, Curve};
+use trueaxis::check;
+use trueaxis::machine::Curve;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation};
 
 /// A tip error below this needs no remark, mm.
@@ -179,7 +180,7 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
         if settings.travel == open {
             warnings.push(Warning::TravelNotDeclared { axis });
         } else if let (Some([low, high]), Some(table)) = (ends, table)
-            && !check::wraps(axis, table.rows.as_slice())
+            && !trueaxis::machine::wraps(axis, table.rows.as_slice())
             && (low > settings.travel[0] || high < settings.travel[1])
         {
             warnings.push(Warning::TravelNotCovered { axis, table: [low, high], travel: settings.travel });
@@ -207,7 +208,7 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
 
 /// Rate of a drive's correction with all axes at top feed.
 fn slope(machine: &Machine, drive: &AxisSettings) -> Option<Warning> {
-    let links = check::links(&machine.settings.chain).ok()?;
+    let links = trueaxis::machine::links(&machine.settings.chain).ok()?;
     let component = drive.axis.index();
     let volumetric = machine.settings.compensation.model == ErrorModel::Volumetric;
     if volumetric && drive.axis.is_rotary() {
@@ -224,7 +225,7 @@ fn slope(machine: &Machine, drive: &AxisSettings) -> Option<Warning> {
                 return None;
             }
             slopes[component].to_degrees()
-        } else if check::is_turned(&links, moving.axis) {
+        } else if trueaxis::machine::is_turned(&links, moving.axis) {
             // Turned by a rotary axis the errors may point anywhere.
             slopes[..3].iter().map(|slope| slope * slope).sum::<f64>().sqrt()
         } else {

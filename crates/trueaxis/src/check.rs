@@ -2,22 +2,18 @@
 //!
 //! Everything here runs at build, in double precision, without allocation; its cost is a few look-ups per table line.
 
-mod chain;
-mod curve;
+mod bounds;
 mod inverse;
 mod volumetric;
 
-pub use chain::{Link, is_turned, links};
-pub use curve::{Curve, wraps};
+pub use bounds::{contribution, reach, slopes, tilt};
 pub use inverse::{
-    INVERSE_TOLERANCE_MM, MOST_PASSES, contribution, error_range, inverse_passes, jacobian_norm, joint_range,
-    machine_passes, reach, slopes, tilt,
+    INVERSE_TOLERANCE_MM, MOST_PASSES, error_range, inverse_passes, jacobian_norm, joint_range, machine_passes,
 };
 pub use volumetric::{angular_tip_error, tip_rate};
 
-use crate::compensation::Rows;
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, MachineSettings};
+use crate::machine::{Axis, AxisSettings, Curve, Link, MachineSettings, Rows, links, wraps};
 
 /// Values at both ends of a full circle agree within this, mm.
 pub const WRAP_TOLERANCE_MM: f64 = 1e-5;
@@ -49,7 +45,7 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
         !machine.name.chars().any(char::is_control),
         ConfigError::new(Field::Name, machine.name.len() as f64, "a name without control characters"),
     )?;
-    let links = chain::links(&machine.chain)?;
+    let links = links(&machine.chain)?;
     axes_of_chain(machine, &links)?;
     finite(&machine.tool_mm, Field::Tool, None)?;
     let reference = machine.reference_temperature_c;

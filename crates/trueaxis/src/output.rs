@@ -46,7 +46,7 @@ const ABSENT: Limits = Limits { magnitude: 1.0, slope_per_s: 1.0, acceleration_p
 
 impl<R: Real, P: Position, const N: usize> Release<R, P, N> {
     pub(crate) fn new(machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
-        let axes = crate::compensation::step_axes::<N>(machine)?;
+        let axes = crate::machine::step_axes::<N>(machine)?;
         let idle = Limiter::new(&ABSENT, 1e-3)?;
         let mut release = Release { limiters: [idle; N], joint: [[P::of(f64::MIN), P::of(f64::MAX)]; N] };
         for ((axis, limiter), joint) in axes.into_iter().zip(&mut release.limiters).zip(&mut release.joint) {

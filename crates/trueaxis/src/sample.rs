@@ -176,7 +176,7 @@ const LATE: f64 = 1.25;
 
 impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     pub(crate) fn new(machine: &MachineSettings, period_ns: u32) -> Result<Self, ConfigError> {
-        let axes = crate::compensation::step_axes::<N>(machine)?;
+        let axes = crate::machine::step_axes::<N>(machine)?;
         let period = f64::from(period_ns) * 1e-9;
         let none = Plausible {
             travel: [P::of(f64::MIN), P::of(f64::MAX)],

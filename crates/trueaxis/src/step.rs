@@ -9,10 +9,11 @@ mod tool;
 
 pub use bypass::Bypass;
 
-use crate::compensation::{Compensation, Requirement, Reversal, Rows, Storage, ThermalLine, step_axes};
+use crate::compensation::{Compensation, Requirement, Reversal, Storage, ThermalLine};
 use crate::contour::{ContourError, ContourSearch, ContourState, Method, OrientationError, Path, Reference};
 use crate::error::{ConfigError, Fault, Field};
 use crate::machine::{AXES, Axis, MachineSettings};
+use crate::machine::{Rows, step_axes};
 use crate::output::{Release, ReleaseState, Released};
 use crate::position::Position;
 use crate::real::Real;

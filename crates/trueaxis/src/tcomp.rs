@@ -16,8 +16,8 @@
 //! (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if the table is bidirectional.
 
 use crate::check;
-use crate::compensation::Rows;
 use crate::error::ConfigError;
+use crate::machine::Rows;
 use crate::machine::{AXES, Axis, AxisSettings, MachineSettings, Row, Twist};
 use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc};

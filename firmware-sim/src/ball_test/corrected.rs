@@ -3,7 +3,8 @@
 use super::cycle::{Cycle, with_ball};
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, ThermalLine, step_axes};
+use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::machine::step_axes;
 use trueaxis::machine::{AXES, ErrorModel, LocationErrors, Row, Twist};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_metrology::identification::{Ball, Identified};

@@ -1,6 +1,5 @@
 //! Machines for the tests of the plant.
 
-use trueaxis::check;
 use trueaxis::machine::{Axis, AxisSettings, MachineSettings, Row, Twist};
 use trueaxis_tables::{Machine, Table};
 
@@ -19,7 +18,7 @@ pub(super) fn machine(chain: &str) -> Machine {
         kinematics: Default::default(),
         axes: Default::default(),
     };
-    let mut links = check::links(chain).unwrap();
+    let mut links = trueaxis::machine::links(chain).unwrap();
     links.sort_unstable_by_key(|link| link.axis);
     for link in links {
         settings.axes.push(AxisSettings::with_defaults(link.axis, link.carries_workpiece)).unwrap();

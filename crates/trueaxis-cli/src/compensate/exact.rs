@@ -4,7 +4,6 @@ use super::{Arguments, COLUMNS, Evaluated, rise};
 use crate::csv_in::Rows;
 use crate::output::progress;
 use anyhow::{Result, anyhow};
-use trueaxis::check;
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::{CorrectionSettings, Geometry};
@@ -23,7 +22,8 @@ pub(super) fn evaluate(arguments: &Arguments, machine: &Machine, positions: &Row
     let ends: Vec<Option<[f64; 2]>> = machine
         .axes()
         .map(|(own, table)| {
-            let rows = table.map(|table| table.rows.as_slice()).filter(|rows| !check::wraps(own.axis, *rows))?;
+            let rows =
+                table.map(|table| table.rows.as_slice()).filter(|rows| !trueaxis::machine::wraps(own.axis, *rows))?;
             Some([rows.first()?.position, rows.last()?.position])
         })
         .collect();

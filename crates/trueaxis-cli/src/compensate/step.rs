@@ -6,7 +6,8 @@ use crate::model::with_compensation;
 use crate::output::progress;
 use anyhow::{Result, anyhow};
 use trueaxis::check;
-use trueaxis::compensation::{ThermalLine, step_axes};
+use trueaxis::compensation::ThermalLine;
+use trueaxis::machine::step_axes;
 use trueaxis_tables::Machine;
 
 pub(super) fn evaluate<const N: usize>(

@@ -5,8 +5,9 @@ use crate::model::{axis_count, with_compensation};
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, ThermalLine, carries_workpiece, step_axes};
+use trueaxis::compensation::{Compensation, ThermalLine};
 use trueaxis::machine::ErrorModel;
+use trueaxis::machine::{carries_workpiece, step_axes};
 use trueaxis_metrology::identification::{Ball, lever};
 use trueaxis_tables::Machine;
 

@@ -5,8 +5,9 @@ use super::volume::Volume;
 use super::{CollapseError, LINEAR};
 use crate::Machine;
 use crate::exact::Geometry;
-use trueaxis::compensation::{Compensation, ThermalLine, step_axes};
+use trueaxis::compensation::{Compensation, ThermalLine};
 use trueaxis::error::ConfigError;
+use trueaxis::machine::step_axes;
 use trueaxis::machine::{AXES, Axis};
 
 /// Points per axis at which deviations are evaluated, equidistant, ends included: 42 steps rarely fall on a table's lines.

@@ -1,7 +1,6 @@
 //! What to set on a control so that an ISG CSV acts as its tables do here.
 
 use super::losses;
-use trueaxis::check;
 use trueaxis::machine::{AxisSettings, Interpolation, MachineSettings};
 
 /// What was done with the place of measurement.
@@ -17,7 +16,7 @@ pub(super) fn measured(settings: &AxisSettings) -> String {
 
 /// What the control has to be told by other means than the file.
 pub(super) fn machine(settings: &MachineSettings, notes: &mut Vec<String>) {
-    let links = check::links(&settings.chain).unwrap_or_default();
+    let links = trueaxis::machine::links(&settings.chain).unwrap_or_default();
     let workpiece: Vec<String> =
         links.iter().filter(|link| link.carries_workpiece).map(|link| link.axis.letter().to_string()).collect();
     let workpiece = if workpiece.is_empty() { String::from("none") } else { workpiece.join(" ") };

@@ -2,7 +2,7 @@
 
 use super::positioning::error_name;
 use crate::{Machine, Table};
-use trueaxis::check::links;
+use trueaxis::machine::links;
 use trueaxis::machine::{
     Axis, AxisSettings, CompensationSettings, ErrorModel, Interpolation, KinematicsSettings, LocationErrors, Lookup,
     ThermalGrowth,
@@ -89,7 +89,7 @@ pub(super) fn machine_losses(machine: &Machine, only: Option<Axis>, dropped: &mu
     let settings = &machine.settings;
     location_losses(machine, dropped);
     let links = links(&settings.chain).unwrap_or_default();
-    let letters = |which: &dyn Fn(&&trueaxis::check::Link) -> bool| {
+    let letters = |which: &dyn Fn(&&trueaxis::machine::Link) -> bool| {
         links.iter().filter(which).map(|link| link.axis.letter().to_string()).collect::<Vec<String>>().join(" ")
     };
     let (rotary, primed) = (letters(&|link| link.axis.is_rotary()), letters(&|link| link.carries_workpiece));

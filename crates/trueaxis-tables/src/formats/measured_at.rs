@@ -3,7 +3,7 @@
 use crate::Machine;
 use glam::DVec3;
 use std::borrow::Cow;
-use trueaxis::check::links;
+use trueaxis::machine::links;
 use trueaxis::machine::{Axis, AxisSettings, Twist};
 
 use crate::Table;

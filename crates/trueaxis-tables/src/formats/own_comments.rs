@@ -177,7 +177,7 @@ fn items<'t>(text: &'t str, source: &Source) -> Result<Vec<Item<'t>>, FileError>
 /// The settings of a machine of this chain, all at their defaults.
 fn settings_of(chain: &Item<'_>, source: &Source) -> Result<MachineSettings, FileError> {
     let wrong = |needed: String| source.at(chain.line, chain.key, format!("{:?}", chain.value), needed);
-    let links = check::links(chain.value)
+    let links = trueaxis::machine::links(chain.value)
         .map_err(|error| wrong(format!("{} (at letter {} of the chain)", error.needed, error.found + 1.0)))?;
     if links.is_empty() {
         return Err(wrong(String::from("at least one axis in the chain")));

@@ -4,7 +4,6 @@ use super::section::{Found, Section};
 use crate::error::FileError;
 use crate::source::Source;
 use toml::de::DeTable;
-use trueaxis::check;
 use trueaxis::error::Field;
 use trueaxis::machine::{
     Axis, AxisSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, LocationErrors, Lookup,
@@ -119,7 +118,7 @@ pub(super) fn read(text: &str, source: &Source) -> Result<Description, FileError
         kinematics: Default::default(),
         axes: heapless::Vec::new(),
     };
-    let links = check::links(chain.value).map_err(|error| {
+    let links = trueaxis::machine::links(chain.value).map_err(|error| {
         let needed = format!("{} (at letter {} of the chain)", error.needed, error.found + 1.0);
         root.wrong(&chain, needed)
     })?;

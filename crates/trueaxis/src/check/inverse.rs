@@ -1,34 +1,17 @@
 //! What the tables of all axes add up to: contraction and length of the exact inverse, range of the correction.
 
-use super::chain::{self, Link};
-use super::curve::Curve;
+use super::bounds::{contribution, length, reach, slopes, tilt};
 use super::volumetric;
-use crate::compensation::{Rows, ThermalLine};
+use crate::compensation::ThermalLine;
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, ErrorModel, MachineSettings};
+use crate::machine::{
+    Axis, AxisSettings, ErrorModel, Link, MachineSettings, Rows, carries_workpiece, is_turned, links,
+};
 
 /// Most look-ups of the exact inverse.
 pub const MOST_PASSES: u8 = 8;
 /// What the inverse may leave, mm.
 pub const INVERSE_TOLERANCE_MM: f64 = 1e-6;
-
-/// Largest |dE/dq| of each component of a table over both directions: mm or rad per mm or degree; exact.
-pub fn slopes(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> [f64; 6] {
-    core::array::from_fn(|component| {
-        let steepest = |reverse| Curve::new(settings, rows, component, reverse).steepest().0;
-        steepest(false).max(steepest(true))
-    })
-}
-
-/// Part of the nine-term error that grows with the position: −C0Y·y in X, +B0Z·z in X, −A0Z·z in Y; mm/mm.
-pub fn tilt(machine: &MachineSettings, axis: Axis, component: usize) -> f64 {
-    match (component, axis) {
-        (0, Axis::Y) => -machine.location.c0y,
-        (0, Axis::Z) => machine.location.b0z,
-        (1, Axis::Z) => -machine.location.a0z,
-        _ => 0.0,
-    }
-}
 
 /// Upper bound of the norm of the Jacobian of the error: the Frobenius norm of the largest |slopes|.
 ///
@@ -45,7 +28,7 @@ pub fn jacobian_norm<'r, T: Rows + ?Sized + 'r>(
     if machine.compensation.model == ErrorModel::Volumetric {
         return volumetric::contraction(machine, &rows).0;
     }
-    let links = chain::links(&machine.chain).unwrap_or_default();
+    let links = links(&machine.chain).unwrap_or_default();
     let mut sum = 0.0;
     for settings in &machine.axes {
         let slopes = rows(settings.axis).map_or([0.0; 6], |rows| slopes(settings, rows));
@@ -69,61 +52,8 @@ fn swing<'r, T: Rows + ?Sized + 'r>(
     links: &[Link],
     carrier: Axis,
 ) -> f64 {
-    let others = machine.axes.iter().filter(|other| other.axis != carrier && chain::is_turned(links, other.axis));
+    let others = machine.axes.iter().filter(|other| other.axis != carrier && is_turned(links, other.axis));
     others.map(|other| length(machine, other, rows(other.axis), reach(other, rows(other.axis)))).sum()
-}
-
-/// The positions an axis takes: its travel; where that is not declared, the range of its table, or zero.
-pub fn reach<T: Rows + ?Sized>(settings: &AxisSettings, rows: Option<&T>) -> [f64; 2] {
-    let open = AxisSettings::with_defaults(settings.axis, false).travel;
-    if settings.travel != open {
-        return settings.travel;
-    }
-    let ends = rows.and_then(|rows| Some([rows.row(0)?.position, rows.row(rows.len().checked_sub(1)?)?.position]));
-    ends.unwrap_or([0.0; 2])
-}
-
-/// Smallest and largest error of one component that an axis causes over a range of its positions, both directions,
-/// backlash and squareness included; mm (component 3 to 5: rad, an axis' own with backlash).
-pub fn contribution<T: Rows + ?Sized>(
-    machine: &MachineSettings,
-    settings: &AxisSettings,
-    rows: Option<&T>,
-    component: usize,
-    [low, high]: [f64; 2],
-) -> (f64, f64) {
-    let tilt = tilt(machine, settings.axis, component);
-    let mut both = (f64::INFINITY, f64::NEG_INFINITY);
-    for reverse in [false, true] {
-        let found = rows.and_then(|rows| Curve::new(settings, rows, component, reverse).extremes(low, high, tilt));
-        let (least, most) = found.unwrap_or(((tilt * low).min(tilt * high), (tilt * low).max(tilt * high)));
-        let own = reverse && component == settings.axis.index();
-        let lost = match (own, settings.axis.is_rotary()) {
-            (false, _) => 0.0,
-            (true, false) => settings.backlash,
-            (true, true) => settings.backlash.to_radians(),
-        };
-        both = (both.0.min(least + lost), both.1.max(most + lost));
-    }
-    both
-}
-
-/// Largest length of the translation that an axis causes, location errors of a rotary axis included, mm.
-pub(super) fn length<T: Rows + ?Sized>(
-    machine: &MachineSettings,
-    settings: &AxisSettings,
-    rows: Option<&T>,
-    range: [f64; 2],
-) -> f64 {
-    let location = machine.location.of(settings.axis);
-    let mut sum = 0.0;
-    for component in 0..3 {
-        let (least, most) = contribution(machine, settings, rows, component, range);
-        let constant = location.and_then(|errors| errors.get(component)).copied().unwrap_or(0.0);
-        let largest = (least + constant).abs().max((most + constant).abs());
-        sum += largest * largest;
-    }
-    libm::sqrt(sum)
 }
 
 /// Smallest and largest error that a drive corrects: the sum over all axes, the axis' own positions restricted to `own`,
@@ -140,16 +70,16 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
     let axis = drive.axis;
     if axis.is_rotary() {
         let (least, most) = contribution(machine, drive, rows(axis), axis.index(), own);
-        let sense = f64::from(drive.direction) * if carries_workpiece(machine, axis) { -1.0 } else { 1.0 };
+        let sense = f64::from(drive.direction) * if carries_workpiece(&machine.chain, axis) { -1.0 } else { 1.0 };
         let ends = [least.to_degrees() * sense, most.to_degrees() * sense];
         return (ends[0].min(ends[1]), ends[0].max(ends[1]));
     }
-    let links = chain::links(&machine.chain).unwrap_or_default();
+    let links = links(&machine.chain).unwrap_or_default();
     let mut sum = (0.0, 0.0);
     for other in &machine.axes {
         let rows = rows(other.axis);
         let range = if other.axis == axis { own } else { reach(other, rows) };
-        let (least, most) = if chain::is_turned(&links, other.axis) {
+        let (least, most) = if is_turned(&links, other.axis) {
             let length = length(machine, other, rows, range);
             (-length, length)
         } else {
@@ -161,10 +91,6 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
         sum = (sum.0 + least, sum.1 + most);
     }
     sum
-}
-
-fn carries_workpiece(machine: &MachineSettings, axis: Axis) -> bool {
-    crate::compensation::carries_workpiece(&machine.chain, axis)
 }
 
 /// Command + correction stays inside the joint over the declared travel, whatever the other axes do.

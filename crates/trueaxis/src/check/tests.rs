@@ -1,4 +1,5 @@
 use super::*;
+use crate::machine::is_turned;
 use crate::machine::{Interpolation, LocationErrors, Row};
 use std::{vec, vec::Vec};
 

@@ -1,10 +1,8 @@
 //! Bounds for the volumetric model: levers, largest errors, contraction of its inverse.
 
-use super::chain::{self, Link};
-use super::inverse::{contribution, length, reach, slopes, tilt};
-use crate::compensation::Rows;
+use super::bounds::{contribution, length, reach, slopes, tilt};
 use crate::compensation::volumetric::{LEAST_DETERMINANT, LEAST_FADE};
-use crate::machine::{Axis, AxisSettings, MachineSettings};
+use crate::machine::{Axis, AxisSettings, Link, MachineSettings, Rows, is_turned, links};
 
 #[cfg(test)]
 mod tests;
@@ -44,7 +42,7 @@ fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
     settings: &AxisSettings,
     measured: [f64; 3],
 ) -> [f64; 3] {
-    let links = chain::links(&machine.chain).unwrap_or_default();
+    let links = links(&machine.chain).unwrap_or_default();
     let on_workpiece = links.iter().any(|link| link.axis == settings.axis && link.carries_workpiece);
     let beyond = links.iter().skip_while(|link| link.axis != settings.axis).skip(1);
     let length = |ranges: &[[f64; 2]; 3]| norm(&ranges.map(|[low, high]| low.abs().max(high.abs())));
@@ -182,7 +180,7 @@ fn rotary_gain(machine: &MachineSettings, links: &[Link]) -> f64 {
 }
 
 fn bounds<'r, T: Rows + ?Sized + 'r>(machine: &MachineSettings, rows: &impl Fn(Axis) -> Option<&'r T>) -> Bounds {
-    let links = chain::links(&machine.chain).unwrap_or_default();
+    let links = links(&machine.chain).unwrap_or_default();
     let mut squares: f64 = 1.0;
     let mut bounds =
         Bounds { lever: 0.0, tip: 0.0, turn: 0.0, slides: slides_gain(&links), rotary: rotary_gain(machine, &links) };
@@ -214,7 +212,7 @@ fn rates<'r, T: Rows + ?Sized + 'r>(
     let tilted: [f64; 3] =
         [(x, 0), (y, 1), (z, 2)].map(|(slope, k): (f64, usize)| slope + tilt(machine, settings.axis, k).abs());
     let own = norm(&tilted) + norm(&swing([a, b, c], lever(machine, rows, settings)));
-    let links = chain::links(&machine.chain).unwrap_or_default();
+    let links = links(&machine.chain).unwrap_or_default();
     let place = |axis: Axis| links.iter().position(|link| link.axis == axis).unwrap_or(0);
     let on_workpiece = links.get(place(settings.axis)).is_some_and(|link| link.carries_workpiece);
     let (mut tip, mut turn) = (0.0, 0.0);
@@ -297,7 +295,7 @@ pub(super) fn contraction<'r, T: Rows + ?Sized + 'r>(
 /// Corrected rotary axes grow too: 1 rad of their correction, which counts as its lever, turns the tip by as much as that
 /// and the direction by √n, which the rotary axes and, through their levers, the slides turn back.
 pub(super) fn thermal_gain(machine: &MachineSettings) -> f64 {
-    let links = chain::links(&machine.chain).unwrap_or_default();
+    let links = links(&machine.chain).unwrap_or_default();
     let slides = slides_gain(&links);
     if !machine.compensation.orientation {
         return slides;
@@ -322,8 +320,8 @@ pub(super) fn error_range<'r, T: Rows + ?Sized + 'r>(
         return (-most, most);
     }
     let carried = if orientation { turned_back * all.lever } else { 0.0 };
-    let links = chain::links(&machine.chain).unwrap_or_default();
-    if links.iter().any(|link| !link.axis.is_rotary() && chain::is_turned(&links, link.axis)) {
+    let links = links(&machine.chain).unwrap_or_default();
+    if links.iter().any(|link| !link.axis.is_rotary() && is_turned(&links, link.axis)) {
         let most = all.slides * (all.tip + carried);
         return (-most, most);
     }
@@ -333,7 +331,7 @@ pub(super) fn error_range<'r, T: Rows + ?Sized + 'r>(
         let table = rows(other.axis);
         let range = if other.axis == drive.axis { own } else { reach(other, table) };
         let swing = swing(rotations(machine, other, table, range), lever(machine, rows, other));
-        if chain::is_turned(&links, other.axis) {
+        if is_turned(&links, other.axis) {
             let most = length(machine, other, table, range) + norm(&swing);
             sum = (sum.0 - most, sum.1 + most);
             continue;

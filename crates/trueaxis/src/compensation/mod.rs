@@ -6,7 +6,6 @@
 #[cfg(feature = "std")]
 mod memory;
 mod nine;
-pub mod pchip;
 mod reversal;
 mod table;
 mod thermal;
@@ -17,12 +16,12 @@ pub(crate) mod volumetric;
 pub use memory::Memory;
 pub use nine::NineTerms;
 pub use reversal::Reversal;
-pub use table::{AxisTable, Contribution, Requirement, Rows, Storage};
+pub use table::{AxisTable, Contribution, Requirement, Storage};
 pub use thermal::ThermalLine;
 pub use volumetric::Volumetric;
 
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, ErrorModel, MachineSettings};
+use crate::machine::{Axis, ErrorModel, MachineSettings, Rows};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -52,34 +51,6 @@ pub struct Compensation<'a, R, P, const N: usize> {
 enum Model<'a, R, P, const N: usize> {
     Nine(NineTerms<'a, R, P, N>),
     Volumetric(Volumetric<'a, R, P, N>),
-}
-
-/// The axes of a step with `N` axes: X, Y, Z and the rotary axes of the machine in alphabetical order.
-///
-/// # Errors
-/// The machine has more or fewer rotary axes than `N − 3`.
-pub fn step_axes<const N: usize>(machine: &MachineSettings) -> Result<[Axis; N], ConfigError> {
-    let rotary = machine.axes.iter().map(|a| a.axis).filter(|a| a.is_rotary());
-    let mut found = [Axis::X, Axis::Y, Axis::Z].into_iter().chain(rotary);
-    let mut axes = [Axis::X; N];
-    for slot in &mut axes {
-        *slot = found.next().ok_or(ConfigError::new(Field::Axes, N as f64, "no more axes than the machine has"))?;
-    }
-    match found.next() {
-        None => Ok(axes),
-        Some(_) => Err(ConfigError::new(Field::Axes, N as f64, "a step with as many axes as the machine has")),
-    }
-}
-
-/// Whether an axis stands on the workpiece side of the structural code (marked by a prime).
-pub fn carries_workpiece(chain: &str, axis: Axis) -> bool {
-    let mut letters = chain.chars().peekable();
-    while let Some(letter) = letters.next() {
-        if letter == axis.letter() {
-            return letters.peek() == Some(&'\'');
-        }
-    }
-    false
 }
 
 impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {

@@ -15,12 +15,12 @@
 //! Source: Zhang Chong et al., geometric error compensation on an open CNC (2013); the direction of travel, the exact
 //! inverse and the look-up at the feedback are extensions.
 
-use super::table::{AxisTable, Contribution, Requirement, Rows, Storage, own_component};
+use super::Errors;
+use super::table::{AxisTable, Contribution, Requirement, Storage, own_component};
 use super::thermal::ThermalLine;
 use super::trig::cos_sin_deg;
-use super::{Errors, carries_workpiece, step_axes};
 use crate::error::{ConfigError, Field};
-use crate::machine::{AXES, Axis, Lookup, MachineSettings};
+use crate::machine::{AXES, Axis, Lookup, MachineSettings, Rows, carries_workpiece, links, step_axes};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -73,10 +73,11 @@ fn parents_of<R: Real, const N: usize>(
     axes: &[Axis; N],
     axis: Axis,
 ) -> Result<[Option<Parent<R>>; 2], ConfigError> {
-    let (workpiece, tool) = machine.chain.split_once('b').unwrap_or((&machine.chain, ""));
-    let letters = |side: &str| side.chars().filter_map(Axis::from_letter).collect::<heapless::Vec<Axis, AXES>>();
-    let mut side = if carries_workpiece(&machine.chain, axis) { letters(workpiece) } else { letters(tool) };
-    if carries_workpiece(&machine.chain, axis) {
+    let links = links(&machine.chain)?;
+    let primed = carries_workpiece(&machine.chain, axis);
+    let mut side: heapless::Vec<Axis, AXES> =
+        links.iter().filter(|link| link.carries_workpiece == primed).map(|link| link.axis).collect();
+    if primed {
         side.reverse();
     }
     let mut parents = [None; 2];

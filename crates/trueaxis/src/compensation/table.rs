@@ -1,9 +1,7 @@
 //! One axis' error table in the form in which the step reads it.
 
-use crate::check;
-use crate::compensation::pchip;
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, Interpolation, MachineSettings, Row};
+use crate::machine::{Axis, AxisSettings, Interpolation, MachineSettings, Row, Rows, pchip, wraps};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -12,27 +10,6 @@ use crate::real::Real;
 /// Four numbers: the translations along X, Y, Z in mm and its own rotation in degrees (zero for a linear axis, whose own
 /// positioning error is one of the translations). Six: the translations in mm and the rotations about X, Y, Z in rad.
 pub type Contribution<R, const W: usize = 4> = [R; W];
-
-/// A table's lines by number: implemented for slices and for the lines of a compiled file.
-pub trait Rows {
-    /// How many lines.
-    fn len(&self) -> usize;
-    /// Line `index`, in ascending order of position.
-    fn row(&self, index: usize) -> Option<Row>;
-    /// No lines at all.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
-
-impl Rows for [Row] {
-    fn len(&self) -> usize {
-        <[Row]>::len(self)
-    }
-    fn row(&self, index: usize) -> Option<Row> {
-        self.get(index).copied()
-    }
-}
 
 /// How much memory the tables of a machine take; see [`Storage`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -227,7 +204,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
 
         let origin = P::of(first.position);
         let length = end.position - first.position;
-        let wraps = check::wraps(axis, rows);
+        let wraps = wraps(axis, rows);
         let equidistant = spacing(rows);
         let source = Source { settings, rows, values, wraps, cell: equidistant };
         let powers = need.lines / count / (1 + usize::from(two_sided(settings, rows))) / W;

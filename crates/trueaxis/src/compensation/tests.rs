@@ -133,7 +133,7 @@ fn cubic_tables_agree_with_scipy() {
             })
             .collect();
         let table = table::<f64, f64>(&settings, &rows);
-        let curve = crate::check::Curve::new(&settings, &rows[..], 0, false);
+        let curve = crate::machine::Curve::new(&settings, &rows[..], 0, false);
         let mut steepest = 0.0_f64;
         for line in of("at") {
             let (q, truth) = (number(line[2]), number(line[3]));

@@ -29,12 +29,13 @@
 mod chain;
 mod inverse;
 
-use super::table::{AxisTable, Requirement, Rows, Storage};
+use super::PoseError;
+use super::table::{AxisTable, Requirement, Storage};
 use super::thermal::ThermalLine;
 use super::trig::coarse_cos_sin_deg;
-use super::{PoseError, step_axes};
 use crate::error::ConfigError;
 use crate::machine::{Axis, Lookup, MachineSettings};
+use crate::machine::{Rows, step_axes};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::{About, V3};

@@ -1,7 +1,7 @@
 //! The structural code of a machine reduced to two turns and three shifts.
 
-use crate::check::links;
 use crate::error::{ConfigError, Field};
+use crate::machine::links;
 use crate::machine::{Axis, MachineSettings};
 use crate::real::Real;
 use crate::vector::{About, V3};

@@ -10,7 +10,7 @@ mod published;
 
 /// A machine of the given structural code with the stated defaults.
 fn machine(chain: &str) -> MachineSettings {
-    let links = trueaxis::check::links(chain).unwrap();
+    let links = trueaxis::machine::links(chain).unwrap();
     let mut axes = heapless::Vec::new();
     for axis in Axis::ALL {
         if let Some(link) = links.iter().find(|link| link.axis == axis) {

@@ -1,5 +1,6 @@
 use super::*;
-use crate::compensation::{Compensation, Storage, ThermalLine, carries_workpiece};
+use crate::compensation::{Compensation, Storage, ThermalLine};
+use crate::machine::carries_workpiece;
 use crate::machine::{ErrorModel, LocationErrors, Row};
 use std::{string::String, vec, vec::Vec};
 

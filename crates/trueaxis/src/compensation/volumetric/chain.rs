@@ -2,7 +2,6 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use crate::check;
 use crate::compensation::trig::cos_sin_deg;
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, MachineSettings};
@@ -79,7 +78,7 @@ impl<R: Real, const N: usize> Chain<R, N> {
     /// run: in the next rotary axis' offset or the tool. What they would have added to the lever of a slide's own twist
     /// is constant and goes into its table, beside the line along which it was measured.
     pub(super) fn build(machine: &MachineSettings, axes: &[Axis; N]) -> Result<(Self, [[f64; 3]; N]), ConfigError> {
-        let found = check::links(&machine.chain)?;
+        let found = crate::machine::links(&machine.chain)?;
         let workpiece = found.iter().filter(|link| link.carries_workpiece).count();
         let mut levers = [[0.0; 3]; N];
         let mut chain = Chain {

@@ -3,7 +3,8 @@
 use crate::arena::Arena;
 use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
-use trueaxis::compensation::{NineTerms, Rows, Storage, ThermalLine, Volumetric};
+use trueaxis::compensation::{NineTerms, Storage, ThermalLine, Volumetric};
+use trueaxis::machine::Rows;
 use trueaxis::contour::{ContourSearch, ContourState, Method, Path, Reference, Segment, Span, convert};
 use trueaxis::limiter::{Limited, Limiter};
 use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};

@@ -1,7 +1,7 @@
 //! The structural code of a machine.
 
+use crate::axis::{AXES, Axis};
 use crate::error::{ConfigError, Field};
-use crate::machine::{AXES, Axis};
 use heapless::Vec;
 
 /// An axis in its place in the kinematic chain.
@@ -65,4 +65,9 @@ pub fn is_turned(links: &[Link], axis: Axis) -> bool {
         let nearer = if side { other > place } else { other < place };
         nearer && link.carries_workpiece == side && link.axis.is_rotary()
     })
+}
+
+/// Whether an axis stands on the workpiece side of a structural code; not where the code cannot be read.
+pub fn carries_workpiece(chain: &str, axis: Axis) -> bool {
+    links(chain).is_ok_and(|links| links.iter().any(|link| link.axis == axis && link.carries_workpiece))
 }

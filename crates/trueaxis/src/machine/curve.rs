@@ -1,7 +1,7 @@
 //! One column of an error table as the function that the step evaluates.
 
-use crate::compensation::{Rows, pchip};
-use crate::machine::{Axis, AxisSettings, Interpolation};
+use super::rows::Rows;
+use super::{Axis, AxisSettings, Interpolation, pchip};
 
 /// Error of one component in one direction of travel as a function of position.
 ///

@@ -3,7 +3,17 @@
 //! Lengths are mm, angles of rotary *positions* are degrees, angular *errors* are radians; time is seconds.
 //! For a rotary axis every `mm` of an axis-own quantity (travel, backlash, correction limits) reads `degree`.
 
+mod chain;
+mod curve;
+pub mod pchip;
+mod rows;
+
 pub use crate::axis::{AXES, Axis};
+pub use chain::{Link, carries_workpiece, is_turned, links};
+pub use curve::{Curve, wraps};
+pub use rows::Rows;
+
+use crate::error::{ConfigError, Field};
 use crate::roundness::RoundnessSettings;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
@@ -273,4 +283,21 @@ pub struct Row {
     pub forward: Twist,
     /// Errors in negative travel; equal to `forward` where the table is not bidirectional.
     pub reverse: Twist,
+}
+
+/// The axes of a step with `N` axes: X, Y, Z and the rotary axes of the machine in alphabetical order.
+///
+/// # Errors
+/// The machine has more or fewer rotary axes than `N − 3`.
+pub fn step_axes<const N: usize>(machine: &MachineSettings) -> Result<[Axis; N], ConfigError> {
+    let rotary = machine.axes.iter().map(|a| a.axis).filter(|a| a.is_rotary());
+    let mut found = [Axis::X, Axis::Y, Axis::Z].into_iter().chain(rotary);
+    let mut axes = [Axis::X; N];
+    for slot in &mut axes {
+        *slot = found.next().ok_or(ConfigError::new(Field::Axes, N as f64, "no more axes than the machine has"))?;
+    }
+    match found.next() {
+        None => Ok(axes),
+        Some(_) => Err(ConfigError::new(Field::Axes, N as f64, "a step with as many axes as the machine has")),
+    }
 }
