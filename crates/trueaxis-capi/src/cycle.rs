@@ -2,6 +2,7 @@
 
 use crate::plugin::{CorePosition, from_core, to_core};
 use crate::pointer::Sized32;
+use crate::status::{ERROR_NO_OUTPUT, Status};
 use crate::{Position, Real};
 use trueaxis::contour::ContourError;
 use trueaxis::telemetry::Record as CoreRecord;
@@ -21,7 +22,8 @@ pub struct Input {
     pub elapsed_ns: u32,
     /// Commanded positions, uncorrected.
     pub command: [Position; AXES_MAX],
-    /// Raw encoder positions. A reading that is not a number, or beyond 1e9, is a dropout.
+    /// Raw encoder positions. A reading that is not a number, beyond 1e9, or in single precision `INT32_MIN` or
+    /// `INT32_MAX`, is a dropout: convert counts with saturation. The same goes for commands, which are refused then.
     pub feedback: [Position; AXES_MAX],
     /// A bit for every axis whose encoder interface reports an alarm, bit 0 = X.
     pub encoder_alarm: u8,
@@ -143,6 +145,8 @@ pub const CONTOUR_SECOND_MINIMUM: u8 = 8;
 pub const CONTOUR_COLD: u8 = 16;
 /// No path, or no belief in the readings: nothing was measured, all other members are 0.
 pub const CONTOUR_NOT_FOUND: u8 = 32;
+/// The reference lay outside its piece and was taken at the nearer end; infinite or not a number, nothing was measured.
+pub const CONTOUR_REFERENCE: u8 = 64;
 
 /// Bit of `status`: homed, enabled and believed, corrections are followed.
 pub const STATUS_ACTIVE: u8 = 1;
@@ -152,6 +156,8 @@ pub const STATUS_FROZEN: u8 = 2;
 pub const STATUS_STOP_REQUEST: u8 = 4;
 /// Bit of `status`: the contour error of this cycle was measured.
 pub const STATUS_CONTOUR: u8 = 8;
+/// Bit of `status`: there is no output, and the step answers `TRUEAXIS_ERROR_NO_OUTPUT`.
+pub const STATUS_NO_OUTPUT: u8 = 16;
 
 /// The telemetry of a cycle. Positions in `trueaxis_position_t`, everything else in mm (rotary: degrees).
 #[repr(C)]
@@ -177,7 +183,7 @@ pub struct Record {
     pub orientation_flags: u8,
     /// 0.
     pub reserved: [u8; 6],
-    /// Command as it came (the held one during a stop).
+    /// Command that is in force: as it came, the held one during a stop.
     pub command: [Position; AXES_MAX],
     /// Raw feedback (last good one during a fault).
     pub feedback: [Position; AXES_MAX],
@@ -199,7 +205,7 @@ pub struct Output {
     pub size: u32,
     /// Number of axes that count in the arrays.
     pub axes: u32,
-    /// Corrected positions for the drives.
+    /// Corrected positions for the drives. Not written where the step answers `TRUEAXIS_ERROR_NO_OUTPUT`.
     pub drive: [Position; AXES_MAX],
     /// Feedback for the host, without the correction: it sees no following error that is not there.
     pub feedback: [Position; AXES_MAX],
@@ -211,6 +217,28 @@ pub struct Output {
 unsafe impl Sized32 for Output {}
 
 impl Output {
+    /// Hands a cycle's output to the caller: all of it, or without a place to send the drives to, all but that.
+    ///
+    /// # Safety
+    /// `to` is aligned and points to a writable structure.
+    #[inline(always)]
+    pub(crate) unsafe fn deliver(self, to: *mut Output) -> Result<(), Status> {
+        if self.record.status & STATUS_NO_OUTPUT == 0 {
+            // SAFETY: the caller's promise.
+            unsafe { to.write(self) };
+            return Ok(());
+        }
+        // Nothing is read: the caller's structure may hold no value yet.
+        // SAFETY: the caller's promise.
+        unsafe {
+            (&raw mut (*to).size).write(self.size);
+            (&raw mut (*to).axes).write(self.axes);
+            (&raw mut (*to).feedback).write(self.feedback);
+            (&raw mut (*to).record).write(self.record);
+        }
+        Err(ERROR_NO_OUTPUT)
+    }
+
     #[inline(always)]
     pub(crate) fn of<const N: usize>(output: &trueaxis::Output<Real, CorePosition, N>) -> Self {
         let record: &CoreRecord<Real, CorePosition, N> = &output.record;

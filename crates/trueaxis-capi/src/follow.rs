@@ -82,7 +82,7 @@ pub unsafe extern "C" fn trueaxis_follow_restart(follow: *mut Follow) -> Status 
 /// Arguments as there. While `record.tip.flags` lacks `TRUEAXIS_CONTOUR_BRACKETED` the tool is further behind than the
 /// window reaches. In a bypass nothing is measured. Real-time safe.
 ///
-/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`.
+/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`, `_NO_OUTPUT`.
 ///
 /// # Safety
 /// Pointers are null or point to what their types say; nobody else uses state or window or writes any other of them
@@ -109,8 +109,7 @@ pub unsafe extern "C" fn trueaxis_step_following(
             bypass(bypass) => Output::of(&bypass.step::<Real>(&input.to_core()))
         )?;
         // SAFETY: checked: aligned, of the right size; writable by the caller's promise.
-        unsafe { output.write(result) };
-        Ok(())
+        unsafe { result.deliver(output) }
     };
     status::of(work())
 }

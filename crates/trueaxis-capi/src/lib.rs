@@ -1,7 +1,7 @@
 //! C interface of trueaxis: one static library, one header (`include/trueaxis.h`, generated from this crate).
 //!
 //! Every function checks its pointers, sizes and objects, returns a [`Status`], never panics, allocates or prints, and
-//! leaves all outputs untouched when it refuses. The documentation of the items here is that of the header: it speaks to
+//! leaves all outputs untouched when it refuses (but for `ERROR_NO_OUTPUT`, which leaves the drives' alone). The documentation of the items here is that of the header: it speaks to
 //! the C programmer and gives the names of the header.
 //!
 //! `unsafe` stands here and in the square root: what a pointer of the caller is worth is decided in `pointer` and

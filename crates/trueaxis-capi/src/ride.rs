@@ -63,7 +63,7 @@ unsafe impl Sized32 for GaugeCycle {}
 /// Arguments as there; `probes->size` and `cycle->size` must be set as well. While the step is not active, and in a bypass,
 /// the gauge measures on but nothing is fed in. Real-time safe.
 ///
-/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`.
+/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`, `_NO_OUTPUT`.
 ///
 /// # Safety
 /// Pointers are null or point to what their types say; nobody else uses the states or writes any other of them meanwhile.
@@ -104,10 +104,9 @@ pub unsafe extern "C" fn trueaxis_step_with_gauge(
         };
         // SAFETY: checked: aligned, of the right size; writable by the caller's promise.
         unsafe {
-            output.write(result);
             cycle.write(its);
+            result.deliver(output)
         }
-        Ok(())
     };
     status::of(work())
 }

@@ -210,7 +210,8 @@ impl Built {
 ///
 /// `axes`: 3 to 6. `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`, `_CAPACITY_TOO_SMALL` or
 /// `_ABI_MISMATCH`. `period_ns`: servo period, 1,000 to 100,000,000 ns. It needs no memory. A command that is no usable
-/// number is not passed: the last one holds and a stop is requested until the next usable one.
+/// number is not passed: the last one holds, before the first one the place that is read, and a stop is requested until
+/// the next usable one.
 ///
 /// Real-time safe. `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_AXES`, `_ARGUMENT` (reason, period).
 ///
@@ -290,8 +291,12 @@ pub unsafe extern "C" fn trueaxis_start(
 ///
 /// Real-time safe: no allocation, no lock, no system call, bounded time. On refusal, state and output stay as they were.
 ///
-/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`. What goes wrong on the machine is not a
-/// status but `output->record.fault`.
+/// Where neither a usable command has ever come nor every axis been read, there is no place to hold: the answer is
+/// `TRUEAXIS_ERROR_NO_OUTPUT` and `output->drive` is not written. Once every axis has been read (without an alarm), its
+/// place is held, and a reset near it is heard.
+///
+/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`, `_NO_OUTPUT`. What goes wrong on the
+/// machine otherwise is not a status but `output->record.fault`.
 ///
 /// # Safety
 /// Pointers are null or point to what their types say; nobody else uses `state` or writes any other of them meanwhile.
@@ -318,8 +323,7 @@ pub unsafe extern "C" fn trueaxis_step(
             bypass(bypass) => Output::of(&bypass.step::<Real>(&input.to_core()))
         )?;
         // SAFETY: checked: aligned, of the right size; writable by the caller's promise.
-        unsafe { output.write(result) };
-        Ok(())
+        unsafe { result.deliver(output) }
     };
     status::of(work())
 }

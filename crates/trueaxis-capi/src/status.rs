@@ -43,6 +43,9 @@ pub const ERROR_PATH: Status = 15;
 pub const ERROR_GAUGE: Status = 16;
 /// There is no value yet.
 pub const ERROR_NOT_YET: Status = 17;
+/// The cycle was done, but there is nothing to write to the drives: no usable command has ever come, and not every axis
+/// has been read. `drive` is left as it was; the rest of the output is written. Leave the drives without power.
+pub const ERROR_NO_OUTPUT: Status = 18;
 
 pub(crate) fn text(status: Status) -> &'static CStr {
     match status {
@@ -64,6 +67,7 @@ pub(crate) fn text(status: Status) -> &'static CStr {
         ERROR_PATH => c"the segment is no path",
         ERROR_GAUGE => c"the machine has no gauge, or one of another number of points",
         ERROR_NOT_YET => c"there is no value yet",
+        ERROR_NO_OUTPUT => c"no output: no usable command has ever come, and not every axis has been read",
         _ => c"not a status of this library",
     }
 }

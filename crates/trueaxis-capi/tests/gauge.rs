@@ -267,6 +267,24 @@ fn a_bypass_measures_on() {
         let size = size_of::<Loop>();
         assert_eq!(trueaxis_loop_bypass(&mut *bypass, size, 3, FAULT_TABLES_REFUSED, PERIOD_NS), OK);
         let mut passing = started(&bypass);
+        // Nothing known: the gauge's part is written, the drives' is not.
+        let blind = input([f64::INFINITY; 6], [f64::INFINITY; 6]);
+        out.drive = [position(123.0); 6];
+        its.flags = u16::MAX;
+        let status = trueaxis_step_with_gauge(
+            &*bypass,
+            &mut *passing,
+            &blind,
+            null(),
+            null(),
+            &*gauge,
+            &mut *state,
+            &probes(0, 512),
+            &mut out,
+            &mut its,
+        );
+        assert_eq!((status, out.drive), (ERROR_NO_OUTPUT, [position(123.0); 6]));
+        assert_ne!(its.flags, u16::MAX);
         for cycle in 0..cycles {
             let status = trueaxis_step_with_gauge(
                 &*bypass,

@@ -378,8 +378,8 @@ fn every_status_has_its_words() {
         // SAFETY: a constant string.
         unsafe { std::ffi::CStr::from_ptr(trueaxis_status_text(status)) }.to_str().unwrap().to_string()
     };
-    let mut all: Vec<String> = (OK..=ERROR_NOT_YET).map(words).collect();
-    let unknown = words(ERROR_NOT_YET + 1);
+    let mut all: Vec<String> = (OK..=ERROR_NO_OUTPUT).map(words).collect();
+    let unknown = words(ERROR_NO_OUTPUT + 1);
     assert_eq!((&unknown, &unknown), (&words(-1), &words(i32::MAX)));
     all.push(unknown);
     let count = all.len();

@@ -6,7 +6,7 @@ use trueaxis::{Input, Nanometres, Position, Real};
 
 /// A position that a recording can say exactly.
 pub trait Integer: Position {
-    /// From 1e-6 mm (1e-6 degree).
+    /// From 1e-6 mm (1e-6 degree); what is not usable there is not usable here.
     fn of_nanometres(nanometres: Nanometres) -> Self;
 }
 
@@ -18,7 +18,7 @@ impl Integer for Nanometres {
 
 impl Integer for f64 {
     fn of_nanometres(nanometres: Nanometres) -> f64 {
-        nanometres.to_f64()
+        if nanometres.is_usable() { nanometres.to_f64() } else { f64::NAN }
     }
 }
 

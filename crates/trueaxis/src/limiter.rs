@@ -57,6 +57,12 @@ impl<R: Real> Limited<R> {
         self.sent
     }
 
+    /// At rest on a correction.
+    #[inline(always)]
+    pub(crate) fn at_rest(sent: R) -> Self {
+        Limited { sent, velocity: R::ZERO, target: sent }
+    }
+
     /// Its change in the last cycle.
     #[inline(always)]
     pub fn velocity(&self) -> R {
@@ -135,6 +141,12 @@ impl<R: Real> Limiter<R> {
         let velocity = state.velocity - state.velocity.within(-self.acceleration, self.acceleration);
         let sent = state.sent + velocity;
         *state = Limited { sent, velocity, target: sent };
+    }
+
+    /// The drive stands, and so does the correction: what comes next starts from rest. The velocity is cut, not braked.
+    #[inline(always)]
+    pub fn hold(&self, state: &mut Limited<R>) {
+        *state = Limited::at_rest(state.sent);
     }
 
     #[inline(never)]

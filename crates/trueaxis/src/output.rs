@@ -27,6 +27,13 @@ impl<R: Real, P: Position, const N: usize> ReleaseState<R, P, N> {
     pub(crate) fn new() -> Self {
         ReleaseState { limited: [Limited::default(); N], drive: [P::default(); N] }
     }
+
+    /// Nothing of this cycle is sent: drives and corrections stay what they were `before` it.
+    #[cold]
+    fn take_back(&mut self, feedback: [P; N], before: [R; N], outside: u8) -> Released<R, P, N> {
+        self.limited = before.map(Limited::at_rest);
+        Released { drive: self.drive, feedback, correction: before, limited: 0, outside: Some(outside) }
+    }
 }
 
 /// What goes out in a cycle.
@@ -48,17 +55,18 @@ impl<R: Real, P: Position, const N: usize> Release<R, P, N> {
     pub(crate) fn new(machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
         let axes = crate::machine::step_axes::<N>(machine)?;
         let idle = Limiter::new(&ABSENT, 1e-3)?;
-        let mut release = Release { limiters: [idle; N], joint: [[P::of(f64::MIN), P::of(f64::MAX)]; N] };
+        let mut release = Release { limiters: [idle; N], joint: [[P::limit(f64::MIN), P::limit(f64::MAX)]; N] };
         for ((axis, limiter), joint) in axes.into_iter().zip(&mut release.limiters).zip(&mut release.joint) {
             if let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) {
                 *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(axis))?;
-                *joint = settings.joint.map(P::of);
+                *joint = settings.joint.map(P::limit);
             }
         }
         Ok(release)
     }
 
-    /// Command plus limited correction, held where it must be; feedback without the correction.
+    /// Command plus limited correction, held where it must be; feedback without the correction. What goes out is decided
+    /// before anything is remembered: where the output holds, command, drive and correction of the last cycle stay.
     #[inline(always)]
     pub(crate) fn release(
         &self,
@@ -69,7 +77,9 @@ impl<R: Real, P: Position, const N: usize> Release<R, P, N> {
     ) -> Released<R, P, N> {
         // The reading of this cycle answers the correction sent before it.
         let mut feedback = sample.feedback;
-        for (feedback, limited) in feedback.iter_mut().zip(&state.limited) {
+        let mut before = [R::ZERO; N];
+        for ((feedback, before), limited) in feedback.iter_mut().zip(&mut before).zip(&state.limited) {
+            *before = limited.sent();
             *feedback = plus(*feedback, -limited.sent());
         }
 
@@ -80,8 +90,12 @@ impl<R: Real, P: Position, const N: usize> Release<R, P, N> {
                 _ if sample.first => false,
                 Verdict::Active => limiter.follow(limited, *wanted),
                 Verdict::Inactive => limiter.follow(limited, R::ZERO),
-                Verdict::Freeze | Verdict::Hold => {
+                Verdict::Freeze => {
                     limiter.freeze(limited);
+                    false
+                }
+                Verdict::Hold | Verdict::Nowhere => {
+                    limiter.hold(limited);
                     false
                 }
             };
@@ -97,21 +111,20 @@ impl<R: Real, P: Position, const N: usize> Release<R, P, N> {
             *correction = limited.sent();
             *drive = plus(*drive, limited.sent());
         }
-        let mut outside = None;
         match sample.verdict {
-            Verdict::Hold if sample.first => {}
-            Verdict::Hold => drive = state.drive,
-            Verdict::Active | Verdict::Freeze if !sample.first => {
-                outside = self.outside(&drive);
-                if let Some(place) = outside {
+            _ if sample.first => {}
+            Verdict::Hold | Verdict::Nowhere => drive = state.drive,
+            Verdict::Active | Verdict::Freeze => {
+                if let Some(place) = self.outside(&drive) {
                     sample_state.latch(Fault::JointRange, place);
-                    drive = state.drive;
+                    return state.take_back(feedback, before, place);
                 }
             }
-            _ => {}
+            Verdict::Inactive => {}
         }
+        sample_state.accept(&sample.command);
         state.drive = drive;
-        Released { drive, feedback, correction, limited: flags, outside }
+        Released { drive, feedback, correction, limited: flags, outside: None }
     }
 
     #[inline(always)]

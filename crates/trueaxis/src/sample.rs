@@ -13,7 +13,8 @@ use crate::real::Real;
 pub struct Input<P, const N: usize> {
     /// Commanded positions, uncorrected, mm (rotary: degrees).
     pub command: [P; N],
-    /// Raw encoder positions, mm (degrees). A reading that is not a number, or beyond 1e9, is a dropout.
+    /// Raw encoder positions, mm (degrees). A reading that is not a number, beyond 1e9, or in integers at an end of
+    /// their range, is a dropout.
     pub feedback: [P; N],
     /// A bit for every axis whose encoder interface reports an alarm.
     pub encoder_alarm: u8,
@@ -43,6 +44,9 @@ impl<P: Position, const N: usize> Input<P, N> {
 }
 
 /// Positions of an encoder that counts in integers: `offset + counts · resolution`.
+///
+/// A count whose position lies beyond what the position type can say gives its end, which is not usable: the step takes
+/// it as a dropout ([`Fault::FeedbackNotFinite`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncoderScale<P> {
     offset: P,
@@ -55,15 +59,13 @@ impl<P: Position> EncoderScale<P> {
     /// From the position at zero counts and the distance of one count, mm (deg).
     ///
     /// # Errors
-    /// A resolution that is zero, not finite or above 1 mm.
+    /// A resolution that is zero, not finite or above 1 mm; an offset that is no usable position.
     pub fn new(offset: f64, resolution: f64) -> Result<Self, ConfigError> {
-        let sane = resolution.is_finite() && resolution != 0.0 && resolution.abs() <= 1.0 && offset.is_finite();
-        if !sane {
-            return Err(ConfigError::new(
-                Field::Encoder,
-                resolution,
-                "a finite offset and a resolution of at most 1 mm",
-            ));
+        if !(resolution != 0.0 && resolution.abs() <= 1.0) {
+            return Err(ConfigError::new(Field::Encoder, resolution, "a resolution of at most 1 mm, not zero"));
+        }
+        if !P::of(offset).is_usable() {
+            return Err(ConfigError::new(Field::Encoder, offset, "an offset within the range of positions"));
         }
         let fixed = libm::rint(resolution * 1e6 * 4_294_967_296.0) as i64;
         Ok(EncoderScale { offset: P::of(offset), fixed, resolution })
@@ -80,8 +82,10 @@ impl EncoderScale<crate::position::Nanometres> {
     /// Position of a count without floating point: two multiplications and a shift.
     #[inline(always)]
     pub fn nanometres(&self, counts: i32) -> crate::position::Nanometres {
+        // Two's complement in 96 bits: the sum stays below 2^84.
         let wide = i128::from(counts) * i128::from(self.fixed) + (1 << 31);
-        crate::position::Nanometres(self.offset.0.saturating_add((wide >> 32) as i32))
+        let sum = (wide >> 32) as i64 + i64::from(self.offset.0);
+        crate::position::Nanometres(sum.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
     }
 }
 
@@ -96,6 +100,16 @@ pub(crate) enum Verdict {
     Freeze,
     /// The output holds.
     Hold,
+    /// The output would hold, but no command was ever usable and not every axis has been read: there is no output.
+    Nowhere,
+}
+
+impl Verdict {
+    /// Nothing new goes to the drives.
+    #[inline(always)]
+    pub(crate) fn holds(self) -> bool {
+        matches!(self, Verdict::Hold | Verdict::Nowhere)
+    }
 }
 
 /// Positions in which the rest of the step believes.
@@ -107,7 +121,7 @@ pub(crate) struct Sample<P, const N: usize> {
     pub(crate) fault: Fault,
     /// Place of the axis that the fault belongs to.
     pub(crate) axis: u8,
-    /// The very first accepted cycle.
+    /// No cycle before this one had a command that was accepted.
     pub(crate) first: bool,
     /// The positions are machine positions.
     pub(crate) homed: bool,
@@ -127,6 +141,8 @@ struct Plausible<R, P> {
 pub(crate) struct Sampler<R, P, const N: usize> {
     axes: [Plausible<R, P>; N],
     latest_ns: u32,
+    /// From here on a cycle counts as [`LONGEST`] periods.
+    longest_ns: u32,
     per_period: R,
 }
 
@@ -134,6 +150,8 @@ pub(crate) struct Sampler<R, P, const N: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleState<R, P, const N: usize> {
     started: bool,
+    /// Held before anything was commanded: a bit for every axis whose place is known.
+    known: u8,
     active: bool,
     reset: bool,
     latched: Fault,
@@ -150,6 +168,7 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
     pub(crate) fn new() -> Self {
         SampleState {
             started: false,
+            known: 0,
             active: false,
             reset: false,
             latched: Fault::None,
@@ -166,6 +185,12 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
         self.command
     }
 
+    /// This cycle's command goes to the drives.
+    #[inline(always)]
+    pub(crate) fn accept(&mut self, command: &[P; N]) {
+        self.command = *command;
+    }
+
     pub(crate) fn latch(&mut self, fault: Fault, axis: u8) {
         (self.latched, self.latched_axis) = (fault, axis);
     }
@@ -173,6 +198,8 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
 
 /// A period longer than this multiple of the configured one is a late cycle.
 const LATE: f64 = 1.25;
+/// Periods after which a late cycle excuses no larger change.
+const LONGEST: u32 = 16;
 
 impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     pub(crate) fn new(machine: &MachineSettings, period_ns: u32) -> Result<Self, ConfigError> {
@@ -202,6 +229,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         Ok(Sampler {
             axes: limits,
             latest_ns: (LATE * f64::from(period_ns)) as u32,
+            longest_ns: period_ns.saturating_mul(LONGEST),
             per_period: R::of(1.0 / f64::from(period_ns)),
         })
     }
@@ -233,20 +261,19 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         if state.latched != Fault::None || command_fault != Fault::None {
             return self.stopped(state, input, reset, (command_fault, command_axis), first);
         }
-        let (feedback_fault, feedback_axis) = self.feedback_fault(state, input, active && !first);
+        let (feedback_fault, feedback_axis) = self.feedback_fault(state, input, &input.command, active && !first);
         let (fault, axis) = match (feedback_fault, late && active && !first) {
             (Fault::None, true) => (Fault::LateCycle, 0),
             _ => (feedback_fault, feedback_axis),
         };
         state.started = true;
         state.active = active;
-        state.command = input.command;
         let verdict = match (active, fault) {
             (false, _) => Verdict::Inactive,
             (true, Fault::None) => Verdict::Active,
             (true, _) => Verdict::Freeze,
         };
-        Sample { command: state.command, feedback: state.feedback, verdict, fault, axis, first, homed: input.homed }
+        Sample { command: input.command, feedback: state.feedback, verdict, fault, axis, first, homed: input.homed }
     }
 
     /// Periods that a cycle took, for what may have moved meanwhile: 1 in time, at most 16.
@@ -255,7 +282,11 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         if elapsed_ns <= self.latest_ns {
             return R::ONE;
         }
-        (R::of_i32((elapsed_ns & 0x7fff_ffff) as i32) * self.per_period).min(R::of(16.0))
+        if elapsed_ns >= self.longest_ns {
+            return R::of_i32(LONGEST as i32);
+        }
+        // Below 16 periods of at most 0.1 s: fits.
+        R::of_i32(elapsed_ns as i32) * self.per_period
     }
 
     /// The first thing that is wrong with the command. Travel and jumps count only while the plugin is active:
@@ -291,10 +322,16 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 
     /// Believes the readings that are plausible, keeps the last good ones of the others.
     #[inline(always)]
-    fn feedback_fault(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>, watch: bool) -> (Fault, u8) {
+    fn feedback_fault(
+        &self,
+        state: &mut SampleState<R, P, N>,
+        input: &Input<P, N>,
+        command: &[P; N],
+        watch: bool,
+    ) -> (Fault, u8) {
         let mut worst = (Fault::None, 0);
         let mut place = 0u8;
-        let commands = input.command.iter().zip(&state.command);
+        let commands = command.iter().zip(&state.command);
         let memory = state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.unmoved);
         for (((axis, reading), (command, last_command)), ((good, missing), unmoved)) in
             self.axes.iter().zip(&input.feedback).zip(commands).zip(memory)
@@ -308,7 +345,10 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             } else if reading.since::<R>(*good).abs() > axis.feedback_jump * (R::ONE + R::of_i32(i32::from(*missing))) {
                 Fault::FeedbackJump
             } else if *reading == *good {
-                *unmoved += command.since::<R>(*last_command).abs();
+                // In the cycle of switching on, the command may have been set anew.
+                if state.active {
+                    *unmoved += command.since::<R>(*last_command).abs();
+                }
                 if *unmoved > axis.stuck { Fault::EncoderStuck } else { Fault::None }
             } else {
                 *unmoved = R::ZERO;
@@ -348,13 +388,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         if !was_latched {
             state.latch(fault, axis);
         }
-        if !state.started {
-            // Held before anything was ever commanded: stay where the machine stands.
-            for (held, reading) in state.command.iter_mut().zip(&input.feedback) {
-                *held = if reading.is_usable() { *reading } else { P::default() };
-            }
-            state.started = true;
-        }
+        let placed = state.started || Self::placed(state, input);
         let near = self
             .axes
             .iter()
@@ -364,16 +398,17 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         // A jump is measured from the held command, so near excuses it; out of travel stays a fault.
         let acceptable = matches!(fault, Fault::None | Fault::CommandJump);
         // Readings go on being believed or not, quietly: the stop is what is reported.
-        let _ = self.feedback_fault(state, input, state.active && !first);
-        if was_latched && reset && near && acceptable {
+        let held = state.command;
+        let _ = self.feedback_fault(state, input, &held, state.active && !first);
+        if was_latched && reset && placed && near && acceptable {
             state.latched = Fault::None;
-            state.command = input.command;
+            state.started = true;
             // The drives were held: what was commanded meanwhile says nothing about the readings.
             state.unmoved = [R::ZERO; N];
             state.active = input.homed && input.enable;
             let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };
             return Sample {
-                command: state.command,
+                command: input.command,
                 feedback: state.feedback,
                 verdict,
                 fault: Fault::None,
@@ -383,14 +418,33 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             };
         }
         Sample {
-            command: state.command,
+            command: held,
             feedback: state.feedback,
-            verdict: Verdict::Hold,
+            verdict: if placed { Verdict::Hold } else { Verdict::Nowhere },
             fault: state.latched,
             axis: state.latched_axis,
             first,
             homed: input.homed,
         }
+    }
+
+    /// Held before anything was ever commanded: the place to hold is where the machine stands, as last read, in the
+    /// cycle in which the last of its axes has been read. Returns whether it is known.
+    #[cold]
+    fn placed(state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> bool {
+        let known = |known: u8| known.count_ones() as usize == N;
+        if known(state.known) {
+            return true;
+        }
+        let mut bit = 1u8;
+        for (held, reading) in state.command.iter_mut().zip(&input.feedback) {
+            if reading.is_usable() && input.encoder_alarm & bit == 0 {
+                *held = *reading;
+                state.known |= bit;
+            }
+            bit = bit.wrapping_shl(1);
+        }
+        known(state.known)
     }
 }
 
@@ -410,9 +464,28 @@ mod tests {
                 assert!((fixed.nanometres(counts).to_f64() - truth).abs() <= 0.51e-6, "{counts}: {truth}");
             }
         }
-        for bad in [0.0, f64::NAN, 2.0] {
+        for bad in [0.0, f64::NAN, 2.0, f64::INFINITY] {
             assert!(EncoderScale::<f64>::new(0.0, bad).is_err());
         }
-        assert!(EncoderScale::<f64>::new(f64::INFINITY, 1e-3).is_err());
+        for bad in [f64::INFINITY, f64::NAN, 2e9] {
+            assert!(EncoderScale::<f64>::new(bad, 1e-3).is_err());
+        }
+        assert!(EncoderScale::<Nanometres>::new(2148.0, 1e-3).is_err());
+    }
+
+    #[test]
+    fn counts_beyond_the_range_saturate_and_are_no_reading() {
+        let scale = EncoderScale::<Nanometres>::new(0.0, 1e-3).unwrap();
+        for counts in [3_000_000, -3_000_000, 2_147_484, i32::MAX, i32::MIN] {
+            let end = Nanometres(if counts > 0 { i32::MAX } else { i32::MIN });
+            assert_eq!((scale.position(counts), scale.nanometres(counts)), (end, end), "{counts}");
+            assert!(!end.is_usable());
+        }
+        // A coarse encoder over all its counts: 2^32 turns of the integer would be lost.
+        let coarse = EncoderScale::<Nanometres>::new(-1000.0, 1.0).unwrap();
+        for counts in [i32::MAX, i32::MIN, 4295, 8590] {
+            assert_eq!(coarse.position(counts), coarse.nanometres(counts), "{counts}");
+        }
+        assert_eq!(coarse.nanometres(3000), Nanometres(2_000_000_000));
     }
 }

@@ -155,7 +155,7 @@ pub enum Stage {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output<R, P, const N: usize> {
-    /// Corrected positions for the drives, mm (deg).
+    /// Corrected positions for the drives, mm (deg). Not to be written where [`Output::has_drive`] says no.
     pub drive: [P; N],
     /// Feedback for the host, without the correction: it sees no following error that is not there.
     pub feedback: [P; N],
@@ -167,6 +167,12 @@ impl<R, P, const N: usize> Output<R, P, N> {
     /// The output is held and the host must stop the machine.
     pub fn stop_requested(&self) -> bool {
         self.record.status.has(Status::STOP_REQUEST)
+    }
+
+    /// `drive` may be written. Not so from a first cycle without a usable command on, until every axis has been read: then
+    /// that place is held, and a reset near it is heard. Until then leave the drives without power, or what they have.
+    pub fn has_drive(&self) -> bool {
+        !self.record.status.has(Status::NO_OUTPUT)
     }
 }
 
@@ -200,6 +206,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ///
     /// The first cycle returns the command; from then on `drive = command + c`, c the limited correction. `path` is
     /// what the interpolator follows and `reference` where on it the command of this cycle lies.
+    ///
+    /// While the output holds, drive and c stay as they are, bit for bit; after it c goes on from rest.
     #[inline]
     pub fn step(
         &self,
@@ -345,8 +353,25 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             (state.tip, state.encoder) = (ContourState::default(), ContourState::default());
             return [ContourError::none(); 2];
         };
-        let at_tip = self.search.update(&mut state.tip, path, reference, tip);
-        let at_encoder = self.search.update(&mut state.encoder, path, reference, encoder);
+        self.search_both(state, path, reference, tip, encoder)
+    }
+
+    /// Feet of the estimated tip and of the plain encoder position.
+    #[inline(always)]
+    fn search_both(
+        &self,
+        state: &mut State<R, P, N>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        tip: [P; 3],
+        encoder: [P; 3],
+    ) -> [ContourError<R>; 2] {
+        if !reference.is_on_its_piece() {
+            return [(&mut state.tip, tip), (&mut state.encoder, encoder)]
+                .map(|(state, point)| self.search.update_off(state, path, reference, &point));
+        }
+        let at_tip = self.search.update_on(&mut state.tip, path, reference, tip);
+        let at_encoder = self.search.update_on(&mut state.encoder, path, reference, encoder);
         [at_tip, at_encoder]
     }
 
@@ -366,11 +391,13 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             Some(place) => (Fault::JointRange, place),
             None => (sample.fault, sample.axis),
         };
+        let sent = released.outside.is_none();
         let status = Status::default()
-            .with(Status::ACTIVE, sample.verdict == Verdict::Active)
-            .with(Status::FROZEN, sample.verdict == Verdict::Freeze)
+            .with(Status::ACTIVE, sample.verdict == Verdict::Active && sent)
+            .with(Status::FROZEN, sample.verdict == Verdict::Freeze && sent)
             .with(Status::STOP_REQUEST, fault.stops())
-            .with(Status::CONTOUR, tip.is_measured());
+            .with(Status::CONTOUR, tip.is_measured())
+            .with(Status::NO_OUTPUT, sample.verdict == Verdict::Nowhere);
         let record = Record {
             sequence,
             machine_id: self.machine_id,
@@ -380,7 +407,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             status,
             limited: released.limited,
             at_edge,
-            command: sample.command,
+            command: state.sample.commanded(),
             feedback: sample.feedback,
             correction: released.correction,
             tip,

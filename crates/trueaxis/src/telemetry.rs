@@ -33,6 +33,9 @@ impl Status {
     pub const STOP_REQUEST: Status = Status(4);
     /// The contour error of this cycle was measured.
     pub const CONTOUR: Status = Status(8);
+    /// There is no output: nothing usable was ever commanded, and not every axis has been read. `drive` must not be
+    /// written.
+    pub const NO_OUTPUT: Status = Status(16);
 
     /// Whether all bits of `other` are set.
     pub const fn has(self, other: Status) -> bool {

@@ -70,7 +70,8 @@ struct joint {
     double passed;    /* last reading without correction that is a number */
     double own;       /* correction from its own table, sent */
     double sent;      /* whole correction sent */
-    double drive;     /* motor position sent */
+    double drive;     /* motor position sent, once `known` */
+    bool known;       /* there is a motor position that may be sent */
 };
 
 struct joint_pins {
@@ -102,7 +103,7 @@ struct gauge_pins {
 /* HAL shared memory: pins only. */
 struct pins {
     hal_bit_t *enable, *motion_enabled, *reset, *reload;
-    hal_bit_t *active, *frozen, *limited, *at_edge, *fault, *stop_request;
+    hal_bit_t *active, *frozen, *limited, *at_edge, *fault, *stop_request, *no_output;
     hal_bit_t *tables_ok, *reload_busy, *reload_failed;
     hal_u32_t *fault_code, *reload_code, *reloads, *sequence, *machine_id, *tables_crc;
     hal_s32_t *fault_axis;
@@ -140,7 +141,7 @@ struct instance {
     trueaxis_gauge_t gauge;
     trueaxis_gauge_state_t gauge_state;
     double temperature_rise[MAX_AXES];
-    bool started, held, growth_told, homed_before, reload_before, reset_before, index_before, new_part_before;
+    bool started, held, no_output, growth_told, homed_before, reload_before, reset_before, index_before, new_part_before;
     bool axes_stopped, joint_stopped[MAX_JOINT_TABLES];
     atomic_uint refused; /* status with which the library refused the thread's period, or 0 */
     atomic_uint thread_period_ns;
@@ -186,8 +187,8 @@ bool pins_limits_accepted(const struct instance *instance, const struct tables *
 int reload_start(void);
 void reload_stop(void);
 
-/* gauge.c: a cycle of a machine with a gauge; false if the library refuses. */
-bool gauge_step(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output);
+/* gauge.c: a cycle of a machine with a gauge; the library's status. */
+int gauge_step(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output);
 
 /* cycle.c: the functions of the servo thread; `arg` is an instance. */
 void cycle_update_feedback(void *arg, long period);

@@ -60,7 +60,9 @@ static void start(struct instance *instance, uint32_t period_ns)
     for (int j = 0; j < instance->joints; j++) {
         struct joint *joint = &instance->joint[j];
         double command = *instance->pins->joint[j].motor_cmd_in;
-        joint->drive = isfinite(joint->reading) ? joint->reading : isfinite(command) ? command : 0.0;
+        joint->known = isfinite(joint->reading) || isfinite(command);
+        if (joint->known)
+            joint->drive = isfinite(joint->reading) ? joint->reading : command;
     }
     instance->started = true;
 }
@@ -134,7 +136,7 @@ static void follow_temperature(struct instance *instance)
 }
 
 /* The tables that belong to one joint only: a step of its own, in which no other axis moves. */
-static bool step_joint(struct instance *instance, int t, const trueaxis_input_t *axes, trueaxis_output_t *output)
+static int step_joint(struct instance *instance, int t, const trueaxis_input_t *axes, trueaxis_output_t *output)
 {
     struct joint *joint = &instance->joint[instance->joint_of_table[t]];
     const struct joint_pins *p = &instance->pins->joint[instance->joint_of_table[t]];
@@ -149,11 +151,11 @@ static bool step_joint(struct instance *instance, int t, const trueaxis_input_t 
     input.command[place] = isfinite(*p->motor_cmd_in) && !stopped_elsewhere ? command : NAN;
     input.feedback[place] = (joint->reading - joint->offset - (joint->sent - joint->own)) * unit;
     input.encoder_alarm = *p->alarm ? (uint8_t)(1u << place) : 0;
-    return trueaxis_step(&instance->tables->joint[t], &instance->joint_state[t], &input, NULL, NULL, output) == TRUEAXIS_OK;
+    return trueaxis_step(&instance->tables->joint[t], &instance->joint_state[t], &input, NULL, NULL, output);
 }
 
 /* The path is what was commanded last, from homing on; a machine with a gauge measures its part instead. */
-static bool step_axes(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output)
+static int step_axes(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output)
 {
     if (instance->has_gauge)
         return gauge_step(instance, input, output);
@@ -162,7 +164,7 @@ static bool step_axes(struct instance *instance, const trueaxis_input_t *input, 
     instance->homed_before = input->homed;
     const struct tables *tables = instance->tables;
     trueaxis_state_t *state = &instance->axes_state;
-    return trueaxis_step_following(&tables->axes, state, input, &instance->follow, output) == TRUEAXIS_OK;
+    return trueaxis_step_following(&tables->axes, state, input, &instance->follow, output);
 }
 
 static void show_contour(struct contour_pins *pins, const trueaxis_contour_t *contour, double mm_per_unit)
@@ -183,10 +185,24 @@ static void show_axes(const struct instance *instance, const trueaxis_input_t *i
         struct axis_pins *pins = &instance->pins->axis[a];
         double unit = instance->mm_per_unit[a];
         *pins->command = input->command[a] / unit;
-        *pins->corrected = output->drive[a] / unit;
+        if (!instance->no_output)
+            *pins->corrected = output->drive[a] / unit;
         *pins->correction = record->correction[a] / unit;
         *pins->limited = record->limited >> a & 1;
         *pins->at_edge = record->at_edge >> a & 1;
+    }
+}
+
+/* Neither a command nor, of every axis, a reading that can be used has ever come. HAL has no pin without a value: the
+ * outputs follow what is read, and the others stay what they are. Where all is read, that is what is held. */
+static void stand(struct instance *instance)
+{
+    for (int j = 0; j < instance->joints; j++) {
+        struct joint *joint = &instance->joint[j];
+        if (!isfinite(joint->reading) || *instance->pins->joint[j].alarm)
+            continue;
+        joint->drive = joint->reading;
+        joint->known = true;
     }
 }
 
@@ -202,8 +218,10 @@ static void drive(struct instance *instance, const trueaxis_output_t *axes, cons
                 joint->own = joints[joint->table].record.correction[instance->tables->joint_place[joint->table]] / unit;
             joint->sent = axes->record.correction[joint->axis] / unit + joint->own;
             joint->drive = plus(*p->motor_cmd_in, joint->sent);
+            joint->known = true;
         }
-        *p->motor_cmd_out = joint->drive;
+        if (joint->known)
+            *p->motor_cmd_out = joint->drive;
         *p->correction = joint->sent;
     }
 }
@@ -234,6 +252,7 @@ static void show(struct instance *instance, const trueaxis_output_t *axes, const
     *pins->fault_code = fault;
     *pins->fault_axis = fault != TRUEAXIS_FAULT_NONE ? fault_axis : -1;
     *pins->stop_request = instance->held;
+    *pins->no_output = instance->no_output;
     *pins->sequence = record->sequence;
     *pins->machine_id = record->machine_id;
     *pins->tables_crc = record->tables_crc;
@@ -246,13 +265,19 @@ static void show(struct instance *instance, const trueaxis_output_t *axes, const
 static void pass(struct instance *instance, uint32_t fault)
 {
     struct pins *pins = instance->pins;
+    bool known = true;
     for (int j = 0; j < instance->joints; j++) {
         struct joint *joint = &instance->joint[j];
         double command = *pins->joint[j].motor_cmd_in;
-        if (isfinite(command))
+        if (isfinite(command)) {
             joint->drive = plus(command, joint->sent);
-        *pins->joint[j].motor_cmd_out = joint->drive;
+            joint->known = true;
+        }
+        known &= joint->known;
+        if (joint->known)
+            *pins->joint[j].motor_cmd_out = joint->drive;
     }
+    *pins->no_output = !known;
     *pins->active = 0;
     *pins->fault = 1;
     *pins->fault_code = fault;
@@ -291,17 +316,20 @@ void cycle_update_output(void *arg, long period)
     trueaxis_input_t shown = input;
     if (instance->held && !instance->axes_stopped)
         input.command[0] = NAN;
-    if (!step_axes(instance, &input, &axes)) {
+    bool stood = instance->no_output;
+    int status = step_axes(instance, &input, &axes);
+    instance->no_output = status == TRUEAXIS_ERROR_NO_OUTPUT;
+    for (int t = 0; t < instance->joint_tables && (status == TRUEAXIS_OK || status == TRUEAXIS_ERROR_NO_OUTPUT); t++) {
+        joints[t].size = sizeof joints[t];
+        status = step_joint(instance, t, &shown, &joints[t]);
+        instance->no_output |= status == TRUEAXIS_ERROR_NO_OUTPUT;
+    }
+    if (status != TRUEAXIS_OK && status != TRUEAXIS_ERROR_NO_OUTPUT) {
         pass(instance, TRUEAXIS_FAULT_TABLES_REFUSED);
         return;
     }
-    for (int t = 0; t < instance->joint_tables; t++) {
-        joints[t].size = sizeof joints[t];
-        if (!step_joint(instance, t, &shown, &joints[t])) {
-            pass(instance, TRUEAXIS_FAULT_TABLES_REFUSED);
-            return;
-        }
-    }
+    if (instance->no_output || stood)
+        stand(instance);
     instance->axes_stopped = axes.record.status & TRUEAXIS_STATUS_STOP_REQUEST;
     instance->held = instance->axes_stopped;
     for (int t = 0; t < instance->joint_tables; t++) {

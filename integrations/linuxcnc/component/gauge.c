@@ -16,7 +16,7 @@ static void show(struct instance *instance, const trueaxis_gauge_cycle_t *cycle)
     *pins->revolution_flags = latest.flags;
 }
 
-bool gauge_step(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output)
+int gauge_step(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output)
 {
     const struct gauge_pins *pins = &instance->pins->gauge;
     trueaxis_probes_t probes = {.size = sizeof probes};
@@ -34,8 +34,7 @@ bool gauge_step(struct instance *instance, const trueaxis_input_t *input, trueax
     const trueaxis_loop_t *axes = &instance->tables->axes;
     int status = trueaxis_step_with_gauge(axes, &instance->axes_state, input, NULL, NULL, &instance->gauge,
                                           &instance->gauge_state, &probes, output, &cycle);
-    if (status != TRUEAXIS_OK)
-        return false;
-    show(instance, &cycle);
-    return true;
+    if (status == TRUEAXIS_OK || status == TRUEAXIS_ERROR_NO_OUTPUT)
+        show(instance, &cycle);
+    return status;
 }

@@ -38,6 +38,7 @@ static int whole(struct pins *p, int id, const char *name)
     TRY(hal_pin_u32_newf(HAL_OUT, &p->fault_code, id, "%s.fault-code", name));
     TRY(hal_pin_s32_newf(HAL_OUT, &p->fault_axis, id, "%s.fault-axis", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->stop_request, id, "%s.stop-request", name));
+    TRY(hal_pin_bit_newf(HAL_OUT, &p->no_output, id, "%s.no-output", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->tables_ok, id, "%s.tables-ok", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->reload_busy, id, "%s.reload-busy", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->reload_failed, id, "%s.reload-failed", name));

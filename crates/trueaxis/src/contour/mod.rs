@@ -53,6 +53,9 @@ impl Flags {
     pub const COLD: Flags = Flags(16);
     /// There is no path, or no belief in the readings: nothing was measured.
     pub const NOT_FOUND: Flags = Flags(32);
+    /// The reference lay outside its piece and was taken at the nearer end; infinite or not a number, nothing was
+    /// measured.
+    pub const REFERENCE: Flags = Flags(64);
 
     /// Whether all bits of `other` are set.
     pub const fn has(self, other: Flags) -> bool {

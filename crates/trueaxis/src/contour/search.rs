@@ -71,8 +71,47 @@ impl<R: Real> ContourSearch<R> {
     /// Contour error of `point` (mm) in this cycle; `reference` is where the interpolator is on the path.
     ///
     /// At most six evaluations of the path. Cost: the kernel, as a rule; at worst some three times that.
+    ///
+    /// A reference outside its piece is taken at the nearer end, and flagged ([`Flags::REFERENCE`]); with one that is
+    /// infinite or not a number nothing is measured.
     #[inline(always)]
     pub fn update<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        point: [P; 3],
+    ) -> ContourError<R> {
+        if !reference.is_on_its_piece() {
+            return self.update_off(state, path, reference, &point);
+        }
+        self.update_on(state, path, reference, point)
+    }
+
+    /// The reference is off its piece.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn update_off<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        point: &[P; 3],
+    ) -> ContourError<R> {
+        let mut error = if reference.t.is_finite() {
+            let held = Reference { t: reference.t.within(R::ZERO, R::ONE), ..reference };
+            self.slow(state, path, held, point)
+        } else {
+            *state = ContourState::default();
+            ContourError::none()
+        };
+        error.flags = error.flags.and(Flags::REFERENCE);
+        error
+    }
+
+    /// The reference is on its piece.
+    #[inline(always)]
+    pub(crate) fn update_on<P: Position>(
         &self,
         state: &mut ContourState<R>,
         path: &Path<'_, R, P>,

@@ -355,3 +355,11 @@ pub struct Reference<R> {
     /// Parameter in the piece, 0 to 1.
     pub t: R,
 }
+
+impl<R: Real> Reference<R> {
+    /// The parameter is one of the piece; not so if it is not a number.
+    #[inline(always)]
+    pub(crate) fn is_on_its_piece(&self) -> bool {
+        self.t >= R::ZERO && self.t <= R::ONE
+    }
+}

@@ -15,7 +15,8 @@ use crate::telemetry::{Record, Status};
 /// For a controller that goes on without its tables: damaged, of another machine, too large
 /// ([`Fault::TablesRefused`], [`Fault::CapacityTooSmall`], [`Fault::AbiMismatch`], [`Fault::PeriodMismatch`]). A command
 /// that is no usable number is not passed: the last one holds, and a stop is requested. Unlike the step's, this request
-/// is not latched: it ends with the next usable command.
+/// is not latched: it ends with the next usable command. Before the first one the place in which the machine stands
+/// holds; until every axis has been read there is none, and no output either ([`Output::has_drive`]).
 ///
 /// ```
 /// use trueaxis::{Bypass, Fault, Input};
@@ -29,15 +30,19 @@ use crate::telemetry::{Record, Status};
 pub struct Bypass<P, const N: usize> {
     reason: Fault,
     sequence: u32,
-    /// A command was passed or held; until then there is nothing to hold.
-    started: bool,
+    /// A bit for every axis of which it is known what to hold.
+    known: u8,
     held: [P; N],
+    /// Last usable reading of an axis that was ever read; what is held of the others.
+    feedback: [P; N],
+    read: [bool; N],
 }
 
 impl<P: Position, const N: usize> Bypass<P, N> {
     /// With the reason that goes into every record.
     pub fn new(reason: Fault) -> Self {
-        Bypass { reason, sequence: 0, started: false, held: [P::default(); N] }
+        let zero = [P::default(); N];
+        Bypass { reason, sequence: 0, known: 0, held: zero, feedback: zero, read: [false; N] }
     }
 
     /// The reason.
@@ -45,16 +50,22 @@ impl<P: Position, const N: usize> Bypass<P, N> {
         self.reason
     }
 
-    /// One servo cycle: `drive = command`, `feedback` as read, nothing measured.
+    /// One servo cycle: `drive = command`, `feedback` as read (the last usable reading), nothing measured.
     #[inline]
     pub fn step<R: Real>(&mut self, input: &Input<P, N>) -> Output<R, P, N> {
         let usable = input.command.iter().all(|command| command.is_usable());
+        let whole = u8::MAX >> 8usize.saturating_sub(N).min(7);
         if usable {
-            self.held = input.command;
-        } else if !self.started {
-            // Nothing was ever commanded: stay where the machine stands.
-            for (held, reading) in self.held.iter_mut().zip(&input.feedback) {
-                *held = if reading.is_usable() { *reading } else { P::default() };
+            (self.held, self.known) = (input.command, whole);
+        } else if self.known != whole {
+            self.stand(input);
+        }
+        let readings = self.feedback.iter_mut().zip(&mut self.read).zip(self.held.iter().zip(&input.feedback));
+        for ((feedback, read), (held, reading)) in readings {
+            if reading.is_usable() {
+                (*feedback, *read) = (*reading, true);
+            } else if !*read {
+                *feedback = *held;
             }
         }
         let record = Record {
@@ -63,11 +74,13 @@ impl<P: Position, const N: usize> Bypass<P, N> {
             tables_crc: 0,
             fault: self.reason,
             fault_axis: 0,
-            status: Status::default().with(Status::STOP_REQUEST, !usable),
+            status: Status::default()
+                .with(Status::STOP_REQUEST, !usable)
+                .with(Status::NO_OUTPUT, self.known != whole),
             limited: 0,
             at_edge: 0,
             command: self.held,
-            feedback: input.feedback,
+            feedback: self.feedback,
             correction: [R::ZERO; N],
             tip: ContourError::none(),
             encoder: ContourError::none(),
@@ -75,8 +88,20 @@ impl<P: Position, const N: usize> Bypass<P, N> {
             orientation_flags: Flags::NOT_FOUND,
         };
         self.sequence = self.sequence.wrapping_add(1);
-        self.started = true;
-        Output { drive: self.held, feedback: input.feedback, record }
+        Output { drive: self.held, feedback: self.feedback, record }
+    }
+
+    /// Nothing was ever commanded: what holds is where the machine stands, once every axis has been read.
+    #[cold]
+    fn stand(&mut self, input: &Input<P, N>) {
+        let mut bit = 1u8;
+        for (held, reading) in self.held.iter_mut().zip(&input.feedback) {
+            if reading.is_usable() && input.encoder_alarm & bit == 0 {
+                *held = *reading;
+                self.known |= bit;
+            }
+            bit = bit.wrapping_shl(1);
+        }
     }
 }
 
@@ -105,8 +130,8 @@ mod tests {
     #[test]
     fn a_command_that_is_no_number_is_held() {
         let mut bypass = Bypass::<f64, 3>::new(Fault::TablesRefused);
-        let at = |x: f64| Input { command: [x, 0.0, 0.0], feedback: [7.0, 0.0, f64::NAN], ..Input::at_rest(1000) };
-        assert_eq!(bypass.step::<f64>(&at(f64::NAN)).drive, [7.0, 0.0, 0.0]);
+        let at = |x: f64| Input { command: [x, 0.0, 0.0], feedback: [7.0, 1.0, 2.0], ..Input::at_rest(1000) };
+        assert_eq!(bypass.step::<f64>(&at(f64::NAN)).drive, [7.0, 1.0, 2.0]);
         assert_eq!(bypass.step::<f64>(&at(3.0)).drive, [3.0, 0.0, 0.0]);
         let held = bypass.step::<f64>(&at(f64::INFINITY));
         assert_eq!(held.drive, [3.0, 0.0, 0.0]);
@@ -117,5 +142,32 @@ mod tests {
         bypass.step::<f64>(&at(5.0));
         let held = bypass.step::<f64>(&at(f64::NAN));
         assert_eq!((held.record.sequence, held.drive), (0, [5.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn nothing_goes_out_before_a_command_or_every_reading_is_known() {
+        let mut bypass = Bypass::<f64, 3>::new(Fault::TablesRefused);
+        let at = |feedback, encoder_alarm| Input {
+            command: [f64::NAN; 3],
+            feedback,
+            encoder_alarm,
+            ..Input::at_rest(1000)
+        };
+        for feedback in [[f64::NAN; 3], [5.0, f64::INFINITY, 1e10]] {
+            let out = bypass.step::<f64>(&at(feedback, 0));
+            assert!(!out.has_drive() && out.stop_requested());
+            assert!(out.record.feedback.iter().chain(&out.feedback).all(|x| x.is_finite()));
+        }
+        assert!(!bypass.step::<f64>(&at([6.0, 7.0, 8.0], 0b100)).has_drive());
+        // X has gone out again: its last reading counts.
+        let out = bypass.step::<f64>(&at([f64::NAN, 7.5, 8.0], 0));
+        assert!(out.has_drive() && out.stop_requested());
+        assert_eq!((out.drive, out.record.command), ([6.0, 7.5, 8.0], [6.0, 7.5, 8.0]));
+        assert_eq!(bypass.step::<f64>(&at([9.0; 3], 0)).drive, [6.0, 7.5, 8.0]);
+        // A usable command needs no reading.
+        let mut bypass = Bypass::<f64, 3>::new(Fault::TablesRefused);
+        let out = bypass.step::<f64>(&Input { command: [1.0, 2.0, 3.0], ..at([f64::NAN; 3], 0) });
+        assert!(out.has_drive() && !out.stop_requested());
+        assert_eq!((out.drive, out.feedback), ([1.0, 2.0, 3.0], [1.0, 2.0, 3.0]));
     }
 }

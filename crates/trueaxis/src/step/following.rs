@@ -4,6 +4,7 @@
 
 use super::{Output, ServoLoop, State, points};
 use crate::contour::{Commanded, ContourError};
+use crate::error::Fault;
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::Input;
@@ -22,15 +23,20 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         commanded: &mut Commanded<R, P, K>,
     ) -> Output<R, P, N> {
         let sample = self.sampler.read(&mut state.sample, input);
-        if let [x, y, z, ..] = sample.command[..] {
-            commanded.append([x, y, z]);
+        if let ([x, y, z, ..], true) = (&sample.command[..], !sample.verdict.holds()) {
+            commanded.append([*x, *y, *z]);
         }
         let modelled = self.model::<false>(state, &sample);
         let contour = match points(&sample, &modelled) {
             Some(points) => points.map(|point| commanded.contour_error(point)),
             None => [ContourError::none(); 2],
         };
-        self.finish_measured(state, &sample, &modelled, contour, |_| ())
+        let output = self.finish_measured(state, &sample, &modelled, contour, |_| ());
+        if output.record.fault == Fault::JointRange {
+            // The command that was not sent is no part of the way.
+            commanded.restart();
+        }
+        output
     }
 }
 

@@ -9,7 +9,7 @@ use crate::kinematics::{Follow, InverseError, Kinematics, Tool};
 use crate::machine::{AXES, Axis};
 use crate::position::Position;
 use crate::real::Real;
-use crate::sample::{Input, Verdict};
+use crate::sample::Input;
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// One servo cycle with the tool commanded in workpiece coordinates: the tip (mm) and the direction (unit vector).
@@ -50,10 +50,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             Err(error) => (state.sample.commanded(), self.refusal(&error, tool)),
         };
         let sample = self.sampler.read_unless(&mut state.sample, &Input { command, ..*input }, refused);
-        if sample.verdict == Verdict::Hold {
+        let done = self.finish_with_tool(state, &sample, path, reference, kinematics);
+        if done.0.stop_requested() {
             *follow = before;
         }
-        self.finish_with_tool(state, &sample, path, reference, kinematics)
+        done
     }
 
     /// Joints as positions of the step's axes.

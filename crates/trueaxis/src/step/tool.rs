@@ -79,8 +79,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             return ([ContourError::none(); 2], OrientationError::none());
         }
         let seen = self.seen(&sample.feedback, modelled, kinematics);
-        let at_tip = self.search.update(&mut state.tip, &path.path, reference, position(seen.estimated.tip));
-        let at_encoder = self.search.update(&mut state.encoder, &path.path, reference, position(seen.encoder));
+        let (tip, encoder) = (position(seen.estimated.tip), position(seen.encoder));
+        let [at_tip, at_encoder] = self.search_both(state, &path.path, reference, tip, encoder);
         let of_axes = |[a, b, c]: [R; 3]| kinematics.direction(&[R::ZERO, R::ZERO, R::ZERO, a, b, c]);
         let orientation = path.orientation(reference, &at_tip, seen.estimated.axis, of_axes);
         ([at_tip, at_encoder], orientation)

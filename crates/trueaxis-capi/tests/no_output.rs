@@ -1,0 +1,86 @@
+//! Neither a usable command nor a usable reading: the drives' part of the output is not written, and the status says so.
+#![allow(unsafe_code)]
+
+mod machines;
+
+use machines::*;
+use std::ptr::{null, null_mut};
+use trueaxis_capi::*;
+
+/// What no machine can mean: infinite, or the end of the integers' range.
+const NONE: f64 = f64::INFINITY;
+const BEFORE: f64 = 123.0;
+
+/// Runs the three cycles that matter: nothing known, Z missing by its alarm, everything read; then the reset.
+fn from_nowhere(mut step: impl FnMut(&Input, &mut Output) -> Status, latched: bool) {
+    let stands = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];
+    let mut out = output();
+    out.drive = [position(BEFORE); AXES_MAX];
+    for (feedback, alarm) in [([NONE; 6], 0), (stands, 0b100)] {
+        let blind = Input { encoder_alarm: alarm, ..input([NONE; 6], feedback) };
+        assert_eq!(step(&blind, &mut out), ERROR_NO_OUTPUT);
+        assert_eq!(out.drive, [position(BEFORE); AXES_MAX], "not written");
+        // The rest is.
+        assert_eq!((out.axes, out.size as usize), (3, size_of::<Output>()));
+        assert_eq!(out.record.status & STATUS_NO_OUTPUT, STATUS_NO_OUTPUT);
+        assert_eq!(out.record.status & STATUS_STOP_REQUEST, STATUS_STOP_REQUEST);
+        assert_ne!(out.record.fault, FAULT_NONE);
+    }
+    assert_eq!(out.record.sequence, 1, "the cycles were done");
+    assert_eq!(step(&input([NONE; 6], stands), &mut out), OK);
+    let held = stands.map(position);
+    assert_eq!((out.drive[..3].to_vec(), out.record.status & STATUS_NO_OUTPUT), (held[..3].to_vec(), 0));
+    assert_eq!(step(&input([NONE; 6], [1.0; 6]), &mut out), OK);
+    assert_eq!(out.drive[..3], held[..3], "held");
+    if latched {
+        assert_eq!(step(&input(stands, stands), &mut out), OK);
+        assert_eq!(out.record.status & STATUS_STOP_REQUEST, STATUS_STOP_REQUEST);
+        assert_eq!(step(&Input { reset: 1, ..input(stands, stands) }, &mut out), OK);
+    } else {
+        assert_eq!(step(&input(stands, stands), &mut out), OK);
+    }
+    assert_eq!((out.record.status & STATUS_STOP_REQUEST, out.drive[2]), (0, held[2]));
+}
+
+#[test]
+fn a_step_from_nowhere_writes_no_drives() {
+    let built = built(mill());
+    let mut state = started(&built.servo);
+    from_nowhere(|given, out| machines::step(&built.servo, &mut state, given, out), true);
+}
+
+#[test]
+fn a_step_following_its_commands_writes_none_either() {
+    let built = built(mill());
+    let mut state = started(&built.servo);
+    let mut window = zeroed::<Follow>();
+    // SAFETY: everything is as the types say.
+    unsafe {
+        assert_eq!(trueaxis_follow_start(&mut *window, size_of::<Follow>(), null(), 0.005), OK);
+        from_nowhere(
+            |given, out| trueaxis_step_following(&*built.servo, &mut *state, given, &mut *window, out),
+            true,
+        );
+    }
+}
+
+#[test]
+fn nor_does_a_bypass() {
+    let mut bypass = zeroed::<Loop>();
+    // SAFETY: everything is as the types say.
+    let status =
+        unsafe { trueaxis_loop_bypass(&mut *bypass, size_of::<Loop>(), 3, FAULT_TABLES_REFUSED, PERIOD_NS) };
+    assert_eq!(status, OK);
+    let mut state = started(&bypass);
+    from_nowhere(|given, out| machines::step(&bypass, &mut state, given, out), false);
+}
+
+#[test]
+fn refused_pointers_are_still_refused_first() {
+    let built = built(mill());
+    let mut state = started(&built.servo);
+    let blind = input([NONE; 6], [NONE; 6]);
+    // SAFETY: what is wrong is null.
+    let status = unsafe { trueaxis_step(&*built.servo, &mut *state, &blind, null(), null(), null_mut()) };
+    assert_eq!(status, ERROR_NULL);
+}

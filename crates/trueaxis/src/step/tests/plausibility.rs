@@ -1,0 +1,241 @@
+//! When a command or a reading is believed: each rule by itself, at its limit.
+
+use super::*;
+
+/// Largest plausible step of the command in a cycle: twice 500 mm/s.
+const STEP: f64 = 0.1;
+
+fn standing(at: f64) -> Bench {
+    let mut bench = Bench::new();
+    bench.settle([at; 3]);
+    bench
+}
+
+#[test]
+fn a_late_cycle_excuses_as_large_a_step_as_it_took_periods_up_to_sixteen() {
+    let cases = [
+        (PERIOD_NS, 1.0),
+        (PERIOD_NS + PERIOD_NS / 4, 1.0),
+        (2 * PERIOD_NS, 2.0),
+        (15 * PERIOD_NS + PERIOD_NS / 2, 15.5),
+        (16 * PERIOD_NS, 16.0),
+        (17 * PERIOD_NS, 16.0),
+        (1 << 31, 16.0),
+        ((1 << 31) + PERIOD_NS, 16.0),
+        (u32::MAX, 16.0),
+    ];
+    for (elapsed_ns, periods) in cases {
+        for (part, fits) in [(0.999, true), (1.001, false), (-0.999, true), (-1.001, false)] {
+            let mut bench = standing(50.0);
+            let way = part * periods * STEP;
+            // The reading follows by less than its own limit.
+            let out = bench.cycle(&Input { elapsed_ns, feedback: [50.01; 3], ..input([50.0, 50.0 + way, 50.0]) });
+            let late = periods > 1.0;
+            let expected = match (fits, late) {
+                (true, true) => Fault::LateCycle,
+                (true, false) => Fault::None,
+                _ => Fault::CommandJump,
+            };
+            assert_eq!(out.record.fault, expected, "{elapsed_ns} ns, {way} mm");
+            assert!(fits || out.record.fault_axis == 1);
+        }
+    }
+}
+
+#[test]
+fn the_plausible_jump_of_a_reading_grows_with_every_one_that_is_missing() {
+    // Largest step of the axis and 0.02 mm.
+    let limit = STEP + 0.02;
+    for missing in [0, 1, 2, 7] {
+        for sign in [1.0, -1.0] {
+            for (part, believed) in [(0.999, true), (1.001, false)] {
+                let mut bench = standing(50.0);
+                for _ in 0..missing {
+                    let gone = Input { feedback: [50.0, 50.0, f64::NAN], ..input([50.0; 3]) };
+                    assert_eq!(bench.cycle(&gone).record.fault, Fault::FeedbackNotFinite);
+                }
+                let z = 50.0 + sign * part * limit * f64::from(1 + missing);
+                let back = Input { feedback: [50.0, 50.0, z], ..input([50.0; 3]) };
+                let out = bench.cycle(&back);
+                if believed {
+                    assert_eq!((out.record.fault, out.record.feedback[2]), (Fault::None, z));
+                    // From here on the limit is that of one cycle again.
+                    let next = Input { feedback: [50.0, 50.0, z + 1.001 * limit], ..input([50.0; 3]) };
+                    assert_eq!(bench.cycle(&next).record.fault, Fault::FeedbackJump);
+                } else {
+                    let fault = (out.record.fault, out.record.fault_axis, out.record.feedback[2]);
+                    assert_eq!(fault, (Fault::FeedbackJump, 2, 50.0));
+                    // Not believed is missing too: the next cycle has room for it.
+                    assert_eq!(bench.cycle(&back).record.fault, Fault::None);
+                }
+            }
+        }
+    }
+}
+
+/// Goes on by as much a cycle while the X encoder stands; returns the fault of the last cycle.
+fn stuck(bench: &mut Bench, from: f64, steps: &[f64]) -> Fault {
+    let mut x = from;
+    let mut fault = Fault::None;
+    for step in steps {
+        x += step;
+        fault = bench.cycle(&Input { feedback: [from, 50.0, 50.0], ..input([x, 50.0, 50.0]) }).record.fault;
+    }
+    fault
+}
+
+#[test]
+fn a_stuck_encoder_is_found_in_either_direction_and_by_the_way_not_the_distance() {
+    // 0.2 mm, as a power of two so that the sums are exact to the cycle.
+    let step = 1.0 / 64.0;
+    for sign in [1.0, -1.0] {
+        let mut bench = standing(50.0);
+        assert_eq!(stuck(&mut bench, 50.0, &[sign * step; 12]), Fault::None, "0.1875 mm");
+        let mut bench = standing(50.0);
+        assert_eq!(stuck(&mut bench, 50.0, &[sign * step; 13]), Fault::EncoderStuck, "0.203 mm");
+    }
+    // To and fro.
+    let mut bench = standing(50.0);
+    let mut steps = [step; 13];
+    steps[6..].fill(-step);
+    assert_eq!(stuck(&mut bench, 50.0, &steps), Fault::EncoderStuck);
+    // Without a command no encoder is stuck.
+    let mut bench = standing(50.0);
+    assert_eq!(stuck(&mut bench, 50.0, &[0.0; 5000]), Fault::None);
+}
+
+#[test]
+fn a_reading_that_moves_or_a_switch_off_ends_the_suspicion() {
+    let step = 1.0 / 64.0;
+    // The least change of the reading.
+    let mut bench = standing(50.0);
+    assert_eq!(stuck(&mut bench, 50.0, &[-step; 12]), Fault::None);
+    let x = 50.0 - 12.0 * step;
+    bench.cycle(&Input { feedback: [50.0 - 1e-6, 50.0, 50.0], ..input([x, 50.0, 50.0]) });
+    for n in 1..=12 {
+        let at = x - f64::from(n) * step;
+        let out = bench.cycle(&Input { feedback: [50.0 - 1e-6, 50.0, 50.0], ..input([at, 50.0, 50.0]) });
+        assert_eq!(out.record.fault, Fault::None, "{n}");
+    }
+    let at = x - 13.0 * step;
+    let out = bench.cycle(&Input { feedback: [50.0 - 1e-6, 50.0, 50.0], ..input([at, 50.0, 50.0]) });
+    assert_eq!(out.record.fault, Fault::EncoderStuck);
+    // Switched off for a cycle: the way begins anew.
+    let mut bench = standing(50.0);
+    assert_eq!(stuck(&mut bench, 50.0, &[step; 12]), Fault::None);
+    let x = 50.0 + 12.0 * step;
+    let still = [50.0; 3];
+    bench.cycle(&Input { enable: false, feedback: still, ..input([x, 50.0, 50.0]) });
+    for n in 1..=12 {
+        let at = Input { feedback: still, ..input([x + f64::from(n) * step, 50.0, 50.0]) };
+        assert_eq!(bench.cycle(&at).record.fault, Fault::None, "{n}");
+    }
+}
+
+#[test]
+fn before_homing_positions_mean_nothing() {
+    let mut bench = Bench::new();
+    let raw = |command, feedback| Input { homed: false, feedback, ..input(command) };
+    let sequence = [
+        ([0.0; 3], [0.0; 3]),
+        ([5000.0, -5000.0, 0.0], [0.0; 3]),
+        ([0.0; 3], [-300.0, 300.0, 0.0]),
+        ([1.0; 3], [-300.0, 300.0, 0.0]),
+        ([111.0; 3], [1e8, 0.0, 0.0]),
+    ];
+    for (command, feedback) in sequence {
+        let out = bench.cycle(&raw(command, feedback));
+        assert_eq!((out.record.fault, out.drive, out.feedback), (Fault::None, command, feedback));
+        assert!(!out.record.status.has(Status::ACTIVE));
+    }
+    // What is no number is no position either.
+    let out = bench.cycle(&raw([f64::NAN, 0.0, 0.0], [0.0; 3]));
+    assert_eq!(out.record.fault, Fault::CommandNotFinite);
+}
+
+#[test]
+fn enabling_looks_at_travel_and_readings_but_not_back_at_the_command() {
+    let off = |at: [f64; 3]| Input { enable: false, ..input(at) };
+    for homed in [true, false] {
+        // Homing and switching on may change the command by anything …
+        let mut bench = Bench::new();
+        bench.cycle(&Input { homed, ..off([20.0; 3]) });
+        let on = Input { feedback: [20.0; 3], ..input([60.0; 3]) };
+        let out = bench.cycle(&on);
+        assert_eq!((out.record.fault, out.record.command), (Fault::None, [60.0; 3]));
+        // … from then on it is watched,
+        let out = bench.cycle(&Input { feedback: [20.0; 3], ..input([60.0, 60.0, 60.0 + 1.001 * STEP]) });
+        assert_eq!((out.record.fault, out.record.fault_axis), (Fault::CommandJump, 2));
+        // and the travel at once.
+        let mut bench = Bench::new();
+        bench.cycle(&Input { homed, ..off([20.0; 3]) });
+        let out = bench.cycle(&input([20.0, 110.001, 20.0]));
+        assert_eq!((out.record.fault, out.record.fault_axis), (Fault::CommandOutOfTravel, 1));
+    }
+    // A reading is held against the last one already in that cycle, unless it is the first of all.
+    let mut bench = Bench::new();
+    bench.cycle(&off([20.0; 3]));
+    assert_eq!(bench.cycle(&Input { feedback: [20.0, 21.0, 20.0], ..input([20.0; 3]) }).record.fault, Fault::FeedbackJump);
+    let mut bench = Bench::new();
+    assert_eq!(bench.cycle(&Input { feedback: [90.0; 3], ..input([20.0; 3]) }).record.fault, Fault::None);
+}
+
+#[test]
+fn readings_are_watched_while_the_output_holds() {
+    let limit = STEP + 0.02;
+    let mut bench = standing(50.0);
+    let held = |feedback| Input { feedback, ..input([50.0, f64::NAN, 50.0]) };
+    bench.cycle(&held([50.0; 3]));
+    // A glitch is not believed, though the fault that is told stays the stop's.
+    let out = bench.cycle(&held([50.0 + 1.001 * limit, 50.0, 50.0]));
+    assert_eq!((out.record.fault, out.record.feedback[0]), (Fault::CommandNotFinite, 50.0));
+    // One missing: twice the limit.
+    let out = bench.cycle(&held([50.0 + 1.999 * limit, 50.0, 50.0]));
+    assert_eq!(out.record.feedback[0], 50.0 + 1.999 * limit);
+    // An axis that coasts is followed all the way.
+    let mut x = 50.0 + 1.999 * limit;
+    for _ in 0..100 {
+        x -= 0.999 * limit;
+        assert_eq!(bench.cycle(&held([x, 50.0, 50.0])).record.feedback[0], x);
+    }
+    // After a stop before homing, positions may be set anew: any reading is believed.
+    let mut bench = Bench::new();
+    bench.cycle(&Input { homed: false, ..input([50.0; 3]) });
+    let unhomed = |x| Input { homed: false, ..held([x, 50.0, 50.0]) };
+    bench.cycle(&unhomed(50.0));
+    assert_eq!(bench.cycle(&unhomed(-400.0)).record.feedback[0], -400.0);
+}
+
+#[test]
+fn a_reset_with_a_command_out_of_travel_is_not_heard() {
+    let mut bench = standing(109.99);
+    let at = |x: f64| input([x, 109.99, 109.99]);
+    let before = bench.cycle(&at(109.99));
+    bench.cycle(&Input { feedback: [109.99; 3], ..at(f64::NAN) });
+    // Within the 0.05 mm of the held command, but beyond the travel.
+    let out = bench.cycle(&Input { reset: true, ..at(110.001) });
+    assert_eq!((out.record.fault, out.drive), (Fault::CommandNotFinite, before.drive));
+    bench.cycle(&at(109.99));
+    let out = bench.cycle(&Input { reset: true, ..at(110.0) });
+    assert!(!out.stop_requested());
+    // Nor one that is no number, nor one too far away.
+    bench.cycle(&Input { feedback: [109.99; 3], ..at(f64::NAN) });
+    for bad in [f64::NAN, f64::INFINITY, 109.949, 1e300] {
+        bench.cycle(&at(110.0));
+        assert!(bench.cycle(&Input { reset: true, feedback: [109.99; 3], ..at(bad) }).stop_requested(), "{bad}");
+    }
+    bench.cycle(&at(110.0));
+    assert!(!bench.cycle(&Input { reset: true, ..at(109.951) }).stop_requested());
+}
+
+/// An axis so slow that the way to the held command is a jump: near excuses it.
+#[test]
+fn a_reset_is_heard_where_the_way_back_is_more_than_a_cycles() {
+    let servo = servo_loop_with(1.0, |axis| axis.max_feed_per_s = 100.0);
+    let mut bench = Bench::on(servo);
+    bench.settle([50.0; 3]);
+    bench.cycle(&Input { feedback: [50.0; 3], ..input([50.03, 50.0, 50.0]) });
+    let out = bench.cycle(&Input { reset: true, feedback: [50.0; 3], ..input([50.04, 50.0, 50.0]) });
+    assert!(!out.stop_requested());
+    assert_eq!(out.record.command[0], 50.04);
+}

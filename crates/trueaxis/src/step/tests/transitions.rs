@@ -1,0 +1,354 @@
+//! Into and out of every state: hold, freeze, disable, joint range, exchange; and before there is a place to hold.
+
+use super::*;
+
+/// X tables of 90 µm, enabled for 40 ms, one command that is no number, held for 1,000 cycles.
+#[test]
+fn a_held_correction_is_held_and_goes_on_from_there() {
+    let mut bench = Bench::on(servo_loop(10.0));
+    let at = input([30.0, 40.0, 50.0]);
+    for _ in 0..400 {
+        bench.cycle(&at);
+    }
+    let before = bench.cycle(&at);
+    assert!(before.record.limited != 0, "still on its way");
+    for _ in 0..1000 {
+        // Bench looks at every bit.
+        let out = bench.cycle(&Input { feedback: at.feedback, ..input([f64::NAN; 3]) });
+        assert_eq!(out.record.correction, before.record.correction);
+        assert_eq!(out.feedback, [0, 1, 2].map(|k| at.feedback[k] - before.record.correction[k]));
+    }
+    let out = bench.cycle(&Input { reset: true, ..at });
+    assert!(!out.stop_requested());
+    for k in 0..3 {
+        let moved = (out.drive[k] - before.drive[k]).abs();
+        assert!(moved <= 200.0 * T * T * (1.0 + 1e-6), "from rest, within the acceleration: {moved}");
+    }
+    let out = bench.settle(at.command);
+    assert!((out.record.correction[0] - before.record.correction[0]).abs() > 0.01);
+}
+
+/// A machine whose joints end with the travel: near its end a correction outward has no room.
+fn tight(scale: f64) -> &'static Loop {
+    servo_loop_with(scale, |axis| axis.joint = axis.travel)
+}
+
+#[test]
+fn a_drive_beyond_the_joint_is_not_sent_at_either_end() {
+    // Corrections outward: positive errors pull the command down, negative ones up.
+    for (scale, end, inward) in [(1.0, -10.0, 1.0), (-1.0, 110.0, -1.0)] {
+        let mut bench = Bench::on(tight(scale));
+        let far = |way: f64| [end + inward * way, 50.0, 50.0];
+        let mut way = 0.5;
+        bench.settle(far(way));
+        let mut last = bench.cycle(&input(far(way)));
+        assert!((last.record.correction[0] * inward) < -0.005);
+        loop {
+            way -= 0.001;
+            let out = bench.cycle(&input(far(way)));
+            if out.stop_requested() {
+                assert_eq!((out.record.fault, out.record.fault_axis), (Fault::JointRange, 0));
+                assert!(!out.record.status.has(Status::ACTIVE), "nothing is followed in this cycle");
+                assert_eq!(out.record.limited, 0);
+                assert_eq!((out.drive, out.record.command), (last.drive, last.record.command));
+                assert_eq!(out.record.correction, last.record.correction);
+                break;
+            }
+            assert!((out.drive[0] - end) * inward >= 0.0, "{} beyond {end}", out.drive[0]);
+            last = out;
+        }
+        assert!((last.drive[0] - end).abs() < 0.0011, "held at {}", last.drive[0]);
+        // Latched: a command that would fit holds too, and a reset with the one that does not fit latches again.
+        let held = bench.cycle(&input(far(0.5)));
+        assert!(held.stop_requested() && held.drive == last.drive && held.record.fault == Fault::JointRange);
+        let again = bench.cycle(&Input { reset: true, ..input(far(way)) });
+        assert_eq!((again.record.fault, again.drive), (Fault::JointRange, last.drive));
+        // Near the held command, and fitting: released.
+        bench.cycle(&input(far(way + 0.02)));
+        let out = bench.cycle(&Input { reset: true, ..input(far(way + 0.02)) });
+        assert!(!out.stop_requested() && out.record.status.has(Status::ACTIVE));
+        assert!((out.drive[0] - last.drive[0]).abs() < 0.03);
+        // Away from the end for good, the machine goes on; at the end of the others nothing is in the way.
+        let out = bench.cycle(&input(far(way + 0.1)));
+        assert_eq!(out.record.fault, Fault::None);
+    }
+}
+
+#[test]
+fn a_drive_beyond_the_joint_is_not_sent_while_frozen_either() {
+    let mut bench = Bench::on(tight(1.0));
+    bench.settle([50.0, 109.9, 50.0]);
+    let mut last = bench.cycle(&input([50.0, 109.9, 50.0]));
+    for n in 1..200 {
+        let command = [50.0, 109.9 + 0.001 * f64::from(n), 50.0];
+        let out = bench.cycle(&Input { encoder_alarm: 1, ..input(command) });
+        if out.stop_requested() {
+            assert_eq!((out.record.fault, out.record.fault_axis), (Fault::JointRange, 1));
+            assert!(!out.record.status.has(Status::FROZEN));
+            assert_eq!((out.drive, out.record.correction), (last.drive, last.record.correction));
+            // The alarm may go or stay: the stop is latched.
+            assert!(bench.cycle(&input([50.0, 109.9, 50.0])).stop_requested());
+            return;
+        }
+        assert!(out.record.status.has(Status::FROZEN));
+        assert!(out.drive[1] <= 110.0, "{}", out.drive[1]);
+        last = out;
+    }
+    panic!("sent beyond the joint: {}", last.drive[1]);
+}
+
+#[test]
+fn switched_off_the_joint_is_the_hosts() {
+    let mut bench = Bench::on(tight(-1.0));
+    let at = Input { enable: false, ..input([110.0, 50.0, 50.0]) };
+    bench.cycle(&at);
+    let out = bench.cycle(&Input { command: [111.0, 50.0, 50.0], ..at });
+    assert_eq!((out.drive[0], out.record.fault), (111.0, Fault::None));
+}
+
+#[test]
+fn a_way_that_was_not_sent_is_no_part_of_the_commanded_path() {
+    let servo = tight(-1.0);
+    let mut state = servo.start(PERIOD_NS).unwrap();
+    let mut commanded = crate::contour::Commanded::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
+    let mut held = None;
+    for n in 0..6000 {
+        let x = 109.9 + 2e-5 * f64::from(n);
+        let out = servo.step_following(&mut state, &input([x.min(110.0), 50.0, 50.0]), &mut commanded);
+        if out.stop_requested() {
+            assert_eq!(out.record.fault, Fault::JointRange);
+            let at = out.record.command[0];
+            assert!(at < x);
+            // Off again from there: nothing of the rejected command is left in the path.
+            for n in 0..300 {
+                let back = Input { reset: n == 1, ..input([at - 1e-4 * f64::from(n), 50.0, 50.0]) };
+                let out = servo.step_following(&mut state, &back, &mut commanded);
+                let off = out.record.encoder.vector[0];
+                assert!(out.record.encoder.error < 1e-9 || !out.record.encoder.is_measured(), "{n}: {off}");
+            }
+            held = Some(at);
+            break;
+        }
+    }
+    assert!(held.is_some());
+}
+
+#[test]
+fn a_bad_command_in_the_very_first_cycle_stays_where_the_machine_stands() {
+    let mut bench = Bench::new();
+    let stands = [1.0, 2.0, 3.0];
+    for _ in 0..3 {
+        let out = bench.cycle(&Input { feedback: stands, ..input([f64::NAN; 3]) });
+        assert!(out.stop_requested() && out.has_drive());
+        assert_eq!((out.drive, out.record.command), (stands, stands));
+    }
+    // Elsewhere no reset is heard; there one is, and it is a first cycle.
+    let away = Input { feedback: stands, reset: true, ..input([1.2, 2.0, 3.0]) };
+    assert!(bench.cycle(&away).stop_requested());
+    bench.cycle(&input(stands));
+    let near = [1.04, 2.0, 3.0];
+    let out = bench.cycle(&Input { reset: true, feedback: stands, ..input(near) });
+    assert!(!out.stop_requested());
+    assert_eq!((out.drive, out.record.correction), (near, [0.0; 3]));
+    assert!(bench.settle(near).record.correction[0] < -0.005);
+}
+
+/// Neither a usable command nor a usable reading: nothing may go out, least of all zero.
+#[test]
+fn there_is_no_output_before_a_command_or_every_reading_is_known() {
+    let mut bench = Bench::new();
+    let blind = |feedback| Input { feedback, ..input([f64::NAN; 3]) };
+    for feedback in [[f64::NAN; 3], [7.0, f64::INFINITY, 9.0], [7.0, f64::NAN, 2e9]] {
+        let out = bench.cycle(&blind(feedback));
+        assert!(!out.has_drive() && out.stop_requested());
+        assert!(out.record.status.has(Status::NO_OUTPUT));
+        assert!(out.record.feedback.iter().all(|x| x.is_finite()));
+    }
+    // An encoder that reports an alarm has not been read, and a reset is not heard.
+    let alarm = Input { encoder_alarm: 0b010, ..blind([7.5, 8.0, 9.0]) };
+    assert!(!bench.cycle(&alarm).has_drive());
+    let reset = Input { reset: true, encoder_alarm: 0b010, ..input([0.0; 3]) };
+    assert!(!bench.cycle(&reset).has_drive());
+    // Y is read at last, while X is out again: the last reading of each is where the machine stands.
+    let out = bench.cycle(&blind([f64::NAN, 8.0, 0.0]));
+    assert!(out.has_drive() && out.stop_requested());
+    let held = [0.0, 8.0, 0.0];
+    assert_eq!((out.drive, out.record.command), (held, held));
+    for feedback in [[f64::NAN; 3], [50.0; 3]] {
+        assert_eq!(bench.cycle(&blind(feedback)).drive, held);
+    }
+    let out = bench.cycle(&Input { reset: true, feedback: held, ..input(held) });
+    assert!(!out.stop_requested() && out.has_drive());
+    assert_eq!(out.drive, held);
+}
+
+#[test]
+fn without_readings_a_usable_first_command_is_output() {
+    let mut bench = Bench::new();
+    let out = bench.cycle(&Input { feedback: [f64::NAN; 3], ..input([5.0; 3]) });
+    assert!(out.has_drive() && !out.stop_requested());
+    assert_eq!(out.drive, [5.0; 3]);
+    assert_eq!(out.record.fault, Fault::FeedbackNotFinite);
+    assert_eq!(out.record.feedback, [5.0; 3], "the command stands in");
+}
+
+#[test]
+fn integers_know_no_place_from_a_saturated_reading() {
+    use crate::position::Nanometres;
+    let servo = servo_loop_with::<f32, Nanometres>(1.0, |_| ());
+    let mut state = servo.start(PERIOD_NS).unwrap();
+    let none = Path::new(&[], 0, false);
+    let saturated = Nanometres(i32::MAX);
+    let mut cycle = |command, feedback| {
+        let input =
+            Input { command: [command; 3], feedback: [feedback; 3], homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
+        servo.step(&mut state, &input, &none, Reference { span: 0, t: 0.0 })
+    };
+    let out = cycle(saturated, saturated);
+    assert!(!out.has_drive() && out.record.fault == Fault::CommandNotFinite);
+    let out = cycle(saturated, Nanometres(5_000_000));
+    assert_eq!((out.has_drive(), out.drive), (true, [Nanometres(5_000_000); 3]));
+}
+
+#[test]
+fn a_jump_of_the_whole_range_of_integers_is_a_jump() {
+    use crate::position::Nanometres;
+    let ends = [Nanometres(i32::MIN + 2), Nanometres(i32::MAX - 1)];
+    let wide = |axis: &mut AxisSettings| {
+        axis.travel = ends.map(Position::to_f64);
+        axis.joint = axis.travel;
+    };
+    let servo = servo_loop_with::<f32, Nanometres>(1.0, wide);
+    let none = Path::new(&[], 0, false);
+    let given = |command: Nanometres, feedback: Nanometres| Input {
+        command: [command; 3],
+        feedback: [feedback; 3],
+        homed: true,
+        enable: true,
+        ..Input::at_rest(PERIOD_NS)
+    };
+    let step = |state: &mut _, input: &_| servo.step(state, input, &none, Reference { span: 0, t: 0.0 });
+    // The difference is 2^32 − 3 nm: wrapped, it is 3 nm.
+    let [low, high] = ends;
+    for (from, to) in [(low, high), (high, low)] {
+        let mut state = servo.start(PERIOD_NS).unwrap();
+        step(&mut state, &given(from, from));
+        assert_eq!(step(&mut state, &given(to, from)).record.fault, Fault::CommandJump);
+        let mut state = servo.start(PERIOD_NS).unwrap();
+        step(&mut state, &given(from, from));
+        assert_eq!(step(&mut state, &given(from, to)).record.fault, Fault::FeedbackJump);
+        // Saturated it is a dropout.
+        let end = Nanometres(if to == high { i32::MAX } else { i32::MIN });
+        assert_eq!(step(&mut state, &given(from, end)).record.fault, Fault::FeedbackNotFinite);
+        // Nor is the other end near where the output holds.
+        step(&mut state, &given(to, from));
+        let reset = Input { reset: true, ..given(to, from) };
+        assert!(step(&mut state, &reset).stop_requested());
+    }
+}
+
+/// What a cycle of the random sequence does.
+#[derive(Clone, Copy, Debug)]
+enum Do {
+    /// Goes on at a speed, mm per cycle and axis.
+    Go([f64; 3]),
+    NoNumber,
+    Jump,
+    OutOfTravel,
+    Dropout,
+    Alarm,
+    Late(u32),
+    Disable,
+    Unhomed,
+    Exchange,
+    /// A reset, this far from the held command.
+    Reset(f64),
+}
+
+fn any_doing() -> impl Strategy<Value = (Do, u16)> {
+    let speed = || -0.09..0.09f64;
+    prop_oneof![
+        6 => ([speed(), speed(), speed()].prop_map(Do::Go), 1..400u16),
+        2 => (Just(Do::Go([0.0; 3])), 1..400u16),
+        2 => (Just(Do::NoNumber), 1..60u16),
+        1 => (Just(Do::Jump), 1..3u16),
+        1 => (Just(Do::OutOfTravel), 1..3u16),
+        2 => (Just(Do::Dropout), 1..200u16),
+        1 => (Just(Do::Alarm), 1..200u16),
+        1 => ((0..u32::MAX).prop_map(Do::Late), 1..3u16),
+        2 => (Just(Do::Disable), 1..300u16),
+        1 => (Just(Do::Unhomed), 1..300u16),
+        3 => (Just(Do::Exchange), 1..2u16),
+        6 => ((-0.05..0.05f64).prop_map(Do::Reset), 1..3u16),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2_000, ..ProptestConfig::default() })]
+
+    /// `drive − command` keeps magnitude, slope and acceleration in every cycle, whatever comes after whatever; while the
+    /// output holds, nothing moves at all.
+    #[test]
+    fn the_limits_hold_in_every_cycle(
+        sequence in prop::collection::vec(any_doing(), 1..40),
+        start in (0.0..100.0f64, -9.9..109.9f64, prop_oneof![Just(-10.0), Just(110.0), 0.0..100.0f64]),
+    ) {
+        // Ten times the errors: corrections run into their magnitude, and at the ends into the joint.
+        let narrow = |axis: &mut AxisSettings| {
+            axis.joint = axis.travel;
+            axis.limits = crate::machine::Limits { magnitude: 0.06, slope_per_s: 0.5, ..axis.limits };
+        };
+        let tables = [tight(9.0), tight(-4.0), servo_loop_with(-9.0, narrow)];
+        let mut bench = Bench::on(tables[0]);
+        let (mut next, mut at) = (0, <[f64; 3]>::from(start));
+        let (mut sent, mut before, mut last) = ([0.0; 3], [0.0; 3], None::<Out>);
+        for (what, cycles) in sequence {
+            for n in 0..cycles {
+                let mut given = input(at);
+                match what {
+                    Do::Go(speed) => {
+                        for k in 0..3 {
+                            at[k] = (at[k] + speed[k]).clamp(-10.0, 110.0);
+                        }
+                        given = input(at);
+                    }
+                    Do::NoNumber => given.command[1] = f64::NAN,
+                    Do::Jump => given.command[0] = 50.0,
+                    Do::OutOfTravel => given.command[2] = 110.01,
+                    Do::Dropout => given.feedback[0] = f64::INFINITY,
+                    Do::Alarm => {
+                        at[1] = (at[1] + 0.05).clamp(-10.0, 110.0);
+                        given = Input { encoder_alarm: 0b110, ..input(at) };
+                    }
+                    Do::Late(ns) => given.elapsed_ns = ns,
+                    Do::Disable => given.enable = false,
+                    Do::Unhomed => given.homed = false,
+                    Do::Exchange => {
+                        next += 1;
+                        bench.active = tables[next % 3];
+                    }
+                    Do::Reset(off) => {
+                        given.reset = n % 2 == 1;
+                        if let Some(last) = last.filter(Out::stop_requested) {
+                            at = last.record.command.map(|x| (x + off).clamp(-10.0, 110.0));
+                            given = Input { reset: n % 2 == 1, ..input(at) };
+                        }
+                    }
+                }
+                let out = bench.cycle(&given); // against its own limits and rules
+                // And once more from outside: what the drives got against what was commanded.
+                for k in 0..3 {
+                    let c = out.drive[k] - out.record.command[k];
+                    let v = c - sent[k];
+                    let held = out.stop_requested();
+                    prop_assert!(c.abs() <= 0.1 + 1e-9);
+                    prop_assert!(!held || last.is_none_or(|last| last.drive[k].to_bits() == out.drive[k].to_bits()));
+                    prop_assert!(held || v.abs() <= 1e-4 + 1e-9, "slope {v} after {what:?}");
+                    prop_assert!(held || (v - before[k]).abs() <= 2e-6 + 1e-9, "acceleration after {what:?}");
+                    (sent[k], before[k]) = (c, if held { 0.0 } else { v });
+                }
+                last = Some(out);
+            }
+        }
+    }
+}
