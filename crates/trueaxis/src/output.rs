@@ -27,6 +27,11 @@ impl<R: Real, P: Position, const N: usize> ReleaseState<R, P, N> {
     pub(crate) fn new() -> Self {
         ReleaseState { limited: [Limited::default(); N], drive: [P::default(); N] }
     }
+
+    /// The corrections sent last, mm (deg).
+    pub(crate) fn sent(&self) -> impl Iterator<Item = R> + '_ {
+        self.limited.iter().map(Limited::sent)
+    }
 }
 
 /// What goes out in a cycle.

@@ -140,7 +140,7 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
     let axis = drive.axis;
     if axis.is_rotary() {
         let (least, most) = contribution(machine, drive, rows(axis), axis.index(), own);
-        let sense = f64::from(drive.direction) * if carries_workpiece(machine, axis) { -1.0 } else { 1.0 };
+        let sense = sense(machine, drive);
         let ends = [least.to_degrees() * sense, most.to_degrees() * sense];
         return (ends[0].min(ends[1]), ends[0].max(ends[1]));
     }
@@ -163,8 +163,10 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
     sum
 }
 
-fn carries_workpiece(machine: &MachineSettings, axis: Axis) -> bool {
-    crate::compensation::carries_workpiece(&machine.chain, axis)
+/// Sense in which the own angular error of a rotary axis adds to its reading, +1 or −1.
+pub(super) fn sense(machine: &MachineSettings, drive: &AxisSettings) -> f64 {
+    let carries_workpiece = crate::compensation::carries_workpiece(&machine.chain, drive.axis);
+    f64::from(drive.direction) * if carries_workpiece { -1.0 } else { 1.0 }
 }
 
 /// Command + correction stays inside the joint over the declared travel, whatever the other axes do.
