@@ -135,6 +135,8 @@ interpolation = "cubic"
 travel_mm = [-300.0, 300.0]
 measured_at_mm = [0.0, 0.0, -200.0]
 max_feed_mm_per_min = 15000.0
+encoder_resolution_um = 0.03
+hysteresis_um = 0.1
 
 [axis.X.thermal]
 expansion_um_per_m_k = 11.5
@@ -145,6 +147,8 @@ interpolation = "cubic"
 travel_mm = [-200.0, 200.0]
 measured_at_mm = [0.0, 0.0, -200.0]
 max_feed_mm_per_min = 15000.0
+encoder_resolution_um = 0.03
+hysteresis_um = 0.1
 backlash_um = 2.2
 
 [axis.Y.thermal]
@@ -156,6 +160,8 @@ interpolation = "cubic"
 travel_mm = [-400.0, 0.0]
 measured_at_mm = [0.0, 0.0, 0.0]
 max_feed_mm_per_min = 12000.0
+encoder_resolution_um = 0.03
+hysteresis_um = 0.1
 
 [axis.Z.thermal]
 offset_um_per_k = 2.0
@@ -253,31 +259,31 @@ table = "x.csv"
 interpolation = "cubic"
 travel_mm = [-250.0, 250.0]
 max_feed_mm_per_min = 24000.0
+encoder_resolution_um = 0.03
 
 [axis.X.limits]
 magnitude_um = 200.0
-slope_mm_per_s = 1.5
 
 [axis.Y]
 table = "y.csv"
 interpolation = "cubic"
 travel_mm = [-250.0, 250.0]
 max_feed_mm_per_min = 24000.0
+encoder_resolution_um = 0.03
 
 [axis.Y.limits]
 magnitude_um = 200.0
-slope_mm_per_s = 1.5
 
 [axis.Z]
 table = "z.csv"
 interpolation = "cubic"
 travel_mm = [-100.0, 400.0]
 max_feed_mm_per_min = 24000.0
+encoder_resolution_um = 0.03
 backlash_um = 1.5
 
 [axis.Z.limits]
 magnitude_um = 200.0
-slope_mm_per_s = 1.5
 
 [axis.A]
 table = "a.csv"
@@ -285,12 +291,14 @@ interpolation = "cubic"
 direction = -1
 travel_deg = [-120.0, 30.0]
 max_feed_deg_per_min = 9000.0
+encoder_resolution_urad = 0.21
 
 [axis.C]
 table = "c.csv"
 interpolation = "cubic"
 direction = -1
 max_feed_deg_per_min = 18000.0
+encoder_resolution_urad = 0.21
 travel_deg = [-36000.0, 36000.0]
 backlash_urad = 12.0
 
@@ -392,30 +400,35 @@ table = "x.csv"
 interpolation = "cubic"
 travel_mm = [-1000.0, 1000.0]
 max_feed_mm_per_min = 30000.0
+encoder_resolution_um = 0.03
 
 [axis.Y]
 table = "y.csv"
 interpolation = "cubic"
 travel_mm = [-600.0, 600.0]
 max_feed_mm_per_min = 30000.0
+encoder_resolution_um = 0.03
 
 [axis.Z]
 table = "z.csv"
 interpolation = "cubic"
 travel_mm = [-400.0, 400.0]
 max_feed_mm_per_min = 20000.0
+encoder_resolution_um = 0.03
 
 [axis.A]
 table = "a.csv"
 interpolation = "cubic"
 travel_deg = [-100.0, 100.0]
 max_feed_deg_per_min = 9000.0
+encoder_resolution_urad = 0.21
 
 [axis.C]
 table = "c.csv"
 interpolation = "cubic"
 travel_deg = [-36000.0, 36000.0]
 max_feed_deg_per_min = 18000.0
+encoder_resolution_urad = 0.21
 
 [location]
 A0Z_urad = 14.0
@@ -460,6 +473,7 @@ table = "x.csv"
 interpolation = "cubic"
 travel_mm = [-60.0, 60.0]
 max_feed_mm_per_min = 10000.0
+encoder_resolution_um = 0.03
 
 # The infeed correction follows the pin's harmonics at speed: a linear motor takes what a ball screw would not.
 [axis.X.limits]
@@ -470,6 +484,7 @@ acceleration_mm_per_s2 = 2000.0
 [axis.Z]
 travel_mm = [-400.0, 400.0]
 max_feed_mm_per_min = 10000.0
+encoder_resolution_um = 0.03
 
 [roundness]
 points = 1024
@@ -582,18 +597,21 @@ table = "x.csv"
 interpolation = "cubic"
 travel_mm = [-400.0, 400.0]
 max_feed_mm_per_min = 24000.0
+encoder_resolution_um = 0.03
 
 [axis.Y]
 table = "y.csv"
 interpolation = "cubic"
 travel_mm = [-400.0, 400.0]
 max_feed_mm_per_min = 24000.0
+encoder_resolution_um = 0.03
 
 [axis.Z]
 table = "z.csv"
 interpolation = "cubic"
 travel_mm = [-400.0, 400.0]
 max_feed_mm_per_min = 24000.0
+encoder_resolution_um = 0.03
 backlash_um = 1.2
 
 # The A axis lies one pivot length above the tool tip.
@@ -603,6 +621,7 @@ interpolation = "cubic"
 offset_mm = [0.0, 0.0, 150.0]
 travel_deg = [-100.0, 100.0]
 max_feed_deg_per_min = 9000.0
+encoder_resolution_urad = 0.21
 
 # Turns the workpiece right-handed about Z, unlike the default of a table.
 [axis.C]
@@ -610,6 +629,7 @@ table = "c.csv"
 interpolation = "cubic"
 direction = 1
 max_feed_deg_per_min = 18000.0
+encoder_resolution_urad = 0.21
 travel_deg = [-36000.0, 36000.0]
 backlash_urad = 10.0
 

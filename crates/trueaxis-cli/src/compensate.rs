@@ -10,8 +10,8 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis::compensation::ThermalLine;
-use trueaxis::machine::ErrorModel;
+use trueaxis::compensation::{Reversal, ThermalLine};
+use trueaxis::machine::{AXES, Axis, ErrorModel};
 use trueaxis_tables::Machine;
 
 pub(crate) const HELP: &str = "\
@@ -24,7 +24,8 @@ and with --orientation (volumetric and exact)
   ca_deg,cb_deg,cc_deg      corrected command of the machine's rotary axes; the tool's direction becomes the ideal one away
                             from its singular pose ([compensation] fade_deg), and cx, cy, cz take back what they move
 Without --orientation only X, Y and Z are corrected (nine: whatever the tables say of them).
-A two-sided table is read in positive travel (--reverse: in negative travel, backlash included).
+A two-sided table is read in positive travel, every position for itself; with --reverse in negative travel, backlash
+included; with --in-order in the direction in which the drive, position and correction, has come from the rows before.
 
 Example: trueaxis compensate compensation-tables/mill-3axis positions.csv -o corrected.csv";
 
@@ -47,15 +48,18 @@ pub(crate) struct Arguments {
     /// Positions to evaluate.
     #[arg(value_name = "POSITIONS.csv")]
     positions: PathBuf,
-    /// Error model.
-    #[arg(long, value_enum, default_value = "nine")]
-    model: Model,
+    /// Error model [default: the machine's own, [compensation] model].
+    #[arg(long, value_enum)]
+    model: Option<Model>,
     /// Look-ups of the exact inverse, 1 to 8 [default: what the machine needs for 1e-3 µm; exact: until it stands].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     inverse_passes: Option<u8>,
     /// All axes travel in negative direction.
     #[arg(long)]
     reverse: bool,
+    /// The positions are travelled in their order; they begin in positive travel.
+    #[arg(long, conflicts_with = "reverse")]
+    in_order: bool,
     /// Temperature of the machine, °C, for its thermal growth [default: its reference temperature].
     #[arg(long, value_name = "C", allow_hyphen_values = true)]
     temperature_c: Option<f64>,
@@ -92,19 +96,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         }
     }
     inside_travel(&machine, &positions)?;
-    if arguments.model == Model::Nine && machine.settings.compensation.model == ErrorModel::Volumetric {
-        eprintln!(
-            "note: the machine file sets the volumetric model for the controller; this is the nine-term one (--model volumetric)"
-        );
-    }
+    let own = match machine.settings.compensation.model {
+        ErrorModel::Nine => Model::Nine,
+        ErrorModel::Volumetric => Model::Volumetric,
+    };
+    let model = arguments.model.unwrap_or(own);
     machine.settings.compensation.orientation = arguments.orientation;
-    let evaluated = match arguments.model {
+    let evaluated = match model {
         Model::Exact => exact::evaluate(arguments, &machine, &positions)?,
-        Model::Nine if arguments.orientation => bail!(
-            "--orientation: found --model nine, which has no orientation, needed --model volumetric or --model exact"
-        ),
+        Model::Nine if arguments.orientation => {
+            let found = if arguments.model.is_some() { "--model nine" } else { "model nine of the machine" };
+            bail!("--orientation: found {found}, which has no orientation, needed --model volumetric or --model exact")
+        }
         Model::Nine | Model::Volumetric => {
-            let nine = arguments.model == Model::Nine;
+            let nine = model == Model::Nine;
             machine.settings.compensation.model = if nine { ErrorModel::Nine } else { ErrorModel::Volumetric };
             match axis_count(&machine) {
                 3 => step::evaluate::<3>(arguments, &machine, &positions)?,
@@ -127,6 +132,59 @@ struct Evaluated {
     corrected: [f64; 6],
     /// Beyond a table's end.
     held: bool,
+}
+
+/// Rounds in which a row's directions settle: an axis' own lost motion confirms a reversal, another axis' reversal may
+/// cause it.
+const MOST_REVERSALS: usize = AXES + 1;
+
+/// Directions of travel from row to row: of the drives, as in the servo step.
+struct Travel {
+    reversal: [Reversal<f64>; AXES],
+    band: [f64; AXES],
+    begun: bool,
+}
+
+impl Travel {
+    /// In the order of `axes`.
+    fn new(machine: &Machine, axes: impl Iterator<Item = Axis>) -> Self {
+        let mut band = [0.0; AXES];
+        for (band, axis) in band.iter_mut().zip(axes) {
+            let own = machine.settings.axes.iter().find(|own| own.axis == axis);
+            *band = own.map_or(0.0, |own| own.hysteresis);
+        }
+        Travel { reversal: [Reversal::default(); AXES], band, begun: false }
+    }
+
+    /// Settles on the directions (all ones: negative) in which `correction` brings the drives to this command, from
+    /// where the row before has left them.
+    fn arrive<const N: usize, E>(
+        &mut self,
+        command: &[f64; N],
+        mut correction: impl FnMut(&[usize; N]) -> Result<[f64; N], E>,
+    ) -> Result<[usize; N], E> {
+        let mut reverse = self.masks();
+        for _ in 0..MOST_REVERSALS {
+            let sent = correction(&reverse)?;
+            for (place, (command, sent)) in command.iter().zip(sent).enumerate() {
+                if !self.begun {
+                    self.reversal[place] = Reversal::at(command + sent);
+                }
+                self.reversal[place].update(command + sent, self.band[place]);
+            }
+            self.begun = true;
+            let before = reverse;
+            reverse = self.masks();
+            if reverse == before {
+                break;
+            }
+        }
+        Ok(reverse)
+    }
+
+    fn masks<const N: usize>(&self) -> [usize; N] {
+        std::array::from_fn(|place| self.reversal[place].mask())
+    }
 }
 
 fn inside_travel(machine: &Machine, positions: &Rows<6>) -> Result<()> {

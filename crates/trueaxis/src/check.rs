@@ -4,12 +4,14 @@
 
 mod bounds;
 mod inverse;
+mod reversal;
 mod volumetric;
 
 pub use bounds::{contribution, reach, slopes, tilt};
 pub use inverse::{
     INVERSE_TOLERANCE_MM, MOST_PASSES, error_range, inverse_passes, jacobian_norm, joint_range, machine_passes,
 };
+pub use reversal::{HYSTERESIS_PER_STEP, lost_motion, reversal};
 pub use volumetric::{angular_tip_error, tip_rate};
 
 use crate::error::{ConfigError, Field};
@@ -164,6 +166,8 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
         axis.hysteresis >= 0.0 && axis.hysteresis.is_finite(),
         wrong(Field::Hysteresis, axis.hysteresis, "zero or more"),
     )?;
+    let step = axis.encoder_resolution.unwrap_or(1.0);
+    need(positive(step), wrong(Field::Encoder, step, "a positive step"))?;
     let thermal = &axis.thermal;
     finite(&[thermal.offset_per_k, thermal.expansion_per_k, thermal.datum], Field::Thermal, on)
 }
@@ -281,7 +285,7 @@ pub fn rows(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(), 
     })
 }
 
-/// A whole machine: [`settings`], [`rows`] of every table, at least one table, [`joint_range`]; returns the look-ups that
+/// A whole machine: [`settings`], [`rows`] of every table, at least one table, [`joint_range`], [`reversal`]; returns the look-ups that
 /// its exact inverse takes.
 ///
 /// # Errors
@@ -300,6 +304,7 @@ pub fn machine<'r, T: Rows + ?Sized + 'r>(
     }
     need(count > 0, ConfigError::new(Field::Table, 0.0, "at least one axis with a table"))?;
     joint_range(machine, &tables)?;
+    reversal(machine, &tables)?;
     machine_passes(machine, &tables)
 }
 

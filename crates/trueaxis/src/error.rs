@@ -18,12 +18,14 @@ pub struct ConfigError {
     pub found: f64,
     /// What is needed.
     pub needed: &'static str,
+    /// The figure that `needed` speaks of where it follows from other settings, in the unit of `found`.
+    pub bound: Option<f64>,
 }
 
 impl ConfigError {
     /// An error of the machine as a whole.
     pub fn new(field: Field, found: f64, needed: &'static str) -> Self {
-        ConfigError { field, axis: None, index: None, found, needed }
+        ConfigError { field, axis: None, index: None, found, needed, bound: None }
     }
 
     /// The same, of one axis.
@@ -46,7 +48,11 @@ impl fmt::Display for ConfigError {
         if let Some(index) = self.index {
             write!(f, " [{index}]")?;
         }
-        write!(f, ": found {}, needed {}", self.found, self.needed)
+        write!(f, ": found {}, needed {}", self.found, self.needed)?;
+        match self.bound {
+            Some(bound) => write!(f, ": {bound}"),
+            None => Ok(()),
+        }
     }
 }
 

@@ -34,6 +34,11 @@ impl<R: Real, P: Position, const N: usize> ReleaseState<R, P, N> {
         self.limited = before.map(Limited::at_rest);
         Released { drive: self.drive, feedback, correction: before, limited: 0, outside: Some(outside) }
     }
+
+    /// The corrections sent last, mm (deg).
+    pub(crate) fn sent(&self) -> impl Iterator<Item = R> + '_ {
+        self.limited.iter().map(Limited::sent)
+    }
 }
 
 /// What goes out in a cycle.

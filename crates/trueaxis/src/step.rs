@@ -75,10 +75,12 @@ impl<'m> Config<'m> {
             let settings = self.machine.axes.iter().find(|a| a.axis == axis);
             *band = R::of(settings.map_or(0.0, |s| s.hysteresis));
         }
+        let compensation = Compensation::build(self.machine, &rows, self.inverse_passes, storage)?;
+        crate::check::reversal(self.machine, &rows)?;
         Ok(ServoLoop {
             axes,
             sampler: Sampler::new(self.machine, self.period_ns)?,
-            compensation: Compensation::build(self.machine, rows, self.inverse_passes, storage)?,
+            compensation,
             bands,
             search: ContourSearch::new(self.machine.contour.max_lag_mm, self.method)?,
             release: Release::new(self.machine, f64::from(self.period_ns) * 1e-9)?,
@@ -117,6 +119,8 @@ pub struct ServoLoop<'a, R, P, const N: usize> {
 pub struct State<R, P, const N: usize> {
     sample: SampleState<R, P, N>,
     reversal: [Reversal<P>; N],
+    /// The machine was homed in the last cycle.
+    homed: bool,
     thermal: [ThermalLine<R>; N],
     tip: ContourState<R>,
     encoder: ContourState<R>,
@@ -188,6 +192,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Ok(State {
             sample: SampleState::new(),
             reversal: [Reversal::default(); N],
+            homed: false,
             thermal: [ThermalLine::default(); N],
             tip: ContourState::default(),
             encoder: ContourState::default(),
@@ -306,18 +311,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Wanted correction at the command, modelled error at the feedback; that of the direction only for a `TOOL`.
     #[inline(always)]
     fn model<const TOOL: bool>(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> Modelled<R, N> {
+        let reverse = self.travel(state, sample);
         // Switched off but homed, the tip is still estimated: that is how the errors look without correction.
         let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
         if !(sample.homed && believed) {
             return Modelled { wanted: [R::ZERO; N], tip_error: [R::ZERO; N], tilt: V3::ZERO, at_edge: 0 };
-        }
-        let mut reverse = [0; N];
-        let bands = self.bands.iter().zip(&sample.command);
-        for ((reverse, reversal), (band, command)) in reverse.iter_mut().zip(&mut state.reversal).zip(bands) {
-            if sample.first {
-                *reversal = Reversal::at(*command);
-            }
-            *reverse = reversal.update(*command, *band);
         }
         let mut at_edge = 0;
         let command = self.compensation.coordinates(&sample.command);
@@ -336,6 +334,32 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             _ => tip_error = self.compensation.errors(&feedback, reverse, thermal, &mut 0),
         }
         Modelled { wanted, tip_error, tilt, at_edge }
+    }
+
+    /// Direction of travel of every drive: of the command plus the correction sent last. While one axis alone is commanded,
+    /// the corrections of the others take up lost motion that their commands know nothing of.
+    #[inline(always)]
+    fn travel(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> [usize; N] {
+        // Before homing positions have no meaning, and homing moves none of the drives.
+        let afresh = sample.first || !state.homed;
+        state.homed = sample.homed;
+        // A held drive stands, whatever is commanded.
+        let held = sample.verdict == Verdict::Hold;
+        let mut reverse = [0; N];
+        let drives = sample.command.iter().zip(state.release.sent());
+        for ((reverse, reversal), ((command, sent), band)) in
+            reverse.iter_mut().zip(&mut state.reversal).zip(drives.zip(&self.bands))
+        {
+            if !held {
+                let drive = command.plus(sent);
+                if afresh {
+                    *reversal = Reversal::at(drive);
+                }
+                reversal.update(drive, *band);
+            }
+            *reverse = reversal.mask();
+        }
+        reverse
     }
 
     /// Contour error of the estimated tip and of the plain encoder position; none while a reading is not believed.

@@ -1,6 +1,6 @@
 //! Exact transforms.
 
-use super::{Arguments, COLUMNS, Evaluated, rise};
+use super::{Arguments, COLUMNS, Evaluated, Travel, rise};
 use crate::csv_in::Rows;
 use crate::output::progress;
 use anyhow::{Result, anyhow};
@@ -17,7 +17,8 @@ pub(super) fn evaluate(arguments: &Arguments, machine: &Machine, positions: &Row
         passes: arguments.inverse_passes,
         fade_deg: compensation.orientation.then_some(compensation.fade_deg),
     };
-    let reverse = [if arguments.reverse { 1.0 } else { 0.0 }; AXES];
+    let mut reverse = [if arguments.reverse { 1.0 } else { 0.0 }; AXES];
+    let mut travel = arguments.in_order.then(|| Travel::new(machine, axes.iter().map(|own| own.axis)));
     // Ends of the tables that do not wrap.
     let ends: Vec<Option<[f64; 2]>> = machine
         .axes()
@@ -34,11 +35,17 @@ pub(super) fn evaluate(arguments: &Arguments, machine: &Machine, positions: &Row
         for (q, own) in at.iter_mut().zip(axes) {
             *q = values[own.axis.index()];
         }
-        let error = geometry.pose_error(&at, &reverse);
-        let Some(correction) = geometry.correction(&at, &reverse, settings) else {
+        let sent = |reverse: &[f64; AXES]| {
             let found = "a pose in which the linear axes cannot take the error away";
-            return Err(positions.error(*line, COLUMNS[0].name, found, "linear axes that span space"));
+            let error = || positions.error(*line, COLUMNS[0].name, found, "linear axes that span space");
+            geometry.correction(&at, reverse, settings).ok_or_else(error)
         };
+        if let Some(travel) = &mut travel {
+            let share = |mask: usize| if mask == 0 { 0.0 } else { 1.0 };
+            reverse = travel.arrive(&at, |masks: &[usize; AXES]| sent(&masks.map(share)))?.map(share);
+        }
+        let error = geometry.pose_error(&at, &reverse);
+        let correction = sent(&reverse)?;
         let mut corrected = *values;
         for (own, correction) in axes.iter().zip(correction) {
             corrected[own.axis.index()] += correction;

@@ -1,10 +1,11 @@
 //! Nine terms and twists: the models of the servo step.
 
-use super::{Arguments, Evaluated, rise};
+use super::{Arguments, Evaluated, Travel, rise};
 use crate::csv_in::Rows;
 use crate::model::with_compensation;
 use crate::output::progress;
 use anyhow::{Result, anyhow};
+use std::convert::Infallible;
 use trueaxis::check;
 use trueaxis::compensation::ThermalLine;
 use trueaxis::machine::step_axes;
@@ -27,13 +28,21 @@ pub(super) fn evaluate<const N: usize>(
         let own = settings.axes.iter().find(|a| a.axis == axis);
         *line = own.and_then(|own| ThermalLine::for_axis(&own.thermal, kelvin)).unwrap_or_default();
     }
-    let reverse = [if arguments.reverse { usize::MAX } else { 0 }; N];
+    let mut reverse = [if arguments.reverse { usize::MAX } else { 0 }; N];
+    let mut travel = arguments.in_order.then(|| Travel::new(machine, axes.into_iter()));
     with_compensation::<N, _>(machine, passes, |compensation| {
         let bar = progress(positions.rows.len(), "positions");
         let mut evaluated = Vec::with_capacity(positions.rows.len());
         for (_, values, _) in &positions.rows {
             let command: [f64; N] = std::array::from_fn(|place| values[axes[place].index()]);
             let at = compensation.coordinates(&command);
+            if let Some(travel) = &mut travel {
+                let sent = |reverse: &[usize; N]| {
+                    Ok::<_, Infallible>(compensation.correction(&at, &at, reverse, &thermal, &mut 0))
+                };
+                let Ok(settled) = travel.arrive(&command, sent);
+                reverse = settled;
+            }
             let mut held = 0;
             let error = compensation.pose_error(&at, &reverse, &thermal, &mut held);
             let correction = compensation.correction(&at, &at, &reverse, &thermal, &mut 0);

@@ -138,6 +138,9 @@ fn axis(text: &mut String, own: &AxisSettings, table: Option<&str>, carries_work
     };
     small(&mut lines, &format!("backlash_{micro}"), own.backlash, plain.backlash);
     small(&mut lines, &format!("hysteresis_{micro}"), own.hysteresis, plain.hysteresis);
+    if let Some(step) = own.encoder_resolution {
+        small(&mut lines, &format!("encoder_resolution_{micro}"), step, 0.0);
+    }
     let name = format!("axis.{}", own.axis.letter());
     section(text, &name, &lines.0);
 

@@ -221,6 +221,11 @@ fn read_axis(
     places.number(&mut settings.backlash, backlash, Field::Backlash, on, small);
     let hysteresis = section.number(&format!("hysteresis_{micro}"))?;
     places.number(&mut settings.hysteresis, hysteresis, Field::Hysteresis, on, small);
+    if let Some(resolution) = section.number(&format!("encoder_resolution_{micro}"))? {
+        let mut step = 0.0;
+        places.number(&mut step, Some(resolution), Field::Encoder, on, small);
+        settings.encoder_resolution = Some(step);
+    }
 
     if let Some(limits) = section.section("limits")? {
         let to = &mut settings.limits;

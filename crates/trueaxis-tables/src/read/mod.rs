@@ -43,6 +43,7 @@ impl Machine {
         }
         let rows = |axis| machine.rows(axis);
         check::joint_range(&machine.settings, rows).map_err(|error| description.joint(&source, &error))?;
+        check::reversal(&machine.settings, rows).map_err(|error| description.reversal(&source, &error))?;
         check::machine_passes(&machine.settings, rows).map_err(|error| contraction(&machine, &source, &error))?;
         Ok(machine)
     }
@@ -140,6 +141,32 @@ impl Description {
                 let axis = error.axis.map_or(String::new(), |axis| format!(" of axis {}", axis.letter()));
                 source.whole(format!("{:?}{axis} = {}", error.field, error.found), error.needed)
             }
+        }
+    }
+
+    /// The hysteresis is too narrow.
+    fn reversal(&self, source: &Source, error: &ConfigError) -> FileError {
+        let at = self.located(source, error);
+        let rotary = error.axis.is_some_and(Axis::is_rotary);
+        let micro = |value: f64| if rotary { value.to_radians() * 1e6 } else { value * 1e3 };
+        let unit = if rotary { "urad" } else { "um" };
+        let given = self.places.iter().any(|place| place.field == error.field && place.axis == error.axis);
+        let letter = error.axis.map_or(' ', Axis::letter);
+        FileError {
+            found: if given {
+                at.found
+            } else {
+                format!(
+                    "a hysteresis_{unit} of {} of axis {letter}, the default",
+                    (micro(error.found) * 1e3).round() / 1e3
+                )
+            },
+            needed: match error.bound {
+                // Rounded up: what is written off the message must do.
+                Some(bound) => format!("{}: {} {unit}", error.needed, (micro(bound) * 1e3 - 1e-6).ceil() / 1e3),
+                None => at.needed,
+            },
+            ..at
         }
     }
 

@@ -20,6 +20,7 @@ fn axis(axis: Axis) -> AxisSettings {
         max_feed_per_s: 500.0,
         backlash: 0.0,
         hysteresis: 0.001,
+        encoder_resolution: None,
         limits: Limits { magnitude: 0.1, slope_per_s: 1.0, acceleration_per_s2: 200.0 },
         thermal: ThermalGrowth::default(),
     }

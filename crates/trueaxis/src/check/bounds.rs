@@ -1,6 +1,6 @@
 //! How large and how steep the errors of one axis become over its reach.
 
-use crate::machine::{Axis, AxisSettings, Curve, MachineSettings, Rows};
+use crate::machine::{Axis, AxisSettings, Curve, MachineSettings, Rows, carries_workpiece};
 
 /// Largest |dE/dq| of each component of a table over both directions: mm or rad per mm or degree; exact.
 pub fn slopes(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> [f64; 6] {
@@ -71,4 +71,17 @@ pub(super) fn length<T: Rows + ?Sized>(
         sum += largest * largest;
     }
     libm::sqrt(sum)
+}
+
+/// Sense in which the own angular error of a rotary axis adds to its reading, +1 or −1.
+pub(super) fn sense(machine: &MachineSettings, drive: &AxisSettings) -> f64 {
+    f64::from(drive.direction) * if carries_workpiece(&machine.chain, drive.axis) { -1.0 } else { 1.0 }
+}
+
+/// Steps of one drive's correction in negative travel against that in positive, smallest and largest: mm (deg).
+pub(super) type Step = [f64; 2];
+
+/// Larger of the two, without sign.
+pub(super) fn width([least, most]: &Step) -> f64 {
+    least.abs().max(most.abs())
 }

@@ -1,12 +1,10 @@
 //! What the tables of all axes add up to: contraction and length of the exact inverse, range of the correction.
 
-use super::bounds::{contribution, length, reach, slopes, tilt};
+use super::bounds::{contribution, length, reach, sense, slopes, tilt};
 use super::volumetric;
 use crate::compensation::ThermalLine;
 use crate::error::{ConfigError, Field};
-use crate::machine::{
-    Axis, AxisSettings, ErrorModel, Link, MachineSettings, Rows, carries_workpiece, is_turned, links,
-};
+use crate::machine::{Axis, AxisSettings, ErrorModel, Link, MachineSettings, Rows, is_turned, links};
 
 /// Most look-ups of the exact inverse.
 pub const MOST_PASSES: u8 = 8;
@@ -70,7 +68,7 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
     let axis = drive.axis;
     if axis.is_rotary() {
         let (least, most) = contribution(machine, drive, rows(axis), axis.index(), own);
-        let sense = f64::from(drive.direction) * if carries_workpiece(&machine.chain, axis) { -1.0 } else { 1.0 };
+        let sense = sense(machine, drive);
         let ends = [least.to_degrees() * sense, most.to_degrees() * sense];
         return (ends[0].min(ends[1]), ends[0].max(ends[1]));
     }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::machine::is_turned;
-use crate::machine::{Interpolation, LocationErrors, Row};
+use crate::machine::{ErrorModel, Interpolation, LocationErrors, Row};
 use std::{vec, vec::Vec};
 
 fn rows_of(points: &[(f64, [f64; 6])]) -> Vec<Row> {
@@ -276,4 +276,116 @@ fn the_range_of_the_error_holds_what_the_step_computes() {
         let share = if machine.axes.len() == 3 { widest::<3>(&machine, find) } else { widest::<5>(&machine, find) };
         assert!(share.iter().all(|share| *share > tightest), "{chain}: {share:?}");
     }
+}
+
+/// Forward zero, reverse the given six errors over 0 … 100.
+fn lost(reverse: [f64; 6]) -> Vec<Row> {
+    [0.0, 50.0, 100.0].map(|position| Row { position, forward: [0.0; 6], reverse }).to_vec()
+}
+
+#[test]
+fn lost_motion_between_the_lines_of_a_cubic_table_counts() {
+    let mut machine = machine_of("w b X Y Z t");
+    machine.axes[0].interpolation = Interpolation::Cubic;
+    // Equal at the lines; between them the two directions swing differently.
+    let values = [(0.0, 0.0), (0.01, 0.0), (0.0, 0.0), (0.02, 0.02), (0.0, 0.0)];
+    let rows: Vec<Row> = (0..)
+        .zip(values)
+        .map(|(i, (there, back))| Row {
+            position: 10.0 * f64::from(i),
+            forward: [there, 0.0, 0.0, 0.0, 0.0, 0.0],
+            reverse: [back, 0.0, 0.0, 0.0, 0.0, 0.0],
+        })
+        .collect();
+    let [least, most] = lost_motion(&machine.axes[0], Some(rows.as_slice()));
+    let [there, back] = [false, true].map(|reverse| Curve::new(&machine.axes[0], rows.as_slice(), 0, reverse));
+    let sampled: Vec<f64> =
+        (0..=40_000).map(|i| f64::from(i) * 1e-3).map(|q| back.at(q).unwrap() - there.at(q).unwrap()).collect();
+    let ends = sampled.iter().fold((0.0_f64, 0.0_f64), |(least, most), v| (least.min(*v), most.max(*v)));
+    assert!((least - ends.0).abs() < 1e-9 && (most - ends.1).abs() < 1e-9, "{least} {most} {ends:?}");
+    assert_eq!(lost_motion::<[Row]>(&machine.axes[0], None), [0.0; 2]);
+}
+
+/// Tables of X, Y and Z, errors in negative travel in µm; the band is 0.3 µm.
+fn refused(steps: [[f64; 3]; 3]) -> Option<ConfigError> {
+    let machine = machine_of("w b X Y Z t");
+    let tables = steps.map(|[x, y, z]| lost([x * 1e-3, y * 1e-3, z * 1e-3, 0.0, 0.0, 0.0]));
+    let error = reversal(&machine, |axis| Some(tables[axis.index()].as_slice())).err();
+    error.inspect(|error| assert_eq!((error.field, error.found), (Field::Hysteresis, 0.3e-3)))
+}
+
+#[test]
+fn a_reversal_that_takes_itself_back_is_refused() {
+    let none = [0.0; 3];
+    // Positive lost motion of any size; negative within the band; beyond it.
+    assert_eq!(refused([[50.0, 0.0, 0.0], none, [0.0, 0.0, 7.0]]), None);
+    assert_eq!(refused([[-0.29, 0.0, 0.0], none, none]), None);
+    let error = refused([none, [0.0, -0.31, 0.0], none]).unwrap();
+    assert!(error.axis == Some(Axis::Y) && (error.bound.unwrap() - 0.31e-3).abs() < 1e-9, "{error}");
+    // X turns Y round, and Y nothing: no harm. Y turns X round again: only against the first.
+    assert_eq!(refused([[0.0, 2.0, 0.0], none, none]), None);
+    assert_eq!(refused([[0.0, 2.0, 0.0], [2.0, 0.0, 0.0], none]), None);
+    assert_eq!(refused([[0.0, -2.0, 0.0], [-2.0, 0.0, 0.0], none]), None);
+    assert_eq!(refused([[0.0, 2.0, 0.0], [-0.2, 0.0, 0.0], none]), None);
+    assert!(refused([[0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], none]).is_some());
+    // By a third axis; and the steps of two add up.
+    assert!(refused([[0.0, 2.0, 0.0], [0.0, 0.0, 2.0], [-2.0, 0.0, 0.0]]).is_some());
+    assert_eq!(refused([[0.0, 2.0, 0.0], [0.0, 0.0, -2.0], [-2.0, 0.0, 0.0]]), None);
+    assert!(refused([[0.0, 2.0, 0.0], [-0.2, 0.0, 0.0], [-0.2, 0.0, 0.0]]).is_some());
+}
+
+#[test]
+fn the_hysteresis_spans_the_steps_of_the_encoder() {
+    let mut machine = machine_of("w b X Y Z t");
+    machine.axes[1].encoder_resolution = Some(0.1e-3);
+    machine.axes[2].encoder_resolution = Some(0.2e-3);
+    let (own, none) = (lost([0.0, 1e-3, 1e-3, 0.0, 0.0, 0.0]), lost([0.0; 6]));
+    let of = |y: &'static [Row], z: &'static [Row]| {
+        move |axis| match axis {
+            Axis::Y => Some(y),
+            Axis::Z => Some(z),
+            _ => None,
+        }
+    };
+    let (own, none): (&'static [Row], &'static [Row]) = (own.leak(), none.leak());
+    // Three steps are just enough, and nobody asks for the direction of Z.
+    assert_eq!(reversal(&machine, of(own, none)), Ok(()));
+    let error = reversal(&machine, of(own, own)).unwrap_err();
+    assert_eq!((error.field, error.axis, error.found), (Field::Hysteresis, Some(Axis::Z), 0.3e-3));
+    assert!((error.bound.unwrap() - 0.6e-3).abs() < 1e-15);
+    machine.axes[2].hysteresis = 0.6e-3;
+    assert_eq!(reversal(&machine, of(own, own)), Ok(()));
+    machine.axes[2].encoder_resolution = Some(0.0);
+    assert_eq!(settings(&machine).unwrap_err().field, Field::Encoder);
+}
+
+#[test]
+fn angular_errors_step_the_tip_by_their_lever() {
+    let mut machine = machine_of("w b X Y Z t");
+    machine.axes[0].travel = [0.0, 100.0];
+    machine.axes[2].offset_mm = [0.0, 0.0, 400.0];
+    // 2 µrad about Y on a lever of 400 mm move the tip by 0.8 µm along X, who knows which way.
+    let x = lost([0.0, 0.0, 0.0, 0.0, 2e-6, 0.0]);
+    let tables = |axis| (axis == Axis::X).then_some(x.as_slice());
+    assert_eq!(reversal(&machine, tables), Ok(()));
+    machine.compensation.model = ErrorModel::Volumetric;
+    let error = reversal(&machine, tables).unwrap_err();
+    assert!(error.axis == Some(Axis::X) && (error.bound.unwrap() - 0.8e-3).abs() < 1e-8, "{error}");
+    // Lost motion of 1 µm outweighs it.
+    machine.axes[0].backlash = 1e-3;
+    assert_eq!(reversal(&machine, tables), Ok(()));
+}
+
+/// A rotary axis that turns against its convention has its own error in the other sense, its lost motion in its own.
+#[test]
+fn lost_motion_of_a_rotary_axis_counts_in_its_own_sense() {
+    let mut machine = machine_of("w C' b X Y Z t");
+    let c = lost([0.0, 0.0, 0.0, 0.0, 0.0, 20e-6]);
+    let tables = |axis| (axis == Axis::C).then_some(c.as_slice());
+    assert_eq!(reversal(&machine, tables), Ok(()));
+    machine.axes[3].direction = 1;
+    let error = reversal(&machine, tables).unwrap_err();
+    assert!(error.axis == Some(Axis::C) && (error.bound.unwrap() - 20e-6_f64.to_degrees()).abs() < 1e-8, "{error}");
+    machine.axes[3].backlash = 20e-6_f64.to_degrees();
+    assert_eq!(reversal(&machine, tables), Ok(()));
 }

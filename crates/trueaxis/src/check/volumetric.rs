@@ -1,8 +1,8 @@
 //! Bounds for the volumetric model: levers, largest errors, contraction of its inverse.
 
-use super::bounds::{contribution, length, reach, slopes, tilt};
+use super::bounds::{Step, contribution, length, reach, sense, slopes, tilt, width};
 use crate::compensation::volumetric::{LEAST_DETERMINANT, LEAST_FADE};
-use crate::machine::{Axis, AxisSettings, Link, MachineSettings, Rows, is_turned, links};
+use crate::machine::{AXES, Axis, AxisSettings, Link, MachineSettings, Rows, is_turned, links};
 
 #[cfg(test)]
 mod tests;
@@ -343,4 +343,55 @@ pub(super) fn error_range<'r, T: Rows + ?Sized + 'r>(
         sum = (sum.0 + least + constant - swing, sum.1 + most + constant + swing);
     }
     sum
+}
+
+/// Steps of all drives that the reversal of one axis makes; `twist`: the steps of its six errors, mm and rad.
+pub(super) fn reversal_steps<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: &impl Fn(Axis) -> Option<&'r T>,
+    moving: &AxisSettings,
+    twist: &[Step; 6],
+) -> [Step; AXES] {
+    let links = links(&machine.chain).unwrap_or_default();
+    let orientation = machine.compensation.orientation;
+    let [x, y, z, a, b, c] = *twist;
+    // Lost motion has the whole way to the tip for a lever, readings the way from where they were taken.
+    let (measured, whole) = (lever(machine, rows, moving), way_to_tip(machine, rows, moving, [0.0; 3]));
+    let lever =
+        core::array::from_fn(|k| measured.get(k).copied().unwrap_or(0.0).max(whole.get(k).copied().unwrap_or(0.0)));
+    let rotations = [a, b, c].map(|step| width(&step));
+    let swing = swing(rotations, lever);
+    let mut beside = rotations;
+    if let Some(own) = moving.axis.index().checked_sub(Axis::A.index()).and_then(|own| beside.get_mut(own)) {
+        *own = 0.0;
+    }
+    let gain = rotary_gain(machine, &links);
+    // Turned back by the rotary axes, what is not the axis' own error moves the tip again.
+    let carried = if orientation { norm(&beside) * gain * bounds(machine, rows).lever } else { 0.0 };
+    let anywhere = is_turned(&links, moving.axis)
+        || links.iter().any(|link| !link.axis.is_rotary() && is_turned(&links, link.axis));
+    let mut steps = [[0.0; 2]; AXES];
+    for (drive, step) in machine.axes.iter().zip(&mut steps) {
+        if drive.axis.is_rotary() {
+            if !orientation {
+                continue;
+            }
+            let own = if drive.axis == moving.axis { [a, b, c] } else { [[0.0; 2]; 3] };
+            let [least, most] =
+                drive.axis.index().checked_sub(Axis::A.index()).and_then(|k| own.get(k)).copied().unwrap_or_default();
+            let [least, most] = if sense(machine, drive) < 0.0 { [-most, -least] } else { [least, most] };
+            let others = if drive.axis == moving.axis { norm(&beside) } else { norm(&rotations) } * gain;
+            // Faded, its own step is smaller.
+            *step = [(least.min(0.0) - others).to_degrees(), (most.max(0.0) + others).to_degrees()];
+        } else if anywhere {
+            let length = slides_gain(&links) * (norm(&[x, y, z].map(|step| width(&step))) + norm(&swing) + carried);
+            *step = [-length, length];
+        } else {
+            let k = drive.axis.index();
+            let [least, most] = [x, y, z].get(k).copied().unwrap_or_default();
+            let around = swing.get(k).copied().unwrap_or(0.0) + carried;
+            *step = [least - around, most + around];
+        }
+    }
+    steps
 }

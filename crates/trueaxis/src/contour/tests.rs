@@ -594,6 +594,52 @@ fn a_million_queries_stay_within_eight_evaluations() {
     assert!(lost < 100, "{lost} of a million lost");
 }
 
+/// Fast over pieces of some hundredths of a millimetre: feet just past a border, again and again. None may send the search
+/// cold, and all are what plain bisection over the same pieces finds.
+#[test]
+fn short_pieces_at_high_feed_leave_the_search_warm() {
+    let polynomial = Spline { weights: vec![1.0; Spline::butterfly().points.len()], ..Spline::butterfly() };
+    let all = spans::<f64, f64>(&[polynomial.segment()]);
+    let path = Path::new(&all, 0, false);
+    let (search, shortest) = (search(Method::Guarded), all.iter().map(Span::length).fold(f64::MAX, f64::min));
+    assert!(shortest < 0.035, "{shortest}");
+    let (mut cold, mut wrong, mut cycles, mut most) = (0, 0, 0, 0);
+    let mut random = Random(5);
+    for round in 0..60 {
+        let (feed, lag, height) = match round {
+            0 => (0.038, 0.0, 0.0),
+            _ => (0.030 + 0.02 * random.next(), 0.03 * random.next(), 0.02 * random.next()),
+        };
+        let phase = [random.next(), random.next(), random.next()].map(|x| 40.0 * x);
+        let mut state = ContourState::default();
+        let mut reference = search::advance(&path, Reference { span: 0, t: 0.0 }, 0.5 + feed * random.next());
+        // Standing, until the search is warm.
+        for _ in 0..100 {
+            search.update(&mut state, &path, reference, all[reference.span as usize].position(reference.t));
+        }
+        for n in 0.. {
+            let before = reference;
+            reference = search::advance(&path, reference, feed);
+            if search::way(&path, before, reference, 1.0) < 0.9 * feed {
+                break;
+            }
+            let tool = search::advance(&path, reference, -lag);
+            let s = feed * f64::from(n);
+            let stray = phase.map(|phase| height * (3.0 * s + phase).sin());
+            let p = add(all[tool.span as usize].position(tool.t), stray);
+            let r = search.update(&mut state, &path, reference, p);
+            cycles += 1;
+            most = most.max(r.evaluations);
+            cold += u32::from(r.flags.has(Flags::COLD));
+            if n % 7 == round % 7 && !r.flags.has(Flags::COLD) && r.flags.has(Flags::BRACKETED) {
+                wrong += u32::from((r.error - brute(&all, r.span, p)).abs() > 1e-8);
+            }
+        }
+    }
+    assert!(most <= 6, "{most} evaluations");
+    assert_eq!((cold, wrong), (0, 0), "cold, wrong of {cycles} cycles");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 20_000, ..ProptestConfig::default() })]
 

@@ -142,7 +142,38 @@ impl<'r, T: Rows + ?Sized> Curve<'r, T> {
     }
 }
 
+/// Smallest and largest difference reverse − forward of a component over a whole table; exact. Backlash is not in it.
+pub(crate) fn lost(settings: &AxisSettings, rows: &(impl Rows + ?Sized), component: usize) -> (f64, f64) {
+    let [forward, reverse] = [false, true].map(|reverse| Curve::new(settings, rows, component, reverse));
+    let mut both = (f64::INFINITY, f64::NEG_INFINITY);
+    for (there, back) in forward.cells().zip(reverse.cells()) {
+        let [m0, m1] = there.slopes;
+        let [n0, n1] = back.slopes;
+        let difference = Cell {
+            value: back.value - there.value,
+            secant: back.secant - there.secant,
+            slopes: [n0 - m0, n1 - m1],
+            ..there
+        };
+        let (least, most) = difference.range();
+        both = (both.0.min(least), both.1.max(most));
+    }
+    both
+}
+
 impl Cell {
+    /// Smallest and largest value on 0…1: at the ends or where the derivative vanishes.
+    fn range(&self) -> (f64, f64) {
+        let [m0, m1] = self.slopes;
+        let (linear, square) = (2.0 * (3.0 * self.secant - 2.0 * m0 - m1), 3.0 * (m0 + m1 - 2.0 * self.secant));
+        // m0 + linear t + square t² = 0, in the form that does not cancel; no number where there is no root.
+        let root = libm::sqrt(linear * linear - 4.0 * square * m0);
+        let half = -0.5 * (linear + if linear < 0.0 { -root } else { root });
+        let (a, b) = (self.at(0.0), self.at(1.0));
+        let inside = [half / square, m0 / half].into_iter().filter(|t| *t > 0.0 && *t < 1.0).map(|t| self.at(t));
+        inside.fold((a.min(b), a.max(b)), |(least, most), value| (least.min(value), most.max(value)))
+    }
+
     /// `p'(t) = m0 + 2 (3d − 2 m0 − m1) t + 3 (m0 + m1 − 2d) t²` on 0…1: largest at an end or at the vertex.
     fn steepest(&self) -> f64 {
         let [m0, m1] = self.slopes;

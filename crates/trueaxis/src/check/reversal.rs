@@ -1,0 +1,175 @@
+//! The hysteresis of a reversal: wider than the encoder's steps, and than what a correction steps against the travel.
+
+use super::bounds::{Step, sense, width};
+use super::inverse::jacobian_norm;
+use super::volumetric;
+use crate::error::{ConfigError, Field};
+use crate::machine::{AXES, Axis, AxisSettings, ErrorModel, MachineSettings, Rows, is_turned, links, lost};
+
+/// Steps of the encoder that a hysteresis must span: a reading that stands between two counts shows either, and the drive
+/// that closes its loop on it moves by as much to and fro.
+pub const HYSTERESIS_PER_STEP: f64 = 3.0;
+
+/// A step below this moves nothing: mm, degrees.
+const NOTHING: f64 = 1e-9;
+
+/// Lost motion of an axis: smallest and largest of its own error in negative travel against that in positive, mm (deg),
+/// backlash included. Zero for an axis without a table, which is not corrected.
+pub fn lost_motion<T: Rows + ?Sized>(settings: &AxisSettings, rows: Option<&T>) -> [f64; 2] {
+    let Some(rows) = rows else { return [0.0; 2] };
+    let (least, most) = lost(settings, rows, settings.axis.index());
+    let own = |error: f64| if settings.axis.is_rotary() { error.to_degrees() } else { error };
+    [own(least) + settings.backlash, own(most) + settings.backlash]
+}
+
+/// The hysteresis of every axis with lost motion spans the steps of its encoder, where those are stated, and no reversal
+/// can take itself back.
+///
+/// The direction is the drive's, and a reversal steps the corrections. Positive lost motion steps its own in the new
+/// direction of travel and confirms it. Negative lost motion steps it back; and where the reversal of one axis steps the
+/// correction of another, that may reverse too and step the first one back. Either goes on for ever if every step of such
+/// a round is wider than the hysteresis of the axis that it moves. The steps are upper bounds over all positions; thermal
+/// growth does not depend on the direction.
+///
+/// # Errors
+/// [`Field::Hysteresis`] with the hysteresis found and, as bound, the least it has to be.
+pub fn reversal<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: impl Fn(Axis) -> Option<&'r T>,
+) -> Result<(), ConfigError> {
+    let mut steps = [[[0.0; 2]; AXES]; AXES];
+    for (moving, steps) in machine.axes.iter().zip(&mut steps) {
+        *steps = steps_of(machine, &rows, moving);
+    }
+    if steps.iter().flatten().all(|step| width(step) == 0.0) {
+        return Ok(());
+    }
+    // The exact inverse looks up where it corrects to.
+    let gain = 1.0 / (1.0 - jacobian_norm(machine, &rows).min(0.999));
+    for (moving, steps) in machine.axes.iter().zip(&mut steps) {
+        for step in steps.iter_mut() {
+            *step = step.map(|step| step * gain);
+        }
+        if let Some(resolution) = moving.encoder_resolution
+            && steps.iter().any(|step| width(step) > 0.0)
+        {
+            let least = HYSTERESIS_PER_STEP * resolution;
+            // Two decimals whose quotient is just that pass whatever their rounding.
+            if moving.hysteresis < least * (1.0 - 1e-9) {
+                return Err(narrow(moving, "at least three steps of the encoder", least));
+            }
+        }
+    }
+    // Where the reversal of `from` may reverse `to` as well, and whether the same way or the other.
+    let mut leads = [[Leads::default(); AXES]; AXES];
+    let mut sums = [0.0; AXES];
+    for ((to, axis), sum) in machine.axes.iter().enumerate().zip(&mut sums) {
+        let into = |from: usize| steps.get(from).and_then(|steps| steps.get(to)).copied().unwrap_or_default();
+        // All others may reverse in the same cycle.
+        for from in 0..AXES {
+            *sum += if from == to { into(from)[0].min(0.0).abs() } else { width(&into(from)) };
+        }
+        if *sum <= axis.hysteresis {
+            continue;
+        }
+        for (from, leads) in leads.iter_mut().enumerate() {
+            let [least, most] = into(from);
+            if let Some(leads) = leads.get_mut(to) {
+                *leads = Leads { same: most > NOTHING && from != to, opposite: least < -NOTHING };
+            }
+        }
+    }
+    for by in 0..AXES {
+        for from in 0..AXES {
+            for to in 0..AXES {
+                let lead = |from: usize, to: usize| leads.get(from).and_then(|to_| to_.get(to)).copied();
+                let (Some(first), Some(second)) = (lead(from, by), lead(by, to)) else { continue };
+                if let Some(leads) = leads.get_mut(from).and_then(|leads| leads.get_mut(to)) {
+                    leads.add(first.then(second));
+                }
+            }
+        }
+    }
+    for ((index, axis), sum) in machine.axes.iter().enumerate().zip(sums) {
+        if leads.get(index).and_then(|leads| leads.get(index)).is_some_and(|leads| leads.opposite) {
+            return Err(narrow(axis, "more than its correction steps against the travel at a reversal", sum));
+        }
+    }
+    Ok(())
+}
+
+fn narrow(axis: &AxisSettings, needed: &'static str, bound: f64) -> ConfigError {
+    ConfigError { bound: Some(bound), ..ConfigError::new(Field::Hysteresis, axis.hysteresis, needed).on(axis.axis) }
+}
+
+/// In which directions a reversal can lead to another.
+#[derive(Clone, Copy, Default)]
+struct Leads {
+    same: bool,
+    opposite: bool,
+}
+
+impl Leads {
+    fn then(self, next: Leads) -> Leads {
+        Leads {
+            same: (self.same && next.same) || (self.opposite && next.opposite),
+            opposite: (self.same && next.opposite) || (self.opposite && next.same),
+        }
+    }
+
+    fn add(&mut self, other: Leads) {
+        *self = Leads { same: self.same || other.same, opposite: self.opposite || other.opposite };
+    }
+}
+
+/// Steps of all drives, in the order of the machine's axes, that the reversal of one axis makes.
+fn steps_of<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: &impl Fn(Axis) -> Option<&'r T>,
+    moving: &AxisSettings,
+) -> [Step; AXES] {
+    let mut steps = [[0.0; 2]; AXES];
+    let Some(table) = rows(moving.axis) else { return steps };
+    let twist: [Step; 6] = core::array::from_fn(|component| {
+        let (least, most) = lost(moving, table, component);
+        let own = component == moving.axis.index();
+        let lost = match (own, moving.axis.is_rotary()) {
+            (false, _) => 0.0,
+            (true, false) => moving.backlash,
+            (true, true) => moving.backlash.to_radians(),
+        };
+        [least + lost, most + lost]
+    });
+    if twist.iter().all(|step| width(step) == 0.0) {
+        return steps;
+    }
+    if machine.compensation.model == ErrorModel::Volumetric {
+        return volumetric::reversal_steps(machine, rows, moving, &twist);
+    }
+    for (drive, step) in machine.axes.iter().zip(&mut steps) {
+        *step = nine_step(machine, moving, &twist, drive);
+    }
+    steps
+}
+
+/// The step of a drive under the nine terms.
+fn nine_step(machine: &MachineSettings, moving: &AxisSettings, twist: &[Step; 6], drive: &AxisSettings) -> Step {
+    let component = |index: usize| twist.get(index).copied().unwrap_or_default();
+    if drive.axis.is_rotary() {
+        if drive.axis != moving.axis {
+            return [0.0; 2];
+        }
+        // The backlash counts in the sense of the reading.
+        let backlash = moving.backlash;
+        let [least, most] = component(drive.axis.index()).map(|error| error.to_degrees() - backlash);
+        let sense = sense(machine, drive);
+        return if sense < 0.0 { [backlash - most, backlash - least] } else { [least + backlash, most + backlash] };
+    }
+    let links = links(&machine.chain).unwrap_or_default();
+    if is_turned(&links, moving.axis) {
+        let [x, y, z, ..] = twist.map(|step| width(&step));
+        let length = libm::sqrt(x * x + y * y + z * z);
+        return [-length, length];
+    }
+    component(drive.axis.index())
+}
