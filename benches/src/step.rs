@@ -30,7 +30,7 @@ impl Cycle {
     /// One cycle.
     #[inline(always)]
     pub fn run(&mut self) -> Output<f64, f64, 3> {
-        self.servo.step(&mut self.state, &self.input, &self.path, self.reference)
+        self.servo.step(&mut self.state, &self.input, self.path.on(self.reference), ())
     }
 }
 

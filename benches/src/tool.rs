@@ -5,7 +5,7 @@ use crate::step::{PASSES, PERIOD_NS};
 use crate::tables::{Grid, POINTS, rows};
 use trueaxis::compensation::Storage;
 use trueaxis::contour::{Method, OrientationError, Path, Reference, Segment, Span, ToolPath, Turn, convert};
-use trueaxis::kinematics::{Follow, Kinematics, Tool};
+use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
 use trueaxis::machine::{AxisSettings, MachineSettings};
 use trueaxis::vector::V3;
 use trueaxis::{Axis, Config, Input, Output, Row, ServoLoop, State};
@@ -16,7 +16,7 @@ pub struct ToolCycle {
     servo: &'static ServoLoop<'static, f64, f64, 5>,
     kinematics: &'static Kinematics<f64>,
     state: State<f64, f64, 5>,
-    follow: Follow<f64>,
+    follow: BranchTracker<f64>,
     input: Input<f64, 5>,
     tool: Tool<f64>,
     path: ToolPath<'static, f64, f64>,
@@ -115,7 +115,7 @@ pub fn typical() -> ToolCycle {
         Tool { tip: V3::from(spans[number].position(t)), axis }
     };
     let start = kinematics.inverse(&tool_at(0, 0.0), &[0.0, 0.0, 0.0, 15.0, 0.0, -20.0]).expect("within reach");
-    let mut joints = Follow::new(&start, 0.2);
+    let mut joints = BranchTracker::new(&start, 0.2);
     let mut cycle = ToolCycle {
         servo,
         kinematics,

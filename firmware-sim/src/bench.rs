@@ -65,7 +65,7 @@ pub fn run<const N: usize>(
         let step = |state: &mut State<f64, f64, N>, input: &Input<f64, N>, reference: Reference<f64>| match &kinematics
         {
             Some(kinematics) => servo.step_with_tool(state, input, &tool_view, reference, kinematics).0,
-            None => servo.step(state, input, &view, reference),
+            None => servo.step(state, input, view.on(reference), ()),
         };
         let rounds = || (0..cycles).zip(prepared.iter().cycle());
         let fresh =

@@ -359,7 +359,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         let start = Instant::now();
         let (output, orientation) = match &self.kinematics {
             Some(kinematics) => self.servo.step_with_tool(&mut self.state, &input, &tool_path, reference, kinematics),
-            None => (self.servo.step(&mut self.state, &input, &path, reference), OrientationError::none()),
+            None => (self.servo.step(&mut self.state, &input, path.on(reference), ()), OrientationError::none()),
         };
         let nanoseconds = start.elapsed().as_nanos() as u64;
         let readings = self.plant.cycle(&self.to_plant(&output.drive));

@@ -7,7 +7,7 @@ use crate::plugin::CorePosition;
 use crate::pointer::{check_sized, read_sized, vector};
 use crate::servo::{Loop, State, with_servo};
 use crate::status::{self, ERROR_ARGUMENT, Status};
-use trueaxis::contour::Commanded;
+use trueaxis::contour::CommandWindow;
 
 /// Pieces of the window in a `trueaxis_follow_t`.
 pub const FOLLOW_PIECES: usize = 64;
@@ -28,7 +28,7 @@ pub struct Follow {
 
 // SAFETY: repr(C), one array of u64.
 unsafe impl Storage for Follow {
-    type Content = Commanded<Real, CorePosition, FOLLOW_PIECES>;
+    type Content = CommandWindow<Real, CorePosition, FOLLOW_PIECES>;
     const MAGIC: u32 = 0x5452_0007;
 }
 
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn trueaxis_follow_start(
         let place = opaque::place(follow, follow_size)?;
         // SAFETY: the caller's promise.
         let plane = if plane.is_null() { [0.0, 0.0, 1.0] } else { unsafe { vector(plane) }? };
-        let window = Commanded::new(plane, spacing_mm).map_err(|_| ERROR_ARGUMENT)?;
+        let window = CommandWindow::new(plane, spacing_mm).map_err(|_| ERROR_ARGUMENT)?;
         // SAFETY: storage of the size that the caller vouched for.
         unsafe { opaque::fill(place, window) };
         Ok(())
@@ -73,7 +73,7 @@ pub unsafe extern "C" fn trueaxis_follow_start(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trueaxis_follow_restart(follow: *mut Follow) -> Status {
     // SAFETY: the caller's promise.
-    status::of(unsafe { opaque::content_mut(follow) }.map(Commanded::restart))
+    status::of(unsafe { opaque::content_mut(follow) }.map(CommandWindow::restart))
 }
 
 /// `trueaxis_step` with the commands themselves as the path: X, Y and Z of this cycle's command, once it is believed, are

@@ -8,7 +8,7 @@ use machines::*;
 use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
 use trueaxis::compensation::{Storage, ThermalLine};
-use trueaxis::contour::{self, Commanded, Segment, convert};
+use trueaxis::contour::{self, CommandWindow, Segment, convert};
 use trueaxis::tcomp::{TableData, Tcomp};
 use trueaxis::telemetry::{FRAME_BYTES as CORE_FRAME_BYTES, Frame};
 use trueaxis::{Config, Position as _, ServoLoop};
@@ -150,7 +150,7 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
         }
         (core_input.homed, core_input.enable, core_input.encoder_alarm) = (true, true, c.encoder_alarm);
         let place = contour::Reference { span: reference.span, t: reference.t };
-        let expected = cores[exchanged].step(&mut core_state, &core_input, &core_path, place);
+        let expected = cores[exchanged].step(&mut core_state, &core_input, core_path.on(place), ());
         same(&out, &expected, cycle);
         measured += usize::from(out.record.status & STATUS_CONTOUR != 0);
     }
@@ -210,7 +210,7 @@ fn following_the_commands() {
     let (servo, core) = (built(mill()), rust_loop::<3>(mill()));
     let (mut state, mut core_state) = (started(&servo.servo), core.start(PERIOD_NS).unwrap());
     let mut follow = zeroed::<Follow>();
-    let mut commanded = Commanded::<R, P, FOLLOW_PIECES>::new([0.0, 0.0, 1.0], 0.005).unwrap();
+    let mut commanded = CommandWindow::<R, P, FOLLOW_PIECES>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     // SAFETY: everything is as the types say.
     assert_eq!(unsafe { trueaxis_follow_start(&mut *follow, size_of::<Follow>(), null(), 0.005) }, OK);
     let mut out = output();
@@ -231,7 +231,7 @@ fn following_the_commands() {
             core_input.feedback[axis] = core_position(feedback[axis]);
         }
         (core_input.homed, core_input.enable) = (true, true);
-        same(&out, &core.step_following(&mut core_state, &core_input, &mut commanded), cycle);
+        same(&out, &core.step(&mut core_state, &core_input, &mut commanded, ()), cycle);
     }
     assert!(out.record.tip.error > 0.0 && out.record.status & STATUS_CONTOUR != 0);
 }

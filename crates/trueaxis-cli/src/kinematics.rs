@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
-use trueaxis::kinematics::{Choice, Follow, InverseError, Kinematics, Solution, Tool};
+use trueaxis::kinematics::{BranchTracker, Choice, InverseError, Kinematics, Solution, Tool};
 use trueaxis::machine::{AXES, MachineSettings};
 use trueaxis::vector::V3;
 
@@ -272,7 +272,7 @@ fn start(arguments: &Inverse, used: &[Axis]) -> Result<[f64; AXES]> {
 /// The way from row to row.
 struct Walk {
     near: [f64; AXES],
-    follow: Option<Follow<f64>>,
+    follow: Option<BranchTracker<f64>>,
     /// Rows of which only one solution was given.
     left_out: usize,
 }
@@ -294,7 +294,7 @@ impl Walk {
             BranchChoice::Second => Choice::Second,
         })?;
         self.near = chosen.axes;
-        self.follow = arguments.max_step_deg.map(|step| Follow::new(&chosen, step));
+        self.follow = arguments.max_step_deg.map(|step| BranchTracker::new(&chosen, step));
         if !arguments.both {
             return Ok(vec![chosen]);
         }

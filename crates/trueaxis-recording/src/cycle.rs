@@ -89,6 +89,7 @@ impl<const N: usize> Cycle<N> {
             homed: self.homed,
             enable: self.enable,
             reset: self.reset,
+            refusal: trueaxis::sample::Refusal::NONE,
         }
     }
 

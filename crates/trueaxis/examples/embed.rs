@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // From here on the servo interrupt:
     let command = [12.5, -30.0, -200.0];
     let input = Input { command, feedback: command, homed: true, enable: true, ..Input::at_rest(100_000) };
-    let output = servo.step(&mut state, &input, &path, Reference::default());
+    let output = servo.step(&mut state, &input, path.on(Reference::default()), ());
     assert_eq!(output.drive, command); // the first cycle never moves; then the correction is led in
     assert!(!output.stop_requested());
     Ok(())

@@ -2,37 +2,37 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use crate::error::{ConfigError, Fault};
+use crate::error::ConfigError;
 use crate::limiter::{Limited, Limiter};
 use crate::machine::{Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
-use crate::sample::{Sample, SampleState, Verdict};
+use crate::sample::{Sample, Verdict};
 
 /// Limiters and joint ranges: immutable.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Release<R, P, const N: usize> {
+pub(crate) struct OutputStage<R, P, const N: usize> {
     limiters: [Limiter<R>; N],
     joint: [[P; 2]; N],
 }
 
 /// What was sent last.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ReleaseState<R, P, const N: usize> {
+pub(crate) struct OutputState<R, P, const N: usize> {
     limited: [Limited<R>; N],
     drive: [P; N],
 }
 
-impl<R: Real, P: Position, const N: usize> ReleaseState<R, P, N> {
+impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
     pub(crate) fn new() -> Self {
-        ReleaseState { limited: [Limited::default(); N], drive: [P::default(); N] }
+        OutputState { limited: [Limited::default(); N], drive: [P::default(); N] }
     }
 
     /// Nothing of this cycle is sent: drives and corrections stay what they were `before` it.
     #[cold]
-    fn take_back(&mut self, feedback: [P; N], before: [R; N], outside: u8) -> Released<R, P, N> {
+    fn take_back(&mut self, feedback: [P; N], before: [R; N], outside: u8) -> Applied<R, P, N> {
         self.limited = before.map(Limited::at_rest);
-        Released { drive: self.drive, feedback, correction: before, limited: 0, outside: Some(outside) }
+        Applied { drive: self.drive, feedback, correction: before, limited: 0, outside: Some(outside) }
     }
 
     /// The corrections sent last, mm (deg).
@@ -43,43 +43,42 @@ impl<R: Real, P: Position, const N: usize> ReleaseState<R, P, N> {
 
 /// What goes out in a cycle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Released<R, P, const N: usize> {
+pub(crate) struct Applied<R, P, const N: usize> {
     pub(crate) drive: [P; N],
     pub(crate) feedback: [P; N],
     pub(crate) correction: [R; N],
     /// A bit for every axis whose correction differs from the wanted one.
     pub(crate) limited: u8,
-    /// A place outside its joint's range, which holds the output.
+    /// Slot of an axis that would leave its joint's range: the output holds, and the command was not accepted.
     pub(crate) outside: Option<u8>,
 }
 
 /// Limits of an axis that the machine does not have: it is never corrected, any positive numbers do.
 const ABSENT: Limits = Limits { magnitude: 1.0, slope_per_s: 1.0, acceleration_per_s2: 1e3 };
 
-impl<R: Real, P: Position, const N: usize> Release<R, P, N> {
+impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
     pub(crate) fn new(machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
         let axes = crate::machine::step_axes::<N>(machine)?;
         let idle = Limiter::new(&ABSENT, 1e-3)?;
-        let mut release = Release { limiters: [idle; N], joint: [[P::limit(f64::MIN), P::limit(f64::MAX)]; N] };
-        for ((axis, limiter), joint) in axes.into_iter().zip(&mut release.limiters).zip(&mut release.joint) {
+        let mut stage = OutputStage { limiters: [idle; N], joint: [[P::limit(f64::MIN), P::limit(f64::MAX)]; N] };
+        for ((axis, limiter), joint) in axes.into_iter().zip(&mut stage.limiters).zip(&mut stage.joint) {
             if let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) {
                 *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(axis))?;
                 *joint = settings.joint.map(P::limit);
             }
         }
-        Ok(release)
+        Ok(stage)
     }
 
     /// Command plus limited correction, held where it must be; feedback without the correction. What goes out is decided
-    /// before anything is remembered: where the output holds, command, drive and correction of the last cycle stay.
+    /// before anything is remembered: where the output holds, drive and correction of the last cycle stay.
     #[inline(always)]
-    pub(crate) fn release(
+    pub(crate) fn apply(
         &self,
-        state: &mut ReleaseState<R, P, N>,
-        sample_state: &mut SampleState<R, P, N>,
+        state: &mut OutputState<R, P, N>,
         sample: &Sample<P, N>,
         wanted: &[R; N],
-    ) -> Released<R, P, N> {
+    ) -> Applied<R, P, N> {
         // The reading of this cycle answers the correction sent before it.
         let mut feedback = sample.feedback;
         let mut before = [R::ZERO; N];
@@ -120,16 +119,14 @@ impl<R: Real, P: Position, const N: usize> Release<R, P, N> {
             _ if sample.first => {}
             Verdict::Hold | Verdict::Nowhere => drive = state.drive,
             Verdict::Active | Verdict::Freeze => {
-                if let Some(place) = self.outside(&drive) {
-                    sample_state.latch(Fault::JointRange, place);
-                    return state.take_back(feedback, before, place);
+                if let Some(slot) = self.outside(&drive) {
+                    return state.take_back(feedback, before, slot);
                 }
             }
             Verdict::Inactive => {}
         }
-        sample_state.accept(&sample.command);
         state.drive = drive;
-        Released { drive, feedback, correction, limited: flags, outside: None }
+        Applied { drive, feedback, correction, limited: flags, outside: None }
     }
 
     #[inline(always)]

@@ -26,6 +26,24 @@ pub struct Input<P, const N: usize> {
     pub enable: bool,
     /// Releases a latched stop request (on its rising edge, near the held position).
     pub reset: bool,
+    /// What came before the step has no command for this cycle and why ([`crate::ServoLoop::rtcp`]): it is held, whatever
+    /// `command` says. [`Refusal::NONE`] otherwise.
+    pub refusal: Refusal,
+}
+
+/// A command that was refused before the step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Refusal {
+    /// Why; [`Fault::None`]: it was not.
+    pub fault: Fault,
+    /// Slot of the axis that it belongs to.
+    pub slot: u8,
+}
+
+impl Refusal {
+    /// Nothing was refused.
+    pub const NONE: Refusal = Refusal { fault: Fault::None, slot: 0 };
 }
 
 impl<P: Position, const N: usize> Input<P, N> {
@@ -39,6 +57,7 @@ impl<P: Position, const N: usize> Input<P, N> {
             homed: false,
             enable: false,
             reset: false,
+            refusal: Refusal::NONE,
         }
     }
 }
@@ -191,6 +210,11 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
         self.command = *command;
     }
 
+    /// A stop is requested, from the last cycle or longer.
+    pub(crate) fn is_latched(&self) -> bool {
+        self.latched != Fault::None
+    }
+
     pub(crate) fn latch(&mut self, fault: Fault, axis: u8) {
         (self.latched, self.latched_axis) = (fault, axis);
     }
@@ -236,26 +260,14 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 
     #[inline(always)]
     pub(crate) fn read(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> Sample<P, N> {
-        self.read_unless(state, input, (Fault::None, 0))
-    }
-
-    /// The same where a stage before this one has to refuse the command: with its fault and the axis' place, whatever
-    /// `input` commands, and without release.
-    #[inline(always)]
-    pub(crate) fn read_unless(
-        &self,
-        state: &mut SampleState<R, P, N>,
-        input: &Input<P, N>,
-        (refused, place): (Fault, u8),
-    ) -> Sample<P, N> {
         let first = !state.started;
         let active = input.homed && input.enable;
         let late = input.elapsed_ns > self.latest_ns;
-        let (command_fault, command_axis) = match refused {
+        let (command_fault, command_axis) = match input.refusal.fault {
             Fault::None => self.command_fault(state, input, active, late),
-            refused => (refused, place),
+            refused => (refused, input.refusal.slot),
         };
-        let reset = input.reset && !state.reset && refused == Fault::None;
+        let reset = input.reset && !state.reset && input.refusal == Refusal::NONE;
         state.reset = input.reset;
 
         if state.latched != Fault::None || command_fault != Fault::None {

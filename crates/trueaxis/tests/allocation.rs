@@ -2,7 +2,7 @@
 
 use allocation_counter::measure;
 use trueaxis::compensation::Storage;
-use trueaxis::contour::{Commanded, Path, Reference, Segment, Span, convert};
+use trueaxis::contour::{CommandWindow, Path, Reference, Segment, Span, convert};
 use trueaxis::exchange::Exchange;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Bypass, Config, Fault, Input};
@@ -26,7 +26,7 @@ fn the_step_does_not_allocate() {
     .unwrap();
     let path = Path::new(&spans, 0, false);
     let (mut state, mut following) = (servo.start(PERIOD_NS).unwrap(), servo.start(PERIOD_NS).unwrap());
-    let mut commanded = Commanded::<f64, f64, 32>::new([0.0, 0.0, 1.0], 0.005).unwrap();
+    let mut commanded = CommandWindow::<f64, f64, 32>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     let mut bypass = Bypass::<f64, 3>::new(Fault::TablesRefused);
     let exchange = Exchange::new();
     let mut active = &servo;
@@ -50,8 +50,8 @@ fn the_step_does_not_allocate() {
             let reference = Reference { span: place as u32, t: place.fract() };
             let _ = exchange.offer(&servo);
             exchange.take_into(&mut active);
-            let output = active.step(&mut state, &input, &path, reference);
-            let followed = active.step_following(&mut following, &input, &mut commanded);
+            let output = active.step(&mut state, &input, path.on(reference), ());
+            let followed = active.step(&mut following, &input, &mut commanded, ());
             measured += u32::from(output.record.tip.is_measured()) + u32::from(followed.record.tip.is_measured());
             faults += u32::from(output.record.fault != Fault::None);
             bypass.step::<f64>(&input);

@@ -78,7 +78,7 @@ impl Run {
     }
 
     fn cycle(&mut self, input: &Input<f64, 3>) -> Output<f64, f64, 3> {
-        self.servo.step(&mut self.state, input, &Path::new(&[], 0, false), Reference { span: 0, t: 0.0 })
+        self.servo.step(&mut self.state, input, Path::new(&[], 0, false).on(Reference { span: 0, t: 0.0 }), ())
     }
 
     fn at(&mut self, command: [f64; 3]) -> Output<f64, f64, 3> {

@@ -67,7 +67,7 @@ fn run<R: Wire>(
         };
         let (input, reference) = (cycle.input::<R::Place>(), cycle.place::<R>());
         let Some(gauge) = &gauge else {
-            sent.extend(line(&servo.step(&mut state, &input, &path, reference), None));
+            sent.extend(line(&servo.step(&mut state, &input, path.on(reference), ()), None));
             continue;
         };
         let (output, ridden) =

@@ -9,7 +9,7 @@
 //!   ends it; else it descends, brackets and refines, across borders and corners, within a window of
 //!   `5 µm + 4 × progress`. At most eight evaluations of the path in all;
 //! - with no foot known (first cycle, after a fault, lost) the way around the reference is looked over in several cycles.
-//! - a host whose planner is closed lets its own commands be the path ([`Commanded`]);
+//! - a host whose planner is closed lets its own commands be the path ([`CommandWindow`]);
 //! - a [`ToolPath`] adds a direction to every piece ([`Turn`]): its error is the angle at the tip's foot, and where the
 //!   tip stands while the tool turns ([`Segment::Turning`]), that to the nearest orientation.
 //!
@@ -17,7 +17,7 @@
 //! takes maxima too, compares signed derivatives where distances count, and searches around the reference instead of the
 //! last foot, which loses the path behind a narrow bend.
 
-mod commanded;
+mod command_window;
 mod convert;
 mod kernel;
 mod offline;
@@ -26,11 +26,11 @@ mod refine;
 mod search;
 mod span;
 
-pub use commanded::Commanded;
+pub use command_window::CommandWindow;
 pub use convert::{PathError, Segment, convert};
 pub use orientation::{OrientationError, ToolPath, Turn};
 pub use search::{ContourSearch, ContourState, Method};
-pub use span::{Form, Path, Reference, Span};
+pub use span::{Form, OnPath, Path, Reference, Span};
 
 use crate::real::Real;
 use serde::{Deserialize, Serialize};

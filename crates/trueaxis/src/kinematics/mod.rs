@@ -21,14 +21,14 @@
 #![deny(clippy::indexing_slicing)]
 
 mod branch;
+mod branch_tracker;
 mod chain;
 mod error;
-mod follow;
 mod inverse;
 
 pub use branch::Branch;
+pub use branch_tracker::BranchTracker;
 pub use error::InverseError;
-pub use follow::Follow;
 pub use inverse::{Choice, Solution, Solutions};
 
 use crate::compensation::trig::{atan2, cos_sin_deg};

@@ -2,25 +2,25 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use super::{Output, ServoLoop, State};
-use crate::contour::{OrientationError, Reference, ToolPath};
+use super::{ServoLoop, State};
+use crate::axis::AXES;
 use crate::error::Fault;
-use crate::kinematics::{Follow, InverseError, Kinematics, Tool};
-use crate::machine::{AXES, Axis};
+use crate::kinematics::{BranchTracker, InverseError, Kinematics, Tool};
 use crate::position::Position;
 use crate::real::Real;
-use crate::sample::Input;
+use crate::sample::{Input, Refusal};
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
-    /// One servo cycle with the tool commanded in workpiece coordinates: the tip (mm) and the direction (unit vector).
+    /// The input of a cycle with the tool commanded in workpiece coordinates: the tip (mm) and the direction (unit vector).
     ///
-    /// The inverse transformation gives this cycle's positions of the axes on the branch that `follow` is on; they stand
-    /// in for `input.command`, which is not looked at. Then [`ServoLoop::step_with_tool`]. `follow` starts from the pose
-    /// that the machine stands in, with the largest step that a rotary axis makes in a cycle.
+    /// The inverse transformation gives this cycle's positions of the axes on the branch that `tracker` is on; they stand
+    /// in for `input.command`, which is not looked at. `tracker` starts from the pose that the machine stands in, with the
+    /// largest step that a rotary axis makes in a cycle. Hand the result to [`ServoLoop::step`].
     ///
-    /// A tool that has no such positions is a bad command: the output holds, the stop request is latched, `follow` stays
-    /// at the held pose, and a reset is heard once the tool is again at one near it (`resume` of every axis, and within
-    /// the step of `follow`). The call is for homed axes: positions have no meaning before.
+    /// A tool that has no such positions is a bad command ([`Input::refusal`]): the output holds, the stop request is
+    /// latched, `tracker` goes back to the held pose at the next call, and a reset is accepted once the tool is back near
+    /// it (`resume` of every axis, and within the step of `tracker`). The call is for homed axes: positions have no meaning
+    /// before.
     ///
     /// | refused | fault |
     /// |---|---|
@@ -34,27 +34,22 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// In single precision the positions found carry the rounding of absolute coordinates, about 30 nm at 500 mm in every
     /// linear command; doubles nothing. Bounded: one inverse a cycle.
     #[inline]
-    pub fn step_rtcp(
+    pub fn rtcp(
         &self,
-        state: &mut State<R, P, N>,
-        input: &Input<P, N>,
+        state: &State<R, P, N>,
         tool: &Tool<R>,
-        follow: &mut Follow<R>,
-        path: &ToolPath<'_, R, P>,
-        reference: Reference<R>,
+        tracker: &mut BranchTracker<R>,
         kinematics: &Kinematics<R>,
-    ) -> (Output<R, P, N>, OrientationError<R>) {
-        let before = *follow;
-        let (command, refused) = match follow.next_after(kinematics, tool, self.sampler.periods(input.elapsed_ns)) {
-            Ok(solution) => (self.positions(&solution.axes), (Fault::None, 0)),
+        input: &Input<P, N>,
+    ) -> Input<P, N> {
+        if state.sample.is_latched() {
+            tracker.take_back();
+        }
+        let (command, refusal) = match tracker.next_after(kinematics, tool, self.sampler.periods(input.elapsed_ns)) {
+            Ok(solution) => (self.positions(&solution.axes), Refusal::NONE),
             Err(error) => (state.sample.commanded(), self.refusal(&error, tool)),
         };
-        let sample = self.sampler.read_unless(&mut state.sample, &Input { command, ..*input }, refused);
-        let done = self.finish_with_tool(state, &sample, path, reference, kinematics);
-        if done.0.stop_requested() {
-            *follow = before;
-        }
-        done
+        Input { command, refusal, ..*input }
     }
 
     /// Joints as positions of the step's axes.
@@ -64,23 +59,18 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 
     #[cold]
-    fn refusal(&self, error: &InverseError, tool: &Tool<R>) -> (Fault, u8) {
+    fn refusal(&self, error: &InverseError, tool: &Tool<R>) -> Refusal {
         let finite = tool.axis.array().iter().all(|x| x.is_finite());
-        match *error {
-            InverseError::TipNotFinite => (Fault::CommandNotFinite, 0),
-            InverseError::NotADirection { .. } if !finite => (Fault::CommandNotFinite, 0),
-            InverseError::SingularPose { .. } => (Fault::SingularPose, 0),
-            InverseError::BranchChange { .. } => (Fault::BranchChange, 0),
-            InverseError::TooFast { axis, .. } => (Fault::CommandJump, self.place(axis)),
-            InverseError::OutsideTravel { axis, .. } => (Fault::CommandOutOfTravel, self.place(axis)),
-            _ => (Fault::ToolUnreachable, 0),
-        }
-    }
-
-    fn place(&self, axis: Axis) -> u8 {
-        self.axes.iter().position(|known| *known == axis).map_or(0, |place| place as u8)
+        let (fault, axis) = match *error {
+            InverseError::TipNotFinite => (Fault::CommandNotFinite, None),
+            InverseError::NotADirection { .. } if !finite => (Fault::CommandNotFinite, None),
+            InverseError::SingularPose { .. } => (Fault::SingularPose, None),
+            InverseError::BranchChange { .. } => (Fault::BranchChange, None),
+            InverseError::TooFast { axis, .. } => (Fault::CommandJump, Some(axis)),
+            InverseError::OutsideTravel { axis, .. } => (Fault::CommandOutOfTravel, Some(axis)),
+            _ => (Fault::ToolUnreachable, None),
+        };
+        let slot = self.axes.iter().position(|known| Some(*known) == axis);
+        Refusal { fault, slot: slot.map_or(0, |slot| slot as u8) }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -2,11 +2,19 @@
 
 mod finite;
 mod plausibility;
+mod rtcp;
+mod tool;
 mod transitions;
+mod window;
 
 use super::*;
+use crate::axis::Axis;
+use crate::compensation::Storage;
+use crate::contour::{Method, Path, Reference};
 use crate::exchange::Exchange;
+use crate::machine::MachineSettings;
 use crate::machine::{AxisSettings, Interpolation, Row};
+use crate::sample::Refusal;
 use proptest::prelude::*;
 use std::{boxed::Box, vec, vec::Vec};
 
@@ -83,6 +91,7 @@ pub(super) fn input(command: [f64; 3]) -> Input<f64, 3> {
         homed: true,
         enable: true,
         reset: false,
+        refusal: Refusal::NONE,
     }
 }
 
@@ -109,7 +118,7 @@ impl Bench {
 
     fn cycle(&mut self, input: &Input<f64, 3>) -> Out {
         let none = Path::new(&[], 0, false);
-        let out = self.active.step(&mut self.state, input, &none, Reference { span: 0, t: 0.0 });
+        let out = self.active.step(&mut self.state, input, none.on(Reference { span: 0, t: 0.0 }), ());
         let held = out.stop_requested();
         let last = self.last.replace(out).filter(Out::has_drive);
         for k in 0..3 {
@@ -371,6 +380,7 @@ proptest! {
                 homed: bits & 24 != 24,
                 enable: bits & 40 != 40,
                 reset: bits & 64 != 0,
+                refusal: Refusal::NONE,
             });
             if let Some(last) = last {
                 for k in 0..3 {

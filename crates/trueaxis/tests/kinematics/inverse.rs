@@ -1,5 +1,5 @@
 use super::*;
-use trueaxis::kinematics::{Branch, Choice, Follow, InverseError, Kinematics, Tool};
+use trueaxis::kinematics::{Branch, BranchTracker, Choice, InverseError, Kinematics, Tool};
 
 /// Structural code and tool axis of every kind.
 const KINDS: [(&str, [f64; 3]); 12] = [
@@ -215,7 +215,7 @@ fn a_path_is_followed_without_a_jump_or_refused() {
     let kinematics = Kinematics::<f64>::new(&machine("w X' Y' b Z C A t")).unwrap().with_tool_length(200.0);
     let start = [0.0, 0.0, 0.0, 30.0, 0.0, 0.0];
     let first = kinematics.inverse(&kinematics.forward(&start), &start).unwrap();
-    let mut follow = Follow::new(&first, 2.0);
+    let mut follow = BranchTracker::new(&first, 2.0);
     // Twice round: C winds up to 720 degrees, the tip stands still.
     let tip = kinematics.forward(&start).tip;
     for i in 1..=720 {

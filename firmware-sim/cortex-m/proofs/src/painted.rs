@@ -9,9 +9,9 @@ use cortex_m::register::msp;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use trueaxis::compensation::Storage;
-use trueaxis::contour::{Commanded, Method, Path, Reference, Segment, Span, ToolPath, Turn, convert};
+use trueaxis::contour::{CommandWindow, Method, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use trueaxis::exchange::Exchange;
-use trueaxis::kinematics::{Follow, Kinematics};
+use trueaxis::kinematics::{BranchTracker, Kinematics};
 use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
 use trueaxis::roundness::{ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState};
 use trueaxis::{Axis, Bypass, Config, Fault, Input, Position, Real, Row, ServoLoop};
@@ -174,7 +174,7 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
         });
     }
 
-    let mut commanded = Commanded::<R, P, WINDOW>::new([0.0, 0.0, 1.0], 0.005).expect("a window");
+    let mut commanded = CommandWindow::<R, P, WINDOW>::new([0.0, 0.0, 1.0], 0.005).expect("a window");
     let mut state = servo.start(PERIOD_NS).expect("the period");
     for cycle in 0..CYCLES {
         let (_, command) = place(&spans, cycle);
@@ -244,7 +244,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
     let mut state = servo.start(PERIOD_NS).expect("the period");
     let near = joints(0);
     let standing = kinematics.inverse(&kinematics.forward(&near), &near).expect("a pose");
-    let mut follow = Follow::new(&standing, scalar(0.1));
+    let mut follow = BranchTracker::new(&standing, scalar(0.1));
     for cycle in 0..CYCLES {
         let [x, y, z, a, b, c] = joints(cycle);
         let input = input(cycle, [x, y, z, a, c].map(|joint| P::default().plus(joint)));

@@ -2,9 +2,9 @@
 //!
 //! Single precision with positions in nanometres, or doubles with the feature `double`.
 
-use trueaxis::contour::{Commanded, OrientationError, Path, Reference, ToolPath};
+use trueaxis::contour::{CommandWindow, OrientationError, Path, Reference, ToolPath};
 use trueaxis::exchange::Exchange;
-use trueaxis::kinematics::{Follow, Kinematics, Tool};
+use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
 use trueaxis::roundness::{Cycle, Probes, Roundness, RoundnessState};
 use trueaxis::{Bypass, Input, Output, ServoLoop, State};
 
@@ -72,7 +72,7 @@ pub fn proved_step_rtcp(
     servo: &Loop<5>,
     state: &mut State<R, P, 5>,
     input: &Input<P, 5>,
-    tool: (&Tool<R>, &mut Follow<R>),
+    tool: (&Tool<R>, &mut BranchTracker<R>),
     path: &ToolPath<'_, R, P>,
     reference: Reference<R>,
     kinematics: &Kinematics<R>,
@@ -87,9 +87,9 @@ pub fn proved_step_following(
     servo: &Loop<3>,
     state: &mut State<R, P, 3>,
     input: &Input<P, 3>,
-    commanded: &mut Commanded<R, P, WINDOW>,
+    commanded: &mut CommandWindow<R, P, WINDOW>,
 ) -> Output<R, P, 3> {
-    servo.step_following(state, input, commanded)
+    servo.step(state, input, &mut *commanded, ())
 }
 
 #[unsafe(no_mangle)]

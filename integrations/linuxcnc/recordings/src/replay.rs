@@ -100,7 +100,7 @@ fn of<const N: usize>(
             let offset = answered[joint.motor_cmd] - answered[joint.pos_cmd];
             input.feedback[joint.place] = answered[joint.drive] - offset;
         }
-        let output = servo.step(&mut state, &input, &no_path, Reference { span: 0, t: 0.0 });
+        let output = servo.step(&mut state, &input, no_path.on(Reference { span: 0, t: 0.0 }), ());
         if output.stop_requested() {
             bail!("the library stops with {:?} at sample {}", output.record.fault, output.record.sequence);
         }

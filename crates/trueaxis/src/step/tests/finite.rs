@@ -1,7 +1,7 @@
 //! Whatever bits come in, every number that goes out is one.
 
 use super::*;
-use crate::contour::{Commanded, Flags, Segment, Span, convert};
+use crate::contour::{CommandWindow, Flags, Segment, Span, convert};
 use crate::position::Nanometres;
 use crate::telemetry::Frame;
 
@@ -85,7 +85,7 @@ fn run<R: Real, P: AnyBits>(
     servo: &ServoLoop<'_, R, P, 3>,
     spans: &[Span<R, P>],
     cycles: &[Bits],
-    commanded: Option<&mut Commanded<R, P, 16>>,
+    commanded: Option<&mut CommandWindow<R, P, 16>>,
 ) {
     let path = Path::new(spans, 0, cycles.len() % 2 == 0);
     let mut state = servo.start(PERIOD_NS).unwrap();
@@ -104,11 +104,12 @@ fn run<R: Real, P: AnyBits>(
             homed: bits >> 8 & 7 != 7,
             enable: bits >> 9 & 7 != 7,
             reset: bit(12),
+            refusal: Refusal::NONE,
         };
         let reference = Reference { span, t: R::of(t) };
         let out = match &mut commanded {
-            Some(commanded) => servo.step_following(&mut state, &input, commanded),
-            None => servo.step(&mut state, &input, &path, reference),
+            Some(commanded) => servo.step(&mut state, &input, &mut **commanded, ()),
+            None => servo.step(&mut state, &input, path.on(reference), ()),
         };
         let told = if commanded.is_some() { Reference { span: 0, t: R::ZERO } } else { reference };
         check(&out, told);
@@ -133,9 +134,9 @@ proptest! {
         run::<f64, f64>(&DOUBLE, &spans(), &cycles, None);
         run::<f32, f64>(&MIXED, &spans(), &cycles, None);
         run::<f32, Nanometres>(&SINGLE, &spans(), &cycles, None);
-        let mut commanded = Commanded::new([0.0, 0.0, 1.0], 0.005).unwrap();
+        let mut commanded = CommandWindow::new([0.0, 0.0, 1.0], 0.005).unwrap();
         run::<f64, f64>(&DOUBLE, &spans(), &cycles, Some(&mut commanded));
-        let mut commanded = Commanded::new([0.0, 0.0, 1.0], 0.005).unwrap();
+        let mut commanded = CommandWindow::new([0.0, 0.0, 1.0], 0.005).unwrap();
         run::<f32, Nanometres>(&SINGLE, &spans(), &cycles, Some(&mut commanded));
     }
 }
@@ -151,29 +152,29 @@ fn a_reference_off_its_piece_is_taken_at_its_end_or_refused() {
         let mut state = servo.start(PERIOD_NS).unwrap();
         let at = input([10.0 + 0.5 * length, 10.0, 10.0]);
         for _ in 0..60 {
-            servo.step(&mut state, &at, &path, Reference { span: 0, t: 0.5 });
+            servo.step(&mut state, &at, path.on(Reference { span: 0, t: 0.5 }), ());
         }
-        let out = servo.step(&mut state, &at, &path, Reference { span: 0, t: 0.5 });
+        let out = servo.step(&mut state, &at, path.on(Reference { span: 0, t: 0.5 }), ());
         assert!(out.record.status.has(Status::CONTOUR) && out.record.tip.lag.abs() < 1e-9);
         assert!(!out.record.tip.flags.has(Flags::COLD) && !out.record.tip.flags.has(Flags::REFERENCE));
         (state, at)
     };
     for (t, end) in [(1.0 + 1e-9, 1.0), (1.5, 1.0), (1e300, 1.0), (-1e-9, 0.0), (-7.0, 0.0), (f64::MIN, 0.0)] {
         let ((mut state, at), (mut other, _)) = (warm(), warm());
-        let off = servo.step(&mut state, &at, &path, Reference { span: 0, t }).record;
-        let on = servo.step(&mut other, &at, &path, Reference { span: 0, t: end }).record;
+        let off = servo.step(&mut state, &at, path.on(Reference { span: 0, t }), ()).record;
+        let on = servo.step(&mut other, &at, path.on(Reference { span: 0, t: end }), ()).record;
         assert!(off.status.has(Status::CONTOUR) && off.tip.flags.has(Flags::REFERENCE), "{t}: {off:?}");
         assert!(!on.tip.flags.has(Flags::REFERENCE));
         assert!((off.tip.lag - on.tip.lag).abs() < 1e-9 && (off.tip.error - on.tip.error).abs() < 1e-9, "{t}");
     }
     for t in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let (mut state, at) = warm();
-        let out = servo.step(&mut state, &at, &path, Reference { span: 0, t }).record;
+        let out = servo.step(&mut state, &at, path.on(Reference { span: 0, t }), ()).record;
         assert!(!out.status.has(Status::CONTOUR), "{t}");
         assert!(out.tip.flags.has(Flags::NOT_FOUND) && out.tip.flags.has(Flags::REFERENCE));
         assert_eq!((out.tip.lag, out.encoder.lag, out.tip.error), (0.0, 0.0, 0.0));
         // And it goes on as after any loss.
-        let next = servo.step(&mut state, &at, &path, Reference { span: 0, t: 0.5 }).record;
+        let next = servo.step(&mut state, &at, path.on(Reference { span: 0, t: 0.5 }), ()).record;
         assert!(next.status.has(Status::CONTOUR) && next.tip.lag.is_finite());
     }
 }

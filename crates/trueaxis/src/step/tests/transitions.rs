@@ -110,11 +110,11 @@ fn switched_off_the_joint_is_the_hosts() {
 fn a_way_that_was_not_sent_is_no_part_of_the_commanded_path() {
     let servo = tight(-1.0);
     let mut state = servo.start(PERIOD_NS).unwrap();
-    let mut commanded = crate::contour::Commanded::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
+    let mut commanded = crate::contour::CommandWindow::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     let mut held = None;
     for n in 0..6000 {
         let x = 109.9 + 2e-5 * f64::from(n);
-        let out = servo.step_following(&mut state, &input([x.min(110.0), 50.0, 50.0]), &mut commanded);
+        let out = servo.step(&mut state, &input([x.min(110.0), 50.0, 50.0]), &mut commanded, ());
         if out.stop_requested() {
             assert_eq!(out.record.fault, Fault::JointRange);
             let at = out.record.command[0];
@@ -122,7 +122,7 @@ fn a_way_that_was_not_sent_is_no_part_of_the_commanded_path() {
             // Off again from there: nothing of the rejected command is left in the path.
             for n in 0..300 {
                 let back = Input { reset: n == 1, ..input([at - 1e-4 * f64::from(n), 50.0, 50.0]) };
-                let out = servo.step_following(&mut state, &back, &mut commanded);
+                let out = servo.step(&mut state, &back, &mut commanded, ());
                 let off = out.record.encoder.vector[0];
                 assert!(out.record.encoder.error < 1e-9 || !out.record.encoder.is_measured(), "{n}: {off}");
             }
@@ -207,7 +207,7 @@ fn integers_know_no_place_from_a_saturated_reading() {
             enable: true,
             ..Input::at_rest(PERIOD_NS)
         };
-        servo.step(&mut state, &input, &none, Reference { span: 0, t: 0.0 })
+        servo.step(&mut state, &input, none.on(Reference { span: 0, t: 0.0 }), ())
     };
     let out = cycle(saturated, saturated);
     assert!(!out.has_drive() && out.record.fault == Fault::CommandNotFinite);
@@ -232,7 +232,7 @@ fn a_jump_of_the_whole_range_of_integers_is_a_jump() {
         enable: true,
         ..Input::at_rest(PERIOD_NS)
     };
-    let step = |state: &mut _, input: &_| servo.step(state, input, &none, Reference { span: 0, t: 0.0 });
+    let step = |state: &mut _, input: &_| servo.step(state, input, none.on(Reference { span: 0, t: 0.0 }), ());
     // The difference is 2^32 − 3 nm: wrapped, it is 3 nm.
     let [low, high] = ends;
     for (from, to) in [(low, high), (high, low)] {

@@ -78,7 +78,7 @@ fn nothing<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 #[inline(never)]
 fn bare<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.memory.borrow_mut();
-    memory.output = Some(cycle.servo.step(&mut memory.bare, &cycle.input, &cycle.path, cycle.reference));
+    memory.output = Some(cycle.servo.step(&mut memory.bare, &cycle.input, cycle.path.on(cycle.reference), ()));
     0
 }
 
@@ -86,7 +86,7 @@ fn bare<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 #[inline(never)]
 fn volumetric<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.memory.borrow_mut();
-    memory.output = Some(cycle.all_terms.step(&mut memory.volumetric, &cycle.input, &cycle.path, cycle.reference));
+    memory.output = Some(cycle.all_terms.step(&mut memory.volumetric, &cycle.input, cycle.path.on(cycle.reference), ()));
     0
 }
 

@@ -11,16 +11,18 @@ use crate::real::Real;
 /// A call that would change the branch, or step a rotary axis by more than the limit, is refused and leaves the last
 /// solution as it was: the host stops, slows down, or starts anew on the other branch.
 #[derive(Clone, Copy, Debug)]
-pub struct Follow<R> {
+pub struct BranchTracker<R> {
     last: [R; AXES],
+    /// Where it was before the last call, for a pose that was not taken up.
+    before: [R; AXES],
     branch: Branch,
     max_step_deg: R,
 }
 
-impl<R: Real> Follow<R> {
+impl<R: Real> BranchTracker<R> {
     /// From a pose that the machine stands in; `max_step_deg`: largest step of a rotary axis in one call.
     pub fn new(start: &Solution<R>, max_step_deg: R) -> Self {
-        Follow { last: start.axes, branch: start.branch, max_step_deg }
+        BranchTracker { last: start.axes, before: start.axes, branch: start.branch, max_step_deg }
     }
 
     /// The last axis positions.
@@ -45,13 +47,14 @@ impl<R: Real> Follow<R> {
     /// The next pose, so many calls after the last one: the largest step counts as many times.
     ///
     /// # Errors
-    /// As [`Follow::next`].
+    /// As [`BranchTracker::next`].
     pub fn next_after(
         &mut self,
         kinematics: &Kinematics<R>,
         tool: &Tool<R>,
         calls: R,
     ) -> Result<Solution<R>, InverseError> {
+        self.before = self.last;
         let max_step_deg = self.max_step_deg * calls;
         let solutions = kinematics.solutions(tool, &self.last)?;
         let (here, other) = match self.branch {
@@ -77,6 +80,11 @@ impl<R: Real> Follow<R> {
             }
             Err(error) => Err(error),
         }
+    }
+
+    /// The last pose was not taken up: back to the one before it.
+    pub fn take_back(&mut self) {
+        self.last = self.before;
     }
 
     /// The rotary axis of the largest step.

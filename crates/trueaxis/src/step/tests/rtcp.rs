@@ -1,16 +1,16 @@
 #![allow(clippy::indexing_slicing)]
 
-use crate::contour::{Path, Reference, Span, ToolPath};
-use crate::kinematics::{Follow, Tool};
-use crate::machine::Axis;
-use crate::position::{Nanometres, Position};
-use crate::real::Real;
-use crate::step::tool::tests::{
+use super::tool::{
     HEADS, Machine, PERIOD_NS, TABLES, V, Z, add, along, joints, norm, reference, settings, slanted, sub, tool_at,
     turned,
 };
+use crate::contour::{Path, Reference, Span, ToolPath};
+use crate::kinematics::{BranchTracker, Tool};
+use crate::machine::Axis;
+use crate::position::{Nanometres, Position};
+use crate::real::Real;
 use crate::vector::V3;
-use crate::{Fault, Input, Output, State};
+use crate::{Fault, Input, OnToolPath, Output, State};
 use proptest::prelude::*;
 
 /// Largest step of a rotary axis in a cycle, degrees.
@@ -24,7 +24,7 @@ fn tool<R: Real>(tip: V, direction: V) -> Tool<R> {
 struct Bench<R: Real, P: Position> {
     machine: Machine<R, P>,
     state: State<R, P, 5>,
-    follow: Follow<R>,
+    tracker: BranchTracker<R>,
     feedback: [P; 5],
     drive: Option<[f64; 5]>,
     /// What an axis may move in a cycle: top feed with its factor, or the way to the held position at a release.
@@ -40,8 +40,15 @@ impl<R: Real, P: Position> Bench<R, P> {
         let start = machine.kinematics.inverse(&machine.kinematics.forward(&near), &near).unwrap();
         let state = machine.start();
         let feedback = at.map(P::of);
-        let follow = Follow::new(&start, R::of(STEP_DEG));
-        Bench { machine, state, follow, feedback, drive: None, bound: [0.1 + 1e-6, 0.1 + 1e-6, 0.1 + 1e-6, 0.12, 0.12] }
+        let tracker = BranchTracker::new(&start, R::of(STEP_DEG));
+        Bench {
+            machine,
+            state,
+            tracker,
+            feedback,
+            drive: None,
+            bound: [0.1 + 1e-6, 0.1 + 1e-6, 0.1 + 1e-6, 0.12, 0.12],
+        }
     }
 
     fn cycle(&mut self, tool: &Tool<R>, reset: bool) -> Output<R, P, 5> {
@@ -54,7 +61,8 @@ impl<R: Real, P: Position> Bench<R, P> {
     fn on(&mut self, tool: &Tool<R>, reset: bool, path: &ToolPath<'_, R, P>, at: Reference<R>) -> Output<R, P, 5> {
         let input = Input { feedback: self.feedback, homed: true, enable: true, reset, ..Input::at_rest(PERIOD_NS) };
         let (servo, kinematics) = (self.machine.servo, &self.machine.kinematics);
-        let (out, _) = servo.step_rtcp(&mut self.state, &input, tool, &mut self.follow, path, at, kinematics);
+        let input = servo.rtcp(&self.state, tool, &mut self.tracker, kinematics, &input);
+        let out = servo.step(&mut self.state, &input, &mut OnToolPath::new(path, at, kinematics), ());
         let drive = out.drive.map(P::to_f64);
         if let Some(last) = self.drive {
             for k in 0..5 {
@@ -165,7 +173,7 @@ fn a_direction_out_of_reach_holds() {
     let start = machine.kinematics.inverse(&good, &at).unwrap();
     let mut bench = Bench::standing(Machine::perfect(HEADS), [0.0; 3], 40.0, -15.0);
     let [x, y, z, a, _, c] = start.axes;
-    (bench.machine, bench.follow, bench.feedback) = (machine, Follow::new(&start, STEP_DEG), [x, y, z, a, c]);
+    (bench.machine, bench.tracker, bench.feedback) = (machine, BranchTracker::new(&start, STEP_DEG), [x, y, z, a, c]);
     let held = bench.cycle(&good, false);
     let out = bench.cycle(&Tool { axis: V3::of(Z), ..good }, false);
     assert_eq!(out.record.fault, Fault::ToolUnreachable);
@@ -188,7 +196,7 @@ fn holds(
         before = bench.cycle(&good, false);
         assert_eq!(before.record.fault, Fault::None);
     }
-    let pose = *bench.follow.axes();
+    let pose = *bench.tracker.axes();
     let bad = tool(bad_tip, bad_direction);
     let out = bench.cycle(&bad, false);
     assert_eq!((out.record.fault, out.record.fault_axis), (fault, axis));
@@ -205,7 +213,9 @@ fn holds(
         let wandering = tool(add(tip, [0.01 * f64::from(k), 0.0, 0.0]), turned(Z, a + 0.05 * f64::from(k), c));
         let out = bench.cycle(&wandering, false);
         assert_eq!((out.record.fault, out.drive), (fault, before.drive));
-        assert_eq!(*bench.follow.axes(), pose);
+        let mut tracker = bench.tracker;
+        tracker.take_back();
+        assert_eq!(*tracker.axes(), pose);
     }
     let near = tool(add(tip, [0.03, 0.0, 0.0]), turned(Z, a + 0.01, c));
     let out = bench.cycle(&near, true);
@@ -248,7 +258,7 @@ proptest! {
             }
             if !out.stop_requested() {
                 // The interpolator goes on from where the machine is.
-                let at = bench.follow.axes();
+                let at = bench.tracker.axes();
                 let reached = bench.machine.kinematics.forward(at);
                 (tip, a, c) = (reached.tip.array(), at[Axis::A.index()], at[Axis::C.index()]);
             }

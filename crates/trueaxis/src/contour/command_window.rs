@@ -32,7 +32,7 @@ mod nearest;
 /// K is the pieces in the window, and memory is held for 2 K; numbers go on for ever, so that a
 /// [`super::ContourState`] stays valid. Nothing is allocated.
 #[derive(Clone, Copy, Debug)]
-pub struct Commanded<R, P, const K: usize> {
+pub struct CommandWindow<R, P, const K: usize> {
     /// Every piece is in both halves: any K in a row are contiguous somewhere, and no cycle has to move them.
     spans: [[Span<R, P>; K]; 2],
     /// Place of the newest piece in a half, and its number.
@@ -87,7 +87,7 @@ const UNEVEN: f64 = 8.0;
 /// Commands further apart are no motion, mm.
 const JUMP: f64 = 8.0;
 
-impl<R: Real, P: Position, const K: usize> Commanded<R, P, K> {
+impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
     /// An empty window.
     ///
     /// `plane`: normal of the machining plane, for the signed components; any length. `spacing_mm`: way between two
@@ -107,7 +107,7 @@ impl<R: Real, P: Position, const K: usize> Commanded<R, P, K> {
         }
         let plane = plane.map(|x| R::of(x / size));
         let zero = [P::default(); 3];
-        Ok(Commanded {
+        Ok(CommandWindow {
             spans: [[Span::turning(zero, 0, plane); K]; 2],
             place: 0,
             number: 0,

@@ -7,30 +7,30 @@ use crate::machine::{Axis, AxisSettings, ErrorModel, MachineSettings, Row};
 use crate::position::{Nanometres, Position};
 use crate::real::Real;
 use crate::telemetry::Status;
-use crate::{Config, Fault, Input, Output, ServoLoop, State};
+use crate::{Config, Fault, Input, OnToolPath, Output, ServoLoop, State};
 use proptest::prelude::*;
 use std::{boxed::Box, vec, vec::Vec};
 
-pub(in crate::step) const PERIOD_NS: u32 = 100_000;
-pub(in crate::step) const Z: V = [0.0, 0.0, 1.0];
+pub(super) const PERIOD_NS: u32 = 100_000;
+pub(super) const Z: V = [0.0, 0.0, 1.0];
 const TOOL: V = [0.0, 0.0, -150.0];
-pub(in crate::step) const TABLES: &str = "w C' A' b X Y Z t";
-pub(in crate::step) const HEADS: &str = "w b X Y Z C A t";
+pub(super) const TABLES: &str = "w C' A' b X Y Z t";
+pub(super) const HEADS: &str = "w b X Y Z C A t";
 
-pub(in crate::step) type V = [f64; 3];
+pub(super) type V = [f64; 3];
 /// X, Y, Z, A, C.
-pub(in crate::step) type Pose = [f64; 5];
+pub(super) type Pose = [f64; 5];
 
-pub(in crate::step) fn add(a: V, b: V) -> V {
+pub(super) fn add(a: V, b: V) -> V {
     core::array::from_fn(|k| a[k] + b[k])
 }
-pub(in crate::step) fn sub(a: V, b: V) -> V {
+pub(super) fn sub(a: V, b: V) -> V {
     core::array::from_fn(|k| a[k] - b[k])
 }
 fn dot(a: V, b: V) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
-pub(in crate::step) fn norm(a: V) -> f64 {
+pub(super) fn norm(a: V) -> f64 {
     dot(a, a).sqrt()
 }
 fn about_x(v: V, degrees: f64) -> V {
@@ -42,7 +42,7 @@ fn about_z(v: V, degrees: f64) -> V {
     [c * v[0] - s * v[1], s * v[0] + c * v[1], v[2]]
 }
 /// R_z(C) R_x(A): on both machines what takes the tool's frame to the workpiece's.
-pub(in crate::step) fn turned(v: V, a: f64, c: f64) -> V {
+pub(super) fn turned(v: V, a: f64, c: f64) -> V {
     about_z(about_x(v, a), c)
 }
 /// And back.
@@ -51,26 +51,26 @@ fn turned_back(v: V, a: f64, c: f64) -> V {
 }
 
 /// Joints that bring the tip to `tip` (workpiece coordinates) with A and C given; in closed form.
-pub(in crate::step) fn joints(chain: &str, tip: V, a: f64, c: f64) -> Pose {
+pub(super) fn joints(chain: &str, tip: V, a: f64, c: f64) -> Pose {
     let [x, y, z] = if chain == HEADS { sub(tip, turned(TOOL, a, c)) } else { sub(turned_back(tip, a, c), TOOL) };
     [x, y, z, a, c]
 }
 
 /// The way back: tip and direction of joints.
-pub(in crate::step) fn tool_at(chain: &str, [x, y, z, a, c]: Pose) -> (V, V) {
+pub(super) fn tool_at(chain: &str, [x, y, z, a, c]: Pose) -> (V, V) {
     let xyz = [x, y, z];
     let tip = if chain == HEADS { add(xyz, turned(TOOL, a, c)) } else { turned(add(xyz, TOOL), a, c) };
     (tip, turned(Z, a, c))
 }
 
 /// A machine and its loop; every table has the same six errors everywhere: µm and µrad.
-pub(in crate::step) struct Machine<R: Real, P: Position> {
-    pub(in crate::step) chain: &'static str,
-    pub(in crate::step) servo: &'static ServoLoop<'static, R, P, 5>,
-    pub(in crate::step) kinematics: Kinematics<R>,
+pub(super) struct Machine<R: Real, P: Position> {
+    pub(super) chain: &'static str,
+    pub(super) servo: &'static ServoLoop<'static, R, P, 5>,
+    pub(super) kinematics: Kinematics<R>,
 }
 
-pub(in crate::step) fn settings(chain: &str) -> MachineSettings {
+pub(super) fn settings(chain: &str) -> MachineSettings {
     let mut machine = MachineSettings {
         roundness: None,
         name: heapless::String::try_from("tool").unwrap(),
@@ -97,11 +97,7 @@ impl<R: Real, P: Position> Machine<R, P> {
         Machine::of(chain, settings(chain), errors)
     }
 
-    pub(in crate::step) fn of(
-        chain: &'static str,
-        machine: MachineSettings,
-        errors: impl Fn(Axis) -> [f64; 6],
-    ) -> Self {
+    pub(super) fn of(chain: &'static str, machine: MachineSettings, errors: impl Fn(Axis) -> [f64; 6]) -> Self {
         let machine: &'static MachineSettings = Box::leak(Box::new(machine));
         let tables: Vec<Vec<Row>> = machine
             .axes
@@ -132,11 +128,11 @@ impl<R: Real, P: Position> Machine<R, P> {
         Machine { chain, servo, kinematics: Kinematics::new(machine).unwrap() }
     }
 
-    pub(in crate::step) fn perfect(chain: &'static str) -> Self {
+    pub(super) fn perfect(chain: &'static str) -> Self {
         Machine::new(chain, |_| [0.0; 6])
     }
 
-    pub(in crate::step) fn start(&self) -> State<R, P, 5> {
+    pub(super) fn start(&self) -> State<R, P, 5> {
         self.servo.start(PERIOD_NS).unwrap()
     }
 
@@ -156,7 +152,9 @@ impl<R: Real, P: Position> Machine<R, P> {
             enable: true,
             ..Input::at_rest(PERIOD_NS)
         };
-        self.servo.step_with_tool(state, &input, path, reference, &self.kinematics)
+        let mut on = OnToolPath::new(path, reference, &self.kinematics);
+        let output = self.servo.step(state, &input, &mut on, ());
+        (output, *on.orientation())
     }
 }
 
@@ -165,7 +163,7 @@ const START: V = [20.0, -30.0, 10.0];
 const END: V = [50.0, 0.0, 15.0];
 const TURN: [V; 2] = [[10.0, 0.0, -20.0], [40.0, 0.0, 25.0]];
 
-pub(in crate::step) fn slanted<R: Real, P: Position>() -> (Vec<Span<R, P>>, Vec<Turn<R>>) {
+pub(super) fn slanted<R: Real, P: Position>() -> (Vec<Span<R, P>>, Vec<Turn<R>>) {
     let (mut spans, mut turns) = (Vec::new(), Vec::new());
     convert(&Segment::Line { start: START, end: END }, 0, Z, |span| {
         turns.push(Turn::axes(&span, [0.0, 1.0], TURN[0], TURN[1]));
@@ -177,12 +175,12 @@ pub(in crate::step) fn slanted<R: Real, P: Position>() -> (Vec<Span<R, P>>, Vec<
 }
 
 /// Tip, A and C at a part of the whole way.
-pub(in crate::step) fn along(u: f64) -> (V, f64, f64) {
+pub(super) fn along(u: f64) -> (V, f64, f64) {
     let mix = |a: f64, b: f64| a + u * (b - a);
     (core::array::from_fn(|k| mix(START[k], END[k])), mix(TURN[0][0], TURN[1][0]), mix(TURN[0][2], TURN[1][2]))
 }
 
-pub(in crate::step) fn reference<R: Real, P: Position>(spans: &[Span<R, P>], u: f64) -> Reference<R> {
+pub(super) fn reference<R: Real, P: Position>(spans: &[Span<R, P>], u: f64) -> Reference<R> {
     let place = u * spans.len() as f64;
     let span = (place as usize).min(spans.len() - 1);
     Reference { span: span as u32, t: R::of(place - span as f64) }

@@ -9,12 +9,12 @@ type V = [f64; 3];
 
 /// Commands go in, positions that follow them come out as contour errors.
 struct Bench<R, P> {
-    commanded: Commanded<R, P, 128>,
+    commanded: CommandWindow<R, P, 128>,
 }
 
 impl<R: Real, P: Position> Bench<R, P> {
     fn new(spacing_mm: f64) -> Self {
-        Bench { commanded: Commanded::new([0.0, 0.0, 1.0], spacing_mm).unwrap() }
+        Bench { commanded: CommandWindow::new([0.0, 0.0, 1.0], spacing_mm).unwrap() }
     }
 
     fn cycle(&mut self, command: V, actual: V) -> ContourError<R> {
@@ -150,7 +150,7 @@ fn corners_and_reversals_with_exact_stop_are_cut_by_no_more_than_stated() {
         for (feed, acceleration) in [(100.0, 1000.0), (20.0, 10_000.0), (1.0, 200.0), (0.2, 20.0)] {
             let scale = (feed / 100.0f64).max(0.02);
             let points: Vec<V> = shape.iter().map(|p| p.map(|x| x * scale)).collect();
-            let mut commanded = Commanded::<f64, f64, 64>::new([0.0, 0.0, 1.0], spacing).unwrap();
+            let mut commanded = CommandWindow::<f64, f64, 64>::new([0.0, 0.0, 1.0], spacing).unwrap();
             let mut worst = 0.0f64;
             for command in ramped(&points, feed, acceleration) {
                 commanded.append(command);
@@ -210,8 +210,8 @@ fn at_standstill_nothing_is_appended_and_the_error_is_the_distance() {
 
 #[test]
 fn a_tool_behind_the_window_is_said_to_be_so_also_where_a_command_comes_back() {
-    let mut commanded = Commanded::<f64, f64, 16>::new([0.0, 0.0, 1.0], 0.005).unwrap();
-    let flags = |commanded: &Commanded<f64, f64, 16>| commanded.contour_error([0.0, 0.01, 0.0]).flags;
+    let mut commanded = CommandWindow::<f64, f64, 16>::new([0.0, 0.0, 1.0], 0.005).unwrap();
+    let flags = |commanded: &CommandWindow<f64, f64, 16>| commanded.contour_error([0.0, 0.01, 0.0]).flags;
     (0..200).for_each(|i| commanded.append([0.02 * f64::from(i), 0.0, 0.0]));
     assert!(!flags(&commanded).has(Flags::BRACKETED));
     // A piece is begun and withdrawn: the window is shorter by it, and begins no earlier.
@@ -255,7 +255,7 @@ fn random_walk<R: Real, P: Position, const K: usize>(seed: u64, rounds: u32) {
         x = x.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         ((x >> 33) as f64) / f64::from(1u32 << 31) * 2.0 - 1.0
     };
-    let mut commanded = Commanded::<R, P, K>::new([0.0, 0.3, 1.0], 0.005).unwrap();
+    let mut commanded = CommandWindow::<R, P, K>::new([0.0, 0.3, 1.0], 0.005).unwrap();
     let (mut at, mut velocity) = ([0.0f64; 3], [0.0f64; 3]);
     for i in 0..rounds {
         let size = 10f64.powf(-7.0 + 4.0 * random() + 3.0 * f64::from((i / 97) % 2 == 0));
@@ -317,6 +317,6 @@ fn a_window_without_plane_or_with_a_strange_spacing_is_refused() {
     for (plane, spacing) in
         [([0.0; 3], 0.005), ([0.0, f64::NAN, 1.0], 0.005), ([0.0, 0.0, 1.0], 0.0), ([0.0, 0.0, 1.0], f64::NAN)]
     {
-        assert!(Commanded::<f64, f64, 4>::new(plane, spacing).is_err());
+        assert!(CommandWindow::<f64, f64, 4>::new(plane, spacing).is_err());
     }
 }

@@ -1,6 +1,6 @@
 #![allow(clippy::indexing_slicing)]
 
-use crate::contour::{Commanded, Path, Segment, Span, convert};
+use crate::contour::{CommandWindow, Path, Segment, Span, convert};
 use crate::error::Fault;
 use crate::step::tests::{PERIOD_NS, input, servo_loop};
 use std::vec::Vec;
@@ -12,7 +12,7 @@ const WAY: f64 = 0.006;
 fn on_a_line_it_says_what_the_step_says_with_the_planners_own_path() {
     let servo = servo_loop(1.0);
     let (mut following, mut with_path) = (servo.start(PERIOD_NS).unwrap(), servo.start(PERIOD_NS).unwrap());
-    let mut commanded = Commanded::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
+    let mut commanded = CommandWindow::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     let mut spans: Vec<Span<f64, f64>> = Vec::new();
     let line = Segment::Line { start: [10.0; 3], end: [30.0, 10.0, 10.0] };
     convert(&line, 0, [0.0, 0.0, 1.0], |span| {
@@ -26,10 +26,10 @@ fn on_a_line_it_says_what_the_step_says_with_the_planners_own_path() {
         let s = WAY * f64::from((i - 100).max(0));
         let mut cycle = input([10.0 + s, 10.0, 10.0]);
         cycle.feedback = [10.0 + (s - 0.05).max(0.0), 10.002, 10.0];
-        let a = servo.step_following(&mut following, &cycle, &mut commanded);
+        let a = servo.step(&mut following, &cycle, &mut commanded, ());
         let place = spans.iter().position(|span| span.t_of((s / 20.0).min(1.0)) < 1.0).unwrap();
         let reference = crate::contour::Reference { span: place as u32, t: spans[place].t_of(s / 20.0) };
-        let b = servo.step(&mut with_path, &cycle, &path, reference);
+        let b = servo.step(&mut with_path, &cycle, path.on(reference), ());
         assert_eq!((a.drive, a.feedback), (b.drive, b.feedback));
         if i > 110 {
             for (a, b) in [(a.record.tip, b.record.tip), (a.record.encoder, b.record.encoder)] {
@@ -46,13 +46,13 @@ fn on_a_line_it_says_what_the_step_says_with_the_planners_own_path() {
 fn a_refused_command_is_no_point_of_the_path() {
     let servo = servo_loop(1.0);
     let mut state = servo.start(PERIOD_NS).unwrap();
-    let mut commanded = Commanded::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
+    let mut commanded = CommandWindow::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     for i in 0..200 {
-        servo.step_following(&mut state, &input([10.0 + WAY * f64::from(i), 10.0, 10.0]), &mut commanded);
+        servo.step(&mut state, &input([10.0 + WAY * f64::from(i), 10.0, 10.0]), &mut commanded, ());
     }
     let before = commanded.reference();
     for command in [[f64::NAN, 10.0, 10.0], [90.0, 10.0, 10.0]] {
-        let out = servo.step_following(&mut state, &input(command), &mut commanded);
+        let out = servo.step(&mut state, &input(command), &mut commanded, ());
         assert!(out.stop_requested() && out.record.fault != Fault::None);
         assert!(!out.record.tip.is_measured());
         assert_eq!(commanded.reference(), before);

@@ -1,0 +1,91 @@
+//! What a servo loop is built from.
+
+#![deny(clippy::indexing_slicing)]
+
+use super::ServoLoop;
+use crate::axis::{AXES, Axis};
+use crate::compensation::{Compensation, Requirement, Storage};
+use crate::contour::{ContourSearch, Method};
+use crate::error::{ConfigError, Field};
+use crate::machine::{MachineSettings, Rows, step_axes};
+use crate::output::OutputStage;
+use crate::position::Position;
+use crate::real::Real;
+use crate::sample::Sampler;
+use crate::tcomp::Tcomp;
+
+/// What a servo loop is built from.
+#[derive(Clone, Copy, Debug)]
+pub struct Config<'m> {
+    /// The machine's settings.
+    pub machine: &'m MachineSettings,
+    /// Identity of the machine ([`crate::tcomp::Tcomp::machine_id`]); goes into every record.
+    pub machine_id: u32,
+    /// CRC-32 of the table file; goes into every record.
+    pub tables_crc: u32,
+    /// Servo period.
+    pub period_ns: u32,
+    /// Passes of the exact inverse, 1 to 8; [`crate::check::machine_passes`] tells how many a machine needs.
+    pub inverse_passes: u8,
+    /// How the foot point is found.
+    pub method: Method,
+}
+
+impl<'m> Config<'m> {
+    /// The configuration that a compiled table file describes, with guarded search and as many passes as it needs.
+    pub fn of(file: &'m Tcomp<'_>, period_ns: u32) -> Self {
+        Config {
+            machine: file.settings(),
+            machine_id: file.machine_id(),
+            tables_crc: file.crc(),
+            period_ns,
+            inverse_passes: file.inverse_passes(),
+            method: Method::Guarded,
+        }
+    }
+
+    /// Checks everything once and precomputes what a cycle needs, in memory lent by the caller.
+    ///
+    /// # Errors
+    /// What is wrong, with the figure found and what is needed.
+    pub fn build<'a, 'r, R: Real, P: Position, const N: usize, T: Rows + ?Sized + 'r>(
+        &self,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+        storage: Storage<'a, R>,
+    ) -> Result<ServoLoop<'a, R, P, N>, ConfigError> {
+        if !(3..=AXES).contains(&N) {
+            return Err(ConfigError::new(Field::Axes, N as f64, "3 to 6 axes"));
+        }
+        if !(1_000..=100_000_000).contains(&self.period_ns) {
+            return Err(ConfigError::new(Field::Period, f64::from(self.period_ns) * 1e-9, "1e-6 s to 0.1 s"));
+        }
+        crate::check::settings(self.machine)?;
+        let axes = step_axes::<N>(self.machine)?;
+        let mut bands = [R::ZERO; N];
+        for (band, axis) in bands.iter_mut().zip(axes) {
+            let settings = self.machine.axes.iter().find(|a| a.axis == axis);
+            *band = R::of(settings.map_or(0.0, |s| s.hysteresis));
+        }
+        let compensation = Compensation::build(self.machine, &rows, self.inverse_passes, storage)?;
+        crate::check::reversal(self.machine, &rows)?;
+        Ok(ServoLoop {
+            axes,
+            sampler: Sampler::new(self.machine, self.period_ns)?,
+            compensation,
+            bands,
+            search: ContourSearch::new(self.machine.contour.max_lag_mm, self.method)?,
+            output: OutputStage::new(self.machine, f64::from(self.period_ns) * 1e-9)?,
+            machine_id: self.machine_id,
+            tables_crc: self.tables_crc,
+            period_ns: self.period_ns,
+        })
+    }
+
+    /// Memory that [`Config::build`] takes.
+    pub fn requirement<'r, R: Real, P: Position, const N: usize, T: Rows + ?Sized + 'r>(
+        &self,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+    ) -> Requirement {
+        Compensation::<R, P, N>::requirement(self.machine, rows)
+    }
+}

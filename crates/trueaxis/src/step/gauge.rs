@@ -1,0 +1,90 @@
+//! A gauge of three probes riding along with the step.
+
+#![deny(clippy::indexing_slicing)]
+
+use crate::position::Position;
+use crate::real::Real;
+use crate::roundness::{Cycle, Followed, Probes, Roundness, RoundnessState};
+use crate::sample::{Sample, Verdict};
+
+/// What rides along with the step: `()`, or `&mut` [`GaugeRide`]. Resolved at compile time.
+pub trait Gauge<R> {
+    /// Slot of the axis that the infeed moves.
+    fn infeed_slot(&self) -> Option<usize>;
+    /// One cycle of the gauge; the infeed it asks for, mm in the sense of its axis.
+    fn update(&mut self, followed: Followed) -> R;
+}
+
+impl<R: Real> Gauge<R> for () {
+    #[inline(always)]
+    fn infeed_slot(&self) -> Option<usize> {
+        None
+    }
+    #[inline(always)]
+    fn update(&mut self, _: Followed) -> R {
+        R::ZERO
+    }
+}
+
+/// A gauge, its state and the readings of a cycle.
+///
+/// Some slices of the gauge's work are done in every cycle, and its infeed correction is added to what the tables want of
+/// that axis, through the same limiter. While the step is not active the gauge measures on, but nothing is fed in. What
+/// the infeed moves on purpose is part of the contour error: the programmed path knows nothing of it.
+#[derive(Debug)]
+pub struct GaugeRide<'a, R, const POINTS: usize> {
+    gauge: &'a Roundness<R, POINTS>,
+    state: &'a mut RoundnessState<R, POINTS>,
+    probes: &'a Probes<R>,
+    cycle: Cycle<R>,
+}
+
+impl<'a, R: Real, const POINTS: usize> GaugeRide<'a, R, POINTS> {
+    /// For one cycle.
+    #[inline(always)]
+    pub fn new(
+        gauge: &'a Roundness<R, POINTS>,
+        state: &'a mut RoundnessState<R, POINTS>,
+        probes: &'a Probes<R>,
+    ) -> Self {
+        GaugeRide { gauge, state, probes, cycle: Cycle::default() }
+    }
+
+    /// What the gauge gave in the cycle.
+    #[inline(always)]
+    pub fn cycle(&self) -> Cycle<R> {
+        self.cycle
+    }
+}
+
+impl<R: Real, const POINTS: usize> Gauge<R> for &mut GaugeRide<'_, R, POINTS> {
+    #[inline(always)]
+    fn infeed_slot(&self) -> Option<usize> {
+        self.gauge.infeed_place()
+    }
+    #[inline(always)]
+    fn update(&mut self, followed: Followed) -> R {
+        self.cycle = self.gauge.update(self.state, self.probes, followed);
+        self.cycle.infeed
+    }
+}
+
+/// A cycle of the gauge: it learns how its infeed was followed, and adds the next one.
+#[inline(always)]
+pub(super) fn ride<R: Real, P: Position, const N: usize>(
+    gauge: &mut impl Gauge<R>,
+    sample: &Sample<P, N>,
+    limited: u8,
+    wanted: &mut [R; N],
+) {
+    let slot = gauge.infeed_slot().unwrap_or(N);
+    let followed = match sample.verdict {
+        Verdict::Active if (limited >> (slot & 7)) & 1 == 1 => Followed::Limited,
+        Verdict::Active => Followed::Whole,
+        _ => Followed::Not,
+    };
+    let infeed = gauge.update(followed);
+    if let (Verdict::Active, Some(wanted)) = (sample.verdict, wanted.get_mut(slot)) {
+        *wanted += infeed;
+    }
+}

@@ -1,0 +1,201 @@
+//! The servo cycle: the pipeline of named stages, and the only place that knows their order.
+
+#![deny(clippy::indexing_slicing)]
+
+mod bypass;
+mod config;
+mod gauge;
+mod measure;
+mod model;
+mod rtcp;
+mod state;
+
+pub use bypass::Bypass;
+pub use config::Config;
+pub use gauge::{Gauge, GaugeRide};
+pub use measure::{Measure, OnToolPath};
+pub use state::{Output, Stage, State};
+
+use crate::axis::Axis;
+use crate::compensation::{Compensation, Reversal, ThermalLine};
+use crate::contour::{ContourSearch, ContourState};
+use crate::error::Fault;
+use crate::output::{Applied, OutputStage, OutputState};
+use crate::position::Position;
+use crate::real::Real;
+use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
+use crate::telemetry::{Record, Status};
+use measure::Measured;
+
+/// The immutable half: limits, tables, search settings. One in flash serves for ever, or is exchanged for another
+/// between two cycles ([`crate::exchange::Exchange`]); the state goes on, and the limiter makes the change bumpless.
+#[derive(Clone, Copy, Debug)]
+pub struct ServoLoop<'a, R, P, const N: usize> {
+    axes: [Axis; N],
+    sampler: Sampler<R, P, N>,
+    compensation: Compensation<'a, R, P, N>,
+    bands: [R; N],
+    search: ContourSearch<R>,
+    output: OutputStage<R, P, N>,
+    machine_id: u32,
+    tables_crc: u32,
+    period_ns: u32,
+}
+
+impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
+    /// A fresh state, if the host runs at the configured period (within 0.1 %).
+    ///
+    /// # Errors
+    /// [`Fault::PeriodMismatch`].
+    pub fn start(&self, period_ns: u32) -> Result<State<R, P, N>, Fault> {
+        if period_ns.abs_diff(self.period_ns) > self.period_ns / 1000 {
+            return Err(Fault::PeriodMismatch);
+        }
+        Ok(State {
+            sample: SampleState::new(),
+            reversal: [Reversal::default(); N],
+            homed: false,
+            thermal: [ThermalLine::default(); N],
+            tip: ContourState::default(),
+            encoder: ContourState::default(),
+            output: OutputState::new(),
+            limited: 0,
+            sequence: 0,
+        })
+    }
+
+    /// The compensation in force, for looking errors up outside the step.
+    pub fn compensation(&self) -> &Compensation<'_, R, P, N> {
+        &self.compensation
+    }
+
+    /// One servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
+    ///
+    /// The first cycle returns the command; from then on `drive = command + c`, c the limited correction. While the
+    /// output holds, drive and c stay as they are, bit for bit; after it c goes on from rest.
+    ///
+    /// `measure` says what the contour error is measured against:
+    ///
+    /// | | |
+    /// |---|---|
+    /// | `()` | nothing |
+    /// | [`Path::at`](crate::contour::Path::at) | the programmed path |
+    /// | `&mut` [`CommandWindow`](crate::contour::CommandWindow) | the last commands, for a host that knows no path |
+    /// | `&mut` [`OnToolPath`] | tip and direction of the tool, in workpiece coordinates |
+    ///
+    /// `gauge`: `()`, or `&mut` [`GaugeRide`] with three probes. Every combination works; what is not there costs nothing.
+    #[inline]
+    pub fn step(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        measure: impl Measure<R, P, N>,
+        gauge: impl Gauge<R>,
+    ) -> Output<R, P, N> {
+        self.step_watched(state, input, measure, gauge, |_| ())
+    }
+
+    /// [`ServoLoop::step`] into an output that is there already.
+    #[inline]
+    pub fn step_into(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        measure: impl Measure<R, P, N>,
+        gauge: impl Gauge<R>,
+        output: &mut Output<R, P, N>,
+    ) {
+        *output = self.step(state, input, measure, gauge);
+    }
+
+    /// [`ServoLoop::step`], telling `watch` when a stage has ended: for counting or timing the stages on the target.
+    ///
+    /// The compiler may move work over the border of two stages; what all of them take together is exact.
+    #[inline(always)]
+    pub fn step_watched(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        mut measure: impl Measure<R, P, N>,
+        mut gauge: impl Gauge<R>,
+        mut watch: impl FnMut(Stage),
+    ) -> Output<R, P, N> {
+        let sample = self.sampler.read(&mut state.sample, input);
+        watch(Stage::Sample);
+        let mut modelled = self.model(state, &sample, measure.needs_tilt());
+        gauge::ride(&mut gauge, &sample, state.limited, &mut modelled.wanted);
+        watch(Stage::Compensation);
+        let measured = measure.measure(self, state, &sample, &modelled);
+        watch(Stage::Contour);
+        let applied = self.output.apply(&mut state.output, &sample, &modelled.wanted);
+        self.settle(state, &sample, &applied, &mut measure);
+        watch(Stage::Output);
+        let output = self.record(state, &sample, modelled.at_edge, &measured, &applied);
+        watch(Stage::Telemetry);
+        output
+    }
+
+    /// What the output stage decided, for the cycles to come: the command was accepted, or a joint's range holds it.
+    #[inline(always)]
+    fn settle(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        applied: &Applied<R, P, N>,
+        measure: &mut impl Measure<R, P, N>,
+    ) {
+        state.limited = applied.limited;
+        match applied.outside {
+            None => state.sample.accept(&sample.command),
+            Some(slot) => {
+                state.sample.latch(Fault::JointRange, slot);
+                measure.take_back();
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn record(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        at_edge: u8,
+        measured: &Measured<R>,
+        applied: &Applied<R, P, N>,
+    ) -> Output<R, P, N> {
+        let sequence = state.sequence;
+        state.sequence = sequence.wrapping_add(1);
+        let (fault, fault_axis) = match applied.outside {
+            Some(slot) => (Fault::JointRange, slot),
+            None => (sample.fault, sample.axis),
+        };
+        let sent = applied.outside.is_none();
+        let status = Status::default()
+            .with(Status::ACTIVE, sample.verdict == Verdict::Active && sent)
+            .with(Status::FROZEN, sample.verdict == Verdict::Freeze && sent)
+            .with(Status::STOP_REQUEST, fault.stops())
+            .with(Status::CONTOUR, measured.tip.is_measured())
+            .with(Status::NO_OUTPUT, sample.verdict == Verdict::Nowhere);
+        let record = Record {
+            sequence,
+            machine_id: self.machine_id,
+            tables_crc: self.tables_crc,
+            fault,
+            fault_axis,
+            status,
+            limited: applied.limited,
+            at_edge,
+            command: state.sample.commanded(),
+            feedback: sample.feedback,
+            correction: applied.correction,
+            tip: measured.tip,
+            encoder: measured.encoder,
+            orientation: measured.orientation,
+            orientation_flags: measured.orientation_flags,
+        };
+        Output { drive: applied.drive, feedback: applied.feedback, record }
+    }
+}
+
+#[cfg(test)]
+mod tests;

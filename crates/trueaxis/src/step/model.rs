@@ -1,0 +1,76 @@
+//! What the tables say in a cycle: the wanted correction, and the error where the axes stand.
+
+#![deny(clippy::indexing_slicing)]
+
+use super::{ServoLoop, State};
+use crate::compensation::Reversal;
+use crate::position::Position;
+use crate::real::Real;
+use crate::sample::{Sample, Verdict};
+use crate::vector::V3;
+
+/// What the tables say in a cycle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Modelled<R, const N: usize> {
+    pub(super) wanted: [R; N],
+    pub(super) tip_error: [R; N],
+    /// Small rotation of the tool in bed axes, rad, beside what the rotary axes' own entries in `tip_error` say.
+    pub(super) tilt: V3<R>,
+    pub(super) at_edge: u8,
+}
+
+impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
+    /// Wanted correction at the command, modelled error at the feedback; that of the direction only for a `tool`.
+    #[inline(always)]
+    pub(super) fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
+        let reverse = self.travel(state, sample);
+        // Switched off but homed, the tip is still estimated: that is how the errors look without correction.
+        let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
+        if !(sample.homed && believed) {
+            return Modelled { wanted: [R::ZERO; N], tip_error: [R::ZERO; N], tilt: V3::ZERO, at_edge: 0 };
+        }
+        let mut at_edge = 0;
+        let command = self.compensation.coordinates(&sample.command);
+        let feedback = self.compensation.coordinates(&sample.feedback);
+        let wanted = self.compensation.correction(&command, &feedback, &reverse, &state.thermal, &mut at_edge);
+        let (reverse, thermal) = (&reverse, &state.thermal);
+        let (mut tip_error, mut tilt) = ([R::ZERO; N], V3::ZERO);
+        match self.compensation.volumetric() {
+            Some(volumetric) if tool => {
+                let pose = volumetric.pose_error(&feedback, reverse, thermal, &mut 0);
+                for (error, tip) in tip_error.iter_mut().zip(pose.tip) {
+                    *error = tip;
+                }
+                tilt = pose.orientation.into();
+            }
+            _ => tip_error = self.compensation.errors(&feedback, reverse, thermal, &mut 0),
+        }
+        Modelled { wanted, tip_error, tilt, at_edge }
+    }
+
+    /// Direction of travel of every drive: of the command plus the correction sent last. While one axis alone is commanded,
+    /// the corrections of the others take up lost motion that their commands know nothing of.
+    #[inline(always)]
+    fn travel(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> [usize; N] {
+        // Before homing positions have no meaning, and homing moves none of the drives.
+        let afresh = sample.first || !state.homed;
+        state.homed = sample.homed;
+        // A held drive stands, whatever is commanded.
+        let held = sample.verdict == Verdict::Hold;
+        let mut reverse = [0; N];
+        let drives = sample.command.iter().zip(state.output.sent());
+        for ((reverse, reversal), ((command, sent), band)) in
+            reverse.iter_mut().zip(&mut state.reversal).zip(drives.zip(&self.bands))
+        {
+            if !held {
+                let drive = command.plus(sent);
+                if afresh {
+                    *reversal = Reversal::at(drive);
+                }
+                reversal.update(drive, *band);
+            }
+            *reverse = reversal.mask();
+        }
+        reverse
+    }
+}

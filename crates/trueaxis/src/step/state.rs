@@ -1,0 +1,77 @@
+//! What one cycle hands to the next, and to the host.
+
+#![deny(clippy::indexing_slicing)]
+
+use crate::compensation::{Reversal, ThermalLine};
+use crate::contour::ContourState;
+use crate::output::OutputState;
+use crate::position::Position;
+use crate::real::Real;
+use crate::sample::SampleState;
+use crate::telemetry::{Record, Status};
+
+/// The mutable half: what one cycle hands to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct State<R, P, const N: usize> {
+    pub(super) sample: SampleState<R, P, N>,
+    pub(super) reversal: [Reversal<P>; N],
+    /// The machine was homed in the last cycle.
+    pub(super) homed: bool,
+    pub(super) thermal: [ThermalLine<R>; N],
+    pub(super) tip: ContourState<R>,
+    pub(super) encoder: ContourState<R>,
+    pub(super) output: OutputState<R, P, N>,
+    /// Axes whose correction was limited in the last cycle.
+    pub(super) limited: u8,
+    pub(super) sequence: u32,
+}
+
+impl<R: Real, P: Position, const N: usize> State<R, P, N> {
+    /// Sets the thermal growth of the axis at a place (0 = X); takes effect in the next cycle, through the limiter.
+    pub fn set_thermal(&mut self, place: usize, line: ThermalLine<R>) {
+        if let Some(slot) = self.thermal.get_mut(place) {
+            *slot = line;
+        }
+    }
+}
+
+/// A stage of the step, in the order in which they run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Stage {
+    /// Command and readings looked at ([`crate::sample`]).
+    Sample,
+    /// Errors looked up at command and feedback, inverse solved ([`crate::compensation`]).
+    Compensation,
+    /// Foot points of the estimated tip and of the plain encoder position ([`crate::contour`]).
+    Contour,
+    /// Correction limited and led in, or held ([`crate::limiter`]).
+    Output,
+    /// The record filled ([`crate::telemetry`]).
+    Telemetry,
+}
+
+/// What a cycle gives back.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Output<R, P, const N: usize> {
+    /// Corrected positions for the drives, mm (deg). Not to be written where [`Output::has_drive`] says no.
+    pub drive: [P; N],
+    /// Feedback for the host, without the correction: it sees no following error that is not there.
+    pub feedback: [P; N],
+    /// The cycle's telemetry: correction, contour error, flags, fault.
+    pub record: Record<R, P, N>,
+}
+
+impl<R, P, const N: usize> Output<R, P, N> {
+    /// The output is held and the host must stop the machine.
+    pub fn stop_requested(&self) -> bool {
+        self.record.status.has(Status::STOP_REQUEST)
+    }
+
+    /// `drive` may be written. Not so from a first cycle without a usable command on, until every axis has been read: then
+    /// that place is held, and a reset near it is heard. Until then leave the drives without power, or what they have.
+    pub fn has_drive(&self) -> bool {
+        !self.record.status.has(Status::NO_OUTPUT)
+    }
+}
