@@ -54,7 +54,7 @@ impl Series {
         let mut axes: Vec<AxisCurves> = settings
             .iter()
             .map(|a| AxisCurves {
-                settings: a.clone(),
+                settings: *a,
                 correction: Thinner::new(CURVE),
                 slope: Thinner::new(CURVE),
                 last: None,
