@@ -8,7 +8,7 @@ use trueaxis::contour::{Method, OrientationError, Path, Reference, Segment, Span
 use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
 use trueaxis::machine::{AxisSettings, MachineSettings};
 use trueaxis::vector::V3;
-use trueaxis::{Axis, Config, Input, Output, Row, ServoLoop, State};
+use trueaxis::{Axis, Config, Input, OnToolPath, Output, Row, ServoLoop, State};
 
 /// A running five-axis loop and the input of its next cycle.
 #[derive(Clone, Copy, Debug)]
@@ -27,14 +27,18 @@ impl ToolCycle {
     /// One cycle, joints commanded.
     #[inline(always)]
     pub fn run(&mut self) -> (Output<f64, f64, 5>, OrientationError<f64>) {
-        self.servo.step_with_tool(&mut self.state, &self.input, &self.path, self.reference, self.kinematics)
+        let mut on = OnToolPath::new(&self.path, self.reference, self.kinematics);
+        let output = self.servo.step(&mut self.state, &self.input, &mut on, ());
+        (output, *on.orientation())
     }
 
     /// One cycle, tool commanded.
     #[inline(always)]
     pub fn run_rtcp(&mut self) -> (Output<f64, f64, 5>, OrientationError<f64>) {
-        let (tool, follow) = (&self.tool, &mut self.follow);
-        self.servo.step_rtcp(&mut self.state, &self.input, tool, follow, &self.path, self.reference, self.kinematics)
+        let input = self.servo.rtcp(&self.state, &self.tool, &mut self.follow, self.kinematics, &self.input);
+        let mut on = OnToolPath::new(&self.path, self.reference, self.kinematics);
+        let output = self.servo.step(&mut self.state, &input, &mut on, ());
+        (output, *on.orientation())
     }
 }
 

@@ -1,16 +1,16 @@
 //! Latency and throughput of the step alone, without the simulated machine.
 
-use crate::latency::{Latency, LatencySummary};
-use crate::motion::Motion;
-use crate::path::PlannedPath;
+use crate::latency::{Latency, LatencySummary, timed};
+use crate::motion::{Motion, Setpoints};
+use crate::path::SlidingPath;
 use crate::scenario::Scenario;
 use crate::simulate::with_loop;
 use anyhow::{Result, anyhow};
 use std::hint::black_box;
-use std::time::Instant;
 use trueaxis::contour::Reference;
 use trueaxis::machine::step_axes;
-use trueaxis::{Input, State};
+use trueaxis::sample::Refusal;
+use trueaxis::{Axis, Input, OnToolPath, State};
 
 /// What the bench gives.
 #[derive(Clone, Copy, Debug)]
@@ -21,27 +21,52 @@ pub struct Outcome {
     pub steps_per_s: f64,
 }
 
-/// Steps through the scenario's program `cycles` times round, with a deviation of a few micrometres on the readings.
-///
-/// # Errors
-/// The machine's tables do not build.
-pub fn run<const N: usize>(
-    scenario: &Scenario,
-    motion: &Motion<'_>,
-    path: &PlannedPath,
-    cycles: u64,
-) -> Result<Outcome> {
-    let mut span = 0;
-    let kinematics = scenario.kinematics()?;
-    let axes = step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?;
-    let prepared: Vec<(Input<f64, N>, Reference<f64>)> = motion
-        .setpoints()
-        .map(|setpoint| {
-            let mut command = [0.0; N];
-            let positions = scenario.axis_positions(&setpoint);
-            for (to, axis) in command.iter_mut().zip(axes) {
-                *to = positions[axis.index()];
-            }
+/// Inputs that are prepared at a time, outside the clock.
+const BLOCK: u64 = 4096;
+
+type Prepared<const N: usize> = (Input<f64, N>, Reference<f64>);
+
+/// The inputs of a scenario's program, a block at a time, over and over.
+struct Inputs<'c, const N: usize> {
+    scenario: &'c Scenario,
+    motion: &'c Motion<'c>,
+    axes: [Axis; N],
+    setpoints: Setpoints<'c>,
+    path: SlidingPath<'c>,
+    span: u32,
+    block: Vec<Prepared<N>>,
+}
+
+impl<'c, const N: usize> Inputs<'c, N> {
+    fn new(scenario: &'c Scenario, motion: &'c Motion<'c>) -> Result<Self> {
+        Ok(Inputs {
+            scenario,
+            motion,
+            axes: step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?,
+            setpoints: motion.setpoints(),
+            path: SlidingPath::new(scenario),
+            span: 0,
+            block: Vec::new(),
+        })
+    }
+
+    /// Prepares at most `most` inputs, and at least one; a block ends with the program.
+    fn prepare(&mut self, most: u64) -> Result<()> {
+        self.block.clear();
+        let mut first = None;
+        while (self.block.len() as u64) < most {
+            let Some(setpoint) = self.setpoints.next() else {
+                if self.block.is_empty() {
+                    (self.setpoints, self.path) = (self.motion.setpoints(), SlidingPath::new(self.scenario));
+                    self.span = 0;
+                    continue;
+                }
+                break;
+            };
+            let first = *first.get_or_insert(setpoint.move_index);
+            self.path.cover([first, setpoint.move_index])?;
+            let positions = self.scenario.axis_positions(&setpoint);
+            let command = self.axes.map(|axis| positions[axis.index()]);
             let mut feedback = command;
             // A deterministic wobble of some micrometres, so that the contour search has something to find.
             let phase = setpoint.length * 7.0;
@@ -52,37 +77,64 @@ pub fn run<const N: usize>(
                 command,
                 feedback,
                 encoder_alarm: 0,
-                elapsed_ns: scenario.period_ns(),
+                elapsed_ns: self.scenario.period_ns(),
                 homed: true,
                 enable: true,
                 reset: false,
+                refusal: Refusal::NONE,
             };
-            (input, path.reference(setpoint.move_index, setpoint.u, &mut span))
-        })
-        .collect();
+            self.block.push((input, self.path.reference(setpoint.move_index, setpoint.u, &mut self.span)));
+        }
+        Ok(())
+    }
+}
+
+/// Steps through the scenario's program `cycles` times round, with a deviation of a few micrometres on the readings.
+///
+/// # Errors
+/// The machine's tables do not build.
+pub fn run<const N: usize>(scenario: &Scenario, motion: &Motion<'_>, cycles: u64) -> Result<Outcome> {
+    let kinematics = scenario.kinematics()?;
     with_loop::<N, _>(&scenario.machine, scenario.period_ns(), |servo| {
-        let (view, tool_view) = (path.view(), path.tool_view());
-        let step = |state: &mut State<f64, f64, N>, input: &Input<f64, N>, reference: Reference<f64>| match &kinematics
-        {
-            Some(kinematics) => servo.step_with_tool(state, input, &tool_view, reference, kinematics).0,
-            None => servo.step(state, input, view.on(reference), ()),
+        let step = |state: &mut State<f64, f64, N>, path: &SlidingPath<'_>, (input, reference): &Prepared<N>| {
+            let (input, reference) = (black_box(input), *reference);
+            match &kinematics {
+                Some(kinematics) => {
+                    servo.step(state, input, &mut OnToolPath::new(&path.tool_view(), reference, kinematics), ())
+                }
+                None => servo.step(state, input, path.view().on(reference), ()),
+            }
         };
-        let rounds = || (0..cycles).zip(prepared.iter().cycle());
-        let fresh =
-            || servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"));
+        // What `steps` does with every block, from a fresh state.
+        let pass = |steps: &mut dyn FnMut(&mut State<f64, f64, N>, &Inputs<'_, N>)| -> Result<()> {
+            let mut state =
+                servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
+            let mut inputs = Inputs::new(scenario, motion)?;
+            let mut left = cycles;
+            while left > 0 {
+                inputs.prepare(left.min(BLOCK))?;
+                steps(&mut state, &inputs);
+                left -= inputs.block.len() as u64;
+            }
+            Ok(())
+        };
         let mut latency = Latency::new(scenario.budget_ns, scenario.period_ns().into());
-        let mut state = fresh()?;
-        for (_, (input, reference)) in rounds() {
-            let start = Instant::now();
-            black_box(step(&mut state, black_box(input), *reference));
-            latency.record(start.elapsed().as_nanos() as u64);
-        }
-        let mut state = fresh()?;
-        let start = Instant::now();
-        for (_, (input, reference)) in rounds() {
-            black_box(step(&mut state, black_box(input), *reference));
-        }
-        let steps_per_s = cycles as f64 / start.elapsed().as_secs_f64();
-        Ok(Outcome { latency: latency.summary(), steps_per_s })
+        pass(&mut |state, inputs| {
+            for prepared in &inputs.block {
+                let (output, nanoseconds) = timed(|| step(state, &inputs.path, prepared));
+                black_box(output);
+                latency.record(nanoseconds);
+            }
+        })?;
+        let mut nanoseconds = 0;
+        pass(&mut |state, inputs| {
+            let work = || {
+                for prepared in &inputs.block {
+                    black_box(step(state, &inputs.path, prepared));
+                }
+            };
+            nanoseconds += timed(work).1;
+        })?;
+        Ok(Outcome { latency: latency.summary(), steps_per_s: cycles as f64 * 1e9 / nanoseconds as f64 })
     })
 }

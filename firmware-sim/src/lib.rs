@@ -26,6 +26,7 @@ pub mod program;
 pub mod recorded;
 pub mod report;
 pub mod scenario;
+pub mod series;
 pub mod simulate;
 pub mod trace;
 pub mod truth;

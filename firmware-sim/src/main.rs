@@ -8,20 +8,24 @@ mod rtcp;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use firmware_sim::motion::{Motion, MotionSettings};
-use firmware_sim::path::PlannedPath;
+use firmware_sim::outcome::{self, Outcome};
 use firmware_sim::placement::Placement;
 use firmware_sim::plant::fault::FaultScript;
 use firmware_sim::program::Program;
 use firmware_sim::scenario::{Scenario, axis_count, middle_of_travel, sample_machine};
+use firmware_sim::series::Series;
+use firmware_sim::simulate::{Kind, Sink};
 use firmware_sim::trace::Trace;
-use firmware_sim::{bench, outcome, report};
+use firmware_sim::{bench, report};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
-use std::io::Write;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trueaxis::machine::ErrorModel;
 use trueaxis_tables::Machine;
+use trueaxis_tables::text::{counted, printable, read_text};
 
 /// Runs a part program through the compensated servo step against a simulated machine, and shows what was gained on
 /// the part and what each cycle cost.
@@ -131,7 +135,7 @@ struct RunArgs {
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// The trace keeps every Nth cycle.
-    #[arg(long, value_name = "N", default_value_t = 10)]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
     trace_every: u64,
 }
 
@@ -176,7 +180,7 @@ fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", printable(&format!("{error:#}")));
             ExitCode::from(2)
         }
     }
@@ -251,12 +255,13 @@ fn progress_bar(message: &'static str) -> ProgressBar {
     bar
 }
 
-/// Motion and path of a scenario's program.
-fn plan(scenario: &Scenario) -> Result<(Motion<'_>, PlannedPath)> {
+/// Motion of a scenario's program, which is found to be a path.
+fn plan(scenario: &Scenario) -> Result<Motion<'_>> {
     let settings = MotionSettings { period_s: scenario.period_s(), ..MotionSettings::default() };
     let motion = Motion::plan_on(&scenario.program, settings, &scenario.placement)
         .map_err(|e| anyhow!("{}: {e}", scenario.program.name))?;
-    Ok((motion, PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement)?))
+    firmware_sim::path::check(scenario)?;
+    Ok(motion)
 }
 
 fn read_program(path: &Path) -> Result<Program> {
@@ -266,9 +271,7 @@ fn read_program(path: &Path) -> Result<Program> {
     {
         return Ok(program?);
     }
-    let text = std::fs::read(path).with_context(|| format!("cannot read the program {}", path.display()))?;
-    let text = String::from_utf8(text)
-        .map_err(|_| anyhow!("{}: found bytes that are no UTF-8, needed G-code", path.display()))?;
+    let text = read_text(path)?;
     let stem = path.file_stem().map_or(name.clone(), |s| s.to_string_lossy());
     Ok(Program::parse(&stem, &text, path)?)
 }
@@ -312,36 +315,58 @@ macro_rules! with_axes {
 
 fn run(args: &RunArgs) -> Result<()> {
     let scenario = prepare(&args.scenario, &args.fault)?;
-    let (motion, path) = plan(&scenario)?;
-    let mut trace = match &args.report {
-        Some(dir) => {
-            std::fs::create_dir_all(dir).with_context(|| format!("cannot create {}", dir.display()))?;
-            Some(Trace::create(&dir.join("trace.csv"), args.trace_every)?)
-        }
+    let motion = plan(&scenario)?;
+    let mut files = match &args.report {
+        Some(dir) => Some(ReportFiles::create(dir, &scenario, args.trace_every)?),
         None => None,
     };
     let bar = progress_bar("simulating");
     let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
-    let outcome = with_axes!(
-        &scenario.machine,
-        outcome,
-        simulate,
-        (&scenario, &motion, &path, args.paced, trace.as_mut(), &mut tell)
-    )?;
+    let mut sinks: Vec<&mut dyn Sink> = Vec::new();
+    if let Some(files) = &mut files {
+        sinks.extend([&mut files.trace as &mut dyn Sink, &mut files.series]);
+    }
+    let outcome =
+        with_axes!(&scenario.machine, outcome, simulate, (&scenario, &motion, args.paced, &mut sinks, &mut tell))?;
     bar.finish_and_clear();
-    let trace = trace.map(Trace::finish).transpose()?;
-    let page = match &args.report {
-        Some(dir) => Some(
-            report::write(&outcome.report(&scenario), dir)
-                .with_context(|| format!("cannot write into {}", dir.display()))?,
-        ),
-        None => None,
-    };
+    let written = files.map(|files| files.finish(&outcome, &scenario)).transpose()?;
     if args.json {
         put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&scenario))?))
     } else {
-        let files = [page, trace].into_iter().flatten().map(|file| format!("written  {}\n", file.display()));
+        let files = written.iter().flatten().map(|file| format!("written  {}\n", file.display()));
         put(&(outcome.summary(&scenario).to_string() + &files.collect::<String>()))
+    }
+}
+
+/// What `run --report` writes.
+struct ReportFiles {
+    directory: PathBuf,
+    trace: Trace<BufWriter<File>>,
+    series: Series,
+}
+
+impl ReportFiles {
+    fn create(directory: &Path, scenario: &Scenario, trace_every: u64) -> Result<ReportFiles> {
+        std::fs::create_dir_all(directory).with_context(|| format!("cannot create {}", directory.display()))?;
+        let compensated = outcome::KINDS.iter().position(|kind| *kind == Kind::Compensated).unwrap_or(0);
+        let path = Self::trace_path(directory);
+        let trace = File::create(&path)
+            .and_then(|file| Trace::new(BufWriter::new(file), trace_every, compensated, &scenario.machine.settings))
+            .with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(ReportFiles { directory: directory.into(), trace, series: Series::new(scenario) })
+    }
+
+    fn trace_path(directory: &Path) -> PathBuf {
+        directory.join("trace.csv")
+    }
+
+    /// Writes what is left to write; the files.
+    fn finish(self, outcome: &Outcome, scenario: &Scenario) -> Result<[PathBuf; 2]> {
+        let trace = Self::trace_path(&self.directory);
+        self.trace.finish().with_context(|| format!("cannot write {}", trace.display()))?;
+        let page = report::write(&outcome.report(scenario, &self.series), &self.directory)
+            .with_context(|| format!("cannot write into {}", self.directory.display()))?;
+        Ok([page, trace])
     }
 }
 
@@ -350,8 +375,8 @@ fn time(args: &BenchArgs) -> Result<()> {
         bail!("--cycles: found 0, needed at least 1");
     }
     let scenario = prepare(&args.scenario, &[])?;
-    let (motion, path) = plan(&scenario)?;
-    let outcome = with_axes!(&scenario.machine, bench, run, (&scenario, &motion, &path, args.cycles))?;
+    let motion = plan(&scenario)?;
+    let outcome = with_axes!(&scenario.machine, bench, run, (&scenario, &motion, args.cycles))?;
     let l = outcome.latency;
     if args.json {
         let document = json!({
@@ -364,10 +389,10 @@ fn time(args: &BenchArgs) -> Result<()> {
         return put(&format!("{}\n", serde_json::to_string_pretty(&document)?));
     }
     put(&format!(
-        "{} steps of {} on {}, wall time on this host\n  \
+        "{} of {} on {}, wall time on this host\n  \
          min {} ns, median {} ns, 99 % {} ns, 99.99 % {} ns, max {} ns (the clock's reading included)\n  \
          {:.2} million steps a second on one core, without a clock between them\n",
-        args.cycles,
+        counted(args.cycles as usize, "step"),
         scenario.program.name,
         scenario.machine.settings.name,
         l.min_ns,

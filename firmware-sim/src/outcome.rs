@@ -1,18 +1,23 @@
 //! The three runs side by side: console summary, JSON, report.
 
+use crate::latency::{Latency, timed};
 use crate::motion::Motion;
-use crate::path::PlannedPath;
-use crate::report::{
-    AngleSize, AxisReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, OrientationSeries, PathPoint, Report,
-};
+use crate::pace::PaceReport;
+use crate::report::{AngleSize, ContourErrors, ErrorSize, FaultEntry, Report};
 use crate::scenario::Scenario;
-use crate::simulate::{self, Kind, Options, Run, Sample};
-use crate::trace::Trace;
-use anyhow::Result;
+use crate::series::Series;
+use crate::simulate::{self, Kind, Options, Run, Sink};
+use anyhow::{Result, anyhow};
 use serde::Serialize;
 use std::fmt;
-use std::time::Instant;
-use trueaxis::Axis;
+use trueaxis_tables::text::counted;
+
+/// The runs, in the order in which sinks see them.
+pub const KINDS: [Kind; 3] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly];
+
+/// Said where steps took long or cycles came late.
+const BUSY_KERNEL: &str = "steps over the budget and late cycles are the doing of a busy kernel, which took the processor \
+away: the work of a step is bounded, its median and 99 % are what it costs";
 
 /// What the three runs gave.
 #[derive(Debug)]
@@ -20,45 +25,43 @@ pub struct Outcome {
     uncompensated: Run,
     compensated: Run,
     servo_only: Run,
+    /// Cost of the compensated run's steps.
+    latency: Latency,
+    /// How pacing went, if it was asked for.
+    pace: Option<PaceReport>,
     cycles: u64,
     wall_s: f64,
 }
 
-/// Simulates a scenario three times. `progress` gets the fraction done, 0 to 1.
+/// Simulates a scenario three times. `sinks` get every cycle of the three runs, in the order of [`KINDS`]; `progress` gets
+/// the fraction done, 0 to 1. `paced`: the steps are timed in a further run of the compensated machine, at the real rate.
 ///
 /// # Errors
 /// The machine's tables do not build.
 pub fn simulate<const N: usize>(
     scenario: &Scenario,
     motion: &Motion<'_>,
-    path: &PlannedPath,
     paced: bool,
-    mut trace: Option<&mut Trace>,
-    progress: &mut (dyn FnMut(f64) + Send),
+    sinks: &mut [&mut dyn Sink],
+    progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome> {
-    let started = Instant::now();
-    let total = 3.0 * motion.cycles() as f64;
-    let mut done = 0.0;
-    let mut run = |kind| {
-        let trace = if kind == Kind::Compensated { trace.take() } else { None };
-        let mut tell = |cycles: u64| progress((done + cycles as f64) / total);
-        let run = simulate::run::<N>(
-            scenario,
-            motion,
-            path,
-            kind,
-            &mut Options { paced, progress: &mut tell, trace, watch: None },
-        )?;
-        done += motion.cycles() as f64;
-        Ok::<Run, anyhow::Error>(run)
+    let (runs, nanoseconds) = timed(|| {
+        let total = motion.cycles() as f64;
+        let mut tell = |cycles: u64| progress(cycles as f64 / total);
+        let options = &mut Options { progress: &mut tell, sinks, watch: None };
+        let runs = simulate::run::<N>(scenario, motion, &KINDS, options)?;
+        let pace = paced.then(|| simulate::run_paced::<N>(scenario, motion)).transpose()?;
+        Ok::<_, anyhow::Error>((runs, pace))
+    });
+    let (runs, pace) = runs?;
+    let [uncompensated, compensated, servo_only] =
+        <[Run; 3]>::try_from(runs).map_err(|runs| anyhow!("{} runs in place of three", runs.len()))?;
+    let (latency, pace) = match pace {
+        Some((latency, report)) => (latency, Some(report)),
+        None => (compensated.latency.clone(), None),
     };
-    Ok(Outcome {
-        uncompensated: run(Kind::Uncompensated)?,
-        compensated: run(Kind::Compensated)?,
-        servo_only: run(Kind::ServoOnly)?,
-        cycles: motion.cycles(),
-        wall_s: started.elapsed().as_secs_f64(),
-    })
+    let wall_s = 1e-9 * nanoseconds as f64;
+    Ok(Outcome { uncompensated, compensated, servo_only, latency, pace, cycles: motion.cycles(), wall_s })
 }
 
 #[derive(Serialize)]
@@ -131,9 +134,21 @@ pub struct Json {
 impl Outcome {
     /// Remarks on how the runs went.
     pub fn notes(&self) -> Vec<String> {
-        let mut notes = self.compensated.pace.as_ref().map(crate::pace::PaceReport::notes).unwrap_or_default();
+        let mut notes = self.pace.as_ref().map(PaceReport::notes).unwrap_or_default();
+        let steps = self.latency.summary();
+        let late = self.pace.as_ref().is_some_and(|pace| pace.late > 0 || pace.skipped_periods > 0);
+        if late || steps.over_budget > 0 || steps.missed_deadlines > 0 {
+            notes.push(BUSY_KERNEL.into());
+        }
         if self.compensated.stopped {
             notes.push("the compensated run was ended by a stop request".into());
+        }
+        if self.compensated.more_faults > 0 {
+            notes.push(format!(
+                "faults: the first {} are listed; there are faults in {} after them",
+                simulate::MOST_FAULT_SPANS,
+                counted(self.compensated.more_faults as usize, "cycle")
+            ));
         }
         notes
     }
@@ -166,7 +181,7 @@ impl Outcome {
                 || EstimateJson { uncompensated: size(&self.uncompensated), compensated: size(&self.compensated) };
             scenario.five_axis.then(of_both)
         };
-        let latency = self.compensated.latency.summary();
+        let latency = self.latency.summary();
         Json {
             machine: scenario.machine.settings.name.as_str().into(),
             program: scenario.program.name.clone(),
@@ -195,46 +210,16 @@ impl Outcome {
         }
     }
 
-    /// Everything the HTML page shows.
-    pub fn report(&self, scenario: &Scenario) -> Report {
-        let error_over_path = |run: &Run| {
-            let size = |d: [f32; 3]| f64::from((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt());
-            run.samples.iter().filter(|s| s.cutting).map(|s| [s.length_mm, size(s.deviation_um)]).collect::<Vec<_>>()
-        };
-        let mut program_lines: Vec<(f64, u32)> = Vec::new();
+    /// Everything the HTML page shows; `series` has seen the runs.
+    pub fn report(&self, scenario: &Scenario, series: &Series) -> Report {
+        let mut contour = series.contour();
         let mut length = 0.0;
         for step in &scenario.program.moves {
-            program_lines.push((length, step.line));
+            contour.program_lines.push((length, step.line));
             length += step.length();
         }
-        let wide = |d: [f32; 3]| d.map(f64::from);
-        let mut breaks = Vec::new();
-        for pair in self.uncompensated.samples.windows(2) {
-            if let [positioning, cutting] = pair
-                && !positioning.cutting
-                && cutting.cutting
-            {
-                breaks.push(cutting.length_mm);
-            }
-        }
-        let mut path = Vec::new();
-        let (mut run, mut was_cutting) = (0, true);
-        for (before, after) in self.uncompensated.samples.iter().zip(&self.compensated.samples) {
-            if before.cutting {
-                run += u32::from(!was_cutting);
-                path.push(PathPoint {
-                    run,
-                    nominal_mm: before.nominal_mm,
-                    uncompensated_um: wide(before.deviation_um),
-                    compensated_um: wide(after.deviation_um),
-                });
-            }
-            was_cutting = before.cutting;
-        }
-        let latency = &self.compensated.latency;
-        let orientation = if scenario.five_axis { self.orientation(scenario) } else { OrientationSeries::default() };
         Report {
-            orientation,
+            orientation: series.orientation(),
             title: "Compensated servo step".into(),
             machine: scenario.machine.settings.name.as_str().into(),
             program: scenario.program.name.clone(),
@@ -246,17 +231,11 @@ impl Outcome {
                 compensated: self.compensated.error,
                 servo_only: self.servo_only.error,
             },
-            contour: ContourSeries {
-                uncompensated: error_over_path(&self.uncompensated),
-                compensated: error_over_path(&self.compensated),
-                servo_only: error_over_path(&self.servo_only),
-                breaks,
-                program_lines,
-            },
-            path,
-            axes: self.axes(scenario),
-            latency: latency.summary(),
-            latency_buckets: latency.buckets().collect(),
+            contour,
+            path: series.path(),
+            axes: series.axes(),
+            latency: self.latency.summary(),
+            latency_buckets: self.latency.buckets().collect(),
             faults: self
                 .faults(scenario)
                 .map(|f| FaultEntry {
@@ -268,53 +247,6 @@ impl Outcome {
                 .collect(),
             notes: self.notes(),
         }
-    }
-
-    fn orientation(&self, scenario: &Scenario) -> OrientationSeries {
-        let cutting = |run: &Run, value: &dyn Fn(&Sample) -> f32| {
-            run.samples.iter().filter(|s| s.cutting).map(|s| [s.length_mm, f64::from(value(s))]).collect::<Vec<_>>()
-        };
-        let angle = |run: &Run| cutting(run, &|s| s.orientation_urad);
-        let rotary = scenario.machine.settings.axes.iter().filter(|a| a.axis.is_rotary());
-        OrientationSeries {
-            uncompensated: angle(&self.uncompensated),
-            compensated: angle(&self.compensated),
-            servo_only: angle(&self.servo_only),
-            rotary: rotary
-                .map(|a| {
-                    let place = a.axis.index() - Axis::A.index();
-                    let positions =
-                        cutting(&self.compensated, &|s| s.rotary_deg.get(place).copied().unwrap_or_default());
-                    (a.axis.letter().to_string(), positions)
-                })
-                .collect(),
-        }
-    }
-
-    fn axes(&self, scenario: &Scenario) -> Vec<AxisReport> {
-        let period = scenario.period_s();
-        let samples = &self.compensated.samples;
-        let linear = scenario.machine.settings.axes.iter().filter(|a| !a.axis.is_rotary());
-        linear
-            .map(|settings| {
-                let k = settings.axis.index();
-                let correction: Vec<[f64; 2]> = samples
-                    .iter()
-                    .enumerate()
-                    .map(|(n, s)| [n as f64 * period, f64::from(s.correction_um[k])])
-                    .collect();
-                let slope = correction.windows(2).map(|w| [w[1][0], 1e-3 * (w[1][1] - w[0][1]) / period]).collect();
-                AxisReport {
-                    name: settings.axis.letter().into(),
-                    rotary: false,
-                    correction,
-                    slope,
-                    magnitude_limit: settings.limits.magnitude * 1e3,
-                    slope_limit: settings.limits.slope_per_s,
-                    acceleration_limit: settings.limits.acceleration_per_s2 * 1e-3,
-                }
-            })
-            .collect()
     }
 
     /// The summary for the console.
@@ -369,7 +301,7 @@ impl fmt::Display for Summary<'_> {
                 writeln!(f, "  {:<44} {:>9.2} µrad {:>6.2} µrad", "", angle.max_urad, angle.rms_urad)?;
             }
         }
-        let latency = after.latency.summary();
+        let latency = self.outcome.latency.summary();
         writeln!(f)?;
         writeln!(f, "cost of one step, wall time on this host (shown, never gated)")?;
         writeln!(
@@ -397,8 +329,12 @@ impl fmt::Display for Summary<'_> {
         for fault in self.outcome.faults(s) {
             writeln!(
                 f,
-                "fault    {:.4} s, line {}: {} on axis {}, {} cycles",
-                fault.time_s, fault.line, fault.fault, fault.axis, fault.cycles
+                "fault    {:.4} s, line {}: {} on axis {}, {}",
+                fault.time_s,
+                fault.line,
+                fault.fault,
+                fault.axis,
+                counted(fault.cycles as usize, "cycle")
             )?;
         }
         for note in self.outcome.notes() {

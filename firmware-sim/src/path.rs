@@ -2,12 +2,16 @@
 
 use crate::placement::Placement;
 use crate::program::{Curve, Move, Program};
+use crate::scenario::Scenario;
 use anyhow::{Result, anyhow};
 use glam::DVec3;
+use std::collections::VecDeque;
 use trueaxis::contour::{Path, Reference, Segment, Span, ToolPath, Turn, convert};
 
 /// Largest distance of a cubic piece from the curve that the tip describes, at the same parameter, mm.
 const TOLERANCE_MM: f64 = 1.0e-6;
+/// Most pieces of a program.
+pub const MOST_SPANS: usize = 50_000_000;
 /// A move is halved at most this often.
 const DEEPEST_HALVING: u32 = 16;
 
@@ -28,27 +32,15 @@ impl PlannedPath {
     /// Converts a program whose zero lies at `origin_mm` in machine coordinates.
     ///
     /// # Errors
-    /// A move that is no path (the program reader refuses those before).
+    /// A move that is no path (the program reader refuses those before), more than [`MOST_SPANS`] pieces.
     pub fn new(program: &Program, origin_mm: [f64; 3], machine: &Placement) -> Result<PlannedPath> {
         let five_axis = program.is_five_axis();
         let mut path = PlannedPath { spans: Vec::new(), turns: Vec::new(), first: Vec::new() };
         for (index, step) in program.moves.iter().enumerate() {
             path.first.push(path.spans.len() as u32);
-            let mut add = |segment: &Segment<'_>| {
-                convert(segment, index as u32, step.plane_normal, |span| {
-                    path.spans.push(span);
-                    Ok(())
-                })
-                .map_err(|e| anyhow!("{}, line {}: {e}", program.name, step.line))
-            };
-            if five_axis {
-                tip_path(step, machine, &mut add)?;
-                for span in path.spans.iter().skip(path.turns.len()) {
-                    let (first, last) = step.curve.domain();
-                    path.turns.push(Turn::axes(span, [first, last], step.turn.start, step.turn.end()));
-                }
-            } else {
-                programmed(step, origin_mm, &mut add)?;
+            add_move(program, (index, step), origin_mm, machine, five_axis, (&mut path.spans, &mut path.turns))?;
+            if path.spans.len() > MOST_SPANS {
+                return Err(too_many_spans(program, step));
             }
         }
         path.first.push(path.spans.len() as u32);
@@ -71,15 +63,201 @@ impl PlannedPath {
             Some([first, end]) => (*first, end.saturating_sub(1)),
             _ => (0, 0),
         };
-        *near = (*near).clamp(first, last);
-        while *near < last && self.spans[*near as usize].u_range()[1] < u {
-            *near += 1;
-        }
-        while *near > first && self.spans[*near as usize].u_range()[0] > u {
-            *near -= 1;
-        }
-        Reference { span: *near, t: self.spans[*near as usize].t_of(u) }
+        place(&self.spans, 0, [first, last], u, near)
     }
+}
+
+/// Whether a whole program is a path, before anything of it is run.
+///
+/// # Errors
+/// As [`PlannedPath::new`].
+pub fn check(scenario: &Scenario) -> Result<()> {
+    let (mut spans, mut turns, mut count) = (Vec::new(), Vec::new(), 0);
+    for place @ (_, step) in scenario.program.moves.iter().enumerate() {
+        spans.clear();
+        turns.clear();
+        let into = (&mut spans, &mut turns);
+        add_move(&scenario.program, place, scenario.origin_mm, &scenario.placement, scenario.five_axis, into)?;
+        count += spans.len();
+        if count > MOST_SPANS {
+            return Err(too_many_spans(&scenario.program, step));
+        }
+    }
+    Ok(())
+}
+
+/// The stretch of a program's path around the place where it is run, converted when the motion comes to it.
+///
+/// Its pieces have the numbers that they have in the [`PlannedPath`], and it reaches as far as the step ever looks, so that
+/// the step gives the same with either.
+#[derive(Debug)]
+pub struct SlidingPath<'c> {
+    scenario: &'c Scenario,
+    /// Way that is kept behind and ahead, mm.
+    reach_mm: f64,
+    spans: Vec<Span<f64, f64>>,
+    turns: Vec<Turn<f64>>,
+    /// So many of the first spans are not needed any more; they are taken out when they are half of all.
+    spent: usize,
+    /// The moves held.
+    moves: VecDeque<Held>,
+    /// Index of the first of them.
+    first_move: usize,
+    /// Where the last of them ends.
+    end: Held,
+}
+
+/// Where a move begins.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    /// Number of its first span.
+    span: u32,
+    /// Length of all spans before it, mm.
+    length_mm: f64,
+}
+
+impl Held {
+    /// Whether the stretch from here to `other` is as long as the step can ask for.
+    fn is_far_from(&self, other: &Held, reach_mm: f64) -> bool {
+        other.length_mm - self.length_mm >= reach_mm || other.span - self.span >= MOST_AHEAD
+    }
+}
+
+/// The search of the step looks this many times its largest lag around the reference, and a little.
+const REACH_PER_LAG: f64 = 4.0;
+const REACH_MM: f64 = 10.0;
+/// Spans behind and ahead that are enough where they are very short.
+const MOST_AHEAD: u32 = 1 << 14;
+
+impl<'c> SlidingPath<'c> {
+    /// Nothing of the path yet.
+    pub fn new(scenario: &'c Scenario) -> SlidingPath<'c> {
+        SlidingPath {
+            scenario,
+            reach_mm: REACH_MM + REACH_PER_LAG * scenario.machine.settings.contour.max_lag_mm,
+            spans: Vec::new(),
+            turns: Vec::new(),
+            spent: 0,
+            moves: VecDeque::new(),
+            first_move: 0,
+            end: Held { span: 0, length_mm: 0.0 },
+        }
+    }
+
+    /// Moves on to where references lie in the moves `first` to `last`, neither of them before those of the last call.
+    ///
+    /// # Errors
+    /// A move that is no path.
+    pub fn cover(&mut self, [first, last]: [usize; 2]) -> Result<()> {
+        while !self.beginning(last + 1).is_some_and(|at| at.is_far_from(&self.end, self.reach_mm)) {
+            let index = self.first_move + self.moves.len();
+            let Some(step) = self.scenario.program.moves.get(index) else { break };
+            self.moves.push_back(self.end);
+            let before = self.spans.len();
+            let Scenario { program, placement, five_axis, origin_mm, .. } = self.scenario;
+            let into = (&mut self.spans, &mut self.turns);
+            add_move(program, (index, step), *origin_mm, placement, *five_axis, into)?;
+            let added = self.spans.get(before..).unwrap_or_default();
+            self.end.span += added.len() as u32;
+            self.end.length_mm += added.iter().map(Span::length).sum::<f64>();
+        }
+        while let (Some(second), Some(here)) = (self.moves.get(1), self.beginning(first))
+            && self.first_move < first
+            && second.is_far_from(&here, self.reach_mm)
+        {
+            self.spent += (second.span - self.moves[0].span) as usize;
+            self.moves.pop_front();
+            self.first_move += 1;
+        }
+        if 2 * self.spent > self.spans.len() {
+            self.spans.drain(..self.spent);
+            self.turns.drain(..self.spent.min(self.turns.len()));
+            self.spent = 0;
+        }
+        Ok(())
+    }
+
+    /// Where a move begins, or the last one held ends.
+    fn beginning(&self, index: usize) -> Option<Held> {
+        let place = index.checked_sub(self.first_move)?;
+        if place == self.moves.len() { Some(self.end) } else { self.moves.get(place).copied() }
+    }
+
+    /// The stretch as the step takes it.
+    pub fn view(&self) -> Path<'_, f64, f64> {
+        Path::new(self.held(), self.number(), false)
+    }
+
+    /// The stretch with its directions, for a program with rotary axes.
+    pub fn tool_view(&self) -> ToolPath<'_, f64, f64> {
+        ToolPath::new(self.view(), self.turns.get(self.spent..).unwrap_or_default())
+    }
+
+    /// As [`PlannedPath::reference`], in a move that is covered.
+    pub fn reference(&self, move_index: usize, u: f64, near: &mut u32) -> Reference<f64> {
+        let ends = match (self.beginning(move_index), self.beginning(move_index + 1)) {
+            (Some(first), Some(end)) => [first.span, end.span.saturating_sub(1)],
+            _ => [self.number(); 2],
+        };
+        place(self.held(), self.number(), ends, u, near)
+    }
+
+    fn held(&self) -> &[Span<f64, f64>] {
+        self.spans.get(self.spent..).unwrap_or_default()
+    }
+
+    /// Number of the first span held.
+    fn number(&self) -> u32 {
+        self.moves.front().map_or(0, |first| first.span)
+    }
+}
+
+/// Appends the spans of a move, and what its rotary axes do along them.
+fn add_move(
+    program: &Program,
+    (index, step): (usize, &Move),
+    origin_mm: [f64; 3],
+    machine: &Placement,
+    five_axis: bool,
+    (spans, turns): (&mut Vec<Span<f64, f64>>, &mut Vec<Turn<f64>>),
+) -> Result<()> {
+    let first = spans.len();
+    let mut add = |segment: &Segment<'_>| {
+        convert(segment, index as u32, step.plane_normal, |span| {
+            spans.push(span);
+            Ok(())
+        })
+        .map_err(|e| anyhow!("{}, line {}: {e}", program.name, step.line))
+    };
+    if !five_axis {
+        return programmed(step, origin_mm, &mut add);
+    }
+    tip_path(step, machine, &mut add)?;
+    let (begin, end) = step.curve.domain();
+    let turn = |span: &Span<f64, f64>| Turn::axes(span, [begin, end], step.turn.start, step.turn.end());
+    turns.extend(spans.iter().skip(first).map(turn));
+    Ok(())
+}
+
+fn too_many_spans(program: &Program, step: &Move) -> anyhow::Error {
+    anyhow!(
+        "{}, line {}: found more than {MOST_SPANS} pieces of path up to here, needed at most so many",
+        program.name,
+        step.line
+    )
+}
+
+/// The place at parameter `u` of a move whose first and last span have the given numbers; `spans` begins with `number`.
+fn place(spans: &[Span<f64, f64>], number: u32, [first, last]: [u32; 2], u: f64, near: &mut u32) -> Reference<f64> {
+    *near = (*near).clamp(first, last);
+    let at = |near: u32| spans.get((near - number) as usize);
+    while *near < last && at(*near).is_some_and(|span| span.u_range()[1] < u) {
+        *near += 1;
+    }
+    while *near > first && at(*near).is_some_and(|span| span.u_range()[0] > u) {
+        *near -= 1;
+    }
+    Reference { span: *near, t: at(*near).map_or(0.0, |span| span.t_of(u)) }
 }
 
 /// The programmed curve itself, shifted.

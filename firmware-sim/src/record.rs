@@ -5,6 +5,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use firmware_sim::compare::image;
 use firmware_sim::motion::Motion;
+use firmware_sim::path::PlannedPath;
 use firmware_sim::recorded::{self, Settings};
 use firmware_sim::scenario::Scenario;
 use std::path::PathBuf;
@@ -51,7 +52,8 @@ pub(crate) fn bytes(scenario: &Scenario, how: &How) -> Result<Vec<u8>> {
     if !(0.01..=10_000.0).contains(&how.speed_rpm) {
         bail!("--speed-rpm: found {}, needed 0.01 to 10000", how.speed_rpm);
     }
-    let (motion, path) = plan(scenario)?;
+    let motion = plan(scenario)?;
+    let path = PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement)?;
     let settings =
         Settings { cycles: how.cycles, drill: how.drill, exchange_at: how.exchange_at, speed_rpm: how.speed_rpm };
     let bar = progress_bar("recording");

@@ -1,27 +1,26 @@
 //! The run: every servo cycle goes through `step` against the simulated machine.
 
-use crate::latency::Latency;
+use crate::latency::{Latency, timed};
 use crate::motion::{Motion, Setpoint};
 use crate::pace::{self, Pace, PaceReport};
-use crate::path::PlannedPath;
+use crate::path::SlidingPath;
 use crate::placement::Place;
 use crate::plant::fault::FaultScript;
 use crate::plant::{Plant, PlantSettings};
 use crate::report::{AngleSize, ErrorSize};
 use crate::scenario::Scenario;
-use crate::trace::Trace;
 use crate::truth;
 use anyhow::{Context, Result, anyhow};
 use glam::DVec3;
 use std::ops::ControlFlow;
-use std::time::Instant;
 use trueaxis::compensation::ThermalLine;
-use trueaxis::contour::{OrientationError, Reference};
+use trueaxis::contour::{OrientationError, Path, Reference, ToolPath};
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::AXES;
 use trueaxis::machine::step_axes;
+use trueaxis::sample::Refusal;
 use trueaxis::tcomp::Tcomp;
-use trueaxis::{Axis, Config, Fault, Input, Output, Position, Real, ServoLoop, State};
+use trueaxis::{Axis, Config, Fault, Input, OnToolPath, Output, Position, Real, ServoLoop, State};
 use trueaxis_tables::Machine;
 
 /// Which of the three runs.
@@ -50,34 +49,78 @@ pub struct FaultSpan {
     pub line: u32,
 }
 
-/// What a cycle of a run leaves for the plots.
-#[derive(Clone, Copy, Debug)]
-pub struct Sample {
+/// Most stretches of faults that a run lists; those after them are counted.
+pub const MOST_FAULT_SPANS: usize = 1000;
+
+/// What is commanded in a cycle, the same in every run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Moment {
+    /// Counted from the start of the program.
+    pub cycle: u64,
+    /// The same as time, s.
+    pub time_s: f64,
+    /// Program line.
+    pub line: u32,
+    /// Cutting, not positioning at rapid.
+    pub cutting: bool,
     /// Arc length along the program, mm.
     pub length_mm: f64,
     /// Programmed point in machine coordinates (with rotary axes: in workpiece coordinates), mm.
     pub nominal_mm: [f64; 3],
+    /// A, B, C programmed, degrees.
+    pub rotary_deg: [f64; 3],
+}
+
+/// What a cycle of one run gave. Axes in the order X, Y, Z, A, B, C; zero for those that the machine does not have.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sample {
     /// True tip from the nearest point of the path, µm.
     pub deviation_um: [f32; 3],
     /// Angle of the true tool direction from the programmed one, µrad.
     pub orientation_urad: f32,
     /// The same as the step reports it, µrad.
     pub estimated_orientation_urad: f32,
-    /// A, B, C commanded, degrees.
-    pub rotary_deg: [f32; 3],
-    /// Correction sent to X, Y, Z, µm.
-    pub correction_um: [f32; 3],
     /// Contour error that the plugin reports for the estimated tip, µm.
     pub estimated_um: f32,
-    /// Cutting, not positioning at rapid.
-    pub cutting: bool,
+    /// Contour error that it reports for the plain encoder position, µm.
+    pub encoder_um: f64,
+    /// Way from the tip's foot to the reference, µm.
+    pub lag_um: f64,
+    /// Command as the step took it, mm and degrees.
+    pub command: [f64; AXES],
+    /// Command sent to the drives, mm and degrees.
+    pub drive: [f64; AXES],
+    /// Reading as the step took it, mm and degrees.
+    pub feedback: [f64; AXES],
+    /// Correction sent, µm and µrad.
+    pub correction: [f32; AXES],
+    /// Fault code.
+    pub fault: u8,
+    /// State bits.
+    pub status: u8,
+    /// A bit for every axis of the step whose correction differs from the wanted one.
+    pub limited: u8,
+    /// A bit for every axis of the step whose table holds its edge value.
+    pub at_edge: u8,
+}
+
+impl Sample {
+    /// |deviation|, µm.
+    pub fn error_um(&self) -> f32 {
+        let [x, y, z] = self.deviation_um;
+        (x * x + y * y + z * z).sqrt()
+    }
+}
+
+/// Takes every cycle of the runs as it comes; the runs themselves keep none.
+pub trait Sink {
+    /// A cycle, in order; `runs` in the order in which they were asked for, none where one has ended.
+    fn cycle(&mut self, moment: &Moment, runs: &[Option<&Sample>]);
 }
 
 /// The outcome of one run.
 #[derive(Debug)]
 pub struct Run {
-    /// Every cycle, in order.
-    pub samples: Vec<Sample>,
     /// Contour error of the true tip while cutting.
     pub error: ErrorSize,
     /// Angle of the true tool direction from the programmed one while cutting; zero for a program of X, Y, Z alone.
@@ -86,35 +129,37 @@ pub struct Run {
     pub estimated: ErrorSize,
     /// Orientation error that the step itself reports, while cutting.
     pub estimated_orientation: AngleSize,
-    /// Faults reported.
+    /// Faults reported, at most [`MOST_FAULT_SPANS`] stretches.
     pub faults: Vec<FaultSpan>,
+    /// Cycles with a fault that are not in that list.
+    pub more_faults: u64,
     /// Cost of every step.
     pub latency: Latency,
     /// Cycles in which an axis' correction was limited.
     pub limited_cycles: u64,
     /// Stopped by a stop request.
     pub stopped: bool,
-    /// How pacing went, if it was asked for.
-    pub pace: Option<PaceReport>,
 }
 
 /// Cycles of a stopped run that are still simulated, to show that the output holds.
 const CYCLES_AFTER_STOP: u64 = 200;
 
-/// How the runs are carried out.
-pub struct Options<'o> {
-    /// Run at the real rate.
-    pub paced: bool,
-    /// Called every thousand cycles with the number done.
-    pub progress: &'o mut (dyn FnMut(u64) + Send),
-    /// Where every cycle of the compensated run is written.
-    pub trace: Option<&'o mut Trace>,
-    /// Called with what the step is given in every cycle, those at rest before the program included.
+/// Cycles that are commanded at a time, and then simulated run by run: enough that one run after the other has the
+/// processor's caches for itself, little enough to stay in them.
+const BLOCK: usize = 256;
+
+/// Who sees the runs go by.
+pub struct Options<'o, 's> {
+    /// Called from time to time with the number of cycles done.
+    pub progress: &'o mut dyn FnMut(u64),
+    /// Given every cycle.
+    pub sinks: &'o mut [&'s mut dyn Sink],
+    /// Called with what the step of the first run is given in every cycle, those at rest before the program included.
     pub watch: Watch<'o>,
 }
 
 /// Sees what the step is given.
-pub type Watch<'o> = Option<&'o mut (dyn FnMut(&Given<'_>) + Send)>;
+pub type Watch<'o> = Option<&'o mut dyn FnMut(&Given<'_>)>;
 
 /// What the step is given in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -129,41 +174,90 @@ pub struct Given<'i> {
     pub reference: Reference<f64>,
 }
 
-/// Simulates one run of a scenario on a machine of `N` axes.
+/// Simulates runs of a scenario on a machine of `N` axes, side by side; in the same order they are given back.
+///
+/// Memory: a block of cycles and a stretch of the path, however long the program is.
 ///
 /// # Errors
-/// The machine's tables do not build.
+/// The machine's tables do not build, or a move is no path.
 pub fn run<const N: usize>(
     scenario: &Scenario,
     motion: &Motion<'_>,
-    path: &PlannedPath,
-    kind: Kind,
-    options: &mut Options<'_>,
-) -> Result<Run> {
+    kinds: &[Kind],
+    options: &mut Options<'_, '_>,
+) -> Result<Vec<Run>> {
     with_loop::<N, _>(&scenario.machine, scenario.period_ns(), |servo| {
-        let mut cell = Cell::<N>::new(scenario, motion, path, kind, servo)?;
-        cell.settle(&mut options.watch);
-        let mut setpoints = motion.setpoints();
-        let mut cycle = 0u64;
-        let mut advance = |options: &mut Options<'_>| -> ControlFlow<()> {
-            let Some(setpoint) = setpoints.next() else { return ControlFlow::Break(()) };
-            cell.cycle(&setpoint, cycle, options.trace.as_deref_mut(), &mut options.watch);
-            cycle += 1;
-            if cycle.is_multiple_of(1000) {
-                (options.progress)(cycle);
+        let mut planned = Planned::<N>::new(scenario, motion)?;
+        let mut cells: Vec<Cell<'_, '_, N>> =
+            kinds.iter().map(|kind| Cell::new(scenario, *kind, servo)).collect::<Result<_>>()?;
+        if let Some(first) = planned.first()? {
+            for (number, cell) in cells.iter_mut().enumerate() {
+                let watch = if number == 0 { &mut options.watch } else { &mut None };
+                cell.settle(&first, &planned.path, watch);
             }
-            if cell.stopped_for > CYCLES_AFTER_STOP { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        let mut pace = None;
-        if options.paced && kind == Kind::Compensated {
-            // The real-time thread writes no file and draws no bar.
-            let mut silent = |_| {};
-            let mut quiet = Options { paced: true, progress: &mut silent, trace: None, watch: None };
-            pace = Some(pace::run(&Pace::new(scenario.period_ns().into()), |_| advance(&mut quiet)));
-        } else {
-            while advance(options).is_continue() {}
         }
-        Ok(cell.finish(pace))
+        let mut samples: Vec<Vec<Sample>> = kinds.iter().map(|_| Vec::with_capacity(BLOCK)).collect();
+        let mut block = Vec::with_capacity(BLOCK);
+        while planned.next_block(&mut block, BLOCK)? && !cells.iter().all(Cell::has_ended) {
+            for (number, (cell, samples)) in cells.iter_mut().zip(&mut samples).enumerate() {
+                samples.clear();
+                let watch = if number == 0 { &mut options.watch } else { &mut None };
+                for place in &block {
+                    if cell.has_ended() {
+                        break;
+                    }
+                    samples.push(cell.cycle(place, &planned.path, watch));
+                }
+            }
+            let mut runs = vec![None; kinds.len()];
+            for (i, place) in block.iter().enumerate() {
+                for (run, samples) in runs.iter_mut().zip(&samples) {
+                    *run = samples.get(i);
+                }
+                if runs.iter().any(Option::is_some) {
+                    for sink in options.sinks.iter_mut() {
+                        sink.cycle(&place.moment, &runs);
+                    }
+                }
+            }
+            (options.progress)(planned.cycle);
+        }
+        Ok(cells.into_iter().map(Cell::finish).collect())
+    })
+}
+
+/// Runs the compensated run alone at the real rate, for what its steps cost there; the rest of its outcome is that of any
+/// other run.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_paced<const N: usize>(scenario: &Scenario, motion: &Motion<'_>) -> Result<(Latency, PaceReport)> {
+    with_loop::<N, _>(&scenario.machine, scenario.period_ns(), |servo| {
+        let mut planned = Planned::<N>::new(scenario, motion)?;
+        let mut cell = Cell::new(scenario, Kind::Compensated, servo)?;
+        if let Some(first) = planned.first()? {
+            cell.settle(&first, &planned.path, &mut None);
+        }
+        let mut block = Vec::with_capacity(1);
+        let mut failure = None;
+        let report = pace::run(&Pace::new(scenario.period_ns().into()), |_| {
+            match planned.next_block(&mut block, 1) {
+                Ok(true) => {}
+                Ok(false) => return ControlFlow::Break(()),
+                Err(error) => {
+                    failure = Some(error);
+                    return ControlFlow::Break(());
+                }
+            }
+            for place in &block {
+                cell.step(place, &planned.path, &mut None);
+            }
+            if cell.has_ended() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        match failure {
+            Some(error) => Err(error),
+            None => Ok((cell.run.latency, report)),
+        }
     })
 }
 
@@ -208,7 +302,6 @@ struct Exchanged<const N: usize> {
 struct Measured {
     tip: DVec3,
     angle: f64,
-    nominal: DVec3,
 }
 
 /// Largest and root mean square of what was added.
@@ -231,7 +324,88 @@ impl Tally {
     }
 }
 
-/// Interpolator, plugin and machine of one run.
+/// A cycle as it is commanded.
+struct Commanded<const N: usize> {
+    moment: Moment,
+    setpoint: Setpoint,
+    command: [f64; N],
+    reference: Reference<f64>,
+}
+
+/// What is commanded, a block at a time, and the stretch of the path that belongs to it.
+struct Planned<'c, const N: usize> {
+    scenario: &'c Scenario,
+    motion: &'c Motion<'c>,
+    setpoints: std::iter::Peekable<crate::motion::Setpoints<'c>>,
+    path: SlidingPath<'c>,
+    axes: [Axis; N],
+    span: u32,
+    cycle: u64,
+}
+
+impl<'c, const N: usize> Planned<'c, N> {
+    fn new(scenario: &'c Scenario, motion: &'c Motion<'c>) -> Result<Self> {
+        Ok(Planned {
+            scenario,
+            motion,
+            setpoints: motion.setpoints().peekable(),
+            path: SlidingPath::new(scenario),
+            axes: step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?,
+            span: 0,
+            cycle: 0,
+        })
+    }
+
+    /// Where the program begins.
+    fn first(&mut self) -> Result<Option<Commanded<N>>> {
+        let Some(setpoint) = self.motion.setpoints().next() else { return Ok(None) };
+        self.path.cover([setpoint.move_index; 2])?;
+        Ok(Some(self.commanded(setpoint)))
+    }
+
+    /// Puts the next cycles, at most `most`, in the place of those in `block`; false at the end.
+    fn next_block(&mut self, block: &mut Vec<Commanded<N>>, most: usize) -> Result<bool> {
+        block.clear();
+        let Some(first) = self.setpoints.peek().map(|setpoint| setpoint.move_index) else { return Ok(false) };
+        let mut last = first;
+        while block.len() < most
+            && let Some(setpoint) = self.setpoints.next()
+        {
+            last = last.max(setpoint.move_index);
+            self.path.cover([first, last])?;
+            let commanded = self.commanded(setpoint);
+            block.push(commanded);
+            self.cycle += 1;
+        }
+        Ok(true)
+    }
+
+    fn commanded(&mut self, setpoint: Setpoint) -> Commanded<N> {
+        let scenario = self.scenario;
+        let positions = scenario.axis_positions(&setpoint);
+        let step = scenario.program.moves.get(setpoint.move_index);
+        let nominal = match step {
+            Some(step) if scenario.five_axis => scenario.placement.place(step, setpoint.u).tip,
+            _ => DVec3::from(setpoint.position) + DVec3::from(scenario.origin_mm),
+        };
+        Commanded {
+            moment: Moment {
+                cycle: self.cycle,
+                time_s: self.cycle as f64 * scenario.period_s(),
+                line: step.map_or(0, |step| step.line),
+                cutting: step.is_some_and(|step| !step.rapid),
+                length_mm: setpoint.length,
+                nominal_mm: nominal.to_array(),
+                rotary_deg: setpoint.rotary,
+            },
+            command: self.axes.map(|axis| positions[axis.index()]),
+            reference: self.path.reference(setpoint.move_index, setpoint.u, &mut self.span),
+            setpoint,
+        }
+    }
+}
+
+/// Plugin and machine of one run.
 struct Cell<'c, 'a, const N: usize> {
     scenario: &'c Scenario,
     servo: &'c ServoLoop<'a, f64, f64, N>,
@@ -239,8 +413,6 @@ struct Cell<'c, 'a, const N: usize> {
     plant: Plant,
     /// Place in the step of each of the machine's axes.
     order: Vec<Option<usize>>,
-    path: &'c PlannedPath,
-    motion: &'c Motion<'c>,
     axes: [Axis; N],
     kind: Kind,
     origin: DVec3,
@@ -253,18 +425,11 @@ struct Cell<'c, 'a, const N: usize> {
     orientation: Tally,
     estimated: Tally,
     estimated_orientation: Tally,
-    span: u32,
     run: Run,
 }
 
 impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
-    fn new(
-        scenario: &'c Scenario,
-        motion: &'c Motion<'c>,
-        path: &'c PlannedPath,
-        kind: Kind,
-        servo: &'c ServoLoop<'a, f64, f64, N>,
-    ) -> Result<Self> {
+    fn new(scenario: &'c Scenario, kind: Kind, servo: &'c ServoLoop<'a, f64, f64, N>) -> Result<Self> {
         let mut state =
             servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
         let axes = step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?;
@@ -286,8 +451,6 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             state,
             plant,
             order,
-            path,
-            motion,
             axes,
             kind,
             origin: DVec3::from(scenario.origin_mm),
@@ -299,45 +462,47 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             orientation: Tally::default(),
             estimated: Tally::default(),
             estimated_orientation: Tally::default(),
-            span: 0,
             run: Run {
-                samples: Vec::with_capacity(motion.cycles() as usize),
                 error: ErrorSize::default(),
                 orientation: AngleSize::default(),
                 estimated: ErrorSize::default(),
                 estimated_orientation: AngleSize::default(),
                 faults: Vec::new(),
+                more_faults: 0,
                 latency: Latency::new(scenario.budget_ns, scenario.period_ns().into()),
                 limited_cycles: 0,
                 stopped: false,
-                pace: None,
             },
         })
     }
 
+    fn has_ended(&self) -> bool {
+        self.stopped_for > CYCLES_AFTER_STOP
+    }
+
     /// At rest on the first point until the correction has been led in, as a machine is switched on before it cuts.
-    fn settle(&mut self, watch: &mut Watch<'_>) {
-        let Some(first) = self.motion.setpoints().next() else { return };
-        let position = self.command(&first);
-        self.feedback = position;
-        self.plant.rest_at(&self.to_plant(&position));
+    fn settle(&mut self, first: &Commanded<N>, path: &SlidingPath<'_>, watch: &mut Watch<'_>) {
+        self.feedback = first.command;
+        self.plant.rest_at(&self.to_plant(&first.command));
         self.plant.hold_faults();
         let limits = self.scenario.machine.settings.axes.iter().map(|a| a.limits);
         let slowest =
             limits.map(|l| l.magnitude / l.slope_per_s + l.slope_per_s / l.acceleration_per_s2).fold(0.0, f64::max);
         for _ in 0..(1.2 * slowest.min(2.0) * self.scenario.rate_hz) as u64 {
-            self.exchange(&first, position, watch);
+            self.exchange(first, &path.view(), &path.tool_view(), watch);
         }
         self.plant.start_faults();
     }
 
-    fn command(&self, setpoint: &Setpoint) -> [f64; N] {
-        let positions = self.scenario.axis_positions(setpoint);
-        self.axes.map(|axis| positions[axis.index()])
-    }
-
     /// One servo period: plugin, then drives and encoders.
-    fn exchange(&mut self, setpoint: &Setpoint, mut command: [f64; N], watch: &mut Watch<'_>) -> Exchanged<N> {
+    fn exchange(
+        &mut self,
+        place: &Commanded<N>,
+        path: &Path<'_, f64, f64>,
+        tool_path: &ToolPath<'_, f64, f64>,
+        watch: &mut Watch<'_>,
+    ) -> Exchanged<N> {
+        let mut command = place.command;
         let mut disturbed = self.to_plant(&command);
         self.plant.disturb_command(&mut disturbed);
         self.take_from_plant(&disturbed, &mut command);
@@ -349,19 +514,21 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
             homed: true,
             enable: self.kind == Kind::Compensated,
             reset: false,
+            refusal: Refusal::NONE,
         };
-        let reference = self.path.reference(setpoint.move_index, setpoint.u, &mut self.span);
+        let reference = place.reference;
         if let Some(watch) = watch {
             let Input { command, feedback, elapsed_ns, .. } = &input;
             watch(&Given { command, feedback, elapsed_ns: *elapsed_ns, reference });
         }
-        let (path, tool_path) = (self.path.view(), self.path.tool_view());
-        let start = Instant::now();
-        let (output, orientation) = match &self.kinematics {
-            Some(kinematics) => self.servo.step_with_tool(&mut self.state, &input, &tool_path, reference, kinematics),
+        let ((output, orientation), nanoseconds) = timed(|| match &self.kinematics {
+            Some(kinematics) => {
+                let mut on = OnToolPath::new(tool_path, reference, kinematics);
+                let output = self.servo.step(&mut self.state, &input, &mut on, ());
+                (output, *on.orientation())
+            }
             None => (self.servo.step(&mut self.state, &input, path.on(reference), ()), OrientationError::none()),
-        };
-        let nanoseconds = start.elapsed().as_nanos() as u64;
+        });
         let readings = self.plant.cycle(&self.to_plant(&output.drive));
         let mut feedback = self.feedback;
         self.take_from_plant(&readings.position, &mut feedback);
@@ -387,16 +554,24 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         }
     }
 
-    fn cycle(&mut self, setpoint: &Setpoint, cycle: u64, trace: Option<&mut Trace>, watch: &mut Watch<'_>) {
-        let command = self.command(setpoint);
-        let Exchanged { output, orientation, nanoseconds } = self.exchange(setpoint, command, watch);
-        self.run.latency.record(nanoseconds);
-        let measured = self.measure(setpoint);
+    /// A cycle, its cost and its stop; what it is worth is not measured.
+    fn step(&mut self, place: &Commanded<N>, path: &SlidingPath<'_>, watch: &mut Watch<'_>) -> Exchanged<N> {
+        let exchanged = self.exchange(place, &path.view(), &path.tool_view(), watch);
+        self.run.latency.record(exchanged.nanoseconds);
+        if exchanged.output.stop_requested() {
+            self.run.stopped = true;
+            self.stopped_for += 1;
+        }
+        exchanged
+    }
+
+    fn cycle(&mut self, place: &Commanded<N>, path: &SlidingPath<'_>, watch: &mut Watch<'_>) -> Sample {
+        let running = self.stopped_for == 0;
+        let Exchanged { output, orientation, .. } = self.step(place, path, watch);
+        let measured = self.measure(&place.setpoint);
         let deviation = 1e3 * measured.tip;
         let orientation_urad = 1e6 * measured.angle;
-        let step = &self.scenario.program.moves[setpoint.move_index];
-        let cutting = !step.rapid;
-        if cutting && self.stopped_for == 0 {
+        if place.moment.cutting && running {
             self.error.add(deviation.length());
             self.orientation.add(orientation_urad);
             if output.record.tip.is_measured() {
@@ -409,71 +584,75 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         if output.record.limited != 0 {
             self.run.limited_cycles += 1;
         }
-        self.note_fault(&output, cycle, step.line);
-        if output.stop_requested() {
-            self.run.stopped = true;
-            self.stopped_for += 1;
-        }
-        let correction = &output.record.correction;
-        let sample = Sample {
-            length_mm: setpoint.length,
-            nominal_mm: measured.nominal.to_array(),
+        self.note_fault(&output, &place.moment);
+        let record = &output.record;
+        let mut sample = Sample {
             deviation_um: deviation.as_vec3().to_array(),
             orientation_urad: orientation_urad as f32,
             estimated_orientation_urad: (orientation.angle * 1e6) as f32,
-            rotary_deg: setpoint.rotary.map(|q| q as f32),
-            correction_um: [correction[0], correction[1], correction[2]].map(|c| (c * 1e3) as f32),
-            estimated_um: (output.record.tip.error * 1e3) as f32,
-            cutting,
+            estimated_um: (record.tip.error * 1e3) as f32,
+            encoder_um: record.encoder.error * 1e3,
+            lag_um: record.tip.lag * 1e3,
+            fault: record.fault as u8,
+            status: record.status.0,
+            limited: record.limited,
+            at_edge: record.at_edge,
+            ..Sample::default()
         };
-        if let Some(trace) = trace {
-            trace.row(cycle as f64 * self.scenario.period_s(), step.line, &sample, &output);
+        for (k, axis) in self.axes.iter().enumerate() {
+            let i = axis.index();
+            sample.command[i] = record.command[k];
+            sample.drive[i] = output.drive[k];
+            sample.feedback[i] = record.feedback[k];
+            let correction = record.correction[k];
+            sample.correction[i] =
+                if axis.is_rotary() { correction.to_radians() * 1e6 } else { correction * 1e3 } as f32;
         }
-        self.run.samples.push(sample);
+        sample
     }
 
     /// The truth: three-axis programs in machine coordinates, the others in workpiece coordinates with the direction.
     fn measure(&self, setpoint: &Setpoint) -> Measured {
         let place = (setpoint.move_index, setpoint.u);
         let program = &self.scenario.program;
-        let step = program.moves.get(setpoint.move_index);
-        if let (true, Some(step)) = (self.scenario.five_axis, step) {
+        if self.scenario.five_axis {
             let pose = self.plant.true_pose();
             let actual = Place { tip: DVec3::from(pose.tip_mm), direction: DVec3::from(pose.direction) };
-            let placement = &self.scenario.placement;
-            let found = truth::pose::deviation(program, placement, place, &actual);
-            return Measured { tip: found.tip, angle: found.angle, nominal: placement.place(step, setpoint.u).tip };
+            let found = truth::pose::deviation(program, &self.scenario.placement, place, &actual);
+            return Measured { tip: found.tip, angle: found.angle };
         }
         let tip = DVec3::from(self.plant.true_tip());
-        Measured {
-            tip: truth::deviation(program, self.origin, place, tip),
-            angle: 0.0,
-            nominal: DVec3::from(setpoint.position) + self.origin,
-        }
+        Measured { tip: truth::deviation(program, self.origin, place, tip), angle: 0.0 }
     }
 
-    fn note_fault(&mut self, output: &Output<f64, f64, N>, cycle: u64, line: u32) {
+    fn note_fault(&mut self, output: &Output<f64, f64, N>, moment: &Moment) {
         let fault = output.record.fault;
         if fault == Fault::None {
             return;
         }
+        let cycle = moment.cycle;
         let axis = self.axes.get(usize::from(output.record.fault_axis)).copied().unwrap_or(Axis::X);
-        match self.run.faults.last_mut() {
-            Some(last) if last.fault == fault && last.axis == axis && last.cycle + last.cycles == cycle => {
-                last.cycles += 1
-            }
-            _ => self.run.faults.push(FaultSpan { fault, axis, cycle, cycles: 1, line }),
+        let faults = &mut self.run.faults;
+        if let Some(last) = faults.last_mut()
+            && last.fault == fault
+            && last.axis == axis
+            && last.cycle + last.cycles == cycle
+        {
+            last.cycles += 1;
+        } else if faults.len() < MOST_FAULT_SPANS {
+            faults.push(FaultSpan { fault, axis, cycle, cycles: 1, line: moment.line });
+        } else {
+            self.run.more_faults += 1;
         }
     }
 
-    fn finish(mut self, pace: Option<PaceReport>) -> Run {
+    fn finish(mut self) -> Run {
         let lengths = |tally: &Tally| ErrorSize { max_um: tally.max, rms_um: tally.rms() };
         let angles = |tally: &Tally| AngleSize { max_urad: tally.max, rms_urad: tally.rms() };
         self.run.error = lengths(&self.error);
         self.run.orientation = angles(&self.orientation);
         self.run.estimated = lengths(&self.estimated);
         self.run.estimated_orientation = angles(&self.estimated_orientation);
-        self.run.pace = pace;
         self.run
     }
 }

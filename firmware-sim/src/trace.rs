@@ -1,20 +1,19 @@
-//! CSV trace of the compensated run.
+//! CSV trace of a run.
 
-use crate::simulate::Sample;
-use anyhow::{Context, Result};
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
-use trueaxis::Output;
+use crate::simulate::{Moment, Sample, Sink};
+use std::io::{self, Write};
+use trueaxis::machine::{Axis, MachineSettings};
 
-/// Writes a line every so many cycles.
+/// Writes a line every so many cycles, as they come.
 #[derive(Debug)]
-pub struct Trace {
-    file: BufWriter<File>,
-    path: PathBuf,
+pub struct Trace<W> {
+    out: W,
     every: u64,
-    count: u64,
-    failure: Option<std::io::Error>,
+    /// Which of the runs.
+    run: usize,
+    /// Rotary axes of the machine.
+    rotary: Vec<Axis>,
+    failure: Option<io::Error>,
 }
 
 const HEADER: &str = "time_s,line,command_x_mm,command_y_mm,command_z_mm,drive_x_mm,drive_y_mm,drive_z_mm,\
@@ -22,68 +21,83 @@ feedback_x_mm,feedback_y_mm,feedback_z_mm,correction_x_um,correction_y_um,correc
 true_error_x_um,true_error_y_um,true_error_z_um,estimated_error_um,encoder_error_um,lag_um,fault,status,limited,at_edge,\
 a_deg,b_deg,c_deg,true_orientation_urad,estimated_orientation_urad";
 
-impl Trace {
-    /// Creates the file and writes its header.
+impl<W: Write> Trace<W> {
+    /// Writes the header. A line is written in every `every`th cycle of the run of that number; a machine with rotary axes
+    /// has their command, drive, feedback (degrees) and correction (µrad) at its end.
     ///
     /// # Errors
-    /// The file cannot be written.
-    pub fn create(path: &Path, every: u64) -> Result<Trace> {
-        let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
-        let mut trace =
-            Trace { file: BufWriter::new(file), path: path.into(), every: every.max(1), count: 0, failure: None };
-        writeln!(trace.file, "{HEADER}").with_context(|| format!("cannot write {}", path.display()))?;
-        Ok(trace)
-    }
-
-    /// Takes one cycle; a failure to write is kept for [`Trace::finish`].
-    pub fn row<const N: usize>(&mut self, time_s: f64, line: u32, sample: &Sample, output: &Output<f64, f64, N>) {
-        let due = self.count.is_multiple_of(self.every);
-        self.count += 1;
-        if !due || self.failure.is_some() {
-            return;
+    /// What writing answers.
+    pub fn new(mut out: W, every: u64, run: usize, machine: &MachineSettings) -> io::Result<Trace<W>> {
+        write!(out, "{HEADER}")?;
+        let mut rotary: Vec<Axis> = machine.axes.iter().map(|a| a.axis).filter(|axis| axis.is_rotary()).collect();
+        rotary.sort_unstable();
+        for axis in &rotary {
+            let a = axis.letter().to_ascii_lowercase();
+            write!(out, ",command_{a}_deg,drive_{a}_deg,feedback_{a}_deg,correction_{a}_urad")?;
         }
-        let r = &output.record;
-        let [dx, dy, dz] = sample.deviation_um;
-        let [cx, cy, cz] = sample.correction_um;
-        let [a, b, c] = sample.rotary_deg;
-        let size = (dx * dx + dy * dy + dz * dz).sqrt();
-        let result = writeln!(
-            self.file,
-            "{time_s:.7},{line},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{cx:.5},{cy:.5},{cz:.5},\
-             {size:.5},{dx:.5},{dy:.5},{dz:.5},{:.5},{:.5},{:.5},{},{},{},{},\
-             {a:.4},{b:.4},{c:.4},{:.4},{:.4}",
-            r.command[0],
-            r.command[1],
-            r.command[2],
-            output.drive[0],
-            output.drive[1],
-            output.drive[2],
-            r.feedback[0],
-            r.feedback[1],
-            r.feedback[2],
-            sample.estimated_um,
-            r.encoder.error * 1e3,
-            r.tip.lag * 1e3,
-            r.fault as u8,
-            r.status.0,
-            r.limited,
-            r.at_edge,
-            sample.orientation_urad,
-            sample.estimated_orientation_urad,
-        );
-        self.failure = result.err();
+        writeln!(out)?;
+        Ok(Trace { out, every: every.max(1), run, rotary, failure: None })
     }
 
-    /// Flushes the file.
+    fn row(&mut self, moment: &Moment, s: &Sample) -> io::Result<()> {
+        let [dx, dy, dz] = s.deviation_um;
+        let [cx, cy, cz, ..] = s.correction;
+        let [a, b, c] = moment.rotary_deg;
+        write!(
+            self.out,
+            "{:.7},{},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{:.7},{cx:.5},{cy:.5},{cz:.5},\
+             {:.5},{dx:.5},{dy:.5},{dz:.5},{:.5},{:.5},{:.5},{},{},{},{},\
+             {a:.4},{b:.4},{c:.4},{:.4},{:.4}",
+            moment.time_s,
+            moment.line,
+            s.command[0],
+            s.command[1],
+            s.command[2],
+            s.drive[0],
+            s.drive[1],
+            s.drive[2],
+            s.feedback[0],
+            s.feedback[1],
+            s.feedback[2],
+            s.error_um(),
+            s.estimated_um,
+            s.encoder_um,
+            s.lag_um,
+            s.fault,
+            s.status,
+            s.limited,
+            s.at_edge,
+            s.orientation_urad,
+            s.estimated_orientation_urad,
+        )?;
+        for axis in &self.rotary {
+            let i = axis.index();
+            let (command, drive, feedback) = (s.command[i], s.drive[i], s.feedback[i]);
+            write!(self.out, ",{command:.9},{drive:.9},{feedback:.9},{:.5}", s.correction[i])?;
+        }
+        writeln!(self.out)
+    }
+
+    /// Hands back what was written to.
     ///
     /// # Errors
     /// Something could not be written.
-    pub fn finish(mut self) -> Result<PathBuf> {
-        let result = match self.failure.take() {
+    pub fn finish(mut self) -> io::Result<W> {
+        match self.failure.take() {
             Some(error) => Err(error),
-            None => self.file.flush(),
-        };
-        result.with_context(|| format!("cannot write {}", self.path.display()))?;
-        Ok(self.path)
+            None => self.out.flush().map(|()| self.out),
+        }
+    }
+}
+
+impl<W: Write> Sink for Trace<W> {
+    /// A failure to write is kept for [`Trace::finish`].
+    fn cycle(&mut self, moment: &Moment, runs: &[Option<&Sample>]) {
+        if moment.cycle.is_multiple_of(self.every)
+            && self.failure.is_none()
+            && let Some(Some(sample)) = runs.get(self.run)
+        {
+            self.failure = self.row(moment, sample).err();
+        }
     }
 }

@@ -114,6 +114,7 @@ fn the_trace_keeps_the_limits_and_the_report_is_written() {
         .collect();
     let drive: Vec<usize> =
         ["x", "y", "z"].iter().map(|a| header.iter().position(|h| *h == format!("drive_{a}_mm")).unwrap()).collect();
+    assert_eq!(header.len(), 30, "a machine of three axes has no columns of others");
     let (mut last, mut velocity) = (None::<[f64; 3]>, [0.0; 3]);
     let mut count = 0;
     for line in lines {
@@ -140,11 +141,14 @@ fn bad_input_ends_with_2_says_why_and_writes_nothing() {
     let directory = tempfile::tempdir().unwrap();
     std::fs::write(directory.path().join("bad.ngc"), "G21 G90\nG1 X1 F100\nG33 Z1 K1\n").unwrap();
     std::fs::write(directory.path().join("far.ngc"), "G21 G90 F100\nG1 X900\n").unwrap();
+    std::fs::write(directory.path().join("endless.ngc"), "G21 G90\nG1 X10 F0.001\n").unwrap();
     std::fs::write(directory.path().join("binary.ngc"), [0xff, 0xfe, 0x00]).unwrap();
-    let cases: [(&[&str], &str); 10] = [
+    let cases: [(&[&str], &str); 12] = [
         (&["run", "--program", "bad.ngc"], "bad.ngc:3"),
         (&["run", "--program", "far.ngc"], "axis X goes to"),
-        (&["run", "--program", "binary.ngc"], "UTF-8"),
+        (&["run", "--program", "binary.ngc"], "binary.ngc:1: found bytes that are not UTF-8"),
+        (&["run", "--trace-every", "0"], "--trace-every"),
+        (&["run", "--program", "endless.ngc"], "at most 1e9 are planned"),
         (&["run", "--program", "missing.ngc"], "missing.ngc"),
         (&["run", "--machine", "nowhere"], "nowhere"),
         (&["run", "--rate-hz", "0"], "--rate-hz"),
@@ -233,8 +237,69 @@ fn paced_runs_say_what_was_permitted() {
     let program = directory.path().join("short.ngc");
     std::fs::write(&program, "G21 G90 F1200\nG1 X5\n").unwrap();
     let run = json(&["run", "--json", "--paced", "--rate-hz", "1000", "--program", program.to_str().unwrap()]);
+    // The run itself is the same at any pace, and so is its trace.
+    assert_eq!(
+        run["contour_error_um"],
+        json(&["run", "--json", "--rate-hz", "1000", "--program", program.to_str().unwrap()])["contour_error_um"]
+    );
+    let arguments =
+        ["run", "--paced", "--rate-hz", "1000", "--report", "out", "--trace-every", "1", "--program", "short.ngc"];
+    assert!(simulator(&arguments, directory.path()).status.success());
+    let trace = std::fs::read_to_string(directory.path().join("out/trace.csv")).unwrap();
+    assert_eq!(trace.lines().count() as u64, 1 + run["cycles"].as_u64().unwrap());
     let notes: Vec<&str> = run["notes"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
     for means in ["SCHED_FIFO", "mlockall"] {
         assert!(notes.iter().any(|note| note.contains(means)), "{notes:?}");
+    }
+}
+
+/// Whatever the machine turns is in the report and in the trace: command, drive, feedback, correction.
+#[test]
+fn rotary_axes_are_in_the_report_and_in_the_trace() {
+    let directory = tempfile::tempdir().unwrap();
+    let arguments = [
+        "run",
+        "--machine",
+        "mill-5axis",
+        "--program",
+        "own.ngc",
+        "--model",
+        "volumetric",
+        "--orientation",
+        "--report",
+        "out",
+        "--trace-every",
+        "1",
+        "--rate-hz",
+        "2000",
+    ];
+    std::fs::write(directory.path().join("own.ngc"), "G21 G90 G43.4 H1\nG1 X10 A-10 C20 F1200\nX0 A0 C0\nM2\n")
+        .unwrap();
+    let output = simulator(&arguments, directory.path());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let trace = std::fs::read_to_string(directory.path().join("out/trace.csv")).unwrap();
+    let mut lines = trace.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let rows: Vec<Vec<f64>> = lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    let page = std::fs::read_to_string(directory.path().join("out/index.html")).unwrap();
+    for axis in ["a", "c"] {
+        let column = |name: String| {
+            let place = header.iter().position(|h| *h == name).unwrap_or_else(|| panic!("{name} in {header:?}"));
+            rows.iter().map(|row| row[place]).collect::<Vec<f64>>()
+        };
+        let [programmed, command, drive, feedback] =
+            ["", "command_", "drive_", "feedback_"].map(|what| column(format!("{what}{axis}_deg")));
+        let correction = column(format!("correction_{axis}_urad"));
+        let largest = correction.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        assert!(largest > 5.0 && largest < 2000.0, "{axis}: {largest} µrad");
+        for k in 0..rows.len() {
+            assert!((programmed[k] - command[k]).abs() < 6e-5, "{axis} {k}");
+            // The drive gets the command with the correction; the servo follows.
+            let sent = (command[k] + (1e-6 * correction[k]).to_degrees() - drive[k]).abs();
+            assert!(sent < 1e-8, "{axis} {k}: {sent}");
+            assert!((feedback[k] - command[k]).abs() < 0.5, "{axis} {k}");
+        }
+        let name = axis.to_uppercase();
+        assert!(page.contains(&format!("{name} correction in µrad")) && page.contains(&format!("<tr><th>{name}</th>")));
     }
 }

@@ -13,6 +13,7 @@ use trueaxis::machine::step_axes;
 use trueaxis_tables::Machine;
 use trueaxis_tables::accuracy::{Accuracy, evaluate, evaluate_compensated};
 use trueaxis_tables::formats::iso230_2::{Direction, Measurement, read_measurement};
+use trueaxis_tables::text::{counted, read_text};
 
 #[derive(Serialize)]
 struct Document {
@@ -22,7 +23,7 @@ struct Document {
 }
 
 pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_json: bool) -> Result<()> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = read_text(file)?;
     let measurement = read_measurement(&text, file, axis)?;
     let measured = evaluate(&measurement).map_err(|error| anyhow!("{}: {error}", file.display()))?;
     let compensated = match machine {
@@ -86,10 +87,10 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
 fn table(measured: &Accuracy, compensated: Option<&Accuracy>) -> Result<String> {
     let unit = if measured.unit == "um" { "µm" } else { "µrad" };
     let mut text = format!(
-        "axis {}, {} target positions, {} runs; ISO 230-2:2014, values in {unit}\n\n",
+        "axis {}, {}, {}; ISO 230-2:2014, values in {unit}\n\n",
         measured.axis,
-        measured.positions.len(),
-        measured.runs
+        counted(measured.positions.len(), "target position"),
+        counted(measured.runs, "run")
     );
     writeln!(text, "{:<46}{:>10}{}", "", "measured", if compensated.is_some() { "  compensated" } else { "" })?;
     let mut line = |name: &str, value: &dyn Fn(&Accuracy) -> Option<f64>| -> Result<()> {

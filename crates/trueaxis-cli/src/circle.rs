@@ -103,7 +103,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let [lsc, mzc, mic] = [least_squares(&points), minimum_zone(&points), maximum_inscribed(&points)];
     if let Some(directory) = &arguments.report {
         let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
-        let circles = [lsc.as_ref().ok(), mzc.as_ref().ok(), Some(&mcc), mic.as_ref().ok()];
+        let circles = [lsc.as_ref(), mzc.as_ref(), Ok(&mcc), mic.as_ref()];
         report::write(&report::circle::page(&source, &points, circles), directory, "circle.html")?;
     }
     let mut refused = BTreeMap::new();

@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use trueaxis::compensation::{Reversal, ThermalLine};
 use trueaxis::machine::{AXES, Axis, ErrorModel};
 use trueaxis_tables::Machine;
+use trueaxis_tables::text::counted;
 
 pub(crate) const HELP: &str = "\
 POSITIONS.csv: x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg], commanded positions, columns in any order.
@@ -236,8 +237,8 @@ fn written(arguments: &Arguments, machine: &Machine, positions: &Rows<6>, evalua
     let held = evaluated.iter().filter(|at| at.held).count();
     if held > 0 {
         eprintln!(
-            "note: {held} of {} positions lie beyond a table's end, where its edge value is held",
-            evaluated.len()
+            "note: {held} of {} beyond a table's end, where its edge value is held",
+            counted(evaluated.len(), "position")
         );
     }
     Ok(text)

@@ -2,12 +2,13 @@
 
 use crate::csv_in::{Column, Rows};
 use crate::output::{progress, put};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
 use std::fmt::Write;
 use std::path::{Path as FilePath, PathBuf};
 use trueaxis::contour::{ContourSearch, Flags, Method, Path, Reference, Segment, Span, convert};
+use trueaxis_tables::text::read_text;
 
 pub(crate) const HELP: &str = "\
 PATH.json: {\"segments\":[
@@ -109,7 +110,7 @@ const JOINED: f64 = 1e-6;
 const GAP: f64 = 1e-3;
 
 fn read_path(file: &FilePath) -> Result<Converted> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = read_text(file)?;
     let parsed: PathFile = serde_json::from_str(&text)
         .map_err(|e| anyhow!("{}:{}: column {}: {e}", file.display(), e.line(), e.column()))?;
     if parsed.segments.is_empty() {

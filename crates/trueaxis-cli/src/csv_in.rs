@@ -1,8 +1,9 @@
 //! CSV with a header of known columns; every fault with its line and column.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
+use trueaxis_tables::text::{counted, read_text};
 
 /// A column that a file may have.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +27,6 @@ pub(crate) struct Rows<const C: usize> {
 impl<const C: usize> Rows<C> {
     /// Reads a file; `#` starts a comment line.
     pub(crate) fn read(file: &Path, columns: &[Column; C]) -> Result<Rows<C>> {
-        let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
         let wrong = |line: Option<u32>, column: Option<&str>, found: String, needed: String| FileError {
             file: file.into(),
             line,
@@ -34,9 +34,7 @@ impl<const C: usize> Rows<C> {
             found,
             needed,
         };
-        let text = String::from_utf8(bytes)
-            .map_err(|_| wrong(None, None, "bytes that are no UTF-8".into(), "a CSV text".into()))?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let text = read_text(file)?;
         let mut lines = (1u32..)
             .zip(text.lines())
             .map(|(number, line)| (number, line.trim()))
@@ -67,7 +65,7 @@ impl<const C: usize> Rows<C> {
         for (line, text) in lines {
             let cells: Vec<String> = text.split(',').map(|cell| cell.trim().to_owned()).collect();
             if cells.len() != order.len() {
-                let (found, needed) = (format!("{} values", cells.len()), format!("{} as in the header", order.len()));
+                let (found, needed) = (counted(cells.len(), "value"), format!("{} as in the header", order.len()));
                 return Err(wrong(Some(line), None, found, needed).into());
             }
             let mut values = [0.0; C];

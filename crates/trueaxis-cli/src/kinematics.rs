@@ -12,6 +12,7 @@ use trueaxis::Axis;
 use trueaxis::kinematics::{BranchTracker, Choice, InverseError, Kinematics, Solution, Tool};
 use trueaxis::machine::{AXES, MachineSettings};
 use trueaxis::vector::V3;
+use trueaxis_tables::text::counted;
 
 pub(crate) const HELP: &str = "\
 The tool's tip and axis (unit vector from the tip to the spindle) are in workpiece coordinates, which at all axes zero
@@ -246,7 +247,7 @@ fn inverse(arguments: &Inverse, settings: &MachineSettings) -> Result<Sheet> {
         }
     }
     if walk.left_out > 0 {
-        eprintln!("note: {} rows have one solution only: the other leaves the travel", walk.left_out);
+        eprintln!("note: {} with one solution only: the other leaves the travel", counted(walk.left_out, "row"));
     }
     Ok(sheet)
 }

@@ -18,6 +18,7 @@ mod tables;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use trueaxis_tables::text::printable;
 
 /// Geometric error compensation and contour error of CNC machines, from files.
 ///
@@ -78,7 +79,7 @@ fn main() -> ExitCode {
         // A reader that has seen enough (`trueaxis … | head`) is no error.
         Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", printable(&format!("{error:#}")));
             ExitCode::from(2)
         }
     }

@@ -13,6 +13,7 @@ use trueaxis::Axis;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
 use trueaxis_tables::formats::{self, ExportOptions, Format, Loss};
+use trueaxis_tables::text::{counted, read_text};
 use trueaxis_tables::{Machine, check, compile, summary};
 
 #[derive(Subcommand)]
@@ -183,7 +184,7 @@ fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     for warning in &warnings {
         eprintln!("warning: {warning}");
     }
-    put(&format!("{}: no errors, {} warnings\n", path.display(), warnings.len()), None)
+    put(&format!("{}: no errors, {}\n", path.display(), counted(warnings.len(), "warning")), None)
 }
 
 fn run_compile(path: &Path, output: &Path) -> Result<()> {
@@ -212,9 +213,7 @@ fn run_show(file: &Path, as_json: bool) -> Result<()> {
 }
 
 fn run_import(format: Format, file: &Path, axis: Option<Axis>, output: &Path) -> Result<()> {
-    let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|_| anyhow!("{}: found bytes that are no UTF-8, needed text", file.display()))?;
+    let text = read_text(file)?;
     let imported = formats::import(format, &text, file, axis)?;
     let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
     std::fs::create_dir_all(output).with_context(|| format!("cannot create {}", output.display()))?;

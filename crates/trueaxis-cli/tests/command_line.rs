@@ -404,3 +404,49 @@ fn help_teaches() {
         assert!(good(&directory, arguments).contains(part), "{arguments:?}");
     }
 }
+
+#[test]
+fn counts_and_numbers_read_as_people_write_them() {
+    let directory = tempfile::tempdir().unwrap();
+    let machine = |feed: u32| {
+        format!(
+            "name = \"m\"\nchain = \"w b X Z t\"\n[axis.Z]\ntravel_mm = [0.0, 9.0]\n[axis.X]\nmax_feed_mm_per_min = {feed}.0\n\
+             travel_mm = [-100.0, 100.0]\ntable = \"x.csv\"\n"
+        )
+    };
+    put(&directory, "m/machine.toml", &machine(20_000));
+    put(&directory, "m/x.csv", "X_mm,EXX_um\n-100,0\n100,1\n");
+    let text = good(&directory, &["tables", "check", "m"]);
+    assert!(text.contains("up to 333.333333 mm/s"), "{text}");
+    assert!(text.contains("m: no errors, 0 warnings\n"), "{text}");
+    put(&directory, "m/x.csv", "X_mm,EXX_um\n-90,0\n100,1\n");
+    let text = good(&directory, &["tables", "check", "m"]);
+    assert!(text.contains("m: no errors, 1 warning\n"), "{text}");
+}
+
+/// Every reader names the line of bytes that are no UTF-8, and what was found never moves the cursor.
+#[test]
+fn odd_bytes_are_told_with_their_line_and_written_out() {
+    let directory = tempfile::tempdir().unwrap();
+    for name in ["latin.csv", "latin.json", "latin.comp"] {
+        fs::write(directory.path().join(name), b"x_mm,y_mm\n1,2\n3,\xb5\n").unwrap();
+    }
+    let mill = samples().join("mill-3axis").display().to_string();
+    let cases: [&[&str]; 5] = [
+        &["circle", "latin.csv"],
+        &["compensate", &mill, "latin.csv"],
+        &["contour", "latin.json", "latin.csv"],
+        &["tables", "accuracy", "latin.csv"],
+        &["tables", "import", "--from", "linuxcnc", "latin.comp", "--axis", "X", "-o", "out"],
+    ];
+    for arguments in cases {
+        bad(&directory, arguments, &[":3: found bytes that are not UTF-8"]);
+    }
+    put(&directory, "cr.csv", "x_mm,y_mm\n1,2\n3,4\r5\n6,7\n");
+    put(&directory, "bell.csv", "x_mm,y_mm\n1,2\n3,\u{1b}[2J\n6,7\n");
+    for (file, found) in [("cr.csv", "4\\r5"), ("bell.csv", "\\u{1b}[2J")] {
+        bad(&directory, &["circle", file], &[":3", found]);
+        let error = call(&directory, &["circle", file]).stderr;
+        assert!(error.iter().all(|byte| *byte >= b' ' || *byte == b'\n'), "{}", String::from_utf8_lossy(&error));
+    }
+}

@@ -202,7 +202,7 @@ fn a_bad_measurement_is_refused_with_its_place() {
         arguments
     };
     write(&[head, &"1,2,3\n".repeat(100)].concat());
-    let parts = ["probes.csv:101", "100 rows (1 revolutions and 36 rows)", "whole revolutions of 64 rows"];
+    let parts = ["probes.csv:101", "100 rows (1 revolution and 36 rows)", "whole revolutions of 64 rows"];
     bad(&directory, &roundness(&[]), &parts);
     write(&[head, &"1,2,3\n".repeat(30), "1,inf,3\n", &"1,2,3\n".repeat(33)].concat());
     bad(&directory, &roundness(&[]), &["probes.csv:32", "h2_um", "found inf", "needed a finite number"]);
@@ -309,6 +309,18 @@ fn read_page(page: &str) -> (String, usize) {
                 assert!((-40.0..=size[2] + 40.0).contains(&number(x)), "{point} in {size:?}");
                 assert!((-40.0..=size[3] + 40.0).contains(&number(y)), "{point} in {size:?}");
             }
+            if shape.tag_name().name() == "text" && shape.attribute("transform").is_none() {
+                // No character of the fonts named in the style is wider than this share of its height, on the average.
+                let height = number(shape.attribute("font-size").unwrap());
+                let width = 0.6 * height * shape.text().unwrap_or_default().trim().chars().count() as f64;
+                let x = number(shape.attribute("x").unwrap());
+                let left = match shape.attribute("text-anchor") {
+                    Some("middle") => x - 0.5 * width,
+                    Some("end") => x - width,
+                    _ => x,
+                };
+                assert!(left >= 0.0 && left + width <= size[2], "cut: {shape:?} {:?}", shape.text());
+            }
         }
         svgs += 1;
     }
@@ -339,6 +351,10 @@ fn the_report_shows_circles_harmonics_and_orbits() {
     {
         assert!(text.contains(part), "{part}");
     }
+    assert!(
+        text.contains("limit 10.") && page.contains("/></svg>limit</span>"),
+        "a limit in the figure is in its legend"
+    );
     assert!(text.contains("pin & \"x\".csv") && !page.contains("http-equiv") && !page.contains("<script"));
 
     // Nothing but zeros, one revolution: still a page.
@@ -347,6 +363,13 @@ fn the_report_shows_circles_harmonics_and_orbits() {
     close(&document(&directory, &zero)["mzc_um"], 0.0, 0.0);
     let (text, _) = read_page(&fs::read_to_string(directory.path().join("zero/roundness.html")).unwrap());
     assert!(text.contains("no development"));
+
+    // A limit far above all gains would flatten them: it is told, not drawn, and in no legend.
+    let far =
+        ["roundness", "zero.csv", "--n=64", "--p=11", "--q=13", "--noise-gain-limit=1e6", "--report=far", "-o=f.csv"];
+    good(&directory, &far);
+    let page = fs::read_to_string(directory.path().join("far/roundness.html")).unwrap();
+    assert!(page.contains("limit 1000000, outside the figure.") && !page.contains("/></svg>limit</span>"));
 }
 
 #[test]
@@ -366,7 +389,7 @@ fn the_report_of_points_shows_them_with_their_circles() {
     close(&json["mzc"]["zone_um"], 6.0, 1e-6);
     let page = fs::read_to_string(directory.path().join("out/circle.html")).unwrap();
     let (text, _) = read_page(&page);
-    // 3 µm to either side: 22 mm on the page hold 5 mm/µm.
+    // 3 µm to either side: 21 mm on the page hold 5 mm/µm.
     for part in ["LSC, zone 6.00", "MZC", "MCC", "MIC", "Magnification 5000 : 1", "division is 2 µm", "points.csv"] {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -376,4 +399,5 @@ fn the_report_of_points_shows_them_with_their_circles() {
     assert_eq!(json["mic"], Value::Null);
     let (text, _) = read_page(&fs::read_to_string(directory.path().join("out/circle.html")).unwrap());
     assert!(text.contains("MCC, zone") && !text.contains("MIC, zone"));
+    assert!(text.contains(&format!("none: {}", json["refused"]["mic"].as_str().unwrap())), "{text}");
 }

@@ -1,5 +1,6 @@
 //! What is wrong with a file.
 
+use crate::text::printable;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -22,16 +23,16 @@ pub struct FileError {
 
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.file.display())?;
+        write!(f, "{}", printable(&self.file.display().to_string()))?;
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
         if let Some(column) = &self.column {
             let kind =
                 if self.file.extension().is_some_and(|extension| extension == "toml") { "key" } else { "column" };
-            write!(f, ": {kind} {column}")?;
+            write!(f, ": {kind} {}", printable(column))?;
         }
-        write!(f, ": found {}, needed {}", self.found, self.needed)
+        write!(f, ": found {}, needed {}", printable(&self.found), printable(&self.needed))
     }
 }
 

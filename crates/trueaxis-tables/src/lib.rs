@@ -9,6 +9,7 @@ pub mod formats;
 mod read;
 mod source;
 mod summary;
+pub mod text;
 mod warning;
 
 pub use compile::{compile, write_atomically};

@@ -1,5 +1,6 @@
 //! What a compiled file contains, for people and for programs.
 
+use crate::text::short;
 use serde::Serialize;
 use std::fmt;
 use trueaxis::machine::carries_workpiece;
@@ -216,8 +217,8 @@ impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}   {}", self.name, self.chain)?;
         writeln!(f, "machine id {:08x}, crc {:08x}", self.machine_id, self.crc)?;
-        let [x, y, z] = self.tool_mm;
-        writeln!(f, "tool {x} {y} {z} mm, reference {} °C", self.reference_temperature_c)?;
+        let [x, y, z] = self.tool_mm.map(short);
+        writeln!(f, "tool {x} {y} {z} mm, reference {} °C", short(self.reference_temperature_c))?;
         let through = if self.orientation { ", direction of the tool corrected" } else { "" };
         writeln!(f, "error model {}{through}", self.model)?;
         let [a0z, b0z, c0y] = self.squareness_urad;
@@ -233,7 +234,7 @@ impl fmt::Display for RoundnessSummary {
         let ([phi2, phi3], [first, last]) = (self.angles_deg, self.harmonics);
         write!(f, "\n\nroundness   {} points, probes {phi2:.4}° and {phi3:.4}° on", self.points)?;
         write!(f, ", harmonics {first} to {last}, noise gain up to {:.2}", self.worst_noise_gain)?;
-        if let Some([crank, wheel, pin]) = self.arm_mm {
+        if let Some([crank, wheel, pin]) = self.arm_mm.map(|arm| arm.map(short)) {
             write!(f, "\n  arm        crank throw {crank}, wheel {wheel}, pin {pin} mm")?;
         }
         if let Some(cut_off) = self.filter_upr {
@@ -252,17 +253,19 @@ impl fmt::Display for AxisSummary {
         let side = if self.carries_workpiece { "workpiece" } else { "tool" };
         write!(f, "\n\n{} ({side} side)", self.axis)?;
         match self.travel {
-            Some([low, high]) => write!(f, "   travel {low} to {high} {unit}")?,
+            Some([low, high]) => write!(f, "   travel {} to {} {unit}", short(low), short(high))?,
             None => write!(f, "   travel not declared")?,
         }
-        write!(f, ", up to {} {unit}/s, backlash {:.2} {micro}", self.max_feed_per_s, self.backlash_micro)?;
+        write!(f, ", up to {} {unit}/s, backlash {:.2} {micro}", short(self.max_feed_per_s), self.backlash_micro)?;
         write!(
             f,
             "\n  limits     {:.1} {micro}, {} {unit}/s, {} {unit}/s²",
-            self.magnitude_micro, self.slope_per_s, self.acceleration_per_s2
+            self.magnitude_micro,
+            short(self.slope_per_s),
+            short(self.acceleration_per_s2)
         )?;
         let Some(table) = &self.table else { return write!(f, "\n  no table") };
-        let [low, high] = table.range;
+        let [low, high] = table.range.map(short);
         let directions = if table.bidirectional { ", bidirectional" } else { "" };
         write!(f, "\n  table      {} lines, {low} to {high} {unit}, {}{directions}", table.rows, table.interpolation)?;
         write!(f, "\n  look-up    own {}, cross {}", table.lookup, table.cross_lookup)?;

@@ -3,11 +3,11 @@
 use super::outputs::AXES;
 use crate::simulate::with_tables;
 use anyhow::{Result, anyhow};
-use trueaxis::ServoLoop;
 use trueaxis::contour::{Path, Span};
 use trueaxis::roundness::{Roundness, RoundnessState};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::RoundnessFrame;
+use trueaxis::{GaugeRide, ServoLoop};
 use trueaxis_recording::Recording;
 use trueaxis_recording::outputs::{Wire, line};
 
@@ -70,8 +70,10 @@ fn run<R: Wire>(
             sent.extend(line(&servo.step(&mut state, &input, path.on(reference), ()), None));
             continue;
         };
-        let (output, ridden) =
-            servo.step_with_gauge(&mut state, &input, &path, reference, gauge, &mut gauge_state, &cycle.probes());
+        let probes = cycle.probes();
+        let mut ride = GaugeRide::new(gauge, &mut gauge_state, &probes);
+        let output = servo.step(&mut state, &input, path.on(reference), &mut ride);
+        let ridden = ride.cycle();
         sent.extend(line(&output, Some(ridden.infeed)));
         if ridden.finished {
             revolutions.extend(RoundnessFrame::of(file.machine_id(), gauge, &gauge_state));

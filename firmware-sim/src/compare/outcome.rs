@@ -8,6 +8,7 @@ use std::time::Duration;
 use trueaxis::contour::Flags;
 use trueaxis::telemetry::Status;
 use trueaxis_recording::Header;
+use trueaxis_tables::text::counted;
 
 /// Two runs in nanometres, cycle by cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -148,7 +149,8 @@ impl Outcome {
         );
         for one in &self.comparisons {
             let difference = &one.against_double;
-            let faults: Vec<String> = one.faults.iter().map(|(code, n)| format!("{code} ({n} cycles)")).collect();
+            let faults: Vec<String> =
+                one.faults.iter().map(|(code, n)| format!("{code} ({})", counted(*n, "cycle"))).collect();
             let exchange = match (one.exchange_at, header.exchange_at) {
                 (Some(at), Some(asked)) => format!("asked for in cycle {asked}, in force from {at}"),
                 (None, Some(asked)) => format!("asked for in cycle {asked}, not made"),

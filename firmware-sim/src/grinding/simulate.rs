@@ -5,10 +5,10 @@ use super::cell::Cell;
 use super::workpiece::{Harmonic, imprint};
 use crate::simulate::with_loop;
 use anyhow::{Result, anyhow, bail};
-use trueaxis::contour::{Path, Reference};
 use trueaxis::machine::{AXES, Limits};
 use trueaxis::roundness::{Counts, Evaluation, Flags, Roundness, RoundnessSettings, RoundnessState};
-use trueaxis::{Fault, Input, ServoLoop, State};
+use trueaxis::sample::Refusal;
+use trueaxis::{Fault, GaugeRide, Input, ServoLoop, State};
 
 /// Calls a function that is generic over the points of a revolution.
 macro_rules! with_points {
@@ -249,17 +249,11 @@ impl<'c, 'a, const POINTS: usize> Control<'c, 'a, POINTS> {
             homed: true,
             enable: true,
             reset: false,
+            refusal: Refusal::NONE,
         };
-        let none = Path::new(&[], 0, false);
-        let (output, cycle) = self.servo.step_with_gauge(
-            &mut self.state,
-            &input,
-            &none,
-            Reference { span: 0, t: 0.0 },
-            self.gauge,
-            &mut self.gauge_state,
-            &readings.probes,
-        );
+        let mut ride = GaugeRide::new(self.gauge, &mut self.gauge_state, &readings.probes);
+        let output = self.servo.step(&mut self.state, &input, (), &mut ride);
+        let cycle = ride.cycle();
         if output.record.fault != Fault::None {
             let at = self.cell.turns();
             bail!("the step reports {:?} after {at:.2} turns", output.record.fault);

@@ -13,7 +13,8 @@ mod profile;
 mod setpoints;
 
 use arc_length::ArcLength;
-use profile::Phase;
+use ceiling::Section;
+use profile::Planner;
 
 use crate::placement::Placement;
 use crate::program::Program;
@@ -88,16 +89,19 @@ pub enum MotionError {
     },
 }
 
-/// A planned program.
+/// A planned program: speeds at the ends of its sections. What lies between is planned anew where the motion comes to it,
+/// so that nothing is kept per cycle, and little per move.
 #[derive(Clone, Debug)]
 pub struct Motion<'p> {
     program: &'p Program,
     settings: MotionSettings,
-    tables: Vec<ArcLength>,
     /// Arc length at the beginning of each move.
     starts: Vec<f64>,
     length: f64,
-    phases: Vec<Phase>,
+    sections: Vec<Section>,
+    /// At the ends of the sections, one more than there are sections.
+    speeds: Vec<f64>,
+    duration: f64,
     cycles: u64,
 }
 
@@ -123,14 +127,14 @@ impl<'p> Motion<'p> {
         machine: Option<&Placement>,
     ) -> Result<Motion<'p>, MotionError> {
         settings.check()?;
-        let tables: Vec<ArcLength> = program.moves.iter().map(ArcLength::of).collect();
-        let mut starts = Vec::with_capacity(tables.len());
+        let mut starts = Vec::with_capacity(program.moves.len());
         let mut sections = Vec::new();
         let mut length = 0.0;
-        for (i, (element, table)) in program.moves.iter().zip(&tables).enumerate() {
+        for (i, element) in program.moves.iter().enumerate() {
+            let own = ArcLength::of(element).length();
             starts.push(length);
-            length += table.length();
-            ceiling::add_sections(element, table.length(), &settings, machine, &mut sections);
+            length += own;
+            ceiling::add_sections(element, own, &settings, machine, &mut sections);
             if let (Some(next), Some(section)) = (program.moves.get(i + 1), sections.last_mut()) {
                 let step = settings.junction_mm_per_s;
                 section.end_limit = match machine.filter(|_| element.is_five_axis() || next.is_five_axis()) {
@@ -142,15 +146,20 @@ impl<'p> Motion<'p> {
         if sections.is_empty() {
             return Err(MotionError::Empty);
         }
-        let phases = profile::phases(&sections, &settings)?;
-        let duration = phases.last().map_or(0.0, |phase| phase.end);
+        let (sections, speeds) = profile::plan(&sections, &settings);
+        let mut planner = Planner::new(&settings);
+        let mut phases = Vec::new();
+        for (section, ends) in sections.iter().zip(speeds.array_windows()) {
+            planner.section(section, *ends, &mut phases)?;
+        }
+        let duration = planner.time;
         let cycles = (duration / settings.period_s).ceil();
         // Also refuses what is not a number.
         if !(0.0..=MOST_CYCLES).contains(&cycles) {
             return Err(MotionError::TooLong(cycles));
         }
         let cycles = cycles as u64 + 1 + 2 * DWELL_CYCLES;
-        Ok(Motion { program, settings, tables, starts, length, phases, cycles })
+        Ok(Motion { program, settings, starts, length, sections, speeds, duration, cycles })
     }
 
     /// The setpoints from the first cycle on.
@@ -170,7 +179,7 @@ impl<'p> Motion<'p> {
 
     /// Time from the beginning of the first move to the end of the last one, s.
     pub fn duration(&self) -> f64 {
-        self.phases.last().map_or(0.0, |phase| phase.end)
+        self.duration
     }
 
     /// The program planned.

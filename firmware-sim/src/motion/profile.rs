@@ -94,33 +94,63 @@ fn split(sections: &[Section], settings: &MotionSettings) -> Vec<Section> {
     parts
 }
 
-/// The phases of the whole path.
-pub(super) fn phases(sections: &[Section], settings: &MotionSettings) -> Result<Vec<Phase>, MotionError> {
-    let sections = &split(sections, settings);
-    let speeds = boundary_speeds(sections, settings);
-    let mut phases = Vec::new();
-    let (mut time, mut length) = (0.0, 0.0);
-    let mut planner = Ruckig::<1, ThrowErrorHandler>::new(None, settings.period_s);
-    let mut input = InputParameter::<1>::new(None);
-    input.max_acceleration[0] = settings.acceleration;
-    input.max_jerk[0] = settings.jerk;
-    let mut trajectory = Trajectory::<1>::new(None);
-    for (section, ends) in sections.iter().zip(speeds.windows(2)) {
-        if ends == [section.ceiling; 2] {
-            let end = time + section.length / section.ceiling;
-            phases.push(Phase { end, start: time, length, speed: section.ceiling, acceleration: 0.0, jerk: 0.0 });
-            time = end;
-            length += section.length;
-            continue;
+/// The sections as they are run, with the speeds at their ends, one more than there are sections.
+pub(super) fn plan(sections: &[Section], settings: &MotionSettings) -> (Vec<Section>, Vec<f64>) {
+    let sections = split(sections, settings);
+    let speeds = boundary_speeds(&sections, settings);
+    (sections, speeds)
+}
+
+/// Plans one section after the other; what it has planned stays with the caller, who needs one section at a time.
+pub(super) struct Planner {
+    ruckig: Ruckig<1, ThrowErrorHandler>,
+    input: InputParameter<1>,
+    trajectory: Trajectory<1>,
+    /// Time (s) and arc length (mm) at the end of what has been planned.
+    pub(super) time: f64,
+    pub(super) length: f64,
+}
+
+impl Planner {
+    pub(super) fn new(settings: &MotionSettings) -> Planner {
+        let mut input = InputParameter::<1>::new(None);
+        input.max_acceleration[0] = settings.acceleration;
+        input.max_jerk[0] = settings.jerk;
+        Planner {
+            ruckig: Ruckig::new(None, settings.period_s),
+            input,
+            trajectory: Trajectory::new(None),
+            time: 0.0,
+            length: 0.0,
         }
-        let failed = |reason: String| MotionError::Planner { length_mm: length, reason };
+    }
+
+    /// Puts the phases of the next section in the place of those in `phases`.
+    pub(super) fn section(
+        &mut self,
+        section: &Section,
+        ends: [f64; 2],
+        phases: &mut Vec<Phase>,
+    ) -> Result<(), MotionError> {
+        phases.clear();
+        if ends == [section.ceiling; 2] {
+            let (start, length) = (self.time, self.length);
+            self.time += section.length / section.ceiling;
+            self.length += section.length;
+            let speed = section.ceiling;
+            phases.push(Phase { end: self.time, start, length, speed, acceleration: 0.0, jerk: 0.0 });
+            return Ok(());
+        }
+        let begins = self.length;
+        let failed = |reason: String| MotionError::Planner { length_mm: begins, reason };
+        let Planner { ruckig, input, trajectory, time, length } = self;
         input.current_velocity[0] = ends[0];
         input.target_velocity[0] = ends[1];
         input.target_position[0] = section.length;
         input.max_velocity[0] = section.ceiling;
         // Against motion backwards, which a state-to-state planner may use.
         input.min_velocity = None;
-        let result = planner.calculate(&input, &mut trajectory).map_err(|error| failed(error.to_string()))?;
+        let result = ruckig.calculate(input, trajectory).map_err(|error| failed(error.to_string()))?;
         let profile = match trajectory.get_profiles().first() {
             Some(profiles) if matches!(result, RuckigResult::Working | RuckigResult::Finished) => &profiles[0],
             _ => return Err(failed(format!("{result:?}"))),
@@ -131,17 +161,23 @@ pub(super) fn phases(sections: &[Section], settings: &MotionSettings) -> Result<
         for i in 0..profile.t.len() {
             if profile.t[i] > 0.0 {
                 phases.push(Phase {
-                    end: time + profile.t[i],
-                    start: time,
-                    length: length + profile.p[i],
+                    end: *time + profile.t[i],
+                    start: *time,
+                    length: *length + profile.p[i],
                     speed: profile.v[i],
                     acceleration: profile.a[i],
                     jerk: profile.j[i],
                 });
-                time += profile.t[i];
+                *time += profile.t[i];
             }
         }
-        length += section.length;
+        *length += section.length;
+        Ok(())
     }
-    Ok(phases)
+}
+
+impl std::fmt::Debug for Planner {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Planner").field("time", &self.time).field("length", &self.length).finish_non_exhaustive()
+    }
 }

@@ -1,6 +1,8 @@
 //! Samples of the motion at the servo period.
 
 use super::Motion;
+use super::arc_length::ArcLength;
+use super::profile::{Phase, Planner};
 
 /// Command of one servo cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,31 +24,63 @@ pub struct Setpoint {
 }
 
 /// The setpoints of a motion in order, one per cycle.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Setpoints<'a> {
     motion: &'a Motion<'a>,
     cycle: u64,
+    planner: Planner,
+    /// Sections planned so far; the phases of the last of them, and which of those is being run.
+    section: usize,
+    phases: Vec<Phase>,
     phase: usize,
     element: usize,
+    /// Of that move.
+    table: Option<ArcLength>,
     node: usize,
 }
 
 impl<'a> Setpoints<'a> {
     pub(super) fn new(motion: &'a Motion<'a>) -> Self {
-        Setpoints { motion, cycle: 0, phase: 0, element: 0, node: 0 }
+        let planner = Planner::new(&motion.settings);
+        Setpoints {
+            motion,
+            cycle: 0,
+            planner,
+            section: 0,
+            phases: Vec::new(),
+            phase: 0,
+            element: 0,
+            table: None,
+            node: 0,
+        }
+    }
+
+    /// The phase at a time from the beginning of the motion, s; `None` at its end.
+    fn phase_at(&mut self, time: f64) -> Option<Phase> {
+        let motion = self.motion;
+        loop {
+            while let Some(phase) = self.phases.get(self.phase) {
+                if phase.end > time {
+                    return Some(*phase);
+                }
+                self.phase += 1;
+            }
+            let section = motion.sections.get(self.section)?;
+            let ends = [*motion.speeds.get(self.section)?, *motion.speeds.get(self.section + 1)?];
+            // The same section was planned when the motion was, with the same result.
+            self.planner.section(section, ends, &mut self.phases).ok()?;
+            self.section += 1;
+            self.phase = 0;
+        }
     }
 
     /// Arc length and speed at a time from the beginning of the motion, s.
     fn progress(&mut self, time: f64) -> (f64, f64) {
-        let phases = &self.motion.phases;
         if time <= 0.0 {
             return (0.0, 0.0);
         }
-        while phases.get(self.phase).is_some_and(|phase| phase.end <= time) {
-            self.phase += 1;
-        }
         // Rounding of the planner may leave a speed of −1e-9 at a stop.
-        phases.get(self.phase).map_or((self.motion.length, 0.0), |phase| {
+        self.phase_at(time).map_or((self.motion.length, 0.0), |phase| {
             let (length, speed) = phase.at(time);
             (length, speed.max(0.0))
         })
@@ -68,11 +102,13 @@ impl Iterator for Setpoints<'_> {
         while self.element + 1 < motion.starts.len() && motion.starts[self.element + 1] <= length {
             self.element += 1;
             self.node = 0;
+            self.table = None;
         }
         let element = motion.program.moves.get(self.element)?;
         let curve = &element.curve;
         let along = (length - motion.starts[self.element]).max(0.0);
-        let u = motion.tables[self.element].parameter(along, &mut self.node);
+        let table = self.table.get_or_insert_with(|| ArcLength::of(element));
+        let u = table.parameter(along, &mut self.node);
         let (position, first, _) = curve.vectors(u);
         let along = if element.in_degrees() { 0.0 } else { feed };
         let velocity = along * first.try_normalize().unwrap_or_default();

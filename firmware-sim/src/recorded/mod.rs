@@ -41,7 +41,7 @@ pub fn record(
     motion: &Motion<'_>,
     path: &PlannedPath,
     settings: &Settings,
-    progress: &mut (dyn FnMut(u64) + Send),
+    progress: &mut dyn FnMut(u64),
 ) -> Result<Vec<u8>> {
     let machine = &scenario.machine.settings;
     if crate::scenario::axis_count(&scenario.machine) != 3 || scenario.five_axis {
@@ -77,8 +77,8 @@ pub fn record(
         }
         writer.add(&cycle);
     };
-    let options = &mut Options { paced: false, progress, trace: None, watch: Some(&mut watch) };
-    simulate::run::<3>(scenario, motion, path, Kind::Compensated, options)?;
+    let options = &mut Options { progress, sinks: &mut [], watch: Some(&mut watch) };
+    simulate::run::<3>(scenario, motion, &[Kind::Compensated], options)?;
     writer.finish().context("the recording cannot be written")
 }
 

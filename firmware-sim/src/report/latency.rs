@@ -85,7 +85,8 @@ fn histogram(report: &Report, columns: &[(f64, f64, u64)]) -> String {
     ];
     let caption = format!(
         "{} steps, from {} to {} ns; {} longer than the budget, {} longer than the period (missed deadlines). \
-         Measured as wall time on a shared host: shown, not gated.",
+         Measured as wall time on a shared host: shown, not gated. On an ordinary kernel the longest of them show what the \
+         kernel does, not what the step does.",
         count(latency.steps),
         count(latency.min_ns),
         count(latency.max_ns),

@@ -24,8 +24,10 @@ mod number;
 mod orientation;
 mod path;
 mod summary;
+mod thinner;
 
 pub use decimate::decimate;
+pub use thinner::Thinner;
 
 use crate::latency::{LatencyBucket, LatencySummary};
 

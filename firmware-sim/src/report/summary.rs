@@ -139,9 +139,9 @@ fn axis_table(axes: &[AxisReport]) -> String {
         )
     };
     format!(
-        "<div class=\"wide\"><table><caption>Correction and its limits</caption>\n<thead><tr><th>axis</th>\
+        "<table><caption>Correction and its limits</caption>\n<thead><tr><th>axis</th>\
          <th>largest correction</th><th>limit</th><th>used</th><th>largest slope</th><th>limit</th><th>used</th>\
-         <th>acceleration limit</th></tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
+         <th>acceleration limit</th></tr></thead>\n<tbody>\n{}</tbody></table>\n",
         axes.iter().map(row).collect::<String>()
     )
 }

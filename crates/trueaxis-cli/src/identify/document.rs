@@ -7,6 +7,7 @@ use std::fmt::Write;
 use trueaxis::Axis;
 use trueaxis::machine::Twist;
 use trueaxis_metrology::identification::{Identified, Location};
+use trueaxis_tables::text::counted;
 
 /// The JSON document.
 #[derive(Serialize)]
@@ -123,7 +124,12 @@ impl Document {
 
     /// A table to read.
     pub(super) fn table(&self, axis: Axis) -> Result<String, std::fmt::Error> {
-        let mut text = format!("axis {}, {} set-ups, {} angles\n\n", self.axis, self.set_ups.len(), self.angles.len());
+        let mut text = format!(
+            "axis {}, {}, {}\n\n",
+            self.axis,
+            counted(self.set_ups.len(), "set-up"),
+            counted(self.angles.len(), "angle")
+        );
         write!(text, "{:>9}", "angle_deg")?;
         for name in names(axis) {
             write!(text, " {name:>9}")?;

@@ -5,18 +5,21 @@ use super::text::{escape, significant};
 use super::{document, section};
 use std::f64::consts::TAU;
 use std::fmt::Write;
-use trueaxis_metrology::circles::ReferenceCircle;
+use trueaxis_metrology::circles::{NoCircle, ReferenceCircle};
 
 /// Points of a drawn circle.
 const FINE: usize = 360;
 /// Names of the circles, in the order in which they are given.
 const NAMES: [&str; 4] = ["LSC", "MZC (both circles)", "MCC", "MIC"];
 
-/// The whole page; lengths in mm, circles in the order LSC, MZC, MCC, MIC, none where there is none. `source` is the
-/// name of the points' file.
-pub(crate) fn page(source: &str, points: &[[f64; 2]], circles: [Option<&ReferenceCircle>; 4]) -> String {
+/// A circle, or why there is none.
+pub(crate) type Fitted<'c> = Result<&'c ReferenceCircle, &'c NoCircle>;
+
+/// The whole page; lengths in mm, circles in the order LSC, MZC, MCC, MIC. `source` is the name of the points' file.
+pub(crate) fn page(source: &str, points: &[[f64; 2]], circles: [Fitted<'_>; 4]) -> String {
     let mut body = format!("<p class=\"run\">{} · {} points · ISO 12181-1</p>\n", escape(source), points.len());
-    body.push_str(&table(circles));
+    body.push_str(&table(&circles));
+    let circles = circles.map(Result::ok);
     // Departures are from the least-squares circle, or from another where there is none.
     if let Some(base) = circles.into_iter().flatten().next() {
         body.push_str(&section("Departures", &figure(points, base, circles)));
@@ -24,14 +27,14 @@ pub(crate) fn page(source: &str, points: &[[f64; 2]], circles: [Option<&Referenc
     document("Reference circles", &body)
 }
 
-fn table(circles: [Option<&ReferenceCircle>; 4]) -> String {
+fn table(circles: &[Fitted<'_>; 4]) -> String {
     let mut html = String::from(
         "<table><thead><tr><th>circle</th><th>centre x in mm</th><th>centre y in mm</th><th>radius in mm</th>\
          <th>zone in µm</th></tr></thead>\n<tbody>\n",
     );
     for (name, circle) in ["LSC", "MZC", "MCC", "MIC"].into_iter().zip(circles) {
         let _ = match circle {
-            Some(circle) => writeln!(
+            Ok(circle) => writeln!(
                 html,
                 "<tr><th>{name}</th><td>{:.6}</td><td>{:.6}</td><td>{:.6}</td><td>{}</td></tr>",
                 circle.centre[0],
@@ -39,7 +42,11 @@ fn table(circles: [Option<&ReferenceCircle>; 4]) -> String {
                 circle.radius,
                 significant(1e3 * circle.zone, 4)
             ),
-            None => writeln!(html, "<tr><th>{name}</th><td>–</td><td>–</td><td>–</td><td>–</td></tr>"),
+            Err(reason) => writeln!(
+                html,
+                "<tr><th>{name}</th><td class=\"words\" colspan=\"4\">none: {}</td></tr>",
+                escape(&reason.to_string())
+            ),
         };
     }
     html.push_str("</tbody></table>\n");

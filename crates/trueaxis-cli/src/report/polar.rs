@@ -8,9 +8,11 @@ use std::f64::consts::TAU;
 /// Half the width of the plot, mm on the page.
 const HALF_MM: f64 = 80.0;
 /// Radius at which the departure is 0, mm.
-const BASE_MM: f64 = 48.0;
+const BASE_MM: f64 = 46.0;
 /// The largest departure takes at most this much, mm.
-const REACH_MM: f64 = 22.0;
+const REACH_MM: f64 = 21.0;
+/// Labels of the angles, beyond the spokes, mm; half of "180°" has 3.5 mm beside its centre.
+const LABEL_MM: f64 = 4.0;
 /// So many points and fewer are dots.
 const DOTS: usize = 200;
 
@@ -102,7 +104,7 @@ fn grid(plot: &mut Plot<'_, '_>, step_mm: f64, division: f64) -> Drawn {
     for spoke in 0..12 {
         let theta = TAU * f64::from(spoke) / 12.0;
         plot.line([on(theta, 8.0), on(theta, outside)], thin)?;
-        plot.text(on(theta, outside + 3.2), &format!("{}°", 30 * spoke))?;
+        plot.text(on(theta, outside + LABEL_MM), &format!("{}°", 30 * spoke))?;
     }
     for ring in rings {
         let distance = BASE_MM + f64::from(ring) * step_mm;

@@ -175,25 +175,27 @@ fn harmonics(found: &Document, limit: f64) -> String {
         y: low..high.max(1.0),
         axes: Some(Axes { x: caption, y: "noise gain", logarithmic: true }),
     };
+    let drawn = limit.log10() < high.max(1.0);
     let svg = noise.draw(|plot| {
         for harmonic in &found.harmonics {
             let k = f64::from(harmonic.k);
             let colour = if harmonic.suppressed { colour::RED } else { colour::GREY };
             plot.fill([k - 0.38, low], [k + 0.38, harmonic.noise_gain.log10()], colour, 0.85)?;
         }
-        if limit.log10() < high.max(1.0) {
+        if drawn {
             plot.dashed([[x.start, limit.log10()], [x.end, limit.log10()]], Stroke::new(colour::RED, 1.2))?;
         }
         Ok(())
     });
-    let keys = [
-        Key { colour: colour::GREY, dashed: false, text: "noise gain" },
-        Key { colour: colour::RED, dashed: true, text: "limit" },
-    ];
+    let mut keys = vec![Key { colour: colour::GREY, dashed: false, text: "noise gain" }];
+    if drawn {
+        keys.push(Key { colour: colour::RED, dashed: true, text: "limit" });
+    }
     let caption = format!(
-        "How much the probes' noise grows in each harmonic of the profile; worst {}, limit {}.",
+        "How much the probes' noise grows in each harmonic of the profile; worst {}, limit {}{}.",
         significant(worst, 3),
-        tick(limit)
+        tick(limit),
+        if drawn { "" } else { ", outside the figure" }
     );
     html.push_str(&framed("full", &keys, &svg, &caption));
     html

@@ -16,6 +16,7 @@ use trueaxis::roundness::filter;
 use trueaxis::roundness::{Arm, Band};
 use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation, Separator};
 use trueaxis_tables::error::FileError;
+use trueaxis_tables::text::counted;
 
 pub(crate) const HELP: &str = "\
 PROBES.csv: h1_um,h2_um,h3_um, whole revolutions of N rows, equidistant in θ (the angle over the part's surface) from 0.
@@ -124,7 +125,12 @@ fn read(arguments: &Arguments, points: usize) -> Result<[Vec<f64>; 3]> {
             file: file.file,
             line: file.rows.last().map(|(line, _, _)| *line),
             column: None,
-            found: format!("{count} rows ({} revolutions and {} rows)", count / points, count % points),
+            found: format!(
+                "{} ({} and {})",
+                counted(count, "row"),
+                counted(count / points, "revolution"),
+                counted(count % points, "row")
+            ),
             needed: format!("whole revolutions of {points} rows"),
         }
         .into());

@@ -7,10 +7,10 @@ mod section;
 
 use crate::error::FileError;
 use crate::source::Source;
+use crate::text::{counted, read_text};
 use crate::{Machine, Table};
 use axis_table::TableFile;
 use machine_toml::{Description, TableReference};
-use std::fs;
 use std::path::Path;
 use trueaxis::check;
 use trueaxis::error::{ConfigError, Field};
@@ -25,7 +25,7 @@ impl Machine {
     pub fn read(path: &Path) -> Result<Machine, FileError> {
         let file = if path.is_dir() { path.join("machine.toml") } else { path.to_path_buf() };
         let source = Source::new(&file);
-        let text = text(&file, &source)?;
+        let text = read_text(&file)?;
         let description = machine_toml::read(&text, &source)?;
         check::settings(&description.settings).map_err(|error| description.located(&source, &error))?;
         let folder = file.parent().unwrap_or(Path::new(""));
@@ -55,20 +55,6 @@ impl Machine {
     }
 }
 
-fn text(file: &Path, source: &Source) -> Result<String, FileError> {
-    let bytes = fs::read(file).map_err(|error| source.whole(error.to_string(), "a readable file"))?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let good = error.as_bytes().get(..error.utf8_error().valid_up_to()).unwrap_or_default();
-        let line = 1 + good.iter().filter(|byte| **byte == b'\n').count();
-        source.at(u32::try_from(line).unwrap_or(0), "", "bytes that are not UTF-8", "text in UTF-8")
-    })?;
-    // Spreadsheets put a byte order mark in front.
-    Ok(match text.strip_prefix('\u{feff}') {
-        Some(rest) => rest.to_owned(),
-        None => text,
-    })
-}
-
 fn read_table(
     folder: &Path,
     reference: &TableReference,
@@ -86,14 +72,14 @@ fn read_table(
         ));
     }
     let source = Source::new(&file);
-    let TableFile { table, lines, columns } = axis_table::read(&text(&file, &source)?, &source, settings.axis)?;
+    let TableFile { table, lines, columns } = axis_table::read(&read_text(&file)?, &source, settings.axis)?;
     check::table(settings, table.rows.as_slice()).map_err(|fault| {
         let line = lines.get(fault.row).copied().unwrap_or(0);
         let given = columns.iter().find(|column| column.holds(fault.component, fault.reverse));
         let name = given.map_or("", |column| column.name.as_str());
         let found = match (fault.rule, fault.component) {
             (check::TableRule::Count, _) if fault.found == 1.0 => String::from("one line"),
-            (check::TableRule::Count, _) => format!("{} lines", fault.found),
+            (check::TableRule::Count, _) => counted(fault.found as usize, "line"),
             (check::TableRule::Slope, _) => format!("a slope of {:.4} up to the next line", fault.found),
             (_, None) => fault.found.to_string(),
             (_, Some(component)) if component < 3 => format!("{} um", fault.found * 1e3),

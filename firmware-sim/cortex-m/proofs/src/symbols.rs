@@ -6,7 +6,7 @@ use trueaxis::contour::{CommandWindow, OrientationError, Path, Reference, ToolPa
 use trueaxis::exchange::Exchange;
 use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
 use trueaxis::roundness::{Cycle, Probes, Roundness, RoundnessState};
-use trueaxis::{Bypass, Input, Output, ServoLoop, State};
+use trueaxis::{Bypass, GaugeRide, Input, OnToolPath, Output, ServoLoop, State};
 
 #[cfg(not(feature = "double"))]
 mod scalar {
@@ -36,7 +36,7 @@ pub fn proved_step(
     path: &Path<'_, R, P>,
     reference: Reference<R>,
 ) -> Output<R, P, 3> {
-    servo.step(state, input, path, reference)
+    servo.step(state, input, path.on(reference), ())
 }
 
 #[unsafe(no_mangle)]
@@ -50,7 +50,9 @@ pub fn proved_step_with_gauge(
     gauge: (&Roundness<R, POINTS>, &mut RoundnessState<R, POINTS>, &Probes<R>),
 ) -> (Output<R, P, 3>, Cycle<R>) {
     let (gauge, gauge_state, probes) = gauge;
-    servo.step_with_gauge(state, input, path, reference, gauge, gauge_state, probes)
+    let mut ride = GaugeRide::new(gauge, gauge_state, probes);
+    let output = servo.step(state, input, path.on(reference), &mut ride);
+    (output, ride.cycle())
 }
 
 #[unsafe(no_mangle)]
@@ -63,7 +65,9 @@ pub fn proved_step_with_tool(
     reference: Reference<R>,
     kinematics: &Kinematics<R>,
 ) -> (Output<R, P, 5>, OrientationError<R>) {
-    servo.step_with_tool(state, input, path, reference, kinematics)
+    let mut on = OnToolPath::new(path, reference, kinematics);
+    let output = servo.step(state, input, &mut on, ());
+    (output, *on.orientation())
 }
 
 #[unsafe(no_mangle)]
@@ -77,8 +81,11 @@ pub fn proved_step_rtcp(
     reference: Reference<R>,
     kinematics: &Kinematics<R>,
 ) -> (Output<R, P, 5>, OrientationError<R>) {
-    let (tool, follow) = tool;
-    servo.step_rtcp(state, input, tool, follow, path, reference, kinematics)
+    let (tool, tracker) = tool;
+    let input = servo.rtcp(state, tool, tracker, kinematics, input);
+    let mut on = OnToolPath::new(path, reference, kinematics);
+    let output = servo.step(state, &input, &mut on, ());
+    (output, *on.orientation())
 }
 
 #[unsafe(no_mangle)]
@@ -89,7 +96,7 @@ pub fn proved_step_following(
     input: &Input<P, 3>,
     commanded: &mut CommandWindow<R, P, WINDOW>,
 ) -> Output<R, P, 3> {
-    servo.step(state, input, &mut *commanded, ())
+    servo.step(state, input, commanded, ())
 }
 
 #[unsafe(no_mangle)]

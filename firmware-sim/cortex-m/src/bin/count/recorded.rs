@@ -9,7 +9,7 @@ use trueaxis::contour::{Path, Reference};
 use trueaxis::machine::ErrorModel;
 use trueaxis::roundness::{Probes, Roundness, RoundnessState};
 use trueaxis::tcomp::Tcomp;
-use trueaxis::{Axis, Config, Input, Output, Real, ServoLoop, Stage, State};
+use trueaxis::{Axis, Config, GaugeRide, Input, Output, Real, ServoLoop, Stage, State};
 use trueaxis_cortex_m::regions;
 use trueaxis_cortex_m::timer::{Tally, instructions, now, timed};
 use trueaxis_recording::{Integer, Recording};
@@ -93,17 +93,10 @@ fn volumetric<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 #[inline(never)]
 fn gauged<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.memory.borrow_mut();
-    let (output, ridden) = cycle.servo.step_with_gauge(
-        &mut memory.gauged,
-        &cycle.input,
-        &cycle.path,
-        cycle.reference,
-        cycle.gauge,
-        &mut memory.gauge,
-        &cycle.probes,
-    );
-    memory.output = Some(output);
-    u32::from(ridden.finished)
+    let mut ride = GaugeRide::new(cycle.gauge, &mut memory.gauge, &cycle.probes);
+    let on = cycle.path.on(cycle.reference);
+    memory.output = Some(cycle.servo.step(&mut memory.gauged, &cycle.input, on, &mut ride));
+    u32::from(ride.cycle().finished)
 }
 
 /// Ticks of each stage.
@@ -111,7 +104,7 @@ fn stages<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> [u32; STAGES.len()] {
     let memory = &mut *cycle.memory.borrow_mut();
     let mut ticks = [0; STAGES.len()];
     let mut last = now();
-    let output = cycle.servo.step_watched(&mut memory.watched, &cycle.input, &cycle.path, cycle.reference, |stage| {
+    let output = cycle.servo.step_watched(&mut memory.watched, &cycle.input, cycle.path.on(cycle.reference), (), |stage| {
         let at = now();
         ticks[stage as usize] = last.wrapping_sub(at);
         last = now();

@@ -5,7 +5,7 @@
 use crate::scalars::{AXES, GaugeCycle, GaugePlan, GaugeState, Loop, LoopState, Piece, Place, Scalar, StepOutput};
 use trueaxis::contour::Path;
 use trueaxis::exchange::Exchange;
-use trueaxis::{Bypass, Fault, Input};
+use trueaxis::{Bypass, Fault, GaugeRide, Input};
 use trueaxis_recording::{Cycle, Recording};
 
 /// What runs in a cycle. The state is the interrupt's alone: larger than what runs without tables, and never moved.
@@ -90,7 +90,7 @@ fn step(
     path: &Path<'_, Scalar, Place>,
     produced: &mut Produced,
 ) {
-    produced.output = servo.step(state, &cycle.input(), path, cycle.place());
+    produced.output = servo.step(state, &cycle.input(), path.on(cycle.place()), ());
 }
 
 #[inline(never)]
@@ -102,7 +102,8 @@ fn step_with_gauge(
     gauge: &mut Gauge,
     produced: &mut Produced,
 ) {
-    let (output, of_gauge) =
-        servo.step_with_gauge(state, &cycle.input(), path, cycle.place(), gauge.plan, gauge.state, &cycle.probes());
-    (produced.output, produced.gauge) = (output, Some(of_gauge));
+    let probes = cycle.probes();
+    let mut ride = GaugeRide::new(gauge.plan, gauge.state, &probes);
+    produced.output = servo.step(state, &cycle.input(), path.on(cycle.place()), &mut ride);
+    produced.gauge = Some(ride.cycle());
 }

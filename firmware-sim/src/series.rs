@@ -1,0 +1,178 @@
+//! What the report's figures need of the runs, gathered while they go by in memory of fixed size.
+
+use crate::report::{AxisReport, ContourSeries, OrientationSeries, PathPoint, Thinner};
+use crate::scenario::Scenario;
+use crate::simulate::{Moment, Sample, Sink};
+use std::array::from_fn;
+use trueaxis::machine::AxisSettings;
+
+/// Buckets of a curve over the path or over time, and of the path itself: as many as its figure can show, or up to twice.
+const CURVE: usize = 1400;
+const PATH: usize = 600;
+
+/// A point of a curve over the path length.
+#[derive(Clone, Copy, Debug)]
+struct OnPath {
+    at: [f64; 2],
+    /// Path length at which the cut began that it belongs to.
+    began: f64,
+}
+
+type Curve = Thinner<OnPath, 1>;
+
+/// Correction of an axis over time.
+#[derive(Debug)]
+struct AxisCurves {
+    settings: AxisSettings,
+    correction: Thinner<[f64; 2], 1>,
+    slope: Thinner<[f64; 2], 1>,
+    last: Option<f64>,
+}
+
+/// Gathers the curves of the three runs, in the order uncompensated, compensated, servo only.
+#[derive(Debug)]
+pub struct Series {
+    period_s: f64,
+    five_axis: bool,
+    contour: [Curve; 3],
+    orientation: [Curve; 3],
+    /// Rotary axes: place among A, B, C, letter, position.
+    rotary: Vec<(usize, char, Curve)>,
+    axes: Vec<AxisCurves>,
+    path: Thinner<PathPoint, 4>,
+    /// Number of the cut, path length at which it began, and whether the cycle before was cutting.
+    cut: u32,
+    began: f64,
+    was_cutting: bool,
+}
+
+impl Series {
+    /// Of a scenario.
+    pub fn new(scenario: &Scenario) -> Series {
+        let settings = &scenario.machine.settings.axes;
+        let rotary = settings.iter().filter(|a| a.axis.is_rotary());
+        let mut axes: Vec<AxisCurves> = settings
+            .iter()
+            .map(|a| AxisCurves {
+                settings: *a,
+                correction: Thinner::new(CURVE),
+                slope: Thinner::new(CURVE),
+                last: None,
+            })
+            .collect();
+        axes.sort_by_key(|a| a.settings.axis.index());
+        Series {
+            period_s: scenario.period_s(),
+            five_axis: scenario.five_axis,
+            contour: from_fn(|_| Thinner::new(CURVE)),
+            orientation: from_fn(|_| Thinner::new(CURVE)),
+            rotary: rotary.map(|a| (a.axis.index() - 3, a.axis.letter(), Thinner::new(CURVE))).collect(),
+            axes,
+            path: Thinner::new(PATH),
+            cut: 0,
+            began: f64::NEG_INFINITY,
+            was_cutting: true,
+        }
+    }
+
+    fn cutting(&mut self, moment: &Moment, runs: &[Option<&Sample>]) {
+        let at = |value: f64| OnPath { at: [moment.length_mm, value], began: self.began };
+        for (run, (contour, orientation)) in runs.iter().zip(self.contour.iter_mut().zip(&mut self.orientation)) {
+            let Some(sample) = run else { continue };
+            let error = f64::from(sample.error_um());
+            contour.add(at(error), [error]);
+            if self.five_axis {
+                let angle = f64::from(sample.orientation_urad);
+                orientation.add(at(angle), [angle]);
+            }
+        }
+        if self.five_axis {
+            for (place, _, curve) in &mut self.rotary {
+                let position = moment.rotary_deg.get(*place).copied().unwrap_or_default();
+                curve.add(at(position), [position]);
+            }
+        }
+        if let [Some(before), Some(after), ..] = runs {
+            let point = PathPoint {
+                run: self.cut,
+                nominal_mm: moment.nominal_mm,
+                uncompensated_um: before.deviation_um.map(f64::from),
+                compensated_um: after.deviation_um.map(f64::from),
+            };
+            let [x, y, _] = moment.nominal_mm;
+            self.path.add(point, [x, y, before.error_um().into(), after.error_um().into()]);
+        }
+    }
+
+    /// Contour error over the path; `program_lines` are left to whoever knows the program.
+    pub fn contour(&self) -> ContourSeries {
+        let [uncompensated, compensated, servo_only] = self.contour.each_ref().map(points);
+        let mut breaks: Vec<f64> =
+            self.contour.iter().flat_map(Thinner::items).map(|p| p.began).filter(|b| b.is_finite()).collect();
+        breaks.sort_unstable_by(f64::total_cmp);
+        breaks.dedup();
+        ContourSeries { uncompensated, compensated, servo_only, breaks, program_lines: Vec::new() }
+    }
+
+    /// Tool direction over the path; empty for a program of X, Y, Z alone.
+    pub fn orientation(&self) -> OrientationSeries {
+        if !self.five_axis {
+            return OrientationSeries::default();
+        }
+        let [uncompensated, compensated, servo_only] = self.orientation.each_ref().map(points);
+        let rotary = self.rotary.iter().map(|(_, letter, curve)| (letter.to_string(), points(curve))).collect();
+        OrientationSeries { uncompensated, compensated, servo_only, rotary }
+    }
+
+    /// The programmed path and both tips' deviations.
+    pub fn path(&self) -> Vec<PathPoint> {
+        self.path.items()
+    }
+
+    /// Correction of every axis in the compensated run, with its limits.
+    pub fn axes(&self) -> Vec<AxisReport> {
+        let report = |axis: &AxisCurves| {
+            let (settings, limits) = (&axis.settings, &axis.settings.limits);
+            let rotary = settings.axis.is_rotary();
+            // mm to µm, mm/s, m/s²; degrees to µrad, mrad/s, rad/s².
+            let one = if rotary { 1e3_f64.to_radians() } else { 1.0 };
+            AxisReport {
+                name: settings.axis.letter().into(),
+                rotary,
+                correction: axis.correction.items(),
+                slope: axis.slope.items(),
+                magnitude_limit: limits.magnitude * one * 1e3,
+                slope_limit: limits.slope_per_s * one,
+                acceleration_limit: limits.acceleration_per_s2 * one * 1e-3,
+            }
+        };
+        self.axes.iter().map(report).collect()
+    }
+}
+
+fn points(curve: &Curve) -> Vec<[f64; 2]> {
+    curve.items().into_iter().map(|point| point.at).collect()
+}
+
+impl Sink for Series {
+    fn cycle(&mut self, moment: &Moment, runs: &[Option<&Sample>]) {
+        if moment.cutting && !self.was_cutting {
+            self.cut += 1;
+            self.began = moment.length_mm;
+        }
+        self.was_cutting = moment.cutting;
+        if moment.cutting {
+            self.cutting(moment, runs);
+        }
+        let [_, Some(compensated), ..] = runs else { return };
+        for axis in &mut self.axes {
+            let correction = compensated.correction.get(axis.settings.axis.index()).copied().map_or(0.0, f64::from);
+            axis.correction.add([moment.time_s, correction], [correction]);
+            if let Some(last) = axis.last {
+                let slope = 1e-3 * (correction - last) / self.period_s;
+                axis.slope.add([moment.time_s, slope], [slope]);
+            }
+            axis.last = Some(correction);
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! What docs/commands.md shows of this program is what it prints.
+#![cfg(unix)]
+
+#[path = "../../tests/src/documentation.rs"]
+mod documentation;
+
+use std::path::Path;
+
+#[test]
+fn the_commands_print_what_is_shown() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let program = Path::new(env!("CARGO_BIN_EXE_firmware-sim"));
+    documentation::check(&root, "docs/commands.md", program, |command| {
+        // Needs QEMU and builds the image; its own tests hold it.
+        !command.starts_with("firmware-sim compare")
+    });
+}
