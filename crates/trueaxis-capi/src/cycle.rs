@@ -51,6 +51,7 @@ impl Input {
             homed: self.homed != 0,
             enable: self.enable != 0,
             reset: self.reset != 0,
+            refusal: trueaxis::sample::Refusal::NONE,
         }
     }
 }

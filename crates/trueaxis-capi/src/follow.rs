@@ -105,7 +105,7 @@ pub unsafe extern "C" fn trueaxis_step_following(
         // SAFETY: the caller's promise.
         let window = unsafe { opaque::content_mut(follow) }?;
         let result = with_servo!(built, running,
-            servo(servo, state) => Output::of(&servo.step_following(state, &input.to_core(), window)),
+            servo(servo, state) => Output::of(&servo.step(state, &input.to_core(), &mut *window, ())),
             bypass(bypass) => Output::of(&bypass.step::<Real>(&input.to_core()))
         )?;
         // SAFETY: checked: aligned, of the right size; writable by the caller's promise.

@@ -8,6 +8,7 @@ use crate::path::{self, Path};
 use crate::pointer::{Sized32, check_sized, read_sized};
 use crate::servo::{Built, Loop, Running, State};
 use crate::status::{self, Status};
+use trueaxis::GaugeRide;
 use trueaxis::roundness::{Cycle, Probes as CoreProbes};
 
 /// Readings of the gauge in a cycle.
@@ -135,10 +136,10 @@ fn ride(
     either!(gauge, gauge, gauge_state => {
         crate::servo::with_servo!(built, running,
             servo(loop_, state) => {
-                let (output, cycle) = loop_.step_with_gauge(
-                    state, &input.to_core(), &place.path, place.reference, gauge, gauge_state, probes,
-                );
-                (Output::of(&output), cycle)
+                let mut ride = GaugeRide::new(gauge, gauge_state, probes);
+                let on = place.path.on(place.reference);
+                let output = loop_.step(state, &input.to_core(), on, &mut ride);
+                (Output::of(&output), ride.cycle())
             },
             bypass(state) => {
                 let cycle = gauge.update(gauge_state, probes, trueaxis::roundness::Followed::Not);

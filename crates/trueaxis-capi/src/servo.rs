@@ -319,7 +319,7 @@ pub unsafe extern "C" fn trueaxis_step(
         // SAFETY: the caller's promise.
         let (built, running) = unsafe { (opaque::content(r#loop)?, opaque::content_mut(state)?) };
         let result = with_servo!(built, running,
-            servo(servo, state) => Output::of(&servo.step(state, &input.to_core(), &place.path, place.reference)),
+            servo(servo, state) => Output::of(&servo.step(state, &input.to_core(), place.path.on(place.reference), ())),
             bypass(bypass) => Output::of(&bypass.step::<Real>(&input.to_core()))
         )?;
         // SAFETY: checked: aligned, of the right size; writable by the caller's promise.
