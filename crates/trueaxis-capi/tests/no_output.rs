@@ -57,10 +57,7 @@ fn a_step_following_its_commands_writes_none_either() {
     // SAFETY: everything is as the types say.
     unsafe {
         assert_eq!(trueaxis_follow_start(&mut *window, size_of::<Follow>(), null(), 0.005), OK);
-        from_nowhere(
-            |given, out| trueaxis_step_following(&*built.servo, &mut *state, given, &mut *window, out),
-            true,
-        );
+        from_nowhere(|given, out| trueaxis_step_following(&*built.servo, &mut *state, given, &mut *window, out), true);
     }
 }
 
@@ -68,8 +65,7 @@ fn a_step_following_its_commands_writes_none_either() {
 fn nor_does_a_bypass() {
     let mut bypass = zeroed::<Loop>();
     // SAFETY: everything is as the types say.
-    let status =
-        unsafe { trueaxis_loop_bypass(&mut *bypass, size_of::<Loop>(), 3, FAULT_TABLES_REFUSED, PERIOD_NS) };
+    let status = unsafe { trueaxis_loop_bypass(&mut *bypass, size_of::<Loop>(), 3, FAULT_TABLES_REFUSED, PERIOD_NS) };
     assert_eq!(status, OK);
     let mut state = started(&bypass);
     from_nowhere(|given, out| machines::step(&bypass, &mut state, given, out), false);

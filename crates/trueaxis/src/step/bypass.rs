@@ -74,9 +74,7 @@ impl<P: Position, const N: usize> Bypass<P, N> {
             tables_crc: 0,
             fault: self.reason,
             fault_axis: 0,
-            status: Status::default()
-                .with(Status::STOP_REQUEST, !usable)
-                .with(Status::NO_OUTPUT, self.known != whole),
+            status: Status::default().with(Status::STOP_REQUEST, !usable).with(Status::NO_OUTPUT, self.known != whole),
             limited: 0,
             at_edge: 0,
             command: self.held,
@@ -147,12 +145,8 @@ mod tests {
     #[test]
     fn nothing_goes_out_before_a_command_or_every_reading_is_known() {
         let mut bypass = Bypass::<f64, 3>::new(Fault::TablesRefused);
-        let at = |feedback, encoder_alarm| Input {
-            command: [f64::NAN; 3],
-            feedback,
-            encoder_alarm,
-            ..Input::at_rest(1000)
-        };
+        let at =
+            |feedback, encoder_alarm| Input { command: [f64::NAN; 3], feedback, encoder_alarm, ..Input::at_rest(1000) };
         for feedback in [[f64::NAN; 3], [5.0, f64::INFINITY, 1e10]] {
             let out = bypass.step::<f64>(&at(feedback, 0));
             assert!(!out.has_drive() && out.stop_requested());

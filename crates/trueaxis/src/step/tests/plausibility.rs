@@ -175,7 +175,10 @@ fn enabling_looks_at_travel_and_readings_but_not_back_at_the_command() {
     // A reading is held against the last one already in that cycle, unless it is the first of all.
     let mut bench = Bench::new();
     bench.cycle(&off([20.0; 3]));
-    assert_eq!(bench.cycle(&Input { feedback: [20.0, 21.0, 20.0], ..input([20.0; 3]) }).record.fault, Fault::FeedbackJump);
+    assert_eq!(
+        bench.cycle(&Input { feedback: [20.0, 21.0, 20.0], ..input([20.0; 3]) }).record.fault,
+        Fault::FeedbackJump
+    );
     let mut bench = Bench::new();
     assert_eq!(bench.cycle(&Input { feedback: [90.0; 3], ..input([20.0; 3]) }).record.fault, Fault::None);
 }

@@ -200,8 +200,13 @@ fn integers_know_no_place_from_a_saturated_reading() {
     let none = Path::new(&[], 0, false);
     let saturated = Nanometres(i32::MAX);
     let mut cycle = |command, feedback| {
-        let input =
-            Input { command: [command; 3], feedback: [feedback; 3], homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
+        let input = Input {
+            command: [command; 3],
+            feedback: [feedback; 3],
+            homed: true,
+            enable: true,
+            ..Input::at_rest(PERIOD_NS)
+        };
         servo.step(&mut state, &input, &none, Reference { span: 0, t: 0.0 })
     };
     let out = cycle(saturated, saturated);
