@@ -105,7 +105,9 @@ impl<R: Real> ContourSearch<R> {
             *state = ContourState::default();
             ContourError::none()
         };
-        error.flags = error.flags.and(Flags::REFERENCE);
+        if reference.t != R::ZERO {
+            error.flags = error.flags.and(Flags::REFERENCE);
+        }
         error
     }
 
