@@ -87,7 +87,7 @@ fn run<R: Real, P: AnyBits>(
     cycles: &[Bits],
     commanded: Option<&mut Commanded<R, P, 16>>,
 ) {
-    let path = Path::new(spans, 0, cycles.len() % 2 == 0);
+    let path = Path::new(spans, 0, cycles.len().is_multiple_of(2));
     let mut state = servo.start(PERIOD_NS).unwrap();
     let mut bypass = Bypass::<P, 3>::new(Fault::TablesRefused);
     let mut commanded = commanded;
