@@ -34,7 +34,7 @@
 #define TRUEAXIS_ABI_MAJOR 1
 #endif
 #ifndef TRUEAXIS_ABI_MINOR
-#define TRUEAXIS_ABI_MINOR 0
+#define TRUEAXIS_ABI_MINOR 1
 #endif
 #ifdef TRUEAXIS_SINGLE
 #define TRUEAXIS_ABI_VERSION (UINT32_C(0x80000000) | (uint32_t)TRUEAXIS_ABI_MAJOR << 16 | TRUEAXIS_ABI_MINOR)
@@ -127,6 +127,11 @@
 #define TRUEAXIS_CONTOUR_NOT_FOUND 32
 
 /**
+ * The reference lay outside its piece and was taken at the nearer end; infinite or not a number, nothing was measured.
+ */
+#define TRUEAXIS_CONTOUR_REFERENCE 64
+
+/**
  * Bit of `status`: homed, enabled and believed, corrections are followed.
  */
 #define TRUEAXIS_STATUS_ACTIVE 1
@@ -145,6 +150,11 @@
  * Bit of `status`: the contour error of this cycle was measured.
  */
 #define TRUEAXIS_STATUS_CONTOUR 8
+
+/**
+ * Bit of `status`: there is no output, and the step answers `TRUEAXIS_ERROR_NO_OUTPUT`.
+ */
+#define TRUEAXIS_STATUS_NO_OUTPUT 16
 
 /**
  * Nothing is wrong.
@@ -535,7 +545,8 @@ typedef struct trueaxis_loop_t {
 } trueaxis_loop_t;
 
 /**
- * The mutable half: what one cycle hands to the next. Belongs to the thread that steps it.
+ * The mutable half: what one cycle hands to the next. Belongs to the thread that steps it; a copy taken between two cycles
+ * may be put back, as if the cycles since had not been.
  */
 typedef struct trueaxis_state_t {
     uint64_t words[TRUEAXIS_STATE_WORDS];
@@ -576,7 +587,8 @@ typedef struct trueaxis_input_t {
      */
     trueaxis_position_t command[TRUEAXIS_AXES_MAX];
     /**
-     * Raw encoder positions. A reading that is not a number, or beyond 1e9, is a dropout.
+     * Raw encoder positions. A reading that is not a number, beyond 1e9, or in single precision `INT32_MIN` or
+     * `INT32_MAX`, is a dropout: convert counts with saturation. The same goes for commands, which are refused then.
      */
     trueaxis_position_t feedback[TRUEAXIS_AXES_MAX];
     /**
@@ -700,7 +712,7 @@ typedef struct trueaxis_record_t {
      */
     uint8_t reserved[6];
     /**
-     * Command as it came (the held one during a stop).
+     * Command that is in force: as it came, the held one during a stop.
      */
     trueaxis_position_t command[TRUEAXIS_AXES_MAX];
     /**
@@ -738,7 +750,7 @@ typedef struct trueaxis_output_t {
      */
     uint32_t axes;
     /**
-     * Corrected positions for the drives.
+     * Corrected positions for the drives. Not written where the step answers `TRUEAXIS_ERROR_NO_OUTPUT`.
      */
     trueaxis_position_t drive[TRUEAXIS_AXES_MAX];
     /**
@@ -1017,6 +1029,12 @@ typedef struct trueaxis_gauge_cycle_t {
  */
 #define TRUEAXIS_ERROR_NOT_YET 17
 
+/**
+ * The cycle was done, but there is nothing to write to the drives: no usable command has ever come, and not every axis
+ * has been read. `drive` is left as it was; the rest of the output is written. Leave the drives without power.
+ */
+#define TRUEAXIS_ERROR_NO_OUTPUT 18
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1202,7 +1220,8 @@ trueaxis_status_t trueaxis_loop_build(struct trueaxis_loop_t *loop,
  *
  * `axes`: 3 to 6. `reason`: `TRUEAXIS_FAULT_PERIOD_MISMATCH`, `_TABLES_REFUSED`, `_CAPACITY_TOO_SMALL` or
  * `_ABI_MISMATCH`. `period_ns`: servo period, 1,000 to 100,000,000 ns. It needs no memory. A command that is no usable
- * number is not passed: the last one holds and a stop is requested until the next usable one.
+ * number is not passed: the last one holds, before the first one the place that is read, and a stop is requested until
+ * the next usable one.
  *
  * Real-time safe. `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_AXES`, `_ARGUMENT` (reason, period).
  */
@@ -1234,8 +1253,12 @@ trueaxis_status_t trueaxis_start(const struct trueaxis_loop_t *loop,
  *
  * Real-time safe: no allocation, no lock, no system call, bounded time. On refusal, state and output stay as they were.
  *
- * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`. What goes wrong on the machine is not a
- * status but `output->record.fault`.
+ * Where neither a usable command has ever come nor every axis been read, there is no place to hold: the answer is
+ * `TRUEAXIS_ERROR_NO_OUTPUT` and `output->drive` is not written. Once every axis has been read (without an alarm), its
+ * place is held, and a reset near it is heard.
+ *
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`, `_NO_OUTPUT`. What goes wrong on the
+ * machine otherwise is not a status but `output->record.fault`.
  */
 trueaxis_status_t trueaxis_step(const struct trueaxis_loop_t *loop,
                                 struct trueaxis_state_t *state,
@@ -1305,7 +1328,7 @@ trueaxis_status_t trueaxis_follow_restart(struct trueaxis_follow_t *follow);
  * Arguments as there. While `record.tip.flags` lacks `TRUEAXIS_CONTOUR_BRACKETED` the tool is further behind than the
  * window reaches. In a bypass nothing is measured. Real-time safe.
  *
- * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`.
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`, `_NO_OUTPUT`.
  */
 trueaxis_status_t trueaxis_step_following(const struct trueaxis_loop_t *loop,
                                           struct trueaxis_state_t *state,
@@ -1400,7 +1423,7 @@ trueaxis_status_t trueaxis_gauge_frame_encode(const struct trueaxis_gauge_t *gau
  * Arguments as there; `probes->size` and `cycle->size` must be set as well. While the step is not active, and in a bypass,
  * the gauge measures on but nothing is fed in. Real-time safe.
  *
- * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`.
+ * `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_UNBUILT`, `_AXES`, `_STATE`, `_NO_OUTPUT`.
  */
 trueaxis_status_t trueaxis_step_with_gauge(const struct trueaxis_loop_t *loop,
                                            struct trueaxis_state_t *state,

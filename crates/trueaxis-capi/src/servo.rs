@@ -35,7 +35,8 @@ pub struct Loop {
     words: [u64; LOOP_WORDS],
 }
 
-/// The mutable half: what one cycle hands to the next. Belongs to the thread that steps it.
+/// The mutable half: what one cycle hands to the next. Belongs to the thread that steps it; a copy taken between two cycles
+/// may be put back, as if the cycles since had not been.
 #[repr(C)]
 #[derive(Debug)]
 pub struct State {

@@ -20,6 +20,9 @@
 //! U(d, b) is the largest speed from which whole cycles of deceleration b stop within d. What to know: a ramp just below
 //! V started from rest is caught up with slowly, one above V never; a target that jitters by more than a per cycle is
 //! followed with chatter; limits lowered in motion are reached with a. All of it is flagged *limited*.
+//!
+//! Where a drive is held, c is what stands between it and the held command: it does not change, its speed is cut to zero,
+//! and it goes on from there ([`Limiter::hold`]).
 
 #![deny(clippy::indexing_slicing)]
 

@@ -88,25 +88,23 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         }
 
         let mut flags = 0u8;
-        let mut bit = 1u8;
-        for ((limiter, limited), wanted) in self.limiters.iter().zip(&mut state.limited).zip(wanted) {
-            let differs = match sample.verdict {
-                _ if sample.first => false,
-                Verdict::Active => limiter.follow(limited, *wanted),
-                Verdict::Inactive => limiter.follow(limited, R::ZERO),
-                Verdict::Freeze => {
-                    limiter.freeze(limited);
-                    false
+        match sample.verdict {
+            _ if sample.first => {}
+            Verdict::Active | Verdict::Inactive => {
+                let none = [R::ZERO; N];
+                let wanted = if sample.verdict == Verdict::Active { wanted } else { &none };
+                let mut bit = 1u8;
+                for ((limiter, limited), wanted) in self.limiters.iter().zip(&mut state.limited).zip(wanted) {
+                    if limiter.follow(limited, *wanted) {
+                        flags |= bit;
+                    }
+                    bit = bit.wrapping_shl(1);
                 }
-                Verdict::Hold | Verdict::Nowhere => {
-                    limiter.hold(limited);
-                    false
-                }
-            };
-            if differs {
-                flags |= bit;
             }
-            bit = bit.wrapping_shl(1);
+            Verdict::Freeze => self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.freeze(limited)),
+            Verdict::Hold | Verdict::Nowhere => {
+                self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.hold(limited));
+            }
         }
 
         let mut drive = sample.command;

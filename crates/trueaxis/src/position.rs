@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn what_integers_cannot_say_is_not_usable() {
-        for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 2147.483_647, -2147.483_648, 1e300] {
+        for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 2_147.483_647, -2_147.483_648, 1e300] {
             assert!(!Nanometres::of(x).is_usable(), "{x}");
             assert!(Nanometres::limit(x).is_usable(), "{x}");
         }

@@ -52,6 +52,8 @@ pub trait Real:
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
+    /// 0 to 1, by one comparison of its bits; not so of −0.
+    fn is_in_unit(self) -> bool;
     /// The smaller one; `other` where `self` is NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
@@ -106,6 +108,11 @@ macro_rules! real {
             #[inline(always)]
             fn is_finite(self) -> bool {
                 <$t>::is_finite(self)
+            }
+            #[inline(always)]
+            fn is_in_unit(self) -> bool {
+                // Bits ascend with the numbers, negative ones and what is none above them.
+                self.to_bits() <= <$t>::to_bits(1.0)
             }
         }
     };

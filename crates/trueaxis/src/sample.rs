@@ -6,6 +6,7 @@ use crate::error::{ConfigError, Fault, Field};
 use crate::machine::{FaultSettings, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
+use crate::telemetry::Status;
 
 /// What the host hands over in a servo cycle.
 #[derive(Clone, Copy, Debug)]
@@ -110,20 +111,27 @@ impl EncoderScale<crate::position::Nanometres> {
 
 /// How a cycle is to be treated, after the sample has been looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
 pub(crate) enum Verdict {
     /// Not homed or not enabled: the correction goes back to zero.
-    Inactive,
+    Inactive = 0,
     /// Homed, enabled, plausible.
-    Active,
+    Active = Status::ACTIVE.0,
     /// The correction freezes, the command passes.
-    Freeze,
+    Freeze = Status::FROZEN.0,
     /// The output holds.
-    Hold,
+    Hold = Status::STOP_REQUEST.0,
     /// The output would hold, but no command was ever usable and not every axis has been read: there is no output.
-    Nowhere,
+    Nowhere = Status::STOP_REQUEST.0 | Status::NO_OUTPUT.0,
 }
 
 impl Verdict {
+    /// Its bits of the status.
+    #[inline(always)]
+    pub(crate) fn status(self) -> Status {
+        Status(self as u8)
+    }
+
     /// Nothing new goes to the drives.
     #[inline(always)]
     pub(crate) fn holds(self) -> bool {

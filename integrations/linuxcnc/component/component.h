@@ -137,6 +137,8 @@ struct instance {
     const struct tables *tables;
     trueaxis_state_t axes_state;
     trueaxis_state_t joint_state[MAX_JOINT_TABLES];
+    /* What they were before this cycle, where more than one of them decides what is sent. */
+    trueaxis_state_t axes_before, joint_before[MAX_JOINT_TABLES];
     trueaxis_follow_t follow;
     trueaxis_gauge_t gauge;
     trueaxis_gauge_state_t gauge_state;

@@ -206,6 +206,18 @@ static void stand(struct instance *instance)
     }
 }
 
+/* One of the steps stops the machine: what the others have advanced in this cycle is not sent either. */
+static void take_back(struct instance *instance)
+{
+    if (instance->joint_tables == 0)
+        return;
+    if (!instance->axes_stopped)
+        instance->axes_state = instance->axes_before;
+    for (int t = 0; t < instance->joint_tables; t++)
+        if (!instance->joint_stopped[t])
+            instance->joint_state[t] = instance->joint_before[t];
+}
+
 /* What goes to the drives: the motor's command plus its corrections, or what went there last while a stop is wanted. */
 static void drive(struct instance *instance, const trueaxis_output_t *axes, const trueaxis_output_t *joints)
 {
@@ -316,7 +328,11 @@ void cycle_update_output(void *arg, long period)
     trueaxis_input_t shown = input;
     if (instance->held && !instance->axes_stopped)
         input.command[0] = NAN;
-    bool stood = instance->no_output;
+    bool stood = instance->no_output, held = instance->held;
+    if (instance->joint_tables > 0) {
+        instance->axes_before = instance->axes_state;
+        memcpy(instance->joint_before, instance->joint_state, sizeof instance->joint_before);
+    }
     int status = step_axes(instance, &input, &axes);
     instance->no_output = status == TRUEAXIS_ERROR_NO_OUTPUT;
     for (int t = 0; t < instance->joint_tables && (status == TRUEAXIS_OK || status == TRUEAXIS_ERROR_NO_OUTPUT); t++) {
@@ -336,6 +352,8 @@ void cycle_update_output(void *arg, long period)
         instance->joint_stopped[t] = joints[t].record.status & TRUEAXIS_STATUS_STOP_REQUEST;
         instance->held |= instance->joint_stopped[t];
     }
+    if (instance->held && !held)
+        take_back(instance);
     drive(instance, &axes, joints);
     show_axes(instance, &shown, &axes);
     show(instance, &axes, joints);

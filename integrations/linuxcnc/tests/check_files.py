@@ -1,6 +1,7 @@
 """Files, parameters and streams: without a machine around the component."""
 import math
 import os
+import re
 
 import rig
 from machines import SAMPLES, compile_tables, edited_tables
@@ -331,6 +332,58 @@ def period(folder):
     return "fault 32"
 
 
+NOWHERE_HAL = """
+loadrt threads name1=servo-thread period1=1000000
+loadrt trueaxis names=ta tables=mill.tcomp
+setp ta.enable 1
+setp ta.joint.0.homed 1
+setp ta.joint.1.homed 1
+setp ta.joint.2.homed 1
+setp ta.joint.0.pos-cmd nan
+setp ta.joint.0.motor-pos-cmd-in nan
+setp ta.joint.1.pos-cmd 8
+setp ta.joint.1.motor-pos-cmd-in 8
+setp ta.joint.2.pos-cmd 9
+setp ta.joint.2.motor-pos-cmd-in 9
+setp ta.joint.0.motor-pos-fb-in 7
+setp ta.joint.1.motor-pos-fb-in nan
+setp ta.joint.2.motor-pos-fb-in 9
+addf ta.update-feedback servo-thread
+addf ta.update-output servo-thread
+start
+""" + "".join("""%sloadusr -w sleep 0.1
+getp ta.joint.0.motor-pos-cmd-out
+getp ta.joint.1.motor-pos-cmd-out
+getp ta.joint.2.motor-pos-cmd-out
+getp ta.no-output
+getp ta.stop-request
+getp ta.fault-code
+""" % change for change in (
+    "",
+    "setp ta.joint.1.motor-pos-fb-in 8.25\nsetp ta.joint.1.alarm 1\n",
+    "setp ta.joint.1.alarm 0\n",
+    "setp ta.joint.1.motor-pos-fb-in 60\n",
+    "setp ta.joint.0.pos-cmd 7\nsetp ta.joint.0.motor-pos-cmd-in 7\nsetp ta.joint.1.pos-cmd 8.25\n"
+    "setp ta.joint.1.motor-pos-cmd-in 8.25\nsetp ta.joint.1.motor-pos-fb-in 8.25\nsetp ta.enable 0\nsetp ta.reset 1\n",
+))
+
+
+def nowhere(folder):
+    """No usable command and an encoder that is not read: no output is made up, and once all is read, that is held."""
+    compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "mill.tcomp")
+    code, printed = rig.halrun(folder, NOWHERE_HAL)
+    found = [line.strip() for line in printed.splitlines() if re.match(r"\s*(-?\d|TRUE|FALSE|nan)", line)]
+    wanted = [
+        ["7", "0", "9", "TRUE", "TRUE", "16"],
+        ["7", "0", "9", "TRUE", "TRUE", "16"],
+        ["7", "8.25", "9", "FALSE", "TRUE", "16"],
+        ["7", "8.25", "9", "FALSE", "TRUE", "16"],
+        ["7", "8.25", "9", "FALSE", "FALSE", "0"],
+    ]
+    expect(code == 0 and found == sum(wanted, []), "pins", found, printed)
+    return "no output until the last encoder was read"
+
+
 def damaged(source, target, change):
     with open(source, "rb") as f:
         data = bytearray(f.read())
@@ -396,4 +449,4 @@ def many(folder):
     compile_tables(folder, os.path.join(source, "machine.toml"), "many.tcomp")
 
 
-TESTS = (refused, stream, gauge, instances, joint_stop, warm, accepted, period)
+TESTS = (refused, stream, gauge, instances, joint_stop, warm, accepted, period, nowhere)

@@ -11,12 +11,13 @@ use crate::real::Real;
 /// How a bracket is narrowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
 pub enum Method {
     /// Third-order kernel, then Newton steps guarded by bisection.
     #[default]
-    Guarded,
+    Guarded = 0,
     /// Plain bisection, as published: the reference. Up to 60 evaluations a cycle.
-    Bisection,
+    Bisection = 1,
 }
 
 /// Settings of the search: immutable.
@@ -105,7 +106,9 @@ impl<R: Real> ContourSearch<R> {
             *state = ContourState::default();
             ContourError::none()
         };
-        error.flags = error.flags.and(Flags::REFERENCE);
+        if reference.t != R::ZERO {
+            error.flags = error.flags.and(Flags::REFERENCE);
+        }
         error
     }
 
@@ -118,7 +121,8 @@ impl<R: Real> ContourSearch<R> {
         reference: Reference<R>,
         point: [P; 3],
     ) -> ContourError<R> {
-        if !state.warm || self.method == Method::Bisection {
+        // Not warm, or bisection: in one comparison.
+        if u8::from(state.warm) <= self.method as u8 {
             return self.slow(state, path, reference, &point);
         }
         let progress = way(path, state.reference, reference, self.max_lag);

@@ -388,9 +388,9 @@ pub struct Reference<R> {
 }
 
 impl<R: Real> Reference<R> {
-    /// The parameter is one of the piece; not so if it is not a number.
+    /// The parameter is one of the piece and not −0; not so if it is not a number.
     #[inline(always)]
     pub(crate) fn is_on_its_piece(&self) -> bool {
-        self.t >= R::ZERO && self.t <= R::ONE
+        self.t.is_in_unit()
     }
 }

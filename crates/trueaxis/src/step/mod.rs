@@ -165,17 +165,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) -> Output<R, P, N> {
         let sequence = state.sequence;
         state.sequence = sequence.wrapping_add(1);
-        let (fault, fault_axis) = match applied.outside {
-            Some(slot) => (Fault::JointRange, slot),
-            None => (sample.fault, sample.axis),
+        let (fault, fault_axis, status) = match applied.outside {
+            Some(slot) => (Fault::JointRange, slot, Verdict::Hold.status()),
+            None => (sample.fault, sample.axis, sample.verdict.status()),
         };
-        let sent = applied.outside.is_none();
-        let status = Status::default()
-            .with(Status::ACTIVE, sample.verdict == Verdict::Active && sent)
-            .with(Status::FROZEN, sample.verdict == Verdict::Freeze && sent)
-            .with(Status::STOP_REQUEST, fault.stops())
-            .with(Status::CONTOUR, measured.tip.is_measured())
-            .with(Status::NO_OUTPUT, sample.verdict == Verdict::Nowhere);
+        let status = status.with(Status::CONTOUR, measured.tip.is_measured());
         let record = Record {
             sequence,
             machine_id: self.machine_id,

@@ -87,7 +87,7 @@ fn run<R: Real, P: AnyBits>(
     cycles: &[Bits],
     commanded: Option<&mut CommandWindow<R, P, 16>>,
 ) {
-    let path = Path::new(spans, 0, cycles.len() % 2 == 0);
+    let path = Path::new(spans, 0, cycles.len().is_multiple_of(2));
     let mut state = servo.start(PERIOD_NS).unwrap();
     let mut bypass = Bypass::<P, 3>::new(Fault::TablesRefused);
     let mut commanded = commanded;
@@ -167,6 +167,10 @@ fn a_reference_off_its_piece_is_taken_at_its_end_or_refused() {
         assert!(!on.tip.flags.has(Flags::REFERENCE));
         assert!((off.tip.lag - on.tip.lag).abs() < 1e-9 && (off.tip.error - on.tip.error).abs() < 1e-9, "{t}");
     }
+    // −0 is the start.
+    let (mut state, at) = warm();
+    let out = servo.step(&mut state, &at, path.on(Reference { span: 0, t: -0.0 }), ()).record;
+    assert!(out.status.has(Status::CONTOUR) && !out.tip.flags.has(Flags::REFERENCE));
     for t in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let (mut state, at) = warm();
         let out = servo.step(&mut state, &at, path.on(Reference { span: 0, t }), ()).record;

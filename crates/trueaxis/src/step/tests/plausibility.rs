@@ -133,6 +133,21 @@ fn a_reading_that_moves_or_a_switch_off_ends_the_suspicion() {
 }
 
 #[test]
+fn a_reset_ends_the_suspicion_too() {
+    let step = 1.0 / 64.0;
+    let mut bench = standing(50.0);
+    assert_eq!(stuck(&mut bench, 50.0, &[step; 12]), Fault::None);
+    let x = 50.0 + 12.0 * step;
+    let at = |x: f64| Input { feedback: [50.0; 3], ..input([x, 50.0, 50.0]) };
+    bench.cycle(&at(f64::NAN));
+    assert!(!bench.cycle(&Input { reset: true, ..at(x) }).stop_requested());
+    for n in 1..=12 {
+        assert_eq!(bench.cycle(&at(x + f64::from(n) * step)).record.fault, Fault::None, "{n}");
+    }
+    assert_eq!(bench.cycle(&at(x + 13.0 * step)).record.fault, Fault::EncoderStuck);
+}
+
+#[test]
 fn before_homing_positions_mean_nothing() {
     let mut bench = Bench::new();
     let raw = |command, feedback| Input { homed: false, feedback, ..input(command) };
