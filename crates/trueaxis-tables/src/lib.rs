@@ -6,12 +6,14 @@ mod compile;
 pub mod error;
 pub mod exact;
 pub mod formats;
+mod lost_motion;
 mod read;
 mod source;
 mod summary;
 mod warning;
 
 pub use compile::{compile, write_atomically};
+pub use lost_motion::{LostMotion, lost_motion};
 pub use summary::{AxisSummary, ErrorSummary, Summary, TableSummary, summary};
 pub use warning::{Warning, check};
 
