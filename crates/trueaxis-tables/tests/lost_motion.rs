@@ -79,7 +79,7 @@ fn the_way_that_lost_motion_costs_is_told() {
     let machine = Machine::read(written("backlash_um = 0.5\nmax_feed_mm_per_min = 12000", table).path()).unwrap();
     let [x, c] = lost_motion(&machine)[..] else { panic!() };
     // Up at 5 m/s² and down at 4 m/s²: t = √(2 B (1/5000 + 1/4000)).
-    let seconds = (2.0 * 0.003 * (1.0 / 5000.0 + 1.0 / 4000.0)).sqrt();
+    let seconds = (2.0_f64 * 0.003 * (1.0 / 5000.0 + 1.0 / 4000.0)).sqrt();
     assert!(
         (x.play - 0.003).abs() < 1e-15
             && (x.lead_in_s - seconds).abs() < 1e-12
