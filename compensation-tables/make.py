@@ -632,6 +632,8 @@ max_feed_deg_per_min = 18000.0
 encoder_resolution_urad = 0.21
 travel_deg = [-36000.0, 36000.0]
 backlash_urad = 10.0
+# With direction = 1 the correction of this backlash steps against the reading: the band is wider than that.
+hysteresis_urad = 12.0
 
 [location]
 A0Z_urad = 14.0

@@ -325,7 +325,7 @@ impl Tally {
 }
 
 /// A cycle as it is commanded.
-struct Commanded<const N: usize> {
+struct CommandWindow<const N: usize> {
     moment: Moment,
     setpoint: Setpoint,
     command: [f64; N],
@@ -357,14 +357,14 @@ impl<'c, const N: usize> Planned<'c, N> {
     }
 
     /// Where the program begins.
-    fn first(&mut self) -> Result<Option<Commanded<N>>> {
+    fn first(&mut self) -> Result<Option<CommandWindow<N>>> {
         let Some(setpoint) = self.motion.setpoints().next() else { return Ok(None) };
         self.path.cover([setpoint.move_index; 2])?;
         Ok(Some(self.commanded(setpoint)))
     }
 
     /// Puts the next cycles, at most `most`, in the place of those in `block`; false at the end.
-    fn next_block(&mut self, block: &mut Vec<Commanded<N>>, most: usize) -> Result<bool> {
+    fn next_block(&mut self, block: &mut Vec<CommandWindow<N>>, most: usize) -> Result<bool> {
         block.clear();
         let Some(first) = self.setpoints.peek().map(|setpoint| setpoint.move_index) else { return Ok(false) };
         let mut last = first;
@@ -380,7 +380,7 @@ impl<'c, const N: usize> Planned<'c, N> {
         Ok(true)
     }
 
-    fn commanded(&mut self, setpoint: Setpoint) -> Commanded<N> {
+    fn commanded(&mut self, setpoint: Setpoint) -> CommandWindow<N> {
         let scenario = self.scenario;
         let positions = scenario.axis_positions(&setpoint);
         let step = scenario.program.moves.get(setpoint.move_index);
@@ -388,7 +388,7 @@ impl<'c, const N: usize> Planned<'c, N> {
             Some(step) if scenario.five_axis => scenario.placement.place(step, setpoint.u).tip,
             _ => DVec3::from(setpoint.position) + DVec3::from(scenario.origin_mm),
         };
-        Commanded {
+        CommandWindow {
             moment: Moment {
                 cycle: self.cycle,
                 time_s: self.cycle as f64 * scenario.period_s(),
@@ -481,7 +481,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     }
 
     /// At rest on the first point until the correction has been led in, as a machine is switched on before it cuts.
-    fn settle(&mut self, first: &Commanded<N>, path: &SlidingPath<'_>, watch: &mut Watch<'_>) {
+    fn settle(&mut self, first: &CommandWindow<N>, path: &SlidingPath<'_>, watch: &mut Watch<'_>) {
         self.feedback = first.command;
         self.plant.rest_at(&self.to_plant(&first.command));
         self.plant.hold_faults();
@@ -497,7 +497,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     /// One servo period: plugin, then drives and encoders.
     fn exchange(
         &mut self,
-        place: &Commanded<N>,
+        place: &CommandWindow<N>,
         path: &Path<'_, f64, f64>,
         tool_path: &ToolPath<'_, f64, f64>,
         watch: &mut Watch<'_>,
@@ -555,7 +555,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     }
 
     /// A cycle, its cost and its stop; what it is worth is not measured.
-    fn step(&mut self, place: &Commanded<N>, path: &SlidingPath<'_>, watch: &mut Watch<'_>) -> Exchanged<N> {
+    fn step(&mut self, place: &CommandWindow<N>, path: &SlidingPath<'_>, watch: &mut Watch<'_>) -> Exchanged<N> {
         let exchanged = self.exchange(place, &path.view(), &path.tool_view(), watch);
         self.run.latency.record(exchanged.nanoseconds);
         if exchanged.output.stop_requested() {
@@ -565,7 +565,7 @@ impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
         exchanged
     }
 
-    fn cycle(&mut self, place: &Commanded<N>, path: &SlidingPath<'_>, watch: &mut Watch<'_>) -> Sample {
+    fn cycle(&mut self, place: &CommandWindow<N>, path: &SlidingPath<'_>, watch: &mut Watch<'_>) -> Sample {
         let running = self.stopped_for == 0;
         let Exchanged { output, orientation, .. } = self.step(place, path, watch);
         let measured = self.measure(&place.setpoint);

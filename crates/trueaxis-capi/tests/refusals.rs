@@ -187,9 +187,9 @@ fn contents_that_make_no_sense_name_the_setting() {
     machine.settings.axes[1].limits.slope_per_s = 0.0;
     // The compiler refuses it as well, so the file is made from a good one: the slope limit of Y is a double in it.
     assert!(trueaxis_tables::compile(&machine).is_err());
-    let slope = 1.0_f64.to_le_bytes();
+    let slope = 5.0_f64.to_le_bytes();
     let settings = read("mill-3axis").settings;
-    assert_eq!(settings.axes[1].limits.slope_per_s, 1.0);
+    assert_eq!(settings.axes[1].limits.slope_per_s, 5.0);
     let acceleration = settings.axes[1].limits.acceleration_per_s2.to_le_bytes();
     let both = [slope, acceleration].concat();
     let places: Vec<usize> = (0..good.len() - 16).filter(|at| good[*at..*at + 16] == both[..]).collect();

@@ -7,14 +7,14 @@ use crate::model::parsed;
 use crate::output::{json, put, put_bytes};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Subcommand;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
 use trueaxis_tables::formats::{self, ExportOptions, Format, Loss};
 use trueaxis_tables::text::{counted, read_text};
-use trueaxis_tables::{Machine, check, compile, summary};
+use trueaxis_tables::{LostMotion, Machine, check, compile, lost_motion, summary};
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
@@ -176,15 +176,36 @@ fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     let bytes = compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
     let tables = parsed(&bytes, path)?;
     let warnings = check(&machine, rate_hz);
+    let lost = lost_motion(&machine);
     if as_json {
         let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-        return json(&json!({ "ok": true, "warnings": warnings, "summary": summary(&tables) }));
+        let lost: Vec<Value> = lost.iter().map(lost_motion_json).collect();
+        return json(&json!({ "ok": true, "warnings": warnings, "lost_motion": lost, "summary": summary(&tables) }));
     }
     put(&format!("{}\n", summary(&tables)), None)?;
+    for lost in &lost {
+        put(&format!("{lost}\n"), None)?;
+    }
     for warning in &warnings {
         eprintln!("warning: {warning}");
     }
     put(&format!("{}: no errors, {}\n", path.display(), counted(warnings.len(), "warning")), None)
+}
+
+/// In the units of the files: µm and mm, of a rotary axis µrad and degrees.
+fn lost_motion_json(lost: &LostMotion) -> Value {
+    let ms = lost.lead_in_s * 1e3;
+    if lost.axis.is_rotary() {
+        json!({
+            "axis": lost.axis.letter(), "play_urad": lost.play.to_radians() * 1e6, "lead_in_ms": ms,
+            "feed_deg_per_s": lost.feed_per_s, "way_deg": lost.way
+        })
+    } else {
+        json!({
+            "axis": lost.axis.letter(), "play_um": lost.play * 1e3, "lead_in_ms": ms,
+            "feed_mm_per_s": lost.feed_per_s, "way_mm": lost.way
+        })
+    }
 }
 
 fn run_compile(path: &Path, output: &Path) -> Result<()> {

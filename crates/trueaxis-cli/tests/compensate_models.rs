@@ -124,6 +124,76 @@ fn orientation_needs_a_model_that_has_one() {
     let output = call(&directory, &["compensate", ".", "p.csv", "--orientation"]);
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{error}");
-    assert!(error.contains("--model nine") && error.contains("--model exact"), "{error}");
+    assert!(error.contains("model nine of the machine") && error.contains("--model exact"), "{error}");
     assert!(output.stdout.is_empty());
+}
+
+#[test]
+fn the_model_is_the_machines_own_unless_told() {
+    let directory = tempfile::tempdir().unwrap();
+    for machine in ["mill-3axis", "mill-5axis", "head-5axis"] {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables").join(machine);
+        let folder = folder.to_str().unwrap();
+        put_positions(&directory, "p.csv", "x_mm,y_mm,z_mm", &[vec![80.0, -90.0, -50.0], vec![-120.0, 30.0, -20.0]]);
+        let toml = fs::read_to_string(Path::new(folder).join("machine.toml")).unwrap();
+        let (own, other) =
+            if toml.contains("model = \"volumetric\"") { ("volumetric", "nine") } else { ("nine", "volumetric") };
+        let output = call(&directory, &["compensate", folder, "p.csv"]);
+        assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+        let (_, rows) = good(&directory, &["compensate", folder, "p.csv"]);
+        assert_eq!(good(&directory, &["compensate", folder, "p.csv", "--model", own]).1, rows, "{machine}");
+        assert_ne!(good(&directory, &["compensate", folder, "p.csv", "--model", other]).1, rows, "{machine}");
+        call(&directory, &["tables", "compile", folder, "-o", "m.tcomp"]);
+        assert_eq!(good(&directory, &["compensate", "m.tcomp", "p.csv"]).1, rows, "{machine}");
+    }
+}
+
+/// X goes up and down by less than the hysteresis and by more; its straightness moves Y, whose drive turns although Y
+/// stands: Y has 2 µm of lost motion, X none.
+#[test]
+fn in_order_the_direction_is_that_of_the_drives() {
+    let directory = tempfile::tempdir().unwrap();
+    let toml = "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\n[axis.Y]\ntable = \"y.csv\"\nbacklash_um = 2\n";
+    fs::write(directory.path().join("machine.toml"), toml).unwrap();
+    // EYX rises by 0.1 µm per mm.
+    fs::write(directory.path().join("x.csv"), "X_mm,EYX_um\n0,0\n100,10\n").unwrap();
+    fs::write(directory.path().join("y.csv"), "Y_mm,EYY_um\n-50,0\n50,0\n").unwrap();
+    let x = [10.0, 12.0, 14.0, 12.0, 30.0, 29.0, 25.0];
+    put_positions(&directory, "p.csv", "x_mm,y_mm,z_mm", &x.map(|x| vec![x, 5.0, 0.0]));
+    // Y's drive: −0.2 (within 0.3 µm), −0.4 (turned), +0.2 (within), −1.6, +0.1 (within), +0.5 µm (turned).
+    let reverse = [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0];
+    for model in ["nine", "volumetric", "exact"] {
+        let (_, rows) = good(&directory, &["compensate", ".", "p.csv", "--model", model, "--in-order"]);
+        for ((row, x), reverse) in rows.iter().zip(x).zip(reverse) {
+            let error = 0.1 * x + 2.0 * reverse;
+            assert!(
+                (row[4] - error).abs() < 1e-9 && (row[7] - (5.0 - 1e-3 * error)).abs() < 1e-9,
+                "{model} {x}: {row:?}"
+            );
+        }
+        // Every row for itself, as ever.
+        let (_, rows) = good(&directory, &["compensate", ".", "p.csv", "--model", model]);
+        assert!(rows.iter().zip(x).all(|(row, x)| (row[4] - 0.1 * x).abs() < 1e-9));
+    }
+    let output = call(&directory, &["compensate", ".", "p.csv", "--in-order", "--reverse"]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn check_tells_what_lost_motion_costs() {
+    let directory = tempfile::tempdir().unwrap();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-3axis");
+    let folder = folder.to_str().unwrap();
+    let output = call(&directory, &["tables", "check", folder, "--json"]);
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let lost = document["lost_motion"].as_array().unwrap();
+    let y = lost.iter().find(|lost| lost["axis"] == "Y").unwrap();
+    // 2.2 µm, up at 5 m/s² and down at 4 m/s²; 250 mm/s.
+    let ms = 1e3 * (2.0 * 2.2e-3 * (1.0 / 5000.0 + 1.0 / 4000.0_f64)).sqrt();
+    for (key, truth) in [("play_um", 2.2), ("lead_in_ms", ms), ("feed_mm_per_s", 250.0), ("way_mm", 0.25 * ms)] {
+        assert!((y[key].as_f64().unwrap() - truth).abs() < 1e-9, "{y}");
+    }
+    let output = call(&directory, &["tables", "check", folder]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("axis Y: lost motion of up to 2.2 µm is corrected within 1.4 ms of a reversal"), "{text}");
 }

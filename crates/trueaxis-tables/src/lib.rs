@@ -6,6 +6,7 @@ mod compile;
 pub mod error;
 pub mod exact;
 pub mod formats;
+mod lost_motion;
 mod read;
 mod source;
 mod summary;
@@ -13,6 +14,7 @@ pub mod text;
 mod warning;
 
 pub use compile::{compile, write_atomically};
+pub use lost_motion::{LostMotion, lost_motion};
 pub use summary::{AxisSummary, ErrorSummary, Summary, TableSummary, summary};
 pub use warning::{Warning, check};
 

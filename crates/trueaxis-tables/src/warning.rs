@@ -1,6 +1,7 @@
 //! What works but not as well as it should.
 
 use crate::Machine;
+use crate::lost_motion::{LostMotion, SWIFT_S, lost_motion};
 use std::fmt;
 use trueaxis::check;
 use trueaxis::machine::Curve;
@@ -62,6 +63,8 @@ pub enum Warning {
         /// Top feed, mm/s.
         feed: f64,
     },
+    /// The limits lead the correction of lost motion in slowly.
+    SlowLeadIn(LostMotion),
     /// The model takes no notice of the machine's angular errors.
     AnglesIgnored {
         /// Upper bound of the tip error that they cause through their levers, mm.
@@ -140,6 +143,9 @@ impl fmt::Display for Warning {
                      {step:.2} {micro} into the command at {feed} {unit}/s; interpolation = \"cubic\" has none"
                 )
             }
+            Warning::SlowLeadIn(lost) => {
+                write!(f, "{lost}; higher limits of slope and acceleration would take less than {} ms", SWIFT_S * 1e3)
+            }
             Warning::AnglesIgnored { tip } => {
                 write!(
                     f,
@@ -173,6 +179,7 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
             warnings.push(Warning::AnglesIgnored { tip });
         }
     }
+    warnings.extend(lost_motion(machine).into_iter().filter(|lost| lost.lead_in_s > SWIFT_S).map(Warning::SlowLeadIn));
     for (settings, table) in machine.axes() {
         let axis = settings.axis;
         let open = AxisSettings::with_defaults(axis, false).travel;

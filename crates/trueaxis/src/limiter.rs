@@ -179,6 +179,21 @@ impl<R: Real> Limiter<R> {
     }
 }
 
+/// Time in which a correction at rest is brought by `way`, mm (deg), to a target at rest, s.
+///
+/// With V and A the limits in seconds, by the law above without its rounding to whole cycles: A up to the speed v, 0.8 A
+/// down from it,
+///
+/// ```text
+/// B = v²/2 · (1/A + 1/0.8A)     t = v (1/A + 1/0.8A)  + (|way| − B)/V where v = V, B < |way|
+/// ```
+pub fn lead_in_s(limits: &Limits, way: f64) -> f64 {
+    let (way, top) = (way.abs(), limits.slope_per_s);
+    let both = (1.0 + 1.0 / APPROACH) / limits.acceleration_per_s2;
+    let ramps = 0.5 * top * top * both;
+    if way <= ramps { libm::sqrt(2.0 * way * both) } else { top * both + (way - ramps) / top }
+}
+
 /// U(d, b): the largest speed from which whole cycles of deceleration `b` stop within `d`; `eight_over_b` = 8/b.
 #[inline(always)]
 fn stopping_speed<R: Real>(d: R, b: R, eight_over_b: R) -> R {

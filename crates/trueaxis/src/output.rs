@@ -35,9 +35,18 @@ impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
         Applied { drive: self.drive, feedback, correction: before, limited: 0, outside: Some(outside) }
     }
 
-    /// The corrections sent last, mm (deg).
-    pub(crate) fn sent(&self) -> impl Iterator<Item = R> + '_ {
-        self.limited.iter().map(Limited::sent)
+    /// The drive positions sent last.
+    pub(crate) fn drive(&self) -> &[P; N] {
+        &self.drive
+    }
+
+    /// Where a command and the corrections sent last put the drives.
+    pub(crate) fn drive_at(&self, command: &[P; N]) -> [P; N] {
+        let mut drive = *command;
+        for (drive, limited) in drive.iter_mut().zip(&self.limited) {
+            *drive = plus(*drive, limited.sent());
+        }
+        drive
     }
 }
 

@@ -53,7 +53,7 @@ def comp():
     lines = []
     for x in steps(-280, 280, 5):
         forward = plus(wave(9.0, 370.0, 0.1), wave(2.0, 40.0))(x)
-        reverse = forward + 1.5 + wave(0.5, 200.0)(x)
+        reverse = forward - 1.5 - wave(0.5, 200.0)(x)
         lines.append("%g %.6f %.6f" % (x, forward / 1000.0, reverse / 1000.0))
     os.makedirs(os.path.join(HERE, "comp"), exist_ok=True)
     with open(os.path.join(HERE, "comp", "x.comp"), "w") as f:

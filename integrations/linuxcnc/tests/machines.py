@@ -8,7 +8,7 @@ import rig
 TRUEAXIS = os.environ["TRUEAXIS"]
 REPOSITORY = os.path.realpath(os.path.join(rig.HERE, "..", "..", ".."))
 SAMPLES = os.path.join(REPOSITORY, "compensation-tables")
-DEFAULT_LIMITS = (0.1, 1.0, 200.0)
+DEFAULT_LIMITS = (0.1, 5.0, 5000.0)
 
 
 def compile_tables(folder, machine, name):

@@ -1,6 +1,6 @@
 use super::*;
 use crate::machine::is_turned;
-use crate::machine::{ErrorModel, Interpolation, LocationErrors, Row};
+use crate::machine::{CompensationSettings, ErrorModel, Interpolation, LocationErrors, Row};
 use std::{vec, vec::Vec};
 
 fn rows_of(points: &[(f64, [f64; 6])]) -> Vec<Row> {
@@ -388,4 +388,24 @@ fn lost_motion_of_a_rotary_axis_counts_in_its_own_sense() {
     assert!(error.axis == Some(Axis::C) && (error.bound.unwrap() - 20e-6_f64.to_degrees()).abs() < 1e-8, "{error}");
     machine.axes[3].backlash = 20e-6_f64.to_degrees();
     assert_eq!(reversal(&machine, tables), Ok(()));
+}
+
+/// With the direction corrected, lost motion of the table alone turns the table alone; what an axis turns beside itself
+/// may turn the others, by much near the singular pose.
+#[test]
+fn lost_motion_of_a_rotary_axis_turns_no_other() {
+    let mut machine = machine_of("w C' b X Y Z A t");
+    machine.compensation = CompensationSettings { model: ErrorModel::Volumetric, orientation: true, fade_deg: 5.0 };
+    let (a, c) = (lost([0.0, 0.0, 0.0, 30e-6, 0.0, 0.0]), lost([0.0, 0.0, 0.0, 0.0, 0.0, 30e-6]));
+    let of = |a: &'static [Row], c: &'static [Row]| {
+        move |axis| match axis {
+            Axis::A => Some(a),
+            Axis::C => Some(c),
+            _ => None,
+        }
+    };
+    assert_eq!(reversal(&machine, of(a.leak(), c.leak())), Ok(()));
+    let beside = lost([0.0, 0.0, 0.0, 30e-6, 0.0, 2e-6]);
+    let both = lost([0.0, 0.0, 0.0, 2e-6, 0.0, 30e-6]);
+    assert_eq!(reversal(&machine, of(beside.leak(), both.leak())).unwrap_err().field, Field::Hysteresis);
 }

@@ -366,8 +366,10 @@ pub(super) fn reversal_steps<'r, T: Rows + ?Sized + 'r>(
         *own = 0.0;
     }
     let gain = rotary_gain(machine, &links);
+    // A rotary axis takes its own error back all by itself.
+    let others = norm(&beside) * gain;
     // Turned back by the rotary axes, what is not the axis' own error moves the tip again.
-    let carried = if orientation { norm(&beside) * gain * bounds(machine, rows).lever } else { 0.0 };
+    let carried = if orientation { others * bounds(machine, rows).lever } else { 0.0 };
     let anywhere = is_turned(&links, moving.axis)
         || links.iter().any(|link| !link.axis.is_rotary() && is_turned(&links, link.axis));
     let mut steps = [[0.0; 2]; AXES];
@@ -380,7 +382,6 @@ pub(super) fn reversal_steps<'r, T: Rows + ?Sized + 'r>(
             let [least, most] =
                 drive.axis.index().checked_sub(Axis::A.index()).and_then(|k| own.get(k)).copied().unwrap_or_default();
             let [least, most] = if sense(machine, drive) < 0.0 { [-most, -least] } else { [least, most] };
-            let others = if drive.axis == moving.axis { norm(&beside) } else { norm(&rotations) } * gain;
             // Faded, its own step is smaller.
             *step = [(least.min(0.0) - others).to_degrees(), (most.max(0.0) + others).to_degrees()];
         } else if anywhere {

@@ -17,6 +17,8 @@ pub(super) struct Found<R> {
     /// What is left of the bracket, mm of arc length.
     pub(super) width: R,
     pub(super) flags: Flags,
+    /// The evaluations ran out on the way down to a minimum: the place is good to go on from.
+    pub(super) downhill: bool,
 }
 
 #[inline(always)]
@@ -122,7 +124,7 @@ pub(super) fn descend<R: Real, P: Position>(
                 (Some(l), Some(h)) => (bracket_width(path, &l, &h), flags.and(Flags::BRACKETED)),
                 _ => (window, flags),
             };
-            return Some(found(at, &e, width, flags));
+            return Some(Found { downhill: convex, ..found(at, &e, width, flags) });
         }
         at = match (low, high) {
             (Some(l), Some(h)) => {
@@ -209,7 +211,8 @@ fn bracket_width<R: Real, P: Position>(path: &Path<'_, R, P>, low: &Spot<R>, hig
 }
 
 fn found<R: Real>(spot: Spot<R>, e: &Evaluation<R>, width: R, flags: Flags) -> Found<R> {
-    Found { place: Reference { span: spot.number, t: spot.t }, vector: e.vector, tangent: e.tangent, width, flags }
+    let place = Reference { span: spot.number, t: spot.t };
+    Found { place, vector: e.vector, tangent: e.tangent, width, flags, downhill: false }
 }
 
 /// Evaluates a span at `t` as a foot.

@@ -143,6 +143,7 @@ impl<R: Real> ContourSearch<R> {
                 tangent: found.tangent,
                 width: R::ZERO,
                 flags: Flags::BRACKETED,
+                downhill: false,
             };
             return self.report(state, path, reference, &result, error, 2);
         }
@@ -171,6 +172,7 @@ impl<R: Real> ContourSearch<R> {
                 tangent: first.tangent,
                 width: R::ZERO,
                 flags: Flags::BRACKETED,
+                downhill: false,
             }
         } else {
             match descend(path, guess, point, window, false, EVALUATIONS - spent, &mut spent) {
@@ -184,7 +186,8 @@ impl<R: Real> ContourSearch<R> {
         {
             found = other;
         }
-        if !found.flags.has(Flags::BRACKETED) {
+        // On short pieces at high feed the evaluations may run out just past a border: the next cycle goes on from there.
+        if !(found.flags.has(Flags::BRACKETED) || found.downhill) {
             state.warm = false;
             state.looked = 0;
         }
@@ -383,6 +386,7 @@ fn across<R: Real, P: Position>(
             tangent: other.tangent,
             width: R::ZERO,
             flags: both,
+            downhill: false,
         })
     } else {
         Some(Found { flags: found.flags.and(Flags::SECOND_MINIMUM), ..*found })

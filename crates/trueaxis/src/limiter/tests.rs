@@ -199,3 +199,19 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_time_to_lead_a_step_in_is_the_one_stated() {
+    let swift = Limits { magnitude: 0.1, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };
+    for limits in [LIMITS, swift] {
+        for way in [1e-4, 1e-3, 2.2e-3, 0.01, 0.05, 0.1] {
+            let period = 2e-5;
+            let limiter = Limiter::<f64>::new(&limits, period).unwrap();
+            let mut state = Limited::default();
+            let cycles = (1..1_000_000).find(|_| !limiter.follow(&mut state, way)).unwrap();
+            let (found, stated) = (f64::from(cycles) * period, lead_in_s(&limits, way));
+            // Whole cycles of deceleration, and the last part by rounding.
+            assert!((found - stated).abs() <= 0.02 * stated + 4.0 * period, "{way}: {found} {stated}");
+        }
+    }
+}

@@ -48,29 +48,31 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Modelled { wanted, tip_error, tilt, at_edge }
     }
 
-    /// Direction of travel of every drive: of the command plus the correction sent last. While one axis alone is commanded,
-    /// the corrections of the others take up lost motion that their commands know nothing of.
+    /// Direction of travel of every drive as it was sent last, command plus correction: while one axis alone is commanded,
+    /// the corrections of the others take up lost motion that their commands know nothing of. A held drive stands.
     #[inline(always)]
     fn travel(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> [usize; N] {
-        // Before homing positions have no meaning, and homing moves none of the drives.
-        let afresh = sample.first || !state.homed;
+        let begins = sample.first || (sample.homed && !state.homed);
         state.homed = sample.homed;
-        // A held drive stands, whatever is commanded.
-        let held = sample.verdict == Verdict::Hold;
         let mut reverse = [0; N];
-        let drives = sample.command.iter().zip(state.output.sent());
-        for ((reverse, reversal), ((command, sent), band)) in
-            reverse.iter_mut().zip(&mut state.reversal).zip(drives.zip(&self.bands))
-        {
-            if !held {
-                let drive = command.plus(sent);
-                if afresh {
-                    *reversal = Reversal::at(drive);
-                }
-                reversal.update(drive, *band);
-            }
-            *reverse = reversal.mask();
+        if begins {
+            state.begin_travel(sample);
+            return reverse;
+        }
+        let drives = state.output.drive().iter().zip(&self.bands);
+        for ((reverse, reversal), (drive, band)) in reverse.iter_mut().zip(&mut state.reversal).zip(drives) {
+            *reverse = reversal.update(*drive, *band);
         }
         reverse
+    }
+}
+
+impl<R: Real, P: Position, const N: usize> State<R, P, N> {
+    /// Before homing positions have no meaning, and homing moves none of the drives: they travel from here, forward.
+    #[cold]
+    fn begin_travel(&mut self, sample: &Sample<P, N>) {
+        let held = sample.verdict == Verdict::Hold && !sample.first;
+        let drive = if held { *self.output.drive() } else { self.output.drive_at(&sample.command) };
+        self.reversal = drive.map(Reversal::at);
     }
 }

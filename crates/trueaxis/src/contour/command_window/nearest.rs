@@ -83,6 +83,7 @@ fn on<R: Real, P: Position>(span: &Span<R, P>, guess: Reference<R>, point: &[P; 
         tangent: found.tangent,
         width: R::ZERO,
         flags: Flags::BRACKETED,
+        downhill: false,
     })
 }
 
