@@ -93,9 +93,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     inside_travel(&machine, &positions)?;
     if arguments.model == Model::Nine && machine.settings.compensation.model == ErrorModel::Volumetric {
-        eprintln!(
+        tell(format_args!(
             "note: the machine file sets the volumetric model for the controller; this is the nine-term one (--model volumetric)"
-        );
+        ));
     }
     machine.settings.compensation.orientation = arguments.orientation;
     let evaluated = match arguments.model {
@@ -177,10 +177,10 @@ fn written(arguments: &Arguments, machine: &Machine, positions: &Rows<6>, evalua
     }
     let held = evaluated.iter().filter(|at| at.held).count();
     if held > 0 {
-        eprintln!(
+        tell(format_args!(
             "note: {held} of {} positions lie beyond a table's end, where its edge value is held",
             evaluated.len()
-        );
+        ));
     }
     Ok(text)
 }

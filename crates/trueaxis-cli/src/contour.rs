@@ -1,7 +1,7 @@
 //! `trueaxis contour`.
 
 use crate::csv_in::{Column, Rows};
-use crate::output::{progress, put};
+use crate::output::{progress, put, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
@@ -136,10 +136,10 @@ fn read_path(file: &FilePath) -> Result<Converted> {
                 );
             }
             if gap > JOINED {
-                eprintln!(
+                tell(format_args!(
                     "note: {}: segments[{number}] starts {gap:.2e} mm from the end of the one before",
                     file.display()
-                );
+                ));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::csv_in::{Column, Rows};
 use crate::model;
-use crate::output::{json, put};
+use crate::output::{json, put, tell};
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
@@ -227,7 +227,7 @@ fn inverse(arguments: &Inverse, settings: &MachineSettings) -> Result<Sheet> {
     let is_tool = |name: &String| TOOL_COLUMNS.contains(&name.as_str());
     let ignored: Vec<&str> = rows.header.iter().filter(|name| !is_tool(name)).map(String::as_str).collect();
     if !ignored.is_empty() {
-        eprintln!("note: {}: columns {} are not read", common.input.display(), ignored.join(", "));
+        tell(format_args!("note: {}: columns {} are not read", common.input.display(), ignored.join(", ")));
     }
     let mut sheet =
         Sheet { kept: rows.header.iter().filter(|name| is_tool(name)).cloned().collect(), ..Sheet::default() };
@@ -246,7 +246,7 @@ fn inverse(arguments: &Inverse, settings: &MachineSettings) -> Result<Sheet> {
         }
     }
     if walk.left_out > 0 {
-        eprintln!("note: {} rows have one solution only: the other leaves the travel", walk.left_out);
+        tell(format_args!("note: {} rows have one solution only: the other leaves the travel", walk.left_out));
     }
     Ok(sheet)
 }

@@ -4,7 +4,7 @@ mod collapse;
 
 use crate::accuracy;
 use crate::model::parsed;
-use crate::output::{json, put, put_bytes};
+use crate::output::{json, put, put_bytes, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Subcommand;
 use serde_json::json;
@@ -181,7 +181,7 @@ fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     }
     put(&format!("{}\n", summary(&tables)), None)?;
     for warning in &warnings {
-        eprintln!("warning: {warning}");
+        tell(format_args!("warning: {warning}"));
     }
     put(&format!("{}: no errors, {} warnings\n", path.display(), warnings.len()), None)
 }
@@ -190,18 +190,18 @@ fn run_compile(path: &Path, output: &Path) -> Result<()> {
     let machine = Machine::read(path)?;
     let bytes = compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
     for warning in check(&machine, 10_000.0) {
-        eprintln!("warning: {warning}");
+        tell(format_args!("warning: {warning}"));
     }
     put_bytes(&bytes, output)?;
     let tables = parsed(&bytes, output)?;
-    eprintln!(
+    tell(format_args!(
         "{}: {} bytes, machine {} (id {:08x}), CRC {:08x}",
         output.display(),
         bytes.len(),
         machine.settings.name,
         tables.machine_id(),
         tables.crc()
-    );
+    ));
     Ok(())
 }
 
@@ -221,9 +221,9 @@ fn run_import(format: Format, file: &Path, axis: Option<Axis>, output: &Path) ->
     for (name, text) in imported.machine_files(&name) {
         let path = output.join(name);
         put_bytes(text.as_bytes(), &path)?;
-        eprintln!("written {}", path.display());
+        tell(format_args!("written {}", path.display()));
     }
-    eprintln!("{}: {}", format.name(), meaning(format));
+    tell(format_args!("{}: {}", format.name(), meaning(format)));
     Ok(())
 }
 
@@ -234,15 +234,15 @@ fn run_export(format: Format, path: &Path, options: &ExportOptions, output: &Pat
     for (name, text) in &exported.files {
         let file = if alone { output.to_path_buf() } else { beside(output, name) };
         put_bytes(text.as_bytes(), &file)?;
-        eprintln!("written {}", file.display());
+        tell(format_args!("written {}", file.display()));
     }
     for dropped in &exported.dropped {
-        eprintln!("left out: {dropped}");
+        tell(format_args!("left out: {dropped}"));
     }
     for note in &exported.notes {
-        eprintln!("note: {note}");
+        tell(format_args!("note: {note}"));
     }
-    eprintln!("{}: {}", format.name(), meaning(format));
+    tell(format_args!("{}: {}", format.name(), meaning(format)));
     Ok(())
 }
 

@@ -7,6 +7,7 @@ pub mod error;
 pub mod exact;
 pub mod formats;
 mod read;
+pub mod sheet;
 mod source;
 mod summary;
 mod warning;

@@ -3,7 +3,7 @@
 pub(crate) mod evaluation;
 
 use crate::csv_in::{Column, Rows};
-use crate::output::{json, progress, put};
+use crate::output::{json, progress, put, tell};
 use crate::probes::ProbeArguments;
 use crate::report;
 use anyhow::{Result, anyhow, bail};
@@ -83,7 +83,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut evaluation = Evaluation::new(&separator, &separations, arguments.upr)?;
     evaluation.document.warnings = warnings(arguments, &separator, points, band);
     for warning in &evaluation.document.warnings {
-        eprintln!("warning: {warning}");
+        tell(format_args!("warning: {warning}"));
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.readings.file_name().unwrap_or_default().to_string_lossy();
