@@ -27,7 +27,7 @@ mod search;
 mod span;
 
 pub use commanded::Commanded;
-pub use convert::{PathError, Segment, convert};
+pub use convert::{PathError, Segment, convert, span_count};
 pub use orientation::{OrientationError, ToolPath, Turn};
 pub use search::{ContourSearch, ContourState, Method};
 pub use span::{Form, Path, Reference, Span};
