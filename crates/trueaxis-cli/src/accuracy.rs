@@ -1,7 +1,7 @@
 //! `trueaxis tables accuracy`: ISO 230-2 before and after compensation.
 
 use crate::model::{self, axis_count, with_compensation};
-use crate::output::{json, put};
+use crate::output::{json, put, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use std::fmt::Write;
@@ -23,6 +23,9 @@ struct Document {
 pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_json: bool) -> Result<()> {
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
     let measurement = read_measurement(&text, file, axis)?;
+    if let Some(how) = measurement.dialect {
+        tell(format_args!("note: {}: {how}", file.display()));
+    }
     let measured = evaluate(&measurement).map_err(|error| anyhow!("{}: {error}", file.display()))?;
     let compensated = match machine {
         None => None,

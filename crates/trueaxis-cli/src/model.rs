@@ -1,5 +1,6 @@
 //! A machine's error model in memory: from machine.toml, its folder, or a compiled .tcomp.
 
+use crate::output::tell;
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
@@ -13,7 +14,12 @@ pub(crate) fn machine(path: &Path) -> Result<Machine> {
         let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
         return Ok(Machine::from_tcomp(&parsed(&bytes, path)?));
     }
-    Ok(Machine::read(path)?)
+    source(path)
+}
+
+/// A machine in source form; says how its tables are read where that is not commas and points.
+pub(crate) fn source(path: &Path) -> Result<Machine> {
+    Ok(Machine::read_telling(path, |how| tell(format_args!("note: {how}")))?)
 }
 
 /// Parses compiled bytes; the error names the file they came from.

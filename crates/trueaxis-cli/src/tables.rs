@@ -3,7 +3,7 @@
 mod collapse;
 
 use crate::accuracy;
-use crate::model::parsed;
+use crate::model::{self, parsed};
 use crate::output::{json, put, put_bytes, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Subcommand;
@@ -13,7 +13,7 @@ use trueaxis::Axis;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
 use trueaxis_tables::formats::{self, ExportOptions, Format, Loss};
-use trueaxis_tables::{Machine, check, compile, summary};
+use trueaxis_tables::{check, compile, summary};
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
@@ -97,7 +97,8 @@ pub(crate) enum Command {
     },
     /// Evaluate a measured axis after ISO 230-2: A, E, R, M, B.
     #[command(
-        after_help = "MEASURED.csv: X_mm,run,direction,deviation_um; one row per approach, direction + or −.\n\n\
+        after_help = "MEASURED.csv: X_mm,run,direction,deviation_um; one row per approach, direction + or −.\n\
+        Or a row per target and a column per run: X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,… (µm; of a rotary axis µrad).\n\n\
         Example: trueaxis tables accuracy compensation-tables/mill-3axis/x-iso230-2.csv --machine compensation-tables/mill-3axis"
     )]
     Accuracy {
@@ -118,10 +119,12 @@ pub(crate) enum Command {
 
 const FORMATS: &str = "\
 Formats, and what they hold for an error E = actual − ideal:
-  linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or, with --comp-file-type 1, type 1 (−E)
-  siemens     $AA_ENC_COMP, +E in one direction (mm, degrees)
+  linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or type 1 (−E). Import tells them apart by the
+              numbers and refuses a file that could be either; export writes type 0. --comp-file-type says which
+  siemens     $AA_ENC_COMP, +E in one direction (mm, degrees); a file with AX1 needs --axis
   isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments
-  iso230-2    measured deviations, one row per approach (µm, µrad)";
+  iso230-2    measured deviations (µm, µrad), one row per approach, or one per target with a column per run:
+              X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…";
 
 pub(crate) fn run(command: Command) -> Result<()> {
     match command {
@@ -130,7 +133,9 @@ pub(crate) fn run(command: Command) -> Result<()> {
         Command::Show { file, json } => run_show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
         Command::Import { from, file, axis, comp_file_type, output } => {
-            run_import(format_of("--from", &from, comp_file_type)?, &file, axis_of(axis.as_deref())?, &output)
+            let recognise = from == "linuxcnc" && comp_file_type.is_none();
+            let format = format_of("--from", &from, comp_file_type)?;
+            run_import(format, recognise, &file, axis_of(axis.as_deref())?, &output)
         }
         Command::Export { to, machine, axis, comp_file_type, drop, step, output } => {
             let options = ExportOptions {
@@ -171,7 +176,7 @@ fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     if !(rate_hz.is_finite() && rate_hz > 0.0) {
         bail!("--rate-hz: found {rate_hz}, needed a positive number");
     }
-    let machine = Machine::read(path)?;
+    let machine = model::source(path)?;
     let bytes = compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
     let tables = parsed(&bytes, path)?;
     let warnings = check(&machine, rate_hz);
@@ -187,7 +192,7 @@ fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
 }
 
 fn run_compile(path: &Path, output: &Path) -> Result<()> {
-    let machine = Machine::read(path)?;
+    let machine = model::source(path)?;
     let bytes = compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
     for warning in check(&machine, 10_000.0) {
         tell(format_args!("warning: {warning}"));
@@ -211,11 +216,15 @@ fn run_show(file: &Path, as_json: bool) -> Result<()> {
     if as_json { json(&summary(&tables)) } else { put(&format!("{}\n", summary(&tables)), None) }
 }
 
-fn run_import(format: Format, file: &Path, axis: Option<Axis>, output: &Path) -> Result<()> {
+fn run_import(format: Format, recognise: bool, file: &Path, axis: Option<Axis>, output: &Path) -> Result<()> {
     let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
     let text = String::from_utf8(bytes)
         .map_err(|_| anyhow!("{}: found bytes that are no UTF-8, needed text", file.display()))?;
+    let format = if recognise { Format::LinuxCnc(formats::linuxcnc::recognise(&text, file)?) } else { format };
     let imported = formats::import(format, &text, file, axis)?;
+    for note in &imported.notes {
+        tell(format_args!("note: {}: {note}", file.display()));
+    }
     let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
     std::fs::create_dir_all(output).with_context(|| format!("cannot create {}", output.display()))?;
     for (name, text) in imported.machine_files(&name) {
@@ -228,7 +237,7 @@ fn run_import(format: Format, file: &Path, axis: Option<Axis>, output: &Path) ->
 }
 
 fn run_export(format: Format, path: &Path, options: &ExportOptions, output: &Path) -> Result<()> {
-    let machine = Machine::read(path)?;
+    let machine = model::source(path)?;
     let exported = formats::export(format, &machine, options)?;
     let alone = exported.files.len() == 1;
     for (name, text) in &exported.files {

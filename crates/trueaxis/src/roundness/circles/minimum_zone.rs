@@ -75,12 +75,43 @@ const TRIALS: usize = 10_000;
 /// A rectangle is searched centre by centre when no more points than this can decide in it, far and near together.
 const FEW: usize = 9;
 
-/// A rectangle of centres along the axis of the search: middle and half sides.
+/// A rectangle of centres: middle, along and across the axis of the search, and half sides.
+///
+/// Halving is exact in these coordinates, so that neighbours share their border to the last bit: on it two points can be
+/// equally far.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     m: [f64; 2],
     half: [f64; 2],
 }
+
+impl Cell {
+    /// The two parts of a rectangle, cut across the side along which more changes.
+    fn halves(self, change: [f64; 2]) -> [Cell; 2] {
+        let side = self.across(change);
+        let mut half = self.half;
+        half[side] *= 0.5;
+        [-half[side], half[side]].map(|by| {
+            let mut m = self.m;
+            m[side] += by;
+            Cell { m, half }
+        })
+    }
+
+    /// The side that is halved: the one along which more changes, unless it is a thread already.
+    fn across(&self, change: [f64; 2]) -> usize {
+        let [a, b] = self.half;
+        let side = if change[0] >= change[1] { 0 } else { 1 };
+        match side {
+            0 if a < THREAD * b => 1,
+            1 if b < THREAD * a => 0,
+            side => side,
+        }
+    }
+}
+
+/// No rectangle becomes narrower than this, against its length.
+const THREAD: f64 = 1e-12;
 
 struct Search<'a> {
     local: &'a Local,
@@ -153,32 +184,29 @@ impl<'a> Search<'a> {
         if self.width <= 0.0 {
             return;
         }
-        let at = extremes(&self.sample[0], &self.sample[1], cell.m);
+        let m = self.place(cell.m);
+        let at = extremes(&self.sample[0], &self.sample[1], m);
         let over = self.over(&at, cell);
         if over.least >= self.width {
             return;
         }
         if over.here - over.least > 4.0 * self.width && self.trials < TRIALS {
-            let along = if over.change[0] >= over.change[1] { 0 } else { 1 };
-            for part in self.halves(cell, along) {
+            for part in cell.halves(over.change) {
                 self.narrow(part);
             }
             return;
         }
-        let at = self.local.extremes(cell.m);
-        self.offer(cell.m, &[]);
+        let at = self.local.extremes(m);
+        self.offer(m, &[]);
         if self.over(&at, cell).least < self.width {
             self.cut(cell, &self.local.points, &self.local.points, at);
         }
     }
 
-    /// The two parts of a rectangle, cut across one of its sides.
-    fn halves(&self, cell: Cell, along: usize) -> [Cell; 2] {
+    /// A centre given along and across the axis.
+    fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [x, y] = self.axis;
-        let direction = if along == 0 { [x, y] } else { [-y, x] };
-        let mut half = cell.half;
-        half[along] *= 0.5;
-        [-half[along], half[along]].map(|by| Cell { m: [cell.m[0] + by * direction[0], cell.m[1] + by * direction[1]], half })
+        [u * x - v * y, u * y + v * x]
     }
 
     /// Half of what f(p) − f(q) changes along either side of a rectangle.
@@ -189,22 +217,27 @@ impl<'a> Search<'a> {
 
     /// The zone of two points over a rectangle.
     fn over(&self, at: &Extremes, cell: Cell) -> Over {
-        let ([x, y], [along, across]) = (self.axis, cell.half);
-        let zone = |c: [f64; 2]| self.local.width(at.far.f(c), at.near.f(c), c);
         let corner = |a: f64, b: f64| {
-            zone([cell.m[0] + a * along * x - b * across * y, cell.m[1] + a * along * y + b * across * x])
+            let c = self.place([cell.m[0] + a * cell.half[0], cell.m[1] + b * cell.half[1]]);
+            self.local.width(at.far.f(c), at.near.f(c), c)
         };
         let [low, left, right, high] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, -1.0), corner(1.0, 1.0)];
+        let here = corner(0.0, 0.0);
+        // Corners alone would not see a zone that is symmetric about the middle.
+        let from_here = |a: f64, b: f64| (corner(a, b) - here).abs().max((corner(-a, -b) - here).abs());
         Over {
-            here: zone(cell.m),
+            here,
             least: low.min(left).min(right).min(high),
-            change: [(right - low).abs().max((high - left).abs()), (left - low).abs().max((high - right).abs())],
+            change: [
+                (right - low).abs().max((high - left).abs()).max(from_here(1.0, 0.0)),
+                (left - low).abs().max((high - right).abs()).max(from_here(0.0, 1.0)),
+            ],
         }
     }
 
     fn cut(&mut self, cell: Cell, far: &[Point], near: &[Point], at: Extremes) {
         self.trials += 1;
-        let (local, m) = (self.local, cell.m);
+        let (local, m) = (self.local, self.place(cell.m));
         let noise = local.noise(m[0].hypot(m[1]) + cell.half[0] + cell.half[1]);
         // Where a is farthest in the middle, p can be farthest in the rectangle only if it overtakes a in a corner.
         let mut spread = [0.0_f64; 2];
@@ -224,18 +257,19 @@ impl<'a> Search<'a> {
         let sum = local.distance(at.high, m) + local.distance(at.low, m);
         let change = self.over(&at, cell).change;
         let much = [0, 1].map(|side| change[side].max(2.0 * spread[side] / sum.max(f64::MIN_POSITIVE)));
-        let mut parts = self.halves(cell, if much[0] >= much[1] { 0 } else { 1 }).map(|part| {
-            let at = extremes(&far, &near, part.m);
-            (self.over(&at, part).least, part, at)
+        let mut parts = cell.halves(much).map(|part| {
+            let m = self.place(part.m);
+            let at = extremes(&far, &near, m);
+            (self.over(&at, part).least, part, m, at)
         });
         parts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (bound, part, at) in parts {
-            let width = local.width(at.high, at.low, part.m);
+        for (bound, part, m, at) in parts {
+            let width = local.width(at.high, at.low, m);
             if width < self.width {
-                (self.width, self.centre) = (width, part.m);
+                (self.width, self.centre) = (width, m);
                 self.contacts.clear();
             }
-            let sum = local.distance(at.high, part.m) + local.distance(at.low, part.m);
+            let sum = local.distance(at.high, m) + local.distance(at.low, m);
             if bound + noise / sum.max(f64::MIN_POSITIVE) < self.width {
                 self.cut(part, &far, &near, at);
             }
