@@ -21,7 +21,7 @@ struct Document {
 }
 
 pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_json: bool) -> Result<()> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = model::text(file)?;
     let measurement = read_measurement(&text, file, axis)?;
     if let Some(how) = measurement.dialect {
         tell(format_args!("note: {}: {how}", file.display()));

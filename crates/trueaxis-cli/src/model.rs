@@ -1,7 +1,7 @@
 //! A machine's error model in memory: from machine.toml, its folder, or a compiled .tcomp.
 
 use crate::output::tell;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::Compensation;
@@ -44,4 +44,18 @@ pub(crate) fn with_compensation<const N: usize, T>(
     let compensation =
         Compensation::build(&machine.settings, rows, passes, memory.lend()).map_err(|error| anyhow!("{error}"))?;
     user(&compensation)
+}
+
+/// A text file; comments (`#`, `;`) may be in any encoding, as instruments write them.
+pub(crate) fn text(file: &Path) -> Result<String> {
+    let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let is_comment =
+        |line: &[u8]| line.trim_ascii_start().starts_with(b"#") || line.trim_ascii_start().starts_with(b";");
+    let lines = bytes.split(|byte| *byte == b'\n').zip(1..);
+    for (line, number) in lines {
+        if std::str::from_utf8(line).is_err() && !is_comment(line) {
+            bail!("{}:{number}: found bytes that are no UTF-8, needed text in UTF-8", file.display());
+        }
+    }
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }

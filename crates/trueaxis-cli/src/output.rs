@@ -59,7 +59,11 @@ enum Begun {
     /// A device or a pipe that was named.
     Device(File),
     /// A file beside the one that is asked for, renamed in the end.
-    Temporary { file: File, path: PathBuf, to: PathBuf },
+    Temporary {
+        file: File,
+        path: PathBuf,
+        to: PathBuf,
+    },
 }
 
 impl<'p> Writer<'p> {

@@ -96,11 +96,9 @@ pub(crate) enum Command {
         output: PathBuf,
     },
     /// Evaluate a measured axis after ISO 230-2: A, E, R, M, B.
-    #[command(
-        after_help = "MEASURED.csv: X_mm,run,direction,deviation_um; one row per approach, direction + or −.\n\
+    #[command(after_help = "MEASURED.csv: X_mm,run,direction,deviation_um; one row per approach, direction + or −.\n\
         Or a row per target and a column per run: X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,… (µm; of a rotary axis µrad).\n\n\
-        Example: trueaxis tables accuracy compensation-tables/mill-3axis/x-iso230-2.csv --machine compensation-tables/mill-3axis"
-    )]
+        Example: trueaxis tables accuracy compensation-tables/mill-3axis/x-iso230-2.csv --machine compensation-tables/mill-3axis")]
     Accuracy {
         /// Measured deviations.
         #[arg(value_name = "MEASURED.csv")]
@@ -217,9 +215,7 @@ fn run_show(file: &Path, as_json: bool) -> Result<()> {
 }
 
 fn run_import(format: Format, recognise: bool, file: &Path, axis: Option<Axis>, output: &Path) -> Result<()> {
-    let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|_| anyhow!("{}: found bytes that are no UTF-8, needed text", file.display()))?;
+    let text = model::text(file)?;
     let format = if recognise { Format::LinuxCnc(formats::linuxcnc::recognise(&text, file)?) } else { format };
     let imported = formats::import(format, &text, file, axis)?;
     for note in &imported.notes {

@@ -255,7 +255,11 @@ fn the_type_of_a_linuxcnc_file_is_seen() {
         assert!(error.contains(says), "{error}");
     }
     let numbers = |name: &str| -> Vec<f64> {
-        read(&directory, name).lines().skip(1).flat_map(|row| row.split(',').map(|c| c.parse().unwrap()).collect::<Vec<f64>>()).collect()
+        read(&directory, name)
+            .lines()
+            .skip(1)
+            .flat_map(|row| row.split(',').map(|c| c.parse().unwrap()).collect::<Vec<f64>>())
+            .collect()
     };
     let (a, b) = (numbers("a/x.csv"), numbers("b/x.csv"));
     assert!(a.len() == 9 && a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-9), "{a:?} {b:?}");
@@ -268,9 +272,10 @@ fn the_type_of_a_linuxcnc_file_is_seen() {
     import("both.comp", &[], &["both.comp", "type 0", "type 1", "--comp-file-type"]);
     import("1.comp", &["--comp-file-type", "0"], &["1.comp", "200.02", "needed --comp-file-type 1"]);
     import("0.comp", &["--comp-file-type", "1"], &["0.comp", "needed --comp-file-type 0"]);
-    good(&directory, &[
-        "tables", "import", "--from", "linuxcnc", "both.comp", "--axis", "X", "--comp-file-type", "1", "-o", "d",
-    ]);
+    good(
+        &directory,
+        &["tables", "import", "--from", "linuxcnc", "both.comp", "--axis", "X", "--comp-file-type", "1", "-o", "d"],
+    );
 }
 
 #[test]

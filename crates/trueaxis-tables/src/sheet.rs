@@ -81,8 +81,10 @@ fn sign(field: &str) -> Sign {
         // `1.234,5` is no number either way: it is refused as a number.
         (Some(_), true) => Sign::Comma,
         (Some((whole, decimals)), false) => {
-            let thousands =
-                decimals.len() == 3 && (1..=3).contains(&whole.len()) && !whole.starts_with('0') && !decimals.contains(',');
+            let thousands = decimals.len() == 3
+                && (1..=3).contains(&whole.len())
+                && !whole.starts_with('0')
+                && !decimals.contains(',');
             if thousands { Sign::Either } else { Sign::Comma }
         }
     }
@@ -200,7 +202,8 @@ impl<'r> Sheet<'r> {
                 ""
             };
             let needed = format!("{} as in the header{hint}", self.header.len());
-            return Err(self.source.at(self.line, "", format!("{} values", self.record.len()), needed));
+            let found = if self.record.len() == 1 { "1 value".into() } else { format!("{} values", self.record.len()) };
+            return Err(self.source.at(self.line, "", found, needed));
         }
         Ok(true)
     }
@@ -316,7 +319,8 @@ fn separator(head: &[u8], source: &Source) -> Result<Separator, FileError> {
             *found |= *byte == separator.byte();
         }
     });
-    let found: Vec<Separator> = Separator::ALL.into_iter().zip(found).filter(|(_, found)| *found).map(|(s, _)| s).collect();
+    let found: Vec<Separator> =
+        Separator::ALL.into_iter().zip(found).filter(|(_, found)| *found).map(|(s, _)| s).collect();
     match found.as_slice() {
         [] => Ok(Separator::Comma),
         [only] => Ok(*only),
@@ -331,7 +335,11 @@ fn separator(head: &[u8], source: &Source) -> Result<Separator, FileError> {
 /// What the first decimal number that leaves no doubt says.
 fn decimals(head: &[u8], separator: Separator, source: &Source) -> Result<Decimals, FileError> {
     // The last line may be cut off.
-    let whole = if (head.len() as u64) < HEAD { head.len() } else { head.iter().rposition(|b| *b == b'\n').map_or(0, |p| p + 1) };
+    let whole = if (head.len() as u64) < HEAD {
+        head.len()
+    } else {
+        head.iter().rposition(|b| *b == b'\n').map_or(0, |p| p + 1)
+    };
     let head = head.get(..whole).unwrap_or_default();
     let mut reader = reader(Box::new(head), separator);
     let mut record = csv::ByteRecord::new();
@@ -448,7 +456,10 @@ mod tests {
             ("x;y\n1.5;-2.25\n3;4e-3\n", Some("read as semicolon separated")),
             ("x\ty\n1.5\t-2.25\n3\t4e-3\n", Some("read as tab separated")),
             ("x\ty\n1,5\t-2,25\n3\t4e-3\n", Some("read as tab separated with decimal commas")),
-            ("\"x\",\"y\"\n\"1,5\",\"-2,25\"\n\"3\",4e-3\n", Some("read as comma separated with decimal commas in quotes")),
+            (
+                "\"x\",\"y\"\n\"1,5\",\"-2,25\"\n\"3\",4e-3\n",
+                Some("read as comma separated with decimal commas in quotes"),
+            ),
             ("x, y\n1.5, \"-2.25\"\n 3 ,4e-3\n", None),
         ];
         for (text, told) in plain {
@@ -474,7 +485,7 @@ mod tests {
             ("x;y\n1.234,5;2\n", ["t.csv:2", "1.234,5", "thousands"]),
             ("x;y\n1,234,567;2\n", ["t.csv:2", "1,234,567", "a number"]),
             ("x,y\n\"1,2\n3,4\n", ["t.csv:2", "open quote", "closed"]),
-            ("x,y\n1\n", ["t.csv:2", "1 values", "2 as in the header"]),
+            ("x,y\n1\n", ["t.csv:2", "1 value", "2 as in the header"]),
             ("x,y\n1,\n", ["t.csv:2: column y", "nothing", "a number"]),
             ("# no more\n", ["t.csv", "no header", "names"]),
         ] {

@@ -227,7 +227,9 @@ fn outliers_are_answered_exactly_too() {
                 let fits = zone.zone < truth + tolerance && zone.zone > truth - tolerance * far;
                 assert!(fits, "{seed}: {} for {truth}\n{points:?}", zone.zone);
             }
-            Err(error) => assert!(error == NoCircle::Straight && truth >= limit * (1.0 - 1e-6), "{seed}: {truth} {limit}"),
+            Err(error) => {
+                assert!(error == NoCircle::Straight && truth >= limit * (1.0 - 1e-6), "{seed}: {truth} {limit}")
+            }
         }
         if let Ok(inner) = maximum_inscribed(&points) {
             let (least, most) = (largest_empty(&points, 1e-7), largest_empty(&points, -1e-7));
@@ -250,7 +252,10 @@ fn thousands_of_points_with_an_outlier() {
         points.push([10f64.powi(decade as i32), 0.0]);
         for circle in [least_squares as Circle, minimum_circumscribed, maximum_inscribed, minimum_zone] {
             let found = circle(&points);
-            assert!(found.is_ok() || matches!(found, Err(NoCircle::PartArc | NoCircle::Straight)), "{decade}: {found:?}");
+            assert!(
+                found.is_ok() || matches!(found, Err(NoCircle::PartArc | NoCircle::Straight)),
+                "{decade}: {found:?}"
+            );
         }
         let zone = minimum_zone(&points).unwrap();
         // A circle so large that the others lie on a line: their own diameter, and no point outside it.

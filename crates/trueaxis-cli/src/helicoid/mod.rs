@@ -191,7 +191,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         None => None,
     };
     if let Some([travel, radius]) = job.edge_finder_mm {
-        tell(format_args!("note: pivot length {} mm = travel {travel} mm + ball radius {radius} mm", job.settings.pivot_mm));
+        tell(format_args!(
+            "note: pivot length {} mm = travel {travel} mm + ball radius {radius} mm",
+            job.settings.pivot_mm
+        ));
     }
     for (name, range) in [("--u-rad", job.u), ("--theta-rad", job.theta)] {
         if is_coarse(range) {

@@ -108,7 +108,9 @@ impl Trace {
         let (first, last) = (self.angles_deg[0], self.angles_deg[self.angles_deg.len() - 1]);
         let before = self.angles_deg.partition_point(|angle| *angle < first + 360.0);
         let behind = self.angles_deg.partition_point(|angle| *angle <= last - 360.0);
-        for (list, turn) in [(&mut self.angles_deg, 360.0)].into_iter().chain(self.probes.iter_mut().map(|list| (list, 0.0))) {
+        for (list, turn) in
+            [(&mut self.angles_deg, 360.0)].into_iter().chain(self.probes.iter_mut().map(|list| (list, 0.0)))
+        {
             let head = list[before.saturating_sub(SIDE)..before].iter().map(|value| value - turn);
             let tail = list[behind..].iter().take(SIDE).map(|value| value + turn);
             *list = head.chain(list.iter().copied()).chain(tail).collect();

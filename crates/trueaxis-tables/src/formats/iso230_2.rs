@@ -185,7 +185,9 @@ fn matrix(
     for (place, name) in names.iter().enumerate() {
         match (run_column(name), position_column(name)) {
             (Some(column), _) => {
-                if runs.iter().any(|(_, other): &(usize, RunColumn)| (other.run, other.direction) == (column.run, column.direction)) {
+                if runs.iter().any(|(_, other): &(usize, RunColumn)| {
+                    (other.run, other.direction) == (column.run, column.direction)
+                }) {
                     let found = format!("run {} in this direction again", column.run);
                     return Err(source.at(line, name, found, "each run and direction once"));
                 }
@@ -215,7 +217,8 @@ fn matrix(
     Ok(axis)
 }
 
-const MATRIX: &str = "X_mm (or C_deg, position_mm, position_deg) and a column per run: +1, -1, +2, … or fwd_1_um, rev_1_um, …";
+const MATRIX: &str =
+    "X_mm (or C_deg, position_mm, position_deg) and a column per run: +1, -1, +2, … or fwd_1_um, rev_1_um, …";
 
 /// A column of a matrix.
 struct RunColumn {
@@ -368,7 +371,12 @@ pub(super) fn import(text: &str, source: &Source, axis: Option<Axis>) -> Result<
         lines.push((0, super::single(position, axis.index(), forward / scale, reverse / scale)));
     }
     let table = super::table(axis, super::only(axis.index()), lines, source)?;
-    Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default(), settings: None, notes: measurement.dialect.map(str::to_owned).into_iter().collect() })
+    Ok(Imported {
+        tables: vec![(axis, table)],
+        location: LocationErrors::default(),
+        settings: None,
+        notes: measurement.dialect.map(str::to_owned).into_iter().collect(),
+    })
 }
 
 /// The axis' own error as a measurement of one run without scatter, backlash included, to 1 nm (0.001 µrad).

@@ -165,7 +165,8 @@ fn contradicts(points: &[(u32, [f64; 3])], given: CompFileType, source: &Source)
         CompFileType::Trims => (trims, positions, 0),
     };
     if own > LARGEST && other * CLEARLY <= own && other <= LARGEST {
-        let found = format!("errors up to {own} mm or degrees read as type {}, {other} as type {number}", given.number());
+        let found =
+            format!("errors up to {own} mm or degrees read as type {}, {other} as type {number}", given.number());
         return Err(source.whole(found, format!("--comp-file-type {number}")));
     }
     Ok(())

@@ -124,8 +124,8 @@ fn header(axis: Axis, names: &[String], line: u32, source: &Source) -> Result<Ve
 /// Reads a table: `X_mm,EXX_um,…`, `#` comments and blank lines anywhere; separators and decimals as [`Sheet`] has them.
 ///
 /// Errors µm / 1e3 and µrad / 1e6, so that a value is the double nearest to the decimal in mm or rad.
-pub(super) fn read(text: &str, source: &Source, axis: Axis) -> Result<TableFile, FileError> {
-    let mut sheet = Sheet::new(text.as_bytes(), source.file()).map_err(|error| match error.found.as_str() {
+pub(super) fn read(text: &[u8], source: &Source, axis: Axis) -> Result<TableFile, FileError> {
+    let mut sheet = Sheet::new(text, source.file()).map_err(|error| match error.found.as_str() {
         "no header" => source.whole("nothing but comments", format!("a header line, like {}", example(axis))),
         _ => error,
     })?;

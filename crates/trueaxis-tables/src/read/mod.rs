@@ -94,7 +94,9 @@ fn read_table(
         ));
     }
     let source = Source::new(&file);
-    let TableFile { table, lines, columns, dialect } = axis_table::read(&text(&file, &source)?, &source, settings.axis)?;
+    // Comments may be in any encoding.
+    let bytes = fs::read(&file).map_err(|error| source.whole(error.to_string(), "a readable file"))?;
+    let TableFile { table, lines, columns, dialect } = axis_table::read(&bytes, &source, settings.axis)?;
     if let Some(how) = dialect {
         tell(format!("{}: {how}", file.display()));
     }

@@ -144,16 +144,8 @@ impl<'a> Search<'a> {
         let (x, y) = (far.x - other.x, far.y - other.y);
         let length = x.hypot(y);
         let axis = if length > 0.0 { [x / length, y / length] } else { [1.0, 0.0] };
-        let mut search = Self {
-            local,
-            width: strip,
-            centre: [0.0; 2],
-            contacts: Vec::new(),
-            sample,
-            axis,
-            trials: 0,
-            limit: 0.0,
-        };
+        let mut search =
+            Self { local, width: strip, centre: [0.0; 2], contacts: Vec::new(), sample, axis, trials: 0, limit: 0.0 };
         search.offer([0.0; 2], &[]);
         search
     }
