@@ -270,7 +270,7 @@ fn the_type_of_a_linuxcnc_file_is_seen() {
         assert!(!directory.path().join("c/x.csv").exists());
     };
     import("both.comp", &[], &["both.comp", "type 0", "type 1", "--comp-file-type"]);
-    import("1.comp", &["--comp-file-type", "0"], &["1.comp", "200.02", "needed --comp-file-type 1"]);
+    import("1.comp", &["--comp-file-type", "0"], &["1.comp", "200.03", "needed --comp-file-type 1"]);
     import("0.comp", &["--comp-file-type", "1"], &["0.comp", "needed --comp-file-type 0"]);
     good(
         &directory,
