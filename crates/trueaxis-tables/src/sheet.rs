@@ -432,7 +432,10 @@ impl Read for Lines<'_> {
 mod tests {
     use super::*;
 
-    fn read(text: &[u8]) -> Result<(Option<&'static str>, Vec<(u32, Vec<f64>)>), FileError> {
+    /// How the text is read, and its rows with their lines.
+    type Found = (Option<&'static str>, Vec<(u32, Vec<f64>)>);
+
+    fn read(text: &[u8]) -> Result<Found, FileError> {
         let mut sheet = Sheet::new(text, Path::new("t.csv"))?;
         let mut rows = Vec::new();
         while sheet.next_row()? {
