@@ -84,7 +84,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
         let elf = match given {
             Some(elf) => elf.clone(),
             None => {
-                eprintln!("building the image for {}", core.title());
+                crate::tell(format_args!("building the image for {}", core.title()));
                 image::build(core, &std::path::absolute(args.folder.join("build").join(core.name()))?)?
             }
         };

@@ -11,6 +11,9 @@
 //!
 //! Plant and truth are written apart from the plugin; neither uses its code.
 
+// print! and its like panic when the other end of a pipe is closed.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
 pub mod ball_test;
 pub mod bench;
 pub mod compare;

@@ -1,5 +1,8 @@
 //! `firmware-sim`: servo cycles on the host, with the machine simulated.
 
+// print! and its like panic when the other end of a pipe is closed: `put` and `tell` do not.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 mod compare_command;
 mod grind;
 mod record;
@@ -31,6 +34,9 @@ use trueaxis_tables::text::{counted, printable, read_text};
 /// the part and what each cycle cost.
 ///
 /// Without a command: `run` with the default scenario, and the report in ./report.
+///
+/// Exit code 0: done; 2: bad input. A reader that closes the standard output or error early (`| head`) ends the program
+/// without a word: exit code 0.
 #[derive(Parser)]
 #[command(version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -173,14 +179,9 @@ fn main() -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        // A reader that has seen enough (`firmware-sim … | head`) is no error.
-        Err(error)
-            if error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe) =>
-        {
-            ExitCode::SUCCESS
-        }
+        Err(error) if error.is::<Closed>() => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", printable(&format!("{error:#}")));
+            tell(format_args!("error: {}", printable(&format!("{error:#}"))));
             ExitCode::from(2)
         }
     }
@@ -404,9 +405,28 @@ fn time(args: &BenchArgs) -> Result<()> {
     ))
 }
 
+/// The reader of the standard output has seen enough (`firmware-sim … | head`): no error.
+#[derive(Debug)]
+struct Closed;
+
+impl std::fmt::Display for Closed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("the standard output is closed")
+    }
+}
+
+impl std::error::Error for Closed {}
+
 /// Writes to the standard output; a full disk or a closed pipe is an error, not a panic.
 fn put(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes())?;
-    Ok(out.flush()?)
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| match error.kind() {
+        std::io::ErrorKind::BrokenPipe => Closed.into(),
+        _ => anyhow::Error::new(error).context("cannot write to the standard output"),
+    })
+}
+
+/// Says something on the standard error. Nobody listening there is no error, and nothing could be said about it.
+fn tell(line: impl std::fmt::Display) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }

@@ -69,10 +69,10 @@ pub(crate) fn record(args: &RecordArgs) -> Result<()> {
     let bytes = bytes(&scenario, &args.how)?;
     std::fs::write(&args.output, &bytes).with_context(|| format!("cannot write {}", args.output.display()))?;
     if bytes.len() as u64 > image::RECORDING.1 {
-        eprintln!(
+        crate::tell(format_args!(
             "note: the bare-metal image has room for {} bytes (fewer cycles: --cycles, --rate-hz)",
             image::RECORDING.1
-        );
+        ));
     }
     put(&format!("written  {}  {} bytes\n", args.output.display(), bytes.len()))
 }

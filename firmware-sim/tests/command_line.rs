@@ -303,3 +303,22 @@ fn rotary_axes_are_in_the_report_and_in_the_trace() {
         assert!(page.contains(&format!("{name} correction in µrad")) && page.contains(&format!("<tr><th>{name}</th>")));
     }
 }
+
+/// Both ends that it could write to are closed before it begins: the exit code of the same call with someone listening.
+#[test]
+fn a_closed_pipe_is_no_panic() {
+    let directory = tempfile::tempdir().unwrap();
+    let closed = || {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        std::process::Stdio::from(writer)
+    };
+    let calls: [&[&str]; 4] =
+        [&["bench", "--cycles", "1000"], &["bench", "--cycles", "0"], &["--help"], &["no-such-command"]];
+    for arguments in calls {
+        let listening = simulator(arguments, directory.path()).status.code();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_firmware-sim"));
+        let status = command.args(arguments).current_dir(directory.path()).stdout(closed()).stderr(closed()).status();
+        assert_eq!(status.unwrap().code(), listening, "{arguments:?}");
+    }
+}

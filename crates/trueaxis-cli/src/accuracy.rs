@@ -1,7 +1,7 @@
 //! `trueaxis tables accuracy`: ISO 230-2 before and after compensation.
 
 use crate::model::{self, axis_count, with_compensation};
-use crate::output::{json, put};
+use crate::output::{json, put, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use std::fmt::Write;
@@ -13,7 +13,7 @@ use trueaxis::machine::step_axes;
 use trueaxis_tables::Machine;
 use trueaxis_tables::accuracy::{Accuracy, evaluate, evaluate_compensated};
 use trueaxis_tables::formats::iso230_2::{Direction, Measurement, read_measurement};
-use trueaxis_tables::text::{counted, read_text};
+use trueaxis_tables::text::counted;
 
 #[derive(Serialize)]
 struct Document {
@@ -23,8 +23,11 @@ struct Document {
 }
 
 pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_json: bool) -> Result<()> {
-    let text = read_text(file)?;
+    let text = model::text(file)?;
     let measurement = read_measurement(&text, file, axis)?;
+    if let Some(how) = measurement.dialect {
+        tell(format_args!("note: {}: {how}", file.display()));
+    }
     let measured = evaluate(&measurement).map_err(|error| anyhow!("{}: {error}", file.display()))?;
     let compensated = match machine {
         None => None,

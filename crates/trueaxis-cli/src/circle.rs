@@ -87,8 +87,8 @@ struct Document {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let rows = Rows::read(&arguments.points, &COLUMNS)?;
-    let points: Vec<[f64; 2]> = rows.rows.iter().map(|(_, point, _)| *point).collect();
+    let mut rows = Rows::open(&arguments.points, &COLUMNS, "points")?;
+    let (lines, points): (Vec<u32>, Vec<[f64; 2]>) = rows.all()?.iter().map(|row| (row.line, row.values)).unzip();
     // The circumscribed circle exists for all points that have any circle.
     let mcc = minimum_circumscribed(&points).map_err(|error| match error {
         NoCircle::Straight => {
@@ -118,10 +118,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mzc = or_reason("mzc", mzc);
     let mic = or_reason("mic", mic);
     let document = Document { points: points.len(), lsc, mzc, mic, mcc: Some(mcc.into()), refused };
-    if arguments.json { json(&document) } else { put(&table(&document, &rows)?, None) }
+    if arguments.json { json(&document) } else { put(&table(&document, &lines)?, None) }
 }
 
-fn table(document: &Document, rows: &Rows<2>) -> Result<String> {
+fn table(document: &Document, of: &[u32]) -> Result<String> {
     let mut text = format!("{} points; ISO 12181-1\n\n", document.points);
     writeln!(
         text,
@@ -132,7 +132,7 @@ fn table(document: &Document, rows: &Rows<2>) -> Result<String> {
     for (name, circle) in circles {
         match circle {
             Some(circle) => {
-                let lines = circle.contacts.iter().filter_map(|&i| rows.rows.get(i)).map(|row| row.0.to_string());
+                let lines = circle.contacts.iter().filter_map(|&i| of.get(i)).map(u32::to_string);
                 writeln!(
                     text,
                     "{name:<5} {:>20.12} {:>20.12} {:>20.12} {:>18.9}  {}",

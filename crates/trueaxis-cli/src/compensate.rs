@@ -3,12 +3,11 @@
 mod exact;
 mod step;
 
-use crate::csv_in::{Column, Rows};
+use crate::csv_in::{Column, Row, Rows};
 use crate::model::{self, axis_count};
-use crate::output::put;
+use crate::output::{Writer, tell};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis::compensation::{Reversal, ThermalLine};
 use trueaxis::machine::{AXES, Axis, ErrorModel};
@@ -83,7 +82,7 @@ const COLUMNS: [Column; 6] = [
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut machine = model::machine(&arguments.machine)?;
-    let positions = Rows::read(&arguments.positions, &COLUMNS)?;
+    let mut positions = Rows::open(&arguments.positions, &COLUMNS, "positions")?;
     for (column, present) in COLUMNS.iter().zip(positions.present).skip(3) {
         let letter = column.name.chars().next().map(|c| c.to_ascii_uppercase());
         if present && !machine.settings.axes.iter().any(|a| Some(a.axis.letter()) == letter) {
@@ -96,15 +95,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             );
         }
     }
-    inside_travel(&machine, &positions)?;
     let own = match machine.settings.compensation.model {
         ErrorModel::Nine => Model::Nine,
         ErrorModel::Volumetric => Model::Volumetric,
     };
     let model = arguments.model.unwrap_or(own);
     machine.settings.compensation.orientation = arguments.orientation;
-    let evaluated = match model {
-        Model::Exact => exact::evaluate(arguments, &machine, &positions)?,
+    let mut result = Written { out: Writer::new(arguments.output.as_deref()), rotary: Vec::new(), held: 0 };
+    match model {
+        Model::Exact => exact::evaluate(arguments, &machine, &mut positions, &mut result)?,
         Model::Nine if arguments.orientation => {
             let found = if arguments.model.is_some() { "--model nine" } else { "model nine of the machine" };
             bail!("--orientation: found {found}, which has no orientation, needed --model volumetric or --model exact")
@@ -113,14 +112,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             let nine = model == Model::Nine;
             machine.settings.compensation.model = if nine { ErrorModel::Nine } else { ErrorModel::Volumetric };
             match axis_count(&machine) {
-                3 => step::evaluate::<3>(arguments, &machine, &positions)?,
-                4 => step::evaluate::<4>(arguments, &machine, &positions)?,
-                5 => step::evaluate::<5>(arguments, &machine, &positions)?,
-                _ => step::evaluate::<6>(arguments, &machine, &positions)?,
+                3 => step::evaluate::<3>(arguments, &machine, &mut positions, &mut result)?,
+                4 => step::evaluate::<4>(arguments, &machine, &mut positions, &mut result)?,
+                5 => step::evaluate::<5>(arguments, &machine, &mut positions, &mut result)?,
+                _ => step::evaluate::<6>(arguments, &machine, &mut positions, &mut result)?,
             }
         }
-    };
-    put(&written(arguments, &machine, &positions, &evaluated)?, arguments.output.as_deref())
+    }
+    result.finish(positions.count)
 }
 
 /// What is known about one position.
@@ -188,18 +187,18 @@ impl Travel {
     }
 }
 
-fn inside_travel(machine: &Machine, positions: &Rows<6>) -> Result<()> {
-    for (line, values, _) in &positions.rows {
-        for settings in &machine.settings.axes {
-            let place = settings.axis.index();
-            let (q, [low, high]) = (values[place], settings.travel);
-            if q < low || q > high {
-                let needed = format!("the declared travel, {low} to {high}");
-                return Err(positions.error(*line, COLUMNS[place].name, q, needed));
-            }
+/// The next position; one outside the declared travel is refused.
+fn next(machine: &Machine, positions: &mut Rows<6>) -> Result<Option<Row<6>>> {
+    let Some(row) = positions.next()? else { return Ok(None) };
+    for settings in &machine.settings.axes {
+        let place = settings.axis.index();
+        let (q, [low, high]) = (row.values[place], settings.travel);
+        if q < low || q > high {
+            let needed = format!("the declared travel, {low} to {high}");
+            return Err(positions.error(row.line, COLUMNS[place].name, q, needed));
         }
     }
-    Ok(())
+    Ok(Some(row))
 }
 
 /// Kelvin above the reference temperature.
@@ -213,33 +212,54 @@ fn rise(arguments: &Arguments, machine: &Machine) -> Result<f64> {
     Ok(kelvin)
 }
 
-fn written(arguments: &Arguments, machine: &Machine, positions: &Rows<6>, evaluated: &[Evaluated]) -> Result<String> {
-    let rotary = || machine.settings.axes.iter().map(|settings| settings.axis).filter(|axis| axis.is_rotary());
-    let mut text = format!("{},ex_um,ey_um,ez_um,cx_mm,cy_mm,cz_mm", positions.header.join(","));
-    if arguments.orientation {
-        text.push_str(",ea_urad,eb_urad,ec_urad");
-        rotary().for_each(|axis| text.push_str(&format!(",c{}_deg", axis.letter().to_ascii_lowercase())));
-    }
-    text.push('\n');
-    for ((_, _, cells), at) in positions.rows.iter().zip(evaluated) {
-        let [ex, ey, ez] = at.error.map(|mm| mm * 1e3);
-        let [cx, cy, cz, ..] = at.corrected;
-        write!(text, "{},{ex},{ey},{ez},{cx},{cy},{cz}", cells.join(","))?;
+/// The result on its way out.
+struct Written<'p> {
+    out: Writer<'p>,
+    /// The rotary axes that have a corrected command of their own.
+    rotary: Vec<Axis>,
+    /// Positions beyond a table's end.
+    held: usize,
+}
+
+impl Written<'_> {
+    fn header(&mut self, arguments: &Arguments, machine: &Machine, positions: &Rows<6>) -> Result<()> {
+        self.out.put(format_args!("{},ex_um,ey_um,ez_um,cx_mm,cy_mm,cz_mm", positions.header.join(",")))?;
         if arguments.orientation {
-            let [ea, eb, ec] = at.orientation.map(|rad| rad * 1e6);
-            write!(text, ",{ea},{eb},{ec}")?;
-            for axis in rotary() {
-                write!(text, ",{}", at.corrected[axis.index()])?;
+            self.out.put(format_args!(",ea_urad,eb_urad,ec_urad"))?;
+            self.rotary = machine.settings.axes.iter().map(|own| own.axis).filter(|axis| axis.is_rotary()).collect();
+            for axis in &self.rotary {
+                self.out.put(format_args!(",c{}_deg", axis.letter().to_ascii_lowercase()))?;
             }
         }
-        text.push('\n');
+        self.out.put(format_args!("\n"))
     }
-    let held = evaluated.iter().filter(|at| at.held).count();
-    if held > 0 {
-        eprintln!(
-            "note: {held} of {} beyond a table's end, where its edge value is held",
-            counted(evaluated.len(), "position")
-        );
+
+    fn row(&mut self, arguments: &Arguments, positions: &Rows<6>, at: &Evaluated) -> Result<()> {
+        for cell in positions.cells() {
+            self.out.put(format_args!("{cell},"))?;
+        }
+        let [ex, ey, ez] = at.error.map(|mm| mm * 1e3);
+        let [cx, cy, cz, ..] = at.corrected;
+        self.out.put(format_args!("{ex},{ey},{ez},{cx},{cy},{cz}"))?;
+        if arguments.orientation {
+            let [ea, eb, ec] = at.orientation.map(|rad| rad * 1e6);
+            self.out.put(format_args!(",{ea},{eb},{ec}"))?;
+            for axis in &self.rotary {
+                self.out.put(format_args!(",{}", at.corrected[axis.index()]))?;
+            }
+        }
+        self.held += usize::from(at.held);
+        self.out.put(format_args!("\n"))
     }
-    Ok(text)
+
+    fn finish(self, count: usize) -> Result<()> {
+        if self.held > 0 {
+            tell(format_args!(
+                "note: {} of {} beyond a table's end, where its edge value is held",
+                self.held,
+                counted(count, "position")
+            ));
+        }
+        self.out.finish()
+    }
 }

@@ -1,13 +1,12 @@
 //! `trueaxis contour`.
 
-use crate::csv_in::{Column, Rows};
-use crate::output::{progress, put};
+use crate::csv_in::{Column, Row, Rows};
+use crate::output::{Writer, tell};
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
-use std::fmt::Write;
 use std::path::{Path as FilePath, PathBuf};
-use trueaxis::contour::{ContourSearch, Flags, Method, Path, Reference, Segment, Span, convert};
+use trueaxis::contour::{ContourSearch, Flags, Method, Path, Reference, Segment, Span, convert, span_count};
 use trueaxis_tables::text::read_text;
 
 pub(crate) const HELP: &str = "\
@@ -17,6 +16,7 @@ PATH.json: {\"segments\":[
   {\"type\":\"nurbs\",\"degree\":3,\"knots\":[…],\"points\":[[x,y,z],…],\"weights\":[…]}]}    degree 1 to 5; mm
 ACTUAL.csv: segment,u,x_mm,y_mm,z_mm; u is where the reference is: 0..1 on lines and arcs, the knot domain on NURBS.
 Output: segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed: the foot point, its distance, the vector actual − foot.
+A path is cut into pieces within 8 mm of their middle that turn by 30° at most; it may have 1,000,000 (16 km straight).
 The nearest point within --max-lag-mm of path length on either side of the reference is found, each row for itself.
 
 Example: trueaxis contour path.json actual.csv -o error.csv";
@@ -108,6 +108,8 @@ struct Converted {
 const JOINED: f64 = 1e-6;
 /// Further than this they are no path, mm.
 const GAP: f64 = 1e-3;
+/// Most pieces of a path: 16 km of straight line, 300 MB.
+const MOST_SPANS: u64 = 1_000_000;
 
 fn read_path(file: &FilePath) -> Result<Converted> {
     let text = read_text(file)?;
@@ -116,7 +118,21 @@ fn read_path(file: &FilePath) -> Result<Converted> {
     if parsed.segments.is_empty() {
         bail!("{}: segments: found none, needed at least one", file.display());
     }
-    let mut path = Converted { spans: Vec::new(), first: Vec::new(), closed: false };
+    let wrong = |number: usize, what: String| match segment_line(&text, number) {
+        Some(line) => anyhow!("{}:{line}: segments[{number}]: {what}", file.display()),
+        None => anyhow!("{}: segments[{number}]: {what}", file.display()),
+    };
+    // Everything is counted before anything is made.
+    let mut total = 0;
+    for (number, segment) in parsed.segments.iter().enumerate() {
+        let count = span_count(&segment.segment()).map_err(|error| wrong(number, error.to_string()))?;
+        total += u64::from(count);
+        if total > MOST_SPANS {
+            let found = format!("found {total} pieces of the path up to here, each 16 mm or 30° at most");
+            return Err(wrong(number, format!("{found}, needed at most {MOST_SPANS}")));
+        }
+    }
+    let mut path = Converted { spans: Vec::with_capacity(total as usize), first: Vec::new(), closed: false };
     for (number, segment) in parsed.segments.iter().enumerate() {
         let start = path.spans.len();
         path.first.push(start);
@@ -124,23 +140,21 @@ fn read_path(file: &FilePath) -> Result<Converted> {
             path.spans.push(span);
             Ok(())
         })
-        .map_err(|error| anyhow!("{}: segments[{number}]: {error}", file.display()))?;
+        .map_err(|error| wrong(number, error.to_string()))?;
         if path.spans.len() == start {
-            bail!("{}: segments[{number}]: found no length, needed a path", file.display());
+            return Err(wrong(number, "found no length, needed a path".into()));
         }
         if let Some(before) = start.checked_sub(1) {
             let gap = distance(path.spans[before].position(1.0), path.spans[start].position(0.0));
             if gap > GAP {
-                bail!(
-                    "{}: segments[{number}]: start: found {gap} mm from the end of the segment before, needed at most {GAP}",
-                    file.display()
-                );
+                let found = format!("start: found {gap} mm from the end of the segment before");
+                return Err(wrong(number, format!("{found}, needed at most {GAP}")));
             }
             if gap > JOINED {
-                eprintln!(
+                tell(format_args!(
                     "note: {}: segments[{number}] starts {gap:.2e} mm from the end of the one before",
                     file.display()
-                );
+                ));
             }
         }
     }
@@ -148,6 +162,18 @@ fn read_path(file: &FilePath) -> Result<Converted> {
     let (start, end) = (path.spans[0].position(0.0), path.spans[path.spans.len() - 1].position(1.0));
     path.closed = distance(start, end) <= JOINED;
     Ok(path)
+}
+
+/// The line on which a segment begins: only looked for where it is to be told.
+fn segment_line(text: &str, number: usize) -> Option<usize> {
+    #[derive(Deserialize)]
+    struct Raw<'t> {
+        #[serde(borrow)]
+        segments: Vec<&'t serde_json::value::RawValue>,
+    }
+    let raw: Raw<'_> = serde_json::from_str(text).ok()?;
+    let place = (raw.segments.get(number)?.get().as_ptr() as usize).checked_sub(text.as_ptr() as usize)?;
+    Some(1 + text.as_bytes().get(..place)?.iter().filter(|byte| **byte == b'\n').count())
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -180,7 +206,7 @@ const COLUMNS: [Column; 5] = [
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let path = read_path(&arguments.path)?;
-    let actual = Rows::read(&arguments.actual, &COLUMNS)?;
+    let mut actual = Rows::open(&arguments.actual, &COLUMNS, "positions")?;
     let method = match arguments.method {
         Refinement::Guarded => Method::Guarded,
         Refinement::Bisection => Method::Bisection,
@@ -188,29 +214,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let search = ContourSearch::new(arguments.max_lag_mm, method).map_err(|error| anyhow!("--max-lag-mm: {error}"))?;
     let view = Path::new(&path.spans, 0, path.closed);
     let segments = path.first.len() - 1;
-    let mut text = String::from("segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed\n");
-    let bar = progress(actual.rows.len(), "positions");
-    for (line, [segment, u, x, y, z], _) in &actual.rows {
-        if segment.fract() != 0.0 || *segment < 0.0 || *segment >= segments as f64 {
-            return Err(actual.error(*line, "segment", segment, format!("a whole number from 0 to {}", segments - 1)));
+    let mut out = Writer::new(arguments.output.as_deref());
+    out.put(format_args!("segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed\n"))?;
+    while let Some(Row { line, values: [segment, u, x, y, z] }) = actual.next()? {
+        if segment.fract() != 0.0 || segment < 0.0 || segment >= segments as f64 {
+            return Err(actual.error(line, "segment", segment, format!("a whole number from 0 to {}", segments - 1)));
         }
         let reference = path
-            .reference(*segment as usize, *u)
-            .map_err(|[low, high]| actual.error(*line, "u", u, format!("{low} to {high} on this segment")))?;
-        let found = search.nearest(&view, reference, [*x, *y, *z]);
+            .reference(segment as usize, u)
+            .map_err(|[low, high]| actual.error(line, "u", u, format!("{low} to {high} on this segment")))?;
+        let found = search.nearest(&view, reference, [x, y, z]);
         let span = &path.spans[found.span as usize];
         let [ex, ey, ez] = found.vector.map(|e| e * 1e3);
-        writeln!(
-            text,
-            "{},{},{},{ex},{ey},{ez},{},{}",
+        out.put(format_args!(
+            "{},{},{},{ex},{ey},{ez},{},{}\n",
             span.segment(),
             span.u_of(found.t),
             found.error * 1e3,
             found.evaluations,
             found.flags.has(Flags::BRACKETED)
-        )?;
-        bar.inc(1);
+        ))?;
     }
-    bar.finish_and_clear();
-    put(&text, arguments.output.as_deref())
+    out.finish()
 }

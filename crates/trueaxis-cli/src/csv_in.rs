@@ -1,9 +1,12 @@
-//! CSV with a header of known columns; every fault with its line and column.
+//! CSV with a header of known columns, row by row; every fault with its line and column.
 
-use anyhow::Result;
+use crate::output::{progress, tell};
+use anyhow::{Context, Result};
+use indicatif::ProgressBar;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
-use trueaxis_tables::text::{counted, read_text};
+use trueaxis_tables::sheet::Sheet;
 
 /// A column that a file may have.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +15,14 @@ pub(crate) struct Column {
     pub(crate) needed: bool,
 }
 
-/// The rows of a file, values in the order of the columns asked for.
+/// A row: its line, and the values in the order of the columns asked for (0 for absent ones).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row<const C: usize> {
+    pub(crate) line: u32,
+    pub(crate) values: [f64; C],
+}
+
+/// The rows of a file, one after the other: memory does not grow with their number.
 #[derive(Debug)]
 pub(crate) struct Rows<const C: usize> {
     pub(crate) file: PathBuf,
@@ -20,71 +30,92 @@ pub(crate) struct Rows<const C: usize> {
     pub(crate) present: [bool; C],
     /// Header cells as they stand in the file.
     pub(crate) header: Vec<String>,
-    /// Line number, values (0 for absent columns) and the cells as they stand in the file.
-    pub(crate) rows: Vec<(u32, [f64; C], Vec<String>)>,
+    /// Rows read so far.
+    pub(crate) count: usize,
+    sheet: Sheet<'static>,
+    /// Place among the columns asked for, by place in the file.
+    order: Vec<usize>,
+    told: Option<&'static str>,
+    bar: ProgressBar,
 }
 
+/// Largest value of a cell.
+const LARGEST: f64 = 1e9;
+
 impl<const C: usize> Rows<C> {
-    /// Reads a file; `#` starts a comment line.
-    pub(crate) fn read(file: &Path, columns: &[Column; C]) -> Result<Rows<C>> {
-        let wrong = |line: Option<u32>, column: Option<&str>, found: String, needed: String| FileError {
+    /// Opens a file and checks its header; `what` names the rows on the progress bar.
+    pub(crate) fn open(file: &Path, columns: &[Column; C], what: &'static str) -> Result<Rows<C>> {
+        let input = File::open(file).with_context(|| format!("cannot read {}", file.display()))?;
+        let bar = progress(input.metadata().map_or(0, |data| data.len()), what);
+        let sheet = Sheet::new(bar.wrap_read(input), file)?;
+        let (header, line) = (sheet.header().to_vec(), Some(sheet.header_line()));
+        let wrong = |column: Option<&str>, found: String, needed: String| FileError {
             file: file.into(),
             line,
             column: column.map(str::to_owned),
             found,
             needed,
         };
-        let text = read_text(file)?;
-        let mut lines = (1u32..)
-            .zip(text.lines())
-            .map(|(number, line)| (number, line.trim()))
-            .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
         let names = || columns.iter().map(|c| c.name).collect::<Vec<_>>().join(", ");
-        let Some((header_line, header_text)) = lines.next() else {
-            return Err(wrong(None, None, "no header".into(), format!("columns {}", names())).into());
-        };
-        let header: Vec<String> = header_text.split(',').map(|cell| cell.trim().to_owned()).collect();
         let mut order = Vec::with_capacity(header.len());
         for (i, cell) in header.iter().enumerate() {
             let Some(place) = columns.iter().position(|c| c.name == cell) else {
-                return Err(wrong(Some(header_line), Some(cell), cell.clone(), format!("one of {}", names())).into());
+                return Err(wrong(Some(cell), cell.clone(), format!("one of {}", names())).into());
             };
             if header[..i].contains(cell) {
-                return Err(
-                    wrong(Some(header_line), Some(cell), "a second column of that name".into(), "one".into()).into()
-                );
+                return Err(wrong(Some(cell), "a second column of that name".into(), "one".into()).into());
             }
             order.push(place);
         }
         let present: [bool; C] = std::array::from_fn(|place| order.contains(&place));
         if let Some(missing) = columns.iter().zip(present).find(|(column, present)| column.needed && !present) {
             let needed = format!("the column {}", missing.0.name);
-            return Err(wrong(Some(header_line), None, format!("columns {}", header.join(", ")), needed).into());
+            return Err(wrong(None, format!("columns {}", header.join(", ")), needed).into());
         }
+        let mut rows = Rows { file: file.into(), present, header, count: 0, sheet, order, told: None, bar };
+        rows.tell();
+        Ok(rows)
+    }
+
+    /// The next row; none at the end of the file.
+    ///
+    /// # Errors
+    /// A row that is none, or a file without any.
+    pub(crate) fn next(&mut self) -> Result<Option<Row<C>>> {
+        if !self.sheet.next_row()? {
+            self.bar.finish_and_clear();
+            self.tell();
+            if self.count == 0 {
+                let file = self.file.clone();
+                let (found, needed) = ("no rows".into(), "at least one".into());
+                return Err(FileError { file, line: None, column: None, found, needed }.into());
+            }
+            return Ok(None);
+        }
+        self.count += 1;
+        let mut values = [0.0; C];
+        for (i, &place) in self.order.iter().enumerate() {
+            let value = self.sheet.number(i).ok().filter(|value| value.abs() <= LARGEST);
+            values[place] = match value {
+                Some(value) => value,
+                None => return Err(self.no_value(i)),
+            };
+        }
+        Ok(Some(Row { line: self.sheet.line(), values }))
+    }
+
+    /// All rows that are left: for commands that need them at once.
+    pub(crate) fn all(&mut self) -> Result<Vec<Row<C>>> {
         let mut rows = Vec::new();
-        for (line, text) in lines {
-            let cells: Vec<String> = text.split(',').map(|cell| cell.trim().to_owned()).collect();
-            if cells.len() != order.len() {
-                let (found, needed) = (counted(cells.len(), "value"), format!("{} as in the header", order.len()));
-                return Err(wrong(Some(line), None, found, needed).into());
-            }
-            let mut values = [0.0; C];
-            for ((cell, place), name) in cells.iter().zip(&order).zip(&header) {
-                values[*place] = match cell.parse::<f64>() {
-                    Ok(value) if value.is_finite() && value.abs() <= 1e9 => value,
-                    _ => {
-                        let found = if cell.is_empty() { "an empty cell".into() } else { cell.clone() };
-                        let needed = "a finite number, at most 1e9".into();
-                        return Err(wrong(Some(line), Some(name), found, needed).into());
-                    }
-                };
-            }
-            rows.push((line, values, cells));
+        while let Some(row) = self.next()? {
+            rows.push(row);
         }
-        if rows.is_empty() {
-            return Err(wrong(None, None, "no rows".into(), "at least one".into()).into());
-        }
-        Ok(Rows { file: file.into(), present, header, rows })
+        Ok(rows)
+    }
+
+    /// The cells of the last row as they stand in the file, but with decimal points, in the file's order.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = std::borrow::Cow<'_, str>> + Clone {
+        (0..self.header.len()).map(|i| self.sheet.plain(i))
     }
 
     /// An error at a place in the file.
@@ -97,5 +128,33 @@ impl<const C: usize> Rows<C> {
             needed: needed.to_string(),
         }
         .into()
+    }
+
+    fn no_value(&mut self, place: usize) -> anyhow::Error {
+        let cell = self.sheet.field(place).to_owned();
+        let needed = match self.sheet.number(place) {
+            // Of the other kind, or in doubt: the reader says so.
+            Err(error) if cell.contains([',', '.']) && !error.needed.ends_with("a number") => error.needed,
+            _ => format!("a finite number, at most {LARGEST:e}"),
+        };
+        let found = if cell.is_empty() { "an empty cell".to_owned() } else { cell };
+        self.error(self.sheet.line(), &self.header[place].clone(), found, needed)
+    }
+
+    /// Says once how a file is read that has other separators or decimals.
+    fn tell(&mut self) {
+        let dialect = self.sheet.dialect();
+        if dialect != self.told
+            && let Some(how) = dialect
+        {
+            self.bar.suspend(|| tell(format_args!("note: {}: {how}", self.file.display())));
+        }
+        self.told = dialect;
+    }
+}
+
+impl<const C: usize> Drop for Rows<C> {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
     }
 }

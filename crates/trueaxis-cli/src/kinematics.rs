@@ -1,12 +1,12 @@
 //! `trueaxis kinematics`.
 
-use crate::csv_in::{Column, Rows};
+use crate::csv_in::{Column, Row, Rows};
 use crate::model;
-use crate::output::{json, put};
+use crate::output::{Writer, tell};
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, Subcommand, ValueEnum};
-use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::kinematics::{BranchTracker, Choice, InverseError, Kinematics, Solution, Tool};
@@ -101,41 +101,25 @@ const TOOL_COLUMNS: [&str; 6] = ["tip_x_mm", "tip_y_mm", "tip_z_mm", "tool_i", "
 const MARGIN: &str = "singularity_margin_deg";
 const BRANCH: &str = "branch";
 
-/// A result: cells as they stood in the input, then the values found.
-#[derive(Default)]
-struct Sheet {
-    kept: Vec<String>,
-    found: Vec<&'static str>,
-    rows: Vec<(Vec<String>, Vec<f64>)>,
-}
-
-#[derive(Serialize)]
-struct Document<'m> {
-    machine: &'m str,
-    chain: &'m str,
-    rows: Vec<Map<String, Value>>,
+/// A result on its way out: cells as they stood in the input, then the values found.
+struct Sheet<'p> {
+    names: Vec<String>,
+    csv: Option<Writer<'p>>,
+    json: Option<Writer<'p>>,
+    first: bool,
 }
 
 pub(crate) fn run(command: Command) -> Result<()> {
-    let (common, sheet, settings) = match command {
+    match command {
         Command::Forward(common) => {
             let settings = model::machine(&common.machine)?.settings;
-            let sheet = forward(&common, &settings)?;
-            (common, sheet, settings)
+            forward(&common, &settings)
         }
         Command::Inverse(arguments) => {
             let settings = model::machine(&arguments.common.machine)?.settings;
-            let sheet = inverse(&arguments, &settings)?;
-            (arguments.common, sheet, settings)
+            inverse(&arguments, &settings)
         }
-    };
-    if !common.json || common.output.is_some() {
-        put(&sheet.csv(), common.output.as_deref())?;
     }
-    if common.json {
-        json(&Document { machine: &settings.name, chain: &settings.chain, rows: sheet.objects() })?;
-    }
-    Ok(())
 }
 
 /// The machine with the tool asked for.
@@ -162,9 +146,10 @@ fn kinematics(common: &Common, settings: &MachineSettings) -> Result<Kinematics<
     })
 }
 
-fn forward(common: &Common, settings: &MachineSettings) -> Result<Sheet> {
+fn forward(common: &Common, settings: &MachineSettings) -> Result<()> {
     let kinematics = kinematics(common, settings)?;
-    let rows = Rows::read(&common.input, &AXIS_COLUMNS.map(|name| Column { name, needed: false }))?;
+    let columns = AXIS_COLUMNS.map(|name| Column { name, needed: false });
+    let mut rows = Rows::open(&common.input, &columns, "positions")?;
     for (axis, (column, present)) in Axis::ALL.into_iter().zip(AXIS_COLUMNS.iter().zip(rows.present)) {
         if present && !kinematics.has(axis) {
             bail!(
@@ -175,21 +160,21 @@ fn forward(common: &Common, settings: &MachineSettings) -> Result<Sheet> {
             );
         }
     }
-    let mut sheet = Sheet { kept: rows.header.clone(), found: TOOL_COLUMNS.to_vec(), rows: Vec::new() };
-    sheet.found.push(MARGIN);
-    for (line, axes, cells) in &rows.rows {
+    let found = TOOL_COLUMNS.into_iter().chain([MARGIN]).map(str::to_owned);
+    let mut sheet = Sheet::new(common, settings, rows.header.iter().cloned().chain(found).collect())?;
+    while let Some(Row { line, values: axes }) = rows.next()? {
         for known in &settings.axes {
             let ([low, high], place) = (known.travel, known.axis.index());
             if axes[place] < low || axes[place] > high {
                 let needed = format!("the declared travel, {low} to {high}");
-                return Err(rows.error(*line, AXIS_COLUMNS[place], axes[place], needed));
+                return Err(rows.error(line, AXIS_COLUMNS[place], axes[place], needed));
             }
         }
-        let Tool { tip, axis } = kinematics.forward(axes);
-        let margin = kinematics.singularity_margin_deg(axes);
-        sheet.rows.push((cells.clone(), vec![tip.x, tip.y, tip.z, axis.x, axis.y, axis.z, margin]));
+        let Tool { tip, axis } = kinematics.forward(&axes);
+        let margin = kinematics.singularity_margin_deg(&axes);
+        sheet.row(rows.cells(), [tip.x, tip.y, tip.z, axis.x, axis.y, axis.z, margin])?;
     }
-    Ok(sheet)
+    sheet.finish()
 }
 
 /// Columns of the input: the tool, then what a forward or an inverse result has besides.
@@ -210,7 +195,7 @@ const INVERSE_COLUMNS: [&str; 14] = [
     MARGIN,
 ];
 
-fn inverse(arguments: &Inverse, settings: &MachineSettings) -> Result<Sheet> {
+fn inverse(arguments: &Inverse, settings: &MachineSettings) -> Result<()> {
     let common = &arguments.common;
     let mut kinematics = kinematics(common, settings)?;
     if let Some(cone) = arguments.singular_cone_deg {
@@ -224,32 +209,35 @@ fn inverse(arguments: &Inverse, settings: &MachineSettings) -> Result<Sheet> {
     }
     let used: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| kinematics.has(*axis)).collect();
     let columns = INVERSE_COLUMNS.map(|name| Column { name, needed: TOOL_COLUMNS.contains(&name) });
-    let rows = Rows::read(&common.input, &columns)?;
+    let mut rows = Rows::open(&common.input, &columns, "tools")?;
     let is_tool = |name: &String| TOOL_COLUMNS.contains(&name.as_str());
     let ignored: Vec<&str> = rows.header.iter().filter(|name| !is_tool(name)).map(String::as_str).collect();
     if !ignored.is_empty() {
-        eprintln!("note: {}: columns {} are not read", common.input.display(), ignored.join(", "));
+        tell(format_args!("note: {}: columns {} are not read", common.input.display(), ignored.join(", ")));
     }
-    let mut sheet =
-        Sheet { kept: rows.header.iter().filter(|name| is_tool(name)).cloned().collect(), ..Sheet::default() };
-    sheet.found = used.iter().map(|axis| AXIS_COLUMNS[axis.index()]).chain([BRANCH, MARGIN]).collect();
+    let kept: Vec<bool> = rows.header.iter().map(is_tool).collect();
+    let names = rows.header.iter().filter(|name| is_tool(name)).cloned();
+    let found = used.iter().map(|axis| AXIS_COLUMNS[axis.index()]).chain([BRANCH, MARGIN]).map(str::to_owned);
+    let mut sheet = Sheet::new(common, settings, names.chain(found).collect())?;
     let mut walk = Walk { near: start(arguments, &used)?, follow: None, left_out: 0 };
-    for (line, values, cells) in &rows.rows {
-        let [x, y, z, i, j, k, ..] = *values;
+    while let Some(Row { line, values }) = rows.next()? {
+        let [x, y, z, i, j, k, ..] = values;
         let tool = Tool { tip: V3::new(x, y, z), axis: V3::new(i, j, k) };
-        let found = walk.solve(arguments, &kinematics, &tool).map_err(|error| told(&common.input, *line, error))?;
-        let kept = rows.header.iter().zip(cells).filter(|(name, _)| is_tool(name)).map(|(_, cell)| cell.clone());
-        let kept: Vec<String> = kept.collect();
+        let found = walk.solve(arguments, &kinematics, &tool).map_err(|error| told(&common.input, line, error))?;
         for solution in found {
             let positions = used.iter().map(|axis| solution.axes[axis.index()]);
             let more = [f64::from(solution.branch as u8), solution.singularity_margin_deg];
-            sheet.rows.push((kept.clone(), positions.chain(more).collect()));
+            let cells = rows.cells().zip(&kept).filter(|(_, kept)| **kept).map(|(cell, _)| cell);
+            sheet.row(cells, positions.chain(more))?;
         }
     }
     if walk.left_out > 0 {
-        eprintln!("note: {} with one solution only: the other leaves the travel", counted(walk.left_out, "row"));
+        tell(format_args!(
+            "note: {} with one solution only: the other leaves the travel",
+            counted(walk.left_out, "row")
+        ));
     }
-    Ok(sheet)
+    sheet.finish()
 }
 
 /// Where the rotary axes stand before the first row.
@@ -316,31 +304,56 @@ fn told(file: &Path, line: u32, error: InverseError) -> anyhow::Error {
     anyhow!("{}:{line}: {place}{error}", file.display())
 }
 
-impl Sheet {
-    fn csv(&self) -> String {
-        let header = self.kept.iter().map(String::as_str).chain(self.found.iter().copied());
-        let mut text = header.collect::<Vec<_>>().join(",");
-        text.push('\n');
-        for (cells, values) in &self.rows {
-            let values = values.iter().map(f64::to_string);
-            text.push_str(&cells.iter().cloned().chain(values).collect::<Vec<_>>().join(","));
-            text.push('\n');
+impl<'p> Sheet<'p> {
+    fn new(common: &'p Common, settings: &MachineSettings, names: Vec<String>) -> Result<Sheet<'p>> {
+        let mut csv = (!common.json || common.output.is_some()).then(|| Writer::new(common.output.as_deref()));
+        if let Some(csv) = &mut csv {
+            csv.put(format_args!("{}\n", names.join(",")))?;
         }
-        text
+        let mut json = common.json.then(|| Writer::new(None));
+        if let Some(json) = &mut json {
+            let [machine, chain] = [settings.name.as_str(), settings.chain.as_str()].map(Value::from);
+            json.put(format_args!("{{\n  \"machine\": {machine},\n  \"chain\": {chain},\n  \"rows\": ["))?;
+        }
+        Ok(Sheet { names, csv, json, first: true })
     }
 
-    fn objects(&self) -> Vec<Map<String, Value>> {
-        let number = |name: &str, value: f64| match name {
-            BRANCH => Value::from(value as u8),
-            _ => Value::from(value),
-        };
-        let object = |(cells, values): &(Vec<String>, Vec<f64>)| {
+    fn row<'c>(
+        &mut self,
+        cells: impl Iterator<Item = Cow<'c, str>> + Clone,
+        values: impl IntoIterator<Item = f64> + Clone,
+    ) -> Result<()> {
+        if let Some(csv) = &mut self.csv {
+            for cell in cells.clone() {
+                csv.put(format_args!("{cell},"))?;
+            }
+            for (i, value) in values.clone().into_iter().enumerate() {
+                csv.put(format_args!("{}{value}", if i > 0 { "," } else { "" }))?;
+            }
+            csv.put(format_args!("\n"))?;
+        }
+        if let Some(json) = &mut self.json {
+            json.put(format_args!("{}\n    {{", if self.first { "" } else { "," }))?;
             // Cells were read as numbers before.
-            let kept = self.kept.iter().zip(cells).filter_map(|(name, cell)| Some((name, cell.parse::<f64>().ok()?)));
-            let kept = kept.map(|(name, value)| (name.clone(), Value::from(value)));
-            let found = self.found.iter().zip(values).map(|(name, value)| ((*name).to_owned(), number(name, *value)));
-            kept.chain(found).collect()
-        };
-        self.rows.iter().map(object).collect()
+            let numbers = cells.filter_map(|cell| cell.parse::<f64>().ok()).chain(values);
+            for (i, (name, value)) in self.names.iter().zip(numbers).enumerate() {
+                let number = if name == BRANCH { Value::from(value as u8) } else { Value::from(value) };
+                json.put(format_args!("{}\"{name}\": {number}", if i > 0 { ", " } else { " " }))?;
+            }
+            json.put(format_args!(" }}"))?;
+        }
+        self.first = false;
+        Ok(())
+    }
+
+    fn finish(self) -> Result<()> {
+        if let Some(csv) = self.csv {
+            csv.finish()?;
+        }
+        if let Some(mut json) = self.json {
+            json.put(format_args!("\n  ]\n}}\n"))?;
+            json.finish()?;
+        }
+        Ok(())
     }
 }

@@ -1,5 +1,8 @@
 //! `trueaxis` on the bench: error tables, what they correct, and how far a tool was from its path.
 
+// print! and its like panic when the other end of a pipe is closed: see `output`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 mod accuracy;
 mod circle;
 mod compensate;
@@ -18,12 +21,12 @@ mod tables;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-use trueaxis_tables::text::printable;
 
 /// Geometric error compensation and contour error of CNC machines, from files.
 ///
 /// Lengths are mm, positions of rotary axes degrees, errors µm and µrad. Error = actual − ideal (ISO 230-1), of the tool
 /// relative to the workpiece. Exit code 0: done; 2: bad input, with file, line, column, what was found and what is needed.
+/// A reader that closes the standard output or error early (`| head`) ends the program without a word: exit code 0.
 #[derive(Parser)]
 #[command(version, name = "trueaxis")]
 struct Cli {
@@ -74,13 +77,5 @@ fn main() -> ExitCode {
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
     };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        // A reader that has seen enough (`trueaxis … | head`) is no error.
-        Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {}", printable(&format!("{error:#}")));
-            ExitCode::from(2)
-        }
-    }
+    output::exit_code(result)
 }

@@ -1,6 +1,7 @@
 //! A machine's error model in memory: from machine.toml, its folder, or a compiled .tcomp.
 
-use anyhow::{Context, Result, anyhow};
+use crate::output::tell;
+use anyhow::{Context, Result, anyhow, bail};
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::Compensation;
@@ -13,7 +14,12 @@ pub(crate) fn machine(path: &Path) -> Result<Machine> {
         let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
         return Ok(Machine::from_tcomp(&parsed(&bytes, path)?));
     }
-    Ok(Machine::read(path)?)
+    source(path)
+}
+
+/// A machine in source form; says how its tables are read where that is not commas and points.
+pub(crate) fn source(path: &Path) -> Result<Machine> {
+    Ok(Machine::read_telling(path, |how| tell(format_args!("note: {how}")))?)
 }
 
 /// Parses compiled bytes; the error names the file they came from.
@@ -38,4 +44,18 @@ pub(crate) fn with_compensation<const N: usize, T>(
     let compensation =
         Compensation::build(&machine.settings, rows, passes, memory.lend()).map_err(|error| anyhow!("{error}"))?;
     user(&compensation)
+}
+
+/// A text file; comments (`#`, `;`) may be in any encoding, as instruments write them.
+pub(crate) fn text(file: &Path) -> Result<String> {
+    let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let is_comment =
+        |line: &[u8]| line.trim_ascii_start().starts_with(b"#") || line.trim_ascii_start().starts_with(b";");
+    let lines = bytes.split(|byte| *byte == b'\n').zip(1..);
+    for (line, number) in lines {
+        if std::str::from_utf8(line).is_err() && !is_comment(line) {
+            bail!("{}:{number}: found bytes that are no UTF-8, needed text in UTF-8", file.display());
+        }
+    }
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }

@@ -119,7 +119,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 fn search(points: usize, band: Band, count: usize) -> Result<Vec<Pair>> {
     let search = PairSearch::new(points, band, count)?;
     let bound = search.bound();
-    let bar = progress(search.smallest_arcs().count(), "arrangements of probes");
+    let bar = progress(search.smallest_arcs().count() as u64, "arrangements of probes");
     let found: Vec<_> = search
         .smallest_arcs()
         .into_par_iter()

@@ -3,8 +3,8 @@
 mod collapse;
 
 use crate::accuracy;
-use crate::model::parsed;
-use crate::output::{json, put, put_bytes};
+use crate::model::{self, parsed};
+use crate::output::{json, put, put_bytes, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Subcommand;
 use serde_json::{Value, json};
@@ -13,8 +13,8 @@ use trueaxis::Axis;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
 use trueaxis_tables::formats::{self, ExportOptions, Format, Loss};
-use trueaxis_tables::text::{counted, read_text};
-use trueaxis_tables::{LostMotion, Machine, check, compile, lost_motion, summary};
+use trueaxis_tables::text::counted;
+use trueaxis_tables::{LostMotion, check, compile, lost_motion, summary};
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
@@ -97,10 +97,9 @@ pub(crate) enum Command {
         output: PathBuf,
     },
     /// Evaluate a measured axis after ISO 230-2: A, E, R, M, B.
-    #[command(
-        after_help = "MEASURED.csv: X_mm,run,direction,deviation_um; one row per approach, direction + or −.\n\n\
-        Example: trueaxis tables accuracy compensation-tables/mill-3axis/x-iso230-2.csv --machine compensation-tables/mill-3axis"
-    )]
+    #[command(after_help = "MEASURED.csv: X_mm,run,direction,deviation_um; one row per approach, direction + or −.\n\
+        Or a row per target and a column per run: X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,… (µm; of a rotary axis µrad).\n\n\
+        Example: trueaxis tables accuracy compensation-tables/mill-3axis/x-iso230-2.csv --machine compensation-tables/mill-3axis")]
     Accuracy {
         /// Measured deviations.
         #[arg(value_name = "MEASURED.csv")]
@@ -119,10 +118,12 @@ pub(crate) enum Command {
 
 const FORMATS: &str = "\
 Formats, and what they hold for an error E = actual − ideal:
-  linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or, with --comp-file-type 1, type 1 (−E)
-  siemens     $AA_ENC_COMP, +E in one direction (mm, degrees)
+  linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or type 1 (−E). Import tells them apart by the
+              numbers and refuses a file that could be either; export writes type 0. --comp-file-type says which
+  siemens     $AA_ENC_COMP, +E in one direction (mm, degrees); a file with AX1 needs --axis
   isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments
-  iso230-2    measured deviations, one row per approach (µm, µrad)";
+  iso230-2    measured deviations (µm, µrad), one row per approach, or one per target with a column per run:
+              X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…";
 
 pub(crate) fn run(command: Command) -> Result<()> {
     match command {
@@ -131,7 +132,9 @@ pub(crate) fn run(command: Command) -> Result<()> {
         Command::Show { file, json } => run_show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
         Command::Import { from, file, axis, comp_file_type, output } => {
-            run_import(format_of("--from", &from, comp_file_type)?, &file, axis_of(axis.as_deref())?, &output)
+            let recognise = from == "linuxcnc" && comp_file_type.is_none();
+            let format = format_of("--from", &from, comp_file_type)?;
+            run_import(format, recognise, &file, axis_of(axis.as_deref())?, &output)
         }
         Command::Export { to, machine, axis, comp_file_type, drop, step, output } => {
             let options = ExportOptions {
@@ -172,7 +175,7 @@ fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     if !(rate_hz.is_finite() && rate_hz > 0.0) {
         bail!("--rate-hz: found {rate_hz}, needed a positive number");
     }
-    let machine = Machine::read(path)?;
+    let machine = model::source(path)?;
     let bytes = compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
     let tables = parsed(&bytes, path)?;
     let warnings = check(&machine, rate_hz);
@@ -187,7 +190,7 @@ fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
         put(&format!("{lost}\n"), None)?;
     }
     for warning in &warnings {
-        eprintln!("warning: {warning}");
+        tell(format_args!("warning: {warning}"));
     }
     put(&format!("{}: no errors, {}\n", path.display(), counted(warnings.len(), "warning")), None)
 }
@@ -209,21 +212,21 @@ fn lost_motion_json(lost: &LostMotion) -> Value {
 }
 
 fn run_compile(path: &Path, output: &Path) -> Result<()> {
-    let machine = Machine::read(path)?;
+    let machine = model::source(path)?;
     let bytes = compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
     for warning in check(&machine, 10_000.0) {
-        eprintln!("warning: {warning}");
+        tell(format_args!("warning: {warning}"));
     }
     put_bytes(&bytes, output)?;
     let tables = parsed(&bytes, output)?;
-    eprintln!(
+    tell(format_args!(
         "{}: {} bytes, machine {} (id {:08x}), CRC {:08x}",
         output.display(),
         bytes.len(),
         machine.settings.name,
         tables.machine_id(),
         tables.crc()
-    );
+    ));
     Ok(())
 }
 
@@ -233,36 +236,40 @@ fn run_show(file: &Path, as_json: bool) -> Result<()> {
     if as_json { json(&summary(&tables)) } else { put(&format!("{}\n", summary(&tables)), None) }
 }
 
-fn run_import(format: Format, file: &Path, axis: Option<Axis>, output: &Path) -> Result<()> {
-    let text = read_text(file)?;
+fn run_import(format: Format, recognise: bool, file: &Path, axis: Option<Axis>, output: &Path) -> Result<()> {
+    let text = model::text(file)?;
+    let format = if recognise { Format::LinuxCnc(formats::linuxcnc::recognise(&text, file)?) } else { format };
     let imported = formats::import(format, &text, file, axis)?;
+    for note in &imported.notes {
+        tell(format_args!("note: {}: {note}", file.display()));
+    }
     let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
     std::fs::create_dir_all(output).with_context(|| format!("cannot create {}", output.display()))?;
     for (name, text) in imported.machine_files(&name) {
         let path = output.join(name);
         put_bytes(text.as_bytes(), &path)?;
-        eprintln!("written {}", path.display());
+        tell(format_args!("written {}", path.display()));
     }
-    eprintln!("{}: {}", format.name(), meaning(format));
+    tell(format_args!("{}: {}", format.name(), meaning(format)));
     Ok(())
 }
 
 fn run_export(format: Format, path: &Path, options: &ExportOptions, output: &Path) -> Result<()> {
-    let machine = Machine::read(path)?;
+    let machine = model::source(path)?;
     let exported = formats::export(format, &machine, options)?;
     let alone = exported.files.len() == 1;
     for (name, text) in &exported.files {
         let file = if alone { output.to_path_buf() } else { beside(output, name) };
         put_bytes(text.as_bytes(), &file)?;
-        eprintln!("written {}", file.display());
+        tell(format_args!("written {}", file.display()));
     }
     for dropped in &exported.dropped {
-        eprintln!("left out: {dropped}");
+        tell(format_args!("left out: {dropped}"));
     }
     for note in &exported.notes {
-        eprintln!("note: {note}");
+        tell(format_args!("note: {note}"));
     }
-    eprintln!("{}: {}", format.name(), meaning(format));
+    tell(format_args!("{}: {}", format.name(), meaning(format)));
     Ok(())
 }
 

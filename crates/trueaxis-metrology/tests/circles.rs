@@ -203,6 +203,66 @@ fn no_centre_of_any_two_pairs_or_three_points_is_better() {
     assert!(zones > 9_000 && inscribed > 5_000 && strips > 10 && part > 500);
 }
 
+/// One or two points far away from the others: the same enumeration, with what f64 leaves of it at that distance.
+#[test]
+fn outliers_are_answered_exactly_too() {
+    for seed in 0..600 {
+        let mut random = Random(seed + 9);
+        let mut points: Vec<P> = (0..11)
+            .map(|i| (TAU * (f64::from(i) + 0.5 * random.unit()) / 11.0, 10.0 + 0.1 * random.range(-1.0, 1.0)))
+            .map(|(a, r)| [r * a.cos(), r * a.sin()])
+            .collect();
+        let far = 10f64.powf(random.range(2.0, 4.0));
+        for _ in 0..1 + seed % 2 {
+            let a = random.range(0.0, TAU);
+            points.push([far * a.cos(), far * a.sin()]);
+        }
+        let tolerance = 1e-8;
+        let (truth, limit) = (smallest_zone(&points), strip(&points));
+        match minimum_zone(&points) {
+            // The enumeration knows its own far centres to a micrometre or so: it may be the wider one.
+            Ok(zone) => {
+                let (high, low) = distances(&points, zone.centre);
+                assert!((high - low - zone.zone).abs() < tolerance * far, "{seed}");
+                let fits = zone.zone < truth + tolerance && zone.zone > truth - tolerance * far;
+                assert!(fits, "{seed}: {} for {truth}\n{points:?}", zone.zone);
+            }
+            Err(error) => {
+                assert!(error == NoCircle::Straight && truth >= limit * (1.0 - 1e-6), "{seed}: {truth} {limit}")
+            }
+        }
+        if let Ok(inner) = maximum_inscribed(&points) {
+            let (least, most) = (largest_empty(&points, 1e-7), largest_empty(&points, -1e-7));
+            let fits = inner.radius >= least - tolerance && inner.radius <= most + tolerance;
+            assert!(fits, "{seed}: {} for {least} to {most}", inner.radius);
+        }
+    }
+}
+
+/// A point that a slip of the probe left far away, in every decade: all four circles at once. The search is counted in
+/// `minimum_zone`; here it only has to end.
+#[test]
+fn thousands_of_points_with_an_outlier() {
+    for decade in 3..=9 {
+        let mut random = Random(decade);
+        let mut points: Vec<P> = (0..4000)
+            .map(|i| (TAU * f64::from(i) / 4000.0, 10.0 + 1e-3 * random.range(-1.0, 1.0)))
+            .map(|(a, r)| [r * a.cos(), r * a.sin()])
+            .collect();
+        points.push([10f64.powi(decade as i32), 0.0]);
+        for circle in [least_squares as Circle, minimum_circumscribed, maximum_inscribed, minimum_zone] {
+            let found = circle(&points);
+            assert!(
+                found.is_ok() || matches!(found, Err(NoCircle::PartArc | NoCircle::Straight)),
+                "{decade}: {found:?}"
+            );
+        }
+        let zone = minimum_zone(&points).unwrap();
+        // A circle so large that the others lie on a line: their own diameter, and no point outside it.
+        assert!((zone.zone - 20.0).abs() < 0.2 && zone.outer > 400.0, "{decade}: {zone:?}");
+    }
+}
+
 #[test]
 fn no_point_is_outside_and_none_inside() {
     for seed in 0..300 {

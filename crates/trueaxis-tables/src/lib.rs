@@ -8,6 +8,7 @@ pub mod exact;
 pub mod formats;
 mod lost_motion;
 mod read;
+pub mod sheet;
 mod source;
 mod summary;
 pub mod text;

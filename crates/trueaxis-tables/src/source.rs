@@ -14,6 +14,11 @@ impl Source {
         Source { file: file.to_path_buf() }
     }
 
+    /// The file.
+    pub(crate) fn file(&self) -> &Path {
+        &self.file
+    }
+
     /// An error in one line (0: in no single line); an empty `column` means the line as a whole.
     pub(crate) fn at(&self, line: u32, column: &str, found: impl Display, needed: impl Into<String>) -> FileError {
         FileError {

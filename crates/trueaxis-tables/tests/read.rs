@@ -220,9 +220,10 @@ fn bad_tables_are_refused_with_their_line() {
         ),
         ("EXX_um\n0\n1\n", "x.csv:1: found no column with the position, needed a column X_mm"),
         ("X_mm\n0\n1\n", "x.csv:1: found no column with an error"),
-        ("X_mm,EXX_um\n0,1\n10,2,3\n", "x.csv:3: found 3 fields, needed 2 fields"),
-        ("X_mm,EXX_um\n0,1\n10\n", "x.csv:3: found 1 fields, needed 2 fields"),
-        ("X_mm;EXX_um\n0;1\n", "x.csv:1: column X_mm;EXX_um: found"),
+        ("X_mm,EXX_um\n0,1\n10,2,3\n", "x.csv:3: found 3 values, needed 2 as in the header; decimal commas"),
+        ("X_mm,EXX_um\n0,1\n10\n", "x.csv:3: found 1 value, needed 2 as in the header"),
+        ("X_mm;EXX_um\n0;1\n", "x.csv: found one line, needed 2 to 65535 lines"),
+        ("X_mm;EXX_um\n0;1,5\n1;2.5\n", "x.csv:3: column EXX_um: found \"2.5\", needed a decimal comma"),
         (
             "X_mm,EXX_um\n0,0\n1,0\n2,-1000\n3,0\n",
             "x.csv:3: column EXX_um: found a slope of 1.0000 up to the next line, needed a slope of the own error below 1",

@@ -1,14 +1,18 @@
 //! Exact transforms.
 
-use super::{Arguments, COLUMNS, Evaluated, Travel, rise};
+use super::{Arguments, COLUMNS, Evaluated, Travel, Written, next, rise};
 use crate::csv_in::Rows;
-use crate::output::progress;
 use anyhow::{Result, anyhow};
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::{CorrectionSettings, Geometry};
 
-pub(super) fn evaluate(arguments: &Arguments, machine: &Machine, positions: &Rows<6>) -> Result<Vec<Evaluated>> {
+pub(super) fn evaluate(
+    arguments: &Arguments,
+    machine: &Machine,
+    positions: &mut Rows<6>,
+    result: &mut Written<'_>,
+) -> Result<()> {
     let axes = &machine.settings.axes;
     let geometry = Geometry::new(machine, rise(arguments, machine)?)
         .map_err(|error| anyhow!("{}: {error}", arguments.machine.display()))?;
@@ -28,16 +32,16 @@ pub(super) fn evaluate(arguments: &Arguments, machine: &Machine, positions: &Row
             Some([rows.first()?.position, rows.last()?.position])
         })
         .collect();
-    let bar = progress(positions.rows.len(), "positions");
-    let mut evaluated = Vec::with_capacity(positions.rows.len());
-    for (line, values, _) in &positions.rows {
+    result.header(arguments, machine, positions)?;
+    while let Some(row) = next(machine, positions)? {
+        let values = row.values;
         let mut at = [0.0; AXES];
         for (q, own) in at.iter_mut().zip(axes) {
             *q = values[own.axis.index()];
         }
         let sent = |reverse: &[f64; AXES]| {
             let found = "a pose in which the linear axes cannot take the error away";
-            let error = || positions.error(*line, COLUMNS[0].name, found, "linear axes that span space");
+            let error = || positions.error(row.line, COLUMNS[0].name, found, "linear axes that span space");
             geometry.correction(&at, reverse, settings).ok_or_else(error)
         };
         if let Some(travel) = &mut travel {
@@ -46,14 +50,13 @@ pub(super) fn evaluate(arguments: &Arguments, machine: &Machine, positions: &Row
         }
         let error = geometry.pose_error(&at, &reverse);
         let correction = sent(&reverse)?;
-        let mut corrected = *values;
+        let mut corrected = values;
         for (own, correction) in axes.iter().zip(correction) {
             corrected[own.axis.index()] += correction;
         }
         let held = ends.iter().zip(at).any(|(ends, q)| ends.is_some_and(|[low, high]| q < low || q > high));
-        evaluated.push(Evaluated { error: error.tip_mm, orientation: error.orientation, corrected, held });
-        bar.inc(1);
+        let at = Evaluated { error: error.tip_mm, orientation: error.orientation, corrected, held };
+        result.row(arguments, positions, &at)?;
     }
-    bar.finish_and_clear();
-    Ok(evaluated)
+    Ok(())
 }

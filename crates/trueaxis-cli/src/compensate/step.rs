@@ -1,9 +1,8 @@
 //! Nine terms and twists: the models of the servo step.
 
-use super::{Arguments, Evaluated, Travel, rise};
+use super::{Arguments, Evaluated, Travel, Written, next, rise};
 use crate::csv_in::Rows;
 use crate::model::with_compensation;
-use crate::output::progress;
 use anyhow::{Result, anyhow};
 use std::convert::Infallible;
 use trueaxis::check;
@@ -14,8 +13,9 @@ use trueaxis_tables::Machine;
 pub(super) fn evaluate<const N: usize>(
     arguments: &Arguments,
     machine: &Machine,
-    positions: &Rows<6>,
-) -> Result<Vec<Evaluated>> {
+    positions: &mut Rows<6>,
+    result: &mut Written<'_>,
+) -> Result<()> {
     let settings = &machine.settings;
     let axes = step_axes::<N>(settings).map_err(|error| anyhow!("{error}"))?;
     let passes = match arguments.inverse_passes {
@@ -31,10 +31,9 @@ pub(super) fn evaluate<const N: usize>(
     let mut reverse = [if arguments.reverse { usize::MAX } else { 0 }; N];
     let mut travel = arguments.in_order.then(|| Travel::new(machine, axes.into_iter()));
     with_compensation::<N, _>(machine, passes, |compensation| {
-        let bar = progress(positions.rows.len(), "positions");
-        let mut evaluated = Vec::with_capacity(positions.rows.len());
-        for (_, values, _) in &positions.rows {
-            let command: [f64; N] = std::array::from_fn(|place| values[axes[place].index()]);
+        result.header(arguments, machine, positions)?;
+        while let Some(row) = next(machine, positions)? {
+            let command: [f64; N] = std::array::from_fn(|place| row.values[axes[place].index()]);
             let at = compensation.coordinates(&command);
             if let Some(travel) = &mut travel {
                 let sent = |reverse: &[usize; N]| {
@@ -46,14 +45,14 @@ pub(super) fn evaluate<const N: usize>(
             let mut held = 0;
             let error = compensation.pose_error(&at, &reverse, &thermal, &mut held);
             let correction = compensation.correction(&at, &at, &reverse, &thermal, &mut 0);
-            let mut corrected = *values;
+            let mut corrected = row.values;
             for (axis, (q, correction)) in axes.iter().zip(command.iter().zip(correction)) {
                 corrected[axis.index()] = q + correction;
             }
-            evaluated.push(Evaluated { error: error.tip, orientation: error.orientation, corrected, held: held != 0 });
-            bar.inc(1);
+            let held = held != 0;
+            let at = Evaluated { error: error.tip, orientation: error.orientation, corrected, held };
+            result.row(arguments, positions, &at)?;
         }
-        bar.finish_and_clear();
-        Ok(evaluated)
+        Ok(())
     })
 }

@@ -7,7 +7,7 @@ mod program;
 
 pub(crate) use arguments::{Arguments, HELP};
 
-use crate::output::{json, put, put_bytes};
+use crate::output::{json, put, put_bytes, tell};
 use crate::report;
 use anyhow::{Result, bail};
 use grid::{MOST, is_coarse};
@@ -34,13 +34,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         None => None,
     };
     if let Some([travel, radius]) = job.edge_finder_mm {
-        eprintln!("note: pivot length {} mm = travel {travel} mm + ball radius {radius} mm", job.settings.pivot_mm);
+        tell(format_args!(
+            "note: pivot length {} mm = travel {travel} mm + ball radius {radius} mm",
+            job.settings.pivot_mm
+        ));
     }
     for (name, range) in [("--u-rad", job.u), ("--theta-rad", job.theta)] {
         if is_coarse(range) {
-            eprintln!(
+            tell(format_args!(
                 "note: {name}: C turns by more than half a turn between points, and a straight move leaves the surface"
-            );
+            ));
         }
     }
     if let Some((text, file)) = &program {

@@ -5,6 +5,7 @@ mod linear_axes;
 mod readings;
 mod table;
 
+use crate::model;
 use crate::output::{json, put};
 use crate::report;
 use anyhow::{Context, Result, anyhow, bail};
@@ -14,7 +15,6 @@ use readings::Readings;
 use std::path::PathBuf;
 use trueaxis::Axis;
 use trueaxis_metrology::identification::{Offsets, identify};
-use trueaxis_tables::Machine;
 use trueaxis_tables::formats::write_axis_csv;
 
 pub(crate) const HELP: &str = "\
@@ -93,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut warnings = Vec::new();
     let mut direction = 1.0;
     if let Some(file) = &arguments.machine {
-        let machine = Machine::read(file)?;
+        let machine = model::source(file)?;
         let settings = machine.settings.axes.iter().find(|settings| settings.axis == axis).ok_or_else(|| {
             anyhow!("{}: found no axis {}, needed the axis that was measured", file.display(), axis.letter())
         })?;

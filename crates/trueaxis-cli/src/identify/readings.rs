@@ -1,6 +1,6 @@
 //! MEASURED.csv as a ball test: every set-up at every angle.
 
-use crate::csv_in::{Column, Rows};
+use crate::csv_in::{Column, Row, Rows};
 use anyhow::{Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
@@ -41,8 +41,8 @@ struct SetUp {
 impl Readings {
     /// Reads and checks a file; the rows of each set-up stand in increasing order of the angle.
     pub(super) fn read(file: &Path) -> Result<Readings> {
-        let rows = Rows::read(file, &COLUMNS)?;
-        let set_ups = by_set_up(&rows)?;
+        let mut rows = Rows::open(file, &COLUMNS, "readings")?;
+        let set_ups = by_set_up(&mut rows)?;
         if set_ups.len() < 3 {
             let named: Vec<String> = set_ups.iter().map(|set_up| name(set_up.ball)).collect();
             return Err(anyhow!(
@@ -85,9 +85,10 @@ fn same(one: f64, other: f64) -> bool {
     (one - other).abs() <= SAME_ANGLE_DEG
 }
 
-fn by_set_up(rows: &Rows<6>) -> Result<Vec<SetUp>> {
+fn by_set_up(rows: &mut Rows<6>) -> Result<Vec<SetUp>> {
     let mut set_ups: Vec<SetUp> = Vec::new();
-    for &(line, [angle_deg, vertical_mm, horizontal_mm, dx, dy, dz], _) in &rows.rows {
+    while let Some(Row { line, values }) = rows.next()? {
+        let [angle_deg, vertical_mm, horizontal_mm, dx, dy, dz] = values;
         let ball = Ball { vertical_mm, horizontal_mm };
         let reading = Reading { line, angle_deg, deviation_mm: [dx, dy, dz].map(|value| 1e-3 * value) };
         let Some(set_up) = set_ups.iter_mut().find(|set_up| set_up.ball == ball) else {

@@ -1,5 +1,6 @@
 //! What a separated measurement says: zones, harmonics, error motion.
 
+use super::trace::Resampling;
 use anyhow::{Result, anyhow};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -14,6 +15,9 @@ pub(crate) struct Document {
     pub(crate) revolutions: usize,
     /// Cut-off of the filter before the zones.
     pub(crate) upr: Option<u16>,
+    /// Of readings with an angle of their own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) resampling: Option<Resampling>,
     #[serde(flatten)]
     pub(crate) zones: Zones,
     pub(crate) centres_um: Centres,
@@ -147,6 +151,7 @@ impl Evaluation {
             n: points,
             revolutions: separations.len(),
             upr,
+            resampling: None,
             zones: circles.zones(),
             centres_um: circles.centres(),
             per_revolution,

@@ -1,17 +1,18 @@
 //! `trueaxis roundness`.
 
 pub(crate) mod evaluation;
+mod trace;
 
-use crate::csv_in::{Column, Rows};
-use crate::output::{json, progress, put};
+use crate::csv_in::{Column, Row, Rows};
+use crate::output::{Writer, json, progress, tell};
 use crate::probes::ProbeArguments;
 use crate::report;
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use evaluation::Evaluation;
 use rayon::prelude::*;
-use std::fmt::Write;
 use std::path::PathBuf;
+use trace::{InterpolationError, Resampling};
 use trueaxis::roundness::filter;
 use trueaxis::roundness::{Arm, Band};
 use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation, Separator};
@@ -20,6 +21,8 @@ use trueaxis_tables::text::counted;
 
 pub(crate) const HELP: &str = "\
 PROBES.csv: h1_um,h2_um,h3_um, whole revolutions of N rows, equidistant in θ (the angle over the part's surface) from 0.
+    With a column theta_deg, any number of rows at any increasing angles: they are resampled to N a revolution, and the
+    interpolation error is stated (here and in JSON, resampling). The angle may begin anew every 360°.
     h1 = r(θ) + RY cos β + RX sin β; probe 2 stands φ2, probe 3 φ2 + φ3 further in the sense of θ. β = 0 without --arm.
 OUT.csv: theta_deg,r_um,rx_um,ry_um, all revolutions: profile (high is above 0, before --upr), motion of the centre across
     and along the direction of probe 1.
@@ -67,10 +70,11 @@ fn arm(text: &str) -> Result<Arm, String> {
     Ok(Arm { crank_mm, wheel_mm, pin_mm })
 }
 
-const COLUMNS: [Column; 3] = [
+const COLUMNS: [Column; 4] = [
     Column { name: "h1_um", needed: true },
     Column { name: "h2_um", needed: true },
     Column { name: "h3_um", needed: true },
+    Column { name: "theta_deg", needed: false },
 ];
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
@@ -79,12 +83,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if let Some(cut_off) = arguments.upr {
         filter::check(cut_off).map_err(|error| anyhow!("--upr: found {cut_off}, needed {}", error.needed))?;
     }
-    let probes = read(arguments, points)?;
+    let (probes, resampling) = read(arguments, points, band)?;
     let separations = separate(&separator, &probes)?;
     let mut evaluation = Evaluation::new(&separator, &separations, arguments.upr)?;
+    evaluation.document.resampling = resampling;
     evaluation.document.warnings = warnings(arguments, &separator, points, band);
     for warning in &evaluation.document.warnings {
-        eprintln!("warning: {warning}");
+        tell(format_args!("warning: {warning}"));
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.readings.file_name().unwrap_or_default().to_string_lossy();
@@ -92,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&page, directory, "roundness.html")?;
     }
     if arguments.output.is_some() || !arguments.json {
-        put(&csv(&separations, points)?, arguments.output.as_deref())?;
+        write(&separations, points, Writer::new(arguments.output.as_deref()))?;
     }
     if arguments.json { json(&evaluation.document) } else { Ok(()) }
 }
@@ -117,13 +122,35 @@ fn separator(arguments: &Arguments, band: Band) -> Result<Separator> {
 }
 
 /// The readings of each probe, all revolutions one after the other.
-fn read(arguments: &Arguments, points: usize) -> Result<[Vec<f64>; 3]> {
-    let file = Rows::read(&arguments.readings, &COLUMNS)?;
-    let count = file.rows.len();
+fn read(arguments: &Arguments, points: usize, band: Band) -> Result<([Vec<f64>; 3], Option<Resampling>)> {
+    let mut rows = Rows::open(&arguments.readings, &COLUMNS, "readings")?;
+    if rows.present[3] {
+        let (probes, resampling) = trace::read(&mut rows, points, band)?;
+        let InterpolationError { max, rms } = resampling.interpolation_error_um;
+        tell(format_args!(
+            "note: {} rows resampled to {} revolutions of {points}; interpolation error at most {max:.2e} µm, {rms:.2e} µm RMS{}",
+            resampling.rows,
+            probes[0].len() / points,
+            match resampling.unused_rows {
+                0 => String::new(),
+                unused => format!("; {unused} rows behind the last whole revolution are not used"),
+            }
+        ));
+        return Ok((probes, Some(resampling)));
+    }
+    let mut probes = [const { Vec::new() }; 3];
+    let mut last = None;
+    while let Some(Row { line, values }) = rows.next()? {
+        for (probe, value) in probes.iter_mut().zip(values) {
+            probe.push(value);
+        }
+        last = Some(line);
+    }
+    let count = rows.count;
     if !count.is_multiple_of(points) {
         return Err(FileError {
-            file: file.file,
-            line: file.rows.last().map(|(line, _, _)| *line),
+            file: rows.file.clone(),
+            line: last,
             column: None,
             found: format!(
                 "{} ({} and {})",
@@ -131,22 +158,16 @@ fn read(arguments: &Arguments, points: usize) -> Result<[Vec<f64>; 3]> {
                 counted(count / points, "revolution"),
                 counted(count % points, "row")
             ),
-            needed: format!("whole revolutions of {points} rows"),
+            needed: format!("whole revolutions of {points} rows, or a column theta_deg with the angle of each row"),
         }
         .into());
     }
-    let mut probes = [const { Vec::new() }; 3];
-    for (_, values, _) in &file.rows {
-        for (probe, value) in probes.iter_mut().zip(values) {
-            probe.push(*value);
-        }
-    }
-    Ok(probes)
+    Ok((probes, None))
 }
 
 fn separate(separator: &Separator, [h1, h2, h3]: &[Vec<f64>; 3]) -> Result<Vec<Separation>> {
     let points = separator.gain().points();
-    let bar = progress(h1.len() / points, "revolutions");
+    let bar = progress((h1.len() / points) as u64, "revolutions");
     let separations = h1
         .par_chunks(points)
         .zip(h2.par_chunks(points))
@@ -182,12 +203,12 @@ fn warnings(arguments: &Arguments, separator: &Separator, points: usize, band: B
     warnings
 }
 
-fn csv(separations: &[Separation], points: usize) -> Result<String> {
-    let mut text = String::from("theta_deg,r_um,rx_um,ry_um\n");
+fn write(separations: &[Separation], points: usize, mut out: Writer<'_>) -> Result<()> {
+    out.put(format_args!("theta_deg,r_um,rx_um,ry_um\n"))?;
     for parts in separations {
         for (i, ((r, x), y)) in parts.profile.iter().zip(&parts.x).zip(&parts.y).enumerate() {
-            writeln!(text, "{},{r},{x},{y}", 360.0 * i as f64 / points as f64)?;
+            out.put(format_args!("{},{r},{x},{y}\n", 360.0 * i as f64 / points as f64))?;
         }
     }
-    Ok(text)
+    out.finish()
 }

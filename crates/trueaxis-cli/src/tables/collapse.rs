@@ -1,7 +1,7 @@
 //! `trueaxis tables collapse`.
 
 use crate::model;
-use crate::output::{json, put, put_bytes};
+use crate::output::{json, put, put_bytes, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use serde_json::{Value, json};
@@ -118,7 +118,7 @@ fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> 
     for (name, text) in files {
         let path = output.join(name);
         put_bytes(text.as_bytes(), &path)?;
-        eprintln!("written {}", path.display());
+        tell(format_args!("written {}", path.display()));
     }
     Ok(())
 }

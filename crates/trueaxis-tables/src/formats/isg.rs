@@ -88,7 +88,7 @@ pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<
     if let Some(settings) = &mut settings {
         settings.location = location;
     }
-    Ok(Imported { tables: tables.into_iter().collect(), location, settings })
+    Ok(Imported { tables: tables.into_iter().collect(), location, settings, notes: Vec::new() })
 }
 
 /// Where the file gives the chain: every axis of a header, and every rotary axis with a location error, has to be in it.

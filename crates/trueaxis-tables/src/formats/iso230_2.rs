@@ -12,13 +12,24 @@
 //! and `-` otherwise; the deviation is actual − target, `deviation_um` (rotary: `deviation_urad`). Columns and lines may stand
 //! in any order; each position, run and direction once, and every run at every position, so that no lost line goes unnoticed.
 //!
+//! Or a matrix, one line per target position and one column per run and direction, as many instruments write it:
+//!
+//! ```text
+//! X_mm,+1,-1,+2,-2              or    X_mm,fwd_1_um,rev_1_um,fwd_2_um,rev_2_um
+//! -292.42,8.73,10.31,8.70,10.25
+//! ```
+//!
+//! `+` (`↑`, `fwd`) is the approach in positive direction, the number the run; without a unit in the name the deviations are µm,
+//! of a rotary axis µrad.
+//!
 //! As a table: the mean of all runs at each position, both directions apart if both were measured. The scatter is not kept.
 
 use super::{ExportOptions, Exported, Imported};
 use super::{losses, positioning};
 use crate::Machine;
 use crate::error::FileError;
-use crate::source::{Source, fixed, numbered};
+use crate::sheet::Sheet;
+use crate::source::{Source, fixed};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use trueaxis::machine::{Axis, LocationErrors};
@@ -58,6 +69,8 @@ pub struct Measurement {
     pub runs: usize,
     /// The directions measured, `Up` first.
     pub directions: Vec<Direction>,
+    /// How the file was read, where it has other separators or decimals: to be told once.
+    pub dialect: Option<&'static str>,
 }
 
 impl Measurement {
@@ -85,8 +98,6 @@ struct Columns {
     run: usize,
     direction: usize,
     deviation: usize,
-    deviation_name: &'static str,
-    position_name: String,
 }
 
 /// Reads a measurement; `file` is only named in errors, `axis` is needed if the position column does not name it.
@@ -98,45 +109,178 @@ pub fn read_measurement(text: &str, file: &std::path::Path, axis: Option<Axis>) 
 }
 
 fn read(text: &str, source: &Source, axis: Option<Axis>) -> Result<Measurement, FileError> {
-    let mut columns: Option<Columns> = None;
-    let mut approaches: Vec<Approach> = Vec::new();
-    let mut seen = BTreeSet::new();
-    // Spreadsheets begin UTF-8 files with a byte order mark.
-    for (line, content) in numbered(text.trim_start_matches('\u{feff}')) {
-        if content.trim().is_empty() || content.starts_with('#') {
-            continue;
+    let mut sheet = Sheet::new(text.as_bytes(), source.file()).map_err(|error| match error.found.as_str() {
+        "no header" => source.whole("no header", "X_mm,run,direction,deviation_um"),
+        _ => error,
+    })?;
+    let mut reading = Reading { approaches: Vec::new(), seen: BTreeSet::new() };
+    let names: Vec<String> = sheet.header().to_vec();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let axis = if names.iter().any(|name| run_column(name).is_some()) {
+        matrix(&mut sheet, &names, source, axis, &mut reading)?
+    } else {
+        list(&mut sheet, &names, source, axis, &mut reading)?
+    };
+    let measurement = complete(axis, reading.approaches, source)?;
+    Ok(Measurement { dialect: sheet.dialect(), ..measurement })
+}
+
+/// Approaches in the course of being read.
+struct Reading {
+    approaches: Vec<Approach>,
+    seen: BTreeSet<(u64, u32, Direction)>,
+}
+
+impl Reading {
+    fn take(&mut self, sheet: &Sheet<'_>, approach: Approach) -> Result<(), FileError> {
+        let Approach { position, run, direction, .. } = approach;
+        if !self.seen.insert(((position + 0.0).to_bits(), run, direction)) {
+            let found = format!("position {position}, run {run} in this direction again");
+            return Err(sheet.error("", found, "each approach once"));
         }
-        let record: Vec<&str> = content.split(',').map(str::trim).collect();
-        let Some(columns) = &columns else {
-            columns = Some(header(&record, line, source, axis)?);
-            continue;
-        };
-        if record.len() != 4 {
-            return Err(source.at(line, "", format!("{} values", record.len()), "4, as in the header"));
-        }
-        let field = |place: usize| record.get(place).copied().unwrap_or_default();
-        let position = source.number(line, &columns.position_name, field(columns.position))?;
-        let run = field(columns.run)
+        self.approaches.push(approach);
+        Ok(())
+    }
+}
+
+/// One line per approach.
+fn list(
+    sheet: &mut Sheet<'_>,
+    names: &[&str],
+    source: &Source,
+    axis: Option<Axis>,
+    reading: &mut Reading,
+) -> Result<Axis, FileError> {
+    let columns = header(names, sheet.header_line(), source, axis)?;
+    while sheet.next_row()? {
+        let position = sheet.number(columns.position)?;
+        let run = sheet.field(columns.run);
+        let run = run
             .parse::<u32>()
             .ok()
             .filter(|run| *run > 0)
-            .ok_or_else(|| source.at(line, "run", format!("{:?}", field(columns.run)), "a whole number from 1"))?;
-        let direction = match field(columns.direction) {
+            .ok_or_else(|| sheet.error("run", format!("{run:?}"), "a whole number from 1"))?;
+        let direction = match sheet.field(columns.direction) {
             "+" => Direction::Up,
             "-" => Direction::Down,
-            other => return Err(source.at(line, "direction", format!("{other:?}"), "+ or -")),
+            other => return Err(sheet.error("direction", format!("{other:?}"), "+ or -")),
         };
-        let deviation = source.number(line, columns.deviation_name, field(columns.deviation))?;
-        if !seen.insert(((position + 0.0).to_bits(), run, direction)) {
-            let found = format!("position {position}, run {run} in this direction again");
-            return Err(source.at(line, "", found, "each approach once"));
-        }
-        approaches.push(Approach { position, run, direction, deviation });
+        let deviation = sheet.number(columns.deviation)?;
+        reading.take(sheet, Approach { position, run, direction, deviation })?;
     }
-    let Some(columns) = columns else {
-        return Err(source.whole("no header", "X_mm,run,direction,deviation_um"));
+    Ok(columns.axis)
+}
+
+/// One line per target position, one column per run and direction.
+fn matrix(
+    sheet: &mut Sheet<'_>,
+    names: &[&str],
+    source: &Source,
+    axis: Option<Axis>,
+    reading: &mut Reading,
+) -> Result<Axis, FileError> {
+    let line = sheet.header_line();
+    let mut position = None;
+    let mut runs = Vec::new();
+    for (place, name) in names.iter().enumerate() {
+        match (run_column(name), position_column(name)) {
+            (Some(column), _) => {
+                if runs.iter().any(|(_, other): &(usize, RunColumn)| {
+                    (other.run, other.direction) == (column.run, column.direction)
+                }) {
+                    let found = format!("run {} in this direction again", column.run);
+                    return Err(source.at(line, name, found, "each run and direction once"));
+                }
+                runs.push((place, column));
+            }
+            (None, Some(column)) if position.is_none() => position = Some((place, column, *name)),
+            (None, Some(_)) => return Err(source.at(line, name, "a second such column", MATRIX)),
+            (None, None) => return Err(source.at(line, name, format!("column {name:?}"), MATRIX)),
+        }
+    }
+    let Some((target, (named, rotary), name)) = position else {
+        return Err(source.at(line, "", "no column with the targets", MATRIX));
     };
-    complete(columns.axis, approaches, source)
+    let axis = measured_axis(named, axis, name, line, source)?;
+    let urad = runs.iter().filter_map(|(place, column)| Some((*place, column.urad?)));
+    for (name, urad) in urad.map(|(place, urad)| (names.get(place).copied().unwrap_or_default(), urad)) {
+        units(axis, rotary, urad, name, line, source)?;
+    }
+    units(axis, rotary, rotary, name, line, source)?;
+    while sheet.next_row()? {
+        let position = sheet.number(target)?;
+        for (place, RunColumn { run, direction, .. }) in &runs {
+            let deviation = sheet.number(*place)?;
+            reading.take(sheet, Approach { position, run: *run, direction: *direction, deviation })?;
+        }
+    }
+    Ok(axis)
+}
+
+const MATRIX: &str =
+    "X_mm (or C_deg, position_mm, position_deg) and a column per run: +1, -1, +2, … or fwd_1_um, rev_1_um, …";
+
+/// A column of a matrix.
+struct RunColumn {
+    run: u32,
+    direction: Direction,
+    /// Whether µrad; `None` where the name does not say.
+    urad: Option<bool>,
+}
+
+/// `+1`, `-1`, `+2` …; `fwd_1_um`, `rev_1_um` … (`_urad` of a rotary axis).
+fn run_column(name: &str) -> Option<RunColumn> {
+    let (direction, rest) = [
+        ("+", Direction::Up),
+        ("-", Direction::Down),
+        ("\u{2191}", Direction::Up),
+        ("\u{2193}", Direction::Down),
+        ("\u{2212}", Direction::Down),
+        ("fwd_", Direction::Up),
+        ("rev_", Direction::Down),
+    ]
+    .into_iter()
+    .find_map(|(start, direction)| Some((direction, name.strip_prefix(start)?)))?;
+    let (number, urad) = match rest.split_once('_') {
+        None => (rest, None),
+        Some((number, "um")) => (number, Some(false)),
+        Some((number, "urad")) => (number, Some(true)),
+        Some(_) => return None,
+    };
+    // Words carry their unit, as every other column does.
+    if urad.is_none() && name.starts_with(|first: char| first.is_ascii_alphabetic()) {
+        return None;
+    }
+    let run = number.bytes().all(|digit| digit.is_ascii_digit()).then(|| number.parse().ok()).flatten()?;
+    (run > 0).then_some(RunColumn { run, direction, urad })
+}
+
+/// The axis of the file and the one that was asked for.
+fn measured_axis(
+    named: Option<Axis>,
+    axis: Option<Axis>,
+    name: &str,
+    line: u32,
+    source: &Source,
+) -> Result<Axis, FileError> {
+    match (named, axis) {
+        (Some(named), Some(wanted)) if named != wanted => Err(source.at(
+            line,
+            name,
+            format!("a measurement of {}", named.letter()),
+            format!("axis {}", wanted.letter()),
+        )),
+        (Some(axis), _) | (None, Some(axis)) => Ok(axis),
+        (None, None) => Err(source.at(line, name, "no axis", "the axis, or a column such as X_mm")),
+    }
+}
+
+fn units(axis: Axis, degrees: bool, urad: bool, name: &str, line: u32, source: &Source) -> Result<(), FileError> {
+    if axis.is_rotary() == degrees && degrees == urad {
+        return Ok(());
+    }
+    let found = format!("{name} for axis {}", axis.letter());
+    Err(source.at(line, name, found, "mm and um for X, Y, Z; deg and urad for A, B, C"))
 }
 
 fn header(record: &[&str], line: u32, source: &Source, axis: Option<Axis>) -> Result<Columns, FileError> {
@@ -164,23 +308,12 @@ fn header(record: &[&str], line: u32, source: &Source, axis: Option<Axis>) -> Re
     else {
         return Err(source.at(line, "", "a header without all of them", needed));
     };
-    let axis = match (named, axis) {
-        (Some(named), Some(wanted)) if named != wanted => {
-            return Err(source.at(
-                line,
-                name,
-                format!("a measurement of {}", named.letter()),
-                format!("axis {}", wanted.letter()),
-            ));
-        }
-        (Some(axis), _) | (None, Some(axis)) => axis,
-        (None, None) => return Err(source.at(line, name, "no axis", "the axis, or a column such as X_mm")),
-    };
+    let axis = measured_axis(named, axis, name, line, source)?;
     if axis.is_rotary() != rotary || rotary != urad {
         let found = format!("{name} with {deviation_name} for axis {}", axis.letter());
         return Err(source.at(line, name, found, "mm and um for X, Y, Z; deg and urad for A, B, C"));
     }
-    Ok(Columns { axis, position, run, direction, deviation, deviation_name, position_name: name.to_owned() })
+    Ok(Columns { axis, position, run, direction, deviation })
 }
 
 /// Axis (if named) and whether degrees, of `X_mm`, `C_deg`, `position_mm`, `position_deg`.
@@ -223,7 +356,8 @@ fn complete(axis: Axis, approaches: Vec<Approach>, source: &Source) -> Result<Me
             }
         }
     }
-    Ok(Measurement { axis, approaches, positions, runs: runs.len(), directions: directions.into_iter().collect() })
+    let directions = directions.into_iter().collect();
+    Ok(Measurement { axis, approaches, positions, runs: runs.len(), directions, dialect: None })
 }
 
 pub(super) fn import(text: &str, source: &Source, axis: Option<Axis>) -> Result<Imported, FileError> {
@@ -237,7 +371,12 @@ pub(super) fn import(text: &str, source: &Source, axis: Option<Axis>) -> Result<
         lines.push((0, super::single(position, axis.index(), forward / scale, reverse / scale)));
     }
     let table = super::table(axis, super::only(axis.index()), lines, source)?;
-    Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default(), settings: None })
+    Ok(Imported {
+        tables: vec![(axis, table)],
+        location: LocationErrors::default(),
+        settings: None,
+        notes: measurement.dialect.map(str::to_owned).into_iter().collect(),
+    })
 }
 
 /// The axis' own error as a measurement of one run without scatter, backlash included, to 1 nm (0.001 µrad).

@@ -11,6 +11,9 @@
 //! That is what `usrmotLoadComp` (src/emc/motion/usrmotintf.cc) and `compute_screw_comp` (control.c) do, in 2.5 to 2.10. The
 //! two examples in LinuxCNC's INI documentation contradict each other in the sign of type 1; the program is followed here.
 //!
+//! The file does not say its type. Read as the other one, errors come out as large as the positions: [`recognise`] tells the
+//! types apart by that, and a file that could be either is refused until the type is given.
+//!
 //! LinuxCNC reads as far as it understands and then stops without a word: a comment, a header, a blank line or a comma ends the
 //! table there, and `BACKLASH` of the joint is no longer used. Everything that it would cut off, skip or misread is an error
 //! here: lines that are not three numbers, points that do not increase, more than 256 points, lines longer than its buffer.
@@ -70,7 +73,19 @@ pub(super) fn import(
     file_type: CompFileType,
 ) -> Result<Imported, FileError> {
     let axis = axis.ok_or_else(|| source.whole("no axis: a COMP_FILE does not name its joint", "the axis"))?;
+    contradicts(&points(text, source)?, file_type, source)?;
     let to_table = if axis.is_rotary() { std::f64::consts::PI / 180.0 } else { 1.0 };
+    let mut lines = Vec::new();
+    for (line, [nominal, forward, reverse]) in points(text, source)? {
+        let [forward, reverse] = [forward, reverse].map(|value| file_type.error(nominal, value) * to_table);
+        lines.push((line, super::single(nominal, axis.index(), forward, reverse)));
+    }
+    let table = super::table(axis, super::only(axis.index()), lines, source)?;
+    Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default(), settings: None, notes: Vec::new() })
+}
+
+/// Lines and their three numbers.
+fn points(text: &str, source: &Source) -> Result<Vec<(u32, [f64; 3])>, FileError> {
     let mut lines = Vec::new();
     let mut blank = None;
     for (line, content) in numbered(text) {
@@ -96,11 +111,7 @@ pub(super) fn import(
             return Err(source.at(line, "", found, "three numbers separated by blanks: nominal forward reverse"));
         };
         let nominal = source.number(line, "nominal", nominal)?;
-        let error = |column: &str, text: &str| {
-            let value = source.number(line, column, text)?;
-            Ok(file_type.error(nominal, value) * to_table)
-        };
-        let (forward, reverse) = (error("forward", forward)?, error("reverse", reverse)?);
+        let (forward, reverse) = (source.number(line, "forward", forward)?, source.number(line, "reverse", reverse)?);
         if lines.len() == MAX_POINTS {
             return Err(source.at(
                 line,
@@ -109,10 +120,56 @@ pub(super) fn import(
                 format!("at most {MAX_POINTS} points"),
             ));
         }
-        lines.push((line, super::single(nominal, axis.index(), forward, reverse)));
+        lines.push((line, [nominal, forward, reverse]));
     }
-    let table = super::table(axis, super::only(axis.index()), lines, source)?;
-    Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default(), settings: None })
+    Ok(lines)
+}
+
+/// Errors above this are no errors of an axis, mm or degrees.
+const LARGEST: f64 = 5.0;
+/// One reading of a file must make its errors smaller than the other by this factor.
+const CLEARLY: f64 = 10.0;
+
+/// Largest errors of the file as type 0 and as type 1.
+fn largest(points: &[(u32, [f64; 3])]) -> [f64; 2] {
+    [CompFileType::Positions, CompFileType::Trims].map(|of| {
+        let errors = points.iter().flat_map(|(_, [nominal, a, b])| [of.error(*nominal, *a), of.error(*nominal, *b)]);
+        errors.fold(0.0, |most: f64, error| most.max(error.abs()))
+    })
+}
+
+/// The type of a file, from its numbers: read as the other type, its errors are as large as its positions.
+///
+/// # Errors
+/// Lines that are none, and a file that could be either: then the type has to be given.
+pub fn recognise(text: &str, file: &std::path::Path) -> Result<CompFileType, FileError> {
+    let source = Source::new(file);
+    let [positions, trims] = largest(&points(text, &source)?);
+    if positions <= LARGEST && positions * CLEARLY <= trims {
+        return Ok(CompFileType::Positions);
+    }
+    if trims <= LARGEST && trims * CLEARLY <= positions {
+        return Ok(CompFileType::Trims);
+    }
+    Err(source.whole(
+        format!("errors up to {positions} read as type 0 and {trims} read as type 1 (mm or degrees)"),
+        "numbers that tell the types apart, or the type (--comp-file-type 0 or 1)",
+    ))
+}
+
+/// A type that was given against what the numbers say beyond doubt.
+fn contradicts(points: &[(u32, [f64; 3])], given: CompFileType, source: &Source) -> Result<(), FileError> {
+    let [positions, trims] = largest(points);
+    let (own, other, number) = match given {
+        CompFileType::Positions => (positions, trims, 1),
+        CompFileType::Trims => (trims, positions, 0),
+    };
+    if own > LARGEST && other * CLEARLY <= own && other <= LARGEST {
+        let found =
+            format!("errors up to {own} mm or degrees read as type {}, {other} as type {number}", given.number());
+        return Err(source.whole(found, format!("--comp-file-type {number}")));
+    }
+    Ok(())
 }
 
 pub(super) fn export(

@@ -80,6 +80,8 @@ pub struct Imported {
     /// Chain, offsets, tool and how the tables are used, from the comments of an [`isg`] file that this crate wrote; what the
     /// comments do not say has its default, the name is "imported". `None` from every other file.
     pub settings: Option<MachineSettings>,
+    /// How the file was read, where that is not the usual way: to be told once.
+    pub notes: Vec<String>,
 }
 
 impl Imported {

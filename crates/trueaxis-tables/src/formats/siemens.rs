@@ -13,6 +13,9 @@
 //! E = actual − commanded. Linear interpolation; the first and last value hold outside. There is no direction: reversal error
 //! belongs in MD32450 `BACKLASH`.
 //!
+//! A file in the control's own names (AX1, AX2, …) does not say which axis it is for: the axis is given, and the file may have
+//! one such name only.
+//!
 //! The control keeps the old value of every point that a file does not write; such a file, or one with points outside the
 //! table, is refused. So is a modulo table that is not a full circle of a rotary axis, and an axis with two measuring systems.
 
@@ -33,6 +36,8 @@ const MAX_INDEX: usize = 100_000;
 /// What a file says about one axis: values with the line they stand on.
 #[derive(Default)]
 struct AxisBlock {
+    /// Name of the axis in the file.
+    identifier: Option<String>,
     encoder: Option<usize>,
     points: BTreeMap<usize, (u32, f64)>,
     step: Option<(u32, f64)>,
@@ -65,7 +70,7 @@ pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<
     for (axis, block) in blocks {
         tables.push((axis, block_table(axis, &block, source)?));
     }
-    Ok(Imported { tables, location: LocationErrors::default(), settings: None })
+    Ok(Imported { tables, location: LocationErrors::default(), settings: None, notes: Vec::new() })
 }
 
 /// `N10 $AA_…` without its block number.
@@ -107,13 +112,27 @@ fn assignment(
         ) => (index(encoder, 1)?, None, *identifier),
         _ => return Err(wrong()),
     };
-    let axis = axis_of(identifier).ok_or_else(|| {
-        source.at(line, name, format!("axis {identifier:?}"), "X, Y, Z, A, B or C, with a number if need be (X1)")
-    })?;
-    if only.is_some_and(|only| only != axis) {
-        return Ok(());
-    }
+    let axis = match (axis_of(identifier), only) {
+        (Some(axis), Some(only)) if axis != only => return Ok(()),
+        (Some(axis), _) => axis,
+        // The control's own names do not say which axis it is.
+        (None, Some(only)) if is_number(identifier) => only,
+        (None, None) if is_number(identifier) => {
+            let needed = "the axis that it is (--axis X)";
+            return Err(source.at(line, name, format!("axis {identifier:?}, which names none"), needed));
+        }
+        (None, _) => {
+            let needed = "X, Y, Z, A, B or C, with a number if need be (X1), or AX1 and so on";
+            return Err(source.at(line, name, format!("axis {identifier:?}"), needed));
+        }
+    };
     let block = blocks.entry(axis).or_default();
+    let first = block.identifier.get_or_insert_with(|| identifier.to_owned());
+    if first != identifier {
+        let found = format!("axis {identifier:?} beside {first:?}");
+        let needed = format!("one of them in the file, for axis {}", axis.letter());
+        return Err(source.at(line, name, found, needed));
+    }
     if *block.encoder.get_or_insert(encoder) != encoder {
         return Err(source.at(line, name, "a second measuring system of the axis", "one (0 or 1) in the file"));
     }
@@ -131,6 +150,12 @@ fn assignment(
         }
         None => Ok(()),
     }
+}
+
+/// Whether it is `AX1`, `AX2` and so on.
+fn is_number(identifier: &str) -> bool {
+    let number = identifier.strip_prefix("AX").unwrap_or_default();
+    !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit())
 }
 
 /// X of `X`, `X1`, `X12`.

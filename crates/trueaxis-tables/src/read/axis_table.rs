@@ -2,7 +2,8 @@
 
 use crate::Table;
 use crate::error::FileError;
-use crate::source::{Source, numbered};
+use crate::sheet::Sheet;
+use crate::source::Source;
 use trueaxis::machine::{Axis, Row};
 
 /// A table with the line of each of its rows and the names of its columns, for errors that show only when all is read.
@@ -10,6 +11,8 @@ pub(super) struct TableFile {
     pub(super) table: Table,
     pub(super) lines: Vec<u32>,
     pub(super) columns: Vec<Column>,
+    /// How the file was read, where it has other separators or decimals.
+    pub(super) dialect: Option<&'static str>,
 }
 
 /// What a column holds.
@@ -76,9 +79,9 @@ fn column(axis: Axis, name: &str, line: u32, source: &Source) -> Result<Column, 
     Err(source.at(line, name, format!("{name:?}"), needed))
 }
 
-fn header(axis: Axis, text: &str, line: u32, source: &Source) -> Result<Vec<Column>, FileError> {
+fn header(axis: Axis, names: &[String], line: u32, source: &Source) -> Result<Vec<Column>, FileError> {
     let mut columns: Vec<Column> = Vec::new();
-    for name in text.split(',').map(str::trim) {
+    for name in names {
         let next = column(axis, name, line, source)?;
         for before in &columns {
             let clash = match (before.content, next.content) {
@@ -118,17 +121,15 @@ fn header(axis: Axis, text: &str, line: u32, source: &Source) -> Result<Vec<Colu
     Ok(columns)
 }
 
-/// Reads a table: `X_mm,EXX_um,…`, `#` comments and blank lines anywhere.
+/// Reads a table: `X_mm,EXX_um,…`, `#` comments and blank lines anywhere; separators and decimals as [`Sheet`] has them.
 ///
 /// Errors µm / 1e3 and µrad / 1e6, so that a value is the double nearest to the decimal in mm or rad.
-pub(super) fn read(text: &str, source: &Source, axis: Axis) -> Result<TableFile, FileError> {
-    let mut records = numbered(text)
-        .map(|(line, text)| (line, text.trim()))
-        .filter(|(_, text)| !text.is_empty() && !text.starts_with('#'));
-    let Some((line, names)) = records.next() else {
-        return Err(source.whole("nothing but comments", format!("a header line, like {}", example(axis))));
-    };
-    let columns = header(axis, names, line, source)?;
+pub(super) fn read(text: &[u8], source: &Source, axis: Axis) -> Result<TableFile, FileError> {
+    let mut sheet = Sheet::new(text, source.file()).map_err(|error| match error.found.as_str() {
+        "no header" => source.whole("nothing but comments", format!("a header line, like {}", example(axis))),
+        _ => error,
+    })?;
+    let columns = header(axis, sheet.header(), sheet.header_line(), source)?;
     let mut given = [false; 6];
     for column in &columns {
         if let Content::Error(component, _) = column.content {
@@ -136,15 +137,10 @@ pub(super) fn read(text: &str, source: &Source, axis: Axis) -> Result<TableFile,
         }
     }
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
-    for (line, record) in records {
-        let fields: Vec<&str> = record.split(',').map(str::trim).collect();
-        if fields.len() != columns.len() {
-            let needed = format!("{} fields, as in the header", columns.len());
-            return Err(source.at(line, "", format!("{} fields", fields.len()), needed));
-        }
+    while sheet.next_row()? {
         let mut row = Row { position: 0.0, forward: [0.0; 6], reverse: [0.0; 6] };
-        for (column, field) in columns.iter().zip(fields) {
-            let value = source.number(line, &column.name, field)?;
+        for (place, column) in columns.iter().enumerate() {
+            let value = sheet.number(place)?;
             match column.content {
                 Content::Position => row.position = value,
                 Content::Error(component, [forward, reverse]) => {
@@ -159,10 +155,11 @@ pub(super) fn read(text: &str, source: &Source, axis: Axis) -> Result<TableFile,
             }
         }
         rows.push(row);
-        lines.push(line);
+        lines.push(sheet.line());
     }
     let bidirectional = rows.iter().any(|row| row.forward != row.reverse);
-    Ok(TableFile { table: Table { given, bidirectional, rows }, lines, columns })
+    let dialect = sheet.dialect();
+    Ok(TableFile { table: Table { given, bidirectional, rows }, lines, columns, dialect })
 }
 
 fn example(axis: Axis) -> String {

@@ -23,6 +23,14 @@ impl Machine {
     /// # Errors
     /// The first thing that is wrong: file, line, column or key, what was found, what is needed.
     pub fn read(path: &Path) -> Result<Machine, FileError> {
+        Machine::read_telling(path, |_| {})
+    }
+
+    /// [`Machine::read`], and tells of every table that has other separators than commas or decimal commas.
+    ///
+    /// # Errors
+    /// As [`Machine::read`].
+    pub fn read_telling(path: &Path, mut tell: impl FnMut(String)) -> Result<Machine, FileError> {
         let file = if path.is_dir() { path.join("machine.toml") } else { path.to_path_buf() };
         let source = Source::new(&file);
         let text = read_text(&file)?;
@@ -33,7 +41,7 @@ impl Machine {
         for settings in &description.settings.axes {
             let reference = description.tables.iter().find(|table| table.axis == settings.axis);
             tables.push(match reference {
-                Some(reference) => Some(read_table(folder, reference, settings, &source)?),
+                Some(reference) => Some(read_table(folder, reference, settings, &source, &mut tell)?),
                 None => None,
             });
         }
@@ -60,6 +68,7 @@ fn read_table(
     reference: &TableReference,
     settings: &AxisSettings,
     machine_toml: &Source,
+    tell: &mut impl FnMut(String),
 ) -> Result<Table, FileError> {
     let file = folder.join(&reference.file);
     if !file.is_file() {
@@ -72,7 +81,12 @@ fn read_table(
         ));
     }
     let source = Source::new(&file);
-    let TableFile { table, lines, columns } = axis_table::read(&read_text(&file)?, &source, settings.axis)?;
+    // Comments may be in any encoding.
+    let bytes = std::fs::read(&file).map_err(|error| source.whole(error.to_string(), "a readable file"))?;
+    let TableFile { table, lines, columns, dialect } = axis_table::read(&bytes, &source, settings.axis)?;
+    if let Some(how) = dialect {
+        tell(format!("{}: {how}", file.display()));
+    }
     check::table(settings, table.rows.as_slice()).map_err(|fault| {
         let line = lines.get(fault.row).copied().unwrap_or(0);
         let given = columns.iter().find(|column| column.holds(fault.component, fault.reverse));

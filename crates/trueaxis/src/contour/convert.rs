@@ -87,8 +87,13 @@ const HELIX_ERROR: f64 = 1e-10;
 const RADIUS_TOLERANCE: f64 = 0.02;
 /// Points closer than this are the same, mm.
 const SAME_POINT: f64 = 1e-9;
-/// A spline is halved at most this often; a cusp is never turned by less.
+/// A spline is halved at most this often for its turn; a cusp is never turned by less.
 const HALVINGS: u32 = 24;
+/// A spline is halved at most this often for its reach: its parameter has no finer steps.
+const FINEST: u32 = 48;
+/// Most spans of a segment.
+const MOST: u32 = 1_000_000;
+const TOO_MANY: &str = "a segment of at most 1000000 spans, each within 8 mm of its middle";
 
 /// Speeds at a spline piece's ends may differ from its mean by this factor, …
 const UNEVEN: f64 = 1.5;
@@ -138,22 +143,31 @@ pub fn convert<R: Real, P: Position>(
     if length < 1e-6 {
         return refuse("plane", None, length, "a direction");
     }
-    let mut maker =
-        Maker { number, plane: plane.map(|x| R::of(x / length)), sink: &mut sink, position: core::marker::PhantomData };
-    match *segment {
-        Segment::Line { start, end } => maker.line(start, end),
-        Segment::Arc { start, end, center, normal, turns } => maker.arc(start, end, center, normal, turns),
-        Segment::Turning { point } => {
-            finite("point", point)?;
-            let span = Span::turning(point.map(P::of), number, maker.plane);
-            (maker.sink)(span)
-        }
-        Segment::Nurbs { degree, knots, points, weights } => maker.nurbs(degree, knots, points, weights),
-    }
+    let plane = plane.map(|x| R::of(x / length));
+    let position = core::marker::PhantomData;
+    Maker { number, count: 0, counting: false, plane, sink: &mut sink, position }.segment(segment)
+}
+
+/// How many spans [`convert`] makes of a segment, at most: known before any is made, so that memory can be refused or lent.
+///
+/// In time for lines and arcs that does not grow with the number; splines are cut without their spans being formed.
+///
+/// # Errors
+/// The segment is no path, or needs more than 1,000,000 spans.
+pub fn span_count(segment: &Segment<'_>) -> Result<u32, PathError> {
+    let mut none = |_: Span<f64, f64>| Ok(());
+    let position = core::marker::PhantomData;
+    let mut maker = Maker { number: 0, count: 0, counting: true, plane: [0.0; 3], sink: &mut none, position };
+    maker.segment(segment)?;
+    Ok(maker.count)
 }
 
 struct Maker<'s, R, P, S> {
     number: u32,
+    /// Spans made, or counted, so far.
+    count: u32,
+    /// Whether they are only counted.
+    counting: bool,
     plane: [R; 3],
     sink: &'s mut S,
     position: core::marker::PhantomData<P>,
@@ -169,6 +183,28 @@ struct Piece {
 }
 
 impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<'_, R, P, S> {
+    fn segment(&mut self, segment: &Segment<'_>) -> Result<(), PathError> {
+        match *segment {
+            Segment::Line { start, end } => self.line(start, end),
+            Segment::Arc { start, end, center, normal, turns } => self.arc(start, end, center, normal, turns),
+            Segment::Turning { point } => {
+                finite("point", point)?;
+                if self.counting {
+                    return self.counted(1);
+                }
+                let span = Span::turning(point.map(P::of), self.number, self.plane);
+                (self.sink)(span)
+            }
+            Segment::Nurbs { degree, knots, points, weights } => self.nurbs(degree, knots, points, weights),
+        }
+    }
+
+    /// Counts spans instead of making them.
+    fn counted(&mut self, count: u32) -> Result<(), PathError> {
+        self.count = self.count.saturating_add(count);
+        Ok(())
+    }
+
     fn emit(&mut self, mut piece: Piece) -> Result<(), PathError> {
         // The origin is rounded to what positions can say; the polynomial moves by what that leaves.
         let origin = piece.origin.map(P::of);
@@ -206,8 +242,11 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             return refuse("end", None, length, "a line longer than 1e-9 mm, or a turning of the tool");
         }
         let count = libm::ceil(length / (2.0 * REACH)).max(1.0);
-        if count > 1e7 {
-            return refuse("end", None, length, "a line shorter than 1e8 mm");
+        if count > f64::from(MOST) {
+            return refuse("end", None, length, "a line of at most 1.6e7 mm");
+        }
+        if self.counting {
+            return self.counted(count as u32);
         }
         for i in 0..count as u32 {
             let u = [f64::from(i) / count, f64::from(i + 1) / count];
@@ -255,12 +294,16 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
 
         // Enough pieces for the turn, the reach, and the helix' axial polynomial.
         let mut count = libm::ceil((angle / TURN).max(norm([radius * angle, rise, 0.0]) / (2.0 * REACH))).max(1.0);
-        while axial_error(angle / count, pitch) > HELIX_ERROR && count < 1e7 {
+        while axial_error(angle / count, pitch) > HELIX_ERROR && count <= f64::from(MOST) {
             count *= 1.25;
         }
         let count = libm::ceil(count);
-        if count >= 1e7 {
-            return refuse("radius", None, radius, "an arc that fewer than 1e7 pieces cover");
+        if count > f64::from(MOST) {
+            let length = norm([radius * angle, rise, 0.0]);
+            return refuse("length", None, length, TOO_MANY);
+        }
+        if self.counting {
+            return self.counted(count as u32);
         }
         let k = libm::tan(0.25 * angle / count);
         for i in 0..count as u32 {
@@ -358,12 +401,18 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             for (j, to) in bezier.iter_mut().enumerate().take(degree + 1) {
                 *to = blossom(degree, knots, i, control, u, j);
             }
+            // The pieces of a chord are no fewer than its length over theirs: no need to cut a spline to refuse it.
+            let ends = [bezier[0], bezier[degree]].map(|b| -> Vector { core::array::from_fn(|k| b[k] / b[3]) });
+            let chord = norm(sub(ends[1], ends[0]));
+            if chord > 2.0 * REACH * f64::from(MOST) {
+                return refuse("points", Some(i), chord, TOO_MANY);
+            }
             self.split(degree, bezier, origin, u, rational, 0)?;
         }
         Ok(())
     }
 
-    /// Halves a Bézier piece until it is short and straight enough; recursion is bounded by `HALVINGS`.
+    /// Halves a Bézier piece until it is short and straight enough; recursion is bounded by `FINEST`.
     fn split(
         &mut self,
         degree: usize,
@@ -399,7 +448,10 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             let speed = degree as f64 * w * norm(sub(to, from));
             speed > UNEVEN * mean || mean > UNEVEN * speed
         });
-        if depth < HALVINGS && (far > REACH || turn > TURN || (uneven && depth < EVENING)) {
+        if far > REACH && depth == FINEST {
+            return refuse("points", None, far, "a spline whose speed is not concentrated in a single point");
+        }
+        if far > REACH || (turn > TURN && depth < HALVINGS) || (uneven && depth < EVENING) {
             let (mut left, mut right, mut row) = ([[0.0; 4]; 6], [[0.0; 4]; 6], b);
             for level in 0..=degree {
                 left[level] = row[0];
@@ -411,6 +463,13 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             let half = 0.5 * (u[0] + u[1]);
             self.split(degree, left, origin, [u[0], half], rational, depth + 1)?;
             return self.split(degree, right, origin, [half, u[1]], rational, depth + 1);
+        }
+        self.count += 1;
+        if self.count > MOST {
+            return refuse("points", None, f64::from(self.count), TOO_MANY);
+        }
+        if self.counting {
+            return Ok(());
         }
         // Origin to the middle of the piece, Bernstein to power basis: c_k = C(n,k) Δ^k b_0; weights scaled to about 1.
         let scale = 1.0 / b[0][3];

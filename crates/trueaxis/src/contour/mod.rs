@@ -27,7 +27,7 @@ mod search;
 mod span;
 
 pub use command_window::CommandWindow;
-pub use convert::{PathError, Segment, convert};
+pub use convert::{PathError, Segment, convert, span_count};
 pub use orientation::{OrientationError, ToolPath, Turn};
 pub use search::{ContourSearch, ContourState, Method};
 pub use span::{Form, OnPath, Path, Reference, Span};

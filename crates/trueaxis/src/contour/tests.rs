@@ -669,3 +669,54 @@ proptest! {
         }
     }
 }
+
+/// Every span within 8 mm of its middle, also where a spline's speed is concentrated; and as many as were announced.
+#[test]
+fn no_span_reaches_farther_than_it_should() {
+    let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+    let far = [[0.0; 3], [0.0, 1.0, 0.0], [2e6, 1.0, 0.0], [2e6, 0.0, 0.0]];
+    let near = [[0.0; 3], [1e3, 0.0, 0.0], [1e3, 1e3, 0.0], [0.0, 1e3, 5.0]];
+    let heavy = [1.0, 1e7, 1e-7, 1.0];
+    let cases = [
+        Segment::Nurbs { degree: 3, knots: &knots, points: &far, weights: &[] },
+        Segment::Nurbs { degree: 3, knots: &knots, points: &near, weights: &heavy },
+        Segment::Line { start: [0.0; 3], end: [1e3, 7.0, 0.0] },
+        Segment::Arc { start: [300.0, 0.0, 0.0], end: [300.0, 0.0, 9.0], center: [0.0; 3], normal: Z, turns: 3 },
+        Segment::Turning { point: [1.0; 3] },
+    ];
+    for segment in &cases {
+        let made: Vec<Span<f64, f64>> = spans(std::slice::from_ref(segment));
+        assert_eq!(made.len() as u32, span_count(segment).unwrap(), "{segment:?}");
+        for span in &made {
+            // The middle of a line and of a spline is that of its chord; of an arc that on the arc.
+            let ends = add(span.position(0.0), span.position(1.0)).map(|x| 0.5 * x);
+            let middle = if matches!(segment, Segment::Arc { .. }) { span.position(0.5) } else { ends };
+            for i in 0..=16 {
+                let reach = norm(sub(span.position(f64::from(i) / 16.0), middle));
+                assert!(reach <= 8.0 + 1e-6, "{segment:?}: {reach}");
+            }
+        }
+    }
+}
+
+/// More spans than memory should be asked for: refused by their number, not after they are made.
+#[test]
+fn segments_without_end_are_refused_before_a_span_is_made() {
+    let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    let far = [[0.0; 3], [9e8, 0.0, 0.0], [9e8, 9e8, 0.0]];
+    let peak = [[0.0; 3], [9e8, 0.0, 0.0], [1.0, 0.0, 0.0]];
+    for segment in [
+        Segment::Line { start: [0.0; 3], end: [1e8, 0.0, 0.0] },
+        Segment::Arc { start: [1e6, 0.0, 0.0], end: [1e6, 0.0, 0.0], center: [0.0; 3], normal: Z, turns: 9999 },
+        Segment::Nurbs { degree: 2, knots: &knots, points: &far, weights: &[] },
+        Segment::Nurbs { degree: 2, knots: &knots, points: &peak, weights: &[] },
+    ] {
+        assert!(span_count(&segment).is_err(), "{segment:?}");
+        let mut made = 0;
+        let refused = convert::<f64, f64>(&segment, 0, Z, |_| {
+            made += 1;
+            Ok(())
+        });
+        assert!(refused.is_err() && made <= 1_000_000, "{segment:?}: {made}");
+    }
+}
