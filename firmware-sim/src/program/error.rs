@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+/// The way out for what only a whole interpreter can read.
+pub(super) const THROUGH_LINUXCNC: &str = "with --interpreter rs274, where LinuxCNC is installed";
+
 /// A program that cannot be executed: file, line, what was found there and what is needed instead.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}:{line}: found {found}; needed: {needed}", file.display())]
