@@ -79,7 +79,8 @@ fn rs274(program: &Path, with: &ReadOptions) -> Vec<Step> {
     let place = |name: &str| folder.path().join(name);
     std::fs::write(place("part.ngc"), bytes).unwrap();
     let mut command = Command::new("rs274");
-    command.current_dir(folder.path());
+    // It keeps its tools in a file below HOME, which two of it would share.
+    command.current_dir(folder.path()).env("HOME", folder.path());
     if with.tools.is_some() {
         let text = std::fs::read_to_string(posts().join("tool.tbl")).unwrap();
         std::fs::write(place("tool.tbl"), scaled_tools(&text)).unwrap();

@@ -76,8 +76,12 @@ impl Interpreter<'_> {
             }
         }
         let mut height = [x, y, z][normal];
-        let r = self.mm(r) + if self.incremental { height } else { 0.0 };
-        let bottom = self.mm(bottom) + if self.incremental { r } else { 0.0 };
+        let mut began = *self.cycle_start.get_or_insert(height);
+        let (r, bottom) = if self.incremental {
+            (began + self.mm(r), began + self.mm(r) + self.mm(bottom))
+        } else {
+            (self.mm(r), self.mm(bottom))
+        };
         if r < bottom {
             return refuse(format!("R {r} below the depth {bottom}"), "R above it");
         }
@@ -86,19 +90,18 @@ impl Interpreter<'_> {
         if moves > MOST_PIECES as f64 {
             return refuse(format!("a line of {moves:.0} moves"), &format!("at most {MOST_PIECES} pieces of path"));
         }
-        if height < r {
+        if began < r {
             let mut up = [x, y, z];
             up[normal] = r;
             self.rapid(line, up)?;
-            height = r;
+            (began, height) = (r, r);
         }
-        let clear = if self.retract_to_start { height } else { r };
-        for _ in 0..times {
+        let clear = if self.retract_to_start { began } else { r };
+        for number in 0..times {
             at = std::array::from_fn(|k| at[k] + step[k]);
-            at[normal] = height;
+            at[normal] = if number == 0 && height > r { height } else { clear };
             self.rapid(line, at)?;
             self.hole(line, code, at, &Hole { r, bottom, clear }, peck, feed)?;
-            height = clear;
         }
         if dwell.is_some() && matches!(code, 820 | 840 | 860 | 890) {
             self.note(line, "P with a cycle", "the axes stop; the time is not simulated");

@@ -43,6 +43,8 @@ pub(super) struct Interpreter<'o> {
     /// G61.1.
     exact_stop: bool,
     pub(super) cycle: Option<Cycle>,
+    /// Height at which the series of cycles began, in program coordinates: G98 goes back there.
+    pub(super) cycle_start: Option<f64>,
     selected_tool: Option<u32>,
     pub(super) loaded_tool: u32,
     pub(super) nurbs: Option<NurbsBlock>,
@@ -75,6 +77,7 @@ impl<'o> Interpreter<'o> {
             retract_to_start: false,
             exact_stop: false,
             cycle: None,
+            cycle_start: None,
             selected_tool: None,
             loaded_tool: 0,
             nurbs: None,

@@ -23,6 +23,9 @@ impl Interpreter<'_> {
         if explicit.is_some_and(|code| code != self.cycle.map_or(code, |cycle| cycle.code)) {
             self.cycle = None;
         }
+        if !self.motion.is_some_and(|code| matches!(code, 730..=890 if code != CANCEL)) {
+            self.cycle_start = None;
+        }
         if block.g[g::ONCE] == Some(530) {
             return self.in_machine_coordinates(block);
         }

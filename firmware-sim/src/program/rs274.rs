@@ -33,7 +33,8 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Builder, Refus
 
     let mut command = Command::new("rs274");
     command.args(["-t", "tool.tbl", "-v", "offsets.var"]).args(options.block_delete.then_some("-b"));
-    command.args(["-g", "program.ngc"]).current_dir(folder.path());
+    // It keeps its tools in a file below HOME, which two of it would share.
+    command.args(["-g", "program.ngc"]).current_dir(folder.path()).env("HOME", folder.path());
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(std::fs::File::create(file("errors")).map_err(scratch)?);
     let mut child = command.spawn().map_err(|e| {
         let needed = "LinuxCNC installed (Debian: linuxcnc-uspace), with rs274 on the search path";
@@ -76,7 +77,12 @@ fn numbered(bytes: &[u8]) -> Result<String, Refusal> {
     let mut text = String::new();
     let mut ends = false;
     for (line, bytes) in text::lines(bytes) {
-        text::clean(line, bytes, &mut text)?;
+        match text::clean(line, bytes, &mut text) {
+            Err(refusal) if !ends => return Err(refusal),
+            // Behind the end anything may stand; subprograms too.
+            Err(_) => text.clear(),
+            Ok(()) => {}
+        }
         let (slash, rest) = match text.strip_prefix('/') {
             Some(rest) => ("/", rest),
             None => ("", text.as_str()),
