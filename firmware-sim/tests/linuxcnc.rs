@@ -55,7 +55,8 @@ fn scaled_tools(text: &str) -> String {
         (Some(letter @ ('X' | 'Y' | 'Z')), Some(value)) => format!("{letter}{:.15}", value / 25.4),
         _ => word.to_owned(),
     };
-    let line = |line: &str| line.split(';').next().unwrap_or("").split_whitespace().map(word).collect::<Vec<_>>().join(" ");
+    let line =
+        |line: &str| line.split(';').next().unwrap_or("").split_whitespace().map(word).collect::<Vec<_>>().join(" ");
     text.lines().map(line).collect::<Vec<_>>().join("\n") + "\n"
 }
 
@@ -110,14 +111,22 @@ fn steps(text: &str) -> Vec<Step> {
     let mut steps = Vec::new();
     for line in text.lines() {
         let Some((head, arguments)) = line.split_once('(') else { continue };
-        let name = head.split_whitespace().last().unwrap_or("").trim_start_matches(|c: char| c == 'N' || c.is_ascii_digit());
+        let name =
+            head.split_whitespace().last().unwrap_or("").trim_start_matches(|c: char| c == 'N' || c.is_ascii_digit());
         let n: Vec<f64> =
             arguments.split([',', ' ', ')']).filter(|w| !w.is_empty()).filter_map(|w| w.parse().ok()).collect();
         let six = |first: usize| -> [f64; 6] { std::array::from_fn(|k| n[first + k] * if k < 3 { unit } else { 1.0 }) };
         let machine = |p: [f64; 6]| -> [f64; 6] {
             let (sine, cosine) = rotation.to_radians().sin_cos();
             let (x, y) = (p[0] + g92[0], p[1] + g92[1]);
-            let turned = [cosine * x - sine * y, sine * x + cosine * y, p[2] + g92[2], p[3] + g92[3], p[4] + g92[4], p[5] + g92[5]];
+            let turned = [
+                cosine * x - sine * y,
+                sine * x + cosine * y,
+                p[2] + g92[2],
+                p[3] + g92[3],
+                p[4] + g92[4],
+                p[5] + g92[5],
+            ];
             std::array::from_fn(|k| turned[k] + g5x[k] + tool[k])
         };
         let (end, arc) = match name {

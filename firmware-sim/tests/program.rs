@@ -231,11 +231,11 @@ fn circle_diamond_square_has_its_length() {
 
 #[test]
 fn words_without_effect_leave_a_note() {
-    let text =
-        "%\nN10 (start) G21 G40 G49 G54 G64 P0.01 ; modes\nT1 M6\nM3 S1000 M8\nG61 F10 G1 X1 S900 M8\nG80 M5 M9 M0\nM2\n%\n";
+    let text = "%\nN10 (start) G21 G40 G49 G54 G64 P0.01 ; modes\nT1 M6\nM3 S1000 M8\nG61 F10 G1 X1 S900 M8\nG80 M5 M9 M0\nM2\n%\n";
     let program = parse(text).unwrap();
     assert_eq!(program.moves.len(), 1);
-    let notes: Vec<String> = program.notes.iter().map(|note| format!("{} {} {}", note.line, note.word, note.count)).collect();
+    let notes: Vec<String> =
+        program.notes.iter().map(|note| format!("{} {} {}", note.line, note.word, note.count)).collect();
     assert_eq!(notes, ["2 G64 P 1", "3 T 1", "3 M6 1", "4 S 2", "4 M3 1", "4 M8 2", "6 M5 1", "6 M9 1", "6 M0 1"]);
     assert!(program.moves[0].stop, "M0 stops the axes");
 }

@@ -84,7 +84,8 @@ impl ArcWords {
             None => 0,
             Some(p) if p.fract() == 0.0 && (1.0..=f64::from(MOST_TURNS)).contains(&p) => p as u32 - 1,
             Some(p) => {
-                return self.refuse(format!("P{p} with an arc"), format!("a whole number of turns from 1 to {MOST_TURNS}"));
+                return self
+                    .refuse(format!("P{p} with an arc"), format!("a whole number of turns from 1 to {MOST_TURNS}"));
             }
         };
         let normal = self.plane.normal().map(|n| if self.clockwise { -n } else { n });

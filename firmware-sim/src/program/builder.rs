@@ -88,7 +88,13 @@ impl Builder {
         let along = length >= SHORTEST;
         let feed_per_min = match pace {
             Pace::Rapid => 0.0,
-            Pace::PerMinute { mm, degrees } => if along { mm } else { degrees },
+            Pace::PerMinute { mm, degrees } => {
+                if along {
+                    mm
+                } else {
+                    degrees
+                }
+            }
             Pace::InverseTime(number) => number * if along { length } else { angle },
         };
         let rapid = pace == Pace::Rapid;

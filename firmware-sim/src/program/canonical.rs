@@ -112,8 +112,14 @@ impl Canonical {
                 self.builder.stop();
                 self.builder.notes.add(line, name, "the axes stop, and go on at once");
             }
-            "SET_NAIVECAM_TOLERANCE" | "SET_FEED_REFERENCE" | "ON_RESET" | "COMMENT" | "MESSAGE" | "LOG"
-            | "PALLET_SHUTTLE" | "START_CHANGE" => {}
+            "SET_NAIVECAM_TOLERANCE"
+            | "SET_FEED_REFERENCE"
+            | "ON_RESET"
+            | "COMMENT"
+            | "MESSAGE"
+            | "LOG"
+            | "PALLET_SHUTTLE"
+            | "START_CHANGE" => {}
             "NURBS_FEED" => {
                 let needed = "a program without G5, G5.1 and G5.2: rs274 does not print their points (G5.2 runs without \
                               --interpreter rs274)";
@@ -121,7 +127,13 @@ impl Canonical {
             }
             "STOP_SPINDLE_TURNING" | "SET_SPINDLE_MODE" => {}
             _ if has_no_effect(name) => self.builder.notes.add(line, name, ""),
-            _ => return Err(Refusal::new(line, format!("{name}({arguments})"), "lines and arcs of LinuxCNC's interpreter")),
+            _ => {
+                return Err(Refusal::new(
+                    line,
+                    format!("{name}({arguments})"),
+                    "lines and arcs of LinuxCNC's interpreter",
+                ));
+            }
         }
         Ok(())
     }
@@ -183,9 +195,20 @@ impl Canonical {
 
 /// Calls that move no axis.
 fn has_no_effect(name: &str) -> bool {
-    ["SPINDLE", "COOLANT", "FLOOD", "MIST", "OVERRIDE", "SELECT_TOOL", "AUX_", "MOTION_OUTPUT", "TOOL_TABLE", "TOOL_NUMBER"]
-        .iter()
-        .any(|part| name.contains(part))
+    [
+        "SPINDLE",
+        "COOLANT",
+        "FLOOD",
+        "MIST",
+        "OVERRIDE",
+        "SELECT_TOOL",
+        "AUX_",
+        "MOTION_OUTPUT",
+        "TOOL_TABLE",
+        "TOOL_NUMBER",
+    ]
+    .iter()
+    .any(|part| name.contains(part))
 }
 
 /// The numbers between commas and blanks; exactly `N` of them.

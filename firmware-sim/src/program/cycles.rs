@@ -128,15 +128,7 @@ impl Interpreter<'_> {
     }
 
     /// Down from the height of `at`, and up to where it ends.
-    fn hole(
-        &mut self,
-        line: u32,
-        code: u16,
-        at: [f64; 3],
-        hole: &Hole,
-        peck: f64,
-        feed: Pace,
-    ) -> Result<(), Refusal> {
+    fn hole(&mut self, line: u32, code: u16, at: [f64; 3], hole: &Hole, peck: f64, feed: Pace) -> Result<(), Refusal> {
         let [.., normal] = self.plane.axes();
         let height = |height: f64| {
             let mut at = at;

@@ -192,7 +192,9 @@ impl<'o> Interpreter<'o> {
             }
             self.note(line, "T", "");
         }
-        for (group, letters) in [(m::IO, "PQE"), (m::TOOL, "Q"), (m::SPINDLE, "PQR"), (m::COOLANT, ""), (m::OVERRIDE, "P")] {
+        for (group, letters) in
+            [(m::IO, "PQE"), (m::TOOL, "Q"), (m::SPINDLE, "PQR"), (m::COOLANT, ""), (m::OVERRIDE, "P")]
+        {
             let Some(number) = block.m[group] else { continue };
             self.note(line, &format!("M{number}"), "");
             match number {
@@ -237,7 +239,9 @@ impl<'o> Interpreter<'o> {
             Some(640) => {
                 block.take('Q');
                 match block.take('P') {
-                    Some(_) => self.note(line, "G64 P", "corners are not rounded, the programmed path is followed exactly"),
+                    Some(_) => {
+                        self.note(line, "G64 P", "corners are not rounded, the programmed path is followed exactly")
+                    }
                     None => self.note(line, "G64", "the programmed path is followed exactly"),
                 }
                 self.exact_stop = false;

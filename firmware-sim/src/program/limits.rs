@@ -42,8 +42,10 @@ impl Program {
             cycles += seconds(element, rapid_mm_per_min) * rate_hz;
             if cycles > MOST_CYCLES {
                 let found = format!("a program of more than {:.1} hours by its feeds", cycles / rate_hz / 3600.0);
-                let needed =
-                    format!("at most {MOST_CYCLES:e} servo cycles, {:.1} hours at {rate_hz} Hz", MOST_CYCLES / rate_hz / 3600.0);
+                let needed = format!(
+                    "at most {MOST_CYCLES:e} servo cycles, {:.1} hours at {rate_hz} Hz",
+                    MOST_CYCLES / rate_hz / 3600.0
+                );
                 return Err(Refusal::new(element.line, found, needed).in_file(file));
             }
         }

@@ -137,13 +137,8 @@ impl Interpreter<'_> {
         let end = std::array::from_fn(|k| if same(k) { start[k] } else { end[k] });
         let [.., a, b, c] = machine_end;
         let turn = self.builder.turn_to([a, b, c]);
-        let curve = Curve::Arc {
-            start,
-            end,
-            center: self.frame.point(center),
-            normal: self.frame.direction(normal),
-            turns,
-        };
+        let curve =
+            Curve::Arc { start, end, center: self.frame.point(center), normal: self.frame.direction(normal), turns };
         self.builder.push(line, pace, curve, turn, self.frame.direction(self.plane.normal()))?;
         self.moved();
         Ok(())
@@ -157,7 +152,11 @@ impl Interpreter<'_> {
         }
         let other = block.g.iter().enumerate().find_map(|(group, code)| code.filter(|_| group != g::MOTION));
         if let Some(code) = other {
-            return Err(Refusal::new(line, format!("`G{}`", f64::from(code) / 10.0), "control points or G5.3 within a NURBS"));
+            return Err(Refusal::new(
+                line,
+                format!("`G{}`", f64::from(code) / 10.0),
+                "control points or G5.3 within a NURBS",
+            ));
         }
         if block.m[m::STOP].is_some_and(|number| matches!(number, 2 | 30)) {
             return Err(Refusal::new(line, "the program's end within a NURBS", "G5.3"));

@@ -119,7 +119,11 @@ impl Offsets {
         let line_at = |at: usize| text.get(..at).map_or(1, |before| before.matches('\n').count() as u32 + 1);
         let document: Document = toml::from_str(text).map_err(|error| {
             let line = error.span().map_or(1, |span| line_at(span.start));
-            Refusal::new(line, error.message(), "tables G54 to \"G59.3\", G92, G28, G30 with x_mm … c_deg, rotation_deg")
+            Refusal::new(
+                line,
+                error.message(),
+                "tables G54 to \"G59.3\", G92, G28, G30 with x_mm … c_deg, rotation_deg",
+            )
         })?;
         let mut offsets = Offsets::default();
         for (name, table) in document.tables {

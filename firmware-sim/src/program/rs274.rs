@@ -112,7 +112,11 @@ fn refusal(errors: &str, last: u32, done: bool) -> Refusal {
         let number = text.trim_start_matches('/').strip_prefix(['N', 'n'])?;
         number.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
     });
-    Refusal::new(line.unwrap_or(last), format!("what LinuxCNC refuses: {message}"), "a program that its interpreter takes")
+    Refusal::new(
+        line.unwrap_or(last),
+        format!("what LinuxCNC refuses: {message}"),
+        "a program that its interpreter takes",
+    )
 }
 
 /// A child that is ended when it takes too long, or when nobody waits for it any more.

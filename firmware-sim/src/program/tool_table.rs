@@ -21,9 +21,8 @@ impl ToolTable {
     /// # Errors
     /// With its line, what is no such word, a line without T, a tool twice, a value outside ±1e6.
     pub fn read(path: &Path) -> Result<ToolTable, ProgramError> {
-        let bytes = std::fs::read(path).map_err(|e| {
-            Refusal::new(1, format!("a file that cannot be read ({e})"), "a tool table").in_file(path)
-        })?;
+        let bytes = std::fs::read(path)
+            .map_err(|e| Refusal::new(1, format!("a file that cannot be read ({e})"), "a tool table").in_file(path))?;
         ToolTable::parse(&String::from_utf8_lossy(&bytes)).map_err(|refusal| refusal.in_file(path))
     }
 
