@@ -2,6 +2,7 @@
 
 mod compare_command;
 mod grind;
+mod program_args;
 mod record;
 mod rtcp;
 
@@ -11,13 +12,13 @@ use firmware_sim::motion::{Motion, MotionSettings};
 use firmware_sim::path::PlannedPath;
 use firmware_sim::placement::Placement;
 use firmware_sim::plant::fault::FaultScript;
-use firmware_sim::program::{Note, Offsets, Program, ProgramError, ReadOptions, Reader, ToolTable, limits};
 use firmware_sim::scenario::{Scenario, axis_count, middle_of_travel, sample_machine};
 use firmware_sim::trace::Trace;
 use firmware_sim::{bench, outcome, report};
 use indicatif::{ProgressBar, ProgressStyle};
+use program_args::{Document, ProgramArgs, noted};
 use serde_json::json;
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trueaxis::machine::ErrorModel;
@@ -72,9 +73,8 @@ struct ScenarioArgs {
     /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
     #[arg(long, value_name = "M", default_value = "mill-3axis")]
     machine: PathBuf,
-    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis, short-tour.
-    #[arg(long, value_name = "P.ngc", default_value = "circle-diamond-square")]
-    program: PathBuf,
+    #[command(flatten)]
+    program: ProgramArgs,
     /// Error model that the step corrects by [default: the machine file's].
     #[arg(long, value_name = "MODEL", value_enum)]
     model: Option<Model>,
@@ -85,18 +85,6 @@ struct ScenarioArgs {
     /// Servo rate.
     #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
     rate_hz: f64,
-    /// Tool table in LinuxCNC's form, for G43 [default: tools without length].
-    #[arg(long, value_name = "FILE")]
-    tool_table: Option<PathBuf>,
-    /// Work offsets G54 to G59.3 and G92, places of G28 and G30: LinuxCNC's parameter file, or a .toml [default: all zero].
-    #[arg(long, value_name = "FILE")]
-    offsets: Option<PathBuf>,
-    /// Leave out the lines that begin with `/`.
-    #[arg(long)]
-    block_delete: bool,
-    /// Who interprets the program.
-    #[arg(long, value_name = "WHO", value_enum, default_value_t = Interpreter::Own)]
-    interpreter: Interpreter,
     /// Machine coordinates of the place that the program's controller calls zero: program zero where nothing shifts it
     /// [default: 0,0,0 with --offsets, else the middle of the declared travels].
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true)]
@@ -118,14 +106,6 @@ enum Model {
     Nine,
     /// All errors of every axis, carried to the tool tip.
     Volumetric,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Interpreter {
-    /// This program.
-    Own,
-    /// LinuxCNC's own, where it is installed: parameters, subprograms, cutter compensation.
-    Rs274,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -209,11 +189,11 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     }
     let mut machine = read_machine("--machine", &args.machine)?;
     choose_model(&mut machine, args)?;
-    let program = read_program(args)?;
-    program.check_axes(&machine.settings, &args.program)?;
-    program.check_duration(args.rate_hz, MotionSettings::default().rapid_mm_per_min, &args.program)?;
+    let program = args.program.read()?;
+    program.check_axes(&machine.settings, &args.program.file)?;
+    program.check_duration(args.rate_hz, MotionSettings::default().rapid_mm_per_min, &args.program.file)?;
     let origin_mm = match args.origin_mm.as_deref() {
-        None if args.offsets.is_some() => [0.0; 3],
+        None if args.program.offsets.is_some() => [0.0; 3],
         None => middle_of_travel(&machine),
         Some(&[x, y, z]) if [x, y, z].iter().all(|c| c.is_finite()) => [x, y, z],
         Some(other) => bail!("--origin-mm: found {other:?}, needed three finite numbers X,Y,Z"),
@@ -280,42 +260,6 @@ fn plan(scenario: &Scenario) -> Result<(Motion<'_>, PlannedPath)> {
     let motion = Motion::plan_on(&scenario.program, settings, &scenario.placement)
         .map_err(|e| anyhow!("{}: {e}", scenario.program.name))?;
     Ok((motion, PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement)?))
-}
-
-fn read_program(args: &ScenarioArgs) -> Result<Program> {
-    let options = ReadOptions {
-        tools: args.tool_table.as_deref().map(ToolTable::read).transpose()?,
-        offsets: args.offsets.as_deref().map(Offsets::read).transpose()?,
-        block_delete: args.block_delete,
-        reader: match args.interpreter {
-            Interpreter::Own => Reader::Own,
-            Interpreter::Rs274 => Reader::LinuxCnc,
-        },
-    };
-    let path = &args.program;
-    let name = path.to_string_lossy();
-    if !path.exists()
-        && let Some(program) = Program::builtin(&name)
-    {
-        return Ok(program?);
-    }
-    let bytes = read_bounded(path)?;
-    let stem = path.file_stem().map_or(name.clone(), |s| s.to_string_lossy());
-    Ok(Program::read(&stem, &bytes, path, &options)?)
-}
-
-/// A file of at most [`limits::MOST_BYTES`]; no more is read of a longer one.
-fn read_bounded(path: &Path) -> Result<Vec<u8>> {
-    let cannot = || format!("cannot read the program {}", path.display());
-    let mut bytes = Vec::new();
-    let file = std::fs::File::open(path).with_context(cannot)?;
-    file.take(limits::MOST_BYTES + 1).read_to_end(&mut bytes).with_context(cannot)?;
-    if bytes.len() as u64 > limits::MOST_BYTES {
-        let line = bytes.iter().filter(|byte| **byte == b'\n').count() as u32 + 1;
-        let found = format!("more than {} bytes", limits::MOST_BYTES);
-        return Err(ProgramError { file: path.into(), line, found, needed: "a shorter program".into() }.into());
-    }
-    Ok(bytes)
 }
 
 /// A program that leaves the declared travel would only run into the plugin's stop request.
@@ -389,29 +333,6 @@ fn run(args: &RunArgs) -> Result<()> {
         let files = [page, trace].into_iter().flatten().map(|file| format!("written  {}\n", file.display()));
         put(&(outcome.summary(&scenario).to_string() + &noted(&scenario.program) + &files.collect::<String>()))
     }
-}
-
-/// What `run --json` prints.
-#[derive(serde::Serialize)]
-struct Document<'p, Run> {
-    #[serde(flatten)]
-    run: Run,
-    /// Words of the program without effect, once per kind.
-    noted: &'p [Note],
-}
-
-/// Words of the program without effect, once per kind.
-fn noted(program: &Program) -> String {
-    let (plain, explained): (Vec<_>, Vec<_>) = program.notes.iter().partition(|note| note.why.is_empty());
-    let mut text = String::new();
-    if !plain.is_empty() {
-        let kinds: Vec<String> = plain.iter().map(ToString::to_string).collect();
-        text += &format!("noted, no effect: {}\n", kinds.join(", "));
-    }
-    for note in explained {
-        text += &format!("noted    {note}\n");
-    }
-    text
 }
 
 fn time(args: &BenchArgs) -> Result<()> {

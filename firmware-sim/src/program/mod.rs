@@ -196,6 +196,9 @@ impl Program {
     /// # Errors
     /// With its line, what is not understood, and a program beyond the [`limits`].
     pub fn read(name: &str, bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Program, ProgramError> {
+        if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+            return Err(Refusal::new(1, "UTF-16", "UTF-8 or Latin-1").in_file(file));
+        }
         let builder = match options.reader {
             Reader::Own => Program::interpret(bytes, options),
             Reader::LinuxCnc => rs274::read(bytes, options),

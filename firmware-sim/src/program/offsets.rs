@@ -1,6 +1,5 @@
 //! Work offsets and home positions: LinuxCNC's parameter file, or TOML.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -49,11 +48,35 @@ struct Table {
     rotation_deg: f64,
 }
 
+/// The TOML form. A field for each table: so a mistake in one is found with its line.
 #[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Document {
     active: Option<String>,
-    #[serde(flatten)]
-    tables: BTreeMap<String, Table>,
+    #[serde(rename = "G54")]
+    g54: Option<Table>,
+    #[serde(rename = "G55")]
+    g55: Option<Table>,
+    #[serde(rename = "G56")]
+    g56: Option<Table>,
+    #[serde(rename = "G57")]
+    g57: Option<Table>,
+    #[serde(rename = "G58")]
+    g58: Option<Table>,
+    #[serde(rename = "G59")]
+    g59: Option<Table>,
+    #[serde(rename = "G59.1")]
+    g59_1: Option<Table>,
+    #[serde(rename = "G59.2")]
+    g59_2: Option<Table>,
+    #[serde(rename = "G59.3")]
+    g59_3: Option<Table>,
+    #[serde(rename = "G92")]
+    g92: Option<Table>,
+    #[serde(rename = "G28")]
+    g28: Option<Table>,
+    #[serde(rename = "G30")]
+    g30: Option<Table>,
 }
 
 impl Offsets {
@@ -126,19 +149,25 @@ impl Offsets {
             )
         })?;
         let mut offsets = Offsets::default();
-        for (name, table) in document.tables {
-            let line = text.lines().position(|text| text.contains(&name)).map_or(1, |line| line as u32 + 1);
+        let Document { g54, g55, g56, g57, g58, g59, g59_1, g59_2, g59_3, g92, g28, g30, .. } = &document;
+        let systems = [g54, g55, g56, g57, g58, g59, g59_1, g59_2, g59_3];
+        let place = |name: &str, table: &Table| {
+            let line = text.lines().position(|text| text.contains(name)).map_or(1, |line| line as u32 + 1);
             let place = [table.x_mm, table.y_mm, table.z_mm, table.a_deg, table.b_deg, table.c_deg];
-            for value in place.into_iter().chain([table.rotation_deg]) {
-                in_range(line, value)?;
+            place.into_iter().chain([table.rotation_deg]).try_for_each(|value| in_range(line, value))?;
+            Ok(place)
+        };
+        for ((system, name), table) in offsets.systems.iter_mut().zip(SYSTEMS).zip(systems) {
+            if let Some(table) = table {
+                *system = System { offset: place(name, table)?, rotation_deg: table.rotation_deg };
             }
-            let system = SYSTEMS.iter().position(|system| *system == name);
-            match (system.and_then(|at| offsets.systems.get_mut(at)), name.as_str()) {
-                (Some(system), _) => *system = System { offset: place, rotation_deg: table.rotation_deg },
-                (None, "G92") => (offsets.g92, offsets.g92_active) = (place, true),
-                (None, "G28") => offsets.home[0] = place,
-                (None, "G30") => offsets.home[1] = place,
-                _ => return Err(Refusal::new(line, format!("[{name}]"), "G54 to \"G59.3\", G92, G28 or G30")),
+        }
+        if let Some(table) = g92 {
+            (offsets.g92, offsets.g92_active) = (place("G92", table)?, true);
+        }
+        for (home, (name, table)) in offsets.home.iter_mut().zip([("G28", g28), ("G30", g30)]) {
+            if let Some(table) = table {
+                *home = place(name, table)?;
             }
         }
         if let Some(active) = document.active {

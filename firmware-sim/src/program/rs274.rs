@@ -89,7 +89,11 @@ fn numbered(bytes: &[u8]) -> Result<String, Refusal> {
         };
         let own_number = rest.strip_prefix('N').map(|r| r.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.'));
         let words = own_number.unwrap_or(rest);
-        ends |= ["M2", "M02", "M30"].iter().any(|end| words.contains(end));
+        ends |= words.split('M').skip(1).any(|word| {
+            let number = word.trim_start_matches('0');
+            let digits = number.find(|c: char| !c.is_ascii_digit()).unwrap_or(number.len());
+            matches!(number.get(..digits), Some("2" | "30"))
+        });
         if words.is_empty() || words.starts_with(['%', 'O']) {
             program += words;
         } else {
