@@ -51,14 +51,14 @@ impl ToolTable {
                     },
                 }
             }
-            match number {
-                Some(number) => {
-                    if table.offsets.insert(number, offset).is_some() {
-                        return Err(Refusal::new(line, format!("T{number} for the second time"), "each tool once"));
-                    }
+            let Some(number) = number else {
+                if any {
+                    return Err(Refusal::new(line, format!("`{}`", text.trim()), "the tool's number, T"));
                 }
-                None if any => return Err(Refusal::new(line, format!("`{}`", text.trim()), "the tool's number, T")),
-                None => {}
+                continue;
+            };
+            if table.offsets.insert(number, offset).is_some() {
+                return Err(Refusal::new(line, format!("T{number} for the second time"), "each tool once"));
             }
         }
         Ok(table)
