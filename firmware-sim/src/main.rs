@@ -5,6 +5,7 @@
 
 mod compare_command;
 mod grind;
+mod program_args;
 mod record;
 mod rtcp;
 
@@ -14,13 +15,13 @@ use firmware_sim::motion::{Motion, MotionSettings};
 use firmware_sim::outcome::{self, Outcome};
 use firmware_sim::placement::Placement;
 use firmware_sim::plant::fault::FaultScript;
-use firmware_sim::program::Program;
 use firmware_sim::scenario::{Scenario, axis_count, middle_of_travel, sample_machine};
 use firmware_sim::series::Series;
 use firmware_sim::simulate::{Kind, Sink};
 use firmware_sim::trace::Trace;
 use firmware_sim::{bench, report};
 use indicatif::{ProgressBar, ProgressStyle};
+use program_args::{Document, ProgramArgs, noted};
 use serde_json::json;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -28,7 +29,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trueaxis::machine::ErrorModel;
 use trueaxis_tables::Machine;
-use trueaxis_tables::text::{counted, printable, read_text};
+use trueaxis_tables::text::{counted, printable};
 
 /// Runs a part program through the compensated servo step against a simulated machine, and shows what was gained on
 /// the part and what each cycle cost.
@@ -82,9 +83,8 @@ struct ScenarioArgs {
     /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
     #[arg(long, value_name = "M", default_value = "mill-3axis")]
     machine: PathBuf,
-    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis, short-tour.
-    #[arg(long, value_name = "P.ngc", default_value = "circle-diamond-square")]
-    program: PathBuf,
+    #[command(flatten)]
+    program: ProgramArgs,
     /// Error model that the step corrects by [default: the machine file's].
     #[arg(long, value_name = "MODEL", value_enum)]
     model: Option<Model>,
@@ -95,7 +95,8 @@ struct ScenarioArgs {
     /// Servo rate.
     #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
     rate_hz: f64,
-    /// Program zero in machine coordinates [default: the middle of the declared travels].
+    /// Machine coordinates of the place that the program's controller calls zero: program zero where nothing shifts it
+    /// [default: 0,0,0 with --offsets, else the middle of the declared travels].
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true)]
     origin_mm: Option<Vec<f64>>,
     /// Seed of the encoders' noise.
@@ -193,9 +194,11 @@ fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     }
     let mut machine = read_machine("--machine", &args.machine)?;
     choose_model(&mut machine, args)?;
-    let program = read_program(&args.program)?;
-    program.check_axes(&machine.settings, &args.program)?;
+    let program = args.program.read()?;
+    program.check_axes(&machine.settings, &args.program.file)?;
+    program.check_duration(args.rate_hz, MotionSettings::default().rapid_mm_per_min, &args.program.file)?;
     let origin_mm = match args.origin_mm.as_deref() {
+        None if args.program.offsets.is_some() => [0.0; 3],
         None => middle_of_travel(&machine),
         Some(&[x, y, z]) if [x, y, z].iter().all(|c| c.is_finite()) => [x, y, z],
         Some(other) => bail!("--origin-mm: found {other:?}, needed three finite numbers X,Y,Z"),
@@ -265,18 +268,6 @@ fn plan(scenario: &Scenario) -> Result<Motion<'_>> {
     Ok(motion)
 }
 
-fn read_program(path: &Path) -> Result<Program> {
-    let name = path.to_string_lossy();
-    if !path.exists()
-        && let Some(program) = Program::builtin(&name)
-    {
-        return Ok(program?);
-    }
-    let text = read_text(path)?;
-    let stem = path.file_stem().map_or(name.clone(), |s| s.to_string_lossy());
-    Ok(Program::parse(&stem, &text, path)?)
-}
-
 /// A program that leaves the declared travel would only run into the plugin's stop request.
 fn stays_in_travel(scenario: &Scenario) -> Result<()> {
     for step in &scenario.program.moves {
@@ -332,10 +323,11 @@ fn run(args: &RunArgs) -> Result<()> {
     bar.finish_and_clear();
     let written = files.map(|files| files.finish(&outcome, &scenario)).transpose()?;
     if args.json {
-        put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&scenario))?))
+        let document = Document { run: outcome.json(&scenario), noted: &scenario.program.notes };
+        put(&format!("{}\n", serde_json::to_string_pretty(&document)?))
     } else {
         let files = written.iter().flatten().map(|file| format!("written  {}\n", file.display()));
-        put(&(outcome.summary(&scenario).to_string() + &files.collect::<String>()))
+        put(&(outcome.summary(&scenario).to_string() + &noted(&scenario.program) + &files.collect::<String>()))
     }
 }
 

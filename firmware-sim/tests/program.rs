@@ -231,22 +231,23 @@ fn circle_diamond_square_has_its_length() {
 
 #[test]
 fn words_without_effect_leave_a_note() {
-    let text =
-        "%\nN10 (start) G21 G40 G49 G54 G64 P0.01 ; modes\nT1 M6\nM3 S1000 M8\nG61 F10 G1 X1\nG80 M5 M9\nM2\n%\n";
+    let text = "%\nN10 (start) G21 G40 G49 G54 G64 P0.01 ; modes\nT1 M6\nM3 S1000 M8\nG61 F10 G1 X1 S900 M8\nG80 M5 M9 M0\nM2\n%\n";
     let program = parse(text).unwrap();
     assert_eq!(program.moves.len(), 1);
-    let lines: Vec<u32> = program.notes.iter().map(|note| note.line).collect();
-    assert_eq!(lines, [2, 2, 2, 2, 3, 3, 4, 4, 4, 5, 6, 6]);
-    assert!(program.notes.iter().any(|note| note.text.starts_with("G64 P0.01")));
+    let notes: Vec<String> =
+        program.notes.iter().map(|note| format!("{} {} {}", note.line, note.word, note.count)).collect();
+    assert_eq!(notes, ["2 G64 P 1", "3 T 1", "3 M6 1", "4 S 2", "4 M3 1", "4 M8 2", "6 M5 1", "6 M9 1", "6 M0 1"]);
+    assert!(program.moves[0].stop, "M0 stops the axes");
 }
 
 #[test]
 fn refusals_name_line_and_word() {
-    let cases: [(&str, u32, &str, &str); 56] = [
+    let cases: [(&str, u32, &str, &str); 80] = [
         ("G1 X1", 1, "without feed", "F"),
+        ("F0 G1 X1", 1, "without feed", "F"),
         ("F10\nG2 X1 Y1", 2, "without centre", "I J K"),
-        ("F10\nG2 X10 I4", 2, "radius 4.0000 mm at its start and 6.0000 mm", "agree within 0.002"),
-        ("F10\nG2 X10 I5.0011 Y0.0", 2, "", "agree within"),
+        ("F10\nG2 X10 I4", 2, "radius 4.0000 mm at its start and 6.0000 mm", "agree within 0.02"),
+        ("F10\nG2 X10 I5.0101 Y0.0", 2, "", "agree within"),
         ("F10 G2 X10 R4.9", 1, "R 4.9000 mm", "half"),
         ("F10 G2 I0 J0 X1", 1, "radius", "centre"),
         ("F10 G2 X10 R5 I5", 1, "R together", "either"),
@@ -256,49 +257,72 @@ fn refusals_name_line_and_word() {
         ("F10 G2 X0 R5", 1, "the same", "I J K"),
         ("F10 G2 X10 I5 P0", 1, "P0", "turns"),
         ("F10 G2 X10 I5 P1.5", 1, "P1.5", "turns"),
-        ("F0", 1, "F0", "positive"),
+        ("F10 G2 X10 I5 P9999", 1, "P9999", "1 to 1000"),
         ("F-5", 1, "F-5", "positive"),
-        ("G20 F5", 1, "unit", "own"),
         ("X1", 1, "X1", "motion word"),
         ("G80\nX1", 2, "X1", "motion word"),
         ("G1 F1 X1 X2", 1, "`X2`", "once"),
         ("G0 G1 X1 F1", 1, "`G1` and `G0`", "modal group"),
+        ("G0 G80 G1 X1 F1", 1, "`G1` and `G0`", "modal group"),
         ("G90 G91", 1, "G91", "modal group"),
+        ("M3 M4", 1, "`M4` and `M3`", "modal group"),
         ("N1 N2 G0", 1, "N2", "once"),
         ("G0 X", 1, "X", "number"),
         ("G0 X Y1", 1, "X", "number"),
         ("G", 1, "G", "number"),
-        ("G0 X1.2.3", 1, ".3", "letter"),
+        ("G0 X1.2.3", 1, "1.2.3", "number"),
         ("G0 X1e3", 1, "E3", "dialect"),
         ("G0 X--1", 1, "X", "number"),
         ("G0 X2000000", 1, "X2000000", "within"),
         ("G0 X.", 1, ".", ""),
         ("A10", 1, "A10", "motion word"),
-        ("G0 X1 Q3", 1, "Q3", "dialect"),
+        ("G0 X1 Q3", 1, "Q3", "G83"),
         ("G0 X1 P3", 1, "P3", "G64"),
-        ("G0 X1 R3", 1, "R3", "G2 or G3"),
+        ("G0 X1 R3", 1, "R3", "G2, G3"),
         ("G0 X1 L3", 1, "L3", "G5.2"),
-        ("G4 P1", 1, "G4", "G5.2"),
-        ("G41 D1", 1, "G41", "G40"),
-        ("G43 H1", 1, "G43", "G49"),
-        ("G55", 1, "G55", "G54"),
-        ("G95", 1, "G95", "G94"),
-        ("G1.01 X1 F1", 1, "G1.01", "supported"),
-        ("G1.55 X1 F1", 1, "G1.55", "words"),
-        ("G4294967297 X1", 1, "8 digits", "supported"),
-        ("M98", 1, "M98", "M30"),
+        ("G0 X1 H1", 1, "H1", "G43"),
+        ("G0 X1 D1", 1, "D1", "dialect"),
+        ("G4", 1, "G4", "seconds"),
+        ("G4 X1", 1, "G4", "seconds"),
+        ("G41 D1", 1, "G41", "--interpreter rs274"),
+        ("G42.1 D1", 1, "G42.1", "--interpreter rs274"),
+        ("G43 H1.5", 1, "H1.5", "whole"),
+        ("G43.1", 1, "without axis words", "Z"),
+        ("G95", 1, "G95", "--interpreter rs274"),
+        ("G33 K1 Z1", 1, "G33", "--interpreter rs274"),
+        ("G68.2", 1, "G68.2", "G54 to G59.3"),
+        ("G1.01 X1 F1", 1, "G1.01", "G54"),
+        ("G1.55 X1 F1", 1, "G1.55", "G54"),
+        ("G4294967297 X1", 1, "G4294967297", "number"),
+        ("M98 P100", 1, "M98", "--interpreter rs274"),
+        ("M99", 1, "M99", "--interpreter rs274"),
         ("M99999", 1, "M99999", "M30"),
-        ("O100 SUB", 1, "", ""),
-        ("O100", 1, "O100", "dialect"),
-        ("/G0 X1", 1, "/", "block delete"),
-        ("#1=5", 1, "#", "words"),
-        ("G0 X[1+2]", 1, "X", "number"),
+        ("O100 SUB", 1, "O100SUB", "--interpreter rs274"),
+        ("N5 O<drill> CALL [1]", 1, "O<DRILL>", "--interpreter rs274"),
+        ("O100 G0 X1", 1, "O100G0X1", "line of its own"),
+        ("#1=5", 1, "#1=5", "--interpreter rs274"),
+        ("G0 X#1", 1, "X#1", "--interpreter rs274"),
+        ("G0 X[1+2]", 1, "X[1+2]", "--interpreter rs274"),
         ("G0 X1 (open\nG0 X2", 1, "(open", "closed"),
-        ("G0 X1 (a (b) c)", 1, "(a (b)", "without ("),
-        ("G0 é1", 1, "é", "words"),
-        ("M2\nG0 X1", 2, "after the program's end", "%"),
+        ("G0 X1 (a (b) c)", 1, "(a", "without ("),
+        ("G0 é1", 1, "0xc3", "letters"),
+        ("G0 /X1", 1, "/", "beginning"),
         ("% G0", 1, "%", "own"),
-        ("G0 X1 42", 1, "42", "letter"),
+        ("42 G0 X1", 1, "42", "letter"),
+        ("G53 X1", 1, "G53 without", "G0 or G1"),
+        ("G91 G53 G0 X1", 1, "G91", "G90"),
+        ("G92", 1, "G92 alone", "axis words"),
+        ("G92 G1 X1 F1", 1, "G92 and G1", "one word"),
+        ("G10 P1 X1", 1, "G10", "L2"),
+        ("G10 L2 P10 X1", 1, "P10", "P0 to P9"),
+        ("G81 X1 Z-1 R1", 1, "without feed", "F"),
+        ("F1 G81 X1 R1", 1, "without Z", "depth"),
+        ("F1 G81 X1 Z-1", 1, "without R", "height"),
+        ("F1 G81 X1 Z1 R-1", 1, "below", "above"),
+        ("F1 G82 X1 Z-1 R1", 1, "without P", "dwell"),
+        ("F1 G83 X1 Z-1 R1", 1, "Q0", "positive"),
+        ("F1 G81 A1 Z-1 R1", 1, "rotary", "rest"),
+        ("F1 G93 G81 X1 Z-1 R1 F1", 1, "`F1`", "once"),
     ];
     for (text, line, found, needed) in cases {
         let error = parse(text).expect_err(text);

@@ -27,6 +27,10 @@ root=$(cd ../.. && pwd)
 target=${CARGO_TARGET_DIR:-$root/target}
 # As `cargo test` builds them: after it there is little left to do.
 (cd "$root" && cargo build --quiet --profile test --package trueaxis-cli --package trueaxis-linuxcnc)
+# The simulator's G-code against LinuxCNC's own interpreter.
+if [[ $# == 0 ]]; then
+    (cd "$root" && TRUEAXIS_LINUXCNC=1 cargo test --quiet --package firmware-sim --test linuxcnc)
+fi
 
 # The ordinary user cannot be expected to read this folder: it gets a copy of what it needs.
 work=$(mktemp -d /tmp/trueaxis-linuxcnc.XXXXXX)

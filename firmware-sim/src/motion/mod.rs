@@ -141,6 +141,9 @@ impl<'p> Motion<'p> {
                     Some(machine) => ceiling::corner_speed_of_axes(element, next, machine, step),
                     None => ceiling::corner_speed(&element.curve, &next.curve, step),
                 };
+                if element.stop {
+                    section.end_limit = 0.0;
+                }
             }
         }
         if sections.is_empty() {

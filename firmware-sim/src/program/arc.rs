@@ -2,10 +2,17 @@
 
 use super::curve::Curve;
 use super::error::Refusal;
+use super::limits::MOST_TURNS;
 
-/// Largest difference in mm between the radii at start and end of a centre-format arc, and by which twice R may fall
-/// short of the chord: the rounding of coordinates and centre to three decimals, with some room.
-pub(super) const RADIUS_TOLERANCE: f64 = 2.0e-3;
+/// Largest difference in mm between the radii at start and end of an arc by its centre. LinuxCNC takes as much in small arcs,
+/// and in large ones a thousandth of the radius.
+const RADIUS_TOLERANCE: f64 = 2.0e-2;
+
+/// By so much, mm, twice R may fall short of the chord; a smaller radius or chord is none.
+const CHORD_TOLERANCE: f64 = 2.0e-3;
+
+/// Start and end of a full turn agree within this, mm.
+const SAME_PLACE: f64 = 1.0e-9;
 
 /// Active plane: the axes that span it (first, second) and its normal are the cyclic order of X, Y, Z.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,11 +82,20 @@ impl ArcWords {
         };
         let turns = match self.turns {
             None => 0,
-            Some(p) if p.fract() == 0.0 && (1.0..=10_000.0).contains(&p) => p as u32 - 1,
-            Some(p) => return self.refuse(format!("P{p} with an arc"), "a whole number of turns from 1 to 10000"),
+            Some(p) if p.fract() == 0.0 && (1.0..=f64::from(MOST_TURNS)).contains(&p) => p as u32 - 1,
+            Some(p) => {
+                return self
+                    .refuse(format!("P{p} with an arc"), format!("a whole number of turns from 1 to {MOST_TURNS}"));
+            }
         };
         let normal = self.plane.normal().map(|n| if self.clockwise { -n } else { n });
-        Ok(Curve::Arc { start: self.start, end: self.end, center, normal, turns })
+        let mut end = self.end;
+        let [a, b, _] = self.plane.axes();
+        // Offsets added and taken off again must not make a full turn a tiny one.
+        if [a, b].into_iter().all(|axis| (end[axis] - self.start[axis]).abs() < SAME_PLACE) {
+            (end[a], end[b]) = (self.start[a], self.start[b]);
+        }
+        Ok(Curve::Arc { start: self.start, end, center, normal, turns })
     }
 
     fn center_by_offsets(&self) -> Result<[f64; 3], Refusal> {
@@ -99,7 +115,7 @@ impl ArcWords {
         }
         let radius = |point: [f64; 3]| (point[a] - center[a]).hypot(point[b] - center[b]);
         let (first, last) = (radius(self.start), radius(self.end));
-        if first < RADIUS_TOLERANCE || last < RADIUS_TOLERANCE {
+        if first < CHORD_TOLERANCE || last < CHORD_TOLERANCE {
             return self.refuse(format!("an arc of radius {:.4} mm", first.min(last)), "a centre away from the arc");
         }
         if (first - last).abs() > RADIUS_TOLERANCE {
@@ -116,11 +132,11 @@ impl ArcWords {
         let [a, b, _] = self.plane.axes();
         let (da, db) = (self.end[a] - self.start[a], self.end[b] - self.start[b]);
         let chord = da.hypot(db);
-        if chord < RADIUS_TOLERANCE {
+        if chord < CHORD_TOLERANCE {
             return self.refuse("R where start and end are the same", "a centre by I J K");
         }
         let half = 0.5 * chord;
-        if radius.abs() < half - RADIUS_TOLERANCE || radius == 0.0 {
+        if radius.abs() < half - CHORD_TOLERANCE || radius == 0.0 {
             return self.refuse(
                 format!("R {:.4} mm for points {chord:.4} mm apart", radius.abs()),
                 "a radius of at least half that distance",

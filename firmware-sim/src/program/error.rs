@@ -2,6 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+/// The way out for what only a whole interpreter can read.
+pub(super) const THROUGH_LINUXCNC: &str = "with --interpreter rs274, where LinuxCNC is installed";
+
+/// So many characters of a program stand in a message at most.
+const LONGEST_FOUND: usize = 160;
+
 /// A program that cannot be executed: file, line, what was found there and what is needed instead.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}:{line}: found {found}; needed: {needed}", file.display())]
@@ -26,7 +32,12 @@ pub(super) struct Refusal {
 
 impl Refusal {
     pub(super) fn new(line: u32, found: impl Into<String>, needed: impl Into<String>) -> Self {
-        Refusal { line, found: found.into(), needed: needed.into() }
+        let mut found = found.into();
+        if let Some((end, _)) = found.char_indices().nth(LONGEST_FOUND) {
+            found.truncate(end);
+            found.push('…');
+        }
+        Refusal { line, found, needed: needed.into() }
     }
 
     pub(super) fn in_file(self, file: &Path) -> ProgramError {

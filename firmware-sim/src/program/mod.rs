@@ -9,28 +9,50 @@
 //! | G2, G3 | arc or helix about the centre I J K or with radius R; P: number of turns begun (P1, or none, is at most one) |
 //! | A, B, C | with G0 to G3: rotary axes in degrees, in proportion to the parameter of the line or the angle of the arc |
 //! | G5.2, G5.3 | NURBS in XY: see [`Curve::Nurbs`] |
-//! | G17, G18, G19 | plane of the arcs: XY, ZX, YZ |
+//! | G73, G81 to G86, G89 | canned cycles, with R P Q L, G98 and G99 |
+//! | G17, G18, G19 | plane of the arcs and cycles: XY, ZX, YZ |
 //! | G20, G21 | inch, mm |
 //! | G90, G91; G90.1, G91.1 | end points; centres: absolute, incremental |
 //! | F, G94 | feed per minute along X Y Z, or in degrees where none of them moves |
 //! | F, G93 | inverse time: the move takes 1/F minutes; F in every line of a feed motion |
+//! | G54 to G59.3, G10 L2 L20, G52, G92 to G92.3 | where coordinates count from: [`Offsets`] |
+//! | G53, G28, G30, G28.1, G30.1 | machine coordinates of a line; stored places |
+//! | G43 H, G43.1, G43.2, G49 | tool length: [`ToolTable`] |
 //! | G43.4 H, G49 | tool centre point mode on, off: X Y Z are the tip in workpiece coordinates |
-//! | M2, M30, `%` | end, delimiter |
-//! | N, S, T, M3–M9, G40, G54, G61, G64 P, G80 | no effect on the path (G80 ends the motion mode) |
+//! | G61.1, G4, M0, M1, M6, M60 | the axes come to rest |
+//! | M2, M30, a second `%` | end; what follows is not read |
+//! | `/`, O1234, N | block delete ([`ReadOptions`]), program number, line number |
+//! | S, T, M3 to M9, M19, M48 to M53, M61 to M68, G8, G40, G61, G64 P, G96, G97 | no effect on the path: [`Note`] |
 //!
-//! A program starts at X0 Y0 Z0 A0 B0 C0 in G17 G21 G49 G90 G91.1 G94, without feed and without a motion mode.
+//! A program starts at X0 Y0 Z0 A0 B0 C0 of the machine in G17 G21 G49 G90 G91.1 G94 G99, without feed and without a motion
+//! mode. Moves are in machine coordinates: those of the program where nothing shifts it.
 //!
 //! Without G43.4 X Y Z are positions of the linear axes; with it they are coordinates of the tool tip in a system that
 //! turns with the workpiece, and the linear axes go where the tip follows the line or arc while the rotary axes turn. With
 //! the rotary axes at zero both are the same, and only there the mode is switched.
 
 mod arc;
+mod block;
+mod builder;
 mod builtin;
+mod canonical;
 mod curve;
+mod cycles;
 mod error;
+mod frame;
 mod interpreter;
+pub mod limits;
+mod modal;
+mod moves;
+mod notes;
 mod nurbs;
 mod nurbs_block;
+mod offsets;
+mod options;
+mod places;
+mod rs274;
+mod text;
+mod tool_table;
 mod words;
 
 use std::path::Path;
@@ -39,7 +61,11 @@ use trueaxis::machine::MachineSettings;
 pub use builtin::BUILTIN_NAMES;
 pub use curve::{Curve, Derivatives};
 pub use error::ProgramError;
+pub use notes::Note;
 pub use nurbs::MAX_DEGREE;
+pub use offsets::{Offsets, System};
+pub use options::{ReadOptions, Reader};
+pub use tool_table::ToolTable;
 
 use error::Refusal;
 
@@ -61,6 +87,8 @@ pub struct Move {
     pub turn: Turn,
     /// Whether X Y Z are the tool tip in workpiece coordinates.
     pub tool_center: bool,
+    /// Whether the axes come to rest at its end: G61.1, or G4, M0, M1, M6, M60 after it.
+    pub stop: bool,
 }
 
 /// Letters of the rotary axes, in the order in which they stand everywhere.
@@ -141,15 +169,6 @@ pub struct FirstWords {
     pub tool_center: Option<u32>,
 }
 
-/// A word that was accepted although it does nothing here.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Note {
-    /// Line, from 1.
-    pub line: u32,
-    /// The word and why it changes nothing.
-    pub text: String,
-}
-
 /// A program as a sequence of connected curves: each move starts where the one before ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Program {
@@ -157,25 +176,51 @@ pub struct Program {
     pub name: String,
     /// The moves in order; moves without length are left out.
     pub moves: Vec<Move>,
-    /// Words accepted without effect.
+    /// What was accepted without effect, once per kind.
     pub notes: Vec<Note>,
     /// Where it first needs rotary axes.
     pub first: FirstWords,
 }
 
 impl Program {
-    /// Reads a program; `file` appears in errors only.
+    /// Reads a program without offsets and tools; `file` appears in errors only.
+    ///
+    /// # Errors
+    /// As [`Program::read`].
     pub fn parse(name: &str, text: &str, file: &Path) -> Result<Program, ProgramError> {
-        let mut interpreter = interpreter::Interpreter::default();
-        let mut last = 0;
-        for (line, text) in (1_u32..).zip(text.lines()) {
-            last = line;
-            words::read_line(line, text)
-                .and_then(|block| interpreter.run(&block))
-                .map_err(|refusal| refusal.in_file(file))?;
+        Program::read(name, text.as_bytes(), file, &ReadOptions::default())
+    }
+
+    /// Reads a program: UTF-8 or Latin-1, with or without a byte order mark, any line ends; `file` appears in errors only.
+    ///
+    /// # Errors
+    /// With its line, what is not understood, and a program beyond the [`limits`].
+    pub fn read(name: &str, bytes: &[u8], file: &Path, options: &ReadOptions) -> Result<Program, ProgramError> {
+        if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+            return Err(Refusal::new(1, "UTF-16", "UTF-8 or Latin-1").in_file(file));
         }
-        let (moves, notes, first) = interpreter.finish(last).map_err(|refusal| refusal.in_file(file))?;
-        Ok(Program { name: name.to_owned(), moves, notes, first })
+        let builder = match options.reader {
+            Reader::Own => Program::interpret(bytes, options),
+            Reader::LinuxCnc => rs274::read(bytes, options),
+        };
+        let builder = builder.map_err(|refusal| refusal.in_file(file))?;
+        let notes = builder.notes.into_vec();
+        Ok(Program { name: name.to_owned(), moves: builder.moves, notes, first: builder.first })
+    }
+
+    fn interpret(bytes: &[u8], options: &ReadOptions) -> Result<builder::Builder, Refusal> {
+        let mut interpreter = interpreter::Interpreter::new(options);
+        let mut last = 0;
+        let mut text = String::new();
+        for (line, bytes) in text::lines(bytes) {
+            if interpreter.ended {
+                break;
+            }
+            last = line;
+            text::clean(line, bytes, &mut text)?;
+            interpreter.run(line, &text)?;
+        }
+        interpreter.finish(last)
     }
 
     /// Length of the whole path: mm, and degrees in moves that are measured in them ([`Move::in_degrees`]).

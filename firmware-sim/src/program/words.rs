@@ -1,225 +1,82 @@
-//! From text to the words of each line, by the `gcode` crate's parser.
-//!
-//! The parser recovers from errors and goes on; a controller must not. Every diagnostic is therefore an error here, and
-//! so is every character of a line that no word, comment or `%` accounts for. The parser's numbers are f32: values are
-//! read again, in f64, from the text each word spans.
+//! From the text of a line to letters with numbers.
 
-use std::ops::{ControlFlow, Range};
-
-use gcode::core::{
-    BlockVisitor, CommandVisitor, Diagnostics, HasDiagnostics, Number, ProgramVisitor, Span, TokenType, Value,
-};
-
-use super::error::Refusal;
+use super::error::{Refusal, THROUGH_LINUXCNC};
 
 /// Largest magnitude of a number in a program. Beyond it f64 no longer resolves a nanometre.
-const LARGEST: f64 = 1.0e6;
+pub(super) const LARGEST: f64 = 1.0e6;
 
 /// A letter with its number.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Word {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Word<'t> {
     /// Upper case.
     pub(super) letter: char,
     pub(super) value: f64,
     /// As written, without blanks.
-    pub(super) text: String,
+    pub(super) text: &'t str,
 }
 
-impl Word {
+impl Word<'_> {
     /// Number of a G or M word in tenths (G5.2 is 52), if it has at most one decimal.
-    pub(super) fn tenths(&self) -> Option<u32> {
+    pub(super) fn tenths(&self) -> Option<u16> {
         let tenths = (self.value * 10.0).round();
-        ((0.0..100_000.0).contains(&tenths) && (self.value * 10.0 - tenths).abs() < 1.0e-6).then_some(tenths as u32)
+        ((0.0..10_000.0).contains(&tenths) && (self.value * 10.0 - tenths).abs() < 1.0e-6).then_some(tenths as u16)
     }
 }
 
-/// The words of one line; comments are gone.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Block {
-    /// Line in the file, from 1.
-    pub(super) line: u32,
-    pub(super) words: Vec<Word>,
-    /// The line is the delimiter `%`.
-    pub(super) percent: bool,
+/// The words of a line that [`clean`](super::text::clean) has left.
+pub(super) struct Words<'t> {
+    line: u32,
+    rest: &'t str,
 }
 
-/// Reads one line (without its line end).
-pub(super) fn read_line(line: u32, text: &str) -> Result<Block, Refusal> {
-    refuse_long_commands(line, text)?;
-    let mut reader = Reader { text, ..Reader::default() };
-    gcode::core::parse(text, &mut reader);
-    if let Some((found, needed)) = reader.problem {
-        return Err(Refusal::new(line, found, needed));
+impl<'t> Words<'t> {
+    pub(super) fn new(line: u32, text: &'t str) -> Self {
+        Words { line, rest: text }
     }
-    if let Some(at) = first_unread(text, &reader.read) {
-        let rest = text.get(at..).unwrap_or_default();
-        return Err(Refusal::new(line, format!("`{}`", rest.trim_end()), "words of a letter and a number, ( ) or ;"));
-    }
-    let mut words = Vec::with_capacity(reader.words.len());
-    for range in &reader.words {
-        words.push(word(line, text.get(range.clone()).unwrap_or_default())?);
-    }
-    if reader.percent > 0 && (reader.percent > 1 || !words.is_empty()) {
-        return Err(Refusal::new(line, "% beside other words", "% on a line of its own"));
-    }
-    Ok(Block { line, words, percent: reader.percent > 0 })
-}
 
-/// The parser computes ten times the number of a G, M or T word in 32 bits, unchecked: keep such words short.
-fn refuse_long_commands(line: u32, text: &str) -> Result<(), Refusal> {
-    let mut rest = text.chars();
-    let mut digits = None;
-    while let Some(c) = rest.next() {
-        digits = match c {
-            ';' => break,
-            '(' => {
-                rest.by_ref().find(|c| *c == ')');
-                None
-            }
-            'G' | 'M' | 'T' | 'g' | 'm' | 't' => Some(0),
-            ' ' | '\t' | '\r' => digits,
-            '0'..='9' => digits.map(|n| n + 1),
-            _ => None,
-        };
-        if digits.is_some_and(|n| n > 8) {
-            return Err(Refusal::new(line, "a G, M or T number of more than 8 digits", "a supported word"));
+    fn word(&mut self) -> Result<Word<'t>, Refusal> {
+        let (line, rest) = (self.line, self.rest);
+        let refuse = |found: &str, needed: &str| Err(Refusal::new(line, format!("`{found}`"), needed));
+        let letter = rest.chars().next().unwrap_or(' ');
+        match letter {
+            '#' | '[' => return refuse(rest, &format!("numbers; parameters and expressions {THROUGH_LINUXCNC}")),
+            'A'..='Z' => {}
+            '/' => return refuse(rest, "/ only at the beginning of a line"),
+            '%' => return refuse(rest, "% on a line of its own"),
+            _ => return refuse(rest, "words of a letter and a number, ( ) or ;"),
         }
-    }
-    Ok(())
-}
-
-/// Position of the first character that is neither blank nor part of anything read.
-fn first_unread(text: &str, read: &[Range<usize>]) -> Option<usize> {
-    text.char_indices()
-        .find(|(at, c)| !matches!(c, ' ' | '\t' | '\r') && !read.iter().any(|range| range.contains(at)))
-        .map(|(at, _)| at)
-}
-
-fn word(line: u32, text: &str) -> Result<Word, Refusal> {
-    let text: String = text.chars().filter(|c| !matches!(c, ' ' | '\t' | '\r')).collect();
-    let letter = text.chars().next().unwrap_or(' ').to_ascii_uppercase();
-    let number = text.get(1..).unwrap_or_default();
-    match number.parse::<f64>() {
-        Ok(value) if value.abs() <= LARGEST => Ok(Word { letter, value, text }),
-        _ => Err(Refusal::new(line, format!("`{text}`"), format!("a number within ±{LARGEST} after {letter}"))),
-    }
-}
-
-/// Collects what the parser reports of one line.
-#[derive(Default)]
-struct Reader<'a> {
-    text: &'a str,
-    words: Vec<Range<usize>>,
-    read: Vec<Range<usize>>,
-    percent: u32,
-    /// First diagnostic: found, needed.
-    problem: Option<(String, String)>,
-}
-
-impl Reader<'_> {
-    fn add(&mut self, range: Range<usize>) {
-        self.words.push(range.clone());
-        self.read.push(range);
-    }
-
-    /// Adds the G, M or T word at the beginning of a command's span, which goes on to its last argument.
-    fn add_command(&mut self, span: Span) {
-        let rest = self.text.get(span.start..span.end()).unwrap_or_default();
-        let length = rest
-            .char_indices()
-            .skip(1)
-            .find(|(_, c)| !matches!(c, '0'..='9' | '.' | ' ' | '\t' | '\r'))
-            .map_or(rest.len(), |(at, _)| at);
-        self.add(span.start..span.start + length);
-    }
-
-    fn refuse(&mut self, found: impl Into<String>, needed: impl Into<String>) {
-        self.problem.get_or_insert((found.into(), needed.into()));
-    }
-}
-
-impl Diagnostics for Reader<'_> {
-    fn emit_unknown_content(&mut self, text: &str, _: Span) {
-        self.refuse(format!("`{text}`"), "words of a letter and a number, ( ) or ;");
-    }
-
-    fn emit_unexpected(&mut self, actual: &str, expected: &[TokenType], _: Span) {
-        let needed: Vec<&str> = expected.iter().map(|kind| kind.as_str()).collect();
-        let needed = if needed == ["number"] || needed == ["eof"] {
-            format!("a number after the letter {actual}")
-        } else {
-            "a letter before every number, N only at the beginning, no block delete".to_owned()
-        };
-        self.refuse(format!("`{}`", actual.escape_default()), needed);
-    }
-
-    // A G, M or T number it cannot read is reported with a private type; such text counts as unread.
-
-    fn emit_parse_int_error(&mut self, value: &str, _: std::num::ParseIntError, _: Span) {
-        self.refuse(format!("`{value}`"), "a whole line number");
-    }
-}
-
-/// One line, and one command in it, feed the same reader.
-struct Line<'r, 'a>(&'r mut Reader<'a>);
-
-impl ProgramVisitor for Reader<'_> {
-    fn start_block(&mut self) -> ControlFlow<(), impl BlockVisitor + '_> {
-        ControlFlow::Continue(Line(self))
-    }
-}
-
-impl HasDiagnostics for Line<'_, '_> {
-    fn diagnostics(&mut self) -> &mut dyn Diagnostics {
-        self.0
-    }
-}
-
-impl BlockVisitor for Line<'_, '_> {
-    fn line_number(&mut self, _: u32, span: Span) {
-        self.0.add(span.start..span.end());
-    }
-
-    fn comment(&mut self, value: &str, span: Span) {
-        // The parser would nest parentheses and let a comment run over the following lines.
-        if value.starts_with('(') && (!value.ends_with(')') || value.chars().filter(|c| *c == '(').count() > 1) {
-            self.0.refuse(format!("`{value}`"), "a comment closed on its line, without ( inside");
+        let number = rest.get(1..).unwrap_or_default();
+        if number.starts_with(['#', '[']) {
+            return refuse(rest, &format!("a number after {letter}; parameters and expressions {THROUGH_LINUXCNC}"));
         }
-        self.0.read.push(span.start..span.end());
-    }
-
-    fn program_number(&mut self, _: u32, span: Span) {
-        self.0.add(span.start..span.end());
-    }
-
-    fn program_delimiter(&mut self, span: Span) {
-        self.0.percent += 1;
-        self.0.read.push(span.start..span.end());
-    }
-
-    fn word_address(&mut self, _: char, _: Value<'_>, span: Span) {
-        self.0.add(span.start..span.end());
-    }
-
-    fn start_general_code(&mut self, _: Number) -> ControlFlow<(), impl CommandVisitor + '_> {
-        ControlFlow::Continue(Line(self.0))
-    }
-
-    fn start_miscellaneous_code(&mut self, _: Number) -> ControlFlow<(), impl CommandVisitor + '_> {
-        ControlFlow::Continue(Line(self.0))
-    }
-
-    fn start_tool_change_code(&mut self, _: Number) -> ControlFlow<(), impl CommandVisitor + '_> {
-        ControlFlow::Continue(Line(self.0))
+        let signs = usize::from(number.starts_with(['+', '-']));
+        let digits = number.bytes().skip(signs).take_while(|b| b.is_ascii_digit() || *b == b'.').count();
+        let (number, after) = number.split_at(signs + digits);
+        let text = rest.get(..1 + number.len()).unwrap_or_default();
+        self.rest = after;
+        let value = match number.parse::<f64>() {
+            Ok(value) => value,
+            Err(_) => return refuse(text, &format!("a number after {letter}")),
+        };
+        // N and T count; they measure nothing.
+        if value.abs() > LARGEST && !matches!(letter, 'N' | 'T') {
+            return refuse(text, &format!("a number within ±{LARGEST} after {letter}"));
+        }
+        Ok(Word { letter, value, text })
     }
 }
 
-impl CommandVisitor for Line<'_, '_> {
-    fn argument(&mut self, _: char, _: Value<'_>, span: Span) {
-        self.0.add(span.start..span.end());
-    }
+impl<'t> Iterator for Words<'t> {
+    type Item = Result<Word<'t>, Refusal>;
 
-    fn end_command(self, span: Span) {
-        self.0.add_command(span);
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let word = self.word();
+        if word.is_err() {
+            self.rest = "";
+        }
+        Some(word)
     }
 }

@@ -1,0 +1,27 @@
+//! What a program is read with.
+
+use super::{Offsets, ToolTable};
+
+/// Who interprets a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reader {
+    /// This crate.
+    #[default]
+    Own,
+    /// `rs274`, LinuxCNC's own interpreter, where it is installed: with parameters, subprograms, cutter compensation; its
+    /// output has four decimals.
+    LinuxCnc,
+}
+
+/// What a program is read with, beside its text.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Tools for G43; without it they have no length.
+    pub tools: Option<ToolTable>,
+    /// Work offsets and stored places; without it they are zero.
+    pub offsets: Option<Offsets>,
+    /// Whether lines that begin with `/` are left out.
+    pub block_delete: bool,
+    /// Who interprets.
+    pub reader: Reader,
+}
