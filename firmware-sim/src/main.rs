@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trueaxis::machine::ErrorModel;
 use trueaxis_tables::Machine;
+use trueaxis_tables::output::Outputs;
 
 /// Runs a part program through the compensated servo step against a simulated machine, and shows what was gained on
 /// the part and what each cycle cost.
@@ -243,6 +244,15 @@ fn read_machine(option: &str, given: &Path) -> Result<Machine> {
     Ok(Machine::read(&path)?)
 }
 
+/// What a command may not write over: the files of machines, named as for [`read_machine`], and others.
+fn outputs_of<'p>(machines: impl IntoIterator<Item = &'p Path>, others: impl IntoIterator<Item = &'p Path>) -> Outputs {
+    let files = machines.into_iter().flat_map(|given| {
+        let path = if given.exists() { given.to_path_buf() } else { sample_machine(&given.to_string_lossy()) };
+        Machine::files(&path).unwrap_or_else(|_| vec![path])
+    });
+    Outputs::of(files.chain(others.into_iter().map(Path::to_path_buf)))
+}
+
 /// A bar of thousandths on the standard error.
 fn progress_bar(message: &'static str) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}");
@@ -311,11 +321,16 @@ macro_rules! with_axes {
 }
 
 fn run(args: &RunArgs) -> Result<()> {
+    let mut outputs = outputs_of([args.scenario.machine.as_path()], [args.scenario.program.as_path()]);
+    if let Some(dir) = &args.report {
+        outputs.refuse_input(&dir.join("index.html"))?;
+        outputs.refuse_input(&dir.join("trace.csv"))?;
+    }
     let scenario = prepare(&args.scenario, &args.fault)?;
     let (motion, path) = plan(&scenario)?;
     let mut trace = match &args.report {
         Some(dir) => {
-            std::fs::create_dir_all(dir).with_context(|| format!("cannot create {}", dir.display()))?;
+            outputs.folder(dir)?;
             Some(Trace::create(&dir.join("trace.csv"), args.trace_every)?)
         }
         None => None,

@@ -2,15 +2,15 @@
 
 use crate::simulate::Sample;
 use anyhow::{Context, Result};
-use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use trueaxis::Output;
+use trueaxis_tables::output::Staged;
 
-/// Writes a line every so many cycles.
+/// Writes a line every so many cycles. The file is in its place when [`Trace::finish`] has put it there.
 #[derive(Debug)]
 pub struct Trace {
-    file: BufWriter<File>,
+    file: BufWriter<Staged>,
     path: PathBuf,
     every: u64,
     count: u64,
@@ -23,12 +23,12 @@ true_error_x_um,true_error_y_um,true_error_z_um,estimated_error_um,encoder_error
 a_deg,b_deg,c_deg,true_orientation_urad,estimated_orientation_urad";
 
 impl Trace {
-    /// Creates the file and writes its header.
+    /// Begins the file and writes its header.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn create(path: &Path, every: u64) -> Result<Trace> {
-        let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
+        let file = Staged::create(path).with_context(|| format!("cannot write {}", path.display()))?;
         let mut trace =
             Trace { file: BufWriter::new(file), path: path.into(), every: every.max(1), count: 0, failure: None };
         writeln!(trace.file, "{HEADER}").with_context(|| format!("cannot write {}", path.display()))?;
@@ -74,14 +74,14 @@ impl Trace {
         self.failure = result.err();
     }
 
-    /// Flushes the file.
+    /// Puts the file into its place.
     ///
     /// # Errors
     /// Something could not be written.
     pub fn finish(mut self) -> Result<PathBuf> {
         let result = match self.failure.take() {
             Some(error) => Err(error),
-            None => self.file.flush(),
+            None => self.file.into_inner().map_err(|error| error.into_error()).and_then(Staged::commit),
         };
         result.with_context(|| format!("cannot write {}", self.path.display()))?;
         Ok(self.path)

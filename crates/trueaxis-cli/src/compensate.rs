@@ -114,7 +114,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             }
         }
     };
-    put(&written(arguments, &machine, &positions, &evaluated)?, arguments.output.as_deref())
+    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.positions.clone()]);
+    put(&written(arguments, &machine, &positions, &evaluated)?, arguments.output.as_deref(), inputs)
 }
 
 /// What is known about one position.

@@ -211,5 +211,5 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    put(&text, arguments.output.as_deref())
+    put(&text, arguments.output.as_deref(), [arguments.path.clone(), arguments.actual.clone()])
 }

@@ -129,7 +129,8 @@ pub(crate) fn run(command: Command) -> Result<()> {
         }
     };
     if !common.json || common.output.is_some() {
-        put(&sheet.csv(), common.output.as_deref())?;
+        let inputs = model::files(&common.machine).into_iter().chain([common.input.clone()]);
+        put(&sheet.csv(), common.output.as_deref(), inputs)?;
     }
     if common.json {
         json(&Document { machine: &settings.name, chain: &settings.chain, rows: sheet.objects() })?;

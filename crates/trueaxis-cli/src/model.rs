@@ -1,7 +1,7 @@
 //! A machine's error model in memory: from machine.toml, its folder, or a compiled .tcomp.
 
 use anyhow::{Context, Result, anyhow};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::compensation::Compensation;
 use trueaxis::tcomp::Tcomp;
@@ -14,6 +14,12 @@ pub(crate) fn machine(path: &Path) -> Result<Machine> {
         return Ok(Machine::from_tcomp(&parsed(&bytes, path)?));
     }
     Ok(Machine::read(path)?)
+}
+
+/// The files of a machine, whatever form it came in.
+pub(crate) fn files(path: &Path) -> Vec<PathBuf> {
+    let alone = || vec![path.to_path_buf()];
+    if path.extension().is_some_and(|e| e == "tcomp") { alone() } else { Machine::files(path).unwrap_or_else(|_| alone()) }
 }
 
 /// Parses compiled bytes; the error names the file they came from.

@@ -1,32 +1,30 @@
 //! Where results go: a file, written whole or not at all, or the standard output.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
-use std::path::Path;
-use trueaxis_tables::write_atomically;
+use std::path::{Path, PathBuf};
+use trueaxis_tables::output::Outputs;
 
-/// Writes a text to a file, or to the standard output without one.
-pub(crate) fn put(text: &str, file: Option<&Path>) -> Result<()> {
-    match file {
-        Some(file) => put_bytes(text.as_bytes(), file),
-        None => {
-            let mut out = std::io::stdout().lock();
-            out.write_all(text.as_bytes())?;
-            out.flush()?;
-            Ok(())
-        }
-    }
+/// Writes a text to the standard output.
+pub(crate) fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()?;
+    Ok(())
 }
 
-/// Writes a file whole or not at all.
-pub(crate) fn put_bytes(bytes: &[u8], file: &Path) -> Result<()> {
-    write_atomically(file, bytes).with_context(|| format!("cannot write {}", file.display()))
+/// Writes a text to a file that is none of the command's inputs, or to the standard output without one.
+pub(crate) fn put(text: &str, file: Option<&Path>, inputs: impl IntoIterator<Item = PathBuf>) -> Result<()> {
+    let Some(file) = file else { return print(text) };
+    let mut outputs = Outputs::of(inputs);
+    outputs.put(file, text.as_bytes())?;
+    Ok(outputs.commit()?)
 }
 
 /// Prints one JSON document.
 pub(crate) fn json(document: &impl serde::Serialize) -> Result<()> {
-    put(&format!("{}\n", serde_json::to_string_pretty(document)?), None)
+    print(&format!("{}\n", serde_json::to_string_pretty(document)?))
 }
 
 /// A bar on the standard error; hidden by indicatif where that is no terminal.
@@ -37,5 +35,6 @@ pub(crate) fn progress(rows: usize, what: &'static str) -> ProgressBar {
 }
 
 pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+    let broken = |cause: &std::io::Error| cause.kind() == std::io::ErrorKind::BrokenPipe;
+    error.chain().any(|cause| cause.downcast_ref::<std::io::Error>().is_some_and(broken))
 }

@@ -3,8 +3,8 @@
 mod collapse;
 
 use crate::accuracy;
-use crate::model::parsed;
-use crate::output::{json, put, put_bytes};
+use crate::model::{self, parsed};
+use crate::output::{json, print};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Subcommand;
 use serde_json::json;
@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
-use trueaxis_tables::formats::{self, ExportOptions, Format, Loss};
+use trueaxis_tables::formats::{self, ExportOptions, Format, Imported, Loss};
+use trueaxis_tables::output::Outputs;
 use trueaxis_tables::{Machine, check, compile, summary};
 
 #[derive(Subcommand)]
@@ -66,9 +67,12 @@ pub(crate) enum Command {
         /// COMP_FILE_TYPE of a LinuxCNC file.
         #[arg(long, value_name = "0|1", value_parser = clap::value_parser!(u8).range(0..=1))]
         comp_file_type: Option<u8>,
-        /// Folder that the machine is written into.
+        /// Folder of the machine; where one stands, its tables of these axes are added or replaced and the rest stays.
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
+        /// Make a new machine; a folder that exists is refused.
+        #[arg(long)]
+        new: bool,
     },
     /// Write a machine's tables in another control's format.
     #[command(after_help = FORMATS)]
@@ -129,8 +133,8 @@ pub(crate) fn run(command: Command) -> Result<()> {
         Command::Compile { machine, output } => run_compile(&machine, &output),
         Command::Show { file, json } => run_show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
-        Command::Import { from, file, axis, comp_file_type, output } => {
-            run_import(format_of("--from", &from, comp_file_type)?, &file, axis_of(axis.as_deref())?, &output)
+        Command::Import { from, file, axis, comp_file_type, output, new } => {
+            run_import(format_of("--from", &from, comp_file_type)?, &file, axis_of(axis.as_deref())?, &output, new)
         }
         Command::Export { to, machine, axis, comp_file_type, drop, step, output } => {
             let options = ExportOptions {
@@ -179,11 +183,11 @@ fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
         let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         return json(&json!({ "ok": true, "warnings": warnings, "summary": summary(&tables) }));
     }
-    put(&format!("{}\n", summary(&tables)), None)?;
+    print(&format!("{}\n", summary(&tables)))?;
     for warning in &warnings {
         eprintln!("warning: {warning}");
     }
-    put(&format!("{}: no errors, {} warnings\n", path.display(), warnings.len()), None)
+    print(&format!("{}: no errors, {} warnings\n", path.display(), warnings.len()))
 }
 
 fn run_compile(path: &Path, output: &Path) -> Result<()> {
@@ -192,8 +196,10 @@ fn run_compile(path: &Path, output: &Path) -> Result<()> {
     for warning in check(&machine, 10_000.0) {
         eprintln!("warning: {warning}");
     }
-    put_bytes(&bytes, output)?;
     let tables = parsed(&bytes, output)?;
+    let mut outputs = Outputs::of(model::files(path));
+    outputs.put(output, &bytes)?;
+    outputs.commit()?;
     eprintln!(
         "{}: {} bytes, machine {} (id {:08x}), CRC {:08x}",
         output.display(),
@@ -208,32 +214,67 @@ fn run_compile(path: &Path, output: &Path) -> Result<()> {
 fn run_show(file: &Path, as_json: bool) -> Result<()> {
     let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
     let tables: Tcomp<'_> = parsed(&bytes, file)?;
-    if as_json { json(&summary(&tables)) } else { put(&format!("{}\n", summary(&tables)), None) }
+    if as_json { json(&summary(&tables)) } else { print(&format!("{}\n", summary(&tables))) }
 }
 
-fn run_import(format: Format, file: &Path, axis: Option<Axis>, output: &Path) -> Result<()> {
+fn run_import(format: Format, file: &Path, axis: Option<Axis>, output: &Path, new: bool) -> Result<()> {
+    if new && output.symlink_metadata().is_ok() {
+        bail!("--new: found {}, needed a folder that does not exist yet", output.display());
+    }
     let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
     let text = String::from_utf8(bytes)
         .map_err(|_| anyhow!("{}: found bytes that are no UTF-8, needed text", file.display()))?;
     let imported = formats::import(format, &text, file, axis)?;
-    let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
-    std::fs::create_dir_all(output).with_context(|| format!("cannot create {}", output.display()))?;
-    for (name, text) in imported.machine_files(&name) {
-        let path = output.join(name);
-        put_bytes(text.as_bytes(), &path)?;
+    let (files, notes) = if output.join("machine.toml").exists() {
+        let edited = imported.edit(output)?;
+        (edited.files, edited.notes)
+    } else {
+        (new_machine(&imported, file, output)?, Vec::new())
+    };
+    let mut outputs = Outputs::of([file]);
+    outputs.folder(output)?;
+    for (path, text) in &files {
+        outputs.put(path, text.as_bytes())?;
+    }
+    outputs.commit()?;
+    for note in &notes {
+        eprintln!("{note}");
+    }
+    for (path, _) in &files {
         eprintln!("written {}", path.display());
     }
     eprintln!("{}: {}", format.name(), meaning(format));
     Ok(())
 }
 
+/// A machine with the imported axes alone; no file that is there is written over.
+fn new_machine(imported: &Imported, file: &Path, output: &Path) -> Result<Vec<(PathBuf, String)>> {
+    let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
+    let mut files: Vec<(PathBuf, String)> =
+        imported.machine_files(&name).into_iter().map(|(name, text)| (output.join(name), text)).collect();
+    // A machine.toml is only there with all of its tables.
+    files.rotate_left(1);
+    if let Some((path, _)) = files.iter().find(|(path, _)| path.symlink_metadata().is_ok()) {
+        bail!("{}: found a file and no machine.toml beside it, needed another folder", path.display());
+    }
+    Machine::read_with(&output.join("machine.toml"), &files)
+        .map_err(|error| anyhow!("{}: as a machine: {error} (nothing is written)", file.display()))?;
+    Ok(files)
+}
+
 fn run_export(format: Format, path: &Path, options: &ExportOptions, output: &Path) -> Result<()> {
     let machine = Machine::read(path)?;
     let exported = formats::export(format, &machine, options)?;
     let alone = exported.files.len() == 1;
+    let mut outputs = Outputs::of(model::files(path));
+    let mut written = Vec::new();
     for (name, text) in &exported.files {
         let file = if alone { output.to_path_buf() } else { beside(output, name) };
-        put_bytes(text.as_bytes(), &file)?;
+        outputs.put(&file, text.as_bytes())?;
+        written.push(file);
+    }
+    outputs.commit()?;
+    for file in written {
         eprintln!("written {}", file.display());
     }
     for dropped in &exported.dropped {

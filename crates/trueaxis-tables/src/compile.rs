@@ -1,9 +1,6 @@
 //! Tables for the controller: the bytes of a `.tcomp` file.
 
 use crate::{Machine, Table};
-use std::fs::File;
-use std::io::{self, Write};
-use std::path::Path;
 use trueaxis::check;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{Axis, Row};
@@ -72,30 +69,4 @@ fn write_row(payload: &mut Vec<u8>, header: &TableHeader, row: &Row) {
             }
         }
     }
-}
-
-/// Writes a file so that its old content stands until the new one is complete: a temporary file beside it, renamed.
-///
-/// # Errors
-/// Those of the file system; nothing is left behind.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    // Behind a link, so that the link stays.
-    let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    if path.exists() && !path.is_file() && !path.is_dir() {
-        // A device or a pipe takes bytes; a file in its place would not be what was meant.
-        return std::fs::OpenOptions::new().write(true).open(path)?.write_all(bytes);
-    }
-    let mut name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
-    name.push(format!(".{}.tmp", std::process::id()));
-    let temporary = path.with_file_name(name);
-    let written = File::create(&temporary)
-        .and_then(|mut file| {
-            file.write_all(bytes)?;
-            file.sync_all()
-        })
-        .and_then(|()| std::fs::rename(&temporary, path));
-    if written.is_err() {
-        let _ = std::fs::remove_file(&temporary);
-    }
-    written
 }

@@ -3,15 +3,19 @@
 pub mod accuracy;
 pub mod collapse;
 mod compile;
+mod edit;
 pub mod error;
 pub mod exact;
 pub mod formats;
+pub mod output;
 mod read;
 mod source;
 mod summary;
 mod warning;
 
-pub use compile::{compile, write_atomically};
+pub use compile::compile;
+pub use edit::Edited;
+pub use output::write_atomically;
 pub use summary::{AxisSummary, ErrorSummary, Summary, TableSummary, summary};
 pub use warning::{Warning, check};
 

@@ -3,7 +3,7 @@
 pub(crate) mod evaluation;
 
 use crate::csv_in::{Column, Rows};
-use crate::output::{json, progress, put};
+use crate::output::{json, print, progress};
 use crate::probes::ProbeArguments;
 use crate::report;
 use anyhow::{Result, anyhow, bail};
@@ -16,6 +16,7 @@ use trueaxis::roundness::filter;
 use trueaxis::roundness::offline::{NOISE_GAIN_LIMIT, Separation, Separator};
 use trueaxis::roundness::{Arm, Band};
 use trueaxis_tables::error::FileError;
+use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
 PROBES.csv: h1_um,h2_um,h3_um, whole revolutions of N rows, equidistant in θ (the angle over the part's surface) from 0.
@@ -85,13 +86,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     for warning in &evaluation.document.warnings {
         eprintln!("warning: {warning}");
     }
+    let mut outputs = Outputs::of([&arguments.readings]);
     if let Some(directory) = &arguments.report {
         let source = arguments.readings.file_name().unwrap_or_default().to_string_lossy();
         let page = report::roundness::page(&source, &evaluation, separator.gain(), arguments.noise_gain_limit);
-        report::write(&page, directory, "roundness.html")?;
+        report::write(&mut outputs, &page, directory, "roundness.html")?;
     }
-    if arguments.output.is_some() || !arguments.json {
-        put(&csv(&separations, points)?, arguments.output.as_deref())?;
+    let table = csv(&separations, points)?;
+    if let Some(output) = &arguments.output {
+        outputs.put(output, table.as_bytes())?;
+    }
+    outputs.commit()?;
+    if arguments.output.is_none() && !arguments.json {
+        print(&table)?;
     }
     if arguments.json { json(&evaluation.document) } else { Ok(()) }
 }

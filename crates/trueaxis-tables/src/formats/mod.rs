@@ -25,6 +25,7 @@ mod measured_at;
 mod own_comments;
 mod positioning;
 pub mod siemens;
+pub(crate) mod stated;
 
 pub use axis_csv::{axis_csv_name, write_axis_csv};
 pub use machine_toml::machine_files;

@@ -11,10 +11,10 @@ use crate::{Machine, Table};
 use axis_table::TableFile;
 use machine_toml::{Description, TableReference};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use trueaxis::check;
 use trueaxis::error::{ConfigError, Field};
-use trueaxis::machine::{Axis, AxisSettings, Row};
+use trueaxis::machine::{Axis, AxisSettings, MachineSettings, Row};
 
 impl Machine {
     /// Reads a `machine.toml`, or the one in a directory, and the tables it names, and checks everything that the
@@ -23,9 +23,18 @@ impl Machine {
     /// # Errors
     /// The first thing that is wrong: file, line, column or key, what was found, what is needed.
     pub fn read(path: &Path) -> Result<Machine, FileError> {
-        let file = if path.is_dir() { path.join("machine.toml") } else { path.to_path_buf() };
+        Machine::read_with(path, &[])
+    }
+
+    /// The same with texts in place of what stands on the disk, or does not stand there yet: (file, text), the file named as
+    /// the folder of the machine and the name in it.
+    ///
+    /// # Errors
+    /// As [`Machine::read`].
+    pub fn read_with(path: &Path, instead: &[(PathBuf, String)]) -> Result<Machine, FileError> {
+        let file = description_of(path);
         let source = Source::new(&file);
-        let text = text(&file, &source)?;
+        let text = text(&file, &source, instead)?;
         let description = machine_toml::read(&text, &source)?;
         check::settings(&description.settings).map_err(|error| description.located(&source, &error))?;
         let folder = file.parent().unwrap_or(Path::new(""));
@@ -33,7 +42,7 @@ impl Machine {
         for settings in &description.settings.axes {
             let reference = description.tables.iter().find(|table| table.axis == settings.axis);
             tables.push(match reference {
-                Some(reference) => Some(read_table(folder, reference, settings, &source)?),
+                Some(reference) => Some(read_table(folder, reference, settings, &source, instead)?),
                 None => None,
             });
         }
@@ -47,6 +56,19 @@ impl Machine {
         Ok(machine)
     }
 
+    /// The files that [`Machine::read`] reads: `machine.toml` and the tables that it names.
+    ///
+    /// # Errors
+    /// `machine.toml` cannot be read, or is wrong by itself.
+    pub fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
+        let file = description_of(path);
+        let source = Source::new(&file);
+        let description = machine_toml::read(&text(&file, &source, &[])?, &source)?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let tables: Vec<PathBuf> = description.tables.iter().map(|table| folder.join(&table.file)).collect();
+        Ok(std::iter::once(file).chain(tables).collect())
+    }
+
     /// The lines of an axis' table.
     pub fn rows(&self, axis: Axis) -> Option<&[Row]> {
         let place = self.settings.axes.iter().position(|settings| settings.axis == axis)?;
@@ -54,7 +76,54 @@ impl Machine {
     }
 }
 
-fn text(file: &Path, source: &Source) -> Result<String, FileError> {
+/// A machine as it stands on the disk, for an edit of its files.
+pub(crate) struct Standing {
+    pub(crate) file: PathBuf,
+    /// As it is, byte order mark included.
+    pub(crate) text: String,
+    pub(crate) settings: MachineSettings,
+    pub(crate) tables: Vec<StandingTable>,
+}
+
+/// A table that `machine.toml` names.
+pub(crate) struct StandingTable {
+    pub(crate) axis: Axis,
+    /// As `machine.toml` has it, relative to it.
+    pub(crate) name: String,
+    pub(crate) line: u32,
+    pub(crate) key: String,
+    /// `None` where it cannot be read.
+    pub(crate) table: Option<Table>,
+}
+
+impl Standing {
+    pub(crate) fn read(path: &Path) -> Result<Standing, FileError> {
+        let file = description_of(path);
+        let source = Source::new(&file);
+        let stripped = text(&file, &source, &[])?;
+        let description = machine_toml::read(&stripped, &source)?;
+        let raw = fs::read_to_string(&file).map_err(|error| source.whole(error.to_string(), "a readable file"))?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let tables = description.tables.into_iter().map(|TableReference { axis, file: name, line, key }| {
+            let at = folder.join(&name);
+            let source = Source::new(&at);
+            let read = text(&at, &source, &[]).and_then(|text| axis_table::read(&text, &source, axis));
+            StandingTable { axis, name, line, key, table: read.ok().map(|file| file.table) }
+        });
+        let tables = tables.collect();
+        Ok(Standing { file, text: raw, settings: description.settings, tables })
+    }
+}
+
+/// `machine.toml` of a machine that is named by it or by its folder.
+pub(crate) fn description_of(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join("machine.toml") } else { path.to_path_buf() }
+}
+
+fn text(file: &Path, source: &Source, instead: &[(PathBuf, String)]) -> Result<String, FileError> {
+    if let Some((_, text)) = instead.iter().find(|(name, _)| name == file) {
+        return Ok(text.clone());
+    }
     let bytes = fs::read(file).map_err(|error| source.whole(error.to_string(), "a readable file"))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let good = error.as_bytes().get(..error.utf8_error().valid_up_to()).unwrap_or_default();
@@ -73,9 +142,10 @@ fn read_table(
     reference: &TableReference,
     settings: &AxisSettings,
     machine_toml: &Source,
+    instead: &[(PathBuf, String)],
 ) -> Result<Table, FileError> {
     let file = folder.join(&reference.file);
-    if !file.is_file() {
+    if !file.is_file() && !instead.iter().any(|(name, _)| *name == file) {
         let found = format!("{:?}, which is no file at {}", reference.file, file.display());
         return Err(machine_toml.at(
             reference.line,
@@ -85,7 +155,7 @@ fn read_table(
         ));
     }
     let source = Source::new(&file);
-    let TableFile { table, lines, columns } = axis_table::read(&text(&file, &source)?, &source, settings.axis)?;
+    let TableFile { table, lines, columns } = axis_table::read(&text(&file, &source, instead)?, &source, settings.axis)?;
     check::table(settings, table.rows.as_slice()).map_err(|fault| {
         let line = lines.get(fault.row).copied().unwrap_or(0);
         let given = columns.iter().find(|column| column.holds(fault.component, fault.reverse));

@@ -19,6 +19,7 @@ use super::table::{AxisTable, Contribution, Requirement, Rows, Storage, own_comp
 use super::thermal::ThermalLine;
 use super::trig::cos_sin_deg;
 use super::{Errors, carries_workpiece, step_axes};
+use crate::check::MOST_CARRIERS;
 use crate::error::{ConfigError, Field};
 use crate::machine::{AXES, Axis, Lookup, MachineSettings};
 use crate::position::Position;
@@ -83,7 +84,7 @@ fn parents_of<R: Real, const N: usize>(
     let mut free = parents.iter_mut();
     for carrier in side.into_iter().take_while(|a| *a != axis).filter(|a| a.is_rotary()) {
         let slot =
-            free.next().ok_or(ConfigError::new(Field::Chain, 3.0, "at most two rotary axes below another").on(axis))?;
+            free.next().ok_or(ConfigError::new(Field::Chain, 3.0, MOST_CARRIERS).on(axis))?;
         let settings = machine.axes.iter().find(|a| a.axis == carrier);
         *slot = axes.iter().position(|a| *a == carrier).map(|index| Parent {
             index,

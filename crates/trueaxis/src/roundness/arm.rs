@@ -9,6 +9,7 @@
 //! second line follows from the triangle of crank centre, pin and wheel; it gives β at any θ in closed form, with one
 //! square root and no inverse function. λ = 0 is an arm that stands still, an ordinary shaft.
 
+use crate::check::range;
 use crate::error::{ConfigError, Field};
 use crate::real::Real;
 
@@ -28,19 +29,10 @@ impl Arm {
     /// λ = R/(R_S + R_W).
     ///
     /// # Errors
-    /// A length that is not finite or negative, a wheel or pin without a radius, a linkage that cannot close
+    /// A length outside its range ([`range::CRANK`], [`range::RADIUS`]), a linkage that cannot close
     /// (R >= R_S + R_W).
     pub fn ratio(&self) -> Result<f64, ConfigError> {
-        for (index, length) in [self.crank_mm, self.wheel_mm, self.pin_mm].into_iter().enumerate() {
-            if !(length.is_finite() && length >= 0.0) {
-                return Err(ConfigError::new(Field::Arm, length, "a length that is not negative, mm").at(index));
-            }
-        }
-        for (index, length) in [(1, self.wheel_mm), (2, self.pin_mm)] {
-            if length == 0.0 {
-                return Err(ConfigError::new(Field::Arm, length, "a radius above 0 mm").at(index));
-            }
-        }
+        range::linkage(self)?;
         if self.crank_mm >= self.wheel_mm + self.pin_mm {
             let needed = "a crank throw R below R_S + R_W: the linkage cannot close";
             return Err(ConfigError::new(Field::Arm, self.crank_mm, needed).at(0));
