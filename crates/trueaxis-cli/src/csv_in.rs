@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
+use trueaxis::check::range::POSITION;
 use trueaxis_tables::error::FileError;
 
 /// A column that a file may have.
@@ -21,6 +22,15 @@ pub(crate) struct Rows<const C: usize> {
     pub(crate) header: Vec<String>,
     /// Line number, values (0 for absent columns) and the cells as they stand in the file.
     pub(crate) rows: Vec<(u32, [f64; C], Vec<String>)>,
+}
+
+/// Largest size of a value: a kilometre, a metre of deviation, 1e9 of anything else (degrees are counted over many turns).
+fn most(column: &str) -> f64 {
+    match column.rsplit_once('_') {
+        Some((_, "mm")) => POSITION.linear.most,
+        Some((_, "um" | "urad")) => 1e6,
+        _ => 1e9,
+    }
 }
 
 impl<const C: usize> Rows<C> {
@@ -73,10 +83,10 @@ impl<const C: usize> Rows<C> {
             let mut values = [0.0; C];
             for ((cell, place), name) in cells.iter().zip(&order).zip(&header) {
                 values[*place] = match cell.parse::<f64>() {
-                    Ok(value) if value.is_finite() && value.abs() <= 1e9 => value,
+                    Ok(value) if value.abs() <= most(name) => value,
                     _ => {
                         let found = if cell.is_empty() { "an empty cell".into() } else { cell.clone() };
-                        let needed = "a finite number, at most 1e9".into();
+                        let needed = format!("a finite number, at most {:e}", most(name));
                         return Err(wrong(Some(line), Some(name), found, needed).into());
                     }
                 };

@@ -19,7 +19,11 @@ pub(crate) fn machine(path: &Path) -> Result<Machine> {
 /// The files of a machine, whatever form it came in.
 pub(crate) fn files(path: &Path) -> Vec<PathBuf> {
     let alone = || vec![path.to_path_buf()];
-    if path.extension().is_some_and(|e| e == "tcomp") { alone() } else { Machine::files(path).unwrap_or_else(|_| alone()) }
+    if path.extension().is_some_and(|e| e == "tcomp") {
+        alone()
+    } else {
+        Machine::files(path).unwrap_or_else(|_| alone())
+    }
 }
 
 /// Parses compiled bytes; the error names the file they came from.

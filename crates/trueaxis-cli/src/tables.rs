@@ -14,7 +14,7 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
 use trueaxis_tables::formats::{self, ExportOptions, Format, Imported, Loss};
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::{Machine, check, compile, summary};
+use trueaxis_tables::{Machine, build, check, compile, summary};
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
@@ -36,6 +36,9 @@ pub(crate) enum Command {
         /// machine.toml or its folder.
         #[arg(value_name = "M")]
         machine: PathBuf,
+        /// Servo rate of the controller, for which slope and acceleration are judged.
+        #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
+        rate_hz: f64,
         /// The compiled file.
         #[arg(short, long, value_name = "T.tcomp")]
         output: PathBuf,
@@ -130,7 +133,7 @@ Formats, and what they hold for an error E = actual − ideal:
 pub(crate) fn run(command: Command) -> Result<()> {
     match command {
         Command::Check { machine, rate_hz, json } => run_check(&machine, rate_hz, json),
-        Command::Compile { machine, output } => run_compile(&machine, &output),
+        Command::Compile { machine, rate_hz, output } => run_compile(&machine, rate_hz, &output),
         Command::Show { file, json } => run_show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
         Command::Import { from, file, axis, comp_file_type, output, new } => {
@@ -172,11 +175,7 @@ fn format_of(option: &str, name: &str, comp_file_type: Option<u8>) -> Result<For
 }
 
 fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
-    if !(rate_hz.is_finite() && rate_hz > 0.0) {
-        bail!("--rate-hz: found {rate_hz}, needed a positive number");
-    }
-    let machine = Machine::read(path)?;
-    let bytes = compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+    let (machine, bytes) = compiled(path, rate_hz)?;
     let tables = parsed(&bytes, path)?;
     let warnings = check(&machine, rate_hz);
     if as_json {
@@ -190,10 +189,20 @@ fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     print(&format!("{}: no errors, {} warnings\n", path.display(), warnings.len()))
 }
 
-fn run_compile(path: &Path, output: &Path) -> Result<()> {
+/// A machine with its compiled form, accepted by what a controller runs at this rate.
+fn compiled(path: &Path, rate_hz: f64) -> Result<(Machine, Vec<u8>)> {
+    if !(10.0..=1e6).contains(&rate_hz) {
+        bail!("--rate-hz: found {rate_hz}, needed 10 to 1000000");
+    }
     let machine = Machine::read(path)?;
     let bytes = compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
-    for warning in check(&machine, 10_000.0) {
+    build(&machine, rate_hz).map_err(|error| anyhow!("{}: at {rate_hz} Hz: {error}", path.display()))?;
+    Ok((machine, bytes))
+}
+
+fn run_compile(path: &Path, rate_hz: f64, output: &Path) -> Result<()> {
+    let (machine, bytes) = compiled(path, rate_hz)?;
+    for warning in check(&machine, rate_hz) {
         eprintln!("warning: {warning}");
     }
     let tables = parsed(&bytes, output)?;

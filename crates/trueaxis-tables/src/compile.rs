@@ -1,7 +1,9 @@
 //! Tables for the controller: the bytes of a `.tcomp` file.
 
 use crate::{Machine, Table};
+use trueaxis::Config;
 use trueaxis::check;
+use trueaxis::contour::Method;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{Axis, Row};
 use trueaxis::tcomp::{MAGIC, TableHeader, VERSION, checksum, machine_id};
@@ -69,4 +71,35 @@ fn write_row(payload: &mut Vec<u8>, header: &TableHeader, row: &Row) {
             }
         }
     }
+}
+
+/// Builds the servo loop as a controller does at this rate, in single and in double precision, and lets it go again: what is
+/// accepted here is accepted there.
+///
+/// # Errors
+/// Whatever [`check::machine`] or [`Config::build`] refuses.
+pub fn build(machine: &Machine, rate_hz: f64) -> Result<(), ConfigError> {
+    let inverse_passes = check::machine(&machine.settings, |axis| machine.rows(axis))?;
+    let config = Config {
+        machine: &machine.settings,
+        machine_id: machine_id(&machine.settings.name, &machine.settings.chain),
+        tables_crc: 0,
+        period_ns: (1e9 / rate_hz).round() as u32,
+        inverse_passes,
+        method: Method::Guarded,
+    };
+    match machine.settings.axes.iter().filter(|settings| settings.axis.is_rotary()).count() {
+        0 => build_with::<3>(machine, &config),
+        1 => build_with::<4>(machine, &config),
+        2 => build_with::<5>(machine, &config),
+        _ => build_with::<6>(machine, &config),
+    }
+}
+
+fn build_with<const N: usize>(machine: &Machine, config: &Config<'_>) -> Result<(), ConfigError> {
+    let rows = |axis| machine.rows(axis);
+    let mut memory = config.requirement::<f32, f64, N, _>(rows).memory();
+    config.build::<f32, f64, N, _>(rows, memory.lend())?;
+    let mut memory = config.requirement::<f64, f64, N, _>(rows).memory();
+    config.build::<f64, f64, N, _>(rows, memory.lend()).map(|_| ())
 }

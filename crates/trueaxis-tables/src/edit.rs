@@ -48,7 +48,11 @@ impl Imported {
                 settings.extend(stated::of_new_axis(*axis, table));
             }
             if let Some(own) = self.settings.as_ref().and_then(|all| all.axes.iter().find(|own| own.axis == *axis)) {
-                settings.extend(stated::of_axis(own));
+                let standing = standing.settings.axes.iter().find(|own| own.axis == *axis).map(stated::of_axis);
+                let stands = |stated: &(String, Value)| {
+                    standing.iter().flatten().any(|own| own.0 == stated.0 && same(&own.1, &stated.1))
+                };
+                settings.extend(stated::of_axis(own).into_iter().filter(|stated| !stands(stated)));
             }
             settings.extend(outdated(*axis, table, &standing, &mut edited.notes));
             for (key, value) in settings {
@@ -72,9 +76,8 @@ impl Imported {
         } else {
             edited.files.push((standing.file.clone(), text));
         }
-        let without_mark = |(file, text): &(PathBuf, String)| {
-            (file.clone(), text.strip_prefix('\u{feff}').unwrap_or(text).to_owned())
-        };
+        let without_mark =
+            |(file, text): &(PathBuf, String)| (file.clone(), text.strip_prefix('\u{feff}').unwrap_or(text).to_owned());
         let instead: Vec<(PathBuf, String)> = edited.files.iter().map(without_mark).collect();
         Machine::read_with(&standing.file, &instead).map_err(|error| error::FileError {
             needed: format!("{} (in the machine with the import; nothing is written)", error.needed),
@@ -112,7 +115,8 @@ fn in_chain(imported: &Imported, standing: &Standing, source: &Source) -> Result
 
 /// Line of a key at the top of the file.
 fn line_of(text: &str, key: &str) -> u32 {
-    let is_key = |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+    let is_key =
+        |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
     (1..).zip(text.lines()).find(|(_, line)| is_key(line)).map_or(0, |(number, _)| number)
 }
 
@@ -181,11 +185,7 @@ fn outdated(axis: Axis, table: &Table, standing: &Standing, notes: &mut Vec<Stri
 }
 
 /// The section of an axis, made where there is none.
-fn section<'d>(
-    document: &'d mut DocumentMut,
-    axis: Axis,
-    source: &Source,
-) -> Result<&'d mut dyn TableLike, FileError> {
+fn section<'d>(document: &'d mut DocumentMut, axis: Axis, source: &Source) -> Result<&'d mut dyn TableLike, FileError> {
     let no_section = || source.whole("an axis that is no section", "[axis.…] sections");
     let axes = document.entry("axis").or_insert_with(|| {
         let mut axes = toml_edit::Table::new();
@@ -217,6 +217,7 @@ fn set(section: &mut dyn TableLike, key: &str, mut value: Value) {
 fn same(a: &Value, b: &Value) -> bool {
     let number = |value: &Value| value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64));
     match (a, b) {
+        (Value::String(a), Value::String(b)) => a.value() == b.value(),
         (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b)),
         _ => match (number(a), number(b)) {
             (Some(a), Some(b)) => a == b,
@@ -269,9 +270,15 @@ fn left(stated: &MachineSettings, standing: &MachineSettings) -> Vec<String> {
         .filter(|(_, differs)| *differs)
         .map(|(name, _)| format!("{name} stays, though the file states another"))
         .collect();
-    let without = |axis: &&AxisSettings| standing.axes.iter().any(|own| own.axis == axis.axis && own.offset_mm != axis.offset_mm);
-    notes.extend(stated.axes.iter().filter(without).filter(|axis| axis.offset_mm == [0.0; 3]).map(|axis| {
-        format!("axis {}: offset_mm stays, though the file states none", axis.axis.letter())
-    }));
+    let without =
+        |axis: &&AxisSettings| standing.axes.iter().any(|own| own.axis == axis.axis && own.offset_mm != axis.offset_mm);
+    notes.extend(
+        stated
+            .axes
+            .iter()
+            .filter(without)
+            .filter(|axis| axis.offset_mm == [0.0; 3])
+            .map(|axis| format!("axis {}: offset_mm stays, though the file states none", axis.axis.letter())),
+    );
     notes
 }

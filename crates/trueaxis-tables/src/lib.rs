@@ -13,7 +13,7 @@ mod source;
 mod summary;
 mod warning;
 
-pub use compile::compile;
+pub use compile::{build, compile};
 pub use edit::Edited;
 pub use output::write_atomically;
 pub use summary::{AxisSummary, ErrorSummary, Summary, TableSummary, summary};

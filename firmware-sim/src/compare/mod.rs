@@ -38,7 +38,9 @@ const FLASH: [&str; 3] = ["tables-a.tcomp", "tables-b.tcomp", "recording.rec"];
 impl Inputs {
     /// The files that [`Inputs::compare`] leaves in `folder`.
     pub fn files(folder: &Path) -> Vec<PathBuf> {
-        let sent = [Core::M4f, Core::M7].into_iter().flat_map(|core| image::FILES.map(|name| folder.join(core.name()).join(name)));
+        let sent = [Core::M4f, Core::M7]
+            .into_iter()
+            .flat_map(|core| image::FILES.map(|name| folder.join(core.name()).join(name)));
         FLASH.into_iter().map(|name| folder.join(name)).chain(sent).collect()
     }
 

@@ -21,6 +21,7 @@ use crate::error::FileError;
 use crate::source::{Source, fixed, numbered};
 use std::collections::BTreeSet;
 use std::fmt::Write;
+use trueaxis::check::range;
 use trueaxis::machine::{Axis, LocationErrors};
 
 /// The way a target was approached.
@@ -127,6 +128,10 @@ fn read(text: &str, source: &Source, axis: Option<Axis>) -> Result<Measurement, 
             other => return Err(source.at(line, "direction", format!("{other:?}"), "+ or -")),
         };
         let deviation = source.number(line, columns.deviation_name, field(columns.deviation))?;
+        let (scale, range) =
+            if columns.axis.is_rotary() { (1e6, &range::ROTATION) } else { (1e3, &range::TRANSLATION) };
+        super::within(source, line, &columns.position_name, position, range::POSITION.of(columns.axis))?;
+        super::within(source, line, columns.deviation_name, deviation / scale, range)?;
         if !seen.insert(((position + 0.0).to_bits(), run, direction)) {
             let found = format!("position {position}, run {run} in this direction again");
             return Err(source.at(line, "", found, "each approach once"));

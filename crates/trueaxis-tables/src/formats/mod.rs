@@ -35,6 +35,8 @@ use crate::source::Source;
 use crate::{Machine, Table};
 use linuxcnc::CompFileType;
 use std::path::{Path, PathBuf};
+use trueaxis::check::range::{self, Range};
+use trueaxis::error::Figure;
 use trueaxis::machine::{Axis, LocationErrors, MachineSettings, Row};
 
 /// A foreign format.
@@ -204,6 +206,15 @@ pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Res
 /// two ends of a full circle equal (within 0.01 µm, 0.01 µrad), because such a table wraps.
 fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, source: &Source) -> Result<Table, FileError> {
     let name = format!("{} position", axis.letter());
+    for (line, row) in &lines {
+        within(source, *line, &name, row.position, range::POSITION.of(axis))?;
+        for (component, (forward, reverse)) in row.forward.iter().zip(&row.reverse).enumerate() {
+            let range = if component < 3 { &range::TRANSLATION } else { &range::ROTATION };
+            for value in [forward, reverse] {
+                within(source, *line, &positioning::error_name(axis, component), *value, range)?;
+            }
+        }
+    }
     for pair in lines.windows(2) {
         let [(_, before), (line, row)] = pair else { continue };
         if row.position <= before.position {
@@ -234,6 +245,16 @@ fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, source: &Source) 
     let rows: Vec<Row> = lines.into_iter().map(|(_, row)| row).collect();
     let bidirectional = rows.iter().any(|row| row.forward != row.reverse);
     Ok(Table { given, bidirectional, rows })
+}
+
+/// A value (mm, degrees, rad) in its physical range.
+fn within(source: &Source, line: u32, name: &str, value: f64, range: &Range) -> Result<(), FileError> {
+    if range.contains(value) {
+        return Ok(());
+    }
+    let unit = if *range == range::ROTATION { " rad" } else { "" };
+    let unit = if *range == range::TRANSLATION { " mm" } else { unit };
+    Err(source.at(line, name, format!("{}{unit}", Figure(value)), range.needed))
 }
 
 /// `given` with one component only.

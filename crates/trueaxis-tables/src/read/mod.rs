@@ -13,7 +13,7 @@ use machine_toml::{Description, TableReference};
 use std::fs;
 use std::path::{Path, PathBuf};
 use trueaxis::check;
-use trueaxis::error::{ConfigError, Field};
+use trueaxis::error::{ConfigError, Field, Figure};
 use trueaxis::machine::{Axis, AxisSettings, MachineSettings, Row};
 
 impl Machine {
@@ -67,6 +67,14 @@ impl Machine {
         let folder = file.parent().unwrap_or(Path::new(""));
         let tables: Vec<PathBuf> = description.tables.iter().map(|table| folder.join(&table.file)).collect();
         Ok(std::iter::once(file).chain(tables).collect())
+    }
+
+    /// Every key with a number, or a list of so many, that a `machine.toml` with the sections of this one may have.
+    ///
+    /// # Errors
+    /// The text is not that of a machine.
+    pub fn number_keys(text: &str) -> Result<Vec<(String, usize)>, FileError> {
+        machine_toml::read(text, &Source::new(Path::new("machine.toml"))).map(|description| description.numbers)
     }
 
     /// The lines of an axis' table.
@@ -155,7 +163,8 @@ fn read_table(
         ));
     }
     let source = Source::new(&file);
-    let TableFile { table, lines, columns } = axis_table::read(&text(&file, &source, instead)?, &source, settings.axis)?;
+    let TableFile { table, lines, columns } =
+        axis_table::read(&text(&file, &source, instead)?, &source, settings.axis)?;
     check::table(settings, table.rows.as_slice()).map_err(|fault| {
         let line = lines.get(fault.row).copied().unwrap_or(0);
         let given = columns.iter().find(|column| column.holds(fault.component, fault.reverse));
@@ -164,9 +173,9 @@ fn read_table(
             (check::TableRule::Count, _) if fault.found == 1.0 => String::from("one line"),
             (check::TableRule::Count, _) => format!("{} lines", fault.found),
             (check::TableRule::Slope, _) => format!("a slope of {:.4} up to the next line", fault.found),
-            (_, None) => fault.found.to_string(),
-            (_, Some(component)) if component < 3 => format!("{} um", fault.found * 1e3),
-            _ => format!("{} urad", fault.found * 1e6),
+            (_, None) => Figure(fault.found).to_string(),
+            (_, Some(component)) if component < 3 => format!("{} um", Figure(fault.found * 1e3)),
+            _ => format!("{} urad", Figure(fault.found * 1e6)),
         };
         match fault.rule {
             check::TableRule::Count => source.whole(found, fault.rule.needed()),
@@ -208,7 +217,7 @@ impl Description {
             Some(place) => source.at(place.line, &place.key, &place.text, error.needed),
             None => {
                 let axis = error.axis.map_or(String::new(), |axis| format!(" of axis {}", axis.letter()));
-                source.whole(format!("{:?}{axis} = {}", error.field, error.found), error.needed)
+                source.whole(format!("{:?}{axis} = {}", error.field, Figure(error.found)), error.needed)
             }
         }
     }

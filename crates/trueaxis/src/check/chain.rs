@@ -67,9 +67,8 @@ fn carriers(links: &[Link], axis: Axis) -> usize {
     let Some(place) = links.iter().position(|link| link.axis == axis) else { return 0 };
     let side = links.get(place).is_some_and(|link| link.carries_workpiece);
     let nearer = |other: usize| if side { other > place } else { other < place };
-    let carrier = |(other, link): &(usize, &Link)| {
-        nearer(*other) && link.carries_workpiece == side && link.axis.is_rotary()
-    };
+    let carrier =
+        |(other, link): &(usize, &Link)| nearer(*other) && link.carries_workpiece == side && link.axis.is_rotary();
     links.iter().enumerate().filter(carrier).count()
 }
 

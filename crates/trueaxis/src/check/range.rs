@@ -80,8 +80,8 @@ pub const POSITION: ByKind =
     ByKind::new(Range::new(-1e6, 1e6, "-1e6 to 1e6 mm"), Range::new(-1e9, 1e9, "-1e9 to 1e9 degrees"));
 /// The joint: a travel with the largest correction on either side.
 pub const JOINT: ByKind = ByKind::new(
-    Range::new(-1e6 - MAGNITUDE.linear.most, 1e6 + MAGNITUDE.linear.most, "-1000010 to 1000010 mm"),
-    Range::new(-1e9 - MAGNITUDE.rotary.most, 1e9 + MAGNITUDE.rotary.most, "-1e9 to 1e9 degrees and a correction"),
+    Range::new(-1_000_010.0, 1_000_010.0, "-1000010 to 1000010 mm"),
+    Range::new(-1_000_000_010.0, 1_000_000_010.0, "-1000000010 to 1000000010 degrees"),
 );
 /// Lengths between the parts of a machine: tool, offsets of frames, place of measurement.
 pub const LENGTH: Range = Range::new(-1e6, 1e6, "-1e6 to 1e6 mm");
@@ -108,15 +108,11 @@ pub const MAGNITUDE: ByKind = ByKind::new(
     Range::new(degrees(0.001), degrees(100_000.0), "0.001 to 100000 urad (5.7 degrees)"),
 );
 /// Slope limit of the correction: up to 1 m/s, faster than most axes.
-pub const SLOPE: ByKind = ByKind::new(
-    Range::new(1e-6, 1e3, "1e-6 to 1000 mm/s"),
-    Range::new(1e-6, 1e3, "1e-6 to 1000 degrees/s"),
-);
+pub const SLOPE: ByKind =
+    ByKind::new(Range::new(1e-6, 1e3, "1e-6 to 1000 mm/s"), Range::new(1e-6, 1e3, "1e-6 to 1000 degrees/s"));
 /// Acceleration limit of the correction: up to 1 km/s², a hundred times gravity.
-pub const ACCELERATION: ByKind = ByKind::new(
-    Range::new(1e-3, 1e6, "0.001 to 1e6 mm/s2"),
-    Range::new(1e-3, 1e6, "0.001 to 1e6 degrees/s2"),
-);
+pub const ACCELERATION: ByKind =
+    ByKind::new(Range::new(1e-3, 1e6, "0.001 to 1e6 mm/s2"), Range::new(1e-3, 1e6, "0.001 to 1e6 degrees/s2"));
 /// Highest feed, per second: up to 16.7 m/s, three times that of a linear motor, and 27,778 rpm, a fast spindle's.
 pub const FEED: ByKind = ByKind::new(
     Range::new(1e-3 / 60.0, 1e6 / 60.0, "0.001 to 1e6 mm/min"),
