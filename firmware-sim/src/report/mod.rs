@@ -8,7 +8,7 @@
 //! `SECTIONS`; a further one needs its data in [`Report`] and a line there.
 
 use std::{
-    fs, io,
+    io,
     path::{Path, PathBuf},
 };
 
