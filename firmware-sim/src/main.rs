@@ -344,7 +344,6 @@ fn run(args: &RunArgs) -> Result<()> {
         (&scenario, &motion, &path, args.paced, trace.as_mut(), &mut tell)
     )?;
     bar.finish_and_clear();
-    let trace = trace.map(Trace::finish).transpose()?;
     let page = match &args.report {
         Some(dir) => Some(
             report::write(&outcome.report(&scenario), dir)
@@ -352,6 +351,8 @@ fn run(args: &RunArgs) -> Result<()> {
         ),
         None => None,
     };
+    // After the page: dropped where that is refused.
+    let trace = trace.map(Trace::finish).transpose()?;
     if args.json {
         put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&scenario))?))
     } else {

@@ -67,4 +67,5 @@ fn a_run_leaves_its_report_and_nothing_else() {
     // A folder stands where the page would: nothing of the run is left beside it.
     fs::create_dir_all(folder.path().join("taken/index.html")).unwrap();
     assert_eq!(run("taken").status.code(), Some(2));
+    assert_eq!(fs::read_dir(folder.path().join("taken")).unwrap().count(), 1);
 }
