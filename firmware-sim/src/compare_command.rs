@@ -1,7 +1,7 @@
 //! `firmware-sim compare`: its arguments and what it prints.
 
 use crate::record::{self, How};
-use crate::{ScenarioArgs, prepare, read_machine};
+use crate::{ScenarioArgs, outputs_of, prepare, read_machine};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use firmware_sim::compare::Inputs;
@@ -60,6 +60,12 @@ enum Cores {
 pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     if args.how.exchange_at.is_some() && args.second.is_none() {
         bail!("--exchange-at: found no tables to ask for, needed --second");
+    }
+    let machines = [Some(args.scenario.machine.as_path()), args.second.as_deref()].into_iter().flatten();
+    let images = [&args.image_m4f, &args.image_m7].into_iter().flatten().map(PathBuf::as_path);
+    let outputs = outputs_of(machines, images.chain(args.scenario.program.files()));
+    for file in Inputs::files(&args.folder).into_iter().chain(args.report.iter().map(|dir| dir.join("compare.html"))) {
+        outputs.refuse_input(&file)?;
     }
     let scenario = prepare(&args.scenario, &[])?;
     let compile = |machine: &trueaxis_tables::Machine| trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"));

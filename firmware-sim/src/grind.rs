@@ -1,6 +1,6 @@
 //! `firmware-sim grind`: its arguments and what it prints.
 
-use crate::{progress_bar, read_machine};
+use crate::{outputs_of, progress_bar, read_machine};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use firmware_sim::grinding::{self, Grinding, Process};
@@ -98,6 +98,9 @@ fn prepare(args: &GrindArgs) -> Result<Grinding> {
 }
 
 pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
+    if let Some(dir) = &args.report {
+        outputs_of([args.machine.as_path()], []).refuse_input(&dir.join("grinding.html"))?;
+    }
     let grinding = prepare(args)?;
     let bar = progress_bar("grinding");
     let outcome = grinding::simulate(&grinding, &mut |fraction| bar.set_position((1000.0 * fraction) as u64))?;

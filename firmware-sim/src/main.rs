@@ -23,12 +23,12 @@ use firmware_sim::{bench, report};
 use indicatif::{ProgressBar, ProgressStyle};
 use program_args::{Document, ProgramArgs, noted};
 use serde_json::json;
-use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trueaxis::machine::ErrorModel;
 use trueaxis_tables::Machine;
+use trueaxis_tables::output::{Outputs, Staged};
 use trueaxis_tables::text::{counted, printable};
 
 /// Runs a part program through the compensated servo step against a simulated machine, and shows what was gained on
@@ -251,6 +251,15 @@ fn read_machine(option: &str, given: &Path) -> Result<Machine> {
     Ok(Machine::read(&path)?)
 }
 
+/// What a command may not write over: the files of machines, named as for [`read_machine`], and others.
+fn outputs_of<'p>(machines: impl IntoIterator<Item = &'p Path>, others: impl IntoIterator<Item = &'p Path>) -> Outputs {
+    let files = machines.into_iter().flat_map(|given| {
+        let path = if given.exists() { given.to_path_buf() } else { sample_machine(&given.to_string_lossy()) };
+        Machine::files(&path).unwrap_or_else(|_| vec![path])
+    });
+    Outputs::of(files.chain(others.into_iter().map(Path::to_path_buf)))
+}
+
 /// A bar of thousandths on the standard error.
 fn progress_bar(message: &'static str) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}");
@@ -306,10 +315,18 @@ macro_rules! with_axes {
 }
 
 fn run(args: &RunArgs) -> Result<()> {
+    let mut outputs = outputs_of([args.scenario.machine.as_path()], args.scenario.program.files());
+    if let Some(dir) = &args.report {
+        outputs.refuse_input(&dir.join("index.html"))?;
+        outputs.refuse_input(&dir.join("trace.csv"))?;
+    }
     let scenario = prepare(&args.scenario, &args.fault)?;
     let motion = plan(&scenario)?;
     let mut files = match &args.report {
-        Some(dir) => Some(ReportFiles::create(dir, &scenario, args.trace_every)?),
+        Some(dir) => {
+            outputs.folder(dir)?;
+            Some(ReportFiles::create(dir, &scenario, args.trace_every)?)
+        }
         None => None,
     };
     let bar = progress_bar("simulating");
@@ -334,16 +351,15 @@ fn run(args: &RunArgs) -> Result<()> {
 /// What `run --report` writes.
 struct ReportFiles {
     directory: PathBuf,
-    trace: Trace<BufWriter<File>>,
+    trace: Trace<BufWriter<Staged>>,
     series: Series,
 }
 
 impl ReportFiles {
     fn create(directory: &Path, scenario: &Scenario, trace_every: u64) -> Result<ReportFiles> {
-        std::fs::create_dir_all(directory).with_context(|| format!("cannot create {}", directory.display()))?;
         let compensated = outcome::KINDS.iter().position(|kind| *kind == Kind::Compensated).unwrap_or(0);
         let path = Self::trace_path(directory);
-        let trace = File::create(&path)
+        let trace = Staged::create(&path)
             .and_then(|file| Trace::new(BufWriter::new(file), trace_every, compensated, &scenario.machine.settings))
             .with_context(|| format!("cannot write {}", path.display()))?;
         Ok(ReportFiles { directory: directory.into(), trace, series: Series::new(scenario) })
@@ -356,9 +372,13 @@ impl ReportFiles {
     /// Writes what is left to write; the files.
     fn finish(self, outcome: &Outcome, scenario: &Scenario) -> Result<[PathBuf; 2]> {
         let trace = Self::trace_path(&self.directory);
-        self.trace.finish().with_context(|| format!("cannot write {}", trace.display()))?;
+        let cannot_write = || format!("cannot write {}", trace.display());
+        let staged = self.trace.finish().with_context(cannot_write)?;
         let page = report::write(&outcome.report(scenario, &self.series), &self.directory)
             .with_context(|| format!("cannot write into {}", self.directory.display()))?;
+        // After the page: dropped where that is refused.
+        let staged = staged.into_inner().map_err(|error| error.into_error());
+        staged.and_then(Staged::commit).with_context(cannot_write)?;
         Ok([page, trace])
     }
 }

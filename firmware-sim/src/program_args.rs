@@ -34,6 +34,11 @@ enum Interpreter {
 }
 
 impl ProgramArgs {
+    /// Every file that is read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        [Some(&self.file), self.tool_table.as_ref(), self.offsets.as_ref()].into_iter().flatten().map(PathBuf::as_path)
+    }
+
     pub(crate) fn read(&self) -> Result<Program> {
         let options = ReadOptions {
             tools: self.tool_table.as_deref().map(ToolTable::read).transpose()?,

@@ -1,7 +1,7 @@
 //! `firmware-sim record`: its arguments and what it prints.
 
-use crate::{ScenarioArgs, plan, prepare, progress_bar, put};
-use anyhow::{Context, Result, bail};
+use crate::{ScenarioArgs, outputs_of, plan, prepare, progress_bar, put};
+use anyhow::{Result, bail};
 use clap::Args;
 use firmware_sim::compare::image;
 use firmware_sim::motion::Motion;
@@ -65,9 +65,12 @@ pub(crate) fn bytes(scenario: &Scenario, how: &How) -> Result<Vec<u8>> {
 }
 
 pub(crate) fn record(args: &RecordArgs) -> Result<()> {
+    let mut outputs = outputs_of([args.scenario.machine.as_path()], args.scenario.program.files());
+    outputs.refuse_input(&args.output)?;
     let scenario = prepare(&args.scenario, &args.fault)?;
     let bytes = bytes(&scenario, &args.how)?;
-    std::fs::write(&args.output, &bytes).with_context(|| format!("cannot write {}", args.output.display()))?;
+    outputs.put(&args.output, &bytes)?;
+    outputs.commit()?;
     if bytes.len() as u64 > image::RECORDING.1 {
         crate::tell(format_args!(
             "note: the bare-metal image has room for {} bytes (fewer cycles: --cycles, --rate-hz)",

@@ -1,6 +1,6 @@
 //! `firmware-sim rtcp`: its arguments and what it prints.
 
-use crate::read_machine;
+use crate::{outputs_of, read_machine};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use firmware_sim::ball_test::BallCycle;
@@ -34,6 +34,12 @@ pub(crate) struct RtcpArgs {
 pub(crate) fn rtcp(args: &RtcpArgs) -> Result<()> {
     if !(0.0..=100.0).contains(&args.gauge_noise_um) {
         bail!("--gauge-noise-um: found {}, needed 0 to 100", args.gauge_noise_um);
+    }
+    if let Some(dir) = &args.report {
+        let outputs = outputs_of([args.machine.as_path()], []);
+        for name in ["rtcp.html", "measured-c.csv", "measured-a.csv", "c.csv", "a.csv"] {
+            outputs.refuse_input(&dir.join(name))?;
+        }
     }
     let test = BallCycle {
         machine: read_machine("--machine", &args.machine)?,

@@ -1,7 +1,7 @@
 //! `trueaxis tables accuracy`: ISO 230-2 before and after compensation.
 
 use crate::model::{self, axis_count, with_compensation};
-use crate::output::{json, put, tell};
+use crate::output::{json, print, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use std::fmt::Write;
@@ -49,7 +49,7 @@ pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_js
     if as_json {
         return json(&Document { measured, compensated });
     }
-    put(&table(&measured, compensated.as_ref())?, None)
+    print(&table(&measured, compensated.as_ref())?)
 }
 
 /// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.

@@ -1,7 +1,7 @@
 //! `trueaxis circle`.
 
 use crate::csv_in::{Column, Rows};
-use crate::output::{json, put};
+use crate::output::{json, print};
 use crate::report;
 use anyhow::{Result, anyhow};
 use clap::Args;
@@ -12,6 +12,7 @@ use std::path::PathBuf;
 use trueaxis_metrology::circles::{
     NoCircle, ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
 };
+use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
 POINTS.csv: x_mm,y_mm, one row a point, at least three that are not on one line.
@@ -104,7 +105,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if let Some(directory) = &arguments.report {
         let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
         let circles = [lsc.as_ref(), mzc.as_ref(), Ok(&mcc), mic.as_ref()];
-        report::write(&report::circle::page(&source, &points, circles), directory, "circle.html")?;
+        let mut outputs = Outputs::of([&arguments.points]);
+        report::write(&mut outputs, &report::circle::page(&source, &points, circles), directory, "circle.html")?;
+        outputs.commit()?;
     }
     let mut refused = BTreeMap::new();
     let mut or_reason = |name, circle: Result<ReferenceCircle, NoCircle>| match circle {
@@ -118,7 +121,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mzc = or_reason("mzc", mzc);
     let mic = or_reason("mic", mic);
     let document = Document { points: points.len(), lsc, mzc, mic, mcc: Some(mcc.into()), refused };
-    if arguments.json { json(&document) } else { put(&table(&document, &lines)?, None) }
+    if arguments.json { json(&document) } else { print(&table(&document, &lines)?) }
 }
 
 fn table(document: &Document, of: &[u32]) -> Result<String> {

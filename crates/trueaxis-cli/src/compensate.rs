@@ -101,7 +101,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     };
     let model = arguments.model.unwrap_or(own);
     machine.settings.compensation.orientation = arguments.orientation;
-    let mut result = Written { out: Writer::new(arguments.output.as_deref()), rotary: Vec::new(), held: 0 };
+    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.positions.clone()]);
+    let mut result = Written { out: Writer::new(arguments.output.as_deref(), inputs)?, rotary: Vec::new(), held: 0 };
     match model {
         Model::Exact => exact::evaluate(arguments, &machine, &mut positions, &mut result)?,
         Model::Nine if arguments.orientation => {

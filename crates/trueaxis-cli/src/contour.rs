@@ -214,7 +214,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let search = ContourSearch::new(arguments.max_lag_mm, method).map_err(|error| anyhow!("--max-lag-mm: {error}"))?;
     let view = Path::new(&path.spans, 0, path.closed);
     let segments = path.first.len() - 1;
-    let mut out = Writer::new(arguments.output.as_deref());
+    let inputs = [arguments.path.clone(), arguments.actual.clone()];
+    let mut out = Writer::new(arguments.output.as_deref(), inputs)?;
     out.put(format_args!("segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed\n"))?;
     while let Some(Row { line, values: [segment, u, x, y, z] }) = actual.next()? {
         if segment.fract() != 0.0 || segment < 0.0 || segment >= segments as f64 {

@@ -5,6 +5,7 @@ use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use trueaxis::range::POSITION;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::sheet::Sheet;
 
@@ -39,8 +40,14 @@ pub(crate) struct Rows<const C: usize> {
     bar: ProgressBar,
 }
 
-/// Largest value of a cell.
-const LARGEST: f64 = 1e9;
+/// Largest size of a value: a kilometre, a metre of deviation, 1e9 of anything else (degrees are counted over many turns).
+fn most(column: &str) -> f64 {
+    match column.rsplit_once('_') {
+        Some((_, "mm")) => POSITION.linear.most,
+        Some((_, "um" | "urad")) => 1e6,
+        _ => 1e9,
+    }
+}
 
 impl<const C: usize> Rows<C> {
     /// Opens a file and checks its header; `what` names the rows on the progress bar.
@@ -95,7 +102,7 @@ impl<const C: usize> Rows<C> {
         self.count += 1;
         let mut values = [0.0; C];
         for (i, &place) in self.order.iter().enumerate() {
-            let value = self.sheet.number(i).ok().filter(|value| value.abs() <= LARGEST);
+            let value = self.sheet.number(i).ok().filter(|value| value.abs() <= most(&self.header[i]));
             values[place] = match value {
                 Some(value) => value,
                 None => return Err(self.no_value(i)),
@@ -135,7 +142,7 @@ impl<const C: usize> Rows<C> {
         let needed = match self.sheet.number(place) {
             // Of the other kind, or in doubt: the reader says so.
             Err(error) if cell.contains([',', '.']) && !error.needed.ends_with("a number") => error.needed,
-            _ => format!("a finite number, at most {LARGEST:e}"),
+            _ => format!("a finite number, at most {:e}", most(&self.header[place])),
         };
         let found = if cell.is_empty() { "an empty cell".to_owned() } else { cell };
         self.error(self.sheet.line(), &self.header[place].clone(), found, needed)

@@ -306,11 +306,14 @@ fn told(file: &Path, line: u32, error: InverseError) -> anyhow::Error {
 
 impl<'p> Sheet<'p> {
     fn new(common: &'p Common, settings: &MachineSettings, names: Vec<String>) -> Result<Sheet<'p>> {
-        let mut csv = (!common.json || common.output.is_some()).then(|| Writer::new(common.output.as_deref()));
+        let inputs = model::files(&common.machine).into_iter().chain([common.input.clone()]);
+        let mut csv = (!common.json || common.output.is_some())
+            .then(|| Writer::new(common.output.as_deref(), inputs))
+            .transpose()?;
         if let Some(csv) = &mut csv {
             csv.put(format_args!("{}\n", names.join(",")))?;
         }
-        let mut json = common.json.then(|| Writer::new(None));
+        let mut json = common.json.then(|| Writer::new(None, [])).transpose()?;
         if let Some(json) = &mut json {
             let [machine, chain] = [settings.name.as_str(), settings.chain.as_str()].map(Value::from);
             json.put(format_args!("{{\n  \"machine\": {machine},\n  \"chain\": {chain},\n  \"rows\": ["))?;

@@ -2,7 +2,7 @@
 
 use crate::output::tell;
 use anyhow::{Context, Result, anyhow, bail};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::compensation::Compensation;
 use trueaxis::tcomp::Tcomp;
@@ -20,6 +20,16 @@ pub(crate) fn machine(path: &Path) -> Result<Machine> {
 /// A machine in source form; says how its tables are read where that is not commas and points.
 pub(crate) fn source(path: &Path) -> Result<Machine> {
     Ok(Machine::read_telling(path, |how| tell(format_args!("note: {how}")))?)
+}
+
+/// The files of a machine, whatever form it came in.
+pub(crate) fn files(path: &Path) -> Vec<PathBuf> {
+    let alone = || vec![path.to_path_buf()];
+    if path.extension().is_some_and(|e| e == "tcomp") {
+        alone()
+    } else {
+        Machine::files(path).unwrap_or_else(|_| alone())
+    }
 }
 
 /// Parses compiled bytes; the error names the file they came from.

@@ -1,35 +1,24 @@
-//! Where results go: a file, written whole or not at all, or the standard output; notes go to the standard error. The only
-//! place that prints.
+//! Where results go: a file, written whole or not at all and never over an input, or the standard output; notes go to the
+//! standard error. The only place that prints.
 
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::Display;
-use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use trueaxis_tables::output::{Outputs, Staged};
 use trueaxis_tables::text::printable;
-use trueaxis_tables::write_atomically;
 
-/// Writes a text to a file, or to the standard output without one.
-pub(crate) fn put(text: &str, file: Option<&Path>) -> Result<()> {
-    match file {
-        Some(file) => put_bytes(text.as_bytes(), file),
-        None => {
-            let mut out = std::io::stdout().lock();
-            out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(standard_output)
-        }
-    }
-}
-
-/// Writes a file whole or not at all.
-pub(crate) fn put_bytes(bytes: &[u8], file: &Path) -> Result<()> {
-    write_atomically(file, bytes).with_context(|| format!("cannot write {}", file.display()))
+/// Writes a text to the standard output.
+pub(crate) fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(standard_output)
 }
 
 /// Prints one JSON document.
 pub(crate) fn json(document: &impl serde::Serialize) -> Result<()> {
-    put(&format!("{}\n", serde_json::to_string_pretty(document)?), None)
+    print(&format!("{}\n", serde_json::to_string_pretty(document)?))
 }
 
 /// A bar on the standard error; hidden by indicatif where that is no terminal.
@@ -57,20 +46,16 @@ const CHUNK: usize = 1 << 16;
 
 enum Begun {
     StandardOutput,
-    /// A device or a pipe that was named.
-    Device(File),
-    /// A file beside the one that is asked for, renamed in the end.
-    Temporary {
-        file: File,
-        path: PathBuf,
-        to: PathBuf,
-    },
+    File(Staged),
 }
 
 impl<'p> Writer<'p> {
-    /// Without a file: the standard output.
-    pub(crate) fn new(file: Option<&'p Path>) -> Writer<'p> {
-        Writer { file, text: String::new(), begun: None }
+    /// Without a file: the standard output. A file that the command reads is refused.
+    pub(crate) fn new(file: Option<&'p Path>, inputs: impl IntoIterator<Item = PathBuf>) -> Result<Writer<'p>> {
+        if let Some(file) = file {
+            Outputs::of(inputs).refuse_input(file)?;
+        }
+        Ok(Writer { file, text: String::new(), begun: None })
     }
 
     /// Writes a row, or a part of one.
@@ -82,57 +67,33 @@ impl<'p> Writer<'p> {
 
     /// Writes what is held; a file is complete after this.
     pub(crate) fn finish(mut self) -> Result<()> {
-        if self.begun.is_none() {
-            return put(&self.text, self.file);
-        }
         self.spill()?;
-        if let Some(Begun::Temporary { file, path, to }) = &self.begun {
-            let done = file.sync_all().and_then(|()| std::fs::rename(path, to));
-            done.with_context(|| format!("cannot write {}", to.display()))?;
+        match (self.begun, self.file) {
+            (Some(Begun::File(staged)), Some(file)) => staged.commit().with_context(|| cannot_write(file)),
+            _ => Ok(()),
         }
-        // Nothing is left to be removed.
-        self.begun = Some(Begun::StandardOutput);
-        Ok(())
     }
 
     fn spill(&mut self) -> Result<()> {
-        if self.begun.is_none() {
-            self.begun = Some(match self.file {
-                None => Begun::StandardOutput,
-                Some(file) => begin(file).with_context(|| format!("cannot write {}", file.display()))?,
-            });
-        }
-        match &mut self.begun {
-            Some(Begun::Temporary { file, to, .. }) => {
-                file.write_all(self.text.as_bytes()).with_context(|| format!("cannot write {}", to.display()))?;
+        let begun = match (&mut self.begun, self.file) {
+            (Some(begun), _) => begun,
+            (none, None) => none.insert(Begun::StandardOutput),
+            (none, Some(file)) => none.insert(Begun::File(Staged::create(file).with_context(|| cannot_write(file))?)),
+        };
+        match begun {
+            Begun::StandardOutput => print(&self.text)?,
+            Begun::File(staged) => {
+                let file = self.file.unwrap_or(Path::new(""));
+                staged.write_all(self.text.as_bytes()).with_context(|| cannot_write(file))?;
             }
-            Some(Begun::Device(file)) => file.write_all(self.text.as_bytes()).map_err(standard_output)?,
-            _ => put(&self.text, None)?,
         }
         self.text.clear();
         Ok(())
     }
 }
 
-/// Opens what the rows go into until the file is complete.
-fn begin(file: &Path) -> std::io::Result<Begun> {
-    // Behind a link, so that the link stays.
-    let to = std::fs::canonicalize(file).unwrap_or_else(|_| file.to_path_buf());
-    if to.exists() && !to.is_file() && !to.is_dir() {
-        return Ok(Begun::Device(File::options().write(true).open(to)?));
-    }
-    let mut name = to.file_name().ok_or(std::io::ErrorKind::InvalidInput)?.to_owned();
-    name.push(format!(".{}.tmp", std::process::id()));
-    let path = to.with_file_name(name);
-    Ok(Begun::Temporary { file: File::create(&path)?, path, to })
-}
-
-impl Drop for Writer<'_> {
-    fn drop(&mut self) {
-        if let Some(Begun::Temporary { path, .. }) = &self.begun {
-            let _ = std::fs::remove_file(path);
-        }
-    }
+fn cannot_write(file: &Path) -> String {
+    format!("cannot write {}", file.display())
 }
 
 /// Says something on the standard error. Nobody listening there is no error, and nothing could be said about it.

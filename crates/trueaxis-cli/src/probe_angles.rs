@@ -1,6 +1,6 @@
 //! `trueaxis probe-angles`.
 
-use crate::output::{json, progress, put};
+use crate::output::{json, print, progress};
 use crate::probes::ProbeArguments;
 use anyhow::{Result, bail};
 use clap::Args;
@@ -113,7 +113,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         }
     });
     let document = Document { n: points, harmonics: [band.first, band.last], best, pair };
-    if arguments.json { json(&document) } else { put(&table(&document)?, None) }
+    if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 
 fn search(points: usize, band: Band, count: usize) -> Result<Vec<Pair>> {

@@ -4,7 +4,7 @@ mod collapse;
 
 use crate::accuracy;
 use crate::model::{self, parsed};
-use crate::output::{json, put, put_bytes, tell};
+use crate::output::{json, print, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Subcommand;
 use serde_json::{Value, json};
@@ -12,9 +12,10 @@ use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
-use trueaxis_tables::formats::{self, ExportOptions, Format, Loss};
+use trueaxis_tables::formats::{self, ExportOptions, Format, Imported, Loss};
+use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
-use trueaxis_tables::{LostMotion, check, compile, lost_motion, summary};
+use trueaxis_tables::{LostMotion, Machine, build, check, compile, lost_motion, summary};
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
@@ -36,6 +37,9 @@ pub(crate) enum Command {
         /// machine.toml or its folder.
         #[arg(value_name = "M")]
         machine: PathBuf,
+        /// Servo rate of the controller, for which slope and acceleration are judged.
+        #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
+        rate_hz: f64,
         /// The compiled file.
         #[arg(short, long, value_name = "T.tcomp")]
         output: PathBuf,
@@ -67,9 +71,12 @@ pub(crate) enum Command {
         /// COMP_FILE_TYPE of a LinuxCNC file.
         #[arg(long, value_name = "0|1", value_parser = clap::value_parser!(u8).range(0..=1))]
         comp_file_type: Option<u8>,
-        /// Folder that the machine is written into.
+        /// Folder of the machine; where one stands, its tables of these axes are added or replaced and the rest stays.
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
+        /// Make a new machine; a folder that exists is refused.
+        #[arg(long)]
+        new: bool,
     },
     /// Write a machine's tables in another control's format.
     #[command(after_help = FORMATS)]
@@ -128,13 +135,13 @@ Formats, and what they hold for an error E = actual − ideal:
 pub(crate) fn run(command: Command) -> Result<()> {
     match command {
         Command::Check { machine, rate_hz, json } => run_check(&machine, rate_hz, json),
-        Command::Compile { machine, output } => run_compile(&machine, &output),
+        Command::Compile { machine, rate_hz, output } => run_compile(&machine, rate_hz, &output),
         Command::Show { file, json } => run_show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
-        Command::Import { from, file, axis, comp_file_type, output } => {
+        Command::Import { from, file, axis, comp_file_type, output, new } => {
             let recognise = from == "linuxcnc" && comp_file_type.is_none();
             let format = format_of("--from", &from, comp_file_type)?;
-            run_import(format, recognise, &file, axis_of(axis.as_deref())?, &output)
+            run_import(format, recognise, &file, axis_of(axis.as_deref())?, &output, new)
         }
         Command::Export { to, machine, axis, comp_file_type, drop, step, output } => {
             let options = ExportOptions {
@@ -172,11 +179,7 @@ fn format_of(option: &str, name: &str, comp_file_type: Option<u8>) -> Result<For
 }
 
 fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
-    if !(rate_hz.is_finite() && rate_hz > 0.0) {
-        bail!("--rate-hz: found {rate_hz}, needed a positive number");
-    }
-    let machine = model::source(path)?;
-    let bytes = compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+    let (machine, bytes) = compiled(path, rate_hz)?;
     let tables = parsed(&bytes, path)?;
     let warnings = check(&machine, rate_hz);
     let lost = lost_motion(&machine);
@@ -185,14 +188,14 @@ fn run_check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
         let lost: Vec<Value> = lost.iter().map(lost_motion_json).collect();
         return json(&json!({ "ok": true, "warnings": warnings, "lost_motion": lost, "summary": summary(&tables) }));
     }
-    put(&format!("{}\n", summary(&tables)), None)?;
+    print(&format!("{}\n", summary(&tables)))?;
     for lost in &lost {
-        put(&format!("{lost}\n"), None)?;
+        print(&format!("{lost}\n"))?;
     }
     for warning in &warnings {
         tell(format_args!("warning: {warning}"));
     }
-    put(&format!("{}: no errors, {}\n", path.display(), counted(warnings.len(), "warning")), None)
+    print(&format!("{}: no errors, {}\n", path.display(), counted(warnings.len(), "warning")))
 }
 
 /// In the units of the files: µm and mm, of a rotary axis µrad and degrees.
@@ -211,14 +214,26 @@ fn lost_motion_json(lost: &LostMotion) -> Value {
     }
 }
 
-fn run_compile(path: &Path, output: &Path) -> Result<()> {
+/// A machine with its compiled form, accepted by what a controller runs at this rate.
+fn compiled(path: &Path, rate_hz: f64) -> Result<(Machine, Vec<u8>)> {
+    if !(10.0..=1e6).contains(&rate_hz) {
+        bail!("--rate-hz: found {rate_hz}, needed 10 to 1000000");
+    }
     let machine = model::source(path)?;
     let bytes = compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
-    for warning in check(&machine, 10_000.0) {
+    build(&machine, rate_hz).map_err(|error| anyhow!("{}: at {rate_hz} Hz: {error}", path.display()))?;
+    Ok((machine, bytes))
+}
+
+fn run_compile(path: &Path, rate_hz: f64, output: &Path) -> Result<()> {
+    let (machine, bytes) = compiled(path, rate_hz)?;
+    for warning in check(&machine, rate_hz) {
         tell(format_args!("warning: {warning}"));
     }
-    put_bytes(&bytes, output)?;
     let tables = parsed(&bytes, output)?;
+    let mut outputs = Outputs::of(model::files(path));
+    outputs.put(output, &bytes)?;
+    outputs.commit()?;
     tell(format_args!(
         "{}: {} bytes, machine {} (id {:08x}), CRC {:08x}",
         output.display(),
@@ -233,34 +248,76 @@ fn run_compile(path: &Path, output: &Path) -> Result<()> {
 fn run_show(file: &Path, as_json: bool) -> Result<()> {
     let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
     let tables: Tcomp<'_> = parsed(&bytes, file)?;
-    if as_json { json(&summary(&tables)) } else { put(&format!("{}\n", summary(&tables)), None) }
+    if as_json { json(&summary(&tables)) } else { print(&format!("{}\n", summary(&tables))) }
 }
 
-fn run_import(format: Format, recognise: bool, file: &Path, axis: Option<Axis>, output: &Path) -> Result<()> {
+fn run_import(
+    format: Format,
+    recognise: bool,
+    file: &Path,
+    axis: Option<Axis>,
+    output: &Path,
+    new: bool,
+) -> Result<()> {
+    if new && output.symlink_metadata().is_ok() {
+        bail!("--new: found {}, needed a folder that does not exist yet", output.display());
+    }
     let text = model::text(file)?;
     let format = if recognise { Format::LinuxCnc(formats::linuxcnc::recognise(&text, file)?) } else { format };
     let imported = formats::import(format, &text, file, axis)?;
     for note in &imported.notes {
         tell(format_args!("note: {}: {note}", file.display()));
     }
-    let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
-    std::fs::create_dir_all(output).with_context(|| format!("cannot create {}", output.display()))?;
-    for (name, text) in imported.machine_files(&name) {
-        let path = output.join(name);
-        put_bytes(text.as_bytes(), &path)?;
+    let (files, notes) = if output.join("machine.toml").exists() {
+        let edited = imported.edit(output)?;
+        (edited.files, edited.notes)
+    } else {
+        (new_machine(&imported, file, output)?, Vec::new())
+    };
+    let mut outputs = Outputs::of([file]);
+    outputs.folder(output)?;
+    for (path, text) in &files {
+        outputs.put(path, text.as_bytes())?;
+    }
+    outputs.commit()?;
+    for note in &notes {
+        tell(note);
+    }
+    for (path, _) in &files {
         tell(format_args!("written {}", path.display()));
     }
     tell(format_args!("{}: {}", format.name(), meaning(format)));
     Ok(())
 }
 
+/// A machine with the imported axes alone; no file that is there is written over.
+fn new_machine(imported: &Imported, file: &Path, output: &Path) -> Result<Vec<(PathBuf, String)>> {
+    let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
+    let mut files: Vec<(PathBuf, String)> =
+        imported.machine_files(&name).into_iter().map(|(name, text)| (output.join(name), text)).collect();
+    // A machine.toml is only there with all of its tables.
+    files.rotate_left(1);
+    if let Some((path, _)) = files.iter().find(|(path, _)| path.symlink_metadata().is_ok()) {
+        bail!("{}: found a file and no machine.toml beside it, needed another folder", path.display());
+    }
+    Machine::read_with(&output.join("machine.toml"), &files, |_| {})
+        .map_err(|error| anyhow!("{}: as a machine: {error} (nothing is written)", file.display()))?;
+    Ok(files)
+}
+
 fn run_export(format: Format, path: &Path, options: &ExportOptions, output: &Path) -> Result<()> {
     let machine = model::source(path)?;
     let exported = formats::export(format, &machine, options)?;
     let alone = exported.files.len() == 1;
+    let mut outputs = Outputs::of(model::files(path));
+    let mut written = Vec::new();
     for (name, text) in &exported.files {
         let file = if alone { output.to_path_buf() } else { beside(output, name) };
-        put_bytes(text.as_bytes(), &file)?;
+        outputs.put(&file, text.as_bytes())?;
+        written.push(file);
+    }
+    outputs.commit()?;
+    for file in written {
         tell(format_args!("written {}", file.display()));
     }
     for dropped in &exported.dropped {

@@ -1,10 +1,9 @@
 //! Tables for the controller: the bytes of a `.tcomp` file.
 
 use crate::{Machine, Table};
-use std::fs::File;
-use std::io::{self, Write};
-use std::path::Path;
+use trueaxis::Config;
 use trueaxis::check;
+use trueaxis::contour::Method;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{Axis, Row};
 use trueaxis::tcomp::{MAGIC, TableHeader, VERSION, checksum, machine_id};
@@ -74,28 +73,33 @@ fn write_row(payload: &mut Vec<u8>, header: &TableHeader, row: &Row) {
     }
 }
 
-/// Writes a file so that its old content stands until the new one is complete: a temporary file beside it, renamed.
+/// Builds the servo loop as a controller does at this rate, in single and in double precision, and lets it go again: what is
+/// accepted here is accepted there.
 ///
 /// # Errors
-/// Those of the file system; nothing is left behind.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    // Behind a link, so that the link stays.
-    let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    if path.exists() && !path.is_file() && !path.is_dir() {
-        // A device or a pipe takes bytes; a file in its place would not be what was meant.
-        return std::fs::OpenOptions::new().write(true).open(path)?.write_all(bytes);
+/// Whatever [`check::machine`] or [`Config::build`] refuses.
+pub fn build(machine: &Machine, rate_hz: f64) -> Result<(), ConfigError> {
+    let inverse_passes = check::machine(&machine.settings, |axis| machine.rows(axis))?;
+    let config = Config {
+        machine: &machine.settings,
+        machine_id: machine_id(&machine.settings.name, &machine.settings.chain),
+        tables_crc: 0,
+        period_ns: (1e9 / rate_hz).round() as u32,
+        inverse_passes,
+        method: Method::Guarded,
+    };
+    match machine.settings.axes.iter().filter(|settings| settings.axis.is_rotary()).count() {
+        0 => build_with::<3>(machine, &config),
+        1 => build_with::<4>(machine, &config),
+        2 => build_with::<5>(machine, &config),
+        _ => build_with::<6>(machine, &config),
     }
-    let mut name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
-    name.push(format!(".{}.tmp", std::process::id()));
-    let temporary = path.with_file_name(name);
-    let written = File::create(&temporary)
-        .and_then(|mut file| {
-            file.write_all(bytes)?;
-            file.sync_all()
-        })
-        .and_then(|()| std::fs::rename(&temporary, path));
-    if written.is_err() {
-        let _ = std::fs::remove_file(&temporary);
-    }
-    written
+}
+
+fn build_with<const N: usize>(machine: &Machine, config: &Config<'_>) -> Result<(), ConfigError> {
+    let rows = |axis| machine.rows(axis);
+    let mut memory = config.requirement::<f32, f64, N, _>(rows).memory();
+    config.build::<f32, f64, N, _>(rows, memory.lend())?;
+    let mut memory = config.requirement::<f64, f64, N, _>(rows).memory();
+    config.build::<f64, f64, N, _>(rows, memory.lend()).map(|_| ())
 }

@@ -3,10 +3,12 @@
 pub mod accuracy;
 pub mod collapse;
 mod compile;
+mod edit;
 pub mod error;
 pub mod exact;
 pub mod formats;
 mod lost_motion;
+pub mod output;
 mod read;
 pub mod sheet;
 mod source;
@@ -14,8 +16,10 @@ mod summary;
 pub mod text;
 mod warning;
 
-pub use compile::{compile, write_atomically};
+pub use compile::{build, compile};
+pub use edit::Edited;
 pub use lost_motion::{LostMotion, lost_motion};
+pub use output::write_atomically;
 pub use summary::{AxisSummary, ErrorSummary, Summary, TableSummary, summary};
 pub use warning::{Warning, check};
 

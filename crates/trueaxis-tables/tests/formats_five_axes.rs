@@ -319,7 +319,7 @@ fn nonsense_in_comments_is_refused() {
         (format!("{chain}// trueaxis singular_cone_deg: 46\n{table}"), 2, "0 to 45"),
         (format!("{chain}// trueaxis fade_deg: -1\n{table}"), 2, "0 to 45"),
         (format!("{chain}// trueaxis model: best\n{table}"), 2, "nine or volumetric"),
-        (format!("{chain}// trueaxis reference_temperature_c: -300\n{table}"), 2, "above -273.15"),
+        (format!("{chain}// trueaxis reference_temperature_c: -300\n{table}"), 2, "-50 to 150"),
         (format!("{chain}// trueaxis axis A direction: 1\n{table}"), 2, "axis A, which is not in the chain"),
         (format!("{chain}// trueaxis axis Q direction: 1\n{table}"), 2, "X Y Z A B C"),
         (format!("{chain}// trueaxis axis C direction: 2\n{table}"), 2, "1 or -1"),

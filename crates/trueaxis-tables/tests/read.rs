@@ -228,10 +228,10 @@ fn bad_tables_are_refused_with_their_line() {
             "X_mm,EXX_um\n0,0\n1,0\n2,-1000\n3,0\n",
             "x.csv:3: column EXX_um: found a slope of 1.0000 up to the next line, needed a slope of the own error below 1",
         ),
-        ("X_mm,EXX_fwd_um,EXX_rev_um\n0,0,0\n1,0,2000\n", "x.csv:2: column EXX_rev_um: found a slope of 2.0000"),
-        ("X_mm,EXX_um\n0,-1e308\n1e-300,1e308\n", "x.csv:2: column EXX_um: found a slope"),
+        ("X_mm,EXX_fwd_um,EXX_rev_um\n0,0,0\n0.25,0,500\n", "x.csv:2: column EXX_rev_um: found a slope of 2.0000"),
+        ("X_mm,EXX_um\n0,-1e308\n1e-300,1e308\n", "x.csv:2: column EXX_um: found -1e308 um, needed -1000 to 1000 um"),
         (
-            "X_mm,EYX_um\n0,0\n1,1500\n",
+            "X_mm,EYX_um\n0,0\n0.5,750\n",
             "machine.toml: found a norm of 1.5010 (all tables, thermal growth of 0.001 included), most of it EYX, needed a norm",
         ),
         (
@@ -284,8 +284,8 @@ fn bad_machines_are_refused_with_their_line() {
         (axis("travel_mm = [0, 1, 2]"), "machine.toml:5: key axis.X.travel_mm: found [0, 1, 2], needed a list of 2"),
         (axis("travel_mm = [0, \"1\"]"), "machine.toml:5: key axis.X.travel_mm: found \"1\", needed a number"),
         (axis("backlash_um = inf"), "machine.toml:5: key axis.X.backlash_um: found inf, needed a finite number"),
-        (axis("hysteresis_um = -1"), "machine.toml:5: key axis.X.hysteresis_um: found -1, needed zero or more"),
-        (axis("max_feed_mm_per_min = 0"), "machine.toml:5: key axis.X.max_feed_mm_per_min: found 0, needed a positive"),
+        (axis("hysteresis_um = -1"), "machine.toml:5: key axis.X.hysteresis_um: found -1, needed 0 to 100 um"),
+        (axis("max_feed_mm_per_min = 0"), "machine.toml:5: key axis.X.max_feed_mm_per_min: found 0, needed 0.001 to"),
         (
             axis("interpolation = \"spline\""),
             "machine.toml:5: key axis.X.interpolation: found \"spline\", needed \"linear\" or \"cubic\"",
@@ -293,15 +293,18 @@ fn bad_machines_are_refused_with_their_line() {
         (axis("lookup = \"both\""), "machine.toml:5: key axis.X.lookup"),
         (
             axis("limits = { magnitude_um = -5 }"),
-            "machine.toml:5: key axis.X.limits.magnitude_um: found -5, needed a positive",
+            "machine.toml:5: key axis.X.limits.magnitude_um: found -5, needed 0.001 to 10000 um",
         ),
         (axis("[axis.C]\ndirection = 2"), "machine.toml:6: key axis.C.direction: found 2, needed 1 or -1"),
         (
             axis("[faults]\nstuck_mm = 1\nstuck_deg = 0"),
-            "machine.toml:7: key faults.stuck_deg: found 0, needed positive",
+            "machine.toml:7: key faults.stuck_deg: found 0, needed 1e-6 to 1000",
         ),
         (axis("[faults]\ncommand_jump_factor = 0.5"), "machine.toml:6: key faults.command_jump_factor: found 0.5"),
-        (axis("[contour]\nmax_lag_mm = 0"), "machine.toml:6: key contour.max_lag_mm: found 0, needed a positive"),
+        (
+            axis("[contour]\nmax_lag_mm = 0"),
+            "machine.toml:6: key contour.max_lag_mm: found 0, needed a max_lag_mm of 0.001",
+        ),
         (
             MACHINE.replace("name =", "reference_temperature_c = -300\nname ="),
             "machine.toml:1: key reference_temperature_c: found -300",
@@ -339,7 +342,7 @@ fn open_circles_are_refused_and_the_tolerance_is_taken() {
     // A sector does not wrap.
     assert!(read(machine, &good.replace("180,1.01,5.01", "179,7,8")).is_ok());
     // 2 degrees of error on one degree.
-    let error = read(machine, "C_deg,ECC_urad\n0,0\n1,34907\n").unwrap_err();
+    let error = read(machine, "C_deg,ECC_urad\n0,0\n0.25,8726.65\n").unwrap_err();
     assert!(error.starts_with("x.csv:2: column ECC_urad: found a slope of 2.0000"), "{error}");
 }
 

@@ -224,7 +224,7 @@ fn nonsense_with_a_good_sum_is_refused() {
     }
     assert_eq!(header(&[1, 63, 0, 0xff, 0xff, 0xff, 0xff, 0x0f]), TcompError::TableTooLong);
     // The first position of X becomes NaN, then higher than the second.
-    for (position, needed) in [(f64::NAN, TableRule::Finite), (1e3, TableRule::Increasing)] {
+    for (position, needed) in [(f64::NAN, TableRule::Position), (1e3, TableRule::Increasing)] {
         let mut payload = payload.to_vec();
         let first = settings + 4;
         payload[first..first + 8].copy_from_slice(&position.to_le_bytes());
@@ -253,7 +253,7 @@ fn forged(change: impl Fn(&mut MachineSettings)) -> Result<(), TcompError> {
 fn settings_that_make_no_sense_are_refused() {
     assert_eq!(forged(|_| ()), Ok(()));
     type Change = fn(&mut MachineSettings);
-    let cases: [(Field, Change); 31] = [
+    let cases: [(Field, Change); 32] = [
         (Field::Points, |m| m.roundness = Some(gauge(1000))),
         (Field::Harmonics, |m| m.roundness = Some(RoundnessSettings { band: Band { first: 0, last: 9 }, ..gauge(64) })),
         (Field::Spindle, |m| m.roundness = Some(RoundnessSettings { stop_s: f64::NAN, ..gauge(64) })),
@@ -283,7 +283,8 @@ fn settings_that_make_no_sense_are_refused() {
         (Field::Magnitude, |m| m.axes[2].limits.magnitude = 0.0),
         (Field::Direction, |m| m.axes[0].direction = -1),
         (Field::Direction, |m| m.axes[4].direction = 0),
-        (Field::Inverse, |m| m.location.c0y = 2.0),
+        (Field::Location, |m| m.location.c0y = 2.0),
+        (Field::Inverse, |m| m.tool_mm = [1e6; 3]),
         (Field::Thermal, |m| m.axes[0].thermal.offset_per_k = f64::NAN),
     ];
     for (field, change) in cases {
@@ -307,7 +308,12 @@ fn the_compiler_refuses_what_the_file_cannot_hold() {
     table(refused(|m| m.tables[0].as_mut().unwrap().rows.truncate(1)));
     assert_eq!(refused(|m| m.tables.truncate(2)).field, Field::Axes);
     assert_eq!(refused(|m| m.tables = vec![None; 3]).field, Field::Table);
-    assert_eq!(refused(|m| m.settings.location.b0z = 1.5).field, Field::Inverse);
+    assert_eq!(refused(|m| m.settings.location.b0z = 1.5).field, Field::Location);
+    let steep = refused(|m| {
+        let row = &mut m.tables[0].as_mut().unwrap().rows[1];
+        (row.position, row.forward[1], row.reverse[1]) = (1.0, 0.9, 0.9);
+    });
+    assert_eq!(steep.field, Field::Inverse);
 }
 
 #[test]

@@ -5,6 +5,7 @@
 mod bounds;
 mod inverse;
 mod reversal;
+mod scalars;
 mod volumetric;
 
 pub use bounds::{contribution, reach, slopes, tilt};
@@ -15,7 +16,8 @@ pub use reversal::{HYSTERESIS_PER_STEP, lost_motion, reversal};
 pub use volumetric::{angular_tip_error, tip_rate};
 
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, Curve, Link, MachineSettings, Rows, links, wraps};
+use crate::machine::{Axis, AxisSettings, Curve, ErrorModel, Link, MachineSettings, Rows, links, nine_terms, wraps};
+use crate::range;
 
 /// Values at both ends of a full circle agree within this, mm.
 pub const WRAP_TOLERANCE_MM: f64 = 1e-5;
@@ -28,16 +30,8 @@ fn need(holds: bool, error: ConfigError) -> Result<(), ConfigError> {
     if holds { Ok(()) } else { Err(error) }
 }
 
-fn finite(values: &[f64], field: Field, axis: Option<Axis>) -> Result<(), ConfigError> {
-    match values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-        Some((index, value)) => {
-            Err(ConfigError { axis, ..ConfigError::new(field, *value, "finite numbers").at(index) })
-        }
-        None => Ok(()),
-    }
-}
-
-/// Everything but the tables: numbers finite, ranges ordered, limits positive, chain well-formed, axes as in the chain.
+/// Everything but the tables: every number in its physical range ([`crate::range`]), ranges ordered, chain well-formed, axes as in
+/// the chain.
 ///
 /// # Errors
 /// The first setting that is wrong.
@@ -49,51 +43,21 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     )?;
     let links = links(&machine.chain)?;
     axes_of_chain(machine, &links)?;
-    finite(&machine.tool_mm, Field::Tool, None)?;
-    let reference = machine.reference_temperature_c;
-    need(
-        reference.is_finite() && reference > -273.15,
-        ConfigError::new(Field::ReferenceTemperature, reference, "a temperature above -273.15 °C"),
-    )?;
-    let location = &machine.location;
-    finite(&[location.a0z, location.b0z, location.c0y], Field::Location, None)?;
-    for (errors, axis) in location.rotary.iter().zip([Axis::A, Axis::B, Axis::C]) {
-        finite(errors, Field::Location, Some(axis))?;
+    if machine.compensation.model == ErrorModel::Nine {
+        nine_terms(&links)?;
     }
-    let faults = &machine.faults;
-    let [linear_resume, rotary_resume] = faults.resume;
-    let [linear_jump, rotary_jump] = faults.feedback_jump;
-    let [linear_stuck, rotary_stuck] = faults.stuck;
-    for limit in [linear_resume, rotary_resume, linear_jump, rotary_jump, linear_stuck, rotary_stuck] {
-        need(limit > 0.0 && limit.is_finite(), ConfigError::new(Field::Faults, limit, "positive limits"))?;
-    }
-    let factor = faults.command_jump_factor;
-    need(
-        factor >= 1.0 && factor.is_finite(),
-        ConfigError::new(Field::Faults, factor, "a command_jump_factor of at least 1"),
-    )?;
-    let lag = machine.contour.max_lag_mm;
-    need(lag > 0.0 && lag.is_finite(), ConfigError::new(Field::Contour, lag, "a positive max_lag_mm"))?;
-    let fade = machine.compensation.fade_deg;
-    need((0.0..=45.0).contains(&fade), ConfigError::new(Field::Compensation, fade, "a fade_deg of 0 to 45 degrees"))?;
+    scalars::machine(machine)?;
     five_axes(machine)?;
     machine.axes.iter().try_for_each(axis_settings)?;
     roundness(machine)
 }
 
-/// Tool axis and singular cone.
+/// The tool axis has a direction.
 fn five_axes(machine: &MachineSettings) -> Result<(), ConfigError> {
-    let kinematics = &machine.kinematics;
-    finite(&kinematics.tool_axis, Field::Kinematics, None)?;
-    let length = libm::sqrt(kinematics.tool_axis.iter().map(|x| x * x).sum());
+    let length = libm::sqrt(machine.kinematics.tool_axis.iter().map(|x| x * x).sum());
     need(
         (1e-3..=1e3).contains(&length),
         ConfigError::new(Field::Kinematics, length, "a tool_axis of a length of about 1"),
-    )?;
-    let cone = kinematics.singular_cone_deg;
-    need(
-        (0.0..=45.0).contains(&cone),
-        ConfigError::new(Field::Kinematics, cone, "a singular_cone_deg of 0 to 45 degrees"),
     )
 }
 
@@ -138,38 +102,16 @@ fn axes_of_chain(machine: &MachineSettings, links: &[Link]) -> Result<(), Config
 
 fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
     let wrong = |field, found, needed| ConfigError::new(field, found, needed).on(axis.axis);
-    let on = Some(axis.axis);
-    finite(&axis.travel, Field::Travel, on)?;
-    finite(&axis.joint, Field::Joint, on)?;
-    finite(&axis.offset_mm, Field::Offset, on)?;
-    finite(&axis.measured_at_mm, Field::MeasuredAt, on)?;
     let ([low, high], [joint_low, joint_high]) = (axis.travel, axis.joint);
     let sense = f64::from(axis.direction);
     need(
         axis.direction == 1 || (axis.direction == -1 && axis.axis.is_rotary()),
         wrong(Field::Direction, sense, "1, or -1 for a rotary axis"),
     )?;
-    let positive = |value: f64| value > 0.0 && value.is_finite();
-    let limits = &axis.limits;
-    need(positive(axis.max_feed_per_s), wrong(Field::MaxFeed, axis.max_feed_per_s, "a positive feed"))?;
-    need(positive(limits.magnitude), wrong(Field::Magnitude, limits.magnitude, "a positive limit"))?;
-    need(positive(limits.slope_per_s), wrong(Field::Slope, limits.slope_per_s, "a positive limit"))?;
-    let acceleration = limits.acceleration_per_s2;
-    need(positive(acceleration), wrong(Field::Acceleration, acceleration, "a positive limit"))?;
-    // After the limits: the joint's default is the travel widened by the magnitude.
     need(low < high, wrong(Field::Travel, high, "a high end above the low end"))?;
     need(joint_low < joint_high, wrong(Field::Joint, joint_high, "a high end above the low end"))?;
     need(joint_low <= low, wrong(Field::Joint, joint_low, "a range that contains the travel"))?;
-    need(joint_high >= high, wrong(Field::Joint, joint_high, "a range that contains the travel"))?;
-    need(axis.backlash.is_finite(), wrong(Field::Backlash, axis.backlash, "a finite number"))?;
-    need(
-        axis.hysteresis >= 0.0 && axis.hysteresis.is_finite(),
-        wrong(Field::Hysteresis, axis.hysteresis, "zero or more"),
-    )?;
-    let step = axis.encoder_resolution.unwrap_or(1.0);
-    need(positive(step), wrong(Field::Encoder, step, "a positive step"))?;
-    let thermal = &axis.thermal;
-    finite(&[thermal.offset_per_k, thermal.expansion_per_k, thermal.datum], Field::Thermal, on)
+    need(joint_high >= high, wrong(Field::Joint, joint_high, "a range that contains the travel"))
 }
 
 /// What a table has to keep to.
@@ -177,8 +119,14 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
 pub enum TableRule {
     /// Number of lines.
     Count,
-    /// Numbers are finite.
-    Finite,
+    /// Positions of a linear axis lie in their range.
+    Position,
+    /// Positions of a rotary axis lie in their range.
+    Angle,
+    /// Translations lie in their range.
+    Translation,
+    /// Rotations lie in their range.
+    Rotation,
     /// Positions increase.
     Increasing,
     /// The ends of a full circle agree.
@@ -192,8 +140,11 @@ impl TableRule {
     pub const fn needed(self) -> &'static str {
         match self {
             TableRule::Count => "2 to 65535 lines",
-            TableRule::Finite => "a finite number",
-            TableRule::Increasing => "a position above that of the line before",
+            TableRule::Position => range::POSITION.linear.needed,
+            TableRule::Angle => range::POSITION.rotary.needed,
+            TableRule::Translation => range::TRANSLATION.needed,
+            TableRule::Rotation => range::ROTATION.needed,
+            TableRule::Increasing => "a position above that of the line before, by at least 0.001",
             TableRule::Closed => "the value at the start of the full circle, within 0.01 um or 0.01 urad",
             TableRule::Slope => "a slope of the own error below 1",
         }
@@ -215,7 +166,7 @@ pub struct TableFault {
     pub found: f64,
 }
 
-/// One table: 2 to 65535 lines, finite, positions strictly increasing, a full circle closed, and the slope of the axis'
+/// One table: 2 to 65535 lines, every value in its range, positions increasing, a full circle closed, and the slope of the axis'
 /// own positioning error below 1 (mm/mm; rad/rad), so that the corrected position grows with the command.
 ///
 /// # Errors
@@ -229,17 +180,23 @@ pub fn table(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(),
     let mut before = f64::NEG_INFINITY;
     for index in 0..count {
         let row = rows.row(index).ok_or(position(TableRule::Count, index, index as f64))?;
-        if !row.position.is_finite() {
-            return Err(position(TableRule::Finite, index, row.position));
+        if !range::POSITION.of(settings.axis).contains(row.position) {
+            let rule = if settings.axis.is_rotary() { TableRule::Angle } else { TableRule::Position };
+            return Err(position(rule, index, row.position));
         }
-        if row.position <= before {
+        if row.position < before + range::LEAST_PITCH * (1.0 - 1e-6) {
             return Err(position(TableRule::Increasing, index, row.position));
         }
         before = row.position;
         for (twist, reverse) in [(row.forward, false), (row.reverse, true)] {
-            if let Some((component, found)) = twist.into_iter().enumerate().find(|(_, value)| !value.is_finite()) {
-                let component = Some(component);
-                return Err(TableFault { rule: TableRule::Finite, row: index, component, reverse, found });
+            for (component, found) in twist.into_iter().enumerate() {
+                let (range, rule) = match component {
+                    0..3 => (range::TRANSLATION, TableRule::Translation),
+                    _ => (range::ROTATION, TableRule::Rotation),
+                };
+                if !range.contains(found) {
+                    return Err(TableFault { rule, row: index, component: Some(component), reverse, found });
+                }
             }
         }
     }

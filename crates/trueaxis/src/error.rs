@@ -48,15 +48,30 @@ impl fmt::Display for ConfigError {
         if let Some(index) = self.index {
             write!(f, " [{index}]")?;
         }
-        write!(f, ": found {}, needed {}", self.found, self.needed)?;
+        write!(f, ": found {}, needed {}", Figure(self.found), self.needed)?;
         match self.bound {
-            Some(bound) => write!(f, ": {bound}"),
+            Some(bound) => write!(f, ": {}", Figure(bound)),
             None => Ok(()),
         }
     }
 }
 
 impl core::error::Error for ConfigError {}
+
+/// A number that is as short as it can be: 1e308 has no 309 digits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figure(pub f64);
+
+impl fmt::Display for Figure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        if self.0.is_finite() && (size >= 1e16 || (size > 0.0 && size < 1e-9)) {
+            write!(f, "{:e}", self.0)
+        } else {
+            write!(f, "{}", self.0)
+        }
+    }
+}
 
 /// A setting that can be wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -45,6 +45,7 @@ pub mod limiter;
 pub mod machine;
 mod output;
 pub mod position;
+pub mod range;
 pub mod real;
 pub mod roundness;
 pub mod sample;

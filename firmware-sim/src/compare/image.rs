@@ -67,6 +67,9 @@ pub struct Sent {
     pub took: Duration,
 }
 
+/// What a run leaves in its folder: telemetry, outputs, log.
+pub(super) const FILES: [&str; 3] = ["frames.bin", "outputs.bin", "defmt.bin"];
+
 /// A run that takes longer hangs.
 const PATIENCE: Duration = Duration::from_secs(300);
 
@@ -76,7 +79,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// QEMU is not there or fails, a file does not fit into its region, or the image does not come to a good end.
 pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
-    let [frames, outputs, log] = ["frames.bin", "outputs.bin", "defmt.bin"].map(|name| folder.join(name));
+    let [frames, outputs, log] = FILES.map(|name| folder.join(name));
     let mut command = Command::new("qemu-system-arm");
     command.args(core.board()).args(["-nographic", "-monitor", "none"]);
     command.args(["-icount", "shift=7,align=off,sleep=off", "-semihosting-config", "enable=on,target=native"]);

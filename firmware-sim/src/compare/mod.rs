@@ -13,12 +13,13 @@ pub use outcome::{Comparison, Difference, Outcome};
 use anyhow::{Result, anyhow, bail};
 use image::{Core, Flash, Sent};
 use outputs::{Row, bytes, decode};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use trueaxis::Fault;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{Frame, RoundnessFrame};
 use trueaxis_recording::Recording;
 use trueaxis_recording::outputs::Wire;
+use trueaxis_tables::write_atomically;
 
 /// What is compared.
 #[derive(Clone, Debug)]
@@ -31,22 +32,30 @@ pub struct Inputs {
     pub second: Option<Vec<u8>>,
 }
 
+/// What the flash of an image holds: tables, the tables asked for in motion, the recording.
+const FLASH: [&str; 3] = ["tables-a.tcomp", "tables-b.tcomp", "recording.rec"];
+
 impl Inputs {
+    /// The files that [`Inputs::compare`] leaves in `folder`.
+    pub fn files(folder: &Path) -> Vec<PathBuf> {
+        let sent = [Core::M4f, Core::M7]
+            .into_iter()
+            .flat_map(|core| image::FILES.map(|name| folder.join(core.name()).join(name)));
+        FLASH.into_iter().map(|name| folder.join(name)).chain(sent).collect()
+    }
+
     /// Runs the recording on the host and on every core given with its image; files lie in `folder` afterwards.
     ///
     /// # Errors
     /// QEMU is not there, an image fails or refuses its tables, or a file does not fit.
     pub fn compare(&self, images: &[(Core, &Path)], folder: &Path) -> Result<Outcome> {
         std::fs::create_dir_all(folder)?;
-        let flash = Flash {
-            tables: folder.join("tables-a.tcomp"),
-            second: self.second.as_ref().map(|_| folder.join("tables-b.tcomp")),
-            recording: folder.join("recording.rec"),
-        };
-        std::fs::write(&flash.tables, &self.tables)?;
-        std::fs::write(&flash.recording, &self.recording)?;
+        let [tables, second, recording] = FLASH.map(|name| folder.join(name));
+        let flash = Flash { tables, second: self.second.as_ref().map(|_| second), recording };
+        write_atomically(&flash.tables, &self.tables)?;
+        write_atomically(&flash.recording, &self.recording)?;
         if let (Some(file), Some(bytes)) = (&flash.second, &self.second) {
-            std::fs::write(file, bytes)?;
+            write_atomically(file, bytes)?;
         }
         let header = Recording::<{ outputs::AXES }>::parse(&self.recording)
             .map_err(|e| anyhow!("recording: {e}"))?

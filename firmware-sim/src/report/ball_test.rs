@@ -4,12 +4,12 @@ use super::{
     Section,
     figure::{Figure, Key, Scale, Stroke, colour, framed},
     number::{escape, significant},
-    page,
+    page, write_page,
 };
 use crate::ball_test::{AxisOutcome, BallCycle, Outcome, TipError};
 use plotters::style::RGBColor;
 use std::{
-    fs, io,
+    io,
     path::{Path, PathBuf},
 };
 
@@ -18,13 +18,7 @@ use std::{
 /// # Errors
 /// Whatever the file system answers.
 pub fn write(test: &BallCycle, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
-    fs::create_dir_all(directory)?;
-    for (name, text) in outcome.files() {
-        fs::write(directory.join(name), text)?;
-    }
-    let file = directory.join("rtcp.html");
-    fs::write(&file, render(test, outcome))?;
-    Ok(file)
+    write_page(directory, "rtcp.html", &render(test, outcome), outcome.files())
 }
 
 /// The page as one HTML document, which is well-formed XML too.

@@ -4,13 +4,13 @@ use super::{
     Section, decimate,
     figure::{Figure, Key, Scale, Stroke, colour, framed},
     number::{count, escape, significant},
-    page,
+    page, write_page,
 };
 use crate::compare::outputs::Row;
 use crate::compare::{Comparison, Outcome};
 use plotters::style::RGBColor;
 use std::{
-    fs, io,
+    io,
     path::{Path, PathBuf},
 };
 use trueaxis::contour::Flags;
@@ -20,10 +20,7 @@ use trueaxis::contour::Flags;
 /// # Errors
 /// Whatever the file system answers.
 pub fn write(outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
-    fs::create_dir_all(directory)?;
-    let file = directory.join("compare.html");
-    fs::write(&file, render(outcome))?;
-    Ok(file)
+    write_page(directory, "compare.html", &render(outcome), Vec::new())
 }
 
 /// The page as one HTML document, which is well-formed XML too.

@@ -4,13 +4,13 @@ use super::{
     Section,
     figure::{Drawn, Figure, Key, Plot, Scale, Stroke, colour, framed},
     number::{count, decimals, escape, round_down, significant},
-    page,
+    page, write_page,
 };
 use crate::grinding::{CELLS, Grinding, Harmonic, Outcome, Run};
 use plotters::style::RGBColor;
 use std::{
     f64::consts::TAU,
-    fs, io,
+    io,
     path::{Path, PathBuf},
 };
 use trueaxis::roundness::ErrorMotion;
@@ -25,10 +25,7 @@ const DRAWN: usize = 2048;
 /// # Errors
 /// Whatever the file system answers.
 pub fn write(grinding: &Grinding, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
-    fs::create_dir_all(directory)?;
-    let file = directory.join("grinding.html");
-    fs::write(&file, render(grinding, outcome))?;
-    Ok(file)
+    write_page(directory, "grinding.html", &render(grinding, outcome), Vec::new())
 }
 
 /// The page as one HTML document, which is well-formed XML too.

@@ -8,7 +8,7 @@
 //! `SECTIONS`; a further one needs its data in [`Report`] and a line there.
 
 use std::{
-    fs, io,
+    io,
     path::{Path, PathBuf},
 };
 
@@ -30,6 +30,7 @@ pub use decimate::decimate;
 pub use thinner::Thinner;
 
 use crate::latency::{LatencyBucket, LatencySummary};
+use trueaxis_tables::output::Outputs;
 
 /// The sections below the summary, in the order of the page.
 const SECTIONS: [fn(&Report) -> Option<Section>; 5] =
@@ -210,8 +211,20 @@ fn page(title: &str, summary: &str, sections: &[Section]) -> String {
 /// # Errors
 /// Whatever the file system answers.
 pub fn write(report: &Report, directory: &Path) -> io::Result<PathBuf> {
-    fs::create_dir_all(directory)?;
-    let file = directory.join("index.html");
-    fs::write(&file, render(report))?;
+    write_page(directory, "index.html", &render(report), Vec::new())
+}
+
+/// A page and what goes with it, all or nothing; the folder is created if need be.
+fn write_page(directory: &Path, name: &str, page: &str, beside: Vec<(String, String)>) -> io::Result<PathBuf> {
+    let mut outputs = Outputs::default();
+    let file = directory.join(name);
+    let write = |outputs: &mut Outputs| {
+        outputs.folder(directory)?;
+        for (name, text) in &beside {
+            outputs.put(&directory.join(name), text.as_bytes())?;
+        }
+        outputs.put(&file, page.as_bytes())
+    };
+    write(&mut outputs).and_then(|()| outputs.commit()).map_err(io::Error::other)?;
     Ok(file)
 }

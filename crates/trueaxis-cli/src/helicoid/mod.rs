@@ -7,12 +7,13 @@ mod program;
 
 pub(crate) use arguments::{Arguments, HELP};
 
-use crate::output::{json, put, put_bytes, tell};
+use crate::output::{json, print, tell};
 use crate::report;
 use anyhow::{Result, bail};
 use grid::{MOST, is_coarse};
 use job::{Document, Point};
 use std::fmt::Write;
+use trueaxis_tables::output::Outputs;
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let job = arguments.job()?;
@@ -46,18 +47,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             ));
         }
     }
+    let mut outputs = Outputs::default();
     if let Some((text, file)) = &program {
-        put_bytes(text.as_bytes(), file)?;
+        outputs.put(file, text.as_bytes())?;
     }
     if let Some((page, file)) = &page {
-        report::write_to(page, file, "helicoid.html")?;
+        report::write_to(&mut outputs, page, file, "helicoid.html")?;
     }
     if let Some(file) = &arguments.output {
-        put(&table, Some(file))?;
+        outputs.put(file, table.as_bytes())?;
     }
+    outputs.commit()?;
     match (arguments.json, &arguments.output) {
         (true, _) => json(&document),
-        (false, None) => put(&table, None),
+        (false, None) => print(&table),
         (false, Some(_)) => Ok(()),
     }
 }

@@ -6,7 +6,7 @@ mod readings;
 mod table;
 
 use crate::model;
-use crate::output::{json, put};
+use crate::output::{json, print};
 use crate::report;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
@@ -16,6 +16,7 @@ use std::path::PathBuf;
 use trueaxis::Axis;
 use trueaxis_metrology::identification::{Offsets, identify};
 use trueaxis_tables::formats::write_axis_csv;
+use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
 MEASURED.csv: angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um, one row for each set-up and angle, # comments.
@@ -136,13 +137,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         ));
     }
     let document = Document::new(&readings, &found, warnings);
+    let machine = arguments.machine.iter().flat_map(|machine| model::files(machine));
+    let mut outputs = Outputs::of(machine.chain([arguments.measured.clone()]));
     if let Some(place) = &arguments.report {
         let source = arguments.measured.file_name().unwrap_or_default().to_string_lossy();
         let page = report::identify::page(&source, axis, &document);
-        report::write_to(&page, place, "identify.html")?;
+        report::write_to(&mut outputs, &page, place, "identify.html")?;
     }
     if let Some((output, text, _)) = &written {
-        put(text, Some(output))?;
+        outputs.put(output, text.as_bytes())?;
     }
-    if arguments.json { json(&document) } else { put(&document.table(axis)?, None) }
+    outputs.commit()?;
+    if arguments.json { json(&document) } else { print(&document.table(axis)?) }
 }

@@ -9,24 +9,24 @@ mod polar;
 pub(crate) mod roundness;
 mod text;
 
-use crate::output::put_bytes;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use std::path::Path;
+use trueaxis_tables::output::Outputs;
 
 const STYLE: &str = include_str!("style.css");
 
-/// Writes a page into a folder, which is created if need be.
-pub(crate) fn write(page: &str, directory: &Path, name: &str) -> Result<()> {
-    std::fs::create_dir_all(directory).with_context(|| format!("cannot create {}", directory.display()))?;
-    put_bytes(page.as_bytes(), &directory.join(name))
+/// A page in a folder, which is created if need be.
+pub(crate) fn write(outputs: &mut Outputs, page: &str, directory: &Path, name: &str) -> Result<()> {
+    outputs.folder(directory)?;
+    Ok(outputs.put(&directory.join(name), page.as_bytes())?)
 }
 
-/// Writes a page into a file, if the path's name ends in `.html`, or else under `name` into that folder.
-pub(crate) fn write_to(page: &str, path: &Path, name: &str) -> Result<()> {
+/// A page in a file, if the path's name ends in `.html`, or else under `name` in that folder.
+pub(crate) fn write_to(outputs: &mut Outputs, page: &str, path: &Path, name: &str) -> Result<()> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) && !path.is_dir() {
-        return put_bytes(page.as_bytes(), path);
+        return Ok(outputs.put(path, page.as_bytes())?);
     }
-    write(page, path, name)
+    write(outputs, page, path, name)
 }
 
 /// A whole page; `body` must be well formed.

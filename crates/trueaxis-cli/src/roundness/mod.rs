@@ -17,6 +17,7 @@ use trueaxis::roundness::filter;
 use trueaxis::roundness::{Arm, Band};
 use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation, Separator};
 use trueaxis_tables::error::FileError;
+use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
 
 pub(crate) const HELP: &str = "\
@@ -91,14 +92,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     for warning in &evaluation.document.warnings {
         tell(format_args!("warning: {warning}"));
     }
+    let mut outputs = Outputs::of([&arguments.readings]);
     if let Some(directory) = &arguments.report {
         let source = arguments.readings.file_name().unwrap_or_default().to_string_lossy();
         let page = report::roundness::page(&source, &evaluation, separator.gain(), arguments.noise_gain_limit);
-        report::write(&page, directory, "roundness.html")?;
+        report::write(&mut outputs, &page, directory, "roundness.html")?;
     }
     if arguments.output.is_some() || !arguments.json {
-        write(&separations, points, Writer::new(arguments.output.as_deref()))?;
+        let writer = Writer::new(arguments.output.as_deref(), [arguments.readings.clone()])?;
+        write(&separations, points, writer)?;
     }
+    outputs.commit()?;
     if arguments.json { json(&evaluation.document) } else { Ok(()) }
 }
 

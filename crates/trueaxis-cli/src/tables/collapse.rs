@@ -1,8 +1,8 @@
 //! `trueaxis tables collapse`.
 
 use crate::model;
-use crate::output::{json, put, put_bytes, tell};
-use anyhow::{Context, Result, anyhow, bail};
+use crate::output::{json, print, tell};
+use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis_tables::collapse::{CollapseError, CollapseOptions, Collapsed, Deviation, collapse};
 use trueaxis_tables::formats::machine_files;
+use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
 The tables are the least-squares ones over the working volume for one tool and one pose of the rotary axes; what they
@@ -56,7 +57,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     })?;
     let files = machine_files(&collapsed.machine, &comment(&collapsed, &options));
     write(&arguments.machine, &arguments.output, &files)?;
-    if arguments.json { json(&document(&collapsed)) } else { put(&report(&collapsed), None) }
+    if arguments.json { json(&document(&collapsed)) } else { print(&report(&collapsed)) }
 }
 
 fn number(option: &str, text: &str) -> Result<f64> {
@@ -99,6 +100,9 @@ fn pose(text: &str) -> Result<Vec<(Axis, f64)>> {
     text.split(',').map(one).collect()
 }
 
+/// First line of a machine.toml that this command wrote, which it may write again.
+const MARK: &str = "# Collapsed:";
+
 /// Tables first: a machine.toml is only there with all of them.
 fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> {
     let source = if input.is_dir() { input.to_path_buf() } else { input.parent().unwrap_or(Path::new("")).into() };
@@ -108,17 +112,18 @@ fn write(input: &Path, output: &Path, files: &[(String, String)]) -> Result<()> 
     {
         bail!("--output: found {}, needed another folder than the machine's own", output.display());
     }
-    std::fs::create_dir_all(output).with_context(|| format!("cannot create {}", output.display()))?;
-    for (name, _) in files {
-        let path = output.join(name);
-        if path.is_dir() {
-            bail!("--output: found a folder {}, needed a place for a file", path.display());
-        }
+    let standing = output.join("machine.toml");
+    if standing.exists() && !std::fs::read_to_string(&standing).is_ok_and(|text| text.starts_with(MARK)) {
+        bail!("--output: found {}, which is not from this command, needed another folder", standing.display());
     }
+    let mut outputs = Outputs::of(model::files(input));
+    outputs.folder(output)?;
     for (name, text) in files {
-        let path = output.join(name);
-        put_bytes(text.as_bytes(), &path)?;
-        tell(format_args!("written {}", path.display()));
+        outputs.put(&output.join(name), text.as_bytes())?;
+    }
+    outputs.commit()?;
+    for (name, _) in files {
+        tell(format_args!("written {}", output.join(name).display()));
     }
     Ok(())
 }
@@ -139,7 +144,8 @@ fn comment(collapsed: &Collapsed, options: &CollapseOptions) -> String {
     let pose: Vec<String> = options.pose_deg.iter().map(|(axis, deg)| format!("{} {deg}", axis.letter())).collect();
     let pose = if pose.is_empty() { String::new() } else { format!(", rotary axes at {} degrees", pose.join(", ")) };
     format!(
-        "Collapsed: the best nine tables over {} mm, tool {x}, {y}, {z} mm{pose}.\n{}",
+        "{} the best nine tables over {} mm, tool {x}, {y}, {z} mm{pose}.\n{}",
+        MARK.trim_start_matches("# "),
         volume_text(collapsed),
         verdict(collapsed)
     )

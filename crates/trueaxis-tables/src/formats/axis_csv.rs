@@ -1,9 +1,9 @@
 //! The crate's own files, written.
 
-use super::{Imported, own_comments};
+use super::{Imported, own_comments, stated};
 use crate::Table;
 use std::fmt::Write;
-use trueaxis::machine::{Axis, LocationErrors, MachineSettings, NAME_CAPACITY, Row};
+use trueaxis::machine::{Axis, LocationErrors, MachineSettings, NAME_CAPACITY};
 
 /// File name of an axis' table, `x.csv`.
 pub fn axis_csv_name(axis: Axis) -> String {
@@ -96,19 +96,9 @@ fn undescribed(imported: &Imported, name: &toml::Value) -> String {
          name = {name}\nchain = \"w b{letters} t\"\n"
     );
     for (axis, table) in &imported.tables {
-        let unit = if axis.is_rotary() { "deg" } else { "mm" };
-        let _ = write!(
-            text,
-            "\n[axis.{}]\ntable = \"{}\"\ninterpolation = \"linear\"\n",
-            axis.letter(),
-            axis_csv_name(*axis)
-        );
-        // A full circle wraps: its ends do not bound the travel.
-        if let (Some(Row { position: low, .. }), Some(Row { position: high, .. })) =
-            (table.rows.first(), table.rows.last())
-            && !(axis.is_rotary() && (high - low - 360.0).abs() < 1e-9)
-        {
-            let _ = writeln!(text, "travel_{unit} = [{low:?}, {high:?}]");
+        let _ = write!(text, "\n[axis.{}]\ntable = \"{}\"\n", axis.letter(), axis_csv_name(*axis));
+        for (key, value) in stated::of_new_axis(*axis, table) {
+            let _ = writeln!(text, "{key} = {value}");
         }
     }
     text
@@ -140,7 +130,7 @@ fn described(settings: &MachineSettings, imported: &Imported, name: &toml::Value
 }
 
 /// The value of a comment as TOML: a list, a word in quotes, or as it is.
-fn toml_value(key: &str, value: &str) -> String {
+pub(super) fn toml_value(key: &str, value: &str) -> String {
     match key {
         "interpolation" | "lookup" | "cross_lookup" | "model" => format!("\"{value}\""),
         "orientation" => value.to_owned(),
@@ -158,19 +148,5 @@ fn toml_value(key: &str, value: &str) -> String {
 }
 
 pub(super) fn location_lines(location: &LocationErrors) -> String {
-    let mut lines = String::new();
-    for (key, value) in [("A0Z", location.a0z), ("B0Z", location.b0z), ("C0Y", location.c0y)] {
-        if value != 0.0 {
-            let _ = writeln!(lines, "{key}_urad = {:?}", shortest(value, 1e6));
-        }
-    }
-    for (errors, letter) in location.rotary.iter().zip(['A', 'B', 'C']) {
-        for (component, (value, direction)) in errors.iter().zip(Axis::ALL).enumerate() {
-            let (scale, unit) = if component < 3 { (1e3, "um") } else { (1e6, "urad") };
-            if *value != 0.0 {
-                let _ = writeln!(lines, "E{}0{letter}_{unit} = {:?}", direction.letter(), shortest(*value, scale));
-            }
-        }
-    }
-    lines
+    stated::location(location).iter().fold(String::new(), |lines, (key, value)| format!("{lines}{key} = {value}\n"))
 }

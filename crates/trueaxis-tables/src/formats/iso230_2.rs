@@ -33,6 +33,7 @@ use crate::source::{Source, fixed};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use trueaxis::machine::{Axis, LocationErrors};
+use trueaxis::range;
 
 /// The way a target was approached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -132,8 +133,21 @@ struct Reading {
 }
 
 impl Reading {
-    fn take(&mut self, sheet: &Sheet<'_>, approach: Approach) -> Result<(), FileError> {
-        let Approach { position, run, direction, .. } = approach;
+    /// Takes an approach that stands in these two columns.
+    fn take(
+        &mut self,
+        sheet: &Sheet<'_>,
+        axis: Axis,
+        [target, column]: [usize; 2],
+        approach: Approach,
+    ) -> Result<(), FileError> {
+        let Approach { position, run, direction, deviation } = approach;
+        let name = |place: usize| sheet.header().get(place).map_or("", String::as_str);
+        let (scale, range) = if axis.is_rotary() { (1e6, &range::ROTATION) } else { (1e3, &range::TRANSLATION) };
+        for (place, value, range) in [(target, position, range::POSITION.of(axis)), (column, deviation / scale, range)]
+        {
+            super::within_sheet(sheet, name(place), value, range)?;
+        }
         if !self.seen.insert(((position + 0.0).to_bits(), run, direction)) {
             let found = format!("position {position}, run {run} in this direction again");
             return Err(sheet.error("", found, "each approach once"));
@@ -166,7 +180,8 @@ fn list(
             other => return Err(sheet.error("direction", format!("{other:?}"), "+ or -")),
         };
         let deviation = sheet.number(columns.deviation)?;
-        reading.take(sheet, Approach { position, run, direction, deviation })?;
+        let places = [columns.position, columns.deviation];
+        reading.take(sheet, columns.axis, places, Approach { position, run, direction, deviation })?;
     }
     Ok(columns.axis)
 }
@@ -211,7 +226,8 @@ fn matrix(
         let position = sheet.number(target)?;
         for (place, RunColumn { run, direction, .. }) in &runs {
             let deviation = sheet.number(*place)?;
-            reading.take(sheet, Approach { position, run: *run, direction: *direction, deviation })?;
+            let approach = Approach { position, run: *run, direction: *direction, deviation };
+            reading.take(sheet, axis, [target, *place], approach)?;
         }
     }
     Ok(axis)

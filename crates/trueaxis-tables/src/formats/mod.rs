@@ -25,16 +25,20 @@ mod measured_at;
 mod own_comments;
 mod positioning;
 pub mod siemens;
+pub(crate) mod stated;
 
 pub use axis_csv::{axis_csv_name, write_axis_csv};
 pub use machine_toml::machine_files;
 
 use crate::error::FileError;
+use crate::sheet::Sheet;
 use crate::source::Source;
 use crate::{Machine, Table};
 use linuxcnc::CompFileType;
 use std::path::{Path, PathBuf};
+use trueaxis::error::Figure;
 use trueaxis::machine::{Axis, LocationErrors, MachineSettings, Row};
+use trueaxis::range::{self, Range};
 
 /// A foreign format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -205,6 +209,15 @@ pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Res
 /// two ends of a full circle equal (within 0.01 µm, 0.01 µrad), because such a table wraps.
 fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, source: &Source) -> Result<Table, FileError> {
     let name = format!("{} position", axis.letter());
+    for (line, row) in &lines {
+        within(source, *line, &name, row.position, range::POSITION.of(axis))?;
+        for (component, (forward, reverse)) in row.forward.iter().zip(&row.reverse).enumerate() {
+            let range = if component < 3 { &range::TRANSLATION } else { &range::ROTATION };
+            for value in [forward, reverse] {
+                within(source, *line, &positioning::error_name(axis, component), *value, range)?;
+            }
+        }
+    }
     for pair in lines.windows(2) {
         let [(_, before), (line, row)] = pair else { continue };
         if row.position <= before.position {
@@ -235,6 +248,28 @@ fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, source: &Source) 
     let rows: Vec<Row> = lines.into_iter().map(|(_, row)| row).collect();
     let bidirectional = rows.iter().any(|row| row.forward != row.reverse);
     Ok(Table { given, bidirectional, rows })
+}
+
+/// A value (mm, degrees, rad) in its physical range.
+fn within(source: &Source, line: u32, name: &str, value: f64, range: &Range) -> Result<(), FileError> {
+    if range.contains(value) { Ok(()) } else { Err(source.at(line, name, figure(value, range), range.needed)) }
+}
+
+/// [`within`] for the row of a sheet that is being read.
+fn within_sheet(sheet: &Sheet<'_>, name: &str, value: f64, range: &Range) -> Result<(), FileError> {
+    if range.contains(value) { Ok(()) } else { Err(sheet.error(name, figure(value, range), range.needed)) }
+}
+
+/// A value with the unit that its range has inside.
+fn figure(value: f64, range: &Range) -> String {
+    let unit = if *range == range::ROTATION {
+        " rad"
+    } else if *range == range::TRANSLATION {
+        " mm"
+    } else {
+        ""
+    };
+    format!("{}{unit}", Figure(value))
 }
 
 /// `given` with one component only.

@@ -92,7 +92,7 @@ pub(super) fn axis_items(axis: &AxisSettings) -> Vec<(&'static str, String)> {
     items
 }
 
-fn travel_key(axis: Axis) -> &'static str {
+pub(super) fn travel_key(axis: Axis) -> &'static str {
     if axis.is_rotary() { "travel_deg" } else { "travel_mm" }
 }
 

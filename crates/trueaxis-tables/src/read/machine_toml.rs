@@ -3,6 +3,7 @@
 use super::section::{Found, Section};
 use crate::error::FileError;
 use crate::source::Source;
+use std::cell::RefCell;
 use toml::de::DeTable;
 use trueaxis::error::Field;
 use trueaxis::machine::{
@@ -35,6 +36,8 @@ pub(super) struct Description {
     pub(super) settings: MachineSettings,
     pub(super) tables: Vec<TableReference>,
     pub(super) places: Vec<Place>,
+    /// Keys of numbers that were asked for, with their count.
+    pub(super) numbers: Vec<(String, usize)>,
 }
 
 /// The places of all settings, collected while they are read.
@@ -100,7 +103,8 @@ pub(super) fn read(text: &str, source: &Source) -> Result<Description, FileError
         let line = 1 + text.as_bytes().iter().take(before).filter(|byte| **byte == b'\n').count();
         source.at(u32::try_from(line).unwrap_or(0), "", error.message(), "a valid TOML file")
     })?;
-    let root = Section::new(source, text, document.get_ref());
+    let numbers = RefCell::default();
+    let root = Section::new(source, text, document.get_ref(), &numbers);
     let mut places = Places::default();
     let name = root.string("name")?.ok_or_else(|| root.missing("name", "the name of the machine"))?;
     let chain =
@@ -178,7 +182,7 @@ pub(super) fn read(text: &str, source: &Source) -> Result<Description, FileError
     }
     settings.roundness = super::roundness_toml::read(&root, &mut places)?;
     root.finish(None)?;
-    Ok(Description { settings, tables, places: places.0 })
+    Ok(Description { settings, tables, places: places.0, numbers: numbers.into_inner() })
 }
 
 fn read_axis(

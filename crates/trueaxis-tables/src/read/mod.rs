@@ -11,10 +11,11 @@ use crate::text::{counted, read_text};
 use crate::{Machine, Table};
 use axis_table::TableFile;
 use machine_toml::{Description, TableReference};
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use trueaxis::check;
-use trueaxis::error::{ConfigError, Field};
-use trueaxis::machine::{Axis, AxisSettings, Row};
+use trueaxis::error::{ConfigError, Field, Figure};
+use trueaxis::machine::{Axis, AxisSettings, MachineSettings, Row};
 
 impl Machine {
     /// Reads a `machine.toml`, or the one in a directory, and the tables it names, and checks everything that the
@@ -23,17 +24,30 @@ impl Machine {
     /// # Errors
     /// The first thing that is wrong: file, line, column or key, what was found, what is needed.
     pub fn read(path: &Path) -> Result<Machine, FileError> {
-        Machine::read_telling(path, |_| {})
+        Machine::read_with(path, &[], |_| {})
     }
 
     /// [`Machine::read`], and tells of every table that has other separators than commas or decimal commas.
     ///
     /// # Errors
     /// As [`Machine::read`].
-    pub fn read_telling(path: &Path, mut tell: impl FnMut(String)) -> Result<Machine, FileError> {
-        let file = if path.is_dir() { path.join("machine.toml") } else { path.to_path_buf() };
+    pub fn read_telling(path: &Path, tell: impl FnMut(String)) -> Result<Machine, FileError> {
+        Machine::read_with(path, &[], tell)
+    }
+
+    /// The same with texts in place of what stands on the disk, or does not stand there yet: (file, text), the file named as
+    /// the folder of the machine and the name in it.
+    ///
+    /// # Errors
+    /// As [`Machine::read`].
+    pub fn read_with(
+        path: &Path,
+        instead: &[(PathBuf, String)],
+        mut tell: impl FnMut(String),
+    ) -> Result<Machine, FileError> {
+        let file = description_of(path);
         let source = Source::new(&file);
-        let text = read_text(&file)?;
+        let text = text(&file, instead)?;
         let description = machine_toml::read(&text, &source)?;
         check::settings(&description.settings).map_err(|error| description.located(&source, &error))?;
         let folder = file.parent().unwrap_or(Path::new(""));
@@ -41,7 +55,7 @@ impl Machine {
         for settings in &description.settings.axes {
             let reference = description.tables.iter().find(|table| table.axis == settings.axis);
             tables.push(match reference {
-                Some(reference) => Some(read_table(folder, reference, settings, &source, &mut tell)?),
+                Some(reference) => Some(read_table(folder, reference, settings, &source, instead, &mut tell)?),
                 None => None,
             });
         }
@@ -56,10 +70,91 @@ impl Machine {
         Ok(machine)
     }
 
+    /// The files that [`Machine::read`] reads: `machine.toml` and the tables that it names.
+    ///
+    /// # Errors
+    /// `machine.toml` cannot be read, or is wrong by itself.
+    pub fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
+        let file = description_of(path);
+        let source = Source::new(&file);
+        let description = machine_toml::read(&text(&file, &[])?, &source)?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let tables: Vec<PathBuf> = description.tables.iter().map(|table| folder.join(&table.file)).collect();
+        Ok(std::iter::once(file).chain(tables).collect())
+    }
+
+    /// Every key with a number, or a list of so many, that a `machine.toml` with the sections of this one may have.
+    ///
+    /// # Errors
+    /// The text is not that of a machine.
+    pub fn number_keys(text: &str) -> Result<Vec<(String, usize)>, FileError> {
+        machine_toml::read(text, &Source::new(Path::new("machine.toml"))).map(|description| description.numbers)
+    }
+
     /// The lines of an axis' table.
     pub fn rows(&self, axis: Axis) -> Option<&[Row]> {
         let place = self.settings.axes.iter().position(|settings| settings.axis == axis)?;
         self.tables.get(place)?.as_ref().map(|table| table.rows.as_slice())
+    }
+}
+
+/// A machine as it stands on the disk, for an edit of its files.
+pub(crate) struct Standing {
+    pub(crate) file: PathBuf,
+    /// As it is, byte order mark included.
+    pub(crate) text: String,
+    pub(crate) settings: MachineSettings,
+    pub(crate) tables: Vec<StandingTable>,
+}
+
+/// A table that `machine.toml` names.
+pub(crate) struct StandingTable {
+    pub(crate) axis: Axis,
+    /// As `machine.toml` has it, relative to it.
+    pub(crate) name: String,
+    pub(crate) line: u32,
+    pub(crate) key: String,
+    /// `None` where it cannot be read.
+    pub(crate) table: Option<Table>,
+}
+
+impl Standing {
+    pub(crate) fn read(path: &Path) -> Result<Standing, FileError> {
+        let file = description_of(path);
+        let source = Source::new(&file);
+        let stripped = text(&file, &[])?;
+        let description = machine_toml::read(&stripped, &source)?;
+        let raw = fs::read_to_string(&file).map_err(|error| source.whole(error.to_string(), "a readable file"))?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let tables = description.tables.into_iter().map(|TableReference { axis, file: name, line, key }| {
+            let at = folder.join(&name);
+            let source = Source::new(&at);
+            let read = bytes(&at, &source, &[]).and_then(|bytes| axis_table::read(&bytes, &source, axis));
+            StandingTable { axis, name, line, key, table: read.ok().map(|file| file.table) }
+        });
+        let tables = tables.collect();
+        Ok(Standing { file, text: raw, settings: description.settings, tables })
+    }
+}
+
+/// `machine.toml` of a machine that is named by it or by its folder.
+pub(crate) fn description_of(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join("machine.toml") } else { path.to_path_buf() }
+}
+
+/// Text of a file, or what is given in its place.
+fn text(file: &Path, instead: &[(PathBuf, String)]) -> Result<String, FileError> {
+    match instead.iter().find(|(name, _)| name == file) {
+        Some((_, text)) => Ok(text.clone()),
+        None => read_text(file),
+    }
+}
+
+/// Bytes of a table, or what is given in its place: comments may be in any encoding.
+fn bytes(file: &Path, source: &Source, instead: &[(PathBuf, String)]) -> Result<Vec<u8>, FileError> {
+    match instead.iter().find(|(name, _)| name == file) {
+        Some((_, text)) => Ok(text.clone().into_bytes()),
+        None => fs::read(file).map_err(|error| source.whole(error.to_string(), "a readable file")),
     }
 }
 
@@ -68,10 +163,11 @@ fn read_table(
     reference: &TableReference,
     settings: &AxisSettings,
     machine_toml: &Source,
+    instead: &[(PathBuf, String)],
     tell: &mut impl FnMut(String),
 ) -> Result<Table, FileError> {
     let file = folder.join(&reference.file);
-    if !file.is_file() {
+    if !file.is_file() && !instead.iter().any(|(name, _)| *name == file) {
         let found = format!("{:?}, which is no file at {}", reference.file, file.display());
         return Err(machine_toml.at(
             reference.line,
@@ -81,9 +177,8 @@ fn read_table(
         ));
     }
     let source = Source::new(&file);
-    // Comments may be in any encoding.
-    let bytes = std::fs::read(&file).map_err(|error| source.whole(error.to_string(), "a readable file"))?;
-    let TableFile { table, lines, columns, dialect } = axis_table::read(&bytes, &source, settings.axis)?;
+    let TableFile { table, lines, columns, dialect } =
+        axis_table::read(&bytes(&file, &source, instead)?, &source, settings.axis)?;
     if let Some(how) = dialect {
         tell(format!("{}: {how}", file.display()));
     }
@@ -95,9 +190,9 @@ fn read_table(
             (check::TableRule::Count, _) if fault.found == 1.0 => String::from("one line"),
             (check::TableRule::Count, _) => counted(fault.found as usize, "line"),
             (check::TableRule::Slope, _) => format!("a slope of {:.4} up to the next line", fault.found),
-            (_, None) => fault.found.to_string(),
-            (_, Some(component)) if component < 3 => format!("{} um", fault.found * 1e3),
-            _ => format!("{} urad", fault.found * 1e6),
+            (_, None) => Figure(fault.found).to_string(),
+            (_, Some(component)) if component < 3 => format!("{} um", Figure(fault.found * 1e3)),
+            _ => format!("{} urad", Figure(fault.found * 1e6)),
         };
         match fault.rule {
             check::TableRule::Count => source.whole(found, fault.rule.needed()),
@@ -139,7 +234,7 @@ impl Description {
             Some(place) => source.at(place.line, &place.key, &place.text, error.needed),
             None => {
                 let axis = error.axis.map_or(String::new(), |axis| format!(" of axis {}", axis.letter()));
-                source.whole(format!("{:?}{axis} = {}", error.field, error.found), error.needed)
+                source.whole(format!("{:?}{axis} = {}", error.field, Figure(error.found)), error.needed)
             }
         }
     }

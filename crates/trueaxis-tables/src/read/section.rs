@@ -25,11 +25,18 @@ pub(super) struct Section<'a> {
     /// `axis.X.limits.`, empty for the file as a whole.
     prefix: String,
     asked: RefCell<Vec<String>>,
+    /// Full names of the numbers asked for in all sections, and how many each is.
+    numbers: &'a RefCell<Vec<(String, usize)>>,
 }
 
 impl<'a> Section<'a> {
-    pub(super) fn new(source: &'a Source, text: &'a str, table: &'a DeTable<'a>) -> Self {
-        Section { source, text, table, prefix: String::new(), asked: RefCell::default() }
+    pub(super) fn new(
+        source: &'a Source,
+        text: &'a str,
+        table: &'a DeTable<'a>,
+        numbers: &'a RefCell<Vec<(String, usize)>>,
+    ) -> Self {
+        Section { source, text, table, prefix: String::new(), asked: RefCell::default(), numbers }
     }
 
     fn line(&self, span: &Range<usize>) -> u32 {
@@ -68,12 +75,14 @@ impl<'a> Section<'a> {
 
     /// A finite number.
     pub(super) fn number(&self, key: &str) -> Result<Option<Found<f64>>, FileError> {
+        self.numbers.borrow_mut().push((format!("{}{key}", self.prefix), 1));
         let Some(value) = self.value(key) else { return Ok(None) };
         Ok(Some(self.found(key, &value.span(), self.plain_number(key, value)?)))
     }
 
     /// A list of `N` finite numbers.
     pub(super) fn numbers<const N: usize>(&self, key: &str) -> Result<Option<Found<[f64; N]>>, FileError> {
+        self.numbers.borrow_mut().push((format!("{}{key}", self.prefix), N));
         let Some(value) = self.value(key) else { return Ok(None) };
         let needed = format!("a list of {N} numbers");
         let Some(list) = value.get_ref().as_array().filter(|list| list.len() == N) else {
@@ -123,7 +132,14 @@ impl<'a> Section<'a> {
             return Err(self.refuse(key, &value.span(), format!("a section [{}{key}]", self.prefix)));
         };
         let prefix = format!("{}{key}.", self.prefix);
-        Ok(Some(Section { source: self.source, text: self.text, table, prefix, asked: RefCell::default() }))
+        Ok(Some(Section {
+            source: self.source,
+            text: self.text,
+            table,
+            prefix,
+            asked: RefCell::default(),
+            numbers: self.numbers,
+        }))
     }
 
     /// Refuses every key that was not asked for.

@@ -140,10 +140,10 @@ fn rotary_errors_count_in_their_own_unit() {
     let own = 1e-3_f64.to_degrees();
     assert!((norm - (own * own + 1e-6_f64).sqrt()).abs() < 1e-15);
     assert!(rows(&machine.axes[1], &c[..]).is_ok());
-    let steep = column(5, &[(0.0, 0.0), (1.0, 0.0175)]);
+    let steep = column(5, &[(0.0, 0.0), (0.5, 0.00875)]);
     assert_eq!(rows(&machine.axes[1], &steep[..]).unwrap_err().field, Field::Table);
     // About X the same slope is a cross term.
-    let cross = column(3, &[(0.0, 0.0), (1.0, 0.0175)]);
+    let cross = column(3, &[(0.0, 0.0), (0.5, 0.00875)]);
     assert!(rows(&machine.axes[1], &cross[..]).is_ok());
 }
 
@@ -160,8 +160,8 @@ fn tables_that_break_a_rule_are_refused_at_their_line() {
     assert_eq!(fault(&x, 0, &good[..1]), Err((TableRule::Count, 0, None)));
     assert_eq!(fault(&x, 0, &[]), Err((TableRule::Count, 0, None)));
     assert_eq!(fault(&x, 0, &[(0.0, 0.0), (0.0, 0.0)]), Err((TableRule::Increasing, 1, None)));
-    assert_eq!(fault(&x, 0, &[(0.0, 0.0), (1.0, 0.0), (f64::NAN, 0.0)]), Err((TableRule::Finite, 2, None)));
-    assert_eq!(fault(&x, 4, &[(0.0, 0.0), (1.0, f64::INFINITY)]), Err((TableRule::Finite, 1, Some(4))));
+    assert_eq!(fault(&x, 0, &[(0.0, 0.0), (1.0, 0.0), (f64::NAN, 0.0)]), Err((TableRule::Position, 2, None)));
+    assert_eq!(fault(&x, 4, &[(0.0, 0.0), (1.0, f64::INFINITY)]), Err((TableRule::Rotation, 1, Some(4))));
     assert_eq!(fault(&x, 0, &[(0.0, 0.0), (1.0, 0.0), (2.0, -1.0)]), Err((TableRule::Slope, 1, Some(0))));
     assert_eq!(fault(&x, 1, &[(0.0, 0.0), (1.0, 0.0), (2.0, -1.0)]), Ok(()));
     // Secants of 0.9, but between extremes the cubic is 1.5 times as steep.

@@ -20,7 +20,7 @@ use super::table::{AxisTable, Contribution, Requirement, Storage, own_component}
 use super::thermal::ThermalLine;
 use super::trig::cos_sin_deg;
 use crate::error::{ConfigError, Field};
-use crate::machine::{AXES, Axis, Lookup, MachineSettings, Rows, carries_workpiece, links, step_axes};
+use crate::machine::{AXES, Axis, Lookup, MOST_CARRIERS, MachineSettings, Rows, carries_workpiece, links, step_axes};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -83,8 +83,7 @@ fn parents_of<R: Real, const N: usize>(
     let mut parents = [None; 2];
     let mut free = parents.iter_mut();
     for carrier in side.into_iter().take_while(|a| *a != axis).filter(|a| a.is_rotary()) {
-        let slot =
-            free.next().ok_or(ConfigError::new(Field::Chain, 3.0, "at most two rotary axes below another").on(axis))?;
+        let slot = free.next().ok_or(ConfigError::new(Field::Chain, 3.0, MOST_CARRIERS).on(axis))?;
         let settings = machine.axes.iter().find(|a| a.axis == carrier);
         *slot = axes.iter().position(|a| *a == carrier).map(|index| Parent {
             index,

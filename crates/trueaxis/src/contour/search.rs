@@ -6,6 +6,7 @@ use super::span::{Path, Reference, Span};
 use super::{ContourError, Flags};
 use crate::error::{ConfigError, Field};
 use crate::position::Position;
+use crate::range::LAG;
 use crate::real::Real;
 
 /// How a bracket is narrowed.
@@ -61,11 +62,9 @@ impl<R: Real> ContourSearch<R> {
     /// `max_lag_mm`: half-window of a cold search, arc length.
     ///
     /// # Errors
-    /// Not within 1e-3 to 1e3 mm.
+    /// Not within [`LAG`].
     pub fn new(max_lag_mm: f64, method: Method) -> Result<Self, ConfigError> {
-        if !(1e-3..=1e3).contains(&max_lag_mm) {
-            return Err(ConfigError::new(Field::Contour, max_lag_mm, "a lag of 0.001 to 1000 mm"));
-        }
+        LAG.check(max_lag_mm, Field::Contour, None)?;
         Ok(ContourSearch { max_lag: R::of(max_lag_mm), method })
     }
 

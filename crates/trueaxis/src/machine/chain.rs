@@ -59,15 +59,31 @@ pub fn links(chain: &str) -> Result<Vec<Link, AXES>, ConfigError> {
 
 /// Whether a rotary axis between the bed and `axis` turns its errors.
 pub fn is_turned(links: &[Link], axis: Axis) -> bool {
-    let Some(place) = links.iter().position(|link| link.axis == axis) else { return false };
-    let side = links.get(place).is_some_and(|link| link.carries_workpiece);
-    links.iter().enumerate().any(|(other, link)| {
-        let nearer = if side { other > place } else { other < place };
-        nearer && link.carries_workpiece == side && link.axis.is_rotary()
-    })
+    carriers(links, axis) > 0
 }
 
 /// Whether an axis stands on the workpiece side of a structural code; not where the code cannot be read.
 pub fn carries_workpiece(chain: &str, axis: Axis) -> bool {
     links(chain).is_ok_and(|links| links.iter().any(|link| link.axis == axis && link.carries_workpiece))
 }
+
+/// Rotary axes between the bed and `axis`.
+fn carriers(links: &[Link], axis: Axis) -> usize {
+    let Some(place) = links.iter().position(|link| link.axis == axis) else { return 0 };
+    let side = links.get(place).is_some_and(|link| link.carries_workpiece);
+    let nearer = |other: usize| if side { other > place } else { other < place };
+    let carrier =
+        |(other, link): &(usize, &Link)| nearer(*other) && link.carries_workpiece == side && link.axis.is_rotary();
+    links.iter().enumerate().filter(carrier).count()
+}
+
+/// The nine terms turn the errors of an axis by two rotary axes at most.
+pub(crate) fn nine_terms(links: &[Link]) -> Result<(), ConfigError> {
+    if links.iter().any(|link| carriers(links, link.axis) > 2) {
+        return Err(ConfigError::new(Field::Chain, 3.0, MOST_CARRIERS));
+    }
+    Ok(())
+}
+
+/// What [`nine_terms`] needs.
+pub(crate) const MOST_CARRIERS: &str = "at most two rotary axes below another, or model = \"volumetric\"";

@@ -10,6 +10,7 @@ mod rows;
 
 pub use crate::axis::{AXES, Axis};
 pub use chain::{Link, carries_workpiece, is_turned, links};
+pub(crate) use chain::{MOST_CARRIERS, nine_terms};
 pub(crate) use curve::lost;
 pub use curve::{Curve, wraps};
 pub use rows::Rows;

@@ -10,6 +10,7 @@
 //! G(k) times. G(0) ≠ 0 in general, G(±1) = 0 always: a first harmonic of the profile is a displacement of its centre.
 
 use crate::error::{ConfigError, Field};
+use crate::range;
 use core::f64::consts::{PI, TAU};
 
 /// From this noise gain on an angle set cannot see a harmonic at all.
@@ -93,10 +94,7 @@ impl ProbeAngles {
             }
             ProbeAngles::Degrees { phi2, phi3 } => {
                 for (index, angle) in [(0, phi2), (1, phi3)] {
-                    if !(angle.is_finite() && angle.abs() < 360.0) {
-                        let needed = "angles between -360° and 360°";
-                        return Err(ConfigError::new(Field::ProbeAngles, angle, needed).at(index));
-                    }
+                    range::ANGLE.check(angle, Field::ProbeAngles, None).map_err(|error| error.at(index))?;
                 }
                 [phi2.to_radians(), phi3.to_radians()]
             }

@@ -10,6 +10,7 @@
 //! square root and no inverse function. λ = 0 is an arm that stands still, an ordinary shaft.
 
 use crate::error::{ConfigError, Field};
+use crate::range::{CRANK, RADIUS};
 use crate::real::Real;
 
 /// Lengths of the linkage, mm.
@@ -25,22 +26,21 @@ pub struct Arm {
 }
 
 impl Arm {
+    /// Every length in its range.
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        let Arm { crank_mm, wheel_mm, pin_mm } = *self;
+        CRANK.check(crank_mm, Field::Arm, None).map_err(|error| error.at(0))?;
+        RADIUS.check(wheel_mm, Field::Arm, None).map_err(|error| error.at(1))?;
+        RADIUS.check(pin_mm, Field::Arm, None).map_err(|error| error.at(2))
+    }
+
     /// λ = R/(R_S + R_W).
     ///
     /// # Errors
-    /// A length that is not finite or negative, a wheel or pin without a radius, a linkage that cannot close
+    /// A length outside its range ([`CRANK`], [`RADIUS`]), a linkage that cannot close
     /// (R >= R_S + R_W).
     pub fn ratio(&self) -> Result<f64, ConfigError> {
-        for (index, length) in [self.crank_mm, self.wheel_mm, self.pin_mm].into_iter().enumerate() {
-            if !(length.is_finite() && length >= 0.0) {
-                return Err(ConfigError::new(Field::Arm, length, "a length that is not negative, mm").at(index));
-            }
-        }
-        for (index, length) in [(1, self.wheel_mm), (2, self.pin_mm)] {
-            if length == 0.0 {
-                return Err(ConfigError::new(Field::Arm, length, "a radius above 0 mm").at(index));
-            }
-        }
+        self.check()?;
         if self.crank_mm >= self.wheel_mm + self.pin_mm {
             let needed = "a crank throw R below R_S + R_W: the linkage cannot close";
             return Err(ConfigError::new(Field::Arm, self.crank_mm, needed).at(0));

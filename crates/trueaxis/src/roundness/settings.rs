@@ -5,6 +5,7 @@ use super::arm::Arm;
 use super::filter;
 use crate::axis::Axis;
 use crate::error::{ConfigError, Field};
+use crate::range::{ANGLE, ARM_TOLERANCE, DRIVE_DELAY, INFEED, INFEED_GAIN, NOISE_GAIN, PROBE_GAIN, PROBE_RAW, STOP};
 use serde::{Deserialize, Serialize};
 
 /// Harmonics of a worse noise gain are suppressed unless set otherwise.
@@ -166,20 +167,11 @@ impl RoundnessSettings {
             let needed = "angles that see every harmonic of the band";
             return Err(ConfigError::new(Field::ProbeAngles, f64::from(harmonic), needed));
         }
-        let limit = self.noise_gain_limit;
-        need(limit > 0.0 && limit.is_finite(), Field::ProbeAngles, limit, "a noise gain limit above 0")?;
+        scalars(self)?;
         for (index, probe) in self.probes.iter().enumerate() {
             let [low, high] = probe.range;
-            let numbers = [probe.gain_um, probe.zero, low, high];
-            let error = |found, needed| ConfigError::new(Field::Probe, found, needed).at(index);
-            if let Some(found) = numbers.into_iter().find(|x| !(x.is_finite() && x.abs() <= 1e9)) {
-                return Err(error(found, "finite numbers"));
-            }
-            if probe.gain_um == 0.0 {
-                return Err(error(0.0, "a gain other than 0"));
-            }
             if low >= high {
-                return Err(error(high, "a range from low to high"));
+                return Err(ConfigError::new(Field::Probe, high, "a range from low to high").at(index));
             }
         }
         encoder(self.spindle.counts, self.spindle.direction, Field::Spindle)?;
@@ -197,15 +189,12 @@ impl RoundnessSettings {
             let needed = "a crank throw R of at most 0.99 (R_S + R_W): beyond, the arm stands across";
             need(ratio <= 0.99, Field::Arm, arm.lengths.crank_mm, needed)?;
             encoder(arm.counts, arm.direction, Field::Arm)?;
-            let tolerance = arm.tolerance_deg;
-            need(tolerance > 0.0 && tolerance <= 90.0, Field::Arm, tolerance, "a tolerance of 0° to 90°")?;
         }
         self.filter.map_or(Ok(()), filter::check)?;
         let revolutions = f64::from(self.revolutions);
         need((1..=10_000).contains(&self.revolutions), Field::Revolutions, revolutions, "1 to 10,000 revolutions")?;
         let units = f64::from(self.units_per_cycle);
         need((1..=16).contains(&self.units_per_cycle), Field::Revolutions, units, "1 to 16 units per cycle")?;
-        need(self.stop_s > 0.0 && self.stop_s <= 60.0, Field::Spindle, self.stop_s, "a time of 0 to 60 s")?;
         if let Some(infeed) = &self.infeed {
             infeed.check(points)?;
             for harmonic in [infeed.band.first, infeed.band.last] {
@@ -244,11 +233,55 @@ impl InfeedSettings {
         )?;
         // Half the stability limit: room for what the model of the process leaves out.
         let most = 0.5 * gain_limit(self.delay_revolutions);
-        need(self.gain > 0.0 && self.gain <= most, self.gain, "a gain above 0 and at most sin(π/(2(2D + 1)))")?;
-        need(self.contact_deg.is_finite() && self.contact_deg.abs() <= 360.0, self.contact_deg, "an angle in ±360°")?;
-        need((0.0..=0.1).contains(&self.drive_delay_s), self.drive_delay_s, "a delay of 0 to 0.1 s")?;
-        need(self.limit_um > 0.0 && self.limit_um <= 1e4, self.limit_um, "a limit of 0 to 10,000 µm")?;
-        let limit = self.noise_gain_limit;
-        need(limit > 0.0 && limit.is_finite(), limit, "a noise gain limit above 0")
+        need(self.gain <= most, self.gain, "a gain above 0 and at most sin(π/(2(2D + 1)))")
     }
+}
+
+/// Every scalar of a gauge that is not a whole number with a check of its own.
+fn scalars(settings: &RoundnessSettings) -> Result<(), ConfigError> {
+    let RoundnessSettings {
+        points: _,
+        // Checked where they are resolved.
+        angles: _,
+        band: _,
+        noise_gain_limit,
+        probes,
+        spindle: _,
+        arm,
+        filter: _,
+        revolutions: _,
+        units_per_cycle: _,
+        stop_s,
+        infeed,
+    } = settings;
+    NOISE_GAIN.check(*noise_gain_limit, Field::ProbeAngles, None)?;
+    for (index, ProbeSettings { gain_um, zero, range: [low, high] }) in probes.iter().enumerate() {
+        let raw = [*zero, *low, *high].iter().try_for_each(|raw| PROBE_RAW.check(*raw, Field::Probe, None));
+        raw.map_err(|error| error.at(index))?;
+        if !PROBE_GAIN.contains(gain_um.abs()) {
+            return Err(ConfigError::new(Field::Probe, *gain_um, PROBE_GAIN.needed).at(index));
+        }
+    }
+    if let Some(ArmSettings { lengths, counts: _, direction: _, tolerance_deg }) = arm {
+        lengths.check()?;
+        ARM_TOLERANCE.check(*tolerance_deg, Field::Arm, None)?;
+    }
+    STOP.check(*stop_s, Field::Spindle, None)?;
+    let Some(infeed) = infeed else { return Ok(()) };
+    let InfeedSettings {
+        axis: _,
+        direction: _,
+        band: _,
+        gain,
+        delay_revolutions: _,
+        contact_deg,
+        drive_delay_s,
+        limit_um,
+        noise_gain_limit,
+    } = infeed;
+    INFEED_GAIN.check(*gain, Field::Infeed, None)?;
+    ANGLE.check(*contact_deg, Field::Infeed, None)?;
+    DRIVE_DELAY.check(*drive_delay_s, Field::Infeed, None)?;
+    INFEED.check(*limit_um, Field::Infeed, None)?;
+    NOISE_GAIN.check(*noise_gain_limit, Field::Infeed, None)
 }

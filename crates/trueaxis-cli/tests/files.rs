@@ -1,0 +1,334 @@
+//! What commands do to files: an input is never written, an edited machine stays, a refused command leaves nothing.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn call(directory: &TempDir, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(directory.path()).output().unwrap()
+}
+
+/// What it said on the standard error.
+fn good(directory: &TempDir, arguments: &[&str]) -> String {
+    let output = call(directory, arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{arguments:?}: {error}");
+    error
+}
+
+/// Exit code 2, every part of the message, and every file as it was.
+fn bad(directory: &TempDir, arguments: &[&str], parts: &[&str]) {
+    let before = tree(directory.path());
+    let output = call(directory, arguments);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    for part in parts {
+        assert!(error.contains(part), "{arguments:?}: {error}");
+    }
+    assert_eq!(tree(directory.path()), before, "{arguments:?}");
+}
+
+/// Every file with its bytes, every folder with none.
+fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(tree(&path));
+            found.insert(path, Vec::new());
+        } else {
+            let bytes = fs::read(&path).unwrap();
+            found.insert(path, bytes);
+        }
+    }
+    found
+}
+
+fn put(directory: &TempDir, name: &str, text: &str) {
+    let path = directory.path().join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, text).unwrap();
+}
+
+fn text(directory: &TempDir, name: &str) -> String {
+    fs::read_to_string(directory.path().join(name)).unwrap()
+}
+
+/// A table to a nanometre: actual − nominal has the rounding of both.
+fn table(csv: &str) -> String {
+    let mut lines = csv.lines();
+    let cell = |cell: &str| format!("{}", (cell.parse::<f64>().unwrap() * 1e3).round() / 1e3);
+    let rows = lines.clone().skip(1).map(|row| row.split(',').map(cell).collect::<Vec<_>>().join(","));
+    std::iter::once(lines.next().unwrap().to_owned()).chain(rows).map(|line| line + "\n").collect()
+}
+
+/// A machine as its owner keeps it.
+const MACHINE: &str = "\
+# The mill in hall 2; do not touch the chain.
+name = \"hall 2\"   # as on the plate
+chain = \"w X' Y' b Z t\"
+
+[axis.Y]            # Y first: it was measured first
+travel_mm = [-200, 200]
+table = 'y-2024.csv'    # laser, spring
+interpolation = \"cubic\"
+backlash_um = 2.5
+
+[axis.X]
+travel_mm = [-300.0, 300.0]
+max_feed_mm_per_min = 15_000
+[axis.X.thermal]
+expansion_um_per_m_k = 11.5
+
+# squareness from the ball bar
+[location]
+C0Y_urad = 20
+";
+
+const Y: &str = "Y_mm,EYY_um,EXY_um\n-200,1,0\n200,9,2\n";
+const COMP: &str = "-100 -99.999 -99.998\n0 0.001 0.002\n100 100.003 100.004\n";
+
+fn hall_2(directory: &TempDir) {
+    put(directory, "m/machine.toml", MACHINE);
+    put(directory, "m/y-2024.csv", Y);
+    put(directory, "new.comp", COMP);
+}
+
+#[test]
+fn an_import_adds_an_axis_and_leaves_the_rest_of_the_machine_as_it_is_written() {
+    let directory = tempfile::tempdir().unwrap();
+    hall_2(&directory);
+    let said = good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "m"]);
+    for part in ["axis X: table added, 3 lines of EXX", "written m/x.csv", "written m/machine.toml"] {
+        assert!(said.contains(part), "{said}");
+    }
+    let expected =
+        MACHINE.replace("max_feed_mm_per_min = 15_000\n", "max_feed_mm_per_min = 15_000\ntable = \"x.csv\"\n");
+    assert_eq!(text(&directory, "m/machine.toml"), expected);
+    assert_eq!(table(&text(&directory, "m/x.csv")), "X_mm,EXX_fwd_um,EXX_rev_um\n-100,1,2\n0,1,2\n100,3,4\n");
+    assert_eq!(text(&directory, "m/y-2024.csv"), Y);
+    // An axis of the chain without a section gets one.
+    let said = good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Z", "-o", "m"]);
+    assert!(said.contains("axis Z: table added"), "{said}");
+    let with_z = text(&directory, "m/machine.toml");
+    let section = "\n[axis.Z]\ntable = \"z.csv\"\ninterpolation = \"linear\"\ntravel_mm = [-100.0, 100.0]\n";
+    assert!(with_z.contains(section), "{with_z}");
+    assert_eq!(with_z.replace(section, ""), expected);
+    good(&directory, &["tables", "check", "m"]);
+}
+
+#[test]
+fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
+    let directory = tempfile::tempdir().unwrap();
+    hall_2(&directory);
+    let said = good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Y", "-o", "m"]);
+    for part in [
+        "axis Y: table replaced, 3 lines of EYY instead of 2 lines of EXY EYY",
+        "backlash_um set to 0, as both directions",
+        "written m/y-2024.csv",
+    ] {
+        assert!(said.contains(part), "{said}");
+    }
+    assert_eq!(text(&directory, "m/machine.toml"), MACHINE.replace("backlash_um = 2.5", "backlash_um = 0.0"));
+    assert!(text(&directory, "m/y-2024.csv").starts_with("Y_mm,EYY_fwd_um,EYY_rev_um\n"));
+    // Once more: nothing of machine.toml is left to change.
+    let once = text(&directory, "m/machine.toml");
+    let said = good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Y", "-o", "m"]);
+    assert!(said.contains("m/machine.toml stays as it is") && !said.contains("written m/machine.toml"), "{said}");
+    assert_eq!(text(&directory, "m/machine.toml"), once);
+}
+
+#[test]
+fn windows_line_ends_and_inline_sections_stay() {
+    let directory = tempfile::tempdir().unwrap();
+    hall_2(&directory);
+    put(&directory, "m/machine.toml", &format!("\u{feff}{}", MACHINE.replace('\n', "\r\n")));
+    good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "m"]);
+    let expected =
+        MACHINE.replace("max_feed_mm_per_min = 15_000\n", "max_feed_mm_per_min = 15_000\ntable = \"x.csv\"\n");
+    assert_eq!(text(&directory, "m/machine.toml"), format!("\u{feff}{}", expected.replace('\n', "\r\n")));
+
+    let inline =
+        "name = \"i\"\nchain = \"w b X Y t\"\naxis = { X = { table = \"a.csv\" }, Y = { backlash_um = 1 } } # both\n";
+    put(&directory, "i/machine.toml", inline);
+    put(&directory, "i/a.csv", "X_mm,EXX_um\n0,0\n1,0\n");
+    good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "i"]);
+    assert_eq!(text(&directory, "i/machine.toml"), inline);
+    assert!(table(&text(&directory, "i/a.csv")).contains("100,3,4"));
+}
+
+#[test]
+fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    hall_2(&directory);
+    let import = |format: &'static str, file: &'static str, axis: &'static str| {
+        vec!["tables", "import", "--from", format, file, "--axis", axis, "-o", "m"]
+    };
+    bad(&directory, &import("linuxcnc", "new.comp", "A"), &["machine.toml:3", "chain", "axis A in the chain", "--new"]);
+    let mut new = import("linuxcnc", "new.comp", "X");
+    new.push("--new");
+    bad(&directory, &new, &["--new", "found m", "does not exist"]);
+    // The table of another axis stands where the new one would.
+    put(&directory, "m/x.csv", "notes of the owner\n");
+    bad(&directory, &import("linuxcnc", "new.comp", "X"), &["x.csv beside it"]);
+    fs::remove_file(directory.path().join("m/x.csv")).unwrap();
+    // What results would be refused by the controller: 0.9 mm of error on 0.5 mm.
+    put(&directory, "steep.comp", "0 0 0\n0.5 1.4 1.4\n2 2 2\n");
+    bad(&directory, &import("linuxcnc", "steep.comp", "X"), &["x.csv", "slope", "nothing is written"]);
+    put(&directory, "m/machine.toml", &MACHINE.replace("name", "nam"));
+    bad(&directory, &import("linuxcnc", "new.comp", "X"), &["machine.toml", "name"]);
+    // A folder with a table and no machine.
+    put(&directory, "bare/x.csv", "notes of the owner\n");
+    bad(
+        &directory,
+        &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "bare"],
+        &["bare/x.csv", "no machine.toml"],
+    );
+    // A machine that is new leaves no folder when it is refused.
+    bad(
+        &directory,
+        &["tables", "import", "--from", "linuxcnc", "steep.comp", "--axis", "X", "-o", "new/deep"],
+        &["steep.comp", "slope"],
+    );
+}
+
+#[test]
+fn an_import_from_a_file_that_states_a_chain_needs_that_chain() {
+    let directory = tempfile::tempdir().unwrap();
+    let head = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/head-5axis");
+    let head = head.to_str().unwrap();
+    good(&directory, &["tables", "export", "--to", "isg", head, "-o", "head.csv"]);
+    hall_2(&directory);
+    bad(
+        &directory,
+        &["tables", "import", "--from", "isg", "head.csv", "--axis", "X", "-o", "m"],
+        &["machine.toml:3", "w X' b Y Z C A t", "--new"],
+    );
+    let folder = directory.path().join("copy");
+    fs::create_dir(&folder).unwrap();
+    for entry in fs::read_dir(head).unwrap() {
+        let entry = entry.unwrap();
+        fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
+    }
+    let before = text(&directory, "copy/machine.toml");
+    good(&directory, &["tables", "import", "--from", "isg", "head.csv", "-o", "copy"]);
+    let after = text(&directory, "copy/machine.toml");
+    // The volumetric CSV states what the machine is: nothing but the decimals of the tables changes.
+    assert_eq!(after, before);
+    assert_ne!(text(&directory, "copy/x.csv"), fs::read_to_string(Path::new(head).join("x.csv")).unwrap());
+}
+
+/// Every command that writes, with every one of its inputs as its output, under three names.
+#[test]
+fn an_input_is_never_written() {
+    let directory = tempfile::tempdir().unwrap();
+    put(
+        &directory,
+        "m/machine.toml",
+        "name = \"m\"\nchain = \"w b X Y Z C t\"\n[axis.X]\ntable = \"x.csv\"\n[axis.C]\n",
+    );
+    put(&directory, "m/x.csv", "X_mm,EXX_um\n0,1\n100,3\n");
+    put(&directory, "x.comp", COMP);
+    put(&directory, "p.csv", "x_mm,y_mm,z_mm\n1,2,3\n");
+    put(&directory, "path.json", r#"{"segments":[{"type":"line","start":[0,0,0],"end":[10,0,0]}]}"#);
+    put(&directory, "actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0.001,0\n");
+    let readings: String = (0..64).map(|i| format!("{},0,0\n", i % 7)).collect();
+    put(&directory, "h.csv", &format!("h1_um,h2_um,h3_um\n{readings}"));
+    let mut balls = String::from("angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um\n");
+    for angle in [0, 90, 180, 270, 360] {
+        for (l, h) in [(100, 0), (200, 50), (100, 100)] {
+            balls += &format!("{angle},{l},{h},{angle},0,0\n").replace("360,0,0\n", "0,0,0\n");
+        }
+    }
+    put(&directory, "balls.csv", &balls);
+    let machine = ["m/machine.toml", "m/x.csv"];
+    let cases: [(&[&str], &[&str]); 9] = [
+        (&["tables", "compile", "m", "-o"], &machine),
+        (&["tables", "export", "--to", "linuxcnc", "m", "--drop", "-o"], &machine),
+        (&["tables", "export", "--to", "iso230-2", "m", "--drop", "-o"], &machine),
+        (&["compensate", "m", "p.csv", "-o"], &["m/machine.toml", "m/x.csv", "p.csv"]),
+        (&["contour", "path.json", "actual.csv", "-o"], &["path.json", "actual.csv"]),
+        (&["roundness", "h.csv", "--n", "64", "--p", "12", "--q", "41", "--harmonics", "2..5", "-o"], &["h.csv"]),
+        (&["kinematics", "forward", "--machine", "m", "p.csv", "-o"], &["m/machine.toml", "m/x.csv", "p.csv"]),
+        (&["identify", "balls.csv", "--axis", "C", "-o"], &["balls.csv"]),
+        (&["identify", "balls.csv", "--axis", "C", "--machine", "m", "-o"], &["balls.csv", "m/x.csv"]),
+    ];
+    for (arguments, inputs) in cases {
+        // It does work, so that the refusal below is the output's.
+        good(&directory, &[arguments, &["out"]].concat());
+        fs::remove_file(directory.path().join("out")).unwrap();
+        for input in inputs {
+            let path = directory.path().join(input);
+            let [link, hard] = ["link", "hard"].map(|name| directory.path().join(name));
+            #[cfg(unix)]
+            std::os::unix::fs::symlink(&path, &link).unwrap();
+            fs::hard_link(&path, &hard).unwrap();
+            for name in [input, &*format!("./m/../{input}"), path.to_str().unwrap(), "link", "hard"] {
+                if cfg!(unix) || name != "link" {
+                    bad(&directory, &[arguments, &[name]].concat(), &["input", "is never written"]);
+                }
+            }
+            let _ = fs::remove_file(link);
+            fs::remove_file(hard).unwrap();
+        }
+    }
+    // Folders and pages that would fall on an input.
+    put(&directory, "new/machine.toml", &text(&directory, "m/machine.toml"));
+    fs::copy(directory.path().join("x.comp"), directory.path().join("new/x.csv")).unwrap();
+    bad(
+        &directory,
+        &["tables", "import", "--from", "linuxcnc", "new/x.csv", "--axis", "X", "-o", "new"],
+        &["input", "is never written"],
+    );
+    for (arguments, page) in [
+        (
+            &["roundness", "pages/roundness.html", "--n", "64", "--p", "12", "--q", "41", "--harmonics", "2..5"][..],
+            "h.csv",
+        ),
+        (&["circle", "pages/circle.html"], "round.csv"),
+        (&["identify", "pages/identify.html", "--axis", "C"], "balls.csv"),
+    ] {
+        put(&directory, "round.csv", "x_mm,y_mm\n1,0\n0,1\n-1,0\n0,-1.1\n");
+        put(&directory, &format!("pages/{}.html", arguments[0]), &text(&directory, page));
+        bad(&directory, &[arguments, &["--report", "pages"]].concat(), &["input", "is never written"]);
+    }
+}
+
+#[test]
+fn a_machine_that_somebody_wrote_is_not_collapsed_over() {
+    let directory = tempfile::tempdir().unwrap();
+    hall_2(&directory);
+    put(&directory, "other/machine.toml", "# mine\n");
+    bad(&directory, &["tables", "collapse", "m", "-o", "other", "--volume", ",,0:100"], &["other/machine.toml"]);
+    for _ in 0..2 {
+        good(&directory, &["tables", "collapse", "m", "-o", "nine", "--volume", ",,0:100"]);
+    }
+}
+
+/// Two outputs in one file, a folder in the place of a file, a place that does not exist: nothing is written.
+#[test]
+fn a_refused_command_leaves_nothing_behind() {
+    let directory = tempfile::tempdir().unwrap();
+    hall_2(&directory);
+    let helicoid = [
+        "helicoid",
+        "--base-radius-mm",
+        "30",
+        "--lead-parameter-mm-per-rad",
+        "40",
+        "--u-rad",
+        "0.1:0.6:3",
+        "--theta-rad",
+        "0:0.2:3",
+        "--form",
+        "vertical",
+        "--pivot-mm",
+        "150",
+    ];
+    bad(&directory, &[&helicoid[..], &["--gcode", "one", "-o", "./one"]].concat(), &["two outputs"]);
+    bad(&directory, &[&helicoid[..], &["--gcode", "one", "-o", "m"]].concat(), &["cannot write m", "folder"]);
+    bad(&directory, &[&helicoid[..], &["--report", "pages", "-o", "no/where"]].concat(), &["cannot write no/where"]);
+    bad(&directory, &["tables", "compile", "m", "-o", "no/where.tcomp"], &["cannot write no/where.tcomp"]);
+}

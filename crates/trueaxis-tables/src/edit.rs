@@ -1,0 +1,284 @@
+//! An import into a machine that is there: one axis' table and what goes with it, everything else as it stands.
+
+use crate::Table;
+use crate::error::FileError;
+use crate::formats::{Imported, axis_csv_name, stated, write_axis_csv};
+use crate::read::Standing;
+use crate::source::Source;
+use crate::{Machine, error};
+use std::path::{Path, PathBuf};
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+use trueaxis::machine::links;
+use trueaxis::machine::{Axis, AxisSettings, ErrorModel, LocationErrors, MachineSettings};
+
+/// What an import makes of a machine that is there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Edited {
+    /// The files that change, with their new text; `machine.toml` last, and only where it changes.
+    pub files: Vec<(PathBuf, String)>,
+    /// What was added, replaced, set, and left although the file says otherwise; one sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Imported {
+    /// The changes that bring these tables into an existing machine, named by its folder or its `machine.toml`.
+    ///
+    /// A table is added or replaced. Settings that the file states for its axes are set; every other setting, the order and
+    /// the comments of `machine.toml` stay. What results is checked as [`Machine::read`] does. Nothing is written.
+    ///
+    /// # Errors
+    /// A machine that cannot be read, or whose chain has not got the axis; a table that stands outside the machine's folder
+    /// under the name of the new one; a result that the controller would refuse.
+    pub fn edit(&self, machine: &Path) -> Result<Edited, FileError> {
+        let standing = Standing::read(machine)?;
+        let source = Source::new(&standing.file);
+        in_chain(self, &standing, &source)?;
+        let text = standing.text.strip_prefix('\u{feff}').unwrap_or(&standing.text);
+        let mut document = text
+            .parse::<DocumentMut>()
+            .map_err(|error| source.whole(error.message().to_owned(), "a TOML file that can be edited"))?;
+        let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
+        for (axis, table) in &self.tables {
+            let name = table_name(*axis, &standing, &source)?;
+            edited.notes.push(change(*axis, table, &standing));
+            let section = section(&mut document, *axis, &source)?;
+            let is_new = section.is_empty();
+            let mut settings = vec![(String::from("table"), Value::from(name.as_str()))];
+            if is_new {
+                settings.extend(stated::of_new_axis(*axis, table));
+            }
+            if let Some(own) = self.settings.as_ref().and_then(|all| all.axes.iter().find(|own| own.axis == *axis)) {
+                let standing = standing.settings.axes.iter().find(|own| own.axis == *axis).map(stated::of_axis);
+                let stands = |stated: &(String, Value)| {
+                    standing.iter().flatten().any(|own| own.0 == stated.0 && same(&own.1, &stated.1))
+                };
+                settings.extend(stated::of_axis(own).into_iter().filter(|stated| !stands(stated)));
+            }
+            settings.extend(outdated(*axis, table, &standing, &mut edited.notes));
+            for (key, value) in settings {
+                set(section, &key, value);
+            }
+            edited.files.push((folder(&standing).join(&name), write_axis_csv(table, *axis)));
+        }
+        location(self, &standing, &mut document, &source, &mut edited.notes)?;
+        if let Some(stated) = &self.settings {
+            edited.notes.extend(left(stated, &standing.settings));
+        }
+        let mut text = document.to_string();
+        if standing.text.contains("\r\n") && !text.contains("\r\n") {
+            text = text.replace('\n', "\r\n");
+        }
+        if standing.text.starts_with('\u{feff}') {
+            text.insert(0, '\u{feff}');
+        }
+        if text == standing.text {
+            edited.notes.push(format!("{} stays as it is", standing.file.display()));
+        } else {
+            edited.files.push((standing.file.clone(), text));
+        }
+        let without_mark =
+            |(file, text): &(PathBuf, String)| (file.clone(), text.strip_prefix('\u{feff}').unwrap_or(text).to_owned());
+        let instead: Vec<(PathBuf, String)> = edited.files.iter().map(without_mark).collect();
+        Machine::read_with(&standing.file, &instead, |_| {}).map_err(|error| error::FileError {
+            needed: format!("{} (in the machine with the import; nothing is written)", error.needed),
+            ..error
+        })?;
+        Ok(edited)
+    }
+}
+
+fn folder(standing: &Standing) -> &Path {
+    standing.file.parent().unwrap_or(Path::new(""))
+}
+
+/// Every axis has its place in the machine, and where the file states a chain, it is the machine's.
+fn in_chain(imported: &Imported, standing: &Standing, source: &Source) -> Result<(), FileError> {
+    let chain = standing.settings.chain.as_str();
+    let at = |needed: String| source.at(line_of(&standing.text, "chain"), "chain", format!("{chain:?}"), needed);
+    for (axis, _) in &imported.tables {
+        if !standing.settings.axes.iter().any(|own| own.axis == *axis) {
+            let letter = axis.letter();
+            return Err(at(format!(
+                "axis {letter} in the chain, where it stands in the machine ({letter}' on the workpiece's side); or --new and \
+                 another folder"
+            )));
+        }
+    }
+    let stated = imported.settings.as_ref().map(|settings| settings.chain.as_str());
+    match stated {
+        Some(stated) if links(stated) != links(chain) => {
+            Err(at(format!("the chain that the imported file states, {stated:?}; or --new and another folder")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Line of a key at the top of the file.
+fn line_of(text: &str, key: &str) -> u32 {
+    let is_key =
+        |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+    (1..).zip(text.lines()).find(|(_, line)| is_key(line)).map_or(0, |(number, _)| number)
+}
+
+/// Where the new table goes: in the place of the old one where that is a file of this folder and of this axis alone.
+fn table_name(axis: Axis, standing: &Standing, source: &Source) -> Result<String, FileError> {
+    let of_others = |name: &str| {
+        standing.tables.iter().find(|other| other.axis != axis && folder(standing).join(&other.name).is_file()).filter(
+            |other| {
+                let [own, other] = [name, &other.name].map(|name| folder(standing).join(name));
+                own == other || same_file::is_same_file(own, other).unwrap_or(false)
+            },
+        )
+    };
+    let old = standing.tables.iter().find(|table| table.axis == axis);
+    if let Some(old) = old {
+        let is_inside = Path::new(&old.name).components().count() == 1;
+        let file = folder(standing).join(&old.name);
+        let is_link = file.symlink_metadata().is_ok_and(|data| data.is_symlink());
+        if is_inside && !is_link && of_others(&old.name).is_none() {
+            return Ok(old.name.clone());
+        }
+    }
+    let name = axis_csv_name(axis);
+    if folder(standing).join(&name).symlink_metadata().is_ok() {
+        let found = format!("{name} beside it, which is not the table of axis {} alone", axis.letter());
+        let (line, key) = old.map_or((0, ""), |old| (old.line, old.key.as_str()));
+        return Err(source.at(line, key, found, "a place for the imported table: move that file, or name it here"));
+    }
+    Ok(name)
+}
+
+/// `EXX EYX`.
+fn errors_of(axis: Axis, table: &Table) -> String {
+    let given = Axis::ALL.into_iter().zip(table.given).filter(|(_, given)| *given);
+    let names: Vec<String> = given.map(|(moved, _)| format!("E{}{}", moved.letter(), axis.letter())).collect();
+    format!("{} lines of {}", table.rows.len(), names.join(" "))
+}
+
+fn change(axis: Axis, table: &Table, standing: &Standing) -> String {
+    let (letter, new) = (axis.letter(), errors_of(axis, table));
+    match standing.tables.iter().find(|old| old.axis == axis) {
+        None => format!("axis {letter}: table added, {new}"),
+        Some(old) => {
+            let before = old.table.as_ref().map_or(String::from("no readable table"), |table| errors_of(axis, table));
+            format!("axis {letter}: table replaced, {new} instead of {before}")
+        }
+    }
+}
+
+/// Settings of the old table that would falsify the new one.
+fn outdated(axis: Axis, table: &Table, standing: &Standing, notes: &mut Vec<String>) -> Vec<(String, Value)> {
+    let Some(own) = standing.settings.axes.iter().find(|own| own.axis == axis) else { return Vec::new() };
+    let mut set = Vec::new();
+    let (letter, component) = (axis.letter(), axis.index());
+    if own.backlash != 0.0 && table.rows.iter().any(|row| row.forward.get(component) != row.reverse.get(component)) {
+        let key = if axis.is_rotary() { "backlash_urad" } else { "backlash_um" };
+        notes.push(format!("axis {letter}: {key} set to 0, as both directions of the table contain the lost motion"));
+        set.push((String::from(key), Value::from(0.0)));
+    }
+    let cross = table.given.iter().enumerate().any(|(other, given)| *given && other != component);
+    if cross && own.measured_at_mm != [0.0; 3] {
+        notes.push(format!("axis {letter}: measured_at_mm set to zero, where the file's errors hold"));
+        set.push((String::from("measured_at_mm"), [0.0; 3].into_iter().collect()));
+    }
+    set
+}
+
+/// The section of an axis, made where there is none.
+fn section<'d>(document: &'d mut DocumentMut, axis: Axis, source: &Source) -> Result<&'d mut dyn TableLike, FileError> {
+    let no_section = || source.whole("an axis that is no section", "[axis.…] sections");
+    let axes = document.entry("axis").or_insert_with(|| {
+        let mut axes = toml_edit::Table::new();
+        axes.set_implicit(true);
+        Item::Table(axes)
+    });
+    let axes = axes.as_table_like_mut().ok_or_else(no_section)?;
+    let letter = axis.letter().to_string();
+    axes.entry(&letter).or_insert_with(toml_edit::table).as_table_like_mut().ok_or_else(no_section)
+}
+
+/// Sets a key and keeps what stands around its value.
+fn set(section: &mut dyn TableLike, key: &str, mut value: Value) {
+    match section.get_mut(key).and_then(Item::as_value_mut) {
+        Some(old) => {
+            if same(old, &value) {
+                return;
+            }
+            *value.decor_mut() = old.decor().clone();
+            *old = value;
+        }
+        None => {
+            section.insert(key, Item::Value(value));
+        }
+    }
+}
+
+/// The same value, however it is written.
+fn same(a: &Value, b: &Value) -> bool {
+    let number = |value: &Value| value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64));
+    match (a, b) {
+        (Value::String(a), Value::String(b)) => a.value() == b.value(),
+        (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b)),
+        _ => match (number(a), number(b)) {
+            (Some(a), Some(b)) => a == b,
+            _ => a.to_string().trim() == b.to_string().trim(),
+        },
+    }
+}
+
+/// Location errors that the file gives.
+fn location(
+    imported: &Imported,
+    standing: &Standing,
+    document: &mut DocumentMut,
+    source: &Source,
+    notes: &mut Vec<String>,
+) -> Result<(), FileError> {
+    let given = stated::location(&imported.location);
+    if imported.location == LocationErrors::default() || imported.location == standing.settings.location {
+        return Ok(());
+    }
+    let section = document.entry("location").or_insert_with(toml_edit::table).as_table_like_mut();
+    let section = section.ok_or_else(|| source.whole("a location that is no section", "[location]"))?;
+    let names: Vec<&str> = given.iter().map(|(key, _)| key.as_str()).collect();
+    notes.push(format!("location errors set: {}", names.join(" ")));
+    for (key, value) in &given {
+        set(section, key, value.clone());
+    }
+    let kept: Vec<String> = stated::location(&standing.settings.location)
+        .into_iter()
+        .filter(|(key, _)| !given.iter().any(|(own, _)| own == key))
+        .map(|(key, _)| key)
+        .collect();
+    if !kept.is_empty() {
+        notes.push(format!("location errors that the file does not give stay: {}", kept.join(" ")));
+    }
+    Ok(())
+}
+
+/// Settings of the machine as a whole that the file states otherwise.
+fn left(stated: &MachineSettings, standing: &MachineSettings) -> Vec<String> {
+    let model = |settings: &MachineSettings| settings.compensation.model == ErrorModel::Volumetric;
+    let differs = [
+        ("tool_mm", stated.tool_mm != standing.tool_mm),
+        ("reference_temperature_c", stated.reference_temperature_c != standing.reference_temperature_c),
+        ("[compensation] model", model(stated) != model(standing)),
+        ("[kinematics]", stated.kinematics != standing.kinematics),
+    ];
+    let mut notes: Vec<String> = differs
+        .into_iter()
+        .filter(|(_, differs)| *differs)
+        .map(|(name, _)| format!("{name} stays, though the file states another"))
+        .collect();
+    let without =
+        |axis: &&AxisSettings| standing.axes.iter().any(|own| own.axis == axis.axis && own.offset_mm != axis.offset_mm);
+    notes.extend(
+        stated
+            .axes
+            .iter()
+            .filter(without)
+            .filter(|axis| axis.offset_mm == [0.0; 3])
+            .map(|axis| format!("axis {}: offset_mm stays, though the file states none", axis.axis.letter())),
+    );
+    notes
+}

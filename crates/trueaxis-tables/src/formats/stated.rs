@@ -1,0 +1,42 @@
+//! What an imported file states of an axis, in the words of `machine.toml`.
+
+use super::axis_csv::{shortest, toml_value};
+use super::own_comments;
+use crate::Table;
+use toml_edit::Value;
+use trueaxis::machine::{Axis, AxisSettings, LocationErrors, Row};
+
+/// Settings of an axis that a machine had no section for: interpolation as in the controls that the files come from, and the
+/// range of the table as the travel.
+pub(crate) fn of_new_axis(axis: Axis, table: &Table) -> Vec<(String, Value)> {
+    let mut settings = vec![(String::from("interpolation"), Value::from("linear"))];
+    // A full circle wraps: its ends do not bound the travel.
+    if let (Some(Row { position: low, .. }), Some(Row { position: high, .. })) = (table.rows.first(), table.rows.last())
+        && !(axis.is_rotary() && (high - low - 360.0).abs() < 1e-9)
+    {
+        settings.push((own_comments::travel_key(axis).to_owned(), [*low, *high].into_iter().collect()));
+    }
+    settings
+}
+
+/// Settings of an axis from the comments of an ISG file.
+pub(crate) fn of_axis(axis: &AxisSettings) -> Vec<(String, Value)> {
+    own_comments::axis_items(axis)
+        .into_iter()
+        .filter_map(|(key, value)| Some((key.to_owned(), toml_value(key, &value).parse().ok()?)))
+        .collect()
+}
+
+/// The location errors that are not zero.
+pub(crate) fn location(location: &LocationErrors) -> Vec<(String, Value)> {
+    let squareness = [("A0Z", location.a0z), ("B0Z", location.b0z), ("C0Y", location.c0y)];
+    let squareness = squareness.into_iter().map(|(name, value)| (format!("{name}_urad"), value, 1e6));
+    let rotary = location.rotary.iter().zip(['A', 'B', 'C']).flat_map(|(errors, letter)| {
+        errors.iter().zip(Axis::ALL).enumerate().map(move |(component, (value, direction))| {
+            let (scale, unit) = if component < 3 { (1e3, "um") } else { (1e6, "urad") };
+            (format!("E{}0{letter}_{unit}", direction.letter()), *value, scale)
+        })
+    });
+    let given = squareness.chain(rotary).filter(|(_, value, _)| *value != 0.0);
+    given.map(|(key, value, scale)| (key, Value::from(shortest(value, scale)))).collect()
+}

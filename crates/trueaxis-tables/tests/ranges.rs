@@ -1,0 +1,379 @@
+//! Every number of every file has a range: outside it is refused with its place, by the bench and by the controller alike.
+//!
+//! The keys come from the reader itself, the ranges from the list in compensation-tables/README.md.
+
+mod small_machine;
+
+use std::fs;
+use std::path::Path;
+use trueaxis::machine::{Axis, MachineSettings};
+use trueaxis::roundness::{Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, RoundnessSettings};
+use trueaxis::tcomp::{MAGIC, Tcomp, TcompError, VERSION, checksum, machine_id};
+use trueaxis::{check, tcomp::HEADER_BYTES};
+use trueaxis_tables::error::FileError;
+use trueaxis_tables::formats::{Format, import, iso230_2::read_measurement};
+use trueaxis_tables::{Machine, build, compile};
+
+/// A machine with every section and every list.
+const WHOLE: &str = "\
+name = \"all\"
+chain = \"w C' X' b Y Z t\"
+tool_mm = [0.0, 0.0, -100.0]
+[axis.X]
+table = \"x.csv\"
+travel_mm = [-100.0, 100.0]
+joint_mm = [-101.0, 101.0]
+offset_mm = [0.0, 0.0, 0.0]
+measured_at_mm = [0.0, 0.0, 0.0]
+[axis.X.limits]
+[axis.X.thermal]
+[axis.Y]
+travel_mm = [-100.0, 100.0]
+joint_mm = [-101.0, 101.0]
+offset_mm = [0.0, 0.0, 0.0]
+measured_at_mm = [0.0, 0.0, 0.0]
+[axis.Y.limits]
+[axis.Y.thermal]
+[axis.Z]
+travel_mm = [-100.0, 100.0]
+joint_mm = [-101.0, 101.0]
+offset_mm = [0.0, 0.0, 0.0]
+measured_at_mm = [0.0, 0.0, 0.0]
+[axis.Z.limits]
+[axis.Z.thermal]
+[axis.C]
+travel_deg = [-100.0, 100.0]
+joint_deg = [-101.0, 101.0]
+offset_mm = [0.0, 0.0, 0.0]
+measured_at_mm = [0.0, 0.0, 0.0]
+[axis.C.limits]
+[axis.C.thermal]
+[location]
+[faults]
+[contour]
+[compensation]
+[kinematics]
+tool_axis = [0.0, 0.0, 1.0]
+[roundness]
+points = 1024
+probe_slots = [188, 667]
+harmonics = [2, 100]
+spindle_counts_per_revolution = 3600000
+probe_gain_um = [1.0, 1.0, 1.0]
+probe_zero = [0.0, 0.0, 0.0]
+probe_low = [-500.0, -500.0, -500.0]
+probe_high = [500.0, 500.0, 500.0]
+[roundness.arm]
+crank_mm = 45.0
+wheel_mm = 300.0
+pin_mm = 27.5
+counts_per_revolution = 3600000
+[roundness.infeed]
+axis = \"X\"
+harmonics = [2, 50]
+";
+const TABLE: &str = "X_mm,EXX_um,ECX_urad\n-100,1,1\n100,2,1\n";
+
+fn read(machine: &str, table: &str) -> Result<Machine, FileError> {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("machine.toml"), machine).unwrap();
+    fs::write(folder.path().join("x.csv"), table).unwrap();
+    Machine::read(folder.path())
+}
+
+/// The text with one element of one key set, and the line of the key, from 1.
+fn with(key: &str, element: usize, count: usize, value: &str) -> (String, u32) {
+    let (section, name) = key.rsplit_once('.').unwrap_or(("", key));
+    let mut lines: Vec<String> = WHOLE.lines().map(str::to_owned).collect();
+    let start = if section.is_empty() {
+        0
+    } else {
+        1 + lines.iter().position(|line| *line == format!("[{section}]")).unwrap_or_else(|| panic!("no [{section}]"))
+    };
+    // One pair of angles only.
+    if name == "probe_angles_deg" {
+        let slots = lines.iter_mut().find(|line| line.starts_with("probe_slots")).unwrap();
+        *slots = String::from("probe_angles_deg = [66.09, 234.49]");
+    }
+    let end = lines[start..].iter().position(|line| line.starts_with('[')).map_or(lines.len(), |end| start + end);
+    let place = lines[start..end].iter().position(|line| line.starts_with(&format!("{name} ="))).map(|at| start + at);
+    let text = if count == 1 {
+        value.to_owned()
+    } else {
+        let place = place.unwrap_or_else(|| panic!("{key}: a list that the machine above has to have"));
+        let list = lines[place].split_once('[').unwrap().1.trim_end_matches(']');
+        let mut values: Vec<&str> = list.split(',').map(str::trim).collect();
+        assert_eq!(values.len(), count, "{key}");
+        values[element] = value;
+        format!("[{}]", values.join(", "))
+    };
+    let place = match place {
+        Some(place) => {
+            lines[place] = format!("{name} = {text}");
+            place
+        }
+        None => {
+            lines.insert(start, format!("{name} = {text}"));
+            start
+        }
+    };
+    (lines.join("\n") + "\n", place as u32 + 1)
+}
+
+fn keys() -> Vec<(String, usize)> {
+    let keys = Machine::number_keys(WHOLE).unwrap();
+    assert!(keys.len() > 90, "{}", keys.len());
+    keys
+}
+
+/// The list of the README: (key, least, most), `None` where a bound is a rule.
+fn listed() -> Vec<(String, Option<f64>, Option<f64>)> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/README.md");
+    let text = fs::read_to_string(file).unwrap();
+    let rows = text.split("### Ranges").nth(1).unwrap().split("## The measurement").next().unwrap();
+    let mut found = Vec::new();
+    for row in rows.lines().filter(|line| line.starts_with("| `")) {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+        let [names, least, most] = cells[..] else { panic!("{row}") };
+        for name in names.split('`').skip(1).step_by(2) {
+            found.push((name.to_owned(), least.parse().ok(), most.parse().ok()));
+        }
+    }
+    found
+}
+
+/// The name of a key in the README.
+fn general(key: &str) -> String {
+    if let Some(error) = key.strip_prefix("location.") {
+        return format!("location.*_{}", error.rsplit_once('_').unwrap().1);
+    }
+    ["Y", "Z"].iter().fold(key.to_owned(), |key, axis| key.replace(&format!("axis.{axis}."), "axis.X."))
+}
+
+#[test]
+fn the_whole_machine_is_sound() {
+    let machine = read(WHOLE, TABLE).unwrap();
+    build(&machine, 10_000.0).unwrap();
+}
+
+#[test]
+fn no_number_of_machine_toml_is_absurd() {
+    for (key, count) in keys() {
+        for element in 0..count {
+            for value in ["1e308", "-1e308", "nan", "inf", "-inf"] {
+                let (text, line) = with(&key, element, count, value);
+                let error = read(&text, TABLE).expect_err(&format!("{key} = {value}"));
+                assert_eq!(
+                    (error.line, error.column.as_deref()),
+                    (Some(line), Some(&*key)),
+                    "{key} = {value}: {error}"
+                );
+                assert!(error.file.ends_with("machine.toml") && error.found.contains(value), "{error}");
+                assert!(!error.needed.is_empty() && error.found.len() < 200, "{error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_readme_lists_every_key_and_its_range_is_the_one_that_holds() {
+    let listed = listed();
+    for (key, count) in keys() {
+        let name = general(&key);
+        let Some((_, least, most)) = listed.iter().find(|(listed, ..)| *listed == name) else {
+            panic!("{name} is not in the list of compensation-tables/README.md")
+        };
+        for (bound, outwards) in [(least, -1.0), (most, 1.0)] {
+            let Some(bound) = *bound else { continue };
+            let beyond = bound + outwards * 1e-9 * bound.abs().max(1e-9);
+            for element in 0..count {
+                let (text, line) = with(&key, element, count, &format!("{beyond:?}"));
+                let error = read(&text, TABLE).expect_err(&format!("{key} = {beyond:?}"));
+                assert_eq!((error.line, error.column.as_deref()), (Some(line), Some(&*key)), "{beyond:?}: {error}");
+                // At the bound itself it is accepted, or refused by another rule.
+                let whole = ["points", "counts", "direction", "upr", "revolutions", "units", "slots"];
+                let at = if whole.iter().any(|part| key.contains(part)) {
+                    format!("{bound:.0}")
+                } else {
+                    format!("{bound:?}")
+                };
+                if let Err(other) = read(&with(&key, element, count, &at).0, TABLE) {
+                    assert!(
+                        other.column.as_deref() != Some(&*key) || other.needed != error.needed,
+                        "{key} = {at}: {other}"
+                    );
+                }
+            }
+        }
+    }
+    for (name, ..) in listed.iter().filter(|(name, ..)| name.contains('.')) {
+        assert!(keys().iter().any(|(key, _)| general(key) == *name), "{name} is in the list but is no key");
+    }
+}
+
+#[test]
+fn no_cell_of_a_table_is_absurd() {
+    for (column, beyond) in [(0, "1000000.001"), (1, "1000.0001"), (2, "10000.001")] {
+        let name = ["X_mm", "EXX_um", "ECX_urad"][column];
+        for value in ["1e308", "-1e308", "nan", "inf", beyond, &format!("-{beyond}")] {
+            let mut cells = ["0", "1", "1"];
+            cells[column] = value;
+            let table = format!("X_mm,EXX_um,ECX_urad\n{}\n2000000,1,1\n", cells.join(","));
+            let error = read(WHOLE, &table).expect_err(value);
+            assert_eq!((error.line, error.column.as_deref()), (Some(2), Some(name)), "{error}");
+            assert!(error.file.ends_with("x.csv") && !error.needed.is_empty() && error.found.len() < 60, "{error}");
+        }
+    }
+    // A slip of unit, and the hint at it.
+    let error = read(WHOLE, "X_mm,EXX_um\n-100,3100\n100,3100\n").unwrap_err();
+    assert!(
+        error.to_string().ends_with("found 3100 um, needed -1000 to 1000 um (1 mm; is the unit right?)"),
+        "{error}"
+    );
+    // Lines that no instrument can tell apart.
+    let error = read(WHOLE, "X_mm,EXX_um\n0,1\n1e-300,1\n").unwrap_err();
+    assert!(error.to_string().contains("by at least 0.001"), "{error}");
+    assert!(read(WHOLE, "X_mm,EXX_um\n0,1\n0.001,1\n0.002,1\n").is_ok());
+}
+
+#[test]
+fn no_number_of_another_controls_file_is_absurd() {
+    for value in ["1e308", "-1e308", "1.1"] {
+        for (format, text) in [
+            ("linuxcnc-1", format!("0 0 0\n10 {value} 0\n")),
+            (
+                "siemens",
+                format!(
+                    "$AA_ENC_COMP[0,0,X1]=0\n$AA_ENC_COMP[0,1,X1]={value}\n$AA_ENC_COMP_STEP[0,X1]=10\n\
+                 $AA_ENC_COMP_MIN[0,X1]=0\n$AA_ENC_COMP_MAX[0,X1]=10\n$AA_ENC_COMP_IS_MODULO[0,X1]=0\n"
+                ),
+            ),
+            ("isg", format!("X EXX\n0 0\n10 {value}\n")),
+        ] {
+            let error =
+                import(Format::from_name(format).unwrap(), &text, Path::new("f"), Some(Axis::X)).expect_err(format);
+            assert!(error.line.is_some() && error.needed.contains("is the unit right?"), "{format} {value}: {error}");
+        }
+    }
+    for (row, column) in [
+        ("0,1,+,1e308", "deviation_um"),
+        ("0,1,+,-3100", "deviation_um"),
+        ("1e308,1,+,1", "X_mm"),
+        ("-1e7,1,+,1", "X_mm"),
+    ] {
+        let text = format!("X_mm,run,direction,deviation_um\n{row}\n");
+        let error = read_measurement(&text, Path::new("m.csv"), None).unwrap_err();
+        assert_eq!((error.line, error.column.as_deref()), (Some(2), Some(column)), "{error}");
+    }
+}
+
+/// What the bench passes the controller runs, in both scalars: a setting that only the step's own stages refuse.
+#[test]
+fn what_the_controller_refuses_the_bench_refuses() {
+    let (text, line) = with("contour.max_lag_mm", 0, 1, "5000");
+    let error = read(&text, TABLE).unwrap_err();
+    assert_eq!((error.line, error.column.as_deref()), (Some(line), Some("contour.max_lag_mm")), "{error}");
+    // Three rotary axes below X: the nine terms turn by two.
+    let chain = WHOLE.split("[location]").next().unwrap().replace("w C' X' b Y Z t", "w X' A' B' C' b Y Z t");
+    let error = read(&chain, TABLE).unwrap_err();
+    assert_eq!(error.column.as_deref(), Some("chain"), "{error}");
+    build(&read(&format!("{chain}[compensation]\nmodel = \"volumetric\"\n"), TABLE).unwrap(), 1e4).unwrap();
+    // A limit that one cycle of single precision cannot resolve.
+    let slow = read(&with("axis.X.limits.acceleration_mm_per_s2", 0, 1, "1.0").0, TABLE).unwrap();
+    build(&slow, 1_000.0).unwrap();
+    assert_eq!(build(&slow, 10_000.0).unwrap_err().axis, Some(Axis::X));
+}
+
+fn gauged() -> Machine {
+    let mut machine = small_machine::machine();
+    let mut gauge = RoundnessSettings::with_defaults(256, ProbeAngles::Degrees { phi2: 66.1, phi3: 234.5 }, 1 << 20);
+    let lengths = Arm { crank_mm: 40.0, wheel_mm: 300.0, pin_mm: 20.0 };
+    gauge.arm = Some(ArmSettings { lengths, counts: 1 << 20, direction: 1, tolerance_deg: 1.0 });
+    gauge.infeed = Some(InfeedSettings {
+        axis: Axis::X,
+        direction: 1,
+        band: Band { first: 2, last: 20 },
+        gain: 0.2,
+        delay_revolutions: 2,
+        contact_deg: 180.0,
+        drive_delay_s: 0.001,
+        limit_um: 20.0,
+        noise_gain_limit: 10.0,
+    });
+    machine.settings.roundness = Some(gauge);
+    machine
+}
+
+/// Places of all numbers of a JSON document that are no integers.
+fn floats(value: &serde_json::Value, path: String, found: &mut Vec<String>) {
+    match value {
+        serde_json::Value::Number(number) if number.is_f64() => found.push(path),
+        serde_json::Value::Array(list) => {
+            list.iter().enumerate().for_each(|(index, value)| floats(value, format!("{path}/{index}"), found));
+        }
+        serde_json::Value::Object(fields) => {
+            fields.iter().for_each(|(name, value)| floats(value, format!("{path}/{name}"), found));
+        }
+        _ => {}
+    }
+}
+
+/// A file that a forger made, sum included: every double of the settings, one after the other.
+#[test]
+fn a_compiled_file_with_a_valid_sum_and_an_absurd_number_is_refused() {
+    let machine = gauged();
+    let good = compile(&machine).unwrap();
+    assert!(Tcomp::parse(&good).is_ok());
+    let tables = good[HEADER_BYTES + postcard::to_stdvec(&machine.settings).unwrap().len()..good.len() - 4].to_vec();
+    let forged = |settings: &[u8]| {
+        let payload = [settings, &tables].concat();
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(machine_id(&machine.settings.name, &machine.settings.chain).to_le_bytes());
+        bytes.extend((payload.len() as u32).to_le_bytes());
+        bytes.extend(payload);
+        bytes.extend(checksum(&bytes).to_le_bytes());
+        bytes
+    };
+    let document = serde_json::to_value(&machine.settings).unwrap();
+    let mut places = Vec::new();
+    floats(&document, String::new(), &mut places);
+    assert!(places.len() > 90, "{}", places.len());
+    const MARK: f64 = 1.234_567_891_234e-77;
+    for place in places {
+        let mut changed = document.clone();
+        *changed.pointer_mut(&place).unwrap() = serde_json::json!(MARK);
+        let settings: MachineSettings = serde_json::from_value(changed).unwrap();
+        let bytes = postcard::to_stdvec(&settings).unwrap();
+        let mark = MARK.to_le_bytes();
+        let at = bytes.windows(8).position(|window| window == mark).unwrap();
+        for value in [1e308, -1e308, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e12] {
+            let mut bytes = bytes.clone();
+            bytes[at..at + 8].copy_from_slice(&value.to_le_bytes());
+            let settings: MachineSettings = postcard::from_bytes(&bytes).unwrap();
+            assert!(check::settings(&settings).is_err(), "{place} = {value}");
+            let refused = Tcomp::parse(&forged(&bytes)).err();
+            assert!(matches!(refused, Some(TcompError::Content(_))), "{place} = {value}: {refused:?}");
+        }
+    }
+    // And every double of a table.
+    let header = tables.len();
+    for at in (0..header.saturating_sub(8)).filter(|at| {
+        let double: [u8; 8] = tables[*at..at + 8].try_into().unwrap();
+        machine.axes().flat_map(|(_, table)| table.into_iter().flat_map(|table| &table.rows)).any(|row| {
+            let values = row.forward.iter().chain(&row.reverse).chain([&row.position]);
+            values.clone().any(|value| *value != 0.0 && value.to_le_bytes() == double)
+        })
+    }) {
+        for value in [1e308, f64::NAN] {
+            let mut bytes = good.clone();
+            let start = bytes.len() - 4 - tables.len() + at;
+            bytes[start..start + 8].copy_from_slice(&f64::to_le_bytes(value));
+            let end = bytes.len() - 4;
+            let sum = checksum(&bytes[..end]);
+            bytes[end..].copy_from_slice(&sum.to_le_bytes());
+            let refused = Tcomp::parse(&bytes).err();
+            assert!(matches!(refused, Some(TcompError::Content(_))), "byte {at} = {value}: {refused:?}");
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Every scalar of a machine in its physical range.
+
+use crate::error::{ConfigError, Field};
+use crate::machine::{
+    Axis, AxisSettings, CompensationSettings, ContourSettings, FaultSettings, KinematicsSettings, Limits,
+    LocationErrors, MachineSettings, ThermalGrowth,
+};
+use crate::range::{
+    ACCELERATION, BACKLASH, ENCODER_STEP, EXPANSION, FADE, FEED, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH,
+    MAGNITUDE, PLAUSIBLE, POSITION, ROTATION, SINGULAR_CONE, SLOPE, TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS,
+    TRANSLATION,
+};
+
+/// Every scalar of a machine, the gauge's by [`gauge`]. No field is left out: a new one does not compile before it is here.
+pub(super) fn machine(machine: &MachineSettings) -> Result<(), ConfigError> {
+    let MachineSettings {
+        name: _,
+        chain: _,
+        tool_mm,
+        reference_temperature_c,
+        location,
+        faults,
+        contour: ContourSettings { max_lag_mm },
+        compensation: CompensationSettings { model: _, orientation: _, fade_deg },
+        kinematics: KinematicsSettings { tool_axis, singular_cone_deg },
+        axes,
+        roundness: _,
+    } = machine;
+    LENGTH.all(tool_mm, Field::Tool, None)?;
+    TEMPERATURE.check(*reference_temperature_c, Field::ReferenceTemperature, None)?;
+    let LocationErrors { a0z, b0z, c0y, rotary } = location;
+    ROTATION.all(&[*a0z, *b0z, *c0y], Field::Location, None)?;
+    for ([ex, ey, ez, ea, eb, ec], axis) in rotary.iter().zip([Axis::A, Axis::B, Axis::C]) {
+        TRANSLATION.all(&[*ex, *ey, *ez], Field::Location, Some(axis))?;
+        ROTATION.all(&[*ea, *eb, *ec], Field::Location, Some(axis))?;
+    }
+    let FaultSettings { resume, command_jump_factor, feedback_jump, stuck } = faults;
+    for pair in [resume, feedback_jump, stuck] {
+        PLAUSIBLE.all(pair, Field::Faults, None)?;
+    }
+    JUMP_FACTOR.check(*command_jump_factor, Field::Faults, None)?;
+    LAG.check(*max_lag_mm, Field::Contour, None)?;
+    FADE.check(*fade_deg, Field::Compensation, None)?;
+    TOOL_AXIS.all(tool_axis, Field::Kinematics, None)?;
+    SINGULAR_CONE.check(*singular_cone_deg, Field::Kinematics, None)?;
+    axes.iter().try_for_each(of_axis)
+}
+
+fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {
+    let AxisSettings {
+        axis,
+        interpolation: _,
+        lookup: _,
+        cross_lookup: _,
+        // One of two words, checked where axes are.
+        direction: _,
+        travel,
+        joint,
+        offset_mm,
+        measured_at_mm,
+        max_feed_per_s,
+        backlash,
+        hysteresis,
+        encoder_resolution,
+        limits: Limits { magnitude, slope_per_s, acceleration_per_s2 },
+        thermal: ThermalGrowth { offset_per_k, expansion_per_k, datum },
+    } = settings;
+    let (axis, on) = (*axis, Some(*axis));
+    POSITION.of(axis).all(travel, Field::Travel, on)?;
+    LENGTH.all(offset_mm, Field::Offset, on)?;
+    LENGTH.all(measured_at_mm, Field::MeasuredAt, on)?;
+    FEED.of(axis).check(*max_feed_per_s, Field::MaxFeed, on)?;
+    // Before the joint, whose default is the travel widened by it.
+    MAGNITUDE.of(axis).check(*magnitude, Field::Magnitude, on)?;
+    SLOPE.of(axis).check(*slope_per_s, Field::Slope, on)?;
+    ACCELERATION.of(axis).check(*acceleration_per_s2, Field::Acceleration, on)?;
+    JOINT.of(axis).all(joint, Field::Joint, on)?;
+    BACKLASH.of(axis).check(*backlash, Field::Backlash, on)?;
+    HYSTERESIS.of(axis).check(*hysteresis, Field::Hysteresis, on)?;
+    if let Some(step) = encoder_resolution {
+        ENCODER_STEP.of(axis).check(*step, Field::Encoder, on)?;
+    }
+    THERMAL_OFFSET.of(axis).check(*offset_per_k, Field::Thermal, on)?;
+    EXPANSION.check(*expansion_per_k, Field::Thermal, on)?;
+    POSITION.of(axis).check(*datum, Field::Thermal, on)
+}

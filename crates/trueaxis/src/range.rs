@@ -1,0 +1,165 @@
+//! The physical range of every scalar in a machine's description: one list for the bench and the controller.
+//!
+//! A number outside is no machine but a slip of unit (mm written as µm, degrees as µrad), of a sign or a decimal, or a
+//! damaged file. Ranges are generous: several times what the worst machine in service has. They are in the units of the core
+//! (mm, degrees, rad, s); the texts name the units of the files as well.
+
+use crate::axis::Axis;
+use crate::error::{ConfigError, Field};
+
+/// From where to where, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Smallest value.
+    pub least: f64,
+    /// Largest value.
+    pub most: f64,
+    /// The same in words, with the unit of the files.
+    pub needed: &'static str,
+}
+
+impl Range {
+    const fn new(least: f64, most: f64, needed: &'static str) -> Range {
+        Range { least, most, needed }
+    }
+
+    /// Whether a value lies in it; never what is not a number.
+    pub const fn contains(&self, value: f64) -> bool {
+        value >= self.least && value <= self.most
+    }
+
+    /// Refuses what lies outside.
+    ///
+    /// # Errors
+    /// The value, with the range as what is needed.
+    pub fn check(&self, value: f64, field: Field, axis: Option<Axis>) -> Result<(), ConfigError> {
+        if self.contains(value) {
+            return Ok(());
+        }
+        Err(ConfigError { axis, ..ConfigError::new(field, value, self.needed) })
+    }
+
+    pub(crate) fn all(&self, values: &[f64], field: Field, axis: Option<Axis>) -> Result<(), ConfigError> {
+        values.iter().enumerate().try_for_each(|(index, value)| {
+            self.check(*value, field, axis).map_err(|error| if values.len() > 1 { error.at(index) } else { error })
+        })
+    }
+}
+
+/// Of a quantity that linear axes have in mm and rotary ones in degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ByKind {
+    /// X, Y, Z.
+    pub linear: Range,
+    /// A, B, C.
+    pub rotary: Range,
+}
+
+impl ByKind {
+    const fn new(linear: Range, rotary: Range) -> ByKind {
+        ByKind { linear, rotary }
+    }
+
+    /// That of an axis.
+    pub const fn of(&self, axis: Axis) -> &Range {
+        if axis.is_rotary() { &self.rotary } else { &self.linear }
+    }
+}
+
+const fn degrees(urad: f64) -> f64 {
+    (urad / 1e6).to_degrees()
+}
+
+/// Positions: travel, lines of a table, the datum of thermal growth. A kilometre is beyond the longest gantry; 1e9 degrees,
+/// what an axis has that declares no travel, are two months of a spindle at 30 rpm.
+pub const POSITION: ByKind =
+    ByKind::new(Range::new(-1e6, 1e6, "-1e6 to 1e6 mm"), Range::new(-1e9, 1e9, "-1e9 to 1e9 degrees"));
+/// The joint: a travel with the largest correction on either side.
+pub const JOINT: ByKind = ByKind::new(
+    Range::new(-1_000_010.0, 1_000_010.0, "-1000010 to 1000010 mm"),
+    Range::new(-1_000_000_010.0, 1_000_000_010.0, "-1000000010 to 1000000010 degrees"),
+);
+/// Lengths between the parts of a machine: tool, offsets of frames, place of measurement.
+pub const LENGTH: Range = Range::new(-1e6, 1e6, "-1e6 to 1e6 mm");
+/// Distance of two lines of a table, mm or degrees: a micrometre, below what any instrument sets.
+pub const LEAST_PITCH: f64 = 1e-3;
+/// A translation in a table, and a location error. Machines that are corrected have some 0.3 mm at most; above 1 mm the
+/// unit is wrong (3.1 µm written as 3,100) or the machine is.
+pub const TRANSLATION: Range = Range::new(-1.0, 1.0, "-1000 to 1000 um (1 mm; is the unit right?)");
+/// A rotation in a table, and a squareness: 10 mrad are 10 mm on a metre, a hundred times what standards permit.
+pub const ROTATION: Range = Range::new(-0.01, 0.01, "-10000 to 10000 urad (10 mrad; is the unit right?)");
+/// Lost motion: worn screws have 0.2 mm, worn worms 5 mrad. Below zero where a drive takes too much of it out itself.
+pub const BACKLASH: ByKind = ByKind::new(
+    Range::new(-1.0, 1.0, "-1000 to 1000 um (1 mm; is the unit right?)"),
+    Range::new(degrees(-10_000.0), degrees(10_000.0), "-10000 to 10000 urad (10 mrad; is the unit right?)"),
+);
+/// Way back that counts as a reversal: some counts of an encoder and the noise of a command.
+pub const HYSTERESIS: ByKind = ByKind::new(
+    Range::new(0.0, 0.1, "0 to 100 um (0.1 mm)"),
+    Range::new(0.0, degrees(2_000.0), "0 to 2000 urad (0.11 degrees)"),
+);
+/// Magnitude limit of the correction: what a table may hold, ten times; at least a nanometre.
+pub const MAGNITUDE: ByKind = ByKind::new(
+    Range::new(1e-6, 10.0, "0.001 to 10000 um (10 mm)"),
+    Range::new(degrees(0.001), degrees(100_000.0), "0.001 to 100000 urad (5.7 degrees)"),
+);
+/// Slope limit of the correction: up to 1 m/s, faster than most axes.
+pub const SLOPE: ByKind =
+    ByKind::new(Range::new(1e-6, 1e3, "1e-6 to 1000 mm/s"), Range::new(1e-6, 1e3, "1e-6 to 1000 degrees/s"));
+/// Acceleration limit of the correction: up to 1 km/s², a hundred times gravity.
+pub const ACCELERATION: ByKind =
+    ByKind::new(Range::new(1e-3, 1e6, "0.001 to 1e6 mm/s2"), Range::new(1e-3, 1e6, "0.001 to 1e6 degrees/s2"));
+/// Highest feed, per second: up to 16.7 m/s, three times that of a linear motor, and 27,778 rpm, a fast spindle's.
+pub const FEED: ByKind = ByKind::new(
+    Range::new(1e-3 / 60.0, 1e6 / 60.0, "0.001 to 1e6 mm/min"),
+    Range::new(1e-3 / 60.0, 1e7 / 60.0, "0.001 to 1e7 degrees/min"),
+);
+/// Step of an encoder: a hundredth of a nanometre to a millimetre, as much in degrees.
+pub const ENCODER_STEP: ByKind = ByKind::new(
+    Range::new(1e-8, 1.0, "0.00001 to 1000 um"),
+    Range::new(degrees(1e-5), degrees(2e4), "0.00001 to 20000 urad"),
+);
+/// Thermal shift per kelvin: 0.1 mm is a column of 9 m of steel.
+pub const THERMAL_OFFSET: ByKind = ByKind::new(
+    Range::new(-0.1, 0.1, "-100 to 100 um/K"),
+    Range::new(degrees(-1_000.0), degrees(1_000.0), "-1000 to 1000 urad/K"),
+);
+/// Expansion: steel has 11.5 µm/(m K), aluminium 23, plastics 200.
+pub const EXPANSION: Range = Range::new(-1e-3, 1e-3, "-1000 to 1000 millionths per K");
+/// Temperature at which tables hold: that of a hall, an oven or a cold store.
+pub const TEMPERATURE: Range = Range::new(-50.0, 150.0, "-50 to 150 degrees Celsius");
+/// Plausible jumps, the stuck distance, the way of a restart, mm or degrees: a nanometre to a metre.
+pub const PLAUSIBLE: Range = Range::new(1e-6, 1e3, "1e-6 to 1000 mm or degrees");
+/// Command jump as a multiple of what the highest feed allows.
+pub const JUMP_FACTOR: Range = Range::new(1.0, 1e3, "a factor of 1 to 1000");
+/// Half-window of the contour search: what the search itself takes.
+pub const LAG: Range = Range::new(1e-3, 1e3, "a max_lag_mm of 0.001 to 1000 mm");
+/// Cone in which the correction of the direction fades: half of a right angle.
+pub const FADE: Range = Range::new(0.0, 45.0, "a fade_deg of 0 to 45 degrees");
+/// Cone round the singular pose: half of a right angle.
+pub const SINGULAR_CONE: Range = Range::new(0.0, 45.0, "a singular_cone_deg of 0 to 45 degrees");
+/// Components of the tool axis; its length is 1e-3 to 1e3.
+pub const TOOL_AXIS: Range = Range::new(-1e3, 1e3, "-1000 to 1000");
+
+/// Noise gain from which a harmonic is left out: by Cauchy no gain is below 0.57.
+pub const NOISE_GAIN: Range = Range::new(0.1, 1e6, "a noise gain limit of 0.1 to 1e6");
+/// Size of a probe's gain, µm per unit: fractions of a nanometre per count to a metre per unit.
+pub const PROBE_GAIN: Range = Range::new(1e-9, 1e6, "a gain of 1e-9 to 1e6 um per unit, or as much below 0");
+/// Raw value of a probe: more than a converter of 30 bits.
+pub const PROBE_RAW: Range = Range::new(-1e9, 1e9, "-1e9 to 1e9");
+/// Throw of a crank: that of a ship's engine is 2 m.
+pub const CRANK: Range = Range::new(0.0, 1e4, "0 to 10000 mm");
+/// Radius of a wheel or a pin.
+pub const RADIUS: Range = Range::new(1e-3, 1e4, "0.001 to 10000 mm");
+/// Difference between an arm's reading and the linkage.
+pub const ARM_TOLERANCE: Range = Range::new(1e-6, 90.0, "a tolerance of 1e-6 to 90 degrees");
+/// Time after which a spindle stands.
+pub const STOP: Range = Range::new(1e-3, 60.0, "a time of 0.001 to 60 s");
+/// Angles between probes, and from a probe to the wheel: a turn either way.
+pub const ANGLE: Range = Range::new(-360.0, 360.0, "-360 to 360 degrees");
+/// Delay of a drive.
+pub const DRIVE_DELAY: Range = Range::new(0.0, 0.1, "a delay of 0 to 0.1 s");
+/// Largest infeed correction: a nanometre to 10 mm.
+pub const INFEED: Range = Range::new(1e-3, 1e4, "a limit of 0.001 to 10000 um");
+/// Gain of the infeed law, before its limit of stability.
+pub const INFEED_GAIN: Range = Range::new(1e-6, 1.0, "a gain of 1e-6 to 1");
