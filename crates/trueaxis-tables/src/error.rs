@@ -1,6 +1,6 @@
 //! What is wrong with a file.
 
-use crate::text::printable;
+use crate::printable::printable;
 use std::fmt;
 use std::path::PathBuf;
 

@@ -9,6 +9,7 @@ pub mod exact;
 pub mod formats;
 mod lost_motion;
 pub mod output;
+mod printable;
 mod read;
 pub mod sheet;
 mod source;

@@ -1,5 +1,7 @@
 //! Text that comes in and goes out: files, counts, numbers, what was found in a file.
 
+pub use crate::printable::printable;
+
 use crate::error::FileError;
 use std::path::Path;
 
@@ -38,15 +40,6 @@ pub fn short(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
-/// Text with its control characters, line feeds excepted, written out: `\r` would overwrite the line on a terminal.
-pub fn printable(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        if c.is_control() && c != '\n' { out.extend(c.escape_default()) } else { out.push(c) }
-    }
-    out
 }
 
 #[cfg(test)]

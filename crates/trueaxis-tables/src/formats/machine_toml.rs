@@ -1,6 +1,7 @@
 //! A whole machine, written.
 
-use super::axis_csv::{axis_csv_name, location_lines, shortest, write_axis_csv};
+use super::axis_csv::{axis_csv_name, location_lines, write_axis_csv};
+use super::decimal::shortest;
 use crate::Machine;
 use std::fmt::Write;
 use trueaxis::machine::{

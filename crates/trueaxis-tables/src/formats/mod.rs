@@ -15,6 +15,7 @@
 //! ([`Loss::Drop`]); then it names what it dropped.
 
 mod axis_csv;
+mod decimal;
 pub mod isg;
 mod isg_notes;
 pub mod iso230_2;

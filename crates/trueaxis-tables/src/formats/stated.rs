@@ -1,6 +1,6 @@
 //! What an imported file states of an axis, in the words of `machine.toml`.
 
-use super::axis_csv::{shortest, toml_value};
+use super::decimal::{shortest, toml_value};
 use super::own_comments;
 use crate::Table;
 use toml_edit::Value;

@@ -1,5 +1,6 @@
 //! `machine.toml`: keys, units and defaults.
 
+use super::places::{Place, Places};
 use super::section::{Found, Section};
 use crate::error::FileError;
 use crate::source::Source;
@@ -10,18 +11,6 @@ use trueaxis::machine::{
     Axis, AxisSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, LocationErrors, Lookup,
     MachineSettings,
 };
-
-/// Where a setting stands in the file.
-pub(super) struct Place {
-    pub(super) field: Field,
-    pub(super) axis: Option<Axis>,
-    pub(super) line: u32,
-    pub(super) key: String,
-    /// As written.
-    pub(super) text: String,
-    /// As it became in the settings.
-    pub(super) values: Vec<f64>,
-}
 
 /// A table that the file names.
 pub(super) struct TableReference {
@@ -38,43 +27,6 @@ pub(super) struct Description {
     pub(super) places: Vec<Place>,
     /// Keys of numbers that were asked for, with their count.
     pub(super) numbers: Vec<(String, usize)>,
-}
-
-/// The places of all settings, collected while they are read.
-#[derive(Default)]
-pub(super) struct Places(Vec<Place>);
-
-impl Places {
-    /// Stores a number, converted, where the key is given.
-    pub(super) fn number(
-        &mut self,
-        to: &mut f64,
-        found: Option<Found<f64>>,
-        field: Field,
-        axis: Option<Axis>,
-        convert: impl Fn(f64) -> f64,
-    ) {
-        if let Some(Found { value, line, key, text }) = found {
-            *to = convert(value);
-            self.0.push(Place { field, axis, line, key, text, values: vec![*to] });
-        }
-    }
-
-    /// Stores a list of numbers where the key is given.
-    pub(super) fn numbers<const N: usize>(
-        &mut self,
-        to: &mut [f64; N],
-        found: Option<Found<[f64; N]>>,
-        field: Field,
-        axis: Option<Axis>,
-    ) -> bool {
-        let given = found.is_some();
-        if let Some(Found { value, line, key, text }) = found {
-            *to = value;
-            self.0.push(Place { field, axis, line, key, text, values: value.to_vec() });
-        }
-        given
-    }
 }
 
 /// µm to mm: a division, so that the result is the double nearest to the decimal.
@@ -128,7 +80,7 @@ pub(super) fn read(text: &str, source: &Source) -> Result<Description, FileError
     })?;
     for (found, field) in [(name, Field::Name), (chain, Field::Chain)] {
         let Found { line, key, text, .. } = found;
-        places.0.push(Place { field, axis: None, line, key, text, values: Vec::new() });
+        places.into_all().push(Place { field, axis: None, line, key, text, values: Vec::new() });
     }
     places.numbers(&mut settings.tool_mm, root.numbers("tool_mm")?, Field::Tool, None);
     let reference = root.number("reference_temperature_c")?;
@@ -182,7 +134,7 @@ pub(super) fn read(text: &str, source: &Source) -> Result<Description, FileError
     }
     settings.roundness = super::roundness_toml::read(&root, &mut places)?;
     root.finish(None)?;
-    Ok(Description { settings, tables, places: places.0, numbers: numbers.into_inner() })
+    Ok(Description { settings, tables, places: places.into_all(), numbers: numbers.into_inner() })
 }
 
 fn read_axis(

@@ -2,6 +2,7 @@
 
 mod axis_table;
 mod machine_toml;
+mod places;
 mod roundness_toml;
 mod section;
 
@@ -228,7 +229,7 @@ fn contraction(machine: &Machine, source: &Source, error: &ConfigError) -> FileE
 impl Description {
     /// An error of the settings at the line it comes from.
     fn located(&self, source: &Source, error: &ConfigError) -> FileError {
-        let fits = |place: &&machine_toml::Place| place.field == error.field && place.axis == error.axis;
+        let fits = |place: &&places::Place| place.field == error.field && place.axis == error.axis;
         let exact = self.places.iter().filter(fits).find(|place| place.values.contains(&error.found));
         match exact.or_else(|| self.places.iter().find(fits)) {
             Some(place) => source.at(place.line, &place.key, &place.text, error.needed),

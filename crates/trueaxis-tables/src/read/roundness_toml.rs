@@ -1,6 +1,6 @@
 //! `[roundness]` of `machine.toml`: a gauge of three probes.
 
-use super::machine_toml::Places;
+use super::places::Places;
 use super::section::{Found, Section};
 use crate::error::FileError;
 use trueaxis::error::Field;
