@@ -80,7 +80,7 @@ pub(super) fn read(text: &str, source: &Source) -> Result<Description, FileError
     })?;
     for (found, field) in [(name, Field::Name), (chain, Field::Chain)] {
         let Found { line, key, text, .. } = found;
-        places.into_all().push(Place { field, axis: None, line, key, text, values: Vec::new() });
+        places.push(Place { field, axis: None, line, key, text, values: Vec::new() });
     }
     places.numbers(&mut settings.tool_mm, root.numbers("tool_mm")?, Field::Tool, None);
     let reference = root.number("reference_temperature_c")?;

@@ -21,6 +21,11 @@ pub(super) struct Place {
 pub(super) struct Places(Vec<Place>);
 
 impl Places {
+    /// One that is kept as text.
+    pub(super) fn push(&mut self, place: Place) {
+        self.0.push(place);
+    }
+
     /// All of them, in the order of the file's reading.
     pub(super) fn into_all(self) -> Vec<Place> {
         self.0
