@@ -5,7 +5,6 @@ use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use trueaxis::range::POSITION;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::sheet::Sheet;
 
@@ -40,10 +39,9 @@ pub(crate) struct Rows<const C: usize> {
     bar: ProgressBar,
 }
 
-/// Largest size of a value: a kilometre, a metre of deviation, 1e9 of anything else (degrees are counted over many turns).
+/// Largest size of a value: a metre of deviation, 1e9 of anything else (degrees are counted over many turns).
 fn most(column: &str) -> f64 {
     match column.rsplit_once('_') {
-        Some((_, "mm")) => POSITION.linear.most,
         Some((_, "um" | "urad")) => 1e6,
         _ => 1e9,
     }

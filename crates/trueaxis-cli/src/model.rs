@@ -64,7 +64,7 @@ pub(crate) fn text(file: &Path) -> Result<String> {
     let lines = bytes.split(|byte| *byte == b'\n').zip(1..);
     for (line, number) in lines {
         if std::str::from_utf8(line).is_err() && !is_comment(line) {
-            bail!("{}:{number}: found bytes that are no UTF-8, needed text in UTF-8", file.display());
+            bail!("{}:{number}: found bytes that are not UTF-8, needed text in UTF-8", file.display());
         }
     }
     Ok(String::from_utf8_lossy(&bytes).into_owned())

@@ -176,7 +176,11 @@ fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
     fs::remove_file(directory.path().join("m/x.csv")).unwrap();
     // What results would be refused by the controller: 0.9 mm of error on 0.5 mm.
     put(&directory, "steep.comp", "0 0 0\n0.5 1.4 1.4\n2 2 2\n");
-    bad(&directory, &import("linuxcnc", "steep.comp", "X"), &["x.csv", "slope", "nothing is written"]);
+    bad(
+        &directory,
+        &[&import("linuxcnc", "steep.comp", "X")[..], &["--comp-file-type", "0"]].concat(),
+        &["x.csv", "slope", "nothing is written"],
+    );
     put(&directory, "m/machine.toml", &MACHINE.replace("name", "nam"));
     bad(&directory, &import("linuxcnc", "new.comp", "X"), &["machine.toml", "name"]);
     // A folder with a table and no machine.
@@ -189,7 +193,19 @@ fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
     // A machine that is new leaves no folder when it is refused.
     bad(
         &directory,
-        &["tables", "import", "--from", "linuxcnc", "steep.comp", "--axis", "X", "-o", "new/deep"],
+        &[
+            "tables",
+            "import",
+            "--from",
+            "linuxcnc",
+            "steep.comp",
+            "--comp-file-type",
+            "0",
+            "--axis",
+            "X",
+            "-o",
+            "new/deep",
+        ],
         &["steep.comp", "slope"],
     );
 }

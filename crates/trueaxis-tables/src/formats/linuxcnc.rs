@@ -151,6 +151,10 @@ pub fn recognise(text: &str, file: &std::path::Path) -> Result<CompFileType, Fil
     if trims <= LARGEST && trims * CLEARLY <= positions {
         return Ok(CompFileType::Trims);
     }
+    if positions > LARGEST && trims > LARGEST {
+        // Neither is a table: the range of its numbers refuses it, with the line.
+        return Ok(CompFileType::Positions);
+    }
     Err(source.whole(
         format!("errors up to {positions} read as type 0 and {trims} read as type 1 (mm or degrees)"),
         "numbers that tell the types apart, or the type (--comp-file-type 0 or 1)",
