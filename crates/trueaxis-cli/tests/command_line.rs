@@ -431,7 +431,7 @@ fn odd_bytes_are_told_with_their_line_and_written_out() {
     for name in ["latin.csv", "latin.json", "latin.comp"] {
         fs::write(directory.path().join(name), b"x_mm,y_mm\n1,2\n3,\xb5\n").unwrap();
     }
-    fs::write(directory.path().join("xyz.csv"), b"x_mm,y_mm,z_mm\n1,2,3\n3,\xb5,1\n").unwrap();
+    fs::write(directory.path().join("xyz.csv"), b"x_mm,y_mm,z_mm\n1,2,-3\n3,\xb5,-1\n").unwrap();
     let mill = samples().join("mill-3axis").display().to_string();
     let cases: [&[&str]; 5] = [
         &["circle", "latin.csv"],
