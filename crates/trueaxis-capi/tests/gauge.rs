@@ -9,11 +9,10 @@ use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;
 use trueaxis::compensation::Storage;
-use trueaxis::contour;
 use trueaxis::roundness::{self, Roundness};
 use trueaxis::tcomp::{TableData, Tcomp};
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
-use trueaxis::{Config, Position as _, ServoLoop};
+use trueaxis::{Config, GaugeRide, Position as _, ServoLoop};
 use trueaxis_capi::*;
 
 #[cfg(not(feature = "single"))]
@@ -155,15 +154,9 @@ fn compare<const N: usize>(state_size: usize, cycles: i32) {
             index: (readings.has_index == 1).then_some(readings.index),
             ..roundness::Probes::default()
         };
-        let (expected, expected_cycle) = core.step_with_gauge(
-            &mut core_state,
-            &core_input,
-            &contour::Path::new(&[], 0, false),
-            contour::Reference::default(),
-            &core_gauge,
-            &mut core_gauge_state,
-            &core_probes,
-        );
+        let mut ride = GaugeRide::new(&core_gauge, &mut core_gauge_state, &core_probes);
+        let expected = core.step(&mut core_state, &core_input, (), &mut ride);
+        let expected_cycle = ride.cycle();
         assert_eq!(its.infeed.to_bits(), expected_cycle.infeed.to_bits(), "cycle {cycle}");
         assert_eq!((its.flags, its.finished == 1), (expected_cycle.flags.0, expected_cycle.finished));
         for axis in 0..3 {

@@ -99,9 +99,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         let mut flags = 0u8;
         match sample.verdict {
             _ if sample.first => {}
-            Verdict::Active | Verdict::Inactive => {
-                let none = [R::ZERO; N];
-                let wanted = if sample.verdict == Verdict::Active { wanted } else { &none };
+            Verdict::Active => {
                 let mut bit = 1u8;
                 for ((limiter, limited), wanted) in self.limiters.iter().zip(&mut state.limited).zip(wanted) {
                     if limiter.follow(limited, *wanted) {
@@ -110,6 +108,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
                     bit = bit.wrapping_shl(1);
                 }
             }
+            Verdict::Inactive => flags = self.withdraw(state),
             Verdict::Freeze => self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.freeze(limited)),
             Verdict::Hold | Verdict::Nowhere => {
                 self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.hold(limited));
@@ -134,6 +133,17 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         }
         state.drive = drive;
         Applied { drive, feedback, correction, limited: flags, outside: None }
+    }
+
+    /// The corrections go back to zero; a bit for every axis where there is one left.
+    #[cold]
+    #[inline(never)]
+    fn withdraw(&self, state: &mut OutputState<R, P, N>) -> u8 {
+        let mut flags = 0;
+        for (slot, (limiter, limited)) in self.limiters.iter().zip(&mut state.limited).enumerate() {
+            flags |= u8::from(limiter.follow(limited, R::ZERO)) << (slot & 7);
+        }
+        flags
     }
 
     #[inline(always)]

@@ -18,6 +18,12 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
     fn to_f64(self) -> f64;
     /// `self - origin`, rounded once.
     fn since<R: Real>(self, origin: Self) -> R;
+    /// The same where the two are near each other, or only their order counts: integers saturate at ±2.147 m, for which a
+    /// Cortex-M4F has an instruction.
+    #[inline(always)]
+    fn since_near<R: Real>(self, origin: Self) -> R {
+        self.since(origin)
+    }
     /// `self + d`, rounded once.
     fn plus<R: Real>(self, d: R) -> Self;
     /// `self - origin` reduced by whole turns to 0 (inclusive) … 360 degrees; the reduction itself is exact, so that
@@ -91,6 +97,10 @@ impl Position for Nanometres {
         difference * R::of(1e-6)
     }
     #[inline(always)]
+    fn since_near<R: Real>(self, origin: Nanometres) -> R {
+        R::of_i32(self.0.saturating_sub(origin.0)) * R::of(1e-6)
+    }
+    #[inline(always)]
     fn plus<R: Real>(self, d: R) -> Nanometres {
         let half = if d < R::ZERO { -R::HALF } else { R::HALF };
         Nanometres(self.0.saturating_add((d * R::of(1e6) + half).to_i32()))
@@ -131,6 +141,8 @@ mod tests {
             prop_assert_eq!(Nanometres(a).since::<f64>(Nanometres(b)), truth as f64 * 1e-6);
             let single = f64::from(Nanometres(a).since::<f32>(Nanometres(b)));
             prop_assert!((single - truth as f64 * 1e-6).abs() <= 1.5e-7 * (truth as f64 * 1e-6).abs());
+            let near = truth.clamp(i64::from(i32::MIN), i64::from(i32::MAX));
+            prop_assert_eq!(Nanometres(a).since_near::<f64>(Nanometres(b)), near as f64 * 1e-6);
         }
     }
 

@@ -230,6 +230,8 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
 
 /// A period longer than this multiple of the configured one is a late cycle.
 const LATE: f64 = 1.25;
+/// The farthest usable position of any type, mm (deg).
+const FARTHEST: f64 = 1e9;
 /// Periods after which a late cycle excuses no larger change.
 const LONGEST: u32 = 16;
 
@@ -238,7 +240,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let axes = crate::machine::step_axes::<N>(machine)?;
         let period = f64::from(period_ns) * 1e-9;
         let none = Plausible {
-            travel: [P::of(f64::MIN), P::of(f64::MAX)],
+            travel: [-FARTHEST, FARTHEST].map(P::limit),
             command_jump: R::MAX,
             feedback_jump: R::MAX,
             stuck: R::MAX,
@@ -250,7 +252,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             machine.axes.iter().find(|a| a.axis == axis).map_or(none, |settings| {
                 let jump = command_jump_factor * settings.max_feed_per_s * period;
                 Plausible {
-                    travel: settings.travel.map(P::of),
+                    travel: settings.travel.map(|x| P::limit(Real::within(x, -FARTHEST, FARTHEST))),
                     command_jump: R::of(jump),
                     feedback_jump: R::of(jump + pick(feedback_jump)),
                     stuck: R::of(pick(stuck)),
@@ -323,17 +325,18 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let slack = if late { self.periods(input.elapsed_ns) } else { R::ONE };
         let mut place = 0;
         for ((axis, command), last) in self.axes.iter().zip(&input.command).zip(&state.command) {
-            if !command.is_usable() {
-                return (Fault::CommandNotFinite, place);
-            }
             if active {
+                // Nothing that is within the travel is unusable.
                 let [low, high] = axis.travel;
-                if *command < low || *command > high {
-                    return (Fault::CommandOutOfTravel, place);
+                if !(*command >= low && *command <= high) {
+                    let fault = if command.is_usable() { Fault::CommandOutOfTravel } else { Fault::CommandNotFinite };
+                    return (fault, place);
                 }
-                if check_jump && command.since::<R>(*last).abs() > axis.command_jump * slack {
+                if check_jump && command.since_near::<R>(*last).abs() > axis.command_jump * slack {
                     return (Fault::CommandJump, place);
                 }
+            } else if !command.is_usable() {
+                return (Fault::CommandNotFinite, place);
             }
             place = place.wrapping_add(1);
         }
@@ -362,12 +365,14 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 Fault::EncoderAlarm
             } else if !watch {
                 Fault::None
-            } else if reading.since::<R>(*good).abs() > axis.feedback_jump * (R::ONE + R::of_i32(i32::from(*missing))) {
+            } else if reading.since_near::<R>(*good).abs()
+                > axis.feedback_jump * (R::ONE + R::of_i32(i32::from(*missing)))
+            {
                 Fault::FeedbackJump
             } else if *reading == *good {
                 // In the cycle of switching on, the command may have been set anew.
                 if state.active {
-                    *unmoved += command.since::<R>(*last_command).abs();
+                    *unmoved += command.since_near::<R>(*last_command).abs();
                 }
                 if *unmoved > axis.stuck { Fault::EncoderStuck } else { Fault::None }
             } else {
@@ -409,12 +414,10 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             state.latch(fault, axis);
         }
         let placed = state.started || Self::placed(state, input);
-        let near = self
-            .axes
-            .iter()
-            .zip(&input.command)
-            .zip(&state.command)
-            .all(|((axis, command), held)| command.is_usable() && command.since::<R>(*held).abs() <= axis.resume);
+        let near =
+            self.axes.iter().zip(&input.command).zip(&state.command).all(|((axis, command), held)| {
+                command.is_usable() && command.since_near::<R>(*held).abs() <= axis.resume
+            });
         // A jump is measured from the held command, so near excuses it; out of travel stays a fault.
         let acceptable = matches!(fault, Fault::None | Fault::CommandJump);
         // Readings go on being believed or not, quietly: the stop is what is reported.

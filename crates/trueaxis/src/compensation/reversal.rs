@@ -25,7 +25,7 @@ impl<P: Position> Reversal<P> {
     /// Takes the drive's position, command plus correction; `band` in mm (deg). Returns the mask: all ones in negative travel.
     #[inline(always)]
     pub fn update<R: Real>(&mut self, drive: P, band: R) -> usize {
-        let moved: R = drive.since(self.turning_point);
+        let moved: R = drive.since_near(self.turning_point);
         let (onward, back) =
             if self.reverse == 0 { (moved > R::ZERO, moved < -band) } else { (moved < R::ZERO, moved > band) };
         if onward || back {

@@ -303,7 +303,7 @@ impl<R: Real, P: Position> Chord<R, P> {
 
 #[inline(always)]
 fn way<R: Real, P: Position>([x, y, z]: &[P; 3], [tx, ty, tz]: &[P; 3]) -> V3<R> {
-    V3::new(tx.since(*x), ty.since(*y), tz.since(*z))
+    V3::new(tx.since_near(*x), ty.since_near(*y), tz.since_near(*z))
 }
 
 #[cfg(test)]

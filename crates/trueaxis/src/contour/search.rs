@@ -85,7 +85,7 @@ impl<R: Real> ContourSearch<R> {
         if !reference.is_on_its_piece() {
             return self.update_off(state, path, reference, &point);
         }
-        self.update_on(state, path, reference, point)
+        self.update_on(state, path, reference, &point)
     }
 
     /// The reference is off its piece.
@@ -118,17 +118,17 @@ impl<R: Real> ContourSearch<R> {
         state: &mut ContourState<R>,
         path: &Path<'_, R, P>,
         reference: Reference<R>,
-        point: [P; 3],
+        point: &[P; 3],
     ) -> ContourError<R> {
         // Not warm, or bisection: in one comparison.
         if u8::from(state.warm) <= self.method as u8 {
-            return self.slow(state, path, reference, &point);
+            return self.slow(state, path, reference, point);
         }
         let progress = way(path, state.reference, reference, self.max_lag);
         let guess = advance(path, state.foot, progress);
-        let Some(span) = path.span(guess.span) else { return self.slow(state, path, reference, &point) };
+        let Some(span) = path.span(guess.span) else { return self.slow(state, path, reference, point) };
         let window = window(progress);
-        let found = foot(span, &span.relative(&point), guess.t);
+        let found = foot(span, &span.relative(point), guess.t);
         let (place, length) = (span.arc_length(found.t), span.length());
         let squared = dot(&found.vector, &found.vector);
         let error = squared.sqrt();
@@ -146,7 +146,7 @@ impl<R: Real> ContourSearch<R> {
             };
             return self.report(state, path, reference, &result, error, 2);
         }
-        self.beside(state, path, reference, &point, guess, window, found)
+        self.beside(state, path, reference, point, guess, window, found)
     }
 
     /// The kernel's foot is not clear: near a border, beyond it, or not trusted.

@@ -100,7 +100,7 @@ impl<R: Real, P: Position> Span<R, P> {
         let origin = [x.plus(half.x), y.plus(half.y), z.plus(half.z)];
         let [ox, oy, oz] = origin;
         // What the rounding of the origin leaves goes into the polynomial.
-        let first = V3::new(x.since(ox), y.since(oy), z.since(oz));
+        let first = V3::new(x.since_near(ox), y.since_near(oy), z.since_near(oz));
         let square = way * R::THREE - start * R::TWO - end;
         let cube = start + end - way * R::TWO;
         let term = |v: V3<R>, w: R| [v.x, v.y, v.z, w];
@@ -220,11 +220,11 @@ impl<R: Real, P: Position> Span<R, P> {
         [ox.plus(x), oy.plus(y), oz.plus(z)]
     }
 
-    /// A point relative to the origin.
+    /// A point relative to the origin, from which a piece reaches a few millimetres.
     #[inline(always)]
     pub(super) fn relative(&self, point: &[P; 3]) -> [R; 3] {
         let ([x, y, z], [ox, oy, oz]) = (point, &self.origin);
-        [x.since(*ox), y.since(*oy), z.since(*oz)]
+        [x.since_near(*ox), y.since_near(*oy), z.since_near(*oz)]
     }
 }
 
@@ -269,19 +269,23 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         Path { spans, first, closed, turning: false }
     }
 
-    /// The place at parameter `u` of a segment (0 to 1 on lines and arcs, the knots' domain on splines), for the step.
+    /// The place at parameter `u` of a segment, for the step: 0 to 1 on lines and arcs, the knots' domain on splines, and
+    /// beyond them the end.
     ///
-    /// Of a segment that the window does not hold there is no such place: nothing is measured there, and that is flagged.
+    /// Of a segment that the window does not hold, and of a `u` that is not a number, there is no such place: nothing is
+    /// measured there, and that is flagged.
+    ///
     /// Cost: a search by halves, some ten instructions for each doubling of the spans.
     pub fn at(&self, segment: u32, u: f64) -> OnPath<'a, R, P> {
         let before = self.spans.partition_point(|span| (span.segment, span.u[0]) <= (segment, u));
-        let index = before.saturating_sub(1);
-        let reference = match self.spans.get(index) {
-            Some(span) if span.segment == segment => {
-                Reference { span: self.first.wrapping_add(index as u32), t: span.t_of(u) }
-            }
-            _ => Reference { span: self.first, t: R::of(f64::NAN) },
+        let held = |index: usize| {
+            let span = self.spans.get(index).filter(|span| span.segment == segment && !u.is_nan())?;
+            Some(Reference { span: self.first.wrapping_add(index as u32), t: span.t_of(u) })
         };
+        // Below the segment's first parameter it is the next piece.
+        let reference = held(before.saturating_sub(1))
+            .or_else(|| held(before))
+            .unwrap_or(Reference { span: self.first, t: R::of(f64::NAN) });
         self.on(reference)
     }
 

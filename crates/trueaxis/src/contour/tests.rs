@@ -720,3 +720,54 @@ fn segments_without_end_are_refused_before_a_span_is_made() {
         assert!(refused.is_err() && made <= 1_000_000, "{segment:?}: {made}");
     }
 }
+
+#[test]
+fn a_segment_and_its_parameter_are_a_place_on_the_path() {
+    let [a, b, c] = [[0.0; 3], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0]];
+    // Segments 4, 5 and 7: 6 is not there. The window begins at piece 100.
+    let segments = [
+        (4, Segment::Line { start: a, end: b }),
+        (5, Segment::Arc { start: b, end: c, center: [10.0, 5.0, 0.0], normal: Z, turns: 0 }),
+        (7, Segment::Line { start: c, end: a }),
+    ];
+    let mut all: Vec<Span<f64, f64>> = Vec::new();
+    for (number, segment) in &segments {
+        convert(segment, *number, Z, |span| {
+            all.push(span);
+            Ok(())
+        })
+        .unwrap();
+    }
+    let path = Path::new(&all, 100, false);
+    let at = |segment, u| {
+        let on = path.at(segment, u);
+        path.span(on.reference.span).unwrap().position(on.reference.t)
+    };
+    for i in 0..=100 {
+        let u = f64::from(i) / 100.0;
+        let angle = core::f64::consts::PI * (u - 0.5);
+        for (segment, truth) in [
+            (4, [10.0 * u, 0.0, 0.0]),
+            (5, [10.0 + 5.0 * angle.cos(), 5.0 + 5.0 * angle.sin(), 0.0]),
+            (7, [10.0 - 10.0 * u, 10.0 - 10.0 * u, 0.0]),
+        ] {
+            assert!(norm(sub(at(segment, u), truth)) < 1e-9, "{segment} at {u}: {:?}", at(segment, u));
+        }
+    }
+    // Beyond the ends of a segment: its end.
+    for (segment, [start, end]) in [(4, [a, b]), (5, [b, c]), (7, [c, a])] {
+        assert!(norm(sub(at(segment, -0.5), start)) < 1e-9, "{segment}");
+        assert!(norm(sub(at(segment, 1.5), end)) < 1e-9, "{segment}");
+    }
+
+    let search = ContourSearch::<f64>::new(1.0, Method::Guarded).unwrap();
+    let empty = Path::new(&[], 0, false);
+    for on in [path.at(3, 0.5), path.at(6, 0.5), path.at(8, 0.0), path.at(5, f64::NAN), empty.at(4, 0.5)] {
+        let mut state = ContourState::default();
+        let error = search.update(&mut state, &on.path, on.reference, [5.0, 0.1, 0.0]);
+        assert!(!error.is_measured() && error.flags.has(Flags::REFERENCE), "{on:?}: {error:?}");
+    }
+    let on = path.at(4, 0.5);
+    let error = search.update(&mut ContourState::default(), &on.path, on.reference, [5.0, 0.1, 0.0]);
+    assert!(error.is_measured() && (error.normal - 0.1).abs() < 1e-9, "{error:?}");
+}

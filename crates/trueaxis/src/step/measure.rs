@@ -208,8 +208,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             return [(&mut state.tip, tip), (&mut state.encoder, encoder)]
                 .map(|(state, point)| self.search.update_off(state, path, reference, &point));
         }
-        let at_tip = self.search.update_on(&mut state.tip, path, reference, tip);
-        let at_encoder = self.search.update_on(&mut state.encoder, path, reference, encoder);
+        let at_tip = self.search.update_on(&mut state.tip, path, reference, &tip);
+        let at_encoder = self.search.update_on(&mut state.encoder, path, reference, &encoder);
         [at_tip, at_encoder]
     }
 

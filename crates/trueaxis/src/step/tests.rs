@@ -1,5 +1,6 @@
 #![allow(clippy::indexing_slicing)]
 
+mod combinations;
 mod finite;
 mod plausibility;
 mod rtcp;
@@ -34,29 +35,7 @@ fn servo_loop_with<R: Real, P: Position>(
     scale: f64,
     change: impl Fn(&mut AxisSettings),
 ) -> &'static ServoLoop<'static, R, P, 3> {
-    let mut machine = MachineSettings {
-        roundness: None,
-        name: heapless::String::try_from("bench").unwrap(),
-        chain: heapless::String::try_from("w b X Y Z t").unwrap(),
-        tool_mm: [0.0; 3],
-        reference_temperature_c: 20.0,
-        location: Default::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes: heapless::Vec::new(),
-    };
-    for axis in LINEAR {
-        let mut settings = AxisSettings {
-            travel: [-10.0, 110.0],
-            joint: [-10.1, 110.1],
-            interpolation: Interpolation::Cubic,
-            ..AxisSettings::with_defaults(axis, false)
-        };
-        change(&mut settings);
-        machine.axes.push(settings).unwrap();
-    }
+    let machine = machine(change);
     let rows: Vec<Row> = (0..=10)
         .map(|i| {
             let e = scale * (0.006 + 0.0006 * f64::from(i));
@@ -80,6 +59,34 @@ fn servo_loop_with<R: Real, P: Position>(
         guide: vec![0; need.guide].leak(),
     };
     Box::leak(Box::new(config.build(|_| Some(rows), storage).unwrap()))
+}
+
+/// Three linear axes, without their tables.
+fn machine(change: impl Fn(&mut AxisSettings)) -> MachineSettings {
+    let mut machine = MachineSettings {
+        roundness: None,
+        name: heapless::String::try_from("bench").unwrap(),
+        chain: heapless::String::try_from("w b X Y Z t").unwrap(),
+        tool_mm: [0.0; 3],
+        reference_temperature_c: 20.0,
+        location: Default::default(),
+        faults: Default::default(),
+        contour: Default::default(),
+        compensation: Default::default(),
+        kinematics: Default::default(),
+        axes: heapless::Vec::new(),
+    };
+    for axis in LINEAR {
+        let mut settings = AxisSettings {
+            travel: [-10.0, 110.0],
+            joint: [-10.1, 110.1],
+            interpolation: Interpolation::Cubic,
+            ..AxisSettings::with_defaults(axis, false)
+        };
+        change(&mut settings);
+        machine.axes.push(settings).unwrap();
+    }
+    machine
 }
 
 pub(super) fn input(command: [f64; 3]) -> Input<f64, 3> {
