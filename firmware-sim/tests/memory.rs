@@ -6,7 +6,7 @@ use firmware_sim::outcome;
 use firmware_sim::path;
 use firmware_sim::placement::Placement;
 use firmware_sim::plant::fault::FaultScript;
-use firmware_sim::program::Program;
+use firmware_sim::program::{Curve, Program};
 use firmware_sim::scenario::{Scenario, middle_of_travel, sample_machine};
 use firmware_sim::series::Series;
 use firmware_sim::simulate::Sink;
@@ -100,4 +100,25 @@ fn the_sliding_path_is_the_whole_one_where_it_is() {
         held = held.max(around);
     }
     assert!(held * 50 < 600, "{held}");
+}
+
+/// A spline between points far apart is refused before there is any of its pieces.
+#[test]
+fn a_spline_of_too_many_pieces_is_refused_before_it_is_cut() {
+    let mut scenario = scenario(&program(10));
+    // 1.2 million pieces of 8 mm.
+    let far = 8.0 * 1.2e6;
+    scenario.program.moves[5].curve = Curve::Nurbs {
+        degree: 2,
+        knots: vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+        points: vec![[0.0; 3], [0.5 * far, 1.0, 0.0], [far, 0.0, 0.0]],
+        weights: vec![1.0; 3],
+    };
+    let line = format!("line {}", scenario.program.moves[5].line);
+    let AllocationInfo { bytes_max, .. } = measure(|| {
+        let checked = path::check(&scenario).unwrap_err().to_string();
+        let planned = path::PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement).unwrap_err();
+        assert!(checked.contains(&line) && checked == planned.to_string(), "{checked}, {planned}");
+    });
+    assert!(bytes_max < 100_000, "{bytes_max} bytes");
 }

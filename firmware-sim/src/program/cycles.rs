@@ -3,24 +3,11 @@
 use super::block::Block;
 use super::builder::Pace;
 use super::error::Refusal;
-use super::interpreter::Interpreter;
+use super::interpreter::{Cycle, Interpreter};
 use super::limits::MOST_PIECES;
 
 /// By so much G83 stops before the depth reached when it comes back down, and G73 goes up, mm.
 const CLEARANCE: f64 = 0.254;
-
-/// What a cycle keeps for the next line, as programmed.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Cycle {
-    /// Its word in tenths.
-    pub(super) code: u16,
-    bottom: f64,
-    r: f64,
-    /// P.
-    dwell: Option<f64>,
-    /// Q.
-    peck: Option<f64>,
-}
 
 /// Heights of one hole along the normal of the plane, program coordinates, mm.
 struct Hole {

@@ -4,7 +4,6 @@ use super::ReadOptions;
 use super::arc::Plane;
 use super::block::Block;
 use super::builder::{Builder, Pace};
-use super::cycles::Cycle;
 use super::error::Refusal;
 use super::frame::Frame;
 use super::modal::{g, m};
@@ -20,6 +19,19 @@ struct Feed {
     number: f64,
     /// The same in mm, where it counts lengths.
     mm: f64,
+}
+
+/// What a cycle keeps for the next line, as programmed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cycle {
+    /// Its word in tenths.
+    pub(super) code: u16,
+    pub(super) bottom: f64,
+    pub(super) r: f64,
+    /// P.
+    pub(super) dwell: Option<f64>,
+    /// Q.
+    pub(super) peck: Option<f64>,
 }
 
 /// State between lines, and the moves so far.
