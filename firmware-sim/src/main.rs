@@ -132,7 +132,7 @@ struct RunArgs {
     /// jump-command:X@2s+1=3mm (may be given several times; time counts from the start of the program).
     #[arg(long, value_name = "FAULT")]
     fault: Vec<String>,
-    /// Run the compensated run at the real rate, with real-time scheduling where it is permitted.
+    /// Time the steps in a further compensated run at the real rate, with real-time scheduling where it is permitted.
     #[arg(long)]
     paced: bool,
     /// Print one JSON document and nothing else.

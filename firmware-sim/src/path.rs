@@ -6,7 +6,7 @@ use crate::scenario::Scenario;
 use anyhow::{Result, anyhow};
 use glam::DVec3;
 use std::collections::VecDeque;
-use trueaxis::contour::{Path, Reference, Segment, Span, ToolPath, Turn, convert};
+use trueaxis::contour::{Path, Reference, Segment, Span, ToolPath, Turn, convert, span_count};
 
 /// Largest distance of a cubic piece from the curve that the tip describes, at the same parameter, mm.
 const TOLERANCE_MM: f64 = 1.0e-6;
@@ -223,11 +223,15 @@ fn add_move(
 ) -> Result<()> {
     let first = spans.len();
     let mut add = |segment: &Segment<'_>| {
-        convert(segment, index as u32, step.plane_normal, |span| {
-            spans.push(span);
-            Ok(())
-        })
-        .map_err(|e| anyhow!("{}, line {}: {e}", program.name, step.line))
+        // Before there is any: what is too much is refused without having been held.
+        span_count(segment)
+            .and_then(|_| {
+                convert(segment, index as u32, step.plane_normal, |span| {
+                    spans.push(span);
+                    Ok(())
+                })
+            })
+            .map_err(|e| anyhow!("{}, line {}: {e}", program.name, step.line))
     };
     if !five_axis {
         return programmed(step, origin_mm, &mut add);

@@ -146,9 +146,9 @@ fn bad_input_ends_with_2_says_why_and_writes_nothing() {
     let cases: [(&[&str], &str); 12] = [
         (&["run", "--program", "bad.ngc"], "bad.ngc:3"),
         (&["run", "--program", "far.ngc"], "axis X goes to"),
-        (&["run", "--program", "binary.ngc"], "binary.ngc:1: found bytes that are not UTF-8"),
+        (&["run", "--program", "binary.ngc"], "binary.ngc:1: found UTF-16; needed: UTF-8 or Latin-1"),
         (&["run", "--trace-every", "0"], "--trace-every"),
-        (&["run", "--program", "endless.ngc"], "at most 1e9 are planned"),
+        (&["run", "--program", "endless.ngc"], "endless.ngc:2: found a program of more than 166.7 hours"),
         (&["run", "--program", "missing.ngc"], "missing.ngc"),
         (&["run", "--machine", "nowhere"], "nowhere"),
         (&["run", "--rate-hz", "0"], "--rate-hz"),

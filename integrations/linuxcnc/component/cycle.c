@@ -59,10 +59,9 @@ static void start(struct instance *instance, uint32_t period_ns)
     atomic_store(&instance->refused, status == TRUEAXIS_OK ? 0u : (unsigned)status);
     for (int j = 0; j < instance->joints; j++) {
         struct joint *joint = &instance->joint[j];
-        double command = *instance->pins->joint[j].motor_cmd_in;
-        joint->known = isfinite(joint->reading) || isfinite(command);
+        joint->known = isfinite(joint->reading);
         if (joint->known)
-            joint->drive = isfinite(joint->reading) ? joint->reading : command;
+            joint->drive = joint->reading;
     }
     instance->started = true;
 }

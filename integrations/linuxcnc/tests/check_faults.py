@@ -25,7 +25,7 @@ def switching(folder):
     for name, data in (("first.tcomp", first), ("damaged.tcomp", first[:700] + bytes([first[700] ^ 1]) + first[701:])):
         with open(os.path.join(folder, name), "wb") as f:
             f.write(data)
-    machines.edited_tables(folder, source, "other", machines.scaled(-0.7))
+    machines.edited_tables(folder, source, "other", machines.scaled(0.2))
     machines.edited_tables(folder, source, "stranger", lambda text: text.replace('"mill-3axis"', '"stranger"'), None)
     rig.copy(folder, rig.HERE, "shuttle.ngc")
     printed = rig.linuxcnc(folder, "mill-3axis.ini", "switching")

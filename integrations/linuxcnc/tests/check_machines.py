@@ -245,7 +245,7 @@ def five_axes(folder):
     agreement = replay(folder, "mill-3axis.tcomp", "XYZAC")
     ferror = max(largest(run, "joint.%d.f-error" % j) for j in range(5))
     expect(ferror < 1e-9, "following error", ferror)
-    linear, rotary = (0.2, 1.5, 200.0), (math.degrees(2000e-6), 1.0, 200.0)
+    linear, rotary = (0.2, 1.5, 5000.0), (math.degrees(2000e-6), 5.0, 5000.0)
     limits.all_kept(run, 5, [linear] * 3 + [rotary] * 2)
     return "%.0e mm from the library, f-error %.0e, %s" % (agreement["largest_difference"], ferror, tip_truth(folder, run))
 
