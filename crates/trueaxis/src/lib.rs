@@ -11,12 +11,12 @@
 //!                └──── estimated tool tip ─────┘                    └► telemetry record
 //! ```
 //!
-//! - [`sample`]: commands and readings become positions in which the rest believes, or a [`Fault`];
+//! - [`sample`]: validates commands and encoder readings: positions to work with, or a [`Fault`];
 //! - [`compensation`]: error tables, direction of travel, thermal growth, exact inverse;
 //! - [`contour`]: distance of the estimated tool tip, and of the plain encoder position, from the path;
-//! - [`kinematics`]: on five axes, before the contour stage the tool in workpiece coordinates
-//!   ([`ServoLoop::step_with_tool`]), before the sample the axes for a tool commanded there ([`ServoLoop::step_rtcp`]);
-//! - [`roundness`]: three probes on a turning workpiece, worked off in units ([`ServoLoop::step_with_gauge`]);
+//! - [`kinematics`]: on five axes, before the contour stage the tool in workpiece coordinates ([`OnToolPath`]), before the
+//!   step the axes for a tool commanded there ([`ServoLoop::rtcp`]);
+//! - [`roundness`]: three probes on a turning workpiece, worked off in slices ([`GaugeRide`]);
 //! - [`limiter`]: magnitude, slope and acceleration of the correction; nothing ever jumps;
 //! - [`telemetry`]: one fixed record per cycle.
 //!

@@ -40,7 +40,7 @@
 //! let gauge = Roundness::<f32, 256>::build(&settings, 100_000)?; // refuses angles that are blind to a harmonic
 //! let mut state = gauge.start();
 //!
-//! // From here on the servo interrupt, or ServoLoop::step_with_gauge:
+//! // From here on the servo interrupt, or ServoLoop::step with a GaugeRide:
 //! for count in (0..4 << 20).step_by(500) {
 //!     let turned = count >> 20 != (count - 500) >> 20;
 //!     let index = turned.then_some(count & !((1 << 20) - 1));
