@@ -48,7 +48,7 @@ pub(crate) struct Arguments {
     /// Positions to evaluate.
     #[arg(value_name = "POSITIONS.csv")]
     positions: PathBuf,
-    /// Error model [default: the machine's own, [compensation] model].
+    /// Error model [default: the machine's own, key model of compensation].
     #[arg(long, value_enum)]
     model: Option<Model>,
     /// Look-ups of the exact inverse, 1 to 8 [default: what the machine needs for 1e-3 µm; exact: until it stands].

@@ -95,7 +95,7 @@ pub struct Separator {
 
 impl Separator {
     /// Plans a separation. Harmonics with a noise gain above `noise_gain_limit` ([`NOISE_GAIN_LIMIT`]) are suppressed.
-    /// `arm_ratio` is [`super::Arm::ratio`], 0 for probes that stand still.
+    /// `arm_ratio` is [`trueaxis::roundness::Arm::ratio`], 0 for probes that stand still.
     ///
     /// # Errors
     /// Harmonics of the band that the probes cannot see, all of them; a band that does not suit the number of points; a
