@@ -86,7 +86,8 @@ fn bare<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 #[inline(never)]
 fn volumetric<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.memory.borrow_mut();
-    memory.output = Some(cycle.all_terms.step(&mut memory.volumetric, &cycle.input, cycle.path.on(cycle.reference), ()));
+    memory.output =
+        Some(cycle.all_terms.step(&mut memory.volumetric, &cycle.input, cycle.path.on(cycle.reference), ()));
     0
 }
 
@@ -104,11 +105,12 @@ fn stages<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> [u32; STAGES.len()] {
     let memory = &mut *cycle.memory.borrow_mut();
     let mut ticks = [0; STAGES.len()];
     let mut last = now();
-    let output = cycle.servo.step_watched(&mut memory.watched, &cycle.input, cycle.path.on(cycle.reference), (), |stage| {
-        let at = now();
-        ticks[stage as usize] = last.wrapping_sub(at);
-        last = now();
-    });
+    let output =
+        cycle.servo.step_watched(&mut memory.watched, &cycle.input, cycle.path.on(cycle.reference), (), |stage| {
+            let at = now();
+            ticks[stage as usize] = last.wrapping_sub(at);
+            last = now();
+        });
     memory.output = Some(output);
     ticks
 }
