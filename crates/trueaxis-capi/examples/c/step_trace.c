@@ -18,7 +18,7 @@
 #define REST 100 /* cycles before it moves */
 #define EXCHANGE_AT 4000
 #define ALARM_AT 6000
-#define LAG_CYCLES 20
+#define LAG_CYCLES 8
 #define AXES 3
 #define RADIUS_MM 25.0
 #define CENTER_MM { 60.0, -40.0, -200.0 }

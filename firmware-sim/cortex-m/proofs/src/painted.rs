@@ -68,8 +68,13 @@ fn settings(axes: &[Axis], model: ErrorModel) -> MachineSettings {
     machine.compensation.orientation = five && model == ErrorModel::Volumetric;
     for axis in axes {
         let settings = AxisSettings::with_defaults(*axis, axis.is_rotary());
-        let settings =
-            AxisSettings { travel: [-1000.0, 1000.0], joint: [-1001.0, 1001.0], backlash: 0.002, ..settings };
+        let settings = AxisSettings {
+            travel: [-1000.0, 1000.0],
+            joint: [-1001.0, 1001.0],
+            backlash: 0.002,
+            hysteresis: 0.003,
+            ..settings
+        };
         machine.axes.push(settings).ok().expect("at most six axes");
     }
     machine
