@@ -84,7 +84,10 @@ fn settings(axes: &[Axis], model: ErrorModel) -> MachineSettings {
 fn rows() -> [Row; 6] {
     [-1000.0, -400.0, -90.0, 10.0, 380.0, 1000.0].map(|position| {
         let e = 0.004 + 4e-6 * position;
-        Row { position, forward: [e, -e, 0.5 * e, 0.01 * e, 0.02 * e, -0.01 * e], reverse: [e, e, e, 0.0, 0.0, 0.0] }
+        let forward = [e, -e, 0.5 * e, 0.01 * e, 0.02 * e, -0.01 * e];
+        let [x, rest @ ..] = forward;
+        let [y, z, a, b, c] = rest;
+        Row { position, forward, reverse: [x + 0.001, y, z, a, b, c] }
     })
 }
 
