@@ -1,4 +1,4 @@
-//! What docs/commands.md shows of this program is what it prints.
+//! The examples in docs/commands.md match the program's output.
 #![cfg(unix)]
 
 #[path = "../../tests/src/documentation.rs"]

@@ -7,7 +7,7 @@ use machines::*;
 use std::ptr::{null, null_mut};
 use trueaxis_capi::*;
 
-/// What no machine can mean: infinite, or the end of the integers' range.
+/// A position that no machine can take: infinite, or at an end of the integers' range.
 const NONE: f64 = f64::INFINITY;
 const BEFORE: f64 = 123.0;
 

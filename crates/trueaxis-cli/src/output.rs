@@ -113,7 +113,7 @@ impl Display for Closed {
 
 impl std::error::Error for Closed {}
 
-/// What went wrong with the standard output; a closed pipe apart from everything else.
+/// The error of a failed write to the standard output; a closed pipe is told apart.
 fn standard_output(error: std::io::Error) -> anyhow::Error {
     if error.kind() == std::io::ErrorKind::BrokenPipe {
         return Closed.into();

@@ -290,7 +290,7 @@ fn run_import(
     Ok(())
 }
 
-/// A machine with the imported axes alone; no file that is there is written over.
+/// A machine with the imported axes alone; existing files are never overwritten.
 fn new_machine(imported: &Imported, file: &Path, output: &Path) -> Result<Vec<(PathBuf, String)>> {
     let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
     let mut files: Vec<(PathBuf, String)> =

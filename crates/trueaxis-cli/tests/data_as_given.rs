@@ -55,7 +55,7 @@ fn machine(directory: &TempDir) {
     }
 }
 
-/// Every spelling of a file gives the same result, and is told once.
+/// Every spelling of a file gives the same result, and its reading is reported once.
 #[test]
 fn separators_and_decimal_commas_are_recognised_everywhere() {
     let directory = tempfile::tempdir().unwrap();
@@ -185,7 +185,7 @@ fn a_closed_pipe_is_no_panic() {
     }
 }
 
-/// What would take gigabytes is refused before anything is made, with the line it stands on.
+/// Inputs that would take gigabytes are refused with their line before anything is allocated.
 #[test]
 fn paths_without_end_are_refused_at_once() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What commands do to files: an input is never written, an edited machine stays, a refused command leaves nothing.
+//! Commands and files: an input is never written, an edited machine stays, a refused command leaves nothing.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,7 +10,7 @@ fn call(directory: &TempDir, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(directory.path()).output().unwrap()
 }
 
-/// What it said on the standard error.
+/// Its standard error.
 fn good(directory: &TempDir, arguments: &[&str]) -> String {
     let output = call(directory, arguments);
     let error = String::from_utf8(output.stderr).unwrap();
@@ -174,7 +174,7 @@ fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
     put(&directory, "m/x.csv", "notes of the owner\n");
     bad(&directory, &import("linuxcnc", "new.comp", "X"), &["x.csv beside it"]);
     fs::remove_file(directory.path().join("m/x.csv")).unwrap();
-    // What results would be refused by the controller: 0.9 mm of error on 0.5 mm.
+    // The controller would refuse the result: 0.9 mm of error on 0.5 mm.
     put(&directory, "steep.comp", "0 0 0\n0.5 1.4 1.4\n2 2 2\n");
     bad(
         &directory,

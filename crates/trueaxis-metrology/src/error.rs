@@ -1,4 +1,4 @@
-//! What an input of the bench got wrong.
+//! Errors in the bench's inputs.
 
 use core::fmt;
 use trueaxis::Axis;

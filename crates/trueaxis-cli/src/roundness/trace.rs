@@ -6,7 +6,7 @@ use serde::Serialize;
 use trueaxis::roundness::Band;
 use trueaxis_tables::error::FileError;
 
-/// What resampling did.
+/// Result of resampling a trace.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Resampling {
     /// Rows of the file.

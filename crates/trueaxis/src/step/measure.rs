@@ -276,7 +276,7 @@ fn points<R: Real, P: Position, const N: usize>(
     Some([[x.plus(*dx), y.plus(*dy), z.plus(*dz)], [*x, *y, *z]])
 }
 
-/// Of workpiece coordinates.
+/// Workpiece coordinates as positions.
 #[inline(always)]
 fn position<R: Real, P: Position>(tip: V3<R>) -> [P; 3] {
     let zero = P::default();

@@ -1,4 +1,4 @@
-//! What the tables say in a cycle: the wanted correction, and the error where the axes stand.
+//! The tables' share of a cycle: the wanted correction, and the error where the axes stand.
 
 #![deny(clippy::indexing_slicing)]
 

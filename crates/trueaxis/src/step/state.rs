@@ -1,4 +1,4 @@
-//! What one cycle hands to the next, and to the host.
+//! State carried from one cycle to the next, and the output for the host.
 
 #![deny(clippy::indexing_slicing)]
 
