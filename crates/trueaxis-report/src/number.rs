@@ -68,6 +68,9 @@ pub fn percent(part: f64, whole: f64) -> String {
 /// A setting as it was given: as many digits as it needs, at most six decimals, not grouped.
 #[must_use]
 pub fn shortest(value: f64) -> String {
+    if !drawable(value) {
+        return significant(value, 3);
+    }
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.replace('-', "−") }

@@ -1,6 +1,6 @@
 use crate::{
     Colour, Figure, Stroke, colour,
-    number::{round_down, shortest, significant},
+    number::{drawable, drawable_point, round_down, shortest, significant},
 };
 use std::f64::consts::TAU;
 
@@ -43,9 +43,10 @@ pub struct Circle {
 /// Magnification and division are chosen for the largest departure, from 1, 2, 5 × 10^n, and added to the caption.
 #[must_use]
 pub fn polar(name: &str, measured: &[[f64; 2]], circles: &[Circle], caption: &str) -> Figure {
+    let measured: Vec<[f64; 2]> = measured.iter().copied().filter(drawable_point).collect();
     let drawn = circles.iter().flat_map(|circle| circle.curves.iter().flatten().copied());
-    let departures = measured.iter().map(|point| point[1]).chain(drawn);
-    let largest = departures.map(f64::abs).filter(|value| value.is_finite()).fold(0.0, f64::max);
+    let departures = measured.iter().map(|point| point[1]).chain(drawn).filter(|value| drawable(*value));
+    let largest = departures.map(f64::abs).fold(0.0, f64::max);
     // mm on the page per µm.
     let scale = round_down(REACH_MM / largest);
     let division = round_down(10.0 / scale);
@@ -59,8 +60,8 @@ pub fn polar(name: &str, measured: &[[f64; 2]], circles: &[Circle], caption: &st
     for circle in plain.into_iter().chain(zones) {
         for curve in &circle.curves {
             let angles = (0..).map(|i| TAU * f64::from(i) / curve.len() as f64);
-            let closed = angles.zip(curve.iter().chain(curve.first())).map(|(theta, value)| at(theta, *value));
-            figure.line(closed, stroke(circle));
+            let closed = angles.zip(curve.iter().chain(curve.first())).filter(|(_, value)| drawable(**value));
+            figure.line(closed.map(|(theta, value)| at(theta, *value)), stroke(circle));
         }
     }
     let points: Vec<&[f64; 2]> = measured.iter().chain(measured.first()).collect();

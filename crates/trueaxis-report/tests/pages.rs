@@ -105,7 +105,7 @@ fn decades(caption: &str, values: &[f64]) -> Scale {
 fn no_data_break_a_figure() {
     let odd = [0.0, 1.0, -3.5, 1e-9, 1e12, 1e13, 1e300, f64::MAX, f64::MIN_POSITIVE, f64::NAN, f64::INFINITY];
     for value in odd.into_iter().chain(odd.map(|value| -value)) {
-        for count in [0_usize, 1, 2, 3, 500] {
+        for count in [0_usize, 1, 2, 3, 24] {
             let points: Vec<[f64; 2]> = (0..count).map(|k| [value * (k % 3) as f64, value]).collect();
             for scale in [linear, symmetric, decades] {
                 read(&page(every_layer(scale, &points)));
