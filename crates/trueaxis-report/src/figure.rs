@@ -54,7 +54,7 @@ impl Figure {
     #[must_use]
     pub fn square(description: &str, x: Scale, y: Scale) -> Figure {
         let [width, height] = draw::inside(draw::HALF_PX, draw::HALF_PX);
-        Figure::half(description, draw::HALF_PX + width - height, x.ticks(7), y.ticks(7))
+        Figure::half(description, draw::HALF_PX + width - height, x.ticks(8), y.ticks(8))
     }
 
     /// A square without axes from −`reach` to `reach`.

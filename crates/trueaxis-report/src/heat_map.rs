@@ -20,9 +20,8 @@ const KEYS: u32 = 5;
 pub fn heat_map(description: &str, x: Scale, y: Scale, rows: &[Vec<f64>], unit: &str) -> Figure {
     let values = || rows.iter().flatten().copied().filter(|value| value.is_finite());
     let [low, high] = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
-    let edge = |scale: &Scale, cell: usize, of: usize| {
-        scale.low + (scale.high - scale.low) * cell as f64 / of.max(1) as f64
-    };
+    let edge =
+        |scale: &Scale, cell: usize, of: usize| scale.low + (scale.high - scale.low) * cell as f64 / of.max(1) as f64;
     let mut figure = Figure::half(description, 420, x.clone(), y.clone());
     for (j, row) in rows.iter().enumerate() {
         let [bottom, top] = [j, j + 1].map(|j| edge(&y, j, rows.len()));

@@ -53,7 +53,7 @@ pub fn polar(name: &str, measured: &[[f64; 2]], circles: &[Circle], caption: &st
     let at = |theta: f64, departure: f64| around(theta, BASE_MM + scale * departure);
     let description = format!("Polar plot of {name} with reference circles");
     let mut figure = Figure::bare(&description, "polar", SIDE_PX, HALF_MM);
-    grid(&mut figure, scale * division, division);
+    let rings = grid(&mut figure, scale * division);
 
     // Dashes last: where circles coincide both are seen.
     let (zones, plain): (Vec<_>, Vec<_>) = circles.iter().partition(|circle| circle.curves.len() > 1);
@@ -68,6 +68,10 @@ pub fn polar(name: &str, measured: &[[f64; 2]], circles: &[Circle], caption: &st
     figure.dots(measured.iter().map(|point| at(point[0], point[1])), colour::MEASURED);
     for arc in points.chunk_by(|one, next| (next[0] - one[0]).rem_euclid(TAU) < GAP) {
         figure.line(arc.iter().map(|point| at(point[0], point[1])), Stroke::new(colour::MEASURED, 1.3));
+    }
+    // On top of the curves, so that they stay legible.
+    for (number, distance) in rings {
+        figure.text(around(TAU / 24.0, distance), shortest(f64::from(number) * division));
     }
 
     figure.key(name, Stroke::new(colour::MEASURED, 1.3));
@@ -94,13 +98,13 @@ fn around(theta: f64, distance: f64) -> [f64; 2] {
     [distance * cos, distance * sin]
 }
 
-/// Rings of one division and spokes of 30°, with labels.
-fn grid(figure: &mut Figure, step_mm: f64, division: f64) {
+/// Rings one division apart, and spokes of 30° with their labels; returns number and radius of each ring.
+fn grid(figure: &mut Figure, step_mm: f64) -> Vec<(i32, f64)> {
     let thin = Stroke::new(colour::GREY, 0.6).opacity(0.5);
     let reach = (1.2 * REACH_MM / step_mm).floor().min(12.0) as i32;
-    let rings = (-reach..=reach).map(|ring| (f64::from(ring) * division, BASE_MM + f64::from(ring) * step_mm));
-    for (_, distance) in rings.clone() {
-        figure.line((0..=180).map(|i| around(TAU * f64::from(i) / 180.0, distance)), thin);
+    let rings: Vec<(i32, f64)> = (-reach..=reach).map(|ring| (ring, BASE_MM + f64::from(ring) * step_mm)).collect();
+    for (_, distance) in &rings {
+        figure.line((0..=180).map(|i| around(TAU * f64::from(i) / 180.0, *distance)), thin);
     }
     let outside = BASE_MM + 1.2 * REACH_MM;
     for spoke in 0..12 {
@@ -108,7 +112,5 @@ fn grid(figure: &mut Figure, step_mm: f64, division: f64) {
         figure.line([around(theta, 8.0), around(theta, outside)], thin);
         figure.text(around(theta, outside + LABEL_MM), format!("{}°", 30 * spoke));
     }
-    for (departure, distance) in rings {
-        figure.text(around(TAU / 24.0, distance), shortest(departure));
-    }
+    rings
 }

@@ -153,8 +153,7 @@ fn a_single_point_is_seen() {
 
 #[test]
 fn shapes_stand_where_their_scale_puts_them() {
-    let mut figure =
-        Figure::full("d", 200, Scale::exact("x", 0.0, 10.0), Scale::logarithmic("y", 1.0, 100.0));
+    let mut figure = Figure::full("d", 200, Scale::exact("x", 0.0, 10.0), Scale::logarithmic("y", 1.0, 100.0));
     figure.line([[0.0, 1.0], [5.0, 10.0], [10.0, 100.0], [2.0, 0.0]], stroke());
     let page = page(figure);
     let curve = page.split("stroke=\"#005AAA\"").nth(1).expect("the curve");

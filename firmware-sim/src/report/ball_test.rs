@@ -16,7 +16,7 @@ use trueaxis_report::{
 /// Writes the page to `rtcp.html` in `directory`, with the readings and the tables; the folder is created if need be.
 ///
 /// # Errors
-/// Whatever the file system answers.
+/// The file system's error where the page cannot be written; nothing is left behind then.
 pub fn write(test: &BallCycle, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "rtcp.html", &render(test, outcome), outcome.files())
 }

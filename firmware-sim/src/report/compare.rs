@@ -21,7 +21,7 @@ const BUCKETS: usize = 1040;
 /// Writes the page to `compare.html` in `directory`, which is created if need be.
 ///
 /// # Errors
-/// Whatever the file system answers.
+/// The file system's error where the page cannot be written; nothing is left behind then.
 pub fn write(outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "compare.html", &render(outcome), Vec::new())
 }
@@ -135,9 +135,8 @@ fn core(one: &Comparison, period_s: f64) -> Markup {
         axes.map(|(axis, (name, colour))| Curve::new(name, colour, points(axis))).collect()
     };
     let contour = |cycles: &[Cycle]| -> Vec<Curve> {
-        let points = |value: fn(&Cycle) -> f64| {
-            cycles.iter().map(move |cycle| [time(cycle), 1e3 * found(cycle, value(cycle))])
-        };
+        let points =
+            |value: fn(&Cycle) -> f64| cycles.iter().map(move |cycle| [time(cycle), 1e3 * found(cycle, value(cycle))]);
         vec![
             Curve::new("plain encoder position", colour::UNCOMPENSATED, points(|cycle| cycle.encoder)),
             Curve::new("estimated tool tip", colour::COMPENSATED, points(|cycle| cycle.tip)),

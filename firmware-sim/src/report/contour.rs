@@ -69,8 +69,7 @@ fn figure(report: &Report, curves: &[&Curve], all: &[&Curve], caption: &str) -> 
     }
     for curve in curves {
         let [length, error] = curve.largest;
-        let text =
-            format!("{}: largest {} µm at {} mm", curve.name, significant(error, 3), significant(length, 4));
+        let text = format!("{}: largest {} µm at {} mm", curve.name, significant(error, 3), significant(length, 4));
         figure.highlight(curve.largest, curve.colour).key(text, Stroke::new(curve.colour, 1.2));
     }
     figure.caption(caption);

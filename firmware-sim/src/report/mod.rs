@@ -52,7 +52,7 @@ pub fn render(report: &Report) -> String {
 /// Writes the page to `index.html` in `directory`, which is created if need be; returns the file's path.
 ///
 /// # Errors
-/// Whatever the file system answers.
+/// The file system's error where the page cannot be written; nothing is left behind then.
 pub fn write(report: &Report, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "index.html", &render(report), Vec::new())
 }

@@ -106,8 +106,7 @@ fn axis_table(axes: &[AxisReport]) -> Table {
         let cells = correction.into_iter().chain(slope).chain([quantity(axis.acceleration_limit, acceleration)]);
         Row::new(&axis.name, cells)
     };
-    let head =
-        ["axis", "largest correction", "limit", "used", "largest slope", "limit", "used", "acceleration limit"];
+    let head = ["axis", "largest correction", "limit", "used", "largest slope", "limit", "used", "acceleration limit"];
     Table::new(head, axes.iter().map(row)).caption("Correction and its limits")
 }
 

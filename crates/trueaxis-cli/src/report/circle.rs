@@ -3,7 +3,11 @@
 use maud::html;
 use std::f64::consts::TAU;
 use trueaxis_metrology::circles::{NoCircle, ReferenceCircle};
-use trueaxis_report::{CIRCLES, Circle, Figure, Page, Row, Table, number::significant, polar, summary};
+use trueaxis_report::{
+    CIRCLES, Circle, Figure, Page, Row, Table,
+    number::{decimals, significant},
+    polar, summary,
+};
 
 /// Points of a drawn circle.
 const FINE: usize = 360;
@@ -28,7 +32,7 @@ pub(crate) fn page(source: &str, points: &[[f64; 2]], circles: [Fitted<'_>; 4]) 
 fn table(circles: &[Fitted<'_>; 4]) -> Table {
     let row = |(name, circle): (&str, &Fitted<'_>)| match circle {
         Ok(circle) => {
-            let [x, y, radius] = [circle.centre[0], circle.centre[1], circle.radius].map(|mm| format!("{mm:.6}"));
+            let [x, y, radius] = [circle.centre[0], circle.centre[1], circle.radius].map(|mm| decimals(mm, 6));
             Row::new(name, [x, y, radius, significant(1e3 * circle.zone, 4)])
         }
         Err(reason) => Row::whole(name, format!("none: {reason}")),
@@ -52,7 +56,12 @@ fn figure(points: &[[f64; 2]], base: &ReferenceCircle, circles: [Option<&Referen
             Circle { name, colour, zone_um: 1e3 * circle.zone, curves }
         })
         .collect();
-    polar("points", &measured, &circles, "Departures of the points from the least-squares circle, seen from its centre.")
+    polar(
+        "points",
+        &measured,
+        &circles,
+        "Departures of the points from the least-squares circle, seen from its centre.",
+    )
 }
 
 /// Where the rays from the base's centre meet a circle, µm beyond the base; circles that do not surround the centre are

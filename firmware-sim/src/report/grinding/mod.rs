@@ -18,7 +18,7 @@ use trueaxis_report::{
 /// Writes the page to `grinding.html` in `directory`, which is created if need be; returns the file's path.
 ///
 /// # Errors
-/// Whatever the file system answers.
+/// The file system's error where the page cannot be written; nothing is left behind then.
 pub fn write(grinding: &Grinding, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "grinding.html", &render(grinding, outcome), Vec::new())
 }
