@@ -19,25 +19,3 @@ pub fn columns(buckets: impl IntoIterator<Item = (u64, u64, u64)>, per_decade: u
     }
     columns
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn columns_hold_every_count_once_and_do_not_overlap() {
-        // Buckets as a histogram of three significant digits has them.
-        let mut buckets = Vec::new();
-        let mut low = 0_u64;
-        while low < 9_000_000 {
-            let width = (low / 1000).max(1).next_power_of_two();
-            buckets.push((low, low + width - 1, low % 7));
-            low += width;
-        }
-        let columns = columns(buckets.iter().copied(), 24);
-        assert_eq!(columns.iter().map(|column| column.2).sum::<u64>(), buckets.iter().map(|b| b.2).sum::<u64>());
-        assert!(columns.iter().all(|column| column.0 < column.1 && column.2 > 0));
-        assert!(columns.windows(2).all(|pair| pair[0].1 <= pair[1].0), "{columns:?}");
-        assert_eq!(super::columns([(u64::MAX, u64::MAX, u64::MAX)], 24).len(), 1);
-    }
-}

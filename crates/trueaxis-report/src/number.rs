@@ -10,8 +10,7 @@ pub fn drawable(value: f64) -> bool {
 }
 
 /// Whether both coordinates of a point can be drawn.
-#[must_use]
-pub fn drawable_point(point: &[f64; 2]) -> bool {
+pub(crate) fn drawable_point(point: &[f64; 2]) -> bool {
     point.iter().all(|value| drawable(*value))
 }
 

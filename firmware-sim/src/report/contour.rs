@@ -2,10 +2,7 @@
 
 use super::{Report, Section};
 use maud::{Markup, html};
-use trueaxis_report::{
-    Colour, Figure, Scale, Stroke, colour, decimate, missing,
-    number::{drawable_point, significant},
-};
+use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, missing, number::significant};
 
 /// A second figure shows the small curves alone when their maximum is below this share of the largest.
 const ENLARGE_BELOW: f64 = 0.4;
@@ -21,10 +18,10 @@ struct Curve {
 
 impl Curve {
     fn new(name: &'static str, colour: Colour, series: &[[f64; 2]]) -> Option<Curve> {
-        let drawable = series.iter().filter(|point| drawable_point(point));
-        let magnitudes: Vec<[f64; 2]> = drawable.map(|[length, error]| [*length, error.abs()]).collect();
-        let largest = magnitudes.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1]))?;
-        Some(Curve { name, colour, points: decimate(&magnitudes, BUCKETS), largest })
+        let magnitudes: Vec<[f64; 2]> = series.iter().map(|[length, error]| [*length, error.abs()]).collect();
+        let points = decimate(&magnitudes, BUCKETS);
+        let largest = points.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1]))?;
+        Some(Curve { name, colour, points, largest })
     }
 }
 

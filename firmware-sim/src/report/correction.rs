@@ -4,7 +4,7 @@ use super::{AxisReport, Report, Section};
 use maud::{Markup, Render, html};
 use trueaxis_report::{
     Figure, Scale, Stroke, colour, decimate, missing,
-    number::{drawable, drawable_point, quantity},
+    number::{drawable, quantity},
     side_by_side,
 };
 
@@ -30,8 +30,7 @@ fn figures(axis: &AxisReport) -> Markup {
 }
 
 fn over_time(axis: &str, quantity_name: &str, unit: &str, series: &[[f64; 2]], limit: f64) -> Markup {
-    let drawable_points: Vec<[f64; 2]> = series.iter().copied().filter(drawable_point).collect();
-    let points = decimate(&drawable_points, BUCKETS);
+    let points = decimate(series, BUCKETS);
     if points.is_empty() {
         return missing(format!("{axis}: no {quantity_name} was recorded."));
     }

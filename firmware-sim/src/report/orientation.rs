@@ -2,10 +2,7 @@
 
 use super::{Report, Section, contour::BUCKETS};
 use maud::html;
-use trueaxis_report::{
-    Colour, Figure, Scale, Stroke, colour, decimate,
-    number::{drawable_point, quantity},
-};
+use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, number::quantity};
 
 const LENGTH: &str = "path length in mm (in degrees where nothing but rotary axes moves)";
 
@@ -20,7 +17,7 @@ pub(super) fn section(report: &Report) -> Option<Section> {
         ("servo only", colour::SERVO, &series.servo_only),
     ];
     let error: Vec<Curve> = (runs.into_iter())
-        .map(|(name, colour, points)| (name, colour, drawn(points)))
+        .map(|(name, colour, points)| (name, colour, decimate(points, BUCKETS)))
         .filter(|(.., points)| !points.is_empty())
         .map(|(name, colour, points)| {
             let largest = points.iter().map(|point| point[1]).fold(0.0, f64::max);
@@ -32,7 +29,7 @@ pub(super) fn section(report: &Report) -> Option<Section> {
     }
     let palette = [colour::NEUTRAL, colour::NOMINAL, colour::LIMIT];
     let rotary: Vec<Curve> = (series.rotary.iter().zip(palette))
-        .map(|((name, points), colour)| (name.clone(), colour, drawn(points)))
+        .map(|((name, points), colour)| (name.clone(), colour, decimate(points, BUCKETS)))
         .filter(|(.., points)| !points.is_empty())
         .collect();
     let angle = Scale::from_zero("orientation error in µrad", values(&error));
@@ -43,11 +40,6 @@ pub(super) fn section(report: &Report) -> Option<Section> {
         @if !rotary.is_empty() { (figure(report, &rotary, position, "Commanded positions of the rotary axes.")) }
     };
     Some(Section { heading: "Tool direction over the path", content })
-}
-
-fn drawn(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let points: Vec<[f64; 2]> = points.iter().copied().filter(drawable_point).collect();
-    decimate(&points, BUCKETS)
 }
 
 fn values(curves: &[Curve]) -> impl Iterator<Item = f64> {
