@@ -1,6 +1,7 @@
 use crate::{
-    Colour, Figure, Scale, Stroke, colour, draw,
+    Colour, Figure, Scale, Stroke, colour,
     number::{nearest_round, round_down, significant},
+    size::{HALF_PX, inside},
 };
 
 /// The largest deviation is drawn at about this share of the figure's width.
@@ -112,12 +113,12 @@ impl Frame {
         let [x, y] = [0, 1].map(|axis| range(points.clone().map(move |point| point[axis])));
         let margin = 0.05 * (x[1] - x[0]).max(y[1] - y[0]);
         let least = x[1] - x[0] + 2.0 * margin;
-        let strip = STRIP_PX * least.max(size) / f64::from(draw::inside(draw::HALF_PX, 0)[0]);
+        let strip = STRIP_PX * least.max(size) / f64::from(inside(HALF_PX, 0)[0]);
         let (width, height) = (least, y[1] - y[0] + 2.0 * margin + strip);
-        let height_px = (f64::from(draw::HALF_PX) * (height / width).clamp(0.45, 1.0)).round() as i32;
-        let inside = draw::inside(draw::HALF_PX, height_px).map(f64::from);
-        let mm_per_px = (width / inside[0]).max(height / inside[1]);
-        let extent = inside.map(|px| mm_per_px * px);
+        let height_px = (f64::from(HALF_PX) * (height / width).clamp(0.45, 1.0)).round() as i32;
+        let inside_px = inside(HALF_PX, height_px).map(f64::from);
+        let mm_per_px = (width / inside_px[0]).max(height / inside_px[1]);
+        let extent = inside_px.map(|px| mm_per_px * px);
         let corner = [0.5 * (x[0] + x[1] - extent[0]), 0.5 * (y[0] + y[1] - strip - extent[1])];
         Frame { corner, extent, height_px, mm_per_px }
     }

@@ -5,6 +5,7 @@ use crate::{
     colour::Colour,
     figure::Layer,
     mark,
+    size::{BOTTOM, HALF_PX, LEFT, RIGHT, TOP, inside},
     svg::{self, Drawn, FINENESS, Root, rgb, style},
 };
 use maud::Markup;
@@ -15,29 +16,16 @@ use plotters::{
 };
 use std::ops::Range;
 
-/// Width of a figure of half the page, px.
-pub(crate) const HALF_PX: i32 = 550;
-/// Least distance of two labels above the plot, px.
-pub(crate) const LABEL_PX: f64 = 34.0;
 const TICK_TEXT: i32 = 11;
 const LABEL_TEXT: i32 = 12;
 /// The drawing library writes a font of size s as s/1.24.
 const FONT_FACTOR: f64 = 1.24;
-const LEFT: i32 = 62;
-const BOTTOM: i32 = 40;
-const RIGHT: i32 = 16;
-const TOP: i32 = 10;
 /// Height of one row of labels above the plot.
 const ROW: i32 = 15;
 /// Space above the plot for labels without a row of their own.
 const HEAD: i32 = 12;
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis, Axis>>;
-
-/// Width and height of the area inside the axes of a figure of this size, px.
-pub(crate) const fn inside(width: i32, height: i32) -> [i32; 2] {
-    [width - LEFT - RIGHT, height - TOP - BOTTOM]
-}
 
 /// The figure's plot as an `<svg>` element.
 pub(crate) fn plot(figure: &Figure) -> Markup {

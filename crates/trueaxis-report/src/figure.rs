@@ -1,8 +1,8 @@
 use crate::{
-    Colour, Mark, Scale, Stroke, colour, draw,
-    legend::{Key, Swatch, legend},
+    Colour, Mark, Scale, Stroke, colour,
+    legend::{Key, Swatch},
+    size::{HALF_PX, LABEL_PX, inside},
 };
-use maud::{Markup, Render, html};
 
 /// Most points of a curve that are marked with dots one by one.
 const DOTS: usize = 200;
@@ -25,8 +25,8 @@ pub struct Figure {
     pub(crate) marks: Vec<Mark>,
     /// Labels above the plot with a faint line down to the axis.
     pub(crate) above: Vec<(f64, String)>,
-    keys: Vec<Key>,
-    caption: String,
+    pub(crate) keys: Vec<Key>,
+    pub(crate) caption: String,
 }
 
 #[derive(Clone, Debug)]
@@ -47,14 +47,14 @@ impl Figure {
     /// Over half the width of the page.
     #[must_use]
     pub fn half(description: &str, height: i32, x: Scale, y: Scale) -> Figure {
-        Figure::sized(description, "half", [draw::HALF_PX, height], x, y)
+        Figure::sized(description, "half", [HALF_PX, height], x, y)
     }
 
     /// Over half the width of the page; the plot is a square.
     #[must_use]
     pub fn square(description: &str, x: Scale, y: Scale) -> Figure {
-        let [width, height] = draw::inside(draw::HALF_PX, draw::HALF_PX);
-        Figure::half(description, draw::HALF_PX + width - height, x.ticks(8), y.ticks(8))
+        let [width, height] = inside(HALF_PX, HALF_PX);
+        Figure::half(description, HALF_PX + width - height, x.ticks(8), y.ticks(8))
     }
 
     /// A square without axes from −`reach` to `reach`.
@@ -180,11 +180,11 @@ impl Figure {
 
     /// Labels above the plot with a faint line down to the axis; those that would touch one before are left out.
     pub fn labels_above(&mut self, labels: impl IntoIterator<Item = (f64, String)>) -> &mut Figure {
-        let width = f64::from(draw::inside(self.size[0], 0)[0]);
+        let width = f64::from(inside(self.size[0], 0)[0]);
         let mut last = f64::NEG_INFINITY;
         for (x, text) in labels.into_iter().filter(|(x, _)| (self.x.low..=self.x.high).contains(x)) {
             let px = self.x.share(x) * width;
-            if px - last >= draw::LABEL_PX {
+            if px - last >= LABEL_PX {
                 last = px;
                 self.above.push((x, text));
             }
@@ -225,19 +225,5 @@ impl Figure {
     fn layer(&mut self, layer: Layer) -> &mut Figure {
         self.layers.push(layer);
         self
-    }
-}
-
-impl Render for Figure {
-    fn render(&self) -> Markup {
-        let drawable = self.layers.iter().any(|layer| !matches!(layer, Layer::Text { .. }));
-        html! {
-            figure class=(self.class) {
-                (legend(&self.keys))
-                @if drawable { (draw::plot(self)) } @else { p.empty { "There is nothing to draw." } }
-                figcaption { (self.caption) }
-            }
-            "\n"
-        }
     }
 }
