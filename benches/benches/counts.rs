@@ -4,7 +4,7 @@
 use gungraun::prelude::*;
 use gungraun::{Callgrind, EntryPoint};
 use std::hint::black_box;
-use trueaxis::compensation::{NineTerms, PoseError, Volumetric};
+use trueaxis::compensation::{Direction, NineTerms, PoseError, Volumetric};
 use trueaxis::contour::{ContourError, OrientationError};
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};

@@ -3,6 +3,7 @@
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
+use trueaxis::compensation::Direction;
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
 use trueaxis_benches::gauge::Gauge;

@@ -2,7 +2,7 @@
 
 use crate::Random;
 use crate::contour::{Shape, Track};
-use crate::tables::{Grid, machine, rows, memory};
+use crate::tables::{Grid, machine, memory, rows};
 use trueaxis::contour::{Method, Path, Reference};
 use trueaxis::{Axis, Config, Input, Output, ServoLoop, State};
 

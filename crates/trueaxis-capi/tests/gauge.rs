@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;
 use trueaxis::roundness::{self, Roundness};
-use trueaxis::tcomp::{TableData, Tcomp};
+use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 use trueaxis::{Config, GaugeRide, Position as _, ServoLoop};
 use trueaxis_capi::*;

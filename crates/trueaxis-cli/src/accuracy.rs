@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::ThermalLine;
+use trueaxis::compensation::{Direction as Travel, ThermalLine};
 use trueaxis::machine::ErrorModel;
 use trueaxis::machine::step_axes;
 use trueaxis_tables::Machine;
@@ -74,9 +74,12 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
                 let start = first.map_or(0.0, |row| row.position);
                 let mut at = [0.0; N];
                 at[place] = start;
-                let forward =
-                    compensation.errors(&compensation.coordinates(&at), &[Travel::POSITIVE; N], &[ThermalLine::default(); N], &mut 0)
-                        [place];
+                let forward = compensation.errors(
+                    &compensation.coordinates(&at),
+                    &[Travel::POSITIVE; N],
+                    &[ThermalLine::default(); N],
+                    &mut 0,
+                )[place];
                 let own = if measurement.axis.is_rotary() { own.to_degrees() } else { own };
                 forward - own
             };

@@ -6,7 +6,7 @@ use crate::model::with_compensation;
 use anyhow::{Result, anyhow};
 use std::convert::Infallible;
 use trueaxis::check;
-use trueaxis::compensation::ThermalLine;
+use trueaxis::compensation::{Direction, ThermalLine};
 use trueaxis::machine::step_axes;
 use trueaxis_tables::Machine;
 

@@ -5,7 +5,7 @@ use crate::model::{axis_count, with_compensation};
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::compensation::{Compensation, Direction, ThermalLine};
 use trueaxis::machine::ErrorModel;
 use trueaxis::machine::{carries_workpiece, step_axes};
 use trueaxis_metrology::identification::{Ball, lever};
