@@ -112,7 +112,7 @@ const GAP: f64 = 1e-3;
 const MOST_SPANS: u64 = 1_000_000;
 
 fn read_path(file: &FilePath) -> Result<Converted> {
-    let text = read_text(file)?;
+    let text = read_text(file, &[])?;
     let parsed: PathFile = serde_json::from_str(&text)
         .map_err(|e| anyhow!("{}:{}: column {}: {e}", file.display(), e.line(), e.column()))?;
     if parsed.segments.is_empty() {

@@ -3,15 +3,16 @@
 // print! and its like panic when the other end of a pipe is closed: see `output`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-mod accuracy;
 mod circle;
 mod compensate;
 mod contour;
+mod correct;
 mod csv_in;
 mod helicoid;
 mod identify;
 mod kinematics;
 mod model;
+mod numbers;
 mod output;
 mod probe_angles;
 mod probes;
@@ -42,6 +43,9 @@ enum Command {
     /// Errors and corrected commands at positions.
     #[command(after_help = compensate::HELP)]
     Compensate(compensate::Arguments),
+    /// Error, its sources and the correction at one position.
+    #[command(after_help = correct::HELP)]
+    Correct(correct::Arguments),
     /// Contour error of measured positions against a path.
     #[command(after_help = contour::HELP)]
     Contour(contour::Arguments),
@@ -69,6 +73,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Tables(command) => tables::run(command),
         Command::Compensate(arguments) => compensate::run(&arguments),
+        Command::Correct(arguments) => correct::run(&arguments),
         Command::Contour(arguments) => contour::run(&arguments),
         Command::Roundness(arguments) => roundness::run(&arguments),
         Command::ProbeAngles(arguments) => probe_angles::run(&arguments),

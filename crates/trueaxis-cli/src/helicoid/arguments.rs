@@ -2,6 +2,7 @@
 
 use super::grid::Range;
 use super::job::Job;
+use crate::numbers::{number, sense, triple};
 use anyhow::{Error, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -72,13 +73,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = FlankName::Right)]
     flank: FlankName,
     /// Place of the gear's origin on the table.
-    #[arg(long, value_name = "X,Y,Z", value_parser = offset, default_value = "0,0,0", allow_hyphen_values = true)]
-    work_offset_mm: Offset,
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, default_value = "0,0,0", allow_hyphen_values = true)]
+    work_offset_mm: [f64; 3],
     /// Sense of the A axis; 1: right-handed turn of the tool about +x.
-    #[arg(long, value_name = "1|-1", value_parser = direction, default_value = "1", allow_hyphen_values = true)]
+    #[arg(long, value_name = "1|-1", value_parser = sense, default_value = "1", allow_hyphen_values = true)]
     direction_a: i8,
     /// Sense of the C axis; 1: right-handed turn of the workpiece about +z.
-    #[arg(long, value_name = "1|-1", value_parser = direction, default_value = "1", allow_hyphen_values = true)]
+    #[arg(long, value_name = "1|-1", value_parser = sense, default_value = "1", allow_hyphen_values = true)]
     direction_c: i8,
     /// Write a program in LinuxCNC's dialect.
     #[arg(long, value_name = "FILE")]
@@ -124,32 +125,8 @@ pub(crate) enum Passes {
     U,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Offset([f64; 3]);
-
-fn number(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("found {text}, needed a finite number")),
-    }
-}
-
 fn teeth(text: &str) -> Result<u32, String> {
     text.trim().parse().map_err(|_| format!("found {text}, needed a whole number of teeth, 1 to 10000"))
-}
-
-fn direction(text: &str) -> Result<i8, String> {
-    match text.trim() {
-        "1" | "+1" => Ok(1),
-        "-1" => Ok(-1),
-        _ => Err(format!("found {text}, needed 1 or -1")),
-    }
-}
-
-fn offset(text: &str) -> Result<Offset, String> {
-    let values: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
-    let count = values.len();
-    values.try_into().map(Offset).map_err(|_| format!("found {count} values, needed three: X,Y,Z"))
 }
 
 /// The same error with the name of the option.
@@ -192,7 +169,7 @@ impl Arguments {
             pivot_mm,
             direction_a: self.direction_a,
             direction_c: self.direction_c,
-            work_offset_mm: self.work_offset_mm.0,
+            work_offset_mm: self.work_offset_mm,
         };
         let machine = HeadTable::new(&settings).map_err(by_option)?;
         let branch = if self.branch == 1 { Branch::First } else { Branch::Second };

@@ -25,7 +25,7 @@ fn largest(table: &Table, components: std::ops::Range<usize>, except: Option<usi
 /// `12 um, 7 urad` of a length in mm and an angle in rad; what is zero is left out.
 fn micro(length: f64, angle: f64) -> String {
     let part = |value: f64, scale: f64, unit: &str| {
-        (value != 0.0).then(|| format!("{} {unit}", crate::source::fixed(value * scale, 3)))
+        (value != 0.0).then(|| format!("{} {unit}", crate::text::fixed(value * scale, 3)))
     };
     [part(length, 1e3, "um"), part(angle, 1e6, "urad")].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }

@@ -2,8 +2,8 @@
 
 use crate::Table;
 use crate::error::FileError;
+use crate::origin::Origin;
 use crate::sheet::Sheet;
-use crate::source::Source;
 use trueaxis::machine::{Axis, Row};
 
 /// A table with the line of each of its rows and the names of its columns, for errors that show only when all is read.
@@ -57,7 +57,7 @@ fn known(axis: Axis) -> Vec<Column> {
     columns
 }
 
-fn column(axis: Axis, name: &str, line: u32, source: &Source) -> Result<Column, FileError> {
+fn column(axis: Axis, name: &str, line: u32, origin: &Origin) -> Result<Column, FileError> {
     let mut known = known(axis);
     if let Some(place) = known.iter().position(|column| column.name == name) {
         return Ok(known.swap_remove(place));
@@ -76,13 +76,13 @@ fn column(axis: Axis, name: &str, line: u32, source: &Source) -> Result<Column, 
             format!("one of {}, or a pair like {} and {}", plain.join(" "), known[2].name, known[3].name)
         }
     };
-    Err(source.at(line, name, format!("{name:?}"), needed))
+    Err(origin.at(line, name, format!("{name:?}"), needed))
 }
 
-fn header(axis: Axis, names: &[String], line: u32, source: &Source) -> Result<Vec<Column>, FileError> {
+fn header(axis: Axis, names: &[String], line: u32, origin: &Origin) -> Result<Vec<Column>, FileError> {
     let mut columns: Vec<Column> = Vec::new();
     for name in names {
-        let next = column(axis, name, line, source)?;
+        let next = column(axis, name, line, origin)?;
         for before in &columns {
             let clash = match (before.content, next.content) {
                 (Content::Position, Content::Position) => true,
@@ -91,17 +91,17 @@ fn header(axis: Axis, names: &[String], line: u32, source: &Source) -> Result<Ve
             };
             if clash {
                 let found = format!("both {} and {name}", before.name);
-                return Err(source.at(line, name, found, "every error once: one column, or one for each direction"));
+                return Err(origin.at(line, name, found, "every error once: one column, or one for each direction"));
             }
         }
         columns.push(next);
     }
     if !columns.iter().any(|column| column.content == Content::Position) {
         let needed = format!("a column {}", known(axis)[0].name);
-        return Err(source.at(line, "", "no column with the position", needed));
+        return Err(origin.at(line, "", "no column with the position", needed));
     }
     if columns.len() < 2 {
-        return Err(source.at(
+        return Err(origin.at(
             line,
             "",
             "no column with an error",
@@ -114,7 +114,7 @@ fn header(axis: Axis, names: &[String], line: u32, source: &Source) -> Result<Ve
             if !held && !columns.iter().any(|other| other.holds(Some(component), reverse)) {
                 let partner =
                     if reverse { column.name.replace("_fwd_", "_rev_") } else { column.name.replace("_rev_", "_fwd_") };
-                return Err(source.at(line, &column.name, "one direction only", format!("a column {partner} as well")));
+                return Err(origin.at(line, &column.name, "one direction only", format!("a column {partner} as well")));
             }
         }
     }
@@ -124,12 +124,12 @@ fn header(axis: Axis, names: &[String], line: u32, source: &Source) -> Result<Ve
 /// Reads a table: `X_mm,EXX_um,…`, `#` comments and blank lines anywhere; separators and decimals as [`Sheet`] has them.
 ///
 /// Errors µm / 1e3 and µrad / 1e6, so that a value is the double nearest to the decimal in mm or rad.
-pub(super) fn read(text: &[u8], source: &Source, axis: Axis) -> Result<TableFile, FileError> {
-    let mut sheet = Sheet::new(text, source.file()).map_err(|error| match error.found.as_str() {
-        "no header" => source.whole("nothing but comments", format!("a header line, like {}", example(axis))),
+pub(super) fn read(text: &[u8], origin: &Origin, axis: Axis) -> Result<TableFile, FileError> {
+    let mut sheet = Sheet::new(text, origin.file()).map_err(|error| match error.found.as_str() {
+        "no header" => origin.whole("nothing but comments", format!("a header line, like {}", example(axis))),
         _ => error,
     })?;
-    let columns = header(axis, sheet.header(), sheet.header_line(), source)?;
+    let columns = header(axis, sheet.header(), sheet.header_line(), origin)?;
     let mut given = [false; 6];
     for column in &columns {
         if let Content::Error(component, _) = column.content {
