@@ -118,7 +118,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     result.finish(positions.count)
 }
 
-/// What is known about one position.
+/// Error and corrected command at one position.
 struct Evaluated {
     /// Tip error, mm.
     error: [f64; 3],

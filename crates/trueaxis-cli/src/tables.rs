@@ -13,7 +13,7 @@ use trueaxis_tables::formats::{ExportOptions, Loss};
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    /// Read a machine and its tables, and say what is wrong or doubtful.
+    /// Read a machine and its tables; refuse errors, warn of doubtful settings.
     Check {
         /// machine.toml or its folder.
         #[arg(value_name = "M")]
@@ -38,7 +38,7 @@ pub(crate) enum Command {
         #[arg(short, long, value_name = "T.tcomp")]
         output: PathBuf,
     },
-    /// Show what is in a compiled file.
+    /// Show the content of a compiled file.
     Show {
         /// The compiled file.
         #[arg(value_name = "T.tcomp")]
@@ -47,7 +47,7 @@ pub(crate) enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// The best nine tables of a machine with angular errors, and what they leave.
+    /// The best nine tables of a machine with angular errors, and the error they leave.
     #[command(after_help = collapse::HELP)]
     Collapse(collapse::Arguments),
     /// Read another control's compensation file into machine.toml and axis tables.
@@ -105,7 +105,7 @@ pub(crate) enum Command {
         /// Measured deviations.
         #[arg(value_name = "MEASURED.csv")]
         measured: PathBuf,
-        /// Also evaluate what this machine's tables would leave.
+        /// Also evaluate the deviations that this machine's tables would leave.
         #[arg(long, value_name = "M")]
         machine: Option<PathBuf>,
         /// Axis measured, where the file does not say so.

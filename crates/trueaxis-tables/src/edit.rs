@@ -1,4 +1,4 @@
-//! An import into a machine that is there: one axis' table and what goes with it, everything else as it stands.
+//! An import into an existing machine: tables and settings of the imported axes change, everything else stays.
 
 use crate::error::FileError;
 use crate::files::{Edit, Entry, Memory, Source};
@@ -11,13 +11,13 @@ use toml_edit::{DocumentMut, Item, TableLike, Value};
 use trueaxis::machine::links;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, LocationErrors, MachineSettings};
 
-/// What an import makes of a machine that is there.
+/// Changes that an import makes to an existing machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edited {
     /// The files that change, by their name in the source, with their new text; `machine.toml` last, and only where it
     /// changes.
     pub files: Vec<(PathBuf, String)>,
-    /// What was added, replaced, set, and left although the file says otherwise; one sentence each.
+    /// Everything added, replaced, set, or left although the file says otherwise; one sentence each.
     pub notes: Vec<String>,
 }
 

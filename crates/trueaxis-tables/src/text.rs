@@ -77,8 +77,8 @@ mod tests {
     #[test]
     fn bytes_of_another_encoding_are_refused_with_their_line() {
         let read = |bytes: &[u8]| decode(bytes.to_vec(), Path::new("latin.csv"), &['#']);
-        let told = read(b"# \xb5m\n1,2\n3,\xb5m\n").unwrap_err().to_string();
-        assert_eq!(told, "latin.csv:3: found bytes that are not UTF-8, needed text in UTF-8");
+        let refused = read(b"# \xb5m\n1,2\n3,\xb5m\n").unwrap_err().to_string();
+        assert_eq!(refused, "latin.csv:3: found bytes that are not UTF-8, needed text in UTF-8");
         assert_eq!(read("\u{feff}µ".as_bytes()).unwrap(), "µ");
         assert_eq!(read(b" # \xb5m\n1").unwrap(), " # \u{fffd}m\n1");
     }

@@ -1,4 +1,4 @@
-//! What works but not as well as it should.
+//! Doubtful settings: they work, but not as well as they should.
 
 use crate::Machine;
 use crate::lost_motion::{LostMotion, SWIFT_S, lost_motion};

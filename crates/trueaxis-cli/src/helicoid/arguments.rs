@@ -1,4 +1,4 @@
-//! What `trueaxis helicoid` is asked, and what of it does not go together.
+//! Arguments of `trueaxis helicoid`, and those that do not go together.
 
 use super::grid::Range;
 use super::job::Job;
@@ -54,7 +54,7 @@ pub(crate) struct Arguments {
     /// Angles θ along the helix.
     #[arg(long, value_name = "START:STOP:COUNT", value_parser = Range::parse, allow_hyphen_values = true)]
     theta_rad: Range,
-    /// How the head stands at A = 0: spindle along +y or along +z.
+    /// Head at A = 0: spindle along +y or along +z.
     #[arg(long, value_enum, default_value_t = FormName::Horizontal)]
     form: FormName,
     /// Pivot length L, tool tip to A axis.
@@ -72,7 +72,7 @@ pub(crate) struct Arguments {
     /// Side of the tooth, seen from +z with its tip up.
     #[arg(long, value_enum, default_value_t = FlankName::Right)]
     flank: FlankName,
-    /// Place of the gear's origin on the table.
+    /// Position of the gear's origin on the table.
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, default_value = "0,0,0", allow_hyphen_values = true)]
     work_offset_mm: [f64; 3],
     /// Sense of the A axis; 1: right-handed turn of the tool about +x.
@@ -93,7 +93,7 @@ pub(crate) struct Arguments {
     /// Parameter along which the program's passes run.
     #[arg(long, value_enum, default_value_t = Passes::Theta)]
     pub(super) passes: Passes,
-    /// Where the table goes; the standard output without it.
+    /// Result [default: standard output].
     #[arg(short, long, value_name = "OUT.csv")]
     pub(super) output: Option<PathBuf>,
     /// Print one JSON document: inputs, gear data, points.

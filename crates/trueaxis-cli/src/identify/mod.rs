@@ -136,10 +136,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let document = Document::new(&readings, &found, warnings);
     let machine = arguments.machine.iter().flat_map(|machine| model::files(machine));
     let mut outputs = Outputs::of(machine.chain([arguments.measured.clone()]));
-    if let Some(place) = &arguments.report {
+    if let Some(to) = &arguments.report {
         let source = arguments.measured.file_name().unwrap_or_default().to_string_lossy();
         let page = report::identify::page(&source, axis, &document);
-        report::write_to(&mut outputs, &page, place, "identify.html")?;
+        report::write_to(&mut outputs, &page, to, "identify.html")?;
     }
     if let Some((output, text, _)) = &written {
         outputs.put(output, text.as_bytes())?;

@@ -27,16 +27,16 @@ pub(crate) struct Arguments {
     /// Folder that the machine with the nine tables is written into.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Tool tip from the last tool-side frame, mm (the machine's tool_mm).
+    /// Tool tip from the last tool-side frame, mm [default: the machine's tool_mm].
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     tool_mm: Option<[f64; 3]>,
-    /// Where the cross terms are zero, mm (the middle of the volume).
+    /// Position at which the cross terms are zero, mm [default: the middle of the volume].
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     reference_mm: Option<[f64; 3]>,
     /// Working volume, mm; an empty entry: the declared travel, or the table's range.
     #[arg(long, value_name = "X0:X1,Y0:Y1,Z0:Z1", value_parser = volume, allow_hyphen_values = true)]
     volume: Option<Volume>,
-    /// Where the rotary axes stand, degrees (zero).
+    /// Angles of the rotary axes, degrees [default: zero].
     #[arg(long, value_name = "A=..,C=..", value_parser = pose, allow_hyphen_values = true)]
     pose: Option<Pose>,
     /// Print one JSON document.

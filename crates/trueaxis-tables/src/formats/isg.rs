@@ -32,7 +32,7 @@
 //! // trueaxis axis A offset_mm: 0 0 150
 //! ```
 //!
-//! The other control skips them: what it must be told otherwise is in [`Exported::notes`]. A file with such comments is refused
+//! The other control skips them: what it needs besides is in [`Exported::notes`]. A file with such comments is refused
 //! where one cannot be read, and where an axis of a comment, table or location error is not in the chain.
 //!
 //! No direction of travel (the mean is written), no backlash, no thermal growth. Tables over several arguments, constant
@@ -92,15 +92,15 @@ pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<
     Ok(Imported { tables: tables.into_iter().collect(), location, settings, notes: Vec::new() })
 }
 
-/// Where the file gives the chain: every axis of a header, and every rotary axis with a location error, has to be in it.
+/// In a file that gives the chain, every axis of a header, and every rotary axis with a location error, has to be in it.
 fn in_chain(block: &Block, settings: Option<&MachineSettings>, origin: &Origin) -> Result<(), FileError> {
     let Some(settings) = settings else { return Ok(()) };
     let values = block.lines.first().map_or(&[][..], |(_, values)| values);
-    for (place, name) in block.names.iter().enumerate() {
+    for (column, name) in block.names.iter().enumerate() {
         let letters: Vec<char> = name.chars().collect();
         let axis = match letters.as_slice() {
             [axis] => Axis::from_letter(*axis),
-            [_, '0', axis] if values.get(place) != Some(&0.0) => {
+            [_, '0', axis] if values.get(column) != Some(&0.0) => {
                 Axis::from_letter(*axis).filter(|axis| axis.is_rotary())
             }
             _ => None,
@@ -176,10 +176,10 @@ fn component_named(name: &str) -> Option<(usize, Axis)> {
 
 fn component_errors(block: &Block, axis: Axis, origin: &Origin) -> Result<Table, FileError> {
     let mut given = [false; 6];
-    let mut places: Vec<Option<usize>> = Vec::new();
+    let mut columns: Vec<Option<usize>> = Vec::new();
     for name in &block.names {
         if axis_named(name).is_some() {
-            places.push(None);
+            columns.push(None);
             continue;
         }
         let Some((component, _)) = component_named(name).filter(|(_, moved)| *moved == axis) else {
@@ -189,7 +189,7 @@ fn component_errors(block: &Block, axis: Axis, origin: &Origin) -> Result<Table,
         if let Some(flag) = given.get_mut(component) {
             *flag = true;
         }
-        places.push(Some(component));
+        columns.push(Some(component));
     }
     if given == [false; 6] {
         return Err(origin.at(block.line, "", "no error beside the position", "at least one column"));
@@ -198,8 +198,8 @@ fn component_errors(block: &Block, axis: Axis, origin: &Origin) -> Result<Table,
     for (line, values) in &block.lines {
         let mut position = 0.0;
         let mut errors = [0.0; 6];
-        for (place, value) in places.iter().zip(values) {
-            match place {
+        for (column, value) in columns.iter().zip(values) {
+            match column {
                 None => position = *value,
                 Some(component) => {
                     if let Some(error) = errors.get_mut(*component) {

@@ -1,7 +1,7 @@
 //! Compensation data of other controls, read and written.
 //!
 //! Inside this crate a table holds the *error*, actual − ideal, of the tool relative to the workpiece (mm, rad; ISO 230-1).
-//! What the other formats hold, and how it is converted, stands in the module of each:
+//! The module of each format says what it holds and how it is converted:
 //!
 //! | format | holds | value for an error E |
 //! |---|---|---|
@@ -11,7 +11,7 @@
 //! | [`isg`] volumetric CSV | all six errors, location errors; as comments chain, offsets, tool | +E (mm, rad) |
 //! | [`iso230_2`] measurement | deviations of single approaches | +E (µm, µrad) |
 //!
-//! Import refuses whatever it would have to ignore. Export refuses whatever the format cannot hold, unless told to drop it
+//! Import refuses whatever it would have to ignore. Export refuses whatever the format cannot hold, unless asked to drop it
 //! ([`Loss::Drop`]); then it names what it dropped.
 
 mod axis_csv;
@@ -75,7 +75,7 @@ impl Format {
     }
 }
 
-/// What a foreign file contained, as tables of this crate.
+/// Content of a foreign file, as tables of this crate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
     /// The tables in the order X Y Z A B C.
@@ -85,7 +85,7 @@ pub struct Imported {
     /// Chain, offsets, tool and how the tables are used, from the comments of an [`isg`] file that this crate wrote; what the
     /// comments do not say has its default, the name is "imported". `None` from every other file.
     pub settings: Option<MachineSettings>,
-    /// How the file was read, where that is not the usual way: to be told once.
+    /// Separators and decimals, where they are not the usual ones: to be reported once.
     pub notes: Vec<String>,
 }
 
@@ -100,7 +100,7 @@ impl Imported {
     }
 }
 
-/// What to do with data that the format cannot hold.
+/// Treatment of data that the format cannot hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Loss {
     /// Refuse to export, naming everything that would be lost.
@@ -110,10 +110,10 @@ pub enum Loss {
     Drop,
 }
 
-/// How to export.
+/// Options of an export.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportOptions {
-    /// What to do with data that the format cannot hold.
+    /// Treatment of data that the format cannot hold.
     pub loss: Loss,
     /// Only this axis; `None`: every axis with a table.
     pub axis: Option<Axis>,
@@ -130,14 +130,14 @@ impl Default for ExportOptions {
     }
 }
 
-/// What was written.
+/// Result of an export.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exported {
     /// File names and their text.
     pub files: Vec<(String, String)>,
-    /// What the format could not hold, one sentence each; empty with [`Loss::Refuse`].
+    /// Data that the format could not hold, one sentence each; empty with [`Loss::Refuse`].
     pub dropped: Vec<String>,
-    /// What to set on the control so that the files act.
+    /// Settings of the control with which the files act.
     pub notes: Vec<String>,
 }
 

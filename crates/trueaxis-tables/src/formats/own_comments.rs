@@ -1,4 +1,4 @@
-//! What an ISG CSV has no columns for, as comment lines that other readers skip and this one reads back.
+//! Settings for which an ISG CSV has no columns, as comment lines that other readers skip and this one reads back.
 //!
 //! One item a line, each at most once, from a line's beginning; numbers are decimals that give the same double again:
 //!
@@ -25,7 +25,7 @@ use trueaxis::machine::{
     MachineSettings,
 };
 
-/// What marks a comment as one of ours.
+/// Mark of the comments written here.
 const MARK: &str = "// trueaxis ";
 const KEYS: &str =
     "chain, tool_mm, tool_axis, singular_cone_deg, reference_temperature_c, model, orientation or fade_deg";

@@ -34,7 +34,7 @@ pub const FILE_NAME: &str = "AX_EEC.INI";
 /// Most points read: the memory option of the control ends far below.
 const MAX_INDEX: usize = 100_000;
 
-/// What a file says about one axis: values with the line they stand on.
+/// Values of one axis in a file, with their lines.
 #[derive(Default)]
 struct AxisBlock {
     /// Name of the axis in the file.
@@ -296,7 +296,7 @@ fn equidistant(
     Ok((resampled, step))
 }
 
-/// Linear interpolation, held at the ends.
+/// Linear interpolation, clamped at the ends.
 fn linear(points: &[(f64, f64)], position: f64) -> f64 {
     let above = points.partition_point(|point| point.0 < position);
     match (above.checked_sub(1).and_then(|below| points.get(below)), points.get(above)) {

@@ -11,11 +11,11 @@ pub(super) struct TableFile {
     pub(super) table: Table,
     pub(super) lines: Vec<u32>,
     pub(super) columns: Vec<Column>,
-    /// How the file was read, where it has other separators or decimals.
+    /// Separators and decimals, where they are not the usual ones.
     pub(super) dialect: Option<&'static str>,
 }
 
-/// What a column holds.
+/// Content of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
     Position,
@@ -59,8 +59,8 @@ fn known(axis: Axis) -> Vec<Column> {
 
 fn column(axis: Axis, name: &str, line: u32, origin: &Origin) -> Result<Column, FileError> {
     let mut known = known(axis);
-    if let Some(place) = known.iter().position(|column| column.name == name) {
-        return Ok(known.swap_remove(place));
+    if let Some(index) = known.iter().position(|column| column.name == name) {
+        return Ok(known.swap_remove(index));
     }
     let stem = |name: &str| name.rsplit_once('_').map_or(name.to_owned(), |(stem, _)| stem.to_owned());
     let without_unit = known.iter().find(|column| stem(&column.name) == name);
@@ -110,8 +110,8 @@ fn header(axis: Axis, names: &[String], line: u32, origin: &Origin) -> Result<Ve
     }
     for column in &columns {
         let Content::Error(component, directions) = column.content else { continue };
-        for (reverse, held) in [(false, directions[0]), (true, directions[1])] {
-            if !held && !columns.iter().any(|other| other.holds(Some(component), reverse)) {
+        for (reverse, given) in [(false, directions[0]), (true, directions[1])] {
+            if !given && !columns.iter().any(|other| other.holds(Some(component), reverse)) {
                 let partner =
                     if reverse { column.name.replace("_fwd_", "_rev_") } else { column.name.replace("_rev_", "_fwd_") };
                 return Err(origin.at(line, &column.name, "one direction only", format!("a column {partner} as well")));
@@ -139,8 +139,8 @@ pub(super) fn read(text: &[u8], origin: &Origin, axis: Axis) -> Result<TableFile
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
     while sheet.next_row()? {
         let mut row = Row { position: 0.0, forward: [0.0; 6], reverse: [0.0; 6] };
-        for (place, column) in columns.iter().enumerate() {
-            let value = sheet.number(place)?;
+        for (index, column) in columns.iter().enumerate() {
+            let value = sheet.number(index)?;
             match column.content {
                 Content::Position => row.position = value,
                 Content::Error(component, [forward, reverse]) => {

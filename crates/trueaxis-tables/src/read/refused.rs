@@ -1,4 +1,4 @@
-//! What the checks of the controller refuse, at its line in the files.
+//! Refusals of the controller's checks, at their lines in the files.
 
 use super::axis_table::TableFile;
 use super::machine_toml::Description;

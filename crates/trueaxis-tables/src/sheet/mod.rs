@@ -90,7 +90,7 @@ impl<'r> Sheet<'r> {
         self.line
     }
 
-    /// How the file is read where that is not commas and decimal points: to be reported once.
+    /// Separators and decimals, where they are not commas and decimal points: to be reported once.
     pub fn dialect(&self) -> Option<&'static str> {
         Some(match (self.separator, self.decimals) {
             (Separator::Comma, Decimals::Comma) => "read as comma separated with decimal commas in quotes",

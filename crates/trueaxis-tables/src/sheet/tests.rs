@@ -3,14 +3,14 @@
 use super::lines::LONGEST_LINE;
 use super::*;
 
-/// How the text is read, and its rows with their lines.
+/// The dialect of a text, and its rows with their lines.
 type Found = (Option<&'static str>, Vec<(u32, Vec<f64>)>);
 
 fn read(text: &[u8]) -> Result<Found, FileError> {
     let mut sheet = Sheet::new(text, Path::new("t.csv"))?;
     let mut rows = Vec::new();
     while sheet.next_row()? {
-        let numbers = (0..sheet.header().len()).map(|place| sheet.number(place)).collect::<Result<_, _>>()?;
+        let numbers = (0..sheet.header().len()).map(|column| sheet.number(column)).collect::<Result<_, _>>()?;
         rows.push((sheet.line(), numbers));
     }
     Ok((sheet.dialect(), rows))
@@ -33,8 +33,8 @@ fn files_as_spreadsheets_write_them() {
         ("\"x\",\"y\"\n\"1,5\",\"-2,25\"\n\"3\",4e-3\n", Some("read as comma separated with decimal commas in quotes")),
         ("x, y\n1.5, \"-2.25\"\n 3 ,4e-3\n", None),
     ];
-    for (text, told) in plain {
-        assert_eq!(read(text.as_bytes()).unwrap(), (told, truth.clone()), "{text:?}");
+    for (text, dialect) in plain {
+        assert_eq!(read(text.as_bytes()).unwrap(), (dialect, truth.clone()), "{text:?}");
     }
     // Comments may be in any encoding; lines are counted with them.
     let (_, rows) = read(b"# \xb5m\n\n  # more, \"\nx,y\n# here\n1,2\n\n3,4\n").unwrap();

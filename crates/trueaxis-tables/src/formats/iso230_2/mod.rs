@@ -45,7 +45,7 @@ use trueaxis_metrology::accuracy::{AccuracyError, Approach, Direction, Measureme
 pub struct MeasurementFile {
     /// The measurement.
     pub measurement: Measurement,
-    /// How the file was read, where it has other separators or decimals: to be reported once.
+    /// Separators and decimals, where they are not the usual ones: to be reported once.
     pub dialect: Option<&'static str>,
 }
 
