@@ -173,7 +173,7 @@ fn segment_line(text: &str, number: usize) -> Option<usize> {
     }
     let raw: Raw<'_> = serde_json::from_str(text).ok()?;
     let offset = (raw.segments.get(number)?.get().as_ptr() as usize).checked_sub(text.as_ptr() as usize)?;
-    Some(1 + text.as_bytes().get(..place)?.iter().filter(|byte| **byte == b'\n').count())
+    Some(1 + text.as_bytes().get(..offset)?.iter().filter(|byte| **byte == b'\n').count())
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {

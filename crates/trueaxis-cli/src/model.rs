@@ -5,7 +5,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::check;
-use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::compensation::{Compensation, ThermalLine, requirement};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Folder;
@@ -53,10 +53,9 @@ pub(crate) fn with_compensation<const N: usize, T>(
     user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> Result<T>,
 ) -> Result<T> {
     let rows = |axis: Axis| machine.rows(axis);
-    let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
-    let mut memory = need.memory();
+    let mut memory = vec![0.0; requirement(&machine.settings, rows)];
     let compensation =
-        Compensation::build(&machine.settings, rows, passes, memory.lend()).map_err(|error| anyhow!("{error}"))?;
+        Compensation::build(&machine.settings, rows, passes, &mut memory).map_err(|error| anyhow!("{error}"))?;
     user(&compensation)
 }
 

@@ -5,6 +5,7 @@ use crate::csv_in::Rows;
 use crate::model::{passes, rise, thermal, with_compensation};
 use anyhow::{Result, anyhow};
 use std::convert::Infallible;
+use trueaxis::compensation::Direction;
 use trueaxis::machine::step_axes;
 use trueaxis_tables::Machine;
 
@@ -18,7 +19,7 @@ pub(super) fn evaluate<const N: usize>(
     let axes = step_axes::<N>(settings).map_err(|error| anyhow!("{error}"))?;
     let passes = passes(machine, arguments.inverse_passes)?;
     let thermal = thermal(machine, &axes, rise(arguments.temperature_c, machine)?);
-    let mut reverse = [if arguments.reverse { usize::MAX } else { 0 }; N];
+    let mut directions = [if arguments.reverse { Direction::NEGATIVE } else { Direction::POSITIVE }; N];
     let mut travel = arguments.in_order.then(|| Travel::new(machine, axes.into_iter()));
     with_compensation::<N, _>(machine, passes, |compensation| {
         result.header(arguments, machine, positions)?;
@@ -26,15 +27,15 @@ pub(super) fn evaluate<const N: usize>(
             let command: [f64; N] = std::array::from_fn(|place| row.values[axes[place].index()]);
             let at = compensation.coordinates(&command);
             if let Some(travel) = &mut travel {
-                let sent = |reverse: &[usize; N]| {
-                    Ok::<_, Infallible>(compensation.correction(&at, &at, reverse, &thermal, &mut 0))
+                let sent = |directions: &[Direction; N]| {
+                    Ok::<_, Infallible>(compensation.correction(&at, &at, directions, &thermal, &mut 0))
                 };
                 let Ok(settled) = travel.arrive(&command, sent);
-                reverse = settled;
+                directions = settled;
             }
             let mut clamped = 0;
-            let error = compensation.pose_error(&at, &reverse, &thermal, &mut clamped);
-            let correction = compensation.correction(&at, &at, &reverse, &thermal, &mut 0);
+            let error = compensation.pose_error(&at, &directions, &thermal, &mut clamped);
+            let correction = compensation.correction(&at, &at, &directions, &thermal, &mut 0);
             let mut corrected = row.values;
             for (axis, (q, correction)) in axes.iter().zip(command.iter().zip(correction)) {
                 corrected[axis.index()] = q + correction;

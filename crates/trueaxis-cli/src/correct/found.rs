@@ -3,7 +3,7 @@
 use super::arguments::Asked;
 use crate::model::{passes, thermal, with_compensation};
 use anyhow::{Result, anyhow};
-use trueaxis::compensation::PoseError;
+use trueaxis::compensation::{Direction, PoseError};
 use trueaxis::machine::{AXES, Axis, ErrorModel, step_axes};
 use trueaxis_tables::Machine;
 
@@ -77,12 +77,13 @@ fn look_up<const N: usize>(
     passes: u8,
 ) -> Result<(PoseError<f64>, [f64; N], u8)> {
     let thermal = thermal(machine, axes, asked.kelvin);
-    let reverse = axes.map(|axis| if asked.reverse[axis.index()] { usize::MAX } else { 0 });
+    let directions =
+        axes.map(|axis| if asked.reverse[axis.index()] { Direction::NEGATIVE } else { Direction::POSITIVE });
     with_compensation::<N, _>(machine, passes, |compensation| {
         let mut clamped = 0;
         let at = compensation.coordinates(&axes.map(|axis| asked.at[axis.index()]));
-        let error = compensation.pose_error(&at, &reverse, &thermal, &mut clamped);
-        let correction = compensation.correction(&at, &at, &reverse, &thermal, &mut 0);
+        let error = compensation.pose_error(&at, &directions, &thermal, &mut clamped);
+        let correction = compensation.correction(&at, &at, &directions, &thermal, &mut 0);
         Ok((error, correction, clamped))
     })
 }
