@@ -1,8 +1,8 @@
 //! Refusals of the controller's checks, at their lines in the files.
 
 use super::axis_table::TableFile;
+use super::keys::{self, Key};
 use super::machine_toml::Description;
-use super::places;
 use crate::Machine;
 use crate::error::FileError;
 use crate::origin::Origin;
@@ -56,16 +56,15 @@ pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigErro
 }
 
 impl Description {
-    /// An error of the settings at the line it comes from.
+    /// An error of the settings at the line of its key, or of the section that leaves the key out.
     pub(super) fn located(&self, origin: &Origin, error: &ConfigError) -> FileError {
-        let fits = |place: &&places::Place| place.field == error.field && place.axis == error.axis;
-        let exact = self.places.iter().filter(fits).find(|place| place.values.contains(&error.found));
-        match exact.or_else(|| self.places.iter().find(fits)) {
-            Some(place) => origin.at(place.line, &place.key, &place.text, error.needed),
-            None => {
-                let axis = error.axis.map_or(String::new(), |axis| format!(" of axis {}", axis.letter()));
-                origin.whole(format!("{:?}{axis} = {}", error.field, Figure(error.found)), error.needed)
+        let axis = error.axis.map_or(String::new(), |axis| format!(" of axis {}", axis.letter()));
+        match keys::locate(&self.text, error) {
+            Some(Key { line, name, text: Some(text) }) => origin.at(line, &name, text, error.needed),
+            Some(Key { line, name, text: None }) => {
+                origin.at(line, &name, format!("{}, the default", Figure(error.found)), error.needed)
             }
+            None => origin.whole(format!("{:?}{axis} = {}", error.field, Figure(error.found)), error.needed),
         }
     }
 
@@ -75,19 +74,11 @@ impl Description {
         let rotary = error.axis.is_some_and(Axis::is_rotary);
         let micro = |value: f64| if rotary { value.to_radians() * 1e6 } else { value * 1e3 };
         let unit = if rotary { "urad" } else { "um" };
-        let given = self.places.iter().any(|place| place.field == error.field && place.axis == error.axis);
-        let letter = error.axis.map_or(' ', Axis::letter);
+        let given = keys::locate(&self.text, error).is_some_and(|key| key.text.is_some());
         FileError {
-            found: if given {
-                at.found
-            } else {
-                format!(
-                    "a hysteresis_{unit} of {} of axis {letter}, the default",
-                    (micro(error.found) * 1e3).round() / 1e3
-                )
-            },
+            found: if given { at.found } else { format!("{}, the default", (micro(error.found) * 1e3).round() / 1e3) },
             needed: match error.bound {
-                // Rounded up: what is written off the message must do.
+                // Rounded up: the number in the message suffices.
                 Some(bound) => format!("{}: {} {unit}", error.needed, (micro(bound) * 1e3 - 1e-6).ceil() / 1e3),
                 None => at.needed,
             },
