@@ -63,7 +63,8 @@ pub(super) fn document(machine: &Machine, found: &Found) -> Value {
 pub(super) fn text(machine: &Machine, asked: &Asked, found: &Found) -> String {
     let settings = &machine.settings;
     let mut text = format!("{}   {}, error model {}\n", settings.name, settings.chain, model(machine));
-    let list = |axes: &[Axis], of: &dyn Fn(Axis) -> String| axes.iter().map(|axis| of(*axis)).collect::<Vec<_>>().join(", ");
+    let list =
+        |axes: &[Axis], of: &dyn Fn(Axis) -> String| axes.iter().map(|axis| of(*axis)).collect::<Vec<_>>().join(", ");
     let at = |axes| list(axes, &|axis| format!("{} {}", axis.letter(), short(found.at[axis.index()])));
     let linear = found.axes.get(..3).unwrap_or_default();
     let rotary = if found.rotary().is_empty() { String::new() } else { format!("; {} degrees", at(found.rotary())) };

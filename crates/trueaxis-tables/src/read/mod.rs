@@ -16,6 +16,7 @@ use axis_table::TableFile;
 use machine_toml::{Description, TableReference};
 use std::path::{Path, PathBuf};
 use trueaxis::check;
+use trueaxis::error::ConfigError;
 use trueaxis::machine::{Axis, AxisSettings, MachineSettings, Row};
 
 impl Machine {
@@ -66,6 +67,15 @@ impl Machine {
         let (origin, description) = described(&folder, &name)?;
         let tables = description.tables.iter().map(|table| folder.path(&beside(&name, &table.file)));
         Ok(std::iter::once(origin.file().to_path_buf()).chain(tables).collect())
+    }
+
+    /// An error of the machine's configuration at its key in `machine.toml`, or of its section without it; in a file that
+    /// can no longer be read, of the file.
+    pub fn refusal(files: &dyn Source, name: &Path, error: &ConfigError) -> FileError {
+        match described(files, name) {
+            Ok((origin, description)) => description.located(&origin, error),
+            Err(unread) => unread,
+        }
     }
 
     /// Every key with a number, or a list of so many, that a `machine.toml` with the sections of this one may have.
