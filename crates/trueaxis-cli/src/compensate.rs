@@ -162,11 +162,11 @@ impl Travel {
         let mut directions = self.directions();
         for _ in 0..MOST_REVERSALS {
             let sent = correction(&directions)?;
-            for (place, (command, sent)) in command.iter().zip(sent).enumerate() {
+            for (slot, (command, sent)) in command.iter().zip(sent).enumerate() {
                 if !self.begun {
-                    self.reversal[place] = Reversal::at(command + sent);
+                    self.reversal[slot] = Reversal::at(command + sent);
                 }
-                self.reversal[place].update(command + sent, self.band[place]);
+                self.reversal[slot].update(command + sent, self.band[slot]);
             }
             self.begun = true;
             let before = directions;
@@ -179,7 +179,7 @@ impl Travel {
     }
 
     fn directions<const N: usize>(&self) -> [Direction; N] {
-        std::array::from_fn(|place| self.reversal[place].direction())
+        std::array::from_fn(|slot| self.reversal[slot].direction())
     }
 }
 
@@ -187,11 +187,11 @@ impl Travel {
 fn next(machine: &Machine, positions: &mut Rows<6>) -> Result<Option<Row<6>>> {
     let Some(row) = positions.next()? else { return Ok(None) };
     for settings in &machine.settings.axes {
-        let place = settings.axis.index();
-        let (q, [low, high]) = (row.values[place], settings.travel);
+        let index = settings.axis.index();
+        let (q, [low, high]) = (row.values[index], settings.travel);
         if q < low || q > high {
             let needed = format!("the declared travel, {low} to {high}");
-            return Err(positions.error(row.line, COLUMNS[place].name, q, needed));
+            return Err(positions.error(row.line, COLUMNS[index].name, q, needed));
         }
     }
     Ok(Some(row))

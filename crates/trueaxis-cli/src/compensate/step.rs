@@ -24,7 +24,7 @@ pub(super) fn evaluate<const N: usize>(
     with_compensation::<N, _>(machine, passes, |compensation| {
         result.header(arguments, machine, positions)?;
         while let Some(row) = next(machine, positions)? {
-            let command: [f64; N] = std::array::from_fn(|place| row.values[axes[place].index()]);
+            let command: [f64; N] = std::array::from_fn(|slot| row.values[axes[slot].index()]);
             let at = compensation.coordinates(&command);
             if let Some(travel) = &mut travel {
                 let sent = |directions: &[Direction; N]| {
