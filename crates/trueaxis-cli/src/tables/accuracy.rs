@@ -1,6 +1,6 @@
 //! `trueaxis tables accuracy`: ISO 230-2 before and after compensation.
 
-use crate::model::{self, axis_count, with_compensation};
+use crate::model::{self, axis_count, by_axes, with_compensation};
 use crate::output::{json, print, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
@@ -10,9 +10,9 @@ use trueaxis::Axis;
 use trueaxis::compensation::{Direction as Travel, ThermalLine};
 use trueaxis::machine::ErrorModel;
 use trueaxis::machine::step_axes;
+use trueaxis_metrology::accuracy::{Accuracy, Direction, Measurement, evaluate, evaluate_compensated};
 use trueaxis_tables::Machine;
-use trueaxis_tables::accuracy::{Accuracy, evaluate, evaluate_compensated};
-use trueaxis_tables::formats::iso230_2::{Direction, Measurement, read_measurement};
+use trueaxis_tables::formats::iso230_2::{MeasurementFile, read_measurement};
 use trueaxis_tables::text::counted;
 
 #[derive(Serialize)]
@@ -24,8 +24,8 @@ struct Document {
 
 pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_json: bool) -> Result<()> {
     let text = model::text(file)?;
-    let measurement = read_measurement(&text, file, axis)?;
-    if let Some(how) = measurement.dialect {
+    let MeasurementFile { measurement, dialect } = read_measurement(&text, file, axis)?;
+    if let Some(how) = dialect {
         tell(format_args!("note: {}: {how}", file.display()));
     }
     let measured = evaluate(&measurement).map_err(|error| anyhow!("{}: {error}", file.display()))?;
@@ -38,12 +38,7 @@ pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_js
             if tables.rows(measurement.axis).is_none() {
                 bail!("{}: found no table of axis {}, needed one", path.display(), measurement.axis.letter());
             }
-            Some(match axis_count(&tables) {
-                3 => after::<3>(&tables, &measurement)?,
-                4 => after::<4>(&tables, &measurement)?,
-                5 => after::<5>(&tables, &measurement)?,
-                _ => after::<6>(&tables, &measurement)?,
-            })
+            Some(by_axes!(axis_count(&tables), after(&tables, &measurement))?)
         }
     };
     if as_json {
@@ -55,17 +50,17 @@ pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_js
 /// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.
 fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<Accuracy> {
     let axes = step_axes::<N>(&tables.settings).map_err(|error| anyhow!("{error}"))?;
-    let place = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
+    let slot = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
     with_compensation::<N, _>(tables, 1, |compensation| {
         let own = |position: f64, direction: Direction| {
             let travel = if direction == Direction::Down { Travel::NEGATIVE } else { Travel::POSITIVE };
             let error = |q: f64| {
                 let mut at = [0.0; N];
-                at[place] = q;
+                at[slot] = q;
                 let (at, thermal) = (compensation.coordinates(&at), [ThermalLine::default(); N]);
                 let mut directions = [Travel::POSITIVE; N];
-                directions[place] = travel;
-                compensation.errors(&at, &directions, &thermal, &mut 0)[place]
+                directions[slot] = travel;
+                compensation.errors(&at, &directions, &thermal, &mut 0)[slot]
             };
             // The other axes stand still: what they add is the same everywhere.
             let constant = {
@@ -73,13 +68,13 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
                 let own = first.map_or(0.0, |row| row.forward[measurement.axis.index()]);
                 let start = first.map_or(0.0, |row| row.position);
                 let mut at = [0.0; N];
-                at[place] = start;
+                at[slot] = start;
                 let forward = compensation.errors(
                     &compensation.coordinates(&at),
                     &[Travel::POSITIVE; N],
                     &[ThermalLine::default(); N],
                     &mut 0,
-                )[place];
+                )[slot];
                 let own = if measurement.axis.is_rotary() { own.to_degrees() } else { own };
                 forward - own
             };
