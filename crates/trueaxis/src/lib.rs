@@ -59,4 +59,4 @@ pub use machine::{Axis, Row};
 pub use position::{Nanometres, Position};
 pub use real::Real;
 pub use sample::Input;
-pub use step::{Bypass, Config, Gauge, GaugeRide, Measure, OnToolPath, Output, ServoLoop, Stage, State};
+pub use step::{Bypass, Config, GaugeRide, Measure, OnToolPath, Output, Ride, ServoLoop, Stage, State};

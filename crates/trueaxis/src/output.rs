@@ -3,7 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use crate::error::ConfigError;
-use crate::limiter::{Limited, Limiter};
+use crate::limiter::{Limiter, LimiterState};
 use crate::machine::{Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
@@ -19,19 +19,19 @@ pub(crate) struct OutputStage<R, P, const N: usize> {
 /// What was sent last.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OutputState<R, P, const N: usize> {
-    limited: [Limited<R>; N],
+    limited: [LimiterState<R>; N],
     drive: [P; N],
 }
 
 impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
     pub(crate) fn new() -> Self {
-        OutputState { limited: [Limited::default(); N], drive: [P::default(); N] }
+        OutputState { limited: [LimiterState::default(); N], drive: [P::default(); N] }
     }
 
     /// Nothing of this cycle is sent: drives and corrections stay what they were `before` it.
     #[cold]
     fn take_back(&mut self, feedback: [P; N], before: [R; N], outside: u8) -> Applied<R, P, N> {
-        self.limited = before.map(Limited::at_rest);
+        self.limited = before.map(LimiterState::at_rest);
         Applied { drive: self.drive, feedback, correction: before, limited: 0, outside: Some(outside) }
     }
 
@@ -69,11 +69,11 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
     pub(crate) fn new(machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
         let axes = crate::machine::step_axes::<N>(machine)?;
         let idle = Limiter::new(&ABSENT, 1e-3)?;
-        let mut stage = OutputStage { limiters: [idle; N], joint: [[P::limit(f64::MIN), P::limit(f64::MAX)]; N] };
+        let mut stage = OutputStage { limiters: [idle; N], joint: [[P::nearest(f64::MIN), P::nearest(f64::MAX)]; N] };
         for ((axis, limiter), joint) in axes.into_iter().zip(&mut stage.limiters).zip(&mut stage.joint) {
             if let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) {
                 *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(axis))?;
-                *joint = settings.joint.map(P::limit);
+                *joint = settings.joint.map(P::nearest);
             }
         }
         Ok(stage)

@@ -66,7 +66,7 @@ pub trait Real:
     }
     /// `self` limited to `low..=high`; `low` where `self` is NaN. Unlike core's, it cannot panic.
     #[inline(always)]
-    fn within(self, low: Self, high: Self) -> Self {
+    fn limit(self, low: Self, high: Self) -> Self {
         Self::min(Self::max(self, low), high)
     }
 }

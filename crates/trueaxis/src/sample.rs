@@ -240,7 +240,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let axes = crate::machine::step_axes::<N>(machine)?;
         let period = f64::from(period_ns) * 1e-9;
         let none = Plausible {
-            travel: [-FARTHEST, FARTHEST].map(P::limit),
+            travel: [-FARTHEST, FARTHEST].map(P::nearest),
             command_jump: R::MAX,
             feedback_jump: R::MAX,
             stuck: R::MAX,
@@ -252,7 +252,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             machine.axes.iter().find(|a| a.axis == axis).map_or(none, |settings| {
                 let jump = command_jump_factor * settings.max_feed_per_s * period;
                 Plausible {
-                    travel: settings.travel.map(|x| P::limit(Real::within(x, -FARTHEST, FARTHEST))),
+                    travel: settings.travel.map(|x| P::nearest(Real::limit(x, -FARTHEST, FARTHEST))),
                     command_jump: R::of(jump),
                     feedback_jump: R::of(jump + pick(feedback_jump)),
                     stuck: R::of(pick(stuck)),

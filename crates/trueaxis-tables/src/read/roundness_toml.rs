@@ -6,7 +6,7 @@ use crate::error::FileError;
 use trueaxis::error::Field;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings, RoundnessSettings,
+    Arm, ArmSettings, Band, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings, GaugeSettings,
     SpindleEncoder,
 };
 
@@ -63,7 +63,7 @@ impl Reader<'_, '_, '_> {
 const COUNTS: &str = "a whole number of counts per revolution";
 
 /// The section; `None` where the file has none.
-pub(super) fn read(root: &Section<'_>, places: &mut Places) -> Result<Option<RoundnessSettings>, FileError> {
+pub(super) fn read(root: &Section<'_>, places: &mut Places) -> Result<Option<GaugeSettings>, FileError> {
     let Some(section) = root.section("roundness")? else { return Ok(None) };
     let points =
         section.number("points")?.ok_or_else(|| section.missing("points", "the points of a revolution, 64 to 4096"))?;
@@ -86,7 +86,7 @@ pub(super) fn read(root: &Section<'_>, places: &mut Places) -> Result<Option<Rou
         (Some(_), Some(found)) => return Err(section.wrong(&found, "either probe_slots or probe_angles_deg")),
         (None, None) => return Err(section.missing("probe_slots", "probe_slots = [p, q] or probe_angles_deg")),
     };
-    let mut settings = RoundnessSettings::with_defaults(
+    let mut settings = GaugeSettings::with_defaults(
         whole(&section, &points, "a power of two from 64 to 4096")?,
         angles,
         whole(&section, &counts, COUNTS)?,
@@ -118,7 +118,7 @@ pub(super) fn read(root: &Section<'_>, places: &mut Places) -> Result<Option<Rou
     Ok(Some(settings))
 }
 
-fn read_keys(section: &Section<'_>, settings: &mut RoundnessSettings, places: &mut Places) -> Result<(), FileError> {
+fn read_keys(section: &Section<'_>, settings: &mut GaugeSettings, places: &mut Places) -> Result<(), FileError> {
     let mut reader = Reader { section, places, field: Field::Harmonics };
     reader.band(&mut settings.band, "harmonics")?;
     reader.field = Field::ProbeAngles;
@@ -133,7 +133,7 @@ fn read_keys(section: &Section<'_>, settings: &mut RoundnessSettings, places: &m
     reader.number(&mut settings.stop_s, "stop_s")?;
     reader.field = Field::Revolutions;
     reader.whole(&mut settings.revolutions, "revolutions", "a whole number from 1 to 10,000")?;
-    reader.whole(&mut settings.units_per_cycle, "units_per_cycle", "a whole number from 1 to 16")?;
+    reader.whole(&mut settings.slices_per_cycle, "units_per_cycle", "a whole number from 1 to 16")?;
     // No cut-off fits into the type and is not read from the file.
     const NONE: u16 = u16::MAX;
     let mut cut_off = NONE;
@@ -185,7 +185,7 @@ fn read_arm(section: &Section<'_>, places: &mut Places) -> Result<ArmSettings, F
 
 fn read_infeed(
     section: &Section<'_>,
-    settings: &RoundnessSettings,
+    settings: &GaugeSettings,
     places: &mut Places,
 ) -> Result<InfeedSettings, FileError> {
     let axis = section.string("axis")?.ok_or_else(|| section.missing("axis", "the axis that feeds in, like \"X\""))?;

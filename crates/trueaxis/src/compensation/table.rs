@@ -278,7 +278,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     #[inline(always)]
     pub fn at_plain(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {
         let wanted = coordinate * self.scale;
-        let held = wanted.within(R::ZERO, self.last);
+        let held = wanted.limit(R::ZERO, self.last);
         let index = held.to_i32();
         let t = held - R::of_i32(index);
         match self.linear.get((index as usize).wrapping_add(self.reverse_offset & reverse)) {
@@ -298,7 +298,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         if self.knots.is_empty() {
             return self.at_plain(coordinate, reverse);
         }
-        let held = coordinate.within(R::ZERO, self.span);
+        let held = coordinate.limit(R::ZERO, self.span);
         let (index, t) = self.search(held);
         match self.linear.get(index.wrapping_add(self.reverse_offset & reverse)) {
             Some([value, slope]) => (along(value, t, slope), coordinate != held),
@@ -316,11 +316,11 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     pub fn at_cubic(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {
         let (index, t, edge) = if self.knots.is_empty() {
             let wanted = coordinate * self.scale;
-            let held = wanted.within(R::ZERO, self.last);
+            let held = wanted.limit(R::ZERO, self.last);
             let index = held.to_i32();
             (index as usize, held - R::of_i32(index), wanted != held)
         } else {
-            let held = coordinate.within(R::ZERO, self.span);
+            let held = coordinate.limit(R::ZERO, self.span);
             let (index, t) = self.search(held);
             (index, t, coordinate != held)
         };
@@ -342,7 +342,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
                 coordinate -= self.span;
             }
         }
-        let held = coordinate.within(R::ZERO, self.span);
+        let held = coordinate.limit(R::ZERO, self.span);
         let (index, t) = if self.knots.is_empty() {
             let place = (held * self.scale).min(self.last);
             let index = place.to_i32();

@@ -261,90 +261,14 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
     }
 
     fn arc(&mut self, start: Vector, end: Vector, center: Vector, normal: Vector, turns: u32) -> Result<(), PathError> {
-        for (field, point) in [("start", start), ("end", end), ("center", center), ("normal", normal)] {
-            finite(field, point)?;
-        }
-        let size = norm(normal);
-        if size < 1e-6 {
-            return refuse("normal", None, size, "a direction");
-        }
-        if turns > 10_000 {
-            return refuse("turns", None, f64::from(turns), "at most 10000");
-        }
-        let n = normal.map(|x| x / size);
-        let across = |p: Vector| along(p, -dot(p, n), n);
-        let (from, to) = (across(sub(start, center)), across(sub(end, center)));
-        let (radius, end_radius) = (norm(from), norm(to));
-        if radius < SAME_POINT {
-            return refuse("center", None, radius, "a radius above 1e-9 mm");
-        }
-        if (radius - end_radius).abs() > RADIUS_TOLERANCE + 1e-3 * radius.min(1.0) {
-            return refuse("end", None, end_radius - radius, "the same radius at start and end, within 0.02 mm");
-        }
-        let e1 = from.map(|x| x / radius);
-        let e2 = cross(n, e1);
-        let mut angle = libm::atan2(dot(to, e2), dot(to, e1));
-        if angle < 1e-9 / radius.max(1e-3) {
-            angle += core::f64::consts::TAU;
-        }
-        let angle = angle + core::f64::consts::TAU * f64::from(turns);
-        let rise = dot(sub(end, start), n);
-        let pitch = rise / angle;
-        let growth = if (end_radius - radius).abs() < SAME_POINT { 0.0 } else { (end_radius - radius) / angle };
-
-        // Enough pieces for the turn, the reach, and the helix' axial polynomial.
-        let mut count = libm::ceil((angle / TURN).max(norm([radius * angle, rise, 0.0]) / (2.0 * REACH))).max(1.0);
-        while axial_error(angle / count, pitch) > HELIX_ERROR && count <= f64::from(MOST) {
-            count *= 1.25;
-        }
-        let count = libm::ceil(count);
-        if count > f64::from(MOST) {
-            let length = norm([radius * angle, rise, 0.0]);
-            return refuse("length", None, length, TOO_MANY);
-        }
+        let spiral = Spiral::new(start, end, center, normal, turns)?;
+        let count = spiral.count()?;
         if self.counting {
             return self.counted(count as u32);
         }
-        let k = libm::tan(0.25 * angle / count);
+        let k = libm::tan(0.25 * spiral.angle / count);
         for i in 0..count as u32 {
-            let u = [f64::from(i) / count, f64::from(i + 1) / count];
-            let middle = angle * 0.5 * (u[0] + u[1]);
-            let (s, c) = (libm::sin(middle), libm::cos(middle));
-            let out: Vector = core::array::from_fn(|j| c * e1[j] + s * e2[j]);
-            let on: Vector = core::array::from_fn(|j| c * e2[j] - s * e1[j]);
-            let origin: Vector = core::array::from_fn(|j| {
-                let height = dot(sub(start, center), n) + pitch * middle;
-                center[j] + (radius + growth * middle) * out[j] + height * n[j]
-            });
-            let radius = radius + growth * middle;
-            // In τ = −1..1: w = 1 + k²τ², (xyz) w = r(−2k²τ² out + 2kτ on) + pitch θ w n.
-            let axial = axial_polynomial(k).map(|c| c * pitch);
-            let mut tau = [[0.0; 4]; 6];
-            for j in 0..3 {
-                tau[1][j] = 2.0 * k * radius * on[j];
-                tau[2][j] = -2.0 * k * k * radius * out[j];
-                for (power, axial) in [1, 3, 5].into_iter().zip(axial) {
-                    tau[power][j] += axial * n[j];
-                }
-            }
-            // A changing radius adds growth θ ((1 − k²τ²) out + 2kτ on); what its series leaves out is growth k⁷.
-            let (k2, k3, k4, k5) = (k * k, k * k * k, k * k * k * k, k * k * k * k * k);
-            let spiral = [
-                (1, 2.0 * k, 0.0),
-                (2, 0.0, 4.0 * k2),
-                (3, -8.0 / 3.0 * k3, 0.0),
-                (4, 0.0, -4.0 / 3.0 * k4),
-                (5, 16.0 / 15.0 * k5, 0.0),
-            ];
-            for (power, outward, onward) in spiral {
-                for j in 0..3 {
-                    tau[power][j] += growth * (outward * out[j] + onward * on[j]);
-                }
-            }
-            tau[0][3] = 1.0;
-            tau[2][3] = k2;
-            let form = if rise == 0.0 && growth == 0.0 { Form::RationalCubic } else { Form::RationalQuintic };
-            self.emit(Piece { origin, coefficients: from_tau(tau), form, u, quarter_tangent: k })?;
+            self.emit(spiral.piece([f64::from(i) / count, f64::from(i + 1) / count], k))?;
         }
         Ok(())
     }
@@ -407,22 +331,171 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             if chord > 2.0 * REACH * f64::from(MOST) {
                 return refuse("points", Some(i), chord, TOO_MANY);
             }
-            self.split(degree, bezier, origin, u, rational, 0)?;
+            self.split(&Bezier { degree, points: bezier, origin, u, rational }, 0)?;
         }
         Ok(())
     }
 
     /// Halves a Bézier piece until it is short and straight enough; recursion is bounded by `FINEST`.
-    fn split(
-        &mut self,
-        degree: usize,
-        b: [[f64; 4]; 6],
-        origin: Vector,
-        u: [f64; 2],
-        rational: bool,
-        depth: u32,
-    ) -> Result<(), PathError> {
-        let hull = |j: usize| -> Vector { core::array::from_fn(|k| b[j][k] / b[j][3]) };
+    fn split(&mut self, bezier: &Bezier, depth: u32) -> Result<(), PathError> {
+        let Shape { middle, far, turn, uneven } = bezier.shape();
+        if far > REACH && depth == FINEST {
+            return refuse("points", None, far, "a spline whose speed is not concentrated in a single point");
+        }
+        if far > REACH || (turn > TURN && depth < HALVINGS) || (uneven && depth < EVENING) {
+            let [left, right] = bezier.halves();
+            self.split(&left, depth + 1)?;
+            return self.split(&right, depth + 1);
+        }
+        self.count += 1;
+        if self.count > MOST {
+            return refuse("points", None, f64::from(self.count), TOO_MANY);
+        }
+        if self.counting {
+            return Ok(());
+        }
+        self.emit(bezier.piece(middle))
+    }
+}
+
+/// An arc, checked: a circle, helix or spiral about an axis.
+struct Spiral {
+    start: Vector,
+    center: Vector,
+    /// Direction of the axis, and the two across it: towards the start, and on from there.
+    n: Vector,
+    e1: Vector,
+    e2: Vector,
+    radius: f64,
+    /// Whole angle, rad; rise over it, mm; rise and growth of the radius per radian.
+    angle: f64,
+    rise: f64,
+    pitch: f64,
+    growth: f64,
+}
+
+impl Spiral {
+    fn new(start: Vector, end: Vector, center: Vector, normal: Vector, turns: u32) -> Result<Self, PathError> {
+        for (field, point) in [("start", start), ("end", end), ("center", center), ("normal", normal)] {
+            finite(field, point)?;
+        }
+        let size = norm(normal);
+        if size < 1e-6 {
+            return refuse("normal", None, size, "a direction");
+        }
+        if turns > 10_000 {
+            return refuse("turns", None, f64::from(turns), "at most 10000");
+        }
+        let n = normal.map(|x| x / size);
+        let across = |p: Vector| along(p, -dot(p, n), n);
+        let (from, to) = (across(sub(start, center)), across(sub(end, center)));
+        let (radius, end_radius) = (norm(from), norm(to));
+        if radius < SAME_POINT {
+            return refuse("center", None, radius, "a radius above 1e-9 mm");
+        }
+        if (radius - end_radius).abs() > RADIUS_TOLERANCE + 1e-3 * radius.min(1.0) {
+            return refuse("end", None, end_radius - radius, "the same radius at start and end, within 0.02 mm");
+        }
+        let e1 = from.map(|x| x / radius);
+        let e2 = cross(n, e1);
+        let mut angle = libm::atan2(dot(to, e2), dot(to, e1));
+        if angle < 1e-9 / radius.max(1e-3) {
+            angle += core::f64::consts::TAU;
+        }
+        let angle = angle + core::f64::consts::TAU * f64::from(turns);
+        let rise = dot(sub(end, start), n);
+        let growth = if (end_radius - radius).abs() < SAME_POINT { 0.0 } else { (end_radius - radius) / angle };
+        Ok(Spiral { start, center, n, e1, e2, radius, angle, rise, pitch: rise / angle, growth })
+    }
+
+    /// Enough spans for the turn, the reach, and the helix' axial polynomial.
+    fn count(&self) -> Result<f64, PathError> {
+        let Spiral { radius, angle, rise, .. } = *self;
+        let mut count = libm::ceil((angle / TURN).max(norm([radius * angle, rise, 0.0]) / (2.0 * REACH))).max(1.0);
+        while axial_error(angle / count, self.pitch) > HELIX_ERROR && count <= f64::from(MOST) {
+            count *= 1.25;
+        }
+        let count = libm::ceil(count);
+        if count > f64::from(MOST) {
+            let length = norm([radius * angle, rise, 0.0]);
+            return refuse("length", None, length, TOO_MANY);
+        }
+        Ok(count)
+    }
+
+    /// The part between two parameters, `k` the tangent of a quarter of its angle.
+    fn piece(&self, u: [f64; 2], k: f64) -> Piece {
+        let Spiral { start, center, n, e1, e2, angle, rise, pitch, growth, .. } = *self;
+        let middle = angle * 0.5 * (u[0] + u[1]);
+        let (s, c) = (libm::sin(middle), libm::cos(middle));
+        let out: Vector = core::array::from_fn(|j| c * e1[j] + s * e2[j]);
+        let on: Vector = core::array::from_fn(|j| c * e2[j] - s * e1[j]);
+        let origin: Vector = core::array::from_fn(|j| {
+            let height = dot(sub(start, center), n) + pitch * middle;
+            center[j] + (self.radius + growth * middle) * out[j] + height * n[j]
+        });
+        let radius = self.radius + growth * middle;
+        // In τ = −1..1: w = 1 + k²τ², (xyz) w = r(−2k²τ² out + 2kτ on) + pitch θ w n.
+        let axial = axial_polynomial(k).map(|c| c * pitch);
+        let mut tau = [[0.0; 4]; 6];
+        for j in 0..3 {
+            tau[1][j] = 2.0 * k * radius * on[j];
+            tau[2][j] = -2.0 * k * k * radius * out[j];
+            for (power, axial) in [1, 3, 5].into_iter().zip(axial) {
+                tau[power][j] += axial * n[j];
+            }
+        }
+        // A changing radius adds growth θ ((1 − k²τ²) out + 2kτ on); what its series leaves out is growth k⁷.
+        let (k2, k3, k4, k5) = (k * k, k * k * k, k * k * k * k, k * k * k * k * k);
+        let spiral = [
+            (1, 2.0 * k, 0.0),
+            (2, 0.0, 4.0 * k2),
+            (3, -8.0 / 3.0 * k3, 0.0),
+            (4, 0.0, -4.0 / 3.0 * k4),
+            (5, 16.0 / 15.0 * k5, 0.0),
+        ];
+        for (power, outward, onward) in spiral {
+            for j in 0..3 {
+                tau[power][j] += growth * (outward * out[j] + onward * on[j]);
+            }
+        }
+        tau[0][3] = 1.0;
+        tau[2][3] = k2;
+        let form = if rise == 0.0 && growth == 0.0 { Form::RationalCubic } else { Form::RationalQuintic };
+        Piece { origin, coefficients: from_tau(tau), form, u, quarter_tangent: k }
+    }
+}
+
+/// Homogeneous control points of a polynomial part of a spline, relative to `origin`.
+struct Bezier {
+    degree: usize,
+    points: [[f64; 4]; 6],
+    origin: Vector,
+    u: [f64; 2],
+    rational: bool,
+}
+
+/// How far a part of a spline is from one span.
+struct Shape {
+    middle: Vector,
+    /// Distance of the farthest control point from the middle, mm.
+    far: f64,
+    /// Turn of the control polygon, rad.
+    turn: f64,
+    /// The speeds at the ends differ too much from the mean: the arc length's cubic wants them alike.
+    uneven: bool,
+}
+
+impl Bezier {
+    /// Control point `j`.
+    fn hull(&self, j: usize) -> Vector {
+        let b = &self.points[j];
+        core::array::from_fn(|k| b[k] / b[3])
+    }
+
+    fn shape(&self) -> Shape {
+        let (degree, b) = (self.degree, &self.points);
+        let hull = |j: usize| self.hull(j);
         let middle: Vector = {
             let (first, last) = (hull(0), hull(degree));
             core::array::from_fn(|k| 0.5 * (first[k] + last[k]))
@@ -440,7 +513,6 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             }
             last = Some(leg);
         }
-        // Speeds at both ends against the mean: the arc length's cubic wants them alike.
         let ends =
             [(b[1][3] / b[0][3], hull(0), hull(1)), (b[degree - 1][3] / b[degree][3], hull(degree - 1), hull(degree))];
         let mean = norm(sub(hull(degree), hull(0)));
@@ -448,33 +520,33 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             let speed = degree as f64 * w * norm(sub(to, from));
             speed > UNEVEN * mean || mean > UNEVEN * speed
         });
-        if far > REACH && depth == FINEST {
-            return refuse("points", None, far, "a spline whose speed is not concentrated in a single point");
-        }
-        if far > REACH || (turn > TURN && depth < HALVINGS) || (uneven && depth < EVENING) {
-            let (mut left, mut right, mut row) = ([[0.0; 4]; 6], [[0.0; 4]; 6], b);
-            for level in 0..=degree {
-                left[level] = row[0];
-                right[degree - level] = row[degree - level];
-                for j in 0..degree - level {
-                    row[j] = core::array::from_fn(|k| 0.5 * (row[j][k] + row[j + 1][k]));
-                }
+        Shape { middle, far, turn, uneven }
+    }
+
+    /// Both halves, by de Casteljau.
+    fn halves(&self) -> [Bezier; 2] {
+        let degree = self.degree;
+        let (mut left, mut right, mut row) = ([[0.0; 4]; 6], [[0.0; 4]; 6], self.points);
+        for level in 0..=degree {
+            left[level] = row[0];
+            right[degree - level] = row[degree - level];
+            for j in 0..degree - level {
+                row[j] = core::array::from_fn(|k| 0.5 * (row[j][k] + row[j + 1][k]));
             }
-            let half = 0.5 * (u[0] + u[1]);
-            self.split(degree, left, origin, [u[0], half], rational, depth + 1)?;
-            return self.split(degree, right, origin, [half, u[1]], rational, depth + 1);
         }
-        self.count += 1;
-        if self.count > MOST {
-            return refuse("points", None, f64::from(self.count), TOO_MANY);
-        }
-        if self.counting {
-            return Ok(());
-        }
-        // Origin to the middle of the piece, Bernstein to power basis: c_k = C(n,k) Δ^k b_0; weights scaled to about 1.
+        let half = 0.5 * (self.u[0] + self.u[1]);
+        [
+            Bezier { points: left, u: [self.u[0], half], ..*self },
+            Bezier { points: right, u: [half, self.u[1]], ..*self },
+        ]
+    }
+
+    /// Origin to the middle, Bernstein to power basis: c_k = C(n,k) Δ^k b_0; weights scaled to about 1.
+    fn piece(&self, middle: Vector) -> Piece {
+        let Bezier { degree, points: ref b, origin, u, rational } = *self;
         let scale = 1.0 / b[0][3];
         let mut difference = [[0.0; 4]; 6];
-        for (to, from) in difference.iter_mut().zip(&b).take(degree + 1) {
+        for (to, from) in difference.iter_mut().zip(b).take(degree + 1) {
             *to = core::array::from_fn(|k| scale * if k < 3 { from[k] - middle[k] * from[3] } else { from[3] });
         }
         let mut coefficients = [[0.0; 4]; 6];
@@ -497,8 +569,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             (false, false) => Form::Quintic,
             (false, true) => Form::RationalQuintic,
         };
-        let origin = along(origin, 1.0, middle);
-        self.emit(Piece { origin, coefficients, form, u, quarter_tangent: 0.0 })
+        Piece { origin: along(origin, 1.0, middle), coefficients, form, u, quarter_tangent: 0.0 }
     }
 }
 

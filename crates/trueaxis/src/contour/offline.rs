@@ -28,7 +28,7 @@ impl<R: Real> ContourSearch<R> {
         let reference = path.moving(reference);
         let Some(home) = path.span(reference.span) else { return ContourError::none() };
         let mut spent = 0;
-        let start = at(home, reference.span, &point, reference.t.within(R::ZERO, R::ONE));
+        let start = at(home, reference.span, &point, reference.t.limit(R::ZERO, R::ONE));
         let mut best = Best { minimum: None, sample: start };
         let mut minima = 0;
         let (mut ahead, mut behind) = (R::ZERO, R::ZERO);

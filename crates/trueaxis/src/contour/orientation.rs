@@ -202,7 +202,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         let mut from = start;
         for _ in 0..PIECES {
             let Some(turn) = self.turn(from.span) else { break };
-            let (t, spent) = nearest(turn, from.t.within(R::ZERO, R::ONE), actual, of_axes);
+            let (t, spent) = nearest(turn, from.t.limit(R::ZERO, R::ONE), actual, of_axes);
             evaluations = evaluations.saturating_add(spent).saturating_add(1);
             // At a border that is seen at right angles, rounding decides on which side of it the place lies.
             let margin = R::of(MARGIN_DEG) / turn.extent().max(R::of(MARGIN_DEG));
@@ -286,8 +286,8 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
         if square <= R::of(1e-12) || !square.is_finite() {
             break;
         }
-        let step = ((half + half) * left.dot(chord) / square).within(-longest, longest);
-        let next = (t + step).within(R::ZERO, R::ONE);
+        let step = ((half + half) * left.dot(chord) / square).limit(-longest, longest);
+        let next = (t + step).limit(R::ZERO, R::ONE);
         let moved = (next - t).abs();
         t = next;
         if moved <= small {

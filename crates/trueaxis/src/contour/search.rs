@@ -99,7 +99,7 @@ impl<R: Real> ContourSearch<R> {
         point: &[P; 3],
     ) -> ContourError<R> {
         let mut error = if reference.t.is_finite() {
-            let held = Reference { t: reference.t.within(R::ZERO, R::ONE), ..reference };
+            let held = Reference { t: reference.t.limit(R::ZERO, R::ONE), ..reference };
             self.slow(state, path, held, point)
         } else {
             *state = ContourState::default();
@@ -480,5 +480,5 @@ fn advance_across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R
         let rest = length - place;
         if place < rest { place / span.arc_speed(R::ZERO) } else { R::ONE - rest / span.arc_speed(R::ONE) }
     });
-    Reference { span: number, t: t.within(R::ZERO, R::ONE) }
+    Reference { span: number, t: t.limit(R::ZERO, R::ONE) }
 }

@@ -180,13 +180,13 @@ impl<R: Real, P: Position> Span<R, P> {
     /// t = (1 + tan(θ/2)/k)/2 with the tangent's series to the 13th power.
     pub fn t_of(&self, u: f64) -> R {
         let [u0, u1] = self.u;
-        let linear = Real::within((u - u0) / (u1 - u0), 0.0, 1.0);
+        let linear = Real::limit((u - u0) / (u1 - u0), 0.0, 1.0);
         let k = self.quarter_tangent;
         if k == 0.0 {
             return R::of(linear);
         }
         let tangent = tan((2.0 * linear - 1.0) * atan(k));
-        R::of(Real::within(0.5 + 0.5 * tangent / k, 0.0, 1.0))
+        R::of(Real::limit(0.5 + 0.5 * tangent / k, 0.0, 1.0))
     }
 
     /// The segment's parameter at span parameter `t`: the inverse of [`Span::t_of`].

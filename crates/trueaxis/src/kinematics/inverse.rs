@@ -160,7 +160,7 @@ impl<R: Real> Kinematics<R> {
         let branch = |branch: Branch, w: R| {
             let q1 = if free {
                 let [low, high] = first.travel;
-                first.position(near).within(low, high)
+                first.position(near).limit(low, high)
             } else {
                 first.settle(atan2(b * q - w * p, b * p + w * q), near)?
             };
@@ -187,7 +187,7 @@ impl<R: Real> Kinematics<R> {
         let along = R::of(ALONG) * R::EPSILON;
         let angle = if b * b + c * c <= along * along {
             let [low, high] = turn.travel;
-            Ok(turn.position(near).within(low, high))
+            Ok(turn.position(near).limit(low, high))
         } else {
             turn.settle(atan2(b * q - c * p, b * p + c * q), near)
         };
@@ -283,7 +283,7 @@ fn rounding<R: Real>(position: R) -> R {
 #[inline(always)]
 fn inside<R: Real>(axis: Axis, found: R, [low, high]: [R; 2]) -> Result<R, InverseError> {
     if found >= low - rounding(low) && found <= high + rounding(high) {
-        Ok(found.within(low, high))
+        Ok(found.limit(low, high))
     } else {
         let [found, low, high] = [found, low, high].map(R::to_f64);
         Err(InverseError::OutsideTravel { axis, found, low, high })

@@ -101,7 +101,7 @@ impl<R: Real> Kinematics<R> {
 
     /// The same machine with another singular cone, degrees; limited to 0 … 45.
     pub fn with_singular_cone_deg(self, cone_deg: R) -> Self {
-        Kinematics { cone_deg: cone_deg.within(R::ZERO, R::of(45.0)), ..self }
+        Kinematics { cone_deg: cone_deg.limit(R::ZERO, R::of(45.0)), ..self }
     }
 
     /// Tip from the last tool-side frame at all axes zero, mm.

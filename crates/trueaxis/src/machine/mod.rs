@@ -16,7 +16,7 @@ pub use curve::{Curve, wraps};
 pub use rows::Rows;
 
 use crate::error::{ConfigError, Field};
-use crate::roundness::RoundnessSettings;
+use crate::roundness::GaugeSettings;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
@@ -280,7 +280,7 @@ pub struct MachineSettings {
     /// The axes that the chain names, each once, in the order X Y Z A B C.
     pub axes: Vec<AxisSettings, AXES>,
     /// Gauge of three probes, where the machine has one.
-    pub roundness: Option<RoundnessSettings>,
+    pub roundness: Option<GaugeSettings>,
 }
 
 /// The six errors of an axis at one position: translations along X, Y, Z (mm), rotations about X, Y, Z (rad).

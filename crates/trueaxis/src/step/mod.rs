@@ -12,7 +12,7 @@ mod state;
 
 pub use bypass::Bypass;
 pub use config::Config;
-pub use gauge::{Gauge, GaugeRide};
+pub use gauge::{GaugeRide, Ride};
 pub use measure::{Measure, OnToolPath};
 pub use state::{Output, Stage, State};
 
@@ -90,7 +90,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         state: &mut State<R, P, N>,
         input: &Input<P, N>,
         measure: impl Measure<R, P, N>,
-        gauge: impl Gauge<R>,
+        gauge: impl Ride<R>,
     ) -> Output<R, P, N> {
         self.step_watched(state, input, measure, gauge, |_| ())
     }
@@ -102,7 +102,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         state: &mut State<R, P, N>,
         input: &Input<P, N>,
         measure: impl Measure<R, P, N>,
-        gauge: impl Gauge<R>,
+        gauge: impl Ride<R>,
         output: &mut Output<R, P, N>,
     ) {
         *output = self.step(state, input, measure, gauge);
@@ -117,7 +117,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         state: &mut State<R, P, N>,
         input: &Input<P, N>,
         mut measure: impl Measure<R, P, N>,
-        mut gauge: impl Gauge<R>,
+        mut gauge: impl Ride<R>,
         mut watch: impl FnMut(Stage),
     ) -> Output<R, P, N> {
         let sample = self.sampler.read(&mut state.sample, input);

@@ -13,7 +13,7 @@ use trueaxis::contour::{CommandWindow, Method, Path, Reference, Segment, Span, T
 use trueaxis::exchange::Exchange;
 use trueaxis::kinematics::{BranchTracker, Kinematics};
 use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
-use trueaxis::roundness::{ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState};
+use trueaxis::roundness::{ProbeAngles, Probes, Gauge, GaugeSettings, GaugeState};
 use trueaxis::{Axis, Bypass, Config, Fault, Input, Position, Real, Row, ServoLoop};
 
 const PERIOD_NS: u32 = 100_000;
@@ -165,10 +165,10 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
     }
 
     let mut gauge_settings =
-        RoundnessSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 16);
+        GaugeSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 16);
     gauge_settings.revolutions = 1;
-    let gauge = Roundness::<R, POINTS>::build(&gauge_settings, PERIOD_NS).expect("a gauge");
-    let mut gauge_state = RoundnessState::new();
+    let gauge = Gauge::<R, POINTS>::build(&gauge_settings, PERIOD_NS).expect("a gauge");
+    let mut gauge_state = GaugeState::new();
     let mut state = servo.start(PERIOD_NS).expect("the period");
     for cycle in 0..10 * CYCLES {
         let (reference, command) = place(&spans, cycle);

@@ -62,7 +62,7 @@ fn nearest<'a, R: Real, P: Position>(path: &Path<'a, R, P>, point: &[P; 3]) -> O
         let to = V3::from(span.relative(point)) - V3::new(x, y, z);
         let (along, square) = (to.dot(chord), chord.dot(chord));
         // A point has no chord; 0/0 is held at 0.
-        let t = (along / square).within(R::ZERO, R::ONE);
+        let t = (along / square).limit(R::ZERO, R::ONE);
         let aside = to - chord * t;
         let distance = aside.dot(aside);
         if distance <= least {

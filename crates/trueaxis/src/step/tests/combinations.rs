@@ -22,7 +22,7 @@ struct Asking {
     whole: usize,
 }
 
-impl Gauge<f64> for &mut Asking {
+impl Ride<f64> for &mut Asking {
     fn infeed_slot(&self) -> Option<usize> {
         Some(1)
     }

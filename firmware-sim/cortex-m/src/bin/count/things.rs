@@ -5,7 +5,7 @@ use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
 use trueaxis::compensation::{NineTerms, Storage, ThermalLine, Volumetric};
 use trueaxis::contour::{ContourSearch, ContourState, Method, Path, Reference, Segment, Span, convert};
-use trueaxis::limiter::{Limited, Limiter};
+use trueaxis::limiter::{LimiterState, Limiter};
 use trueaxis::machine::Rows;
 use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
 use trueaxis::{Axis, Position, Real, Row};
@@ -158,7 +158,7 @@ fn kernel<R: Real, P: Position>(near: &Near<R, P>) -> u32 {
     sink(near.span.foot_near(&near.point, near.guess))
 }
 
-struct Limits<R: Real>([Limiter<R>; 3], core::cell::Cell<[Limited<R>; 3]>, core::cell::Cell<[R; 3]>);
+struct Limits<R: Real>([Limiter<R>; 3], core::cell::Cell<[LimiterState<R>; 3]>, core::cell::Cell<[R; 3]>);
 
 #[inline(never)]
 fn no_limit<R: Real>(limits: &Limits<R>) -> u32 {

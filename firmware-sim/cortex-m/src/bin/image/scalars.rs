@@ -1,7 +1,7 @@
 //! In which numbers this image computes.
 
 use trueaxis::contour::Span;
-use trueaxis::roundness::{Roundness, RoundnessState};
+use trueaxis::roundness::{Gauge, GaugeState};
 use trueaxis::{Output, ServoLoop, State};
 
 /// Axes of the step.
@@ -30,8 +30,8 @@ pub type StepOutput = Output<Scalar, Place, AXES>;
 /// A piece of the path.
 pub type Piece = Span<Scalar, Place>;
 /// The gauge's immutable half.
-pub type GaugePlan = Roundness<Scalar, POINTS>;
+pub type GaugePlan = Gauge<Scalar, POINTS>;
 /// The gauge's state.
-pub type GaugeState = RoundnessState<Scalar, POINTS>;
+pub type GaugeState = GaugeState<Scalar, POINTS>;
 /// What the gauge gives back in a cycle.
 pub type GaugeCycle = trueaxis::roundness::Cycle<Scalar>;

@@ -4,7 +4,7 @@ use crate::scalars::{AXES, GaugePlan, Loop, Place, Scalar};
 use defmt::Format;
 use trueaxis::compensation::{Requirement, Storage};
 use trueaxis::error::Field;
-use trueaxis::roundness::RoundnessSettings;
+use trueaxis::roundness::GaugeSettings;
 use trueaxis::tcomp::{Tcomp, TcompError};
 use trueaxis::{Config, ConfigError, Fault};
 
@@ -111,6 +111,6 @@ pub fn build(
 ///
 /// # Errors
 /// Another number of points than this image's, or settings that it cannot be built from.
-pub fn gauge(settings: Option<&RoundnessSettings>, period_ns: u32) -> Result<Option<GaugePlan>, Refused> {
+pub fn gauge(settings: Option<&GaugeSettings>, period_ns: u32) -> Result<Option<GaugePlan>, Refused> {
     Ok(settings.map(|settings| GaugePlan::build(settings, period_ns)).transpose()?)
 }
