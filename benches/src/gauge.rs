@@ -1,7 +1,7 @@
 //! A gauge of three probes, 1024 points, nine and a half cycles to a point.
 
 use crate::step::PERIOD_NS;
-use trueaxis::roundness::{Followed, ProbeAngles, Probes, GaugeSettings};
+use trueaxis::roundness::{self, Followed, GaugeSettings, ProbeAngles, Probes};
 
 /// Points of a revolution.
 pub const POINTS: usize = 1024;

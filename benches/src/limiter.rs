@@ -1,7 +1,7 @@
 //! Three axes of the limiter with its default limits at 10 kHz.
 
 use trueaxis::Axis;
-use trueaxis::limiter::{LimiterState, Limiter};
+use trueaxis::limiter::{Limiter, LimiterState};
 use trueaxis::machine::AxisSettings;
 
 /// Servo period, s.

@@ -2,7 +2,7 @@
 
 use firmware_sim::grinding::{self, Event, Grinding, Moment, Process, Run};
 use firmware_sim::scenario::sample_machine;
-use trueaxis::roundness::{GaugeFlags, ProbeAngles, GaugeSettings, gain_limit};
+use trueaxis::roundness::{GaugeFlags, GaugeSettings, ProbeAngles, gain_limit};
 use trueaxis_tables::Machine;
 
 /// The sample grinder with fewer points, so that the tests are quick: 256 points, 2000 cycles a revolution.

@@ -1,7 +1,7 @@
 //! The wire format of docs/telemetry.md, held against the code.
 
 use trueaxis::Fault;
-use trueaxis::roundness::{ErrorMotion, GaugeFlags, Followed, HARMONICS, ProbeAngles, Probes, Gauge, GaugeSettings};
+use trueaxis::roundness::{ErrorMotion, Followed, Gauge, GaugeFlags, GaugeSettings, HARMONICS, ProbeAngles, Probes};
 use trueaxis::telemetry::{
     AxisFrame, FRAME_BYTES, FRAME_VERSION, Frame, ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION, RoundnessFrame,
     Status,

@@ -227,8 +227,8 @@ fn compare<const N: usize>(case: &Case, seed: u64) -> [[f64; 2]; 2] {
             let found = compensation.pose_error(&at, &mask, &case.thermal(), &mut 0);
             let tool = compensation.volumetric().unwrap().tool_axis(&at);
             let exact = geometry.pose_error(&case.plant(&q), &case.plant(&reversed));
-            let direction = cross(found.orientation, tool);
-            let tip = [norm(exact.tip_mm), norm(minus(found.tip, exact.tip_mm))];
+            let direction = cross(found.orientation.into(), tool.into());
+            let tip = [norm(exact.tip_mm), norm(minus(found.tip.into(), exact.tip_mm))];
             let turn = [norm(exact.direction), norm(minus(direction, exact.direction))];
             for (largest, found) in largest.iter_mut().zip([tip, turn]) {
                 *largest = [largest[0].max(found[0]), largest[1].max(found[1])];

@@ -5,7 +5,7 @@ use crate::error::{Error, explained};
 use crate::opaque::{self, Kept, Storage};
 use crate::pointer::{Sized32, check, check_sized, slice};
 use crate::status::{self, ERROR_ARGUMENT, ERROR_BUFFER, ERROR_GAUGE, ERROR_NOT_YET, ERROR_NULL, ERROR_SIZE, Status};
-use trueaxis::roundness::{ErrorMotion, HARMONICS, GaugeSettings};
+use trueaxis::roundness::{self, ErrorMotion, GaugeSettings, HARMONICS};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 

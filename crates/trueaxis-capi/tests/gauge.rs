@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;
 use trueaxis::compensation::Storage;
-use trueaxis::roundness::{self, };
+use trueaxis::roundness::{self};
 use trueaxis::tcomp::{TableData, Tcomp};
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 use trueaxis::{Config, GaugeRide, Position as _, ServoLoop};

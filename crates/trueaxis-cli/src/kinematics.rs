@@ -9,9 +9,9 @@ use serde_json::Value;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
+use trueaxis::glam::DVec3;
 use trueaxis::kinematics::{BranchTracker, Choice, InverseError, Kinematics, Solution, Tool};
 use trueaxis::machine::{AXES, MachineSettings};
-use trueaxis::vector::V3;
 use trueaxis_tables::text::counted;
 
 pub(crate) const HELP: &str = "\
@@ -139,7 +139,7 @@ fn kinematics(common: &Common, settings: &MachineSettings) -> Result<Kinematics<
                 bail!("--tool-mm: found {} numbers, needed three: X,Y,Z", tool.len());
             };
             let [x, y, z] = [finite("--tool-mm", x)?, finite("--tool-mm", y)?, finite("--tool-mm", z)?];
-            kinematics.with_tool(V3::new(x, y, z))
+            kinematics.with_tool(DVec3::new(x, y, z))
         }
         (None, Some(length)) => kinematics.with_tool_length(finite("--tool-length-mm", length)?),
         (None, None) => kinematics,
@@ -222,7 +222,7 @@ fn inverse(arguments: &Inverse, settings: &MachineSettings) -> Result<()> {
     let mut walk = Walk { near: start(arguments, &used)?, follow: None, left_out: 0 };
     while let Some(Row { line, values }) = rows.next()? {
         let [x, y, z, i, j, k, ..] = values;
-        let tool = Tool { tip: V3::new(x, y, z), axis: V3::new(i, j, k) };
+        let tool = Tool { tip: DVec3::new(x, y, z), axis: DVec3::new(i, j, k) };
         let found = walk.solve(arguments, &kinematics, &tool).map_err(|error| told(&common.input, line, error))?;
         for solution in found {
             let positions = used.iter().map(|axis| solution.axes[axis.index()]);

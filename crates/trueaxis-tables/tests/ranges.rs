@@ -7,7 +7,7 @@ mod small_machine;
 use std::fs;
 use std::path::Path;
 use trueaxis::machine::{Axis, MachineSettings};
-use trueaxis::roundness::{Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, GaugeSettings};
+use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
 use trueaxis::tcomp::{MAGIC, Tcomp, TcompError, VERSION, checksum, machine_id};
 use trueaxis::{check, tcomp::HEADER_BYTES};
 use trueaxis_tables::error::FileError;

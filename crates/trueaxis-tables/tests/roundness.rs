@@ -3,7 +3,7 @@
 use std::fs;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, ProbeSettings, GaugeSettings, SpindleEncoder,
+    Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles, ProbeSettings, SpindleEncoder,
 };
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::{Machine, compile, summary};

@@ -10,7 +10,7 @@ use trueaxis::check::{self, TableRule};
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::Rows;
 use trueaxis::machine::{Axis, CompensationSettings, ErrorModel, KinematicsSettings, MachineSettings};
-use trueaxis::roundness::{Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, GaugeSettings};
+use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
 use trueaxis::tcomp::{Tcomp, TcompError, checksum, machine_id};
 use trueaxis_tables::{Machine, Warning, check, compile, summary};
 

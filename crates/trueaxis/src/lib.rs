@@ -52,7 +52,9 @@ pub mod sample;
 mod step;
 pub mod tcomp;
 pub mod telemetry;
-pub mod vector;
+mod vector;
+
+pub use glam;
 
 pub use error::{ConfigError, Fault};
 pub use machine::{Axis, Row};

@@ -50,7 +50,7 @@ impl Status {
 /// Everything about one servo cycle, as the step knows it.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Record<R, P, const N: usize> {
+pub struct Record<R: Real, P, const N: usize> {
     /// Counts cycles from 0, wrapping.
     pub sequence: u32,
     /// Identity of the machine that the tables belong to.

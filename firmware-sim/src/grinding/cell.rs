@@ -4,7 +4,7 @@ use super::{Event, Grinding, InfeedDrive, Linkage, Noise, Turning, Workpiece, co
 use anyhow::{Result, anyhow};
 use std::f64::consts::TAU;
 use trueaxis::machine::AXES;
-use trueaxis::roundness::{Probes, GaugeSettings};
+use trueaxis::roundness::{GaugeSettings, Probes};
 use trueaxis_tables::exact::Geometry;
 
 /// Where the index pulse finds the spindle's counter: an incremental encoder starts anywhere.

@@ -39,7 +39,7 @@ pub use spindle::{CentreMotion, Linkage, Noise, Term, Turning, counts, sum};
 pub use workpiece::{CELLS, Harmonic, Workpiece, imprint};
 
 use anyhow::{Result, bail};
-use trueaxis::roundness::{ProbeAngles, GaugeSettings};
+use trueaxis::roundness::{GaugeSettings, ProbeAngles};
 use trueaxis_tables::Machine;
 
 /// What is ground, how fast, and what happens meanwhile.

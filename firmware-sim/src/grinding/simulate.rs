@@ -6,7 +6,7 @@ use super::workpiece::{Harmonic, imprint};
 use crate::simulate::with_loop;
 use anyhow::{Result, anyhow, bail};
 use trueaxis::machine::{AXES, Limits};
-use trueaxis::roundness::{Counts, Evaluation, GaugeFlags, Gauge, GaugeSettings, GaugeState};
+use trueaxis::roundness::{Counts, Evaluation, Gauge, GaugeFlags, GaugeSettings, GaugeState};
 use trueaxis::sample::Refusal;
 use trueaxis::{Fault, GaugeRide, Input, ServoLoop, State};
 

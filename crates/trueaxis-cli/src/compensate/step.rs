@@ -50,7 +50,7 @@ pub(super) fn evaluate<const N: usize>(
                 corrected[axis.index()] = q + correction;
             }
             let held = held != 0;
-            let at = Evaluated { error: error.tip, orientation: error.orientation, corrected, held };
+            let at = Evaluated { error: error.tip.into(), orientation: error.orientation.into(), corrected, held };
             result.row(arguments, positions, &at)?;
         }
         Ok(())

@@ -8,7 +8,7 @@ use trueaxis::machine::{
     AxisSettings, CompensationSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, KinematicsSettings,
     Lookup,
 };
-use trueaxis::roundness::{ArmSettings, InfeedSettings, ProbeAngles, GaugeSettings};
+use trueaxis::roundness::{ArmSettings, GaugeSettings, InfeedSettings, ProbeAngles};
 
 /// The files of a machine, as (file name, text): the axis tables `x.csv` … and, last, `machine.toml`.
 ///

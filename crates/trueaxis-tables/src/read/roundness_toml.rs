@@ -6,7 +6,7 @@ use crate::error::FileError;
 use trueaxis::error::Field;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings, GaugeSettings,
+    Arm, ArmSettings, Band, GaugeSettings, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings,
     SpindleEncoder,
 };
 

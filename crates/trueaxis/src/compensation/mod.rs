@@ -31,11 +31,13 @@ pub type Errors<R, const N: usize> = [R; N];
 /// Error of the tool's pose relative to the workpiece, actual − ideal, in bed axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PoseError<R> {
+pub struct PoseError<R: Real> {
     /// Of the tip, mm.
-    pub tip: [R; 3],
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub tip: R::Vec3,
     /// Small rotation of the tool, rad: a tool axis t changes by `orientation × t`. Zero in the nine-term form.
-    pub orientation: [R; 3],
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub orientation: R::Vec3,
 }
 
 /// The tables of a machine under its error model: immutable, built once.
@@ -133,7 +135,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             Model::Volumetric(volumetric) => {
                 let mut errors = [R::ZERO; N];
                 let pose = volumetric.pose_error(at, reverse, thermal, held);
-                for (error, tip) in errors.iter_mut().zip(pose.tip) {
+                for (error, tip) in errors.iter_mut().zip(pose.tip.into()) {
                     *error = tip;
                 }
                 errors
@@ -152,11 +154,11 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     ) -> PoseError<R> {
         match &self.model {
             Model::Nine(nine) => {
-                let mut pose = PoseError::default();
-                for (tip, error) in pose.tip.iter_mut().zip(nine.errors(at, reverse, thermal, held)) {
+                let mut error_of_tip = [R::ZERO; 3];
+                for (tip, error) in error_of_tip.iter_mut().zip(nine.errors(at, reverse, thermal, held)) {
                     *tip = error;
                 }
-                pose
+                PoseError { tip: error_of_tip.into(), ..PoseError::default() }
             }
             Model::Volumetric(volumetric) => volumetric.pose_error(at, reverse, thermal, held),
         }

@@ -204,8 +204,8 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
     }
 
     /// Unit vector along the tool, from the tip to the spindle, in bed axes at a position.
-    pub fn tool_axis(&self, at: &[R; N]) -> [R; 3] {
-        self.chain.directions(&self.chain.poses(at)).1.array()
+    pub fn tool_axis(&self, at: &[R; N]) -> R::Vec3 {
+        self.chain.directions(&self.chain.poses(at)).1.glam()
     }
 
     /// Error of the tool's pose at a position: tip in mm, rotation in rad, bed axes.
@@ -259,7 +259,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         }
         let [c0y, b0z, a0z] = self.squareness;
         d += V3::from(growth) + V3::new(b0z * qz - c0y * qy, -(a0z * qz), R::ZERO);
-        PoseError { tip: d.array(), orientation: orientation.array() }
+        PoseError { tip: d.glam(), orientation: orientation.glam() }
     }
 
     /// Twist and position of one axis from its plain table, with what does not stand in tables.
@@ -347,7 +347,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             workpiece.carry(link, q, (e, w));
         }
         let w = tool.w + workpiece.w;
-        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).array(), orientation: w.array() }
+        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).glam(), orientation: w.glam() }
     }
 
     /// Twists of all axes from plain tables, at the command.
@@ -453,7 +453,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
                 orientation += w;
             }
         }
-        PoseError { tip: d.array(), orientation: orientation.array() }
+        PoseError { tip: d.glam(), orientation: orientation.glam() }
     }
 
     /// Twists of both sides from their outer ends to the bed.
@@ -490,6 +490,6 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             workpiece.carry(link, q, halves(twist));
         }
         let w = tool.w + workpiece.w;
-        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).array(), orientation: w.array() }
+        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).glam(), orientation: w.glam() }
     }
 }

@@ -60,9 +60,9 @@ impl<R: Real, P: Position> Span<R, P> {
     /// `None` where its own test does not trust the result: the guess is too far off, the foot beyond an end, or a
     /// maximum near. Then [`super::ContourSearch`] brackets.
     #[inline(always)]
-    pub fn foot_near(&self, point: &[P; 3], guess: R) -> Option<(R, [R; 3])> {
+    pub fn foot_near(&self, point: &[P; 3], guess: R) -> Option<(R, R::Vec3)> {
         let foot = foot(self, &self.relative(point), guess);
-        foot.trusted.then(|| (foot.t, foot.vector.map(|x| -x)))
+        foot.trusted.then(|| (foot.t, foot.vector.map(|x| -x).into()))
     }
 }
 

@@ -77,7 +77,7 @@ impl Flags {
 /// Contour error in a cycle; lengths in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ContourError<R> {
+pub struct ContourError<R: Real> {
     /// Piece on which the foot lies.
     pub span: u32,
     /// Parameter of the foot in the piece.
@@ -85,7 +85,8 @@ pub struct ContourError<R> {
     /// Distance from the path: |actual − foot|.
     pub error: R,
     /// Actual − foot, in machine axes; at ends and corners this is the authority.
-    pub vector: [R; 3],
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub vector: R::Vec3,
     /// Component along n = b × t: positive to the left of the path, seen against the plane's normal b. Where the path
     /// runs along b, n is machine X.
     pub normal: R,
@@ -110,7 +111,7 @@ impl<R: Real> ContourError<R> {
             span: 0,
             t: R::ZERO,
             error: R::ZERO,
-            vector: [R::ZERO; 3],
+            vector: R::Vec3::default(),
             normal: R::ZERO,
             binormal: R::ZERO,
             tangential: R::ZERO,

@@ -19,6 +19,7 @@ use crate::compensation::trig::{atan2, cos_sin_deg};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
+use glam::DVec3;
 
 /// How the tool's direction goes along a piece of the path.
 #[derive(Clone, Copy, Debug)]
@@ -60,11 +61,11 @@ impl<R: Real> Turn<R> {
     pub fn directions<P: Position>(
         span: &Span<R, P>,
         domain: [f64; 2],
-        start: [f64; 3],
-        end: [f64; 3],
+        start: impl Into<DVec3>,
+        end: impl Into<DVec3>,
     ) -> Option<Self> {
         let unit = |v: V3<f64>| (v.norm() > 1e-9 && v.norm().is_finite()).then(|| v * (1.0 / v.norm()));
-        let (a, b) = (unit(V3::of(start))?, unit(V3::of(end))?);
+        let (a, b) = (unit(V3::from_glam(start.into()))?, unit(V3::from_glam(end.into()))?);
         let angle = libm::atan2(a.cross(b).norm(), a.dot(b));
         if angle > core::f64::consts::PI - 1e-6 {
             return None;
@@ -103,10 +104,17 @@ impl<R: Real> Turn<R> {
 
     /// Direction at the piece's parameter; `of_axes` gives that of rotary positions, degrees.
     #[inline(always)]
-    pub fn direction(&self, t: R, of_axes: impl Fn([R; 3]) -> V3<R>) -> V3<R> {
+    pub fn direction(&self, t: R, of_axes: impl Fn([R; 3]) -> R::Vec3) -> R::Vec3 {
+        self.heading(t, of_axes).glam()
+    }
+
+    #[inline(always)]
+    fn heading(&self, t: R, of_axes: impl Fn([R; 3]) -> R::Vec3) -> V3<R> {
         let s = self.fraction(t);
         match &self.way {
-            Way::Axes { start: [a, b, c], change: [da, db, dc] } => of_axes([*a + *da * s, *b + *db * s, *c + *dc * s]),
+            Way::Axes { start: [a, b, c], change: [da, db, dc] } => {
+                V3::from_glam(of_axes([*a + *da * s, *b + *db * s, *c + *dc * s]))
+            }
             Way::Circle { from, across, degrees } => {
                 let (cos, sin) = cos_sin_deg(*degrees * s);
                 *from * cos + *across * sin
@@ -163,12 +171,13 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         &self,
         reference: Reference<R>,
         tip: &ContourError<R>,
-        actual: V3<R>,
-        of_axes: impl Fn([R; 3]) -> V3<R> + Copy,
+        actual: R::Vec3,
+        of_axes: impl Fn([R; 3]) -> R::Vec3 + Copy,
     ) -> OrientationError<R> {
+        let actual = V3::from_glam(actual);
         let place = Reference { span: tip.span, t: tip.t };
         let Some(turn) = self.turn(place.span).filter(|_| tip.is_measured()) else { return OrientationError::none() };
-        let error = OrientationError::between(turn.direction(place.t, of_axes), actual, place, 1, tip.flags);
+        let error = OrientationError::between(turn.heading(place.t, of_axes), actual, place, 1, tip.flags);
         let beside = if self.path.stands(reference.span) { Some(reference) } else { self.beside(place) };
         match beside {
             Some(start) => self.turning(start, place, &error, actual, of_axes),
@@ -195,7 +204,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         foot: Reference<R>,
         at_foot: &OrientationError<R>,
         actual: V3<R>,
-        of_axes: impl Fn([R; 3]) -> V3<R> + Copy,
+        of_axes: impl Fn([R; 3]) -> R::Vec3 + Copy,
     ) -> OrientationError<R> {
         let mut evaluations = at_foot.evaluations;
         let mut best: Option<OrientationError<R>> = None;
@@ -209,7 +218,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
             let inside = t > margin && t < R::ONE - margin;
             let flags = if inside { Flags::BRACKETED } else { Flags::AT_CORNER };
             let here = Reference { span: from.span, t };
-            let error = OrientationError::between(turn.direction(t, of_axes), actual, here, 0, flags);
+            let error = OrientationError::between(turn.heading(t, of_axes), actual, here, 0, flags);
             if best.is_none_or(|best| error.angle < best.angle) {
                 best = Some(error);
             }
@@ -266,7 +275,7 @@ const STEP_DEG: f64 = 30.0;
 /// Gauss and Newton's step on |a − b|², with the chord about the place as its tangent, held within the piece and to 30°:
 /// always downhill, and the error shrinks by about ε + (30°)²/8 a step at worst.
 #[inline(always)]
-fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R; 3]) -> V3<R> + Copy) -> (R, u8) {
+fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R; 3]) -> R::Vec3 + Copy) -> (R, u8) {
     let extent = turn.extent();
     if extent <= R::of(1e-9) || !extent.is_finite() {
         return (start, 0);
@@ -277,8 +286,8 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
     let mut t = start;
     let mut spent = 0;
     for _ in 0..STEPS {
-        let (ahead, behind) = (turn.direction(t + half, of_axes), turn.direction(t - half, of_axes));
-        let left = actual - turn.direction(t, of_axes);
+        let (ahead, behind) = (turn.heading(t + half, of_axes), turn.heading(t - half, of_axes));
+        let left = actual - turn.heading(t, of_axes);
         spent += 3;
         let chord = ahead - behind;
         let square = chord.dot(chord);
@@ -300,12 +309,13 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
 /// Orientation contour error of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct OrientationError<R> {
+pub struct OrientationError<R: Real> {
     /// Angle between the tool and the path's direction at the foot, rad, 0 to π.
     pub angle: R,
     /// Path × tool, in workpiece coordinates: for small errors the rotation (rad) that takes the path's direction to the
     /// tool's, actual − ideal; its length is the sine of the angle.
-    pub vector: V3<R>,
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub vector: R::Vec3,
     /// Piece on which the foot lies.
     pub span: u32,
     /// Parameter of the foot in the piece.
@@ -321,7 +331,7 @@ impl<R: Real> OrientationError<R> {
     pub fn none() -> Self {
         OrientationError {
             angle: R::ZERO,
-            vector: V3::ZERO,
+            vector: V3::<R>::ZERO.glam(),
             span: 0,
             t: R::ZERO,
             evaluations: 0,
@@ -338,7 +348,7 @@ impl<R: Real> OrientationError<R> {
     fn between(path: V3<R>, tool: V3<R>, at: Reference<R>, evaluations: u8, flags: Flags) -> Self {
         let vector = path.cross(tool);
         let angle = atan2(vector.norm(), path.dot(tool));
-        OrientationError { angle, vector, span: at.span, t: at.t, evaluations, flags }
+        OrientationError { angle, vector: vector.glam(), span: at.span, t: at.t, evaluations, flags }
     }
 }
 

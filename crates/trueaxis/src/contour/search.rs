@@ -338,7 +338,7 @@ pub(super) fn components<R: Real, P: Position>(
         span: found.place.span,
         t: found.place.t,
         error,
-        vector: e,
+        vector: e.into(),
         normal,
         binormal,
         tangential,

@@ -16,7 +16,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use super::chain::Turn;
+use super::chain::Rotary;
 use super::{Branch, InverseError, Kinematics, NO_SINGULAR_POSE, Tool, degrees, in_frame, turned};
 use crate::compensation::trig::atan2;
 use crate::machine::{AXES, Axis};
@@ -115,7 +115,7 @@ impl<R: Real> Kinematics<R> {
     /// # Errors
     /// What holds for both branches: a tool that is no tool, out of reach or in the singular cone.
     pub fn solutions(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solutions<R>, InverseError> {
-        let Tool { tip, axis } = *tool;
+        let [tip, axis] = [tool.tip, tool.axis].map(V3::<R>::from_glam);
         if !(tip.x.is_finite() && tip.y.is_finite() && tip.z.is_finite()) {
             return Err(InverseError::TipNotFinite);
         }
@@ -138,8 +138,8 @@ impl<R: Real> Kinematics<R> {
         tip: V3<R>,
         axis: V3<R>,
         near: &[R; AXES],
-        first: Turn<R>,
-        second: Turn<R>,
+        first: Rotary<R>,
+        second: Rotary<R>,
     ) -> Result<Solutions<R>, InverseError> {
         let [a, b, c] = in_frame(first.about, second.about, self.tool_axis);
         let [u, p, q] = in_frame(first.about, second.about, axis);
@@ -174,7 +174,13 @@ impl<R: Real> Kinematics<R> {
         Ok(Solutions { first: branch(Branch::First, -across), second: branch(Branch::Second, across) })
     }
 
-    fn one_turn(&self, tip: V3<R>, axis: V3<R>, near: &[R; AXES], turn: Turn<R>) -> Result<Solutions<R>, InverseError> {
+    fn one_turn(
+        &self,
+        tip: V3<R>,
+        axis: V3<R>,
+        near: &[R; AXES],
+        turn: Rotary<R>,
+    ) -> Result<Solutions<R>, InverseError> {
         let across = match turn.about {
             About::X => About::Y,
             About::Y => About::Z,
@@ -236,7 +242,7 @@ impl<R: Real> Kinematics<R> {
     }
 }
 
-impl<R: Real> Turn<R> {
+impl<R: Real> Rotary<R> {
     /// The command for a turn (rad) that the workpiece sees: shortest way from `near`, by whole turns within the travel.
     #[inline(always)]
     fn settle(&self, angle: R, near: &[R; AXES]) -> Result<R, InverseError> {

@@ -41,7 +41,7 @@ pub trait Measure<R: Real, P: Position, const N: usize> {
 
 /// What the contour stage found.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Measured<R> {
+pub(super) struct Measured<R: Real> {
     pub(super) tip: ContourError<R>,
     pub(super) encoder: ContourError<R>,
     pub(super) orientation: R,
@@ -135,7 +135,7 @@ impl<R: Real, P: Position, const N: usize, const K: usize> Measure<R, P, N> for 
 /// its sums), and a rotary position up to 0.13 µrad; doubles nothing. One forward transformation (two in the nine-term
 /// form) and one reference direction a cycle; beside a turn on the spot up to 26 more of the latter.
 #[derive(Clone, Copy, Debug)]
-pub struct OnToolPath<'a, R, P> {
+pub struct OnToolPath<'a, R: Real, P> {
     path: &'a ToolPath<'a, R, P>,
     reference: Reference<R>,
     kinematics: &'a Kinematics<R>,
@@ -178,7 +178,7 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut OnToolPath<
         }
         let kinematics = self.kinematics;
         let seen = servo.seen(&sample.feedback, modelled, kinematics);
-        let [tip, encoder] = [seen.estimated.tip, seen.encoder].map(position);
+        let [tip, encoder] = [seen.estimated.tip, seen.encoder].map(position::<R, P>);
         let [tip, encoder] = servo.feet(state, self.path.path(), self.reference, tip, encoder);
         let of_axes = |[a, b, c]: [R; 3]| kinematics.direction(&[R::ZERO, R::ZERO, R::ZERO, a, b, c]);
         self.orientation = self.path.orientation(self.reference, &tip, seen.estimated.axis, of_axes);
@@ -188,9 +188,9 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut OnToolPath<
 }
 
 /// Tip and direction as the model has them, tip by the encoders alone.
-struct Seen<R> {
+struct Seen<R: Real> {
     estimated: Tool<R>,
-    encoder: V3<R>,
+    encoder: R::Vec3,
 }
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
@@ -230,8 +230,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             [x, y, z, ..] => V3::new(*x, *y, *z),
             _ => V3::ZERO,
         };
-        let tilt = kinematics.to_workpiece(&read, modelled.tilt);
-        let estimated = Tool { tip: tip + kinematics.to_workpiece(&read, error), axis: axis + tilt.cross(axis) };
+        let [tip, axis] = [tip, axis].map(V3::<R>::from_glam);
+        let to_workpiece = |bed: V3<R>| V3::from_glam(kinematics.to_workpiece(&read, bed.glam()));
+        let tilt = to_workpiece(modelled.tilt);
+        let estimated = Tool { tip: (tip + to_workpiece(error)).glam(), axis: (axis + tilt.cross(axis)).glam() };
         Seen { estimated, encoder: plain.tip }
     }
 
@@ -278,7 +280,8 @@ fn points<R: Real, P: Position, const N: usize>(
 
 /// Workpiece coordinates as positions.
 #[inline(always)]
-fn position<R: Real, P: Position>(tip: V3<R>) -> [P; 3] {
+fn position<R: Real, P: Position>(tip: R::Vec3) -> [P; 3] {
+    let tip = V3::<R>::from_glam(tip);
     let zero = P::default();
     [zero.plus(tip.x), zero.plus(tip.y), zero.plus(tip.z)]
 }

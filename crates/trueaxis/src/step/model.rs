@@ -38,10 +38,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         match self.compensation.volumetric() {
             Some(volumetric) if tool => {
                 let pose = volumetric.pose_error(&feedback, reverse, thermal, &mut 0);
-                for (error, tip) in tip_error.iter_mut().zip(pose.tip) {
+                for (error, tip) in tip_error.iter_mut().zip(pose.tip.into()) {
                     *error = tip;
                 }
-                tilt = pose.orientation.into();
+                tilt = V3::from_glam(pose.orientation);
             }
             _ => tip_error = self.compensation.errors(&feedback, reverse, thermal, &mut 0),
         }

@@ -60,7 +60,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
 
     #[cold]
     fn refusal(&self, error: &InverseError, tool: &Tool<R>) -> Refusal {
-        let finite = tool.axis.array().iter().all(|x| x.is_finite());
+        let finite = tool.axis.into().iter().all(|x| x.is_finite());
         let (fault, axis) = match *error {
             InverseError::TipNotFinite => (Fault::CommandNotFinite, None),
             InverseError::NotADirection { .. } if !finite => (Fault::CommandNotFinite, None),

@@ -2,7 +2,6 @@
 
 use glam::{DAffine3, DVec3};
 use trueaxis::machine::{AXES, Axis, AxisSettings, MachineSettings};
-use trueaxis::vector::V3;
 
 mod forward;
 mod inverse;
@@ -90,6 +89,6 @@ fn by_transforms(machine: &MachineSettings, q: &[f64; AXES], tool: [f64; 3]) -> 
     (relative.transform_point3(DVec3::from_array(tool)), relative.matrix3 * axis)
 }
 
-fn apart(a: V3<f64>, b: DVec3) -> f64 {
-    (DVec3::from_array(a.array()) - b).length()
+fn apart(a: DVec3, b: DVec3) -> f64 {
+    (a - b).length()
 }

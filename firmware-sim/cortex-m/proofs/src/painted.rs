@@ -1,5 +1,6 @@
 //! How deep the stack of each function is in a run: what lies below it is painted before every call and looked at after.
 
+use trueaxis::glam::DVec3;
 use crate::symbols::{
     P, POINTS, R, WINDOW, proved_bypass, proved_step, proved_step_following, proved_step_rtcp, proved_step_with_gauge,
     proved_step_with_tool, proved_take_into,
@@ -95,10 +96,10 @@ fn rows() -> [Row; 6] {
 fn pieces() -> heapless::Vec<Span<R, P>, 64> {
     let normal = [0.0, 0.0, 1.0];
     let segments = [
-        Segment::Line { start: [0.0, 0.0, 0.0], end: [30.0, 0.0, 0.0] },
-        Segment::Line { start: [30.0, 0.0, 0.0], end: [30.0, 10.0, 0.0] },
-        Segment::Arc { start: [30.0, 10.0, 0.0], end: [0.0, 10.0, 0.0], center: [15.0, 10.0, 0.0], normal, turns: 0 },
-        Segment::Line { start: [0.0, 10.0, 0.0], end: [0.0, 0.0, 0.0] },
+        Segment::Line { start: DVec3::new(0.0, 0.0, 0.0), end: DVec3::new(30.0, 0.0, 0.0) },
+        Segment::Line { start: DVec3::new(30.0, 0.0, 0.0), end: DVec3::new(30.0, 10.0, 0.0) },
+        Segment::Arc { start: DVec3::new(30.0, 10.0, 0.0), end: DVec3::new(0.0, 10.0, 0.0), center: DVec3::new(15.0, 10.0, 0.0), normal, turns: 0 },
+        Segment::Line { start: DVec3::new(0.0, 10.0, 0.0), end: DVec3::new(0.0, 0.0, 0.0) },
     ];
     let mut all = heapless::Vec::new();
     for (number, segment) in segments.iter().enumerate() {

@@ -146,7 +146,7 @@ fn levers<const N: usize>(chains: u64) {
                 built::<_, N>(&machine, &tables_of(&machine, |axis, _| turned(axis)), |compensation| {
                     for (square, q) in squares.iter_mut().zip(&places) {
                         let at = compensation.coordinates(q);
-                        let tip = compensation.pose_error(&at, &[0; N], &no_growth(), &mut 0).tip;
+                        let tip = compensation.pose_error(&at, &[0; N], &no_growth(), &mut 0).tip.to_array();
                         *square += tip.iter().map(|x| x * x).sum::<f64>();
                     }
                 });
@@ -217,7 +217,10 @@ fn steepest<const N: usize>(chains: u64) {
                         let slope = |a: [f64; 3], b: [f64; 3]| {
                             norm(&core::array::from_fn::<f64, 3, _>(|k| (a[k] - b[k]) / 0.05))
                         };
-                        let found = [slope(there.tip, here.tip), slope(there.orientation, here.orientation)];
+                        let found = [
+                            slope(there.tip.into(), here.tip.into()),
+                            slope(there.orientation.into(), here.orientation.into()),
+                        ];
                         assert!(found[0] <= tip * (1.0 + 1e-6) + 1e-12, "{} {place}: {found:?} {tip}", machine.chain);
                         assert!(found[1] <= turn * (1.0 + 1e-6) + 1e-15, "{} {place}: {found:?} {turn}", machine.chain);
                     }

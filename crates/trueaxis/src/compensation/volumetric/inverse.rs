@@ -82,9 +82,9 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 self.look_up(places, &at, feedback, reverse, &mut twists, held);
             }
             let error = self.carried(&at, &poses, &twists, thermal);
-            let mut wrong = V3::from(error.tip);
+            let mut wrong = V3::<R>::from_glam(error.tip);
             if let Some(fade) = orientation {
-                self.turn_back(fade, &nominal, V3::from(error.orientation), &mut correction);
+                self.turn_back(fade, &nominal, V3::from_glam(error.orientation), &mut correction);
                 for ((at, q), r) in at.iter_mut().zip(command).zip(&correction).skip(3) {
                     *at = *q + *r;
                 }
