@@ -49,10 +49,9 @@ pub(crate) fn with_compensation<const N: usize, T>(
     user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> Result<T>,
 ) -> Result<T> {
     let rows = |axis: Axis| machine.rows(axis);
-    let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
-    let mut memory = need.memory();
+    let mut memory = vec![0.0; compensation::requirement(&machine.settings, rows)];
     let compensation =
-        Compensation::build(&machine.settings, rows, passes, memory.lend()).map_err(|error| anyhow!("{error}"))?;
+        Compensation::build(&machine.settings, rows, passes, &mut memory).map_err(|error| anyhow!("{error}"))?;
     user(&compensation)
 }
 

@@ -56,9 +56,11 @@ mod vector;
 
 pub use glam;
 
+mod alias;
+pub use alias::{HostInput, HostPath, HostServo, HostState, McuInput, McuPath, McuServo, McuState};
 pub use error::{ConfigError, Fault};
 pub use machine::{Axis, Row};
 pub use position::{Nanometres, Position};
 pub use real::Real;
 pub use sample::Input;
-pub use step::{Bypass, Config, GaugeRide, Measure, OnToolPath, Output, Ride, ServoLoop, Stage, State};
+pub use step::{Bypass, Conditions, Config, GaugeRide, Measure, OnToolPath, Output, Ride, ServoLoop, Stage, State};

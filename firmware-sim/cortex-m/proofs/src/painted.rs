@@ -9,7 +9,6 @@ use core::hint::black_box;
 use cortex_m::register::msp;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use trueaxis::compensation::Storage;
 use trueaxis::contour::{CommandWindow, Method, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use trueaxis::exchange::Exchange;
 use trueaxis::kinematics::{BranchTracker, Kinematics};
@@ -156,7 +155,7 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
     let spans = pieces();
     let path = Path::new(&spans, 0, true);
 
-    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let mut state = servo.start();
     for cycle in 0..CYCLES {
         let (reference, command) = place(&spans, cycle);
         let input = input(cycle, command);
@@ -170,7 +169,7 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
     gauge_settings.revolutions = 1;
     let gauge = Gauge::<R, POINTS>::build(&gauge_settings, PERIOD_NS).expect("a gauge");
     let mut gauge_state = GaugeState::new();
-    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let mut state = servo.start();
     for cycle in 0..10 * CYCLES {
         let (reference, command) = place(&spans, cycle);
         let input = input(cycle, command);
@@ -184,7 +183,7 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
     }
 
     let mut commanded = CommandWindow::<R, P, WINDOW>::new([0.0, 0.0, 1.0], 0.005).expect("a window");
-    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let mut state = servo.start();
     for cycle in 0..CYCLES {
         let (_, command) = place(&spans, cycle);
         let input = input(cycle, command);
@@ -240,7 +239,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
         [10.0 * along, 5.0 * along, 150.0, 10.0 + 5.0 * along, 0.0, -20.0 + 9.0 * along].map(scalar)
     };
 
-    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let mut state = servo.start();
     for cycle in 0..CYCLES {
         let [x, y, z, a, _, c] = joints(cycle);
         let input = input(cycle, [x, y, z, a, c].map(|joint| P::default().plus(joint)));
@@ -250,7 +249,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
         });
     }
 
-    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let mut state = servo.start();
     let near = joints(0);
     let standing = kinematics.inverse(&kinematics.forward(&near), &near).expect("a pose");
     let mut follow = BranchTracker::new(&standing, scalar(0.1));

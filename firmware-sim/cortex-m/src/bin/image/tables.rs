@@ -98,12 +98,12 @@ pub fn build(
     let file = Tcomp::parse(bytes).map_err(Refused::File)?;
     file.expect_machine(machine_id).map_err(Refused::File)?;
     let config = Config::of(&file, period_ns);
-    let used = config.requirement::<Scalar, Place, AXES, _>(|axis| file.table(axis));
+    let used = config.requirement(|axis| file.table(axis));
     let Requirement { lines, knots, guide } = used;
     if lines > LINES || knots > KNOTS || guide > GUIDE {
         return Err(Refused::Capacity { lines, knots });
     }
-    let servo = config.build::<Scalar, Place, AXES, _>(|axis| file.table(axis), memory.lend())?;
+    let servo = config.build::<Scalar, Place, AXES, _>(|axis| file.table(axis), &mut memory)?;
     Ok(Tables { servo, file, used })
 }
 
