@@ -7,6 +7,7 @@ use interpn::one_dim::{Interp1D, RegularGrid1D};
 use kurbo::{CubicBez, ParamCurveNearest, Point};
 use std::hint::black_box;
 use truck_geometry::prelude::{BSplineCurve, KnotVec, NurbsCurve, Point3, SPHint1D, SearchNearestParameter, Vector4};
+use trueaxis::compensation::Direction;
 use trueaxis::contour::Span;
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Spline, Track};

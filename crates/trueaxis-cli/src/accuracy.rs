@@ -7,9 +7,10 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
+use trueaxis::compensation::Query;
 use trueaxis::compensation::ThermalLine;
+use trueaxis::machine::AxisOrder;
 use trueaxis::machine::ErrorModel;
-use trueaxis::machine::step_axes;
 use trueaxis_tables::Machine;
 use trueaxis_tables::accuracy::{Accuracy, evaluate, evaluate_compensated};
 use trueaxis_tables::formats::iso230_2::{Direction, Measurement, read_measurement};
@@ -54,7 +55,7 @@ pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_js
 
 /// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.
 fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<Accuracy> {
-    let axes = step_axes::<N>(&tables.settings).map_err(|error| anyhow!("{error}"))?;
+    let axes = AxisOrder::<N>::of(&tables.settings).map_err(|error| anyhow!("{error}"))?.axes();
     let place = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
     with_compensation::<N, _>(tables, 1, |compensation| {
         let own = |position: f64, direction: Direction| {
@@ -65,7 +66,7 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
                 let (at, thermal) = (compensation.coordinates(&at), [ThermalLine::default(); N]);
                 let mut directions = [Travel::POSITIVE; N];
                 directions[place] = travel;
-                compensation.errors(&at, &directions, &thermal, &mut 0)[place]
+                compensation.errors(&Query::at(&at, &directions, &thermal), &mut 0)[place]
             };
             // The other axes stand still: what they add is the same everywhere.
             let constant = {
@@ -75,9 +76,7 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
                 let mut at = [0.0; N];
                 at[place] = start;
                 let forward = compensation.errors(
-                    &compensation.coordinates(&at),
-                    &[Travel::POSITIVE; N],
-                    &[ThermalLine::default(); N],
+                    &Query::at(&compensation.coordinates(&at), &[Travel::POSITIVE; N], &[ThermalLine::default(); N]),
                     &mut 0,
                 )[place];
                 let own = if measurement.axis.is_rotary() { own.to_degrees() } else { own };

@@ -47,8 +47,8 @@ impl Imported {
             if is_new {
                 settings.extend(stated::of_new_axis(*axis, table));
             }
-            if let Some(own) = self.settings.as_ref().and_then(|all| all.axes.iter().find(|own| own.axis == *axis)) {
-                let standing = standing.settings.axes.iter().find(|own| own.axis == *axis).map(stated::of_axis);
+            if let Some(own) = self.settings.as_ref().and_then(|all| all.axis(*axis)) {
+                let standing = standing.settings.axis(*axis).map(stated::of_axis);
                 let stands = |stated: &(String, Value)| {
                     standing.iter().flatten().any(|own| own.0 == stated.0 && same(&own.1, &stated.1))
                 };
@@ -168,7 +168,7 @@ fn change(axis: Axis, table: &Table, standing: &Standing) -> String {
 
 /// Settings of the old table that would falsify the new one.
 fn outdated(axis: Axis, table: &Table, standing: &Standing, notes: &mut Vec<String>) -> Vec<(String, Value)> {
-    let Some(own) = standing.settings.axes.iter().find(|own| own.axis == axis) else { return Vec::new() };
+    let Some(own) = standing.settings.axis(axis) else { return Vec::new() };
     let mut set = Vec::new();
     let (letter, component) = (axis.letter(), axis.index());
     if own.backlash != 0.0 && table.rows.iter().any(|row| row.forward.get(component) != row.reverse.get(component)) {

@@ -67,7 +67,7 @@ fn roundness(machine: &MachineSettings) -> Result<(), ConfigError> {
     settings.check()?;
     let Some(infeed) = &settings.infeed else { return Ok(()) };
     let index = infeed.axis.index() as f64;
-    let Some(axis) = machine.axes.iter().find(|known| known.axis == infeed.axis) else {
+    let Some(axis) = machine.axis(infeed.axis) else {
         return Err(ConfigError::new(Field::Infeed, index, "an axis of the machine"));
     };
     let needed = "a limit within the magnitude of the axis' correction";

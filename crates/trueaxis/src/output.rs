@@ -4,7 +4,7 @@
 
 use crate::error::ConfigError;
 use crate::limiter::{Limiter, LimiterState};
-use crate::machine::{Limits, MachineSettings};
+use crate::machine::{AxisOrder, Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -66,13 +66,13 @@ pub(crate) struct Applied<R, P, const N: usize> {
 const ABSENT: Limits = Limits { magnitude: 1.0, slope_per_s: 1.0, acceleration_per_s2: 1e3 };
 
 impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
-    pub(crate) fn new(machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
-        let axes = crate::machine::step_axes::<N>(machine)?;
+    pub(crate) fn new(order: &AxisOrder<N>, machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
         let idle = Limiter::new(&ABSENT, 1e-3)?;
         let mut stage = OutputStage { limiters: [idle; N], joint: [[P::nearest(f64::MIN), P::nearest(f64::MAX)]; N] };
-        for ((axis, limiter), joint) in axes.into_iter().zip(&mut stage.limiters).zip(&mut stage.joint) {
-            if let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) {
-                *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(axis))?;
+        let settings = order.settings(machine);
+        for ((settings, limiter), joint) in settings.into_iter().zip(&mut stage.limiters).zip(&mut stage.joint) {
+            if let Some(settings) = settings {
+                *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
                 *joint = settings.joint.map(P::nearest);
             }
         }

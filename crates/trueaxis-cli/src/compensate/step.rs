@@ -6,8 +6,9 @@ use crate::model::with_compensation;
 use anyhow::{Result, anyhow};
 use std::convert::Infallible;
 use trueaxis::check;
+use trueaxis::compensation::Query;
 use trueaxis::compensation::ThermalLine;
-use trueaxis::machine::step_axes;
+use trueaxis::machine::AxisOrder;
 use trueaxis_tables::Machine;
 
 pub(super) fn evaluate<const N: usize>(
@@ -17,7 +18,7 @@ pub(super) fn evaluate<const N: usize>(
     result: &mut Written<'_>,
 ) -> Result<()> {
     let settings = &machine.settings;
-    let axes = step_axes::<N>(settings).map_err(|error| anyhow!("{error}"))?;
+    let axes = AxisOrder::<N>::of(settings).map_err(|error| anyhow!("{error}"))?.axes();
     let passes = match arguments.inverse_passes {
         Some(passes) => passes,
         None => check::machine_passes(settings, |axis| machine.rows(axis)).map_err(|error| anyhow!("{error}"))?,
@@ -25,7 +26,7 @@ pub(super) fn evaluate<const N: usize>(
     let kelvin = rise(arguments, machine)?;
     let mut thermal = [ThermalLine::default(); N];
     for (line, axis) in thermal.iter_mut().zip(axes) {
-        let own = settings.axes.iter().find(|a| a.axis == axis);
+        let own = settings.axis(axis);
         *line = own.and_then(|own| ThermalLine::for_axis(&own.thermal, kelvin)).unwrap_or_default();
     }
     let mut directions = [if arguments.reverse { Direction::NEGATIVE } else { Direction::POSITIVE }; N];
@@ -37,14 +38,14 @@ pub(super) fn evaluate<const N: usize>(
             let at = compensation.coordinates(&command);
             if let Some(travel) = &mut travel {
                 let sent = |directions: &[Direction; N]| {
-                    Ok::<_, Infallible>(compensation.correction(&at, &at, directions, &thermal, &mut 0))
+                    Ok::<_, Infallible>(compensation.correction(&Query::at(&at, directions, &thermal), &mut 0))
                 };
                 let Ok(settled) = travel.arrive(&command, sent);
                 directions = settled;
             }
             let mut held = 0;
-            let error = compensation.pose_error(&at, &directions, &thermal, &mut held);
-            let correction = compensation.correction(&at, &at, &directions, &thermal, &mut 0);
+            let error = compensation.pose_error(&Query::at(&at, &directions, &thermal), &mut held);
+            let correction = compensation.correction(&Query::at(&at, &directions, &thermal), &mut 0);
             let mut corrected = row.values;
             for (axis, (q, correction)) in axes.iter().zip(command.iter().zip(correction)) {
                 corrected[axis.index()] = q + correction;

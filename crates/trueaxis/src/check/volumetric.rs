@@ -66,7 +66,7 @@ fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
     // Where it was measured stands in the carrier's directions, whatever turns beyond.
     let mut apart = [0.0; 3];
     for link in beyond {
-        let Some(other) = machine.axes.iter().find(|other| other.axis == link.axis) else { continue };
+        let Some(other) = machine.axis(link.axis) else { continue };
         let rotary = link.axis.is_rotary();
         if !link.carries_workpiece {
             ranges = moved(ranges, other.offset_mm, 1.0);

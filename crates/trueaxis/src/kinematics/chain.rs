@@ -53,7 +53,7 @@ impl<R: Real> Chain<R> {
         let (mut linear, mut rotary) = (0, 0);
         let links = links(&machine.chain)?;
         for link in &links {
-            let Some(settings) = machine.axes.iter().find(|known| known.axis == link.axis) else {
+            let Some(settings) = machine.axis(link.axis) else {
                 let count = machine.axes.len() as f64;
                 return Err(ConfigError::new(Field::Axes, count, "every axis that the chain names").on(link.axis));
             };

@@ -5,6 +5,7 @@
 
 mod chain;
 mod curve;
+mod order;
 pub mod pchip;
 mod rows;
 
@@ -13,9 +14,9 @@ pub use chain::{Link, carries_workpiece, is_turned, links};
 pub(crate) use chain::{MOST_CARRIERS, nine_terms};
 pub(crate) use curve::lost;
 pub use curve::{Curve, wraps};
+pub use order::AxisOrder;
 pub use rows::Rows;
 
-use crate::error::{ConfigError, Field};
 use crate::roundness::GaugeSettings;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
@@ -284,7 +285,7 @@ pub struct MachineSettings {
 }
 
 /// The six errors of an axis at one position: translations along X, Y, Z (mm), rotations about X, Y, Z (rad).
-pub type Twist = [f64; 6];
+pub type Twist<R = f64> = [R; 6];
 
 /// One line of an error table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -296,21 +297,4 @@ pub struct Row {
     pub forward: Twist,
     /// Errors in negative travel; equal to `forward` where the table is not bidirectional.
     pub reverse: Twist,
-}
-
-/// The axes of a step with `N` axes: X, Y, Z and the rotary axes of the machine in alphabetical order.
-///
-/// # Errors
-/// The machine has more or fewer rotary axes than `N − 3`.
-pub fn step_axes<const N: usize>(machine: &MachineSettings) -> Result<[Axis; N], ConfigError> {
-    let rotary = machine.axes.iter().map(|a| a.axis).filter(|a| a.is_rotary());
-    let mut found = [Axis::X, Axis::Y, Axis::Z].into_iter().chain(rotary);
-    let mut axes = [Axis::X; N];
-    for slot in &mut axes {
-        *slot = found.next().ok_or(ConfigError::new(Field::Axes, N as f64, "no more axes than the machine has"))?;
-    }
-    match found.next() {
-        None => Ok(axes),
-        Some(_) => Err(ConfigError::new(Field::Axes, N as f64, "a step with as many axes as the machine has")),
-    }
 }

@@ -218,7 +218,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let read = self.joints(feedback);
         let mut actual = read;
         let mut moved = false;
-        for (axis, error) in self.axes.iter().zip(&modelled.tip_error) {
+        for (axis, error) in self.order.axes().iter().zip(&modelled.tip_error) {
             if let (true, Some(joint)) = (axis.is_rotary(), actual.get_mut(axis.index())) {
                 *joint += *error;
                 moved |= *error != R::ZERO;
@@ -240,19 +240,16 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Positions of the step's axes in the order of the kinematics, rotary ones within ±180 degrees.
     #[inline(always)]
     pub(super) fn joints(&self, positions: &[P; N]) -> [R; AXES] {
-        let mut joints = [R::ZERO; AXES];
         let zero = P::default();
-        for (axis, position) in self.axes.iter().zip(positions) {
-            let Some(joint) = joints.get_mut(axis.index()) else { continue };
-            *joint = if axis.is_rotary() {
+        self.order.letters(positions, R::ZERO, |axis, position| {
+            if axis.is_rotary() {
                 let turn: R = position.turn_since(zero);
                 // From the other side: an angle near 360 degrees would be rounded as that.
                 if turn > R::of(180.0) { -zero.turn_since::<R>(*position) } else { turn }
             } else {
                 position.since(zero)
-            };
-        }
-        joints
+            }
+        })
     }
 }
 

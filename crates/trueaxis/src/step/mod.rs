@@ -18,10 +18,10 @@ pub use measure::{Measure, OnToolPath};
 pub use state::{Output, Stage, State};
 pub use stateless::Conditions;
 
-use crate::axis::Axis;
 use crate::compensation::{Compensation, Reversal, ThermalLine};
 use crate::contour::{ContourSearch, ContourState};
 use crate::error::Fault;
+use crate::machine::AxisOrder;
 use crate::output::{Applied, OutputStage, OutputState};
 use crate::position::Position;
 use crate::real::Real;
@@ -36,7 +36,7 @@ use measure::Measured;
 /// axes: [`crate::HostServo`] and [`crate::McuServo`] name the usual ones.
 #[derive(Clone, Copy, Debug)]
 pub struct ServoLoop<'a, R, P, const N: usize> {
-    axes: [Axis; N],
+    order: AxisOrder<N>,
     sampler: Sampler<R, P, N>,
     compensation: Compensation<'a, R, P, N>,
     bands: [R; N],

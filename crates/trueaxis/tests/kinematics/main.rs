@@ -72,7 +72,7 @@ fn by_transforms(machine: &MachineSettings, q: &[f64; AXES], tool: [f64; 3]) -> 
     let count = machine.chain.split('b').next().unwrap().chars().filter(|c| c.is_ascii_uppercase()).count();
     let carriage = |letter: char, sign: f64| {
         let axis = Axis::from_letter(letter).unwrap();
-        let settings = machine.axes.iter().find(|a| a.axis == axis).unwrap();
+        let settings = machine.axis(axis).unwrap();
         let q = q[axis.index()];
         let along = [DVec3::X, DVec3::Y, DVec3::Z][axis.index() % 3];
         let motion = if axis.is_rotary() {

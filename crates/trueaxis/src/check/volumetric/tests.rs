@@ -1,4 +1,5 @@
 use super::*;
+use crate::compensation::Query;
 use crate::compensation::{Compensation, Direction, ThermalLine, requirement};
 use crate::machine::carries_workpiece;
 use crate::machine::{ErrorModel, LocationErrors, Row};
@@ -145,7 +146,7 @@ fn levers<const N: usize>(chains: u64) {
                     for (square, q) in squares.iter_mut().zip(&places) {
                         let at = compensation.coordinates(q);
                         let tip = compensation
-                            .pose_error(&at, &[Direction::POSITIVE; N], &no_growth(), &mut 0)
+                            .pose_error(&Query::at(&at, &[Direction::POSITIVE; N], &no_growth()), &mut 0)
                             .tip
                             .to_array();
                         *square += tip.iter().map(|x| x * x).sum::<f64>();
@@ -208,7 +209,7 @@ fn steepest<const N: usize>(chains: u64) {
                     let q: [f64; N] = place(&mut random, 0.99);
                     let error = |q: &[f64; N]| {
                         let at = compensation.coordinates(q);
-                        compensation.pose_error(&at, &[Direction::POSITIVE; N], &no_growth(), &mut 0)
+                        compensation.pose_error(&Query::at(&at, &[Direction::POSITIVE; N], &no_growth()), &mut 0)
                     };
                     let here = error(&q);
                     for (place, [tip, turn]) in bounds.iter().enumerate() {
@@ -255,8 +256,9 @@ fn contracts<const N: usize>(chains: u64, orientation: bool) {
             for _ in 0..150 {
                 let q = place::<N>(&mut random, 0.9);
                 let at = compensation.coordinates(&q);
-                let after =
-                    |passes| volumetric.correction(&at, &at, &[Direction::POSITIVE; N], &no_growth(), passes, &mut 0);
+                let after = |passes| {
+                    volumetric.correction(&Query::at(&at, &[Direction::POSITIVE; N], &no_growth()), passes, &mut 0)
+                };
                 let step = |a: [f64; N], b: [f64; N]| {
                     norm(&core::array::from_fn::<f64, N, _>(|i| (a[i] - b[i]) * if i < 3 { 1.0 } else { weight }))
                 };

@@ -1,5 +1,6 @@
 //! Parts of the step by themselves, with the inputs that the host's counts have.
 
+use trueaxis::compensation::Query;
 use crate::arena::Arena;
 use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
@@ -7,7 +8,7 @@ use trueaxis::compensation::{Direction, NineTerms, ThermalLine, Volumetric};
 use trueaxis::contour::{ContourSearch, ContourState, Method, Path, Reference, Segment, Span, convert};
 use trueaxis::limiter::{LimiterState, Limiter};
 use trueaxis::machine::Rows;
-use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
+use trueaxis::machine::{AxisOrder, AxisSettings, ErrorModel, MachineSettings};
 use trueaxis::{Axis, Position, Real, Row};
 use trueaxis_cortex_m::timer::{Tally, timed};
 
@@ -84,7 +85,7 @@ fn nine<R: Real, P: Position>(free: bool, arena: &mut Arena) -> &'static NineTer
     let tables = tables(free);
     let rows = |axis: Axis| tables.get(axis.index());
     let memory = arena.slice(NineTerms::<R, P, 3>::requirement(&machine, rows), R::ZERO);
-    match NineTerms::build(&machine, rows, memory) {
+    match AxisOrder::of(&machine).and_then(|order| NineTerms::build(&order, &machine, rows, memory)) {
         Ok(nine) => arena.keep(nine),
         Err(error) => panic!("{}", error),
     }
@@ -95,7 +96,7 @@ fn volumetric<R: Real, P: Position, const N: usize>(arena: &mut Arena) -> &'stat
     let tables = tables(false);
     let rows = |axis: Axis| tables.get(axis.index());
     let memory = arena.slice(Volumetric::<R, P, N>::requirement(&machine, rows), R::ZERO);
-    match Volumetric::build(&machine, rows, memory) {
+    match AxisOrder::of(&machine).and_then(|order| Volumetric::build(&order, &machine, rows, memory)) {
         Ok(volumetric) => arena.keep(volumetric),
         Err(error) => panic!("{}", error),
     }
@@ -128,7 +129,7 @@ struct Pose<R: Real, P: Position, const N: usize>(&'static Volumetric<'static, R
 
 #[inline(never)]
 fn pose<R: Real, P: Position, const N: usize>(of: &Pose<R, P, N>) -> u32 {
-    sink(of.0.pose_error(&of.1, &[Direction::POSITIVE; N], &[ThermalLine::default(); N], &mut 0))
+    sink(of.0.pose_error(&Query::at(&of.1, &[Direction::POSITIVE; N], &[ThermalLine::default(); N]), &mut 0))
 }
 
 /// A foot to be found, and where it is looked for.
