@@ -286,8 +286,8 @@ pub fn with_tables<R: Real, P: Position, const N: usize, T>(
 ) -> Result<T> {
     let rows = |axis: Axis| tcomp.table(axis);
     let config = Config::of(tcomp, period_ns);
-    let mut memory = config.requirement::<R, P, N, _>(rows).memory();
-    let servo = config.build::<R, P, N, _>(rows, memory.lend()).map_err(|e| anyhow!("{e}"))?;
+    let mut memory = vec![R::ZERO; config.requirement(rows)];
+    let servo = config.build::<R, P, N, _>(rows, &mut memory).map_err(|e| anyhow!("{e}"))?;
     user(&servo)
 }
 

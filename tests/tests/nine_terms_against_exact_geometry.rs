@@ -3,7 +3,7 @@
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::Query;
-use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
 use trueaxis::machine::AxisOrder;
 use trueaxis::machine::{AXES, ErrorModel};
 use trueaxis_tables::Machine;
@@ -49,7 +49,7 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
     }
     let geometry = Geometry::new(&machine, 0.0).unwrap();
     let rows = |axis: Axis| machine.rows(axis);
-    let mut memory = vec![0.0; compensation::requirement(&machine.settings, rows)];
+    let mut memory = vec![0.0; requirement(&machine.settings, rows)];
     let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, &mut memory).unwrap();
     let axes = AxisOrder::<N>(&machine.settings).unwrap();
 

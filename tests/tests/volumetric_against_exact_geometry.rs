@@ -1,7 +1,6 @@
 //! The volumetric form against the exact transforms: two implementations that share no code but the settings.
 
-use trueaxis::compensation::Query;
-use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
 use trueaxis::machine::{
     AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, MachineSettings, Row, ThermalGrowth,
 };
@@ -175,7 +174,7 @@ impl Case {
         let settings = &self.machine.settings;
         check::settings(settings).unwrap();
         let rows = |axis: Axis| self.machine.rows(axis);
-        let mut memory = vec![0.0; compensation::requirement(settings, rows)];
+        let mut memory = vec![0.0; requirement(settings, rows)];
         user(&Compensation::build(settings, rows, passes, &mut memory).unwrap())
     }
 

@@ -8,12 +8,12 @@ use crate::path::{self, Path};
 use crate::plugin::{CorePosition, Servo, ServoState};
 use crate::pointer::{apart, check_sized, memory, read_sized, slice};
 use crate::status::{self, ERROR_ARGUMENT, ERROR_AXES, ERROR_PERIOD, Status};
-use crate::tables::{axes_of, memory_bytes, requirement};
+use crate::tables::{axes_of, memory_bytes};
 use core::ffi::c_void;
 use trueaxis::compensation::ThermalLine;
 use trueaxis::machine::ThermalGrowth;
-use trueaxis::tcomp::{TableData, Tcomp};
-use trueaxis::{Bypass, Config, ConfigError, Fault};
+use trueaxis::tcomp::Tcomp;
+use trueaxis::{Bypass, ConfigError, Fault};
 
 /// Words of a `trueaxis_loop_t`.
 #[cfg(not(feature = "single"))]

@@ -3,14 +3,11 @@
 use crate::Real;
 use crate::cycle::AXES_MAX;
 use crate::error::{Error, Refusal, explained};
-use crate::plugin::CorePosition;
 use crate::pointer::{Sized32, check_sized, slice};
 use crate::text::Text;
 use core::ffi::c_char;
-use trueaxis::Config;
-use trueaxis::compensation::Requirement;
 use trueaxis::machine::{Axis, AxisSettings};
-use trueaxis::tcomp::{TableData, Tcomp};
+use trueaxis::tcomp::Tcomp;
 
 /// Contents of a table file. The first `axes` places of the arrays count, in the order of the step; travel and limits of
 /// a linear axis that the machine does not have are 0: it is passed as commanded.

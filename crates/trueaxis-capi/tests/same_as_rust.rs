@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
 use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::{self, CommandWindow, Segment, convert};
-use trueaxis::tcomp::{TableData, Tcomp};
+use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{FRAME_BYTES as CORE_FRAME_BYTES, Frame};
 use trueaxis::{Config, Position as _, ServoLoop};
 use trueaxis_capi::*;

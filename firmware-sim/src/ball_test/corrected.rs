@@ -4,7 +4,7 @@ use super::cycle::{Cycle, with_ball};
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;
 use trueaxis::compensation::Query;
-use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
 use trueaxis::machine::AxisOrder;
 use trueaxis::machine::{AXES, ErrorModel, LocationErrors, Row, Twist};
 use trueaxis::tcomp::Tcomp;
@@ -63,7 +63,7 @@ pub(super) fn tip_errors(cycle: &Cycle, plant: &Machine, known: &Machine, ball: 
     let bytes = compile(&with_ball(known, ball)).map_err(|error| anyhow!("{error}"))?;
     let tcomp = Tcomp::parse(&bytes).map_err(|error| anyhow!("{error}"))?;
     let rows = |axis: Axis| tcomp.table(axis);
-    let mut memory = vec![0.0; compensation::requirement(tcomp.settings(), rows)];
+    let mut memory = vec![0.0; requirement(tcomp.settings(), rows)];
     let compensation: Compensation<'_, f64, f64, N> =
         Compensation::build(tcomp.settings(), rows, tcomp.inverse_passes(), &mut memory).map_err(|e| anyhow!("{e}"))?;
     let axes = AxisOrder::<N>::of(tcomp.settings()).map_err(|error| anyhow!("{error}"))?.axes();

@@ -3,6 +3,7 @@
 use super::{Arguments, COLUMNS, Evaluated, Travel, Written, next, rise};
 use crate::csv_in::Rows;
 use anyhow::{Result, anyhow};
+use trueaxis::compensation::Direction;
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::{CorrectionSettings, Geometry};

@@ -7,7 +7,7 @@ use anyhow::{Result, anyhow};
 use std::convert::Infallible;
 use trueaxis::check;
 use trueaxis::compensation::Query;
-use trueaxis::compensation::ThermalLine;
+use trueaxis::compensation::{Direction, ThermalLine};
 use trueaxis::machine::AxisOrder;
 use trueaxis_tables::Machine;
 

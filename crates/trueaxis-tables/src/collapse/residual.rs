@@ -6,7 +6,7 @@ use super::{CollapseError, LINEAR};
 use crate::Machine;
 use crate::exact::Geometry;
 use trueaxis::compensation::Query;
-use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
 use trueaxis::error::ConfigError;
 use trueaxis::machine::AxisOrder;
 use trueaxis::machine::{AXES, Axis};
@@ -87,7 +87,7 @@ fn with_step<const N: usize, T>(
     user: impl FnOnce(&dyn Fn(&[f64; AXES], &[f64; AXES]) -> [f64; 3]) -> T,
 ) -> Result<T, ConfigError> {
     let rows = |axis: Axis| machine.rows(axis);
-    let mut memory = vec![0.0; compensation::requirement(&machine.settings, rows)];
+    let mut memory = vec![0.0; requirement(&machine.settings, rows)];
     let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 1, &mut memory)?;
     // A step has X, Y and Z in any case, a machine need not.
     let slots: [Option<usize>; N] = AxisOrder::<N>::of(&machine.settings)?

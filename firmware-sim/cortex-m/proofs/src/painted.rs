@@ -147,9 +147,8 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
         method: Method::Guarded,
     };
     let rows = rows();
-    let (mut lines, mut knots, mut guide) = ([<R as Real>::ZERO; 1024], [<R as Real>::ZERO; 64], [0; 128]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    let servo: ServoLoop<'_, R, P, 3> = config.build(|_| Some(&rows[..]), storage).expect("a configuration");
+    let mut memory = [<R as Real>::ZERO; 1024];
+    let servo: ServoLoop<'_, R, P, 3> = config.build(|_| Some(&rows[..]), &mut memory).expect("a configuration");
     // SAFETY: a static lifetime for the exchange; nothing of it outlives this function.
     let servo: &'static ServoLoop<'static, R, P, 3> = unsafe { core::mem::transmute(&servo) };
     let spans = pieces();
@@ -223,9 +222,8 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
         method: Method::Guarded,
     };
     let rows = rows();
-    let (mut lines, mut knots, mut guide) = ([<R as Real>::ZERO; 2048], [<R as Real>::ZERO; 64], [0; 128]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    let servo: ServoLoop<'_, R, P, 5> = config.build(|_| Some(&rows[..]), storage).expect("a configuration");
+    let mut memory = [<R as Real>::ZERO; 2048];
+    let servo: ServoLoop<'_, R, P, 5> = config.build(|_| Some(&rows[..]), &mut memory).expect("a configuration");
     // SAFETY: the table's functions want a static loop; nothing of it outlives this function.
     let servo: &'static ServoLoop<'static, R, P, 5> = unsafe { core::mem::transmute(&servo) };
     let kinematics = Kinematics::<R>::new(&machine).expect("a chain");

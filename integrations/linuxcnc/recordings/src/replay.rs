@@ -4,7 +4,7 @@ use crate::recording::Recording;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use trueaxis::contour::{Path, Reference};
-use trueaxis::tcomp::{TableData, Tcomp};
+use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Input, ServoLoop};
 
 /// How far component and library are apart.
