@@ -45,7 +45,7 @@ pub struct Limiter<R> {
     rounding: R,
 }
 
-/// What one axis' limiter remembers.
+/// State of the limiter of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LimiterState<R> {
     sent: R,

@@ -23,7 +23,7 @@ fn lever<'r, T: Rows + ?Sized + 'r>(
     way_to_tip(machine, rows, settings, settings.measured_at_mm)
 }
 
-/// Longest way from the origin of an axis' frame to the tip over the reach of all axes, mm.
+/// Longest distance from the origin of an axis' frame to the tip over the reach of all axes, mm.
 fn arm<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
@@ -34,7 +34,7 @@ fn arm<'r, T: Rows + ?Sized + 'r>(
 
 /// [`lever`] from the position `measured` of the slides beyond the axis.
 ///
-/// What stands between two rotary axes turns as one: boxes on both sides of a rotary axis add by their lengths, as the
+/// Everything between two rotary axes turns as one: boxes on both sides of a rotary axis add by their lengths, as the
 /// axis may turn them into one line.
 fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,

@@ -192,7 +192,7 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
         Path::new(&self.spans, 0, self.closed)
     }
 
-    /// The place at parameter `u` of a segment, for the step: see [`Path::at`].
+    /// The point at parameter `u` of a segment, for the step: see [`Path::at`].
     #[inline]
     pub fn at(&self, segment: u32, u: f64) -> OnPath<'_, R, P> {
         self.path().at(segment, u)

@@ -51,16 +51,16 @@ pub enum Segment<'a> {
     },
 }
 
-/// What is wrong with a segment.
+/// Error of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathError {
     /// Which part of the segment.
     pub field: &'static str,
     /// Which element, where the part is a list.
     pub index: Option<usize>,
-    /// What was found.
+    /// Figure found.
     pub found: f64,
-    /// What is needed.
+    /// Figure or form needed.
     pub needed: &'static str,
 }
 

@@ -25,7 +25,7 @@ pub(super) struct Foot<R> {
     pub(super) vector: [R; 3],
     /// Derivative of the curve there, mm.
     pub(super) tangent: [R; 3],
-    /// What is left of g is rounding, and the foot is a minimum inside the span.
+    /// The rest of g is rounding, and the foot is a minimum inside the span.
     pub(super) trusted: bool,
     /// The foot is a minimum, wherever it lies.
     pub(super) converged: bool,

@@ -1,6 +1,6 @@
 //! Orientation contour error: the angle between the tool's direction and the one that the path has at the foot.
 //!
-//! A five-axis path has, beside the way of the tip, a direction for every piece: a [`Turn`]. The error is
+//! A five-axis path has, beside the path of the tip, a direction for every span: a [`Turn`]. The error is
 //!
 //! ```text
 //! ε = atan2(|a × b|, a · b)        a: direction of the path at the foot of the tip, b: the tool's
@@ -21,12 +21,12 @@ use crate::real::Real;
 use crate::vector::V3;
 use glam::DVec3;
 
-/// How the tool's direction goes along a piece of the path.
+/// How the tool's direction goes along a span of the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn<R> {
     way: Way<R>,
-    /// tan² of a quarter of the piece's angle, and the weight that its series is divided by: on arcs the segment's
-    /// parameter is not linear in the piece's.
+    /// tan² of a quarter of the span's angle, and the weight that its series is divided by: on arcs the segment's
+    /// parameter is not linear in the span's.
     bend: R,
     scale: R,
 }
@@ -42,7 +42,7 @@ enum Way<R> {
 impl<R: Real> Turn<R> {
     /// Rotary axes that move linearly in the segment's parameter u, which is what a block with rotary words means.
     ///
-    /// `span`: the piece; `domain`: u at start and end of its segment (0 and 1, or the spline's outer knots); `start`
+    /// `span`: the span; `domain`: u at start and end of its segment (0 and 1, or the spline's outer knots); `start`
     /// and `end`: positions of A, B, C there, degrees, any number of turns.
     pub fn axes<P: Position>(span: &Span<R, P>, domain: [f64; 2], start: [f64; 3], end: [f64; 3]) -> Self {
         let [from, to] = part(span, domain);
@@ -89,7 +89,7 @@ impl<R: Real> Turn<R> {
         Turn { way, bend: R::of(k * k), scale: R::of(scale) }
     }
 
-    /// Part of the piece's angle at its parameter: ½ + ½ atan(k(2t − 1))/atan k, to 1e-9.
+    /// Part of the span's angle at its parameter: ½ + ½ atan(k(2t − 1))/atan k, to 1e-9.
     #[inline(always)]
     fn fraction(&self, t: R) -> R {
         if self.bend == R::ZERO {
@@ -102,7 +102,7 @@ impl<R: Real> Turn<R> {
         R::HALF + R::HALF * x * sum * self.scale
     }
 
-    /// Direction at the piece's parameter; `of_axes` gives that of rotary positions, degrees.
+    /// Direction at the span's parameter; `of_axes` gives that of rotary positions, degrees.
     #[inline(always)]
     pub fn direction(&self, t: R, of_axes: impl Fn([R; 3]) -> R::Vec3) -> R::Vec3 {
         self.heading(t, of_axes).glam()
@@ -122,7 +122,7 @@ impl<R: Real> Turn<R> {
         }
     }
 
-    /// Largest change of an angle over the piece, degrees.
+    /// Largest change of an angle over the span, degrees.
     #[inline(always)]
     fn extent(&self) -> R {
         match &self.way {
@@ -132,12 +132,12 @@ impl<R: Real> Turn<R> {
     }
 }
 
-/// The piece's part of its segment, 0 to 1.
+/// The span's part of its segment, 0 to 1.
 fn part<R: Real, P: Position>(span: &Span<R, P>, [low, high]: [f64; 2]) -> [f64; 2] {
     span.u_range().map(|u| if high > low { (u - low) / (high - low) } else { u })
 }
 
-/// A path of the tip and the directions that go with it: one [`Turn`] for every piece, in the same order. In workpiece
+/// A path of the tip and the directions that go with it: one [`Turn`] for every span, in the same order. In workpiece
 /// coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct ToolPath<'a, R, P> {
@@ -146,12 +146,12 @@ pub struct ToolPath<'a, R, P> {
 }
 
 impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
-    /// From a window of pieces and as many turns; a piece without one has no orientation error.
+    /// From a window of spans and as many turns; a span without one has no orientation error.
     pub fn new(path: Path<'a, R, P>, turns: &'a [Turn<R>]) -> Self {
         ToolPath { path: Path { turning: true, ..path }, turns }
     }
 
-    /// Way of the tip, with the pieces without length passed over by a search.
+    /// Path of the tip, with the spans without length passed over by a search.
     pub fn path(&self) -> &Path<'a, R, P> {
         &self.path
     }
@@ -163,7 +163,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
 
     /// Orientation error of a tool direction (unit vector, workpiece coordinates), given the tip's foot of this cycle.
     ///
-    /// `of_axes`: direction of rotary positions, degrees. Pieces on which the tip stands compete with the tip's foot for
+    /// `of_axes`: direction of rotary positions, degrees. Spans on which the tip stands compete with the tip's foot for
     /// the nearest place of the path, where a tilt counts as the way of a point 100 mm up the tool; without them it is
     /// one evaluation of `of_axes`, with them at most twenty-seven.
     #[inline(always)]
@@ -185,7 +185,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         }
     }
 
-    /// The piece without length at the nearer border of a place, from that border.
+    /// The span without length at the nearer border of a point, from that border.
     #[inline(always)]
     fn beside(&self, place: Reference<R>) -> Option<Reference<R>> {
         let (number, t) = if place.t > R::HALF {
@@ -209,11 +209,11 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         let mut evaluations = at_foot.evaluations;
         let mut best: Option<OrientationError<R>> = None;
         let mut from = start;
-        for _ in 0..PIECES {
+        for _ in 0..SPANS {
             let Some(turn) = self.turn(from.span) else { break };
             let (t, spent) = nearest(turn, from.t.limit(R::ZERO, R::ONE), actual, of_axes);
             evaluations = evaluations.saturating_add(spent).saturating_add(1);
-            // At a border that is seen at right angles, rounding decides on which side of it the place lies.
+            // At a border that is seen at right angles, rounding decides on which side of it the point lies.
             let margin = R::of(MARGIN_DEG) / turn.extent().max(R::of(MARGIN_DEG));
             let inside = t > margin && t < R::ONE - margin;
             let flags = if inside { Flags::BRACKETED } else { Flags::AT_CORNER };
@@ -253,13 +253,13 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
     }
 }
 
-/// Pieces without length that a cycle looks at.
-const PIECES: usize = 2;
+/// Spans without length that a cycle looks at.
+const SPANS: usize = 2;
 /// Steps towards the nearest orientation on each.
 const STEPS: u8 = 4;
-/// Distance from the tip at which a tilt is weighed against a way of the tip, mm.
+/// Distance from the tip at which a tilt is weighed against a motion of the tip, mm.
 const LEVER_MM: f64 = 100.0;
-/// Where the way between two places is not followed any further, mm.
+/// Arc length beyond which two points count as far apart, mm.
 const BEYOND_MM: f64 = 1e3;
 /// Half the chord that stands for the tangent, degrees: leaves 1e-5 of it, which the angle at the foot sees squared.
 const CHORD_DEG: f64 = 0.5;
@@ -272,7 +272,7 @@ const STEP_DEG: f64 = 30.0;
 
 /// Parameter of the orientation nearest to `actual`, and the evaluations that took.
 ///
-/// Gauss and Newton's step on |a − b|², with the chord about the place as its tangent, held within the piece and to 30°:
+/// Gauss and Newton's step on |a − b|², with the chord about the place as its tangent, kept within the span and to 30°:
 /// always downhill, and the error shrinks by about ε + (30°)²/8 a step at worst.
 #[inline(always)]
 fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R; 3]) -> R::Vec3 + Copy) -> (R, u8) {
@@ -316,9 +316,9 @@ pub struct OrientationError<R: Real> {
     /// tool's, actual − ideal; its length is the sine of the angle.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub vector: R::Vec3,
-    /// Piece on which the foot lies.
+    /// Span on which the foot lies.
     pub span: u32,
-    /// Parameter of the foot in the piece.
+    /// Parameter of the foot in the span.
     pub t: R,
     /// Evaluations of the path's direction used.
     pub evaluations: u8,

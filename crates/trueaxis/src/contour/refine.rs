@@ -14,10 +14,10 @@ pub(super) struct Found<R> {
     pub(super) vector: [R; 3],
     /// Derivative of the path, mm.
     pub(super) tangent: [R; 3],
-    /// What is left of the bracket, mm of arc length.
+    /// Remaining width of the bracket, mm of arc length.
     pub(super) width: R,
     pub(super) flags: Flags,
-    /// The evaluations ran out on the way down to a minimum: the place is good to go on from.
+    /// The evaluations ran out on the way down to a minimum: the point is good to go on from.
     pub(super) downhill: bool,
 }
 

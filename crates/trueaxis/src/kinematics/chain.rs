@@ -21,7 +21,7 @@ pub(super) struct Rotary<R> {
     pub(super) travel: [R; 2],
 }
 
-/// What stands between two rotary axes: a constant shift, and the linear axes (1 where the axis stands here, else 0).
+/// The part between two rotary axes: a constant shift, and the linear axes (1 where the axis stands here, else 0).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Section<R> {
     pub(super) offset: V3<R>,

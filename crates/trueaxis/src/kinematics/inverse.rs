@@ -103,7 +103,7 @@ impl<R: Real> Kinematics<R> {
     /// the tool within 1e-12 mm at a metre (f64). Cost: at most ten polynomials for angles, both branches included.
     ///
     /// # Errors
-    /// A tool that is no tool, out of reach, in the singular cone, or whose axis positions leave the travel.
+    /// An invalid tool vector, out of reach, in the singular cone, or whose axis positions leave the travel.
     pub fn inverse(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solution<R>, InverseError> {
         self.solutions(tool, near)?.choose(Choice::Nearest)
     }
@@ -113,7 +113,7 @@ impl<R: Real> Kinematics<R> {
     /// At the singular pose itself (singular cone 0) the axis nearest the workpiece stays where it is in `near`.
     ///
     /// # Errors
-    /// What holds for both branches: a tool that is no tool, out of reach or in the singular cone.
+    /// Errors of both branches: an invalid tool vector, out of reach or in the singular cone.
     pub fn solutions(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solutions<R>, InverseError> {
         let [tip, axis] = [tool.tip, tool.axis].map(V3::<R>::from_glam);
         if !(tip.x.is_finite() && tip.y.is_finite() && tip.z.is_finite()) {
@@ -263,7 +263,7 @@ impl<R: Real> Rotary<R> {
         } else {
             nearest
         };
-        // Told is the position nearest to where the axis was, not the one at the far end.
+        // Reported is the position nearest to where the axis was, not the one at the far end.
         inside(self.axis, found, self.travel).or_else(|_| inside(self.axis, nearest, self.travel))
     }
 
@@ -279,7 +279,7 @@ impl<R: Real> Rotary<R> {
     }
 }
 
-/// What rounding may add to a position of this size.
+/// Rounding error of a position of this size.
 #[inline(always)]
 fn rounding<R: Real>(position: R) -> R {
     R::of(TRAVEL_ROUNDING) * R::EPSILON * (position.abs() + R::of(360.0))

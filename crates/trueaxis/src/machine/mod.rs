@@ -1,4 +1,4 @@
-//! What is known about a machine, as it stands in a compiled table file: axes, limits, location errors.
+//! Settings of a machine, as they stand in a compiled table file: axes, limits, location errors.
 //!
 //! Lengths are mm, angles of rotary *positions* are degrees, angular *errors* are radians; time is seconds.
 //! For a rotary axis every `mm` of an axis-own quantity (travel, backlash, correction limits) reads `degree`.
@@ -117,7 +117,7 @@ pub struct AxisSettings {
 
 impl AxisSettings {
     /// The table holds what is read along a line in the machine: of a slide that carries the workpiece, whose frame
-    /// moves away from that line, the own travel is then no lever.
+    /// moves away from that line, its own travel then contributes no lever.
     pub fn is_measured_along_a_line(&self) -> bool {
         self.measured_at_mm != [0.0; 3]
     }
@@ -175,7 +175,7 @@ impl LocationErrors {
     }
 }
 
-/// When a reading or a command is believed. Pairs are for linear (mm) and rotary (degrees) axes.
+/// When a reading or a command is accepted. Pairs are for linear (mm) and rotary (degrees) axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultSettings {
@@ -220,7 +220,7 @@ pub enum ErrorModel {
     Volumetric,
 }
 
-/// What is corrected, and through which axes.
+/// Which errors are corrected, and through which axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CompensationSettings {

@@ -1,8 +1,8 @@
-//! What happened to a revolution.
+//! Flags of a revolution.
 
 use serde::{Deserialize, Serialize};
 
-/// What a cycle or a revolution met, as bits; see the constants.
+/// Events of a cycle or a revolution, as bits; see the constants.
 ///
 /// All but the last group end the revolution that is being sampled: it is discarded whole, and sampling begins again at
 /// the next θ = 0.

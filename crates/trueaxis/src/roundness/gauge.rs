@@ -25,7 +25,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     /// Checks the settings once and precomputes what a cycle needs.
     ///
     /// # Errors
-    /// What is wrong, with the figure found and what is needed; `N` other than the settings' number of points.
+    /// The first setting that is wrong, with the figure found and the one needed; `N` other than the settings' number of points.
     pub fn build(settings: &GaugeSettings, period_ns: u32) -> Result<Self, ConfigError> {
         if usize::from(settings.points) != N {
             return Err(ConfigError::new(Field::Points, f64::from(settings.points), "the capacity of this build"));
@@ -52,13 +52,13 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         GaugeState::new()
     }
 
-    /// Makes a state new in its place: nothing is measured or fed in until another revolution is whole, and the wheel is
+    /// Makes a state new where it stands: nothing is measured or fed in until another revolution is whole, and the wheel is
     /// that of the settings.
     pub fn restart(&self, state: &mut GaugeState<R, N>) {
         *state = GaugeState::new();
     }
 
-    /// What the probes see of each harmonic.
+    /// Gain of the probes for each harmonic.
     pub fn gain(&self) -> &Gain {
         &self.gain
     }
@@ -79,9 +79,9 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         self.plan.slices().div_ceil(usize::from(self.slices_per_cycle.max(1)))
     }
 
-    /// Place of the axis that the infeed correction moves.
+    /// Slot of the axis that the infeed correction moves.
     pub fn infeed_slot(&self) -> Option<usize> {
-        self.infeed.as_ref().map(|infeed| infeed.place)
+        self.infeed.as_ref().map(|infeed| infeed.slot)
     }
 
     /// Sets the wheel's radius R_S, mm (wear, dressing); in force from the next revolution that is worked on.
@@ -124,6 +124,6 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         if state.work.is_cleared() {
             return R::ZERO;
         }
-        infeed.at(&state.work.correction, |place| state.work.cos_beta(place), angles, speed.per_cycle)
+        infeed.at(&state.work.correction, |index| state.work.cos_beta(index), angles, speed.per_cycle)
     }
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! probes ──────┐
 //! spindle, arm ┴─► counter ─► resample ─► one revolution ─► transform, 1/G, inverse ─► profile ─► harmonics, LSC
-//!                  counts      to θ        (the one before     in units of a fixed   └► R_X, R_Y ─► spindle error
+//!                  counts      to θ        (the one before     in slices of a fixed   └► R_X, R_Y ─► spindle error
 //!                  to angles   θ = α + β    is worked on)      size, some a cycle    └► infeed of the next revolutions
 //! ```
 //!
@@ -117,13 +117,13 @@ pub enum Followed {
     Not,
 }
 
-/// What is known about one revolution.
+/// Results of one revolution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Evaluation<R> {
     /// Counts whole revolutions that were sampled, from 1, wrapping.
     pub revolution: u32,
-    /// What this revolution met.
+    /// Events of this revolution.
     pub flags: GaugeFlags,
     /// Peak-to-valley roundness about the least-squares circle, after the filter if there is one, µm.
     pub peak_to_valley_um: R,
@@ -135,13 +135,13 @@ pub struct Evaluation<R> {
     pub revolutions: u16,
 }
 
-/// What a cycle gives back.
+/// Result of a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Cycle<R> {
     /// Infeed correction, mm in the sense of its axis; 0 without one, or while θ is unknown.
     pub infeed: R,
-    /// What this cycle met.
+    /// Events of this cycle.
     pub flags: GaugeFlags,
     /// A revolution has just been evaluated.
     pub finished: bool,

@@ -35,7 +35,7 @@ pub(super) struct Resampler<R, const N: usize> {
     patience: u32,
 }
 
-/// What a cycle hands to the next.
+/// State from cycle to cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ResamplerState<R> {
     spindle: SpindleState,
@@ -77,7 +77,7 @@ pub(super) struct Angles {
 /// Readings at one point of the revolution, µm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point<R> {
-    pub(super) place: usize,
+    pub(super) index: usize,
     pub(super) h1: R,
     pub(super) h2: R,
     /// h1 + k2 h2 + k3 h3.
@@ -97,7 +97,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
     }
 
-    /// The shift that makes a place of an angle.
+    /// The shift that makes an index of an angle.
     const SHIFT: u32 = u32::BITS - N.trailing_zeros();
     /// One point, in 2^−32 turns.
     const WIDTH: i32 = 1 << Self::SHIFT;
@@ -197,7 +197,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
         let [first, second, third] = values;
         let [k2, k3] = self.weights;
-        Point { place: (*angle >> Self::SHIFT) as usize, h1: first, h2: second, sum: first + k2 * second + k3 * third }
+        Point { index: (*angle >> Self::SHIFT) as usize, h1: first, h2: second, sum: first + k2 * second + k3 * third }
     }
 
     /// Where θ stood in the last cycle that counts.

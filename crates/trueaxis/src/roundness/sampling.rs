@@ -41,14 +41,14 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         let mut angle = Resampler::<R, N>::last(&state.resampler);
         for _ in 0..points.min(POINTS_PER_CYCLE) {
             let point = self.resampler.point(&mut state.resampler, theta, readings, &mut angle);
-            if point.place == 0 {
+            if point.index == 0 {
                 self.turn(state, flags);
             }
             if !state.sampling.running {
                 continue;
             }
             let revolution = &mut state.revolutions[!state.worked & 1];
-            let n = point.place & (N - 1);
+            let n = point.index & (N - 1);
             revolution.first[n] = point.h1;
             revolution.second[n] = point.h2;
             state.sums[!state.worked & 1][n] = point.sum;

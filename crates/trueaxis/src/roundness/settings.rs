@@ -1,4 +1,4 @@
-//! What a gauge of three probes is, as it stands in a compiled table file.
+//! Settings of a gauge of three probes, as they stand in a compiled table file.
 
 use super::angles::{Band, Gain, ProbeAngles};
 use super::arm::Arm;
@@ -25,7 +25,7 @@ pub struct ProbeSettings {
     pub gain_um: f64,
     /// Raw value at zero.
     pub zero: f64,
-    /// Raw values in which the probe is believed.
+    /// Raw values that are accepted.
     pub range: [f64; 2],
 }
 
@@ -115,23 +115,23 @@ pub struct GaugeSettings {
     pub probes: [ProbeSettings; 3],
     /// Encoder of the spindle.
     pub spindle: SpindleEncoder,
-    /// Following arm; an ordinary shaft without.
+    /// Following arm; `None` for an ordinary shaft.
     pub arm: Option<ArmSettings>,
     /// Cut-off of the Gaussian filter before the evaluation of roundness, UPR.
     pub filter: Option<u16>,
-    /// Revolutions over which synchronous and asynchronous motion of the spindle are told apart.
+    /// Revolutions over which synchronous and asynchronous motion of the spindle are separated.
     pub revolutions: u16,
-    /// Units of work done in a cycle.
+    /// Slices of work done in a cycle.
     pub slices_per_cycle: u8,
     /// The spindle stands when no point was passed for so long, s.
     pub stop_s: f64,
-    /// Infeed correction; only measured without.
+    /// Infeed correction; `None` to measure only.
     pub infeed: Option<InfeedSettings>,
 }
 
 impl GaugeSettings {
     /// The stated defaults: band 2 to 100 (or up to half the points), noise gain limit 100, probes of 1 µm per unit in
-    /// ±1000, index pulse within a thousandth of a turn, eight revolutions, one unit per cycle, stopped after 1 s.
+    /// ±1000, index pulse within a thousandth of a turn, eight revolutions, one slice per cycle, stopped after 1 s.
     pub fn with_defaults(points: u16, angles: ProbeAngles, counts: u32) -> Self {
         GaugeSettings {
             points,

@@ -1,11 +1,11 @@
-//! What a gauge remembers from cycle to cycle, and its results.
+//! State of a gauge from cycle to cycle, and its results.
 
 use super::resample::ResamplerState;
 use super::work::{Outcome, Revolution, Work};
 use super::{Counts, Evaluation, GaugeFlags};
 use crate::real::Real;
 
-/// The mutable half: what one cycle hands to the next, and the results. Large (17 N scalars): a static's place.
+/// The mutable half: what one cycle hands to the next, and the results. Large (17 N scalars): keep it in a static.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GaugeState<R, const N: usize> {

@@ -204,7 +204,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         tip: [P; 3],
         encoder: [P; 3],
     ) -> [ContourError<R>; 2] {
-        if !reference.is_on_its_piece() {
+        if !reference.is_on_its_span() {
             return [(&mut state.tip, tip), (&mut state.encoder, encoder)]
                 .map(|(state, point)| self.search.update_off(state, path, reference, &point));
         }

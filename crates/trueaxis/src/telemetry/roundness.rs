@@ -27,7 +27,7 @@ pub struct RoundnessFrame {
     pub skipped: u32,
     /// Revolutions discarded whole so far.
     pub discarded: u32,
-    /// What this revolution met.
+    /// Events of this revolution.
     pub flags: GaugeFlags,
     /// Peak-to-valley roundness about the least-squares circle, µm.
     pub peak_to_valley_um: f32,

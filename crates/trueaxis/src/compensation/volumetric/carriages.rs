@@ -231,7 +231,7 @@ impl<R: Real, const N: usize> Carriages<R, N> {
             let Some(Some(carriage)) = self.carriages.get(index) else { continue };
             let own = if carriage.axis.is_rotary() {
                 let pose = poses.get(carriage.slot).copied().unwrap_or((R::ONE, R::ZERO));
-                // What stands further out on the same side.
+                // Axes further out on the same side.
                 let first = if tool_side { self.workpiece } else { 0 };
                 for outer in self.carriages.get(first..index).unwrap_or(&[]).iter().flatten() {
                     if let Some(direction) = directions.get_mut(outer.slot) {

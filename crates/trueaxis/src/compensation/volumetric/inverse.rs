@@ -138,7 +138,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 }
             }
         }
-        // What the drives will not be given must not be put back by the slides: all of them give way together.
+        // The slides must not put back a rotation that the drives will not be given: all of them give way together.
         let mut scale = fade.over(square) * R::of(180.0 / core::f64::consts::PI);
         for (wanted, most) in wanted.iter().zip(&self.most).skip(3) {
             if (*wanted * scale).abs() > *most {

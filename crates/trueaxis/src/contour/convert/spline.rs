@@ -9,7 +9,7 @@ use crate::real::Real;
 const HALVINGS: u32 = 24;
 /// A spline is halved at most this often for its reach: its parameter has no finer steps.
 const FINEST: u32 = 48;
-/// Speeds at a spline piece's ends may differ from its mean by this factor, …
+/// Speeds at a spline span's ends may differ from its mean by this factor, …
 const UNEVEN: f64 = 1.5;
 /// … for as many halvings: at a point without speed they always do.
 const EVENING: u32 = 8;
@@ -73,7 +73,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
             for (j, to) in bezier.iter_mut().enumerate().take(degree + 1) {
                 *to = blossom(degree, knots, i, control, u, j);
             }
-            // The pieces of a chord are no fewer than its length over theirs: no need to cut a spline to refuse it.
+            // The spans of a chord are no fewer than its length over theirs: no need to cut a spline to refuse it.
             let ends = [bezier[0], bezier[degree]].map(point);
             let chord = ends[1].distance(ends[0]);
             if chord > 2.0 * REACH * f64::from(MOST) {
@@ -84,7 +84,7 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
         Ok(())
     }
 
-    /// Halves a Bézier piece until it is short and straight enough; recursion is bounded by `FINEST`.
+    /// Halves a Bézier part until it is short and straight enough; recursion is bounded by `FINEST`.
     fn split(&mut self, bezier: &Bezier, depth: u32) -> Result<(), PathError> {
         let Shape { middle, far, turn, uneven } = bezier.shape();
         if far > REACH && depth == FINEST {
