@@ -31,7 +31,9 @@ mod inverse;
 
 use super::PoseError;
 use super::query::Query;
+use super::reversal::Direction;
 use super::table::{AxisTable, requirement_of_all};
+use super::thermal::ThermalLine;
 use super::trig::coarse_cos_sin_deg;
 use crate::error::ConfigError;
 use crate::machine::{Axis, Lookup, MachineSettings};
@@ -209,8 +211,21 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
     /// Error of the tool's pose at a position: tip in mm, rotation in rad, bed axes.
     ///
     /// Positions as [`Volumetric::coordinates`] gives them; `clamped` gets a bit for every axis whose edge value is clamped.
-    #[inline(never)]
+    #[inline(always)]
     pub fn pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
+        self.pose_error_at(query.command, query.directions, query.thermal, clamped)
+    }
+
+    /// All look-ups at one position. In registers over the call, where a [`Query`] would go through memory.
+    #[inline(never)]
+    fn pose_error_at(
+        &self,
+        at: &[R; N],
+        directions: &[Direction; N],
+        thermal: &[ThermalLine<R>; N],
+        clamped: &mut u8,
+    ) -> PoseError<R> {
+        let query = &Query::at(at, directions, thermal);
         if self.plain {
             return self.plain_pose_error(query, clamped);
         }
