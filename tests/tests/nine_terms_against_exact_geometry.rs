@@ -51,7 +51,7 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
     let rows = |axis: Axis| machine.rows(axis);
     let mut memory = vec![0.0; requirement(&machine.settings, rows)];
     let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, &mut memory).unwrap();
-    let axes = AxisOrder::<N>(&machine.settings).unwrap();
+    let axes = AxisOrder::<N>::of(&machine.settings).unwrap().axes();
 
     let mut random = Random(17);
     let mut largest = 0.0_f64;

@@ -1,5 +1,6 @@
 //! The volumetric form against the exact transforms: two implementations that share no code but the settings.
 
+use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
 use trueaxis::machine::{
     AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, MachineSettings, Row, ThermalGrowth,
@@ -179,7 +180,7 @@ impl Case {
     }
 
     fn thermal<const N: usize>(&self) -> [ThermalLine<f64>; N] {
-        AxisOrder::<N>(&self.machine.settings).unwrap().map(|axis| {
+        AxisOrder::<N>::of(&self.machine.settings).unwrap().axes().map(|axis| {
             let settings = self.machine.settings.axis(axis);
             settings.map_or(ThermalLine::default(), |s| ThermalLine::for_axis(&s.thermal, RISE_K).unwrap())
         })
@@ -187,7 +188,7 @@ impl Case {
 
     /// Positions in the order of the step in that of the plant.
     fn plant<const N: usize>(&self, step: &[f64; N]) -> [f64; AXES] {
-        let axes = AxisOrder::<N>(&self.machine.settings).unwrap();
+        let axes = AxisOrder::<N>::of(&self.machine.settings).unwrap().axes();
         let mut plant = [0.0; AXES];
         for (slot, settings) in plant.iter_mut().zip(&self.machine.settings.axes) {
             *slot = step[axes.iter().position(|a| *a == settings.axis).unwrap()];
