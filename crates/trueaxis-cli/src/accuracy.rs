@@ -9,6 +9,7 @@ use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::compensation::Query;
 use trueaxis::compensation::{Direction as Travel, ThermalLine};
+use trueaxis::machine::AxisOrder;
 use trueaxis::machine::ErrorModel;
 use trueaxis_tables::Machine;
 use trueaxis_tables::accuracy::{Accuracy, evaluate, evaluate_compensated};

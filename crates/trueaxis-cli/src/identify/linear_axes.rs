@@ -5,6 +5,7 @@ use crate::model::{axis_count, with_compensation};
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
+use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine};
 use trueaxis::machine::ErrorModel;
 use trueaxis::machine::{AxisOrder, carries_workpiece};
