@@ -5,7 +5,7 @@ use crate::error::{Error, explained};
 use crate::opaque::{self, Kept, Storage};
 use crate::pointer::{Sized32, check, check_sized, slice};
 use crate::status::{self, ERROR_ARGUMENT, ERROR_BUFFER, ERROR_GAUGE, ERROR_NOT_YET, ERROR_NULL, ERROR_SIZE, Status};
-use trueaxis::roundness::{ErrorMotion, HARMONICS, Roundness, RoundnessSettings, RoundnessState};
+use trueaxis::roundness::{self, ErrorMotion, GaugeSettings, HARMONICS};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 
@@ -57,27 +57,27 @@ unsafe impl Storage for Gauge {
 
 // SAFETY: repr(C), one array of u64.
 unsafe impl Storage for GaugeState {
-    type Content = RoundnessState<Real, 1024>;
+    type Content = roundness::GaugeState<Real, 1024>;
     const MAGIC: u32 = 0x5452_0005;
 }
 
 // SAFETY: repr(C), one array of u64.
 unsafe impl Storage for GaugeState512 {
-    type Content = RoundnessState<Real, 512>;
+    type Content = roundness::GaugeState<Real, 512>;
     const MAGIC: u32 = 0x5452_0006;
 }
 
 /// What a `trueaxis_gauge_t` holds.
 #[allow(clippy::large_enum_variant)]
 pub(crate) enum AnyGauge {
-    Points1024(Roundness<Real, 1024>),
-    Points512(Roundness<Real, 512>),
+    Points1024(roundness::Gauge<Real, 1024>),
+    Points512(roundness::Gauge<Real, 512>),
 }
 
 /// A gauge with a state of its number of points.
 pub(crate) enum Pair<'a> {
-    Points1024(&'a Roundness<Real, 1024>, &'a mut RoundnessState<Real, 1024>),
-    Points512(&'a Roundness<Real, 512>, &'a mut RoundnessState<Real, 512>),
+    Points1024(&'a roundness::Gauge<Real, 1024>, &'a mut roundness::GaugeState<Real, 1024>),
+    Points512(&'a roundness::Gauge<Real, 512>, &'a mut roundness::GaugeState<Real, 512>),
 }
 
 /// Gauge and state, if they belong together.
@@ -135,10 +135,10 @@ pub unsafe extern "C" fn trueaxis_gauge_build(
         let place = opaque::place(gauge, gauge_size)?;
         // SAFETY: the caller's promise.
         let tables = Tcomp::parse(unsafe { slice(file, length) }?)?;
-        let settings: &RoundnessSettings = tables.settings().roundness.as_ref().ok_or(ERROR_GAUGE)?;
+        let settings: &GaugeSettings = tables.settings().roundness.as_ref().ok_or(ERROR_GAUGE)?;
         let built = match settings.points {
-            1024 => AnyGauge::Points1024(Roundness::build(settings, period_ns)?),
-            512 => AnyGauge::Points512(Roundness::build(settings, period_ns)?),
+            1024 => AnyGauge::Points1024(roundness::Gauge::build(settings, period_ns)?),
+            512 => AnyGauge::Points512(roundness::Gauge::build(settings, period_ns)?),
             _ => return Err(ERROR_GAUGE.into()),
         };
         // SAFETY: storage of the size that the caller vouched for.

@@ -9,6 +9,7 @@ use crate::pointer::{apart, check, memory, slice, vector};
 use crate::status::{self, ERROR_ARGUMENT, Status};
 use core::ffi::c_void;
 use trueaxis::contour::{self, PathError, Segment, convert};
+use trueaxis::glam::DVec3;
 
 /// Words of a `trueaxis_path_t`.
 pub const PATH_WORDS: usize = 12;
@@ -182,7 +183,7 @@ pub unsafe extern "C" fn trueaxis_path_line(
     let work = || {
         // SAFETY: the caller's promise.
         let (start, end, pieces) = unsafe { (vector(start)?, vector(end)?, opaque::content_mut(path)?) };
-        pieces.append(&Segment::Line { start, end })
+        pieces.append(&Segment::Line { start: start.into(), end: end.into() })
     };
     // SAFETY: the caller's promise.
     unsafe { explained(error, work) }
@@ -214,7 +215,13 @@ pub unsafe extern "C" fn trueaxis_path_arc(
         let (start, end, center, normal) = unsafe { (vector(start)?, vector(end)?, vector(center)?, vector(normal)?) };
         // SAFETY: the caller's promise.
         let pieces = unsafe { opaque::content_mut(path) }?;
-        pieces.append(&Segment::Arc { start, end, center, normal, turns })
+        pieces.append(&Segment::Arc {
+            start: start.into(),
+            end: end.into(),
+            center: center.into(),
+            normal: normal.into(),
+            turns,
+        })
     };
     // SAFETY: the caller's promise.
     unsafe { explained(error, work) }
@@ -244,7 +251,7 @@ pub unsafe extern "C" fn trueaxis_path_nurbs(
         let degree = degree as usize;
         let knot_count = point_count.checked_add(degree).and_then(|sum| sum.checked_add(1)).ok_or(ERROR_ARGUMENT)?;
         // SAFETY: the caller's promise; points of three numbers lie one behind the other.
-        let (knots, points) = unsafe { (slice(knots, knot_count)?, slice(points.cast::<[f64; 3]>(), point_count)?) };
+        let (knots, points) = unsafe { (slice(knots, knot_count)?, slice(points.cast::<DVec3>(), point_count)?) };
         // SAFETY: the caller's promise.
         let weights = if weights.is_null() { &[][..] } else { unsafe { slice(weights, point_count) }? };
         // SAFETY: the caller's promise.

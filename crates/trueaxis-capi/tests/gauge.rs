@@ -8,7 +8,7 @@ use machines::*;
 use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;
-use trueaxis::roundness::{self, Roundness};
+use trueaxis::roundness::{self};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 use trueaxis::{Config, GaugeRide, Position as _, ServoLoop};
@@ -32,10 +32,10 @@ fn small_gauge() -> &'static [u8] {
 fn machine(points: u16) -> Vec<u8> {
     let mut machine = machines::small();
     let slots = roundness::ProbeAngles::Slots { p: points * 44 / 256, q: points * 57 / 256 };
-    let mut settings = roundness::RoundnessSettings::with_defaults(points, slots, COUNTS as u32);
+    let mut settings = roundness::GaugeSettings::with_defaults(points, slots, COUNTS as u32);
     settings.band = roundness::Band { first: 2, last: 30 };
     settings.revolutions = 1;
-    settings.units_per_cycle = 2;
+    settings.slices_per_cycle = 2;
     settings.infeed = Some(roundness::InfeedSettings {
         axis: trueaxis::Axis::X,
         direction: 1,
@@ -111,7 +111,7 @@ fn compare<const N: usize>(state_size: usize, cycles: i32) {
     let core = rust_loop(&tables);
     let mut core_state = core.start();
     let core_gauge =
-        Box::new(Roundness::<Real, N>::build(tables.settings().roundness.as_ref().unwrap(), PERIOD_NS).unwrap());
+        Box::new(roundness::Gauge::<Real, N>::build(tables.settings().roundness.as_ref().unwrap(), PERIOD_NS).unwrap());
     let mut core_gauge_state = Box::new(core_gauge.start());
 
     let at = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];

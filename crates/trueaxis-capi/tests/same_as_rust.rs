@@ -63,7 +63,7 @@ fn same<const N: usize>(c: &Output, rust: &trueaxis::Output<R, P, N>, cycle: usi
         let numbers = [c.t, c.error, c.normal, c.binormal, c.tangential, c.lag, c.width];
         let expected = [core.t, core.error, core.normal, core.binormal, core.tangential, core.lag, core.width];
         assert_eq!(numbers.map(R::to_bits), expected.map(R::to_bits), "cycle {cycle}");
-        assert_eq!(c.vector.map(R::to_bits), core.vector.map(R::to_bits), "cycle {cycle}");
+        assert_eq!(c.vector.map(R::to_bits), <[R; 3]>::from(core.vector).map(R::to_bits), "cycle {cycle}");
     }
     let (mut bytes, mut expected, mut written) = ([0; FRAME_BYTES], [0; CORE_FRAME_BYTES], 0);
     // SAFETY: everything is as the types say.
@@ -107,7 +107,8 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
         assert_eq!(trueaxis_path_close(&mut *path), OK);
     }
     let mut spans = Vec::new();
-    let arc = Segment::Arc { start, end: start, center, normal, turns: 0 };
+    let [at, about, up] = [start, center, normal].map(Into::into);
+    let arc = Segment::Arc { start: at, end: at, center: about, normal: up, turns: 0 };
     convert::<R, P>(&arc, 0, normal, |span| {
         spans.push(span);
         Ok(())
