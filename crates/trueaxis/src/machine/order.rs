@@ -48,8 +48,8 @@ impl<const N: usize> AxisOrder<N> {
 
     /// From the six letters, as [`Axis::index`] counts them, to slots.
     #[inline(always)]
-    pub fn slots<T>(&self, mut of: impl FnMut(Axis) -> T) -> [T; N] {
-        self.0.map(|axis| of(axis))
+    pub fn slots<T>(&self, of: impl FnMut(Axis) -> T) -> [T; N] {
+        self.0.map(of)
     }
 
     /// From slots to the six letters; `empty` for axes that the step does not have.

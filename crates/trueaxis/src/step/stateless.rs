@@ -89,4 +89,5 @@ fn usable<P: Position>(position: &[P]) -> Result<(), Fault> {
 }
 
 #[cfg(test)]
+#[allow(clippy::indexing_slicing)]
 mod tests;

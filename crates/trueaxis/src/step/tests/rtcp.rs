@@ -243,7 +243,7 @@ proptest! {
                 0 => wanted.tip.x = f64::from_bits(any),
                 1 => wanted.axis.y = f64::from_bits(any),
                 2 => wanted = tool([900.0 * x, 900.0 * y, 900.0 * z], [x, y, z]),
-                3 => wanted.axis = wanted.axis * (1.0 + x),
+                3 => wanted.axis *= 1.0 + x,
                 _ => {
                     tip = add(tip, [0.02 * x, 0.02 * y, 0.02 * z]);
                     (a, c) = (a + 0.03 * x, c + 0.03 * y);
