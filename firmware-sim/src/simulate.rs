@@ -286,8 +286,8 @@ pub fn with_tables<R: Real, P: Position, const N: usize, T>(
 ) -> Result<T> {
     let rows = |axis: Axis| tcomp.table(axis);
     let config = Config::of(tcomp, period_ns);
-    let mut memory = config.requirement::<R, P, N, _>(rows).memory();
-    let servo = config.build::<R, P, N, _>(rows, memory.lend()).map_err(|e| anyhow!("{e}"))?;
+    let mut memory = vec![R::ZERO; config.requirement(rows)];
+    let servo = config.build::<R, P, N, _>(rows, &mut memory).map_err(|e| anyhow!("{e}"))?;
     user(&servo)
 }
 
@@ -430,8 +430,7 @@ struct Cell<'c, 'a, const N: usize> {
 
 impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     fn new(scenario: &'c Scenario, kind: Kind, servo: &'c ServoLoop<'a, f64, f64, N>) -> Result<Self> {
-        let mut state =
-            servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
+        let mut state = servo.start();
         let axes = step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?;
         for (place, axis) in axes.iter().enumerate() {
             if let Some(settings) = scenario.machine.settings.axes.iter().find(|a| a.axis == *axis) {

@@ -177,8 +177,7 @@ impl<'c, 'a, const POINTS: usize> Control<'c, 'a, POINTS> {
             }
         }
         let band = grinding.gauge()?.infeed.map_or([2, 2], |infeed| [infeed.band.first, infeed.band.last]);
-        let state =
-            servo.start(grinding.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
+        let state = servo.start();
         let before = cell.pin.about_the_circle();
         Ok(Control {
             grinding,
