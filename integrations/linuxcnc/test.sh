@@ -9,21 +9,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
 
-missing=()
-for package in linuxcnc-uspace linuxcnc-uspace-dev gcc make; do
-    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
-done
-if [[ ${#missing[@]} != 0 ]]; then
-    if [[ $(id -u) != 0 ]]; then
-        echo "test.sh: ${missing[*]} missing, and only root can install them: apt-get install ${missing[*]}" >&2
-        exit 1
-    fi
-    export DEBIAN_FRONTEND=noninteractive
-    apt-get -o DPkg::Lock::Timeout=300 -q update
-    apt-get -o DPkg::Lock::Timeout=300 -q -y install --no-install-recommends "${missing[@]}"
-fi
-
 root=$(cd ../.. && pwd)
+"$root/.ci/install" linuxcnc-uspace linuxcnc-uspace-dev gcc make
 target=${CARGO_TARGET_DIR:-$root/target}
 # As `cargo test` builds them: after it there is little left to do.
 (cd "$root" && cargo build --quiet --profile test --package trueaxis-cli --package trueaxis-linuxcnc)

@@ -71,13 +71,13 @@ fn a_tool_out_of_reach_is_refused_in_the_step() {
         }
         (c.refusal, out.record.fault, out.record.status & STATUS_STOP_REQUEST != 0, out.drive)
     };
-    let (refusal, fault, stop, before) = cycle(&here, 0);
-    assert_eq!((refusal, fault, stop), (0, FAULT_NONE, false));
     for (bad, expected) in [
         (Tool { tip: [Real::NAN, 0.0, 0.0], ..here }, FAULT_COMMAND_NOT_FINITE),
         (Tool { axis: [0.0; 3], ..here }, FAULT_TOOL_UNREACHABLE),
         (Tool { tip: [3000.0, 0.0, 0.0], ..here }, FAULT_COMMAND_OUT_OF_TRAVEL),
     ] {
+        let (refusal, fault, stop, before) = cycle(&here, 0);
+        assert_eq!((refusal, fault, stop), (0, FAULT_NONE, false));
         let (refusal, fault, stop, drive) = cycle(&bad, 0);
         assert_eq!((refusal, fault, stop, drive), (expected, expected, true, before));
         // An old refusal is not kept; the stop is, until the reset.
