@@ -277,3 +277,18 @@ impl TryFrom<u8> for Fault {
         .ok_or("a known fault code")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Fault;
+    use std::collections::BTreeSet;
+    use std::string::ToString;
+
+    #[test]
+    fn every_fault_has_a_sentence_of_its_own() {
+        let faults: std::vec::Vec<Fault> = (0..=u8::MAX).filter_map(|code| Fault::try_from(code).ok()).collect();
+        let sentences: BTreeSet<_> = faults.iter().map(ToString::to_string).collect();
+        assert_eq!((faults.len(), sentences.len()), (17, 17));
+        assert!(sentences.iter().all(|text| text.is_ascii() && text.len() > 7 && !text.ends_with('.')));
+    }
+}

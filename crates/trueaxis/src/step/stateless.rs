@@ -86,3 +86,6 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
 fn usable<P: Position>(position: &[P]) -> Result<(), Fault> {
     if position.iter().all(|position| position.is_usable()) { Ok(()) } else { Err(Fault::CommandNotFinite) }
 }
+
+#[cfg(test)]
+mod tests;
