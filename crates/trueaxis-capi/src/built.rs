@@ -179,7 +179,10 @@ impl Built {
 
 /// A measure for any number of axes.
 pub(crate) trait AnyMeasure:
-    Measure<Real, CorePosition, 3> + Measure<Real, CorePosition, 4> + Measure<Real, CorePosition, 5> + Measure<Real, CorePosition, 6>
+    Measure<Real, CorePosition, 3>
+    + Measure<Real, CorePosition, 4>
+    + Measure<Real, CorePosition, 5>
+    + Measure<Real, CorePosition, 6>
 {
 }
 impl<M> AnyMeasure for M where

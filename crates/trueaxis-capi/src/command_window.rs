@@ -1,10 +1,10 @@
 //! The last commands as the path.
 
-use crate::measure::{WindowStep, window_step};
 use crate::opaque::{self, Storage};
 use crate::plugin::Window;
 use crate::pointer::vector;
 use crate::result::{self, ERROR_ARGUMENT, ResultCode};
+use crate::steps::{WindowStep, window_step};
 
 /// Spans of a `trueaxis_command_window_t`.
 pub const COMMAND_WINDOW_SPANS: usize = 64;

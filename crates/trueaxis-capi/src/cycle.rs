@@ -1,9 +1,9 @@
 //! Input and output of a servo cycle.
 
+use crate::contour::Contour;
 use crate::plugin::{CorePosition, from_core, to_core};
 use crate::pointer::{Sized32, read_sized};
 use crate::result::{ERROR_ARGUMENT, ERROR_NO_OUTPUT, ResultCode};
-use crate::contour::Contour;
 use crate::{Position, Real};
 use trueaxis::Fault;
 use trueaxis::sample::Refusal;

@@ -4,10 +4,10 @@ use crate::Real;
 use crate::built::Built;
 use crate::cycle::AXES_MAX;
 use crate::error::{Error, explained};
-use crate::measure::{ToolStep, tool_step};
 use crate::opaque::{self, Storage};
 use crate::pointer::{check, slice, vector};
 use crate::result::{self, ERROR_ARGUMENT, ERROR_MACHINE, ResultCode};
+use crate::steps::{ToolStep, tool_step};
 use trueaxis::Axis;
 use trueaxis::kinematics;
 use trueaxis::tcomp::Tcomp;
@@ -123,10 +123,7 @@ pub unsafe extern "C" fn trueaxis_kinematics_build(
 /// # Safety
 /// Pointers are null or point to what their types say, `tool_mm` to three numbers; nobody else uses the kinematics.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn trueaxis_kinematics_set_tool(
-    kinematics: *mut Kinematics,
-    tool_mm: *const f64,
-) -> ResultCode {
+pub unsafe extern "C" fn trueaxis_kinematics_set_tool(kinematics: *mut Kinematics, tool_mm: *const f64) -> ResultCode {
     let work = || {
         // SAFETY: the caller's promise.
         let (tool, chain) = unsafe { (vector(tool_mm)?, opaque::content_mut(kinematics)?) };

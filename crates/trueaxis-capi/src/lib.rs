@@ -37,6 +37,7 @@ mod segments;
 mod servo;
 mod spans;
 mod step;
+mod steps;
 mod tables;
 mod text;
 mod version;

@@ -1,22 +1,17 @@
 //! Paths that the contour error of a cycle is measured against.
-//!
-//! The step with a path, a window or a tool path is called through a pointer that stands in the path, the window or the
-//! kinematics: a program that starts none of them does not link it.
 
 use crate::Real;
-use crate::built::{Built, Running, cycle};
+use crate::built::Built;
 use crate::command_window::CommandWindow;
 use crate::contour::Reference;
-use crate::cycle::{Input, Output};
-use crate::gauge_ride::Riding;
 use crate::kinematics::Kinematics;
 use crate::opaque;
 use crate::path::Path;
 use crate::plugin::{CorePosition, Window};
 use crate::pointer::{Sized32, read_sized};
 use crate::result::{ERROR_ARGUMENT, ResultCode};
-use trueaxis::OnToolPath;
-use trueaxis::contour::{self, OnPath, ToolPath};
+use crate::steps::{OnTool, PathStep, ToolStep, WindowStep};
+use trueaxis::contour::{self, OnPath};
 
 /// Nothing is measured.
 pub const MEASURE_NOTHING: u32 = 0;
@@ -50,60 +45,6 @@ pub struct Measure {
 
 // SAFETY: repr(C), `size` first, numbers and pointers only.
 unsafe impl Sized32 for Measure {}
-
-/// A step with something to measure, for any number of axes.
-pub(crate) type PathStep = fn(
-    &Built,
-    &mut Running,
-    &Input,
-    OnPath<'_, Real, CorePosition>,
-    &mut Riding<'_>,
-) -> Result<Output, ResultCode>;
-/// The same with the last commands as the path.
-pub(crate) type WindowStep =
-    fn(&Built, &mut Running, &Input, &mut Window, &mut Riding<'_>) -> Result<Output, ResultCode>;
-/// The same with a tool path; gives the error of the direction too.
-pub(crate) type ToolStep =
-    fn(&Built, &mut Running, &Input, OnTool<'_>, &mut Riding<'_>) -> Result<(Output, [Real; 3]), ResultCode>;
-
-/// A tool path, where on it the command lies, and the kinematics.
-pub(crate) struct OnTool<'a> {
-    path: ToolPath<'a, Real, CorePosition>,
-    reference: contour::Reference<Real>,
-    kinematics: &'a trueaxis::kinematics::Kinematics<Real>,
-}
-
-pub(crate) fn path_step(
-    built: &Built,
-    running: &mut Running,
-    input: &Input,
-    on: OnPath<'_, Real, CorePosition>,
-    gauge: &mut Riding<'_>,
-) -> Result<Output, ResultCode> {
-    cycle(built, running, input, on, gauge)
-}
-
-pub(crate) fn window_step(
-    built: &Built,
-    running: &mut Running,
-    input: &Input,
-    window: &mut Window,
-    gauge: &mut Riding<'_>,
-) -> Result<Output, ResultCode> {
-    cycle(built, running, input, window, gauge)
-}
-
-pub(crate) fn tool_step(
-    built: &Built,
-    running: &mut Running,
-    input: &Input,
-    on: OnTool<'_>,
-    gauge: &mut Riding<'_>,
-) -> Result<(Output, [Real; 3]), ResultCode> {
-    let mut on = OnToolPath::new(&on.path, on.reference, on.kinematics);
-    let output = cycle(built, running, input, &mut on, gauge)?;
-    Ok((output, on.orientation().vector.array()))
-}
 
 /// A measure whose pointers have been checked, with the step that takes it.
 pub(crate) enum Against<'a> {

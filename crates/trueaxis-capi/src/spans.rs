@@ -2,9 +2,9 @@
 
 use crate::Real;
 use crate::error::Refusal;
-use crate::measure::{PathStep, path_step};
 use crate::plugin::{CorePosition, PathSpan};
 use crate::result::{ERROR_ARGUMENT, ERROR_PATH, ResultCode};
+use crate::steps::{PathStep, path_step};
 use trueaxis::contour::{self, PathBuilder, PathError, Segment, ToolPath, Turn};
 
 /// Bytes of lent memory per span of a path. A line takes a span every 16 mm, an arc one every 30°, a spline one or more
@@ -160,7 +160,8 @@ impl Spans {
         let Spans { spans, turns, capacity, direction, mut count, .. } = *self;
         let mut full = false;
         let appended = self.builder.append(segment, |span: PathSpan| {
-            let Some(turn) = (if turns.is_null() { Some(None) } else { direction.turn(&span, domain).map(Some) }) else {
+            let Some(turn) = (if turns.is_null() { Some(None) } else { direction.turn(&span, domain).map(Some) })
+            else {
                 return Err(PathError { field: "direction", index: None, found: f64::NAN, needed: "a turn" });
             };
             if count == capacity {

@@ -105,9 +105,8 @@ impl<const N: usize> Bench<N> {
         let mut core_tracker = CoreTracker::new(&solution, STEP_DEG as R);
         self.gauges.restart();
         let mut core_gauge_state = Box::new(self.core_gauge.start());
-        let mut core_window = Box::new(
-            contour::CommandWindow::<R, P, COMMAND_WINDOW_SPANS>::new([0.0, 0.0, 1.0], 0.005).unwrap(),
-        );
+        let mut core_window =
+            Box::new(contour::CommandWindow::<R, P, COMMAND_WINDOW_SPANS>::new([0.0, 0.0, 1.0], 0.005).unwrap());
         let window: *mut CommandWindow = &mut *self.window;
         // SAFETY: everything is as the types say.
         unsafe {
@@ -145,8 +144,7 @@ impl<const N: usize> Bench<N> {
             let mut against = Measure { path, reference, window, kinematics, ..measure(kind) };
             let mut ride = self.gauges.ride(cycle as i32, POINTS as i32);
             // Nothing is the same as no measure.
-            let measure: *mut Measure =
-                if kind == MEASURE_NOTHING && with_gauge { null_mut() } else { &mut against };
+            let measure: *mut Measure = if kind == MEASURE_NOTHING && with_gauge { null_mut() } else { &mut against };
             let gauge: *mut GaugeRide = if with_gauge { &mut ride } else { null_mut() };
             // SAFETY: everything is as the types say.
             let result = unsafe { trueaxis_step(&*self.c.servo, &mut *state, &c, measure, gauge, &mut out) };

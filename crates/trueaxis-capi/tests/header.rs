@@ -5,9 +5,29 @@ use trueaxis_capi::{ABI_MAJOR, ABI_MINOR};
 
 /// Source files in the order in which the header presents them.
 const SOURCES: &[&str] = &[
-    "scalar", "version", "result", "error", "tables", "spans", "path", "segments", "command_window", "kinematics",
-    "rtcp", "gauge", "gauge_ride", "measure", "built", "servo", "contour", "cycle", "step", "fault", "frame",
-    "evaluation", "query",
+    "scalar",
+    "version",
+    "result",
+    "error",
+    "tables",
+    "spans",
+    "path",
+    "segments",
+    "command_window",
+    "kinematics",
+    "rtcp",
+    "gauge",
+    "gauge_ride",
+    "measure",
+    "built",
+    "servo",
+    "contour",
+    "cycle",
+    "step",
+    "fault",
+    "frame",
+    "evaluation",
+    "query",
 ];
 
 fn generated(root: &Path) -> String {

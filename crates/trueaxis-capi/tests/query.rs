@@ -7,14 +7,20 @@ mod machines;
 use machines::rust::*;
 use machines::*;
 use std::ptr::{null, null_mut};
+use trueaxis::Conditions;
 use trueaxis::compensation::{Direction, ThermalLine};
 use trueaxis::tcomp::Tcomp;
-use trueaxis::Conditions;
 use trueaxis_capi::*;
 
 type Query = unsafe extern "C" fn(*const Loop, *const Position, u8, *const f64, *mut Real) -> ResultCode;
 
-fn asked(query: Query, servo: &Loop, at: &[f64], negative: u8, kelvin: Option<&[f64]>) -> Result<Vec<Real>, ResultCode> {
+fn asked(
+    query: Query,
+    servo: &Loop,
+    at: &[f64],
+    negative: u8,
+    kelvin: Option<&[f64]>,
+) -> Result<Vec<Real>, ResultCode> {
     let positions: Vec<Position> = at.iter().copied().map(position).collect();
     let mut found = vec![9.0; at.len()];
     let kelvin = kelvin.map_or(null(), <[f64]>::as_ptr);

@@ -143,8 +143,7 @@ fn kinematics_are_checked() {
     unsafe {
         assert_eq!(trueaxis_loop_bypass(&mut *bypass, loop_size, 5, FAULT_TABLES_REFUSED, PERIOD_NS), OK);
         let passing = started(&bypass);
-        let (loop_, on, its): (*const Loop, *const State, *const Kinematics) =
-            (&*servo.servo, &*state, &*five_axes);
+        let (loop_, on, its): (*const Loop, *const State, *const Kinematics) = (&*servo.servo, &*state, &*five_axes);
         let mut rtcp = |loop_, state, tool, tracker, kinematics| {
             let result = trueaxis_rtcp(loop_, state, tool, tracker, kinematics, &mut c);
             assert_eq!((c.refusal, c.command), (0, good.command));
