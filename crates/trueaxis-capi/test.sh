@@ -80,6 +80,10 @@ cc -std=c99 "${strict[@]}" examples/c/combinations.c "$host" -Wl,--gc-sections -
 timeout 60 "$out/combinations" "$out/five.tcomp" >"$out/combinations.c"
 cat "$out/combinations.c"
 diff "$out/combinations.rust" "$out/combinations.c"
+if [[ $(sed 's/.*: //' "$out/combinations.c" | sort -u | wc -l) != 8 ]]; then
+    echo 'test.sh: found combinations of the same sum, needed eight different ones' >&2
+    exit 1
+fi
 
 # The example of the README compiles.
 {

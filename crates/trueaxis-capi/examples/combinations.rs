@@ -12,7 +12,7 @@ use trueaxis::{GaugeRide, HostServo, Input, OnToolPath};
 #[path = "../tests/machines/mod.rs"]
 mod machines;
 
-const CYCLES: i32 = 6000;
+const CYCLES: i32 = 8000;
 const LAG: usize = 10;
 const FROM: [f64; 5] = [10.0, 20.0, -100.0, 20.0, 5.0];
 const TO: [f64; 5] = [50.0, 35.0, -90.0, 35.0, 25.0];
@@ -106,6 +106,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                     sum.add(&[contour.flags.bits()]);
                 }
                 sum.numbers(&[output.record.orientation, ride.cycle().infeed]);
+                sum.add(&ride.cycle().flags.0.to_ne_bytes());
+                sum.add(&[u8::from(ride.cycle().finished)]);
                 sum.numbers(&tool.orientation().vector.array());
             }
             println!("measure {kind}, gauge {}: {:016x}", u8::from(with_gauge), sum.0);

@@ -10,7 +10,7 @@
 #include "trueaxis.h"
 
 #define PERIOD_NS 100000u
-#define CYCLES 6000
+#define CYCLES 8000
 #define LAG 10
 #define AXES 5
 
@@ -97,6 +97,8 @@ static trueaxis_result_t combination(uint32_t kind, int with_gauge, const trueax
         add_contour(&output.record.encoder);
         add(&output.record.orientation, sizeof output.record.orientation);
         add(&ride.infeed, sizeof ride.infeed);
+        add(&ride.flags, sizeof ride.flags);
+        add(&ride.finished, sizeof ride.finished);
         add(measure.direction_error, sizeof measure.direction_error);
     }
     return result;
