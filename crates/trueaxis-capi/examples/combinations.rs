@@ -8,7 +8,7 @@ use trueaxis::roundness::{Probes, Roundness};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{GaugeRide, HostServo, Input, OnToolPath};
 
-#[allow(dead_code, unsafe_code)]
+#[allow(unsafe_code)]
 #[path = "../tests/machines/mod.rs"]
 mod machines;
 

@@ -93,8 +93,12 @@ pub(crate) fn halved(bytes: &[u8]) -> Vec<u8> {
 
 /// Zeroed storage of a C object.
 pub(crate) fn zeroed<T>() -> Box<T> {
+    let mut storage = Box::<T>::new_uninit();
     // SAFETY: the objects of the header are arrays of words.
-    unsafe { Box::<T>::new_zeroed().assume_init() }
+    unsafe {
+        storage.as_mut_ptr().write_bytes(0, 1);
+        storage.assume_init()
+    }
 }
 
 pub(crate) fn error() -> Error {
