@@ -4,7 +4,7 @@
 use std::error::Error;
 use trueaxis::contour::{CommandWindow, Path, PathBuilder, Reference, Segment, ToolPath, Turn};
 use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
-use trueaxis::roundness::{Probes, Roundness};
+use trueaxis::roundness::{Gauge as CoreGauge, Probes};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{GaugeRide, HostServo, Input, OnToolPath};
 
@@ -44,10 +44,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let servo = HostServo::<5>::load(&tables, machines::PERIOD_NS, &mut memory)?;
     let kinematics = Kinematics::<f64>::new(tables.settings())?;
     let settings = tables.settings().roundness.as_ref().ok_or("a gauge is needed")?;
-    let gauge = Box::new(Roundness::<f64, 512>::build(settings, machines::PERIOD_NS)?);
+    let gauge = Box::new(CoreGauge::<f64, 512>::build(settings, machines::PERIOD_NS)?);
     let [start, end] = [FROM, TO].map(|axes| kinematics.forward(&joints(axes)));
     let (mut spans, mut turns) = (Vec::new(), Vec::new());
-    let line = Segment::Line { start: start.tip.array(), end: end.tip.array() };
+    let line = Segment::Line { start: start.tip, end: end.tip };
     let [turn_from, turn_to] = [FROM, TO].map(|[_, _, _, a, c]| [a, 0.0, c]);
     PathBuilder::<f64>::new().append::<f64>(&line, |span| {
         turns.push(Turn::axes(&span, [0.0, 1.0], turn_from, turn_to));
@@ -102,13 +102,13 @@ fn main() -> Result<(), Box<dyn Error>> {
                 sum.numbers(&output.drive);
                 for contour in [&output.record.tip, &output.record.encoder] {
                     sum.numbers(&[contour.error, contour.lag]);
-                    sum.numbers(&contour.vector);
+                    sum.numbers(&contour.vector.to_array());
                     sum.add(&[contour.flags.bits()]);
                 }
                 sum.numbers(&[output.record.orientation, ride.cycle().infeed]);
                 sum.add(&ride.cycle().flags.0.to_ne_bytes());
                 sum.add(&[u8::from(ride.cycle().finished)]);
-                sum.numbers(&tool.orientation().vector.array());
+                sum.numbers(&tool.orientation().vector.to_array());
             }
             println!("measure {kind}, gauge {}: {:016x}", u8::from(with_gauge), sum.0);
         }

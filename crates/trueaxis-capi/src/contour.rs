@@ -52,7 +52,7 @@ impl Contour {
             reserved: 0,
             t: error.t,
             error: error.error,
-            vector: error.vector,
+            vector: error.vector.into(),
             normal: error.normal,
             binormal: error.binormal,
             tangential: error.tangential,

@@ -5,7 +5,7 @@ use crate::error::{Error, explained};
 use crate::opaque::{self, Kept, Storage};
 use crate::pointer::slice;
 use crate::result::{self, ERROR_GAUGE, ResultCode};
-use trueaxis::roundness::{Cycle, Followed, Probes, Roundness, RoundnessSettings, RoundnessState};
+use trueaxis::roundness::{self, Cycle, Followed, GaugeSettings, Probes};
 use trueaxis::tcomp::Tcomp;
 
 /// Words of a `trueaxis_gauge_t`.
@@ -56,13 +56,13 @@ unsafe impl Storage for Gauge {
 
 // SAFETY: repr(C), one array of u64.
 unsafe impl Storage for GaugeState {
-    type Content = RoundnessState<Real, 1024>;
+    type Content = roundness::GaugeState<Real, 1024>;
     const MAGIC: u32 = 0x5452_0005;
 }
 
 // SAFETY: repr(C), one array of u64.
 unsafe impl Storage for GaugeState512 {
-    type Content = RoundnessState<Real, 512>;
+    type Content = roundness::GaugeState<Real, 512>;
     const MAGIC: u32 = 0x5452_0006;
 }
 
@@ -87,8 +87,8 @@ pub(crate) struct BuiltGauge {
 /// A gauge of either number of points.
 #[allow(clippy::large_enum_variant)]
 enum AnyGauge {
-    Points1024(Roundness<Real, 1024>),
-    Points512(Roundness<Real, 512>),
+    Points1024(roundness::Gauge<Real, 1024>),
+    Points512(roundness::Gauge<Real, 512>),
 }
 
 /// A gauge with a state of its number of points.
@@ -116,8 +116,8 @@ impl Pair<'_> {
 
 /// Gauge and state of either number of points.
 pub(crate) enum Points<'a> {
-    Points1024(&'a Roundness<Real, 1024>, &'a mut RoundnessState<Real, 1024>),
-    Points512(&'a Roundness<Real, 512>, &'a mut RoundnessState<Real, 512>),
+    Points1024(&'a roundness::Gauge<Real, 1024>, &'a mut roundness::GaugeState<Real, 1024>),
+    Points512(&'a roundness::Gauge<Real, 512>, &'a mut roundness::GaugeState<Real, 512>),
 }
 
 /// Gauge and state, if they belong together.
@@ -161,15 +161,15 @@ pub unsafe extern "C" fn trueaxis_gauge_build(
         let place = opaque::place(gauge, gauge_size)?;
         // SAFETY: the caller's promise.
         let tables = Tcomp::parse(unsafe { slice(file, length) }?)?;
-        let settings: &RoundnessSettings = tables.settings().roundness.as_ref().ok_or(ERROR_GAUGE)?;
+        let settings: &GaugeSettings = tables.settings().roundness.as_ref().ok_or(ERROR_GAUGE)?;
         let points = match settings.points {
-            1024 => AnyGauge::Points1024(Roundness::build(settings, period_ns)?),
-            512 => AnyGauge::Points512(Roundness::build(settings, period_ns)?),
+            1024 => AnyGauge::Points1024(roundness::Gauge::build(settings, period_ns)?),
+            512 => AnyGauge::Points512(roundness::Gauge::build(settings, period_ns)?),
             _ => return Err(ERROR_GAUGE.into()),
         };
         let infeed_slot = match &points {
-            AnyGauge::Points1024(gauge) => gauge.infeed_place(),
-            AnyGauge::Points512(gauge) => gauge.infeed_place(),
+            AnyGauge::Points1024(gauge) => gauge.infeed_slot(),
+            AnyGauge::Points512(gauge) => gauge.infeed_slot(),
         };
         // SAFETY: storage of the size that the caller vouched for.
         unsafe { opaque::fill(place, BuiltGauge { points, update, infeed_slot }) };

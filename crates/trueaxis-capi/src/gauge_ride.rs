@@ -112,7 +112,7 @@ impl Riding<'_> {
     }
 }
 
-impl trueaxis::Gauge<Real> for &mut Riding<'_> {
+impl trueaxis::Ride<Real> for &mut Riding<'_> {
     #[inline(always)]
     fn infeed_slot(&self) -> Option<usize> {
         self.pair.as_ref()?.infeed_slot()

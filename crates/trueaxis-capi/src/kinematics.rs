@@ -11,7 +11,6 @@ use crate::steps::{ToolStep, tool_step};
 use trueaxis::Axis;
 use trueaxis::kinematics;
 use trueaxis::tcomp::Tcomp;
-use trueaxis::vector::V3;
 
 /// Words of a `trueaxis_kinematics_t`.
 #[cfg(not(feature = "single"))]
@@ -130,7 +129,7 @@ pub unsafe extern "C" fn trueaxis_kinematics_set_tool(kinematics: *mut Kinematic
         if !tool.iter().all(|x| x.abs() <= 1e9) {
             return Err(ERROR_ARGUMENT);
         }
-        chain.kinematics = chain.kinematics.with_tool(V3::of(tool));
+        chain.kinematics = chain.kinematics.with_tool(tool.map(|x| x as Real));
         Ok(())
     };
     result::of(work())
@@ -155,7 +154,7 @@ pub unsafe extern "C" fn trueaxis_kinematics_forward(
         let joints = unsafe { chain.joints(axes) }?;
         let found = chain.kinematics.forward(&joints);
         // SAFETY: checked; writable by the caller's promise.
-        unsafe { tool.write(Tool { tip: found.tip.array(), axis: found.axis.array() }) };
+        unsafe { tool.write(Tool { tip: found.tip.into(), axis: found.axis.into() }) };
         Ok(())
     };
     result::of(work())

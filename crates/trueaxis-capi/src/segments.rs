@@ -6,6 +6,7 @@ use crate::path::Path;
 use crate::pointer::{slice, vector};
 use crate::result::{ERROR_ARGUMENT, ResultCode};
 use trueaxis::contour::Segment;
+use trueaxis::glam::DVec3;
 
 /// Appends a straight line, mm: u = 0..1 proportional to length.
 ///
@@ -24,7 +25,7 @@ pub unsafe extern "C" fn trueaxis_path_line(
     let work = || {
         // SAFETY: the caller's promise.
         let (start, end, spans) = unsafe { (vector(start)?, vector(end)?, opaque::content_mut(path)?) };
-        spans.append(&Segment::Line { start, end })
+        spans.append(&Segment::Line { start: start.into(), end: end.into() })
     };
     // SAFETY: the caller's promise.
     unsafe { explained(error, work) }
@@ -53,7 +54,13 @@ pub unsafe extern "C" fn trueaxis_path_arc(
         let (start, end, center, normal) = unsafe { (vector(start)?, vector(end)?, vector(center)?, vector(normal)?) };
         // SAFETY: the caller's promise.
         let spans = unsafe { opaque::content_mut(path) }?;
-        spans.append(&Segment::Arc { start, end, center, normal, turns })
+        spans.append(&Segment::Arc {
+            start: start.into(),
+            end: end.into(),
+            center: center.into(),
+            normal: normal.into(),
+            turns,
+        })
     };
     // SAFETY: the caller's promise.
     unsafe { explained(error, work) }
@@ -80,7 +87,7 @@ pub unsafe extern "C" fn trueaxis_path_nurbs(
         let degree = degree as usize;
         let knot_count = point_count.checked_add(degree).and_then(|sum| sum.checked_add(1)).ok_or(ERROR_ARGUMENT)?;
         // SAFETY: the caller's promise; points of three numbers lie one behind the other.
-        let (knots, points) = unsafe { (slice(knots, knot_count)?, slice(points.cast::<[f64; 3]>(), point_count)?) };
+        let (knots, points) = unsafe { (slice(knots, knot_count)?, slice(points.cast::<DVec3>(), point_count)?) };
         // SAFETY: the caller's promise.
         let weights = if weights.is_null() { &[][..] } else { unsafe { slice(weights, point_count) }? };
         // SAFETY: the caller's promise.
@@ -104,7 +111,7 @@ pub unsafe extern "C" fn trueaxis_path_turning(path: *mut Path, point: *const f6
         if !spans.is_of_tool() {
             return Err(ERROR_ARGUMENT.into());
         }
-        spans.append(&Segment::Turning { point })
+        spans.append(&Segment::Turning { point: point.into() })
     };
     // SAFETY: the caller's promise.
     unsafe { explained(error, work) }

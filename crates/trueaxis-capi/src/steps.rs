@@ -58,5 +58,5 @@ pub(crate) fn tool_step(
 ) -> Result<(Output, [Real; 3]), ResultCode> {
     let mut on = OnToolPath::new(&on.path, on.reference, on.kinematics);
     let output = cycle(built, running, input, &mut on, gauge)?;
-    Ok((output, on.orientation().vector.array()))
+    Ok((output, on.orientation().vector.into()))
 }

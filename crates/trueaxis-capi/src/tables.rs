@@ -85,7 +85,7 @@ pub(crate) fn axes_of(tables: &Tcomp<'_>) -> usize {
 /// The axes of the step in order, with their settings if the machine has them.
 pub(crate) fn slots<'t>(tables: &'t Tcomp<'_>) -> impl Iterator<Item = (Axis, Option<&'t AxisSettings>)> {
     Axis::ALL.into_iter().filter_map(|axis| {
-        let settings = tables.settings().axes.iter().find(|settings| settings.axis == axis);
+        let settings = tables.settings().axis(axis);
         (settings.is_some() || !axis.is_rotary()).then_some((axis, settings))
     })
 }

@@ -10,7 +10,7 @@ use machines::*;
 use std::ptr::{null, null_mut};
 use trueaxis::contour::{self, PathBuilder, Segment, ToolPath, Turn};
 use trueaxis::kinematics::{self, BranchTracker as CoreTracker};
-use trueaxis::roundness::Roundness;
+use trueaxis::roundness::Gauge as CoreGauge;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{GaugeRide as CoreRide, OnToolPath, ServoLoop};
 use trueaxis_capi::*;
@@ -40,7 +40,7 @@ struct Bench<const N: usize> {
     core_kinematics: kinematics::Kinematics<R>,
     window: Box<CommandWindow>,
     gauges: Gauges,
-    core_gauge: Box<Roundness<R, POINTS>>,
+    core_gauge: Box<CoreGauge<R, POINTS>>,
     slots: Vec<usize>,
 }
 
@@ -50,7 +50,7 @@ impl<const N: usize> Bench<N> {
         let settings = tables.settings();
         let exact = kinematics::Kinematics::<f64>::new(settings).unwrap();
         let slots = if N == 3 { vec![0, 1, 2] } else { vec![0, 1, 2, 3, 5] };
-        let tip = |axes: &[f64; 5]| exact.forward(&joints(&slots, &axes[..N])).tip.array();
+        let tip = |axes: &[f64; 5]| <[f64; 3]>::from(exact.forward(&joints(&slots, &axes[..N])).tip);
         let (start, end) = (tip(&FROM), tip(&TO));
         // A, B, C; without rotary axes nothing turns.
         let [turn_from, turn_to] = [FROM, TO].map(|axes| if N == 3 { [0.0; 3] } else { [axes[3], 0.0, axes[4]] });
@@ -65,7 +65,7 @@ impl<const N: usize> Bench<N> {
         }
         assert_eq!(path.line(start, end), OK);
         let (mut spans, mut turns) = (Vec::new(), Vec::new());
-        let line = Segment::Line { start, end };
+        let line = Segment::Line { start: start.into(), end: end.into() };
         PathBuilder::<P>::new()
             .append::<R>(&line, |span| {
                 turns.push(Turn::axes(&span, [0.0, 1.0], turn_from, turn_to));
@@ -83,7 +83,7 @@ impl<const N: usize> Bench<N> {
             core_kinematics: kinematics::Kinematics::new(settings).unwrap(),
             window: zeroed(),
             gauges: Gauges::new(file, POINTS),
-            core_gauge: Box::new(Roundness::build(settings.roundness.as_ref().unwrap(), PERIOD_NS).unwrap()),
+            core_gauge: Box::new(CoreGauge::build(settings.roundness.as_ref().unwrap(), PERIOD_NS).unwrap()),
             slots,
         }
     }
@@ -129,7 +129,7 @@ impl<const N: usize> Bench<N> {
             if kind == MEASURE_TOOL {
                 // The command comes from the tool.
                 let tool = self.tool(u);
-                let tool_c = Tool { tip: tool.tip.array(), axis: tool.axis.array() };
+                let tool_c = Tool { tip: tool.tip.into(), axis: tool.axis.into() };
                 core = self.rust.rtcp(&core_state, &tool, &mut core_tracker, &self.core_kinematics, &core);
                 // SAFETY: everything is as the types say.
                 let result = unsafe {
@@ -171,7 +171,7 @@ impl<const N: usize> Bench<N> {
                 fed |= ride.infeed != 0.0;
             }
             if kind == MEASURE_TOOL {
-                let vector = on_tool.orientation().vector.array();
+                let vector: [R; 3] = on_tool.orientation().vector.into();
                 assert_eq!(against.direction_error.map(R::to_bits), vector.map(R::to_bits), "cycle {cycle}");
             } else {
                 assert_eq!(against.direction_error, [9.0; 3], "not written");

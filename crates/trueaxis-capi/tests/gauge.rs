@@ -8,7 +8,6 @@ use machines::gauge::{Gauges, with_gauge};
 use machines::*;
 use std::ptr::null_mut;
 use std::sync::OnceLock;
-use trueaxis::roundness::Roundness;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 use trueaxis_capi::*;
@@ -32,8 +31,9 @@ fn compare<const N: usize>(cycles: i32) {
     let tables = Tcomp::parse(file).unwrap();
     let core = rust::rust_loop::<3>(file);
     let mut core_state = core.start();
-    let core_gauge =
-        Box::new(Roundness::<Real, N>::build(tables.settings().roundness.as_ref().unwrap(), PERIOD_NS).unwrap());
+    let core_gauge = Box::new(
+        trueaxis::roundness::Gauge::<Real, N>::build(tables.settings().roundness.as_ref().unwrap(), PERIOD_NS).unwrap(),
+    );
     let mut core_gauge_state = Box::new(core_gauge.start());
 
     let at = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];

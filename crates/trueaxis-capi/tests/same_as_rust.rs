@@ -46,7 +46,8 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
         assert_eq!(trueaxis_path_close(&mut *path.path), OK);
     }
     let mut spans = Vec::new();
-    let arc = Segment::Arc { start, end: start, center, normal, turns: 0 };
+    let [at, about, up] = [start, center, normal].map(Into::into);
+    let arc = Segment::Arc { start: at, end: at, center: about, normal: up, turns: 0 };
     convert::<R, P>(&arc, 0, normal, |span| {
         spans.push(span);
         Ok(())

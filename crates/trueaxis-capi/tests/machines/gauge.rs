@@ -13,10 +13,10 @@ const COUNTS: i32 = 1 << 20;
 /// The machine with a gauge of so many points that feeds X, compiled: no files are read, so that Miri can make it too.
 pub(crate) fn with_gauge(mut machine: Machine, points: u16) -> Vec<u8> {
     let slots = roundness::ProbeAngles::Slots { p: points * 44 / 256, q: points * 57 / 256 };
-    let mut settings = roundness::RoundnessSettings::with_defaults(points, slots, COUNTS as u32);
+    let mut settings = roundness::GaugeSettings::with_defaults(points, slots, COUNTS as u32);
     settings.band = roundness::Band { first: 2, last: 30 };
     settings.revolutions = 1;
-    settings.units_per_cycle = 2;
+    settings.slices_per_cycle = 2;
     settings.infeed = Some(roundness::InfeedSettings {
         axis: trueaxis::Axis::X,
         direction: 1,

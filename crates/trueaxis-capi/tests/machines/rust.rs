@@ -68,7 +68,7 @@ pub(crate) fn same<const N: usize>(c: &Output, rust: &trueaxis::Output<R, P, N>,
         let numbers = [c.t, c.error, c.normal, c.binormal, c.tangential, c.lag, c.width];
         let expected = [core.t, core.error, core.normal, core.binormal, core.tangential, core.lag, core.width];
         assert_eq!(numbers.map(R::to_bits), expected.map(R::to_bits), "cycle {cycle}");
-        assert_eq!(c.vector.map(R::to_bits), core.vector.map(R::to_bits), "cycle {cycle}");
+        assert_eq!(c.vector.map(R::to_bits), <[R; 3]>::from(core.vector).map(R::to_bits), "cycle {cycle}");
     }
     let (mut bytes, mut expected, mut written) = ([0; FRAME_BYTES], [0; CORE_FRAME_BYTES], 0);
     // SAFETY: everything is as the types say.
