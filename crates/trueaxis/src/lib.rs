@@ -56,6 +56,7 @@ mod step;
 pub mod tcomp;
 pub mod telemetry;
 #[cfg(test)]
+#[allow(dead_code, unreachable_pub)] // Public, and in use, in `trueaxis-testing`.
 mod testing;
 mod vector;
 

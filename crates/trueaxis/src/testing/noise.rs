@@ -23,6 +23,11 @@ impl Noise {
         2.0 * self.unit() - 1.0
     }
 
+    /// Uniform in `low` … `high`.
+    pub fn range(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
     /// A whole number from 0 to `count` − 1.
     pub fn below(&mut self, count: usize) -> usize {
         (self.unit() * count as f64) as usize
