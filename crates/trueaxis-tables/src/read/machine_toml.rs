@@ -3,7 +3,7 @@
 use super::places::{Place, Places};
 use super::section::{Found, Section};
 use crate::error::FileError;
-use crate::source::Source;
+use crate::origin::Origin;
 use std::cell::RefCell;
 use toml::de::DeTable;
 use trueaxis::error::Field;
@@ -49,14 +49,14 @@ fn per_second(value: f64) -> f64 {
     value / 60.0
 }
 
-pub(super) fn read(text: &str, source: &Source) -> Result<Description, FileError> {
+pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError> {
     let document = DeTable::parse(text).map_err(|error| {
         let before = error.span().map_or(0, |span| span.start);
         let line = 1 + text.as_bytes().iter().take(before).filter(|byte| **byte == b'\n').count();
-        source.at(u32::try_from(line).unwrap_or(0), "", error.message(), "a valid TOML file")
+        origin.at(u32::try_from(line).unwrap_or(0), "", error.message(), "a valid TOML file")
     })?;
     let numbers = RefCell::default();
-    let root = Section::new(source, text, document.get_ref(), &numbers);
+    let root = Section::new(origin, text, document.get_ref(), &numbers);
     let mut places = Places::default();
     let name = root.string("name")?.ok_or_else(|| root.missing("name", "the name of the machine"))?;
     let chain =

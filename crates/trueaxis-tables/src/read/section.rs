@@ -1,7 +1,7 @@
 //! Typed access to a section of a TOML file, with lines, and no key unread.
 
 use crate::error::FileError;
-use crate::source::Source;
+use crate::origin::Origin;
 use std::cell::RefCell;
 use std::ops::Range;
 use toml::Spanned;
@@ -19,7 +19,7 @@ pub(super) struct Found<T> {
 
 /// A section, e.g. `[axis.X.limits]`.
 pub(super) struct Section<'a> {
-    source: &'a Source,
+    origin: &'a Origin,
     text: &'a str,
     table: &'a DeTable<'a>,
     /// `axis.X.limits.`, empty for the file as a whole.
@@ -31,12 +31,12 @@ pub(super) struct Section<'a> {
 
 impl<'a> Section<'a> {
     pub(super) fn new(
-        source: &'a Source,
+        origin: &'a Origin,
         text: &'a str,
         table: &'a DeTable<'a>,
         numbers: &'a RefCell<Vec<(String, usize)>>,
     ) -> Self {
-        Section { source, text, table, prefix: String::new(), asked: RefCell::default(), numbers }
+        Section { origin, text, table, prefix: String::new(), asked: RefCell::default(), numbers }
     }
 
     fn line(&self, span: &Range<usize>) -> u32 {
@@ -46,7 +46,7 @@ impl<'a> Section<'a> {
 
     fn refuse(&self, key: &str, span: &Range<usize>, needed: impl Into<String>) -> FileError {
         let found = self.text.get(span.clone()).unwrap_or_default();
-        self.source.at(self.line(span), &format!("{}{key}", self.prefix), found, needed)
+        self.origin.at(self.line(span), &format!("{}{key}", self.prefix), found, needed)
     }
 
     fn value(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
@@ -111,7 +111,7 @@ impl<'a> Section<'a> {
             Some((_, choice)) => Ok(Some(*choice)),
             None => {
                 let needed = words.map(|(word, _)| format!("{word:?}")).join(" or ");
-                Err(self.source.at(found.line, &found.key, &found.text, needed))
+                Err(self.origin.at(found.line, &found.key, &found.text, needed))
             }
         }
     }
@@ -133,7 +133,7 @@ impl<'a> Section<'a> {
         };
         let prefix = format!("{}{key}.", self.prefix);
         Ok(Some(Section {
-            source: self.source,
+            origin: self.origin,
             text: self.text,
             table,
             prefix,
@@ -158,11 +158,11 @@ impl<'a> Section<'a> {
 
     /// An error at a value.
     pub(super) fn wrong<T>(&self, at: &Found<T>, needed: impl Into<String>) -> FileError {
-        self.source.at(at.line, &at.key, &at.text, needed)
+        self.origin.at(at.line, &at.key, &at.text, needed)
     }
 
     /// An error because a key is missing.
     pub(super) fn missing(&self, key: &str, needed: &str) -> FileError {
-        self.source.at(0, &format!("{}{key}", self.prefix), "nothing", needed)
+        self.origin.at(0, &format!("{}{key}", self.prefix), "nothing", needed)
     }
 }

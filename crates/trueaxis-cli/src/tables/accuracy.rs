@@ -1,6 +1,6 @@
 //! `trueaxis tables accuracy`: ISO 230-2 before and after compensation.
 
-use crate::model::{self, axis_count, with_compensation};
+use crate::model::{self, axis_count, by_axes, with_compensation};
 use crate::output::{json, print, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
@@ -10,9 +10,9 @@ use trueaxis::Axis;
 use trueaxis::compensation::{Direction as Travel, ThermalLine};
 use trueaxis::machine::ErrorModel;
 use trueaxis::machine::step_axes;
+use trueaxis_metrology::accuracy::{Accuracy, Direction, Measurement, evaluate, evaluate_compensated};
 use trueaxis_tables::Machine;
-use trueaxis_tables::accuracy::{Accuracy, evaluate, evaluate_compensated};
-use trueaxis_tables::formats::iso230_2::{Direction, Measurement, read_measurement};
+use trueaxis_tables::formats::iso230_2::{MeasurementFile, read_measurement};
 use trueaxis_tables::text::counted;
 
 #[derive(Serialize)]
@@ -24,8 +24,8 @@ struct Document {
 
 pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_json: bool) -> Result<()> {
     let text = model::text(file)?;
-    let measurement = read_measurement(&text, file, axis)?;
-    if let Some(how) = measurement.dialect {
+    let MeasurementFile { measurement, dialect } = read_measurement(&text, file, axis)?;
+    if let Some(how) = dialect {
         tell(format_args!("note: {}: {how}", file.display()));
     }
     let measured = evaluate(&measurement).map_err(|error| anyhow!("{}: {error}", file.display()))?;
@@ -38,12 +38,7 @@ pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_js
             if tables.rows(measurement.axis).is_none() {
                 bail!("{}: found no table of axis {}, needed one", path.display(), measurement.axis.letter());
             }
-            Some(match axis_count(&tables) {
-                3 => after::<3>(&tables, &measurement)?,
-                4 => after::<4>(&tables, &measurement)?,
-                5 => after::<5>(&tables, &measurement)?,
-                _ => after::<6>(&tables, &measurement)?,
-            })
+            Some(by_axes!(axis_count(&tables), after(&tables, &measurement))?)
         }
     };
     if as_json {

@@ -14,20 +14,112 @@
 //! Everything is in µm for linear and µrad for rotary axes. The measurement uncertainty is not part of these values.
 //!
 //! ```
-//! use std::path::Path;
-//! use trueaxis_tables::accuracy::{evaluate, evaluate_compensated};
-//! use trueaxis_tables::formats::iso230_2::{Direction, read_measurement};
+//! use trueaxis::Axis;
+//! use trueaxis_metrology::accuracy::{Approach, Direction, Measurement, evaluate, evaluate_compensated};
 //!
-//! let text = "X_mm,run,direction,deviation_um\n0,1,+,1\n0,2,+,1\n0,1,-,4\n0,2,-,4\n";
-//! let measurement = read_measurement(text, Path::new("x.csv"), None)?;
+//! let approach = |run, direction, deviation| Approach { position: 0.0, run, direction, deviation };
+//! let (up, down) = (Direction::Up, Direction::Down);
+//! let approaches = [approach(1, up, 1.0), approach(2, up, 1.0), approach(1, down, 4.0), approach(2, down, 4.0)];
+//! let measurement = Measurement::new(Axis::X, approaches.into())?;
 //! assert_eq!(evaluate(&measurement)?.both.unwrap().reversal, 3.0);
 //! let backlash = |_, direction| if direction == Direction::Down { 3.0 } else { 0.0 };
 //! assert_eq!(evaluate_compensated(&measurement, backlash)?.both.unwrap().reversal, 0.0);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok::<(), trueaxis_metrology::accuracy::AccuracyError>(())
 //! ```
 
-use crate::formats::iso230_2::{Direction, Measurement};
+use core::fmt;
 use serde::Serialize;
+use std::collections::BTreeSet;
+use std::vec::Vec;
+use trueaxis::Axis;
+
+/// Direction in which a target is approached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Direction {
+    /// In positive direction, ↑ in ISO 230-2.
+    Up,
+    /// In negative direction, ↓ in ISO 230-2.
+    Down,
+}
+
+/// One approach of a target position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// Target position, mm (degrees).
+    pub position: f64,
+    /// Run, from 1.
+    pub run: u32,
+    /// Direction of approach.
+    pub direction: Direction,
+    /// Actual − target position, µm (µrad).
+    pub deviation: f64,
+}
+
+/// A measurement of one axis; every position of `positions` has every run of every measured direction once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// The axis.
+    pub axis: Axis,
+    /// All approaches, in the order of measurement.
+    pub approaches: Vec<Approach>,
+    /// Target positions, increasing, mm (degrees).
+    pub positions: Vec<f64>,
+    /// Number of runs.
+    pub runs: usize,
+    /// The directions measured, `Up` first.
+    pub directions: Vec<Direction>,
+}
+
+impl Measurement {
+    /// Sorts the approaches of an axis into positions, runs and directions.
+    ///
+    /// # Errors
+    /// No approach, one twice, or one missing.
+    pub fn new(axis: Axis, approaches: Vec<Approach>) -> Result<Measurement, AccuracyError> {
+        let key = |position: f64, run, direction| ((position + 0.0).to_bits(), run, direction);
+        let mut given = BTreeSet::new();
+        for (index, &approach) in approaches.iter().enumerate() {
+            if !given.insert(key(approach.position, approach.run, approach.direction)) {
+                return Err(AccuracyError::Twice { index, approach });
+            }
+        }
+        if approaches.is_empty() {
+            return Err(AccuracyError::Empty);
+        }
+        let mut positions: Vec<f64> = approaches.iter().map(|approach| approach.position).collect();
+        positions.sort_by(f64::total_cmp);
+        positions.dedup();
+        let runs: BTreeSet<u32> = approaches.iter().map(|approach| approach.run).collect();
+        let directions: BTreeSet<Direction> = approaches.iter().map(|approach| approach.direction).collect();
+        for &position in &positions {
+            for &run in &runs {
+                for &direction in &directions {
+                    if !given.contains(&key(position, run, direction)) {
+                        return Err(AccuracyError::Missing { position, run, direction });
+                    }
+                }
+            }
+        }
+        let directions = directions.into_iter().collect();
+        Ok(Measurement { axis, approaches, positions, runs: runs.len(), directions })
+    }
+
+    /// The deviations at a position in a direction, µm (µrad), in the order of measurement.
+    pub fn deviations(&self, position: f64, direction: Direction) -> impl Iterator<Item = f64> {
+        self.approaches
+            .iter()
+            .filter(move |approach| approach.position == position && approach.direction == direction)
+            .map(|approach| approach.deviation)
+    }
+
+    /// Mean deviation at a position in a direction, µm (µrad); `None` where it was not measured.
+    pub fn mean(&self, position: f64, direction: Direction) -> Option<f64> {
+        let (sum, count) = self
+            .deviations(position, direction)
+            .fold((0.0, 0_u32), |(sum, count), deviation| (sum + deviation, count + 1));
+        (count > 0).then(|| sum / f64::from(count))
+    }
+}
 
 /// Result at one target position, one direction; µm (µrad).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -104,13 +196,52 @@ pub struct Accuracy {
     pub both: Option<BothWays>,
 }
 
-/// Why a measurement cannot be evaluated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+/// Why a measurement is refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum AccuracyError {
     /// A standard deviation needs two values.
-    #[error("found one run, needed at least two (ISO 230-2: five)")]
     TooFewRuns,
+    /// No approach at all.
+    Empty,
+    /// One position, run and direction a second time.
+    Twice {
+        /// Index of the second approach.
+        index: usize,
+        /// The approach.
+        approach: Approach,
+    },
+    /// A run without a position that another run has, or without one of its directions.
+    Missing {
+        /// Target position, mm (degrees).
+        position: f64,
+        /// Run, from 1.
+        run: u32,
+        /// Direction of approach.
+        direction: Direction,
+    },
 }
+
+impl fmt::Display for AccuracyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = |direction| if direction == Direction::Up { "+" } else { "-" };
+        match *self {
+            AccuracyError::TooFewRuns => f.write_str("found one run, needed at least two (ISO 230-2: five)"),
+            AccuracyError::Empty => f.write_str("found no approaches, needed at least one"),
+            AccuracyError::Twice { approach: Approach { position, run, direction, .. }, .. } => {
+                let sign = sign(direction);
+                write!(f, "found position {position}, run {run}, direction {sign} again, needed each approach once")
+            }
+            AccuracyError::Missing { position, run, direction } => {
+                let sign = sign(direction);
+                write!(f, "found no approach of {position} in run {run}, direction {sign}, ")?;
+                f.write_str("needed every run at every position in the measured directions")
+            }
+        }
+    }
+}
+
+impl core::error::Error for AccuracyError {}
 
 /// Evaluates the deviations as measured.
 ///

@@ -5,13 +5,13 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// The file that is being read, for its errors.
-pub(crate) struct Source {
+pub(crate) struct Origin {
     file: PathBuf,
 }
 
-impl Source {
-    pub(crate) fn new(file: &Path) -> Source {
-        Source { file: file.to_path_buf() }
+impl Origin {
+    pub(crate) fn new(file: &Path) -> Origin {
+        Origin { file: file.to_path_buf() }
     }
 
     /// The file.
@@ -35,6 +35,11 @@ impl Source {
         FileError { file: self.file.clone(), line: None, column: None, found: found.into(), needed: needed.into() }
     }
 
+    /// The file cannot be read.
+    pub(crate) fn unreadable(&self, error: &std::io::Error) -> FileError {
+        self.whole(error.to_string(), "a readable file")
+    }
+
     /// A finite decimal number.
     pub(crate) fn number(&self, line: u32, column: &str, text: &str) -> Result<f64, FileError> {
         match text.parse::<f64>() {
@@ -52,15 +57,6 @@ fn shortened(found: &str) -> String {
         return found.to_owned();
     }
     found.chars().take(117).chain("...".chars()).collect()
-}
-
-/// A number with fixed decimals and without a sign if it rounds to zero.
-pub(crate) fn fixed(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    match text.strip_prefix('-') {
-        Some(digits) if digits.chars().all(|digit| matches!(digit, '0' | '.')) => digits.to_owned(),
-        _ => text,
-    }
 }
 
 /// Lines with their numbers, from 1.
