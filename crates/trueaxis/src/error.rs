@@ -1,5 +1,9 @@
 //! The two kinds of error: what a configuration may get wrong at build, what a cycle may meet at run time.
 
+mod field;
+
+pub use field::{Field, Key};
+
 use crate::axis::Axis;
 use core::fmt;
 
@@ -33,6 +37,11 @@ impl ConfigError {
         ConfigError { axis: Some(axis), ..self }
     }
 
+    /// The key or section of `machine.toml` to edit; `None` where the setting is not in the file.
+    pub fn key(&self) -> Option<Key> {
+        self.field.key(self.axis)
+    }
+
     /// The same, at one element of a list.
     pub fn at(self, index: usize) -> Self {
         ConfigError { index: u32::try_from(index).ok(), ..self }
@@ -41,10 +50,16 @@ impl ConfigError {
 
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(axis) = self.axis {
+        let key = self.key();
+        if let Some(axis) = self.axis
+            && !key.is_some_and(|key| key.names_its_axis())
+        {
             write!(f, "axis {}: ", axis.letter())?;
         }
-        write!(f, "{:?}", self.field)?;
+        match key {
+            Some(key) => write!(f, "{key}")?,
+            None => write!(f, "{:?}", self.field)?,
+        }
         if let Some(index) = self.index {
             write!(f, " [{index}]")?;
         }
@@ -71,85 +86,6 @@ impl fmt::Display for Figure {
             write!(f, "{}", self.0)
         }
     }
-}
-
-/// A setting that can be wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Field {
-    /// Machine name.
-    Name,
-    /// Structural code.
-    Chain,
-    /// The set of axes.
-    Axes,
-    /// Tool vector.
-    Tool,
-    /// Reference temperature.
-    ReferenceTemperature,
-    /// Location errors.
-    Location,
-    /// Servo period.
-    Period,
-    /// Declared travel.
-    Travel,
-    /// Range of the joint.
-    Joint,
-    /// Line of measurement.
-    MeasuredAt,
-    /// Highest feed.
-    MaxFeed,
-    /// Sense of a rotary axis.
-    Direction,
-    /// Backlash.
-    Backlash,
-    /// Reversal hysteresis.
-    Hysteresis,
-    /// Magnitude limit of the correction.
-    Magnitude,
-    /// Slope limit of the correction.
-    Slope,
-    /// Acceleration limit of the correction.
-    Acceleration,
-    /// Thermal growth.
-    Thermal,
-    /// Plausibility limits.
-    Faults,
-    /// Contour search.
-    Contour,
-    /// Error model and correction of the tool's direction.
-    Compensation,
-    /// Origin of an axis' frame.
-    Offset,
-    /// Tool axis or singular cone.
-    Kinematics,
-    /// Error table.
-    Table,
-    /// Exact inverse.
-    Inverse,
-    /// Scale of an encoder.
-    Encoder,
-    /// Memory lent for the tables.
-    Memory,
-    /// Points of a revolution.
-    Points,
-    /// Band of harmonics.
-    Harmonics,
-    /// Angles between the probes.
-    ProbeAngles,
-    /// Gain, zero or range of a probe.
-    Probe,
-    /// Encoder of the spindle.
-    Spindle,
-    /// Crank throw, wheel radius, pin radius or encoder of the following arm.
-    Arm,
-    /// Gaussian filter.
-    Filter,
-    /// Revolutions of an evaluation of the spindle.
-    Revolutions,
-    /// Infeed correction.
-    Infeed,
 }
 
 /// What a servo cycle met; carried in its output and telemetry.

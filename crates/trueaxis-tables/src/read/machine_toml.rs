@@ -1,12 +1,11 @@
 //! `machine.toml`: keys, units and defaults.
 
-use super::places::{Place, Places};
-use super::section::{Found, Section};
+use super::keys::Keys;
+use super::section::{Found, Section, line};
 use crate::error::FileError;
 use crate::origin::Origin;
 use std::cell::RefCell;
 use toml::de::DeTable;
-use trueaxis::error::Field;
 use trueaxis::machine::{
     Axis, AxisSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, LocationErrors, Lookup,
     MachineSettings,
@@ -24,7 +23,7 @@ pub(super) struct TableReference {
 pub(super) struct Description {
     pub(super) settings: MachineSettings,
     pub(super) tables: Vec<TableReference>,
-    pub(super) places: Vec<Place>,
+    pub(super) keys: Keys,
     /// Keys of numbers that were asked for, with their count.
     pub(super) numbers: Vec<(String, usize)>,
 }
@@ -44,6 +43,11 @@ fn degrees_from_urad(value: f64) -> f64 {
     (value / 1e6).to_degrees()
 }
 
+/// In the unit of the core already.
+fn same(value: f64) -> f64 {
+    value
+}
+
 /// Per minute to per second.
 fn per_second(value: f64) -> f64 {
     value / 60.0
@@ -51,13 +55,11 @@ fn per_second(value: f64) -> f64 {
 
 pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError> {
     let document = DeTable::parse(text).map_err(|error| {
-        let before = error.span().map_or(0, |span| span.start);
-        let line = 1 + text.as_bytes().iter().take(before).filter(|byte| **byte == b'\n').count();
-        origin.at(u32::try_from(line).unwrap_or(0), "", error.message(), "a valid TOML file")
+        let line = error.span().map_or(1, |span| line(text, &span));
+        origin.at(line, "", error.message(), "a valid TOML file")
     })?;
     let numbers = RefCell::default();
     let root = Section::new(origin, text, document.get_ref(), &numbers);
-    let mut places = Places::default();
     let name = root.string("name")?.ok_or_else(|| root.missing("name", "the name of the machine"))?;
     let chain =
         root.string("chain")?.ok_or_else(|| root.missing("chain", "the structural code, like \"w X' b Y Z t\""))?;
@@ -78,13 +80,8 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
         let needed = format!("{} (at letter {} of the chain)", error.needed, error.found + 1.0);
         root.wrong(&chain, needed)
     })?;
-    for (found, field) in [(name, Field::Name), (chain, Field::Chain)] {
-        let Found { line, key, text, .. } = found;
-        places.push(Place { field, axis: None, line, key, text, values: Vec::new() });
-    }
-    places.numbers(&mut settings.tool_mm, root.numbers("tool_mm")?, Field::Tool, None);
-    let reference = root.number("reference_temperature_c")?;
-    places.number(&mut settings.reference_temperature_c, reference, Field::ReferenceTemperature, None, |c| c);
+    root.store_all(&mut settings.tool_mm, "tool_mm")?;
+    root.store(&mut settings.reference_temperature_c, "reference_temperature_c", same)?;
 
     let mut tables = Vec::new();
     let sections = root.section("axis")?;
@@ -93,7 +90,7 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
         let mut of_axis = AxisSettings::with_defaults(axis, link.carries_workpiece);
         let letter = axis.letter().to_string();
         if let Some(section) = sections.as_ref().map(|axes| axes.section(&letter)).transpose()?.flatten() {
-            tables.extend(read_axis(section, &mut of_axis, &mut places)?);
+            tables.extend(read_axis(section, &mut of_axis)?);
         }
         // At most six letters, each once.
         let _ = settings.axes.push(of_axis);
@@ -103,14 +100,13 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
         sections.finish(Some(&format!("an axis of the chain ({})", letters.join(" "))))?;
     }
     if let Some(section) = root.section("location")? {
-        read_location(section, &mut settings, &mut places)?;
+        read_location(section, &mut settings)?;
     }
     if let Some(section) = root.section("faults")? {
-        read_faults(section, &mut settings.faults, &mut places)?;
+        read_faults(section, &mut settings.faults)?;
     }
     if let Some(section) = root.section("contour")? {
-        let lag = section.number("max_lag_mm")?;
-        places.number(&mut settings.contour.max_lag_mm, lag, Field::Contour, None, |mm| mm);
+        section.store(&mut settings.contour.max_lag_mm, "max_lag_mm", same)?;
         section.finish(None)?;
     }
     if let Some(section) = root.section("compensation")? {
@@ -121,29 +117,22 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
         if let Some(orientation) = section.boolean("orientation")? {
             settings.compensation.orientation = orientation;
         }
-        let fade = section.number("fade_deg")?;
-        places.number(&mut settings.compensation.fade_deg, fade, Field::Compensation, None, |degrees| degrees);
+        section.store(&mut settings.compensation.fade_deg, "fade_deg", same)?;
         section.finish(None)?;
     }
     if let Some(section) = root.section("kinematics")? {
         let to = &mut settings.kinematics;
-        places.numbers(&mut to.tool_axis, section.numbers("tool_axis")?, Field::Kinematics, None);
-        let cone = section.number("singular_cone_deg")?;
-        places.number(&mut to.singular_cone_deg, cone, Field::Kinematics, None, |degrees| degrees);
+        section.store_all(&mut to.tool_axis, "tool_axis")?;
+        section.store(&mut to.singular_cone_deg, "singular_cone_deg", same)?;
         section.finish(None)?;
     }
-    settings.roundness = super::roundness_toml::read(&root, &mut places)?;
+    settings.roundness = super::roundness_toml::read(&root)?;
     root.finish(None)?;
-    Ok(Description { settings, tables, places: places.into_all(), numbers: numbers.into_inner() })
+    Ok(Description { settings, tables, keys: Keys::new(text, document.get_ref()), numbers: numbers.into_inner() })
 }
 
-fn read_axis(
-    section: Section<'_>,
-    settings: &mut AxisSettings,
-    places: &mut Places,
-) -> Result<Option<TableReference>, FileError> {
+fn read_axis(section: Section<'_>, settings: &mut AxisSettings) -> Result<Option<TableReference>, FileError> {
     let axis = settings.axis;
-    let on = Some(axis);
     let rotary = axis.is_rotary();
     let unit = if rotary { "deg" } else { "mm" };
     let micro = if rotary { "urad" } else { "um" };
@@ -168,44 +157,32 @@ fn read_axis(
             _ => return Err(section.wrong(&direction, "1 or -1")),
         };
     }
-    places.numbers(&mut settings.travel, section.numbers(&format!("travel_{unit}"))?, Field::Travel, on);
-    let feed = section.number(&format!("max_feed_{unit}_per_min"))?;
-    places.number(&mut settings.max_feed_per_s, feed, Field::MaxFeed, on, per_second);
-    places.numbers(&mut settings.offset_mm, section.numbers("offset_mm")?, Field::Offset, on);
-    places.numbers(&mut settings.measured_at_mm, section.numbers("measured_at_mm")?, Field::MeasuredAt, on);
-    let backlash = section.number(&format!("backlash_{micro}"))?;
-    places.number(&mut settings.backlash, backlash, Field::Backlash, on, small);
-    let hysteresis = section.number(&format!("hysteresis_{micro}"))?;
-    places.number(&mut settings.hysteresis, hysteresis, Field::Hysteresis, on, small);
-    if let Some(resolution) = section.number(&format!("encoder_resolution_{micro}"))? {
-        let mut step = 0.0;
-        places.number(&mut step, Some(resolution), Field::Encoder, on, small);
-        settings.encoder_resolution = Some(step);
-    }
+    section.store_all(&mut settings.travel, &format!("travel_{unit}"))?;
+    section.store(&mut settings.max_feed_per_s, &format!("max_feed_{unit}_per_min"), per_second)?;
+    section.store_all(&mut settings.offset_mm, "offset_mm")?;
+    section.store_all(&mut settings.measured_at_mm, "measured_at_mm")?;
+    section.store(&mut settings.backlash, &format!("backlash_{micro}"), small)?;
+    section.store(&mut settings.hysteresis, &format!("hysteresis_{micro}"), small)?;
+    let resolution = section.number(&format!("encoder_resolution_{micro}"))?;
+    settings.encoder_resolution = resolution.map(|resolution| small(resolution.value));
 
     if let Some(limits) = section.section("limits")? {
         let to = &mut settings.limits;
-        let magnitude = limits.number(&format!("magnitude_{micro}"))?;
-        places.number(&mut to.magnitude, magnitude, Field::Magnitude, on, small);
-        let slope = limits.number(&format!("slope_{unit}_per_s"))?;
-        places.number(&mut to.slope_per_s, slope, Field::Slope, on, |v| v);
-        let acceleration = limits.number(&format!("acceleration_{unit}_per_s2"))?;
-        places.number(&mut to.acceleration_per_s2, acceleration, Field::Acceleration, on, |a| a);
+        limits.store(&mut to.magnitude, &format!("magnitude_{micro}"), small)?;
+        limits.store(&mut to.slope_per_s, &format!("slope_{unit}_per_s"), same)?;
+        limits.store(&mut to.acceleration_per_s2, &format!("acceleration_{unit}_per_s2"), same)?;
         limits.finish(None)?;
     }
     if let Some(thermal) = section.section("thermal")? {
         let to = &mut settings.thermal;
-        let offset = thermal.number(&format!("offset_{micro}_per_k"))?;
-        places.number(&mut to.offset_per_k, offset, Field::Thermal, on, small);
-        let expansion = thermal.number(if rotary { "expansion_urad_per_rad_k" } else { "expansion_um_per_m_k" })?;
+        thermal.store(&mut to.offset_per_k, &format!("offset_{micro}_per_k"), small)?;
+        let expansion = if rotary { "expansion_urad_per_rad_k" } else { "expansion_um_per_m_k" };
         // µm per m and µrad per rad are both millionths.
-        places.number(&mut to.expansion_per_k, expansion, Field::Thermal, on, |millionths| millionths / 1e6);
-        let datum = thermal.number(&format!("datum_{unit}"))?;
-        places.number(&mut to.datum, datum, Field::Thermal, on, |q| q);
+        thermal.store(&mut to.expansion_per_k, expansion, |millionths| millionths / 1e6)?;
+        thermal.store(&mut to.datum, &format!("datum_{unit}"), same)?;
         thermal.finish(None)?;
     }
-    let joint = section.numbers(&format!("joint_{unit}"))?;
-    if !places.numbers(&mut settings.joint, joint, Field::Joint, on) {
+    if !section.store_all(&mut settings.joint, &format!("joint_{unit}"))? {
         let [low, high] = settings.travel;
         settings.joint = [low - settings.limits.magnitude, high + settings.limits.magnitude];
     }
@@ -213,11 +190,11 @@ fn read_axis(
     Ok(table.map(|Found { value, line, key, .. }| TableReference { axis, file: value.to_owned(), line, key }))
 }
 
-fn read_location(section: Section<'_>, settings: &mut MachineSettings, places: &mut Places) -> Result<(), FileError> {
+fn read_location(section: Section<'_>, settings: &mut MachineSettings) -> Result<(), FileError> {
     let location = &mut settings.location;
     for (key, to) in [("A0Z_urad", &mut location.a0z), ("B0Z_urad", &mut location.b0z), ("C0Y_urad", &mut location.c0y)]
     {
-        places.number(to, section.number(key)?, Field::Location, None, from_urad);
+        section.store(to, key, from_urad)?;
     }
     for (errors, axis) in location.rotary.iter_mut().zip([Axis::A, Axis::B, Axis::C]) {
         if !settings.axes.iter().any(|known| known.axis == axis) {
@@ -226,22 +203,20 @@ fn read_location(section: Section<'_>, settings: &mut MachineSettings, places: &
         for (error, direction) in errors.iter_mut().zip(Axis::ALL) {
             let (unit, convert) =
                 if direction.is_rotary() { ("urad", from_urad as fn(f64) -> f64) } else { ("um", from_um as _) };
-            let found = section.number(&format!("E{}0{}_{unit}", direction.letter(), axis.letter()))?;
-            places.number(error, found, Field::Location, Some(axis), convert);
+            section.store(error, &format!("E{}0{}_{unit}", direction.letter(), axis.letter()), convert)?;
         }
     }
     section.finish(None)
 }
 
-fn read_faults(section: Section<'_>, faults: &mut FaultSettings, places: &mut Places) -> Result<(), FileError> {
+fn read_faults(section: Section<'_>, faults: &mut FaultSettings) -> Result<(), FileError> {
     for (key, pair) in
         [("resume", &mut faults.resume), ("feedback_jump", &mut faults.feedback_jump), ("stuck", &mut faults.stuck)]
     {
         for (limit, unit) in pair.iter_mut().zip(["mm", "deg"]) {
-            places.number(limit, section.number(&format!("{key}_{unit}"))?, Field::Faults, None, |limit| limit);
+            section.store(limit, &format!("{key}_{unit}"), same)?;
         }
     }
-    let factor = section.number("command_jump_factor")?;
-    places.number(&mut faults.command_jump_factor, factor, Field::Faults, None, |factor| factor);
+    section.store(&mut faults.command_jump_factor, "command_jump_factor", same)?;
     section.finish(None)
 }

@@ -1,8 +1,8 @@
 //! Reading a machine: `machine.toml` and the CSV of each axis.
 
 mod axis_table;
+mod keys;
 mod machine_toml;
-mod places;
 mod refused;
 mod roundness_toml;
 mod section;

@@ -2,7 +2,6 @@
 
 use super::axis_table::TableFile;
 use super::machine_toml::Description;
-use super::places;
 use crate::Machine;
 use crate::error::FileError;
 use crate::origin::Origin;
@@ -56,15 +55,17 @@ pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigErro
 }
 
 impl Description {
-    /// An error of the settings at the line it comes from.
+    /// An error of the settings at the line of its key; at that of the section where the key is left at its default.
     pub(super) fn located(&self, origin: &Origin, error: &ConfigError) -> FileError {
-        let fits = |place: &&places::Place| place.field == error.field && place.axis == error.axis;
-        let exact = self.places.iter().filter(fits).find(|place| place.values.contains(&error.found));
-        match exact.or_else(|| self.places.iter().find(fits)) {
-            Some(place) => origin.at(place.line, &place.key, &place.text, error.needed),
-            None => {
-                let axis = error.axis.map_or(String::new(), |axis| format!(" of axis {}", axis.letter()));
-                origin.whole(format!("{:?}{axis} = {}", error.field, Figure(error.found)), error.needed)
+        let Some(key) = error.key().map(|key| key.to_string()) else {
+            return origin.whole(format!("{:?} = {}", error.field, Figure(error.found)), error.needed);
+        };
+        match self.keys.get(&key) {
+            Some(written) if !written.text.is_empty() => origin.at(written.line, &key, &written.text, error.needed),
+            // A default, or a whole section.
+            _ => {
+                let line = self.keys.get(&key).map(|written| written.line).or_else(|| self.keys.section(&key));
+                origin.at(line.unwrap_or(0), &key, format!("{}, the default", Figure(error.found)), error.needed)
             }
         }
     }
@@ -75,7 +76,7 @@ impl Description {
         let rotary = error.axis.is_some_and(Axis::is_rotary);
         let micro = |value: f64| if rotary { value.to_radians() * 1e6 } else { value * 1e3 };
         let unit = if rotary { "urad" } else { "um" };
-        let given = self.places.iter().any(|place| place.field == error.field && place.axis == error.axis);
+        let given = error.key().is_some_and(|key| self.keys.get(&key.to_string()).is_some());
         let letter = error.axis.map_or(' ', Axis::letter);
         FileError {
             found: if given {

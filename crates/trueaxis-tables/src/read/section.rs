@@ -29,6 +29,12 @@ pub(super) struct Section<'a> {
     numbers: &'a RefCell<Vec<(String, usize)>>,
 }
 
+/// The line at which a span begins, from 1.
+pub(super) fn line(text: &str, span: &Range<usize>) -> u32 {
+    let before = text.as_bytes().get(..span.start).unwrap_or_default();
+    u32::try_from(1 + before.iter().filter(|byte| **byte == b'\n').count()).unwrap_or(0)
+}
+
 impl<'a> Section<'a> {
     pub(super) fn new(
         origin: &'a Origin,
@@ -40,8 +46,7 @@ impl<'a> Section<'a> {
     }
 
     fn line(&self, span: &Range<usize>) -> u32 {
-        let before = self.text.as_bytes().get(..span.start).unwrap_or_default();
-        u32::try_from(1 + before.iter().filter(|byte| **byte == b'\n').count()).unwrap_or(0)
+        line(self.text, span)
     }
 
     fn refuse(&self, key: &str, span: &Range<usize>, needed: impl Into<String>) -> FileError {
@@ -71,6 +76,24 @@ impl<'a> Section<'a> {
             Some(number) if number.is_finite() => Ok(number),
             _ => Err(self.refuse(key, &value.span(), "a finite number")),
         }
+    }
+
+    /// Stores a number, converted, where the key is given.
+    pub(super) fn store(&self, to: &mut f64, key: &str, convert: impl Fn(f64) -> f64) -> Result<(), FileError> {
+        if let Some(found) = self.number(key)? {
+            *to = convert(found.value);
+        }
+        Ok(())
+    }
+
+    /// Stores a list of numbers where the key is given; whether it is.
+    pub(super) fn store_all<const N: usize>(&self, to: &mut [f64; N], key: &str) -> Result<bool, FileError> {
+        let found = self.numbers(key)?;
+        let given = found.is_some();
+        if let Some(found) = found {
+            *to = found.value;
+        }
+        Ok(given)
     }
 
     /// A finite number.

@@ -1,0 +1,48 @@
+//! Lines of all keys and sections of a TOML file, for errors that are found later.
+
+use super::section::line;
+use std::collections::BTreeMap;
+use toml::de::DeTable;
+
+/// A key or section as written.
+pub(super) struct Written {
+    pub(super) line: u32,
+    /// The value; empty for a section.
+    pub(super) text: String,
+}
+
+/// The keys and sections of a file by their full names, like `axis.X.limits.magnitude_um`.
+pub(super) struct Keys(BTreeMap<String, Written>);
+
+impl Keys {
+    pub(super) fn new(text: &str, table: &DeTable<'_>) -> Keys {
+        let mut keys = Keys(BTreeMap::new());
+        keys.add(text, "", table);
+        keys
+    }
+
+    fn add(&mut self, text: &str, prefix: &str, table: &DeTable<'_>) {
+        for (key, value) in table {
+            let name = format!("{prefix}{}", key.get_ref());
+            let section = value.get_ref().as_table();
+            let (span, written) = match section {
+                Some(_) => (key.span(), ""),
+                None => (value.span(), text.get(value.span()).unwrap_or_default()),
+            };
+            if let Some(section) = section {
+                self.add(text, &format!("{name}."), section);
+            }
+            self.0.insert(name, Written { line: line(text, &span), text: written.into() });
+        }
+    }
+
+    pub(super) fn get(&self, name: &str) -> Option<&Written> {
+        self.0.get(name)
+    }
+
+    /// Line of the innermost section that a key belongs to, whether the key is there or not; `None` for the file.
+    pub(super) fn section(&self, name: &str) -> Option<u32> {
+        let (section, _) = name.rsplit_once('.')?;
+        self.get(section).map(|written| written.line).or_else(|| self.section(section))
+    }
+}
