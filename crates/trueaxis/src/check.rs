@@ -116,6 +116,7 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
 
 /// What a table has to keep to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum TableRule {
     /// Number of lines.
     Count,
@@ -153,6 +154,7 @@ impl TableRule {
 
 /// Where a table is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TableFault {
     /// What is broken.
     pub rule: TableRule,

@@ -120,6 +120,7 @@ pub enum Followed {
 /// What is known about one revolution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Evaluation<R> {
     /// Counts whole revolutions that were sampled, from 1, wrapping.
     pub revolution: u32,
@@ -138,6 +139,7 @@ pub struct Evaluation<R> {
 /// What a cycle gives back.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Cycle<R> {
     /// Infeed correction, mm in the sense of its axis; 0 without one, or while θ is unknown.
     pub infeed: R,
