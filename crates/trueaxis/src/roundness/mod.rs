@@ -139,7 +139,6 @@ pub struct Evaluation<R> {
 /// What a cycle gives back.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
 pub struct Cycle<R> {
     /// Infeed correction, mm in the sense of its axis; 0 without one, or while θ is unknown.
     pub infeed: R,

@@ -88,4 +88,5 @@ fn usable<P: Position>(position: &[P]) -> Result<(), Fault> {
 }
 
 #[cfg(test)]
+#[allow(clippy::indexing_slicing)]
 mod tests;
