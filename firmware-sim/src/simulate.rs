@@ -17,7 +17,7 @@ use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::{OrientationError, Path, Reference, ToolPath};
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::AXES;
-use trueaxis::machine::step_axes;
+use trueaxis::machine::AxisOrder;
 use trueaxis::sample::Refusal;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Fault, Input, OnToolPath, Output, Position, Real, ServoLoop, State};
@@ -350,7 +350,7 @@ impl<'c, const N: usize> Planned<'c, N> {
             motion,
             setpoints: motion.setpoints().peekable(),
             path: SlidingPath::new(scenario),
-            axes: step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?,
+            axes: AxisOrder::<N>::of(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?.axes(),
             span: 0,
             cycle: 0,
         })
@@ -431,9 +431,9 @@ struct Cell<'c, 'a, const N: usize> {
 impl<'c, 'a, const N: usize> Cell<'c, 'a, N> {
     fn new(scenario: &'c Scenario, kind: Kind, servo: &'c ServoLoop<'a, f64, f64, N>) -> Result<Self> {
         let mut state = servo.start();
-        let axes = step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?;
+        let axes = AxisOrder::<N>::of(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?.axes();
         for (place, axis) in axes.iter().enumerate() {
-            if let Some(settings) = scenario.machine.settings.axes.iter().find(|a| a.axis == *axis) {
+            if let Some(settings) = scenario.machine.settings.axis(*axis) {
                 let line = ThermalLine::for_axis(&settings.thermal, scenario.kelvin)
                     .with_context(|| format!("thermal growth of axis {} at {} K", axis.letter(), scenario.kelvin))?;
                 state.set_thermal(place, line);

@@ -146,7 +146,7 @@ impl Travel {
     fn new(machine: &Machine, axes: impl Iterator<Item = Axis>) -> Self {
         let mut band = [0.0; AXES];
         for (band, axis) in band.iter_mut().zip(axes) {
-            let own = machine.settings.axes.iter().find(|own| own.axis == axis);
+            let own = machine.settings.axis(axis);
             *band = own.map_or(0.0, |own| own.hysteresis);
         }
         Travel { reversal: [Reversal::default(); AXES], band, begun: false }
@@ -162,11 +162,11 @@ impl Travel {
         let mut directions = self.directions();
         for _ in 0..MOST_REVERSALS {
             let sent = correction(&directions)?;
-            for (place, (command, sent)) in command.iter().zip(sent).enumerate() {
+            for (slot, (command, sent)) in command.iter().zip(sent).enumerate() {
                 if !self.begun {
-                    self.reversal[place] = Reversal::at(command + sent);
+                    self.reversal[slot] = Reversal::at(command + sent);
                 }
-                self.reversal[place].update(command + sent, self.band[place]);
+                self.reversal[slot].update(command + sent, self.band[slot]);
             }
             self.begun = true;
             let before = directions;
@@ -179,7 +179,7 @@ impl Travel {
     }
 
     fn directions<const N: usize>(&self) -> [Direction; N] {
-        std::array::from_fn(|place| self.reversal[place].direction())
+        std::array::from_fn(|slot| self.reversal[slot].direction())
     }
 }
 
@@ -187,11 +187,11 @@ impl Travel {
 fn next(machine: &Machine, positions: &mut Rows<6>) -> Result<Option<Row<6>>> {
     let Some(row) = positions.next()? else { return Ok(None) };
     for settings in &machine.settings.axes {
-        let place = settings.axis.index();
-        let (q, [low, high]) = (row.values[place], settings.travel);
+        let index = settings.axis.index();
+        let (q, [low, high]) = (row.values[index], settings.travel);
         if q < low || q > high {
             let needed = format!("the declared travel, {low} to {high}");
-            return Err(positions.error(row.line, COLUMNS[place].name, q, needed));
+            return Err(positions.error(row.line, COLUMNS[index].name, q, needed));
         }
     }
     Ok(Some(row))

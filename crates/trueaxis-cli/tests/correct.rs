@@ -115,7 +115,7 @@ fn five_axes_agree_with_compensate_and_with_exact_transforms() {
 fn without_a_position_the_middle_of_the_travel() {
     let directory = folder();
     let (text, told) = good(&directory, &["correct", "mill-3axis"]);
-    assert!(text.contains("at X 0, Y 0, Z -200, mm (middle of the travel)") && told.is_empty(), "{text}{told}");
+    assert!(text.contains("at X 0, Y 0, Z -200 mm (middle of the travel)") && told.is_empty(), "{text}{told}");
     let found = document(&directory, &["correct", "mill-3axis"]);
     assert_eq!(found, document(&directory, &["correct", "mill-3axis", "--at", "0,0,-200"]));
     // Rotary axes stand at zero where they are left out.

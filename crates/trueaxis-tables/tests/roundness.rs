@@ -3,7 +3,7 @@
 use std::fs;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, ProbeSettings, RoundnessSettings, SpindleEncoder,
+    Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles, ProbeSettings, SpindleEncoder,
 };
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::{Machine, compile, summary};
@@ -22,7 +22,7 @@ fn read(roundness: &str) -> Result<Machine, String> {
 #[test]
 fn defaults_are_those_stated() {
     let slots = ProbeAngles::Slots { p: 188, q: 667 };
-    let least = RoundnessSettings::with_defaults(1024, slots, 3_600_000);
+    let least = GaugeSettings::with_defaults(1024, slots, 3_600_000);
     assert_eq!(read(LEAST).unwrap().settings.roundness, Some(least));
     assert_eq!(least.band, Band { first: 2, last: 100 });
     assert_eq!(read("").unwrap().settings.roundness, None);
@@ -42,7 +42,7 @@ fn every_key_arrives_and_survives_compilation() {
     )
     .unwrap();
     let probe = |gain_um: f64, zero: f64, reach: f64| ProbeSettings { gain_um, zero, range: [-reach, reach] };
-    let expected = RoundnessSettings {
+    let expected = GaugeSettings {
         points: 512,
         angles: ProbeAngles::Degrees { phi2: 66.1, phi3: 234.5 },
         band: Band { first: 2, last: 60 },
@@ -57,7 +57,7 @@ fn every_key_arrives_and_survives_compilation() {
         }),
         filter: Some(50),
         revolutions: 5,
-        units_per_cycle: 3,
+        slices_per_cycle: 3,
         stop_s: 0.25,
         infeed: Some(InfeedSettings {
             axis: Axis::X,
@@ -118,9 +118,13 @@ fn what_is_wrong_is_refused_with_its_line() {
         (with("spindle_index_tolerance_counts = 900000\n"), ":9: key roundness.spindle_index_tolerance_counts"),
         (with("revolutions = 0\n"), ":9: key roundness.revolutions"),
         (with("units_per_cycle = 17\n"), ":9: key roundness.units_per_cycle"),
+        // The same figure in another key of the field, where it is right.
+        (with("revolutions = 17\nunits_per_cycle = 17\n"), ":10: key roundness.units_per_cycle: found 17, needed"),
         (with("stop_s = 0\n"), ":9: key roundness.stop_s"),
         (with("probe_gain_um = [1, 0, 1]\n"), ":9: key roundness.probe_gain_um"),
-        (with("probe_low = [0, 0, 2000]\n"), "needed a range from low to high"),
+        // A key that is left out: the line of its section.
+        (with("probe_low = [0, 0, 2000]\n"), ":5: key roundness.probe_high: found "),
+        (with("probe_low = [0, 0, 2000]\n"), ", the default, needed a range from low to high"),
         (with("probes = 3\n"), ":9: key roundness.probes: found probes, needed one of"),
         (
             with(&arm.replace("45", "327.5")),
@@ -129,7 +133,7 @@ fn what_is_wrong_is_refused_with_its_line() {
         (with(&arm.replace("300", "-1")), ":11: key roundness.arm.wheel_mm"),
         (with(&arm.replace("pin_mm = 27.5\n", "")), "roundness.arm.pin_mm: found nothing"),
         (with(&format!("{infeed}gain = 0.4\n")), ":11: key roundness.infeed.gain: found 0.4, needed a gain above 0"),
-        (with(&infeed.replace('X', "Y")), "needed an axis of the machine"),
+        (with(&infeed.replace('X', "Y")), ":10: key roundness.infeed.axis: found \"Y\", needed an axis of the machine"),
         (with(&infeed.replace('X', "U")), ":10: key roundness.infeed.axis: found \"U\", needed an axis"),
         (
             with(&format!("{infeed}limit_um = 150\n")),

@@ -1,4 +1,4 @@
-//! What a machine description has to keep to: checked where tables are compiled and again where they are loaded.
+//! Checks of a machine description, made where tables are compiled and again where they are loaded.
 //!
 //! Everything here runs at build, in double precision, without allocation; its cost is a few look-ups per table line.
 
@@ -114,7 +114,7 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
     need(joint_high >= high, wrong(Field::Joint, joint_high, "a range that contains the travel"))
 }
 
-/// What a table has to keep to.
+/// Rules for a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TableRule {
@@ -156,7 +156,7 @@ impl TableRule {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct TableFault {
-    /// What is broken.
+    /// The rule that is broken.
     pub rule: TableRule,
     /// Line, from 0.
     pub row: usize,
@@ -164,7 +164,7 @@ pub struct TableFault {
     pub component: Option<usize>,
     /// In the reverse column.
     pub reverse: bool,
-    /// What was found: number of lines; mm, degrees, rad; a slope in mm/mm or rad/rad.
+    /// Figure found: number of lines; mm, degrees, rad; a slope in mm/mm or rad/rad.
     pub found: f64,
 }
 

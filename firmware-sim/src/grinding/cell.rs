@@ -4,7 +4,7 @@ use super::{Event, Grinding, InfeedDrive, Linkage, Noise, Turning, Workpiece, co
 use anyhow::{Result, anyhow};
 use std::f64::consts::TAU;
 use trueaxis::machine::AXES;
-use trueaxis::roundness::{Probes, RoundnessSettings};
+use trueaxis::roundness::{GaugeSettings, Probes};
 use trueaxis_tables::exact::Geometry;
 
 /// Where the index pulse finds the spindle's counter: an incremental encoder starts anywhere.
@@ -28,7 +28,7 @@ struct Instant {
 /// State of the machine.
 pub(super) struct Cell<'g> {
     grinding: &'g Grinding,
-    gauge: &'g RoundnessSettings,
+    gauge: &'g GaugeSettings,
     phi: [f64; 3],
     contact: f64,
     /// +1 where the axis moves toward the workpiece.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt;
 use std::time::Instant;
-use trueaxis::roundness::{ErrorMotion, Flags};
+use trueaxis::roundness::{ErrorMotion, GaugeFlags};
 
 /// What grinding without and with correction gave.
 #[derive(Debug)]
@@ -297,7 +297,7 @@ impl fmt::Display for Summary<'_> {
             after.counts.discarded,
             o.limits_exceeded()
         )?;
-        if after.flags.has(Flags::INFEED_FROZEN) {
+        if after.flags.has(GaugeFlags::INFEED_FROZEN) {
             writeln!(f, "note     the infeed correction was frozen at least once: it was limited, or near its bound")?;
         }
         writeln!(f, "two runs in {:.1} s", o.wall_s)

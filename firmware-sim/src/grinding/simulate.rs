@@ -6,7 +6,7 @@ use super::workpiece::{Harmonic, imprint};
 use crate::simulate::with_loop;
 use anyhow::{Result, anyhow, bail};
 use trueaxis::machine::{AXES, Limits};
-use trueaxis::roundness::{Counts, Evaluation, Flags, Roundness, RoundnessSettings, RoundnessState};
+use trueaxis::roundness::{Counts, Evaluation, Gauge, GaugeFlags, GaugeSettings, GaugeState};
 use trueaxis::sample::Refusal;
 use trueaxis::{Fault, GaugeRide, Input, ServoLoop, State};
 
@@ -38,7 +38,7 @@ pub struct Moment<'m> {
     /// Infeed correction that the gauge asks for, mm.
     pub infeed_mm: f64,
     /// What the gauge met.
-    pub flags: Flags,
+    pub flags: GaugeFlags,
     /// A revolution has just been evaluated.
     pub finished: bool,
     /// How revolutions fared.
@@ -90,7 +90,7 @@ pub struct Run {
     /// Cycles in which the limiter held the infeed axis back.
     pub limited_cycles: u64,
     /// Whatever the gauge met.
-    pub flags: Flags,
+    pub flags: GaugeFlags,
     /// Servo cycles.
     pub cycles: u64,
     /// Cycles that the work on a revolution takes at most.
@@ -98,15 +98,15 @@ pub struct Run {
 }
 
 /// Cycles that the work on a revolution takes at most.
-pub(super) fn cycles_of_work(gauge: &RoundnessSettings, period_ns: u32) -> Result<usize> {
-    fn of<const POINTS: usize>(gauge: &RoundnessSettings, period_ns: u32) -> Result<usize> {
+pub(super) fn cycles_of_work(gauge: &GaugeSettings, period_ns: u32) -> Result<usize> {
+    fn of<const POINTS: usize>(gauge: &GaugeSettings, period_ns: u32) -> Result<usize> {
         Ok(build::<POINTS>(gauge, period_ns)?.cycles_of_work())
     }
     with_points!(gauge.points, of, (gauge, period_ns))
 }
 
-fn build<const POINTS: usize>(gauge: &RoundnessSettings, period_ns: u32) -> Result<Box<Roundness<f64, POINTS>>> {
-    Ok(Box::new(Roundness::build(gauge, period_ns).map_err(|e| anyhow!("[roundness]: {e}"))?))
+fn build<const POINTS: usize>(gauge: &GaugeSettings, period_ns: u32) -> Result<Box<Gauge<f64, POINTS>>> {
+    Ok(Box::new(Gauge::build(gauge, period_ns).map_err(|e| anyhow!("[roundness]: {e}"))?))
 }
 
 /// Grinds with the correction on or off; the gauge measures either way. `observe` is called in every cycle.
@@ -149,8 +149,8 @@ struct Control<'c, 'a, const POINTS: usize> {
     grinding: &'c Grinding,
     servo: &'c ServoLoop<'a, f64, f64, 3>,
     state: State<f64, f64, 3>,
-    gauge: &'c Roundness<f64, POINTS>,
-    gauge_state: Box<RoundnessState<f64, POINTS>>,
+    gauge: &'c Gauge<f64, POINTS>,
+    gauge_state: Box<GaugeState<f64, POINTS>>,
     cell: Cell<'c>,
     limits: [Limits; 3],
     period_s: f64,
@@ -166,7 +166,7 @@ impl<'c, 'a, const POINTS: usize> Control<'c, 'a, POINTS> {
     fn new(
         grinding: &'c Grinding,
         servo: &'c ServoLoop<'a, f64, f64, 3>,
-        gauge: &'c Roundness<f64, POINTS>,
+        gauge: &'c Gauge<f64, POINTS>,
     ) -> Result<Self> {
         let cell = Cell::new(grinding)?;
         let free = Limits { magnitude: f64::MAX, slope_per_s: f64::MAX, acceleration_per_s2: f64::MAX };
@@ -206,7 +206,7 @@ impl<'c, 'a, const POINTS: usize> Control<'c, 'a, POINTS> {
                 surfaces: [before, Vec::new()],
                 limits_exceeded: 0,
                 limited_cycles: 0,
-                flags: Flags::default(),
+                flags: GaugeFlags::default(),
                 cycles: 0,
                 cycles_of_work: gauge.cycles_of_work(),
             },
@@ -269,7 +269,7 @@ impl<'c, 'a, const POINTS: usize> Control<'c, 'a, POINTS> {
             return Ok(());
         }
         self.run.cycles += 1;
-        self.run.flags = Flags(self.run.flags.0 | cycle.flags.0);
+        self.run.flags = GaugeFlags(self.run.flags.0 | cycle.flags.0);
         observe(&Moment {
             turns: self.cell.turns(),
             drive_mm: output.drive,

@@ -3,7 +3,7 @@
 use crate::grinding::{CentreMotion, Noise, Term, Turning, counts, probe_angles, sum};
 use crate::scenario::Scenario;
 use std::f64::consts::TAU;
-use trueaxis::roundness::RoundnessSettings;
+use trueaxis::roundness::GaugeSettings;
 use trueaxis_recording::Probe;
 
 /// Surface, µm over the angle.
@@ -16,7 +16,7 @@ const SURFACE: [Term; 4] = [
 
 /// The turning workpiece.
 pub(super) struct Turned {
-    gauge: RoundnessSettings,
+    gauge: GaugeSettings,
     phi: [f64; 3],
     motion: CentreMotion,
     turning: Turning,
@@ -25,7 +25,7 @@ pub(super) struct Turned {
 }
 
 impl Turned {
-    pub(super) fn new(gauge: &RoundnessSettings, scenario: &Scenario, speed_rpm: f64) -> Turned {
+    pub(super) fn new(gauge: &GaugeSettings, scenario: &Scenario, speed_rpm: f64) -> Turned {
         Turned {
             gauge: *gauge,
             phi: probe_angles(gauge),

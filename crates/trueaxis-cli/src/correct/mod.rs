@@ -13,19 +13,19 @@ use found::Found;
 use trueaxis::machine::Axis;
 
 pub(crate) const HELP: &str = "\
-Evaluates the machine's own error model as the servo step does, for one position. Without --at: the middle of the declared
-travel of every axis; where none is declared, the middle of its table, or zero.
+Evaluates the machine's own error model at one position, as the servo step does. Without --at the position is the middle of
+the declared travel of every axis, else the middle of its table, else zero.
 
-  error of the tip   actual − ideal at the uncorrected command, machine coordinates, and the share of each axis
-  correction         added to the command, so that the tip comes to rest at the position; rotary axes in degrees
-  command            position + correction, sent to the drives
+  error of the tip   actual − ideal at the uncorrected command, machine coordinates; below it the share of each axis
+  correction         added to the command so that the tip comes to the position; of rotary axes in degrees
+  command            position + correction
 
-Beyond the end of a table its edge value is clamped, and a note says so. Travel is positive unless --direction says
-otherwise: two-sided tables and backlash depend on it.
+Two-sided tables and backlash depend on the direction of travel. Beyond the end of a table its edge value is clamped, and a
+note says so.
 
---json: machine, model, at_mm [x, y, z], error_um [x, y, z], correction_mm, command_mm, contributions [{source, error_um}],
-clamped and out_of_travel (letters of axes); with rotary axes also at_deg, correction_deg, command_deg (by letter), and of a
-volumetric model error_urad [about x, y, z]: small rotation of the tool, actual − ideal.
+--json: machine, model, at_mm, error_um, correction_mm, command_mm (each [x, y, z]), contributions [{source, error_um}],
+clamped, out_of_travel (letters of axes). With rotary axes also at_deg, correction_deg, command_deg (by letter), and with the
+volumetric model error_urad: rotation of the tool about [x, y, z], actual − ideal.
 
 Example: trueaxis correct compensation-tables/mill-3axis --at 120,-40,-200 --direction +x,-y";
 

@@ -63,15 +63,15 @@ pub(super) fn document(machine: &Machine, found: &Found) -> Value {
 pub(super) fn text(machine: &Machine, asked: &Asked, found: &Found) -> String {
     let settings = &machine.settings;
     let mut text = format!("{}   {}, error model {}\n", settings.name, settings.chain, model(machine));
-    let list = |of: &dyn Fn(Axis) -> String| found.axes.iter().map(|axis| of(*axis)).collect::<Vec<_>>().join(", ");
-    let at = list(&|axis| {
-        let unit = if axis.is_rotary() { "°" } else { "" };
-        format!("{} {}{unit}", axis.letter(), short(found.at[axis.index()]))
-    });
+    let list =
+        |axes: &[Axis], of: &dyn Fn(Axis) -> String| axes.iter().map(|axis| of(*axis)).collect::<Vec<_>>().join(", ");
+    let at = |axes| list(axes, &|axis| format!("{} {}", axis.letter(), short(found.at[axis.index()])));
+    let linear = found.axes.get(..3).unwrap_or_default();
+    let rotary = if found.rotary().is_empty() { String::new() } else { format!("; {} degrees", at(found.rotary())) };
     let middle = if asked.is_middle { " (middle of the travel)" } else { "" };
-    let _ = writeln!(text, "at {at}, mm{middle}");
+    let _ = writeln!(text, "at {} mm{rotary}{middle}", at(linear));
     let sign = |axis: Axis| if asked.reverse[axis.index()] { '-' } else { '+' };
-    let _ = write!(text, "travel {}", list(&|axis| format!("{}{}", sign(axis), axis.letter())));
+    let _ = write!(text, "travel {}", list(&found.axes, &|axis| format!("{}{}", sign(axis), axis.letter())));
     let kelvin = if asked.kelvin == 0.0 { String::new() } else { format!(", {} K", short(asked.kelvin)) };
     let _ = writeln!(text, "{}\n", kelvin.replacen(", ", "; above the reference temperature by ", 1));
 
@@ -93,6 +93,7 @@ pub(super) fn text(machine: &Machine, asked: &Asked, found: &Found) -> String {
     if found.rotary().is_empty() {
         return text;
     }
+    text.push('\n');
     let mut row = |name: &str, of: &dyn Fn(Axis) -> String| {
         let cells: String = found.rotary().iter().map(|axis| format!("{:>12}", of(*axis))).collect();
         let _ = writeln!(text, "{name:26}{cells}");

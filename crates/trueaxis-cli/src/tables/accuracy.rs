@@ -7,9 +7,8 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::{Direction as Travel, ThermalLine};
-use trueaxis::machine::ErrorModel;
-use trueaxis::machine::step_axes;
+use trueaxis::compensation::{Direction as Travel, Query, ThermalLine};
+use trueaxis::machine::{AxisOrder, ErrorModel};
 use trueaxis_metrology::accuracy::{Accuracy, Direction, Measurement, evaluate, evaluate_compensated};
 use trueaxis_tables::Machine;
 use trueaxis_tables::formats::iso230_2::{MeasurementFile, read_measurement};
@@ -49,18 +48,18 @@ pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_js
 
 /// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.
 fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<Accuracy> {
-    let axes = step_axes::<N>(&tables.settings).map_err(|error| anyhow!("{error}"))?;
-    let place = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
+    let axes = AxisOrder::<N>::of(&tables.settings).map_err(|error| anyhow!("{error}"))?.axes();
+    let slot = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
     with_compensation::<N, _>(tables, 1, |compensation| {
         let own = |position: f64, direction: Direction| {
             let travel = if direction == Direction::Down { Travel::NEGATIVE } else { Travel::POSITIVE };
             let error = |q: f64| {
                 let mut at = [0.0; N];
-                at[place] = q;
+                at[slot] = q;
                 let (at, thermal) = (compensation.coordinates(&at), [ThermalLine::default(); N]);
                 let mut directions = [Travel::POSITIVE; N];
-                directions[place] = travel;
-                compensation.errors(&at, &directions, &thermal, &mut 0)[place]
+                directions[slot] = travel;
+                compensation.errors(&Query::at(&at, &directions, &thermal), &mut 0)[slot]
             };
             // The other axes stand still: what they add is the same everywhere.
             let constant = {
@@ -68,13 +67,11 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
                 let own = first.map_or(0.0, |row| row.forward[measurement.axis.index()]);
                 let start = first.map_or(0.0, |row| row.position);
                 let mut at = [0.0; N];
-                at[place] = start;
+                at[slot] = start;
                 let forward = compensation.errors(
-                    &compensation.coordinates(&at),
-                    &[Travel::POSITIVE; N],
-                    &[ThermalLine::default(); N],
+                    &Query::at(&compensation.coordinates(&at), &[Travel::POSITIVE; N], &[ThermalLine::default(); N]),
                     &mut 0,
-                )[place];
+                )[slot];
                 let own = if measurement.axis.is_rotary() { own.to_degrees() } else { own };
                 forward - own
             };

@@ -2,10 +2,12 @@
 
 use crate::model::{self, parsed};
 use crate::output::{json, print, tell};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 use std::path::Path;
 use trueaxis::tcomp::Tcomp;
+use trueaxis_tables::error::FileError;
+use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
 use trueaxis_tables::{LostMotion, Machine, build, lost_motion, summary};
@@ -52,8 +54,12 @@ fn compiled(path: &Path, rate_hz: f64) -> Result<(Machine, Vec<u8>)> {
         bail!("--rate-hz: found {rate_hz}, needed 10 to 1000000");
     }
     let machine = model::source(path)?;
-    let bytes = trueaxis_tables::compile(&machine).map_err(|error| anyhow!("{}: {error}", path.display()))?;
-    build(&machine, rate_hz).map_err(|error| anyhow!("{}: at {rate_hz} Hz: {error}", path.display()))?;
+    let (folder, name) = Folder::of_machine(path);
+    let bytes = trueaxis_tables::compile(&machine).map_err(|error| Machine::refusal(&folder, &name, &error))?;
+    build(&machine, rate_hz).map_err(|error| {
+        let refusal = Machine::refusal(&folder, &name, &error);
+        FileError { needed: format!("{} (at {rate_hz} Hz)", refusal.needed), ..refusal }
+    })?;
     Ok((machine, bytes))
 }
 

@@ -4,7 +4,7 @@ use super::section::{Found, Section};
 use crate::error::FileError;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings, RoundnessSettings,
+    Arm, ArmSettings, Band, GaugeSettings, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings,
     SpindleEncoder,
 };
 
@@ -49,7 +49,7 @@ impl Section<'_> {
 const COUNTS: &str = "a whole number of counts per revolution";
 
 /// The section; `None` where the file has none.
-pub(super) fn read(root: &Section<'_>) -> Result<Option<RoundnessSettings>, FileError> {
+pub(super) fn read(root: &Section<'_>) -> Result<Option<GaugeSettings>, FileError> {
     let Some(section) = root.section("roundness")? else { return Ok(None) };
     let points =
         section.number("points")?.ok_or_else(|| section.missing("points", "the points of a revolution, 64 to 4096"))?;
@@ -72,7 +72,7 @@ pub(super) fn read(root: &Section<'_>) -> Result<Option<RoundnessSettings>, File
         (Some(_), Some(found)) => return Err(section.wrong(&found, "either probe_slots or probe_angles_deg")),
         (None, None) => return Err(section.missing("probe_slots", "probe_slots = [p, q] or probe_angles_deg")),
     };
-    let mut settings = RoundnessSettings::with_defaults(
+    let mut settings = GaugeSettings::with_defaults(
         whole(&section, &points, "a power of two from 64 to 4096")?,
         angles,
         whole(&section, &counts, COUNTS)?,
@@ -101,7 +101,7 @@ pub(super) fn read(root: &Section<'_>) -> Result<Option<RoundnessSettings>, File
     Ok(Some(settings))
 }
 
-fn read_keys(section: &Section<'_>, settings: &mut RoundnessSettings) -> Result<(), FileError> {
+fn read_keys(section: &Section<'_>, settings: &mut GaugeSettings) -> Result<(), FileError> {
     section.store_band(&mut settings.band, "harmonics")?;
     section.store(&mut settings.noise_gain_limit, "noise_gain_limit", |limit| limit)?;
     let SpindleEncoder { direction, index, index_tolerance, .. } = &mut settings.spindle;
@@ -112,7 +112,7 @@ fn read_keys(section: &Section<'_>, settings: &mut RoundnessSettings) -> Result<
     section.store_whole(index_tolerance, "spindle_index_tolerance_counts", "a whole number of counts")?;
     section.store(&mut settings.stop_s, "stop_s", |seconds| seconds)?;
     section.store_whole(&mut settings.revolutions, "revolutions", "a whole number from 1 to 10,000")?;
-    section.store_whole(&mut settings.units_per_cycle, "units_per_cycle", "a whole number from 1 to 16")?;
+    section.store_whole(&mut settings.slices_per_cycle, "units_per_cycle", "a whole number from 1 to 16")?;
     // No cut-off fits into the type and is not read from the file.
     const NONE: u16 = u16::MAX;
     let mut cut_off = NONE;
@@ -158,7 +158,7 @@ fn read_arm(section: &Section<'_>) -> Result<ArmSettings, FileError> {
     Ok(arm)
 }
 
-fn read_infeed(section: &Section<'_>, settings: &RoundnessSettings) -> Result<InfeedSettings, FileError> {
+fn read_infeed(section: &Section<'_>, settings: &GaugeSettings) -> Result<InfeedSettings, FileError> {
     let axis = section.string("axis")?.ok_or_else(|| section.missing("axis", "the axis that feeds in, like \"X\""))?;
     let letter = axis.value.chars().next().filter(|_| axis.value.len() == 1);
     let Some(letter) = letter.and_then(Axis::from_letter) else {
