@@ -16,6 +16,7 @@ use axis_table::TableFile;
 use machine_toml::{Description, TableReference};
 use std::path::{Path, PathBuf};
 use trueaxis::check;
+use trueaxis::error::ConfigError;
 use trueaxis::machine::{Axis, AxisSettings, MachineSettings, Row};
 
 impl Machine {
@@ -55,6 +56,15 @@ impl Machine {
         check::machine_passes(&machine.settings, rows)
             .map_err(|error| refused::contraction(&machine, &origin, &error))?;
         Ok(machine)
+    }
+
+    /// An error of the machine's configuration at its key in `machine.toml`, or of its section without it; in a file that
+    /// can no longer be read, of the file.
+    pub fn refusal(files: &dyn Source, name: &Path, error: &ConfigError) -> FileError {
+        match described(files, name) {
+            Ok((origin, description)) => description.located(&origin, error),
+            Err(unread) => unread,
+        }
     }
 
     /// The files that [`Machine::read`] reads: `machine.toml` and the tables that it names.
