@@ -14,22 +14,17 @@
 // print! and its like panic when the other end of a pipe is closed.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
-pub mod ball_test;
 pub mod bench;
 pub mod compare;
-pub mod grinding;
 pub mod latency;
-pub mod motion;
 pub mod outcome;
 pub mod pace;
-pub mod path;
-pub mod placement;
-pub mod plant;
-pub mod program;
 pub mod recorded;
 pub mod report;
-pub mod scenario;
+pub mod rs274;
+pub mod samples;
 pub mod series;
-pub mod simulate;
+pub mod stopwatch;
 pub mod trace;
-pub mod truth;
+
+pub use trueaxis_sim::{ball_test, grinding};

@@ -1,19 +1,21 @@
 //! The three runs side by side: console summary, JSON, report.
 
 use crate::latency::{Latency, timed};
-use crate::motion::Motion;
-use crate::pace::PaceReport;
-use crate::report::{AngleSize, ContourErrors, ErrorSize, FaultEntry, Report};
-use crate::scenario::Scenario;
+use crate::pace::{self, Pace, PaceReport};
+use crate::report::{ContourErrors, FaultEntry, Report};
 use crate::series::Series;
-use crate::simulate::{self, Kind, Options, Run, Sink};
+use crate::stopwatch::Stopwatch;
 use anyhow::{Result, anyhow};
 use serde::Serialize;
 use std::fmt;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use trueaxis_sim::run::{AngleSize, ErrorSize, Kind, MOST_FAULT_SPANS, Run, Sink, Tallies};
+use trueaxis_sim::scenario::Scenario;
 use trueaxis_tables::text::counted;
 
-/// The runs, in the order in which sinks see them.
-pub const KINDS: [Kind; 3] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly];
+/// Cycles between two looks at the progress.
+const STRETCH: u64 = 4096;
 
 /// Said where steps took long or cycles came late.
 const BUSY_KERNEL: &str = "steps over the budget and late cycles are the doing of a busy kernel, which took the processor \
@@ -22,9 +24,9 @@ away: the work of a step is bounded, its median and 99 % are what it costs";
 /// What the three runs gave.
 #[derive(Debug)]
 pub struct Outcome {
-    uncompensated: Run,
-    compensated: Run,
-    servo_only: Run,
+    uncompensated: Tallies,
+    compensated: Tallies,
+    servo_only: Tallies,
     /// Cost of the compensated run's steps.
     latency: Latency,
     /// How pacing went, if it was asked for.
@@ -33,35 +35,49 @@ pub struct Outcome {
     wall_s: f64,
 }
 
-/// Simulates a scenario three times. `sinks` get every cycle of the three runs, in the order of [`KINDS`]; `progress` gets
-/// the fraction done, 0 to 1. `paced`: the steps are timed in a further run of the compensated machine, at the real rate.
+/// Runs a scenario to its end on the machines of [`Kind::ALL`], which `run` was made for. `sinks` get every cycle; `progress` gets the fraction done, 0
+/// to 1. `paced`: the steps are timed in a further run of the compensated machine, at the real rate.
 ///
 /// # Errors
-/// The machine's tables do not build.
-pub fn simulate<const N: usize>(
-    scenario: &Scenario,
-    motion: &Motion<'_>,
+/// As [`Run::of`].
+pub fn simulate(
+    mut run: Run,
+    scenario: &Arc<Scenario>,
     paced: bool,
-    sinks: &mut [&mut dyn Sink],
+    mut sinks: Vec<&mut dyn Sink>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome> {
-    let (runs, nanoseconds) = timed(|| {
-        let total = motion.cycles() as f64;
-        let mut tell = |cycles: u64| progress(cycles as f64 / total);
-        let options = &mut Options { progress: &mut tell, sinks, watch: None };
-        let runs = simulate::run::<N>(scenario, motion, &KINDS, options)?;
-        let pace = paced.then(|| simulate::run_paced::<N>(scenario, motion)).transpose()?;
-        Ok::<_, anyhow::Error>((runs, pace))
+    let compensated = Kind::ALL.iter().position(|kind| *kind == Kind::Compensated).unwrap_or(0);
+    let mut stopwatch = Stopwatch::new(compensated, scenario);
+    let ((), nanoseconds) = timed(|| {
+        sinks.push(&mut stopwatch);
+        while run.advance(STRETCH, &mut sinks) {
+            progress(run.cycle() as f64 / run.cycles() as f64);
+        }
+        drop(sinks);
     });
-    let (runs, pace) = runs?;
+    let tallies = run.tallies();
     let [uncompensated, compensated, servo_only] =
-        <[Run; 3]>::try_from(runs).map_err(|runs| anyhow!("{} runs in place of three", runs.len()))?;
-    let (latency, pace) = match pace {
+        <[Tallies; 3]>::try_from(tallies).map_err(|found| anyhow!("{} runs in place of three", found.len()))?;
+    let (latency, pace) = match paced.then(|| pace(scenario)).transpose()? {
         Some((latency, report)) => (latency, Some(report)),
-        None => (compensated.latency.clone(), None),
+        None => (stopwatch.latency, None),
     };
     let wall_s = 1e-9 * nanoseconds as f64;
-    Ok(Outcome { uncompensated, compensated, servo_only, latency, pace, cycles: motion.cycles(), wall_s })
+    Ok(Outcome { uncompensated, compensated, servo_only, latency, pace, cycles: run.cycles(), wall_s })
+}
+
+/// Runs the compensated machine alone at the real rate, for what its steps cost there.
+fn pace(scenario: &Arc<Scenario>) -> Result<(Latency, PaceReport)> {
+    let mut run = Run::of(Arc::clone(scenario), &[Kind::Compensated])?;
+    let mut stopwatch = Stopwatch::new(0, scenario);
+    // Only settles.
+    run.advance(0, &mut ());
+    let report = pace::run(&Pace::new(scenario.period_ns().into()), |_| match run.advance(1, &mut stopwatch) {
+        true => ControlFlow::Continue(()),
+        false => ControlFlow::Break(()),
+    });
+    Ok((stopwatch.latency, report))
 }
 
 #[derive(Serialize)]
@@ -146,7 +162,7 @@ impl Outcome {
         if self.compensated.more_faults > 0 {
             notes.push(format!(
                 "faults: the first {} are listed; there are faults in {} after them",
-                simulate::MOST_FAULT_SPANS,
+                MOST_FAULT_SPANS,
                 counted(self.compensated.more_faults as usize, "cycle")
             ));
         }
@@ -164,7 +180,7 @@ impl Outcome {
         })
     }
 
-    fn each(&self, size: impl Fn(&Run) -> Size) -> ErrorJson {
+    fn each(&self, size: impl Fn(&Tallies) -> Size) -> ErrorJson {
         ErrorJson {
             uncompensated: size(&self.uncompensated),
             compensated: size(&self.compensated),
@@ -176,7 +192,7 @@ impl Outcome {
     pub fn json(&self, scenario: &Scenario) -> Json {
         let length = |size: &ErrorSize| Size { max: size.max_um, rms: size.rms_um };
         let angle = |size: &AngleSize| Size { max: size.max_urad, rms: size.rms_urad };
-        let estimate = |size: &dyn Fn(&Run) -> Size| {
+        let estimate = |size: &dyn Fn(&Tallies) -> Size| {
             let of_both =
                 || EstimateJson { uncompensated: size(&self.uncompensated), compensated: size(&self.compensated) };
             scenario.five_axis.then(of_both)

@@ -1,10 +1,10 @@
 //! What the report's figures need of the runs, gathered while they go by in memory of fixed size.
 
 use crate::report::{AxisReport, ContourSeries, OrientationSeries, PathPoint, Thinner};
-use crate::scenario::Scenario;
-use crate::simulate::{Moment, Sample, Sink};
 use std::array::from_fn;
 use trueaxis::machine::AxisSettings;
+use trueaxis_sim::run::{Moment, Sample, Sink};
+use trueaxis_sim::scenario::Scenario;
 
 /// Buckets of a curve over the path or over time, and of the path itself: as many as its figure can show, or up to twice.
 const CURVE: usize = 1400;

@@ -1,8 +1,8 @@
 //! CSV trace of a run.
 
-use crate::simulate::{Moment, Sample, Sink};
 use std::io::{self, Write};
 use trueaxis::machine::{Axis, MachineSettings};
+use trueaxis_sim::run::{Moment, Sample, Sink};
 
 /// Writes a line every so many cycles, as they come.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
 //! What three probes read at a workpiece that turns and is not ground.
 
-use crate::grinding::{CentreMotion, Noise, Term, Turning, counts, probe_angles, sum};
-use crate::scenario::Scenario;
 use std::f64::consts::TAU;
 use trueaxis::roundness::RoundnessSettings;
 use trueaxis_recording::Probe;
+use trueaxis_sim::grinding::{CentreMotion, Noise, Term, Turning, counts, probe_angles, sum};
+use trueaxis_sim::scenario::Scenario;
 
 /// Surface, µm over the angle.
 const SURFACE: [Term; 4] = [

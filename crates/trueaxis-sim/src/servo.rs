@@ -1,0 +1,87 @@
+//! Servo loops built from compiled tables, as a controller builds them.
+
+use anyhow::{Result, anyhow};
+use self_cell::{MutBorrow, self_cell};
+use trueaxis::compensation::Memory;
+use trueaxis::tcomp::Tcomp;
+use trueaxis::{Axis, Config, Position, Real, ServoLoop};
+use trueaxis_tables::Machine;
+
+/// Builds the servo loop of a machine from its compiled tables and lends it out.
+///
+/// # Errors
+/// The tables do not compile or build.
+pub fn with_loop<const N: usize, T>(
+    machine: &Machine,
+    period_ns: u32,
+    user: impl FnOnce(&ServoLoop<'_, f64, f64, N>) -> Result<T>,
+) -> Result<T> {
+    let bytes = trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"))?;
+    let tcomp = Tcomp::parse(&bytes).map_err(|e| anyhow!("compiled tables: {e}"))?;
+    with_tables(&tcomp, period_ns, user)
+}
+
+/// Builds the servo loop of compiled tables, in any scalar, and lends it out.
+///
+/// # Errors
+/// The tables do not build.
+pub fn with_tables<R: Real, P: Position, const N: usize, T>(
+    tcomp: &Tcomp<'_>,
+    period_ns: u32,
+    user: impl FnOnce(&ServoLoop<'_, R, P, N>) -> Result<T>,
+) -> Result<T> {
+    let rows = |axis: Axis| tcomp.table(axis);
+    let config = Config::of(tcomp, period_ns);
+    let mut memory = config.requirement::<R, P, N, _>(rows).memory();
+    let servo = config.build::<R, P, N, _>(rows, memory.lend()).map_err(|e| anyhow!("{e}"))?;
+    user(&servo)
+}
+
+/// A servo loop together with the memory that it is built in, so that a run can own both.
+pub(crate) trait Owned<const N: usize>: Send + Sized {
+    /// Compiles and builds the tables of a machine.
+    fn build(machine: &Machine, period_ns: u32) -> Result<Self>;
+    /// The loop.
+    fn servo(&self) -> &ServoLoop<'_, f64, f64, N>;
+}
+
+/// `self_cell` declares no generic cells: one for each number of axes.
+macro_rules! owned {
+    ($module:ident, $axes:literal) => {
+        pub(crate) mod $module {
+            use super::*;
+
+            type Loop<'a> = ServoLoop<'a, f64, f64, $axes>;
+
+            self_cell! {
+                pub(crate) struct Cell {
+                    owner: MutBorrow<Memory<f64>>,
+                    #[covariant]
+                    dependent: Loop,
+                }
+            }
+
+            impl Owned<$axes> for Cell {
+                fn build(machine: &Machine, period_ns: u32) -> Result<Self> {
+                    let bytes = trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"))?;
+                    let tcomp = Tcomp::parse(&bytes).map_err(|e| anyhow!("compiled tables: {e}"))?;
+                    let rows = |axis: Axis| tcomp.table(axis);
+                    let config = Config::of(&tcomp, period_ns);
+                    let memory = config.requirement::<f64, f64, $axes, _>(rows).memory();
+                    Cell::try_new(MutBorrow::new(memory), |memory| {
+                        config.build::<f64, f64, $axes, _>(rows, memory.borrow_mut().lend()).map_err(|e| anyhow!("{e}"))
+                    })
+                }
+
+                fn servo(&self) -> &ServoLoop<'_, f64, f64, $axes> {
+                    self.borrow_dependent()
+                }
+            }
+        }
+    };
+}
+
+owned!(three, 3);
+owned!(four, 4);
+owned!(five, 5);
+owned!(six, 6);
