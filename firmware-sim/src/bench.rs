@@ -98,7 +98,7 @@ pub fn run<const N: usize>(scenario: &Scenario, cycles: u64) -> Result<Outcome> 
     let motion = &scenario.motion()?;
     path::check(scenario)?;
     let kinematics = scenario.kinematics()?;
-    with_loop::<N, _>(&scenario.machine, scenario.period_ns(), |servo| {
+    with_loop::<N, _, _>(&scenario.machine, scenario.period_ns(), |servo| {
         let step = |state: &mut State<f64, f64, N>, path: &SlidingPath, (input, reference): &Prepared<N>| {
             let (input, reference) = (black_box(input), *reference);
             match &kinematics {

@@ -18,6 +18,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod ball_test;
+pub mod error;
 pub mod grinding;
 pub mod motion;
 pub mod path;
@@ -28,3 +29,5 @@ pub mod run;
 pub mod scenario;
 pub mod servo;
 pub mod truth;
+
+pub use error::SimError;

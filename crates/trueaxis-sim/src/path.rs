@@ -1,9 +1,9 @@
 //! The program as the plugin's path: spans, and where on them the interpolator is.
 
+use crate::error::{Result, SimError};
 use crate::placement::Placement;
 use crate::program::{Curve, Move, Program};
 use crate::scenario::Scenario;
-use anyhow::{Result, anyhow};
 use glam::DVec3;
 use std::collections::VecDeque;
 use trueaxis::contour::{Path, Reference, Segment, Span, ToolPath, Turn, convert, span_count};
@@ -230,7 +230,7 @@ fn add_move(
                     Ok(())
                 })
             })
-            .map_err(|e| anyhow!("{}, line {}: {e}", program.name, step.line))
+            .map_err(|error| SimError::Path { program: program.name.clone(), line: step.line, error })
     };
     if !five_axis {
         return programmed(step, origin_mm, &mut add);
@@ -242,12 +242,13 @@ fn add_move(
     Ok(())
 }
 
-fn too_many_spans(program: &Program, step: &Move) -> anyhow::Error {
-    anyhow!(
-        "{}, line {}: found more than {MOST_SPANS} pieces of path up to here, needed at most so many",
-        program.name,
-        step.line
-    )
+fn too_many_spans(program: &Program, step: &Move) -> SimError {
+    SimError::Line {
+        program: program.name.clone(),
+        line: step.line,
+        found: format!("found more than {MOST_SPANS} pieces of path up to here"),
+        needed: "at most so many".into(),
+    }
 }
 
 /// The place at parameter `u` of a move whose first and last span have the given numbers; `spans` begins with `number`.

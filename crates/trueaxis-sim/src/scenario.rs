@@ -1,10 +1,10 @@
 //! What is simulated: machine, program, rate, seed, faults.
 
+use crate::error::{Result, SimError};
 use crate::motion::{Motion, MotionSettings, Setpoint};
 use crate::placement::Placement;
 use crate::plant::fault::FaultScript;
 use crate::program::Program;
-use anyhow::{Result, anyhow};
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
@@ -40,7 +40,7 @@ impl Scenario {
     /// # Errors
     /// The machine has none: a linear axis missing, or more than two rotary ones.
     pub fn kinematics(&self) -> Result<Option<Kinematics<f64>>> {
-        let build = || Kinematics::new(&self.machine.settings).map_err(|e| anyhow!("kinematics: {e}"));
+        let build = || Kinematics::new(&self.machine.settings).map_err(SimError::Config);
         self.five_axis.then(build).transpose()
     }
 
@@ -50,7 +50,8 @@ impl Scenario {
     /// As [`Motion::plan_on`].
     pub fn motion(&self) -> Result<Motion> {
         let settings = MotionSettings { period_s: self.period_s(), ..MotionSettings::default() };
-        Motion::plan_on(&self.program, settings, &self.placement).map_err(|e| anyhow!("{}: {e}", self.program.name))
+        Motion::plan_on(&self.program, settings, &self.placement)
+            .map_err(|error| SimError::Motion { program: self.program.name.clone(), error })
     }
 
     /// Servo period, s.

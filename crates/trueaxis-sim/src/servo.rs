@@ -1,6 +1,6 @@
 //! Servo loops built from compiled tables, as a controller builds them.
 
-use anyhow::{Result, anyhow};
+use crate::error::{Result, SimError};
 use self_cell::{MutBorrow, self_cell};
 use trueaxis::compensation::Memory;
 use trueaxis::tcomp::Tcomp;
@@ -11,13 +11,13 @@ use trueaxis_tables::Machine;
 ///
 /// # Errors
 /// The tables do not compile or build.
-pub fn with_loop<const N: usize, T>(
+pub fn with_loop<const N: usize, T, E: From<SimError>>(
     machine: &Machine,
     period_ns: u32,
-    user: impl FnOnce(&ServoLoop<'_, f64, f64, N>) -> Result<T>,
-) -> Result<T> {
-    let bytes = trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"))?;
-    let tcomp = Tcomp::parse(&bytes).map_err(|e| anyhow!("compiled tables: {e}"))?;
+    user: impl FnOnce(&ServoLoop<'_, f64, f64, N>) -> Result<T, E>,
+) -> Result<T, E> {
+    let bytes = trueaxis_tables::compile(machine).map_err(SimError::from)?;
+    let tcomp = Tcomp::parse(&bytes).map_err(SimError::from)?;
     with_tables(&tcomp, period_ns, user)
 }
 
@@ -25,15 +25,15 @@ pub fn with_loop<const N: usize, T>(
 ///
 /// # Errors
 /// The tables do not build.
-pub fn with_tables<R: Real, P: Position, const N: usize, T>(
+pub fn with_tables<R: Real, P: Position, const N: usize, T, E: From<SimError>>(
     tcomp: &Tcomp<'_>,
     period_ns: u32,
-    user: impl FnOnce(&ServoLoop<'_, R, P, N>) -> Result<T>,
-) -> Result<T> {
+    user: impl FnOnce(&ServoLoop<'_, R, P, N>) -> Result<T, E>,
+) -> Result<T, E> {
     let rows = |axis: Axis| tcomp.table(axis);
     let config = Config::of(tcomp, period_ns);
     let mut memory = config.requirement::<R, P, N, _>(rows).memory();
-    let servo = config.build::<R, P, N, _>(rows, memory.lend()).map_err(|e| anyhow!("{e}"))?;
+    let servo = config.build::<R, P, N, _>(rows, memory.lend()).map_err(SimError::from)?;
     user(&servo)
 }
 
@@ -63,13 +63,13 @@ macro_rules! owned {
 
             impl Owned<$axes> for Cell {
                 fn build(machine: &Machine, period_ns: u32) -> Result<Self> {
-                    let bytes = trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"))?;
-                    let tcomp = Tcomp::parse(&bytes).map_err(|e| anyhow!("compiled tables: {e}"))?;
+                    let bytes = trueaxis_tables::compile(machine)?;
+                    let tcomp = Tcomp::parse(&bytes)?;
                     let rows = |axis: Axis| tcomp.table(axis);
                     let config = Config::of(&tcomp, period_ns);
                     let memory = config.requirement::<f64, f64, $axes, _>(rows).memory();
                     Cell::try_new(MutBorrow::new(memory), |memory| {
-                        config.build::<f64, f64, $axes, _>(rows, memory.borrow_mut().lend()).map_err(|e| anyhow!("{e}"))
+                        config.build::<f64, f64, $axes, _>(rows, memory.borrow_mut().lend()).map_err(SimError::from)
                     })
                 }
 

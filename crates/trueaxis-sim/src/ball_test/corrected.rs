@@ -1,7 +1,7 @@
 //! The identified machine as a controller loads it, and the true tip error with its correction.
 
 use super::cycle::{Cycle, with_ball};
-use anyhow::{Result, anyhow};
+use crate::error::Result;
 use trueaxis::Axis;
 use trueaxis::compensation::{Compensation, ThermalLine};
 use trueaxis::machine::step_axes;
@@ -59,15 +59,14 @@ pub(super) fn identified(machine: &Machine, tables: &[(Axis, Table)]) -> Machine
 /// True tip error of one set-up at the judged angles, mm: without and with the correction that `known` gives.
 pub(super) fn tip_errors(cycle: &Cycle, plant: &Machine, known: &Machine, ball: Ball) -> Result<Vec<[[f64; 3]; 2]>> {
     let geometry = Geometry::new(&with_ball(plant, ball), 0.0)?;
-    let bytes = compile(&with_ball(known, ball)).map_err(|error| anyhow!("{error}"))?;
-    let tcomp = Tcomp::parse(&bytes).map_err(|error| anyhow!("{error}"))?;
+    let bytes = compile(&with_ball(known, ball))?;
+    let tcomp = Tcomp::parse(&bytes)?;
     let rows = |axis: Axis| tcomp.table(axis);
     let need = Compensation::<f64, f64, N>::requirement(tcomp.settings(), rows);
     let mut memory = need.memory();
     let compensation: Compensation<'_, f64, f64, N> =
-        Compensation::build(tcomp.settings(), rows, tcomp.inverse_passes(), memory.lend())
-            .map_err(|e| anyhow!("{e}"))?;
-    let axes = step_axes::<N>(tcomp.settings()).map_err(|error| anyhow!("{error}"))?;
+        Compensation::build(tcomp.settings(), rows, tcomp.inverse_passes(), memory.lend())?;
+    let axes = step_axes::<N>(tcomp.settings())?;
     let slots = axes.map(|axis| super::place(plant, axis));
 
     let mut errors = Vec::with_capacity(cycle.judged_deg.len());

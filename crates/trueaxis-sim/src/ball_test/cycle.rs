@@ -1,7 +1,7 @@
 //! Where the axes stand in the cycle, and what the gauge reads.
 
 use super::{BallCycle, place};
-use anyhow::{Result, anyhow};
+use crate::error::{Result, SimError};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -40,8 +40,7 @@ impl Cycle {
 
     /// Positions of all axes with the axis at `angle_deg`: the ball of every set-up stays where the first one was at 0.
     pub(super) fn position(&self, machine: &Machine, ball: Ball, angle_deg: f64) -> Result<[f64; AXES]> {
-        let turn =
-            place(machine, self.axis).ok_or_else(|| anyhow!("the machine has no axis {}", self.axis.letter()))?;
+        let turn = place(machine, self.axis).ok_or_else(|| no_axis(machine, self.axis))?;
         let mut position = [0.0; AXES];
         position[turn] = angle_deg;
         let [first, ..] = self.balls;
@@ -85,6 +84,11 @@ impl Cycle {
         }
         Ok(BallTest { axis: self.axis, balls: self.balls.to_vec(), angles })
     }
+}
+
+fn no_axis(machine: &Machine, axis: Axis) -> SimError {
+    let name = &machine.settings.name;
+    SimError::unsuited(format!("machine {name}"), format!("no axis {}", axis.letter()), "A and C")
 }
 
 /// Centre of a ball from the intersection of A and C, both at 0.

@@ -22,7 +22,7 @@ mod outcome;
 pub use cycle::{SET_UPS_A, SET_UPS_C};
 pub use outcome::{AxisOutcome, Outcome, Stop, TipError};
 
-use anyhow::{Result, bail};
+use crate::error::{Result, SimError};
 use trueaxis::Axis;
 use trueaxis_tables::Machine;
 
@@ -51,11 +51,11 @@ impl BallCycle {
 fn rotary_only(machine: &Machine) -> Result<Machine> {
     let code: String = machine.settings.chain.chars().filter(|c| !c.is_whitespace()).collect();
     if !code.ends_with("CAt") || code.contains("C'") || code.contains("A'") || code.contains('B') {
-        bail!(
-            "machine {}: found the chain \"{}\", needed one that ends in \"C A t\" and has no other rotary axis",
-            machine.settings.name,
-            machine.settings.chain
-        );
+        return Err(SimError::unsuited(
+            format!("machine {}", machine.settings.name),
+            format!("the chain \"{}\"", machine.settings.chain),
+            "one that ends in \"C A t\" and has no other rotary axis",
+        ));
     }
     let mut machine = machine.clone();
     let location = &mut machine.settings.location;

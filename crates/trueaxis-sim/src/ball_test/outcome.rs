@@ -3,7 +3,7 @@
 use super::corrected::{identified, table, tip_errors};
 use super::cycle::Cycle;
 use super::{BallCycle, rotary_only};
-use anyhow::{Result, anyhow};
+use crate::error::{Result, SimError};
 use serde::Serialize;
 use trueaxis::Axis;
 use trueaxis::machine::Twist;
@@ -70,7 +70,8 @@ pub(super) fn run(test: &BallCycle) -> Result<Outcome> {
     for (stream, axis) in [(0, Axis::C), (1, Axis::A)] {
         let cycle = Cycle::of(axis);
         let readings = cycle.measure(test, &plant, stream)?;
-        let errors = identify(&readings, Offsets::Known).map_err(|error| anyhow!("axis {}: {error}", axis.letter()))?;
+        let errors = identify(&readings, Offsets::Known)
+            .map_err(|error| SimError::Identification { at: format!("axis {}", axis.letter()), error })?;
         found.push((cycle, readings, errors));
     }
     let at_zero = shared_pose(&found)?;
@@ -126,7 +127,9 @@ fn shared_pose(found: &[(Cycle, BallTest, Identified)]) -> Result<Twist> {
             seen.extend(pairs.map(|(&ball, &deviation_mm)| Observation { ball, deviation_mm }));
         }
     }
-    Ok(solve_angle(Axis::C, 0.0, &seen).map_err(|error| anyhow!("A and C at 0: {error}"))?.errors)
+    Ok(solve_angle(Axis::C, 0.0, &seen)
+        .map_err(|error| SimError::Identification { at: "A and C at 0".into(), error })?
+        .errors)
 }
 
 fn square_um2(error_mm: &[f64; 3]) -> f64 {

@@ -1,8 +1,9 @@
 //! The machine that grinds: spindle, linkage, workpiece, infeed axis, probes and encoders.
 
 use super::{Event, Grinding, InfeedDrive, Linkage, Noise, Turning, Workpiece, counts, probe_angles};
-use anyhow::{Result, anyhow};
+use crate::error::{Result, SimError};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use trueaxis::machine::AXES;
 use trueaxis::roundness::{Probes, RoundnessSettings};
 use trueaxis_tables::exact::Geometry;
@@ -26,9 +27,9 @@ struct Instant {
 }
 
 /// State of the machine.
-pub(super) struct Cell<'g> {
-    grinding: &'g Grinding,
-    gauge: &'g RoundnessSettings,
+pub(super) struct Cell {
+    grinding: Arc<Grinding>,
+    gauge: RoundnessSettings,
     phi: [f64; 3],
     contact: f64,
     /// +1 where the axis moves toward the workpiece.
@@ -67,12 +68,12 @@ pub(super) struct Readings {
     pub(super) wheel_mm: Option<f64>,
 }
 
-impl<'g> Cell<'g> {
-    pub(super) fn new(grinding: &'g Grinding) -> Result<Cell<'g>> {
-        let gauge = grinding.gauge()?;
-        let infeed = gauge.infeed.ok_or_else(|| anyhow!("found no infeed correction, needed one"))?;
+impl Cell {
+    pub(super) fn new(grinding: Arc<Grinding>) -> Result<Cell> {
+        let gauge = *grinding.gauge()?;
+        let infeed = gauge.infeed.ok_or_else(|| SimError::unsuited("[roundness]", "no infeed correction", "one"))?;
         let settings = &grinding.machine.settings;
-        let linkage = Linkage::of(gauge);
+        let linkage = Linkage::of(&gauge);
         let period_s = 1.0 / grinding.rate_hz;
         let others = crate::scenario::middle_of_travel(&grinding.machine);
         let place = infeed.axis.index();
@@ -80,9 +81,8 @@ impl<'g> Cell<'g> {
         let alpha = -0.3;
         let beta = linkage.beta(alpha);
         let mut cell = Cell {
-            grinding,
             gauge,
-            phi: probe_angles(gauge),
+            phi: probe_angles(&gauge),
             contact: infeed.contact_deg.to_radians(),
             direction: f64::from(infeed.direction),
             place,
@@ -104,6 +104,7 @@ impl<'g> Cell<'g> {
             standing_until: None,
             done: vec![false; grinding.events.len()],
             time_s: 0.0,
+            grinding,
         };
         cell.now.level = cell.level(&cell.now);
         Ok(cell)

@@ -24,9 +24,11 @@
 //! None of this uses the gauge's code: what the correction gains is read from the simulated surface.
 
 mod cell;
+mod control;
 mod event;
 mod infeed_drive;
 mod outcome;
+mod result;
 mod simulate;
 mod spindle;
 mod workpiece;
@@ -34,11 +36,12 @@ mod workpiece;
 pub use event::Event;
 pub use infeed_drive::InfeedDrive;
 pub use outcome::{Outcome, simulate};
-pub use simulate::{Moment, Revolution, Run, run};
+pub use result::{Moment, Revolution, Run};
+pub use simulate::{Simulation, run};
 pub use spindle::{CentreMotion, Linkage, Noise, Term, Turning, counts, sum};
 pub use workpiece::{CELLS, Harmonic, Workpiece, imprint};
 
-use anyhow::{Result, bail};
+use crate::error::{Result, SimError};
 use trueaxis::roundness::{ProbeAngles, RoundnessSettings};
 use trueaxis_tables::Machine;
 
@@ -102,15 +105,16 @@ impl Grinding {
     /// # Errors
     /// It has none, or one without infeed correction, or it has rotary axes.
     pub fn gauge(&self) -> Result<&RoundnessSettings> {
-        let name = self.machine.settings.name.as_str();
+        let machine = format!("machine {}", self.machine.settings.name);
         let Some(gauge) = &self.machine.settings.roundness else {
-            bail!("machine {name}: found no [roundness], needed a gauge of three probes");
+            return Err(SimError::unsuited(machine, "no [roundness]", "a gauge of three probes"));
         };
         if gauge.infeed.is_none() {
-            bail!("machine {name}: found no [roundness.infeed], needed the axis that corrects");
+            return Err(SimError::unsuited(machine, "no [roundness.infeed]", "the axis that corrects"));
         }
         if let Some(axis) = self.machine.settings.axes.iter().find(|a| a.axis.is_rotary()) {
-            bail!("machine {name}: found the rotary axis {}, needed linear axes only", axis.axis.letter());
+            let found = format!("the rotary axis {}", axis.axis.letter());
+            return Err(SimError::unsuited(machine, found, "linear axes only"));
         }
         Ok(gauge)
     }
@@ -156,12 +160,13 @@ pub fn speed_that_skips(gauge: &RoundnessSettings, rate_hz: f64, skip: u32) -> R
     let speed_rpm = 60.0 * rate_hz / cycles;
     let fastest = fastest_rpm(gauge, rate_hz);
     if speed_rpm > fastest {
-        bail!(
-            "--skip: found {skip}, needed at most {}: revolutions of {cycles:.1} cycles, of which its {work} cycles of \
-             work would span so many, are too short for {} points",
-            (work * fastest / (60.0 * rate_hz) - 0.5).floor().max(0.0),
+        let most = (work * fastest / (60.0 * rate_hz) - 0.5).floor().max(0.0);
+        let needed = format!(
+            "at most {most}: revolutions of {cycles:.1} cycles, of which its {work} cycles of work would span so many, are \
+             too short for {} points",
             gauge.points
         );
+        return Err(SimError::unsuited("--skip", skip.to_string(), needed));
     }
     Ok(speed_rpm)
 }

@@ -1,9 +1,10 @@
 //! Figures of both runs side by side.
 
-use super::simulate::{self, Run};
+use super::result::Run;
+use super::simulate::run;
 use super::spindle::sum;
 use super::{Grinding, Linkage};
-use anyhow::Result;
+use crate::error::Result;
 use std::f64::consts::TAU;
 use trueaxis::roundness::ErrorMotion;
 
@@ -24,12 +25,12 @@ pub struct Outcome {
 /// Grinds twice with the same seed. `progress` gets the fraction done, 0 to 1.
 ///
 /// # Errors
-/// As [`simulate::run`].
+/// As [`run`].
 pub fn simulate(grinding: &Grinding, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
     let turns = f64::from(grinding.revolutions.max(1));
     let mut cycles = 0u32;
     let mut one = |corrected: bool| {
-        simulate::run(grinding, corrected, &mut |moment| {
+        run(grinding, corrected, &mut |moment| {
             cycles = cycles.wrapping_add(1);
             if cycles.is_multiple_of(4096) {
                 progress(0.5 * ((moment.turns / turns).clamp(0.0, 1.0) + if corrected { 1.0 } else { 0.0 }));

@@ -4,6 +4,7 @@ use super::Kind;
 use super::commanded::Commanded;
 use super::sample::{Given, Sample, Sink};
 use super::tally::{Sums, Tallies};
+use crate::error::{Result, SimError};
 use crate::motion::Setpoint;
 use crate::path::SlidingPath;
 use crate::placement::Place;
@@ -11,7 +12,6 @@ use crate::plant::fault::FaultScript;
 use crate::plant::{Plant, PlantSettings};
 use crate::scenario::Scenario;
 use crate::truth;
-use anyhow::{Context, Result, anyhow};
 use glam::DVec3;
 use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::OrientationError;
@@ -22,6 +22,11 @@ use trueaxis::{Axis, Fault, Input, OnToolPath, Output, ServoLoop, State};
 
 /// Cycles of a stopped run that are still simulated, to show that the output holds.
 const CYCLES_AFTER_STOP: u64 = 200;
+
+fn cold(axis: Axis, kelvin: f64) -> SimError {
+    let what = format!("thermal growth of axis {}", axis.letter());
+    SimError::unsuited(what, format!("{kelvin} K"), "a growth that the step can hold")
+}
 
 /// Everything that the machines of a run have in common in a cycle.
 pub(super) struct Shared<'r, const N: usize> {
@@ -61,13 +66,12 @@ pub(super) struct Cell<const N: usize> {
 
 impl<const N: usize> Cell<N> {
     pub(super) fn new(scenario: &Scenario, kind: Kind, servo: &ServoLoop<'_, f64, f64, N>) -> Result<Self> {
-        let mut state =
-            servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
-        let axes = step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?;
+        let mut state = servo.start(scenario.period_ns()).map_err(SimError::Start)?;
+        let axes = step_axes::<N>(&scenario.machine.settings)?;
         for (slot, axis) in axes.iter().enumerate() {
             if let Some(settings) = scenario.machine.settings.axes.iter().find(|a| a.axis == *axis) {
                 let line = ThermalLine::for_axis(&settings.thermal, scenario.kelvin)
-                    .with_context(|| format!("thermal growth of axis {} at {} K", axis.letter(), scenario.kelvin))?;
+                    .ok_or_else(|| cold(*axis, scenario.kelvin))?;
                 state.set_thermal(slot, line);
             }
         }

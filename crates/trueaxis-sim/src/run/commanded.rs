@@ -1,10 +1,10 @@
 //! The commands of a program, cycle by cycle, with the stretch of path that belongs to them.
 
 use super::sample::Moment;
+use crate::error::Result;
 use crate::motion::{Motion, Setpoint, Walk};
 use crate::path::SlidingPath;
 use crate::scenario::Scenario;
-use anyhow::{Result, anyhow};
 use glam::DVec3;
 use trueaxis::Axis;
 use trueaxis::contour::Reference;
@@ -39,7 +39,7 @@ impl<const N: usize> Commander<N> {
             walk,
             next,
             path: SlidingPath::new(scenario),
-            axes: step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?,
+            axes: step_axes::<N>(&scenario.machine.settings)?,
             span: 0,
             cycle: 0,
         })

@@ -4,10 +4,10 @@ use super::cell::{Cell, Shared};
 use super::commanded::{Commanded, Commander};
 use super::sample::{Sample, Sink};
 use super::{Kind, Tallies};
+use crate::error::Result;
 use crate::motion::Motion;
 use crate::scenario::Scenario;
 use crate::servo::Owned;
-use anyhow::Result;
 use std::sync::Arc;
 
 /// Cycles that are commanded at a time, and then simulated machine by machine: enough that one after the other has the

@@ -6,9 +6,9 @@ mod lanes;
 mod sample;
 mod tally;
 
+use crate::error::Result;
 use crate::scenario::{Scenario, axis_count};
 use crate::{path, servo};
-use anyhow::Result;
 use lanes::{Advance, Lanes};
 use std::sync::Arc;
 
