@@ -7,9 +7,9 @@ use trueaxis::contour::Reference;
 use trueaxis::machine::step_axes;
 use trueaxis::sample::Refusal;
 use trueaxis::{Axis, Input, OnToolPath, State};
+use trueaxis_sim::Scenario;
 use trueaxis_sim::motion::{Motion, Setpoints};
 use trueaxis_sim::path::{self, SlidingPath};
-use trueaxis_sim::scenario::Scenario;
 use trueaxis_sim::servo::with_loop;
 
 /// What the bench gives.
@@ -94,7 +94,7 @@ impl<'c, const N: usize> Inputs<'c, N> {
 ///
 /// # Errors
 /// The machine's tables do not build.
-pub fn run<const N: usize>(scenario: &Scenario, cycles: u64) -> Result<Outcome> {
+pub fn run<const N: usize>(scenario: &Scenario, budget_ns: u64, cycles: u64) -> Result<Outcome> {
     let motion = &scenario.motion()?;
     path::check(scenario)?;
     let kinematics = scenario.kinematics()?;
@@ -121,7 +121,7 @@ pub fn run<const N: usize>(scenario: &Scenario, cycles: u64) -> Result<Outcome> 
             }
             Ok(())
         };
-        let mut latency = Latency::new(scenario.budget_ns, scenario.period_ns().into());
+        let mut latency = Latency::new(budget_ns, scenario.period_ns().into());
         pass(&mut |state, inputs| {
             for prepared in &inputs.block {
                 let (output, nanoseconds) = timed(|| step(state, &inputs.path, prepared));

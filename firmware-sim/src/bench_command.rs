@@ -26,11 +26,12 @@ pub(crate) fn time(args: &BenchArgs) -> Result<()> {
         bail!("--cycles: found 0, needed at least 1");
     }
     let scenario = prepare(&args.scenario, &[])?;
+    let budget_ns = args.scenario.budget_ns(&scenario);
     let outcome = match axis_count(&scenario.machine) {
-        3 => bench::run::<3>(&scenario, args.cycles),
-        4 => bench::run::<4>(&scenario, args.cycles),
-        5 => bench::run::<5>(&scenario, args.cycles),
-        _ => bench::run::<6>(&scenario, args.cycles),
+        3 => bench::run::<3>(&scenario, budget_ns, args.cycles),
+        4 => bench::run::<4>(&scenario, budget_ns, args.cycles),
+        5 => bench::run::<5>(&scenario, budget_ns, args.cycles),
+        _ => bench::run::<6>(&scenario, budget_ns, args.cycles),
     }?;
     let l = outcome.latency;
     if args.json {

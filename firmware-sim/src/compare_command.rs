@@ -66,7 +66,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     }
     let machines = [Some(args.scenario.machine.as_path()), args.second.as_deref()].into_iter().flatten();
     let images = [&args.image_m4f, &args.image_m7].into_iter().flatten().map(PathBuf::as_path);
-    let outputs = outputs_of(machines, images.chain(args.scenario.program.files()));
+    let outputs = outputs_of(machines, images.chain(args.scenario.files()));
     for file in Inputs::files(&args.folder).into_iter().chain(args.report.iter().map(|dir| dir.join("compare.html"))) {
         outputs.refuse_input(&file)?;
     }

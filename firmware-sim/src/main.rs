@@ -15,6 +15,8 @@ mod record;
 mod rtcp;
 mod run;
 mod scenario_args;
+mod scenario_command;
+mod settings_args;
 
 use clap::{Parser, Subcommand};
 use console::{Closed, tell};
@@ -39,6 +41,8 @@ struct Cli {
 enum Command {
     /// Simulate a program three times: without and with compensation, and on a geometrically perfect machine.
     Run(run::RunArgs),
+    /// Print the settings of a simulation as a scenario file, which --scenario reads back.
+    Scenario(scenario_command::PrintArgs),
     /// Time the step alone, without the simulated machine.
     Bench(bench_command::BenchArgs),
     /// Grind a crankpin twice: without and with the infeed correction of the three-probe gauge.
@@ -79,6 +83,7 @@ fn main() -> ExitCode {
             run::run(&args)
         }
         Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Scenario(args)) => scenario_command::print(&args),
         Some(Command::Bench(args)) => bench_command::time(&args),
         Some(Command::Grind(args)) => grind::grind(&args),
         Some(Command::Rtcp(args)) => rtcp::rtcp(&args),

@@ -9,7 +9,7 @@ use firmware_sim::compare::image;
 use firmware_sim::recorded::{self, Settings};
 use std::path::PathBuf;
 use std::sync::Arc;
-use trueaxis_sim::scenario::Scenario;
+use trueaxis_sim::Scenario;
 
 /// Arguments of `record`.
 #[derive(Args)]
@@ -63,7 +63,7 @@ pub(crate) fn bytes(scenario: &Arc<Scenario>, how: &How) -> Result<Vec<u8>> {
 }
 
 pub(crate) fn record(args: &RecordArgs) -> Result<()> {
-    let mut outputs = outputs_of([args.scenario.machine.as_path()], args.scenario.program.files());
+    let mut outputs = outputs_of([args.scenario.machine.as_path()], args.scenario.files());
     outputs.refuse_input(&args.output)?;
     let scenario = Arc::new(prepare(&args.scenario, &args.fault)?);
     let bytes = bytes(&scenario, &args.how)?;

@@ -6,15 +6,15 @@ use crate::program_args::{Document, noted};
 use crate::scenario_args::{ScenarioArgs, prepare};
 use anyhow::{Context, Result};
 use clap::Args;
-use firmware_sim::outcome::{self, Outcome};
+use firmware_sim::outcome::{self, Outcome, Timing};
 use firmware_sim::report;
 use firmware_sim::series::Series;
 use firmware_sim::trace::Trace;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{Kind, Run, Sink};
-use trueaxis_sim::scenario::Scenario;
 use trueaxis_tables::output::Staged;
 
 #[derive(Args)]
@@ -40,7 +40,7 @@ pub(crate) struct RunArgs {
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
-    let mut outputs = outputs_of([args.scenario.machine.as_path()], args.scenario.program.files());
+    let mut outputs = outputs_of([args.scenario.machine.as_path()], args.scenario.files());
     if let Some(dir) = &args.report {
         outputs.refuse_input(&dir.join("index.html"))?;
         outputs.refuse_input(&dir.join("trace.csv"))?;
@@ -54,13 +54,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         }
         None => None,
     };
+    let timing = Timing { budget_ns: args.scenario.budget_ns(&scenario), paced: args.paced };
     let bar = progress_bar("simulating");
     let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
     let mut sinks: Vec<&mut dyn Sink> = Vec::new();
     if let Some(files) = &mut files {
         sinks.extend([&mut files.trace as &mut dyn Sink, &mut files.series]);
     }
-    let outcome = outcome::simulate(simulation, &scenario, args.paced, sinks, &mut tell)?;
+    let outcome = outcome::simulate(simulation, &scenario, timing, sinks, &mut tell)?;
     bar.finish_and_clear();
     let written = files.map(|files| files.finish(&outcome, &scenario)).transpose()?;
     if args.json {

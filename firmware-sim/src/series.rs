@@ -3,8 +3,8 @@
 use crate::report::{AxisReport, ContourSeries, OrientationSeries, PathPoint, Thinner};
 use std::array::from_fn;
 use trueaxis::machine::AxisSettings;
+use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{Moment, Sample, Sink};
-use trueaxis_sim::scenario::Scenario;
 
 /// Buckets of a curve over the path or over time, and of the path itself: as many as its figure can show, or up to twice.
 const CURVE: usize = 1400;

@@ -2,8 +2,8 @@
 
 use crate::latency::Latency;
 use std::time::Instant;
+use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{Given, Moment, Sample, Sink};
-use trueaxis_sim::scenario::Scenario;
 
 /// A sink that records how long each step of a machine took; settling is left out.
 #[derive(Debug)]
@@ -15,9 +15,9 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// For the machine of that index in a run of `scenario`.
-    pub fn new(machine: usize, scenario: &Scenario) -> Stopwatch {
-        let latency = Latency::new(scenario.budget_ns, scenario.period_ns().into());
+    /// For the machine of that index in a run of `scenario`; a step may take `budget_ns`.
+    pub fn new(machine: usize, scenario: &Scenario, budget_ns: u64) -> Stopwatch {
+        let latency = Latency::new(budget_ns, scenario.period_ns().into());
         Stopwatch { latency, machine, started: None }
     }
 }

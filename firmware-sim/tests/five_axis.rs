@@ -64,10 +64,10 @@ fn feeds_count_lengths_or_degrees_or_minutes() {
 fn axes_that_a_machine_does_not_have_are_refused_with_the_line() {
     let (three, five) = (machine("mill-3axis"), machine("mill-5axis"));
     for (text, good, line) in [("G0 X1\nG0 A5", false, 2), ("G0 X1 B1", false, 1), ("G0 Z1\n\nG43.4", false, 3)] {
-        let error = parse(text).unwrap().check_axes(&three.settings, "p.ngc").unwrap_err();
-        assert_eq!((error.line, error.file.as_str(), good), (line, "p.ngc", false));
+        let error = parse(text).unwrap().check_axes(&three.settings).unwrap_err();
+        assert_eq!((error.line, error.file.as_str(), good), (line, "part.ngc", false));
     }
-    let on_five = |text| parse(text).unwrap().check_axes(&five.settings, "p.ngc");
+    let on_five = |text| parse(text).unwrap().check_axes(&five.settings);
     assert!(on_five("G43.4\nG0 A5 C7").is_ok());
     assert!(on_five("G0 B1").unwrap_err().found.contains('B'));
 }
@@ -162,7 +162,7 @@ fn the_tip_of_a_helicoid_program_lies_on_the_helicoid() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/helicoid.ngc")).unwrap();
     let program = parse(&text).unwrap();
     let machine = machine("mill-turn");
-    program.check_axes(&machine.settings, "helicoid.ngc").unwrap();
+    program.check_axes(&machine.settings).unwrap();
     let placement = Placement::new(&machine, [0.0; 3]).unwrap();
     // m_t = m_n / cos β, tan α_t = tan α_n / cos β, r_b = r cos α_t, p = r / tan β.
     let beta = 15_f64.to_radians();

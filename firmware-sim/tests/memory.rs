@@ -8,11 +8,9 @@ use firmware_sim::trace::Trace;
 use std::fmt::Write;
 use std::sync::Arc;
 use trueaxis_sim::path;
-use trueaxis_sim::placement::Placement;
-use trueaxis_sim::plant::fault::FaultScript;
 use trueaxis_sim::program::{Curve, Program};
 use trueaxis_sim::run::{Run, Sink};
-use trueaxis_sim::scenario::{Scenario, middle_of_travel};
+use trueaxis_sim::{Scenario, Settings};
 use trueaxis_tables::Machine;
 
 /// Lines of 0.1 mm round and round on a circle of 20 mm, lifted every fiftieth time round.
@@ -29,19 +27,7 @@ fn program(lines: u32) -> String {
 fn scenario(text: &str) -> Scenario {
     let machine = Machine::read(&sample_machine("mill-3axis")).unwrap();
     let program = Program::parse("lines", text, "lines.ngc").unwrap();
-    let origin_mm = middle_of_travel(&machine);
-    Scenario {
-        five_axis: program.is_five_axis(),
-        placement: Placement::new(&machine, origin_mm).unwrap(),
-        machine,
-        program,
-        origin_mm,
-        rate_hz: 1000.0,
-        seed: 1,
-        faults: FaultScript::default(),
-        kelvin: 0.0,
-        budget_ns: 100_000,
-    }
+    Scenario::new(machine, program, Settings { rate_hz: 1000.0, ..Settings::default() }).unwrap()
 }
 
 /// Peak of what a run allocates: motion, three runs, every curve of the report, the trace; and its cycles.
@@ -54,7 +40,9 @@ fn run(scenario: Scenario) -> (u64, u64) {
         let mut series = Series::new(&scenario);
         let mut trace = Trace::new(std::io::sink(), 1, 1, &scenario.machine.settings).unwrap();
         let sinks: Vec<&mut dyn Sink> = vec![&mut series, &mut trace];
-        let outcome = outcome::simulate(run, &scenario, false, sinks, &mut |_| {}).unwrap();
+        let outcome =
+            outcome::simulate(run, &scenario, outcome::Timing { budget_ns: 100_000, paced: false }, sinks, &mut |_| {})
+                .unwrap();
         let report = outcome.report(&scenario, &series);
         assert!(report.contour.compensated.len() > 500 && report.path.len() > 500);
         assert!(firmware_sim::report::render(&report).len() < 2_000_000);

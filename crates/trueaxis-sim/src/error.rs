@@ -3,6 +3,7 @@
 use crate::motion::MotionError;
 use crate::plant::PlantError;
 use crate::program::ProgramError;
+use crate::settings::SettingError;
 use trueaxis::contour::PathError;
 use trueaxis::tcomp::TcompError;
 use trueaxis::{ConfigError, Fault};
@@ -19,12 +20,18 @@ pub enum SimError {
     /// The machine's structure.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
+    /// A setting.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// The plant.
     #[error(transparent)]
     Plant(#[from] PlantError),
     /// The machine's settings or tables.
     #[error("{0}")]
     Config(#[from] ConfigError),
+    /// The machine's kinematics.
+    #[error("kinematics: {0}")]
+    Kinematics(ConfigError),
     /// The gauge's settings.
     #[error("[roundness]: {0}")]
     Gauge(ConfigError),

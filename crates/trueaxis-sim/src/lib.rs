@@ -25,9 +25,13 @@ pub mod path;
 pub mod placement;
 pub mod plant;
 pub mod program;
+mod range;
 pub mod run;
 pub mod scenario;
 pub mod servo;
+pub mod settings;
 pub mod truth;
 
 pub use error::SimError;
+pub use scenario::Scenario;
+pub use settings::Settings;

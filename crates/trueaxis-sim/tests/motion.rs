@@ -24,7 +24,7 @@ fn check(program: &Program, settings: MotionSettings) -> f64 {
     let mut count = 0_u64;
     let mut largest = 0.0_f64;
     let (mut before, mut twice): (Option<Setpoint>, Option<Setpoint>) = (None, None);
-    for point in motion.setpoints(&program) {
+    for point in motion.setpoints(program) {
         count += 1;
         let element = &program.moves[point.move_index];
         let feed = ceiling(element, &settings);
@@ -39,14 +39,17 @@ fn check(program: &Program, settings: MotionSettings) -> f64 {
         if let Some(before) = before {
             assert!(point.length >= before.length - 1e-9 && point.move_index >= before.move_index);
             let change = point.feed - before.feed;
-            assert!(change.abs() <= settings.acceleration * period * (1.0 + 1e-6) + 1e-6, "{before:?} {point:?}");
+            assert!(
+                change.abs() <= settings.acceleration_mm_per_s2 * period * (1.0 + 1e-6) + 1e-6,
+                "{before:?} {point:?}"
+            );
             let step = difference(point.position, before.position);
             let run = point.length - before.length;
             assert!(step <= run + 1e-7, "chord {step} longer than its arc {run}");
             if let Some(twice) = twice {
                 let second = point.feed - 2.0 * before.feed + twice.feed;
                 assert!(
-                    second.abs() <= settings.jerk * period * period * (1.0 + 1e-6) + 1e-5,
+                    second.abs() <= settings.jerk_mm_per_s3 * period * period * (1.0 + 1e-6) + 1e-5,
                     "{twice:?} {before:?} {point:?}"
                 );
             }
@@ -62,11 +65,11 @@ fn check(program: &Program, settings: MotionSettings) -> f64 {
     let dwell = usize::try_from(DWELL_CYCLES).unwrap();
     assert!(
         motion
-            .setpoints(&program)
+            .setpoints(program)
             .take(dwell + 1)
             .all(|p| p.feed == 0.0 && p.position == first.position(first.domain().0))
     );
-    assert!(motion.setpoints(&program).skip(motion.cycles() as usize - dwell).all(|p| p == last));
+    assert!(motion.setpoints(program).skip(motion.cycles() as usize - dwell).all(|p| p == last));
     largest
 }
 
@@ -83,21 +86,22 @@ fn builtin_programs_keep_every_limit() {
             motion.duration(),
             motion.cycles()
         );
-        assert!(largest <= settings.normal_acceleration * 1.02, "{name}: {largest}");
+        assert!(largest <= settings.normal_acceleration_mm_per_s2 * 1.02, "{name}: {largest}");
     }
 }
 
 #[test]
 fn a_single_line_takes_the_analytic_time() {
     // Acceleration limit reached, feed reached: T = L/v + v/a + a/j.
-    let settings = MotionSettings { acceleration: 1000.0, jerk: 20_000.0, ..MotionSettings::default() };
+    let settings =
+        MotionSettings { acceleration_mm_per_s2: 1000.0, jerk_mm_per_s3: 20_000.0, ..MotionSettings::default() };
     let long = program("F6000 G1 X100");
     let motion = Motion::plan(&long, settings).unwrap();
     assert!((motion.duration() - (1.0 + 0.1 + 0.05)).abs() < 1e-9);
     // Half-way in time is half-way in length; after a/j and v/a the acceleration is over at v (v/a + a/j) / 2 = 7.5 mm.
-    let half = motion.setpoints(&program).find(|p| p.length >= 50.0).unwrap();
+    let half = motion.setpoints(&long).find(|p| p.length >= 50.0).unwrap();
     assert!((half.length - 50.0).abs() < 0.02 && half.feed == 100.0);
-    let at = motion.setpoints(&program).nth(usize::try_from(DWELL_CYCLES).unwrap() + 1500).unwrap();
+    let at = motion.setpoints(&long).nth(usize::try_from(DWELL_CYCLES).unwrap() + 1500).unwrap();
     assert!((at.length - 7.5).abs() < 1e-9 && (at.feed - 100.0).abs() < 1e-9);
     assert_eq!(at.position[0], at.u * 100.0);
     // Too short for either: T = 4 ∛(L / (2 j)).
@@ -113,7 +117,7 @@ fn corners_step_no_more_than_permitted() {
         let square = program("F1500 G1 X20\nY20\nX19 Y20\nX30");
         check(&square, settings);
         let motion = Motion::plan(&square, settings).unwrap();
-        let points: Vec<Setpoint> = motion.setpoints(&program).collect();
+        let points: Vec<Setpoint> = motion.setpoints(&square).collect();
         let slowest = |corner: f64| {
             points.iter().filter(|p| (p.length - corner).abs() < 0.02).map(|p| p.feed).fold(f64::INFINITY, f64::min)
         };
@@ -122,7 +126,7 @@ fn corners_step_no_more_than_permitted() {
         assert!((slowest(40.0) - expected).abs() < 0.1);
         assert!(slowest(41.0) < 0.1);
         for pair in points.windows(2) {
-            let slack = 2.0 * settings.acceleration * settings.period_s;
+            let slack = 2.0 * settings.acceleration_mm_per_s2 * settings.period_s;
             assert!(difference(pair[0].velocity, pair[1].velocity) <= junction + slack);
         }
     }
@@ -134,7 +138,7 @@ fn tangent_moves_are_run_through() {
     let settings = MotionSettings::default();
     check(&slot, settings);
     let motion = Motion::plan(&slot, settings).unwrap();
-    let inside = motion.setpoints(&program).filter(|p| p.length > 2.0 && p.length < motion.length() - 2.0);
+    let inside = motion.setpoints(&slot).filter(|p| p.length > 2.0 && p.length < motion.length() - 2.0);
     assert!(inside.map(|p| p.feed).fold(f64::INFINITY, f64::min) > 25.0 - 1e-9);
 }
 
@@ -142,9 +146,9 @@ fn tangent_moves_are_run_through() {
 fn arcs_slow_down_to_the_normal_acceleration() {
     // 10 mm radius, 1000 mm/s²: 100 mm/s of the 150 mm/s programmed.
     let circle = program("F9000 G3 X0 Y0 I10 P4");
-    let settings = MotionSettings { normal_acceleration: 1000.0, ..MotionSettings::default() };
+    let settings = MotionSettings { normal_acceleration_mm_per_s2: 1000.0, ..MotionSettings::default() };
     let motion = Motion::plan(&circle, settings).unwrap();
-    let fastest = motion.setpoints(&program).map(|p| p.feed).fold(0.0, f64::max);
+    let fastest = motion.setpoints(&circle).map(|p| p.feed).fold(0.0, f64::max);
     assert!((fastest - 100.0).abs() < 1e-9, "{fastest}");
 }
 
@@ -179,16 +183,22 @@ fn settings_out_of_range_are_refused() {
     let good = MotionSettings::default();
     for (settings, field) in [
         (MotionSettings { period_s: 0.0, ..good }, "period_s"),
-        (MotionSettings { acceleration: f64::NAN, ..good }, "acceleration"),
-        (MotionSettings { jerk: -1.0, ..good }, "jerk"),
+        (MotionSettings { acceleration_mm_per_s2: f64::NAN, ..good }, "acceleration_mm_per_s2"),
+        (MotionSettings { jerk_mm_per_s3: -1.0, ..good }, "jerk_mm_per_s3"),
         (MotionSettings { rapid_mm_per_min: f64::INFINITY, ..good }, "rapid_mm_per_min"),
-        (MotionSettings { normal_acceleration: 0.0, ..good }, "normal_acceleration"),
+        (MotionSettings { normal_acceleration_mm_per_s2: 0.0, ..good }, "normal_acceleration_mm_per_s2"),
         (MotionSettings { junction_mm_per_s: -0.1, ..good }, "junction_mm_per_s"),
     ] {
         let error = Motion::plan(&program, settings).unwrap_err();
         assert!(matches!(error, MotionError::Setting { setting, .. } if setting == field), "{error}");
     }
-    let empty = Program { name: String::new(), moves: Vec::new(), notes: Vec::new(), first: Default::default() };
+    let empty = Program {
+        name: String::new(),
+        file: String::new(),
+        moves: Vec::new(),
+        notes: Vec::new(),
+        first: Default::default(),
+    };
     assert_eq!(Motion::plan(&empty, good).unwrap_err(), MotionError::Empty);
     // Seventeen hours in one move.
     let slow = self::program("F1 G1 X1000");
@@ -224,7 +234,7 @@ proptest! {
         }
         let program = program(&text);
         prop_assume!(!program.moves.is_empty());
-        let settings = MotionSettings { acceleration, jerk, junction_mm_per_s: junction, period_s: 1.0e-3, ..MotionSettings::default() };
+        let settings = MotionSettings { acceleration_mm_per_s2: acceleration, jerk_mm_per_s3: jerk, junction_mm_per_s: junction, period_s: 1.0e-3, ..MotionSettings::default() };
         check(&program, settings);
     }
 }

@@ -325,7 +325,7 @@ fn refusals_name_line_and_word() {
     ];
     for (text, line, found, needed) in cases {
         let error = parse(text).expect_err(text);
-        assert_eq!((error.line, error.file.as_path()), (line, "part.ngc"), "{text}: {error}");
+        assert_eq!((error.line, error.file.as_str()), (line, "part.ngc"), "{text}: {error}");
         assert!(error.found.contains(found), "{text}: {error}");
         assert!(error.needed.contains(needed), "{text}: {error}");
         assert!(error.to_string().starts_with(&format!("part.ngc:{line}: found ")), "{error}");

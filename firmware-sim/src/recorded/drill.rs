@@ -2,7 +2,7 @@
 
 use trueaxis::Nanometres;
 use trueaxis_recording::Cycle;
-use trueaxis_sim::scenario::Scenario;
+use trueaxis_sim::Scenario;
 
 /// A fixed script, in cycles of the recording:
 ///

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 use trueaxis::roundness::RoundnessSettings;
 use trueaxis_recording::Probe;
+use trueaxis_sim::Scenario;
 use trueaxis_sim::grinding::{CentreMotion, Noise, Term, Turning, counts, probe_angles, sum};
-use trueaxis_sim::scenario::Scenario;
 
 /// Surface, µm over the angle.
 const SURFACE: [Term; 4] = [
@@ -31,7 +31,7 @@ impl Turned {
             phi: probe_angles(gauge),
             motion: CentreMotion::default(),
             turning: Turning::new(-0.3, speed_rpm, scenario.period_s()),
-            noise: Noise::new(scenario.seed, 101),
+            noise: Noise::new(scenario.settings.seed, 101),
             turn: -1,
         }
     }

@@ -15,9 +15,10 @@ use trueaxis::contour::Reference;
 use trueaxis::tcomp::machine_id;
 use trueaxis::{Nanometres, Position};
 use trueaxis_recording::{Cycle, Header, Probe, Writer};
+use trueaxis_sim::Scenario;
 use trueaxis_sim::path::PlannedPath;
 use trueaxis_sim::run::{Given, Kind, Moment, Run, Sample, Sink};
-use trueaxis_sim::scenario::{Scenario, axis_count};
+use trueaxis_sim::scenario::axis_count;
 
 /// How a run is recorded.
 #[derive(Clone, Copy, Debug)]

@@ -1,15 +1,12 @@
-//! The infeed axis: what it is told, a while later.
+//! The infeed axis: it follows its commands with delay and lag.
 
-use std::collections::VecDeque;
+use crate::plant::delay::Delay;
 
 /// A drive that follows its command after a pure delay and a first-order lag; for slow motion both add to the delay.
 #[derive(Clone, Debug)]
 pub struct InfeedDrive {
-    /// Commands, the latest last.
-    told: VecDeque<f64>,
-    /// Delay in cycles, at least 1.
-    delay: f64,
-    /// Share of the way that the lag lets pass in a cycle.
+    delay: Delay,
+    /// Share of the distance that the lag lets pass in a cycle.
     share: f64,
     position: f64,
 }
@@ -19,7 +16,8 @@ impl InfeedDrive {
     pub fn new(position: f64, delay_s: f64, lag_s: f64, period_s: f64) -> InfeedDrive {
         let delay = (delay_s / period_s).max(1.0);
         let share = if lag_s > 0.0 { -(-period_s / lag_s).exp_m1() } else { 1.0 };
-        InfeedDrive { told: VecDeque::from(vec![position; delay as usize + 2]), delay, share, position }
+        // At the end of the period the latest command is one period old.
+        InfeedDrive { delay: Delay::new(position, delay - 1.0), share, position }
     }
 
     /// Position, mm.
@@ -29,14 +27,7 @@ impl InfeedDrive {
 
     /// One servo period: `command` is given at its beginning; returns the position at its end.
     pub fn cycle(&mut self, command: f64) -> f64 {
-        self.told.push_back(command);
-        self.told.pop_front();
-        // At the end of the period the latest command is one period old.
-        let back = self.delay - 1.0;
-        let newest = self.told.len() - 1;
-        let at = |age: usize| self.told.get(newest.saturating_sub(age)).copied().unwrap_or(self.position);
-        let (whole, part) = (back as usize, back.fract());
-        let due = at(whole) + part * (at(whole + 1) - at(whole));
+        let due = self.delay.next(command);
         self.position += self.share * (due - self.position);
         self.position
     }

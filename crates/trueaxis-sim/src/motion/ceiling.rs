@@ -43,10 +43,10 @@ pub(super) fn add_sections(
     machine: Option<&Placement>,
     sections: &mut Vec<Section>,
 ) {
-    let feed = if element.rapid { settings.rapid_mm_per_min } else { element.planned_feed_per_min() } / 60.0;
+    let feed = settings.speed(element);
     let limit = |u: f64| {
         let curvature = element.curve.curvature(u);
-        (settings.normal_acceleration / curvature).sqrt().max(SLOWEST.min(feed)).min(feed)
+        (settings.normal_acceleration_mm_per_s2 / curvature).sqrt().max(SLOWEST.min(feed)).min(feed)
     };
     let first = sections.len();
     let mut add = |length: f64, ceiling: f64| match sections.get_mut(first..).and_then(<[Section]>::last_mut) {
@@ -98,7 +98,7 @@ fn axes_speed(element: &Move, machine: &Placement, settings: &MotionSettings, u:
     let rates = machine.rates(element, u);
     let own = rates.linear.to_array().into_iter().chain(rates.rotary.to_array());
     let speeds = own.zip(machine.max_feed_per_s()).map(|(rate, feed)| feed / rate.abs());
-    speeds.fold((settings.normal_acceleration / rates.bend.length()).sqrt(), f64::min)
+    speeds.fold((settings.normal_acceleration_mm_per_s2 / rates.bend.length()).sqrt(), f64::min)
 }
 
 /// [`corner_speed`] by the axes: neither the velocity of X, Y, Z (mm/s) nor that of A, B, C (deg/s) steps by more.

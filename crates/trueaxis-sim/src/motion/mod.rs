@@ -17,7 +17,9 @@ use ceiling::Section;
 use profile::Planner;
 
 use crate::placement::Placement;
-use crate::program::Program;
+use crate::program::{Move, Program};
+use crate::range::Range;
+use serde::{Deserialize, Serialize};
 
 pub use setpoints::{Setpoint, Setpoints, Walk};
 
@@ -28,18 +30,22 @@ pub const DWELL_CYCLES: u64 = 200;
 const MOST_CYCLES: f64 = 1.0e9;
 
 /// Limits of the motion along the path.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct MotionSettings {
-    /// Servo period, s.
+    /// Servo period, s; of a scenario that of its rate.
+    #[serde(skip)]
     pub period_s: f64,
+    /// Feed override: programmed feeds are run at this share, %; G0 is not.
+    pub feed_percent: f64,
     /// Largest acceleration along the path, mm/s².
-    pub acceleration: f64,
+    pub acceleration_mm_per_s2: f64,
     /// Largest jerk along the path, mm/s³.
-    pub jerk: f64,
+    pub jerk_mm_per_s3: f64,
     /// Speed of G0, mm/min.
     pub rapid_mm_per_min: f64,
     /// Largest acceleration across the path, v² times curvature, mm/s².
-    pub normal_acceleration: f64,
+    pub normal_acceleration_mm_per_s2: f64,
     /// Largest step of the velocity vector between two moves, mm/s; with 0 every corner is a stop.
     pub junction_mm_per_s: f64,
 }
@@ -50,10 +56,11 @@ impl Default for MotionSettings {
     fn default() -> Self {
         MotionSettings {
             period_s: 1.0e-4,
-            acceleration: 1.0e3,
-            jerk: 1.0e4,
+            feed_percent: 100.0,
+            acceleration_mm_per_s2: 1.0e3,
+            jerk_mm_per_s3: 1.0e4,
             rapid_mm_per_min: 1.0e4,
-            normal_acceleration: 5.0e2,
+            normal_acceleration_mm_per_s2: 5.0e2,
             junction_mm_per_s: 0.3,
         }
     }
@@ -73,8 +80,8 @@ pub enum MotionError {
         setting: &'static str,
         /// Its value.
         found: f64,
-        /// What is accepted.
-        needed: &'static str,
+        /// Range accepted.
+        needed: String,
     },
     /// The motion takes too many cycles.
     #[error("the motion takes {0:e} servo cycles; at most {MOST_CYCLES:e} are planned")]
@@ -182,20 +189,30 @@ impl Motion {
 }
 
 impl MotionSettings {
+    /// Speed of a move along its length, mm/s (deg/s): that of G0, or the programmed feed with its override.
+    pub fn speed(&self, element: &Move) -> f64 {
+        let programmed = || element.planned_feed_per_min() * (self.feed_percent / 100.0);
+        (if element.rapid { self.rapid_mm_per_min } else { programmed() }) / 60.0
+    }
+
+    /// Name, value, and range of every setting but the period.
+    pub(crate) fn ranges(&self) -> [Range<'static>; 6] {
+        let range = |key, found, low, high, unit| Range { key, found, low, high, unit };
+        [
+            range("feed_percent", self.feed_percent, 1.0, 1.0e3, "%"),
+            range("acceleration_mm_per_s2", self.acceleration_mm_per_s2, 1.0, 1.0e6, "mm/s²"),
+            range("jerk_mm_per_s3", self.jerk_mm_per_s3, 1.0, 1.0e9, "mm/s³"),
+            range("rapid_mm_per_min", self.rapid_mm_per_min, 1.0, 1.0e6, "mm/min"),
+            range("normal_acceleration_mm_per_s2", self.normal_acceleration_mm_per_s2, 1.0, 1.0e6, "mm/s²"),
+            range("junction_mm_per_s", self.junction_mm_per_s, 0.0, 1.0e6, "mm/s"),
+        ]
+    }
+
     fn check(&self) -> Result<(), MotionError> {
-        let positive = [
-            ("period_s", self.period_s, 1.0e-6, 0.1, "1e-6 to 0.1 s"),
-            ("acceleration", self.acceleration, 1.0, 1.0e6, "1 to 1e6 mm/s²"),
-            ("jerk", self.jerk, 1.0, 1.0e9, "1 to 1e9 mm/s³"),
-            ("rapid_mm_per_min", self.rapid_mm_per_min, 1.0, 1.0e6, "1 to 1e6 mm/min"),
-            ("normal_acceleration", self.normal_acceleration, 1.0, 1.0e6, "1 to 1e6 mm/s²"),
-            ("junction_mm_per_s", self.junction_mm_per_s, 0.0, 1.0e6, "0 to 1e6 mm/s"),
-        ];
-        for (setting, found, low, high, needed) in positive {
-            if !(low..=high).contains(&found) {
-                return Err(MotionError::Setting { setting, found, needed });
-            }
+        let period = Range { key: "period_s", found: self.period_s, low: 1.0e-6, high: 0.1, unit: "s" };
+        match [period].into_iter().chain(self.ranges()).find(|range| !range.holds()) {
+            Some(range) => Err(MotionError::Setting { setting: range.key, found: range.found, needed: range.needed() }),
+            None => Ok(()),
         }
-        Ok(())
     }
 }

@@ -32,7 +32,7 @@ impl Phase {
 ///
 /// It takes T = 2 √(d/j), or d/a + a/j if the acceleration limit a is reached (d ≥ a²/j), and covers (2 v + d) T / 2.
 fn change_distance(v: f64, d: f64, settings: &MotionSettings) -> f64 {
-    let (a, j) = (settings.acceleration, settings.jerk);
+    let (a, j) = (settings.acceleration_mm_per_s2, settings.jerk_mm_per_s3);
     let time = if d < a * a / j { 2.0 * (d / j).sqrt() } else { d / a + a / j };
     (v + 0.5 * d) * time
 }
@@ -114,8 +114,8 @@ pub(super) struct Planner {
 impl Planner {
     pub(super) fn new(settings: &MotionSettings) -> Planner {
         let mut input = InputParameter::<1>::new(None);
-        input.max_acceleration[0] = settings.acceleration;
-        input.max_jerk[0] = settings.jerk;
+        input.max_acceleration[0] = settings.acceleration_mm_per_s2;
+        input.max_jerk[0] = settings.jerk_mm_per_s3;
         Planner {
             ruckig: Ruckig::new(None, settings.period_s),
             input,

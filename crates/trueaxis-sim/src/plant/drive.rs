@@ -1,12 +1,17 @@
 //! One axis' servo drive: position loop, velocity loop, moving mass with friction, lost motion.
 
+use super::delay::Delay;
+use super::variation::Variation;
+use crate::range::Range;
+use serde::{Deserialize, Serialize};
 use trueaxis::machine::Axis;
 
 /// Longest step of the mechanics; a slower servo is worked off in several.
 const MAX_STEP_S: f64 = 1e-4;
 
 /// A drive and its axis. For a rotary axis every mm reads degree. Forces are given per moved mass.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct DriveSettings {
     /// Gain of the position loop Kv, 1/s.
     pub position_gain_per_s: f64,
@@ -31,34 +36,64 @@ pub struct DriveSettings {
     pub presliding_mm: f64,
     /// Viscous friction, 1/s.
     pub viscous_per_s: f64,
+    /// Dead time between a command and the position loop, s.
+    pub dead_time_s: f64,
 }
 
-impl DriveSettings {
-    /// A tuned machine tool axis; gains and friction differ by a few per cent from axis to axis, as on real machines.
-    ///
-    /// Lag 10 to 12 µm per 1000 mm/min; quadrant glitches of 1 to 3 µm on a circle of 50 mm radius at 1500 mm/min.
-    pub fn of(axis: Axis) -> DriveSettings {
-        let (gain, friction) = match axis {
-            Axis::X => (1.0, 1.0),
-            Axis::Y => (0.97, 1.12),
-            Axis::Z => (1.02, 1.25),
-            Axis::A => (0.94, 0.9),
-            Axis::B => (0.95, 0.95),
-            Axis::C => (1.01, 0.8),
-        };
+impl Default for DriveSettings {
+    /// A tuned machine tool axis: lag 10 to 12 µm per 1000 mm/min; quadrant glitches of 1 to 3 µm on a circle of 50 mm
+    /// radius at 1500 mm/min.
+    fn default() -> DriveSettings {
         DriveSettings {
-            position_gain_per_s: 110.0 * gain,
+            position_gain_per_s: 110.0,
             velocity_feed_forward: 0.93,
-            velocity_gain_per_s: 800.0 * gain,
+            velocity_gain_per_s: 800.0,
             reset_time_s: 0.006,
             current_loop_s: 2.5e-4,
             force_limit_mm_per_s2: 10_000.0,
-            coulomb_mm_per_s2: 420.0 * friction,
+            coulomb_mm_per_s2: 420.0,
             stribeck_share: 0.3,
             stribeck_velocity_mm_per_s: 2.0,
             presliding_mm: 0.006,
             viscous_per_s: 4.0,
+            dead_time_s: 0.0,
         }
+    }
+}
+
+impl DriveSettings {
+    /// The default drive as it is on an axis.
+    pub fn of(axis: Axis) -> DriveSettings {
+        DriveSettings::default().varied(&Variation::of(axis))
+    }
+
+    /// The drive of an axis whose gains and friction differ from the common ones.
+    pub fn varied(&self, by: &Variation) -> DriveSettings {
+        DriveSettings {
+            position_gain_per_s: self.position_gain_per_s * by.gain_factor,
+            velocity_gain_per_s: self.velocity_gain_per_s * by.gain_factor,
+            coulomb_mm_per_s2: self.coulomb_mm_per_s2 * by.friction_factor,
+            ..*self
+        }
+    }
+
+    /// Name, value and range of every setting.
+    pub(crate) fn ranges(&self) -> [Range<'static>; 12] {
+        let range = |key, found, low, high, unit| Range { key, found, low, high, unit };
+        [
+            range("position_gain_per_s", self.position_gain_per_s, 1.0, 1000.0, "1/s"),
+            range("velocity_feed_forward", self.velocity_feed_forward, 0.0, 1.0, ""),
+            range("velocity_gain_per_s", self.velocity_gain_per_s, 10.0, 4000.0, "1/s"),
+            range("reset_time_s", self.reset_time_s, 1e-3, 10.0, "s"),
+            range("current_loop_s", self.current_loop_s, 1e-6, 0.1, "s"),
+            range("force_limit_mm_per_s2", self.force_limit_mm_per_s2, 1.0, 1e6, "mm/s²"),
+            range("coulomb_mm_per_s2", self.coulomb_mm_per_s2, 0.0, 1e5, "mm/s²"),
+            range("stribeck_share", self.stribeck_share, 0.0, 10.0, ""),
+            range("stribeck_velocity_mm_per_s", self.stribeck_velocity_mm_per_s, 1e-3, 1000.0, "mm/s"),
+            range("presliding_mm", self.presliding_mm, 1e-6, 1.0, "mm"),
+            range("viscous_per_s", self.viscous_per_s, 0.0, 1000.0, "1/s"),
+            range("dead_time_s", self.dead_time_s, 0.0, 0.1, "s"),
+        ]
     }
 }
 
@@ -70,6 +105,9 @@ pub struct Drive {
     steps: u32,
     step_s: f64,
     current_share: f64,
+    delay: Delay,
+    /// As it came in, and as the position loop gets it.
+    entered: f64,
     command: f64,
     position: f64,
     velocity: f64,
@@ -90,6 +128,8 @@ impl Drive {
             steps: steps as u32,
             step_s,
             current_share: current_share(step_s, &settings),
+            delay: Delay::new(0.0, settings.dead_time_s / period_s),
+            entered: 0.0,
             command: 0.0,
             position: 0.0,
             velocity: 0.0,
@@ -101,7 +141,9 @@ impl Drive {
 
     /// Puts the axis to rest at `position` (mm, deg).
     pub fn rest_at(&mut self, position: f64) {
-        *self = Drive { command: position, position, ..Drive::new(self.settings, self.period_s) };
+        let delay = Delay::new(position, self.settings.dead_time_s / self.period_s);
+        *self =
+            Drive { delay, entered: position, command: position, position, ..Drive::new(self.settings, self.period_s) };
     }
 
     /// Position on the encoder's side, mm (deg).
@@ -122,8 +164,11 @@ impl Drive {
     /// ```text
     /// v_ref = Kv (command_k−1 − measured_k−1) + share (command_k − command_k−1)/T
     /// ```
+    ///
+    /// The position loop gets its commands late by the dead time.
     pub fn cycle(&mut self, command: f64, measured: f64, periods: f64) {
-        let command = if command.is_finite() { command } else { self.command };
+        self.entered = if command.is_finite() { command } else { self.entered };
+        let command = self.delay.next(self.entered);
         let s = &self.settings;
         let proportional = s.position_gain_per_s * (self.command - measured);
         let reference = proportional + s.velocity_feed_forward * (command - self.command) / self.period_s;
@@ -166,33 +211,6 @@ impl Drive {
 /// Share of a change of force that the current loop has made after `dt`.
 fn current_share(dt: f64, settings: &DriveSettings) -> f64 {
     1.0 - (-dt / settings.current_loop_s).exp()
-}
-
-/// Lost motion between encoder and carriage: a play that is traversed during each reversal.
-///
-/// The table holds in positive travel; in negative travel the carriage stays behind, actual − indicated = +backlash.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LostMotion {
-    width: f64,
-    reverse: f64,
-}
-
-impl LostMotion {
-    /// A play of `width` mm (deg), approached in positive travel. A width of 0 switches at once.
-    pub fn new(width: f64) -> LostMotion {
-        LostMotion { width: width.abs(), reverse: 0.0 }
-    }
-
-    /// Follows the encoder's side by `travel` mm (deg).
-    pub fn follow(&mut self, travel: f64) {
-        let moved = if self.width > 0.0 { travel / self.width } else { travel * f64::MAX };
-        self.reverse = (self.reverse - moved).clamp(0.0, 1.0);
-    }
-
-    /// Share of the play that is traversed: 0 in positive travel, 1 in negative travel.
-    pub fn reverse(&self) -> f64 {
-        self.reverse
-    }
 }
 
 #[cfg(test)]
@@ -257,16 +275,16 @@ mod tests {
     }
 
     #[test]
-    fn play_is_traversed_within_its_width() {
-        let mut play = LostMotion::new(0.010);
-        play.follow(1.0);
-        assert_eq!(play.reverse(), 0.0);
-        play.follow(-0.004);
-        assert!((play.reverse() - 0.4).abs() < 1e-12);
-        play.follow(-0.006);
-        play.follow(-2.0);
-        assert!((play.reverse() - 1.0).abs() < 1e-12);
-        play.follow(0.0025);
-        assert!((play.reverse() - 0.75).abs() < 1e-12);
+    fn dead_time_adds_to_the_lag() {
+        let velocity = 25.0;
+        let lag = |dead_time_s: f64| {
+            let mut drive = Drive::new(DriveSettings { dead_time_s, ..DriveSettings::of(Axis::X) }, 1e-4);
+            for k in 1..=10_000 {
+                drive.cycle(velocity * f64::from(k) * 1e-4, drive.position(), 1.0);
+            }
+            velocity - drive.position()
+        };
+        let more = lag(0.00125) - lag(0.0);
+        assert!((more / (velocity * 0.00125) - 1.0).abs() < 1e-3, "{more}");
     }
 }

@@ -1,13 +1,16 @@
 //! A position encoder: subdivisional error, noise, whole counts.
 
+use crate::range::Range;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use trueaxis::machine::Axis;
 
-/// What an encoder adds to the truth. For a rotary axis every mm reads degree.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Errors of an encoder. For a rotary axis every mm reads degree.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct EncoderSettings {
     /// Travel per count, mm.
     pub resolution_mm: f64,
@@ -23,25 +26,54 @@ pub struct EncoderSettings {
 
 impl EncoderSettings {
     /// A sealed linear encoder: 10 nm a count, 20 µm signal period, 30 and 15 nm subdivisional error, 5 nm noise.
+    pub const LINEAR: EncoderSettings = EncoderSettings {
+        resolution_mm: 10e-6,
+        signal_period_mm: 20e-3,
+        sde_first_mm: 30e-6,
+        sde_second_mm: 15e-6,
+        noise_rms_mm: 5e-6,
+    };
+
     /// A rotary encoder of 16384 lines: 5e-6° a count, 30e-6° and 15e-6° (0.1″ and 0.05″), 2e-6° noise.
+    pub const ROTARY: EncoderSettings = EncoderSettings {
+        resolution_mm: 5e-6,
+        signal_period_mm: 360.0 / 16384.0,
+        sde_first_mm: 30e-6,
+        sde_second_mm: 15e-6,
+        noise_rms_mm: 2e-6,
+    };
+
+    /// The default encoder of an axis.
     pub fn of(axis: Axis) -> EncoderSettings {
-        if axis.is_rotary() {
-            EncoderSettings {
-                resolution_mm: 5e-6,
-                signal_period_mm: 360.0 / 16384.0,
-                sde_first_mm: 30e-6,
-                sde_second_mm: 15e-6,
-                noise_rms_mm: 2e-6,
-            }
-        } else {
-            EncoderSettings {
-                resolution_mm: 10e-6,
-                signal_period_mm: 20e-3,
-                sde_first_mm: 30e-6,
-                sde_second_mm: 15e-6,
-                noise_rms_mm: 5e-6,
-            }
-        }
+        if axis.is_rotary() { EncoderSettings::ROTARY } else { EncoderSettings::LINEAR }
+    }
+
+    /// Name, value and range of every setting.
+    pub(crate) fn ranges(&self) -> [Range<'static>; 5] {
+        let range = |key, found, low, high| Range { key, found, low, high, unit: "mm" };
+        [
+            range("resolution_mm", self.resolution_mm, 1e-9, 1.0),
+            range("signal_period_mm", self.signal_period_mm, 1e-6, 1000.0),
+            range("sde_first_mm", self.sde_first_mm, 0.0, 1.0),
+            range("sde_second_mm", self.sde_second_mm, 0.0, 1.0),
+            range("noise_rms_mm", self.noise_rms_mm, 0.0, 1.0),
+        ]
+    }
+}
+
+/// The encoders of a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Encoders {
+    /// Of linear axes.
+    pub linear: EncoderSettings,
+    /// Of rotary axes; every mm reads degree.
+    pub rotary: EncoderSettings,
+}
+
+impl Default for Encoders {
+    fn default() -> Encoders {
+        Encoders { linear: EncoderSettings::LINEAR, rotary: EncoderSettings::ROTARY }
     }
 }
 

@@ -12,6 +12,8 @@
 //! Lengths are `mm`, or `deg` for rotary axes. Faults of readings happen between the drive and the control: the drive, which
 //! evaluates its encoder itself, is not disturbed by them.
 
+use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 use trueaxis::machine::Axis;
@@ -143,11 +145,47 @@ impl FromStr for Fault {
     }
 }
 
+/// The specification that is read back as the same fault.
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, value) = match self.kind {
+            FaultKind::Dropout(_) => ("dropout", None),
+            FaultKind::Glitch(_, by) => ("glitch", Some(by)),
+            FaultKind::Stuck(_) => ("stuck", None),
+            FaultKind::Late(periods) => ("late", Some(periods)),
+            FaultKind::NanCommand(_) => ("nan-command", None),
+            FaultKind::JumpCommand(_, by) => ("jump-command", Some(by)),
+        };
+        f.write_str(name)?;
+        if let Some(axis) = self.kind.axis() {
+            write!(f, ":{}", axis.letter())?;
+        }
+        write!(f, "@{}s+{}", self.at_s, self.cycles)?;
+        let unit = self.kind.axis().map_or("", |axis| if axis.is_rotary() { "deg" } else { "mm" });
+        value.map_or(Ok(()), |value| write!(f, "={value}{unit}"))
+    }
+}
+
 /// All faults of a run; where several act at once they act in this order.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<String>", into = "Vec<String>")]
 pub struct FaultScript {
     /// The faults.
     pub faults: Vec<Fault>,
+}
+
+impl TryFrom<Vec<String>> for FaultScript {
+    type Error = FaultSpecError;
+
+    fn try_from(specs: Vec<String>) -> Result<FaultScript, FaultSpecError> {
+        FaultScript::parse(specs)
+    }
+}
+
+impl From<FaultScript> for Vec<String> {
+    fn from(script: FaultScript) -> Vec<String> {
+        script.faults.iter().map(Fault::to_string).collect()
+    }
 }
 
 impl FaultScript {
@@ -191,6 +229,7 @@ mod tests {
             ]
         );
         assert_eq!((script.faults[0].at_s, script.faults[0].cycles), (1.25, 3));
+        assert_eq!(FaultScript::parse(Vec::from(script.clone())), Ok(script));
     }
 
     #[test]

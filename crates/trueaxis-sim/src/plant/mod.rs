@@ -9,13 +9,18 @@
 //! The encoders see neither lost motion nor geometry, so that readings are the same, bit for bit, with a perfect and an
 //! imperfect machine.
 
+pub mod delay;
 pub mod drive;
 pub mod encoder;
 pub mod fault;
+mod lost_motion;
+pub mod variation;
 
-use drive::{Drive, DriveSettings, LostMotion};
+use drive::{Drive, DriveSettings};
 use encoder::{Encoder, EncoderSettings};
 use fault::{FaultKind, FaultScript};
+
+pub use lost_motion::LostMotion;
 
 use thiserror::Error;
 use trueaxis::machine::{AXES, Axis, AxisSettings};
@@ -58,6 +63,8 @@ pub struct PlantSettings {
     pub drives: [DriveSettings; AXES],
     /// Encoders, in the order X Y Z A B C.
     pub encoders: [EncoderSettings; AXES],
+    /// Lost motion that the machine's tables do not know, in the order X Y Z A B C, mm (deg).
+    pub lost_motion_mm: [f64; AXES],
     /// Temperature above the machine's reference temperature, K.
     pub temperature_rise_k: f64,
     /// What goes wrong, and when.
@@ -69,13 +76,14 @@ impl Default for PlantSettings {
         PlantSettings {
             drives: Axis::ALL.map(DriveSettings::of),
             encoders: Axis::ALL.map(EncoderSettings::of),
+            lost_motion_mm: [0.0; AXES],
             temperature_rise_k: 0.0,
             faults: FaultScript::default(),
         }
     }
 }
 
-/// What the control gets at the end of a cycle; one entry per axis in the order of the machine's axes, the rest zero.
+/// Readings of the control at the end of a cycle; one entry per axis in the order of the machine's axes, the rest zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Readings {
     /// Encoder counts (0 where the reading is missing).
@@ -94,6 +102,8 @@ struct Station {
     axis: Axis,
     drive: Drive,
     play: LostMotion,
+    /// Lost motion that the tables do not know, mm (deg).
+    unknown_play: f64,
     encoder: Encoder,
     /// Last reading as the drive has it, and as the control got it.
     counts: i64,
@@ -135,7 +145,8 @@ impl Plant {
                 Station {
                     axis: own.axis,
                     drive: Drive::new(settings.drives[i], period_s),
-                    play: LostMotion::new(play_width(own, table)),
+                    play: LostMotion::new(play_width(own, table) + settings.lost_motion_mm[i]),
+                    unknown_play: if perfect_geometry { 0.0 } else { settings.lost_motion_mm[i] },
                     encoder: Encoder::new(settings.encoders[i], own.axis, seed),
                     counts: 0,
                     sent: 0,
@@ -241,7 +252,7 @@ impl Plant {
     /// the tip error d of [`Geometry::tip_error`] (0 for an axis that the machine does not have; the tool's own length is
     /// not counted).
     pub fn true_tip(&self) -> [f64; 3] {
-        let position = self.axis_positions();
+        let position = self.carriage_positions();
         let mut tip = if self.perfect_geometry { [0.0; 3] } else { self.tip_error_at(&position) };
         for (station, q) in self.stations.iter().zip(position) {
             if let Some(component) = tip.get_mut(station.axis.index()) {
@@ -253,7 +264,7 @@ impl Plant {
 
     /// Tool tip and tool direction in the workpiece's frame, tool length and rotary axes included.
     pub fn true_pose(&self) -> ToolPose {
-        let position = self.axis_positions();
+        let position = self.carriage_positions();
         if self.perfect_geometry {
             self.geometry.ideal_pose(&position)
         } else {
@@ -266,6 +277,15 @@ impl Plant {
         let mut position = [0.0; AXES];
         for (q, station) in position.iter_mut().zip(&self.stations) {
             *q = station.drive.position();
+        }
+        position
+    }
+
+    /// The same behind the lost motion that the tables do not know; theirs is part of the geometry.
+    fn carriage_positions(&self) -> [f64; AXES] {
+        let mut position = self.axis_positions();
+        for (q, station) in position.iter_mut().zip(&self.stations) {
+            *q += station.unknown_play * station.play.reverse();
         }
         position
     }

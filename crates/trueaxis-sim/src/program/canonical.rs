@@ -74,7 +74,7 @@ impl Canonical {
     /// The program of that name.
     pub fn finish(mut self, name: &str) -> Program {
         self.builder.notes.add(1, "--interpreter rs274", "coordinates are rounded to four decimals");
-        Program::of(name, self.builder)
+        Program::of(name, &self.file, self.builder)
     }
 
     fn read(&mut self, output: &str) -> Result<(), Refusal> {

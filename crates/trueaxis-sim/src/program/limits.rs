@@ -30,28 +30,23 @@ pub(super) fn pieces(curve: &Curve, turn: &Turn, length: f64) -> u64 {
 }
 
 impl Program {
-    /// Refuses a program whose moves alone take more than [`MOST_CYCLES`] at their feeds; `file` appears in the error.
+    /// Refuses a program whose moves alone take more than [`MOST_CYCLES`] at their speeds, mm/s or deg/s.
     ///
     /// # Errors
     /// The line in which the limit is passed.
-    pub fn check_duration(&self, rate_hz: f64, rapid_mm_per_min: f64, file: &str) -> Result<(), ProgramError> {
+    pub fn check_duration(&self, rate_hz: f64, speed: impl Fn(&Move) -> f64) -> Result<(), ProgramError> {
         let mut cycles = 0.0;
         for element in &self.moves {
-            cycles += seconds(element, rapid_mm_per_min) * rate_hz;
+            cycles += element.length() / speed(element) * rate_hz;
             if cycles > MOST_CYCLES {
                 let found = format!("a program of more than {:.1} hours by its feeds", cycles / rate_hz / 3600.0);
                 let needed = format!(
                     "at most {MOST_CYCLES:e} servo cycles, {:.1} hours at {rate_hz} Hz",
                     MOST_CYCLES / rate_hz / 3600.0
                 );
-                return Err(Refusal::new(element.line, found, needed).in_file(file));
+                return Err(Refusal::new(element.line, found, needed).in_file(&self.file));
             }
         }
         Ok(())
     }
-}
-
-fn seconds(element: &Move, rapid_mm_per_min: f64) -> f64 {
-    let feed = if element.rapid { rapid_mm_per_min } else { element.planned_feed_per_min() };
-    element.length() / feed * 60.0
 }

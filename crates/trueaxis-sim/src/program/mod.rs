@@ -174,6 +174,8 @@ pub struct FirstWords {
 pub struct Program {
     /// Name for reports.
     pub name: String,
+    /// File that it was read from; appears in errors.
+    pub file: String,
     /// The moves in order; moves without length are left out.
     pub moves: Vec<Move>,
     /// What was accepted without effect, once per kind.
@@ -197,12 +199,12 @@ impl Program {
     /// With its line, what is not understood, and a program beyond the [`limits`].
     pub fn read(name: &str, bytes: &[u8], file: &str, options: &ReadOptions) -> Result<Program, ProgramError> {
         let builder = Program::interpret(bytes, options).map_err(|refusal| refusal.in_file(file))?;
-        Ok(Program::of(name, builder))
+        Ok(Program::of(name, file, builder))
     }
 
-    fn of(name: &str, builder: builder::Builder) -> Program {
+    fn of(name: &str, file: &str, builder: builder::Builder) -> Program {
         let notes = builder.notes.into_vec();
-        Program { name: name.to_owned(), moves: builder.moves, notes, first: builder.first }
+        Program { name: name.to_owned(), file: file.to_owned(), moves: builder.moves, notes, first: builder.first }
     }
 
     fn interpret(bytes: &[u8], options: &ReadOptions) -> Result<builder::Builder, Refusal> {
@@ -231,23 +233,23 @@ impl Program {
         self.moves.iter().any(Move::is_five_axis)
     }
 
-    /// Refuses what needs axes that `machine` does not have; `file` appears in the error.
+    /// Refuses what needs axes that `machine` does not have.
     ///
     /// # Errors
     /// A rotary word of an axis that is not there; G43.4 without X, Y, Z and a rotary axis.
-    pub fn check_axes(&self, machine: &MachineSettings, file: &str) -> Result<(), ProgramError> {
+    pub fn check_axes(&self, machine: &MachineSettings) -> Result<(), ProgramError> {
         let has = |letter| machine.axes.iter().any(|a| a.axis.letter() == letter);
         let axes = || machine.axes.iter().map(|a| a.axis.letter().to_string()).collect::<Vec<_>>().join(", ");
         for (letter, line) in ROTARY_LETTERS.into_iter().zip(self.first.rotary) {
             if let Some(line) = line.filter(|_| !has(letter)) {
                 let needed = format!("an axis of {}: {}", machine.name, axes());
-                return Err(Refusal::new(line, format!("a word of axis {letter}"), needed).in_file(file));
+                return Err(Refusal::new(line, format!("a word of axis {letter}"), needed).in_file(&self.file));
             }
         }
         let able = ['X', 'Y', 'Z'].into_iter().all(has) && ROTARY_LETTERS.into_iter().any(has);
         if let Some(line) = self.first.tool_center.filter(|_| !able) {
             let needed = format!("a machine with X, Y, Z and a rotary axis; {} has {}", machine.name, axes());
-            return Err(Refusal::new(line, "G43.4", needed).in_file(file));
+            return Err(Refusal::new(line, "G43.4", needed).in_file(&self.file));
         }
         Ok(())
     }

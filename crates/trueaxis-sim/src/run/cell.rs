@@ -8,8 +8,8 @@ use crate::error::{Result, SimError};
 use crate::motion::Setpoint;
 use crate::path::SlidingPath;
 use crate::placement::Place;
+use crate::plant::Plant;
 use crate::plant::fault::FaultScript;
-use crate::plant::{Plant, PlantSettings};
 use crate::scenario::Scenario;
 use crate::truth;
 use glam::DVec3;
@@ -76,9 +76,11 @@ impl<const N: usize> Cell<N> {
             }
         }
         let perfect = kind == Kind::ServoOnly;
-        let faults = if perfect { FaultScript::default() } else { scenario.faults.clone() };
-        let settings = PlantSettings { temperature_rise_k: scenario.kelvin, faults, ..PlantSettings::default() };
-        let plant = Plant::new(&scenario.machine, settings, perfect, scenario.seed, scenario.period_s())?;
+        let mut settings = scenario.settings.plant(scenario.kelvin);
+        if perfect {
+            settings.faults = FaultScript::default();
+        }
+        let plant = Plant::new(&scenario.machine, settings, perfect, scenario.settings.seed, scenario.period_s())?;
         let order = scenario.machine.settings.axes.iter().map(|a| axes.iter().position(|b| *b == a.axis)).collect();
         Ok(Cell {
             state,
@@ -107,7 +109,7 @@ impl<const N: usize> Cell<N> {
         let limits = shared.scenario.machine.settings.axes.iter().map(|a| a.limits);
         let slowest =
             limits.map(|l| l.magnitude / l.slope_per_s + l.slope_per_s / l.acceleration_per_s2).fold(0.0, f64::max);
-        for _ in 0..(1.2 * slowest.min(2.0) * shared.scenario.rate_hz) as u64 {
+        for _ in 0..(1.2 * slowest.min(2.0) * shared.scenario.rate_hz()) as u64 {
             self.exchange((number, true), first, shared, sink);
         }
         self.plant.start_faults();
