@@ -28,7 +28,7 @@ struct AxisJson<'o> {
     over_angle: &'o [Stop],
 }
 
-/// What `--json` prints.
+/// The document that `--json` prints.
 #[derive(Serialize)]
 pub(crate) struct Json<'o> {
     machine: &'o str,

@@ -12,7 +12,7 @@ use trueaxis_sim::motion::{Motion, Setpoints};
 use trueaxis_sim::path::{self, SlidingPath};
 use trueaxis_sim::servo::with_loop;
 
-/// What the bench gives.
+/// Results of the bench.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
     /// Latency of single steps, the clock's own reading included.

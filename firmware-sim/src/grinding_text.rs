@@ -38,7 +38,7 @@ struct SpindleJson {
     gauge: Option<MotionJson>,
 }
 
-/// What `--json` prints.
+/// The document that `--json` prints.
 #[derive(Serialize)]
 pub(crate) struct Json {
     machine: String,
@@ -110,7 +110,7 @@ pub(crate) fn json(outcome: &Outcome, grinding: &Grinding, wall_s: f64) -> Resul
 pub(crate) struct Summary<'o> {
     /// Figures of both runs.
     pub(crate) outcome: &'o Outcome,
-    /// What was ground.
+    /// The pin and its process.
     pub(crate) grinding: &'o Grinding,
     /// Time that both runs took, s.
     pub(crate) wall_s: f64,

@@ -1,7 +1,7 @@
 //! Host simulator of compensated servo cycles.
 //!
 //! A G-code program is interpolated at the servo rate, every cycle goes through the plugin's `step` against a simulated
-//! machine, and the machine's *true* tool tip is held against the programmed path:
+//! machine, and the machine's *true* tool tip is compared with the programmed path:
 //!
 //! ```text
 //! program ─► motion ─► step (the plugin) ─► plant: drives, exact geometry, encoders ─► true tip ─► truth: contour error

@@ -18,7 +18,7 @@ pub(crate) fn read_machine(option: &str, given: &Path) -> Result<Machine> {
     Ok(Machine::read(&path)?)
 }
 
-/// What a command may not write over: the files of machines, named as for [`read_machine`], and others.
+/// Files that a command may not write over: those of machines, named as for [`read_machine`], and others.
 pub(crate) fn outputs_of<'p>(
     machines: impl IntoIterator<Item = &'p Path>,
     others: impl IntoIterator<Item = &'p Path>,

@@ -1,4 +1,4 @@
-//! The program of a scenario: its arguments, how it is read, and what is told of it.
+//! The program of a scenario: its arguments, reading, and notes.
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
@@ -91,7 +91,7 @@ fn read_offsets(path: &Path) -> Result<Offsets, ProgramError> {
     Offsets::parse(&text, &file)
 }
 
-/// What `run --json` prints.
+/// The document that `run --json` prints.
 #[derive(serde::Serialize)]
 pub(crate) struct Document<'p, Run> {
     #[serde(flatten)]

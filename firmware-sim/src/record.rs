@@ -30,7 +30,7 @@ pub(crate) struct RecordArgs {
     output: PathBuf,
 }
 
-/// How a run is recorded.
+/// Arguments of a recording.
 #[derive(Args, Clone, Copy)]
 pub(crate) struct How {
     /// Stop after so many cycles.

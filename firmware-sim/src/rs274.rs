@@ -11,7 +11,7 @@ use trueaxis_sim::program::{Program, ProgramError, ReadOptions, numbered};
 /// Without an INI file `rs274` takes tool table and parameters for inches.
 const MM_PER_UNIT: f64 = 25.4;
 
-/// So long it may take: a program that loops for ever is ended.
+/// Longest time it may take: a program that loops for ever is ended.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Longest line of its output, bytes.

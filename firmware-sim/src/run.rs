@@ -73,7 +73,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     }
 }
 
-/// What `run --report` writes.
+/// Files that `run --report` writes.
 struct ReportFiles {
     directory: PathBuf,
     trace: Trace<BufWriter<Staged>>,

@@ -1,4 +1,4 @@
-//! What the report's figures need of the runs, gathered while they go by in memory of fixed size.
+//! Curves for the report's figures, gathered from the runs in memory of fixed size.
 
 use crate::report::{AxisReport, ContourSeries, OrientationSeries, PathPoint, Thinner};
 use std::array::from_fn;
@@ -36,7 +36,7 @@ pub struct Series {
     five_axis: bool,
     contour: [Curve; 3],
     orientation: [Curve; 3],
-    /// Rotary axes: place among A, B, C, letter, position.
+    /// Rotary axes: index among A, B, C, letter, position.
     rotary: Vec<(usize, char, Curve)>,
     axes: Vec<AxisCurves>,
     path: Thinner<PathPoint, 4>,

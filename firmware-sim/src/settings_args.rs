@@ -73,7 +73,12 @@ impl SettingsArgs {
         for (flag, value, keys) in self.flags() {
             for key in keys {
                 let taken = value.as_ref().map_or(Ok(()), |value| settings.set(key, value));
-                taken.map_err(|e| anyhow!("{flag}: found {}, needed {}", e.found, e.needed))?;
+                // In micrometres and milliseconds, the setting's own name goes with its unit.
+                let scaled = flag.ends_with("-um") || flag.ends_with("-ms");
+                taken.map_err(|e| match scaled {
+                    true => anyhow!("{flag}: {e}"),
+                    false => anyhow!("{flag}: found {}, needed {}", e.found, e.needed),
+                })?;
             }
         }
         for assignment in &self.set {

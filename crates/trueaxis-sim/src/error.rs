@@ -63,9 +63,9 @@ pub enum SimError {
         program: String,
         /// Line, from 1.
         line: u32,
-        /// Where it leads.
+        /// Target of the line.
         found: String,
-        /// What would be accepted.
+        /// Accepted instead.
         needed: String,
     },
     /// A machine or setting that does not suit.
@@ -75,7 +75,7 @@ pub enum SimError {
         what: String,
         /// Its state.
         found: String,
-        /// What would be accepted.
+        /// Accepted instead.
         needed: String,
     },
     /// The step refuses to start.
@@ -84,7 +84,7 @@ pub enum SimError {
     /// The step reports a fault where there must be none.
     #[error("the step reports {fault:?} after {turns:.2} turns")]
     Fault {
-        /// Which.
+        /// Fault code.
         fault: Fault,
         /// Turns of the spindle until then.
         turns: f64,

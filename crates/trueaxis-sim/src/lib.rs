@@ -13,6 +13,8 @@
 //!
 //! [`run`] simulates a part program, [`grinding`] a crankpin under the three-probe gauge, [`ball_test`] the test of a
 //! five-axis head. The same inputs and seed give the same results on every host, in a browser too.
+//!
+//! The crate's README shows a run from tables to figures.
 
 // print! and its like panic when the other end of a pipe is closed.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
@@ -35,3 +37,7 @@ pub mod truth;
 pub use error::SimError;
 pub use scenario::Scenario;
 pub use settings::Settings;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

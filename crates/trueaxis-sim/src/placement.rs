@@ -1,7 +1,7 @@
-//! Where the axes stand for a programmed place, and where the tool then is: by the exact geometry of a perfect machine.
+//! Positions of the axes for a programmed point, and of the tool then: by the exact geometry of a perfect machine.
 //!
 //! Workpiece coordinates are those of the workpiece's frame, which coincides with the machine's while all axes are at zero. The
-//! program's zero is the place of the tool tip with X, Y, Z at the origin and the rotary axes at zero. There, and at whole
+//! program's zero is the position of the tool tip with X, Y, Z at the origin and the rotary axes at zero. There, and at whole
 //! turns, programmed positions mean the same with and without tool centre point mode.
 
 use crate::program::Move;
@@ -106,7 +106,7 @@ impl Placement {
         [linear.x, linear.y, linear.z, a, b, c]
     }
 
-    /// Where the tool shall be at parameter `u` of a move.
+    /// Tip and direction programmed at parameter `u` of a move.
     pub fn place(&self, step: &Move, u: f64) -> Place {
         let [a, b, c] = step.rotary(u);
         if step.tool_center {
@@ -126,7 +126,7 @@ impl Placement {
         (self.place(step, u + h).tip - self.place(step, u - h).tip) / (2.0 * h)
     }
 
-    /// How the axes move along a move at parameter `u`.
+    /// Derivatives of the axis positions along a move at parameter `u`.
     pub(crate) fn rates(&self, step: &Move, u: f64) -> Rates {
         let (first, last) = step.curve.domain();
         let width = last - first;

@@ -20,7 +20,7 @@ pub struct Scenario {
     pub settings: Settings,
     /// Program zero in machine coordinates, mm.
     pub origin_mm: [f64; 3],
-    /// Where the axes stand for a programmed place.
+    /// Positions of the axes for programmed points.
     pub placement: Placement,
     /// Rotary axes or the tool centre point are programmed: errors are those of tip and direction in workpiece coordinates.
     pub five_axis: bool,
@@ -32,9 +32,10 @@ impl Scenario {
     /// Puts a program on a machine.
     ///
     /// # Errors
-    /// With its line, what needs axes that the machine does not have, takes too long or leaves the declared travel; a
+    /// Settings out of range; with its line, what needs axes that the machine does not have, takes too long or leaves the declared travel; a
     /// structural code that cannot be read.
     pub fn new(machine: Machine, program: Program, settings: Settings) -> Result<Scenario> {
+        settings.check()?;
         program.check_axes(&machine.settings)?;
         program.check_duration(settings.rate_hz, |element| settings.motion.speed(element))?;
         let origin_mm = settings.origin_mm.unwrap_or_else(|| middle_of_travel(&machine));
@@ -132,7 +133,7 @@ pub fn middle_of_travel(machine: &Machine) -> [f64; 3] {
     middle
 }
 
-/// How many axes the step of a machine has: X, Y, Z, and its rotary ones.
+/// Number of axes of a machine's step: X, Y, Z, and its rotary ones.
 pub fn axis_count(machine: &Machine) -> usize {
     3 + machine.settings.axes.iter().filter(|a| a.axis.is_rotary()).count()
 }

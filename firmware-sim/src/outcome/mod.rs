@@ -33,13 +33,13 @@ pub struct Outcome {
     servo_only: Tallies,
     /// Cost of the compensated run's steps.
     latency: Latency,
-    /// How pacing went, if it was asked for.
+    /// Report of the pacing, if it was asked for.
     pace: Option<PaceReport>,
     cycles: u64,
     wall_s: f64,
 }
 
-/// How the steps are timed.
+/// Timing of the steps.
 #[derive(Clone, Copy, Debug)]
 pub struct Timing {
     /// Time a step may take, ns.

@@ -1,4 +1,4 @@
-//! What a controller meets, written over the recorded cycles.
+//! Disturbances that a controller meets, written over the recorded cycles.
 
 use trueaxis::Nanometres;
 use trueaxis_recording::Cycle;

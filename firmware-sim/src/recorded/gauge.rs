@@ -1,4 +1,4 @@
-//! What three probes read at a workpiece that turns and is not ground.
+//! Readings of three probes at a workpiece that turns and is not ground.
 
 use std::f64::consts::TAU;
 use trueaxis::roundness::RoundnessSettings;

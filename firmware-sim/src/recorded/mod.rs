@@ -1,7 +1,7 @@
-//! A simulated run as a recording: what the step was given, cycle by cycle, for any build of the step to be given again.
+//! A simulated run as a recording: the step's inputs, cycle by cycle, for any build of the step to replay.
 //!
-//! Positions are rounded to 1e-6 mm, as integer interfaces hand them over; what a fixed-point position cannot say is said
-//! as such an interface says it: a missing reading is an alarm of that encoder, a command that is no number lies at the
+//! Positions are rounded to 1e-6 mm, as integer interfaces hand them over; what a fixed-point position cannot express is
+//! expressed as such an interface does: a missing reading is an alarm of that encoder, a command that is no number lies at the
 //! end of the range.
 
 mod drill;
@@ -20,7 +20,7 @@ use trueaxis_sim::path::PlannedPath;
 use trueaxis_sim::run::{Given, Kind, Moment, Run, Sample, Sink};
 use trueaxis_sim::scenario::axis_count;
 
-/// How a run is recorded.
+/// Settings of a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// Stop after so many cycles.

@@ -1,4 +1,4 @@
-//! Where the axes stand in the cycle, and what the gauge reads.
+//! Positions of the axes in the cycle, and readings of the gauge.
 
 use super::{BallCycle, place};
 use crate::error::{Result, SimError};
@@ -62,7 +62,7 @@ impl Cycle {
         }
     }
 
-    /// What the gauge reads in every set-up at every stop.
+    /// Readings of the gauge in every set-up at every stop.
     pub(super) fn measure(&self, test: &BallCycle, machine: &Machine, stream: u64) -> Result<BallTest> {
         let mut noise = ChaCha8Rng::seed_from_u64(test.seed);
         noise.set_stream(stream);

@@ -1,6 +1,6 @@
 //! Ball test of a five-axis head: measure, identify, compile, measure again.
 //!
-//! With RTCP on, the control keeps the centre of a ball in place while C turns a full circle with A still, then A a quarter
+//! With RTCP on, the control keeps the centre of a ball still while C turns a full circle with A still, then A a quarter
 //! with C still; three set-ups each. The simulated gauge reads what the machine's exact geometry makes of it, the
 //! six errors of either axis are identified, become tables, are compiled into the form that a controller loads, and the same
 //! cycle is run once more through the plugin's volumetric correction:

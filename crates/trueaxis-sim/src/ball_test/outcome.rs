@@ -31,7 +31,7 @@ pub struct Stop {
     pub after_um: f64,
 }
 
-/// One axis: what was read, found, and left.
+/// One axis: readings, identified errors, remaining errors.
 #[derive(Debug)]
 pub struct AxisOutcome {
     /// The axis.
@@ -40,7 +40,7 @@ pub struct AxisOutcome {
     pub readings: BallTest,
     /// Angles of the stops, degrees.
     pub stops_deg: Vec<f64>,
-    /// What was identified.
+    /// Errors identified.
     pub found: Identified,
     /// The table made from it.
     pub table: Table,
@@ -52,7 +52,7 @@ pub struct AxisOutcome {
     pub after: TipError,
 }
 
-/// What the loop gave.
+/// Result of the loop.
 #[derive(Debug)]
 pub struct Outcome {
     /// C, then A.

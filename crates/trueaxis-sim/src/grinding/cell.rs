@@ -8,9 +8,9 @@ use trueaxis::machine::AXES;
 use trueaxis::roundness::{Probes, RoundnessSettings};
 use trueaxis_tables::exact::Geometry;
 
-/// Where the index pulse finds the spindle's counter: an incremental encoder starts anywhere.
+/// The spindle's counter at the index pulse: an incremental encoder starts anywhere.
 const COUNTER_OFFSET: i32 = -271_828;
-/// Free way of the wheel before it can touch anything, µm.
+/// Free travel of the wheel before it can touch anything, µm.
 const GAP_UM: f64 = 8.0;
 /// Raw value of a probe that is out, beyond its range.
 const OUT: f64 = 1.0;
@@ -34,12 +34,12 @@ pub(super) struct Cell {
     contact: f64,
     /// +1 where the axis moves toward the workpiece.
     direction: f64,
-    /// Place of the infeed axis among X, Y, Z, and of every axis in the machine's list.
+    /// Index of the infeed axis among X, Y, Z, and of every axis in the machine's list.
     place: usize,
     listed: Vec<usize>,
     geometry: Geometry,
     linkage: Linkage,
-    /// Begin, radius before and after; whether the gauge is told.
+    /// Begin, radius before and after; whether it is reported to the gauge.
     dressing: Option<([f64; 3], bool)>,
     turning: Turning,
     drive: InfeedDrive,
@@ -48,7 +48,7 @@ pub(super) struct Cell {
     pub(super) pin: Workpiece,
     now: Instant,
     turn: i64,
-    /// Where the feed began: turns, µm fed before.
+    /// Start of the feed: turns, µm fed before.
     part: [f64; 2],
     parts: u64,
     /// True position at which the feed is 0, mm.
@@ -59,7 +59,7 @@ pub(super) struct Cell {
     time_s: f64,
 }
 
-/// What the control gets from the machine in a cycle.
+/// Inputs of the control in a cycle.
 pub(super) struct Readings {
     pub(super) probes: Probes<f64>,
     pub(super) command: [f64; 3],
@@ -120,7 +120,7 @@ impl Cell {
         self.part[1] + self.grinding.fed_um(self.turns() - self.part[0])
     }
 
-    /// Where the infeed axis really is, mm.
+    /// True position of the infeed axis, mm.
     fn position(&self) -> f64 {
         let mut at = self.others;
         at[self.place] = self.drive.position();
@@ -186,7 +186,7 @@ impl Cell {
         self.grinding.events.contains(&Event::MissingIndex { turn })
     }
 
-    /// Begins what is due; tells of a new part and of a new wheel.
+    /// Begins events that are due; returns whether there is a new part, and a new wheel's radius.
     pub(super) fn happen(&mut self) -> (bool, Option<f64>) {
         let mut new_part = false;
         let turns = self.turns();
@@ -247,13 +247,13 @@ impl Cell {
         self.now = next;
     }
 
-    /// Place of the infeed axis among X, Y, Z.
+    /// Index of the infeed axis among X, Y, Z.
     pub(super) fn place(&self) -> usize {
         self.place
     }
 }
 
-/// Motion of the centre toward a place at the angle φ from probe 1, µm: R_Y cos(φ + β) + R_X sin(φ + β).
+/// Motion of the centre toward a point at the angle φ from probe 1, µm: R_Y cos(φ + β) + R_X sin(φ + β).
 fn seen(at: &Instant, phi: f64) -> f64 {
     let [x, y] = at.centre;
     let (sin, cos) = (phi + at.beta).sin_cos();

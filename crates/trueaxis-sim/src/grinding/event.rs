@@ -1,4 +1,4 @@
-//! What happens while a pin is ground.
+//! Events while a pin is ground.
 
 /// An event; times are turns of the spindle since its first index pulse.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,24 +7,24 @@ pub enum Event {
     Stop {
         /// When it begins to brake.
         at: f64,
-        /// From then until it is told to turn again, s.
+        /// From then until it is to turn again, s.
         for_s: f64,
     },
     /// The index pulse of a turn does not come.
     MissingIndex {
-        /// Which.
+        /// Number of the turn.
         turn: i64,
     },
     /// A probe reads far outside its range, as one does that was knocked off.
     ProbeOut {
-        /// Which, from 0.
+        /// Index of the probe.
         probe: usize,
         /// From when.
         at: f64,
         /// For how many turns.
         turns: f64,
     },
-    /// Another rough pin, larger than the last became; the step is told, and feeding begins anew.
+    /// Another rough pin, larger than the last became; it is reported to the step, and feeding begins anew.
     NewPart {
         /// When.
         at: f64,
@@ -35,7 +35,7 @@ pub enum Event {
         at: f64,
         /// Radius afterwards, mm.
         wheel_mm: f64,
-        /// The gauge is told at the end of that turn.
+        /// Reported to the gauge at the end of that turn.
         told: bool,
     },
 }

@@ -45,7 +45,7 @@ mod tests {
             for i in 0..1000 {
                 position = drive.cycle(5.0 + 0.01 * f64::from(i));
             }
-            // 100 mm/s, told up to 9.99 mm at 99.9 ms, now it is 100 ms. A lag in steps takes effect from a step's
+            // 100 mm/s, commanded up to 9.99 mm at 99.9 ms, now it is 100 ms. A lag in steps takes effect from a step's
             // beginning on.
             let delay = f64::max(delay_s, 1e-4) + if lag_s > 0.0 { lag_s - 0.5e-4 } else { 0.0 };
             let expected = 5.0 + 100.0 * (0.1 - delay);

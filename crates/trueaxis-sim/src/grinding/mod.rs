@@ -14,11 +14,11 @@
 //! level = level0 − x cos β − [R_Y cos(ψ + β) + R_X sin(ψ + β)]      µm; x: travel of the axis toward the workpiece
 //! ```
 //!
-//! and what is higher is removed: a centre that moves toward the wheel, or an axis that does, leaves a low place (r < 0).
+//! and what is higher is removed: a centre that moves toward the wheel, or an axis that does, leaves a low spot (r < 0).
 //! The probes read `r + R_Y cos(φ + β) + R_X sin(φ + β)` of the same surface and the same motion. r > 0 is high.
 //!
 //! The programmed feed is a function of the spindle's turns that falls from roughing to a slow plunge, so that every
-//! place is touched in every revolution. The chase that keeps the wheel at the circling pin is taken for perfect: the
+//! point is touched in every revolution. The chase that keeps the wheel at the circling pin is taken for perfect: the
 //! axis carries feed and correction only.
 //!
 //! None of this uses the gauge's code: what the correction gains is read from the simulated surface.
@@ -45,7 +45,7 @@ use crate::error::{Result, SimError};
 use trueaxis::roundness::{ProbeAngles, RoundnessSettings};
 use trueaxis_tables::Machine;
 
-/// What is ground, how fast, and what happens meanwhile.
+/// A pin to be ground: machine, speed, process and events.
 #[derive(Clone, Debug)]
 pub struct Grinding {
     /// A machine of linear axes with a gauge and its infeed correction.
@@ -60,7 +60,7 @@ pub struct Grinding {
     pub seed: u64,
     /// The process.
     pub process: Process,
-    /// What happens in between.
+    /// Events in between.
     pub events: Vec<Event>,
 }
 

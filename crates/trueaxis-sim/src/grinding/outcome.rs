@@ -8,7 +8,7 @@ use crate::error::Result;
 use std::f64::consts::TAU;
 use trueaxis::roundness::ErrorMotion;
 
-/// What grinding without and with correction gave.
+/// Results of grinding without and with correction.
 #[derive(Debug)]
 pub struct Outcome {
     /// Correction off, the gauge measuring.

@@ -18,7 +18,7 @@ pub struct Moment<'m> {
     pub flags: Flags,
     /// A revolution has just been evaluated.
     pub finished: bool,
-    /// How revolutions fared.
+    /// Counts of revolutions evaluated, skipped, discarded.
     pub counts: Counts,
     /// Infeed correction over the surface, µm.
     pub table_um: &'m [f64],
@@ -46,13 +46,13 @@ pub struct Run {
     pub revolutions: Vec<Revolution>,
     /// Harmonics of the true surface, averaged over the last revolutions: what is not synchronous cancels.
     pub average: Vec<Harmonic>,
-    /// Over how many.
+    /// Number of revolutions averaged.
     pub averaged: usize,
     /// Root mean square of the average in the corrected band, µm.
     pub imprint_um: f64,
     /// Mean peak to valley over the same revolutions, µm.
     pub roundness_um: f64,
-    /// How revolutions fared.
+    /// Counts of revolutions evaluated, skipped, discarded.
     pub counts: Counts,
     /// The gauge's latest evaluation.
     pub evaluation: Option<Evaluation<f64>>,

@@ -1,4 +1,4 @@
-//! How the work spindle turns, what its centre does meanwhile, and what its encoders count.
+//! Turning of the work spindle, motion of its centre, counts of its encoders.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -17,7 +17,7 @@ pub struct Workpiece {
     cells: Vec<f64>,
 }
 
-/// Angle s to a place on the grid, 0 to `CELLS`.
+/// Angle s to a position on the grid, 0 to `CELLS`.
 fn place(angle: f64) -> f64 {
     (angle / TAU).rem_euclid(1.0) * CELLS as f64
 }

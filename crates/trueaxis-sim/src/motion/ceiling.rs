@@ -1,4 +1,4 @@
-//! How fast each part of the path may be run: feed, curvature and corners.
+//! Speed limits along the path: feed, curvature and corners.
 
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ use crate::program::{Curve, Move};
 /// but the acceleration returns to zero at each change of level.
 const LEVEL_RATIO: f64 = 1.25;
 
-/// Samples for the curvature per smooth piece of a NURBS.
+/// Samples for the curvature per smooth part of a NURBS.
 const SAMPLES: u32 = 64;
 
 /// Smallest speed a curvature can ask for, mm/s: a cusp is passed at this speed.

@@ -91,7 +91,7 @@ pub enum MotionError {
     Planner {
         /// Arc length at the beginning of the section, mm.
         length_mm: f64,
-        /// What the planner says.
+        /// Message of the planner.
         reason: String,
     },
 }

@@ -125,7 +125,7 @@ impl Planner {
         }
     }
 
-    /// Puts the phases of the next section in the place of those in `phases`.
+    /// Replaces `phases` by those of the next section.
     pub(super) fn section(
         &mut self,
         section: &Section,

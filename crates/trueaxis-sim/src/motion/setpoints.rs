@@ -24,7 +24,7 @@ pub struct Setpoint {
     pub feed: f64,
 }
 
-/// Where in a motion its setpoints are made. Holds neither motion nor program, so that both can move with it.
+/// Progress along a motion. Borrows neither motion nor program, so that one owner can move all three.
 #[derive(Debug)]
 pub struct Walk {
     cycle: u64,

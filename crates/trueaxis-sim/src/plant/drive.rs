@@ -32,7 +32,7 @@ pub struct DriveSettings {
     pub stribeck_share: f64,
     /// Velocity at which half of that share is left, mm/s.
     pub stribeck_velocity_mm_per_s: f64,
-    /// Pre-sliding: travel over which friction reverses by 63 % of the way, mm.
+    /// Pre-sliding: travel over which friction reverses by 63 %, mm.
     pub presliding_mm: f64,
     /// Viscous friction, 1/s.
     pub viscous_per_s: f64,

@@ -26,11 +26,11 @@ pub struct FaultSpecError {
     pub spec: String,
     /// The part that is not understood.
     pub found: String,
-    /// What would be understood.
+    /// A form that is understood.
     pub needed: &'static str,
 }
 
-/// What goes wrong.
+/// Kind of a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
     /// The reading of an axis is missing.
@@ -64,7 +64,7 @@ impl FaultKind {
 /// One fault of a script.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// What goes wrong.
+    /// Kind of a fault.
     pub kind: FaultKind,
     /// Start, s of plant time: the first cycle at or after it.
     pub at_s: f64,

@@ -67,7 +67,7 @@ pub struct PlantSettings {
     pub lost_motion_mm: [f64; AXES],
     /// Temperature above the machine's reference temperature, K.
     pub temperature_rise_k: f64,
-    /// What goes wrong, and when.
+    /// Scripted faults.
     pub faults: FaultScript,
 }
 
@@ -194,7 +194,7 @@ impl Plant {
         if self.faults_held { u64::MAX } else { self.cycle }
     }
 
-    /// What the faults scripted for the coming cycle do to the position that the host commands.
+    /// Applies the faults scripted for the coming cycle to the position that the host commands.
     pub fn disturb_command(&self, command: &mut [f64; AXES]) {
         let cycle = self.script_cycle();
         for kind in self.faults.acting(cycle, self.period_s) {
@@ -248,7 +248,7 @@ impl Plant {
         readings
     }
 
-    /// Where the tool tip really is relative to the workpiece, in machine coordinates, mm: the positions of X, Y and Z plus
+    /// True position of the tool tip relative to the workpiece, in machine coordinates, mm: the positions of X, Y and Z plus
     /// the tip error d of [`Geometry::tip_error`] (0 for an axis that the machine does not have; the tool's own length is
     /// not counted).
     pub fn true_tip(&self) -> [f64; 3] {

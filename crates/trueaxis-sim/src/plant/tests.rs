@@ -1,7 +1,6 @@
 use super::sample::{machine, set_table};
 use super::*;
 use std::f64::consts::TAU;
-use std::path::Path;
 use trueaxis::machine::Twist;
 
 const PERIOD: f64 = 1e-4;
@@ -245,18 +244,4 @@ fn an_unusable_plant_is_refused() {
     let settings = PlantSettings { faults, ..PlantSettings::default() };
     let refused = Plant::new(&mill(), settings, false, 1, PERIOD).unwrap_err();
     assert_eq!(refused, PlantError::FaultAxis { axis: 'C' });
-}
-
-/// Six standard deviations of the noise, which is more than a count.
-#[test]
-fn the_sample_machines_state_their_encoders() {
-    for name in ["mill-3axis", "mill-5axis", "head-5axis", "mill-turn", "grinder"] {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compensation-tables").join(name);
-        for own in &Machine::read(&folder).unwrap().settings.axes {
-            let encoder = EncoderSettings::of(own.axis);
-            let stated = own.encoder_resolution.unwrap();
-            assert!(stated > encoder.resolution_mm, "{name} {:?}", own.axis);
-            assert!((stated / (6.0 * encoder.noise_rms_mm) - 1.0).abs() < 0.01, "{name} {:?}: {stated}", own.axis);
-        }
-    }
 }

@@ -4,7 +4,7 @@ use crate::range::Range;
 use serde::{Deserialize, Serialize};
 use trueaxis::machine::Axis;
 
-/// How an axis differs from the others. For a rotary axis every mm reads degree.
+/// Differences of an axis from the others. For a rotary axis every mm reads degree.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variation {

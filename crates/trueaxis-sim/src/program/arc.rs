@@ -51,7 +51,7 @@ impl Plane {
     }
 }
 
-/// What a block says about an arc, mm.
+/// Words of a block about an arc, mm.
 pub(super) struct ArcWords {
     pub(super) line: u32,
     pub(super) clockwise: bool,

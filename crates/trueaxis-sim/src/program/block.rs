@@ -123,7 +123,7 @@ impl Block {
         letters.chars().any(|letter| self.values[index(letter)].is_some())
     }
 
-    /// Whether it names a place to go to.
+    /// Whether it names a target.
     pub(super) fn has_axes(&self) -> bool {
         self.has("XYZABC")
     }

@@ -9,7 +9,7 @@ use super::{FirstWords, Move, Turn};
 /// Shorter than this, a move is none, mm or degrees: what is left where offsets are added and taken off again.
 const SHORTEST: f64 = 1.0e-9;
 
-/// How fast a move is to be.
+/// Speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Pace {
     Rapid,
@@ -41,14 +41,14 @@ impl Builder {
         [x, y, z]
     }
 
-    /// The rotary axes' way to `angles` (A B C).
+    /// Turn of the rotary axes to `angles` (A B C).
     pub(super) fn turn_to(&self, angles: [f64; 3]) -> Turn {
         let [.., a, b, c] = self.at;
         let start = [a, b, c];
         Turn { start, change: std::array::from_fn(|k| angles[k] - start[k]) }
     }
 
-    /// A straight line to a place; whether it was long enough to be one.
+    /// A straight line to a position; whether it was long enough to be one.
     pub(super) fn line_to(
         &mut self,
         line: u32,

@@ -13,7 +13,7 @@ const CLEARANCE: f64 = 0.254;
 struct Hole {
     r: f64,
     bottom: f64,
-    /// Where it ends.
+    /// Its end.
     clear: f64,
 }
 

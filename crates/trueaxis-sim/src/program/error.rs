@@ -1,9 +1,9 @@
-//! What is wrong with a program, and where.
+//! Errors of a program, with their lines.
 
-/// The way out for what only a whole interpreter can read.
+/// Hint where only a whole interpreter can read a word.
 pub(super) const THROUGH_LINUXCNC: &str = "with --interpreter rs274, where LinuxCNC is installed";
 
-/// So many characters of a program stand in a message at most.
+/// Most characters of a program in a message.
 const LONGEST_FOUND: usize = 160;
 
 /// A program that cannot be executed: file, line, what was found there and what is needed instead.
@@ -16,7 +16,7 @@ pub struct ProgramError {
     pub line: u32,
     /// The offending word or state.
     pub found: String,
-    /// What is accepted in its place.
+    /// Accepted instead.
     pub needed: String,
 }
 

@@ -1,4 +1,4 @@
-//! Where program coordinates lie in those of the machine: work offset, rotation, G92 and tool length.
+//! Program coordinates in those of the machine: work offset, rotation, G92 and tool length.
 
 /// Offsets in force, mm and degrees, X Y Z A B C.
 ///

@@ -21,7 +21,7 @@ struct Feed {
     mm: f64,
 }
 
-/// What a cycle keeps for the next line, as programmed.
+/// Values of a cycle that stay for the next line, as programmed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cycle {
     /// Its word in tenths.

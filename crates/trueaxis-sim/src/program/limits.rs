@@ -1,4 +1,4 @@
-//! How long a program may be: stated here, refused before anything grows with it.
+//! Limits of a program's length, checked before anything grows with it.
 
 use super::error::Refusal;
 use super::{Curve, Move, Program, ProgramError, Turn};

@@ -117,14 +117,14 @@ impl Turn {
         self.at(1.0)
     }
 
-    /// √(ΔA² + ΔB² + ΔC²), the way of the rotary axes in degrees.
+    /// √(ΔA² + ΔB² + ΔC²), the path of the rotary axes in degrees.
     pub fn angle(&self) -> f64 {
         self.change.iter().map(|c| c * c).sum::<f64>().sqrt()
     }
 }
 
 impl Move {
-    /// Length for planning: mm along the curve, or degrees of the rotary axes' way ([`Move::in_degrees`]).
+    /// Length for planning: mm along the curve, or degrees of the rotary axes' path ([`Move::in_degrees`]).
     pub fn length(&self) -> f64 {
         if self.in_degrees() { self.turn.angle() } else { self.curve.length() }
     }
@@ -143,7 +143,7 @@ impl Move {
         if self.in_degrees() && along > 0.0 { self.feed_per_min * self.turn.angle() / along } else { self.feed_per_min }
     }
 
-    /// Share of the way at parameter u, by which the rotary axes turn.
+    /// Share of the move done at parameter u, by which the rotary axes turn.
     pub fn share(&self, u: f64) -> f64 {
         let (first, last) = self.curve.domain();
         (u - first) / (last - first)
@@ -178,9 +178,9 @@ pub struct Program {
     pub file: String,
     /// The moves in order; moves without length are left out.
     pub moves: Vec<Move>,
-    /// What was accepted without effect, once per kind.
+    /// Words accepted without effect, once per kind.
     pub notes: Vec<Note>,
-    /// Where it first needs rotary axes.
+    /// Lines in which it first needs rotary axes.
     pub first: FirstWords,
 }
 

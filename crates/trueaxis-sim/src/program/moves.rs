@@ -87,7 +87,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Where the axis words lead, in machine coordinates, and which axes they name.
+    /// Target of the axis words in machine coordinates, and the axes that they name.
     pub(super) fn target(&mut self, block: &mut Block) -> ([f64; 6], [bool; 6]) {
         let mut place = self.frame.to_program(self.builder.at);
         let mut given = [false; 6];

@@ -1,11 +1,11 @@
-//! What a program says that has no effect here, once per kind.
+//! Words of a program without effect here, once per kind.
 
 /// A kind of word that was accepted although it changes nothing of the path.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Note {
     /// The word, without its value where that does not matter.
     pub word: String,
-    /// How often it stands there.
+    /// Number of times it occurs.
     pub count: u32,
     /// Line in which it stands first, from 1.
     pub line: u32,

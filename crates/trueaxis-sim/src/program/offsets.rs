@@ -18,12 +18,12 @@ pub struct System {
     pub rotation_deg: f64,
 }
 
-/// What a controller keeps between programs, mm and degrees; all zero by default.
+/// Work offsets and stored positions that a controller keeps between programs, mm and degrees; all zero by default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Offsets {
     /// G54 to G59.3.
     pub systems: [System; 9],
-    /// Which of them is in force at the beginning, from 0.
+    /// Index of the one in force at the beginning.
     pub active: usize,
     /// G92, X Y Z A B C.
     pub g92: [f64; 6],

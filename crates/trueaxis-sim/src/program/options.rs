@@ -1,8 +1,8 @@
-//! What a program is read with.
+//! Options of reading a program.
 
 use super::{Offsets, ToolTable};
 
-/// What a program is read with, beside its text.
+/// Tools, offsets and block delete, beside a program's text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Tools for G43; without it they have no length.

@@ -65,7 +65,7 @@ impl Interpreter<'_> {
         if on == self.builder.tool_center {
             return Ok(());
         }
-        // Only there do X, Y and Z mean the same place before and after, on every machine.
+        // Only there do X, Y and Z mean the same position before and after, on every machine.
         let axes = AXIS_LETTERS.iter().zip(self.builder.at).skip(3);
         if let Some((letter, angle)) = axes.clone().find(|(_, angle)| angle % 360.0 != 0.0) {
             let word = if on { "G43.4" } else { "G49" };
@@ -182,7 +182,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// G28 and G30: over the programmed place to the stored one, in the axes that are named, or in all.
+    /// G28 and G30: over the programmed position to the stored one, in the axes that are named, or in all.
     fn go_home(&mut self, block: &mut Block, which: usize) -> Result<(), Refusal> {
         let line = block.line;
         let name = ["G28", "G30"][which];

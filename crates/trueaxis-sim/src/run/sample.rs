@@ -1,9 +1,9 @@
-//! What a sink sees of a cycle.
+//! Samples of a cycle, and the sinks that take them.
 
 use trueaxis::contour::Reference;
 use trueaxis::machine::AXES;
 
-/// What is commanded in a cycle, the same on every machine of a run.
+/// Command of a cycle, the same on every machine of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Moment {
     /// Counted from the start of the program.

@@ -24,13 +24,13 @@ pub struct AngleSize {
 /// A fault that the plugin reported, over consecutive cycles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaultSpan {
-    /// Which fault.
+    /// Fault code.
     pub fault: Fault,
     /// On which axis.
     pub axis: Axis,
     /// First cycle, counted from the start of the program.
     pub cycle: u64,
-    /// How many cycles.
+    /// Number of cycles.
     pub cycles: u64,
     /// Program line.
     pub line: u32,

@@ -95,6 +95,14 @@ impl Settings {
         overlay::overlay(self, &format!("{key} = {value}"))
     }
 
+    /// Refuses settings out of their ranges; [`Settings::parse`] and [`Settings::set`] do so themselves.
+    ///
+    /// # Errors
+    /// The first of them.
+    pub fn check(&self) -> Result<(), SettingError> {
+        overlay::check(self, |_| 1)
+    }
+
     /// All settings as TOML, which [`Settings::parse`] reads back as the same.
     pub fn to_toml(&self) -> String {
         overlay::text(self)
@@ -121,10 +129,10 @@ impl Settings {
         let range = |key, found, low, high, unit| Range { key, found, low, high, unit };
         let optional = self.temperature_c.map(|found| range("temperature_c", found, -50.0, 200.0, "°C"));
         let origin = self.origin_mm.into_iter().flatten();
-        let own = [
-            range("rate_hz", self.rate_hz, 100.0, 100_000.0, "Hz"),
-            range("seed", self.seed as f64, 0.0, i64::MAX as f64, ""),
-        ];
+        // TOML has whole numbers to 2⁶³ − 1, which f64 cannot tell from 2⁶³.
+        let seed = i64::try_from(self.seed).map_or(f64::INFINITY, |seed| seed as f64);
+        let own =
+            [range("rate_hz", self.rate_hz, 100.0, 100_000.0, "Hz"), range("seed", seed, 0.0, i64::MAX as f64, "")];
         let own = own.into_iter().chain(optional).chain(origin.map(|q| range("origin_mm", q, -1e6, 1e6, "mm")));
         let encoders = [("encoder.linear.", self.encoder.linear), ("encoder.rotary.", self.encoder.rotary)];
         let axes = Axis::ALL.into_iter().zip(self.axis.all());

@@ -17,7 +17,7 @@ pub struct SettingError {
     pub key: String,
     /// Its value, or what is wrong with it.
     pub found: String,
-    /// What would be accepted.
+    /// Range or keys accepted.
     pub needed: String,
 }
 
@@ -35,13 +35,25 @@ impl fmt::Display for SettingError {
 
 impl std::error::Error for SettingError {}
 
+fn wrong(line: u32, key: &str, found: String, needed: String) -> SettingError {
+    SettingError { file: None, line, key: key.to_owned(), found, needed }
+}
+
+/// Refuses the first setting out of its range; `line` finds the line of a key.
+pub(super) fn check(settings: &Settings, line: impl Fn(&str) -> u32) -> Result<(), SettingError> {
+    match settings.out_of_range() {
+        Some((key, found, needed)) => Err(wrong(line(&key), &key, found.to_string(), needed)),
+        None => Ok(()),
+    }
+}
+
 impl SettingError {
     pub(super) fn in_file(self, file: &str) -> SettingError {
         SettingError { file: Some(file.to_owned()), ..self }
     }
 }
 
-/// A key that there is, with the type of its value.
+/// Keys that may be left out, with a value of their type.
 const OPTIONAL: [(&str, fn() -> Value); 2] =
     [("temperature_c", || Value::Float(f64::NAN)), ("origin_mm", || Value::Array(Vec::new()))];
 
@@ -49,13 +61,6 @@ const OPTIONAL: [(&str, fn() -> Value); 2] =
 type Lines = BTreeMap<String, u32>;
 
 pub(super) fn overlay(settings: &mut Settings, text: &str) -> Result<(), SettingError> {
-    let wrong = |line: u32, key: &str, found: String, needed: String| SettingError {
-        file: None,
-        line,
-        key: key.to_owned(),
-        found,
-        needed,
-    };
     let line_at = |at: usize| text.get(..at).map_or(1, |before| before.matches('\n').count() as u32 + 1);
     let no_toml = |error: toml::de::Error| {
         let line = error.span().map_or(1, |span| line_at(span.start));
@@ -84,16 +89,14 @@ pub(super) fn overlay(settings: &mut Settings, text: &str) -> Result<(), Setting
         let found = if key == "faults" { faults.clone() } else { "another list".into() };
         wrong(line(key), key, found, error.message().replace('\n', " "))
     })?;
-    if let Some((key, found, needed)) = merged.out_of_range() {
-        return Err(wrong(line(&key), &key, found.to_string(), needed));
-    }
+    check(&merged, line)?;
     *settings = merged;
     Ok(())
 }
 
-/// Every setting, as it stands in TOML.
+/// Every setting as TOML.
 pub(super) fn text(settings: &Settings) -> String {
-    toml::to_string(&table(settings)).unwrap_or_default()
+    toml::to_string(settings).unwrap_or_default()
 }
 
 pub(super) fn changes(settings: &Settings) -> Vec<(String, String, String)> {

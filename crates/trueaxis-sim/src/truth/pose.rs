@@ -6,16 +6,16 @@ use glam::DVec3;
 
 /// Length (mm or degrees) around the reference in which the foot is looked for.
 const WINDOW: f64 = 1.0;
-/// Samples over the window that start the search where the tip's way is bent.
+/// Samples over the window that start the search where the tip's path is bent.
 const SAMPLES: usize = 8;
-/// Where the tip moves by less than this per degree of the rotary axes, it stands, mm.
+/// A tip that moves by less than this per degree of the rotary axes stands, mm.
 const STANDING_MM_PER_DEG: f64 = 0.02;
 /// There, direction counts like the tip at this distance from the pivot, mm.
 const LEVER_MM: f64 = 50.0;
 /// Halvings (by 0.618) of the golden section.
 const SECTIONS: u32 = 45;
 
-/// How far a tool is from the programmed path.
+/// Deviation of a tool from the programmed path.
 #[derive(Clone, Copy, Debug)]
 pub struct PoseDeviation {
     /// From the foot to the actual tip, mm in workpiece coordinates.
@@ -124,7 +124,7 @@ fn bent_foot(step: &Move, machine: &Placement, [low, high]: [f64; 2], u: f64, ac
     if offset(at).length_squared() <= offset(start).length_squared() { at } else { start }
 }
 
-/// Place of the minimum of `f` between `low` and `high`.
+/// Argument of the minimum of `f` between `low` and `high`.
 fn golden(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut left, mut right) = (high - ratio * (high - low), low + ratio * (high - low));
