@@ -34,7 +34,7 @@ def measure(target):
     if target != "base":
         root = root / target
     environment["CARGO_TARGET_DIR"] = str(root)
-    command = ["cargo", "bench", "-q", "-p", "trueaxis-benches", "--bench", "counts", "--", "--save-summary=json"]
+    command = ["cargo", "bench", "-q", "-p", "trueaxis-benches", "--features", "counts", "--bench", "counts", "--", "--save-summary=json"]
     done = subprocess.run(command, env=environment, cwd=HERE.parent, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
         sys.exit(f"the counts did not run:\n{done.stdout}")

@@ -4,7 +4,7 @@
 use gungraun::prelude::*;
 use gungraun::{Callgrind, EntryPoint};
 use std::hint::black_box;
-use trueaxis::compensation::{NineTerms, PoseError, Volumetric};
+use trueaxis::compensation::{Direction, NineTerms, PoseError, Volumetric};
 use trueaxis::contour::{ContourError, OrientationError};
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
@@ -71,28 +71,28 @@ fn nothing(lookup: &'static Lookup) -> [f64; 3] {
 #[bench::equidistant(Grid::Equidistant)]
 fn nine_terms(lookup: &'static Lookup) -> [f64; 3] {
     let mut held = 0;
-    black_box(lookup.0.plain_terms(&lookup.1, &[0; 3], &mut held))
+    black_box(lookup.0.plain_terms(&lookup.1, &[Direction::POSITIVE; 3], &mut held))
 }
 
 #[library_benchmark(setup = lookup)]
 #[bench::free(Grid::Free)]
 fn nine_terms_free(lookup: &'static Lookup) -> [f64; 3] {
     let mut held = 0;
-    black_box(lookup.0.linear_terms(&lookup.1, &[0; 3], &mut held))
+    black_box(lookup.0.linear_terms(&lookup.1, &[Direction::POSITIVE; 3], &mut held))
 }
 
 #[library_benchmark]
 #[bench::three_axis(setup = poses::<3>)]
 fn volumetric(poses: &'static Poses<3>) -> PoseError<f64> {
     let mut held = 0;
-    black_box(poses.0.pose_error(&poses.1, &[0; 3], &Default::default(), &mut held))
+    black_box(poses.0.pose_error(&poses.1, &[Direction::POSITIVE; 3], &Default::default(), &mut held))
 }
 
 #[library_benchmark]
 #[bench::five_axis(setup = poses::<5>)]
 fn volumetric_rotary(poses: &'static Poses<5>) -> PoseError<f64> {
     let mut held = 0;
-    black_box(poses.0.pose_error(&poses.1, &[0; 5], &Default::default(), &mut held))
+    black_box(poses.0.pose_error(&poses.1, &[Direction::POSITIVE; 5], &Default::default(), &mut held))
 }
 
 #[library_benchmark(setup = middle)]

@@ -7,6 +7,7 @@ use interpn::one_dim::{Interp1D, RegularGrid1D};
 use kurbo::{CubicBez, ParamCurveNearest, Point};
 use std::hint::black_box;
 use truck_geometry::prelude::{BSplineCurve, KnotVec, NurbsCurve, Point3, SPHint1D, SearchNearestParameter, Vector4};
+use trueaxis::compensation::Direction;
 use trueaxis::contour::Span;
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Spline, Track};
@@ -104,7 +105,8 @@ fn against_interpn(c: &mut Criterion) {
         b.iter(|| {
             let mut held = 0;
             let look = |place: &[f64; 3]| {
-                let [x, y, z] = compensation.plain_terms(&compensation.coordinates(place), &[0; 3], &mut held);
+                let [x, y, z] =
+                    compensation.plain_terms(&compensation.coordinates(place), &[Direction::POSITIVE; 3], &mut held);
                 x + y + z
             };
             black_box(&places).iter().map(look).sum::<f64>()

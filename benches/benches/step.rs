@@ -3,6 +3,7 @@
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
+use trueaxis::compensation::Direction;
 use trueaxis_benches::Random;
 use trueaxis_benches::contour::{Query, Shape, Track};
 use trueaxis_benches::gauge::Gauge;
@@ -19,7 +20,7 @@ fn look_up(c: &mut Criterion) {
         group.bench_function(name, |b| {
             b.iter(|| {
                 let at = terms.coordinates(black_box(next.next().unwrap_or(&[0.0; 3])));
-                terms.errors(&at, &[0; 3], &Default::default(), &mut 0)
+                terms.errors(&at, &[Direction::POSITIVE; 3], &Default::default(), &mut 0)
             })
         });
     }

@@ -2,7 +2,7 @@
 
 use crate::Random;
 use crate::contour::{Shape, Track};
-use crate::tables::{Grid, machine, rows, storage};
+use crate::tables::{Grid, machine, memory, rows};
 use trueaxis::contour::{Method, Path, Reference};
 use trueaxis::{Axis, Config, Input, Output, ServoLoop, State};
 
@@ -47,12 +47,12 @@ pub fn walk(cycles: u32, mut seen: impl FnMut(&Cycle, &Output<f64, f64, 3>)) {
         inverse_passes: PASSES,
         method: Method::Guarded,
     };
-    let servo = config.build(|axis: Axis| tables.get(axis.index()).map(Vec::as_slice), storage());
+    let servo = config.build(|axis: Axis| tables.get(axis.index()).map(Vec::as_slice), memory());
     let servo: &'static ServoLoop<'static, f64, f64, 3> = Box::leak(Box::new(servo.expect("a valid configuration")));
     let track = Track::new(Shape::RationalCubic);
     let mut cycle = Cycle {
         servo,
-        state: servo.start(PERIOD_NS).expect("the configured period"),
+        state: servo.start(),
         input: Input { homed: true, enable: true, ..Input::at_rest(PERIOD_NS) },
         path: track.path(),
         reference: Reference { span: 0, t: 0.0 },

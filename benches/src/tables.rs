@@ -1,7 +1,7 @@
 //! Error tables of three linear axes, 128 points each, travel −300 … 335 mm.
 
 use crate::Random;
-use trueaxis::compensation::{NineTerms, Storage, Volumetric};
+use trueaxis::compensation::{NineTerms, Volumetric};
 use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
 use trueaxis::{Axis, Row};
 
@@ -63,19 +63,15 @@ pub fn machine() -> MachineSettings {
 }
 
 /// Memory for 3 tables; leaked, because it serves as long as the process.
-pub fn storage() -> Storage<'static, f64> {
-    let points = 3 * POINTS as usize;
-    Storage {
-        lines: vec![0.0; 2 * 4 * points].leak(),
-        knots: vec![0.0; points].leak(),
-        guide: vec![0; 2 * points].leak(),
-    }
+pub fn memory() -> &'static mut [f64] {
+    // Value and slope of four numbers, and the grid with its guide.
+    vec![0.0; (2 * 4 + 3) * 3 * POINTS as usize].leak()
 }
 
 /// The nine terms of [`machine`].
 pub fn nine_terms(grid: Grid) -> NineTerms<'static, f64, f64, 3> {
     let tables = [1, 2, 3].map(|seed| rows(grid, seed));
-    NineTerms::build(&machine(), |axis: Axis| tables.get(axis.index()).map(Vec::as_slice), storage())
+    NineTerms::build(&machine(), |axis: Axis| tables.get(axis.index()).map(Vec::as_slice), memory())
         .expect("valid tables")
 }
 
@@ -114,13 +110,8 @@ pub fn volumetric<const N: usize>() -> Volumetric<'static, f64, f64, N> {
     }
     let tables: Vec<(Axis, Vec<Row>)> = machine.axes.iter().map(|a| (a.axis, twists(a.axis))).collect();
     let rows = |axis: Axis| tables.iter().find(|(a, _)| *a == axis).map(|(_, rows)| &rows[..]);
-    let need = Volumetric::<f64, f64, N>::requirement(&machine, rows);
-    let storage = Storage {
-        lines: vec![0.0; need.lines].leak(),
-        knots: vec![0.0; need.knots].leak(),
-        guide: vec![0; need.guide].leak(),
-    };
-    Volumetric::build(&machine, rows, storage).expect("valid tables")
+    let memory = vec![0.0; Volumetric::<f64, f64, N>::requirement(&machine, rows)].leak();
+    Volumetric::build(&machine, rows, memory).expect("valid tables")
 }
 
 /// A position within the tables, mm.

@@ -3,7 +3,6 @@
 use crate::Random;
 use crate::step::{PASSES, PERIOD_NS};
 use crate::tables::{Grid, POINTS, rows};
-use trueaxis::compensation::Storage;
 use trueaxis::contour::{Method, OrientationError, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
 use trueaxis::machine::{AxisSettings, MachineSettings};
@@ -102,13 +101,8 @@ pub fn typical() -> ToolCycle {
         let place = machine.axes.iter().position(|known| known.axis == axis)?;
         tables.get(place).map(Vec::as_slice)
     };
-    let need = config.requirement::<f64, f64, 5, _>(rows);
-    let storage = Storage {
-        lines: vec![0.0; need.lines].leak(),
-        knots: vec![0.0; need.knots].leak(),
-        guide: vec![0; need.guide].leak(),
-    };
-    let servo: ServoLoop<'static, f64, f64, 5> = config.build(rows, storage).expect("a valid configuration");
+    let memory = vec![0.0; config.requirement(rows)].leak();
+    let servo: ServoLoop<'static, f64, f64, 5> = config.build(rows, memory).expect("a valid configuration");
     let servo: &'static ServoLoop<'static, f64, f64, 5> = Box::leak(Box::new(servo));
     let kinematics: &'static Kinematics<f64> = Box::leak(Box::new(Kinematics::new(machine).expect("a valid chain")));
     let (spans, turns) = path();
@@ -123,7 +117,7 @@ pub fn typical() -> ToolCycle {
     let mut cycle = ToolCycle {
         servo,
         kinematics,
-        state: servo.start(PERIOD_NS).expect("the configured period"),
+        state: servo.start(),
         follow: joints,
         input: Input { homed: true, enable: true, ..Input::at_rest(PERIOD_NS) },
         tool: tool_at(0, 0.0),

@@ -110,8 +110,7 @@ pub fn run<const N: usize>(scenario: &Scenario, budget_ns: u64, cycles: u64) -> 
         };
         // Hands every block to `steps`, from a fresh state.
         let pass = |steps: &mut dyn FnMut(&mut State<f64, f64, N>, &Inputs<'_, N>)| -> Result<()> {
-            let mut state =
-                servo.start(scenario.period_ns()).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
+            let mut state = servo.start();
             let mut inputs = Inputs::new(scenario, motion)?;
             let mut left = cycles;
             while left > 0 {

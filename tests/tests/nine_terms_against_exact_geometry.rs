@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
 use trueaxis::machine::step_axes;
 use trueaxis::machine::{AXES, ErrorModel};
 use trueaxis_tables::Machine;
@@ -48,16 +48,15 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
     }
     let geometry = Geometry::new(&machine, 0.0).unwrap();
     let rows = |axis: Axis| machine.rows(axis);
-    let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
-    let mut memory = need.memory();
-    let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, memory.lend()).unwrap();
+    let mut memory = vec![0.0; requirement(&machine.settings, rows)];
+    let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, &mut memory).unwrap();
     let axes = step_axes::<N>(&machine.settings).unwrap();
 
     let mut random = Random(17);
     let mut largest = 0.0_f64;
     for _ in 0..20_000 {
         let (mut step, mut plant, mut reversed) = ([0.0; N], [0.0; AXES], [0.0; AXES]);
-        let mut mask = [0; N];
+        let mut directions = [Direction::POSITIVE; N];
         for (i, settings) in machine.settings.axes.iter().enumerate() {
             let place = axes.iter().position(|a| *a == settings.axis).unwrap();
             let [low, high] = if settings.axis.is_rotary() { [-700.0, 700.0] } else { settings.travel };
@@ -66,12 +65,12 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
             (step[place], plant[i]) = (q, q);
             // Backlash is the drive's in the plant and the table's in the plugin: it is left out on both sides.
             if settings.backlash == 0.0 && random.next() < 0.5 {
-                (mask[place], reversed[i]) = (usize::MAX, 1.0);
+                (directions[place], reversed[i]) = (Direction::NEGATIVE, 1.0);
             }
         }
         let exact = geometry.tip_error(&plant, &reversed);
         let at = compensation.coordinates(&step);
-        let nine = compensation.errors(&at, &mask, &[ThermalLine::default(); N], &mut 0);
+        let nine = compensation.errors(&at, &directions, &[ThermalLine::default(); N], &mut 0);
         for k in 0..3 {
             let difference = (exact[k] - nine[k]).abs();
             assert!(difference < TOLERANCE_MM, "{name} at {step:?}: {exact:?}, {nine:?}");

@@ -1,6 +1,6 @@
 //! The volumetric form against the exact transforms: two implementations that share no code but the settings.
 
-use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
 use trueaxis::machine::{
     AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, MachineSettings, Row, ThermalGrowth,
 };
@@ -174,9 +174,8 @@ impl Case {
         let settings = &self.machine.settings;
         check::settings(settings).unwrap();
         let rows = |axis: Axis| self.machine.rows(axis);
-        let need = Compensation::<f64, f64, N>::requirement(settings, rows);
-        let mut memory = need.memory();
-        user(&Compensation::build(settings, rows, passes, memory.lend()).unwrap())
+        let mut memory = vec![0.0; requirement(settings, rows)];
+        user(&Compensation::build(settings, rows, passes, &mut memory).unwrap())
     }
 
     fn thermal<const N: usize>(&self) -> [ThermalLine<f64>; N] {
@@ -222,9 +221,9 @@ fn compare<const N: usize>(case: &Case, seed: u64) -> [[f64; 2]; 2] {
         for _ in 0..20 {
             let q = place::<N>(&mut random);
             let reversed: [f64; N] = std::array::from_fn(|_| f64::from(u8::from(random.unit() < 0.5)));
-            let mask = reversed.map(|r| if r > 0.5 { usize::MAX } else { 0 });
+            let directions = reversed.map(|r| if r > 0.5 { Direction::NEGATIVE } else { Direction::POSITIVE });
             let at = compensation.coordinates(&q);
-            let found = compensation.pose_error(&at, &mask, &case.thermal(), &mut 0);
+            let found = compensation.pose_error(&at, &directions, &case.thermal(), &mut 0);
             let tool = compensation.volumetric().unwrap().tool_axis(&at);
             let exact = geometry.pose_error(&case.plant(&q), &case.plant(&reversed));
             let direction = cross(found.orientation, tool);
@@ -286,7 +285,7 @@ fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
         for _ in 0..20 {
             let q = place::<N>(&mut random);
             let at = compensation.coordinates(&q);
-            let r = compensation.correction(&at, &at, &[0; N], &case.thermal(), &mut 0);
+            let r = compensation.correction(&at, &at, &[Direction::POSITIVE; N], &case.thermal(), &mut 0);
             let there: [f64; N] = std::array::from_fn(|i| q[i] + r[i]);
             let ideal = geometry.ideal_pose(&case.plant(&q));
             let actual = geometry.actual_pose(&case.plant(&there), &[0.0; AXES]);

@@ -91,7 +91,7 @@ impl Refusal {
             Refusal::Status(status) => *status,
             Refusal::Tables(TcompError::WrongMachine) => ERROR_MACHINE,
             Refusal::Tables(_) => ERROR_TABLES,
-            Refusal::Config(ConfigError { field: Field::Storage, .. }) | Refusal::Memory(..) => ERROR_MEMORY,
+            Refusal::Config(ConfigError { field: Field::Memory, .. }) | Refusal::Memory(..) => ERROR_MEMORY,
             Refusal::Config(_) => ERROR_CONFIG,
             Refusal::Path(_) => ERROR_PATH,
         }

@@ -8,12 +8,12 @@ use crate::path::{self, Path};
 use crate::plugin::{CorePosition, Servo, ServoState};
 use crate::pointer::{apart, check_sized, memory, read_sized, slice};
 use crate::status::{self, ERROR_ARGUMENT, ERROR_AXES, ERROR_PERIOD, Status};
-use crate::tables::{axes_of, memory_bytes, requirement};
+use crate::tables::{axes_of, memory_bytes};
 use core::ffi::c_void;
-use trueaxis::compensation::{Storage as Tables, ThermalLine};
+use trueaxis::compensation::ThermalLine;
 use trueaxis::machine::ThermalGrowth;
-use trueaxis::tcomp::{TableData, Tcomp};
-use trueaxis::{Bypass, Config, ConfigError, Fault};
+use trueaxis::tcomp::Tcomp;
+use trueaxis::{Bypass, ConfigError, Fault};
 
 /// Words of a `trueaxis_loop_t`.
 #[cfg(not(feature = "single"))]
@@ -157,25 +157,18 @@ pub unsafe extern "C" fn trueaxis_loop_build(
         if machine_id != 0 {
             tables.expect_machine(machine_id)?;
         }
-        let need = requirement(&tables, period_ns);
-        let bytes = memory_bytes(&need);
+        let need = tables.requirement();
+        let bytes = memory_bytes(&tables);
         if bytes > memory_size {
             return Err(Refusal::Memory(memory_size, bytes));
         }
         // SAFETY: as many bytes are lent, and ours alone by the caller's promise; after zeroing every one of them is part
-        // of a number. Scalars first, so that all are aligned; the three slices do not overlap.
-        let storage = unsafe {
+        // of a number.
+        let lent = unsafe {
             start.write_bytes(0, bytes);
-            let lines = start.cast::<Real>();
-            let knots = lines.add(need.lines);
-            let guide = knots.add(need.knots).cast::<u16>();
-            Tables {
-                lines: core::slice::from_raw_parts_mut(lines, need.lines),
-                knots: core::slice::from_raw_parts_mut(knots, need.knots),
-                guide: core::slice::from_raw_parts_mut(guide, need.guide),
-            }
+            core::slice::from_raw_parts_mut(start.cast::<Real>(), need)
         };
-        let built = Built::new(&tables, period_ns, storage)?;
+        let built = Built::new(&tables, period_ns, lent)?;
         // SAFETY: storage of the size that the caller vouched for.
         unsafe { opaque::fill(place, built) };
         Ok(())
@@ -185,19 +178,12 @@ pub unsafe extern "C" fn trueaxis_loop_build(
 }
 
 impl Built {
-    fn new(tables: &Tcomp<'_>, period_ns: u32, storage: Tables<'static, Real>) -> Result<Self, ConfigError> {
-        fn of<const N: usize>(
-            tables: &Tcomp<'_>,
-            period_ns: u32,
-            storage: Tables<'static, Real>,
-        ) -> Result<Servo<N>, ConfigError> {
-            Config::of(tables, period_ns).build::<_, _, N, TableData<'_>>(|axis| tables.table(axis), storage)
-        }
+    fn new(tables: &Tcomp<'_>, period_ns: u32, memory: &'static mut [Real]) -> Result<Self, ConfigError> {
         let servo = match axes_of(tables) {
-            3 => AnyServo::Three(of(tables, period_ns, storage)?),
-            4 => AnyServo::Four(of(tables, period_ns, storage)?),
-            5 => AnyServo::Five(of(tables, period_ns, storage)?),
-            _ => AnyServo::Six(of(tables, period_ns, storage)?),
+            3 => AnyServo::Three(Servo::load(tables, period_ns, memory)?),
+            4 => AnyServo::Four(Servo::load(tables, period_ns, memory)?),
+            5 => AnyServo::Five(Servo::load(tables, period_ns, memory)?),
+            _ => AnyServo::Six(Servo::load(tables, period_ns, memory)?),
         };
         let mut growth = [ThermalGrowth::default(); AXES_MAX];
         for (growth, (_, settings)) in growth.iter_mut().zip(crate::tables::places(tables)) {
@@ -263,10 +249,10 @@ pub unsafe extern "C" fn trueaxis_start(
         // SAFETY: the caller's promise.
         let built = unsafe { opaque::content(r#loop) }?;
         let running = match &built.servo {
-            AnyServo::Three(servo) => servo.start(period_ns).map(Running::Three),
-            AnyServo::Four(servo) => servo.start(period_ns).map(Running::Four),
-            AnyServo::Five(servo) => servo.start(period_ns).map(Running::Five),
-            AnyServo::Six(servo) => servo.start(period_ns).map(Running::Six),
+            AnyServo::Three(servo) => servo.check_period(period_ns).map(|()| Running::Three(servo.start())),
+            AnyServo::Four(servo) => servo.check_period(period_ns).map(|()| Running::Four(servo.start())),
+            AnyServo::Five(servo) => servo.check_period(period_ns).map(|()| Running::Five(servo.start())),
+            AnyServo::Six(servo) => servo.check_period(period_ns).map(|()| Running::Six(servo.start())),
             AnyServo::Bypass { .. } if period_ns.abs_diff(built.period_ns) > built.period_ns / 1000 => {
                 Err(Fault::PeriodMismatch)
             }

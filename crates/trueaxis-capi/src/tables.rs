@@ -3,14 +3,11 @@
 use crate::Real;
 use crate::cycle::AXES_MAX;
 use crate::error::{Error, Refusal, explained};
-use crate::plugin::CorePosition;
 use crate::pointer::{Sized32, check_sized, slice};
 use crate::text::Text;
 use core::ffi::c_char;
-use trueaxis::Config;
-use trueaxis::compensation::Requirement;
 use trueaxis::machine::{Axis, AxisSettings};
-use trueaxis::tcomp::{TableData, Tcomp};
+use trueaxis::tcomp::Tcomp;
 
 /// Contents of a table file. The first `axes` places of the arrays count, in the order of the step; travel and limits of
 /// a linear axis that the machine does not have are 0: it is passed as commanded.
@@ -99,24 +96,8 @@ pub(crate) fn places<'t>(tables: &'t Tcomp<'_>) -> impl Iterator<Item = (Axis, O
 }
 
 /// Memory that the tables take in a loop.
-pub(crate) fn requirement(tables: &Tcomp<'_>, period_ns: u32) -> Requirement {
-    fn of<const N: usize>(config: &Config<'_>, tables: &Tcomp<'_>) -> Requirement {
-        config.requirement::<Real, CorePosition, N, TableData<'_>>(|axis| tables.table(axis))
-    }
-    let config = Config::of(tables, period_ns);
-    match axes_of(tables) {
-        3 => of::<3>(&config, tables),
-        4 => of::<4>(&config, tables),
-        5 => of::<5>(&config, tables),
-        _ => of::<6>(&config, tables),
-    }
-}
-
-/// Bytes of a requirement, one kind of number behind the other, wide ones first.
-pub(crate) fn memory_bytes(need: &Requirement) -> usize {
-    (need.lines.saturating_add(need.knots))
-        .saturating_mul(size_of::<Real>())
-        .saturating_add(need.guide.saturating_mul(size_of::<u16>()))
+pub(crate) fn memory_bytes(tables: &Tcomp<'_>) -> usize {
+    tables.requirement().saturating_mul(size_of::<Real>())
 }
 
 impl TablesInfo {
@@ -130,7 +111,7 @@ impl TablesInfo {
             tables_crc: tables.crc(),
             inverse_passes: tables.inverse_passes().into(),
             gauge_points: settings.roundness.as_ref().map_or(0, |gauge| gauge.points.into()),
-            memory_bytes: memory_bytes(&requirement(tables, 0)) as u64,
+            memory_bytes: memory_bytes(tables) as u64,
             rows: [0; _],
             travel_low: [0.0; _],
             travel_high: [0.0; _],

@@ -8,9 +8,8 @@ use machines::*;
 use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;
-use trueaxis::compensation::Storage;
 use trueaxis::roundness::{self, Roundness};
-use trueaxis::tcomp::{TableData, Tcomp};
+use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 use trueaxis::{Config, GaugeRide, Position as _, ServoLoop};
 use trueaxis_capi::*;
@@ -99,13 +98,8 @@ fn cycle_of() -> GaugeCycle {
 
 fn rust_loop(tables: &Tcomp<'_>) -> ServoLoop<'static, Real, P, 3> {
     let config = Config::of(tables, PERIOD_NS);
-    let need = config.requirement::<Real, P, 3, TableData<'_>>(|axis| tables.table(axis));
-    let storage = Storage {
-        lines: vec![0.0; need.lines].leak(),
-        knots: vec![0.0; need.knots].leak(),
-        guide: vec![0; need.guide].leak(),
-    };
-    config.build(|axis| tables.table(axis), storage).unwrap()
+    let memory = vec![0.0; config.requirement(|axis| tables.table(axis))].leak();
+    config.build(|axis| tables.table(axis), memory).unwrap()
 }
 
 fn compare<const N: usize>(state_size: usize, cycles: i32) {
@@ -115,7 +109,7 @@ fn compare<const N: usize>(state_size: usize, cycles: i32) {
     let Gauges { gauge, state: mut gauge_state } = gauges(file, state_size);
     let tables = Tcomp::parse(file).unwrap();
     let core = rust_loop(&tables);
-    let mut core_state = core.start(PERIOD_NS).unwrap();
+    let mut core_state = core.start();
     let core_gauge =
         Box::new(Roundness::<Real, N>::build(tables.settings().roundness.as_ref().unwrap(), PERIOD_NS).unwrap());
     let mut core_gauge_state = Box::new(core_gauge.start());

@@ -7,9 +7,9 @@ mod machines;
 use machines::*;
 use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
-use trueaxis::compensation::{Storage, ThermalLine};
+use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::{self, CommandWindow, Segment, convert};
-use trueaxis::tcomp::{TableData, Tcomp};
+use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{FRAME_BYTES as CORE_FRAME_BYTES, Frame};
 use trueaxis::{Config, Position as _, ServoLoop};
 use trueaxis_capi::*;
@@ -41,13 +41,8 @@ fn from_c(x: Position) -> P {
 fn rust_loop<const N: usize>(file: &[u8]) -> ServoLoop<'static, R, P, N> {
     let tables = Tcomp::parse(file).unwrap();
     let config = Config::of(&tables, PERIOD_NS);
-    let need = config.requirement::<R, P, N, TableData<'_>>(|axis| tables.table(axis));
-    let storage = Storage {
-        lines: vec![0.0; need.lines].leak(),
-        knots: vec![0.0; need.knots].leak(),
-        guide: vec![0; need.guide].leak(),
-    };
-    config.build(|axis| tables.table(axis), storage).unwrap()
+    let memory = vec![0.0; config.requirement(|axis| tables.table(axis))].leak();
+    config.build(|axis| tables.table(axis), memory).unwrap()
 }
 
 fn same<const N: usize>(c: &Output, rust: &trueaxis::Output<R, P, N>, cycle: usize) {
@@ -96,7 +91,7 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
     let loops = [built(first), built(second)];
     let cores = [rust_loop::<N>(first), rust_loop::<N>(second)];
     let mut state = started(&loops[0].servo);
-    let mut core_state = cores[0].start(PERIOD_NS).unwrap();
+    let mut core_state = cores[0].start();
 
     let [x, y, z] = center;
     let start = [x + RADIUS, y, z];
@@ -208,7 +203,7 @@ fn four_axes_and_six() {
 fn following_the_commands() {
     let cycles: usize = if cfg!(miri) { 12 } else { 4000 };
     let (servo, core) = (built(mill()), rust_loop::<3>(mill()));
-    let (mut state, mut core_state) = (started(&servo.servo), core.start(PERIOD_NS).unwrap());
+    let (mut state, mut core_state) = (started(&servo.servo), core.start());
     let mut follow = zeroed::<Follow>();
     let mut commanded = CommandWindow::<R, P, FOLLOW_PIECES>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     // SAFETY: everything is as the types say.

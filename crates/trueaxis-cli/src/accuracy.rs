@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::ThermalLine;
+use trueaxis::compensation::{Direction as Travel, ThermalLine};
 use trueaxis::machine::ErrorModel;
 use trueaxis::machine::step_axes;
 use trueaxis_tables::Machine;
@@ -58,14 +58,14 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
     let place = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
     with_compensation::<N, _>(tables, 1, |compensation| {
         let own = |position: f64, direction: Direction| {
-            let mask = if direction == Direction::Down { usize::MAX } else { 0 };
+            let travel = if direction == Direction::Down { Travel::NEGATIVE } else { Travel::POSITIVE };
             let error = |q: f64| {
                 let mut at = [0.0; N];
                 at[place] = q;
                 let (at, thermal) = (compensation.coordinates(&at), [ThermalLine::default(); N]);
-                let mut reverse = [0; N];
-                reverse[place] = mask;
-                compensation.errors(&at, &reverse, &thermal, &mut 0)[place]
+                let mut directions = [Travel::POSITIVE; N];
+                directions[place] = travel;
+                compensation.errors(&at, &directions, &thermal, &mut 0)[place]
             };
             // The other axes stand still: what they add is the same everywhere.
             let constant = {
@@ -74,9 +74,12 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
                 let start = first.map_or(0.0, |row| row.position);
                 let mut at = [0.0; N];
                 at[place] = start;
-                let forward =
-                    compensation.errors(&compensation.coordinates(&at), &[0; N], &[ThermalLine::default(); N], &mut 0)
-                        [place];
+                let forward = compensation.errors(
+                    &compensation.coordinates(&at),
+                    &[Travel::POSITIVE; N],
+                    &[ThermalLine::default(); N],
+                    &mut 0,
+                )[place];
                 let own = if measurement.axis.is_rotary() { own.to_degrees() } else { own };
                 forward - own
             };

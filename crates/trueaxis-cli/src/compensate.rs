@@ -9,7 +9,7 @@ use crate::output::{Writer, tell};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use trueaxis::compensation::{Reversal, ThermalLine};
+use trueaxis::compensation::{Direction, Reversal, ThermalLine};
 use trueaxis::machine::{AXES, Axis, ErrorModel};
 use trueaxis_tables::Machine;
 use trueaxis_tables::text::counted;
@@ -157,16 +157,16 @@ impl Travel {
         Travel { reversal: [Reversal::default(); AXES], band, begun: false }
     }
 
-    /// Settles on the directions (all ones: negative) in which `correction` brings the drives to this command, from
+    /// Settles on the directions in which `correction` brings the drives to this command, from
     /// where the row before has left them.
     fn arrive<const N: usize, E>(
         &mut self,
         command: &[f64; N],
-        mut correction: impl FnMut(&[usize; N]) -> Result<[f64; N], E>,
-    ) -> Result<[usize; N], E> {
-        let mut reverse = self.masks();
+        mut correction: impl FnMut(&[Direction; N]) -> Result<[f64; N], E>,
+    ) -> Result<[Direction; N], E> {
+        let mut directions = self.directions();
         for _ in 0..MOST_REVERSALS {
-            let sent = correction(&reverse)?;
+            let sent = correction(&directions)?;
             for (place, (command, sent)) in command.iter().zip(sent).enumerate() {
                 if !self.begun {
                     self.reversal[place] = Reversal::at(command + sent);
@@ -174,17 +174,17 @@ impl Travel {
                 self.reversal[place].update(command + sent, self.band[place]);
             }
             self.begun = true;
-            let before = reverse;
-            reverse = self.masks();
-            if reverse == before {
+            let before = directions;
+            directions = self.directions();
+            if directions == before {
                 break;
             }
         }
-        Ok(reverse)
+        Ok(directions)
     }
 
-    fn masks<const N: usize>(&self) -> [usize; N] {
-        std::array::from_fn(|place| self.reversal[place].mask())
+    fn directions<const N: usize>(&self) -> [Direction; N] {
+        std::array::from_fn(|place| self.reversal[place].direction())
     }
 }
 

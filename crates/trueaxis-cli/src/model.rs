@@ -4,7 +4,7 @@ use crate::output::tell;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
-use trueaxis::compensation::Compensation;
+use trueaxis::compensation::{Compensation, requirement};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::Machine;
 
@@ -49,10 +49,9 @@ pub(crate) fn with_compensation<const N: usize, T>(
     user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> Result<T>,
 ) -> Result<T> {
     let rows = |axis: Axis| machine.rows(axis);
-    let need = Compensation::<f64, f64, N>::requirement(&machine.settings, rows);
-    let mut memory = need.memory();
+    let mut memory = vec![0.0; requirement(&machine.settings, rows)];
     let compensation =
-        Compensation::build(&machine.settings, rows, passes, memory.lend()).map_err(|error| anyhow!("{error}"))?;
+        Compensation::build(&machine.settings, rows, passes, &mut memory).map_err(|error| anyhow!("{error}"))?;
     user(&compensation)
 }
 

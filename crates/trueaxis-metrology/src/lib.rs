@@ -23,3 +23,8 @@ pub mod pair_search;
 pub mod separation;
 #[cfg(feature = "std")]
 pub mod spindle;
+
+/// The README's example.
+#[cfg(all(doctest, feature = "std"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

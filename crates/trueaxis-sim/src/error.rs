@@ -78,9 +78,6 @@ pub enum SimError {
         /// Accepted instead.
         needed: String,
     },
-    /// The step refuses to start.
-    #[error("the step refused to start: {0:?}")]
-    Start(Fault),
     /// The step reports a fault where there must be none.
     #[error("the step reports {fault:?} after {turns:.2} turns")]
     Fault {

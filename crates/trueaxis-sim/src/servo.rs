@@ -2,7 +2,6 @@
 
 use crate::error::{Result, SimError};
 use self_cell::{MutBorrow, self_cell};
-use trueaxis::compensation::Memory;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Position, Real, ServoLoop};
 use trueaxis_tables::Machine;
@@ -32,8 +31,8 @@ pub fn with_tables<R: Real, P: Position, const N: usize, T, E: From<SimError>>(
 ) -> Result<T, E> {
     let rows = |axis: Axis| tcomp.table(axis);
     let config = Config::of(tcomp, period_ns);
-    let mut memory = config.requirement::<R, P, N, _>(rows).memory();
-    let servo = config.build::<R, P, N, _>(rows, memory.lend()).map_err(SimError::from)?;
+    let mut memory = vec![R::ZERO; config.requirement(rows)];
+    let servo = config.build::<R, P, N, _>(rows, &mut memory).map_err(SimError::from)?;
     user(&servo)
 }
 
@@ -55,7 +54,7 @@ macro_rules! owned {
 
             self_cell! {
                 pub(crate) struct Cell {
-                    owner: MutBorrow<Memory<f64>>,
+                    owner: MutBorrow<Vec<f64>>,
                     #[covariant]
                     dependent: Loop,
                 }
@@ -67,9 +66,9 @@ macro_rules! owned {
                     let tcomp = Tcomp::parse(&bytes)?;
                     let rows = |axis: Axis| tcomp.table(axis);
                     let config = Config::of(&tcomp, period_ns);
-                    let memory = config.requirement::<f64, f64, $axes, _>(rows).memory();
+                    let memory = vec![0.0; config.requirement(rows)];
                     Cell::try_new(MutBorrow::new(memory), |memory| {
-                        config.build::<f64, f64, $axes, _>(rows, memory.borrow_mut().lend()).map_err(SimError::from)
+                        config.build::<f64, f64, $axes, _>(rows, memory.borrow_mut()).map_err(SimError::from)
                     })
                 }
 

@@ -81,3 +81,8 @@ mod tests {
         assert!(sqrt_f32(-1.0).is_nan() && sqrt_f64(-1.0).is_nan());
     }
 }
+
+/// The README's example.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -98,8 +98,7 @@ pub fn build(machine: &Machine, rate_hz: f64) -> Result<(), ConfigError> {
 
 fn build_with<const N: usize>(machine: &Machine, config: &Config<'_>) -> Result<(), ConfigError> {
     let rows = |axis| machine.rows(axis);
-    let mut memory = config.requirement::<f32, f64, N, _>(rows).memory();
-    config.build::<f32, f64, N, _>(rows, memory.lend())?;
-    let mut memory = config.requirement::<f64, f64, N, _>(rows).memory();
-    config.build::<f64, f64, N, _>(rows, memory.lend()).map(|_| ())
+    let scalars = config.requirement(rows);
+    config.build::<f32, f64, N, _>(rows, &mut vec![0.0; scalars])?;
+    config.build::<f64, f64, N, _>(rows, &mut vec![0.0; scalars]).map(|_| ())
 }

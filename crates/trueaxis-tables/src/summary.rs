@@ -33,6 +33,8 @@ pub struct Summary {
     pub squareness_urad: [f64; 3],
     /// Look-ups of the exact inverse.
     pub inverse_passes: u8,
+    /// Memory that a servo loop takes for the tables, in scalars.
+    pub memory_scalars: usize,
     /// The axes.
     pub axes: Vec<AxisSummary>,
     /// Gauge of three probes.
@@ -151,6 +153,7 @@ pub fn summary(file: &Tcomp<'_>) -> Summary {
         reference_temperature_c: settings.reference_temperature_c,
         squareness_urad: [location.a0z, location.b0z, location.c0y].map(|angle| angle * 1e6),
         inverse_passes: file.inverse_passes(),
+        memory_scalars: file.requirement(),
         axes: file.axes().map(|(axis, table)| axis_summary(&settings.chain, axis, table)).collect(),
         roundness: settings.roundness.as_ref().and_then(roundness_summary),
     }
@@ -223,7 +226,9 @@ impl fmt::Display for Summary {
         writeln!(f, "error model {}{through}", self.model)?;
         let [a0z, b0z, c0y] = self.squareness_urad;
         writeln!(f, "squareness A0Z {a0z:.1}, B0Z {b0z:.1}, C0Y {c0y:.1} µrad")?;
-        write!(f, "exact inverse: {} look-ups", self.inverse_passes)?;
+        writeln!(f, "exact inverse: {} look-ups", self.inverse_passes)?;
+        let [double, single] = [8, 4].map(|bytes| (self.memory_scalars * bytes) as f64 / 1024.0);
+        write!(f, "memory {} scalars: {double:.1} KiB in f64, {single:.1} KiB in f32", self.memory_scalars)?;
         self.axes.iter().try_for_each(|axis| axis.fmt(f))?;
         self.roundness.iter().try_for_each(|roundness| roundness.fmt(f))
     }

@@ -1,23 +1,26 @@
 //! The plugin in a controller: tables in, corrected positions out.
-use trueaxis::compensation::Storage;
-use trueaxis::contour::{Path, Reference};
-use trueaxis::{Config, Input, tcomp::Tcomp};
+use trueaxis::{HostPath, HostServo, tcomp::Tcomp};
 
 const TABLES: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/mill-3axis.tcomp"));
+const PERIOD_NS: u32 = 100_000; // servo cycles at 10 kHz
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tables = Tcomp::parse(TABLES)?; // any damage is refused
-    let (mut lines, mut knots, mut guide) = ([0.0; 6144], [0.0; 256], [0; 512]);
-    let memory = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    let servo = Config::of(&tables, 100_000).build::<f64, f64, 3, _>(|axis| tables.table(axis), memory)?;
-    let mut state = servo.start(100_000).map_err(|fault| format!("{fault:?}"))?;
-    let path = Path::new(&[], 0, false); // what the interpolator follows, as spans
+    let mut memory = vec![0.0; tables.requirement()]; // on bare metal an array; `trueaxis tables show` prints its size
+    let servo = HostServo::<3>::load(&tables, PERIOD_NS, &mut memory)?;
+    let mut state = servo.start();
 
-    // From here on the servo interrupt:
-    let command = [12.5, -30.0, -200.0];
-    let input = Input { command, feedback: command, homed: true, enable: true, ..Input::at_rest(100_000) };
-    let output = servo.step(&mut state, &input, path.on(Reference::default()), ());
-    assert_eq!(output.drive, command); // the first cycle never moves; then the correction is led in
-    assert!(!output.stop_requested());
+    let mut path = HostPath::<16>::new(); // the interpolator's segments, in spans of at most 16 mm
+    let [a, b, c, d] = [[0.0, 0.0, -200.0], [20.0, 0.0, -200.0], [30.0, 10.0, -200.0], [30.0, 30.0, -200.0]];
+    path.line(a, b)?;
+    path.arc(b, c, [20.0, 10.0, -200.0], [0.0, 0.0, 1.0])?;
+    path.nurbs(2, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], &[c, [30.0, 20.0, -200.0], d], &[])?;
+
+    for (segment, u) in (0..3).flat_map(|segment| (0..1000).map(move |i| (segment, f64::from(i) / 1000.0))) {
+        let on_path = path.at(segment, u);
+        let command = on_path.position().ok_or("the path has ended")?; // readings come from the encoders
+        let output = servo.step(&mut state, &servo.input(command, command), on_path, ());
+        assert!(!output.stop_requested(), "{}", output.record.fault);
+    }
     Ok(())
 }

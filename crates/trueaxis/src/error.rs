@@ -130,8 +130,8 @@ pub enum Field {
     Inverse,
     /// Scale of an encoder.
     Encoder,
-    /// Memory lent for tables.
-    Storage,
+    /// Memory lent for the tables.
+    Memory,
     /// Points of a revolution.
     Points,
     /// Band of harmonics.
@@ -200,6 +200,32 @@ pub enum Fault {
     AbiMismatch = 35,
 }
 
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Fault::None => "no fault",
+            Fault::FeedbackNotFinite => "an encoder gives no finite reading",
+            Fault::FeedbackJump => "an encoder reading changed more in a cycle than the axis can move",
+            Fault::EncoderStuck => "an encoder reading stands still although the axis is commanded to move",
+            Fault::EncoderAlarm => "an encoder interface reports an alarm",
+            Fault::LateCycle => "the cycle came late by more than a quarter of its period",
+            Fault::CommandNotFinite => "a command is not a finite number",
+            Fault::CommandOutOfTravel => "a command lies outside the travel of its axis",
+            Fault::CommandJump => "a command changed more in a cycle than the axis can move",
+            Fault::JointRange => "command plus correction leaves the range of the joint",
+            Fault::ToolUnreachable => "no pose of the machine reaches the commanded tip and direction of the tool",
+            Fault::SingularPose => "the commanded direction of the tool is too near to a singular pose",
+            Fault::BranchChange => "the commanded direction asks the rotary axes to change to their other solution",
+            Fault::PeriodMismatch => "the servo period of the host is not the configured one",
+            Fault::TablesRefused => "the compensation tables are damaged or made for another machine or version",
+            Fault::CapacityTooSmall => "the compensation tables need more memory than there is",
+            Fault::AbiMismatch => "host and plugin were built for different versions of the interface",
+        })
+    }
+}
+
+impl core::error::Error for Fault {}
+
 impl Fault {
     /// The correction freezes and the command passes.
     pub const fn freezes(self) -> bool {
@@ -249,5 +275,20 @@ impl TryFrom<u8> for Fault {
         .into_iter()
         .find(|fault| *fault as u8 == code)
         .ok_or("a known fault code")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Fault;
+    use std::collections::BTreeSet;
+    use std::string::ToString;
+
+    #[test]
+    fn every_fault_has_a_sentence_of_its_own() {
+        let faults: std::vec::Vec<Fault> = (0..=u8::MAX).filter_map(|code| Fault::try_from(code).ok()).collect();
+        let sentences: BTreeSet<_> = faults.iter().map(ToString::to_string).collect();
+        assert_eq!((faults.len(), sentences.len()), (17, 17));
+        assert!(sentences.iter().all(|text| text.is_ascii() && text.len() > 7 && !text.ends_with('.')));
     }
 }

@@ -54,9 +54,11 @@ pub mod tcomp;
 pub mod telemetry;
 pub mod vector;
 
+mod alias;
+pub use alias::{HostInput, HostPath, HostServo, HostState, McuInput, McuPath, McuServo, McuState};
 pub use error::{ConfigError, Fault};
 pub use machine::{Axis, Row};
 pub use position::{Nanometres, Position};
 pub use real::Real;
 pub use sample::Input;
-pub use step::{Bypass, Config, Gauge, GaugeRide, Measure, OnToolPath, Output, ServoLoop, Stage, State};
+pub use step::{Bypass, Conditions, Config, Gauge, GaugeRide, Measure, OnToolPath, Output, ServoLoop, Stage, State};

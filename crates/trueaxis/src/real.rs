@@ -46,6 +46,10 @@ pub trait Real:
     fn of_i32(i: i32) -> Self;
     /// Truncates toward zero; saturates at the ends of `i32`; NaN gives 0.
     fn to_i32(self) -> i32;
+    /// An index in the room of a scalar, as its bits.
+    fn of_index(index: u16) -> Self;
+    /// The index that [`Real::of_index`] put there; no arithmetic, one load.
+    fn to_index(self) -> usize;
     /// Square root; 0 for arguments that are not positive.
     fn sqrt(self) -> Self;
     /// |x|, one instruction.
@@ -96,6 +100,14 @@ macro_rules! real {
             #[inline(always)]
             fn to_i32(self) -> i32 {
                 self as i32
+            }
+            #[inline(always)]
+            fn of_index(index: u16) -> $t {
+                <$t>::from_bits(index.into())
+            }
+            #[inline(always)]
+            fn to_index(self) -> usize {
+                self.to_bits() as usize
             }
             #[inline(always)]
             fn sqrt(self) -> $t {

@@ -268,6 +268,14 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         })
     }
 
+    /// Every position lies in the declared travel of its axis.
+    pub(crate) fn within_travel(&self, positions: &[P; N]) -> bool {
+        self.axes.iter().zip(positions).all(|(axis, position)| {
+            let [low, high] = axis.travel;
+            *position >= low && *position <= high
+        })
+    }
+
     #[inline(always)]
     pub(crate) fn read(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> Sample<P, N> {
         let first = !state.started;

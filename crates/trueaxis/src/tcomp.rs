@@ -301,6 +301,11 @@ impl<'a> Tcomp<'a> {
         self.inverse_passes
     }
 
+    /// Memory that a servo loop takes for these tables, in scalars of the step ([`crate::ServoLoop::load`]).
+    pub fn requirement(&self) -> usize {
+        crate::compensation::requirement(&self.settings, |axis| self.table(axis))
+    }
+
     /// The axes with their tables.
     pub fn axes(&self) -> impl Iterator<Item = (&AxisSettings, Option<TableData<'a>>)> {
         self.settings.axes.iter().zip(self.tables.iter().copied())

@@ -1,11 +1,10 @@
 //! No cycle of the step touches the heap, from the first to a fault and back.
 
 use allocation_counter::measure;
-use trueaxis::compensation::Storage;
 use trueaxis::contour::{CommandWindow, Path, Reference, Segment, Span, convert};
 use trueaxis::exchange::Exchange;
 use trueaxis::tcomp::Tcomp;
-use trueaxis::{Bypass, Config, Fault, Input};
+use trueaxis::{Bypass, Fault, HostServo, Input};
 
 const TABLES: &[u8] = include_bytes!("data/mill-3axis.tcomp");
 const PERIOD_NS: u32 = 100_000;
@@ -13,10 +12,8 @@ const PERIOD_NS: u32 = 100_000;
 #[test]
 fn the_step_does_not_allocate() {
     let tables = Tcomp::parse(TABLES).unwrap();
-    let (mut lines, mut knots, mut guide) = ([0.0; 6144], [0.0; 256], [0; 512]);
-    let memory = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    let config = Config::of(&tables, PERIOD_NS);
-    let servo = config.build::<f64, f64, 3, _>(|axis| tables.table(axis), memory).unwrap();
+    let mut memory = vec![0.0; tables.requirement()];
+    let servo = HostServo::<3>::load(&tables, PERIOD_NS, &mut memory).unwrap();
     let mut spans: Vec<Span<f64, f64>> = Vec::new();
     let line = Segment::Line { start: [10.0, -30.0, -200.0], end: [110.0, -30.0, -200.0] };
     convert(&line, 0, [0.0, 0.0, 1.0], |span| {
@@ -25,7 +22,7 @@ fn the_step_does_not_allocate() {
     })
     .unwrap();
     let path = Path::new(&spans, 0, false);
-    let (mut state, mut following) = (servo.start(PERIOD_NS).unwrap(), servo.start(PERIOD_NS).unwrap());
+    let (mut state, mut following) = (servo.start(), servo.start());
     let mut commanded = CommandWindow::<f64, f64, 32>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     let mut bypass = Bypass::<f64, 3>::new(Fault::TablesRefused);
     let exchange = Exchange::new();

@@ -1,7 +1,6 @@
 //! The direction of travel is the drive's: command plus correction.
 
 use proptest::prelude::*;
-use trueaxis::compensation::Storage;
 use trueaxis::contour::{Method, Path, Reference};
 use trueaxis::machine::{Axis, AxisSettings, Interpolation, MachineSettings, Row};
 use trueaxis::{Config, Input, Output, ServoLoop, State};
@@ -57,13 +56,8 @@ fn servo(
         method: Method::Guarded,
     };
     let rows = |axis: Axis| Some(tables[axis.index()].as_slice());
-    let need = config.requirement::<f64, f64, 3, _>(rows);
-    let storage = Storage {
-        lines: vec![0.0; need.lines].leak(),
-        knots: vec![0.0; need.knots].leak(),
-        guide: vec![0; need.guide].leak(),
-    };
-    config.build(rows, storage)
+    let memory = vec![0.0; config.requirement(rows)].leak();
+    config.build(rows, memory)
 }
 
 struct Run {
@@ -74,7 +68,7 @@ struct Run {
 impl Run {
     fn new(machine: &MachineSettings, tables: &[Vec<Row>; 3]) -> Self {
         let servo = servo(machine, tables).unwrap();
-        Run { state: servo.start(PERIOD_NS).unwrap(), servo }
+        Run { state: servo.start(), servo }
     }
 
     fn cycle(&mut self, input: &Input<f64, 3>) -> Output<f64, f64, 3> {
@@ -284,7 +278,7 @@ proptest! {
         }));
         let tables = [of(0), of(1), of(2)];
         let Ok(servo) = servo(&machine, &tables) else { return Ok(()) };
-        let mut run = Run { state: servo.start(PERIOD_NS).unwrap(), servo };
+        let mut run = Run { state: servo.start(), servo };
         let mut at = [1.0, 2.0, 3.0];
         for target in targets {
             for _ in 0..200 {

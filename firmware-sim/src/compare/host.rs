@@ -49,7 +49,7 @@ fn run<R: Wire>(
     let period_ns = recording.header().period_ns;
     let path: Vec<Span<R, R::Place>> = recording.path().collect();
     let path = Path::new(&path, 0, false);
-    let mut state = first.start(period_ns).map_err(|fault| anyhow!("the step refused to start: {fault:?}"))?;
+    let mut state = first.start();
     let gauge = match file.settings().roundness.filter(|_| recording.header().gauge) {
         None => None,
         Some(settings) => {

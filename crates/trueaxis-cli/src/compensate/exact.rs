@@ -3,6 +3,7 @@
 use super::{Arguments, COLUMNS, Evaluated, Travel, Written, next, rise};
 use crate::csv_in::Rows;
 use anyhow::{Result, anyhow};
+use trueaxis::compensation::Direction;
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::{CorrectionSettings, Geometry};
@@ -45,8 +46,8 @@ pub(super) fn evaluate(
             geometry.correction(&at, reverse, settings).ok_or_else(error)
         };
         if let Some(travel) = &mut travel {
-            let share = |mask: usize| if mask == 0 { 0.0 } else { 1.0 };
-            reverse = travel.arrive(&at, |masks: &[usize; AXES]| sent(&masks.map(share)))?.map(share);
+            let share = |direction| if direction == Direction::POSITIVE { 0.0 } else { 1.0 };
+            reverse = travel.arrive(&at, |directions: &[Direction; AXES]| sent(&directions.map(share)))?.map(share);
         }
         let error = geometry.pose_error(&at, &reverse);
         let correction = sent(&reverse)?;

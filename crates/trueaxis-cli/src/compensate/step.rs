@@ -6,7 +6,7 @@ use crate::model::with_compensation;
 use anyhow::{Result, anyhow};
 use std::convert::Infallible;
 use trueaxis::check;
-use trueaxis::compensation::ThermalLine;
+use trueaxis::compensation::{Direction, ThermalLine};
 use trueaxis::machine::step_axes;
 use trueaxis_tables::Machine;
 
@@ -28,7 +28,7 @@ pub(super) fn evaluate<const N: usize>(
         let own = settings.axes.iter().find(|a| a.axis == axis);
         *line = own.and_then(|own| ThermalLine::for_axis(&own.thermal, kelvin)).unwrap_or_default();
     }
-    let mut reverse = [if arguments.reverse { usize::MAX } else { 0 }; N];
+    let mut directions = [if arguments.reverse { Direction::NEGATIVE } else { Direction::POSITIVE }; N];
     let mut travel = arguments.in_order.then(|| Travel::new(machine, axes.into_iter()));
     with_compensation::<N, _>(machine, passes, |compensation| {
         result.header(arguments, machine, positions)?;
@@ -36,15 +36,15 @@ pub(super) fn evaluate<const N: usize>(
             let command: [f64; N] = std::array::from_fn(|place| row.values[axes[place].index()]);
             let at = compensation.coordinates(&command);
             if let Some(travel) = &mut travel {
-                let sent = |reverse: &[usize; N]| {
-                    Ok::<_, Infallible>(compensation.correction(&at, &at, reverse, &thermal, &mut 0))
+                let sent = |directions: &[Direction; N]| {
+                    Ok::<_, Infallible>(compensation.correction(&at, &at, directions, &thermal, &mut 0))
                 };
                 let Ok(settled) = travel.arrive(&command, sent);
-                reverse = settled;
+                directions = settled;
             }
             let mut held = 0;
-            let error = compensation.pose_error(&at, &reverse, &thermal, &mut held);
-            let correction = compensation.correction(&at, &at, &reverse, &thermal, &mut 0);
+            let error = compensation.pose_error(&at, &directions, &thermal, &mut held);
+            let correction = compensation.correction(&at, &at, &directions, &thermal, &mut 0);
             let mut corrected = row.values;
             for (axis, (q, correction)) in axes.iter().zip(command.iter().zip(correction)) {
                 corrected[axis.index()] = q + correction;

@@ -5,7 +5,7 @@ use crate::model::{axis_count, with_compensation};
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, ThermalLine};
+use trueaxis::compensation::{Compensation, Direction, ThermalLine};
 use trueaxis::machine::ErrorModel;
 use trueaxis::machine::{carries_workpiece, step_axes};
 use trueaxis_metrology::identification::{Ball, lever};
@@ -81,7 +81,7 @@ fn tip_errors<const N: usize>(
                 of => position.get(of.index()).copied().unwrap_or(0.0),
             });
             let at = compensation.coordinates(&command);
-            let error = compensation.errors(&at, &[0; N], &[ThermalLine::default(); N], &mut held);
+            let error = compensation.errors(&at, &[Direction::POSITIVE; N], &[ThermalLine::default(); N], &mut held);
             [error[0], error[1], error[2]]
         });
         let errors = errors.collect();

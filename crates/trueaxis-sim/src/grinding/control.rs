@@ -50,7 +50,7 @@ impl<const POINTS: usize> Control<POINTS> {
             }
         }
         let band = grinding.gauge()?.infeed.map_or([2, 2], |infeed| [infeed.band.first, infeed.band.last]);
-        let state = servo.servo().start(grinding.period_ns()).map_err(SimError::Start)?;
+        let state = servo.servo().start();
         let run = Run::begun(cell.pin.about_the_circle(), gauge.cycles_of_work());
         Ok(Control {
             servo,

@@ -154,8 +154,8 @@ impl Motion {
         let (sections, speeds) = profile::plan(&sections, &settings);
         let mut planner = Planner::new(&settings);
         let mut phases = Vec::new();
-        for (section, ends) in sections.iter().zip(speeds.array_windows()) {
-            planner.section(section, *ends, &mut phases)?;
+        for (section, ends) in sections.iter().zip(speeds.windows(2)) {
+            planner.section(section, [ends[0], ends[1]], &mut phases)?;
         }
         let duration = planner.time;
         let cycles = (duration / settings.period_s).ceil();

@@ -66,7 +66,7 @@ pub(super) struct Cell<const N: usize> {
 
 impl<const N: usize> Cell<N> {
     pub(super) fn new(scenario: &Scenario, kind: Kind, servo: &ServoLoop<'_, f64, f64, N>) -> Result<Self> {
-        let mut state = servo.start(scenario.period_ns()).map_err(SimError::Start)?;
+        let mut state = servo.start();
         let axes = step_axes::<N>(&scenario.machine.settings)?;
         for (slot, axis) in axes.iter().enumerate() {
             if let Some(settings) = scenario.machine.settings.axes.iter().find(|a| a.axis == *axis) {

@@ -223,7 +223,7 @@ fn defaults_of_any_chain_are_sound() {
 /// The step's own evaluation at random places never leaves the range that is checked at build, and reaches most of it.
 #[test]
 fn the_range_of_the_error_holds_what_the_step_computes() {
-    use crate::compensation::{Compensation, Storage, ThermalLine};
+    use crate::compensation::{Compensation, Direction, ThermalLine, requirement};
     for (chain, tightest) in [("w X' b Y Z t", 0.9), ("w C' A' X' b Y Z t", 0.5)] {
         let mut machine = machine_of(chain);
         machine.location = LocationErrors { a0z: 30e-6, b0z: -20e-6, c0y: 50e-6, ..Default::default() };
@@ -246,13 +246,8 @@ fn the_range_of_the_error_holds_what_the_step_computes() {
             machine: &MachineSettings,
             find: impl Fn(Axis) -> Option<&'static [Row]>,
         ) -> Vec<f64> {
-            let need = Compensation::<f64, f64, N>::requirement(machine, &find);
-            let lent = Storage {
-                lines: vec![0.0; need.lines].leak(),
-                knots: vec![0.0; need.knots].leak(),
-                guide: vec![0; need.guide].leak(),
-            };
-            let compensation = Compensation::<f64, f64, N>::build(machine, &find, 1, lent).unwrap();
+            let memory = vec![0.0; requirement(machine, &find)].leak();
+            let compensation = Compensation::<f64, f64, N>::build(machine, &find, 1, memory).unwrap();
             let mut state = 1_u64;
             let mut random = || {
                 state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -263,7 +258,8 @@ fn the_range_of_the_error_holds_what_the_step_computes() {
                 machine.axes.iter().map(|drive| error_range(machine, &find, drive, drive.travel)).collect();
             for _ in 0..200_000 {
                 let q: [f64; N] = core::array::from_fn(|_| -100.0 + 250.0 * random());
-                let reverse = core::array::from_fn(|_| if random() < 0.5 { 0 } else { usize::MAX });
+                let reverse =
+                    core::array::from_fn(|_| if random() < 0.5 { Direction::POSITIVE } else { Direction::NEGATIVE });
                 let at = compensation.coordinates(&q);
                 let error = compensation.errors(&at, &reverse, &[ThermalLine::default(); N], &mut 0);
                 for ((share, error), &(least, most)) in share.iter_mut().zip(error).zip(&ranges) {

@@ -3,8 +3,6 @@
 //! Two models, chosen by the machine's settings: [`NineTerms`], axis-wise and without levers, and [`Volumetric`], the
 //! twist of every axis carried to the tool tip by its lever.
 
-#[cfg(feature = "std")]
-mod memory;
 mod nine;
 mod reversal;
 mod table;
@@ -12,11 +10,9 @@ mod thermal;
 pub mod trig;
 pub(crate) mod volumetric;
 
-#[cfg(feature = "std")]
-pub use memory::Memory;
 pub use nine::NineTerms;
-pub use reversal::Reversal;
-pub use table::{AxisTable, Contribution, Requirement, Storage};
+pub use reversal::{Direction, Reversal};
+pub use table::{AxisTable, Contribution};
 pub use thermal::ThermalLine;
 pub use volumetric::Volumetric;
 
@@ -53,19 +49,22 @@ enum Model<'a, R, P, const N: usize> {
     Volumetric(Volumetric<'a, R, P, N>),
 }
 
-impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
-    /// Memory that [`Compensation::build`] takes.
-    pub fn requirement<'r, T: Rows + ?Sized + 'r>(
-        machine: &MachineSettings,
-        rows: impl Fn(Axis) -> Option<&'r T>,
-    ) -> Requirement {
-        match machine.compensation.model {
-            ErrorModel::Nine => NineTerms::<R, P, N>::requirement(machine, rows),
-            ErrorModel::Volumetric => Volumetric::<R, P, N>::requirement(machine, rows),
-        }
+/// Memory that the tables of a machine take, in scalars of the step, whichever they are.
+///
+/// Cost: reads every row once.
+pub fn requirement<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: impl Fn(Axis) -> Option<&'r T>,
+) -> usize {
+    match machine.compensation.model {
+        ErrorModel::Nine => table::requirement_of_all::<4, T>(machine, rows),
+        ErrorModel::Volumetric => table::requirement_of_all::<6, T>(machine, rows),
     }
+}
 
-    /// Builds the tables of a machine into lent memory. `passes` of the exact inverse: at least 1, at most 8.
+impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
+    /// Builds the tables of a machine into lent memory of [`requirement`] scalars, which it keeps. `passes` of the exact
+    /// inverse: at least 1, at most 8.
     ///
     /// # Errors
     /// A table with fewer than two points or not ascending, memory too small, a structural code that cannot be read,
@@ -74,14 +73,15 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
         passes: u8,
-        storage: Storage<'a, R>,
+        memory: &'a mut [R],
     ) -> Result<Self, ConfigError> {
         if !(1..=8).contains(&passes) {
             return Err(ConfigError::new(Field::Inverse, f64::from(passes), "1 to 8 passes"));
         }
+        table::enough(memory.len(), requirement(machine, &rows))?;
         let model = match machine.compensation.model {
-            ErrorModel::Nine => Model::Nine(NineTerms::build(machine, rows, storage)?),
-            ErrorModel::Volumetric => Model::Volumetric(Volumetric::build(machine, rows, storage)?),
+            ErrorModel::Nine => Model::Nine(NineTerms::build(machine, rows, memory)?),
+            ErrorModel::Volumetric => Model::Volumetric(Volumetric::build(machine, rows, memory)?),
         };
         Ok(Compensation { model, passes })
     }
@@ -124,15 +124,15 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     pub fn errors(
         &self,
         at: &[R; N],
-        reverse: &[usize; N],
+        directions: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> Errors<R, N> {
         match &self.model {
-            Model::Nine(nine) => nine.errors(at, reverse, thermal, held),
+            Model::Nine(nine) => nine.errors(at, directions, thermal, held),
             Model::Volumetric(volumetric) => {
                 let mut errors = [R::ZERO; N];
-                let pose = volumetric.pose_error(at, reverse, thermal, held);
+                let pose = volumetric.pose_error(at, directions, thermal, held);
                 for (error, tip) in errors.iter_mut().zip(pose.tip) {
                     *error = tip;
                 }
@@ -146,19 +146,19 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     pub fn pose_error(
         &self,
         at: &[R; N],
-        reverse: &[usize; N],
+        directions: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> PoseError<R> {
         match &self.model {
             Model::Nine(nine) => {
                 let mut pose = PoseError::default();
-                for (tip, error) in pose.tip.iter_mut().zip(nine.errors(at, reverse, thermal, held)) {
+                for (tip, error) in pose.tip.iter_mut().zip(nine.errors(at, directions, thermal, held)) {
                     *tip = error;
                 }
                 pose
             }
-            Model::Volumetric(volumetric) => volumetric.pose_error(at, reverse, thermal, held),
+            Model::Volumetric(volumetric) => volumetric.pose_error(at, directions, thermal, held),
         }
     }
 
@@ -171,14 +171,14 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         &self,
         command: &[R; N],
         feedback: &[R; N],
-        reverse: &[usize; N],
+        directions: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> [R; N] {
         match &self.model {
-            Model::Nine(nine) => nine.correction(command, feedback, reverse, thermal, self.passes, held),
+            Model::Nine(nine) => nine.correction(command, feedback, directions, thermal, self.passes, held),
             Model::Volumetric(volumetric) => {
-                volumetric.correction(command, feedback, reverse, thermal, self.passes, held)
+                volumetric.correction(command, feedback, directions, thermal, self.passes, held)
             }
         }
     }

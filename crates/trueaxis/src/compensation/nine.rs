@@ -16,7 +16,8 @@
 //! inverse and the look-up at the feedback are extensions.
 
 use super::Errors;
-use super::table::{AxisTable, Contribution, Requirement, Storage, own_component};
+use super::reversal::Direction;
+use super::table::{AxisTable, Contribution, own_component, requirement_of_all};
 use super::thermal::ThermalLine;
 use super::trig::cos_sin_deg;
 use crate::error::{ConfigError, Field};
@@ -95,12 +96,12 @@ fn parents_of<R: Real, const N: usize>(
 }
 
 impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
-    /// Memory that [`NineTerms::build`] takes.
+    /// Memory that [`NineTerms::build`] takes, in scalars.
     pub fn requirement<'r, T: Rows + ?Sized + 'r>(
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
-    ) -> Requirement {
-        AxisTable::<R, P>::requirement_of_all(machine, rows)
+    ) -> usize {
+        requirement_of_all::<4, T>(machine, rows)
     }
 
     /// Builds the tables of a machine into lent memory.
@@ -110,7 +111,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     pub fn build<'r, T: Rows + ?Sized + 'r>(
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
-        mut storage: Storage<'a, R>,
+        mut memory: &'a mut [R],
     ) -> Result<Self, ConfigError> {
         let axes = step_axes::<N>(machine)?;
         let location = &machine.location;
@@ -131,7 +132,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
             let sense =
                 f64::from(settings.direction) * if carries_workpiece(&machine.chain, axis) { -1.0 } else { 1.0 };
             let table: AxisTable<'a, R, P> = match rows(axis) {
-                Some(rows) => AxisTable::build(settings, rows, sense, &mut storage)?,
+                Some(rows) => AxisTable::build(settings, rows, sense, &mut memory)?,
                 None => AxisTable::zero(),
             };
             let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
@@ -183,20 +184,20 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     ///
     /// `held` gets a bit for every axis whose edge value is held.
     #[inline(always)]
-    pub fn plain_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+    pub fn plain_terms(&self, at: &[R; N], reverse: &[Direction; N], held: &mut u8) -> Errors<R, N> {
         self.sum_of(at, reverse, held, AxisTable::at_plain)
     }
 
     /// Error of the nine terms alone, linear tables on any grid; apart from [`NineTerms::plain_terms`], so that
     /// equidistant tables do not carry the search.
     #[inline(never)]
-    pub fn linear_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+    pub fn linear_terms(&self, at: &[R; N], reverse: &[Direction; N], held: &mut u8) -> Errors<R, N> {
         self.sum_of(at, reverse, held, AxisTable::at_linear)
     }
 
     /// Error of the nine terms alone, cubic tables on any grid.
     #[inline(never)]
-    fn cubic_terms(&self, at: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+    fn cubic_terms(&self, at: &[R; N], reverse: &[Direction; N], held: &mut u8) -> Errors<R, N> {
         self.sum_of(at, reverse, held, AxisTable::at_cubic)
     }
 
@@ -205,9 +206,9 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     fn sum_of(
         &self,
         at: &[R; N],
-        reverse: &[usize; N],
+        reverse: &[Direction; N],
         held: &mut u8,
-        look_up: impl Fn(&AxisTable<'a, R, P>, R, usize) -> (Contribution<R>, bool),
+        look_up: impl Fn(&AxisTable<'a, R, P>, R, Direction) -> (Contribution<R>, bool),
     ) -> Errors<R, N> {
         let mut sum = [R::ZERO; 3];
         let mut bit = 1;
@@ -231,7 +232,13 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
 
     /// Error of any tables, each looked up at the command or the feedback as configured.
     #[inline(never)]
-    fn general_terms(&self, command: &[R; N], feedback: &[R; N], reverse: &[usize; N], held: &mut u8) -> Errors<R, N> {
+    fn general_terms(
+        &self,
+        command: &[R; N],
+        feedback: &[R; N],
+        reverse: &[Direction; N],
+        held: &mut u8,
+    ) -> Errors<R, N> {
         let mut tip = [R::ZERO; 3];
         let mut errors = [R::ZERO; N];
         for place in 0..N {
@@ -308,7 +315,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     pub fn errors(
         &self,
         at: &[R; N],
-        reverse: &[usize; N],
+        reverse: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> Errors<R, N> {
@@ -320,7 +327,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         &self,
         command: &[R; N],
         feedback: &[R; N],
-        reverse: &[usize; N],
+        reverse: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> Errors<R, N> {
@@ -345,7 +352,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         &self,
         command: &[R; N],
         feedback: &[R; N],
-        reverse: &[usize; N],
+        reverse: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         passes: u8,
         held: &mut u8,

@@ -3,6 +3,31 @@
 use crate::position::Position;
 use crate::real::Real;
 
+/// Direction of travel of an axis.
+///
+/// Kept as the mask by which the step chooses the half of a table, so that the choice costs one instruction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Direction(usize);
+
+impl Direction {
+    /// Towards larger positions: the forward columns of a table.
+    pub const POSITIVE: Direction = Direction(0);
+    /// Towards smaller positions: the reverse columns and the backlash.
+    pub const NEGATIVE: Direction = Direction(usize::MAX);
+
+    /// Zero in positive, all ones in negative travel.
+    #[inline(always)]
+    pub(super) const fn mask(self) -> usize {
+        self.0
+    }
+
+    #[inline(always)]
+    const fn turned(self) -> Direction {
+        Direction(!self.0)
+    }
+}
+
 /// Which way an axis travels: its drive, not its command, because a correction takes up lost motion like any other way.
 ///
 /// The turning point follows the drive while it goes on in its direction; the direction changes once the drive has come
@@ -12,34 +37,36 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reversal<P> {
     turning_point: P,
-    /// All ones in negative travel, zero in positive: a mask for table offsets.
-    reverse: usize,
+    direction: Direction,
 }
 
 impl<P: Position> Reversal<P> {
     /// Starts at a position, in positive travel.
     pub fn at(position: P) -> Self {
-        Reversal { turning_point: position, reverse: 0 }
+        Reversal { turning_point: position, direction: Direction::POSITIVE }
     }
 
-    /// Takes the drive's position, command plus correction; `band` in mm (deg). Returns the mask: all ones in negative travel.
+    /// Takes the drive's position, command plus correction; `band` in mm (deg). Returns the direction.
     #[inline(always)]
-    pub fn update<R: Real>(&mut self, drive: P, band: R) -> usize {
+    pub fn update<R: Real>(&mut self, drive: P, band: R) -> Direction {
         let moved: R = drive.since_near(self.turning_point);
-        let (onward, back) =
-            if self.reverse == 0 { (moved > R::ZERO, moved < -band) } else { (moved < R::ZERO, moved > band) };
+        let (onward, back) = if self.direction == Direction::POSITIVE {
+            (moved > R::ZERO, moved < -band)
+        } else {
+            (moved < R::ZERO, moved > band)
+        };
         if onward || back {
             self.turning_point = drive;
         }
         if back {
-            self.reverse = !self.reverse;
+            self.direction = self.direction.turned();
         }
-        self.reverse
+        self.direction
     }
 
-    /// The mask as it stands.
+    /// The direction as it stands.
     #[inline(always)]
-    pub fn mask(&self) -> usize {
-        self.reverse
+    pub fn direction(&self) -> Direction {
+        self.direction
     }
 }

@@ -1,5 +1,6 @@
 //! One axis' error table in the form in which the step reads it.
 
+use super::reversal::Direction;
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisSettings, Interpolation, MachineSettings, Row, Rows, pchip, wraps};
 use crate::position::Position;
@@ -11,37 +12,21 @@ use crate::real::Real;
 /// positioning error is one of the translations). Six: the translations in mm and the rotations about X, Y, Z in rad.
 pub type Contribution<R, const W: usize = 4> = [R; W];
 
-/// How much memory the tables of a machine take; see [`Storage`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Requirement {
-    /// Elements of [`Storage::lines`]: scalars, whatever the model.
-    pub lines: usize,
-    /// Elements of [`Storage::knots`].
-    pub knots: usize,
-    /// Elements of [`Storage::guide`].
-    pub guide: usize,
-}
-
-/// Memory lent for the tables: nothing is allocated, the views of it live as long as the loan.
-#[derive(Debug, Default)]
-pub struct Storage<'a, R> {
-    /// Polynomial coefficients, one line of numbers per power and point.
-    pub lines: &'a mut [R],
-    /// Positions of free grids.
-    pub knots: &'a mut [R],
-    /// Search guides of free grids.
-    pub guide: &'a mut [u16],
-}
-
-fn take<'a, T>(from: &mut &'a mut [T], count: usize, needed: &'static str) -> Result<&'a mut [T], ConfigError> {
-    let available = from.len();
-    match core::mem::take(from).split_at_mut_checked(count) {
-        Some((taken, rest)) => {
-            *from = rest;
-            Ok(taken)
-        }
-        None => Err(ConfigError::new(Field::Storage, available as f64, needed)),
+/// Refuses memory of `found` scalars where `needed` are.
+pub(super) fn enough(found: usize, needed: usize) -> Result<(), ConfigError> {
+    if found >= needed {
+        return Ok(());
     }
+    let error = ConfigError::new(Field::Memory, found as f64, "memory for as many scalars as the tables take");
+    Err(ConfigError { bound: Some(needed as f64), ..error })
+}
+
+/// Cuts `count` scalars off the memory.
+fn take<'a, R>(memory: &mut &'a mut [R], count: usize) -> Result<&'a mut [R], ConfigError> {
+    enough(memory.len(), count)?;
+    let (taken, rest) = core::mem::take(memory).split_at_mut_checked(count).unwrap_or_default();
+    *memory = rest;
+    Ok(taken)
 }
 
 /// The errors of one axis as a function of its position, in the form for the step.
@@ -62,7 +47,8 @@ pub struct AxisTable<'a, R, P, const W: usize = 4> {
     /// Value and three coefficients of each interval; empty for a linear table.
     cubic: &'a [[Contribution<R, W>; 4]],
     knots: &'a [R],
-    guide: &'a [u16],
+    /// Indices, as the bits of scalars ([`Real::of_index`]).
+    guide: &'a [R],
     depth: u32,
 }
 
@@ -76,7 +62,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 4> {
         settings: &AxisSettings,
         rows: &(impl Rows + ?Sized),
         own_sign: f64,
-        storage: &mut Storage<'a, R>,
+        memory: &mut &'a mut [R],
     ) -> Result<Self, ConfigError> {
         let own = own_component(settings.axis);
         let values = |row: &Row, reverse: bool| {
@@ -91,7 +77,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 4> {
             }
             values
         };
-        Self::build_from(settings, rows, &values, &|line| line, [0.0; 4], storage)
+        Self::build_from(settings, rows, &values, &|line| line, [0.0; 4], memory)
     }
 }
 
@@ -107,7 +93,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 6> {
         rows: &(impl Rows + ?Sized),
         [lx, ly, lz]: [f64; 3],
         constant: [f64; 6],
-        storage: &mut Storage<'a, R>,
+        memory: &mut &'a mut [R],
     ) -> Result<Self, ConfigError> {
         let own = settings.axis.index();
         let swung = |[a, b, c]: [f64; 3]| [b * lz - c * ly, c * lx - a * lz, a * ly - b * lx];
@@ -128,7 +114,7 @@ impl<'a, R: Real, P: Position> AxisTable<'a, R, P, 6> {
             let [sx, sy, sz] = swung([a, b, c]);
             [x - sx, y - sy, z - sz, a, b, c]
         };
-        Self::build_from(settings, rows, &values, &levered, constant, storage)
+        Self::build_from(settings, rows, &values, &levered, constant, memory)
     }
 }
 
@@ -150,32 +136,10 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// Memory that building this table takes.
-    pub fn requirement(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Requirement {
-        let blocks = 1 + usize::from(two_sided(settings, rows));
-        let powers = match settings.interpolation {
-            Interpolation::Linear => 2,
-            Interpolation::Cubic => 4,
-        };
-        let free = if spacing(rows).is_some() { 0 } else { rows.len() };
-        Requirement { lines: rows.len() * blocks * powers * W, knots: free, guide: 2 * free }
-    }
-
-    /// Memory that the tables of all axes of a machine take.
-    pub(super) fn requirement_of_all<'r, T: Rows + ?Sized + 'r>(
-        machine: &MachineSettings,
-        rows: impl Fn(Axis) -> Option<&'r T>,
-    ) -> Requirement {
-        let mut sum = Requirement::default();
-        for settings in &machine.axes {
-            if let Some(rows) = rows(settings.axis) {
-                let need = Self::requirement(settings, rows);
-                sum.lines += need.lines;
-                sum.knots += need.knots;
-                sum.guide += need.guide;
-            }
-        }
-        sum
+    /// Memory that building this table takes, in scalars.
+    pub fn requirement(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> usize {
+        let Need { lines, knots, guide } = Need::of::<W>(settings, rows);
+        lines + knots + guide
     }
 
     /// Builds a table from what is read of each row; `finish` acts on the coefficients of every polynomial,
@@ -186,7 +150,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         values: &dyn Fn(&Row, bool) -> [f64; W],
         finish: &dyn Fn([f64; W]) -> [f64; W],
         constant: [f64; W],
-        storage: &mut Storage<'a, R>,
+        memory: &mut &'a mut [R],
     ) -> Result<Self, ConfigError> {
         let axis = settings.axis;
         let bad = |found, needed| ConfigError::new(Field::Table, found, needed).on(axis);
@@ -197,10 +161,10 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         if !(2..=usize::from(u16::MAX)).contains(&count) {
             return Err(bad(count as f64, "2 to 65535 points"));
         }
-        let need = Self::requirement(settings, rows);
-        let lines = take(&mut storage.lines, need.lines, "more lines")?;
-        let knots = take(&mut storage.knots, need.knots, "more knots")?;
-        let guide = take(&mut storage.guide, need.guide, "more guide entries")?;
+        let need = Need::of::<W>(settings, rows);
+        let lines = take(memory, need.lines)?;
+        let knots = take(memory, need.knots)?;
+        let guide = take(memory, need.guide)?;
 
         let origin = P::of(first.position);
         let length = end.position - first.position;
@@ -274,14 +238,14 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
 
     /// Contribution at a coordinate of a *plain* table, and whether its edge value is held.
     ///
-    /// `v + t s` with the interval and `t` from one multiplication; `reverse` is all ones in negative travel.
+    /// `v + t s` with the interval and `t` from one multiplication.
     #[inline(always)]
-    pub fn at_plain(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {
+    pub fn at_plain(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         let wanted = coordinate * self.scale;
         let held = wanted.within(R::ZERO, self.last);
         let index = held.to_i32();
         let t = held - R::of_i32(index);
-        match self.linear.get((index as usize).wrapping_add(self.reverse_offset & reverse)) {
+        match self.linear.get((index as usize).wrapping_add(self.reverse_offset & direction.mask())) {
             Some([value, slope]) => (along(value, t, slope), wanted != held),
             None => ([R::ZERO; W], false),
         }
@@ -294,13 +258,13 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
 
     /// Contribution at a coordinate of a *linear* table on any grid, and whether its edge value is held.
     #[inline(always)]
-    pub fn at_linear(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {
+    pub fn at_linear(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         if self.knots.is_empty() {
-            return self.at_plain(coordinate, reverse);
+            return self.at_plain(coordinate, direction);
         }
         let held = coordinate.within(R::ZERO, self.span);
         let (index, t) = self.search(held);
-        match self.linear.get(index.wrapping_add(self.reverse_offset & reverse)) {
+        match self.linear.get(index.wrapping_add(self.reverse_offset & direction.mask())) {
             Some([value, slope]) => (along(value, t, slope), coordinate != held),
             None => ([R::ZERO; W], false),
         }
@@ -313,7 +277,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
 
     /// Contribution at a coordinate of a *cubic* table on any grid, and whether its edge value is held.
     #[inline(always)]
-    pub fn at_cubic(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {
+    pub fn at_cubic(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         let (index, t, edge) = if self.knots.is_empty() {
             let wanted = coordinate * self.scale;
             let held = wanted.within(R::ZERO, self.last);
@@ -324,7 +288,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
             let (index, t) = self.search(held);
             (index, t, coordinate != held)
         };
-        match self.cubic.get(index.wrapping_add(self.reverse_offset & reverse)) {
+        match self.cubic.get(index.wrapping_add(self.reverse_offset & direction.mask())) {
             Some([value, c1, c2, c3]) => (along(value, t, &along(c1, t, &along(c2, t, c3))), edge),
             None => ([R::ZERO; W], false),
         }
@@ -332,7 +296,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
 
     /// Contribution at a coordinate, and whether the table's edge value is held; any table.
     #[inline]
-    pub fn at(&self, coordinate: R, reverse: usize) -> (Contribution<R, W>, bool) {
+    pub fn at(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         let mut coordinate = coordinate;
         if self.wraps {
             // A correction can carry a reduced angle over the seam.
@@ -350,7 +314,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         } else {
             self.search(held)
         };
-        let index = index.wrapping_add(self.reverse_offset & reverse);
+        let index = index.wrapping_add(self.reverse_offset & direction.mask());
         let value = if self.cubic.is_empty() {
             self.linear.get(index).map(|[value, slope]| along(value, t, slope))
         } else {
@@ -367,7 +331,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     #[inline(always)]
     fn search(&self, coordinate: R) -> (usize, R) {
         let bucket = (coordinate * self.scale).to_i32() as usize;
-        let mut index = usize::from(self.guide.get(bucket).copied().unwrap_or(0));
+        let mut index = self.guide.get(bucket).map_or(0, |entry| entry.to_index());
         let mut half = (1usize << (self.depth & 15)) >> 1;
         for _ in 0..self.depth & 15 {
             let ahead = index.wrapping_add(half);
@@ -379,6 +343,39 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         let knot = self.knots.get(index).copied().unwrap_or(R::ZERO);
         (index, coordinate - knot)
     }
+}
+
+/// Scalars that a table takes.
+struct Need {
+    /// Polynomial coefficients, one line of numbers per power and point.
+    lines: usize,
+    /// Positions of a free grid.
+    knots: usize,
+    /// Its search guide.
+    guide: usize,
+}
+
+impl Need {
+    fn of<const W: usize>(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Need {
+        let blocks = 1 + usize::from(two_sided(settings, rows));
+        let powers = match settings.interpolation {
+            Interpolation::Linear => 2,
+            Interpolation::Cubic => 4,
+        };
+        let free = if spacing(rows).is_some() { 0 } else { rows.len() };
+        Need { lines: rows.len() * blocks * powers * W, knots: free, guide: 2 * free }
+    }
+}
+
+/// Scalars that the tables of all axes of a machine take, at `W` numbers a line.
+pub(super) fn requirement_of_all<'r, const W: usize, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: impl Fn(Axis) -> Option<&'r T>,
+) -> usize {
+    let need = |settings: &AxisSettings| {
+        rows(settings.axis).map_or(0, |rows| AxisTable::<f64, f64, W>::requirement(settings, rows))
+    };
+    machine.axes.iter().map(need).sum()
 }
 
 #[inline(always)]
@@ -404,11 +401,11 @@ fn two_sided(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> bool {
 /// For each bucket the last knot of an earlier bucket. A bucket is found by the same rounded multiplication as in the
 /// search, which is monotone: a knot of an earlier bucket is never above the coordinate, one of a later never below.
 /// Returns how many halvings cover the knots of the fullest bucket.
-fn fill_guide<R: Real>(knots: &[R], guide: &mut [u16], scale: R) -> u32 {
+fn fill_guide<R: Real>(knots: &[R], guide: &mut [R], scale: R) -> u32 {
     let mut most = 0;
     let mut next = 0usize;
     for (bucket, entry) in guide.iter_mut().enumerate() {
-        *entry = next.saturating_sub(1) as u16;
+        *entry = R::of_index(next.saturating_sub(1) as u16);
         let before = next;
         while knots.get(next).is_some_and(|knot| (*knot * scale).to_i32() as usize <= bucket) {
             next += 1;

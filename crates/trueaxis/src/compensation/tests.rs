@@ -4,17 +4,13 @@ use crate::position::Nanometres;
 use std::{vec, vec::Vec};
 
 /// Lent memory that a test leaks: it needs no owner.
-fn storage<R: Real>(need: Requirement) -> Storage<'static, R> {
-    Storage {
-        lines: vec![R::ZERO; need.lines].leak(),
-        knots: vec![R::ZERO; need.knots].leak(),
-        guide: vec![0; need.guide].leak(),
-    }
+fn lent<R: Real>(scalars: usize) -> &'static mut [R] {
+    vec![R::ZERO; scalars].leak()
 }
 
 fn table<R: Real, P: Position>(settings: &AxisSettings, rows: &[Row]) -> AxisTable<'static, R, P> {
-    let mut lent = storage(AxisTable::<R, P>::requirement(settings, rows));
-    AxisTable::build(settings, rows, 1.0, &mut lent).unwrap()
+    let mut memory = lent(AxisTable::<R, P>::requirement(settings, rows));
+    AxisTable::build(settings, rows, 1.0, &mut memory).unwrap()
 }
 
 fn noise(i: u64) -> f64 {
@@ -58,7 +54,7 @@ fn linear_tables_agree_with_the_textbook_on_any_grid() {
         let (low, high) = (grid[0] - 20.0, grid[grid.len() - 1] + 20.0);
         let places = (0..20_000).map(|i| low + (high - low) * f64::from(i) / 20_000.0).chain(grid.iter().copied());
         for q in places {
-            let (value, held) = table.at(table.coordinate(q), 0);
+            let (value, held) = table.at(table.coordinate(q), Direction::POSITIVE);
             let truth = plain_linear(&rows, q);
             // The steepest cell rises 50 µm on a nanometre: there a position in f64 is itself uncertain.
             let tolerance = if grid.len() == 10 { 1e-8 } else { 1e-13 };
@@ -66,9 +62,9 @@ fn linear_tables_agree_with_the_textbook_on_any_grid() {
                 assert!((value[k] - truth[k]).abs() < tolerance, "{q}: {} {}", value[k], truth[k]);
             }
             assert_eq!(held, q < grid[0] || q > grid[grid.len() - 1], "{q}");
-            assert_eq!(table.at_linear(table.coordinate(q), 0), (value, held));
+            assert_eq!(table.at_linear(table.coordinate(q), Direction::POSITIVE), (value, held));
             if table.is_plain() {
-                assert_eq!(table.at_plain(table.coordinate(q), 0), (value, held));
+                assert_eq!(table.at_plain(table.coordinate(q), Direction::POSITIVE), (value, held));
             }
         }
     }
@@ -81,7 +77,7 @@ fn single_precision_keeps_a_thousandth_of_a_micrometre() {
     let table = table::<f32, Nanometres>(&AxisSettings::with_defaults(Axis::X, false), &rows);
     for i in 0..20_000 {
         let q = -310.0 + 655.0 * f64::from(i) / 20_000.0;
-        let (value, _) = table.at(table.coordinate(Nanometres::of(q)), 0);
+        let (value, _) = table.at(table.coordinate(Nanometres::of(q)), Direction::POSITIVE);
         for (value, truth) in value.iter().zip(plain_linear(&rows, q)) {
             assert!((f64::from(*value) - truth).abs() < 1e-6, "{q}: {value} {truth}");
         }
@@ -98,7 +94,7 @@ fn cubic_tables_pass_their_points_and_never_leave_a_cell() {
         let mut last = None::<[f64; 4]>;
         for i in 0..=40_000 {
             let q = grid[grid.len() - 1] * f64::from(i) / 40_000.0;
-            let (value, _) = table.at(table.coordinate(q), 0);
+            let (value, _) = table.at(table.coordinate(q), Direction::POSITIVE);
             let cell = rows.windows(2).position(|w| q <= w[1].position).unwrap();
             for k in 0..3 {
                 let (a, b) = (rows[cell].forward[k], rows[cell + 1].forward[k]);
@@ -110,7 +106,7 @@ fn cubic_tables_pass_their_points_and_never_leave_a_cell() {
             last = Some(value);
         }
         for row in &rows {
-            let (value, _) = table.at(table.coordinate(row.position), 0);
+            let (value, _) = table.at(table.coordinate(row.position), Direction::POSITIVE);
             assert!((value[0] - row.forward[0]).abs() < 1e-14);
         }
     }
@@ -137,7 +133,7 @@ fn cubic_tables_agree_with_scipy() {
         let mut steepest = 0.0_f64;
         for line in of("at") {
             let (q, truth) = (number(line[2]), number(line[3]));
-            let (value, held) = table.at(table.coordinate(q), 0);
+            let (value, held) = table.at(table.coordinate(q), Direction::POSITIVE);
             assert!(
                 (value[0] - truth).abs() < 1e-15 && value[1] == -value[0] && !held,
                 "{grid} {q}: {value:?} {truth}"
@@ -160,7 +156,7 @@ fn a_rotary_table_wraps_and_a_million_degrees_is_the_angle_itself() {
     for interpolation in [Interpolation::Linear, Interpolation::Cubic] {
         let settings = AxisSettings { interpolation, ..AxisSettings::with_defaults(Axis::C, true) };
         let table = table::<f64, f64>(&settings, &rows);
-        let at = |q: f64| table.at(table.coordinate(q), 0);
+        let at = |q: f64| table.at(table.coordinate(q), Direction::POSITIVE);
         // 1e6 = 2777 · 360 + 280
         assert_eq!(at(1e6), at(280.0));
         assert_eq!(at(1e6), at(-80.0));
@@ -186,7 +182,7 @@ fn backlash_and_reverse_columns_act_in_negative_travel_only() {
     }
     let settings = AxisSettings { backlash: 0.01, ..AxisSettings::with_defaults(Axis::X, false) };
     let table = table::<f64, f64>(&settings, &rows);
-    let (forward, reverse) = (table.at(13.0, 0).0, table.at(13.0, usize::MAX).0);
+    let (forward, reverse) = (table.at(13.0, Direction::POSITIVE).0, table.at(13.0, Direction::NEGATIVE).0);
     assert!((reverse[0] - forward[0] - 0.014).abs() < 1e-15);
     assert_eq!(reverse[1], forward[1]);
 }
@@ -194,14 +190,14 @@ fn backlash_and_reverse_columns_act_in_negative_travel_only() {
 #[test]
 fn dither_within_the_band_does_not_toggle_the_direction() {
     let mut reversal = Reversal::at(10.0_f64);
-    assert_eq!(reversal.update(12.0, 1e-3), 0);
+    assert_eq!(reversal.update(12.0, 1e-3), Direction::POSITIVE);
     for i in 0..1000 {
-        assert_eq!(reversal.update(12.0 + 0.9e-3 * noise(i), 1e-3), 0);
+        assert_eq!(reversal.update(12.0 + 0.9e-3 * noise(i), 1e-3), Direction::POSITIVE);
     }
-    assert_eq!(reversal.update(11.99, 1e-3), usize::MAX);
-    assert_eq!(reversal.update(11.9905, 1e-3), usize::MAX);
-    assert_eq!(reversal.update(11.9, 1e-3), usize::MAX);
-    assert_eq!(reversal.update(11.902, 1e-3), 0);
+    assert_eq!(reversal.update(11.99, 1e-3), Direction::NEGATIVE);
+    assert_eq!(reversal.update(11.9905, 1e-3), Direction::NEGATIVE);
+    assert_eq!(reversal.update(11.9, 1e-3), Direction::NEGATIVE);
+    assert_eq!(reversal.update(11.902, 1e-3), Direction::POSITIVE);
 }
 
 fn machine(chain: &str, axes: &[AxisSettings]) -> MachineSettings {
@@ -226,8 +222,8 @@ fn compensation<const N: usize>(
     passes: u8,
 ) -> Compensation<'static, f64, f64, N> {
     let find = |axis| tables.iter().find(|(a, _)| *a == axis).map(|(_, rows)| &rows[..]);
-    let lent = storage(Compensation::<f64, f64, N>::requirement(machine, find));
-    Compensation::build(machine, find, passes, lent).unwrap()
+    let memory = lent(requirement(machine, find));
+    Compensation::build(machine, find, passes, memory).unwrap()
 }
 
 const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
@@ -243,7 +239,7 @@ fn nine_terms_add_up_and_squareness_tilts_the_travel() {
     let (x, y, z) = (120.0, 310.0, 75.0);
     let mut held = 0;
     let at = compensation.coordinates(&[x, y, z]);
-    let error = compensation.errors(&at, &[0; 3], &[ThermalLine::default(); 3], &mut held);
+    let error = compensation.errors(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3], &mut held);
     let sum: [f64; 3] = core::array::from_fn(|k| [x, y, z].iter().map(|q| plain_linear(&rows(&grid), *q)[k]).sum());
     let truth = [sum[0] - 50e-6 * y - 20e-6 * z, sum[1] - 30e-6 * z, sum[2]];
     for k in 0..3 {
@@ -251,7 +247,7 @@ fn nine_terms_add_up_and_squareness_tilts_the_travel() {
     }
     // Beyond the table its edge value is held, the squareness goes on.
     let at = compensation.coordinates(&[x, 500.0, z]);
-    let beyond = compensation.errors(&at, &[0; 3], &[ThermalLine::default(); 3], &mut held);
+    let beyond = compensation.errors(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3], &mut held);
     let edge = plain_linear(&rows(&grid), 500.0)[0] - plain_linear(&rows(&grid), y)[0];
     assert_eq!(held, 0b010);
     assert!((beyond[0] - error[0] - edge + 50e-6 * 190.0).abs() < 1e-15);
@@ -270,9 +266,9 @@ fn the_exact_inverse_lands_on_the_command() {
     for i in 0..5000 {
         let q: [f64; 3] = core::array::from_fn(|k| 31.5 + 60.0 * noise(i * 3 + k as u64));
         let at = compensation.coordinates(&q);
-        let r = compensation.correction(&at, &at, &[0; 3], &thermal, &mut 0);
+        let r = compensation.correction(&at, &at, &[Direction::POSITIVE; 3], &thermal, &mut 0);
         let there = compensation.coordinates(&[q[0] + r[0], q[1] + r[1], q[2] + r[2]]);
-        let error = compensation.errors(&there, &[0; 3], &thermal, &mut 0);
+        let error = compensation.errors(&there, &[Direction::POSITIVE; 3], &thermal, &mut 0);
         for k in 0..3 {
             assert!((r[k] + error[k]).abs() < 1e-6, "lands {} mm beside", r[k] + error[k]);
         }
@@ -289,7 +285,8 @@ fn own_and_cross_terms_look_up_where_they_are_told() {
     let tables: Vec<_> = LINEAR.iter().map(|axis| (*axis, rows(&grid))).collect();
     let compensation = compensation::<3>(&machine, &tables, 1);
     let (command, feedback) = ([100.0, 110.0, 120.0], [130.0, 145.0, 160.0]);
-    let r = compensation.correction(&command, &feedback, &[0; 3], &[ThermalLine::default(); 3], &mut 0);
+    let r =
+        compensation.correction(&command, &feedback, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3], &mut 0);
     let e = |q: f64| plain_linear(&rows(&grid), q);
     let truth = [
         e(130.0)[0] + e(145.0)[0] + e(120.0)[0],
@@ -314,7 +311,7 @@ fn a_rotary_carrier_turns_the_translations_it_carries() {
     let tables = vec![(Axis::C, flat([0.001, 0.002, 0.003, 0.0, 0.0, 1e-5]))];
     let compensation = compensation::<5>(&machine, &tables, 1);
     let at = compensation.coordinates(&[0.0, 0.0, 0.0, 90.0, 77.0]);
-    let e = compensation.errors(&at, &[0; 5], &[ThermalLine::default(); 5], &mut 0);
+    let e = compensation.errors(&at, &[Direction::POSITIVE; 5], &[ThermalLine::default(); 5], &mut 0);
     for (k, truth) in [0.001, 0.003, -0.002, 0.0, 1e-5_f64.to_degrees()].into_iter().enumerate() {
         assert!((e[k] - truth).abs() < 1e-16, "{k}: {} {truth}", e[k]);
     }
@@ -324,8 +321,8 @@ fn a_rotary_carrier_turns_the_translations_it_carries() {
 fn bad_tables_and_small_memory_are_refused() {
     let settings = AxisSettings::with_defaults(Axis::X, false);
     let build = |rows: &[Row]| {
-        let mut lent = storage::<f64>(Requirement { lines: 256, knots: 64, guide: 64 });
-        AxisTable::<f64, f64>::build(&settings, rows, 1.0, &mut lent).err()
+        let mut memory = lent::<f64>(384);
+        AxisTable::<f64, f64>::build(&settings, rows, 1.0, &mut memory).err()
     };
     let good = rows(&[0.0, 1.0, 2.0]);
     assert!(build(&good).is_none());
@@ -334,7 +331,7 @@ fn bad_tables_and_small_memory_are_refused() {
     let mut bad = good.clone();
     bad[1].forward[2] = f64::NAN;
     assert!(build(&bad).is_some());
-    let mut little = storage::<f64>(Requirement { lines: 20, knots: 0, guide: 0 });
+    let mut little = lent::<f64>(20);
     let error = AxisTable::<f64, f64>::build(&settings, &good[..], 1.0, &mut little).err().unwrap();
-    assert_eq!(error.field, Field::Storage);
+    assert_eq!((error.field, error.found, error.bound), (Field::Memory, 20.0, Some(24.0)));
 }

@@ -30,7 +30,8 @@ mod chain;
 mod inverse;
 
 use super::PoseError;
-use super::table::{AxisTable, Requirement, Storage};
+use super::reversal::Direction;
+use super::table::{AxisTable, requirement_of_all};
 use super::thermal::ThermalLine;
 use super::trig::coarse_cos_sin_deg;
 use crate::error::ConfigError;
@@ -126,12 +127,12 @@ impl<R: Real> Side<R> {
 }
 
 impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
-    /// Memory that [`Volumetric::build`] takes.
+    /// Memory that [`Volumetric::build`] takes, in scalars.
     pub fn requirement<'r, T: Rows + ?Sized + 'r>(
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
-    ) -> Requirement {
-        AxisTable::<R, P, 6>::requirement_of_all(machine, rows)
+    ) -> usize {
+        requirement_of_all::<6, T>(machine, rows)
     }
 
     /// Builds the tables of a machine into lent memory.
@@ -142,7 +143,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
     pub fn build<'r, T: Rows + ?Sized + 'r>(
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
-        mut storage: Storage<'a, R>,
+        mut memory: &'a mut [R],
     ) -> Result<Self, ConfigError> {
         let axes = step_axes::<N>(machine)?;
         let (mut chain, levers) = Chain::build(machine, &axes)?;
@@ -156,7 +157,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) else { continue };
             let located = machine.location.of(axis).copied().unwrap_or_default();
             let (table, apart): (AxisTable<'a, R, P, 6>, _) = match rows(axis) {
-                Some(rows) => (AxisTable::build_twists(settings, rows, lever, located, &mut storage)?, [0.0; 6]),
+                Some(rows) => (AxisTable::build_twists(settings, rows, lever, located, &mut memory)?, [0.0; 6]),
                 None => (AxisTable::zero(), located),
             };
             if let Some(most) = most.get_mut(place) {
@@ -215,7 +216,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
     pub fn pose_error(
         &self,
         at: &[R; N],
-        reverse: &[usize; N],
+        reverse: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> PoseError<R> {
@@ -232,7 +233,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
     fn plain_slides(
         &self,
         at: &[R; N],
-        reverse: &[usize; N],
+        reverse: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> PoseError<R> {
@@ -268,7 +269,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         &self,
         link: &Link<R>,
         at: &[R; N],
-        reverse: &[usize; N],
+        reverse: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> (V3<R>, V3<R>, R) {
@@ -312,7 +313,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
     fn plain_pose_error(
         &self,
         at: &[R; N],
-        reverse: &[usize; N],
+        reverse: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         held: &mut u8,
     ) -> PoseError<R> {
@@ -352,7 +353,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
 
     /// Twists of all axes from plain tables, at the command.
     #[inline(always)]
-    fn look_up_plain(&self, at: &[R; N], reverse: &[usize; N], twists: &mut [Twist<R>; N], held: &mut u8) {
+    fn look_up_plain(&self, at: &[R; N], reverse: &[Direction; N], twists: &mut [Twist<R>; N], held: &mut u8) {
         let mut bit = 1;
         for (((twist, table), at), reverse) in twists.iter_mut().zip(&self.tables).zip(at).zip(reverse) {
             let (found, edge) = table.at_plain(*at, *reverse);
@@ -371,7 +372,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         places: core::ops::Range<usize>,
         command: &[R; N],
         feedback: &[R; N],
-        reverse: &[usize; N],
+        reverse: &[Direction; N],
         twists: &mut [Twist<R>; N],
         held: &mut u8,
     ) {

@@ -77,7 +77,7 @@ fn refuse<T>(field: &'static str, index: Option<usize>, found: f64, needed: &'st
 }
 
 /// Largest distance of a span from its origin, mm.
-const REACH: f64 = 8.0;
+pub(super) const REACH: f64 = 8.0;
 /// Largest angle by which a span's tangent turns, rad (30°, less a hair for rounding).
 const TURN: f64 = 0.523;
 /// Largest error of a helix' axial coordinate, mm.

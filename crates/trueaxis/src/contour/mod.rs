@@ -17,15 +17,18 @@
 //! takes maxima too, compares signed derivatives where distances count, and searches around the reference instead of the
 //! last foot, which loses the path behind a narrow bend.
 
+mod buffer;
 mod command_window;
 mod convert;
 mod kernel;
+mod nearest;
 mod offline;
 mod orientation;
 mod refine;
 mod search;
 mod span;
 
+pub use buffer::{JOINED_WITHIN_MM, PathBuffer, PathBuilder};
 pub use command_window::CommandWindow;
 pub use convert::{PathError, Segment, convert, span_count};
 pub use orientation::{OrientationError, ToolPath, Turn};

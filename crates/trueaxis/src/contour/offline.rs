@@ -62,7 +62,7 @@ impl<R: Real> ContourSearch<R> {
     }
 
     /// Minima and borders of one piece, as far as it lies in the window; `reference` is its arc length in the piece.
-    fn piece<P: Position>(
+    pub(super) fn piece<P: Position>(
         &self,
         path: &Path<'_, R, P>,
         number: u32,
@@ -160,9 +160,9 @@ impl<R: Real> ContourSearch<R> {
 
 /// The nearest minimum and the nearest sample.
 #[derive(Clone, Copy, Debug)]
-struct Best<R> {
-    minimum: Option<Found<R>>,
-    sample: Found<R>,
+pub(super) struct Best<R> {
+    pub(super) minimum: Option<Found<R>>,
+    pub(super) sample: Found<R>,
 }
 
 impl<R: Real> Best<R> {
@@ -177,7 +177,7 @@ impl<R: Real> Best<R> {
     }
 
     /// The minimum, unless the window's edge is nearer by more than rounding.
-    fn answer(self) -> Found<R> {
+    pub(super) fn answer(self) -> Found<R> {
         let distance = |found: &Found<R>| dot(&found.vector, &found.vector).sqrt();
         match self.minimum {
             Some(minimum) if distance(&minimum) <= distance(&self.sample) + R::of(1e-6) => minimum,

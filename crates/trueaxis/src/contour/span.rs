@@ -381,6 +381,14 @@ pub struct OnPath<'a, R, P> {
     pub reference: Reference<R>,
 }
 
+impl<R: Real, P: Position> OnPath<'_, R, P> {
+    /// The point of the path there, mm; none where the path has no such place.
+    pub fn position(&self) -> Option<[P; 3]> {
+        let Reference { span, t } = self.reference;
+        self.path.span(span).filter(|_| t.is_finite()).map(|span| span.position(t))
+    }
+}
+
 /// A place on a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -1,10 +1,10 @@
-//! What a servo loop is built from.
+//! Settings of a servo loop, and the one call for the usual ones.
 
 #![deny(clippy::indexing_slicing)]
 
 use super::ServoLoop;
 use crate::axis::{AXES, Axis};
-use crate::compensation::{Compensation, Requirement, Storage};
+use crate::compensation::{self, Compensation};
 use crate::contour::{ContourSearch, Method};
 use crate::error::{ConfigError, Field};
 use crate::machine::{MachineSettings, Rows, step_axes};
@@ -14,7 +14,7 @@ use crate::real::Real;
 use crate::sample::Sampler;
 use crate::tcomp::Tcomp;
 
-/// What a servo loop is built from.
+/// Settings of a servo loop, for a host that wants others than [`ServoLoop::load`] takes.
 #[derive(Clone, Copy, Debug)]
 pub struct Config<'m> {
     /// The machine's settings.
@@ -44,14 +44,14 @@ impl<'m> Config<'m> {
         }
     }
 
-    /// Checks everything once and precomputes what a cycle needs, in memory lent by the caller.
+    /// Checks everything once and precomputes what a cycle needs, in `memory` of at least [`Config::requirement`] scalars.
     ///
     /// # Errors
-    /// What is wrong, with the figure found and what is needed.
+    /// The first setting that is wrong, with the figure found and the one needed; [`Field::Memory`] if it is too small.
     pub fn build<'a, 'r, R: Real, P: Position, const N: usize, T: Rows + ?Sized + 'r>(
         &self,
         rows: impl Fn(Axis) -> Option<&'r T>,
-        storage: Storage<'a, R>,
+        memory: &'a mut [R],
     ) -> Result<ServoLoop<'a, R, P, N>, ConfigError> {
         if !(3..=AXES).contains(&N) {
             return Err(ConfigError::new(Field::Axes, N as f64, "3 to 6 axes"));
@@ -66,7 +66,7 @@ impl<'m> Config<'m> {
             let settings = self.machine.axes.iter().find(|a| a.axis == axis);
             *band = R::of(settings.map_or(0.0, |s| s.hysteresis));
         }
-        let compensation = Compensation::build(self.machine, &rows, self.inverse_passes, storage)?;
+        let compensation = Compensation::build(self.machine, &rows, self.inverse_passes, memory)?;
         crate::check::reversal(self.machine, &rows)?;
         Ok(ServoLoop {
             axes,
@@ -81,11 +81,21 @@ impl<'m> Config<'m> {
         })
     }
 
-    /// Memory that [`Config::build`] takes.
-    pub fn requirement<'r, R: Real, P: Position, const N: usize, T: Rows + ?Sized + 'r>(
-        &self,
-        rows: impl Fn(Axis) -> Option<&'r T>,
-    ) -> Requirement {
-        Compensation::<R, P, N>::requirement(self.machine, rows)
+    /// Memory that [`Config::build`] takes, in scalars of the step.
+    pub fn requirement<'r, T: Rows + ?Sized + 'r>(&self, rows: impl Fn(Axis) -> Option<&'r T>) -> usize {
+        compensation::requirement(self.machine, rows)
+    }
+}
+
+impl<'a, R: Real, P: Position, const N: usize> ServoLoop<'a, R, P, N> {
+    /// The servo loop of a compiled table file at a servo period, in `memory` that is lent to it.
+    ///
+    /// `memory` takes at least [`Tcomp::requirement`] scalars; `trueaxis tables show` prints the number. [`Config`] has the
+    /// settings that this call chooses: guarded search, as many passes of the inverse as the tables need.
+    ///
+    /// # Errors
+    /// As [`Config::build`].
+    pub fn load(tables: &Tcomp<'_>, period_ns: u32, memory: &'a mut [R]) -> Result<Self, ConfigError> {
+        Config::of(tables, period_ns).build(|axis| tables.table(axis), memory)
     }
 }

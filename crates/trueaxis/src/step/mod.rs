@@ -9,12 +9,14 @@ mod measure;
 mod model;
 mod rtcp;
 mod state;
+mod stateless;
 
 pub use bypass::Bypass;
 pub use config::Config;
 pub use gauge::{Gauge, GaugeRide};
 pub use measure::{Measure, OnToolPath};
 pub use state::{Output, Stage, State};
+pub use stateless::Conditions;
 
 use crate::axis::Axis;
 use crate::compensation::{Compensation, Reversal, ThermalLine};
@@ -27,8 +29,11 @@ use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
 use crate::telemetry::{Record, Status};
 use measure::Measured;
 
-/// The immutable half: limits, tables, search settings. One in flash serves for ever, or is exchanged for another
-/// between two cycles ([`crate::exchange::Exchange`]); the state goes on, and the limiter makes the change bumpless.
+/// The immutable half: limits, tables, search settings.
+///
+/// One serves for ever, or is exchanged for another between two cycles ([`crate::exchange::Exchange`]); the state goes on,
+/// and the limiter makes the change bumpless. `R` is the scalar of the step, `P` that of positions, `N` the number of
+/// axes: [`crate::HostServo`] and [`crate::McuServo`] name the usual ones.
 #[derive(Clone, Copy, Debug)]
 pub struct ServoLoop<'a, R, P, const N: usize> {
     axes: [Axis; N],
@@ -43,15 +48,9 @@ pub struct ServoLoop<'a, R, P, const N: usize> {
 }
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
-    /// A fresh state, if the host runs at the configured period (within 0.1 %).
-    ///
-    /// # Errors
-    /// [`Fault::PeriodMismatch`].
-    pub fn start(&self, period_ns: u32) -> Result<State<R, P, N>, Fault> {
-        if period_ns.abs_diff(self.period_ns) > self.period_ns / 1000 {
-            return Err(Fault::PeriodMismatch);
-        }
-        Ok(State {
+    /// A fresh state.
+    pub fn start(&self) -> State<R, P, N> {
+        State {
             sample: SampleState::new(),
             reversal: [Reversal::default(); N],
             homed: false,
@@ -61,7 +60,31 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             output: OutputState::new(),
             limited: 0,
             sequence: 0,
-        })
+        }
+    }
+
+    /// The configured servo period.
+    pub fn period_ns(&self) -> u32 {
+        self.period_ns
+    }
+
+    /// Whether a period that the host measured or was given is the configured one, within 0.1 %.
+    ///
+    /// # Errors
+    /// [`Fault::PeriodMismatch`]: run [`Bypass`] with it.
+    pub fn check_period(&self, period_ns: u32) -> Result<(), Fault> {
+        if period_ns.abs_diff(self.period_ns) > self.period_ns / 1000 {
+            return Err(Fault::PeriodMismatch);
+        }
+        Ok(())
+    }
+
+    /// The input of a cycle in time, all axes homed and compensation enabled; positions in mm (degrees).
+    ///
+    /// A host that measures its period sets `elapsed_ns`, one that homes sets `homed`.
+    #[inline(always)]
+    pub fn input(&self, command: [P; N], feedback: [P; N]) -> Input<P, N> {
+        Input { command, feedback, homed: true, enable: true, ..Input::at_rest(self.period_ns) }
     }
 
     /// The compensation in force, for looking errors up outside the step.

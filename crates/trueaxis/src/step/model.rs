@@ -3,7 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::{ServoLoop, State};
-use crate::compensation::Reversal;
+use crate::compensation::{Direction, Reversal};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -23,7 +23,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Wanted correction at the command, modelled error at the feedback; that of the direction only for a `tool`.
     #[inline(always)]
     pub(super) fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
-        let reverse = self.travel(state, sample);
+        let directions = self.travel(state, sample);
         // Switched off but homed, the tip is still estimated: that is how the errors look without correction.
         let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
         if !(sample.homed && believed) {
@@ -32,18 +32,18 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let mut at_edge = 0;
         let command = self.compensation.coordinates(&sample.command);
         let feedback = self.compensation.coordinates(&sample.feedback);
-        let wanted = self.compensation.correction(&command, &feedback, &reverse, &state.thermal, &mut at_edge);
-        let (reverse, thermal) = (&reverse, &state.thermal);
+        let wanted = self.compensation.correction(&command, &feedback, &directions, &state.thermal, &mut at_edge);
+        let (directions, thermal) = (&directions, &state.thermal);
         let (mut tip_error, mut tilt) = ([R::ZERO; N], V3::ZERO);
         match self.compensation.volumetric() {
             Some(volumetric) if tool => {
-                let pose = volumetric.pose_error(&feedback, reverse, thermal, &mut 0);
+                let pose = volumetric.pose_error(&feedback, directions, thermal, &mut 0);
                 for (error, tip) in tip_error.iter_mut().zip(pose.tip) {
                     *error = tip;
                 }
                 tilt = pose.orientation.into();
             }
-            _ => tip_error = self.compensation.errors(&feedback, reverse, thermal, &mut 0),
+            _ => tip_error = self.compensation.errors(&feedback, directions, thermal, &mut 0),
         }
         Modelled { wanted, tip_error, tilt, at_edge }
     }
@@ -51,19 +51,19 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Direction of travel of every drive as it was sent last, command plus correction: while one axis alone is commanded,
     /// the corrections of the others take up lost motion that their commands know nothing of. A held drive stands.
     #[inline(always)]
-    fn travel(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> [usize; N] {
+    fn travel(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> [Direction; N] {
         let begins = sample.first || (sample.homed && !state.homed);
         state.homed = sample.homed;
-        let mut reverse = [0; N];
+        let mut directions = [Direction::POSITIVE; N];
         if begins {
             state.begin_travel(sample);
-            return reverse;
+            return directions;
         }
         let drives = state.output.drive().iter().zip(&self.bands);
-        for ((reverse, reversal), (drive, band)) in reverse.iter_mut().zip(&mut state.reversal).zip(drives) {
-            *reverse = reversal.update(*drive, *band);
+        for ((direction, reversal), (drive, band)) in directions.iter_mut().zip(&mut state.reversal).zip(drives) {
+            *direction = reversal.update(*drive, *band);
         }
-        reverse
+        directions
     }
 }
 

@@ -10,7 +10,7 @@ mod window;
 
 use super::*;
 use crate::axis::Axis;
-use crate::compensation::Storage;
+use crate::compensation::Direction;
 use crate::contour::{Method, Path, Reference};
 use crate::exchange::Exchange;
 use crate::machine::MachineSettings;
@@ -52,13 +52,8 @@ fn servo_loop_with<R: Real, P: Position>(
         inverse_passes: 3,
         method: Method::Guarded,
     };
-    let need = config.requirement::<R, P, 3, _>(|_| Some(rows));
-    let storage = Storage {
-        lines: vec![R::ZERO; need.lines].leak(),
-        knots: vec![R::ZERO; need.knots].leak(),
-        guide: vec![0; need.guide].leak(),
-    };
-    Box::leak(Box::new(config.build(|_| Some(rows), storage).unwrap()))
+    let memory = vec![R::ZERO; config.requirement(|_| Some(rows))].leak();
+    Box::leak(Box::new(config.build(|_| Some(rows), memory).unwrap()))
 }
 
 /// Three linear axes, without their tables.
@@ -119,7 +114,7 @@ impl Bench {
     }
 
     fn on(active: &'static Loop) -> Self {
-        let state = active.start(PERIOD_NS).unwrap();
+        let state = active.start();
         Bench { active, state, correction: [0.0; 3], velocity: [0.0; 3], last: None }
     }
 
@@ -185,7 +180,7 @@ fn the_machine_ends_up_where_it_was_told_and_the_host_sees_no_following_error() 
     assert_eq!(out.record.limited, 0);
     let compensation = bench.active.compensation();
     let at = compensation.coordinates(&out.drive);
-    let error = compensation.errors(&at, &[0; 3], &[ThermalLine::default(); 3], &mut 0);
+    let error = compensation.errors(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3], &mut 0);
     for k in 0..3 {
         assert!((out.drive[k] + error[k] - command[k]).abs() < 1e-6);
         assert!((out.drive[k] - command[k]).abs() > 1e-3);
@@ -331,11 +326,11 @@ fn readings_that_stood_during_a_stop_are_believed_after_it() {
 }
 
 #[test]
-fn another_period_is_refused_at_start() {
+fn another_period_is_refused() {
     let servo = servo_loop(1.0);
-    assert_eq!(servo.start(1_000_000).err(), Some(Fault::PeriodMismatch));
-    assert_eq!(servo.start(PERIOD_NS + PERIOD_NS / 500).err(), Some(Fault::PeriodMismatch));
-    assert!(servo.start(PERIOD_NS + 10).is_ok());
+    assert_eq!(servo.check_period(1_000_000), Err(Fault::PeriodMismatch));
+    assert_eq!(servo.check_period(PERIOD_NS + PERIOD_NS / 500), Err(Fault::PeriodMismatch));
+    assert_eq!(servo.check_period(PERIOD_NS + 10), Ok(()));
 }
 
 #[test]

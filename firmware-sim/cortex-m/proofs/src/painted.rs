@@ -8,7 +8,6 @@ use core::hint::black_box;
 use cortex_m::register::msp;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use trueaxis::compensation::Storage;
 use trueaxis::contour::{CommandWindow, Method, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use trueaxis::exchange::Exchange;
 use trueaxis::kinematics::{BranchTracker, Kinematics};
@@ -147,15 +146,14 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
         method: Method::Guarded,
     };
     let rows = rows();
-    let (mut lines, mut knots, mut guide) = ([<R as Real>::ZERO; 1024], [<R as Real>::ZERO; 64], [0; 128]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    let servo: ServoLoop<'_, R, P, 3> = config.build(|_| Some(&rows[..]), storage).expect("a configuration");
+    let mut memory = [<R as Real>::ZERO; 1024];
+    let servo: ServoLoop<'_, R, P, 3> = config.build(|_| Some(&rows[..]), &mut memory).expect("a configuration");
     // SAFETY: a static lifetime for the exchange; nothing of it outlives this function.
     let servo: &'static ServoLoop<'static, R, P, 3> = unsafe { core::mem::transmute(&servo) };
     let spans = pieces();
     let path = Path::new(&spans, 0, true);
 
-    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let mut state = servo.start();
     for cycle in 0..CYCLES {
         let (reference, command) = place(&spans, cycle);
         let input = input(cycle, command);
@@ -169,7 +167,7 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
     gauge_settings.revolutions = 1;
     let gauge = Roundness::<R, POINTS>::build(&gauge_settings, PERIOD_NS).expect("a gauge");
     let mut gauge_state = RoundnessState::new();
-    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let mut state = servo.start();
     for cycle in 0..10 * CYCLES {
         let (reference, command) = place(&spans, cycle);
         let input = input(cycle, command);
@@ -183,7 +181,7 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
     }
 
     let mut commanded = CommandWindow::<R, P, WINDOW>::new([0.0, 0.0, 1.0], 0.005).expect("a window");
-    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let mut state = servo.start();
     for cycle in 0..CYCLES {
         let (_, command) = place(&spans, cycle);
         let input = input(cycle, command);
@@ -223,9 +221,8 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
         method: Method::Guarded,
     };
     let rows = rows();
-    let (mut lines, mut knots, mut guide) = ([<R as Real>::ZERO; 2048], [<R as Real>::ZERO; 64], [0; 128]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    let servo: ServoLoop<'_, R, P, 5> = config.build(|_| Some(&rows[..]), storage).expect("a configuration");
+    let mut memory = [<R as Real>::ZERO; 2048];
+    let servo: ServoLoop<'_, R, P, 5> = config.build(|_| Some(&rows[..]), &mut memory).expect("a configuration");
     // SAFETY: the table's functions want a static loop; nothing of it outlives this function.
     let servo: &'static ServoLoop<'static, R, P, 5> = unsafe { core::mem::transmute(&servo) };
     let kinematics = Kinematics::<R>::new(&machine).expect("a chain");
@@ -239,7 +236,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
         [10.0 * along, 5.0 * along, 150.0, 10.0 + 5.0 * along, 0.0, -20.0 + 9.0 * along].map(scalar)
     };
 
-    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let mut state = servo.start();
     for cycle in 0..CYCLES {
         let [x, y, z, a, _, c] = joints(cycle);
         let input = input(cycle, [x, y, z, a, c].map(|joint| P::default().plus(joint)));
@@ -249,7 +246,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
         });
     }
 
-    let mut state = servo.start(PERIOD_NS).expect("the period");
+    let mut state = servo.start();
     let near = joints(0);
     let standing = kinematics.inverse(&kinematics.forward(&near), &near).expect("a pose");
     let mut follow = BranchTracker::new(&standing, scalar(0.1));

@@ -4,7 +4,7 @@ use crate::recording::Recording;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use trueaxis::contour::{Path, Reference};
-use trueaxis::tcomp::{TableData, Tcomp};
+use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Input, ServoLoop};
 
 /// How far component and library are apart.
@@ -80,11 +80,10 @@ fn of<const N: usize>(
     let joints = columns(tables, recording, joints, instance)?;
     let active = recording.place(&format!("{instance}.active"))?;
     let config = Config::of(tables, period_ns);
-    let need = config.requirement::<f64, f64, N, TableData<'_>>(|axis| tables.table(axis));
-    let mut memory = need.memory();
+    let mut memory = vec![0.0; config.requirement(|axis| tables.table(axis))];
     let servo: ServoLoop<'_, f64, f64, N> =
-        config.build(|axis: Axis| tables.table(axis), memory.lend()).map_err(|error| anyhow!("{error}"))?;
-    let mut state = servo.start(period_ns).map_err(|fault| anyhow!("{fault:?}"))?;
+        config.build(|axis: Axis| tables.table(axis), &mut memory).map_err(|error| anyhow!("{error}"))?;
+    let mut state = servo.start();
     let no_path = Path::new(&[], 0, false);
 
     let mut agreement =

@@ -1,5 +1,5 @@
 use super::*;
-use crate::compensation::{Compensation, Storage, ThermalLine};
+use crate::compensation::{Compensation, Direction, ThermalLine, requirement};
 use crate::machine::carries_workpiece;
 use crate::machine::{ErrorModel, LocationErrors, Row};
 use std::{string::String, vec, vec::Vec};
@@ -102,10 +102,8 @@ fn built<T, const N: usize>(
     tables: &Tables,
     user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> T,
 ) -> T {
-    let need = Compensation::<f64, f64, N>::requirement(machine, of(tables));
-    let (mut lines, mut knots, mut guide) = (vec![0.0; need.lines], vec![0.0; need.knots], vec![0; need.guide]);
-    let storage = Storage { lines: &mut lines, knots: &mut knots, guide: &mut guide };
-    user(&Compensation::build(machine, of(tables), 1, storage).unwrap())
+    let mut memory = vec![0.0; requirement(machine, of(tables))];
+    user(&Compensation::build(machine, of(tables), 1, &mut memory).unwrap())
 }
 
 /// Travels up to `share` of what the axes reach; slides first, as the step's order is that of [`Axis::ALL`].
@@ -146,7 +144,7 @@ fn levers<const N: usize>(chains: u64) {
                 built::<_, N>(&machine, &tables_of(&machine, |axis, _| turned(axis)), |compensation| {
                     for (square, q) in squares.iter_mut().zip(&places) {
                         let at = compensation.coordinates(q);
-                        let tip = compensation.pose_error(&at, &[0; N], &no_growth(), &mut 0).tip;
+                        let tip = compensation.pose_error(&at, &[Direction::POSITIVE; N], &no_growth(), &mut 0).tip;
                         *square += tip.iter().map(|x| x * x).sum::<f64>();
                     }
                 });
@@ -207,7 +205,7 @@ fn steepest<const N: usize>(chains: u64) {
                     let q: [f64; N] = place(&mut random, 0.99);
                     let error = |q: &[f64; N]| {
                         let at = compensation.coordinates(q);
-                        compensation.pose_error(&at, &[0; N], &no_growth(), &mut 0)
+                        compensation.pose_error(&at, &[Direction::POSITIVE; N], &no_growth(), &mut 0)
                     };
                     let here = error(&q);
                     for (place, [tip, turn]) in bounds.iter().enumerate() {
@@ -251,7 +249,8 @@ fn contracts<const N: usize>(chains: u64, orientation: bool) {
             for _ in 0..150 {
                 let q = place::<N>(&mut random, 0.9);
                 let at = compensation.coordinates(&q);
-                let after = |passes| volumetric.correction(&at, &at, &[0; N], &no_growth(), passes, &mut 0);
+                let after =
+                    |passes| volumetric.correction(&at, &at, &[Direction::POSITIVE; N], &no_growth(), passes, &mut 0);
                 let step = |a: [f64; N], b: [f64; N]| {
                     norm(&core::array::from_fn::<f64, N, _>(|i| (a[i] - b[i]) * if i < 3 { 1.0 } else { weight }))
                 };

@@ -4,7 +4,7 @@
 
 use super::Volumetric;
 use super::chain::Poses;
-use crate::compensation::ThermalLine;
+use crate::compensation::{Direction, ThermalLine};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -56,7 +56,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         &self,
         command: &[R; N],
         feedback: &[R; N],
-        reverse: &[usize; N],
+        reverse: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
         passes: u8,
         held: &mut u8,

@@ -35,7 +35,7 @@ impl Gauge<f64> for &mut Asking {
 /// Along a line in X, the readings beside it in Y; `step` gets the part of the line that is done.
 fn run(mut step: impl FnMut(&Loop, &mut State<f64, f64, 3>, &Input<f64, 3>, f64, &mut Asking) -> Out) -> Vec<Out> {
     let servo = servo_loop(1.0);
-    let mut state = servo.start(PERIOD_NS).unwrap();
+    let mut state = servo.start();
     let mut asking = Asking { infeed: 0.0, whole: 0 };
     let outputs = (0..CYCLES)
         .map(|i| {

@@ -88,7 +88,7 @@ fn run<R: Real, P: AnyBits>(
     commanded: Option<&mut CommandWindow<R, P, 16>>,
 ) {
     let path = Path::new(spans, 0, cycles.len().is_multiple_of(2));
-    let mut state = servo.start(PERIOD_NS).unwrap();
+    let mut state = servo.start();
     let mut bypass = Bypass::<P, 3>::new(Fault::TablesRefused);
     let mut commanded = commanded;
     let mut stands = [12.0, 10.0, 10.0];
@@ -149,7 +149,7 @@ fn a_reference_off_its_piece_is_taken_at_its_end_or_refused() {
     let path = Path::new(&spans, 0, false);
     let length = spans[0].length();
     let warm = || {
-        let mut state = servo.start(PERIOD_NS).unwrap();
+        let mut state = servo.start();
         let at = input([10.0 + 0.5 * length, 10.0, 10.0]);
         for _ in 0..60 {
             servo.step(&mut state, &at, path.on(Reference { span: 0, t: 0.5 }), ());

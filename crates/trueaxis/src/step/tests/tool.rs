@@ -1,6 +1,5 @@
 #![allow(clippy::indexing_slicing)]
 
-use crate::compensation::Storage;
 use crate::contour::{Flags, Method, OrientationError, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use crate::kinematics::Kinematics;
 use crate::machine::{Axis, AxisSettings, ErrorModel, MachineSettings, Row};
@@ -118,13 +117,8 @@ impl<R: Real, P: Position> Machine<R, P> {
             inverse_passes: 3,
             method: Method::Guarded,
         };
-        let need = config.requirement::<R, P, 5, _>(rows);
-        let storage = Storage {
-            lines: vec![R::ZERO; need.lines].leak(),
-            knots: vec![R::ZERO; need.knots].leak(),
-            guide: vec![0; need.guide].leak(),
-        };
-        let servo = Box::leak(Box::new(config.build(rows, storage).unwrap()));
+        let memory = vec![R::ZERO; config.requirement(rows)].leak();
+        let servo = Box::leak(Box::new(config.build(rows, memory).unwrap()));
         Machine { chain, servo, kinematics: Kinematics::new(machine).unwrap() }
     }
 
@@ -133,7 +127,7 @@ impl<R: Real, P: Position> Machine<R, P> {
     }
 
     pub(super) fn start(&self) -> State<R, P, 5> {
-        self.servo.start(PERIOD_NS).unwrap()
+        self.servo.start()
     }
 
     /// One cycle, readings given.

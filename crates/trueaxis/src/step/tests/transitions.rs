@@ -113,7 +113,7 @@ fn switched_off_the_joint_is_the_hosts() {
 #[test]
 fn a_way_that_was_not_sent_is_no_part_of_the_commanded_path() {
     let servo = tight(-1.0);
-    let mut state = servo.start(PERIOD_NS).unwrap();
+    let mut state = servo.start();
     let mut commanded = crate::contour::CommandWindow::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     for n in 0..3000 {
         let x = 109.94 - 1e-4 * f64::from((100 - n).max(0));
@@ -202,7 +202,7 @@ fn without_readings_a_usable_first_command_is_output() {
 fn integers_know_no_place_from_a_saturated_reading() {
     use crate::position::Nanometres;
     let servo = servo_loop_with::<f32, Nanometres>(1.0, |_| ());
-    let mut state = servo.start(PERIOD_NS).unwrap();
+    let mut state = servo.start();
     let none = Path::new(&[], 0, false);
     let saturated = Nanometres(i32::MAX);
     let mut cycle = |command, feedback| {
@@ -242,10 +242,10 @@ fn a_jump_of_the_whole_range_of_integers_is_a_jump() {
     // The difference is 2^32 − 3 nm: wrapped, it is 3 nm.
     let [low, high] = ends;
     for (from, to) in [(low, high), (high, low)] {
-        let mut state = servo.start(PERIOD_NS).unwrap();
+        let mut state = servo.start();
         step(&mut state, &given(from, from));
         assert_eq!(step(&mut state, &given(to, from)).record.fault, Fault::CommandJump);
-        let mut state = servo.start(PERIOD_NS).unwrap();
+        let mut state = servo.start();
         step(&mut state, &given(from, from));
         assert_eq!(step(&mut state, &given(from, to)).record.fault, Fault::FeedbackJump);
         // Saturated it is a dropout.

@@ -2,7 +2,7 @@
 
 use crate::contour::{CommandWindow, Path, Segment, Span, convert};
 use crate::error::Fault;
-use crate::step::tests::{PERIOD_NS, input, servo_loop};
+use crate::step::tests::{input, servo_loop};
 use std::vec::Vec;
 
 /// Feed of 60 mm/s at 10 kHz.
@@ -11,7 +11,7 @@ const WAY: f64 = 0.006;
 #[test]
 fn on_a_line_it_says_what_the_step_says_with_the_planners_own_path() {
     let servo = servo_loop(1.0);
-    let (mut following, mut with_path) = (servo.start(PERIOD_NS).unwrap(), servo.start(PERIOD_NS).unwrap());
+    let (mut following, mut with_path) = (servo.start(), servo.start());
     let mut commanded = CommandWindow::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     let mut spans: Vec<Span<f64, f64>> = Vec::new();
     let line = Segment::Line { start: [10.0; 3], end: [30.0, 10.0, 10.0] };
@@ -45,7 +45,7 @@ fn on_a_line_it_says_what_the_step_says_with_the_planners_own_path() {
 #[test]
 fn a_refused_command_is_no_point_of_the_path() {
     let servo = servo_loop(1.0);
-    let mut state = servo.start(PERIOD_NS).unwrap();
+    let mut state = servo.start();
     let mut commanded = CommandWindow::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     for i in 0..200 {
         servo.step(&mut state, &input([10.0 + WAY * f64::from(i), 10.0, 10.0]), &mut commanded, ());

@@ -4,7 +4,6 @@ use crate::arena::Arena;
 use core::cell::RefCell;
 use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
-use trueaxis::compensation::Storage;
 use trueaxis::contour::{Path, Reference};
 use trueaxis::machine::ErrorModel;
 use trueaxis::roundness::{Probes, Roundness, RoundnessState};
@@ -34,13 +33,8 @@ fn build<R: Real, P: Integer>(
     let mut settings = file.settings().clone();
     settings.compensation.model = model;
     let config = Config { machine: &settings, ..Config::of(file, period_ns) };
-    let need = config.requirement::<R, P, AXES, _>(rows);
-    let storage = Storage {
-        lines: arena.slice(need.lines, R::ZERO),
-        knots: arena.slice(need.knots, R::ZERO),
-        guide: arena.slice(need.guide, 0),
-    };
-    match config.build(rows, storage) {
+    let memory = arena.slice(config.requirement(rows), R::ZERO);
+    match config.build(rows, memory) {
         Ok(servo) => servo,
         Err(error) => panic!("{}", error),
     }
@@ -158,7 +152,7 @@ pub fn all<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
         Ok(gauge) => arena.keep(gauge),
         Err(error) => panic!("{}", error),
     };
-    let Ok(state) = servo.start(header.period_ns) else { panic!("period") };
+    let state = servo.start();
     let memory = arena.keep(RefCell::new(Memory {
         bare: state,
         gauged: state,

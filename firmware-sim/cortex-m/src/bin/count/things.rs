@@ -3,7 +3,7 @@
 use crate::arena::Arena;
 use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
-use trueaxis::compensation::{NineTerms, Storage, ThermalLine, Volumetric};
+use trueaxis::compensation::{Direction, NineTerms, ThermalLine, Volumetric};
 use trueaxis::contour::{ContourSearch, ContourState, Method, Path, Reference, Segment, Span, convert};
 use trueaxis::limiter::{Limited, Limiter};
 use trueaxis::machine::Rows;
@@ -83,13 +83,8 @@ fn nine<R: Real, P: Position>(free: bool, arena: &mut Arena) -> &'static NineTer
     machine.compensation.model = ErrorModel::Nine;
     let tables = tables(free);
     let rows = |axis: Axis| tables.get(axis.index());
-    let need = NineTerms::<R, P, 3>::requirement(&machine, rows);
-    let storage = Storage {
-        lines: arena.slice(need.lines, R::ZERO),
-        knots: arena.slice(need.knots, R::ZERO),
-        guide: arena.slice(need.guide, 0),
-    };
-    match NineTerms::build(&machine, rows, storage) {
+    let memory = arena.slice(NineTerms::<R, P, 3>::requirement(&machine, rows), R::ZERO);
+    match NineTerms::build(&machine, rows, memory) {
         Ok(nine) => arena.keep(nine),
         Err(error) => panic!("{}", error),
     }
@@ -99,13 +94,8 @@ fn volumetric<R: Real, P: Position, const N: usize>(arena: &mut Arena) -> &'stat
     let machine = machine(N == 5);
     let tables = tables(false);
     let rows = |axis: Axis| tables.get(axis.index());
-    let need = Volumetric::<R, P, N>::requirement(&machine, rows);
-    let storage = Storage {
-        lines: arena.slice(need.lines, R::ZERO),
-        knots: arena.slice(need.knots, R::ZERO),
-        guide: arena.slice(need.guide, 0),
-    };
-    match Volumetric::build(&machine, rows, storage) {
+    let memory = arena.slice(Volumetric::<R, P, N>::requirement(&machine, rows), R::ZERO);
+    match Volumetric::build(&machine, rows, memory) {
         Ok(volumetric) => arena.keep(volumetric),
         Err(error) => panic!("{}", error),
     }
@@ -126,19 +116,19 @@ fn frame<R: Real, P: Position>(of: &Nine<R, P>) -> u32 {
 
 #[inline(never)]
 fn equidistant<R: Real, P: Position>(of: &Nine<R, P>) -> u32 {
-    sink(of.0.plain_terms(&of.1, &[0; 3], &mut 0))
+    sink(of.0.plain_terms(&of.1, &[Direction::POSITIVE; 3], &mut 0))
 }
 
 #[inline(never)]
 fn free<R: Real, P: Position>(of: &Nine<R, P>) -> u32 {
-    sink(of.0.linear_terms(&of.1, &[0; 3], &mut 0))
+    sink(of.0.linear_terms(&of.1, &[Direction::POSITIVE; 3], &mut 0))
 }
 
 struct Pose<R: Real, P: Position, const N: usize>(&'static Volumetric<'static, R, P, N>, [R; N]);
 
 #[inline(never)]
 fn pose<R: Real, P: Position, const N: usize>(of: &Pose<R, P, N>) -> u32 {
-    sink(of.0.pose_error(&of.1, &[0; N], &[ThermalLine::default(); N], &mut 0))
+    sink(of.0.pose_error(&of.1, &[Direction::POSITIVE; N], &[ThermalLine::default(); N], &mut 0))
 }
 
 /// A foot to be found, and where it is looked for.

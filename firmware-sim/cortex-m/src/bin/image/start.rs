@@ -2,9 +2,9 @@
 
 use crate::board::Uart;
 use crate::leave;
-use crate::scalars::{AXES, GaugePlan, GaugeState, Loop, Piece};
+use crate::scalars::{AXES, GaugePlan, GaugeState, Loop, Piece, Scalar};
 use crate::servo::{Gauge, Produced, Running, Servo};
-use crate::tables::{self, KNOTS, LINES, Memory, Refused};
+use crate::tables::{self, MEMORY, Refused};
 use crate::telemetry::Telemetry;
 use heapless::Vec;
 use heapless::spsc::{Producer, Queue};
@@ -20,8 +20,8 @@ const WAITING: usize = 65;
 
 static PIECES: ConstStaticCell<Vec<Piece, MOST_PIECES>> = ConstStaticCell::new(Vec::new());
 static WAITING_CYCLES: ConstStaticCell<Queue<Produced, WAITING>> = ConstStaticCell::new(Queue::new());
-static MEMORY_A: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::EMPTY);
-static MEMORY_B: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::EMPTY);
+static MEMORY_A: ConstStaticCell<[Scalar; MEMORY]> = ConstStaticCell::new([0.0; MEMORY]);
+static MEMORY_B: ConstStaticCell<[Scalar; MEMORY]> = ConstStaticCell::new([0.0; MEMORY]);
 static LOOP_A: StaticCell<Loop> = StaticCell::new();
 static LOOP_B: StaticCell<Loop> = StaticCell::new();
 static GAUGE_PLAN: StaticCell<GaugePlan> = StaticCell::new();
@@ -43,7 +43,7 @@ pub struct Started {
 
 /// Room for a second set of tables.
 pub struct Spare {
-    memory: &'static mut Memory,
+    memory: &'static mut [Scalar; MEMORY],
     machine_id: u32,
     period_ns: u32,
     /// There is a step to be exchanged.
@@ -145,20 +145,18 @@ fn loaded(
     let tables = tables::build(regions::tables_a(), machine_id, period_ns, MEMORY_A.take())?;
     let settings = tables.file.settings();
     let period = Refused::Period { found: first_ns, configured: period_ns };
-    let state = tables.servo.start(first_ns).map_err(|_| period)?;
+    tables.servo.check_period(first_ns).map_err(|_| period)?;
+    let state = tables.servo.start();
     let plan = if with_gauge { tables::gauge(settings.roundness.as_ref(), period_ns)? } else { None };
     let gauge = plan.map(|plan| Gauge { plan: GAUGE_PLAN.init(plan), state: GAUGE_STATE.take() });
     defmt::info!(
-        "machine {=str} id {=u32:08x}, axes {=str}, tables {=u32:08x}, capacity {=usize} of {=usize} lines, {=usize} of \
-         {=usize} knots",
+        "machine {=str} id {=u32:08x}, axes {=str}, tables {=u32:08x}, memory {=usize} of {=usize} scalars",
         settings.name.as_str(),
         tables.file.machine_id(),
         settings.chain.as_str(),
         tables.file.crc(),
-        tables.used.lines,
-        LINES,
-        tables.used.knots,
-        KNOTS
+        tables.used,
+        MEMORY
     );
     Ok((Running::Step(LOOP_A.init(tables.servo), state), gauge, tables.file.crc()))
 }

@@ -1,44 +1,23 @@
 //! Tables out of flash into the form for the step, or the reason why not.
 
-use crate::scalars::{AXES, GaugePlan, Loop, Place, Scalar};
+use crate::scalars::{GaugePlan, Loop, Scalar};
 use defmt::Format;
-use trueaxis::compensation::{Requirement, Storage};
 use trueaxis::error::Field;
 use trueaxis::roundness::RoundnessSettings;
 use trueaxis::tcomp::{Tcomp, TcompError};
-use trueaxis::{Config, ConfigError, Fault};
+use trueaxis::{ConfigError, Fault};
 
-/// Lines of numbers that fit: cubic tables of 3 × 1024 points with one direction, or half as many with both; four
-/// contributions of four coefficients a point.
-pub const LINES: usize = 3 * 1024 * 16;
-/// Positions of free grids that fit: 3 × 1024 points.
-pub const KNOTS: usize = 3 * 1024;
-/// Entries of search guides that fit.
-pub const GUIDE: usize = 2 * KNOTS;
-
-/// Memory of one set of tables.
-pub struct Memory {
-    lines: [Scalar; LINES],
-    knots: [Scalar; KNOTS],
-    guide: [u16; GUIDE],
-}
-
-impl Memory {
-    /// Nothing in it: zeros, so that a static of it takes no flash.
-    pub const EMPTY: Memory = Memory { lines: [0.0; LINES], knots: [0.0; KNOTS], guide: [0; GUIDE] };
-
-    fn lend(&'static mut self) -> Storage<'static, Scalar> {
-        Storage { lines: &mut self.lines, knots: &mut self.knots, guide: &mut self.guide }
-    }
-}
+/// Memory of one set of tables, in scalars: cubic tables of 3 × 1024 points with one direction, four contributions of four
+/// coefficients a point, and free grids with three scalars a point.
+pub const MEMORY: usize = 3 * 1024 * (4 * 4 + 3);
 
 /// Why tables are not taken.
 #[derive(Clone, Copy, Debug, Format)]
 pub enum Refused {
     /// What is wrong with the file.
     File(TcompError),
-    /// Lines and positions of free grids that the tables need; there are [`LINES`] and [`KNOTS`].
-    Capacity { lines: usize, knots: usize },
+    /// Scalars that the tables need; there are [`MEMORY`].
+    Capacity { needed: usize },
     /// The gauge is made for another number of points.
     Points(ConfigError),
     /// The cycles' period, ns, is not the configured one.
@@ -82,7 +61,7 @@ pub struct Tables {
     /// The file, for its settings.
     pub file: Tcomp<'static>,
     /// Memory taken.
-    pub used: Requirement,
+    pub used: usize,
 }
 
 /// Reads and checks a table file, and builds its step.
@@ -93,17 +72,15 @@ pub fn build(
     bytes: &'static [u8],
     machine_id: u32,
     period_ns: u32,
-    memory: &'static mut Memory,
+    memory: &'static mut [Scalar; MEMORY],
 ) -> Result<Tables, Refused> {
     let file = Tcomp::parse(bytes).map_err(Refused::File)?;
     file.expect_machine(machine_id).map_err(Refused::File)?;
-    let config = Config::of(&file, period_ns);
-    let used = config.requirement::<Scalar, Place, AXES, _>(|axis| file.table(axis));
-    let Requirement { lines, knots, guide } = used;
-    if lines > LINES || knots > KNOTS || guide > GUIDE {
-        return Err(Refused::Capacity { lines, knots });
+    let used = file.requirement();
+    if used > MEMORY {
+        return Err(Refused::Capacity { needed: used });
     }
-    let servo = config.build::<Scalar, Place, AXES, _>(|axis| file.table(axis), memory.lend())?;
+    let servo = Loop::load(&file, period_ns, memory)?;
     Ok(Tables { servo, file, used })
 }
 

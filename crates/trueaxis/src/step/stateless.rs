@@ -1,0 +1,91 @@
+//! Error and correction at a position, without a state: for hosts that correct in the planner, and for the bench.
+
+#![deny(clippy::indexing_slicing)]
+
+use super::ServoLoop;
+use crate::compensation::{Direction, Errors, PoseError, ThermalLine};
+use crate::error::Fault;
+use crate::position::Position;
+use crate::real::Real;
+
+/// Directions of travel and thermal growth at which errors are looked up, slot by slot.
+///
+/// The step follows both in its state. From one position to the next a planner sets the directions itself; an axis that
+/// stands keeps the one it had.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions<R, const N: usize> {
+    /// Directions of travel.
+    pub directions: [Direction; N],
+    /// Thermal growth.
+    pub thermal: [ThermalLine<R>; N],
+}
+
+impl<R: Real, const N: usize> Default for Conditions<R, N> {
+    /// Positive travel of every axis, no growth.
+    fn default() -> Self {
+        Conditions { directions: [Direction::POSITIVE; N], thermal: [ThermalLine::default(); N] }
+    }
+}
+
+impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
+    /// Modelled error at a position, actual − ideal: dx, dy, dz of the tip (mm, machine axes), then the rotary axes' own
+    /// (degrees; zero in the volumetric form, see [`ServoLoop::pose_error_at`]).
+    ///
+    /// `position`: mm (degrees). Outside a table its edge value counts. Bounded: one look-up.
+    ///
+    /// # Errors
+    /// [`Fault::CommandNotFinite`]: a position that is infinite, not a number or beyond the range of its type.
+    ///
+    /// ```
+    /// # use trueaxis::{Conditions, HostServo, tcomp::Tcomp};
+    /// # let file = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/mill-3axis.tcomp"));
+    /// # let tables = Tcomp::parse(file)?;
+    /// # let mut memory = vec![0.0; tables.requirement()];
+    /// # let servo = HostServo::<3>::load(&tables, 100_000, &mut memory)?;
+    /// let command = [12.5, -30.0, -200.0];
+    /// let correction = servo.correction_at(&command, &Conditions::default())?;
+    /// let corrected = [0, 1, 2].map(|k| command[k] + correction[k]);
+    /// let error = servo.error_at(&corrected, &Conditions::default())?;
+    /// assert!((0..3).all(|k| (corrected[k] + error[k] - command[k]).abs() < 1e-6)); // within a nanometre
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn error_at(&self, position: &[P; N], conditions: &Conditions<R, N>) -> Result<Errors<R, N>, Fault> {
+        usable(position)?;
+        let at = self.compensation.coordinates(position);
+        Ok(self.compensation.errors(&at, &conditions.directions, &conditions.thermal, &mut 0))
+    }
+
+    /// Modelled error of the tool's pose at a position: tip (mm) and small rotation (rad), machine axes.
+    ///
+    /// # Errors
+    /// As [`ServoLoop::error_at`].
+    pub fn pose_error_at(&self, position: &[P; N], conditions: &Conditions<R, N>) -> Result<PoseError<R>, Fault> {
+        usable(position)?;
+        let at = self.compensation.coordinates(position);
+        Ok(self.compensation.pose_error(&at, &conditions.directions, &conditions.thermal, &mut 0))
+    }
+
+    /// The correction that makes up for the error at a command, mm (degrees): what the step's correction settles to at
+    /// standstill, where no limit binds.
+    ///
+    /// By the exact inverse with the configured number of passes, not limited in magnitude. Axes that look their errors up
+    /// at the feedback are taken to stand at the command.
+    ///
+    /// # Errors
+    /// [`Fault::CommandNotFinite`] as above; [`Fault::CommandOutOfTravel`]: outside the declared travel of an axis.
+    pub fn correction_at(&self, command: &[P; N], conditions: &Conditions<R, N>) -> Result<[R; N], Fault> {
+        usable(command)?;
+        if !self.sampler.within_travel(command) {
+            return Err(Fault::CommandOutOfTravel);
+        }
+        let at = self.compensation.coordinates(command);
+        Ok(self.compensation.correction(&at, &at, &conditions.directions, &conditions.thermal, &mut 0))
+    }
+}
+
+fn usable<P: Position>(position: &[P]) -> Result<(), Fault> {
+    if position.iter().all(|position| position.is_usable()) { Ok(()) } else { Err(Fault::CommandNotFinite) }
+}
+
+#[cfg(test)]
+mod tests;
