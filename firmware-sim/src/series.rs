@@ -1,8 +1,9 @@
 //! Curves for the report's figures, gathered from the runs in memory of fixed size.
 
-use crate::report::{AxisReport, ContourSeries, OrientationSeries, PathPoint, Thinner};
+use crate::report::{AxisReport, ContourSeries, OrientationSeries, PathPoint};
 use std::array::from_fn;
 use trueaxis::machine::AxisSettings;
+use trueaxis_report::Thinner;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{Moment, Sample, Sink};
 

@@ -4,12 +4,12 @@ mod exact;
 mod step;
 
 use crate::csv_in::{Column, Row, Rows};
-use crate::model::{self, axis_count};
+use crate::model::{self, axis_count, by_axes};
 use crate::output::{Writer, tell};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use trueaxis::compensation::{Direction, Reversal, ThermalLine};
+use trueaxis::compensation::{Direction, Reversal};
 use trueaxis::machine::{AXES, Axis, ErrorModel};
 use trueaxis_tables::Machine;
 use trueaxis_tables::text::counted;
@@ -102,7 +102,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let model = arguments.model.unwrap_or(own);
     machine.settings.compensation.orientation = arguments.orientation;
     let inputs = model::files(&arguments.machine).into_iter().chain([arguments.positions.clone()]);
-    let mut result = Written { out: Writer::new(arguments.output.as_deref(), inputs)?, rotary: Vec::new(), held: 0 };
+    let mut result = Written { out: Writer::new(arguments.output.as_deref(), inputs)?, rotary: Vec::new(), clamped: 0 };
     match model {
         Model::Exact => exact::evaluate(arguments, &machine, &mut positions, &mut result)?,
         Model::Nine if arguments.orientation => {
@@ -112,18 +112,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         Model::Nine | Model::Volumetric => {
             let nine = model == Model::Nine;
             machine.settings.compensation.model = if nine { ErrorModel::Nine } else { ErrorModel::Volumetric };
-            match axis_count(&machine) {
-                3 => step::evaluate::<3>(arguments, &machine, &mut positions, &mut result)?,
-                4 => step::evaluate::<4>(arguments, &machine, &mut positions, &mut result)?,
-                5 => step::evaluate::<5>(arguments, &machine, &mut positions, &mut result)?,
-                _ => step::evaluate::<6>(arguments, &machine, &mut positions, &mut result)?,
-            }
+            by_axes!(axis_count(&machine), step::evaluate(arguments, &machine, &mut positions, &mut result))?;
         }
     }
     result.finish(positions.count)
 }
 
-/// What is known about one position.
+/// Error and corrected command at one position.
 struct Evaluated {
     /// Tip error, mm.
     error: [f64; 3],
@@ -132,7 +127,7 @@ struct Evaluated {
     /// Commands of X Y Z A B C, mm and degrees.
     corrected: [f64; 6],
     /// Beyond a table's end.
-    held: bool,
+    clamped: bool,
 }
 
 /// Rounds in which a row's directions settle: an axis' own lost motion confirms a reversal, another axis' reversal may
@@ -167,11 +162,11 @@ impl Travel {
         let mut directions = self.directions();
         for _ in 0..MOST_REVERSALS {
             let sent = correction(&directions)?;
-            for (place, (command, sent)) in command.iter().zip(sent).enumerate() {
+            for (slot, (command, sent)) in command.iter().zip(sent).enumerate() {
                 if !self.begun {
-                    self.reversal[place] = Reversal::at(command + sent);
+                    self.reversal[slot] = Reversal::at(command + sent);
                 }
-                self.reversal[place].update(command + sent, self.band[place]);
+                self.reversal[slot].update(command + sent, self.band[slot]);
             }
             self.begun = true;
             let before = directions;
@@ -184,7 +179,7 @@ impl Travel {
     }
 
     fn directions<const N: usize>(&self) -> [Direction; N] {
-        std::array::from_fn(|place| self.reversal[place].direction())
+        std::array::from_fn(|slot| self.reversal[slot].direction())
     }
 }
 
@@ -192,25 +187,14 @@ impl Travel {
 fn next(machine: &Machine, positions: &mut Rows<6>) -> Result<Option<Row<6>>> {
     let Some(row) = positions.next()? else { return Ok(None) };
     for settings in &machine.settings.axes {
-        let place = settings.axis.index();
-        let (q, [low, high]) = (row.values[place], settings.travel);
+        let index = settings.axis.index();
+        let (q, [low, high]) = (row.values[index], settings.travel);
         if q < low || q > high {
             let needed = format!("the declared travel, {low} to {high}");
-            return Err(positions.error(row.line, COLUMNS[place].name, q, needed));
+            return Err(positions.error(row.line, COLUMNS[index].name, q, needed));
         }
     }
     Ok(Some(row))
-}
-
-/// Kelvin above the reference temperature.
-fn rise(arguments: &Arguments, machine: &Machine) -> Result<f64> {
-    let kelvin = arguments.temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);
-    for settings in &machine.settings.axes {
-        if ThermalLine::<f64>::for_axis(&settings.thermal, kelvin).is_none() {
-            bail!("--temperature-c: found {kelvin} K above the reference, needed a growth of at most 10 mm and 1e-3");
-        }
-    }
-    Ok(kelvin)
 }
 
 /// The result on its way out.
@@ -219,7 +203,7 @@ struct Written<'p> {
     /// The rotary axes that have a corrected command of their own.
     rotary: Vec<Axis>,
     /// Positions beyond a table's end.
-    held: usize,
+    clamped: usize,
 }
 
 impl Written<'_> {
@@ -249,15 +233,15 @@ impl Written<'_> {
                 self.out.put(format_args!(",{}", at.corrected[axis.index()]))?;
             }
         }
-        self.held += usize::from(at.held);
+        self.clamped += usize::from(at.clamped);
         self.out.put(format_args!("\n"))
     }
 
     fn finish(self, count: usize) -> Result<()> {
-        if self.held > 0 {
+        if self.clamped > 0 {
             tell(format_args!(
-                "note: {} of {} beyond a table's end, where its edge value is held",
-                self.held,
+                "note: {} of {} beyond a table's end, where its edge value is clamped",
+                self.clamped,
                 counted(count, "position")
             ));
         }

@@ -16,7 +16,7 @@ PATH.json: {\"segments\":[
   {\"type\":\"nurbs\",\"degree\":3,\"knots\":[…],\"points\":[[x,y,z],…],\"weights\":[…]}]}    degree 1 to 5; mm
 ACTUAL.csv: segment,u,x_mm,y_mm,z_mm; u is where the reference is: 0..1 on lines and arcs, the knot domain on NURBS.
 Output: segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed: the foot point, its distance, the vector actual − foot.
-A path is cut into pieces within 8 mm of their middle that turn by 30° at most; it may have 1,000,000 (16 km straight).
+A path is cut into spans within 8 mm of their middle that turn by 30° at most; it may have 1,000,000 (16 km straight).
 The nearest point within --max-lag-mm of path length on either side of the reference is found, each row for itself.
 
 Example: trueaxis contour path.json actual.csv -o error.csv";
@@ -34,10 +34,10 @@ pub(crate) struct Arguments {
     /// The programmed path.
     #[arg(value_name = "PATH.json")]
     path: PathBuf,
-    /// Measured positions with the reference's place on the path.
+    /// Measured positions with the reference on the path.
     #[arg(value_name = "ACTUAL.csv")]
     actual: PathBuf,
-    /// How a bracket is narrowed.
+    /// Method that narrows a bracket.
     #[arg(long, value_enum, default_value = "guarded")]
     method: Refinement,
     /// Path length searched on either side of the reference.
@@ -108,11 +108,11 @@ struct Converted {
 const JOINED: f64 = 1e-6;
 /// Further than this they are no path, mm.
 const GAP: f64 = 1e-3;
-/// Most pieces of a path: 16 km of straight line, 300 MB.
+/// Most spans of a path: 16 km of straight line, 300 MB.
 const MOST_SPANS: u64 = 1_000_000;
 
 fn read_path(file: &FilePath) -> Result<Converted> {
-    let text = read_text(file)?;
+    let text = read_text(file, &[])?;
     let parsed: PathFile = serde_json::from_str(&text)
         .map_err(|e| anyhow!("{}:{}: column {}: {e}", file.display(), e.line(), e.column()))?;
     if parsed.segments.is_empty() {
@@ -128,7 +128,7 @@ fn read_path(file: &FilePath) -> Result<Converted> {
         let count = span_count(&segment.segment()).map_err(|error| wrong(number, error.to_string()))?;
         total += u64::from(count);
         if total > MOST_SPANS {
-            let found = format!("found {total} pieces of the path up to here, each 16 mm or 30° at most");
+            let found = format!("found {total} spans of the path up to here, each 16 mm or 30° at most");
             return Err(wrong(number, format!("{found}, needed at most {MOST_SPANS}")));
         }
     }
@@ -164,7 +164,7 @@ fn read_path(file: &FilePath) -> Result<Converted> {
     Ok(path)
 }
 
-/// The line on which a segment begins: only looked for where it is to be told.
+/// The line on which a segment begins: only looked for to report an error.
 fn segment_line(text: &str, number: usize) -> Option<usize> {
     #[derive(Deserialize)]
     struct Raw<'t> {
@@ -172,8 +172,8 @@ fn segment_line(text: &str, number: usize) -> Option<usize> {
         segments: Vec<&'t serde_json::value::RawValue>,
     }
     let raw: Raw<'_> = serde_json::from_str(text).ok()?;
-    let place = (raw.segments.get(number)?.get().as_ptr() as usize).checked_sub(text.as_ptr() as usize)?;
-    Some(1 + text.as_bytes().get(..place)?.iter().filter(|byte| **byte == b'\n').count())
+    let offset = (raw.segments.get(number)?.get().as_ptr() as usize).checked_sub(text.as_ptr() as usize)?;
+    Some(1 + text.as_bytes().get(..offset)?.iter().filter(|byte| **byte == b'\n').count())
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -181,7 +181,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Converted {
-    /// The place of a segment's parameter, or the range that it must lie in.
+    /// The reference at a segment's parameter, or the range that it must lie in.
     fn reference(&self, segment: usize, u: f64) -> Result<Reference<f64>, [f64; 2]> {
         let (first, end) = (self.first[segment], self.first[segment + 1]);
         let [low, high] = [self.spans[first].u_range()[0], self.spans[end - 1].u_range()[1]];

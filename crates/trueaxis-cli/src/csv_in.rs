@@ -33,9 +33,9 @@ pub(crate) struct Rows<const C: usize> {
     /// Rows read so far.
     pub(crate) count: usize,
     sheet: Sheet<'static>,
-    /// Place among the columns asked for, by place in the file.
+    /// Index among the columns asked for, by column of the file.
     order: Vec<usize>,
-    told: Option<&'static str>,
+    reported: Option<&'static str>,
     bar: ProgressBar,
 }
 
@@ -53,31 +53,24 @@ impl<const C: usize> Rows<C> {
         let input = File::open(file).with_context(|| format!("cannot read {}", file.display()))?;
         let bar = progress(input.metadata().map_or(0, |data| data.len()), what);
         let sheet = Sheet::new(bar.wrap_read(input), file)?;
-        let (header, line) = (sheet.header().to_vec(), Some(sheet.header_line()));
-        let wrong = |column: Option<&str>, found: String, needed: String| FileError {
-            file: file.into(),
-            line,
-            column: column.map(str::to_owned),
-            found,
-            needed,
-        };
+        let header = sheet.header().to_vec();
         let names = || columns.iter().map(|c| c.name).collect::<Vec<_>>().join(", ");
         let mut order = Vec::with_capacity(header.len());
         for (i, cell) in header.iter().enumerate() {
-            let Some(place) = columns.iter().position(|c| c.name == cell) else {
-                return Err(wrong(Some(cell), cell.clone(), format!("one of {}", names())).into());
+            let Some(slot) = columns.iter().position(|c| c.name == cell) else {
+                return Err(sheet.error(cell, cell, format!("one of {}", names())).into());
             };
             if header[..i].contains(cell) {
-                return Err(wrong(Some(cell), "a second column of that name".into(), "one".into()).into());
+                return Err(sheet.error(cell, "a second column of that name", "one").into());
             }
-            order.push(place);
+            order.push(slot);
         }
-        let present: [bool; C] = std::array::from_fn(|place| order.contains(&place));
+        let present: [bool; C] = std::array::from_fn(|slot| order.contains(&slot));
         if let Some(missing) = columns.iter().zip(present).find(|(column, present)| column.needed && !present) {
             let needed = format!("the column {}", missing.0.name);
-            return Err(wrong(None, format!("columns {}", header.join(", ")), needed).into());
+            return Err(sheet.error("", format!("columns {}", header.join(", ")), needed).into());
         }
-        let mut rows = Rows { file: file.into(), present, header, count: 0, sheet, order, told: None, bar };
+        let mut rows = Rows { file: file.into(), present, header, count: 0, sheet, order, reported: None, bar };
         rows.tell();
         Ok(rows)
     }
@@ -85,7 +78,7 @@ impl<const C: usize> Rows<C> {
     /// The next row; none at the end of the file.
     ///
     /// # Errors
-    /// A row that is none, or a file without any.
+    /// A row that cannot be read, or a file without any.
     pub(crate) fn next(&mut self) -> Result<Option<Row<C>>> {
         if !self.sheet.next_row()? {
             self.bar.finish_and_clear();
@@ -99,12 +92,12 @@ impl<const C: usize> Rows<C> {
         }
         self.count += 1;
         let mut values = [0.0; C];
-        for (i, &place) in self.order.iter().enumerate() {
-            let value = self.sheet.number(i).ok().filter(|value| value.abs() <= most(&self.header[i]));
-            values[place] = match value {
-                Some(value) => value,
-                None => return Err(self.no_value(i)),
-            };
+        for (i, &slot) in self.order.iter().enumerate() {
+            let (value, name) = (self.sheet.number(i)?, &self.header[i]);
+            if value.abs() > most(name) {
+                return Err(self.sheet.error(name, self.sheet.field(i), format!("at most {:e}", most(name))).into());
+            }
+            values[slot] = value;
         }
         Ok(Some(Row { line: self.sheet.line(), values }))
     }
@@ -123,7 +116,7 @@ impl<const C: usize> Rows<C> {
         (0..self.header.len()).map(|i| self.sheet.plain(i))
     }
 
-    /// An error at a place in the file.
+    /// An error at a line of the file.
     pub(crate) fn error(&self, line: u32, column: &str, found: impl ToString, needed: impl ToString) -> anyhow::Error {
         FileError {
             file: self.file.clone(),
@@ -135,26 +128,15 @@ impl<const C: usize> Rows<C> {
         .into()
     }
 
-    fn no_value(&mut self, place: usize) -> anyhow::Error {
-        let cell = self.sheet.field(place).to_owned();
-        let needed = match self.sheet.number(place) {
-            // Of the other kind, or in doubt: the reader says so.
-            Err(error) if cell.contains([',', '.']) && !error.needed.ends_with("a number") => error.needed,
-            _ => format!("a finite number, at most {:e}", most(&self.header[place])),
-        };
-        let found = if cell.is_empty() { "an empty cell".to_owned() } else { cell };
-        self.error(self.sheet.line(), &self.header[place].clone(), found, needed)
-    }
-
     /// Says once how a file is read that has other separators or decimals.
     fn tell(&mut self) {
         let dialect = self.sheet.dialect();
-        if dialect != self.told
+        if dialect != self.reported
             && let Some(how) = dialect
         {
             self.bar.suspend(|| tell(format_args!("note: {}: {how}", self.file.display())));
         }
-        self.told = dialect;
+        self.reported = dialect;
     }
 }
 

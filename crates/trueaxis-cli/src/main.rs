@@ -1,17 +1,18 @@
-//! `trueaxis` on the bench: error tables, what they correct, and how far a tool was from its path.
+//! `trueaxis`, the bench commands: error tables, corrections, contour error, roundness.
 
 // print! and its like panic when the other end of a pipe is closed: see `output`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-mod accuracy;
 mod circle;
 mod compensate;
 mod contour;
+mod correct;
 mod csv_in;
 mod helicoid;
 mod identify;
 mod kinematics;
 mod model;
+mod numbers;
 mod output;
 mod probe_angles;
 mod probes;
@@ -26,7 +27,7 @@ use std::process::ExitCode;
 ///
 /// Lengths are mm, positions of rotary axes degrees, errors µm and µrad. Error = actual − ideal (ISO 230-1), of the tool
 /// relative to the workpiece. Exit code 0: done; 2: bad input, with file, line, column, what was found and what is needed.
-/// A reader that closes the standard output or error early (`| head`) ends the program without a word: exit code 0.
+/// A reader that closes the standard output or error early (`| head`) ends the program silently: exit code 0.
 #[derive(Parser)]
 #[command(version, name = "trueaxis")]
 struct Cli {
@@ -42,13 +43,16 @@ enum Command {
     /// Errors and corrected commands at positions.
     #[command(after_help = compensate::HELP)]
     Compensate(compensate::Arguments),
+    /// Error, its sources and the correction at one position.
+    #[command(after_help = correct::HELP)]
+    Correct(correct::Arguments),
     /// Contour error of measured positions against a path.
     #[command(after_help = contour::HELP)]
     Contour(contour::Arguments),
     /// Roundness and spindle error from three probes.
     #[command(after_help = roundness::HELP)]
     Roundness(roundness::Arguments),
-    /// Where to set three probes: the best slots of a circle, and what a given pair is worth.
+    /// Angles of three probes: the best slots of a circle, and the noise gain of a given pair.
     #[command(after_help = probe_angles::HELP)]
     ProbeAngles(probe_angles::Arguments),
     /// Least-squares, minimum zone, maximum inscribed and minimum circumscribed circle of points.
@@ -69,6 +73,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Tables(command) => tables::run(command),
         Command::Compensate(arguments) => compensate::run(&arguments),
+        Command::Correct(arguments) => correct::run(&arguments),
         Command::Contour(arguments) => contour::run(&arguments),
         Command::Roundness(arguments) => roundness::run(&arguments),
         Command::ProbeAngles(arguments) => probe_angles::run(&arguments),

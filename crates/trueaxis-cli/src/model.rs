@@ -4,9 +4,12 @@ use crate::output::tell;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, requirement};
+use trueaxis::check;
+use trueaxis::compensation::{Compensation, ThermalLine, requirement};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::Machine;
+use trueaxis_tables::files::Folder;
+use trueaxis_tables::text::read_text;
 
 /// A machine, whatever form it came in.
 pub(crate) fn machine(path: &Path) -> Result<Machine> {
@@ -17,9 +20,10 @@ pub(crate) fn machine(path: &Path) -> Result<Machine> {
     source(path)
 }
 
-/// A machine in source form; says how its tables are read where that is not commas and points.
+/// A machine in source form; separators other than commas and decimal commas are reported.
 pub(crate) fn source(path: &Path) -> Result<Machine> {
-    Ok(Machine::read_telling(path, |how| tell(format_args!("note: {how}")))?)
+    let (folder, name) = Folder::of_machine(path);
+    Ok(Machine::read_from(&folder, &name, &mut |how| tell(format_args!("note: {how}")))?)
 }
 
 /// The files of a machine, whatever form it came in.
@@ -55,16 +59,45 @@ pub(crate) fn with_compensation<const N: usize, T>(
     user(&compensation)
 }
 
-/// A text file; comments (`#`, `;`) may be in any encoding, as instruments write them.
-pub(crate) fn text(file: &Path) -> Result<String> {
-    let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
-    let is_comment =
-        |line: &[u8]| line.trim_ascii_start().starts_with(b"#") || line.trim_ascii_start().starts_with(b";");
-    let lines = bytes.split(|byte| *byte == b'\n').zip(1..);
-    for (line, number) in lines {
-        if std::str::from_utf8(line).is_err() && !is_comment(line) {
-            bail!("{}:{number}: found bytes that are not UTF-8, needed text in UTF-8", file.display());
+/// Calls a function generic over the number of axes of the step with that number.
+macro_rules! by_axes {
+    ($count:expr, $($function:ident)::+ ($($argument:expr),*)) => {
+        match $count {
+            3 => $($function)::+::<3>($($argument),*),
+            4 => $($function)::+::<4>($($argument),*),
+            5 => $($function)::+::<5>($($argument),*),
+            _ => $($function)::+::<6>($($argument),*),
+        }
+    };
+}
+pub(crate) use by_axes;
+
+/// Look-ups of the exact inverse: those asked for, or as many as the machine needs.
+pub(crate) fn passes(machine: &Machine, asked: Option<u8>) -> Result<u8> {
+    let needed = || check::machine_passes(&machine.settings, |axis| machine.rows(axis));
+    asked.map_or_else(needed, Ok).map_err(|error| anyhow!("{error}"))
+}
+
+/// Kelvin above the reference temperature of the machine; none without a temperature.
+pub(crate) fn rise(temperature_c: Option<f64>, machine: &Machine) -> Result<f64> {
+    let kelvin = temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);
+    for settings in &machine.settings.axes {
+        if ThermalLine::<f64>::for_axis(&settings.thermal, kelvin).is_none() {
+            bail!("--temperature-c: found {kelvin} K above the reference, needed a growth of at most 10 mm and 1e-3");
         }
     }
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    Ok(kelvin)
+}
+
+/// Thermal growth of the axes of the step.
+pub(crate) fn thermal<const N: usize>(machine: &Machine, axes: &[Axis; N], kelvin: f64) -> [ThermalLine<f64>; N] {
+    axes.map(|axis| {
+        let own = machine.settings.axes.iter().find(|own| own.axis == axis);
+        own.and_then(|own| ThermalLine::for_axis(&own.thermal, kelvin)).unwrap_or_default()
+    })
+}
+
+/// A file of another program, whose comments may be in any encoding.
+pub(crate) fn text(file: &Path) -> Result<String> {
+    Ok(read_text(file, &['#', ';'])?)
 }

@@ -1,4 +1,4 @@
-//! Where results go: a file, written whole or not at all and never over an input, or the standard output; notes go to the
+//! Results: a file, written whole or not at all and never over an input, or the standard output; notes go to the
 //! standard error. The only place that prints.
 
 use anyhow::{Context, Result};
@@ -31,17 +31,17 @@ pub(crate) fn progress(steps: u64, what: &'static str) -> ProgressBar {
 /// Rows of a result on their way to a file or to the standard output, in memory that does not grow with their number.
 ///
 /// A file is written whole or not at all. The standard output gets nothing either where an error ends the command before
-/// [`HELD`] bytes; past that the rows before the error have gone out.
+/// [`KEPT`] bytes; past that the rows before the error have gone out.
 pub(crate) struct Writer<'p> {
     file: Option<&'p Path>,
     text: String,
-    /// Where the rows before those in `text` are.
+    /// Destination of the rows before those in `text`.
     begun: Option<Begun>,
 }
 
-/// As much is held before anything is written.
-const HELD: usize = 8 << 20;
-/// As much is written at once after that.
+/// Bytes kept in memory before anything is written.
+const KEPT: usize = 8 << 20;
+/// Bytes written at once after that.
 const CHUNK: usize = 1 << 16;
 
 enum Begun {
@@ -62,10 +62,10 @@ impl<'p> Writer<'p> {
     pub(crate) fn put(&mut self, part: std::fmt::Arguments<'_>) -> Result<()> {
         use std::fmt::Write;
         self.text.write_fmt(part)?;
-        if self.text.len() >= if self.begun.is_some() { CHUNK } else { HELD } { self.spill() } else { Ok(()) }
+        if self.text.len() >= if self.begun.is_some() { CHUNK } else { KEPT } { self.spill() } else { Ok(()) }
     }
 
-    /// Writes what is held; a file is complete after this.
+    /// Writes the rest; a file is complete after this.
     pub(crate) fn finish(mut self) -> Result<()> {
         self.spill()?;
         match (self.begun, self.file) {

@@ -1,4 +1,4 @@
-//! Where three probes stand, as it is asked for on the command line.
+//! Angles of three probes on the command line.
 
 use anyhow::{Result, anyhow, bail};
 use clap::Args;

@@ -54,7 +54,7 @@ fn settings_and_tables_out_of_this_world() {
 fn what_the_servo_step_refuses_at_its_rate() {
     let directory = tempfile::tempdir().unwrap();
     machine(&directory, "[axis.X.limits]\nacceleration_mm_per_s2 = 1\n", "X_mm,EXX_um\n-100,1\n100,2\n");
-    let parts = ["at 10000 Hz", "axis X", "Acceleration", "above the resolution"];
+    let parts = ["at 10000 Hz", "machine.toml:", "key axis.X.limits.acceleration_mm_per_s2", "above the resolution"];
     bad(&directory, &["tables", "check", "m"], &parts);
     bad(&directory, &["tables", "compile", "m", "-o", "m.tcomp"], &parts);
     for rate in ["0", "-1", "nan", "1e308"] {

@@ -205,9 +205,9 @@ fn a_bad_measurement_is_refused_with_its_place() {
     let parts = ["probes.csv:101", "100 rows (1 revolution and 36 rows)", "whole revolutions of 64 rows"];
     bad(&directory, &roundness(&[]), &parts);
     write(&[head, &"1,2,3\n".repeat(30), "1,inf,3\n", &"1,2,3\n".repeat(33)].concat());
-    bad(&directory, &roundness(&[]), &["probes.csv:32", "h2_um", "found inf", "needed a finite number"]);
+    bad(&directory, &roundness(&[]), &["probes.csv:32", "h2_um", "found \"inf\"", "needed a finite number"]);
     write(&[head, &"1,2,3\n".repeat(63), "1,2,nan\n"].concat());
-    bad(&directory, &roundness(&[]), &["probes.csv:65", "h3_um", "found nan"]);
+    bad(&directory, &roundness(&[]), &["probes.csv:65", "h3_um", "found \"nan\""]);
     write("h1_um,h2_um\n1,2\n");
     bad(&directory, &roundness(&[]), &["probes.csv:1", "h3_um"]);
     write(head);

@@ -7,15 +7,15 @@ use trueaxis::Axis;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct InputError {
-    /// Which quantity.
+    /// The quantity.
     pub quantity: Quantity,
     /// Of which axis, where it belongs to one.
     pub axis: Option<Axis>,
-    /// Which element, where it is a list, from 0.
+    /// Element of a list, from 0.
     pub index: Option<usize>,
     /// The figure found, in the quantity's unit at the interface.
     pub found: f64,
-    /// What is needed.
+    /// Needed in its place.
     pub needed: &'static str,
 }
 
@@ -79,7 +79,7 @@ pub enum Quantity {
     EdgeFinder,
     /// Ball radius of an edge finder.
     EdgeFinderRadius,
-    /// Place of the workpiece on the table.
+    /// Position of the workpiece on the table.
     WorkOffset,
     /// Sense of a rotary axis.
     Direction,

@@ -1,8 +1,9 @@
-//! Bench mathematics of trueaxis: what never runs in a servo cycle.
+//! Bench mathematics of trueaxis. None of it runs in a servo cycle.
 //!
 //! - [`identification`]: the six errors of a rotary axis from a measured ball. Without the feature `std` its part for one
 //!   angle needs neither allocator nor standard library and may run on the controller.
 //! - [`helicoid`]: involute helicoid, gear data, and the five axes that bring a tool onto its normal.
+//! - [`accuracy`]: accuracy and repeatability of positioning after ISO 230-2.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
 //! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a
 //!   spindle over its revolutions; [`pair_search`]: which slots suit three probes best.
@@ -12,6 +13,8 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+#[cfg(feature = "std")]
+pub mod accuracy;
 #[cfg(feature = "std")]
 pub mod circles;
 pub mod error;

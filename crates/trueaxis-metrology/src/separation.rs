@@ -75,7 +75,7 @@ pub struct Harmonic {
     pub amplitude: f64,
     /// Phase in rad, −π to π.
     pub phase: f64,
-    /// How much the probes' noise has grown in this harmonic.
+    /// Growth of the probes' noise in this harmonic.
     pub noise_gain: f64,
     /// The noise gain is above the limit: the harmonic is left out.
     pub suppressed: bool,
@@ -236,11 +236,11 @@ impl Separator {
         let mut buffer = std::vec![Complex::default(); points];
         for k in self.band.iter() {
             let [first, second] = amplitudes(k).unwrap_or_default();
-            if let Some(place) = buffer.get_mut(usize::from(k)) {
-                *place = first + I * second;
+            if let Some(slot) = buffer.get_mut(usize::from(k)) {
+                *slot = first + I * second;
             }
-            if let Some(place) = buffer.get_mut(points - usize::from(k)) {
-                *place = first.conj() + I * second.conj();
+            if let Some(slot) = buffer.get_mut(points - usize::from(k)) {
+                *slot = first.conj() + I * second.conj();
             }
         }
         self.backward.process(&mut buffer);

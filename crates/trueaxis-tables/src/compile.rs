@@ -11,7 +11,7 @@ use trueaxis::tcomp::{MAGIC, TableHeader, VERSION, checksum, machine_id};
 /// The compiled form of a machine, byte by byte as [`trueaxis::tcomp`] describes it. The same machine gives the same bytes.
 ///
 /// # Errors
-/// Whatever [`check::machine`] refuses; a table that holds values in a component that it says is not given, or that tells
+/// All that [`check::machine`] refuses; a table that holds values in a component that it says is not given, or that tells
 /// two directions apart and says it does not.
 pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
     if machine.tables.len() != machine.settings.axes.len() {
@@ -73,11 +73,11 @@ fn write_row(payload: &mut Vec<u8>, header: &TableHeader, row: &Row) {
     }
 }
 
-/// Builds the servo loop as a controller does at this rate, in single and in double precision, and lets it go again: what is
-/// accepted here is accepted there.
+/// Builds the servo loop as a controller does at this rate, in single and in double precision, and lets it go again: a
+/// machine accepted here is accepted there.
 ///
 /// # Errors
-/// Whatever [`check::machine`] or [`Config::build`] refuses.
+/// All that [`check::machine`] or [`Config::build`] refuses.
 pub fn build(machine: &Machine, rate_hz: f64) -> Result<(), ConfigError> {
     let inverse_passes = check::machine(&machine.settings, |axis| machine.rows(axis))?;
     let config = Config {

@@ -1,27 +1,28 @@
-//! An import into a machine that is there: one axis' table and what goes with it, everything else as it stands.
+//! An import into an existing machine: tables and settings of the imported axes change, everything else stays.
 
-use crate::Table;
 use crate::error::FileError;
+use crate::files::{Edit, Entry, Memory, Source};
 use crate::formats::{Imported, axis_csv_name, stated, write_axis_csv};
-use crate::read::Standing;
-use crate::source::Source;
-use crate::{Machine, error};
+use crate::origin::Origin;
+use crate::read::{Standing, beside};
+use crate::{Machine, Table};
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 use trueaxis::machine::links;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, LocationErrors, MachineSettings};
 
-/// What an import makes of a machine that is there.
+/// Changes that an import makes to an existing machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edited {
-    /// The files that change, with their new text; `machine.toml` last, and only where it changes.
+    /// The files that change, by their name in the source, with their new text; `machine.toml` last, and only where it
+    /// changes.
     pub files: Vec<(PathBuf, String)>,
-    /// What was added, replaced, set, and left although the file says otherwise; one sentence each.
+    /// Everything added, replaced, set, or left although the file says otherwise; one sentence each.
     pub notes: Vec<String>,
 }
 
 impl Imported {
-    /// The changes that bring these tables into an existing machine, named by its folder or its `machine.toml`.
+    /// The changes that bring these tables into an existing machine; `name` is that of its `machine.toml`.
     ///
     /// A table is added or replaced. Settings that the file states for its axes are set; every other setting, the order and
     /// the comments of `machine.toml` stay. What results is checked as [`Machine::read`] does. Nothing is written.
@@ -29,77 +30,79 @@ impl Imported {
     /// # Errors
     /// A machine that cannot be read, or whose chain has not got the axis; a table that stands outside the machine's folder
     /// under the name of the new one; a result that the controller would refuse.
-    pub fn edit(&self, machine: &Path) -> Result<Edited, FileError> {
-        let standing = Standing::read(machine)?;
-        let source = Source::new(&standing.file);
-        in_chain(self, &standing, &source)?;
+    pub fn edit(&self, machine: &dyn Source, name: &Path) -> Result<Edited, FileError> {
+        let standing = Standing::read(machine, name)?;
+        let origin = Origin::new(&machine.path(name));
+        in_chain(self, &standing, &origin)?;
         let text = standing.text.strip_prefix('\u{feff}').unwrap_or(&standing.text);
         let mut document = text
             .parse::<DocumentMut>()
-            .map_err(|error| source.whole(error.message().to_owned(), "a TOML file that can be edited"))?;
+            .map_err(|error| origin.whole(error.message().to_owned(), "a TOML file that can be edited"))?;
         let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
         for (axis, table) in &self.tables {
-            let name = table_name(*axis, &standing, &source)?;
+            let csv = table_name(*axis, &standing, &origin)?;
             edited.notes.push(change(*axis, table, &standing));
-            let section = section(&mut document, *axis, &source)?;
+            let section = section(&mut document, *axis, &origin)?;
             let is_new = section.is_empty();
-            let mut settings = vec![(String::from("table"), Value::from(name.as_str()))];
+            let mut settings = vec![(String::from("table"), Value::from(csv.as_str()))];
             if is_new {
                 settings.extend(stated::of_new_axis(*axis, table));
             }
-            if let Some(own) = self.settings.as_ref().and_then(|all| all.axes.iter().find(|own| own.axis == *axis)) {
-                let standing = standing.settings.axes.iter().find(|own| own.axis == *axis).map(stated::of_axis);
-                let stands = |stated: &(String, Value)| {
-                    standing.iter().flatten().any(|own| own.0 == stated.0 && same(&own.1, &stated.1))
-                };
-                settings.extend(stated::of_axis(own).into_iter().filter(|stated| !stands(stated)));
-            }
+            settings.extend(self.stated_otherwise(*axis, &standing));
             settings.extend(outdated(*axis, table, &standing, &mut edited.notes));
             for (key, value) in settings {
                 set(section, &key, value);
             }
-            edited.files.push((folder(&standing).join(&name), write_axis_csv(table, *axis)));
+            edited.files.push((beside(name, &csv), write_axis_csv(table, *axis)));
         }
-        location(self, &standing, &mut document, &source, &mut edited.notes)?;
+        location(self, &standing, &mut document, &origin, &mut edited.notes)?;
         if let Some(stated) = &self.settings {
             edited.notes.extend(left(stated, &standing.settings));
         }
-        let mut text = document.to_string();
-        if standing.text.contains("\r\n") && !text.contains("\r\n") {
-            text = text.replace('\n', "\r\n");
-        }
-        if standing.text.starts_with('\u{feff}') {
-            text.insert(0, '\u{feff}');
-        }
+        let text = as_before(document.to_string(), &standing.text);
         if text == standing.text {
-            edited.notes.push(format!("{} stays as it is", standing.file.display()));
+            edited.notes.push(format!("{} stays as it is", origin.file().display()));
         } else {
-            edited.files.push((standing.file.clone(), text));
+            edited.files.push((name.into(), text));
         }
-        let without_mark =
-            |(file, text): &(PathBuf, String)| (file.clone(), text.strip_prefix('\u{feff}').unwrap_or(text).to_owned());
-        let instead: Vec<(PathBuf, String)> = edited.files.iter().map(without_mark).collect();
-        Machine::read_with(&standing.file, &instead, |_| {}).map_err(|error| error::FileError {
+        let changed = Memory::new(edited.files.iter().map(|(name, text)| (name, text.as_str())));
+        Machine::read_from(&Edit { changed, beneath: machine }, name, &mut |_| {}).map_err(|error| FileError {
             needed: format!("{} (in the machine with the import; nothing is written)", error.needed),
             ..error
         })?;
         Ok(edited)
     }
+
+    /// Settings of an axis that the file states otherwise than the machine.
+    fn stated_otherwise(&self, axis: Axis, standing: &Standing<'_>) -> Vec<(String, Value)> {
+        let of_axis = |all: &MachineSettings| all.axes.iter().find(|own| own.axis == axis).map(stated::of_axis);
+        let own = of_axis(&standing.settings).unwrap_or_default();
+        let stands = |stated: &(String, Value)| own.iter().any(|own| own.0 == stated.0 && same(&own.1, &stated.1));
+        let stated = self.settings.as_ref().and_then(of_axis).unwrap_or_default();
+        stated.into_iter().filter(|stated| !stands(stated)).collect()
+    }
 }
 
-fn folder(standing: &Standing) -> &Path {
-    standing.file.parent().unwrap_or(Path::new(""))
+/// A text with the line ends and the byte order mark of the one before.
+fn as_before(mut text: String, before: &str) -> String {
+    if before.contains("\r\n") && !text.contains("\r\n") {
+        text = text.replace('\n', "\r\n");
+    }
+    if before.starts_with('\u{feff}') {
+        text.insert(0, '\u{feff}');
+    }
+    text
 }
 
-/// Every axis has its place in the machine, and where the file states a chain, it is the machine's.
-fn in_chain(imported: &Imported, standing: &Standing, source: &Source) -> Result<(), FileError> {
+/// Every axis is in the machine, and where the file states a chain, it is the machine's.
+fn in_chain(imported: &Imported, standing: &Standing<'_>, origin: &Origin) -> Result<(), FileError> {
     let chain = standing.settings.chain.as_str();
-    let at = |needed: String| source.at(line_of(&standing.text, "chain"), "chain", format!("{chain:?}"), needed);
+    let at = |needed: String| origin.at(line_of(&standing.text, "chain"), "chain", format!("{chain:?}"), needed);
     for (axis, _) in &imported.tables {
         if !standing.settings.axes.iter().any(|own| own.axis == *axis) {
             let letter = axis.letter();
             return Err(at(format!(
-                "axis {letter} in the chain, where it stands in the machine ({letter}' on the workpiece's side); or --new and \
+                "axis {letter} in the chain, where it is in the machine ({letter}' on the workpiece's side); or --new and \
                  another folder"
             )));
         }
@@ -120,30 +123,28 @@ fn line_of(text: &str, key: &str) -> u32 {
     (1..).zip(text.lines()).find(|(_, line)| is_key(line)).map_or(0, |(number, _)| number)
 }
 
-/// Where the new table goes: in the place of the old one where that is a file of this folder and of this axis alone.
-fn table_name(axis: Axis, standing: &Standing, source: &Source) -> Result<String, FileError> {
+/// Name of the new table beside `machine.toml`: that of the old one where it is a file of this folder and of this axis alone.
+fn table_name(axis: Axis, standing: &Standing<'_>, origin: &Origin) -> Result<String, FileError> {
+    let files = standing.files;
+    let at = |name: &str| beside(&standing.name, name);
     let of_others = |name: &str| {
-        standing.tables.iter().find(|other| other.axis != axis && folder(standing).join(&other.name).is_file()).filter(
-            |other| {
-                let [own, other] = [name, &other.name].map(|name| folder(standing).join(name));
-                own == other || same_file::is_same_file(own, other).unwrap_or(false)
-            },
-        )
+        let mut others = standing.tables.iter().filter(|other| other.axis != axis).map(|other| at(&other.name));
+        others.any(|other| files.entry(&other).is_file() && files.same(&at(name), &other))
     };
     let old = standing.tables.iter().find(|table| table.axis == axis);
     if let Some(old) = old {
         let is_inside = Path::new(&old.name).components().count() == 1;
-        let file = folder(standing).join(&old.name);
-        let is_link = file.symlink_metadata().is_ok_and(|data| data.is_symlink());
-        if is_inside && !is_link && of_others(&old.name).is_none() {
+        let own = matches!(files.entry(&at(&old.name)), Entry::File | Entry::Absent);
+        if is_inside && own && !of_others(&old.name) {
             return Ok(old.name.clone());
         }
     }
     let name = axis_csv_name(axis);
-    if folder(standing).join(&name).symlink_metadata().is_ok() {
+    if files.entry(&at(&name)) != Entry::Absent {
         let found = format!("{name} beside it, which is not the table of axis {} alone", axis.letter());
         let (line, key) = old.map_or((0, ""), |old| (old.line, old.key.as_str()));
-        return Err(source.at(line, key, found, "a place for the imported table: move that file, or name it here"));
+        let needed = "another name here, or that file moved, so that the imported table can be written";
+        return Err(origin.at(line, key, found, needed));
     }
     Ok(name)
 }
@@ -155,7 +156,7 @@ fn errors_of(axis: Axis, table: &Table) -> String {
     format!("{} lines of {}", table.rows.len(), names.join(" "))
 }
 
-fn change(axis: Axis, table: &Table, standing: &Standing) -> String {
+fn change(axis: Axis, table: &Table, standing: &Standing<'_>) -> String {
     let (letter, new) = (axis.letter(), errors_of(axis, table));
     match standing.tables.iter().find(|old| old.axis == axis) {
         None => format!("axis {letter}: table added, {new}"),
@@ -167,7 +168,7 @@ fn change(axis: Axis, table: &Table, standing: &Standing) -> String {
 }
 
 /// Settings of the old table that would falsify the new one.
-fn outdated(axis: Axis, table: &Table, standing: &Standing, notes: &mut Vec<String>) -> Vec<(String, Value)> {
+fn outdated(axis: Axis, table: &Table, standing: &Standing<'_>, notes: &mut Vec<String>) -> Vec<(String, Value)> {
     let Some(own) = standing.settings.axes.iter().find(|own| own.axis == axis) else { return Vec::new() };
     let mut set = Vec::new();
     let (letter, component) = (axis.letter(), axis.index());
@@ -185,8 +186,8 @@ fn outdated(axis: Axis, table: &Table, standing: &Standing, notes: &mut Vec<Stri
 }
 
 /// The section of an axis, made where there is none.
-fn section<'d>(document: &'d mut DocumentMut, axis: Axis, source: &Source) -> Result<&'d mut dyn TableLike, FileError> {
-    let no_section = || source.whole("an axis that is no section", "[axis.…] sections");
+fn section<'d>(document: &'d mut DocumentMut, axis: Axis, origin: &Origin) -> Result<&'d mut dyn TableLike, FileError> {
+    let no_section = || origin.whole("an axis that is no section", "[axis.…] sections");
     let axes = document.entry("axis").or_insert_with(|| {
         let mut axes = toml_edit::Table::new();
         axes.set_implicit(true);
@@ -229,9 +230,9 @@ fn same(a: &Value, b: &Value) -> bool {
 /// Location errors that the file gives.
 fn location(
     imported: &Imported,
-    standing: &Standing,
+    standing: &Standing<'_>,
     document: &mut DocumentMut,
-    source: &Source,
+    origin: &Origin,
     notes: &mut Vec<String>,
 ) -> Result<(), FileError> {
     let given = stated::location(&imported.location);
@@ -239,7 +240,7 @@ fn location(
         return Ok(());
     }
     let section = document.entry("location").or_insert_with(toml_edit::table).as_table_like_mut();
-    let section = section.ok_or_else(|| source.whole("a location that is no section", "[location]"))?;
+    let section = section.ok_or_else(|| origin.whole("a location that is no section", "[location]"))?;
     let names: Vec<&str> = given.iter().map(|(key, _)| key.as_str()).collect();
     notes.push(format!("location errors set: {}", names.join(" ")));
     for (key, value) in &given {

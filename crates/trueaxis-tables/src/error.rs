@@ -1,10 +1,10 @@
-//! What is wrong with a file.
+//! Errors in files.
 
 use crate::printable::printable;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Why a file is refused: where, what was found there, what is needed instead.
+/// Why a file is refused: line and column, what was found there, what is needed instead.
 ///
 /// Displayed as `x.csv:14: column EXX_um: found "nan", needed a finite number`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,9 +15,9 @@ pub struct FileError {
     pub line: Option<u32>,
     /// Column or key by name.
     pub column: Option<String>,
-    /// What was found.
+    /// Found text.
     pub found: String,
-    /// What is needed.
+    /// Needed text.
     pub needed: String,
 }
 

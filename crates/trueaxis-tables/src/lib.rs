@@ -1,18 +1,18 @@
 //! Reading, checking, converting and compiling compensation tables.
 
-pub mod accuracy;
 pub mod collapse;
 mod compile;
 mod edit;
 pub mod error;
 pub mod exact;
+pub mod files;
 pub mod formats;
 mod lost_motion;
+mod origin;
 pub mod output;
 mod printable;
 mod read;
 pub mod sheet;
-mod source;
 mod summary;
 pub mod text;
 mod warning;

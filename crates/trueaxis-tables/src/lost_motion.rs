@@ -1,4 +1,4 @@
-//! What an axis' lost motion costs while its correction is being led in.
+//! Lost motion of the axes, and the time and distance that leading its correction in takes.
 
 use crate::Machine;
 use std::fmt;
@@ -9,7 +9,7 @@ use trueaxis::machine::{Axis, AxisSettings};
 /// Longest time that needs no remark, s: friction disturbs a reversal for about as long.
 pub(crate) const SWIFT_S: f64 = 5e-3;
 
-/// Lost motion of an axis, and its way into the command after a reversal.
+/// Lost motion of an axis, and how its correction is led in after a reversal.
 ///
 /// For a rotary axis every mm reads degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub struct LostMotion {
     pub lead_in_s: f64,
     /// Highest feed of the axis, mm/s.
     pub feed_per_s: f64,
-    /// Way at that feed meanwhile, on which up to all of the play is uncorrected, mm.
+    /// Distance at that feed meanwhile, on which up to all of the play is uncorrected, mm.
     pub way: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What a command writes: whole or not at all, and never over what it reads.
+//! Outputs of a command: written whole or not at all, and never over an input.
 //!
 //! ```
 //! use trueaxis_tables::output::Outputs;
@@ -205,12 +205,12 @@ impl Outputs {
     /// One file with its content, as yet beside its place.
     ///
     /// # Errors
-    /// An input, the place of another output, or what the file system refuses.
+    /// An input, a second output of that name, or a refusal of the file system.
     pub fn put(&mut self, output: &Path, bytes: &[u8]) -> Result<(), OutputError> {
         self.refuse_input(output)?;
-        let place = place(output);
-        let device = fs::metadata(&place).is_ok_and(|old| !old.is_file() && !old.is_dir());
-        if !device && self.ready.iter().any(|(other, _)| *other == place) {
+        let path = resolved(output);
+        let device = fs::metadata(&path).is_ok_and(|old| !old.is_file() && !old.is_dir());
+        if !device && self.ready.iter().any(|(other, _)| *other == path) {
             return Err(OutputError::Twice(output.into()));
         }
         let ready = if device {
@@ -219,22 +219,22 @@ impl Outputs {
             let written = Staged::create(output).and_then(|mut file| file.write_all(bytes).map(|()| file));
             Ready::Staged(written.map_err(|error| OutputError::Io { output: output.into(), error })?)
         };
-        self.ready.push((place, ready));
+        self.ready.push((path, ready));
         Ok(())
     }
 
-    /// One file that is written piece by piece, beside its place until the commit; a device or a pipe takes it at once.
+    /// One file that is written bit by bit, beside its place until the commit; a device or a pipe takes it at once.
     ///
     /// # Errors
     /// As [`Outputs::put`].
     pub fn stream(&mut self, output: &Path) -> Result<&mut Staged, OutputError> {
         self.refuse_input(output)?;
-        let place = place(output);
-        if self.ready.iter().any(|(other, _)| *other == place) {
+        let path = resolved(output);
+        if self.ready.iter().any(|(other, _)| *other == path) {
             return Err(OutputError::Twice(output.into()));
         }
         let staged = Staged::create(output).map_err(|error| OutputError::Io { output: output.into(), error })?;
-        self.ready.push((place, Ready::Staged(staged)));
+        self.ready.push((path, Ready::Staged(staged)));
         match self.ready.last_mut() {
             Some((_, Ready::Staged(staged))) => Ok(staged),
             _ => Err(OutputError::Twice(output.into())),
@@ -259,9 +259,9 @@ impl Outputs {
 }
 
 /// A name that is the same for the same file, whether it exists or its folder alone.
-fn place(output: &Path) -> PathBuf {
-    if let Ok(place) = fs::canonicalize(output) {
-        return place;
+fn resolved(output: &Path) -> PathBuf {
+    if let Ok(path) = fs::canonicalize(output) {
+        return path;
     }
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match (fs::canonicalize(folder), output.file_name()) {

@@ -1,4 +1,4 @@
-//! What a compiled file contains, for people and for programs.
+//! Content of a compiled file, for people and for programs.
 
 use crate::text::short;
 use serde::Serialize;
@@ -113,9 +113,9 @@ pub struct TableSummary {
     pub range: [f64; 2],
     /// `linear` or `cubic`.
     pub interpolation: &'static str,
-    /// Where the own error is looked up: `command` or `feedback`.
+    /// Position at which the own error is looked up: `command` or `feedback`.
     pub lookup: &'static str,
-    /// Where the other errors are looked up.
+    /// Position at which the other errors are looked up.
     pub cross_lookup: &'static str,
     /// Forward and reverse columns.
     pub bidirectional: bool,

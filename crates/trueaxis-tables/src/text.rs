@@ -1,28 +1,39 @@
-//! Text that comes in and goes out: files, counts, numbers, what was found in a file.
+//! Text in and out: files in UTF-8, counts and numbers in messages.
 
 pub use crate::printable::printable;
 
 use crate::error::FileError;
+use crate::origin::Origin;
 use std::path::Path;
 
-/// Reads a whole file of UTF-8, without a byte order mark.
+/// Reads a file as [`decode`] does.
 ///
 /// # Errors
-/// It cannot be read, or has other bytes: with the first line that has one.
-pub fn read_text(file: &Path) -> Result<String, FileError> {
-    let wrong = |line, found: String, needed: &str| FileError {
-        file: file.to_path_buf(),
-        line,
-        column: None,
-        found,
-        needed: needed.to_owned(),
+/// It cannot be read, or is not UTF-8.
+pub fn read_text(file: &Path, comments: &[char]) -> Result<String, FileError> {
+    decode(std::fs::read(file).map_err(|error| Origin::new(file).unreadable(&error))?, file, comments)
+}
+
+/// Text in UTF-8, without a byte order mark; `file` is only named in errors.
+///
+/// Lines that begin with one of `comments` may be in any encoding, as instruments write them.
+///
+/// # Errors
+/// Other bytes: with the first line that has some.
+pub fn decode(bytes: Vec<u8>, file: &Path, comments: &[char]) -> Result<String, FileError> {
+    let text = match String::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(error) => {
+            let is_comment = |line: &[u8]| {
+                line.trim_ascii_start().first().is_some_and(|first| comments.contains(&char::from(*first)))
+            };
+            let mut lines = (1..).zip(error.as_bytes().split(|byte| *byte == b'\n'));
+            if let Some((line, _)) = lines.find(|(_, line)| std::str::from_utf8(line).is_err() && !is_comment(line)) {
+                return Err(Origin::new(file).at(line, "", "bytes that are not UTF-8", "text in UTF-8"));
+            }
+            String::from_utf8_lossy(error.as_bytes()).into_owned()
+        }
     };
-    let bytes = std::fs::read(file).map_err(|error| wrong(None, error.to_string(), "a readable file"))?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let good = error.as_bytes().get(..error.utf8_error().valid_up_to()).unwrap_or_default();
-        let line = 1 + good.iter().filter(|byte| **byte == b'\n').count();
-        wrong(u32::try_from(line).ok(), "bytes that are not UTF-8".into(), "text in UTF-8")
-    })?;
     // Spreadsheets put a byte order mark in front.
     Ok(match text.strip_prefix('\u{feff}') {
         Some(rest) => rest.to_owned(),
@@ -42,6 +53,15 @@ pub fn short(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
+/// A number with fixed decimals and without a sign if it rounds to zero.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.chars().all(|digit| matches!(digit, '0' | '.')) => digits.to_owned(),
+        _ => text,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,13 +75,11 @@ mod tests {
     }
 
     #[test]
-    fn bytes_of_another_encoding_are_told_with_their_line() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("latin.csv");
-        std::fs::write(&file, b"a,b\n1,2\n3,\xb5m\n").unwrap();
-        let told = read_text(&file).unwrap_err().to_string();
-        assert!(told.ends_with("latin.csv:3: found bytes that are not UTF-8, needed text in UTF-8"), "{told}");
-        std::fs::write(&file, "\u{feff}µ").unwrap();
-        assert_eq!(read_text(&file).unwrap(), "µ");
+    fn bytes_of_another_encoding_are_refused_with_their_line() {
+        let read = |bytes: &[u8]| decode(bytes.to_vec(), Path::new("latin.csv"), &['#']);
+        let refused = read(b"# \xb5m\n1,2\n3,\xb5m\n").unwrap_err().to_string();
+        assert_eq!(refused, "latin.csv:3: found bytes that are not UTF-8, needed text in UTF-8");
+        assert_eq!(read("\u{feff}µ".as_bytes()).unwrap(), "µ");
+        assert_eq!(read(b" # \xb5m\n1").unwrap(), " # \u{fffd}m\n1");
     }
 }

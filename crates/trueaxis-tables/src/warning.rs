@@ -1,4 +1,4 @@
-//! What works but not as well as it should.
+//! Doubtful settings: they work, but not as well as they should.
 
 use crate::Machine;
 use crate::lost_motion::{LostMotion, SWIFT_S, lost_motion};
@@ -21,7 +21,7 @@ pub enum Warning {
         /// The axis.
         axis: Axis,
     },
-    /// The table ends inside the declared travel; beyond it the edge value is held.
+    /// The table ends inside the declared travel; beyond it the edge value is clamped.
     TravelNotCovered {
         /// The axis.
         axis: Axis,
@@ -113,7 +113,7 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "axis {letter}: the table covers {low} to {high} {unit} of a travel of {from} to {to} {unit}; \
-                     beyond its ends the edge value is held"
+                     beyond its ends the edge value is clamped"
                 )
             }
             Warning::SlopeAboveLimit { axis, rate, limit, moving, part } => {

@@ -4,8 +4,8 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use trueaxis::machine::Axis;
-use trueaxis_tables::accuracy::{Accuracy, AccuracyError, evaluate, evaluate_compensated};
-use trueaxis_tables::formats::iso230_2::{Direction, Measurement, read_measurement};
+use trueaxis_metrology::accuracy::{Accuracy, AccuracyError, Direction, Measurement, evaluate, evaluate_compensated};
+use trueaxis_tables::formats::iso230_2::read_measurement;
 use trueaxis_tables::formats::{Format, import};
 
 fn root() -> PathBuf {
@@ -19,7 +19,7 @@ fn sample() -> (PathBuf, String) {
 }
 
 fn measured(path: &Path, axis: Option<Axis>) -> Measurement {
-    read_measurement(&fs::read_to_string(path).unwrap(), path, axis).unwrap()
+    read_measurement(&fs::read_to_string(path).unwrap(), path, axis).unwrap().measurement
 }
 
 #[track_caller]
@@ -140,7 +140,7 @@ fn the_sample_table_compensates_the_sample_measurement() {
         let (low, high) = (&rows[above - 1], &rows[above]);
         low[column] + (high[column] - low[column]) * (position - low[0]) / (high[0] - low[0])
     };
-    let measurement = read_measurement(&text, &file, Some(Axis::X)).unwrap();
+    let measurement = read_measurement(&text, &file, Some(Axis::X)).unwrap().measurement;
     let before = evaluate(&measurement).unwrap().both.unwrap();
     let after = evaluate_compensated(&measurement, look_up).unwrap().both.unwrap();
     println!("before {before:?}\nafter {after:?}");
@@ -153,7 +153,7 @@ fn the_sample_table_compensates_the_sample_measurement() {
 fn one_direction_is_evaluated_alone_and_one_run_is_refused() {
     let (file, text) = sample();
     let upward: String = text.lines().filter(|line| !line.contains(",-,")).map(|line| format!("{line}\n")).collect();
-    let result: Accuracy = evaluate(&read_measurement(&upward, &file, None).unwrap()).unwrap();
+    let result: Accuracy = evaluate(&read_measurement(&upward, &file, None).unwrap().measurement).unwrap();
     assert!(result.up.is_some() && result.down.is_none() && result.both.is_none());
     assert!(result.positions.iter().all(|at| at.reversal.is_none() && at.mean.is_none()));
     let all = evaluate(&measured(&file, None)).unwrap();
@@ -164,7 +164,7 @@ fn one_direction_is_evaluated_alone_and_one_run_is_refused() {
         .filter(|line| line.starts_with(['#', 'X']) || line.contains(",1,"))
         .map(|line| format!("{line}\n"))
         .collect();
-    let single = read_measurement(&first, &file, None).unwrap();
+    let single = read_measurement(&first, &file, None).unwrap().measurement;
     assert_eq!(evaluate(&single), Err(AccuracyError::TooFewRuns));
     assert_eq!(import(Format::Iso230_2, &first, &file, None).unwrap().tables.len(), 1);
 }

@@ -42,7 +42,8 @@ fn a_hysteresis_that_a_reversal_crosses_is_refused_with_the_figure() {
 
     let message = refusal("", "X_mm,EXX_fwd_um,EXX_rev_um\n0,0,1\n50,2,1.5\n100,0,1\n");
     assert!(
-        message.contains("found a hysteresis_um of 0.3 of axis X, the default, ") && message.contains(against),
+        message.starts_with("machine.toml:3: key axis.X.hysteresis_um: found 0.3, the default, ")
+            && message.contains(against),
         "{message}"
     );
 }

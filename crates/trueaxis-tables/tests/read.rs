@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup};
 use trueaxis::tcomp::Tcomp;
+use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::write_axis_csv;
 use trueaxis_tables::{Machine, Table, Warning, check, compile, write_atomically};
 
@@ -73,6 +74,23 @@ fn read(machine: &str, table: &str) -> Result<Machine, String> {
         let name = error.file.file_name().unwrap().to_string_lossy().into_owned();
         format!("{name}{}", error.to_string().strip_prefix(&error.file.display().to_string()).unwrap())
     })
+}
+
+/// Without a filesystem, as on a page.
+#[test]
+fn a_machine_in_memory_is_the_one_in_its_folder() {
+    for name in SAMPLES {
+        let paths = fs::read_dir(sample(name)).unwrap().map(|entry| entry.unwrap().path());
+        let files = paths
+            .filter(|path| path.is_file())
+            .map(|path| (PathBuf::from(path.file_name().unwrap()), fs::read(&path).unwrap()));
+        let machine = Machine::read_from(&Memory::new(files), Path::new("machine.toml"), &mut |_| {}).unwrap();
+        assert_eq!(machine, Machine::read(&sample(name)).unwrap());
+    }
+    let alone = Memory::new([("./machine.toml", MACHINE)]);
+    let error = Machine::read_from(&alone, Path::new("machine.toml"), &mut |_| {}).unwrap_err().to_string();
+    let found = "machine.toml:4: key axis.X.table: found \"x.csv\", which is no file at x.csv, ";
+    assert_eq!(error, format!("{found}needed the CSV of the axis, relative to this file"));
 }
 
 #[test]

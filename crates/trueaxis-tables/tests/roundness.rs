@@ -118,9 +118,13 @@ fn what_is_wrong_is_refused_with_its_line() {
         (with("spindle_index_tolerance_counts = 900000\n"), ":9: key roundness.spindle_index_tolerance_counts"),
         (with("revolutions = 0\n"), ":9: key roundness.revolutions"),
         (with("units_per_cycle = 17\n"), ":9: key roundness.units_per_cycle"),
+        // The same figure in another key of the field, where it is right.
+        (with("revolutions = 17\nunits_per_cycle = 17\n"), ":10: key roundness.units_per_cycle: found 17, needed"),
         (with("stop_s = 0\n"), ":9: key roundness.stop_s"),
         (with("probe_gain_um = [1, 0, 1]\n"), ":9: key roundness.probe_gain_um"),
-        (with("probe_low = [0, 0, 2000]\n"), "needed a range from low to high"),
+        // A key that is left out: the line of its section.
+        (with("probe_low = [0, 0, 2000]\n"), ":5: key roundness.probe_high: found "),
+        (with("probe_low = [0, 0, 2000]\n"), ", the default, needed a range from low to high"),
         (with("probes = 3\n"), ":9: key roundness.probes: found probes, needed one of"),
         (
             with(&arm.replace("45", "327.5")),
@@ -129,7 +133,7 @@ fn what_is_wrong_is_refused_with_its_line() {
         (with(&arm.replace("300", "-1")), ":11: key roundness.arm.wheel_mm"),
         (with(&arm.replace("pin_mm = 27.5\n", "")), "roundness.arm.pin_mm: found nothing"),
         (with(&format!("{infeed}gain = 0.4\n")), ":11: key roundness.infeed.gain: found 0.4, needed a gain above 0"),
-        (with(&infeed.replace('X', "Y")), "needed an axis of the machine"),
+        (with(&infeed.replace('X', "Y")), ":10: key roundness.infeed.axis: found \"Y\", needed an axis of the machine"),
         (with(&infeed.replace('X', "U")), ":10: key roundness.infeed.axis: found \"U\", needed an axis"),
         (
             with(&format!("{infeed}limit_um = 150\n")),

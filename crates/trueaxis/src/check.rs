@@ -57,7 +57,7 @@ fn five_axes(machine: &MachineSettings) -> Result<(), ConfigError> {
     let length = libm::sqrt(machine.kinematics.tool_axis.iter().map(|x| x * x).sum());
     need(
         (1e-3..=1e3).contains(&length),
-        ConfigError::new(Field::Kinematics, length, "a tool_axis of a length of about 1"),
+        ConfigError::new(Field::Kinematics, length, "a tool_axis of a length of about 1").of("tool_axis"),
     )
 }
 
@@ -68,10 +68,13 @@ fn roundness(machine: &MachineSettings) -> Result<(), ConfigError> {
     let Some(infeed) = &settings.infeed else { return Ok(()) };
     let index = infeed.axis.index() as f64;
     let Some(axis) = machine.axes.iter().find(|known| known.axis == infeed.axis) else {
-        return Err(ConfigError::new(Field::Infeed, index, "an axis of the machine"));
+        return Err(ConfigError::new(Field::Infeed, index, "an axis of the machine").of("axis"));
     };
     let needed = "a limit within the magnitude of the axis' correction";
-    need(infeed.limit_um * 1e-3 <= axis.limits.magnitude, ConfigError::new(Field::Infeed, infeed.limit_um, needed))
+    need(
+        infeed.limit_um * 1e-3 <= axis.limits.magnitude,
+        ConfigError::new(Field::Infeed, infeed.limit_um, needed).of("limit"),
+    )
 }
 
 /// The axes are those of the chain, each once, in the order X Y Z A B C.

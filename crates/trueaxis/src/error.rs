@@ -14,6 +14,8 @@ pub struct ConfigError {
     pub axis: Option<Axis>,
     /// Which element, where the setting is a list (row of a table, from 0).
     pub index: Option<u32>,
+    /// Key of the setting in its section of `machine.toml`, without its unit, where the field has several; else empty.
+    pub key: &'static str,
     /// What was found, in the setting's unit inside the core (mm, degrees, seconds).
     pub found: f64,
     /// What is needed.
@@ -25,12 +27,17 @@ pub struct ConfigError {
 impl ConfigError {
     /// An error of the machine as a whole.
     pub fn new(field: Field, found: f64, needed: &'static str) -> Self {
-        ConfigError { field, axis: None, index: None, found, needed, bound: None }
+        ConfigError { field, axis: None, index: None, key: "", found, needed, bound: None }
     }
 
     /// The same, of one axis.
     pub fn on(self, axis: Axis) -> Self {
         ConfigError { axis: Some(axis), ..self }
+    }
+
+    /// The same, of one key of the field.
+    pub fn of(self, key: &'static str) -> Self {
+        ConfigError { key, ..self }
     }
 
     /// The same, at one element of a list.
@@ -45,6 +52,9 @@ impl fmt::Display for ConfigError {
             write!(f, "axis {}: ", axis.letter())?;
         }
         write!(f, "{:?}", self.field)?;
+        if !self.key.is_empty() {
+            write!(f, " {}", self.key)?;
+        }
         if let Some(index) = self.index {
             write!(f, " [{index}]")?;
         }

@@ -1,22 +1,22 @@
 //! The page of a ball test.
 
-use super::{
-    Section,
-    figure::{Figure, Key, Scale, Stroke, colour, framed},
-    number::{escape, significant},
-    page, write_page,
-};
+use super::write_page;
 use crate::ball_test::{AxisOutcome, BallCycle, Outcome, TipError};
-use plotters::style::RGBColor;
+use maud::{Markup, html};
 use std::{
     io,
     path::{Path, PathBuf},
+};
+use trueaxis_report::{
+    Figure, Page, Row, Scale, Stroke, Table, colour, emphasised, error_bars,
+    number::{quantity, significant},
+    residuals,
 };
 
 /// Writes the page to `rtcp.html` in `directory`, with the readings and the tables; the folder is created if need be.
 ///
 /// # Errors
-/// Whatever the file system answers.
+/// The file system's error where the page cannot be written; nothing is left behind then.
 pub fn write(test: &BallCycle, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
     write_page(directory, "rtcp.html", &render(test, outcome), outcome.files())
 }
@@ -24,158 +24,97 @@ pub fn write(test: &BallCycle, outcome: &Outcome, directory: &Path) -> io::Resul
 /// The page as one HTML document, which is well-formed XML too.
 #[must_use]
 pub fn render(test: &BallCycle, outcome: &Outcome) -> String {
-    let tip: String = outcome.axes.iter().map(tip_error).collect();
-    let errors: String = outcome.axes.iter().map(|of| identified(test, of)).collect();
-    let residuals: String = outcome.axes.iter().map(residuals).collect();
-    let sections = [
-        Section { heading: "True tip error over the angle", html: tip },
-        Section { heading: "Identified errors", html: errors },
-        Section { heading: "Residuals", html: residuals },
-    ];
-    page("Ball test of a five-axis head", &summary(test, outcome), &sections)
+    let axes = &outcome.axes;
+    Page::new("Ball test of a five-axis head")
+        .top(summary(test, outcome))
+        .section("True tip error over the angle", html! { @for of in axes { (tip_error(of)) } })
+        .section("Identified errors", html! { @for of in axes { (identified(test, of)) } })
+        .section("Residuals", html! { @for of in axes { (residuals_of(of)) } })
+        .document()
 }
 
-fn summary(test: &BallCycle, outcome: &Outcome) -> String {
+fn summary(test: &BallCycle, outcome: &Outcome) -> Markup {
     let settings = &test.machine.settings;
-    let um = |value: f64| significant(value, 3);
-    let row = |name: &str, before: TipError, after: TipError| {
-        format!(
-            "<tr><th>{name}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{} %</td></tr>\n",
-            um(before.max),
-            um(before.rms),
-            um(after.max),
-            um(after.rms),
-            significant(100.0 * after.rms / before.rms, 2)
-        )
+    let left = |before: TipError, after: TipError| format!("{} %", significant(100.0 * after.rms / before.rms, 2));
+    html! {
+        (trueaxis_report::summary([
+            emphasised("machine", &settings.name),
+            emphasised("chain", &settings.chain),
+            html! { "gauge " (quantity(test.gauge_noise_um, "µm")) " a reading" },
+            html! { "seed " (test.seed) },
+        ]))
+        p.result {
+            "Of the tip error that the rotary axes cause, " strong { (left(outcome.before, outcome.after)) } " is left: "
+            strong { (quantity(outcome.after.rms, "µm")) } " rms instead of "
+            strong { (quantity(outcome.before.rms, "µm")) } "."
+        }
+        p {
+            "Three set-ups of a ball for either axis, RTCP holding its centre; linear axes are perfect. The identified \
+             tables were compiled and used by the volumetric correction; the true tip error is judged at every degree, \
+             not only where the gauge stood."
+        }
+        (table(outcome, left))
+    }
+}
+
+fn table(outcome: &Outcome, left: impl Fn(TipError, TipError) -> String) -> Table {
+    let row = |name: String, before: TipError, after: TipError| {
+        let [a, b, c, d] = [before.max, before.rms, after.max, after.rms].map(|um| significant(um, 3));
+        Row::new(name, [a, b, c, d, left(before, after)])
     };
-    let rows: String =
-        outcome.axes.iter().map(|of| row(&format!("axis {}", of.axis.letter()), of.before, of.after)).collect();
-    format!(
-        "<p class=\"run\">machine <strong>{}</strong> · chain <strong>{}</strong> · gauge {} µm a reading · seed {}</p>\n\
-         <p class=\"result\">Of the tip error that the rotary axes cause, <strong>{} %</strong> is left: <strong>{} µm</strong> \
-         rms instead of <strong>{} µm</strong>.</p>\n\
-         <p>Three set-ups of a ball for either axis, RTCP holding its centre; linear axes are perfect. The identified \
-         tables were compiled and used by the volumetric correction; the true tip error is judged at every degree, not only \
-         where the gauge stood.</p>\n\
-         <table><caption>True tip error in µm</caption>\n<thead><tr><th></th><th>before, max</th><th>rms</th>\
-         <th>after, max</th><th>rms</th><th>left, rms</th></tr></thead>\n<tbody>\n{rows}{}</tbody></table>\n",
-        escape(&settings.name),
-        escape(&settings.chain),
-        significant(test.gauge_noise_um, 3),
-        test.seed,
-        significant(100.0 * outcome.after.rms / outcome.before.rms, 2),
-        um(outcome.after.rms),
-        um(outcome.before.rms),
-        row("both", outcome.before, outcome.after)
-    )
+    let axes = outcome.axes.iter().map(|of| row(format!("axis {}", of.axis.letter()), of.before, of.after));
+    let rows = axes.chain([row("both".into(), outcome.before, outcome.after)]);
+    Table::new(["", "before, max", "rms", "after, max", "rms", "left, rms"], rows).caption("True tip error in µm")
 }
 
 fn angle_scale(of: &AxisOutcome) -> Scale {
-    Scale::linear(
-        &format!("{} in degrees", of.axis.letter()),
-        of.over_angle.iter().map(|stop| stop.angle_deg),
-        0.02,
-        12,
-    )
+    let angles = of.over_angle.iter().map(|stop| stop.angle_deg);
+    Scale::linear(&format!("{} in degrees", of.axis.letter()), angles).margin(0.02)
 }
 
-fn tip_error(of: &AxisOutcome) -> String {
+fn tip_error(of: &AxisOutcome) -> Figure {
     let before: Vec<[f64; 2]> = of.over_angle.iter().map(|stop| [stop.angle_deg, stop.before_um]).collect();
     let after: Vec<[f64; 2]> = of.over_angle.iter().map(|stop| [stop.angle_deg, stop.after_um]).collect();
     let values = before.iter().chain(&after).map(|point| point[1]).chain([0.0]);
-    let figure = Figure {
-        description: format!("true tip error over the angle of {}", of.axis.letter()),
-        width: 1120,
-        height: 250,
-        x: angle_scale(of),
-        y: Scale::linear("tip error in µm", values, 0.04, 6),
-        head: 0,
-        marks: Vec::new(),
-    };
-    let svg = figure.draw(|plot| {
-        plot.line(before, Stroke::new(colour::UNCOMPENSATED, 1.4))?;
-        plot.line(after, Stroke::new(colour::COMPENSATED, 1.4))
-    });
-    let keys = [
-        Key { colour: colour::UNCOMPENSATED, dashed: false, text: "before" },
-        Key { colour: colour::COMPENSATED, dashed: false, text: "with the identified tables" },
-    ];
-    let caption = format!("Axis {}: root mean square over the three set-ups.", of.axis.letter());
-    framed("full", &keys, &svg, &caption)
+    let y = Scale::linear("tip error in µm", values).margin(0.04);
+    let description = format!("true tip error over the angle of {}", of.axis.letter());
+    let mut figure = Figure::full(&description, 250, angle_scale(of), y);
+    figure
+        .curve("before", before, Stroke::new(colour::UNCOMPENSATED, 1.4))
+        .curve("with the identified tables", after, Stroke::new(colour::COMPENSATED, 1.4))
+        .caption(format!("Axis {}: root mean square over the three set-ups.", of.axis.letter()));
+    figure
 }
 
-/// Names and colours of three errors.
-const SHOWN: [(&str, RGBColor); 3] = [("X", colour::UNCOMPENSATED), ("Y", colour::COMPENSATED), ("Z", colour::SERVO)];
-
-fn identified(test: &BallCycle, of: &AxisOutcome) -> String {
+fn identified(test: &BallCycle, of: &AxisOutcome) -> Markup {
     let letter = of.axis.letter();
+    let caption = format!(
+        "Axis {letter} of {}, as read; bars: two standard errors to either side, from sigma {} with {} degrees of freedom.",
+        test.machine.settings.name,
+        quantity(1e3 * of.found.sigma_mm, "µm"),
+        of.found.degrees_of_freedom
+    );
     let figure = |first: usize, unit: &str, scale: f64| {
-        let value =
-            move |k: usize, i: usize| of.found.angles.get(k).map_or(0.0, |angle| scale * angle.errors[first + i]);
-        let half = move |k: usize, i: usize| {
-            of.found.angles.get(k).map_or(0.0, |a| 2.0 * scale * a.standard_errors[first + i])
+        let names = [0, 1, 2].map(|i| format!("E{}{letter}", ["X", "Y", "Z", "A", "B", "C"][first + i]));
+        let curve = |i: usize| {
+            let points = of.stops_deg.iter().zip(&of.found.angles).map(|(angle, found)| {
+                [*angle, scale * found.errors[first + i], scale * found.standard_errors[first + i]]
+            });
+            (names[i].as_str(), points.collect())
         };
-        let stops = || of.stops_deg.iter().copied().enumerate();
-        let ends =
-            stops().flat_map(|(k, _)| (0..3).flat_map(move |i| [value(k, i) - half(k, i), value(k, i) + half(k, i)]));
-        let figure = Figure {
-            description: format!("identified errors of {letter} in {unit}"),
-            width: 1120,
-            height: 270,
-            x: angle_scale(of),
-            y: Scale::linear(&format!("error in {unit}"), ends, 0.06, 6),
-            head: 0,
-            marks: Vec::new(),
-        };
-        let svg = figure.draw(|plot| {
-            for (i, (_, colour)) in SHOWN.into_iter().enumerate() {
-                plot.line(stops().map(|(k, angle)| [angle, value(k, i)]), Stroke::new(colour, 1.3))?;
-                for (k, angle) in stops() {
-                    let bar = [[angle, value(k, i) - half(k, i)], [angle, value(k, i) + half(k, i)]];
-                    plot.line(bar, Stroke::new(colour, 1.0))?;
-                }
-            }
-            Ok(())
-        });
-        let names: Vec<String> =
-            (0..3).map(|i| format!("E{}{letter}", ["X", "Y", "Z", "A", "B", "C"][first + i])).collect();
-        let keys: Vec<Key<'_>> =
-            SHOWN.iter().zip(&names).map(|((_, colour), text)| Key { colour: *colour, dashed: false, text }).collect();
-        let caption = format!(
-            "Axis {letter} of {}, as read; bars: two standard errors to either side, from sigma {} µm with {} degrees of freedom.",
-            test.machine.settings.name,
-            significant(1e3 * of.found.sigma_mm, 3),
-            of.found.degrees_of_freedom
-        );
-        framed("full", &keys, &svg, &caption)
+        let description = format!("identified errors of {letter} in {unit}");
+        let mut figure = error_bars(&description, angle_scale(of), unit, [0, 1, 2].map(curve));
+        figure.caption(&caption);
+        figure
     };
-    figure(0, "µm", 1e3) + &figure(3, "µrad", 1e6)
+    html! { (figure(0, "µm", 1e3)) (figure(3, "µrad", 1e6)) }
 }
 
-fn residuals(of: &AxisOutcome) -> String {
-    let points: Vec<[f64; 2]> =
-        of.stops_deg.iter().zip(&of.found.angles).map(|(&angle, found)| [angle, 1e3 * found.residual_mm]).collect();
-    let figure = Figure {
-        description: format!("residuals of {}", of.axis.letter()),
-        width: 1120,
-        height: 200,
-        x: angle_scale(of),
-        y: Scale::linear(
-            "residual in µm",
-            points.iter().map(|point| point[1]).chain([0.0, 1e3 * of.found.sigma_mm]),
-            0.06,
-            5,
-        ),
-        head: 0,
-        marks: Vec::new(),
-    };
-    let svg = figure.draw(|plot| {
-        plot.across(1e3 * of.found.sigma_mm, Stroke::new(colour::LIMIT, 1.2))?;
-        points.iter().try_for_each(|&point| plot.dot(point, colour::NEUTRAL))
-    });
-    let keys = [
-        Key { colour: colour::NEUTRAL, dashed: false, text: "root mean square of the residuals at a stop" },
-        Key { colour: colour::LIMIT, dashed: false, text: "sigma of a reading, pooled" },
-    ];
-    framed("full", &keys, &svg, &format!("Axis {}.", of.axis.letter()))
+fn residuals_of(of: &AxisOutcome) -> Figure {
+    let stops = of.stops_deg.iter().zip(&of.found.angles);
+    let points: Vec<[f64; 2]> = stops.map(|(&angle, found)| [angle, 1e3 * found.residual_mm]).collect();
+    let description = format!("residuals of {}", of.axis.letter());
+    let mut figure = residuals(&description, angle_scale(of), &points, 1e3 * of.found.sigma_mm);
+    figure.caption(format!("Axis {}.", of.axis.letter()));
+    figure
 }

@@ -1,85 +1,60 @@
 //! Orientation error over the path, and where the rotary axes stand.
 
-use plotters::style::RGBColor;
+use super::{Report, Section, contour::BUCKETS};
+use maud::html;
+use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, number::quantity};
 
-use super::{
-    Report, Section, decimate,
-    figure::{Figure, Key, Scale, Stroke, colour, framed, plottable_points},
-    number::significant,
-};
-
-const WIDTH: i32 = 1120;
 const LENGTH: &str = "path length in mm (in degrees where nothing but rotary axes moves)";
+
+/// A curve: text of its legend, colour, points.
+type Curve = (String, Colour, Vec<[f64; 2]>);
 
 pub(super) fn section(report: &Report) -> Option<Section> {
     let series = &report.orientation;
-    let error = curves(&[
+    let runs = [
         ("uncompensated", colour::UNCOMPENSATED, &series.uncompensated),
         ("compensated", colour::COMPENSATED, &series.compensated),
         ("servo only", colour::SERVO, &series.servo_only),
-    ]);
+    ];
+    let error: Vec<Curve> = (runs.into_iter())
+        .map(|(name, colour, points)| (name, colour, decimate(points, BUCKETS)))
+        .filter(|(.., points)| !points.is_empty())
+        .map(|(name, colour, points)| {
+            let largest = points.iter().map(|point| point[1]).fold(0.0, f64::max);
+            (format!("{name}: largest {}", quantity(largest, "µrad")), colour, points)
+        })
+        .collect();
     if error.is_empty() {
         return None;
     }
-    let texts: Vec<String> = error
-        .iter()
-        .map(|(name, _, points)| {
-            let largest = points.iter().map(|p| p[1]).fold(0.0, f64::max);
-            format!("{name}: largest {} µrad", significant(largest, 3))
-        })
-        .collect();
-    let highest = error.iter().flat_map(|(_, _, points)| points.iter().map(|p| p[1])).fold(0.0, f64::max);
-    let caption = "Angle between the true tool direction and the programmed one at the foot point of the tip.";
-    let scale = Scale::exact("orientation error in µrad", 0.0, if highest > 0.0 { 1.08 * highest } else { 1.0 }, 6);
-    let mut html = figure(report, &error, scale, &texts, caption);
     let palette = [colour::NEUTRAL, colour::NOMINAL, colour::LIMIT];
-    let named: Vec<_> = series
-        .rotary
-        .iter()
-        .zip(palette)
-        .map(|((name, points), colour)| (name.as_str(), colour, points.as_slice()))
+    let rotary: Vec<Curve> = (series.rotary.iter().zip(palette))
+        .map(|((name, points), colour)| (name.clone(), colour, decimate(points, BUCKETS)))
+        .filter(|(.., points)| !points.is_empty())
         .collect();
-    let rotary = curves(&named);
-    if !rotary.is_empty() {
-        let texts: Vec<String> = rotary.iter().map(|(name, ..)| (*name).to_owned()).collect();
-        let values = rotary.iter().flat_map(|(_, _, points)| points.iter().map(|p| p[1]));
-        let scale = Scale::linear("position in degrees", values, 0.04, 6);
-        html.push_str(&figure(report, &rotary, scale, &texts, "Commanded positions of the rotary axes."));
-    }
-    Some(Section { heading: "Tool direction over the path", html })
-}
-
-type Named<'a> = (&'a str, RGBColor, Vec<[f64; 2]>);
-
-fn curves<'a>(series: &[(&'a str, RGBColor, &[[f64; 2]])]) -> Vec<Named<'a>> {
-    series
-        .iter()
-        .map(|(name, colour, points)| (*name, *colour, decimate(&plottable_points(points), 700)))
-        .filter(|(_, _, points)| !points.is_empty())
-        .collect()
-}
-
-fn figure(report: &Report, curves: &[Named<'_>], y: Scale, texts: &[String], caption: &str) -> String {
-    let lengths = curves.iter().flat_map(|(_, _, points)| points.iter().map(|point| point[0]));
-    let figure = Figure {
-        description: caption.to_owned(),
-        width: WIDTH,
-        height: 230,
-        x: Scale::linear(LENGTH, lengths, 0.0, 12),
-        y,
-        head: 0,
-        marks: Vec::new(),
+    let angle = Scale::from_zero("orientation error in µrad", values(&error));
+    let caption = "Angle between the true tool direction and the programmed one at the foot point of the tip.";
+    let position = Scale::linear("position in degrees", values(&rotary)).margin(0.04);
+    let content = html! {
+        (figure(report, &error, angle, caption))
+        @if !rotary.is_empty() { (figure(report, &rotary, position, "Commanded positions of the rotary axes.")) }
     };
-    let svg = figure.draw(|plot| {
-        for (_, colour, points) in curves.iter().rev() {
-            let run = |point: &[f64; 2]| report.contour.breaks.partition_point(|at| *at <= point[0]);
-            for points in points.chunk_by(|a, b| run(a) == run(b)) {
-                plot.line(points.iter().copied(), Stroke { colour: *colour, width: 1.2, opacity: 0.85 })?;
-            }
-        }
-        Ok(())
-    });
-    let keys: Vec<Key<'_>> =
-        curves.iter().zip(texts).map(|((_, colour, _), text)| Key { colour: *colour, dashed: false, text }).collect();
-    framed("full", &keys, &svg, caption)
+    Some(Section { heading: "Tool direction over the path", content })
+}
+
+fn values(curves: &[Curve]) -> impl Iterator<Item = f64> {
+    curves.iter().flat_map(|(.., points)| points.iter().map(|point| point[1]))
+}
+
+fn figure(report: &Report, curves: &[Curve], y: Scale, caption: &str) -> Figure {
+    let lengths = curves.iter().flat_map(|(.., points)| points.iter().map(|point| point[0]));
+    let mut figure = Figure::full(caption, 230, Scale::linear(LENGTH, lengths), y);
+    for (_, colour, points) in curves.iter().rev() {
+        figure.interrupted(points, &report.contour.breaks, Stroke::new(*colour, 1.2).opacity(0.85));
+    }
+    for (text, colour, _) in curves {
+        figure.key(text, Stroke::new(*colour, 1.2));
+    }
+    figure.caption(caption);
+    figure
 }

@@ -1,178 +1,119 @@
 //! The result in plain words and in tables, at the top of the page.
 
-use super::{
-    AxisReport, ErrorSize, Report,
-    number::{count, decimals, escape, significant},
+use super::{AxisReport, ErrorSize, FaultEntry, Report};
+use maud::{Markup, html};
+use trueaxis_report::{
+    Row, Table, emphasised,
+    number::{count, decimals, percent, quantity, significant},
 };
 
 /// Summary, tables, faults and notes.
-pub(super) fn html(report: &Report) -> String {
-    [
-        run(report),
-        format!("<p class=\"result\">{}</p>\n", result(report)),
-        "<div class=\"tables\">\n".to_owned(),
-        contour_table(report),
-        latency_table(report),
-        "</div>\n".to_owned(),
-        axis_table(&report.axes),
-        faults(report),
-        notes(report),
-    ]
-    .concat()
-}
-
-fn run(report: &Report) -> String {
-    let mut parts = Vec::new();
-    for (name, value) in [("machine", &report.machine), ("chain", &report.chain), ("program", &report.program)] {
-        if !value.is_empty() {
-            parts.push(format!("{name} <strong>{}</strong>", escape(value)));
+pub(super) fn top(report: &Report) -> Markup {
+    html! {
+        (run(report))
+        p.result { (result(report)) }
+        div.tables {
+            (contour_table(report))
+            @if report.latency.steps > 0 { (latency_table(report)) }
+        }
+        @if !report.axes.is_empty() { (axis_table(&report.axes)) }
+        h3 { "Faults" }
+        @if report.faults.is_empty() { p { "None." } } @else { (fault_table(&report.faults)) }
+        @if !report.notes.is_empty() {
+            h3 { "Notes" }
+            ul { @for note in &report.notes { li { (note) } } }
         }
     }
-    parts.push(format!("{} servo cycles at {} Hz", count(report.cycles), significant(report.servo_rate_hz, 4)));
-    if report.servo_rate_hz > 0.0 {
-        parts.push(format!("{} s of machine time", significant(report.cycles as f64 / report.servo_rate_hz, 3)));
-    }
-    format!("<p class=\"run\">{}</p>\n", parts.join(" · "))
 }
 
-fn result(report: &Report) -> String {
+fn run(report: &Report) -> Markup {
+    let named = [("machine", &report.machine), ("chain", &report.chain), ("program", &report.program)];
+    let named = named.into_iter().filter(|(_, value)| !value.is_empty());
+    let mut parts: Vec<Markup> = named.map(|(name, value)| emphasised(name, value)).collect();
+    let rate = significant(report.servo_rate_hz, 4);
+    parts.push(html! { (count(report.cycles)) " servo cycles at " (rate) " Hz" });
+    if report.servo_rate_hz > 0.0 {
+        let seconds = report.cycles as f64 / report.servo_rate_hz;
+        parts.push(html! { (quantity(seconds, "s")) " of machine time" });
+    }
+    trueaxis_report::summary(parts)
+}
+
+fn result(report: &Report) -> Markup {
     let before = report.contour_error.uncompensated.max_um;
     let after = report.contour_error.compensated.max_um;
-    let verb = if after < before {
-        "fell"
-    } else if after > before {
-        "rose"
-    } else {
-        "stayed"
-    };
-    let from_to = if verb == "stayed" {
-        format!("at <strong>{} µm</strong>", significant(before, 3))
-    } else {
-        format!("from <strong>{} µm</strong> to <strong>{} µm</strong>", significant(before, 3), significant(after, 3))
-    };
-    let share =
-        if before > 0.0 && verb != "stayed" { format!(" (to {})", percent(after, before)) } else { String::new() };
-    format!("The largest contour error of the tool tip {verb} {from_to}{share}.")
-}
-
-fn percent(part: f64, whole: f64) -> String {
-    let ratio = 100.0 * part / whole;
-    if whole > 0.0 && ratio.is_finite() {
-        format!("{} %", significant(ratio, if ratio < 10.0 { 2 } else { 3 }))
-    } else {
-        "–".to_owned()
+    let size = |um: f64| html! { strong { (quantity(um, "µm")) } };
+    let verb = if after < before { "fell" } else { "rose" };
+    let share = if before > 0.0 { format!(" (to {})", percent(after, before)) } else { String::new() };
+    html! {
+        "The largest contour error of the tool tip "
+        @if after < before || after > before {
+            (verb) " from " (size(before)) " to " (size(after)) (share) "."
+        } @else {
+            "stayed at " (size(before)) "."
+        }
     }
 }
 
-fn contour_table(report: &Report) -> String {
+fn contour_table(report: &Report) -> Table {
     let errors = &report.contour_error;
     let row = |name: &str, size: &ErrorSize| {
-        format!(
-            "<tr><th>{name}</th><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-            significant(size.max_um, 3),
-            significant(size.rms_um, 3),
-            percent(size.max_um, errors.uncompensated.max_um)
-        )
+        let share = percent(size.max_um, errors.uncompensated.max_um);
+        Row::new(name, [significant(size.max_um, 3), significant(size.rms_um, 3), share])
     };
-    format!(
-        "<table><caption>Contour error of the true tool tip</caption>\n<thead><tr><th></th><th>max in µm</th>\
-         <th>RMS in µm</th><th>max against uncompensated</th></tr></thead>\n<tbody>\n{}{}{}</tbody></table>\n",
+    let rows = [
         row("uncompensated", &errors.uncompensated),
         row("compensated", &errors.compensated),
-        row("servo only (perfect geometry)", &errors.servo_only)
-    )
-}
-
-fn latency_table(report: &Report) -> String {
-    let latency = &report.latency;
-    if latency.steps == 0 {
-        return String::new();
-    }
-    let columns = [
-        ("min", latency.min_ns),
-        ("p50", latency.p50_ns),
-        ("p99", latency.p99_ns),
-        ("p99.99", latency.p99_99_ns),
-        ("max", latency.max_ns),
+        row("servo only (perfect geometry)", &errors.servo_only),
     ];
-    let heads: String = columns.iter().map(|column| format!("<th>{}</th>", column.0)).collect();
-    let cells: String = columns.iter().map(|column| format!("<td>{}</td>", count(column.1))).collect();
-    format!(
-        "<div><table><caption>Latency of the step in ns</caption>\n<thead><tr>{heads}</tr></thead>\n\
-         <tbody><tr>{cells}</tr></tbody></table>\n<p>{} of {} steps over the budget of {} ns; \
-         {} longer than the period of {} ns.</p></div>\n",
-        count(latency.over_budget),
-        count(latency.steps),
-        count(latency.budget_ns),
-        count(latency.missed_deadlines),
-        count(latency.period_ns)
-    )
+    Table::new(["", "max in µm", "RMS in µm", "max against uncompensated"], rows)
+        .caption("Contour error of the true tool tip")
 }
 
-/// Largest magnitude of a series; `None` if it has no defined value.
-fn largest(series: &[[f64; 2]]) -> Option<f64> {
-    series.iter().map(|point| point[1].abs()).filter(|value| value.is_finite()).max_by(f64::total_cmp)
-}
-
-fn axis_table(axes: &[AxisReport]) -> String {
-    if axes.is_empty() {
-        return String::new();
+fn latency_table(report: &Report) -> Markup {
+    let latency = &report.latency;
+    let columns = ["min", "p50", "p99", "p99.99", "max"];
+    let rest = [latency.p50_ns, latency.p99_ns, latency.p99_99_ns, latency.max_ns].map(count);
+    let table = Table::new(columns, [Row::new(count(latency.min_ns), rest)]).caption("Latency of the step in ns");
+    html! {
+        div {
+            (table)
+            p {
+                (count(latency.over_budget)) " of " (count(latency.steps)) " steps over the budget of "
+                (count(latency.budget_ns)) " ns; " (count(latency.missed_deadlines)) " longer than the period of "
+                (count(latency.period_ns)) " ns."
+            }
+        }
     }
+}
+
+/// Largest magnitude of a series; not a number if it has no defined value.
+fn largest(series: &[[f64; 2]]) -> f64 {
+    let magnitudes = series.iter().map(|point| point[1].abs()).filter(|value| value.is_finite());
+    magnitudes.max_by(f64::total_cmp).unwrap_or(f64::NAN)
+}
+
+fn axis_table(axes: &[AxisReport]) -> Table {
     let row = |axis: &AxisReport| {
         let [magnitude, slope, acceleration] =
             if axis.rotary { ["µrad", "mrad/s", "rad/s²"] } else { ["µm", "mm/s", "m/s²"] };
-        let pair = |series: &[[f64; 2]], limit: f64, unit: &str| {
-            let found = largest(series).unwrap_or(f64::NAN);
-            format!(
-                "<td>{} {unit}</td><td>{} {unit}</td><td>{}</td>",
-                significant(found, 3),
-                significant(limit, 3),
-                percent(found, limit)
-            )
+        let used = |series: &[[f64; 2]], limit: f64, unit: &str| {
+            let found = largest(series);
+            [quantity(found, unit), quantity(limit, unit), percent(found, limit)]
         };
-        format!(
-            "<tr><th>{}</th>{}{}<td>{} {acceleration}</td></tr>\n",
-            escape(&axis.name),
-            pair(&axis.correction, axis.magnitude_limit, magnitude),
-            pair(&axis.slope, axis.slope_limit, slope),
-            significant(axis.acceleration_limit, 3)
-        )
+        let correction = used(&axis.correction, axis.magnitude_limit, magnitude);
+        let slope = used(&axis.slope, axis.slope_limit, slope);
+        let cells = correction.into_iter().chain(slope).chain([quantity(axis.acceleration_limit, acceleration)]);
+        Row::new(&axis.name, cells)
     };
-    format!(
-        "<table><caption>Correction and its limits</caption>\n<thead><tr><th>axis</th>\
-         <th>largest correction</th><th>limit</th><th>used</th><th>largest slope</th><th>limit</th><th>used</th>\
-         <th>acceleration limit</th></tr></thead>\n<tbody>\n{}</tbody></table>\n",
-        axes.iter().map(row).collect::<String>()
-    )
+    let head = ["axis", "largest correction", "limit", "used", "largest slope", "limit", "used", "acceleration limit"];
+    Table::new(head, axes.iter().map(row)).caption("Correction and its limits")
 }
 
-fn faults(report: &Report) -> String {
-    if report.faults.is_empty() {
-        return "<h3>Faults</h3>\n<p>None.</p>\n".to_owned();
-    }
-    let rows: String = report
-        .faults
-        .iter()
-        .map(|fault| {
-            format!(
-                "<tr><td>{} s</td><td class=\"words\">{}</td><td>{}</td><td class=\"words\">{}</td></tr>\n",
-                decimals(if fault.time_s.is_finite() { fault.time_s } else { 0.0 }, 4),
-                escape(&fault.code),
-                count(fault.cycles),
-                escape(&fault.description)
-            )
-        })
-        .collect();
-    format!(
-        "<h3>Faults</h3>\n<table><thead><tr><th>first at</th><th class=\"words\">code</th><th>cycles</th>\
-         <th class=\"words\">what happened</th></tr></thead>\n<tbody>\n{rows}</tbody></table>\n"
-    )
-}
-
-fn notes(report: &Report) -> String {
-    if report.notes.is_empty() {
-        return String::new();
-    }
-    let items: String = report.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect();
-    format!("<h3>Notes</h3>\n<ul>\n{items}</ul>\n")
+fn fault_table(faults: &[FaultEntry]) -> Table {
+    let rows = faults.iter().map(|fault| {
+        let time = decimals(if fault.time_s.is_finite() { fault.time_s } else { 0.0 }, 4);
+        Row::new(format!("{time} s"), [fault.code.clone(), count(fault.cycles), fault.description.clone()])
+    });
+    Table::new(["first at", "code", "cycles", "what happened"], rows).words(&[1, 3])
 }

@@ -1,7 +1,8 @@
 //! Exact transforms.
 
-use super::{Arguments, COLUMNS, Evaluated, Travel, Written, next, rise};
+use super::{Arguments, COLUMNS, Evaluated, Travel, Written, next};
 use crate::csv_in::Rows;
+use crate::model::rise;
 use anyhow::{Result, anyhow};
 use trueaxis::compensation::Direction;
 use trueaxis::machine::AXES;
@@ -15,7 +16,7 @@ pub(super) fn evaluate(
     result: &mut Written<'_>,
 ) -> Result<()> {
     let axes = &machine.settings.axes;
-    let geometry = Geometry::new(machine, rise(arguments, machine)?)
+    let geometry = Geometry::new(machine, rise(arguments.temperature_c, machine)?)
         .map_err(|error| anyhow!("{}: {error}", arguments.machine.display()))?;
     let compensation = &machine.settings.compensation;
     let settings = CorrectionSettings {
@@ -55,8 +56,8 @@ pub(super) fn evaluate(
         for (own, correction) in axes.iter().zip(correction) {
             corrected[own.axis.index()] += correction;
         }
-        let held = ends.iter().zip(at).any(|(ends, q)| ends.is_some_and(|[low, high]| q < low || q > high));
-        let at = Evaluated { error: error.tip_mm, orientation: error.orientation, corrected, held };
+        let clamped = ends.iter().zip(at).any(|(ends, q)| ends.is_some_and(|[low, high]| q < low || q > high));
+        let at = Evaluated { error: error.tip_mm, orientation: error.orientation, corrected, clamped };
         result.row(arguments, positions, &at)?;
     }
     Ok(())

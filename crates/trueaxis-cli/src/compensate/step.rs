@@ -1,12 +1,11 @@
 //! Nine terms and twists: the models of the servo step.
 
-use super::{Arguments, Evaluated, Travel, Written, next, rise};
+use super::{Arguments, Evaluated, Travel, Written, next};
 use crate::csv_in::Rows;
-use crate::model::with_compensation;
+use crate::model::{passes, rise, thermal, with_compensation};
 use anyhow::{Result, anyhow};
 use std::convert::Infallible;
-use trueaxis::check;
-use trueaxis::compensation::{Direction, ThermalLine};
+use trueaxis::compensation::Direction;
 use trueaxis::machine::step_axes;
 use trueaxis_tables::Machine;
 
@@ -18,22 +17,14 @@ pub(super) fn evaluate<const N: usize>(
 ) -> Result<()> {
     let settings = &machine.settings;
     let axes = step_axes::<N>(settings).map_err(|error| anyhow!("{error}"))?;
-    let passes = match arguments.inverse_passes {
-        Some(passes) => passes,
-        None => check::machine_passes(settings, |axis| machine.rows(axis)).map_err(|error| anyhow!("{error}"))?,
-    };
-    let kelvin = rise(arguments, machine)?;
-    let mut thermal = [ThermalLine::default(); N];
-    for (line, axis) in thermal.iter_mut().zip(axes) {
-        let own = settings.axes.iter().find(|a| a.axis == axis);
-        *line = own.and_then(|own| ThermalLine::for_axis(&own.thermal, kelvin)).unwrap_or_default();
-    }
+    let passes = passes(machine, arguments.inverse_passes)?;
+    let thermal = thermal(machine, &axes, rise(arguments.temperature_c, machine)?);
     let mut directions = [if arguments.reverse { Direction::NEGATIVE } else { Direction::POSITIVE }; N];
     let mut travel = arguments.in_order.then(|| Travel::new(machine, axes.into_iter()));
     with_compensation::<N, _>(machine, passes, |compensation| {
         result.header(arguments, machine, positions)?;
         while let Some(row) = next(machine, positions)? {
-            let command: [f64; N] = std::array::from_fn(|place| row.values[axes[place].index()]);
+            let command: [f64; N] = std::array::from_fn(|slot| row.values[axes[slot].index()]);
             let at = compensation.coordinates(&command);
             if let Some(travel) = &mut travel {
                 let sent = |directions: &[Direction; N]| {
@@ -42,15 +33,15 @@ pub(super) fn evaluate<const N: usize>(
                 let Ok(settled) = travel.arrive(&command, sent);
                 directions = settled;
             }
-            let mut held = 0;
-            let error = compensation.pose_error(&at, &directions, &thermal, &mut held);
+            let mut clamped = 0;
+            let error = compensation.pose_error(&at, &directions, &thermal, &mut clamped);
             let correction = compensation.correction(&at, &at, &directions, &thermal, &mut 0);
             let mut corrected = row.values;
             for (axis, (q, correction)) in axes.iter().zip(command.iter().zip(correction)) {
                 corrected[axis.index()] = q + correction;
             }
-            let held = held != 0;
-            let at = Evaluated { error: error.tip, orientation: error.orientation, corrected, held };
+            let clamped = clamped != 0;
+            let at = Evaluated { error: error.tip, orientation: error.orientation, corrected, clamped };
             result.row(arguments, positions, &at)?;
         }
         Ok(())

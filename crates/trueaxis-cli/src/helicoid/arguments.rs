@@ -1,7 +1,8 @@
-//! What `trueaxis helicoid` is asked, and what of it does not go together.
+//! Arguments of `trueaxis helicoid`, and those that do not go together.
 
 use super::grid::Range;
 use super::job::Job;
+use crate::numbers::{number, sense, triple};
 use anyhow::{Error, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -53,7 +54,7 @@ pub(crate) struct Arguments {
     /// Angles θ along the helix.
     #[arg(long, value_name = "START:STOP:COUNT", value_parser = Range::parse, allow_hyphen_values = true)]
     theta_rad: Range,
-    /// How the head stands at A = 0: spindle along +y or along +z.
+    /// Head at A = 0: spindle along +y or along +z.
     #[arg(long, value_enum, default_value_t = FormName::Horizontal)]
     form: FormName,
     /// Pivot length L, tool tip to A axis.
@@ -71,14 +72,14 @@ pub(crate) struct Arguments {
     /// Side of the tooth, seen from +z with its tip up.
     #[arg(long, value_enum, default_value_t = FlankName::Right)]
     flank: FlankName,
-    /// Place of the gear's origin on the table.
-    #[arg(long, value_name = "X,Y,Z", value_parser = offset, default_value = "0,0,0", allow_hyphen_values = true)]
-    work_offset_mm: Offset,
+    /// Position of the gear's origin on the table.
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, default_value = "0,0,0", allow_hyphen_values = true)]
+    work_offset_mm: [f64; 3],
     /// Sense of the A axis; 1: right-handed turn of the tool about +x.
-    #[arg(long, value_name = "1|-1", value_parser = direction, default_value = "1", allow_hyphen_values = true)]
+    #[arg(long, value_name = "1|-1", value_parser = sense, default_value = "1", allow_hyphen_values = true)]
     direction_a: i8,
     /// Sense of the C axis; 1: right-handed turn of the workpiece about +z.
-    #[arg(long, value_name = "1|-1", value_parser = direction, default_value = "1", allow_hyphen_values = true)]
+    #[arg(long, value_name = "1|-1", value_parser = sense, default_value = "1", allow_hyphen_values = true)]
     direction_c: i8,
     /// Write a program in LinuxCNC's dialect.
     #[arg(long, value_name = "FILE")]
@@ -92,7 +93,7 @@ pub(crate) struct Arguments {
     /// Parameter along which the program's passes run.
     #[arg(long, value_enum, default_value_t = Passes::Theta)]
     pub(super) passes: Passes,
-    /// Where the table goes; the standard output without it.
+    /// Result [default: standard output].
     #[arg(short, long, value_name = "OUT.csv")]
     pub(super) output: Option<PathBuf>,
     /// Print one JSON document: inputs, gear data, points.
@@ -124,32 +125,8 @@ pub(crate) enum Passes {
     U,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Offset([f64; 3]);
-
-fn number(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("found {text}, needed a finite number")),
-    }
-}
-
 fn teeth(text: &str) -> Result<u32, String> {
     text.trim().parse().map_err(|_| format!("found {text}, needed a whole number of teeth, 1 to 10000"))
-}
-
-fn direction(text: &str) -> Result<i8, String> {
-    match text.trim() {
-        "1" | "+1" => Ok(1),
-        "-1" => Ok(-1),
-        _ => Err(format!("found {text}, needed 1 or -1")),
-    }
-}
-
-fn offset(text: &str) -> Result<Offset, String> {
-    let values: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
-    let count = values.len();
-    values.try_into().map(Offset).map_err(|_| format!("found {count} values, needed three: X,Y,Z"))
 }
 
 /// The same error with the name of the option.
@@ -192,7 +169,7 @@ impl Arguments {
             pivot_mm,
             direction_a: self.direction_a,
             direction_c: self.direction_c,
-            work_offset_mm: self.work_offset_mm.0,
+            work_offset_mm: self.work_offset_mm,
         };
         let machine = HeadTable::new(&settings).map_err(by_option)?;
         let branch = if self.branch == 1 { Branch::First } else { Branch::Second };

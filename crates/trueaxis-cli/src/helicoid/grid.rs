@@ -1,5 +1,6 @@
 //! The grid of surface parameters.
 
+use crate::numbers::number;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -24,8 +25,7 @@ impl Range {
         else {
             return Err(wrong());
         };
-        let angle = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
-        let (Some(start), Some(stop)) = (angle(start), angle(stop)) else { return Err(wrong()) };
+        let (Ok(start), Ok(stop)) = (number(start), number(stop)) else { return Err(wrong()) };
         match count.trim().parse::<usize>() {
             Ok(count) if (1..=MOST).contains(&count) => Ok(Range { start, stop, count }),
             Ok(count) => Err(format!("found COUNT {count}, needed 1 to {MOST}")),

@@ -1,4 +1,4 @@
-//! What is printed of an identified axis.
+//! The result for an identified axis, as printed.
 
 use super::readings::Readings;
 use serde::Serialize;
@@ -111,7 +111,7 @@ impl Document {
         }
     }
 
-    /// What is in the errors and what is not, in a sentence.
+    /// Meaning of the errors, in a sentence.
     pub(crate) fn location_sentence(&self) -> &'static str {
         match (self.location, self.axis.as_str()) {
             ("inside", _) => "inside: the errors contain the axis' location errors and the zero of the gauges",

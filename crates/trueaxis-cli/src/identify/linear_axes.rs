@@ -1,7 +1,7 @@
-//! What the linear axes themselves contribute to the ball's deviation, predicted from a machine's tables.
+//! Contribution of the linear axes to the ball's deviation, predicted by a machine's tables.
 
 use super::readings::Readings;
-use crate::model::{axis_count, with_compensation};
+use crate::model::{axis_count, by_axes, with_compensation};
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
@@ -50,13 +50,9 @@ pub(super) fn remove(
             std::array::from_fn(|i| start_mm[i] + sense * (arm[i] - origin[i]))
         };
         let poses: Vec<([f64; 3], f64)> = readings.angles_deg.iter().map(|&angle| (stands(angle), angle)).collect();
-        let (errors, held) = match axis_count(&known) {
-            4 => tip_errors::<4>(&known, axis, &poses),
-            5 => tip_errors::<5>(&known, axis, &poses),
-            _ => tip_errors::<6>(&known, axis, &poses),
-        }
-        .with_context(|| file.display().to_string())?;
-        beyond |= held;
+        let (errors, clamped) = by_axes!(axis_count(&known), tip_errors(&known, axis, &poses))
+            .with_context(|| file.display().to_string())?;
+        beyond |= clamped;
         for (deviations, error) in readings.deviations_mm.iter_mut().zip(errors) {
             if let Some(deviation) = deviations.get_mut(s) {
                 *deviation = std::array::from_fn(|i| deviation[i] - error[i]);
@@ -66,7 +62,7 @@ pub(super) fn remove(
     Ok(beyond)
 }
 
-/// Tip errors at poses of X, Y, Z and the turning axis, mm; whether an edge value was held.
+/// Tip errors at poses of X, Y, Z and the turning axis, mm; whether an edge value was clamped.
 fn tip_errors<const N: usize>(
     machine: &Machine,
     axis: Axis,
@@ -74,17 +70,17 @@ fn tip_errors<const N: usize>(
 ) -> Result<(Vec<[f64; 3]>, bool)> {
     let axes = step_axes::<N>(&machine.settings).map_err(|error| anyhow!("{error}"))?;
     with_compensation::<N, _>(machine, 1, |compensation: &Compensation<'_, f64, f64, N>| {
-        let mut held = 0;
+        let mut clamped = 0;
         let errors = poses.iter().map(|(position, angle)| {
             let command: [f64; N] = axes.map(|of| match of {
                 of if of == axis => *angle,
                 of => position.get(of.index()).copied().unwrap_or(0.0),
             });
             let at = compensation.coordinates(&command);
-            let error = compensation.errors(&at, &[Direction::POSITIVE; N], &[ThermalLine::default(); N], &mut held);
+            let error = compensation.errors(&at, &[Direction::POSITIVE; N], &[ThermalLine::default(); N], &mut clamped);
             [error[0], error[1], error[2]]
         });
         let errors = errors.collect();
-        Ok((errors, held != 0))
+        Ok((errors, clamped != 0))
     })
 }

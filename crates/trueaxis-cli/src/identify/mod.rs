@@ -6,9 +6,10 @@ mod readings;
 mod table;
 
 use crate::model;
+use crate::numbers::triple;
 use crate::output::{json, print};
 use crate::report;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow};
 use clap::{Args, ValueEnum};
 use document::Document;
 use readings::Readings;
@@ -49,8 +50,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "M")]
     machine: Option<PathBuf>,
     /// With --machine: where X, Y, Z stand in the first set-up at the first angle; from there RTCP moves them.
-    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, requires = "machine")]
-    start_mm: Option<Vec<f64>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "machine")]
+    start_mm: Option<[f64; 3]>,
     /// Leave one offset, constant in machine directions, free in every set-up.
     #[arg(long)]
     free_offsets: bool,
@@ -99,17 +100,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             anyhow!("{}: found no axis {}, needed the axis that was measured", file.display(), axis.letter())
         })?;
         direction = f64::from(settings.direction);
-        let start_mm = match arguments.start_mm.as_deref() {
-            None => [0.0; 3],
-            Some(&[x, y, z]) if [x, y, z].iter().all(|c| c.is_finite()) => [x, y, z],
-            Some(other) => bail!("--start-mm: found {other:?}, needed three finite numbers X,Y,Z"),
-        };
+        let start_mm = arguments.start_mm.unwrap_or_default();
         warnings.push(format!(
             "the linear axes' own errors are removed, as {} predicts them from X {}, Y {}, Z {} mm at the start",
             machine.settings.name, start_mm[0], start_mm[1], start_mm[2]
         ));
         if linear_axes::remove(&mut readings, &machine, file, axis, direction, start_mm)? {
-            warnings.push("RTCP takes a linear axis beyond its table, where the edge value is held".into());
+            warnings.push("RTCP takes a linear axis beyond its table, where the edge value is clamped".into());
         }
         let own = machine.settings.location.rotary.iter().zip([Axis::A, Axis::B, Axis::C]);
         if !arguments.free_offsets && own.into_iter().any(|(errors, of)| of == axis && *errors != [0.0; 6]) {
@@ -139,10 +136,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let document = Document::new(&readings, &found, warnings);
     let machine = arguments.machine.iter().flat_map(|machine| model::files(machine));
     let mut outputs = Outputs::of(machine.chain([arguments.measured.clone()]));
-    if let Some(place) = &arguments.report {
+    if let Some(to) = &arguments.report {
         let source = arguments.measured.file_name().unwrap_or_default().to_string_lossy();
         let page = report::identify::page(&source, axis, &document);
-        report::write_to(&mut outputs, &page, place, "identify.html")?;
+        report::write_to(&mut outputs, &page, to, "identify.html")?;
     }
     if let Some((output, text, _)) = &written {
         outputs.put(output, text.as_bytes())?;

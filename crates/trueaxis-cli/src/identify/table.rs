@@ -35,8 +35,8 @@ pub(super) fn table(angles_deg: &[f64], found: &Identified) -> Result<(Table, Op
             1e6 * (3..6).map(apart).fold(0.0, f64::max)
         ));
         let end = rows.len() - 1;
-        for (place, position) in [(0, first.position), (end, first.position + 360.0)] {
-            rows[place] = Row { position, forward: mean, reverse: mean };
+        for (index, position) in [(0, first.position), (end, first.position + 360.0)] {
+            rows[index] = Row { position, forward: mean, reverse: mean };
         }
     } else if gap <= CLOSING_STEPS * widest {
         rows.push(Row { position: first.position + 360.0, ..first });

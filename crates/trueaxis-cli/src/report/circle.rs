@@ -1,78 +1,67 @@
 //! The page of `trueaxis circle`.
 
-use super::polar::{COLOURS, Reference, polar};
-use super::text::{escape, significant};
-use super::{document, section};
+use maud::html;
 use std::f64::consts::TAU;
-use std::fmt::Write;
 use trueaxis_metrology::circles::{NoCircle, ReferenceCircle};
+use trueaxis_report::{
+    CIRCLES, Circle, Figure, Page, Row, Table,
+    number::{decimals, significant},
+    polar, summary,
+};
 
 /// Points of a drawn circle.
 const FINE: usize = 360;
-/// Names of the circles, in the order in which they are given.
-const NAMES: [&str; 4] = ["LSC", "MZC (both circles)", "MCC", "MIC"];
 
 /// A circle, or why there is none.
 pub(crate) type Fitted<'c> = Result<&'c ReferenceCircle, &'c NoCircle>;
 
 /// The whole page; lengths in mm, circles in the order LSC, MZC, MCC, MIC. `source` is the name of the points' file.
 pub(crate) fn page(source: &str, points: &[[f64; 2]], circles: [Fitted<'_>; 4]) -> String {
-    let mut body = format!("<p class=\"run\">{} · {} points · ISO 12181-1</p>\n", escape(source), points.len());
-    body.push_str(&table(&circles));
+    let page = Page::new("Reference circles")
+        .top(summary([html! { (source) }, html! { (points.len()) " points" }, html! { "ISO 12181-1" }]))
+        .top(table(&circles));
     let circles = circles.map(Result::ok);
     // Departures are from the least-squares circle, or from another where there is none.
-    if let Some(base) = circles.into_iter().flatten().next() {
-        body.push_str(&section("Departures", &figure(points, base, circles)));
+    match circles.into_iter().flatten().next() {
+        Some(base) => page.section("Departures", figure(points, base, circles)),
+        None => page,
     }
-    document("Reference circles", &body)
+    .document()
 }
 
-fn table(circles: &[Fitted<'_>; 4]) -> String {
-    let mut html = String::from(
-        "<table><thead><tr><th>circle</th><th>centre x in mm</th><th>centre y in mm</th><th>radius in mm</th>\
-         <th>zone in µm</th></tr></thead>\n<tbody>\n",
-    );
-    for (name, circle) in ["LSC", "MZC", "MCC", "MIC"].into_iter().zip(circles) {
-        let _ = match circle {
-            Ok(circle) => writeln!(
-                html,
-                "<tr><th>{name}</th><td>{:.6}</td><td>{:.6}</td><td>{:.6}</td><td>{}</td></tr>",
-                circle.centre[0],
-                circle.centre[1],
-                circle.radius,
-                significant(1e3 * circle.zone, 4)
-            ),
-            Err(reason) => writeln!(
-                html,
-                "<tr><th>{name}</th><td class=\"words\" colspan=\"4\">none: {}</td></tr>",
-                escape(&reason.to_string())
-            ),
-        };
-    }
-    html.push_str("</tbody></table>\n");
-    html
+fn table(circles: &[Fitted<'_>; 4]) -> Table {
+    let row = |(name, circle): (&str, &Fitted<'_>)| match circle {
+        Ok(circle) => {
+            let [x, y, radius] = [circle.centre[0], circle.centre[1], circle.radius].map(|mm| decimals(mm, 6));
+            Row::new(name, [x, y, radius, significant(1e3 * circle.zone, 4)])
+        }
+        Err(reason) => Row::whole(name, format!("none: {reason}")),
+    };
+    let rows = ["LSC", "MZC", "MCC", "MIC"].into_iter().zip(circles).map(row);
+    Table::new(["circle", "centre x in mm", "centre y in mm", "radius in mm", "zone in µm"], rows)
 }
 
-fn figure(points: &[[f64; 2]], base: &ReferenceCircle, circles: [Option<&ReferenceCircle>; 4]) -> String {
-    let mut measured: Vec<[f64; 2]> = points
-        .iter()
-        .map(|point| {
-            let [x, y] = [point[0] - base.centre[0], point[1] - base.centre[1]];
-            [y.atan2(x), 1e3 * (x.hypot(y) - base.radius)]
-        })
-        .collect();
+fn figure(points: &[[f64; 2]], base: &ReferenceCircle, circles: [Option<&ReferenceCircle>; 4]) -> Figure {
+    let departure = |point: &[f64; 2]| {
+        let [x, y] = [point[0] - base.centre[0], point[1] - base.centre[1]];
+        [y.atan2(x), 1e3 * (x.hypot(y) - base.radius)]
+    };
+    let mut measured: Vec<[f64; 2]> = points.iter().map(departure).collect();
     measured.sort_by(|one, other| one[0].total_cmp(&other[0]));
-    let references: Vec<Reference> = (NAMES.into_iter().zip(COLOURS).zip(circles))
-        .filter_map(|((name, colour), circle)| circle.map(|circle| (name, colour, circle)))
-        .map(|(name, colour, circle)| {
-            let ring = name.starts_with("MZC");
-            let radii = if ring { vec![circle.inner, circle.outer] } else { vec![circle.radius] };
+    let circles: Vec<Circle> = (CIRCLES.into_iter().zip(circles).enumerate())
+        .filter_map(|(i, ((name, colour), circle))| circle.map(|circle| (i, name, colour, circle)))
+        .map(|(i, name, colour, circle)| {
+            let radii = if i == 1 { vec![circle.inner, circle.outer] } else { vec![circle.radius] };
             let curves = radii.into_iter().map(|radius| around(base, circle.centre, radius)).collect();
-            Reference { name, zone_um: 1e3 * circle.zone, colour, dashed: ring, curves }
+            Circle { name, colour, zone_um: 1e3 * circle.zone, curves }
         })
         .collect();
-    let caption = "Departures of the points from the least-squares circle, seen from its centre.";
-    polar("points", &measured, &references, caption)
+    polar(
+        "points",
+        &measured,
+        &circles,
+        "Departures of the points from the least-squares circle, seen from its centre.",
+    )
 }
 
 /// Where the rays from the base's centre meet a circle, µm beyond the base; circles that do not surround the centre are

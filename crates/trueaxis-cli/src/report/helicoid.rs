@@ -1,10 +1,10 @@
 //! The page of `trueaxis helicoid`: the one page with a script, so that its inputs can be changed.
 
-use super::document_with;
-use super::text::escape;
 use crate::helicoid::job::{Document, Job};
 use anyhow::Result;
+use maud::{PreEscaped, html};
 use serde_json::json;
+use trueaxis_report::Page;
 
 const STYLE: &str = include_str!("helicoid/page.css");
 const BODY: &str = include_str!("helicoid/page.html");
@@ -23,7 +23,7 @@ pub(crate) fn page(job: &Job, document: &Document) -> Result<String> {
     let data = json!({ "inputs": document.inputs, "surface": document.surface, "points": points });
     // Neither HTML nor XML may see markup in the data.
     let data = serde_json::to_string(&data)?.replace('<', "\\u003c").replace('&', "\\u0026");
-    let what = match &job.gear {
+    let surface = match &job.gear {
         Some((gear, _)) => format!(
             "gear mₙ {} mm, z {}, αₙ {}°, β {}°",
             gear.module_mm, gear.teeth, gear.pressure_angle_deg, gear.helix_angle_deg
@@ -34,18 +34,21 @@ pub(crate) fn page(job: &Job, document: &Document) -> Result<String> {
             job.surface.lead_parameter()
         ),
     };
-    let summary = format!(
-        "{what} · {} · {} · pivot length {} mm · {} points",
-        job.flank_name(),
-        job.form_name(),
-        job.settings.pivot_mm,
-        document.points.len()
-    );
-    let body = format!(
-        "<p class=\"run\">{}</p>\n<p id=\"check\">The figures need JavaScript.</p>\n{BODY}\
-         <script type=\"application/json\" id=\"run\">{data}</script>\n\
-         <script>//<![CDATA[\n{FORMULAS}\n{DRAWING}\n{PAGE}//]]></script>\n",
-        escape(&summary).replace('-', "−")
-    );
-    Ok(document_with("Involute helicoid on five axes", STYLE, &body))
+    let parts = [
+        surface,
+        job.flank_name().to_string(),
+        job.form_name().to_string(),
+        format!("pivot length {} mm", job.settings.pivot_mm),
+        format!("{} points", document.points.len()),
+    ];
+    // Scripts are read as they stand; in XML only inside a CDATA section.
+    let script = ["//<![CDATA[", FORMULAS, DRAWING, PAGE, "//]]>"].join("\n");
+    let body = html! {
+        (trueaxis_report::summary(parts.map(|part| html! { (part.replace('-', "−")) })))
+        p #check { "The figures need JavaScript." }
+        (PreEscaped(BODY))
+        script type="application/json" #run { (PreEscaped(data)) }
+        script { (PreEscaped(script)) }
+    };
+    Ok(Page::new("Involute helicoid on five axes").style(STYLE).top(body).document())
 }

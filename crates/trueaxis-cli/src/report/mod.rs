@@ -2,18 +2,14 @@
 //! inputs can be changed, has a script.
 
 pub(crate) mod circle;
-mod figure;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
-mod polar;
 pub(crate) mod roundness;
-mod text;
 
 use anyhow::Result;
+use maud::{Markup, html};
 use std::path::Path;
 use trueaxis_tables::output::Outputs;
-
-const STYLE: &str = include_str!("style.css");
 
 /// A page in a folder, which is created if need be.
 pub(crate) fn write(outputs: &mut Outputs, page: &str, directory: &Path, name: &str) -> Result<()> {
@@ -29,22 +25,12 @@ pub(crate) fn write_to(outputs: &mut Outputs, page: &str, path: &Path, name: &st
     write(outputs, page, path, name)
 }
 
-/// A whole page; `body` must be well formed.
-fn document(title: &str, body: &str) -> String {
-    document_with(title, "", body)
+/// Warnings of a run, one a line.
+fn warnings(warnings: &[String]) -> Markup {
+    html! { @if !warnings.is_empty() { ul { @for warning in warnings { li { (warning) } } } } }
 }
 
-/// A whole page with styles of its own.
-fn document_with(title: &str, style: &str, body: &str) -> String {
-    let title = text::escape(title);
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en-GB\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-         <title>{title}</title>\n<style>\n{STYLE}{style}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{body}</main>\n\
-         </body>\n</html>\n"
-    )
-}
-
-fn section(heading: &str, html: &str) -> String {
-    format!("<section>\n<h2>{}</h2>\n{html}</section>\n", text::escape(heading))
+/// Smallest and largest of the values.
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }

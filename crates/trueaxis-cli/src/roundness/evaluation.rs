@@ -1,4 +1,4 @@
-//! What a separated measurement says: zones, harmonics, error motion.
+//! Evaluation of a separated measurement: zones, harmonics, error motion.
 
 use super::trace::Resampling;
 use anyhow::{Result, anyhow};

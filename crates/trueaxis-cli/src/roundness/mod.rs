@@ -4,6 +4,7 @@ pub(crate) mod evaluation;
 mod trace;
 
 use crate::csv_in::{Column, Row, Rows};
+use crate::numbers::triple;
 use crate::output::{Writer, json, progress, tell};
 use crate::probes::ProbeArguments;
 use crate::report;
@@ -64,10 +65,8 @@ pub(crate) struct Arguments {
 }
 
 fn arm(text: &str) -> Result<Arm, String> {
-    let needed = || "needed three lengths R,RS,RW in mm, as in 60,300,30".to_owned();
-    let lengths: Vec<f64> =
-        text.split(',').map(|part| part.trim().parse().map_err(|_| needed())).collect::<Result<_, _>>()?;
-    let [crank_mm, wheel_mm, pin_mm] = lengths.try_into().map_err(|_| needed())?;
+    let [crank_mm, wheel_mm, pin_mm] =
+        triple(text).map_err(|_| "needed three lengths R,RS,RW in mm, as in 60,300,30".to_owned())?;
     Ok(Arm { crank_mm, wheel_mm, pin_mm })
 }
 

@@ -87,10 +87,10 @@ pub(super) fn read(rows: &mut Rows<4>, points: usize, band: Band) -> Result<([Ve
     let (mut max, mut sum) = (0.0_f64, 0.0);
     for (turn, i) in (begin..).take(revolutions * points).enumerate() {
         // A revolution may begin at any angle; its points stand at their places.
-        let place = turn / points * points + i.rem_euclid(points as i64) as usize;
+        let slot = turn / points * points + i.rem_euclid(points as i64) as usize;
         let (six, four) = trace.at(i as f64 * step);
         for ((readings, six), four) in readings.iter_mut().zip(six).zip(four) {
-            readings[place] = six;
+            readings[slot] = six;
             max = max.max((six - four).abs());
             sum += (six - four).powi(2);
         }

@@ -1,6 +1,7 @@
 //! `trueaxis tables collapse`.
 
 use crate::model;
+use crate::numbers::{number, triple};
 use crate::output::{json, print, tell};
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
@@ -26,18 +27,18 @@ pub(crate) struct Arguments {
     /// Folder that the machine with the nine tables is written into.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Tool tip from the last tool-side frame, mm (the machine's tool_mm).
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    tool_mm: Option<String>,
-    /// Where the cross terms are zero, mm (the middle of the volume).
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    reference_mm: Option<String>,
+    /// Tool tip from the last tool-side frame, mm [default: the machine's tool_mm].
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    tool_mm: Option<[f64; 3]>,
+    /// Position at which the cross terms are zero, mm [default: the middle of the volume].
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    reference_mm: Option<[f64; 3]>,
     /// Working volume, mm; an empty entry: the declared travel, or the table's range.
-    #[arg(long, value_name = "X0:X1,Y0:Y1,Z0:Z1", allow_hyphen_values = true)]
-    volume: Option<String>,
-    /// Where the rotary axes stand, degrees (zero).
-    #[arg(long, value_name = "A=..,C=..", allow_hyphen_values = true)]
-    pose: Option<String>,
+    #[arg(long, value_name = "X0:X1,Y0:Y1,Z0:Z1", value_parser = volume, allow_hyphen_values = true)]
+    volume: Option<Volume>,
+    /// Angles of the rotary axes, degrees [default: zero].
+    #[arg(long, value_name = "A=..,C=..", value_parser = pose, allow_hyphen_values = true)]
+    pose: Option<Pose>,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -45,10 +46,10 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let options = CollapseOptions {
-        tool_mm: arguments.tool_mm.as_deref().map(|text| triple("--tool-mm", text)).transpose()?,
-        reference_mm: arguments.reference_mm.as_deref().map(|text| triple("--reference-mm", text)).transpose()?,
-        volume_mm: arguments.volume.as_deref().map_or(Ok([None; 3]), volume)?,
-        pose_deg: arguments.pose.as_deref().map_or(Ok(Vec::new()), pose)?,
+        tool_mm: arguments.tool_mm,
+        reference_mm: arguments.reference_mm,
+        volume_mm: arguments.volume.unwrap_or_default(),
+        pose_deg: arguments.pose.clone().unwrap_or_default(),
     };
     let machine = model::machine(&arguments.machine)?;
     let collapsed = collapse(&machine, &options).map_err(|error| match error {
@@ -60,42 +61,34 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document(&collapsed)) } else { print(&report(&collapsed)) }
 }
 
-fn number(option: &str, text: &str) -> Result<f64> {
-    match text.trim().parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => bail!("{option}: found \"{text}\", needed a finite number"),
-    }
-}
+/// Low and high end of X, Y and Z, where given.
+type Volume = [Option<[f64; 2]>; 3];
+/// Rotary axes and their angles.
+type Pose = Vec<(Axis, f64)>;
 
-fn triple(option: &str, text: &str) -> Result<[f64; 3]> {
-    let parts: Vec<f64> = text.split(',').map(|part| number(option, part)).collect::<Result<_>>()?;
-    <[f64; 3]>::try_from(parts).map_err(|_| anyhow!("{option}: found \"{text}\", needed three numbers X,Y,Z"))
-}
-
-fn volume(text: &str) -> Result<[Option<[f64; 2]>; 3]> {
-    let range = |part: &str| -> Result<Option<[f64; 2]>> {
+fn volume(text: &str) -> Result<Volume, String> {
+    let range = |part: &str| -> Result<Option<[f64; 2]>, String> {
         if part.trim().is_empty() {
             return Ok(None);
         }
         let (low, high) =
-            part.split_once(':').ok_or_else(|| anyhow!("--volume: found \"{part}\", needed a range LOW:HIGH in mm"))?;
-        Ok(Some([number("--volume", low)?, number("--volume", high)?]))
+            part.split_once(':').ok_or_else(|| format!("found \"{part}\", needed a range LOW:HIGH in mm"))?;
+        Ok(Some([number(low)?, number(high)?]))
     };
-    let parts: Vec<_> = text.split(',').map(range).collect::<Result<_>>()?;
-    <[_; 3]>::try_from(parts).map_err(|_| anyhow!("--volume: found \"{text}\", needed three ranges X0:X1,Y0:Y1,Z0:Z1"))
+    let parts: Vec<_> = text.split(',').map(range).collect::<Result<_, _>>()?;
+    parts.try_into().map_err(|_| format!("found \"{text}\", needed three ranges X0:X1,Y0:Y1,Z0:Z1"))
 }
 
-fn pose(text: &str) -> Result<Vec<(Axis, f64)>> {
-    let one = |part: &str| -> Result<(Axis, f64)> {
+fn pose(text: &str) -> Result<Pose, String> {
+    let one = |part: &str| {
         let entry = part.split_once('=').and_then(|(letter, angle)| {
             let mut letters = letter.trim().chars();
             let axis = Axis::from_letter(letters.next()?.to_ascii_uppercase())?;
             letters.next().is_none().then_some((axis, angle))
         });
-        let Some((axis, angle)) = entry else {
-            bail!("--pose: found \"{part}\", needed a rotary axis and its angle like A=30");
-        };
-        Ok((axis, number("--pose", angle)?))
+        let (axis, angle) =
+            entry.ok_or_else(|| format!("found \"{part}\", needed a rotary axis and its angle like A=30"))?;
+        Ok((axis, number(angle)?))
     };
     text.split(',').map(one).collect()
 }

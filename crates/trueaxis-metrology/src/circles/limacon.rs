@@ -150,7 +150,7 @@ impl Reading {
     }
 }
 
-/// What is to be as small as possible.
+/// Quantity to be minimised.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Aim {
     Zone,

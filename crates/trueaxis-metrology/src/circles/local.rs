@@ -91,7 +91,7 @@ impl Local {
         extremes(&self.points, &self.points, c)
     }
 
-    /// What rounding makes of f at centres up to a distance from the origin: nothing below it means anything.
+    /// Rounding error of f at centres up to a distance from the origin: nothing below it means anything.
     pub(super) fn noise(&self, distance: f64) -> f64 {
         let [e, size] = self.largest;
         4.0 * f64::EPSILON * (e + 2.0 * distance * size + f64::EPSILON * size * size)

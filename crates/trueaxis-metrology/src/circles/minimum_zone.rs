@@ -128,7 +128,7 @@ struct Search<'a> {
     limit: f64,
 }
 
-/// What two points make of the zone over a rectangle: in its middle, the least, and the change along either side.
+/// Zone of two points over a rectangle: in its middle, the least, and the change along either side.
 struct Over {
     here: f64,
     least: f64,
@@ -322,7 +322,7 @@ impl<'a> Search<'a> {
         64.0 * self.local.noise(c[0].hypot(c[1]))
     }
 
-    /// Where the search ended at rounding, or at points that do not touch: the points that are then farthest and nearest.
+    /// After a search that ended at rounding, or at points that do not touch: the points that are then farthest and nearest.
     fn settle(&mut self) {
         if !self.contacts.is_empty() {
             return;

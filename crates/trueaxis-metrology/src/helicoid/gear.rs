@@ -3,7 +3,7 @@
 use super::{Flank, Helicoid, LONGEST_MM};
 use crate::error::{InputError, Quantity};
 
-/// What a drawing says about a helical gear. Profile shift does not enter: it moves the flank about z only.
+/// A helical gear by the figures of its drawing. Profile shift does not enter: it moves the flank about z only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gear {
     /// Normal module m_n, mm, above 0.
@@ -16,7 +16,7 @@ pub struct Gear {
     pub helix_angle_deg: f64,
 }
 
-/// What follows from a [`Gear`]; mm and degrees.
+/// Dimensions that follow from a [`Gear`]; mm and degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GearData {
     /// Transverse module m_t = m_n/cos β.

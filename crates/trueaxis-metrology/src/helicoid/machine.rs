@@ -3,7 +3,7 @@
 use super::{Helicoid, LONGEST_MM};
 use crate::error::{InputError, Quantity};
 
-/// How the head stands at A = 0. One and the same machine: *vertical* is *horizontal* with the head turned by 90°.
+/// Head at A = 0. One and the same machine: *vertical* is *horizontal* with the head turned by 90°.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Form {
     /// Spindle along +y at A = 0: t0 = [0, 1, 0].
@@ -33,10 +33,10 @@ pub enum Branch {
     Second,
 }
 
-/// What is known about the machine and the set-up.
+/// The machine and the set-up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineSettings {
-    /// How the head stands at A = 0.
+    /// Head at A = 0.
     pub form: Form,
     /// Pivot length L, tool tip to A axis, mm; 0 to 1e6. [`pivot_length`] gives it from an edge finder's reading.
     pub pivot_mm: f64,
@@ -59,7 +59,7 @@ pub struct Placement {
     pub c_deg: f64,
 }
 
-/// Where a tool stands in the gear's frame.
+/// Pose of a tool in the gear's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolPose {
     /// Tip, mm.
@@ -70,7 +70,7 @@ pub struct ToolPose {
 
 /// A checked head-table machine.
 ///
-/// X, Y, Z are counted so that at A = 0 and C = 0 they are the tip's place in the table's frame, which has its origin
+/// X, Y, Z are counted so that at A = 0 and C = 0 they are the tip's position in the table's frame, which has its origin
 /// on the C axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeadTable {
@@ -151,7 +151,7 @@ impl HeadTable {
         })
     }
 
-    /// Where the tool stands in the gear's frame at given axes: the forward transformation.
+    /// Pose of the tool in the gear's frame at given axes: the forward transformation.
     ///
     /// axis = R_z(−C) R_x(A) t0, tip = R_z(−C) ([X, Y, Z] + L t0 − L R_x(A) t0) − w, at A and C freed of their senses.
     /// Rounding only; made of the machine's joints from the A axis outward, not by turning [`HeadTable::place`] round.

@@ -85,8 +85,8 @@ pub fn solve_angle(axis: Axis, angle_rad: f64, observations: &[Observation]) -> 
         stack.fixed_view_mut::<7, 7>(0, 0).copy_from(&triangle);
         for (i, (row, value)) in rows.into_iter().zip(deviation).enumerate() {
             let scaled = row.into_iter().zip(lengths).map(|(value, length)| value / length).chain([value]);
-            for (place, value) in stack.row_mut(7 + i).iter_mut().zip(scaled) {
-                *place = value;
+            for (slot, value) in stack.row_mut(7 + i).iter_mut().zip(scaled) {
+                *slot = value;
             }
         }
         triangle = stack.qr().r();

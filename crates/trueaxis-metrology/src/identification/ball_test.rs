@@ -8,7 +8,7 @@ use std::vec::Vec;
 use trueaxis::Axis;
 use trueaxis::machine::Twist;
 
-/// What is known about the zero of the gauges in each set-up.
+/// Knowledge of the zero of the gauges in each set-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Offsets {
     /// Readings are deviations from where the ball ought to be: nothing is free.
@@ -80,7 +80,7 @@ pub struct Identified {
 /// residual pooled over all angles.
 ///
 /// # Errors
-/// What [`solve_angle`] refuses, an angle without a reading of every set-up, and free offsets that the angles cannot tell from
+/// All that [`solve_angle`] refuses, an angle without a reading of every set-up, and free offsets that the angles cannot tell from
 /// errors.
 pub fn identify(test: &BallTest, offsets: Offsets) -> Result<Identified, Refused> {
     if test.angles.is_empty() {

@@ -10,7 +10,7 @@
 //! Work and memory grow with the number of angles linearly, not with its cube and square.
 
 use super::angle::{CONDITION_LIMIT, SWEEPS};
-use super::ball::{BallTest, lever, rows};
+use super::ball::{AngleReadings, BallTest, lever, rows};
 use super::refused::Refused;
 use nalgebra::{DMatrix, DVector, QR};
 use std::{vec, vec::Vec};
@@ -54,41 +54,12 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
     let mut eliminated = Vec::with_capacity(test.angles.len());
     let mut triangle = DMatrix::<f64>::zeros(size + 1, size + 1);
     for readings in &test.angles {
-        let mut design = DMatrix::<f64>::zeros(size, 6);
-        let mut right = DMatrix::<f64>::identity(size, size + 1);
-        for (s, (&ball, deviation)) in test.balls.iter().zip(&readings.deviations_mm).enumerate() {
-            let arm = lever(test.axis, readings.angle_rad, ball).ok_or(Refused::NotRotary(test.axis))?;
-            for (i, (row, value)) in rows(arm).into_iter().zip(deviation).enumerate() {
-                right[(3 * s + i, size)] = *value;
-                for (j, coefficient) in row.into_iter().enumerate() {
-                    design[(3 * s + i, j)] = coefficient;
-                }
-            }
-        }
-        let lengths: Vec<f64> = design.column_iter().map(|column| column.norm()).collect();
-        for (mut column, length) in design.column_iter_mut().zip(&lengths) {
-            column /= *length;
-        }
-        let factors = QR::new(design);
-        factors.q_tr_mul(&mut right);
-        let mut inverse = factors
-            .r()
-            .solve_upper_triangular(&DMatrix::identity(6, 6))
-            .ok_or(Refused::Offsets { found: size, needed })?;
-        for (mut row, length) in inverse.row_iter_mut().zip(&lengths) {
-            row /= *length;
-        }
-        let solved = &inverse * right.rows(0, 6);
+        let (angle, rest) = eliminate(test, readings, needed)?;
         let mut stack = DMatrix::zeros(size + 1 + size - 6, size + 1);
         stack.rows_mut(0, size + 1).copy_from(&triangle);
-        stack.rows_mut(size + 1, size - 6).copy_from(&right.rows(6, size - 6));
+        stack.rows_mut(size + 1, size - 6).copy_from(&rest);
         triangle = QR::new(stack).r();
-        eliminated.push(Eliminated {
-            own: solved.column(size).into_owned(),
-            through: solved.columns(0, size).into_owned(),
-            scatter: &inverse * inverse.transpose(),
-            gauge: gauge(test.axis, readings.angle_rad),
-        });
+        eliminated.push(angle);
     }
 
     let right = triangle.view((0, size), (size, 1)).into_owned();
@@ -159,6 +130,41 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, Refused> {
         degrees_of_freedom: readings - unknowns,
         null_space: unseen.len(),
     })
+}
+
+/// Takes the six errors of an angle out of its equations: their share, and the rows that are left for the offsets.
+fn eliminate(test: &BallTest, readings: &AngleReadings, needed: usize) -> Result<(Eliminated, DMatrix<f64>), Refused> {
+    let size = 3 * test.balls.len();
+    let mut design = DMatrix::<f64>::zeros(size, 6);
+    let mut right = DMatrix::<f64>::identity(size, size + 1);
+    for (s, (&ball, deviation)) in test.balls.iter().zip(&readings.deviations_mm).enumerate() {
+        let arm = lever(test.axis, readings.angle_rad, ball).ok_or(Refused::NotRotary(test.axis))?;
+        for (i, (row, value)) in rows(arm).into_iter().zip(deviation).enumerate() {
+            right[(3 * s + i, size)] = *value;
+            for (j, coefficient) in row.into_iter().enumerate() {
+                design[(3 * s + i, j)] = coefficient;
+            }
+        }
+    }
+    let lengths: Vec<f64> = design.column_iter().map(|column| column.norm()).collect();
+    for (mut column, length) in design.column_iter_mut().zip(&lengths) {
+        column /= *length;
+    }
+    let factors = QR::new(design);
+    factors.q_tr_mul(&mut right);
+    let mut inverse =
+        factors.r().solve_upper_triangular(&DMatrix::identity(6, 6)).ok_or(Refused::Offsets { found: size, needed })?;
+    for (mut row, length) in inverse.row_iter_mut().zip(&lengths) {
+        row /= *length;
+    }
+    let solved = &inverse * right.rows(0, 6);
+    let angle = Eliminated {
+        own: solved.column(size).into_owned(),
+        through: solved.columns(0, size).into_owned(),
+        scatter: &inverse * inverse.transpose(),
+        gauge: gauge(test.axis, readings.angle_rad),
+    };
+    Ok((angle, right.rows(6, size - 6).into_owned()))
 }
 
 /// Rows that the convention sets to zero when summed over the angles: X, Y, Z, and the product with each pattern.

@@ -16,7 +16,7 @@ pub enum Refused {
     },
     /// Fewer than three set-ups.
     TooFewSetUps {
-        /// How many.
+        /// Their number.
         found: usize,
     },
     /// The points (L, H) lie on one line, or so near to one that the six errors cannot be told apart: turning about that
@@ -26,7 +26,7 @@ pub enum Refused {
         along_mm: f64,
         /// Largest distance from the line, mm.
         off_mm: f64,
-        /// How many of six errors are seen.
+        /// Number of errors seen, of six.
         rank: u8,
         /// Condition number of the scaled columns; infinite where the rank is exact.
         condition: f64,

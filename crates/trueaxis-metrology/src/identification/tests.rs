@@ -19,7 +19,7 @@ fn degrees(count: u32, step: f64) -> Vec<f64> {
     (0..count).map(|i| (f64::from(i) * step).to_radians()).collect()
 }
 
-/// Where the ball is, less where it ought to be: the error motion comes before the axis' own turn.
+/// Real less ideal position of the ball: the error motion comes before the axis' own turn.
 fn moved(axis: Axis, angle: f64, ball: Ball, errors: &Twist) -> [f64; 3] {
     let [x, y, z, a, b, c] = *errors;
     let turn = match axis {
@@ -122,7 +122,7 @@ fn more_set_ups_agree_too() {
     }
 }
 
-/// What is left of true errors once the convention of free offsets has been imposed, by Gram's sums over the angles.
+/// Rest of true errors once the convention of free offsets has been imposed, by Gram's sums over the angles.
 fn in_convention(axis: Axis, angles: &[f64]) -> Vec<Twist> {
     let mut truth: Vec<Twist> = angles.iter().map(|&angle| truth(angle, 1e-3)).collect();
     let count = angles.len() as f64;

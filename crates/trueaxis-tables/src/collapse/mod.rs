@@ -53,16 +53,16 @@ const THINNED: usize = 41;
 /// Steps in which tables are stored, 1e-7 µm: short decimals.
 const STEPS_PER_UM: f64 = 1e7;
 
-/// For which tool, place and pose the tables shall hold.
+/// Tool, volume and pose for which the tables are made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CollapseOptions {
     /// Tool tip from the last tool-side frame at all axes zero, mm; the machine's own if `None`.
     pub tool_mm: Option<[f64; 3]>,
-    /// Where the cross terms are zero, mm; the middle of the volume if `None`. Entries of axes that the machine lacks are not read.
+    /// Position at which the cross terms are zero, mm; the middle of the volume if `None`. Entries of axes that the machine lacks are not read.
     pub reference_mm: Option<[f64; 3]>,
     /// Lower and upper end of the working volume for X, Y, Z, mm; `None`: the declared travel, or the table's range.
     pub volume_mm: [Option<[f64; 2]>; 3],
-    /// Where the rotary axes stand, degrees; zero for an axis that is not named.
+    /// Angles of the rotary axes, degrees; zero for an axis that is not named.
     pub pose_deg: Vec<(Axis, f64)>,
 }
 
@@ -77,9 +77,9 @@ pub enum CollapseError {
         option: &'static str,
         /// The axis, where it is about one.
         axis: Option<Axis>,
-        /// What was found.
+        /// Found value.
         found: String,
-        /// What is needed.
+        /// Needed value.
         needed: String,
     },
     /// The structural code makes no sense.
@@ -97,17 +97,17 @@ pub struct Collapsed {
     pub machine: Machine,
     /// The working volume; zero length for an axis that the machine lacks, mm.
     pub volume_mm: [[f64; 2]; 3],
-    /// Where the cross terms are zero, mm.
+    /// Position at which the cross terms are zero, mm.
     pub reference_mm: [f64; 3],
     /// Points and directions at which the deviations below were evaluated.
     pub evaluated: usize,
     /// Error of the tool tip as it is.
     pub before: Deviation,
-    /// What the collapsed tables leave.
+    /// Error left by the collapsed tables.
     pub after: Deviation,
-    /// What the original tables leave when they are used as nine terms as they are, with the machine's squareness.
+    /// Error left by the original tables when they are used as nine terms as they are, with the machine's squareness.
     pub original: Deviation,
-    /// What one axis' angular errors contribute to the rest that no nine tables can hold, largest first.
+    /// Share of each axis' angular errors in the rest that no nine tables can express, largest first.
     pub causes: Vec<Cause>,
 }
 

@@ -1,4 +1,4 @@
-//! What tables leave, on a grid of its own.
+//! Error that tables leave, on a grid of its own.
 
 use super::additive::{Level, MainEffects, levels};
 use super::volume::Volume;
@@ -26,7 +26,7 @@ pub struct Deviation {
     pub max_along_mm: [f64; 3],
     /// Root mean square along X, Y, Z, mm.
     pub rms_along_mm: [f64; 3],
-    /// Where the largest length was found: X, Y, Z, mm.
+    /// Position of the largest length: X, Y, Z, mm.
     pub at_mm: [f64; 3],
 }
 
@@ -46,7 +46,7 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, place: [f64; 3], weight: f64, d: [f64; 3]) {
+    fn add(&mut self, point: [f64; 3], weight: f64, d: [f64; 3]) {
         for c in 0..3 {
             self.squares[c] += weight * d[c] * d[c];
             self.worst.max_along_mm[c] = self.worst.max_along_mm[c].max(d[c].abs());
@@ -54,7 +54,7 @@ impl Sum {
         let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
         if length > self.worst.max_mm {
             self.worst.max_mm = length;
-            self.worst.at_mm = place;
+            self.worst.at_mm = point;
         }
     }
 
@@ -123,13 +123,13 @@ pub(super) fn evaluate(
                 for &y in &levels[1] {
                     for &z in &levels[2] {
                         let cell = [x, y, z];
-                        let place = cell.map(|level| level.position);
-                        let (at, reverse) = (volume.position(place), volume.direction(cell.map(|level| level.reverse)));
+                        let point = cell.map(|level| level.position);
+                        let (at, reverse) = (volume.position(point), volume.direction(cell.map(|level| level.reverse)));
                         let d = geometry.tip_error(&at, &reverse);
                         let weight = x.weight * y.weight * z.weight;
                         for (sum, model) in sums.iter_mut().zip([[0.0; 3], first(&at, &reverse), second(&at, &reverse)])
                         {
-                            sum.add(place, weight, std::array::from_fn(|c| d[c] - model[c]));
+                            sum.add(point, weight, std::array::from_fn(|c| d[c] - model[c]));
                         }
                     }
                 }
@@ -148,12 +148,12 @@ fn grid(volume: &Volume, points: usize, two_sided: [bool; 3]) -> [Vec<Level>; 3]
             return levels(&[0.0], false);
         }
         let last = points - 1;
-        let place = |k: usize| if k == last { high } else { low + (high - low) * (k as f64 / last as f64) };
-        levels(&(0..points).map(place).collect::<Vec<f64>>(), two_sided[i])
+        let point = |k: usize| if k == last { high } else { low + (high - low) * (k as f64 / last as f64) };
+        levels(&(0..points).map(point).collect::<Vec<f64>>(), two_sided[i])
     })
 }
 
-/// What each linear axis' angular errors leave on their own beside the best sum, largest first; axes without are left out.
+/// Error that each linear axis' angular errors leave on their own beside the best sum, largest first; axes without are left out.
 pub(super) fn causes(volume: &Volume, machine: &Machine) -> Result<Vec<Cause>, CollapseError> {
     let levels = grid(volume, FEW_POINTS, volume.two_sided_table);
     let mut causes = Vec::new();

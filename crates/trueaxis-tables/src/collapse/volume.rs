@@ -64,9 +64,9 @@ impl Volume {
         Ok(volume)
     }
 
-    /// Positions of all axes for a place of the volume.
-    pub(super) fn position(&self, place: [f64; 3]) -> [f64; AXES] {
-        self.filled(self.pose, place)
+    /// Positions of all axes for a point of the volume.
+    pub(super) fn position(&self, point: [f64; 3]) -> [f64; AXES] {
+        self.filled(self.pose, point)
     }
 
     /// Directions of all axes (1: negative travel).

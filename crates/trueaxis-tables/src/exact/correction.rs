@@ -11,7 +11,7 @@ const LEAST_SQUARE: f64 = 0.05 * 0.05;
 /// Least sine of the fade: the correction stays bounded where no fade is wanted.
 const LEAST_FADE: f64 = 1e-3;
 
-/// How a correction is found.
+/// Settings of a correction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CorrectionSettings {
     /// Number of look-ups; `None`: until the correction changes by less than 1e-12 mm (1e-14 rad).

@@ -59,9 +59,9 @@ pub enum GeometryError {
     Chain {
         /// The code as given.
         chain: String,
-        /// What stands there.
+        /// Found character.
         found: String,
-        /// What would be understood.
+        /// Understood characters.
         needed: &'static str,
     },
     /// The structural code and the list of axes differ.
@@ -170,14 +170,14 @@ impl Geometry {
         }
     }
 
-    /// Where the tool really is in the workpiece's frame; arguments as for [`Geometry::tip_error`].
+    /// Pose of the real tool in the workpiece's frame; arguments as for [`Geometry::tip_error`].
     pub fn actual_pose(&self, position: &[f64; AXES], reverse: &[f64; AXES]) -> ToolPose {
         let (_, workpiece) = side(&self.workpiece, position, reverse);
         let (_, tool) = side(&self.tool, position, reverse);
         self.pose(&workpiece, &tool)
     }
 
-    /// Where the tool of a perfect machine would be in the workpiece's frame at `position`.
+    /// Pose of a perfect machine's tool in the workpiece's frame at `position`.
     pub fn ideal_pose(&self, position: &[f64; AXES]) -> ToolPose {
         let (workpiece, _) = side(&self.workpiece, position, &[0.0; AXES]);
         let (tool, _) = side(&self.tool, position, &[0.0; AXES]);

@@ -32,7 +32,7 @@
 //! // trueaxis axis A offset_mm: 0 0 150
 //! ```
 //!
-//! The other control skips them: what it must be told otherwise is in [`Exported::notes`]. A file with such comments is refused
+//! The other control skips them: what it needs besides is in [`Exported::notes`]. A file with such comments is refused
 //! where one cannot be read, and where an axis of a comment, table or location error is not in the chain.
 //!
 //! No direction of travel (the mean is written), no backlash, no thermal growth. Tables over several arguments, constant
@@ -40,7 +40,8 @@
 
 use super::{ExportOptions, Exported, Imported, isg_notes, losses, measured_at, own_comments, positioning};
 use crate::error::FileError;
-use crate::source::{Source, fixed, numbered};
+use crate::origin::{Origin, numbered};
+use crate::text::fixed;
 use crate::{Machine, Table};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -56,25 +57,25 @@ struct Block {
     lines: Vec<(u32, Vec<f64>)>,
 }
 
-pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<Imported, FileError> {
+pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<Imported, FileError> {
     let mut tables: BTreeMap<Axis, Table> = BTreeMap::new();
     let mut location = LocationErrors::default();
-    let mut settings = own_comments::read(text, source)?;
-    for block in blocks(text, source)? {
-        in_chain(&block, settings.as_ref(), source)?;
+    let mut settings = own_comments::read(text, origin)?;
+    for block in blocks(text, origin)? {
+        in_chain(&block, settings.as_ref(), origin)?;
         let arguments: Vec<Axis> = block.names.iter().filter_map(|name| axis_named(name)).collect();
         match arguments.as_slice() {
-            [] => location_errors(&block, source, &mut location)?,
+            [] => location_errors(&block, origin, &mut location)?,
             [axis] => {
-                let table = component_errors(&block, *axis, source)?;
+                let table = component_errors(&block, *axis, origin)?;
                 if only.is_none_or(|only| only == *axis) && tables.insert(*axis, table).is_some() {
                     let found = format!("a second table of axis {}", axis.letter());
-                    return Err(source.at(block.line, "", found, "one per axis"));
+                    return Err(origin.at(block.line, "", found, "one per axis"));
                 }
             }
             [first, second, ..] => {
                 let found = format!("a table over {} and {}", first.letter(), second.letter());
-                return Err(source.at(block.line, "", found, "one argument: the axis' own position"));
+                return Err(origin.at(block.line, "", found, "one argument: the axis' own position"));
             }
         }
     }
@@ -83,7 +84,7 @@ pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<
             Some(axis) => format!("no component errors of axis {}", axis.letter()),
             None => String::from("no component errors"),
         };
-        return Err(source.whole(found, "a header such as X EXX EYX EZX EAX EBX ECX and its values"));
+        return Err(origin.whole(found, "a header such as X EXX EYX EZX EAX EBX ECX and its values"));
     }
     if let Some(settings) = &mut settings {
         settings.location = location;
@@ -91,15 +92,15 @@ pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<
     Ok(Imported { tables: tables.into_iter().collect(), location, settings, notes: Vec::new() })
 }
 
-/// Where the file gives the chain: every axis of a header, and every rotary axis with a location error, has to be in it.
-fn in_chain(block: &Block, settings: Option<&MachineSettings>, source: &Source) -> Result<(), FileError> {
+/// In a file that gives the chain, every axis of a header, and every rotary axis with a location error, has to be in it.
+fn in_chain(block: &Block, settings: Option<&MachineSettings>, origin: &Origin) -> Result<(), FileError> {
     let Some(settings) = settings else { return Ok(()) };
     let values = block.lines.first().map_or(&[][..], |(_, values)| values);
-    for (place, name) in block.names.iter().enumerate() {
+    for (column, name) in block.names.iter().enumerate() {
         let letters: Vec<char> = name.chars().collect();
         let axis = match letters.as_slice() {
             [axis] => Axis::from_letter(*axis),
-            [_, '0', axis] if values.get(place) != Some(&0.0) => {
+            [_, '0', axis] if values.get(column) != Some(&0.0) => {
                 Axis::from_letter(*axis).filter(|axis| axis.is_rotary())
             }
             _ => None,
@@ -108,13 +109,13 @@ fn in_chain(block: &Block, settings: Option<&MachineSettings>, source: &Source) 
             && !settings.axes.iter().any(|own| own.axis == axis)
         {
             let found = format!("axis {}, which is not in the chain {}", axis.letter(), settings.chain);
-            return Err(source.at(block.line, name, found, "an axis of the chain"));
+            return Err(origin.at(block.line, name, found, "an axis of the chain"));
         }
     }
     Ok(())
 }
 
-fn blocks(text: &str, source: &Source) -> Result<Vec<Block>, FileError> {
+fn blocks(text: &str, origin: &Origin) -> Result<Vec<Block>, FileError> {
     let mut blocks: Vec<Block> = Vec::new();
     let mut expect_header = true;
     for (line, content) in numbered(text) {
@@ -135,7 +136,7 @@ fn blocks(text: &str, source: &Source) -> Result<Vec<Block>, FileError> {
             if let Some(name) =
                 names.iter().enumerate().find(|(k, name)| names.iter().take(*k).any(|before| before == *name))
             {
-                return Err(source.at(line, name.1, "the column twice", "it once"));
+                return Err(origin.at(line, name.1, "the column twice", "it once"));
             }
             blocks.push(Block { line, names, lines: Vec::new() });
             expect_header = false;
@@ -144,14 +145,14 @@ fn blocks(text: &str, source: &Source) -> Result<Vec<Block>, FileError> {
         let Some(block) = blocks.last_mut() else { continue };
         if fields.len() != block.names.len() {
             let found = format!("{} values", fields.len());
-            return Err(source.at(
+            return Err(origin.at(
                 line,
                 "",
                 found,
                 format!("{}, as in the header of line {}", block.names.len(), block.line),
             ));
         }
-        let values = block.names.iter().zip(&fields).map(|(name, text)| source.number(line, name, text));
+        let values = block.names.iter().zip(&fields).map(|(name, text)| origin.number(line, name, text));
         let values = values.collect::<Result<Vec<f64>, FileError>>()?;
         block.lines.push((line, values));
     }
@@ -173,32 +174,32 @@ fn component_named(name: &str) -> Option<(usize, Axis)> {
     }
 }
 
-fn component_errors(block: &Block, axis: Axis, source: &Source) -> Result<Table, FileError> {
+fn component_errors(block: &Block, axis: Axis, origin: &Origin) -> Result<Table, FileError> {
     let mut given = [false; 6];
-    let mut places: Vec<Option<usize>> = Vec::new();
+    let mut columns: Vec<Option<usize>> = Vec::new();
     for name in &block.names {
         if axis_named(name).is_some() {
-            places.push(None);
+            columns.push(None);
             continue;
         }
         let Some((component, _)) = component_named(name).filter(|(_, moved)| *moved == axis) else {
             let needed = format!("errors of axis {0}, EX{0} to EC{0}, in a table over {0}", axis.letter());
-            return Err(source.at(block.line, name, format!("column {name:?}"), needed));
+            return Err(origin.at(block.line, name, format!("column {name:?}"), needed));
         };
         if let Some(flag) = given.get_mut(component) {
             *flag = true;
         }
-        places.push(Some(component));
+        columns.push(Some(component));
     }
     if given == [false; 6] {
-        return Err(source.at(block.line, "", "no error beside the position", "at least one column"));
+        return Err(origin.at(block.line, "", "no error beside the position", "at least one column"));
     }
     let mut lines = Vec::with_capacity(block.lines.len());
     for (line, values) in &block.lines {
         let mut position = 0.0;
         let mut errors = [0.0; 6];
-        for (place, value) in places.iter().zip(values) {
-            match place {
+        for (column, value) in columns.iter().zip(values) {
+            match column {
                 None => position = *value,
                 Some(component) => {
                     if let Some(error) = errors.get_mut(*component) {
@@ -209,25 +210,25 @@ fn component_errors(block: &Block, axis: Axis, source: &Source) -> Result<Table,
         }
         lines.push((*line, Row { position, forward: errors, reverse: errors }));
     }
-    super::table(axis, given, lines, source)
+    super::table(axis, given, lines, origin)
 }
 
-fn location_errors(block: &Block, source: &Source, location: &mut LocationErrors) -> Result<(), FileError> {
+fn location_errors(block: &Block, origin: &Origin, location: &mut LocationErrors) -> Result<(), FileError> {
     let [(line, values)] = block.lines.as_slice() else {
         let found = format!("{} lines of values without an argument", block.lines.len());
-        return Err(source.at(block.line, "", found, "one line of location errors"));
+        return Err(origin.at(block.line, "", found, "one line of location errors"));
     };
     for (name, value) in block.names.iter().zip(values) {
         match location_entry(location, name) {
             Some(entry) => *entry = *value,
             None if component_named(name).is_some() => {
                 let needed = "the axis position as the first column";
-                return Err(source.at(block.line, name, "a component error without an argument", needed));
+                return Err(origin.at(block.line, name, "a component error without an argument", needed));
             }
             None if is_location_error(name) && *value == 0.0 => {}
             None => {
                 let needed = "A0Z, B0Z, C0Y, or X0r to C0r of a rotary axis r; other parameters 0 or absent";
-                return Err(source.at(*line, name, value, needed));
+                return Err(origin.at(*line, name, value, needed));
             }
         }
     }

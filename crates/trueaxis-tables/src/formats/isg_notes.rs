@@ -1,9 +1,9 @@
-//! What to set on a control so that an ISG CSV acts as its tables do here.
+//! Settings of the control so that an ISG CSV acts as its tables do here.
 
 use super::losses;
 use trueaxis::machine::{AxisSettings, Interpolation, MachineSettings};
 
-/// What was done with the place of measurement.
+/// Treatment of the line of measurement.
 pub(super) fn measured(settings: &AxisSettings) -> String {
     let cubic = if settings.interpolation == Interpolation::Cubic { "; a cubic differs between the lines" } else { "" };
     format!(
@@ -14,7 +14,7 @@ pub(super) fn measured(settings: &AxisSettings) -> String {
     )
 }
 
-/// What the control has to be told by other means than the file.
+/// Settings that the control needs besides the file.
 pub(super) fn machine(settings: &MachineSettings, notes: &mut Vec<String>) {
     let links = trueaxis::machine::links(&settings.chain).unwrap_or_default();
     let workpiece: Vec<String> =

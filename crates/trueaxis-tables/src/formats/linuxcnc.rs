@@ -23,7 +23,8 @@ use super::positioning::{self, Point};
 use super::{ExportOptions, Exported, Imported};
 use crate::Machine;
 use crate::error::FileError;
-use crate::source::{Source, fixed, numbered};
+use crate::origin::{Origin, numbered};
+use crate::text::fixed;
 use std::fmt::Write;
 use trueaxis::machine::{Axis, LocationErrors};
 
@@ -68,52 +69,52 @@ impl CompFileType {
 
 pub(super) fn import(
     text: &str,
-    source: &Source,
+    origin: &Origin,
     axis: Option<Axis>,
     file_type: CompFileType,
 ) -> Result<Imported, FileError> {
-    let axis = axis.ok_or_else(|| source.whole("no axis: a COMP_FILE does not name its joint", "the axis"))?;
-    contradicts(&points(text, source)?, file_type, source)?;
+    let axis = axis.ok_or_else(|| origin.whole("no axis: a COMP_FILE does not name its joint", "the axis"))?;
+    contradicts(&points(text, origin)?, file_type, origin)?;
     let to_table = if axis.is_rotary() { std::f64::consts::PI / 180.0 } else { 1.0 };
     let mut lines = Vec::new();
-    for (line, [nominal, forward, reverse]) in points(text, source)? {
+    for (line, [nominal, forward, reverse]) in points(text, origin)? {
         let [forward, reverse] = [forward, reverse].map(|value| file_type.error(nominal, value) * to_table);
         lines.push((line, super::single(nominal, axis.index(), forward, reverse)));
     }
-    let table = super::table(axis, super::only(axis.index()), lines, source)?;
+    let table = super::table(axis, super::only(axis.index()), lines, origin)?;
     Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default(), settings: None, notes: Vec::new() })
 }
 
 /// Lines and their three numbers.
-fn points(text: &str, source: &Source) -> Result<Vec<(u32, [f64; 3])>, FileError> {
+fn points(text: &str, origin: &Origin) -> Result<Vec<(u32, [f64; 3])>, FileError> {
     let mut lines = Vec::new();
     let mut blank = None;
     for (line, content) in numbered(text) {
         if content.starts_with('\u{feff}') {
-            return Err(source.at(line, "", "a byte order mark: LinuxCNC would read nothing", "plain text"));
+            return Err(origin.at(line, "", "a byte order mark: LinuxCNC would read nothing", "plain text"));
         }
         if content.trim().is_empty() {
             blank = blank.or(Some(line));
             continue;
         }
         if let Some(blank) = blank {
-            return Err(source.at(blank, "", "a blank line: LinuxCNC stops reading there", "three numbers"));
+            return Err(origin.at(blank, "", "a blank line: LinuxCNC stops reading there", "three numbers"));
         }
         if content.len() > MAX_LINE {
             let found = format!("{} bytes: LinuxCNC would read the rest as another line", content.len());
-            return Err(source.at(line, "", found, format!("at most {MAX_LINE} bytes")));
+            return Err(origin.at(line, "", found, format!("at most {MAX_LINE} bytes")));
         }
         // Text after the third number is ignored by LinuxCNC: only what is clearly a comment may be.
         let numbers = content.find(['#', ';']).map_or(content, |start| content.split_at(start).0);
         let fields: Vec<&str> = numbers.split_whitespace().collect();
         let [nominal, forward, reverse] = fields.as_slice() else {
             let found = format!("{:?} ({} fields): LinuxCNC stops or misreads there", content.trim(), fields.len());
-            return Err(source.at(line, "", found, "three numbers separated by blanks: nominal forward reverse"));
+            return Err(origin.at(line, "", found, "three numbers separated by blanks: nominal forward reverse"));
         };
-        let nominal = source.number(line, "nominal", nominal)?;
-        let (forward, reverse) = (source.number(line, "forward", forward)?, source.number(line, "reverse", reverse)?);
+        let nominal = origin.number(line, "nominal", nominal)?;
+        let (forward, reverse) = (origin.number(line, "forward", forward)?, origin.number(line, "reverse", reverse)?);
         if lines.len() == MAX_POINTS {
-            return Err(source.at(
+            return Err(origin.at(
                 line,
                 "",
                 format!("point {}", MAX_POINTS + 1),
@@ -143,8 +144,8 @@ fn largest(points: &[(u32, [f64; 3])]) -> [f64; 2] {
 /// # Errors
 /// Lines that are none, and a file that could be either: then the type has to be given.
 pub fn recognise(text: &str, file: &std::path::Path) -> Result<CompFileType, FileError> {
-    let source = Source::new(file);
-    let [positions, trims] = largest(&points(text, &source)?);
+    let origin = Origin::new(file);
+    let [positions, trims] = largest(&points(text, &origin)?);
     if positions <= LARGEST && positions * CLEARLY <= trims {
         return Ok(CompFileType::Positions);
     }
@@ -155,14 +156,14 @@ pub fn recognise(text: &str, file: &std::path::Path) -> Result<CompFileType, Fil
         // Neither is a table: the range of its numbers refuses it, with the line.
         return Ok(CompFileType::Positions);
     }
-    Err(source.whole(
+    Err(origin.whole(
         format!("errors up to {positions} read as type 0 and {trims} read as type 1 (mm or degrees)"),
         "numbers that tell the types apart, or the type (--comp-file-type 0 or 1)",
     ))
 }
 
 /// A type that was given against what the numbers say beyond doubt.
-fn contradicts(points: &[(u32, [f64; 3])], given: CompFileType, source: &Source) -> Result<(), FileError> {
+fn contradicts(points: &[(u32, [f64; 3])], given: CompFileType, origin: &Origin) -> Result<(), FileError> {
     let [positions, trims] = largest(points);
     let (own, other, number) = match given {
         CompFileType::Positions => (positions, trims, 1),
@@ -171,7 +172,7 @@ fn contradicts(points: &[(u32, [f64; 3])], given: CompFileType, source: &Source)
     if own > LARGEST && other * CLEARLY <= own && other <= LARGEST {
         let found =
             format!("errors up to {own} mm or degrees read as type {}, {other} as type {number}", given.number());
-        return Err(source.whole(found, format!("--comp-file-type {number}")));
+        return Err(origin.whole(found, format!("--comp-file-type {number}")));
     }
     Ok(())
 }
@@ -180,14 +181,14 @@ pub(super) fn export(
     machine: &Machine,
     options: &ExportOptions,
     file_type: CompFileType,
-    source: &Source,
+    origin: &Origin,
     exported: &mut Exported,
 ) -> Result<(), FileError> {
     for (settings, table) in positioning::chosen(machine, options.axis) {
         let letter = settings.axis.letter();
         if table.rows.len() > MAX_POINTS {
             let found = format!("{} points in the table of axis {letter}", table.rows.len());
-            return Err(source.whole(found, format!("at most {MAX_POINTS}")));
+            return Err(origin.whole(found, format!("at most {MAX_POINTS}")));
         }
         losses::cross_terms(settings, table, &mut exported.dropped);
         let points = positioning::points(machine, settings, table);

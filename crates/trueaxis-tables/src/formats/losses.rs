@@ -1,4 +1,4 @@
-//! What a format cannot hold, one sentence each, with figures.
+//! Data that a format cannot hold, one sentence each, with figures.
 
 use super::positioning::error_name;
 use crate::{Machine, Table};
@@ -25,12 +25,12 @@ fn largest(table: &Table, components: std::ops::Range<usize>, except: Option<usi
 /// `12 um, 7 urad` of a length in mm and an angle in rad; what is zero is left out.
 fn micro(length: f64, angle: f64) -> String {
     let part = |value: f64, scale: f64, unit: &str| {
-        (value != 0.0).then(|| format!("{} {unit}", crate::source::fixed(value * scale, 3)))
+        (value != 0.0).then(|| format!("{} {unit}", crate::text::fixed(value * scale, 3)))
     };
     [part(length, 1e3, "um"), part(angle, 1e6, "urad")].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-/// What a format without cross terms cannot hold: the errors of this axis in other directions.
+/// Lost in a format without cross terms: the errors of this axis in other directions.
 pub(super) fn cross_terms(settings: &AxisSettings, table: &Table, dropped: &mut Vec<String>) {
     let axis = settings.axis;
     let names: Vec<String> = (0..6)
@@ -83,7 +83,7 @@ pub(super) fn location_losses(machine: &Machine, dropped: &mut Vec<String>) {
     dropped.push(format!("location errors {}", named.join(", ")));
 }
 
-/// What a format of single axes cannot hold of the machine around them: chain, offsets, levers, tool, and how the tables are
+/// Lost in a format of single axes: chain, offsets, levers, tool, and how the tables are
 /// used.
 pub(super) fn machine_losses(machine: &Machine, only: Option<Axis>, dropped: &mut Vec<String>) {
     let settings = &machine.settings;

@@ -1,4 +1,4 @@
-//! Tables measured away from zero, moved to where a format without a place of measurement has them.
+//! Tables measured away from zero, moved to where a format without a line of measurement has them.
 
 use crate::Machine;
 use glam::DVec3;

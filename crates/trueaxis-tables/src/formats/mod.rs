@@ -1,7 +1,7 @@
 //! Compensation data of other controls, read and written.
 //!
 //! Inside this crate a table holds the *error*, actual − ideal, of the tool relative to the workpiece (mm, rad; ISO 230-1).
-//! What the other formats hold, and how it is converted, stands in the module of each:
+//! The module of each format says what it holds and how it is converted:
 //!
 //! | format | holds | value for an error E |
 //! |---|---|---|
@@ -11,7 +11,7 @@
 //! | [`isg`] volumetric CSV | all six errors, location errors; as comments chain, offsets, tool | +E (mm, rad) |
 //! | [`iso230_2`] measurement | deviations of single approaches | +E (µm, µrad) |
 //!
-//! Import refuses whatever it would have to ignore. Export refuses whatever the format cannot hold, unless told to drop it
+//! Import refuses whatever it would have to ignore. Export refuses whatever the format cannot hold, unless asked to drop it
 //! ([`Loss::Drop`]); then it names what it dropped.
 
 mod axis_csv;
@@ -32,8 +32,8 @@ pub use axis_csv::{axis_csv_name, write_axis_csv};
 pub use machine_toml::machine_files;
 
 use crate::error::FileError;
+use crate::origin::Origin;
 use crate::sheet::Sheet;
-use crate::source::Source;
 use crate::{Machine, Table};
 use linuxcnc::CompFileType;
 use std::path::{Path, PathBuf};
@@ -75,7 +75,7 @@ impl Format {
     }
 }
 
-/// What a foreign file contained, as tables of this crate.
+/// Content of a foreign file, as tables of this crate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
     /// The tables in the order X Y Z A B C.
@@ -85,7 +85,7 @@ pub struct Imported {
     /// Chain, offsets, tool and how the tables are used, from the comments of an [`isg`] file that this crate wrote; what the
     /// comments do not say has its default, the name is "imported". `None` from every other file.
     pub settings: Option<MachineSettings>,
-    /// How the file was read, where that is not the usual way: to be told once.
+    /// Separators and decimals, where they are not the usual ones: to be reported once.
     pub notes: Vec<String>,
 }
 
@@ -100,7 +100,7 @@ impl Imported {
     }
 }
 
-/// What to do with data that the format cannot hold.
+/// Treatment of data that the format cannot hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Loss {
     /// Refuse to export, naming everything that would be lost.
@@ -110,10 +110,10 @@ pub enum Loss {
     Drop,
 }
 
-/// How to export.
+/// Options of an export.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportOptions {
-    /// What to do with data that the format cannot hold.
+    /// Treatment of data that the format cannot hold.
     pub loss: Loss,
     /// Only this axis; `None`: every axis with a table.
     pub axis: Option<Axis>,
@@ -130,14 +130,14 @@ impl Default for ExportOptions {
     }
 }
 
-/// What was written.
+/// Result of an export.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exported {
     /// File names and their text.
     pub files: Vec<(String, String)>,
-    /// What the format could not hold, one sentence each; empty with [`Loss::Refuse`].
+    /// Data that the format could not hold, one sentence each; empty with [`Loss::Refuse`].
     pub dropped: Vec<String>,
-    /// What to set on the control so that the files act.
+    /// Settings of the control with which the files act.
     pub notes: Vec<String>,
 }
 
@@ -166,12 +166,12 @@ pub struct Exported {
 /// # Errors
 /// The first thing that is not exactly as the format wants it, or that a table cannot hold: file, line, column, found, needed.
 pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Result<Imported, FileError> {
-    let source = Source::new(file);
+    let origin = Origin::new(file);
     match format {
-        Format::LinuxCnc(file_type) => linuxcnc::import(text, &source, axis, file_type),
-        Format::Siemens => siemens::import(text, &source, axis),
-        Format::Isg => isg::import(text, &source, axis),
-        Format::Iso230_2 => iso230_2::import(text, &source, axis),
+        Format::LinuxCnc(file_type) => linuxcnc::import(text, &origin, axis, file_type),
+        Format::Siemens => siemens::import(text, &origin, axis),
+        Format::Isg => isg::import(text, &origin, axis),
+        Format::Iso230_2 => iso230_2::import(text, &origin, axis),
     }
 }
 
@@ -181,24 +181,24 @@ pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Re
 /// When the machine has nothing to write, when a table breaks a limit of the format, or when something would be lost and
 /// [`ExportOptions::loss`] does not allow that.
 pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Result<Exported, FileError> {
-    let source = Source::new(&options.source);
+    let origin = Origin::new(&options.source);
     let chosen = |axis: Axis| options.axis.is_none_or(|only| only == axis);
     if !machine.axes().any(|(settings, table)| chosen(settings.axis) && table.is_some()) {
         let found = match options.axis {
             Some(axis) => format!("no table for axis {}", axis.letter()),
             None => String::from("no axis with a table"),
         };
-        return Err(source.whole(found, "an axis with a table"));
+        return Err(origin.whole(found, "an axis with a table"));
     }
     let mut exported = Exported::default();
     match format {
-        Format::LinuxCnc(file_type) => linuxcnc::export(machine, options, file_type, &source, &mut exported)?,
-        Format::Siemens => siemens::export(machine, options, &source, &mut exported)?,
+        Format::LinuxCnc(file_type) => linuxcnc::export(machine, options, file_type, &origin, &mut exported)?,
+        Format::Siemens => siemens::export(machine, options, &origin, &mut exported)?,
         Format::Isg => isg::export(machine, options, &mut exported),
         Format::Iso230_2 => iso230_2::export(machine, options, &mut exported),
     }
     if options.loss == Loss::Refuse && !exported.dropped.is_empty() {
-        return Err(source.whole(
+        return Err(origin.whole(
             format!("data that the format cannot hold: {}", exported.dropped.join("; ")),
             "permission to drop it, or a format that holds it",
         ));
@@ -208,28 +208,28 @@ pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Res
 
 /// A table from its lines, checked as every imported table is: two lines or more, positions strictly increasing, and the
 /// two ends of a full circle equal (within 0.01 µm, 0.01 µrad), because such a table wraps.
-fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, source: &Source) -> Result<Table, FileError> {
+fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, origin: &Origin) -> Result<Table, FileError> {
     let name = format!("{} position", axis.letter());
     for (line, row) in &lines {
-        within(source, *line, &name, row.position, range::POSITION.of(axis))?;
+        within(origin, *line, &name, row.position, range::POSITION.of(axis))?;
         for (component, (forward, reverse)) in row.forward.iter().zip(&row.reverse).enumerate() {
             let range = if component < 3 { &range::TRANSLATION } else { &range::ROTATION };
             for value in [forward, reverse] {
-                within(source, *line, &positioning::error_name(axis, component), *value, range)?;
+                within(origin, *line, &positioning::error_name(axis, component), *value, range)?;
             }
         }
     }
     for pair in lines.windows(2) {
         let [(_, before), (line, row)] = pair else { continue };
         if row.position <= before.position {
-            return Err(source.at(*line, &name, row.position, format!("more than {} (increasing)", before.position)));
+            return Err(origin.at(*line, &name, row.position, format!("more than {} (increasing)", before.position)));
         }
     }
     let (Some((_, first)), Some((last_line, last))) = (lines.first(), lines.last()) else {
-        return Err(source.whole("no points", "at least two"));
+        return Err(origin.whole("no points", "at least two"));
     };
     if lines.len() < 2 {
-        return Err(source.whole("one point", "at least two"));
+        return Err(origin.whole("one point", "at least two"));
     }
     if axis.is_rotary() && (last.position - first.position - 360.0).abs() < 1e-9 {
         let ends = [(first.forward, last.forward), (first.reverse, last.reverse)];
@@ -238,7 +238,7 @@ fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, source: &Source) 
             (*low - *high).abs() > if *component < 3 { 1e-5 } else { 1e-8 }
         };
         if let Some((_, (low, high))) = ends.into_iter().find(apart) {
-            return Err(source.at(
+            return Err(origin.at(
                 *last_line,
                 &name,
                 format!("{high} at the end of the full circle, {low} at its start"),
@@ -252,12 +252,13 @@ fn table(axis: Axis, given: [bool; 6], lines: Vec<(u32, Row)>, source: &Source) 
 }
 
 /// A value (mm, degrees, rad) in its physical range.
-fn within(source: &Source, line: u32, name: &str, value: f64, range: &Range) -> Result<(), FileError> {
-    if range.contains(value) { Ok(()) } else { Err(source.at(line, name, figure(value, range), range.needed)) }
+fn within(origin: &Origin, line: u32, name: &str, value: f64, range: &Range) -> Result<(), FileError> {
+    if range.contains(value) { Ok(()) } else { Err(origin.at(line, name, figure(value, range), range.needed)) }
 }
 
 /// [`within`] for the row of a sheet that is being read.
-fn within_sheet(sheet: &Sheet<'_>, name: &str, value: f64, range: &Range) -> Result<(), FileError> {
+fn within_sheet(sheet: &Sheet<'_>, column: usize, value: f64, range: &Range) -> Result<(), FileError> {
+    let name = sheet.header().get(column).map_or("", String::as_str);
     if range.contains(value) { Ok(()) } else { Err(sheet.error(name, figure(value, range), range.needed)) }
 }
 

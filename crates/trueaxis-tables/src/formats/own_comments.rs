@@ -1,4 +1,4 @@
-//! What an ISG CSV has no columns for, as comment lines that other readers skip and this one reads back.
+//! Settings for which an ISG CSV has no columns, as comment lines that other readers skip and this one reads back.
 //!
 //! One item a line, each at most once, from a line's beginning; numbers are decimals that give the same double again:
 //!
@@ -16,7 +16,7 @@
 use super::losses::numbers;
 use crate::Machine;
 use crate::error::FileError;
-use crate::source::{Source, numbered};
+use crate::origin::{Origin, numbered};
 use std::fmt::Write;
 use trueaxis::check;
 use trueaxis::error::Field;
@@ -25,7 +25,7 @@ use trueaxis::machine::{
     MachineSettings,
 };
 
-/// What marks a comment as one of ours.
+/// Mark of the comments written here.
 const MARK: &str = "// trueaxis ";
 const KEYS: &str =
     "chain, tool_mm, tool_axis, singular_cone_deg, reference_temperature_c, model, orientation or fade_deg";
@@ -111,22 +111,22 @@ pub(super) fn written(machine: &Machine) -> String {
 }
 
 /// The settings that the comments of a file give; `None` without such comments.
-pub(super) fn read(text: &str, source: &Source) -> Result<Option<MachineSettings>, FileError> {
-    let items = items(text, source)?;
+pub(super) fn read(text: &str, origin: &Origin) -> Result<Option<MachineSettings>, FileError> {
+    let items = items(text, origin)?;
     let Some(first) = items.first() else { return Ok(None) };
     let Some(chain) = items.iter().find(|item| item.axis.is_none() && item.key == "chain") else {
-        return Err(source.at(first.line, first.key, "no chain beside it", "a comment // trueaxis chain: w … b … t"));
+        return Err(origin.at(first.line, first.key, "no chain beside it", "a comment // trueaxis chain: w … b … t"));
     };
-    let mut settings = settings_of(chain, source)?;
+    let mut settings = settings_of(chain, origin)?;
     for item in &items {
         match item.axis {
-            None => machine_item(item, &mut settings, source)?,
+            None => machine_item(item, &mut settings, origin)?,
             Some(axis) => {
                 let Some(own) = settings.axes.iter_mut().find(|own| own.axis == axis) else {
                     let found = format!("axis {}, which is not in the chain {}", axis.letter(), chain.value);
-                    return Err(source.at(item.line, item.key, found, "an axis of the chain"));
+                    return Err(origin.at(item.line, item.key, found, "an axis of the chain"));
                 };
-                axis_item(item, own, source)?;
+                axis_item(item, own, origin)?;
             }
         }
     }
@@ -142,19 +142,19 @@ pub(super) fn read(text: &str, source: &Source) -> Result<Option<MachineSettings
                 })
         };
         match items.iter().find(of) {
-            Some(item) => source.at(item.line, item.key, format!("{:?}", item.value), error.needed),
-            None => source.at(chain.line, chain.key, format!("{:?}: {error}", chain.value), error.needed),
+            Some(item) => origin.at(item.line, item.key, format!("{:?}", item.value), error.needed),
+            None => origin.at(chain.line, chain.key, format!("{:?}: {error}", chain.value), error.needed),
         }
     })?;
     Ok(Some(settings))
 }
 
-fn items<'t>(text: &'t str, source: &Source) -> Result<Vec<Item<'t>>, FileError> {
+fn items<'t>(text: &'t str, origin: &Origin) -> Result<Vec<Item<'t>>, FileError> {
     let mut items: Vec<Item<'t>> = Vec::new();
     for (line, content) in numbered(text) {
         let Some(content) = content.trim().strip_prefix(MARK) else { continue };
         let Some((name, value)) = content.split_once(':') else {
-            return Err(source.at(line, "", format!("{content:?}"), "a key, a colon and a value"));
+            return Err(origin.at(line, "", format!("{content:?}"), "a key, a colon and a value"));
         };
         let (name, value) = (name.trim(), value.trim());
         let (axis, key) = match name.strip_prefix("axis ").and_then(|of_axis| of_axis.trim().split_once(' ')) {
@@ -162,12 +162,12 @@ fn items<'t>(text: &'t str, source: &Source) -> Result<Vec<Item<'t>>, FileError>
                 let mut letters = letter.chars();
                 let axis = letters.next().and_then(Axis::from_letter).filter(|_| letters.next().is_none());
                 let needed = "one of X Y Z A B C";
-                (Some(axis.ok_or_else(|| source.at(line, name, format!("axis {letter:?}"), needed))?), key.trim())
+                (Some(axis.ok_or_else(|| origin.at(line, name, format!("axis {letter:?}"), needed))?), key.trim())
             }
             None => (None, name),
         };
         if let Some(before) = items.iter().find(|before| before.axis == axis && before.key == key) {
-            return Err(source.at(line, name, format!("it again, already on line {}", before.line), "it once"));
+            return Err(origin.at(line, name, format!("it again, already on line {}", before.line), "it once"));
         }
         items.push(Item { line, axis, key, value });
     }
@@ -175,8 +175,8 @@ fn items<'t>(text: &'t str, source: &Source) -> Result<Vec<Item<'t>>, FileError>
 }
 
 /// The settings of a machine of this chain, all at their defaults.
-fn settings_of(chain: &Item<'_>, source: &Source) -> Result<MachineSettings, FileError> {
-    let wrong = |needed: String| source.at(chain.line, chain.key, format!("{:?}", chain.value), needed);
+fn settings_of(chain: &Item<'_>, origin: &Origin) -> Result<MachineSettings, FileError> {
+    let wrong = |needed: String| origin.at(chain.line, chain.key, format!("{:?}", chain.value), needed);
     let links = trueaxis::machine::links(chain.value)
         .map_err(|error| wrong(format!("{} (at letter {} of the chain)", error.needed, error.found + 1.0)))?;
     if links.is_empty() {
@@ -204,57 +204,57 @@ fn settings_of(chain: &Item<'_>, source: &Source) -> Result<MachineSettings, Fil
     })
 }
 
-fn machine_item(item: &Item<'_>, settings: &mut MachineSettings, source: &Source) -> Result<(), FileError> {
+fn machine_item(item: &Item<'_>, settings: &mut MachineSettings, origin: &Origin) -> Result<(), FileError> {
     match item.key {
         "chain" => {}
-        "tool_mm" => settings.tool_mm = list(item, source)?,
-        "reference_temperature_c" => [settings.reference_temperature_c] = list(item, source)?,
+        "tool_mm" => settings.tool_mm = list(item, origin)?,
+        "reference_temperature_c" => [settings.reference_temperature_c] = list(item, origin)?,
         "model" => {
             let models = [("nine", ErrorModel::Nine), ("volumetric", ErrorModel::Volumetric)];
-            settings.compensation.model = choice(item, models, source)?;
+            settings.compensation.model = choice(item, models, origin)?;
         }
         "orientation" => {
-            settings.compensation.orientation = choice(item, [("true", true), ("false", false)], source)?;
+            settings.compensation.orientation = choice(item, [("true", true), ("false", false)], origin)?;
         }
-        "fade_deg" => [settings.compensation.fade_deg] = list(item, source)?,
-        "tool_axis" => settings.kinematics.tool_axis = list(item, source)?,
-        "singular_cone_deg" => [settings.kinematics.singular_cone_deg] = list(item, source)?,
-        other => return Err(source.at(item.line, "", format!("{other:?}"), KEYS)),
+        "fade_deg" => [settings.compensation.fade_deg] = list(item, origin)?,
+        "tool_axis" => settings.kinematics.tool_axis = list(item, origin)?,
+        "singular_cone_deg" => [settings.kinematics.singular_cone_deg] = list(item, origin)?,
+        other => return Err(origin.at(item.line, "", format!("{other:?}"), KEYS)),
     }
     Ok(())
 }
 
-fn axis_item(item: &Item<'_>, axis: &mut AxisSettings, source: &Source) -> Result<(), FileError> {
+fn axis_item(item: &Item<'_>, axis: &mut AxisSettings, origin: &Origin) -> Result<(), FileError> {
     let where_to_look = [("command", Lookup::Command), ("feedback", Lookup::Feedback)];
     match item.key {
-        "direction" if axis.axis.is_rotary() => axis.direction = choice(item, [("1", 1), ("-1", -1)], source)?,
+        "direction" if axis.axis.is_rotary() => axis.direction = choice(item, [("1", 1), ("-1", -1)], origin)?,
         "interpolation" => {
             let choices = [("linear", Interpolation::Linear), ("cubic", Interpolation::Cubic)];
-            axis.interpolation = choice(item, choices, source)?;
+            axis.interpolation = choice(item, choices, origin)?;
         }
-        "lookup" => axis.lookup = choice(item, where_to_look, source)?,
-        "cross_lookup" => axis.cross_lookup = choice(item, where_to_look, source)?,
-        key if key == travel_key(axis.axis) => axis.travel = list(item, source)?,
-        "offset_mm" => axis.offset_mm = list(item, source)?,
+        "lookup" => axis.lookup = choice(item, where_to_look, origin)?,
+        "cross_lookup" => axis.cross_lookup = choice(item, where_to_look, origin)?,
+        key if key == travel_key(axis.axis) => axis.travel = list(item, origin)?,
+        "offset_mm" => axis.offset_mm = list(item, origin)?,
         other => {
             let found = format!("{other:?} of axis {}", axis.axis.letter());
-            return Err(source.at(item.line, "", found, format!("{AXIS_KEYS}; direction of a rotary axis only")));
+            return Err(origin.at(item.line, "", found, format!("{AXIS_KEYS}; direction of a rotary axis only")));
         }
     }
     Ok(())
 }
 
-fn list<const N: usize>(item: &Item<'_>, source: &Source) -> Result<[f64; N], FileError> {
-    let values = item.value.split_whitespace().map(|text| source.number(item.line, item.key, text));
+fn list<const N: usize>(item: &Item<'_>, origin: &Origin) -> Result<[f64; N], FileError> {
+    let values = item.value.split_whitespace().map(|text| origin.number(item.line, item.key, text));
     let values = values.collect::<Result<Vec<f64>, FileError>>()?;
     <[f64; N]>::try_from(values)
-        .map_err(|values| source.at(item.line, item.key, format!("{} numbers", values.len()), format!("{N}")))
+        .map_err(|values| origin.at(item.line, item.key, format!("{} numbers", values.len()), format!("{N}")))
 }
 
-fn choice<T, const N: usize>(item: &Item<'_>, choices: [(&str, T); N], source: &Source) -> Result<T, FileError> {
+fn choice<T, const N: usize>(item: &Item<'_>, choices: [(&str, T); N], origin: &Origin) -> Result<T, FileError> {
     let needed = choices.iter().map(|(name, _)| *name).collect::<Vec<&str>>().join(" or ");
     let chosen = choices.into_iter().find(|(name, _)| *name == item.value).map(|(_, value)| value);
-    chosen.ok_or_else(|| source.at(item.line, item.key, format!("{:?}", item.value), needed))
+    chosen.ok_or_else(|| origin.at(item.line, item.key, format!("{:?}", item.value), needed))
 }
 
 /// Which setting a key is, and the word that tells it from others of the same field.

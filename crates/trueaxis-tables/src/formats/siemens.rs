@@ -23,7 +23,8 @@ use super::{ExportOptions, Exported, Imported};
 use super::{losses, positioning};
 use crate::Machine;
 use crate::error::FileError;
-use crate::source::{Source, fixed, numbered};
+use crate::origin::{Origin, numbered};
+use crate::text::fixed;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use trueaxis::machine::{Axis, LocationErrors};
@@ -33,7 +34,7 @@ pub const FILE_NAME: &str = "AX_EEC.INI";
 /// Most points read: the memory option of the control ends far below.
 const MAX_INDEX: usize = 100_000;
 
-/// What a file says about one axis: values with the line they stand on.
+/// Values of one axis in a file, with their lines.
 #[derive(Default)]
 struct AxisBlock {
     /// Name of the axis in the file.
@@ -46,7 +47,7 @@ struct AxisBlock {
     modulo: Option<(u32, f64)>,
 }
 
-pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<Imported, FileError> {
+pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<Imported, FileError> {
     let mut blocks: BTreeMap<Axis, AxisBlock> = BTreeMap::new();
     for (line, content) in numbered(text) {
         let code = content.find(';').map_or(content, |start| content.split_at(start).0).trim();
@@ -58,17 +59,17 @@ pub(super) fn import(text: &str, source: &Source, only: Option<Axis>) -> Result<
         {
             continue;
         }
-        assignment(code, line, source, only, &mut blocks)?;
+        assignment(code, line, origin, only, &mut blocks)?;
     }
     if blocks.is_empty() {
         return Err(match only {
-            Some(axis) => source.whole(format!("no $AA_ENC_COMP of axis {}", axis.letter()), "its values"),
-            None => source.whole("no $AA_ENC_COMP", "compensation values"),
+            Some(axis) => origin.whole(format!("no $AA_ENC_COMP of axis {}", axis.letter()), "its values"),
+            None => origin.whole("no $AA_ENC_COMP", "compensation values"),
         });
     }
     let mut tables = Vec::new();
     for (axis, block) in blocks {
-        tables.push((axis, block_table(axis, &block, source)?));
+        tables.push((axis, block_table(axis, &block, origin)?));
     }
     Ok(Imported { tables, location: LocationErrors::default(), settings: None, notes: Vec::new() })
 }
@@ -86,20 +87,20 @@ fn without_block_number(code: &str) -> &str {
 fn assignment(
     code: &str,
     line: u32,
-    source: &Source,
+    origin: &Origin,
     only: Option<Axis>,
     blocks: &mut BTreeMap<Axis, AxisBlock>,
 ) -> Result<(), FileError> {
     const NEEDED: &str = "$AA_ENC_COMP[e,N,AX]=value, or its _STEP, _MIN, _MAX, _IS_MODULO";
-    let wrong = || source.at(line, "", format!("{code:?}"), NEEDED);
+    let wrong = || origin.at(line, "", format!("{code:?}"), NEEDED);
     let (left, value) = code.split_once('=').ok_or_else(wrong)?;
     let (name, indices) = left.trim().strip_suffix(']').and_then(|left| left.split_once('[')).ok_or_else(wrong)?;
     let name = name.trim();
     let indices: Vec<&str> = indices.split(',').map(str::trim).collect();
-    let value = source.number(line, name, value.trim())?;
+    let value = origin.number(line, name, value.trim())?;
     let index = |text: &str, limit: usize| {
         text.parse::<usize>().ok().filter(|index| *index <= limit).ok_or_else(|| {
-            source.at(line, name, format!("index {text:?}"), format!("a whole number from 0 to {limit}"))
+            origin.at(line, name, format!("index {text:?}"), format!("a whole number from 0 to {limit}"))
         })
     };
     let (encoder, point, identifier) = match (name, indices.as_slice()) {
@@ -119,11 +120,11 @@ fn assignment(
         (None, Some(only)) if is_number(identifier) => only,
         (None, None) if is_number(identifier) => {
             let needed = "the axis that it is (--axis X)";
-            return Err(source.at(line, name, format!("axis {identifier:?}, which names none"), needed));
+            return Err(origin.at(line, name, format!("axis {identifier:?}, which names none"), needed));
         }
         (None, _) => {
             let needed = "X, Y, Z, A, B or C, with a number if need be (X1), or AX1 and so on";
-            return Err(source.at(line, name, format!("axis {identifier:?}"), needed));
+            return Err(origin.at(line, name, format!("axis {identifier:?}"), needed));
         }
     };
     let block = blocks.entry(axis).or_default();
@@ -131,10 +132,10 @@ fn assignment(
     if first != identifier {
         let found = format!("axis {identifier:?} beside {first:?}");
         let needed = format!("one of them in the file, for axis {}", axis.letter());
-        return Err(source.at(line, name, found, needed));
+        return Err(origin.at(line, name, found, needed));
     }
     if *block.encoder.get_or_insert(encoder) != encoder {
-        return Err(source.at(line, name, "a second measuring system of the axis", "one (0 or 1) in the file"));
+        return Err(origin.at(line, name, "a second measuring system of the axis", "one (0 or 1) in the file"));
     }
     let entry = (line, value);
     let before = match name {
@@ -146,7 +147,7 @@ fn assignment(
     };
     match before {
         Some((first, _)) => {
-            Err(source.at(line, name, format!("{} again, already on line {first}", left.trim()), "it once"))
+            Err(origin.at(line, name, format!("{} again, already on line {first}", left.trim()), "it once"))
         }
         None => Ok(()),
     }
@@ -165,34 +166,34 @@ fn axis_of(identifier: &str) -> Option<Axis> {
     characters.all(|rest| rest.is_ascii_digit()).then_some(axis)
 }
 
-fn block_table(axis: Axis, block: &AxisBlock, source: &Source) -> Result<crate::Table, FileError> {
+fn block_table(axis: Axis, block: &AxisBlock, origin: &Origin) -> Result<crate::Table, FileError> {
     let letter = axis.letter();
-    let missing = |name: &str| source.whole(format!("no $AA_ENC_COMP_{name} for axis {letter}"), "it");
+    let missing = |name: &str| origin.whole(format!("no $AA_ENC_COMP_{name} for axis {letter}"), "it");
     let (step_line, step) = block.step.ok_or_else(|| missing("STEP"))?;
     let (_, min) = block.min.ok_or_else(|| missing("MIN"))?;
     let (max_line, max) = block.max.ok_or_else(|| missing("MAX"))?;
     if step <= 0.0 {
-        return Err(source.at(step_line, "$AA_ENC_COMP_STEP", step, "more than 0"));
+        return Err(origin.at(step_line, "$AA_ENC_COMP_STEP", step, "more than 0"));
     }
     let intervals = (max - min) / step;
     let last = intervals.round();
     if !(1.0..=MAX_INDEX as f64).contains(&last) || (intervals - last).abs() > 1e-6 {
         let found = format!("{intervals} steps between MIN and MAX");
-        return Err(source.at(max_line, "$AA_ENC_COMP_MAX", found, "a whole number of steps, at least 1"));
+        return Err(origin.at(max_line, "$AA_ENC_COMP_MAX", found, "a whole number of steps, at least 1"));
     }
     match block.modulo {
         None | Some((_, 0.0)) => {}
         Some((line, 1.0)) => {
             if !axis.is_rotary() || (max - min - 360.0).abs() > 1e-9 {
                 let found = format!("a cyclic table of axis {letter} over {}", max - min);
-                return Err(source.at(line, "$AA_ENC_COMP_IS_MODULO", found, "a rotary axis and 360 degrees"));
+                return Err(origin.at(line, "$AA_ENC_COMP_IS_MODULO", found, "a rotary axis and 360 degrees"));
             }
         }
-        Some((line, value)) => return Err(source.at(line, "$AA_ENC_COMP_IS_MODULO", value, "0 or 1")),
+        Some((line, value)) => return Err(origin.at(line, "$AA_ENC_COMP_IS_MODULO", value, "0 or 1")),
     }
     let last = last as usize;
     if let Some((index, (line, _))) = block.points.iter().next_back().filter(|(index, _)| **index > last) {
-        return Err(source.at(
+        return Err(origin.at(
             *line,
             "$AA_ENC_COMP",
             format!("point {index}"),
@@ -204,18 +205,18 @@ fn block_table(axis: Axis, block: &AxisBlock, source: &Source) -> Result<crate::
     for index in 0..=last {
         let Some(&(line, value)) = block.points.get(&index) else {
             let found = format!("no point {index} of axis {letter}: the control would keep the old value");
-            return Err(source.whole(found, format!("points 0 to {last}")));
+            return Err(origin.whole(found, format!("points 0 to {last}")));
         };
         let position = if index == last { max } else { min + index as f64 * step };
         lines.push((line, super::single(position, axis.index(), value * to_table, value * to_table)));
     }
-    super::table(axis, super::only(axis.index()), lines, source)
+    super::table(axis, super::only(axis.index()), lines, origin)
 }
 
 pub(super) fn export(
     machine: &Machine,
     options: &ExportOptions,
-    source: &Source,
+    origin: &Origin,
     exported: &mut Exported,
 ) -> Result<(), FileError> {
     let mut text = String::from("%_N_AX_EEC_INI\nCHANDATA(1)\n");
@@ -224,7 +225,7 @@ pub(super) fn export(
         losses::cross_terms(settings, table, &mut exported.dropped);
         let points = positioning::points(machine, settings, table);
         let points = positioning::mean_of_directions(settings, &points, &mut exported.dropped);
-        let (points, step) = equidistant(letter, &points, options, source, exported)?;
+        let (points, step) = equidistant(letter, &points, options, origin, exported)?;
         let decimals = if settings.axis.is_rotary() { 7 } else { 6 };
         for (index, (_, error)) in points.iter().enumerate() {
             let _ = writeln!(text, "$AA_ENC_COMP[0,{index},{letter}1]={}", fixed(*error, decimals));
@@ -252,11 +253,11 @@ fn equidistant(
     letter: char,
     points: &[(f64, f64)],
     options: &ExportOptions,
-    source: &Source,
+    origin: &Origin,
     exported: &mut Exported,
 ) -> Result<(Vec<(f64, f64)>, f64), FileError> {
     let (Some(&(low, _)), Some(&(high, _))) = (points.first(), points.last()) else {
-        return Err(source.whole(format!("an empty table of axis {letter}"), "at least two points"));
+        return Err(origin.whole(format!("an empty table of axis {letter}"), "at least two points"));
     };
     let Some(step) = options.step else {
         let step = (high - low) / (points.len() - 1) as f64;
@@ -264,7 +265,7 @@ fn equidistant(
             points.iter().enumerate().find(|(index, point)| (point.0 - (low + *index as f64 * step)).abs() > 1e-6);
         return match uneven {
             None => Ok((points.to_vec(), step)),
-            Some((_, point)) => Err(source.whole(
+            Some((_, point)) => Err(origin.whole(
                 format!("a free grid: point {} of axis {letter}", point.0),
                 "an equidistant table, or a step to resample it with",
             )),
@@ -276,7 +277,7 @@ fn equidistant(
         && intervals <= MAX_INDEX as f64
         && (intervals - intervals.round()).abs() < 1e-6)
     {
-        return Err(source.whole(
+        return Err(origin.whole(
             format!("a step of {step} for axis {letter}"),
             format!("one that divides its table, {low} to {high}, into whole steps"),
         ));
@@ -295,7 +296,7 @@ fn equidistant(
     Ok((resampled, step))
 }
 
-/// Linear interpolation, held at the ends.
+/// Linear interpolation, clamped at the ends.
 fn linear(points: &[(f64, f64)], position: f64) -> f64 {
     let above = points.partition_point(|point| point.0 < position);
     match (above.checked_sub(1).and_then(|below| points.get(below)), points.get(above)) {

@@ -1,4 +1,4 @@
-//! What an imported file states of an axis, in the words of `machine.toml`.
+//! Settings that an imported file states of an axis, in the words of `machine.toml`.
 
 use super::decimal::{shortest, toml_value};
 use super::own_comments;

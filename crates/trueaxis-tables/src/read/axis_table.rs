@@ -2,8 +2,8 @@
 
 use crate::Table;
 use crate::error::FileError;
+use crate::origin::Origin;
 use crate::sheet::Sheet;
-use crate::source::Source;
 use trueaxis::machine::{Axis, Row};
 
 /// A table with the line of each of its rows and the names of its columns, for errors that show only when all is read.
@@ -11,11 +11,11 @@ pub(super) struct TableFile {
     pub(super) table: Table,
     pub(super) lines: Vec<u32>,
     pub(super) columns: Vec<Column>,
-    /// How the file was read, where it has other separators or decimals.
+    /// Separators and decimals, where they are not the usual ones.
     pub(super) dialect: Option<&'static str>,
 }
 
-/// What a column holds.
+/// Content of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
     Position,
@@ -57,10 +57,10 @@ fn known(axis: Axis) -> Vec<Column> {
     columns
 }
 
-fn column(axis: Axis, name: &str, line: u32, source: &Source) -> Result<Column, FileError> {
+fn column(axis: Axis, name: &str, line: u32, origin: &Origin) -> Result<Column, FileError> {
     let mut known = known(axis);
-    if let Some(place) = known.iter().position(|column| column.name == name) {
-        return Ok(known.swap_remove(place));
+    if let Some(index) = known.iter().position(|column| column.name == name) {
+        return Ok(known.swap_remove(index));
     }
     let stem = |name: &str| name.rsplit_once('_').map_or(name.to_owned(), |(stem, _)| stem.to_owned());
     let without_unit = known.iter().find(|column| stem(&column.name) == name);
@@ -76,13 +76,13 @@ fn column(axis: Axis, name: &str, line: u32, source: &Source) -> Result<Column, 
             format!("one of {}, or a pair like {} and {}", plain.join(" "), known[2].name, known[3].name)
         }
     };
-    Err(source.at(line, name, format!("{name:?}"), needed))
+    Err(origin.at(line, name, format!("{name:?}"), needed))
 }
 
-fn header(axis: Axis, names: &[String], line: u32, source: &Source) -> Result<Vec<Column>, FileError> {
+fn header(axis: Axis, names: &[String], line: u32, origin: &Origin) -> Result<Vec<Column>, FileError> {
     let mut columns: Vec<Column> = Vec::new();
     for name in names {
-        let next = column(axis, name, line, source)?;
+        let next = column(axis, name, line, origin)?;
         for before in &columns {
             let clash = match (before.content, next.content) {
                 (Content::Position, Content::Position) => true,
@@ -91,17 +91,17 @@ fn header(axis: Axis, names: &[String], line: u32, source: &Source) -> Result<Ve
             };
             if clash {
                 let found = format!("both {} and {name}", before.name);
-                return Err(source.at(line, name, found, "every error once: one column, or one for each direction"));
+                return Err(origin.at(line, name, found, "every error once: one column, or one for each direction"));
             }
         }
         columns.push(next);
     }
     if !columns.iter().any(|column| column.content == Content::Position) {
         let needed = format!("a column {}", known(axis)[0].name);
-        return Err(source.at(line, "", "no column with the position", needed));
+        return Err(origin.at(line, "", "no column with the position", needed));
     }
     if columns.len() < 2 {
-        return Err(source.at(
+        return Err(origin.at(
             line,
             "",
             "no column with an error",
@@ -110,11 +110,11 @@ fn header(axis: Axis, names: &[String], line: u32, source: &Source) -> Result<Ve
     }
     for column in &columns {
         let Content::Error(component, directions) = column.content else { continue };
-        for (reverse, held) in [(false, directions[0]), (true, directions[1])] {
-            if !held && !columns.iter().any(|other| other.holds(Some(component), reverse)) {
+        for (reverse, given) in [(false, directions[0]), (true, directions[1])] {
+            if !given && !columns.iter().any(|other| other.holds(Some(component), reverse)) {
                 let partner =
                     if reverse { column.name.replace("_fwd_", "_rev_") } else { column.name.replace("_rev_", "_fwd_") };
-                return Err(source.at(line, &column.name, "one direction only", format!("a column {partner} as well")));
+                return Err(origin.at(line, &column.name, "one direction only", format!("a column {partner} as well")));
             }
         }
     }
@@ -124,12 +124,12 @@ fn header(axis: Axis, names: &[String], line: u32, source: &Source) -> Result<Ve
 /// Reads a table: `X_mm,EXX_um,…`, `#` comments and blank lines anywhere; separators and decimals as [`Sheet`] has them.
 ///
 /// Errors µm / 1e3 and µrad / 1e6, so that a value is the double nearest to the decimal in mm or rad.
-pub(super) fn read(text: &[u8], source: &Source, axis: Axis) -> Result<TableFile, FileError> {
-    let mut sheet = Sheet::new(text, source.file()).map_err(|error| match error.found.as_str() {
-        "no header" => source.whole("nothing but comments", format!("a header line, like {}", example(axis))),
+pub(super) fn read(text: &[u8], origin: &Origin, axis: Axis) -> Result<TableFile, FileError> {
+    let mut sheet = Sheet::new(text, origin.file()).map_err(|error| match error.found.as_str() {
+        "no header" => origin.whole("nothing but comments", format!("a header line, like {}", example(axis))),
         _ => error,
     })?;
-    let columns = header(axis, sheet.header(), sheet.header_line(), source)?;
+    let columns = header(axis, sheet.header(), sheet.header_line(), origin)?;
     let mut given = [false; 6];
     for column in &columns {
         if let Content::Error(component, _) = column.content {
@@ -139,8 +139,8 @@ pub(super) fn read(text: &[u8], source: &Source, axis: Axis) -> Result<TableFile
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
     while sheet.next_row()? {
         let mut row = Row { position: 0.0, forward: [0.0; 6], reverse: [0.0; 6] };
-        for (place, column) in columns.iter().enumerate() {
-            let value = sheet.number(place)?;
+        for (index, column) in columns.iter().enumerate() {
+            let value = sheet.number(index)?;
             match column.content {
                 Content::Position => row.position = value,
                 Content::Error(component, [forward, reverse]) => {

@@ -1,105 +1,33 @@
 //! `[roundness]` of `machine.toml`: a gauge of three probes.
 
-use super::places::Places;
 use super::section::{Found, Section};
 use crate::error::FileError;
-use trueaxis::error::Field;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
     Arm, ArmSettings, Band, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings, RoundnessSettings,
     SpindleEncoder,
 };
 
-/// A number that has to be whole and fit.
-fn whole<T: TryFrom<i64>>(section: &Section<'_>, found: &Found<f64>, needed: &str) -> Result<T, FileError> {
-    let value = found.value;
-    let whole = (value.fract() == 0.0 && value.abs() < 9e15).then_some(value as i64);
-    whole.and_then(|value| T::try_from(value).ok()).ok_or_else(|| section.wrong(found, needed))
-}
-
-/// Reads where keys may be missing, and remembers where they stood.
-struct Reader<'s, 'a, 'p> {
-    section: &'s Section<'a>,
-    places: &'p mut Places,
-    field: Field,
-}
-
-impl Reader<'_, '_, '_> {
-    fn whole<T: TryFrom<i64>>(&mut self, to: &mut T, key: &str, needed: &str) -> Result<(), FileError> {
-        let Some(found) = self.section.number(key)? else { return Ok(()) };
-        *to = whole(self.section, &found, needed)?;
-        self.places.number(&mut 0.0, Some(found), self.field, None, |value| value);
-        Ok(())
-    }
-
-    fn number(&mut self, to: &mut f64, key: &str) -> Result<(), FileError> {
-        self.places.number(to, self.section.number(key)?, self.field, None, |value| value);
-        Ok(())
-    }
-
-    fn band(&mut self, to: &mut Band, key: &str) -> Result<(), FileError> {
-        let Some(found) = self.section.numbers::<2>(key)? else { return Ok(()) };
-        let harmonic = |value: f64| (value.fract() == 0.0 && (0.0..=65_535.0).contains(&value)).then_some(value as u16);
-        let [first, last] = found.value.map(harmonic);
-        let (Some(first), Some(last)) = (first, last) else {
-            return Err(self.section.wrong(&found, "two whole numbers, lowest and highest harmonic"));
-        };
-        *to = Band { first, last };
-        self.places.numbers(&mut [0.0; 2], Some(found), self.field, None);
-        Ok(())
-    }
-
-    fn direction(&mut self, to: &mut i8, key: &str) -> Result<(), FileError> {
-        let Some(found) = self.section.number(key)? else { return Ok(()) };
-        *to = match found.value {
-            1.0 => 1,
-            -1.0 => -1,
-            _ => return Err(self.section.wrong(&found, "1 or -1")),
-        };
-        Ok(())
-    }
-}
-
 const COUNTS: &str = "a whole number of counts per revolution";
 
 /// The section; `None` where the file has none.
-pub(super) fn read(root: &Section<'_>, places: &mut Places) -> Result<Option<RoundnessSettings>, FileError> {
+pub(super) fn read(root: &Section<'_>) -> Result<Option<RoundnessSettings>, FileError> {
     let Some(section) = root.section("roundness")? else { return Ok(None) };
-    let points =
-        section.number("points")?.ok_or_else(|| section.missing("points", "the points of a revolution, 64 to 4096"))?;
+    let points = section
+        .whole("points", "a power of two from 64 to 4096")?
+        .ok_or_else(|| section.missing("points", "the points of a revolution, 64 to 4096"))?;
     let counts = section
-        .number("spindle_counts_per_revolution")?
+        .whole("spindle_counts_per_revolution", COUNTS)?
         .ok_or_else(|| section.missing("spindle_counts_per_revolution", "the counts of the spindle's encoder"))?;
-    let (slots, degrees) = (section.numbers::<2>("probe_slots")?, section.numbers::<2>("probe_angles_deg")?);
-    let (angles, angles_at) = match (slots, degrees) {
-        (Some(found), None) => {
-            let slot = |value: f64| (value.fract() == 0.0 && (0.0..=65_535.0).contains(&value)).then_some(value as u16);
-            let [Some(p), Some(q)] = found.value.map(slot) else {
-                return Err(section.wrong(&found, "two whole numbers, p and q"));
-            };
-            (ProbeAngles::Slots { p, q }, found)
-        }
-        (None, Some(found)) => {
-            let [phi2, phi3] = found.value;
-            (ProbeAngles::Degrees { phi2, phi3 }, found)
-        }
-        (Some(_), Some(found)) => return Err(section.wrong(&found, "either probe_slots or probe_angles_deg")),
-        (None, None) => return Err(section.missing("probe_slots", "probe_slots = [p, q] or probe_angles_deg")),
-    };
-    let mut settings = RoundnessSettings::with_defaults(
-        whole(&section, &points, "a power of two from 64 to 4096")?,
-        angles,
-        whole(&section, &counts, COUNTS)?,
-    );
-    places.number(&mut 0.0, Some(points), Field::Points, None, |value| value);
-    places.number(&mut 0.0, Some(counts), Field::Spindle, None, |value| value);
-    read_keys(&section, &mut settings, places)?;
+    let (angles, angles_at) = read_angles(&section)?;
+    let mut settings = RoundnessSettings::with_defaults(points, angles, counts);
+    read_keys(&section, &mut settings)?;
     if let Some(arm) = section.section("arm")? {
-        settings.arm = Some(read_arm(&arm, places)?);
+        settings.arm = Some(read_arm(&arm)?);
         arm.finish(None)?;
     }
     if let Some(infeed) = section.section("infeed")? {
-        settings.infeed = Some(read_infeed(&infeed, &settings, places)?);
+        settings.infeed = Some(read_infeed(&infeed, &settings)?);
         infeed.finish(None)?;
     }
     let points = usize::from(settings.points);
@@ -113,81 +41,88 @@ pub(super) fn read(root: &Section<'_>, places: &mut Places) -> Result<Option<Rou
             return Err(section.wrong(&angles_at, needed));
         }
     }
-    places.numbers(&mut [0.0; 2], Some(angles_at), Field::ProbeAngles, None);
     section.finish(None)?;
     Ok(Some(settings))
 }
 
-fn read_keys(section: &Section<'_>, settings: &mut RoundnessSettings, places: &mut Places) -> Result<(), FileError> {
-    let mut reader = Reader { section, places, field: Field::Harmonics };
-    reader.band(&mut settings.band, "harmonics")?;
-    reader.field = Field::ProbeAngles;
-    reader.number(&mut settings.noise_gain_limit, "noise_gain_limit")?;
-    reader.field = Field::Spindle;
+/// A whole number that fits into 16 bits.
+fn short(value: f64) -> Option<u16> {
+    (value.fract() == 0.0 && (0.0..=65_535.0).contains(&value)).then_some(value as u16)
+}
+
+fn read_angles(section: &Section<'_>) -> Result<(ProbeAngles, Found<[f64; 2]>), FileError> {
+    match (section.numbers::<2>("probe_slots")?, section.numbers::<2>("probe_angles_deg")?) {
+        (Some(found), None) => {
+            let [Some(p), Some(q)] = found.value.map(short) else {
+                return Err(section.wrong(&found, "two whole numbers, p and q"));
+            };
+            Ok((ProbeAngles::Slots { p, q }, found))
+        }
+        (None, Some(found)) => {
+            let [phi2, phi3] = found.value;
+            Ok((ProbeAngles::Degrees { phi2, phi3 }, found))
+        }
+        (Some(_), Some(found)) => Err(section.wrong(&found, "either probe_slots or probe_angles_deg")),
+        (None, None) => Err(section.missing("probe_slots", "probe_slots = [p, q] or probe_angles_deg")),
+    }
+}
+
+fn read_band(section: &Section<'_>, to: &mut Band) -> Result<(), FileError> {
+    let Some(found) = section.numbers::<2>("harmonics")? else { return Ok(()) };
+    let [Some(first), Some(last)] = found.value.map(short) else {
+        return Err(section.wrong(&found, "two whole numbers, lowest and highest harmonic"));
+    };
+    *to = Band { first, last };
+    Ok(())
+}
+
+fn read_keys(section: &Section<'_>, settings: &mut RoundnessSettings) -> Result<(), FileError> {
+    read_band(section, &mut settings.band)?;
+    section.set("noise_gain_limit", &mut settings.noise_gain_limit, |limit| limit)?;
     let SpindleEncoder { direction, index, index_tolerance, .. } = &mut settings.spindle;
-    reader.direction(direction, "spindle_direction")?;
+    section.set_direction("spindle_direction", direction)?;
     if let Some(given) = section.boolean("spindle_index")? {
         *index = given;
     }
-    reader.whole(index_tolerance, "spindle_index_tolerance_counts", "a whole number of counts")?;
-    reader.number(&mut settings.stop_s, "stop_s")?;
-    reader.field = Field::Revolutions;
-    reader.whole(&mut settings.revolutions, "revolutions", "a whole number from 1 to 10,000")?;
-    reader.whole(&mut settings.units_per_cycle, "units_per_cycle", "a whole number from 1 to 16")?;
-    // No cut-off fits into the type and is not read from the file.
-    const NONE: u16 = u16::MAX;
-    let mut cut_off = NONE;
-    reader.field = Field::Filter;
-    reader.whole(&mut cut_off, "filter_upr", "a cut-off of 15, 50, 150 or 500 UPR")?;
-    settings.filter = (cut_off != NONE).then_some(cut_off);
-    read_probes(section, &mut settings.probes, reader.places)
+    section.set_whole("spindle_index_tolerance_counts", index_tolerance, "a whole number of counts")?;
+    section.set("stop_s", &mut settings.stop_s, |s| s)?;
+    section.set_whole("revolutions", &mut settings.revolutions, "a whole number from 1 to 10,000")?;
+    section.set_whole("units_per_cycle", &mut settings.units_per_cycle, "a whole number from 1 to 16")?;
+    settings.filter = section.whole("filter_upr", "a cut-off of 15, 50, 150 or 500 UPR")?;
+    read_probes(section, &mut settings.probes)
 }
 
-fn read_probes(section: &Section<'_>, probes: &mut [ProbeSettings; 3], places: &mut Places) -> Result<(), FileError> {
+fn read_probes(section: &Section<'_>, probes: &mut [ProbeSettings; 3]) -> Result<(), FileError> {
     let mut gains = probes.map(|probe| probe.gain_um);
-    places.numbers(&mut gains, section.numbers("probe_gain_um")?, Field::Probe, None);
+    section.set_all("probe_gain_um", &mut gains)?;
     let mut zeros = probes.map(|probe| probe.zero);
-    places.numbers(&mut zeros, section.numbers("probe_zero")?, Field::Probe, None);
+    section.set_all("probe_zero", &mut zeros)?;
     let mut low = probes.map(|probe| probe.range[0]);
-    places.numbers(&mut low, section.numbers("probe_low")?, Field::Probe, None);
+    section.set_all("probe_low", &mut low)?;
     let mut high = probes.map(|probe| probe.range[1]);
-    places.numbers(&mut high, section.numbers("probe_high")?, Field::Probe, None);
+    section.set_all("probe_high", &mut high)?;
     for (i, probe) in probes.iter_mut().enumerate() {
         *probe = ProbeSettings { gain_um: gains[i], zero: zeros[i], range: [low[i], high[i]] };
     }
     Ok(())
 }
 
-fn read_arm(section: &Section<'_>, places: &mut Places) -> Result<ArmSettings, FileError> {
-    let mut arm = ArmSettings {
-        lengths: Arm { crank_mm: 0.0, wheel_mm: 0.0, pin_mm: 0.0 },
-        counts: 0,
-        direction: 1,
-        tolerance_deg: 1.0,
-    };
-    let lengths = &mut arm.lengths;
-    for (key, to) in
-        [("crank_mm", &mut lengths.crank_mm), ("wheel_mm", &mut lengths.wheel_mm), ("pin_mm", &mut lengths.pin_mm)]
-    {
+fn read_arm(section: &Section<'_>) -> Result<ArmSettings, FileError> {
+    let length = |key| {
         let found = section.number(key)?.ok_or_else(|| section.missing(key, "a length of the linkage"))?;
-        places.number(to, Some(found), Field::Arm, None, |mm| mm);
-    }
+        Ok::<_, FileError>(found.value)
+    };
+    let lengths = Arm { crank_mm: length("crank_mm")?, wheel_mm: length("wheel_mm")?, pin_mm: length("pin_mm")? };
     let counts = section
-        .number("counts_per_revolution")?
+        .whole("counts_per_revolution", COUNTS)?
         .ok_or_else(|| section.missing("counts_per_revolution", "the counts of the arm's encoder in a full turn"))?;
-    arm.counts = whole(section, &counts, COUNTS)?;
-    places.number(&mut 0.0, Some(counts), Field::Arm, None, |value| value);
-    let mut reader = Reader { section, places, field: Field::Arm };
-    reader.direction(&mut arm.direction, "direction")?;
-    reader.number(&mut arm.tolerance_deg, "tolerance_deg")?;
+    let mut arm = ArmSettings { lengths, counts, direction: 1, tolerance_deg: 1.0 };
+    section.set_direction("direction", &mut arm.direction)?;
+    section.set("tolerance_deg", &mut arm.tolerance_deg, |degrees| degrees)?;
     Ok(arm)
 }
 
-fn read_infeed(
-    section: &Section<'_>,
-    settings: &RoundnessSettings,
-    places: &mut Places,
-) -> Result<InfeedSettings, FileError> {
+fn read_infeed(section: &Section<'_>, settings: &RoundnessSettings) -> Result<InfeedSettings, FileError> {
     let axis = section.string("axis")?.ok_or_else(|| section.missing("axis", "the axis that feeds in, like \"X\""))?;
     let letter = axis.value.chars().next().filter(|_| axis.value.len() == 1);
     let Some(letter) = letter.and_then(Axis::from_letter) else {
@@ -204,14 +139,13 @@ fn read_infeed(
         limit_um: 20.0,
         noise_gain_limit: INFEED_NOISE_GAIN_LIMIT,
     };
-    let mut reader = Reader { section, places, field: Field::Infeed };
-    reader.direction(&mut infeed.direction, "direction")?;
-    reader.number(&mut infeed.gain, "gain")?;
-    reader.whole(&mut infeed.delay_revolutions, "delay_revolutions", "a whole number from 1 to 16")?;
-    reader.number(&mut infeed.contact_deg, "contact_deg")?;
-    reader.number(&mut infeed.drive_delay_s, "drive_delay_s")?;
-    reader.number(&mut infeed.limit_um, "limit_um")?;
-    reader.number(&mut infeed.noise_gain_limit, "noise_gain_limit")?;
-    reader.band(&mut infeed.band, "harmonics")?;
+    section.set_direction("direction", &mut infeed.direction)?;
+    section.set("gain", &mut infeed.gain, |gain| gain)?;
+    section.set_whole("delay_revolutions", &mut infeed.delay_revolutions, "a whole number from 1 to 16")?;
+    section.set("contact_deg", &mut infeed.contact_deg, |degrees| degrees)?;
+    section.set("drive_delay_s", &mut infeed.drive_delay_s, |s| s)?;
+    section.set("limit_um", &mut infeed.limit_um, |um| um)?;
+    section.set("noise_gain_limit", &mut infeed.noise_gain_limit, |limit| limit)?;
+    read_band(section, &mut infeed.band)?;
     Ok(infeed)
 }

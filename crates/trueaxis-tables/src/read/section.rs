@@ -1,13 +1,13 @@
 //! Typed access to a section of a TOML file, with lines, and no key unread.
 
 use crate::error::FileError;
-use crate::source::Source;
+use crate::origin::Origin;
 use std::cell::RefCell;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A value with the place it stands at.
+/// A value with its line.
 pub(super) struct Found<T> {
     pub(super) value: T,
     pub(super) line: u32,
@@ -17,9 +17,15 @@ pub(super) struct Found<T> {
     pub(super) text: String,
 }
 
+/// The line, from 1, of a byte of a text.
+pub(super) fn line(text: &str, offset: usize) -> u32 {
+    let before = text.as_bytes().get(..offset).unwrap_or_default();
+    u32::try_from(1 + before.iter().filter(|byte| **byte == b'\n').count()).unwrap_or(0)
+}
+
 /// A section, e.g. `[axis.X.limits]`.
 pub(super) struct Section<'a> {
-    source: &'a Source,
+    origin: &'a Origin,
     text: &'a str,
     table: &'a DeTable<'a>,
     /// `axis.X.limits.`, empty for the file as a whole.
@@ -31,22 +37,17 @@ pub(super) struct Section<'a> {
 
 impl<'a> Section<'a> {
     pub(super) fn new(
-        source: &'a Source,
+        origin: &'a Origin,
         text: &'a str,
         table: &'a DeTable<'a>,
         numbers: &'a RefCell<Vec<(String, usize)>>,
     ) -> Self {
-        Section { source, text, table, prefix: String::new(), asked: RefCell::default(), numbers }
-    }
-
-    fn line(&self, span: &Range<usize>) -> u32 {
-        let before = self.text.as_bytes().get(..span.start).unwrap_or_default();
-        u32::try_from(1 + before.iter().filter(|byte| **byte == b'\n').count()).unwrap_or(0)
+        Section { origin, text, table, prefix: String::new(), asked: RefCell::default(), numbers }
     }
 
     fn refuse(&self, key: &str, span: &Range<usize>, needed: impl Into<String>) -> FileError {
         let found = self.text.get(span.clone()).unwrap_or_default();
-        self.source.at(self.line(span), &format!("{}{key}", self.prefix), found, needed)
+        self.origin.at(line(self.text, span.start), &format!("{}{key}", self.prefix), found, needed)
     }
 
     fn value(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
@@ -56,7 +57,7 @@ impl<'a> Section<'a> {
 
     fn found<T>(&self, key: &str, span: &Range<usize>, value: T) -> Found<T> {
         let text = self.text.get(span.clone()).unwrap_or_default().to_owned();
-        Found { value, line: self.line(span), key: format!("{}{key}", self.prefix), text }
+        Found { value, line: line(self.text, span.start), key: format!("{}{key}", self.prefix), text }
     }
 
     fn plain_number(&self, key: &str, value: &Spanned<DeValue<'a>>) -> Result<f64, FileError> {
@@ -95,6 +96,51 @@ impl<'a> Section<'a> {
         Ok(Some(self.found(key, &value.span(), numbers)))
     }
 
+    /// Stores a number where the key is given.
+    pub(super) fn set(&self, key: &str, to: &mut f64, convert: impl Fn(f64) -> f64) -> Result<(), FileError> {
+        if let Some(found) = self.number(key)? {
+            *to = convert(found.value);
+        }
+        Ok(())
+    }
+
+    /// Stores a list of numbers where the key is given; whether it is.
+    pub(super) fn set_all<const N: usize>(&self, key: &str, to: &mut [f64; N]) -> Result<bool, FileError> {
+        let found = self.numbers(key)?;
+        let given = found.is_some();
+        *to = found.map_or(*to, |found| found.value);
+        Ok(given)
+    }
+
+    /// A whole number that fits into its type.
+    pub(super) fn whole<T: TryFrom<i64>>(&self, key: &str, needed: &str) -> Result<Option<T>, FileError> {
+        let Some(found) = self.number(key)? else { return Ok(None) };
+        let value = found.value;
+        let whole = (value.fract() == 0.0 && value.abs() < 9e15).then_some(value as i64);
+        let whole = whole.and_then(|value| T::try_from(value).ok()).ok_or_else(|| self.wrong(&found, needed))?;
+        Ok(Some(whole))
+    }
+
+    /// Stores a whole number where the key is given.
+    pub(super) fn set_whole<T: TryFrom<i64>>(&self, key: &str, to: &mut T, needed: &str) -> Result<(), FileError> {
+        if let Some(value) = self.whole(key, needed)? {
+            *to = value;
+        }
+        Ok(())
+    }
+
+    /// Stores the sense of an axis where the key is given.
+    pub(super) fn set_direction(&self, key: &str, to: &mut i8) -> Result<(), FileError> {
+        if let Some(found) = self.number(key)? {
+            *to = match found.value {
+                1.0 => 1,
+                -1.0 => -1,
+                _ => return Err(self.wrong(&found, "1 or -1")),
+            };
+        }
+        Ok(())
+    }
+
     /// A string.
     pub(super) fn string(&self, key: &str) -> Result<Option<Found<&'a str>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
@@ -111,7 +157,7 @@ impl<'a> Section<'a> {
             Some((_, choice)) => Ok(Some(*choice)),
             None => {
                 let needed = words.map(|(word, _)| format!("{word:?}")).join(" or ");
-                Err(self.source.at(found.line, &found.key, &found.text, needed))
+                Err(self.origin.at(found.line, &found.key, &found.text, needed))
             }
         }
     }
@@ -133,7 +179,7 @@ impl<'a> Section<'a> {
         };
         let prefix = format!("{}{key}.", self.prefix);
         Ok(Some(Section {
-            source: self.source,
+            origin: self.origin,
             text: self.text,
             table,
             prefix,
@@ -158,11 +204,11 @@ impl<'a> Section<'a> {
 
     /// An error at a value.
     pub(super) fn wrong<T>(&self, at: &Found<T>, needed: impl Into<String>) -> FileError {
-        self.source.at(at.line, &at.key, &at.text, needed)
+        self.origin.at(at.line, &at.key, &at.text, needed)
     }
 
     /// An error because a key is missing.
     pub(super) fn missing(&self, key: &str, needed: &str) -> FileError {
-        self.source.at(0, &format!("{}{key}", self.prefix), "nothing", needed)
+        self.origin.at(0, &format!("{}{key}", self.prefix), "nothing", needed)
     }
 }

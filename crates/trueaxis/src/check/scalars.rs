@@ -32,17 +32,18 @@ pub(super) fn machine(machine: &MachineSettings) -> Result<(), ConfigError> {
     ROTATION.all(&[*a0z, *b0z, *c0y], Field::Location, None)?;
     for ([ex, ey, ez, ea, eb, ec], axis) in rotary.iter().zip([Axis::A, Axis::B, Axis::C]) {
         TRANSLATION.all(&[*ex, *ey, *ez], Field::Location, Some(axis))?;
-        ROTATION.all(&[*ea, *eb, *ec], Field::Location, Some(axis))?;
+        let turned = |error: ConfigError| error.at(3 + error.index.unwrap_or(0) as usize);
+        ROTATION.all(&[*ea, *eb, *ec], Field::Location, Some(axis)).map_err(turned)?;
     }
     let FaultSettings { resume, command_jump_factor, feedback_jump, stuck } = faults;
-    for pair in [resume, feedback_jump, stuck] {
-        PLAUSIBLE.all(pair, Field::Faults, None)?;
+    for (pair, key) in [(resume, "resume"), (feedback_jump, "feedback_jump"), (stuck, "stuck")] {
+        PLAUSIBLE.all(pair, Field::Faults, None).map_err(|error| error.of(key))?;
     }
-    JUMP_FACTOR.check(*command_jump_factor, Field::Faults, None)?;
+    JUMP_FACTOR.check(*command_jump_factor, Field::Faults, None).map_err(|error| error.of("command_jump_factor"))?;
     LAG.check(*max_lag_mm, Field::Contour, None)?;
     FADE.check(*fade_deg, Field::Compensation, None)?;
-    TOOL_AXIS.all(tool_axis, Field::Kinematics, None)?;
-    SINGULAR_CONE.check(*singular_cone_deg, Field::Kinematics, None)?;
+    TOOL_AXIS.all(tool_axis, Field::Kinematics, None).map_err(|error| error.of("tool_axis"))?;
+    SINGULAR_CONE.check(*singular_cone_deg, Field::Kinematics, None).map_err(|error| error.of("singular_cone"))?;
     axes.iter().try_for_each(of_axis)
 }
 
@@ -80,7 +81,7 @@ fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {
     if let Some(step) = encoder_resolution {
         ENCODER_STEP.of(axis).check(*step, Field::Encoder, on)?;
     }
-    THERMAL_OFFSET.of(axis).check(*offset_per_k, Field::Thermal, on)?;
-    EXPANSION.check(*expansion_per_k, Field::Thermal, on)?;
-    POSITION.of(axis).check(*datum, Field::Thermal, on)
+    THERMAL_OFFSET.of(axis).check(*offset_per_k, Field::Thermal, on).map_err(|error| error.of("offset"))?;
+    EXPANSION.check(*expansion_per_k, Field::Thermal, on).map_err(|error| error.of("expansion"))?;
+    POSITION.of(axis).check(*datum, Field::Thermal, on).map_err(|error| error.of("datum"))
 }

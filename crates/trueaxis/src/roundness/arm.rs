@@ -29,9 +29,9 @@ impl Arm {
     /// Every length in its range.
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         let Arm { crank_mm, wheel_mm, pin_mm } = *self;
-        CRANK.check(crank_mm, Field::Arm, None).map_err(|error| error.at(0))?;
-        RADIUS.check(wheel_mm, Field::Arm, None).map_err(|error| error.at(1))?;
-        RADIUS.check(pin_mm, Field::Arm, None).map_err(|error| error.at(2))
+        CRANK.check(crank_mm, Field::Arm, None).map_err(|error| error.of("crank").at(0))?;
+        RADIUS.check(wheel_mm, Field::Arm, None).map_err(|error| error.of("wheel").at(1))?;
+        RADIUS.check(pin_mm, Field::Arm, None).map_err(|error| error.of("pin").at(2))
     }
 
     /// λ = R/(R_S + R_W).
@@ -43,7 +43,7 @@ impl Arm {
         self.check()?;
         if self.crank_mm >= self.wheel_mm + self.pin_mm {
             let needed = "a crank throw R below R_S + R_W: the linkage cannot close";
-            return Err(ConfigError::new(Field::Arm, self.crank_mm, needed).at(0));
+            return Err(ConfigError::new(Field::Arm, self.crank_mm, needed).of("crank").at(0));
         }
         Ok(self.crank_mm / (self.wheel_mm + self.pin_mm))
     }

@@ -1,0 +1,120 @@
+//! A position, directions of travel and a temperature, as asked for.
+
+use crate::model;
+use crate::numbers::{Numbers, numbers};
+use anyhow::{Result, anyhow, bail};
+use clap::Args;
+use std::path::PathBuf;
+use trueaxis::machine::{AXES, Axis, AxisSettings};
+use trueaxis_tables::Machine;
+use trueaxis_tables::text::counted;
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// machine.toml, its folder, or a compiled .tcomp.
+    #[arg(value_name = "M")]
+    pub(super) machine: PathBuf,
+    /// Commanded position: X, Y, Z in mm, then the machine's rotary axes in the order A, B, C in degrees (zero where left
+    /// out) [default: the middle of the travel].
+    #[arg(long, value_name = "X,Y,Z[,A,B,C]", value_parser = numbers, allow_hyphen_values = true)]
+    pub(super) at: Option<Numbers>,
+    /// Directions of travel, as in +x,-y [default: + on every axis].
+    #[arg(long, value_name = "+X,-Y,…", allow_hyphen_values = true)]
+    pub(super) direction: Option<String>,
+    /// Temperature of the machine, °C, for its thermal growth [default: its reference temperature].
+    #[arg(long, visible_alias = "temperature", value_name = "C", allow_hyphen_values = true)]
+    pub(super) temperature_c: Option<f64>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// A query, checked. Lists are in the order X, Y, Z, A, B, C.
+pub(super) struct Asked {
+    pub(super) at: [f64; AXES],
+    /// Whether the position is the default one.
+    pub(super) is_middle: bool,
+    pub(super) reverse: [bool; AXES],
+    /// Kelvin above the reference temperature.
+    pub(super) kelvin: f64,
+}
+
+impl Asked {
+    pub(super) fn new(arguments: &Arguments, machine: &Machine) -> Result<Asked> {
+        Ok(Asked {
+            at: match &arguments.at {
+                Some(given) => position(given, machine)?,
+                None => middle(machine),
+            },
+            is_middle: arguments.at.is_none(),
+            reverse: arguments.direction.as_deref().map_or(Ok([false; AXES]), |text| directions(text, machine))?,
+            kelvin: model::rise(arguments.temperature_c, machine)?,
+        })
+    }
+}
+
+/// The axes of the step: X, Y, Z, then the machine's rotary ones.
+pub(super) fn step_axes(machine: &Machine) -> Vec<Axis> {
+    let rotary = machine.settings.axes.iter().map(|own| own.axis).filter(|axis| axis.is_rotary());
+    [Axis::X, Axis::Y, Axis::Z].into_iter().chain(rotary).collect()
+}
+
+/// Largest coordinate, mm or degrees.
+const MOST: f64 = 1e6;
+
+fn position(found: &[f64], machine: &Machine) -> Result<[f64; AXES]> {
+    let axes = step_axes(machine);
+    if found.len() != 3 && found.len() != axes.len() {
+        let rotary: String = axes.iter().skip(3).map(|axis| format!(",{}", axis.letter())).collect();
+        let or = if rotary.is_empty() { String::new() } else { format!(", or {} with X,Y,Z{rotary}", axes.len()) };
+        let count = counted(found.len(), "number");
+        bail!("--at: found {count}, needed three, X,Y,Z{or}");
+    }
+    let mut at = [0.0; AXES];
+    for (axis, &value) in axes.into_iter().zip(found) {
+        if value.abs() > MOST {
+            bail!("--at: found {value} for axis {}, needed at most {MOST:e}", axis.letter());
+        }
+        at[axis.index()] = value;
+    }
+    Ok(at)
+}
+
+/// The middle of the declared travel, or of the table, or zero.
+fn middle(machine: &Machine) -> [f64; AXES] {
+    let mut at = [0.0; AXES];
+    for (own, table) in machine.axes() {
+        let rows = table.map(|table| table.rows.as_slice()).and_then(|rows| rows.first().zip(rows.last()));
+        let [low, high] = match rows {
+            Some((first, last)) if own.travel == AxisSettings::with_defaults(own.axis, false).travel => {
+                [first.position, last.position]
+            }
+            _ => own.travel,
+        };
+        at[own.axis.index()] = 0.5 * (low + high);
+    }
+    at
+}
+
+fn directions(text: &str, machine: &Machine) -> Result<[bool; AXES]> {
+    let axes = step_axes(machine);
+    let mut reverse = [None; AXES];
+    for part in text.split(',').map(str::trim) {
+        let of = |letters: &str| {
+            let mut letters = letters.chars();
+            let axis = letters.next().and_then(|letter| Axis::from_letter(letter.to_ascii_uppercase()));
+            axis.filter(|axis| letters.next().is_none() && axes.contains(axis))
+        };
+        let signed =
+            part.strip_prefix('+').map(|axis| (axis, false)).or(part.strip_prefix('-').map(|axis| (axis, true)));
+        let found = signed.and_then(|(letter, is_reverse)| Some((of(letter)?, is_reverse))).ok_or_else(|| {
+            let letters: Vec<String> = axes.iter().map(|axis| axis.letter().to_string()).collect();
+            anyhow!("--direction: found \"{part}\", needed + or - and an axis of the machine ({})", letters.join(", "))
+        });
+        let (axis, is_reverse) = found?;
+        if reverse[axis.index()].replace(is_reverse).is_some() {
+            bail!("--direction: found axis {} twice, needed each axis once", axis.letter());
+        }
+    }
+    Ok(reverse.map(Option::unwrap_or_default))
+}

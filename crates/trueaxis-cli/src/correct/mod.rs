@@ -1,0 +1,55 @@
+//! `trueaxis correct`: error and correction at one position.
+
+mod arguments;
+mod found;
+mod table;
+
+use crate::model::{self, axis_count, by_axes};
+use crate::output::{json, print, tell};
+use anyhow::Result;
+pub(crate) use arguments::Arguments;
+use arguments::Asked;
+use found::Found;
+use trueaxis::machine::Axis;
+
+pub(crate) const HELP: &str = "\
+Evaluates the machine's own error model at one position, as the servo step does. Without --at the position is the middle of
+the declared travel of every axis, else the middle of its table, else zero.
+
+  error of the tip   actual − ideal at the uncorrected command, machine coordinates; below it the share of each axis
+  correction         added to the command so that the tip comes to the position; of rotary axes in degrees
+  command            position + correction
+
+Two-sided tables and backlash depend on the direction of travel. Beyond the end of a table its edge value is clamped, and a
+note says so.
+
+--json: machine, model, at_mm, error_um, correction_mm, command_mm (each [x, y, z]), contributions [{source, error_um}],
+clamped, out_of_travel (letters of axes). With rotary axes also at_deg, correction_deg, command_deg (by letter), and with the
+volumetric model error_urad: rotation of the tool about [x, y, z], actual − ideal.
+
+Example: trueaxis correct compensation-tables/mill-3axis --at 120,-40,-200 --direction +x,-y";
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let machine = model::machine(&arguments.machine)?;
+    let asked = Asked::new(arguments, &machine)?;
+    let found: Found = by_axes!(axis_count(&machine), found::at(&machine, &asked))?;
+    for (letters, what) in [
+        (&found.clamped, "beyond the end of the table: its edge value is clamped"),
+        (&found.out_of_travel, "outside the declared travel"),
+    ] {
+        if !letters.is_empty() {
+            tell(format_args!("note: {} {what}", axes(letters)));
+        }
+    }
+    if arguments.json {
+        json(&table::document(&machine, &found))
+    } else {
+        print(&table::text(&machine, &asked, &found))
+    }
+}
+
+/// `axis X`, `axes X, Y`.
+fn axes(axes: &[Axis]) -> String {
+    let letters: Vec<String> = axes.iter().map(|axis| axis.letter().to_string()).collect();
+    format!("{} {}", if letters.len() == 1 { "axis" } else { "axes" }, letters.join(", "))
+}

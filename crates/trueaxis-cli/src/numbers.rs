@@ -1,0 +1,33 @@
+//! Numbers on the command line; the command line's own errors name the option.
+
+/// A finite number.
+pub(crate) fn number(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("found {text:?}, needed a finite number")),
+    }
+}
+
+/// A list of numbers; named, because clap takes a `Vec` for an option that is given several times.
+pub(crate) type Numbers = Vec<f64>;
+
+/// Finite numbers with commas between them.
+pub(crate) fn numbers(text: &str) -> Result<Numbers, String> {
+    text.split(',').map(number).collect()
+}
+
+/// Three finite numbers: X,Y,Z.
+pub(crate) fn triple(text: &str) -> Result<[f64; 3], String> {
+    let values = numbers(text)?;
+    let count = values.len();
+    values.try_into().map_err(|_| format!("found {count} numbers, needed three: X,Y,Z"))
+}
+
+/// The sense of an axis.
+pub(crate) fn sense(text: &str) -> Result<i8, String> {
+    match text.trim() {
+        "1" | "+1" => Ok(1),
+        "-1" => Ok(-1),
+        _ => Err(format!("found {text:?}, needed 1 or -1")),
+    }
+}

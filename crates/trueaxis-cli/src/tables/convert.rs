@@ -1,0 +1,132 @@
+//! `trueaxis tables import` and `export`.
+
+use crate::model;
+use crate::output::tell;
+use anyhow::{Result, anyhow, bail};
+use std::path::{Path, PathBuf};
+use trueaxis::Axis;
+use trueaxis_tables::files::{Folder, Memory};
+use trueaxis_tables::formats::linuxcnc::CompFileType;
+use trueaxis_tables::formats::{self, ExportOptions, Format, Imported};
+use trueaxis_tables::output::Outputs;
+use trueaxis_tables::{Edited, Machine};
+
+pub(super) const FORMATS: &str = "\
+Formats, and what they hold for an error E = actual − ideal:
+  linuxcnc    COMP_FILE, type 0 (nominal + E, both directions; mm, degrees) or type 1 (−E). Import tells them apart by the
+              numbers and refuses a file that could be either; export writes type 0. --comp-file-type says which
+  siemens     $AA_ENC_COMP, +E in one direction (mm, degrees); a file with AX1 needs --axis
+  isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments
+  iso230-2    measured deviations (µm, µrad), one row per approach, or one per target with a column per run:
+              X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…";
+
+/// A format by its name on the command line.
+pub(super) fn format(option: &str, name: &str, comp_file_type: Option<u8>) -> Result<Format> {
+    let format = match (name, comp_file_type) {
+        ("linuxcnc", None | Some(0)) => Format::LinuxCnc(CompFileType::Positions),
+        ("linuxcnc", Some(_)) => Format::LinuxCnc(CompFileType::Trims),
+        _ => Format::from_name(name).ok_or_else(|| {
+            anyhow!("{option}: found \"{name}\", needed linuxcnc, linuxcnc-0, linuxcnc-1, siemens, isg or iso230-2")
+        })?,
+    };
+    Ok(format)
+}
+
+pub(super) fn import(
+    format: Format,
+    recognise: bool,
+    file: &Path,
+    axis: Option<Axis>,
+    output: &Path,
+    new: bool,
+) -> Result<()> {
+    if new && output.symlink_metadata().is_ok() {
+        bail!("--new: found {}, needed a folder that does not exist yet", output.display());
+    }
+    let text = model::text(file)?;
+    let format = if recognise { Format::LinuxCnc(formats::linuxcnc::recognise(&text, file)?) } else { format };
+    let imported = formats::import(format, &text, file, axis)?;
+    for note in &imported.notes {
+        tell(format_args!("note: {}: {note}", file.display()));
+    }
+    let edited = if output.join("machine.toml").exists() {
+        imported.edit(&Folder::new(output), Path::new("machine.toml"))?
+    } else {
+        Edited { files: new_machine(&imported, file, output)?, notes: Vec::new() }
+    };
+    let mut outputs = Outputs::of([file]);
+    outputs.folder(output)?;
+    for (name, text) in &edited.files {
+        outputs.put(&output.join(name), text.as_bytes())?;
+    }
+    outputs.commit()?;
+    for note in &edited.notes {
+        tell(note);
+    }
+    for (name, _) in &edited.files {
+        tell(format_args!("written {}", output.join(name).display()));
+    }
+    tell(format_args!("{}: {}", format.name(), meaning(format)));
+    Ok(())
+}
+
+/// A machine with the imported axes alone; existing files are never overwritten.
+fn new_machine(imported: &Imported, file: &Path, output: &Path) -> Result<Vec<(PathBuf, String)>> {
+    let name = file.file_stem().map_or_else(|| "imported".into(), |stem| stem.to_string_lossy().into_owned());
+    let mut files: Vec<(PathBuf, String)> =
+        imported.machine_files(&name).into_iter().map(|(name, text)| (name.into(), text)).collect();
+    // A machine.toml is only there with all of its tables.
+    files.rotate_left(1);
+    if let Some(path) = files.iter().map(|(name, _)| output.join(name)).find(|path| path.symlink_metadata().is_ok()) {
+        bail!("{}: found a file and no machine.toml beside it, needed another folder", path.display());
+    }
+    Machine::read_from(&Memory::new(files.clone()), Path::new("machine.toml"), &mut |_| {})
+        .map_err(|error| anyhow!("{}: as a machine: {error} (nothing is written)", file.display()))?;
+    Ok(files)
+}
+
+pub(super) fn export(format: Format, path: &Path, options: &ExportOptions, output: &Path) -> Result<()> {
+    let machine = model::source(path)?;
+    let exported = formats::export(format, &machine, options)?;
+    let alone = exported.files.len() == 1;
+    let mut outputs = Outputs::of(model::files(path));
+    let mut written = Vec::new();
+    for (name, text) in &exported.files {
+        let file = if alone { output.to_path_buf() } else { beside(output, name) };
+        outputs.put(&file, text.as_bytes())?;
+        written.push(file);
+    }
+    outputs.commit()?;
+    for file in written {
+        tell(format_args!("written {}", file.display()));
+    }
+    for dropped in &exported.dropped {
+        tell(format_args!("left out: {dropped}"));
+    }
+    for note in &exported.notes {
+        tell(format_args!("note: {note}"));
+    }
+    tell(format_args!("{}: {}", format.name(), meaning(format)));
+    Ok(())
+}
+
+/// The file of one axis: `OUT.comp` and `x.comp` make `OUT-x.comp`.
+fn beside(output: &Path, name: &str) -> PathBuf {
+    let stem = output.file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
+    let part = Path::new(name).file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
+    let ending = output.extension().map_or(String::new(), |e| format!(".{}", e.to_string_lossy()));
+    output.with_file_name(format!("{stem}-{part}{ending}"))
+}
+
+/// Sign and unit of a conversion.
+fn meaning(format: Format) -> &'static str {
+    match format {
+        Format::LinuxCnc(CompFileType::Positions) => {
+            "nominal, forward and reverse positions = nominal + E, mm or degrees"
+        }
+        Format::LinuxCnc(CompFileType::Trims) => "nominal, forward and reverse trims = −E, mm or degrees",
+        Format::Siemens => "values = +E, mm or degrees, one direction",
+        Format::Isg => "values = +E, mm and rad, rotary arguments in degrees",
+        Format::Iso230_2 => "deviations = +E, µm or µrad",
+    }
+}

@@ -1,0 +1,82 @@
+use crate::number::printable;
+use maud::{Markup, PreEscaped, Render, html};
+
+const STYLE: &str = include_str!("style.css");
+/// Closed as XML wants it, so that any XML reader can read the page.
+const HEAD: &str = r#"<meta charset="utf-8"/><meta name="viewport" content="width=device-width, initial-scale=1"/>"#;
+
+/// A self-contained HTML page that is well-formed XML too: style inside, no address, no script.
+#[derive(Clone, Debug)]
+pub struct Page {
+    title: String,
+    style: &'static str,
+    parts: Vec<Markup>,
+}
+
+impl Page {
+    /// A page with this heading.
+    #[must_use]
+    pub fn new(title: impl Into<String>) -> Page {
+        Page { title: title.into(), style: "", parts: Vec::new() }
+    }
+
+    /// Adds style of the page's own, in CSS.
+    #[must_use]
+    pub fn style(mut self, css: &'static str) -> Page {
+        self.style = css;
+        self
+    }
+
+    /// Adds what stands before the first section.
+    #[must_use]
+    pub fn top(mut self, content: impl Render) -> Page {
+        self.parts.push(content.render());
+        self
+    }
+
+    /// Adds a section.
+    #[must_use]
+    pub fn section(mut self, heading: &str, content: impl Render) -> Page {
+        self.parts.push(html! { section { h2 { (heading) } "\n" (content) } "\n" });
+        self
+    }
+
+    /// The document. Characters that XML does not permit have become spaces.
+    #[must_use]
+    pub fn document(&self) -> String {
+        let page = html! {
+            (PreEscaped("<!DOCTYPE html>\n"))
+            html lang="en-GB" {
+                head { (PreEscaped(HEAD)) title { (self.title) } style { (PreEscaped(STYLE)) (PreEscaped(self.style)) } }
+                "\n"
+                body { main { h1 { (self.title) } "\n" @for part in &self.parts { (part) } } }
+            }
+            "\n"
+        };
+        printable(&page.into_string())
+    }
+}
+
+/// The line below the heading: how the result came about, in parts.
+pub fn summary(parts: impl IntoIterator<Item = Markup>) -> Markup {
+    html! {
+        p.run { @for (i, part) in parts.into_iter().enumerate() { @if i > 0 { " · " } (part) } }
+        "\n"
+    }
+}
+
+/// A name and its emphasised value, for [`summary`].
+#[must_use]
+pub fn emphasised(name: &str, value: &str) -> Markup {
+    html! { (name) " " strong { (value) } }
+}
+
+/// A remark where a figure would have been.
+pub fn missing(text: impl Render) -> Markup {
+    html! { p.empty { (text) } "\n" }
+}
+
+/// Figures side by side, two in a row where the page is wide enough.
+pub fn side_by_side<T: Render>(figures: impl IntoIterator<Item = T>) -> Markup {
+    html! { div.figures { @for figure in figures { (figure) } } "\n" }
+}

@@ -1,0 +1,18 @@
+//! A figure as an element of the page.
+
+use crate::{Figure, draw, figure::Layer, legend::legend};
+use maud::{Markup, Render, html};
+
+impl Render for Figure {
+    fn render(&self) -> Markup {
+        let drawable = self.layers.iter().any(|layer| !matches!(layer, Layer::Text { .. }));
+        html! {
+            figure class=(self.class) {
+                (legend(&self.keys))
+                @if drawable { (draw::plot(self)) } @else { p.empty { "There is nothing to draw." } }
+                figcaption { (self.caption) }
+            }
+            "\n"
+        }
+    }
+}

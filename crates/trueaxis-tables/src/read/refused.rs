@@ -1,0 +1,99 @@
+//! Refusals of the controller's checks, at their lines in the files.
+
+use super::axis_table::TableFile;
+use super::keys::{self, Key};
+use super::machine_toml::Description;
+use crate::Machine;
+use crate::error::FileError;
+use crate::origin::Origin;
+use crate::text::counted;
+use trueaxis::check;
+use trueaxis::error::{ConfigError, Field, Figure};
+use trueaxis::machine::Axis;
+
+impl TableFile {
+    /// A fault of the table at its line and column.
+    pub(super) fn refused(&self, origin: &Origin, fault: &check::TableFault) -> FileError {
+        let line = self.lines.get(fault.row).copied().unwrap_or(0);
+        let given = self.columns.iter().find(|column| column.holds(fault.component, fault.reverse));
+        let name = given.map_or("", |column| column.name.as_str());
+        let found = match (fault.rule, fault.component) {
+            (check::TableRule::Count, _) if fault.found == 1.0 => String::from("one line"),
+            (check::TableRule::Count, _) => counted(fault.found as usize, "line"),
+            (check::TableRule::Slope, _) => format!("a slope of {:.4} up to the next line", fault.found),
+            (_, None) => Figure(fault.found).to_string(),
+            (_, Some(component)) if component < 3 => format!("{} um", Figure(fault.found * 1e3)),
+            _ => format!("{} urad", Figure(fault.found * 1e6)),
+        };
+        match fault.rule {
+            check::TableRule::Count => origin.whole(found, fault.rule.needed()),
+            _ => origin.at(line, name, found, fault.rule.needed()),
+        }
+    }
+}
+
+/// All tables together are too steep.
+pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigError) -> FileError {
+    if error.field != Field::Inverse {
+        return origin.whole(error.found.to_string(), error.needed);
+    }
+    let mut steepest = (0.0, String::from("the squareness errors"));
+    for (settings, table) in machine.axes() {
+        let Some(table) = table else { continue };
+        for (slope, direction) in check::slopes(settings, table.rows.as_slice()).into_iter().zip(Axis::ALL).take(3) {
+            if slope > steepest.0 {
+                steepest = (slope, format!("E{}{}", direction.letter(), settings.axis.letter()));
+            }
+        }
+    }
+    origin.whole(
+        format!(
+            "a norm of {:.4} (all tables, thermal growth of 0.001 included), most of it {}",
+            error.found, steepest.1
+        ),
+        error.needed,
+    )
+}
+
+impl Description {
+    /// An error of the settings at the line of its key, or of the section that leaves the key out.
+    pub(super) fn located(&self, origin: &Origin, error: &ConfigError) -> FileError {
+        let axis = error.axis.map_or(String::new(), |axis| format!(" of axis {}", axis.letter()));
+        match keys::locate(&self.text, error) {
+            Some(Key { line, name, text: Some(text) }) => origin.at(line, &name, text, error.needed),
+            Some(Key { line, name, text: None }) => {
+                origin.at(line, &name, format!("{}, the default", Figure(error.found)), error.needed)
+            }
+            None => origin.whole(format!("{:?}{axis} = {}", error.field, Figure(error.found)), error.needed),
+        }
+    }
+
+    /// The hysteresis is too narrow.
+    pub(super) fn reversal(&self, origin: &Origin, error: &ConfigError) -> FileError {
+        let at = self.located(origin, error);
+        let rotary = error.axis.is_some_and(Axis::is_rotary);
+        let micro = |value: f64| if rotary { value.to_radians() * 1e6 } else { value * 1e3 };
+        let unit = if rotary { "urad" } else { "um" };
+        let given = keys::locate(&self.text, error).is_some_and(|key| key.text.is_some());
+        FileError {
+            found: if given { at.found } else { format!("{}, the default", (micro(error.found) * 1e3).round() / 1e3) },
+            needed: match error.bound {
+                // Rounded up: the number in the message suffices.
+                Some(bound) => format!("{}: {} {unit}", error.needed, (micro(bound) * 1e3 - 1e-6).ceil() / 1e3),
+                None => at.needed,
+            },
+            ..at
+        }
+    }
+
+    /// Command + correction leaves the joint.
+    pub(super) fn joint(&self, origin: &Origin, error: &ConfigError) -> FileError {
+        let at = self.located(origin, error);
+        let unit = if error.axis.is_some_and(Axis::is_rotary) { "degrees" } else { "mm" };
+        FileError {
+            found: format!("{} {unit} as command + correction at an end of the travel", error.found),
+            needed: String::from("a joint range with room for travel and correction"),
+            ..at
+        }
+    }
+}

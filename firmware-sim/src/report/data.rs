@@ -1,0 +1,124 @@
+//! The data of the simulator's page.
+
+use crate::latency::{LatencyBucket, LatencySummary};
+
+pub use trueaxis_sim::run::{AngleSize, ErrorSize};
+
+/// Everything the page shows.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Report {
+    /// Heading of the page.
+    pub title: String,
+    /// Name of the machine.
+    pub machine: String,
+    /// Name of the part program.
+    pub program: String,
+    /// Structural code of the machine from workpiece to tool (in the manner of ISO 10791-6), e.g. `w X' b Y Z t`.
+    pub chain: String,
+    /// Servo rate in Hz.
+    pub servo_rate_hz: f64,
+    /// Servo cycles simulated.
+    pub cycles: u64,
+    /// Contour error of the true tool tip in the three runs.
+    pub contour_error: ContourErrors,
+    /// Contour error over the path.
+    pub contour: ContourSeries,
+    /// Tool direction over the path; empty for a program of X, Y, Z alone.
+    pub orientation: OrientationSeries,
+    /// The programmed path and the tip's deviations from it, in path order.
+    pub path: Vec<PathPoint>,
+    /// Correction and limits of each axis.
+    pub axes: Vec<AxisReport>,
+    /// Percentiles and deadlines of the step.
+    pub latency: LatencySummary,
+    /// The latency histogram.
+    pub latency_buckets: Vec<LatencyBucket>,
+    /// Faults that occurred, in order.
+    pub faults: Vec<FaultEntry>,
+    /// Remarks, e.g. which real-time means the host did not permit.
+    pub notes: Vec<String>,
+}
+
+/// Contour error of the true tool tip against the programmed path, in three runs with the same servo and seed.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ContourErrors {
+    /// Machine with its geometric errors, compensation off.
+    pub uncompensated: ErrorSize,
+    /// The same machine, compensation on.
+    pub compensated: ErrorSize,
+    /// A geometrically perfect machine: what the servo alone leaves behind.
+    pub servo_only: ErrorSize,
+}
+
+/// Contour error over the path: `[path length in mm, error in µm]`; the sign is ignored.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ContourSeries {
+    /// Machine with its geometric errors, compensation off.
+    pub uncompensated: Vec<[f64; 2]>,
+    /// The same machine, compensation on.
+    pub compensated: Vec<[f64; 2]>,
+    /// A geometrically perfect machine.
+    pub servo_only: Vec<[f64; 2]>,
+    /// Path lengths at which the curves are interrupted, ascending, mm: what lies between was not cutting.
+    pub breaks: Vec<f64>,
+    /// Where each program line begins: path length in mm and line number.
+    pub program_lines: Vec<(f64, u32)>,
+}
+
+/// Tool direction over the path; first the path length in mm.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct OrientationSeries {
+    /// Angle from the programmed direction, machine with its geometric errors, compensation off, µrad.
+    pub uncompensated: Vec<[f64; 2]>,
+    /// The same machine, compensation on.
+    pub compensated: Vec<[f64; 2]>,
+    /// A geometrically perfect machine.
+    pub servo_only: Vec<[f64; 2]>,
+    /// Rotary axes by name: commanded position in degrees.
+    pub rotary: Vec<(String, Vec<[f64; 2]>)>,
+}
+
+/// A point of the programmed path and how far the true tip was from it, actual − foot point.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PathPoint {
+    /// Number of the uninterrupted cut that the point belongs to.
+    pub run: u32,
+    /// Programmed position in mm.
+    pub nominal_mm: [f64; 3],
+    /// Deviation without compensation in µm.
+    pub uncompensated_um: [f64; 3],
+    /// Deviation with compensation in µm.
+    pub compensated_um: [f64; 3],
+}
+
+/// Correction of one axis over the compensated run, with its limits.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct AxisReport {
+    /// Name of the axis, e.g. `X`.
+    pub name: String,
+    /// Whether the axis is rotary: then read µrad for µm, mrad/s for mm/s, rad/s² for m/s².
+    pub rotary: bool,
+    /// Correction over time: `[s, µm]`.
+    pub correction: Vec<[f64; 2]>,
+    /// Slope of the correction over time: `[s, mm/s]`.
+    pub slope: Vec<[f64; 2]>,
+    /// Limit of the correction's magnitude in µm.
+    pub magnitude_limit: f64,
+    /// Limit of the correction's slope in mm/s.
+    pub slope_limit: f64,
+    /// Limit of the correction's acceleration in m/s².
+    pub acceleration_limit: f64,
+}
+
+/// A fault that the step reported.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FaultEntry {
+    /// When it first occurred, in s.
+    pub time_s: f64,
+    /// Its code or name.
+    pub code: String,
+    /// What happened, in words.
+    pub description: String,
+    /// In how many cycles it was reported.
+    pub cycles: u64,
+}

@@ -1,0 +1,188 @@
+//! Surfaces, harmonics and motion of the two runs.
+
+use crate::grinding::{Grinding, Harmonic, Outcome, Revolution, Run};
+use maud::Markup;
+use std::f64::consts::TAU;
+use trueaxis_report::{
+    Colour, Figure, Scale, Stroke, colour,
+    number::{count, quantity, round_down},
+    side_by_side,
+};
+
+/// Share of the drawn radius that the largest deviation takes.
+const SHARE: f64 = 0.22;
+/// Points of a drawn surface: the peaks of harmonic 100 are drawn within 0.3 %.
+const DRAWN: usize = 2048;
+
+/// Name, colour and data of both runs.
+fn both(outcome: &Outcome) -> [(&'static str, Colour, &Run); 2] {
+    [
+        ("without correction", colour::UNCOMPENSATED, &outcome.uncorrected),
+        ("with correction", colour::COMPENSATED, &outcome.corrected),
+    ]
+}
+
+/// Number of the first harmonic that is corrected.
+fn first_corrected(grinding: &Grinding) -> usize {
+    grinding.machine.settings.roundness.and_then(|gauge| gauge.infeed).map_or(2, |infeed| infeed.band.first.into())
+}
+
+pub(super) fn progress(outcome: &Outcome) -> Markup {
+    let figure = |name: &str, unit: &str, value: fn(&Revolution) -> f64, caption: &str| {
+        let values = both(outcome).into_iter().flat_map(|(.., run)| run.revolutions.iter().map(value));
+        let last = outcome.corrected.revolutions.len().max(2) as f64;
+        let description = format!("{name} of the true surface per revolution, without and with correction");
+        let y = Scale::decades(&format!("{name} in {unit}"), values);
+        let mut figure = Figure::half(&description, 300, Scale::exact("revolution", 1.0, last), y);
+        for (name, colour, run) in both(outcome) {
+            let points = run.revolutions.iter().enumerate().map(|(n, of)| [n as f64 + 1.0, value(of)]);
+            figure.curve(name, points, Stroke::new(colour, 1.6));
+        }
+        figure.caption(caption);
+        figure
+    };
+    side_by_side([
+        figure(
+            "out-of-roundness",
+            "µm",
+            |of| of.roundness_um,
+            "Peak to valley of the true surface about its least-squares circle, all harmonics. The first revolutions \
+             still show the rough pin.",
+        ),
+        figure(
+            "imprint",
+            "µm rms",
+            |of| of.imprint_um,
+            "Corrected harmonics of the true surface of each single revolution, asynchronous motion included.",
+        ),
+    ])
+}
+
+/// A surface as deviations in µm at equidistant angles, with name and colour.
+type Surface<'a> = (&'static str, Colour, &'a [f64]);
+
+pub(super) fn surfaces(grinding: &Grinding, outcome: &Outcome) -> Markup {
+    let pin_mm = grinding.machine.settings.roundness.and_then(|gauge| gauge.arm).map_or(10.0, |arm| arm.lengths.pin_mm);
+    let [rough, off] = &outcome.uncorrected.surfaces;
+    let [_, on] = &outcome.corrected.surfaces;
+    let [(without, orange, _), (with, blue, _)] = both(outcome);
+    let on: Surface<'_> = (with, blue, on);
+    side_by_side([
+        surface(pin_mm, &[("before grinding", colour::NEUTRAL, rough), (without, orange, off), on]),
+        surface(pin_mm, &[on]),
+    ])
+}
+
+/// Surfaces round the pin, deviations magnified.
+fn surface(pin_mm: f64, surfaces: &[Surface<'_>]) -> Figure {
+    let largest = surfaces.iter().flat_map(|(.., of)| of.iter()).fold(0.0, |worst: f64, um| worst.max(um.abs()));
+    let magnification = if largest > 0.0 { round_down(SHARE * pin_mm / (1e-3 * largest)) } else { 1.0 };
+    let round = |surface: &[f64]| -> Vec<[f64; 2]> {
+        let step = (surface.len() / DRAWN).max(1);
+        let points = (0..=surface.len()).step_by(step).filter_map(|j| {
+            let radius = pin_mm + magnification * 1e-3 * surface.get(j % surface.len().max(1))?;
+            let (sin, cos) = (TAU * j as f64 / surface.len() as f64).sin_cos();
+            Some([radius * cos, radius * sin])
+        });
+        points.collect()
+    };
+    let scale = || Scale::exact("mm", -1.3 * pin_mm, 1.3 * pin_mm);
+    let mut figure = Figure::square("the pin's surface with deviations from its circle magnified", scale(), scale());
+    figure.curve("least-squares circle", round(&[0.0; 360]), Stroke::new(colour::NOMINAL, 0.9));
+    for (name, colour, surface) in surfaces {
+        figure.curve(*name, round(surface), Stroke::new(*colour, 1.2));
+    }
+    figure.caption(format!(
+        "True surface about its least-squares circle; deviations magnified {} times, largest {}. The angle is that of \
+         the pin's surface, counterclockwise.",
+        count(magnification as u64),
+        quantity(largest, "µm")
+    ));
+    figure
+}
+
+pub(super) fn harmonics(grinding: &Grinding, outcome: &Outcome) -> Figure {
+    let first = first_corrected(grinding);
+    let last = outcome.corrected.average.len().max(first + 1);
+    let amplitudes = |run: &Run| -> Vec<[f64; 2]> {
+        let all = run.average.iter().enumerate().skip(first);
+        all.map(|(k, [a, b]): (usize, &Harmonic)| [k as f64, a.hypot(*b)]).collect()
+    };
+    let values = both(outcome).into_iter().flat_map(|(.., run)| amplitudes(run)).map(|point| point[1]);
+    let y = Scale::decades("amplitude in µm", values);
+    let x = Scale::exact("undulations per revolution", first as f64 - 0.6, last as f64 - 0.4).ticks(24);
+    let description = "amplitudes of the surface's harmonics without and with correction";
+    let mut figure = Figure::full(description, 270, x, y);
+    for ((name, colour, run), reach) in both(outcome).into_iter().zip([[-0.38, -0.02], [0.02, 0.38]]) {
+        figure.columns(amplitudes(run), reach, colour).area_key(name, colour);
+    }
+    let averaged = outcome.corrected.averaged;
+    figure.caption(format!("Amplitudes of the true surface, averaged over the last {averaged} revolutions."));
+    figure
+}
+
+pub(super) fn correction(grinding: &Grinding, outcome: &Outcome) -> Figure {
+    let first = first_corrected(grinding);
+    let degrees = |n: usize, of: usize| 360.0 * n as f64 / of.max(1) as f64;
+    let table = &outcome.corrected.correction;
+    let fed: Vec<[f64; 2]> = (0..=table.len())
+        .filter_map(|n| Some([degrees(n, table.len()), *table.get(n % table.len().max(1))?]))
+        .collect();
+    let stands = |n: usize| {
+        let angle = TAU * n as f64 / 720.0;
+        let terms = outcome.uncorrected.average.iter().enumerate().skip(first);
+        terms.map(|(k, [a, b])| a * (k as f64 * angle).cos() + b * (k as f64 * angle).sin()).sum::<f64>()
+    };
+    let stands: Vec<[f64; 2]> = (0..=720).map(|n| [degrees(n, 720), stands(n)]).collect();
+    let x = Scale::exact("angle of the surface in degrees", 0.0, 360.0);
+    let y = Scale::linear("infeed in µm", fed.iter().chain(&stands).map(|point| point[1])).margin(0.06);
+    let mut figure = Figure::full("infeed correction over the angle of the surface", 250, x, y);
+    let wide = Stroke::new(colour::UNCOMPENSATED, 3.0).opacity(0.45);
+    figure
+        .curve("what stands on the surface without correction", stands, wide)
+        .curve("correction that the gauge has learnt", fed, Stroke::new(colour::COMPENSATED, 1.4))
+        .caption("Where the surface would stand high, the wheel is fed in further.");
+    figure
+}
+
+/// A closed curve in the plane, without its mean and, if asked, without its first harmonic.
+fn centred(points: &[[f64; 2]], first_too: bool) -> Vec<[f64; 2]> {
+    let n = points.len().max(1) as f64;
+    let mut terms = [[0.0; 3]; 2];
+    for (k, point) in points.iter().enumerate() {
+        let (sin, cos) = (TAU * k as f64 / n).sin_cos();
+        for (terms, value) in terms.iter_mut().zip(point) {
+            for (term, weight) in terms.iter_mut().zip([1.0, 2.0 * cos, 2.0 * sin]) {
+                *term += value * weight / n;
+            }
+        }
+    }
+    let rest = |(k, point): (usize, &[f64; 2])| {
+        let (sin, cos) = (TAU * k as f64 / n).sin_cos();
+        std::array::from_fn(|i| {
+            let [mean, a, b] = terms[i];
+            point[i] - mean - if first_too { a * cos + b * sin } else { 0.0 }
+        })
+    };
+    points.iter().enumerate().chain(points.first().map(|first| (0, first))).map(rest).collect()
+}
+
+pub(super) fn orbits(outcome: &Outcome) -> Markup {
+    let [x, y] = &outcome.corrected.motion;
+    let seen: Vec<[f64; 2]> = x.iter().zip(y).map(|(x, y)| [*x, *y]).collect();
+    let figure = |first_too: bool, caption: &str| {
+        let (truth, seen) = (centred(&outcome.orbit, first_too), centred(&seen, first_too));
+        let scale = |caption| Scale::symmetric(caption, truth.iter().chain(&seen).flatten().copied());
+        let mut figure = Figure::square(caption, scale("R_X in µm"), scale("R_Y in µm"));
+        let wide = Stroke::new(colour::NEUTRAL, 3.0).opacity(0.45);
+        figure
+            .curve("true, mean revolution", truth, wide)
+            .curve("gauge, latest revolution", seen, Stroke::new(colour::COMPENSATED, 1.2))
+            .caption(caption);
+        figure
+    };
+    side_by_side([
+        figure(false, "Motion of the pin's centre about its mean position."),
+        figure(true, "The same without the first harmonic: error motion."),
+    ])
+}
