@@ -25,7 +25,8 @@ fn what_scenario_prints_is_read_back() {
     let text = printed(folder.path(), &[&["scenario"], &all[..]].concat());
     std::fs::write(folder.path().join("mine.toml"), &text).unwrap();
     assert_eq!(printed(folder.path(), &["scenario", "--scenario", "mine.toml"]), text);
-    for line in ["feed_percent = 80.0", "noise_rms_mm = 2e-5", "reset_time_s = 0.01", "faults = [\"late@3s+1=2.5\"]"] {
+    for line in ["feed_percent = 80.0", "noise_rms_mm = 0.00002", "reset_time_s = 0.01", "faults = [\"late@3s+1=2.5\"]"]
+    {
         assert!(text.contains(line), "{line} in\n{text}");
     }
     // Flags go over the file, --set over flags.

@@ -111,7 +111,7 @@ fn settings_have_their_effect() {
     for change in [
         ("drive.coulomb_mm_per_s2", "2000"),
         ("drive.position_gain_per_s", "30"),
-        ("encoder.linear.noise_rms_mm", "0.002"),
+        ("encoder.linear.noise_rms_mm", "0.01"),
         ("encoder.linear.resolution_mm", "0.01"),
         ("axis.X.lost_motion_mm", "0.02"),
         ("axis.Y.gain_factor", "0.5"),

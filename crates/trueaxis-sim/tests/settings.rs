@@ -43,7 +43,7 @@ fn refusals_name_file_line_key_and_what_is_needed() {
         ("[axis.U]\ngain_factor = 1\n", "a.toml:1: axis.U: found no such setting, needed one of A, B, C, X, Y, Z"),
         ("rate_hz = \"fast\"", "a.toml:1: rate_hz: found \"fast\", needed a number"),
         ("seed = 1.5", "a.toml:1: seed: found 1.5, needed a whole number"),
-        ("seed = -1", "a.toml:1: seed: found -1, needed 0 to"),
+        ("seed = -1", "a.toml:1: seed: found -1, needed a whole number from 0"),
         ("drive = 3", "a.toml:1: drive: found 3, needed a table of"),
         ("rate_hz = 50", "a.toml:1: rate_hz: found 50, needed 100 to 100000 Hz"),
         ("[motion]\nfeed_percent = 0\n", "a.toml:2: motion.feed_percent: found 0, needed 1 to 1000 %"),

@@ -154,14 +154,14 @@ fn merge(all: &mut Table, given: Table, path: &str) -> Result<(), (String, Strin
             }
             (Value::Float(_), Value::Integer(value)) => Value::Float(value as f64),
             (Value::Float(_), value @ Value::Float(_))
-            | (Value::Integer(_), value @ Value::Integer(_))
+            | (Value::Integer(_), value @ Value::Integer(0..))
             | (Value::Array(_), value @ Value::Array(_)) => value,
             (place, value) => {
                 let needed = match place {
                     Value::Table(inner) => {
                         format!("a table of {}", inner.keys().map(String::as_str).collect::<Vec<_>>().join(", "))
                     }
-                    Value::Integer(_) => "a whole number".into(),
+                    Value::Integer(_) => "a whole number from 0".into(),
                     Value::Array(_) => "a list".into(),
                     _ => "a number".into(),
                 };
