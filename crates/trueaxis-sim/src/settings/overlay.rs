@@ -53,9 +53,10 @@ impl SettingError {
     }
 }
 
-/// Keys that may be left out, with a value of their type.
-const OPTIONAL: [(&str, fn() -> Value); 2] =
-    [("temperature_c", || Value::Float(f64::NAN)), ("origin_mm", || Value::Array(Vec::new()))];
+/// Keys that may be left out, with a value of their type that stands for none.
+fn optional() -> [(&'static str, Value); 2] {
+    [("temperature_c", Value::Float(f64::NAN)), ("origin_mm", Value::Array(Vec::new()))]
+}
 
 /// Lines of the keys of a text, by their dotted names.
 type Lines = BTreeMap<String, u32>;
@@ -72,13 +73,13 @@ pub(super) fn overlay(settings: &mut Settings, text: &str) -> Result<(), Setting
     let line = |key: &str| lines.get(key).copied().unwrap_or(1);
 
     let mut all = table(settings);
-    for (key, none) in OPTIONAL {
-        all.entry(key).or_insert_with(none);
+    for (key, none) in optional() {
+        all.entry(key).or_insert(none);
     }
     merge(&mut all, given, "").map_err(|(key, found, needed)| wrong(line(&key), &key, found, needed))?;
-    for (key, none) in OPTIONAL {
+    for (key, none) in optional() {
         // NaN differs from itself.
-        if all.get(key).is_some_and(|value| value.to_string() == none().to_string()) {
+        if all.get(key).is_some_and(|value| value.to_string() == none.to_string()) {
             all.remove(key);
         }
     }
