@@ -85,14 +85,20 @@ fn nine_terms_free(lookup: &'static Lookup) -> [f64; 3] {
 #[bench::three_axis(setup = poses::<3>)]
 fn volumetric(poses: &'static Poses<3>) -> PoseError<f64> {
     let mut held = 0;
-    black_box(poses.0.pose_error(&poses.1, &[Direction::POSITIVE; 3], &Default::default(), &mut held))
+    black_box(poses.0.pose_error(
+        &trueaxis::compensation::Query::at(&poses.1, &[Direction::POSITIVE; 3], &Default::default()),
+        &mut held,
+    ))
 }
 
 #[library_benchmark]
 #[bench::five_axis(setup = poses::<5>)]
 fn volumetric_rotary(poses: &'static Poses<5>) -> PoseError<f64> {
     let mut held = 0;
-    black_box(poses.0.pose_error(&poses.1, &[Direction::POSITIVE; 5], &Default::default(), &mut held))
+    black_box(poses.0.pose_error(
+        &trueaxis::compensation::Query::at(&poses.1, &[Direction::POSITIVE; 5], &Default::default()),
+        &mut held,
+    ))
 }
 
 #[library_benchmark(setup = middle)]

@@ -59,7 +59,7 @@ fn against_kurbo(c: &mut Criterion) {
 fn against_truck(c: &mut Criterion) {
     let queries = queries(Shape::RationalCubic);
     let spline = Spline::butterfly();
-    let points = spline.points.iter().zip(&spline.weights).map(|([x, y, z], w)| Vector4::new(x * w, y * w, z * w, *w));
+    let points = spline.points.iter().zip(&spline.weights).map(|(p, w)| Vector4::new(p.x * w, p.y * w, p.z * w, *w));
     let curve = NurbsCurve::new(BSplineCurve::new(KnotVec::from(spline.knots.clone()), points.collect()));
     let feet: Vec<(Point3, f64)> = queries
         .iter()

@@ -20,7 +20,10 @@ fn look_up(c: &mut Criterion) {
         group.bench_function(name, |b| {
             b.iter(|| {
                 let at = terms.coordinates(black_box(next.next().unwrap_or(&[0.0; 3])));
-                terms.errors(&at, &[Direction::POSITIVE; 3], &Default::default(), &mut 0)
+                terms.errors(
+                    &trueaxis::compensation::Query::at(&at, &[Direction::POSITIVE; 3], &Default::default()),
+                    &mut 0,
+                )
             })
         });
     }

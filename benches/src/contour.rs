@@ -2,6 +2,7 @@
 
 use crate::Random;
 use trueaxis::contour::{ContourError, ContourSearch, ContourState, Method, Path, Reference, Segment, Span, convert};
+use trueaxis::glam::DVec3;
 
 const BUTTERFLY: &str = include_str!("../../crates/trueaxis/tests/data/butterfly.csv");
 
@@ -11,7 +12,7 @@ pub struct Spline {
     /// Knots.
     pub knots: Vec<f64>,
     /// Control points, mm.
-    pub points: Vec<[f64; 3]>,
+    pub points: Vec<DVec3>,
     /// Weights; empty for weights of one.
     pub weights: Vec<f64>,
 }
@@ -25,7 +26,7 @@ impl Spline {
             match numbers[..] {
                 [knot] => spline.knots.push(knot),
                 [x, y, weight] => {
-                    spline.points.push([x, y, 0.0]);
+                    spline.points.push(DVec3::new(x, y, 0.0));
                     spline.weights.push(weight);
                 }
                 _ => panic!("neither a knot nor a point: {line}"),
@@ -65,13 +66,13 @@ pub fn spans(shape: Shape) -> Vec<Span<f64, f64>> {
         Shape::RationalCubic => butterfly.segment(),
         Shape::PolynomialCubic => polynomial.segment(),
         Shape::Arc => Segment::Arc {
-            start: [30.0, 0.0, 0.0],
-            end: [-30.0, 0.0, 0.0],
-            center: [0.0; 3],
-            normal: [0.0, 0.0, 1.0],
+            start: DVec3::new(30.0, 0.0, 0.0),
+            end: DVec3::new(-30.0, 0.0, 0.0),
+            center: [0.0; 3].into(),
+            normal: DVec3::new(0.0, 0.0, 1.0),
             turns: 0,
         },
-        Shape::Line => Segment::Line { start: [0.0; 3], end: [80.0, 60.0, 0.0] },
+        Shape::Line => Segment::Line { start: [0.0; 3].into(), end: DVec3::new(80.0, 60.0, 0.0) },
     };
     let mut spans = Vec::new();
     convert(&segment, 0, [0.0, 0.0, 1.0], |span| {

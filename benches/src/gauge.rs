@@ -1,7 +1,7 @@
 //! A gauge of three probes, 1024 points, nine and a half cycles to a point.
 
 use crate::step::PERIOD_NS;
-use trueaxis::roundness::{Followed, ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState};
+use trueaxis::roundness::{self, Followed, GaugeSettings, ProbeAngles, Probes};
 
 /// Points of a revolution.
 pub const POINTS: usize = 1024;
@@ -16,9 +16,9 @@ const TRANSFORM_UNITS: usize = 576 + 256 + 576 + 3;
 #[derive(Clone)]
 pub struct Gauge {
     /// The gauge.
-    pub gauge: Box<Roundness<f64, POINTS>>,
+    pub gauge: Box<roundness::Gauge<f64, POINTS>>,
     /// What it remembers.
-    pub state: Box<RoundnessState<f64, POINTS>>,
+    pub state: Box<roundness::GaugeState<f64, POINTS>>,
     /// Readings.
     pub probes: Probes<f64>,
     cycle: i32,
@@ -27,9 +27,9 @@ pub struct Gauge {
 impl Gauge {
     fn new() -> Self {
         let mut settings =
-            RoundnessSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, COUNTS as u32);
+            GaugeSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, COUNTS as u32);
         settings.revolutions = 1;
-        let gauge = Box::new(Roundness::build(&settings, PERIOD_NS).expect("valid settings"));
+        let gauge = Box::new(roundness::Gauge::build(&settings, PERIOD_NS).expect("valid settings"));
         let state = Box::new(gauge.start());
         Gauge { gauge, state, probes: Probes::default(), cycle: 0 }
     }

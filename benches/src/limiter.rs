@@ -1,7 +1,7 @@
 //! Three axes of the limiter with its default limits at 10 kHz.
 
 use trueaxis::Axis;
-use trueaxis::limiter::{Limited, Limiter};
+use trueaxis::limiter::{Limiter, LimiterState};
 use trueaxis::machine::AxisSettings;
 
 /// Servo period, s.
@@ -13,7 +13,7 @@ pub struct Limits {
     /// Limits of each axis.
     pub limiter: [Limiter<f64>; 3],
     /// What each axis remembers.
-    pub state: [Limited<f64>; 3],
+    pub state: [LimiterState<f64>; 3],
     /// Wanted corrections, mm.
     pub wanted: [f64; 3],
 }

@@ -2,7 +2,7 @@
 
 use crate::Random;
 use trueaxis::compensation::{NineTerms, Volumetric};
-use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
+use trueaxis::machine::{AxisOrder, AxisSettings, ErrorModel, MachineSettings};
 use trueaxis::{Axis, Row};
 
 /// Points of each table.
@@ -71,8 +71,13 @@ pub fn memory() -> &'static mut [f64] {
 /// The nine terms of [`machine`].
 pub fn nine_terms(grid: Grid) -> NineTerms<'static, f64, f64, 3> {
     let tables = [1, 2, 3].map(|seed| rows(grid, seed));
-    NineTerms::build(&machine(), |axis: Axis| tables.get(axis.index()).map(Vec::as_slice), memory())
-        .expect("valid tables")
+    NineTerms::build(
+        &AxisOrder::of(&machine()).expect("valid axes"),
+        &machine(),
+        |axis: Axis| tables.get(axis.index()).map(Vec::as_slice),
+        memory(),
+    )
+    .expect("valid tables")
 }
 
 /// Twists of an axis, 128 points: translations of some 10 µm, rotations of some 10 µrad; a rotary table is a full circle.
@@ -111,7 +116,7 @@ pub fn volumetric<const N: usize>() -> Volumetric<'static, f64, f64, N> {
     let tables: Vec<(Axis, Vec<Row>)> = machine.axes.iter().map(|a| (a.axis, twists(a.axis))).collect();
     let rows = |axis: Axis| tables.iter().find(|(a, _)| *a == axis).map(|(_, rows)| &rows[..]);
     let memory = vec![0.0; Volumetric::<f64, f64, N>::requirement(&machine, rows)].leak();
-    Volumetric::build(&machine, rows, memory).expect("valid tables")
+    Volumetric::build(&AxisOrder::of(&machine).expect("valid axes"), &machine, rows, memory).expect("valid tables")
 }
 
 /// A position within the tables, mm.

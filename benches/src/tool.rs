@@ -4,9 +4,9 @@ use crate::Random;
 use crate::step::{PASSES, PERIOD_NS};
 use crate::tables::{Grid, POINTS, rows};
 use trueaxis::contour::{Method, OrientationError, Path, Reference, Segment, Span, ToolPath, Turn, convert};
+use trueaxis::glam::DVec3;
 use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
 use trueaxis::machine::{AxisSettings, MachineSettings};
-use trueaxis::vector::V3;
 use trueaxis::{Axis, Config, Input, OnToolPath, Output, Row, ServoLoop, State};
 
 /// A running five-axis loop and the input of its next cycle.
@@ -74,7 +74,7 @@ fn table(axis: Axis, seed: u64) -> Vec<Row> {
 /// 80 mm straight, both rotary axes turning.
 fn path() -> (Vec<Span<f64, f64>>, Vec<Turn<f64>>) {
     let (mut spans, mut turns) = (Vec::new(), Vec::new());
-    let line = Segment::Line { start: [10.0, 20.0, 0.0], end: [70.0, 70.0, 15.0] };
+    let line = Segment::Line { start: DVec3::new(10.0, 20.0, 0.0), end: DVec3::new(70.0, 70.0, 15.0) };
     convert(&line, 0, [0.0, 0.0, 1.0], |span| {
         turns.push(Turn::axes(&span, [0.0, 1.0], [15.0, 0.0, -20.0], [40.0, 0.0, 30.0]));
         spans.push(span);
@@ -110,7 +110,7 @@ pub fn typical() -> ToolCycle {
     let path = ToolPath::new(Path::new(spans, 0, false), turns);
     let tool_at = |number: usize, t: f64| {
         let axis = turns[number].direction(t, |[a, b, c]| kinematics.direction(&[0.0, 0.0, 0.0, a, b, c]));
-        Tool { tip: V3::from(spans[number].position(t)), axis }
+        Tool { tip: spans[number].position(t).into(), axis }
     };
     let start = kinematics.inverse(&tool_at(0, 0.0), &[0.0, 0.0, 0.0, 15.0, 0.0, -20.0]).expect("within reach");
     let mut joints = BranchTracker::new(&start, 0.2);

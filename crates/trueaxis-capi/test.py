@@ -43,9 +43,9 @@ for name, value in double.items():
     expect(abs(value) > 0.1, f"{name} of {value} um shows nothing")
 
 refusals = {
-    "damaged": ("status 6, code 5: table file: the file is damaged", 33),
-    "memory": ("status 9, code 0: memory: found 8192 bytes", 34),
-    "abi": ("status 5, header ", 35),
+    "damaged": ("result 6, code 5: table file: the file is damaged", 33),
+    "memory": ("result 9, code 0: memory: found 8192 bytes", 34),
+    "abi": ("result 5, header ", 35),
 }
 for path in sorted(out.glob("*-*.txt")):
     name = path.stem

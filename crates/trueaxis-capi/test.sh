@@ -7,31 +7,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
 
 mcu=thumbv7em-none-eabihf
-rustc --print target-libdir --target "$mcu" | xargs test -d || rustup target add "$mcu"
-need() { # command, packages
-    local command=$1
-    shift
-    if command -v "$command" >/dev/null; then
-        return
-    fi
-    if [[ $(id -u) != 0 ]]; then
-        echo "$command is missing, and only root can install it: apt-get install $*" >&2
-        exit 1
-    fi
-    export DEBIAN_FRONTEND=noninteractive
-    apt-get -o DPkg::Lock::Timeout=300 -q update
-    apt-get -o DPkg::Lock::Timeout=300 -q -y install --no-install-recommends "$@"
-}
-need cc gcc libc6-dev
-need c++ g++
-need python3 python3
-need qemu-system-arm qemu-system-arm
-need arm-none-eabi-gcc gcc-arm-none-eabi libnewlib-arm-none-eabi
-if [[ ! -e $(arm-none-eabi-gcc -print-file-name=rdimon.specs) ]]; then
-    need newlib-for-arm-none-eabi gcc-arm-none-eabi libnewlib-arm-none-eabi
-fi
-
 root=$(cd ../.. && pwd)
+"$root/.ci/install" "rustup:target:$mcu" gcc libc6-dev g++ python3 qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi
 target=${CARGO_TARGET_DIR:-$root/target}
 out=$target/capi
 mkdir -p "$out"
@@ -96,6 +73,26 @@ for core in m4f m7; do
     in_qemu "$core-damaged" "$core" "$damaged"
     in_qemu "$core-abi" "$core" "$first" -DTRUEAXIS_ABI_MAJOR=9
 done
+
+# Every measure with and without a gauge: the sums of the C program are those of the Rust interface.
+cargo run --quiet -p trueaxis-capi --example combinations -- "$out/five.tcomp" >"$out/combinations.rust"
+cc -std=c99 "${strict[@]}" examples/c/combinations.c "$host" -Wl,--gc-sections -lpthread -ldl -lm -o "$out/combinations"
+timeout 60 "$out/combinations" "$out/five.tcomp" >"$out/combinations.c"
+cat "$out/combinations.c"
+diff "$out/combinations.rust" "$out/combinations.c"
+if [[ $(sed 's/.*: //' "$out/combinations.c" | sort -u | wc -l) != 8 ]]; then
+    echo 'test.sh: found combinations of the same sum, needed eight different ones' >&2
+    exit 1
+fi
+
+# The example of the README compiles.
+{
+    printf '#define AXES 3\n#include "trueaxis.h"\nvoid log_line(const char *);\n'
+    printf 'void read_machine(double *, double *, uint8_t *, uint8_t *);\nvoid write_drives(const double *);\n'
+    printf 'void start(const uint8_t *, size_t);\nvoid servo_interrupt(void);\n'
+    sed -n '/^```c$/,/^```$/{/^```/d;p}' README.md
+} >"$out/readme.c"
+cc -std=c99 "${strict[@]}" -c "$out/readme.c" -o "$out/readme.o"
 
 # The header from C++.
 printf '#include "trueaxis.h"\nint main() { return trueaxis_check_abi(TRUEAXIS_ABI_VERSION); }\n' >"$out/header.cpp"

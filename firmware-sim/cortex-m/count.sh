@@ -12,16 +12,7 @@ repository=$(cd ../.. && pwd)
 on_host=${CARGO_TARGET_DIR:-$repository/target}
 target=${CARGO_TARGET_DIR:-$PWD/target}
 mcu=thumbv7em-none-eabihf
-rustc --print target-libdir --target "$mcu" | xargs test -d || rustup target add "$mcu"
-if ! command -v qemu-system-arm >/dev/null; then
-    if [[ $(id -u) != 0 ]]; then
-        echo 'qemu-system-arm is missing, and only root can install it: apt-get install qemu-system-arm' >&2
-        exit 1
-    fi
-    export DEBIAN_FRONTEND=noninteractive
-    apt-get -o DPkg::Lock::Timeout=300 -q update
-    apt-get -o DPkg::Lock::Timeout=300 -q -y install --no-install-recommends qemu-system-arm
-fi
+"$repository/.ci/install" "rustup:target:$mcu" qemu-system-arm
 
 # In the repository's folder: this one's configuration asks for the processor's target.
 (cd "$repository" && CARGO_TARGET_DIR="$on_host" cargo build --quiet --release -p firmware-sim -p trueaxis-cli)

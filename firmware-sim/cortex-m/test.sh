@@ -21,16 +21,7 @@ say() {
 }
 
 say 'what is needed'
-rustc --print target-libdir --target "$mcu" | xargs test -d || rustup target add "$mcu"
-if ! command -v qemu-system-arm >/dev/null; then
-    if [[ $(id -u) != 0 ]]; then
-        echo 'qemu-system-arm is missing, and only root can install it: apt-get install qemu-system-arm' >&2
-        exit 1
-    fi
-    export DEBIAN_FRONTEND=noninteractive
-    apt-get -o DPkg::Lock::Timeout=300 -q update
-    apt-get -o DPkg::Lock::Timeout=300 -q -y install --no-install-recommends qemu-system-arm
-fi
+"$repository/.ci/install" "rustup:target:$mcu" qemu-system-arm
 if ! command -v defmt-print >/dev/null; then
     # Unoptimised it builds in a fraction of the time, and it has not much to do here.
     CARGO_PROFILE_RELEASE_OPT_LEVEL=1 CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 \

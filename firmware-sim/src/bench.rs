@@ -4,7 +4,7 @@ use crate::latency::{Latency, LatencySummary, timed};
 use anyhow::{Result, anyhow};
 use std::hint::black_box;
 use trueaxis::contour::Reference;
-use trueaxis::machine::step_axes;
+use trueaxis::machine::AxisOrder;
 use trueaxis::sample::Refusal;
 use trueaxis::{Axis, Input, OnToolPath, State};
 use trueaxis_sim::Scenario;
@@ -42,7 +42,7 @@ impl<'c, const N: usize> Inputs<'c, N> {
         Ok(Inputs {
             scenario,
             motion,
-            axes: step_axes::<N>(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?,
+            axes: AxisOrder::<N>::of(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?.axes(),
             setpoints: motion.setpoints(&scenario.program),
             path: SlidingPath::new(scenario),
             span: 0,

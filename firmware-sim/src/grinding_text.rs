@@ -3,7 +3,7 @@
 use anyhow::Result;
 use serde::Serialize;
 use std::fmt;
-use trueaxis::roundness::{ErrorMotion, Flags};
+use trueaxis::roundness::{ErrorMotion, GaugeFlags};
 use trueaxis_sim::grinding::{Grinding, Outcome, Run};
 
 #[derive(Serialize)]
@@ -171,7 +171,7 @@ impl fmt::Display for Summary<'_> {
             after.counts.discarded,
             o.limits_exceeded()
         )?;
-        if after.flags.has(Flags::INFEED_FROZEN) {
+        if after.flags.has(GaugeFlags::INFEED_FROZEN) {
             writeln!(f, "note     the infeed correction was frozen at least once: it was limited, or near its bound")?;
         }
         writeln!(f, "two runs in {:.1} s", self.wall_s)

@@ -1,12 +1,12 @@
 //! Grinding with the infeed correction: what it gains on the true surface, and what it does when something goes wrong.
 
 use firmware_sim::samples::sample_machine;
-use trueaxis::roundness::{Flags, ProbeAngles, RoundnessSettings, gain_limit};
+use trueaxis::roundness::{GaugeFlags, GaugeSettings, ProbeAngles, gain_limit};
 use trueaxis_sim::grinding::{self, Event, Grinding, Moment, Process, Run};
 use trueaxis_tables::Machine;
 
 /// The sample grinder with fewer points, so that the tests are quick: 256 points, 2000 cycles a revolution.
-fn grinding(revolutions: u32, change: impl FnOnce(&mut RoundnessSettings)) -> Grinding {
+fn grinding(revolutions: u32, change: impl FnOnce(&mut GaugeSettings)) -> Grinding {
     let mut machine = Machine::read(&sample_machine("grinder")).unwrap();
     let gauge = machine.settings.roundness.as_mut().unwrap();
     gauge.points = 256;
@@ -101,7 +101,7 @@ fn skipped_revolutions_cost_time_but_not_quality() {
         let [_, after] = falls_below_a_tenth(&format!("{skip} skipped"), &grinding);
         let counts = after.counts;
         assert!(counts.evaluated >= 20 && counts.skipped + 4 >= skip * counts.evaluated, "{counts:?}");
-        assert!(after.flags.has(Flags::SKIPPED));
+        assert!(after.flags.has(GaugeFlags::SKIPPED));
     }
 }
 
@@ -123,7 +123,7 @@ fn half_the_limit_of_stability_is_stable() {
 struct Watched {
     run: Run,
     /// Per cycle: turns, infeed asked for (µm), correction of X (µm), flags, evaluated.
-    cycles: Vec<(f64, f64, f64, Flags, u32)>,
+    cycles: Vec<(f64, f64, f64, GaugeFlags, u32)>,
     /// Correction table whenever it changed: turns and its largest value.
     tables: Vec<(f64, f64)>,
 }
@@ -153,9 +153,9 @@ fn watch(grinding: &Grinding) -> Watched {
 }
 
 impl Watched {
-    fn seen_between(&self, from: f64, to: f64) -> Flags {
+    fn seen_between(&self, from: f64, to: f64) -> GaugeFlags {
         let flags = self.cycles.iter().filter(|c| (from..to).contains(&c.0)).map(|c| c.3);
-        flags.fold(Flags::default(), |all, flags| Flags(all.0 | flags.0))
+        flags.fold(GaugeFlags::default(), |all, flags| GaugeFlags(all.0 | flags.0))
     }
 
     fn table_changes_between(&self, from: f64, to: f64) -> usize {
@@ -176,10 +176,10 @@ fn a_spindle_that_stops_in_mid_revolution_freezes_the_correction() {
     let events = vec![Event::Stop { at: 24.4, for_s: 1.5 }];
     let grinding = Grinding { events, ..grinding(40, |_| {}) };
     let watched = watch(&grinding);
-    assert!(watched.seen_between(24.4, 25.0).has(Flags::STOPPED));
+    assert!(watched.seen_between(24.4, 25.0).has(GaugeFlags::STOPPED));
     assert_eq!(watched.run.counts.discarded, 1);
     // Standing: the infeed stands too, and is not zero.
-    let standing: Vec<_> = watched.cycles.iter().filter(|c| c.3.has(Flags::STOPPED)).collect();
+    let standing: Vec<_> = watched.cycles.iter().filter(|c| c.3.has(GaugeFlags::STOPPED)).collect();
     let [first, .., last] = standing[..] else { panic!("it must have stood") };
     assert!(standing.len() > 2000 && first.4 == last.4);
     assert!((first.1 - last.1).abs() < 0.02 && first.1.abs() > 0.05, "{} {}", first.1, last.1);
@@ -191,9 +191,9 @@ fn a_spindle_that_stops_in_mid_revolution_freezes_the_correction() {
 fn a_missing_index_freezes_the_table_and_the_correction_goes_on_by_count() {
     let grinding = Grinding { events: vec![Event::MissingIndex { turn: 24 }], ..grinding(44, |_| {}) };
     let watched = watch(&grinding);
-    assert!(watched.seen_between(24.0, 24.5).has(Flags::INDEX_MISSING));
-    assert!(watched.seen_between(24.3, 24.9).has(Flags::NO_INDEX));
-    assert!(!watched.seen_between(25.1, 44.0).has(Flags::NO_INDEX));
+    assert!(watched.seen_between(24.0, 24.5).has(GaugeFlags::INDEX_MISSING));
+    assert!(watched.seen_between(24.3, 24.9).has(GaugeFlags::NO_INDEX));
+    assert!(!watched.seen_between(25.1, 44.0).has(GaugeFlags::NO_INDEX));
     assert_eq!(watched.run.counts.discarded, 1);
     // Nothing is measured by a count that may have slipped, but the table is kept and followed.
     let fed = watched.cycles.iter().filter(|c| (24.3..24.9).contains(&c.0)).map(|c| c.1.abs()).fold(0.0, f64::max);
@@ -207,8 +207,8 @@ fn a_probe_that_is_knocked_off_freezes_the_table_and_the_correction_goes_on() {
     let events = vec![Event::ProbeOut { probe: 1, at: 24.2, turns: 2.3 }];
     let grinding = Grinding { events, ..grinding(44, |_| {}) };
     let watched = watch(&grinding);
-    assert!(watched.seen_between(24.2, 26.5).has(Flags::PROBE_RANGE));
-    assert!(!watched.seen_between(26.6, 44.0).has(Flags::PROBE_RANGE));
+    assert!(watched.seen_between(24.2, 26.5).has(GaugeFlags::PROBE_RANGE));
+    assert!(!watched.seen_between(26.6, 44.0).has(GaugeFlags::PROBE_RANGE));
     assert!(watched.run.counts.discarded >= 1);
     // Work on the revolution before is finished within a turn; the next whole one ends at 28.
     assert_eq!(watched.table_changes_between(25.2, 27.9), 0);
@@ -238,10 +238,10 @@ fn a_dressed_wheel_is_told_at_run_time_and_noticed_if_it_is_not() {
     };
     let (watched, grinding) = dressed(true);
     let last = watched.run.evaluation.unwrap();
-    assert!(!last.flags.has(Flags::ARM) && last.revolution > 38, "{last:?}");
+    assert!(!last.flags.has(GaugeFlags::ARM) && last.revolution > 38, "{last:?}");
     watched.recovers(&grinding);
     let (watched, _) = dressed(false);
     let last = watched.run.evaluation.unwrap();
-    assert!(last.flags.has(Flags::ARM) && last.flags.has(Flags::INFEED_FROZEN), "{last:?}");
+    assert!(last.flags.has(GaugeFlags::ARM) && last.flags.has(GaugeFlags::INFEED_FROZEN), "{last:?}");
     assert_eq!(watched.table_changes_between(23.0, 44.0), 0);
 }

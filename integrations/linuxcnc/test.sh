@@ -9,21 +9,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
 
-missing=()
-for package in linuxcnc-uspace linuxcnc-uspace-dev gcc make; do
-    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
-done
-if [[ ${#missing[@]} != 0 ]]; then
-    if [[ $(id -u) != 0 ]]; then
-        echo "test.sh: ${missing[*]} missing, and only root can install them: apt-get install ${missing[*]}" >&2
-        exit 1
-    fi
-    export DEBIAN_FRONTEND=noninteractive
-    apt-get -o DPkg::Lock::Timeout=300 -q update
-    apt-get -o DPkg::Lock::Timeout=300 -q -y install --no-install-recommends "${missing[@]}"
-fi
-
 root=$(cd ../.. && pwd)
+"$root/.ci/install" linuxcnc-uspace linuxcnc-uspace-dev gcc make
 target=${CARGO_TARGET_DIR:-$root/target}
 # As `cargo test` builds them: after it there is little left to do.
 (cd "$root" && cargo build --quiet --profile test --package trueaxis-cli --package trueaxis-linuxcnc)
@@ -58,8 +45,9 @@ chmod -R a+rX "$work"
 
 ./install.sh
 # The realtime part may call the library and copy memory, and nothing else: no allocation, no file, no print.
-others=$(nm -u "$target/linuxcnc/cycle.o" "$target/linuxcnc/gauge.o" |
-    grep -vE '^$|:$|U (trueaxis_[a-z_]+|gauge_step|memset|memcpy|__stack_chk_fail|_GLOBAL_OFFSET_TABLE_)$' || true)
+own='(steps|gauge|show)_[a-z_]+'
+others=$(nm -u "$target/linuxcnc/"{cycle,steps,gauge,show}.o |
+    grep -vE "^$|:$|U (trueaxis_[a-z_]+|$own|memset|memcpy|__stack_chk_fail|_GLOBAL_OFFSET_TABLE_)$" || true)
 if [[ -n $others ]]; then
     printf 'test.sh: the realtime functions call %s\n' "$others" >&2
     exit 1

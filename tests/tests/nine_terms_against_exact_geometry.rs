@@ -2,8 +2,9 @@
 
 use std::path::Path;
 use trueaxis::Axis;
+use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
-use trueaxis::machine::step_axes;
+use trueaxis::machine::AxisOrder;
 use trueaxis::machine::{AXES, ErrorModel};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
@@ -50,7 +51,7 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
     let rows = |axis: Axis| machine.rows(axis);
     let mut memory = vec![0.0; requirement(&machine.settings, rows)];
     let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, &mut memory).unwrap();
-    let axes = step_axes::<N>(&machine.settings).unwrap();
+    let axes = AxisOrder::<N>::of(&machine.settings).unwrap().axes();
 
     let mut random = Random(17);
     let mut largest = 0.0_f64;
@@ -70,7 +71,7 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
         }
         let exact = geometry.tip_error(&plant, &reversed);
         let at = compensation.coordinates(&step);
-        let nine = compensation.errors(&at, &directions, &[ThermalLine::default(); N], &mut 0);
+        let nine = compensation.errors(&Query::at(&at, &directions, &[ThermalLine::default(); N]), &mut 0);
         for k in 0..3 {
             let difference = (exact[k] - nine[k]).abs();
             assert!(difference < TOLERANCE_MM, "{name} at {step:?}: {exact:?}, {nine:?}");

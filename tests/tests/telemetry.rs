@@ -1,7 +1,7 @@
 //! The wire format of docs/telemetry.md, held against the code.
 
 use trueaxis::Fault;
-use trueaxis::roundness::{ErrorMotion, Flags, Followed, HARMONICS, ProbeAngles, Probes, Roundness, RoundnessSettings};
+use trueaxis::roundness::{ErrorMotion, Followed, Gauge, GaugeFlags, GaugeSettings, HARMONICS, ProbeAngles, Probes};
 use trueaxis::telemetry::{
     AxisFrame, FRAME_BYTES, FRAME_VERSION, Frame, ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION, RoundnessFrame,
     Status,
@@ -89,7 +89,7 @@ fn longest_revolution() -> RoundnessFrame {
         evaluated: u32::MAX,
         skipped: u32::MAX,
         discarded: u32::MAX,
-        flags: Flags(u16::MAX),
+        flags: GaugeFlags(u16::MAX),
         peak_to_valley_um: 1.1,
         revolutions: u16::MAX,
         x: motion,
@@ -123,8 +123,8 @@ fn revolutions_are_laid_out_as_documented() {
 /// What the gauge knows of a revolution arrives.
 #[test]
 fn a_revolution_of_the_gauge_arrives() {
-    let settings = RoundnessSettings::with_defaults(64, ProbeAngles::Slots { p: 11, q: 15 }, 1 << 20);
-    let gauge = Roundness::<f32, 64>::build(&settings, 100_000).unwrap();
+    let settings = GaugeSettings::with_defaults(64, ProbeAngles::Slots { p: 11, q: 15 }, 1 << 20);
+    let gauge = Gauge::<f32, 64>::build(&settings, 100_000).unwrap();
     let mut state = gauge.start();
     assert_eq!(RoundnessFrame::of(7, &gauge, &state), None);
     let phi = [0.0, gauge.gain().phi2(), gauge.gain().phi2() + gauge.gain().phi3()];
@@ -142,7 +142,7 @@ fn a_revolution_of_the_gauge_arrives() {
         gauge.update(&mut state, &probes, Followed::Whole);
     }
     let frame = RoundnessFrame::of(7, &gauge, &state).unwrap();
-    assert_eq!((frame.machine_id, frame.revolution, frame.evaluated, frame.flags), (7, 2, 2, Flags::default()));
+    assert_eq!((frame.machine_id, frame.revolution, frame.evaluated, frame.flags), (7, 2, 2, GaugeFlags::default()));
     assert_eq!((frame.first_harmonic, frame.harmonics.len()), (2, 30));
     assert!((frame.harmonics[1][0] - 2.0).abs() < 1e-4 && frame.harmonics[1][1].abs() < 1e-4, "{frame:?}");
     assert!((frame.peak_to_valley_um - 4.0).abs() < 0.05);

@@ -1,10 +1,11 @@
 //! The volumetric form against the exact transforms: two implementations that share no code but the settings.
 
+use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
 use trueaxis::machine::{
     AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, MachineSettings, Row, ThermalGrowth,
 };
-use trueaxis::machine::{carries_workpiece, step_axes};
+use trueaxis::machine::{AxisOrder, carries_workpiece};
 use trueaxis::{Axis, check};
 use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::{Machine, Table};
@@ -179,15 +180,15 @@ impl Case {
     }
 
     fn thermal<const N: usize>(&self) -> [ThermalLine<f64>; N] {
-        step_axes::<N>(&self.machine.settings).unwrap().map(|axis| {
-            let settings = self.machine.settings.axes.iter().find(|a| a.axis == axis);
+        AxisOrder::<N>::of(&self.machine.settings).unwrap().axes().map(|axis| {
+            let settings = self.machine.settings.axis(axis);
             settings.map_or(ThermalLine::default(), |s| ThermalLine::for_axis(&s.thermal, RISE_K).unwrap())
         })
     }
 
     /// Positions in the order of the step in that of the plant.
     fn plant<const N: usize>(&self, step: &[f64; N]) -> [f64; AXES] {
-        let axes = step_axes::<N>(&self.machine.settings).unwrap();
+        let axes = AxisOrder::<N>::of(&self.machine.settings).unwrap().axes();
         let mut plant = [0.0; AXES];
         for (slot, settings) in plant.iter_mut().zip(&self.machine.settings.axes) {
             *slot = step[axes.iter().position(|a| *a == settings.axis).unwrap()];
@@ -223,11 +224,11 @@ fn compare<const N: usize>(case: &Case, seed: u64) -> [[f64; 2]; 2] {
             let reversed: [f64; N] = std::array::from_fn(|_| f64::from(u8::from(random.unit() < 0.5)));
             let directions = reversed.map(|r| if r > 0.5 { Direction::NEGATIVE } else { Direction::POSITIVE });
             let at = compensation.coordinates(&q);
-            let found = compensation.pose_error(&at, &directions, &case.thermal(), &mut 0);
+            let found = compensation.pose_error(&Query::at(&at, &directions, &case.thermal()), &mut 0);
             let tool = compensation.volumetric().unwrap().tool_axis(&at);
             let exact = geometry.pose_error(&case.plant(&q), &case.plant(&reversed));
-            let direction = cross(found.orientation, tool);
-            let tip = [norm(exact.tip_mm), norm(minus(found.tip, exact.tip_mm))];
+            let direction = cross(found.orientation.into(), tool.into());
+            let tip = [norm(exact.tip_mm), norm(minus(found.tip.into(), exact.tip_mm))];
             let turn = [norm(exact.direction), norm(minus(direction, exact.direction))];
             for (largest, found) in largest.iter_mut().zip([tip, turn]) {
                 *largest = [largest[0].max(found[0]), largest[1].max(found[1])];
@@ -285,7 +286,7 @@ fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
         for _ in 0..20 {
             let q = place::<N>(&mut random);
             let at = compensation.coordinates(&q);
-            let r = compensation.correction(&at, &at, &[Direction::POSITIVE; N], &case.thermal(), &mut 0);
+            let r = compensation.correction(&Query::at(&at, &[Direction::POSITIVE; N], &case.thermal()), &mut 0);
             let there: [f64; N] = std::array::from_fn(|i| q[i] + r[i]);
             let ideal = geometry.ideal_pose(&case.plant(&q));
             let actual = geometry.actual_pose(&case.plant(&there), &[0.0; AXES]);

@@ -1,39 +1,39 @@
 //! Details of a refusal, for the operator's screen and the log.
 
 use crate::pointer::{Sized32, check_sized};
-use crate::status::{ERROR_CONFIG, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_TABLES, Status};
+use crate::result::{ERROR_CONFIG, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_POSE, ERROR_TABLES, ResultCode};
 use crate::text::Text;
 use core::ffi::c_char;
 use core::fmt;
 use trueaxis::ConfigError;
 use trueaxis::contour::PathError;
 use trueaxis::error::Field;
+use trueaxis::kinematics::InverseError;
 use trueaxis::tcomp::TcompError;
 
-/// Why something was refused, ready to print.
+/// Reason of a refusal, ready to print.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Error {
-    /// `sizeof(trueaxis_error_t)`, set by the caller once; stays as it is.
+    /// `sizeof(trueaxis_error_t)`.
     pub size: u32,
-    /// The status that the function returned.
-    pub status: Status,
-    /// Number of the table file's fault: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 CRC-32
-    /// wrong, 6 settings and 7 table header cannot be decoded, 8 table or 9 payload too long, 10 machine id contradicts
-    /// the name, 11 contents make no sense (then `field`, `found` and `needed` tell which), 12 other machine. 0: not about
-    /// a table file.
+    /// Result of the function.
+    pub result: ResultCode,
+    /// Of a table file: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 wrong CRC-32, 6 settings or
+    /// 7 table header not readable, 8 table or 9 payload too long, 10 machine id against the name, 11 contents out of
+    /// range (see `field`), 12 other machine. Else 0.
     pub code: u32,
-    /// Element of the setting that is wrong, from 0 (row of a table, knot of a spline); `UINT32_MAX` if it is no list.
+    /// Element from 0 (row of a table, knot of a spline); `UINT32_MAX` if it is no list.
     pub index: u32,
-    /// What was found, in mm, degrees or seconds.
+    /// Value found, mm, degrees or seconds.
     pub found: f64,
-    /// Letter of the axis at fault, 0 if it is none's.
+    /// Letter of the axis, or 0.
     pub axis: c_char,
-    /// Name of the setting (of a segment: of the part) at fault; empty if it is none's.
+    /// Name of the setting, or of the part of a segment; may be empty.
     pub field: [c_char; 31],
-    /// What is needed instead; empty if nothing can be said.
+    /// What is needed; may be empty.
     pub needed: [c_char; 128],
-    /// All of it in one line of UTF-8 without a line feed.
+    /// All of it in one line of UTF-8.
     pub text: [c_char; 256],
 }
 
@@ -44,7 +44,7 @@ unsafe impl Sized32 for Error {}
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Refusal {
     /// Without further details.
-    Status(Status),
+    Code(ResultCode),
     /// The table file.
     Tables(TcompError),
     /// The configuration.
@@ -53,11 +53,13 @@ pub(crate) enum Refusal {
     Memory(usize, usize),
     /// A segment of a path.
     Path(PathError),
+    /// A pose of the tool.
+    Pose(InverseError),
 }
 
-impl From<Status> for Refusal {
-    fn from(status: Status) -> Self {
-        Refusal::Status(status)
+impl From<ResultCode> for Refusal {
+    fn from(code: ResultCode) -> Self {
+        Refusal::Code(code)
     }
 }
 
@@ -76,31 +78,33 @@ impl From<ConfigError> for Refusal {
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refusal::Status(status) => crate::status::text(*status).to_str().unwrap_or_default().fmt(f),
+            Refusal::Code(code) => crate::result::text(*code).to_str().unwrap_or_default().fmt(f),
             Refusal::Tables(error) => write!(f, "table file: {error}"),
             Refusal::Config(error) => error.fmt(f),
             Refusal::Memory(lent, needed) => write!(f, "memory: found {lent} bytes, needed {needed} bytes"),
             Refusal::Path(error) => error.fmt(f),
+            Refusal::Pose(error) => write!(f, "pose: {error}"),
         }
     }
 }
 
 impl Refusal {
-    pub(crate) fn status(&self) -> Status {
+    pub(crate) fn code(&self) -> ResultCode {
         match self {
-            Refusal::Status(status) => *status,
+            Refusal::Code(code) => *code,
             Refusal::Tables(TcompError::WrongMachine) => ERROR_MACHINE,
             Refusal::Tables(_) => ERROR_TABLES,
             Refusal::Config(ConfigError { field: Field::Memory, .. }) | Refusal::Memory(..) => ERROR_MEMORY,
             Refusal::Config(_) => ERROR_CONFIG,
             Refusal::Path(_) => ERROR_PATH,
+            Refusal::Pose(_) => ERROR_POSE,
         }
     }
 
     fn details(&self) -> Error {
         let mut error = Error {
             size: size_of::<Error>() as u32,
-            status: self.status(),
+            result: self.code(),
             code: 0,
             index: u32::MAX,
             found: 0.0,
@@ -110,7 +114,7 @@ impl Refusal {
             text: Text::of(self),
         };
         match self {
-            Refusal::Status(_) => {}
+            Refusal::Code(_) | Refusal::Pose(_) => {}
             Refusal::Tables(tables) => {
                 error.code = tables.code().into();
                 if let TcompError::Content(config) = tables {
@@ -148,17 +152,17 @@ impl Error {
 ///
 /// # Safety
 /// `error` is null, misaligned, or points to as many readable and writable bytes as its member `size` says.
-pub(crate) unsafe fn explained(error: *mut Error, work: impl FnOnce() -> Result<(), Refusal>) -> Status {
+pub(crate) unsafe fn explained(error: *mut Error, work: impl FnOnce() -> Result<(), Refusal>) -> ResultCode {
     if !error.is_null() {
         // SAFETY: the caller's promise.
-        if let Err(status) = unsafe { check_sized(error) } {
-            return status;
+        if let Err(code) = unsafe { check_sized(error) } {
+            return code;
         }
     }
-    let Err(refusal) = work() else { return crate::status::OK };
+    let Err(refusal) = work() else { return crate::result::OK };
     if !error.is_null() {
         // SAFETY: checked above: aligned, of the right size; writable by the caller's promise.
         unsafe { error.write(refusal.details()) };
     }
-    refusal.status()
+    refusal.code()
 }

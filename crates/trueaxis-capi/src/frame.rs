@@ -1,24 +1,20 @@
 //! Telemetry on the wire.
 
-use crate::cycle::{AXES_MAX, Contour, Output};
+use crate::contour::Contour;
+use crate::cycle::{AXES_MAX, Output};
 use crate::plugin::to_core;
 use crate::pointer::read_sized;
-use crate::status::{self, ERROR_ARGUMENT, ERROR_BUFFER, ERROR_NULL, ERROR_SIZE, Status};
+use crate::result::{self, ERROR_ARGUMENT, ERROR_BUFFER, ERROR_NULL, ERROR_SIZE, ResultCode};
 use trueaxis::telemetry::{self, AxisFrame, ContourFrame, Frame};
 use trueaxis::{Fault, Position as _};
 
-/// A buffer of this size holds the frame of any record.
+/// Largest telemetry frame of a record, bytes.
 pub const FRAME_BYTES: usize = 256;
 const _: () = assert!(FRAME_BYTES == telemetry::FRAME_BYTES);
 
-/// Writes the telemetry frame of a record: postcard in COBS, its last byte 0, at most `TRUEAXIS_FRAME_BYTES`; the same
-/// bytes in every build and precision.
+/// Writes the telemetry frame of a record: postcard in COBS, ending in 0; the same bytes in every build and precision.
 ///
-/// `output`: of a step. `buffer`, `size`: where to. `written`: receives the number of bytes.
-///
-/// Bounded time, but not part of the cycle: on a core without double precision some hundred instructions an axis.
-///
-/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_BUFFER`, `_ARGUMENT` (no output of a step).
+/// `output`: of a step. `written`: bytes of the frame. Not real-time. `_BUFFER`, `_ARGUMENT` (not an output of a step).
 ///
 /// # Safety
 /// Pointers are null or point to what their types say, `buffer` to `size` bytes.
@@ -28,7 +24,7 @@ pub unsafe extern "C" fn trueaxis_frame_encode(
     buffer: *mut u8,
     size: usize,
     written: *mut usize,
-) -> Status {
+) -> ResultCode {
     let work = || {
         // SAFETY: the caller's promise.
         let output = unsafe { read_sized(output) }?;
@@ -51,7 +47,7 @@ pub unsafe extern "C" fn trueaxis_frame_encode(
         }
         Ok(())
     };
-    status::of(work())
+    result::of(work())
 }
 
 fn frame(output: &Output) -> Option<Frame> {

@@ -1,11 +1,10 @@
 //! C interface of trueaxis: one static library, one header (`include/trueaxis.h`, generated from this crate).
 //!
-//! Every function checks its pointers, sizes and objects, returns a [`Status`], never panics, allocates or prints, and
-//! leaves all outputs untouched when it refuses (but for `ERROR_NO_OUTPUT`, which leaves the drives' alone). The documentation of the items here is that of the header: it speaks to
-//! the C programmer and gives the names of the header.
+//! Every function checks its pointers, sizes and objects, returns a [`ResultCode`], never panics, allocates or prints, and
+//! leaves all outputs untouched when it refuses (but for `ERROR_NO_OUTPUT`, which leaves the drives' alone). The
+//! documentation of the items is that of the header: it speaks to the C programmer in the names of the header.
 //!
-//! `unsafe` stands here and in the square root: what a pointer of the caller is worth is decided in `pointer` and
-//! `opaque`, and nowhere else.
+//! Pointers of the caller are checked in `pointer` and `opaque`, and nowhere else.
 #![no_std]
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks, clippy::indexing_slicing)]
@@ -14,35 +13,56 @@
 #[cfg(not(target_os = "none"))]
 extern crate std;
 
+mod built;
+mod command_window;
+mod contour;
 mod cycle;
 mod error;
+mod evaluation;
 mod fault;
-mod follow;
 mod frame;
 mod gauge;
+mod gauge_ride;
+mod kinematics;
+mod measure;
 mod opaque;
 mod path;
 mod plugin;
 mod pointer;
-mod ride;
+mod query;
+mod result;
+mod rtcp;
 mod scalar;
+mod segments;
 mod servo;
-mod status;
+mod spans;
+mod step;
+mod steps;
 mod tables;
 mod text;
 mod version;
 
+pub use built::*;
+pub use command_window::*;
+pub use contour::*;
 pub use cycle::*;
 pub use error::*;
+pub use evaluation::*;
 pub use fault::*;
-pub use follow::*;
 pub use frame::*;
 pub use gauge::*;
+pub use gauge_ride::*;
+pub use kinematics::*;
+pub use measure::*;
 pub use path::*;
-pub use ride::*;
+pub use query::*;
+pub use result::*;
+pub use rtcp::*;
 pub use scalar::*;
+pub use segments::*;
 pub use servo::*;
-pub use status::*;
+pub use spans::*;
+pub use step::*;
 pub use tables::*;
 pub use version::*;
 

@@ -1,11 +1,11 @@
 //! Objects whose inside the caller does not see, in storage that the caller provides.
 //!
-//! The storage begins with a word that tells what was built there. An object in storage that was zeroed, that holds
+//! The storage begins with a word that names its content. An object in storage that was zeroed, that holds
 //! something else, or that another build of the library has filled is refused; its content is looked at only if the word
 //! is right.
 
 use crate::pointer::check;
-use crate::status::{ERROR_SIZE, ERROR_UNBUILT, Status};
+use crate::result::{ERROR_SIZE, ERROR_UNBUILT, ResultCode};
 use core::mem::{align_of, size_of};
 
 /// Storage of the header: `uint64_t words[]`.
@@ -13,13 +13,13 @@ use core::mem::{align_of, size_of};
 /// # Safety
 /// `#[repr(C)]`, one array of `u64`. The content fits: `Kept::<Self>::FITS` is evaluated where storage is filled.
 pub(crate) unsafe trait Storage {
-    /// What is in it.
+    /// Its content.
     type Content;
-    /// What the first word is while it is; another for every kind.
+    /// First word of a filled one; another for every kind.
     const MAGIC: u32;
 }
 
-/// What really stands in a [`Storage`].
+/// Layout of a filled [`Storage`].
 #[repr(C)]
 pub(crate) struct Kept<S: Storage> {
     magic: u32,
@@ -33,7 +33,7 @@ impl<S: Storage> Kept<S> {
 }
 
 /// Storage that can be filled; `size` is what the caller takes its size for.
-pub(crate) fn place<S: Storage>(storage: *mut S, size: usize) -> Result<*mut Kept<S>, Status> {
+pub(crate) fn place<S: Storage>(storage: *mut S, size: usize) -> Result<*mut Kept<S>, ResultCode> {
     const { Kept::<S>::FITS };
     check(storage)?;
     if size == size_of::<S>() { Ok(storage.cast()) } else { Err(ERROR_SIZE) }
@@ -49,13 +49,13 @@ pub(crate) unsafe fn fill<S: Storage>(place: *mut Kept<S>, content: S::Content) 
     unsafe { place.write(Kept { magic: Kept::<S>::WORD, content }) }
 }
 
-/// What was built in a storage.
+/// Content of a storage.
 ///
 /// # Safety
 /// `storage` is null, misaligned, or points to a whole readable storage that nobody writes while the reference lives and
 /// whose bytes, if they begin with the magic word, were written by [`fill`].
 #[inline(always)]
-pub(crate) unsafe fn content<'a, S: Storage>(storage: *const S) -> Result<&'a S::Content, Status> {
+pub(crate) unsafe fn content<'a, S: Storage>(storage: *const S) -> Result<&'a S::Content, ResultCode> {
     check(storage)?;
     let kept = storage.cast::<Kept<S>>();
     // SAFETY: not null, aligned, readable; a plain word.
@@ -71,7 +71,7 @@ pub(crate) unsafe fn content<'a, S: Storage>(storage: *const S) -> Result<&'a S:
 /// # Safety
 /// As for [`content`], and nobody else uses the storage while the reference lives.
 #[inline(always)]
-pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a mut S::Content, Status> {
+pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a mut S::Content, ResultCode> {
     check(storage)?;
     let kept = storage.cast::<Kept<S>>();
     // SAFETY: not null, aligned, readable; a plain word.
@@ -85,7 +85,7 @@ pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Follow, Gauge, GaugeState, GaugeState512, Loop, Path, State};
+    use crate::{BranchTracker, CommandWindow, Gauge, GaugeState, GaugeState512, Kinematics, Loop, Path, State};
 
     #[test]
     fn storage_is_not_much_larger_than_needed() {
@@ -99,9 +99,11 @@ mod tests {
         spare::<Loop>("loop");
         spare::<State>("state");
         spare::<Path>("path");
-        spare::<Follow>("follow");
+        spare::<CommandWindow>("command window");
         spare::<Gauge>("gauge");
         spare::<GaugeState>("gauge state");
         spare::<GaugeState512>("gauge state 512");
+        spare::<Kinematics>("kinematics");
+        spare::<BranchTracker>("branch tracker");
     }
 }

@@ -7,8 +7,11 @@ use trueaxis::{ServoLoop, State, contour};
 pub(crate) type Servo<const N: usize> = ServoLoop<'static, Real, CorePosition, N>;
 /// Its state.
 pub(crate) type ServoState<const N: usize> = State<Real, CorePosition, N>;
-/// A piece of a path.
+/// A span of a path.
 pub(crate) type PathSpan = contour::Span<Real, CorePosition>;
+
+/// A window of the last commands.
+pub(crate) type Window = contour::CommandWindow<Real, CorePosition, { crate::COMMAND_WINDOW_SPANS }>;
 
 /// The position type of the core behind [`Position`].
 #[cfg(not(feature = "single"))]

@@ -1,6 +1,6 @@
-//! What a pointer of the caller is worth: null, alignment and size are looked at here, before anything else.
+//! Checks of the caller's pointers: null, alignment and size, before anything else.
 
-use crate::status::{ERROR_ALIGNMENT, ERROR_NULL, ERROR_SIZE, Status};
+use crate::result::{ERROR_ALIGNMENT, ERROR_NULL, ERROR_SIZE, ResultCode};
 use core::mem::{align_of, size_of};
 
 /// A structure of the header that begins with its own size, a `u32`.
@@ -11,7 +11,7 @@ pub(crate) unsafe trait Sized32: Copy {}
 
 /// Refuses null and misaligned pointers.
 #[inline(always)]
-pub(crate) fn check<T>(pointer: *const T) -> Result<(), Status> {
+pub(crate) fn check<T>(pointer: *const T) -> Result<(), ResultCode> {
     if pointer.is_null() {
         Err(ERROR_NULL)
     } else if !pointer.is_aligned() {
@@ -26,7 +26,7 @@ pub(crate) fn check<T>(pointer: *const T) -> Result<(), Status> {
 /// # Safety
 /// `pointer` is null, misaligned, or points to at least four readable bytes.
 #[inline(always)]
-pub(crate) unsafe fn check_sized<T: Sized32>(pointer: *const T) -> Result<(), Status> {
+pub(crate) unsafe fn check_sized<T: Sized32>(pointer: *const T) -> Result<(), ResultCode> {
     check(pointer)?;
     // SAFETY: not null and aligned; the caller vouches for four readable bytes, which `Sized32` begins with.
     let size = unsafe { pointer.cast::<u32>().read() };
@@ -38,7 +38,7 @@ pub(crate) unsafe fn check_sized<T: Sized32>(pointer: *const T) -> Result<(), St
 /// # Safety
 /// `pointer` is null, misaligned, or points to as many readable bytes as its member `size` says (at least four).
 #[inline(always)]
-pub(crate) unsafe fn read_sized<T: Sized32>(pointer: *const T) -> Result<T, Status> {
+pub(crate) unsafe fn read_sized<T: Sized32>(pointer: *const T) -> Result<T, ResultCode> {
     // SAFETY: the caller's promise covers the first four bytes.
     unsafe { check_sized(pointer) }?;
     // SAFETY: aligned, and its size is that of `T`; any bits are a value (`Sized32`).
@@ -49,7 +49,7 @@ pub(crate) unsafe fn read_sized<T: Sized32>(pointer: *const T) -> Result<T, Stat
 const MEMORY_ALIGNMENT: usize = 8;
 
 /// Memory that the caller lends: its start, if it can be used.
-pub(crate) fn memory(pointer: *mut core::ffi::c_void, size: usize) -> Result<*mut u8, Status> {
+pub(crate) fn memory(pointer: *mut core::ffi::c_void, size: usize) -> Result<*mut u8, ResultCode> {
     let start = pointer.cast::<u8>();
     if start.is_null() {
         return Err(ERROR_NULL);
@@ -74,7 +74,7 @@ pub(crate) fn apart((a, a_size): (usize, usize), (b, b_size): (usize, usize)) ->
 ///
 /// # Safety
 /// `pointer` is null, misaligned, or points to three readable numbers.
-pub(crate) unsafe fn vector(pointer: *const f64) -> Result<[f64; 3], Status> {
+pub(crate) unsafe fn vector(pointer: *const f64) -> Result<[f64; 3], ResultCode> {
     check(pointer)?;
     // SAFETY: not null, aligned, readable by the caller's promise; any bits are a number.
     Ok(unsafe { pointer.cast::<[f64; 3]>().read() })
@@ -85,7 +85,7 @@ pub(crate) unsafe fn vector(pointer: *const f64) -> Result<[f64; 3], Status> {
 /// # Safety
 /// Of `T` every bit pattern is a value; `pointer` is null, misaligned, or points to `count` of them that are readable and
 /// that nobody writes while the slice is in use.
-pub(crate) unsafe fn slice<'a, T: Copy>(pointer: *const T, count: usize) -> Result<&'a [T], Status> {
+pub(crate) unsafe fn slice<'a, T: Copy>(pointer: *const T, count: usize) -> Result<&'a [T], ResultCode> {
     check(pointer)?;
     if count.checked_mul(size_of::<T>()).is_none_or(|bytes| bytes > isize::MAX as usize) {
         return Err(ERROR_SIZE);

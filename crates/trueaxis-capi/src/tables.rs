@@ -1,4 +1,4 @@
-//! What a compiled table file contains, and what it takes to run it.
+//! Contents of a compiled table file, and the memory that it takes.
 
 use crate::Real;
 use crate::cycle::AXES_MAX;
@@ -9,55 +9,50 @@ use core::ffi::c_char;
 use trueaxis::machine::{Axis, AxisSettings};
 use trueaxis::tcomp::Tcomp;
 
-/// Contents of a table file. The first `axes` places of the arrays count, in the order of the step; travel and limits of
-/// a linear axis that the machine does not have are 0: it is passed as commanded.
+/// Contents of a table file. Arrays have `axes` elements in the step's order; travel and limits of a linear axis that the
+/// machine lacks are 0, and its command passes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TablesInfo {
-    /// `sizeof(trueaxis_tables_info_t)`, set by the caller once; stays as it is.
+    /// `sizeof(trueaxis_tables_info_t)`.
     pub size: u32,
     /// Number of axes of the step, 3 to 6.
     pub axes: u32,
-    /// Letters of the axes, closed by a zero: X, Y, Z (always; a missing one has no table), then the rotary axes in
-    /// alphabetical order.
+    /// Letters of the axes, closed by 0: X, Y, Z, then the machine's rotary axes in alphabetical order.
     pub letters: [c_char; 8],
     /// Identity of the machine: CRC-32 of its name and chain.
     pub machine_id: u32,
-    /// CRC-32 at the end of the file: the version of these tables.
+    /// CRC-32 of the file: version of the tables.
     pub tables_crc: u32,
-    /// Look-ups that the exact inverse takes in a cycle.
+    /// Passes of the exact inverse in a cycle.
     pub inverse_passes: u32,
-    /// Points of a revolution of the machine's gauge, 0 without a gauge.
+    /// Points per revolution of the gauge, 0 without one.
     pub gauge_points: u32,
-    /// Bytes of memory that `trueaxis_loop_build` needs beside `trueaxis_loop_t`.
+    /// Bytes of memory for `trueaxis_loop_build`.
     pub memory_bytes: u64,
-    /// Lines of the axis' error table, 0 without one.
+    /// Rows of the axis' table, 0 without one.
     pub rows: [u32; AXES_MAX],
-    /// Declared travel, low end, mm (deg). A command outside is a fault.
+    /// Low end of the travel, mm (deg). A command outside is a fault.
     pub travel_low: [f64; AXES_MAX],
-    /// Declared travel, high end, mm (deg).
+    /// High end of the travel, mm (deg).
     pub travel_high: [f64; AXES_MAX],
-    /// Largest |correction|, mm (deg).
+    /// Limit of the correction, mm (deg).
     pub correction_limit: [f64; AXES_MAX],
-    /// Largest |rate of change of the correction|, mm/s (deg/s).
+    /// Limit of the correction's rate, mm/s (deg/s).
     pub slope_limit_per_s: [f64; AXES_MAX],
-    /// Largest |acceleration of the correction|, mm/s² (deg/s²).
+    /// Limit of the correction's acceleration, mm/s² (deg/s²).
     pub acceleration_limit_per_s2: [f64; AXES_MAX],
-    /// Name of the machine, UTF-8, closed by a zero.
+    /// Name of the machine, UTF-8, closed by 0.
     pub name: [c_char; 72],
-    /// Structural code of the machine (ISO 10791-6), closed by a zero.
+    /// Structural code of the machine (ISO 10791-6), closed by 0.
     pub chain: [c_char; 56],
 }
 
 // SAFETY: repr(C), `size` first, numbers only.
 unsafe impl Sized32 for TablesInfo {}
 
-/// Reads and checks a whole table file and tells what is in it.
-///
-/// `file`, `length`: the bytes of a `.tcomp`, anywhere, of any alignment; only read. `info`: its `size` set by the caller.
-/// `error`: may be `NULL`; written only on refusal. Not real-time: time linear in the length; takes about 15 KiB of stack.
-///
-/// `TRUEAXIS_ERROR_NULL`, `_SIZE`, `_ALIGNMENT`, `_TABLES` (with `error->code`).
+/// Checks a whole table file and describes its contents. `file`: of any alignment. Not real-time; about 15 KiB of stack.
+/// `_TABLES` (see `error->code`).
 ///
 /// # Safety
 /// Pointers are null or point to what their types say, `file` to `length` bytes.
@@ -67,7 +62,7 @@ pub unsafe extern "C" fn trueaxis_tables_info(
     length: usize,
     info: *mut TablesInfo,
     error: *mut Error,
-) -> crate::Status {
+) -> crate::ResultCode {
     let work = || {
         // SAFETY: the caller's promise.
         unsafe { check_sized(info) }?;
@@ -88,16 +83,16 @@ pub(crate) fn axes_of(tables: &Tcomp<'_>) -> usize {
 }
 
 /// The axes of the step in order, with their settings if the machine has them.
-pub(crate) fn places<'t>(tables: &'t Tcomp<'_>) -> impl Iterator<Item = (Axis, Option<&'t AxisSettings>)> {
+pub(crate) fn slots<'t>(tables: &'t Tcomp<'_>) -> impl Iterator<Item = (Axis, Option<&'t AxisSettings>)> {
     Axis::ALL.into_iter().filter_map(|axis| {
-        let settings = tables.settings().axes.iter().find(|settings| settings.axis == axis);
+        let settings = tables.settings().axis(axis);
         (settings.is_some() || !axis.is_rotary()).then_some((axis, settings))
     })
 }
 
-/// Memory that the tables take in a loop.
-pub(crate) fn memory_bytes(tables: &Tcomp<'_>) -> usize {
-    tables.requirement().saturating_mul(size_of::<Real>())
+/// Bytes of as many scalars.
+pub(crate) fn memory_bytes(scalars: usize) -> usize {
+    scalars.saturating_mul(size_of::<Real>())
 }
 
 impl TablesInfo {
@@ -111,7 +106,7 @@ impl TablesInfo {
             tables_crc: tables.crc(),
             inverse_passes: tables.inverse_passes().into(),
             gauge_points: settings.roundness.as_ref().map_or(0, |gauge| gauge.points.into()),
-            memory_bytes: memory_bytes(tables) as u64,
+            memory_bytes: memory_bytes(tables.requirement()) as u64,
             rows: [0; _],
             travel_low: [0.0; _],
             travel_high: [0.0; _],
@@ -121,20 +116,20 @@ impl TablesInfo {
             name: Text::of(&settings.name),
             chain: Text::of(&settings.chain),
         };
-        fn put<T>(places: &mut [T], place: usize, value: T) {
-            if let Some(slot) = places.get_mut(place) {
-                *slot = value;
+        fn put<T>(list: &mut [T], slot: usize, value: T) {
+            if let Some(element) = list.get_mut(slot) {
+                *element = value;
             }
         }
-        for (place, (axis, settings)) in places(tables).enumerate() {
-            put(&mut info.letters, place, axis.letter() as c_char);
-            put(&mut info.rows, place, tables.table(axis).map_or(0, |table| table.len() as u32));
+        for (slot, (axis, settings)) in slots(tables).enumerate() {
+            put(&mut info.letters, slot, axis.letter() as c_char);
+            put(&mut info.rows, slot, tables.table(axis).map_or(0, |table| table.len() as u32));
             let Some(settings) = settings else { continue };
-            put(&mut info.travel_low, place, settings.travel[0]);
-            put(&mut info.travel_high, place, settings.travel[1]);
-            put(&mut info.correction_limit, place, settings.limits.magnitude);
-            put(&mut info.slope_limit_per_s, place, settings.limits.slope_per_s);
-            put(&mut info.acceleration_limit_per_s2, place, settings.limits.acceleration_per_s2);
+            put(&mut info.travel_low, slot, settings.travel[0]);
+            put(&mut info.travel_high, slot, settings.travel[1]);
+            put(&mut info.correction_limit, slot, settings.limits.magnitude);
+            put(&mut info.slope_limit_per_s, slot, settings.limits.slope_per_s);
+            put(&mut info.acceleration_limit_per_s2, slot, settings.limits.acceleration_per_s2);
         }
         Ok(info)
     }

@@ -5,8 +5,29 @@ use trueaxis_capi::{ABI_MAJOR, ABI_MINOR};
 
 /// Source files in the order in which the header presents them.
 const SOURCES: &[&str] = &[
-    "scalar", "version", "status", "error", "tables", "path", "servo", "cycle", "fault", "frame", "follow", "gauge",
-    "ride",
+    "scalar",
+    "version",
+    "result",
+    "error",
+    "tables",
+    "spans",
+    "path",
+    "segments",
+    "command_window",
+    "kinematics",
+    "rtcp",
+    "gauge",
+    "gauge_ride",
+    "measure",
+    "built",
+    "servo",
+    "contour",
+    "cycle",
+    "step",
+    "fault",
+    "frame",
+    "evaluation",
+    "query",
 ];
 
 fn generated(root: &Path) -> String {
@@ -24,16 +45,16 @@ fn generated(root: &Path) -> String {
     without_safety_sections(&String::from_utf8(bytes).unwrap())
 }
 
-/// What a caller of the Rust functions must promise is for readers of the Rust code: a C pointer promises it by its type.
+/// Promises of a caller in Rust are for readers of the Rust code: a C pointer makes them by its type.
 fn without_safety_sections(header: &str) -> String {
     let mut kept = Vec::new();
     let mut inside = false;
     for line in header.lines() {
-        if line.trim() == "* # Safety" {
+        if line.trim() == "/// # Safety" {
             inside = true;
-            kept.pop_if(|last: &mut &str| last.trim() == "*");
+            kept.pop_if(|last: &mut &str| last.trim() == "///");
         }
-        inside &= line.trim() != "*/";
+        inside &= line.trim_start().starts_with("///");
         if !inside {
             kept.push(line);
         }

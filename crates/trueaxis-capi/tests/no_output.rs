@@ -1,4 +1,4 @@
-//! Neither a usable command nor a usable reading: the drives' part of the output is not written, and the status says so.
+//! Neither a usable command nor a usable reading: the drives' part of the output is not written, and the result says so.
 #![allow(unsafe_code)]
 
 mod machines;
@@ -12,7 +12,7 @@ const NONE: f64 = f64::INFINITY;
 const BEFORE: f64 = 123.0;
 
 /// Runs the three cycles that matter: nothing known, Z missing by its alarm, everything read; then the reset.
-fn from_nowhere(mut step: impl FnMut(&Input, &mut Output) -> Status, latched: bool) {
+fn from_nowhere(mut step: impl FnMut(&Input, &mut Output) -> ResultCode, latched: bool) {
     let stands = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];
     let mut out = output();
     out.drive = [position(BEFORE); AXES_MAX];
@@ -50,14 +50,19 @@ fn a_step_from_nowhere_writes_no_drives() {
 }
 
 #[test]
-fn a_step_following_its_commands_writes_none_either() {
+fn a_step_against_its_commands_writes_none_either() {
     let built = built(mill());
     let mut state = started(&built.servo);
-    let mut window = zeroed::<Follow>();
+    let mut window = zeroed::<CommandWindow>();
     // SAFETY: everything is as the types say.
     unsafe {
-        assert_eq!(trueaxis_follow_start(&mut *window, size_of::<Follow>(), null(), 0.005), OK);
-        from_nowhere(|given, out| trueaxis_step_following(&*built.servo, &mut *state, given, &mut *window, out), true);
+        let size = size_of::<CommandWindow>();
+        assert_eq!(trueaxis_command_window_start(&mut *window, size, null(), 0.005), OK);
+        let mut against = Measure { window: &mut *window, ..measure(MEASURE_COMMANDS) };
+        from_nowhere(
+            |given, out| trueaxis_step(&*built.servo, &mut *state, given, &mut against, null_mut(), out),
+            true,
+        );
     }
 }
 
@@ -65,8 +70,8 @@ fn a_step_following_its_commands_writes_none_either() {
 fn nor_does_a_bypass() {
     let mut bypass = zeroed::<Loop>();
     // SAFETY: everything is as the types say.
-    let status = unsafe { trueaxis_loop_bypass(&mut *bypass, size_of::<Loop>(), 3, FAULT_TABLES_REFUSED, PERIOD_NS) };
-    assert_eq!(status, OK);
+    let result = unsafe { trueaxis_loop_bypass(&mut *bypass, size_of::<Loop>(), 3, FAULT_TABLES_REFUSED, PERIOD_NS) };
+    assert_eq!(result, OK);
     let mut state = started(&bypass);
     from_nowhere(|given, out| machines::step(&bypass, &mut state, given, out), false);
 }
@@ -77,6 +82,6 @@ fn refused_pointers_are_still_refused_first() {
     let mut state = started(&built.servo);
     let blind = input([NONE; 6], [NONE; 6]);
     // SAFETY: what is wrong is null.
-    let status = unsafe { trueaxis_step(&*built.servo, &mut *state, &blind, null(), null(), null_mut()) };
-    assert_eq!(status, ERROR_NULL);
+    let result = unsafe { trueaxis_step(&*built.servo, &mut *state, &blind, null_mut(), null_mut(), null_mut()) };
+    assert_eq!(result, ERROR_NULL);
 }

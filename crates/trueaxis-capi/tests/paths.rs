@@ -8,49 +8,8 @@ use machines::*;
 use std::ptr::{null, null_mut};
 use trueaxis_capi::*;
 
-struct Programmed {
-    path: Box<Path>,
-    memory: Vec<u64>,
-}
-
-impl Programmed {
-    fn new(spans: usize, first: u32) -> Self {
-        let (mut path, mut memory) = (zeroed::<Path>(), vec![0_u64; spans * SPAN_BYTES / 8]);
-        let bytes = memory.len() * 8;
-        // SAFETY: everything is as the types say.
-        let status =
-            unsafe { trueaxis_path_start(&mut *path, size_of::<Path>(), memory.as_mut_ptr().cast(), bytes, first) };
-        assert_eq!(status, OK);
-        Programmed { path, memory }
-    }
-
-    fn line(&mut self, start: [f64; 3], end: [f64; 3]) -> Status {
-        // SAFETY: everything is as the types say.
-        unsafe { trueaxis_path_line(&mut *self.path, start.as_ptr(), end.as_ptr(), null_mut()) }
-    }
-
-    fn count(&self) -> (u32, u32) {
-        let (mut segments, mut spans) = (0, 0);
-        // SAFETY: everything is as the types say.
-        assert_eq!(unsafe { trueaxis_path_count(&*self.path, &mut segments, &mut spans) }, OK);
-        (segments, spans)
-    }
-
-    fn reference(&self, segment: u32, u: f64) -> Result<Reference, Status> {
-        let mut reference = Reference { span: 99, t: 9.0 };
-        // SAFETY: everything is as the types say.
-        match unsafe { trueaxis_path_reference(&*self.path, segment, u, &mut reference) } {
-            OK => Ok(reference),
-            status => {
-                assert_eq!((reference.span, reference.t), (99, 9.0));
-                Err(status)
-            }
-        }
-    }
-}
-
 #[test]
-fn places_are_found_by_segment_and_parameter() {
+fn points_are_found_by_segment_and_parameter() {
     let mut square = Programmed::new(32, 100);
     let corners = [[0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [40.0, 10.0, 0.0], [0.0, 10.0, 0.0]];
     for side in 0..4 {
@@ -96,8 +55,8 @@ fn a_segment_that_does_not_fit_changes_nothing() {
     let mut error = error();
     let (from, to) = ([30.0, 0.0, 0.0], [60.0, 0.0, 0.0]);
     // SAFETY: everything is as the types say.
-    let status = unsafe { trueaxis_path_line(&mut *path.path, from.as_ptr(), to.as_ptr(), &mut error) };
-    assert_eq!((status, error.status), (ERROR_MEMORY, ERROR_MEMORY));
+    let result = unsafe { trueaxis_path_line(&mut *path.path, from.as_ptr(), to.as_ptr(), &mut error) };
+    assert_eq!((result, error.result), (ERROR_MEMORY, ERROR_MEMORY));
     assert_eq!(path.count(), (1, 2));
     assert_eq!(path.line(from, [40.0, 0.0, 0.0]), OK);
     assert_eq!(path.count(), (2, 3));
@@ -138,7 +97,7 @@ fn what_is_no_path_is_refused() {
         assert_eq!(trueaxis_path_nurbs(raw, 2, knots_, points_, null(), 3, &mut error), OK);
         // It ends 10 mm from where the same would begin again.
         assert_eq!(trueaxis_path_nurbs(raw, 2, knots_, points_, weights_, 3, &mut error), ERROR_PATH);
-        assert_eq!((text(&error.field).as_str(), error.found), ("start", 100.0));
+        assert_eq!((text(&error.field).as_str(), error.found), ("start", 10.0));
         let onward = [10.0, 0.0, 0.0, 15.0, 5.0, 0.0, 20.0, 0.0, 0.0];
         assert_eq!(trueaxis_path_nurbs(raw, 2, knots_, onward.as_ptr(), weights_, 3, &mut error), OK);
         let descending = [0.0, 0.0, 0.0, 1.0, 0.5, 1.0];
@@ -172,30 +131,36 @@ fn memory_of_a_path_is_checked() {
 }
 
 #[test]
-fn a_place_that_is_none_measures_nothing() {
+fn a_reference_outside_the_path_is_flagged() {
     let built = built(mill());
     let mut state = started(&built.servo);
     let mut path = Programmed::new(8, 0);
     assert_eq!(path.line([10.0, 20.0, -200.0], [50.0, 20.0, -200.0]), OK);
     let at = input([10.0, 20.0, -200.0, 0.0, 0.0, 0.0], [10.0, 20.0, -200.0, 0.0, 0.0, 0.0]);
     let mut out = output();
-    let mut measured = |path: *const Path, reference: *const Reference| {
-        // SAFETY: everything is as the types say, or null.
-        assert_eq!(unsafe { trueaxis_step(&*built.servo, &mut *state, &at, path, reference, &mut out) }, OK);
-        out.record.status & STATUS_CONTOUR != 0
+    let mut flags = |against: &mut Measure| {
+        // SAFETY: everything is as the types say.
+        assert_eq!(unsafe { trueaxis_step(&*built.servo, &mut *state, &at, against, null_mut(), &mut out) }, OK);
+        assert_eq!(out.record.status & STATUS_CONTOUR == 0, out.record.tip.flags & CONTOUR_NOT_FOUND != 0);
+        out.record.tip.flags
     };
-    let good = Reference { span: 0, t: 0.0 };
+    let mut good = Measure { path: &*path.path, ..measure(MEASURE_PATH) };
     // The search is cold in the first cycles; Miri does not wait for it.
     for _ in 0..if cfg!(miri) { 2 } else { 60 } {
-        measured(&*path.path, &good);
+        flags(&mut good);
     }
-    assert!(measured(&*path.path, &good) || cfg!(miri));
-    assert!(!measured(null(), &good));
-    assert!(!measured(&*path.path, null()));
-    for t in [Real::NAN, -0.1, 1.1, Real::INFINITY] {
-        assert!(!measured(&*path.path, &Reference { span: 0, t }));
+    assert!(flags(&mut good) & CONTOUR_NOT_FOUND == 0 || cfg!(miri));
+    assert_eq!(flags(&mut measure(MEASURE_NOTHING)) & CONTOUR_NOT_FOUND, CONTOUR_NOT_FOUND);
+    for t in [Real::NAN, Real::INFINITY] {
+        let flags = flags(&mut Measure { reference: Reference { span: 0, t }, ..good });
+        assert_eq!(flags & CONTOUR_NOT_FOUND, CONTOUR_NOT_FOUND, "{t}");
+    }
+    // Beyond its span, the nearer end; of another span, nothing or anything, and no harm.
+    for t in [-0.1, 1.1] {
+        let flags = flags(&mut Measure { reference: Reference { span: 0, t }, ..good });
+        assert_eq!(flags & CONTOUR_REFERENCE, CONTOUR_REFERENCE, "{t}");
     }
     for span in [3, u32::MAX] {
-        measured(&*path.path, &Reference { span, t: 0.5 });
+        flags(&mut Measure { reference: Reference { span, t: 0.5 }, ..good });
     }
 }

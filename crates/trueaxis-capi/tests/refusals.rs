@@ -1,4 +1,4 @@
-//! Whatever a caller gets wrong has its status, and what the function would have written stays as it was.
+//! Whatever a caller gets wrong has its result, and what the function would have written stays as it was.
 
 #![allow(unsafe_code)]
 
@@ -36,7 +36,7 @@ struct Build {
 }
 
 impl Build {
-    fn call(&self) -> Status {
+    fn call(&self) -> ResultCode {
         // SAFETY: what is wrong is null, misaligned or said to be of another size.
         unsafe {
             trueaxis_loop_build(
@@ -94,11 +94,11 @@ fn a_loop_is_built_of_nothing_less() {
         (ERROR_MEMORY, Build { memory_size: 8, ..good }),
         (ERROR_MEMORY, Build { memory_size: 0, ..good }),
     ];
-    for (place, (status, build)) in refused.iter().enumerate() {
+    for (place, (result, build)) in refused.iter().enumerate() {
         // SAFETY: our own storage, zeroed.
         let before = bytes_of(unsafe { &*storage });
-        assert_eq!(build.call(), *status, "{place}");
-        assert_eq!(Build { error: if build.error.is_null() { error } else { build.error }, ..*build }.call(), *status);
+        assert_eq!(build.call(), *result, "{place}");
+        assert_eq!(Build { error: if build.error.is_null() { error } else { build.error }, ..*build }.call(), *result);
         // SAFETY: as above.
         assert_eq!(bytes_of(unsafe { &*storage }), before, "{place}");
         // SAFETY: as above.
@@ -132,23 +132,23 @@ fn an_error_says_what_is_wrong() {
             memory_size: 8,
             error: &mut error,
         };
-        let status = build.call();
-        assert_eq!(status, error.status);
+        let result = build.call();
+        assert_eq!(result, error.result);
         error
     };
     let mut damaged = mill().to_vec();
     damaged[60] ^= 0x10;
     let found = build(&damaged, 0, PERIOD_NS);
-    assert_eq!((found.status, found.code, found.index), (ERROR_TABLES, 5, u32::MAX));
+    assert_eq!((found.result, found.code, found.index), (ERROR_TABLES, 5, u32::MAX));
     assert_eq!(text(&found.text), "table file: the file is damaged (its CRC-32 is wrong)");
 
     let found = build(mill(), 77, PERIOD_NS);
-    assert_eq!((found.status, found.code), (ERROR_MACHINE, 12));
+    assert_eq!((found.result, found.code), (ERROR_MACHINE, 12));
     let found = build(mill(), 0, PERIOD_NS);
-    assert_eq!((found.status, found.found), (ERROR_MEMORY, 8.0));
+    assert_eq!((found.result, found.found), (ERROR_MEMORY, 8.0));
     assert!(text(&found.text).starts_with("memory: found 8 bytes, needed "), "{}", text(&found.text));
     let found = build(b"not a table file", 0, PERIOD_NS);
-    assert_eq!((found.status, found.code), (ERROR_TABLES, 3));
+    assert_eq!((found.result, found.code), (ERROR_TABLES, 3));
 }
 
 #[test]
@@ -160,8 +160,8 @@ fn every_damage_is_refused() {
     let mut refused = |bytes: &[u8]| {
         let mut error = error();
         // SAFETY: everything is as the types say.
-        let status = unsafe { trueaxis_tables_info(bytes.as_ptr(), bytes.len(), &mut info, &mut error) };
-        assert_eq!(status, ERROR_TABLES);
+        let result = unsafe { trueaxis_tables_info(bytes.as_ptr(), bytes.len(), &mut info, &mut error) };
+        assert_eq!(result, ERROR_TABLES);
         assert!(!text(&error.text).is_empty());
         codes[error.code as usize] += 1;
         assert_eq!(bytes_of(&info), before);
@@ -200,8 +200,8 @@ fn contents_that_make_no_sense_name_the_setting() {
     bytes[end..].copy_from_slice(&sum.to_le_bytes());
     let (mut info, mut error) = (info(), error());
     // SAFETY: everything is as the types say.
-    let status = unsafe { trueaxis_tables_info(bytes.as_ptr(), bytes.len(), &mut info, &mut error) };
-    assert_eq!((status, error.code, error.axis as u8), (ERROR_TABLES, 11, b'Y'));
+    let result = unsafe { trueaxis_tables_info(bytes.as_ptr(), bytes.len(), &mut info, &mut error) };
+    assert_eq!((result, error.code, error.axis as u8), (ERROR_TABLES, 11, b'Y'));
     assert_eq!((text(&error.field).as_str(), error.found), ("Slope", 0.0));
     assert!(text(&error.text).starts_with("table file: axis Y: Slope: found 0, needed "), "{}", text(&error.text));
 }
@@ -220,13 +220,14 @@ fn a_cycle_takes_what_it_says() {
     let nothing = zeroed::<Loop>();
     let mut never_started = zeroed::<State>();
     let mut path = zeroed::<Path>();
-    let reference = Reference::default();
+    let strange_refusal = Input { refusal: 99, ..good };
+    let freezing_refusal = Input { refusal: FAULT_ENCODER_STUCK, ..good };
     let (mut short_input, mut short_output) = (good, out);
     short_input.size -= 8;
     short_output.size += 8;
     let state: *mut State = &mut *state;
     let never_started: *mut State = &mut *never_started;
-    let path: *mut Path = &mut *path;
+    let mut against = Measure { path: &mut *path, ..measure(MEASURE_PATH) };
     let servo: *const Loop = servo;
     let foreign: *mut State = spare.as_mut_ptr().cast();
     // SAFETY: as many bytes as a state; a loop where a state is wanted.
@@ -237,24 +238,29 @@ fn a_cycle_takes_what_it_says() {
     let state_before = bytes_of(unsafe { &*state });
     let out: *mut Output = &mut out;
     // SAFETY: what is wrong is null, misaligned, zeroed, or said to be of another size.
+    let none = null_mut();
+    let on = &raw mut against;
     let answers = unsafe {
         [
-            (ERROR_NULL, trueaxis_step(null(), state, &good, null(), null(), out)),
-            (ERROR_NULL, trueaxis_step(servo, null_mut(), &good, null(), null(), out)),
-            (ERROR_NULL, trueaxis_step(servo, state, null(), null(), null(), out)),
-            (ERROR_NULL, trueaxis_step(servo, state, &good, null(), null(), null_mut())),
-            (ERROR_SIZE, trueaxis_step(servo, state, &short_input, null(), null(), out)),
-            (ERROR_SIZE, trueaxis_step(servo, state, &good, null(), null(), &mut short_output)),
-            (ERROR_UNBUILT, trueaxis_step(&*nothing, state, &good, null(), null(), out)),
-            (ERROR_UNBUILT, trueaxis_step(state.cast(), state, &good, null(), null(), out)),
-            (ERROR_UNBUILT, trueaxis_step(servo, never_started, &good, null(), null(), out)),
-            (ERROR_UNBUILT, trueaxis_step(servo, foreign, &good, null(), null(), out)),
-            (ERROR_UNBUILT, trueaxis_step(servo, state, &good, path, &reference, out)),
-            (ERROR_ALIGNMENT, trueaxis_step(odd(&mut unaligned), state, &good, null(), null(), out)),
-            (ERROR_ALIGNMENT, trueaxis_step(servo, odd(&mut unaligned), &good, null(), null(), out)),
-            (ERROR_ALIGNMENT, trueaxis_step(servo, state, odd(&mut unaligned), null(), null(), out)),
-            (ERROR_ALIGNMENT, trueaxis_step(servo, state, &good, odd(&mut unaligned), null(), out)),
-            (ERROR_ALIGNMENT, trueaxis_step(servo, state, &good, null(), null(), odd(&mut unaligned))),
+            (ERROR_NULL, trueaxis_step(null(), state, &good, none, null_mut(), out)),
+            (ERROR_NULL, trueaxis_step(servo, null_mut(), &good, none, null_mut(), out)),
+            (ERROR_NULL, trueaxis_step(servo, state, null(), none, null_mut(), out)),
+            (ERROR_NULL, trueaxis_step(servo, state, &good, none, null_mut(), null_mut())),
+            (ERROR_SIZE, trueaxis_step(servo, state, &short_input, none, null_mut(), out)),
+            (ERROR_SIZE, trueaxis_step(servo, state, &good, none, null_mut(), &mut short_output)),
+            (ERROR_ARGUMENT, trueaxis_step(servo, state, &strange_refusal, none, null_mut(), out)),
+            (ERROR_ARGUMENT, trueaxis_step(servo, state, &freezing_refusal, none, null_mut(), out)),
+            (ERROR_UNBUILT, trueaxis_step(&*nothing, state, &good, none, null_mut(), out)),
+            (ERROR_UNBUILT, trueaxis_step(state.cast(), state, &good, none, null_mut(), out)),
+            (ERROR_UNBUILT, trueaxis_step(servo, never_started, &good, none, null_mut(), out)),
+            (ERROR_UNBUILT, trueaxis_step(servo, foreign, &good, none, null_mut(), out)),
+            (ERROR_UNBUILT, trueaxis_step(servo, state, &good, on, null_mut(), out)),
+            (ERROR_ALIGNMENT, trueaxis_step(odd(&mut unaligned), state, &good, none, null_mut(), out)),
+            (ERROR_ALIGNMENT, trueaxis_step(servo, odd(&mut unaligned), &good, none, null_mut(), out)),
+            (ERROR_ALIGNMENT, trueaxis_step(servo, state, odd(&mut unaligned), none, null_mut(), out)),
+            (ERROR_ALIGNMENT, trueaxis_step(servo, state, &good, odd(&mut unaligned), null_mut(), out)),
+            (ERROR_ALIGNMENT, trueaxis_step(servo, state, &good, none, odd(&mut unaligned), out)),
+            (ERROR_ALIGNMENT, trueaxis_step(servo, state, &good, none, null_mut(), odd(&mut unaligned))),
         ]
     };
     for (place, (expected, answer)) in answers.into_iter().enumerate() {
@@ -264,7 +270,7 @@ fn a_cycle_takes_what_it_says() {
     unsafe {
         assert_eq!((bytes_of(&*out), bytes_of(&short_output)), before);
         assert_eq!(bytes_of(&*state), state_before);
-        assert_eq!(trueaxis_step(servo, state, &good, null(), null(), out), OK);
+        assert_eq!(trueaxis_step(servo, state, &good, null_mut(), null_mut(), out), OK);
         assert_eq!((*out).record.sequence, 1, "refused cycles do not count");
     }
 }
@@ -283,7 +289,7 @@ fn periods_and_numbers_of_axes_must_fit() {
         assert!(bytes_of(&*state).iter().all(|byte| *byte == 0));
         assert_eq!(trueaxis_start(&*built.servo, &mut *state, size_of::<State>(), 100_099), OK);
 
-        for (axes, reason, period, status) in [
+        for (axes, reason, period, result) in [
             (2, FAULT_TABLES_REFUSED, PERIOD_NS, ERROR_AXES),
             (7, FAULT_TABLES_REFUSED, PERIOD_NS, ERROR_AXES),
             (3, FAULT_NONE, PERIOD_NS, ERROR_ARGUMENT),
@@ -291,7 +297,7 @@ fn periods_and_numbers_of_axes_must_fit() {
             (3, 250, PERIOD_NS, ERROR_ARGUMENT),
             (3, FAULT_TABLES_REFUSED, 0, ERROR_ARGUMENT),
         ] {
-            assert_eq!(trueaxis_loop_bypass(&mut *bypass, size, axes, reason, period), status);
+            assert_eq!(trueaxis_loop_bypass(&mut *bypass, size, axes, reason, period), result);
             assert_eq!(trueaxis_start(&*bypass, &mut *state, size_of::<State>(), PERIOD_NS), ERROR_UNBUILT);
         }
         assert_eq!(trueaxis_loop_bypass(null_mut(), size, 3, FAULT_TABLES_REFUSED, PERIOD_NS), ERROR_NULL);
@@ -346,8 +352,8 @@ fn frames_need_room() {
     let (mut bytes, mut written) = ([0xaa_u8; FRAME_BYTES], 12345);
     let mut encode = |output: *const Output, size: usize| {
         // SAFETY: what is wrong is null or said to be smaller.
-        let status = unsafe { trueaxis_frame_encode(output, bytes.as_mut_ptr(), size, &mut written) };
-        (status, written, bytes == [0xaa; FRAME_BYTES])
+        let result = unsafe { trueaxis_frame_encode(output, bytes.as_mut_ptr(), size, &mut written) };
+        (result, written, bytes == [0xaa; FRAME_BYTES])
     };
     assert_eq!(encode(null(), FRAME_BYTES), (ERROR_NULL, 12345, true));
     assert_eq!(encode(&out, 20), (ERROR_BUFFER, 12345, true));
@@ -373,13 +379,13 @@ fn versions() {
 }
 
 #[test]
-fn every_status_has_its_words() {
-    let words = |status| {
+fn every_result_has_its_words() {
+    let words = |result| {
         // SAFETY: a constant string.
-        unsafe { std::ffi::CStr::from_ptr(trueaxis_status_text(status)) }.to_str().unwrap().to_string()
+        unsafe { std::ffi::CStr::from_ptr(trueaxis_result_text(result)) }.to_str().unwrap().to_string()
     };
-    let mut all: Vec<String> = (OK..=ERROR_NO_OUTPUT).map(words).collect();
-    let unknown = words(ERROR_NO_OUTPUT + 1);
+    let mut all: Vec<String> = (OK..=ERROR_POSE).map(words).collect();
+    let unknown = words(ERROR_POSE + 1);
     assert_eq!((&unknown, &unknown), (&words(-1), &words(i32::MAX)));
     all.push(unknown);
     let count = all.len();

@@ -4,72 +4,14 @@
 
 mod machines;
 
+use machines::rust::*;
 use machines::*;
 use std::f64::consts::TAU;
 use std::ptr::{null, null_mut};
 use trueaxis::compensation::ThermalLine;
-use trueaxis::contour::{self, CommandWindow, Segment, convert};
+use trueaxis::contour::{self, Segment, convert};
 use trueaxis::tcomp::Tcomp;
-use trueaxis::telemetry::{FRAME_BYTES as CORE_FRAME_BYTES, Frame};
-use trueaxis::{Config, Position as _, ServoLoop};
 use trueaxis_capi::*;
-
-#[cfg(not(feature = "single"))]
-type P = f64;
-#[cfg(feature = "single")]
-type P = trueaxis::Nanometres;
-type R = Real;
-
-fn core_position(x: f64) -> P {
-    P::of(x)
-}
-
-fn bits(x: P) -> u64 {
-    x.to_f64().to_bits()
-}
-
-#[cfg(not(feature = "single"))]
-fn from_c(x: Position) -> P {
-    x
-}
-#[cfg(feature = "single")]
-fn from_c(x: Position) -> P {
-    trueaxis::Nanometres(x)
-}
-
-/// The Rust side, over memory that lives as long as the test.
-fn rust_loop<const N: usize>(file: &[u8]) -> ServoLoop<'static, R, P, N> {
-    let tables = Tcomp::parse(file).unwrap();
-    let config = Config::of(&tables, PERIOD_NS);
-    let memory = vec![0.0; config.requirement(|axis| tables.table(axis))].leak();
-    config.build(|axis| tables.table(axis), memory).unwrap()
-}
-
-fn same<const N: usize>(c: &Output, rust: &trueaxis::Output<R, P, N>, cycle: usize) {
-    assert_eq!(c.axes as usize, N);
-    for axis in 0..N {
-        assert_eq!(bits(from_c(c.drive[axis])), bits(rust.drive[axis]), "cycle {cycle}, drive {axis}");
-        assert_eq!(bits(from_c(c.feedback[axis])), bits(rust.feedback[axis]), "cycle {cycle}, feedback {axis}");
-        let [a, b] = [c.record.correction[axis], rust.record.correction[axis]];
-        assert_eq!(a.to_bits(), b.to_bits(), "cycle {cycle}, correction {axis}");
-    }
-    let (record, core) = (&c.record, &rust.record);
-    assert_eq!(record.sequence, core.sequence);
-    assert_eq!((record.machine_id, record.tables_crc), (core.machine_id, core.tables_crc));
-    assert_eq!((record.fault, record.fault_axis), (core.fault as u8, core.fault_axis), "cycle {cycle}");
-    assert_eq!((record.status, record.limited, record.at_edge), (core.status.0, core.limited, core.at_edge));
-    for (c, core) in [(&record.tip, &core.tip), (&record.encoder, &core.encoder)] {
-        assert_eq!((c.span, c.evaluations, c.flags), (core.span, core.evaluations, core.flags.bits()));
-        let numbers = [c.t, c.error, c.normal, c.binormal, c.tangential, c.lag, c.width];
-        let expected = [core.t, core.error, core.normal, core.binormal, core.tangential, core.lag, core.width];
-        assert_eq!(numbers.map(R::to_bits), expected.map(R::to_bits), "cycle {cycle}");
-        assert_eq!(c.vector.map(R::to_bits), core.vector.map(R::to_bits), "cycle {cycle}");
-    }
-    let (mut bytes, mut expected, mut written) = ([0; FRAME_BYTES], [0; CORE_FRAME_BYTES], 0);
-    // SAFETY: everything is as the types say.
-    assert_eq!(unsafe { trueaxis_frame_encode(c, bytes.as_mut_ptr(), bytes.len(), &mut written) }, OK);
-    assert_eq!(&bytes[..written], &*Frame::of(core).encode(&mut expected).unwrap(), "cycle {cycle}");
-}
 
 /// Within the travel of the three-axis mill.
 const MILL_CENTER: [f64; 3] = [60.0, -40.0, -200.0];
@@ -96,18 +38,16 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
     let [x, y, z] = center;
     let start = [x + RADIUS, y, z];
     let normal = [0.0, 0.0, 1.0];
-    let mut memory = vec![0_u64; 64 * SPAN_BYTES / 8];
-    let mut path = zeroed::<Path>();
-    let bytes = memory.len() * 8;
+    let mut path = Programmed::new(64, 7);
     // SAFETY: everything is as the types say.
     unsafe {
-        assert_eq!(trueaxis_path_start(&mut *path, size_of::<Path>(), memory.as_mut_ptr().cast(), bytes, 7), OK);
         let [from, about, up] = [&start, &center, &normal].map(|v| v.as_ptr());
-        assert_eq!(trueaxis_path_arc(&mut *path, from, from, about, up, 0, null_mut()), OK);
-        assert_eq!(trueaxis_path_close(&mut *path), OK);
+        assert_eq!(trueaxis_path_arc(&mut *path.path, from, from, about, up, 0, null_mut()), OK);
+        assert_eq!(trueaxis_path_close(&mut *path.path), OK);
     }
     let mut spans = Vec::new();
-    let arc = Segment::Arc { start, end: start, center, normal, turns: 0 };
+    let [at, about, up] = [start, center, normal].map(Into::into);
+    let arc = Segment::Arc { start: at, end: at, center: about, normal: up, turns: 0 };
     convert::<R, P>(&arc, 0, normal, |span| {
         spans.push(span);
         Ok(())
@@ -130,22 +70,14 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
             let growth = settings.axes.iter().find(|axis| axis.axis == trueaxis::Axis::X).unwrap().thermal;
             core_state.set_thermal(0, ThermalLine::for_axis(&growth, 4.0).unwrap());
         }
-        let mut reference = Reference::default();
         let u = cycle.saturating_sub(20) as f64 / AROUND as f64;
+        let reference = path.reference(0, u).unwrap();
+        let mut against = Measure { path: &*path.path, reference, ..measure(MEASURE_PATH) };
+        let servo = &*loops[exchanged].servo;
         // SAFETY: everything is as the types say.
-        unsafe {
-            assert_eq!(trueaxis_path_reference(&*path, 0, u, &mut reference), OK);
-            let servo = &*loops[exchanged].servo;
-            assert_eq!(trueaxis_step(servo, &mut *state, &c, &*path, &reference, &mut out), OK);
-        }
-        let mut core_input = trueaxis::Input::<P, N>::at_rest(PERIOD_NS);
-        for axis in 0..N {
-            core_input.command[axis] = core_position(at[axis]);
-            core_input.feedback[axis] = core_position(feedback[axis]);
-        }
-        (core_input.homed, core_input.enable, core_input.encoder_alarm) = (true, true, c.encoder_alarm);
-        let place = contour::Reference { span: reference.span, t: reference.t };
-        let expected = cores[exchanged].step(&mut core_state, &core_input, core_path.on(place), ());
+        assert_eq!(unsafe { trueaxis_step(servo, &mut *state, &c, &mut against, null_mut(), &mut out) }, OK);
+        let on = core_path.on(contour::Reference { span: reference.span, t: reference.t });
+        let expected = cores[exchanged].step(&mut core_state, &core_input(&c), on, ());
         same(&out, &expected, cycle);
         measured += usize::from(out.record.status & STATUS_CONTOUR != 0);
     }
@@ -200,33 +132,29 @@ fn four_axes_and_six() {
 }
 
 #[test]
-fn following_the_commands() {
+fn against_the_commands() {
     let cycles: usize = if cfg!(miri) { 12 } else { 4000 };
     let (servo, core) = (built(mill()), rust_loop::<3>(mill()));
     let (mut state, mut core_state) = (started(&servo.servo), core.start());
-    let mut follow = zeroed::<Follow>();
-    let mut commanded = CommandWindow::<R, P, FOLLOW_PIECES>::new([0.0, 0.0, 1.0], 0.005).unwrap();
+    let mut window = zeroed::<CommandWindow>();
+    let plane = [0.0, 0.0, 1.0];
+    let mut commanded = contour::CommandWindow::<R, P, COMMAND_WINDOW_SPANS>::new(plane, 0.005).unwrap();
+    let window: *mut CommandWindow = &mut *window;
     // SAFETY: everything is as the types say.
-    assert_eq!(unsafe { trueaxis_follow_start(&mut *follow, size_of::<Follow>(), null(), 0.005) }, OK);
-    let mut out = output();
+    assert_eq!(unsafe { trueaxis_command_window_start(window, size_of::<CommandWindow>(), null(), 0.005) }, OK);
+    let (mut out, mut against) = (output(), Measure { window, ..measure(MEASURE_COMMANDS) });
     for cycle in 0..cycles {
         let [at, feedback] = [cycle, cycle.saturating_sub(10)].map(|cycle| command(MILL_CENTER, cycle));
         let c = input(at, feedback);
         if cycle == cycles / 2 {
             // SAFETY: everything is as the types say.
-            assert_eq!(unsafe { trueaxis_follow_restart(&mut *follow) }, OK);
+            assert_eq!(unsafe { trueaxis_command_window_restart(window) }, OK);
             commanded.restart();
         }
         // SAFETY: everything is as the types say.
-        let status = unsafe { trueaxis_step_following(&*servo.servo, &mut *state, &c, &mut *follow, &mut out) };
-        assert_eq!(status, OK);
-        let mut core_input = trueaxis::Input::<P, 3>::at_rest(PERIOD_NS);
-        for axis in 0..3 {
-            core_input.command[axis] = core_position(at[axis]);
-            core_input.feedback[axis] = core_position(feedback[axis]);
-        }
-        (core_input.homed, core_input.enable) = (true, true);
-        same(&out, &core.step(&mut core_state, &core_input, &mut commanded, ()), cycle);
+        let result = unsafe { trueaxis_step(&*servo.servo, &mut *state, &c, &mut against, null_mut(), &mut out) };
+        assert_eq!(result, OK);
+        same(&out, &core.step(&mut core_state, &core_input(&c), &mut commanded, ()), cycle);
     }
     assert!(out.record.tip.error > 0.0 && out.record.status & STATUS_CONTOUR != 0);
 }

@@ -146,7 +146,7 @@ impl Travel {
     fn new(machine: &Machine, axes: impl Iterator<Item = Axis>) -> Self {
         let mut band = [0.0; AXES];
         for (band, axis) in band.iter_mut().zip(axes) {
-            let own = machine.settings.axes.iter().find(|own| own.axis == axis);
+            let own = machine.settings.axis(axis);
             *band = own.map_or(0.0, |own| own.hysteresis);
         }
         Travel { reversal: [Reversal::default(); AXES], band, begun: false }

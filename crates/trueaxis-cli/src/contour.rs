@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use serde::Deserialize;
 use std::path::{Path as FilePath, PathBuf};
 use trueaxis::contour::{ContourSearch, Flags, Method, Path, Reference, Segment, Span, convert, span_count};
+use trueaxis::glam::DVec3;
 use trueaxis_tables::text::read_text;
 
 pub(crate) const HELP: &str = "\
@@ -73,10 +74,15 @@ enum SegmentFile {
     Nurbs {
         degree: usize,
         knots: Vec<f64>,
-        points: Vec<[f64; 3]>,
+        #[serde(deserialize_with = "vectors")]
+        points: Vec<DVec3>,
         #[serde(default)]
         weights: Vec<f64>,
     },
+}
+
+fn vectors<'de, D: serde::Deserializer<'de>>(points: D) -> Result<Vec<DVec3>, D::Error> {
+    Ok(Vec::<[f64; 3]>::deserialize(points)?.into_iter().map(DVec3::from).collect())
 }
 
 fn z_axis() -> [f64; 3] {
@@ -86,10 +92,14 @@ fn z_axis() -> [f64; 3] {
 impl SegmentFile {
     fn segment(&self) -> Segment<'_> {
         match self {
-            SegmentFile::Line { start, end } => Segment::Line { start: *start, end: *end },
-            SegmentFile::Arc { start, end, center, normal, turns } => {
-                Segment::Arc { start: *start, end: *end, center: *center, normal: *normal, turns: *turns }
-            }
+            SegmentFile::Line { start, end } => Segment::Line { start: (*start).into(), end: (*end).into() },
+            SegmentFile::Arc { start, end, center, normal, turns } => Segment::Arc {
+                start: (*start).into(),
+                end: (*end).into(),
+                center: (*center).into(),
+                normal: (*normal).into(),
+                turns: *turns,
+            },
             SegmentFile::Nurbs { degree, knots, points, weights } => {
                 Segment::Nurbs { degree: *degree, knots, points, weights }
             }
@@ -226,7 +236,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             .map_err(|[low, high]| actual.error(line, "u", u, format!("{low} to {high} on this segment")))?;
         let found = search.nearest(&view, reference, [x, y, z]);
         let span = &path.spans[found.span as usize];
-        let [ex, ey, ez] = found.vector.map(|e| e * 1e3);
+        let [ex, ey, ez] = found.vector.to_array().map(|e| e * 1e3);
         out.put(format_args!(
             "{},{},{},{ex},{ey},{ez},{},{}\n",
             span.segment(),

@@ -92,7 +92,7 @@ pub(crate) fn rise(temperature_c: Option<f64>, machine: &Machine) -> Result<f64>
 /// Thermal growth of the axes of the step.
 pub(crate) fn thermal<const N: usize>(machine: &Machine, axes: &[Axis; N], kelvin: f64) -> [ThermalLine<f64>; N] {
     axes.map(|axis| {
-        let own = machine.settings.axes.iter().find(|own| own.axis == axis);
+        let own = machine.settings.axis(axis);
         own.and_then(|own| ThermalLine::for_axis(&own.thermal, kelvin)).unwrap_or_default()
     })
 }

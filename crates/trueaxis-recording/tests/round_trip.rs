@@ -3,22 +3,23 @@
 
 use trueaxis::Nanometres;
 use trueaxis::contour::{Reference, Segment, Span, convert};
+use trueaxis::glam::DVec3;
 use trueaxis_recording::{Cycle, Header, Probe, Recording, Refused, Writer};
 
 fn segments() -> [Segment<'static>; 3] {
     [
-        Segment::Line { start: [0.1, 0.2, 0.3], end: [30.0, -7.0 / 3.0, 1.0] },
+        Segment::Line { start: DVec3::new(0.1, 0.2, 0.3), end: DVec3::new(30.0, -7.0 / 3.0, 1.0) },
         Segment::Arc {
-            start: [30.0, 0.0, 0.0],
-            end: [-30.0, 1e-9, 4.0],
-            center: [0.0; 3],
-            normal: [0.0, 0.0, 1.0],
+            start: DVec3::new(30.0, 0.0, 0.0),
+            end: DVec3::new(-30.0, 1e-9, 4.0),
+            center: DVec3::ZERO,
+            normal: DVec3::new(0.0, 0.0, 1.0),
             turns: 1,
         },
         Segment::Nurbs {
             degree: 3,
             knots: &[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0],
-            points: &[[0.0; 3], [1.0, 7.0, 0.0], [5.0, 3.0, 1.0], [9.0, 9.0, 9.0]],
+            points: const { &[DVec3::ZERO, DVec3::new(1.0, 7.0, 0.0), DVec3::new(5.0, 3.0, 1.0), DVec3::splat(9.0)] },
             weights: &[1.0, 0.7, 1.3, 1.0],
         },
     ]

@@ -75,7 +75,7 @@ impl Imported {
 
     /// Settings of an axis that the file states otherwise than the machine.
     fn stated_otherwise(&self, axis: Axis, standing: &Standing<'_>) -> Vec<(String, Value)> {
-        let of_axis = |all: &MachineSettings| all.axes.iter().find(|own| own.axis == axis).map(stated::of_axis);
+        let of_axis = |all: &MachineSettings| all.axis(axis).map(stated::of_axis);
         let own = of_axis(&standing.settings).unwrap_or_default();
         let stands = |stated: &(String, Value)| own.iter().any(|own| own.0 == stated.0 && same(&own.1, &stated.1));
         let stated = self.settings.as_ref().and_then(of_axis).unwrap_or_default();
@@ -169,7 +169,7 @@ fn change(axis: Axis, table: &Table, standing: &Standing<'_>) -> String {
 
 /// Settings of the old table that would falsify the new one.
 fn outdated(axis: Axis, table: &Table, standing: &Standing<'_>, notes: &mut Vec<String>) -> Vec<(String, Value)> {
-    let Some(own) = standing.settings.axes.iter().find(|own| own.axis == axis) else { return Vec::new() };
+    let Some(own) = standing.settings.axis(axis) else { return Vec::new() };
     let mut set = Vec::new();
     let (letter, component) = (axis.letter(), axis.index());
     if own.backlash != 0.0 && table.rows.iter().any(|row| row.forward.get(component) != row.reverse.get(component)) {

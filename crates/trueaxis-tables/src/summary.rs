@@ -5,7 +5,7 @@ use serde::Serialize;
 use std::fmt;
 use trueaxis::machine::carries_workpiece;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup};
-use trueaxis::roundness::{Band, RoundnessSettings};
+use trueaxis::roundness::{Band, GaugeSettings};
 use trueaxis::tcomp::{TableData, Tcomp};
 
 /// A compiled file in figures.
@@ -61,7 +61,7 @@ pub struct RoundnessSummary {
     pub infeed: Option<(char, f64)>,
 }
 
-fn roundness_summary(settings: &RoundnessSettings) -> Option<RoundnessSummary> {
+fn roundness_summary(settings: &GaugeSettings) -> Option<RoundnessSummary> {
     let gain = settings.angles.resolve(usize::from(settings.points)).ok()?;
     let Band { first, last } = settings.band;
     Some(RoundnessSummary {

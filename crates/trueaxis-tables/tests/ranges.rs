@@ -7,7 +7,7 @@ mod small_machine;
 use std::fs;
 use std::path::Path;
 use trueaxis::machine::{Axis, MachineSettings};
-use trueaxis::roundness::{Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, RoundnessSettings};
+use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
 use trueaxis::tcomp::{MAGIC, Tcomp, TcompError, VERSION, checksum, machine_id};
 use trueaxis::{check, tcomp::HEADER_BYTES};
 use trueaxis_tables::error::FileError;
@@ -286,7 +286,7 @@ fn what_the_controller_refuses_the_bench_refuses() {
 
 fn gauged() -> Machine {
     let mut machine = small_machine::machine();
-    let mut gauge = RoundnessSettings::with_defaults(256, ProbeAngles::Degrees { phi2: 66.1, phi3: 234.5 }, 1 << 20);
+    let mut gauge = GaugeSettings::with_defaults(256, ProbeAngles::Degrees { phi2: 66.1, phi3: 234.5 }, 1 << 20);
     let lengths = Arm { crank_mm: 40.0, wheel_mm: 300.0, pin_mm: 20.0 };
     gauge.arm = Some(ArmSettings { lengths, counts: 1 << 20, direction: 1, tolerance_deg: 1.0 });
     gauge.infeed = Some(InfeedSettings {

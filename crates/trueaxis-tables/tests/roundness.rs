@@ -3,7 +3,7 @@
 use std::fs;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, ProbeSettings, RoundnessSettings, SpindleEncoder,
+    Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles, ProbeSettings, SpindleEncoder,
 };
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::{Machine, compile, summary};
@@ -22,7 +22,7 @@ fn read(roundness: &str) -> Result<Machine, String> {
 #[test]
 fn defaults_are_those_stated() {
     let slots = ProbeAngles::Slots { p: 188, q: 667 };
-    let least = RoundnessSettings::with_defaults(1024, slots, 3_600_000);
+    let least = GaugeSettings::with_defaults(1024, slots, 3_600_000);
     assert_eq!(read(LEAST).unwrap().settings.roundness, Some(least));
     assert_eq!(least.band, Band { first: 2, last: 100 });
     assert_eq!(read("").unwrap().settings.roundness, None);
@@ -42,7 +42,7 @@ fn every_key_arrives_and_survives_compilation() {
     )
     .unwrap();
     let probe = |gain_um: f64, zero: f64, reach: f64| ProbeSettings { gain_um, zero, range: [-reach, reach] };
-    let expected = RoundnessSettings {
+    let expected = GaugeSettings {
         points: 512,
         angles: ProbeAngles::Degrees { phi2: 66.1, phi3: 234.5 },
         band: Band { first: 2, last: 60 },
@@ -57,7 +57,7 @@ fn every_key_arrives_and_survives_compilation() {
         }),
         filter: Some(50),
         revolutions: 5,
-        units_per_cycle: 3,
+        slices_per_cycle: 3,
         stop_s: 0.25,
         infeed: Some(InfeedSettings {
             axis: Axis::X,

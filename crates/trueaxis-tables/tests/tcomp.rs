@@ -10,7 +10,7 @@ use trueaxis::check::{self, TableRule};
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::Rows;
 use trueaxis::machine::{Axis, CompensationSettings, ErrorModel, KinematicsSettings, MachineSettings};
-use trueaxis::roundness::{Arm, ArmSettings, Band, InfeedSettings, ProbeAngles, RoundnessSettings};
+use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
 use trueaxis::tcomp::{Tcomp, TcompError, checksum, machine_id};
 use trueaxis_tables::{Machine, Warning, check, compile, summary};
 
@@ -106,7 +106,7 @@ fn the_bytes_are_those_documented() {
 
     // The same machine with a gauge of three probes.
     let mut with = small_machine::machine();
-    let mut settings = RoundnessSettings::with_defaults(1024, ProbeAngles::Slots { p: 188, q: 667 }, 3_600_000);
+    let mut settings = GaugeSettings::with_defaults(1024, ProbeAngles::Slots { p: 188, q: 667 }, 3_600_000);
     settings.arm = Some(ArmSettings {
         lengths: Arm { crank_mm: 45.0, wheel_mm: 300.0, pin_mm: 27.5 },
         counts: 4096,
@@ -233,8 +233,8 @@ fn nonsense_with_a_good_sum_is_refused() {
     }
 }
 
-fn gauge(points: u16) -> RoundnessSettings {
-    RoundnessSettings::with_defaults(points, ProbeAngles::Slots { p: 11, q: 15 }, 1 << 20)
+fn gauge(points: u16) -> GaugeSettings {
+    GaugeSettings::with_defaults(points, ProbeAngles::Slots { p: 11, q: 15 }, 1 << 20)
 }
 
 /// Bytes of a file whose settings are changed behind the compiler's back.
@@ -255,8 +255,8 @@ fn settings_that_make_no_sense_are_refused() {
     type Change = fn(&mut MachineSettings);
     let cases: [(Field, Change); 32] = [
         (Field::Points, |m| m.roundness = Some(gauge(1000))),
-        (Field::Harmonics, |m| m.roundness = Some(RoundnessSettings { band: Band { first: 0, last: 9 }, ..gauge(64) })),
-        (Field::Spindle, |m| m.roundness = Some(RoundnessSettings { stop_s: f64::NAN, ..gauge(64) })),
+        (Field::Harmonics, |m| m.roundness = Some(GaugeSettings { band: Band { first: 0, last: 9 }, ..gauge(64) })),
+        (Field::Spindle, |m| m.roundness = Some(GaugeSettings { stop_s: f64::NAN, ..gauge(64) })),
         (Field::Name, |m| m.name.clear()),
         (Field::Chain, |m| m.chain = "w C' A' Y' b X Z".parse().unwrap()),
         (Field::Axes, |m| m.chain = "w C' A' Y' b X t".parse().unwrap()),

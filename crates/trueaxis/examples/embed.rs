@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let [a, b, c, d] = [[0.0, 0.0, -200.0], [20.0, 0.0, -200.0], [30.0, 10.0, -200.0], [30.0, 30.0, -200.0]];
     path.line(a, b)?;
     path.arc(b, c, [20.0, 10.0, -200.0], [0.0, 0.0, 1.0])?;
-    path.nurbs(2, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], &[c, [30.0, 20.0, -200.0], d], &[])?;
+    path.nurbs(2, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], &[c, [30.0, 20.0, -200.0], d].map(Into::into), &[])?;
 
     for (segment, u) in (0..3).flat_map(|segment| (0..1000).map(move |i| (segment, f64::from(i) / 1000.0))) {
         let on_path = path.at(segment, u);

@@ -1,4 +1,4 @@
-//! What a machine description has to keep to: checked where tables are compiled and again where they are loaded.
+//! Checks of a machine description, made where tables are compiled and again where they are loaded.
 //!
 //! Everything here runs at build, in double precision, without allocation; its cost is a few look-ups per table line.
 
@@ -67,7 +67,7 @@ fn roundness(machine: &MachineSettings) -> Result<(), ConfigError> {
     settings.check()?;
     let Some(infeed) = &settings.infeed else { return Ok(()) };
     let index = infeed.axis.index() as f64;
-    let Some(axis) = machine.axes.iter().find(|known| known.axis == infeed.axis) else {
+    let Some(axis) = machine.axis(infeed.axis) else {
         return Err(ConfigError::new(Field::Infeed, index, "an axis of the machine").of("axis"));
     };
     let needed = "a limit within the magnitude of the axis' correction";
@@ -117,7 +117,7 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
     need(joint_high >= high, wrong(Field::Joint, joint_high, "a range that contains the travel"))
 }
 
-/// What a table has to keep to.
+/// Rules for a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableRule {
     /// Number of lines.
@@ -157,7 +157,7 @@ impl TableRule {
 /// Where a table is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TableFault {
-    /// What is broken.
+    /// The rule that is broken.
     pub rule: TableRule,
     /// Line, from 0.
     pub row: usize,
@@ -165,7 +165,7 @@ pub struct TableFault {
     pub component: Option<usize>,
     /// In the reverse column.
     pub reverse: bool,
-    /// What was found: number of lines; mm, degrees, rad; a slope in mm/mm or rad/rad.
+    /// Figure found: number of lines; mm, degrees, rad; a slope in mm/mm or rad/rad.
     pub found: f64,
 }
 

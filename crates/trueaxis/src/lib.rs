@@ -52,7 +52,9 @@ pub mod sample;
 mod step;
 pub mod tcomp;
 pub mod telemetry;
-pub mod vector;
+mod vector;
+
+pub use glam;
 
 mod alias;
 pub use alias::{HostInput, HostPath, HostServo, HostState, McuInput, McuPath, McuServo, McuState};
@@ -61,4 +63,4 @@ pub use machine::{Axis, Row};
 pub use position::{Nanometres, Position};
 pub use real::Real;
 pub use sample::Input;
-pub use step::{Bypass, Conditions, Config, Gauge, GaugeRide, Measure, OnToolPath, Output, ServoLoop, Stage, State};
+pub use step::{Bypass, Conditions, Config, GaugeRide, Measure, OnToolPath, Output, Ride, ServoLoop, Stage, State};

@@ -45,15 +45,15 @@ pub struct Limiter<R> {
     rounding: R,
 }
 
-/// What one axis' limiter remembers.
+/// State of the limiter of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Limited<R> {
+pub struct LimiterState<R> {
     sent: R,
     velocity: R,
     target: R,
 }
 
-impl<R: Real> Limited<R> {
+impl<R: Real> LimiterState<R> {
     /// The correction sent, mm (deg).
     #[inline(always)]
     pub fn sent(&self) -> R {
@@ -63,7 +63,7 @@ impl<R: Real> Limited<R> {
     /// At rest on a correction.
     #[inline(always)]
     pub(crate) fn at_rest(sent: R) -> Self {
-        Limited { sent, velocity: R::ZERO, target: sent }
+        LimiterState { sent, velocity: R::ZERO, target: sent }
     }
 
     /// Its change in the last cycle.
@@ -124,7 +124,7 @@ impl<R: Real> Limiter<R> {
     ///
     /// Cost: some 40 host instructions an axis while nothing binds; a square root or two out of line otherwise.
     #[inline(always)]
-    pub fn follow(&self, state: &mut Limited<R>, wanted: R) -> bool {
+    pub fn follow(&self, state: &mut LimiterState<R>, wanted: R) -> bool {
         let change = wanted - state.target;
         // Locked on, and the target itself keeps the limits: no root, no rounding.
         if state.sent == state.target
@@ -132,7 +132,7 @@ impl<R: Real> Limiter<R> {
             && (change - state.velocity).abs() <= self.acceleration
             && wanted.abs() <= self.open
         {
-            *state = Limited { sent: wanted, velocity: change, target: wanted };
+            *state = LimiterState { sent: wanted, velocity: change, target: wanted };
             return false;
         }
         self.approach(state, wanted)
@@ -140,23 +140,23 @@ impl<R: Real> Limiter<R> {
 
     /// Takes no new target: comes to rest with the permitted acceleration and stays there.
     #[inline(always)]
-    pub fn freeze(&self, state: &mut Limited<R>) {
-        let velocity = state.velocity - state.velocity.within(-self.acceleration, self.acceleration);
+    pub fn freeze(&self, state: &mut LimiterState<R>) {
+        let velocity = state.velocity - state.velocity.limit(-self.acceleration, self.acceleration);
         let sent = state.sent + velocity;
-        *state = Limited { sent, velocity, target: sent };
+        *state = LimiterState { sent, velocity, target: sent };
     }
 
     /// The drive stands, and so does the correction: what comes next starts from rest. The velocity is cut, not braked.
     #[inline(always)]
-    pub fn hold(&self, state: &mut Limited<R>) {
-        *state = Limited::at_rest(state.sent);
+    pub fn hold(&self, state: &mut LimiterState<R>) {
+        *state = LimiterState::at_rest(state.sent);
     }
 
     #[inline(never)]
-    fn approach(&self, state: &mut Limited<R>, wanted: R) -> bool {
-        let Limited { sent: c, velocity: v, target: last } = *state;
-        let r = wanted.within(-self.magnitude, self.magnitude);
-        let moves = (r - last).within(-self.velocity, self.velocity);
+    fn approach(&self, state: &mut LimiterState<R>, wanted: R) -> bool {
+        let LimiterState { sent: c, velocity: v, target: last } = *state;
+        let r = wanted.limit(-self.magnitude, self.magnitude);
+        let moves = (r - last).limit(-self.velocity, self.velocity);
         let gap = r - c - moves;
         let closing = stopping_speed(gap.abs(), R::of(APPROACH) * self.acceleration, self.approach);
         let want = if gap < R::ZERO { moves - closing } else { moves + closing };
@@ -164,7 +164,7 @@ impl<R: Real> Limiter<R> {
         let up = stopping_speed(self.magnitude - c, self.acceleration, self.brake).min(self.velocity);
         let down = stopping_speed(self.magnitude + c, self.acceleration, self.brake).min(self.velocity);
         let (slowest, fastest) = (v - self.acceleration, v + self.acceleration);
-        let allowed = |x: R| x.within(-down, up).within(slowest, fastest);
+        let allowed = |x: R| x.limit(-down, up).limit(slowest, fastest);
 
         let direct = r - c;
         let lock = gap.abs() <= self.rounding && allowed(direct) == direct;
@@ -174,7 +174,7 @@ impl<R: Real> Limiter<R> {
             let velocity = allowed(want);
             (c + velocity, velocity)
         };
-        *state = Limited { sent, velocity, target: r };
+        *state = LimiterState { sent, velocity, target: r };
         sent != wanted
     }
 }

@@ -3,8 +3,8 @@
 #![deny(clippy::indexing_slicing)]
 
 use crate::error::ConfigError;
-use crate::limiter::{Limited, Limiter};
-use crate::machine::{Limits, MachineSettings};
+use crate::limiter::{Limiter, LimiterState};
+use crate::machine::{AxisOrder, Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -19,19 +19,19 @@ pub(crate) struct OutputStage<R, P, const N: usize> {
 /// What was sent last.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OutputState<R, P, const N: usize> {
-    limited: [Limited<R>; N],
+    limited: [LimiterState<R>; N],
     drive: [P; N],
 }
 
 impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
     pub(crate) fn new() -> Self {
-        OutputState { limited: [Limited::default(); N], drive: [P::default(); N] }
+        OutputState { limited: [LimiterState::default(); N], drive: [P::default(); N] }
     }
 
     /// Nothing of this cycle is sent: drives and corrections stay what they were `before` it.
     #[cold]
     fn take_back(&mut self, feedback: [P; N], before: [R; N], outside: u8) -> Applied<R, P, N> {
-        self.limited = before.map(Limited::at_rest);
+        self.limited = before.map(LimiterState::at_rest);
         Applied { drive: self.drive, feedback, correction: before, limited: 0, outside: Some(outside) }
     }
 
@@ -66,14 +66,14 @@ pub(crate) struct Applied<R, P, const N: usize> {
 const ABSENT: Limits = Limits { magnitude: 1.0, slope_per_s: 1.0, acceleration_per_s2: 1e3 };
 
 impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
-    pub(crate) fn new(machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
-        let axes = crate::machine::step_axes::<N>(machine)?;
+    pub(crate) fn new(order: &AxisOrder<N>, machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
         let idle = Limiter::new(&ABSENT, 1e-3)?;
-        let mut stage = OutputStage { limiters: [idle; N], joint: [[P::limit(f64::MIN), P::limit(f64::MAX)]; N] };
-        for ((axis, limiter), joint) in axes.into_iter().zip(&mut stage.limiters).zip(&mut stage.joint) {
-            if let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) {
-                *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(axis))?;
-                *joint = settings.joint.map(P::limit);
+        let mut stage = OutputStage { limiters: [idle; N], joint: [[P::nearest(f64::MIN), P::nearest(f64::MAX)]; N] };
+        let settings = order.settings(machine);
+        for ((settings, limiter), joint) in settings.into_iter().zip(&mut stage.limiters).zip(&mut stage.joint) {
+            if let Some(settings) = settings {
+                *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
+                *joint = settings.joint.map(P::nearest);
             }
         }
         Ok(stage)

@@ -11,7 +11,7 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
     /// The nearest position to `x` (mm or deg); what cannot be said becomes a position that is not usable.
     fn of(x: f64) -> Self;
     /// The nearest usable position to a limit of the machine (mm or deg).
-    fn limit(x: f64) -> Self {
+    fn nearest(x: f64) -> Self {
         Self::of(x)
     }
     /// As a double (mm or deg).
@@ -80,7 +80,7 @@ impl Position for Nanometres {
         // Not a number must not become a place: the cast would make it zero.
         if x.is_nan() { Nanometres(i32::MIN) } else { Nanometres(libm::rint(x * 1e6) as i32) }
     }
-    fn limit(x: f64) -> Nanometres {
+    fn nearest(x: f64) -> Nanometres {
         Nanometres(Nanometres::of(x).0.clamp(i32::MIN + 1, i32::MAX - 1))
     }
     #[inline(always)]
@@ -125,11 +125,11 @@ mod tests {
     fn what_integers_cannot_say_is_not_usable() {
         for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 2_147.483_647, -2_147.483_648, 1e300] {
             assert!(!Nanometres::of(x).is_usable(), "{x}");
-            assert!(Nanometres::limit(x).is_usable(), "{x}");
+            assert!(Nanometres::nearest(x).is_usable(), "{x}");
         }
         for nanometres in [0, 1, -1, i32::MAX - 1, i32::MIN + 1] {
             assert!(Nanometres(nanometres).is_usable(), "{nanometres}");
-            assert_eq!(Nanometres::limit(f64::from(nanometres) * 1e-6), Nanometres(nanometres));
+            assert_eq!(Nanometres::nearest(f64::from(nanometres) * 1e-6), Nanometres(nanometres));
         }
     }
 

@@ -23,6 +23,9 @@ pub trait Real:
     + Sync
     + 'static
 {
+    /// glam's vector of this scalar, in which the public interface gives and takes points and directions.
+    type Vec3: Copy + Debug + Default + PartialEq + From<[Self; 3]> + Into<[Self; 3]> + Send + Sync + 'static;
+
     /// 0.
     const ZERO: Self;
     /// 1.
@@ -70,14 +73,15 @@ pub trait Real:
     }
     /// `self` limited to `low..=high`; `low` where `self` is NaN. Unlike core's, it cannot panic.
     #[inline(always)]
-    fn within(self, low: Self, high: Self) -> Self {
+    fn limit(self, low: Self, high: Self) -> Self {
         Self::min(Self::max(self, low), high)
     }
 }
 
 macro_rules! real {
-    ($t:ty, $sqrt:expr) => {
+    ($t:ty, $vector:ty, $sqrt:expr) => {
         impl Real for $t {
+            type Vec3 = $vector;
             const ZERO: $t = 0.0;
             const ONE: $t = 1.0;
             const HALF: $t = 0.5;
@@ -130,8 +134,8 @@ macro_rules! real {
     };
 }
 
-real!(f64, sqrt_f64);
-real!(f32, sqrt_f32);
+real!(f64, glam::DVec3, sqrt_f64);
+real!(f32, glam::Vec3, sqrt_f32);
 
 #[inline(always)]
 fn sqrt_f64(x: f64) -> f64 {

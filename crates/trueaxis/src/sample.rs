@@ -3,7 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use crate::error::{ConfigError, Fault, Field};
-use crate::machine::{FaultSettings, MachineSettings};
+use crate::machine::{AxisOrder, FaultSettings, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
 use crate::telemetry::Status;
@@ -236,23 +236,22 @@ const FARTHEST: f64 = 1e9;
 const LONGEST: u32 = 16;
 
 impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
-    pub(crate) fn new(machine: &MachineSettings, period_ns: u32) -> Result<Self, ConfigError> {
-        let axes = crate::machine::step_axes::<N>(machine)?;
+    pub(crate) fn new(order: &AxisOrder<N>, machine: &MachineSettings, period_ns: u32) -> Self {
         let period = f64::from(period_ns) * 1e-9;
         let none = Plausible {
-            travel: [-FARTHEST, FARTHEST].map(P::limit),
+            travel: [-FARTHEST, FARTHEST].map(P::nearest),
             command_jump: R::MAX,
             feedback_jump: R::MAX,
             stuck: R::MAX,
             resume: R::MAX,
         };
-        let limits = axes.map(|axis| {
+        let limits = order.slots(|axis| {
             let FaultSettings { resume, command_jump_factor, feedback_jump, stuck } = machine.faults;
             let pick = |[linear, rotary]: [f64; 2]| if axis.is_rotary() { rotary } else { linear };
-            machine.axes.iter().find(|a| a.axis == axis).map_or(none, |settings| {
+            machine.axis(axis).map_or(none, |settings| {
                 let jump = command_jump_factor * settings.max_feed_per_s * period;
                 Plausible {
-                    travel: settings.travel.map(|x| P::limit(Real::within(x, -FARTHEST, FARTHEST))),
+                    travel: settings.travel.map(|x| P::nearest(Real::limit(x, -FARTHEST, FARTHEST))),
                     command_jump: R::of(jump),
                     feedback_jump: R::of(jump + pick(feedback_jump)),
                     stuck: R::of(pick(stuck)),
@@ -260,12 +259,12 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 }
             })
         });
-        Ok(Sampler {
+        Sampler {
             axes: limits,
             latest_ns: (LATE * f64::from(period_ns)) as u32,
             longest_ns: period_ns.saturating_mul(LONGEST),
             per_period: R::of(1.0 / f64::from(period_ns)),
-        })
+        }
     }
 
     /// Every position lies in the declared travel of its axis.

@@ -25,9 +25,9 @@ use serde::{Deserialize, Serialize};
 pub struct Status(pub u8);
 
 impl Status {
-    /// Homed, enabled and believed: corrections are followed.
+    /// Homed, enabled, readings accepted: corrections are applied.
     pub const ACTIVE: Status = Status(1);
-    /// The correction is frozen because a reading is not believed.
+    /// The correction is frozen because a reading was refused.
     pub const FROZEN: Status = Status(2);
     /// The output is held and the host is asked to stop.
     pub const STOP_REQUEST: Status = Status(4);
@@ -50,22 +50,22 @@ impl Status {
 /// Everything about one servo cycle, as the step knows it.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Record<R, P, const N: usize> {
+pub struct Record<R: Real, P, const N: usize> {
     /// Counts cycles from 0, wrapping.
     pub sequence: u32,
     /// Identity of the machine that the tables belong to.
     pub machine_id: u32,
     /// CRC-32 of the table file in force.
     pub tables_crc: u32,
-    /// What went wrong, if anything.
+    /// The fault, if any.
     pub fault: Fault,
-    /// Place of the axis that the fault belongs to.
+    /// Slot of the axis at fault.
     pub fault_axis: u8,
     /// State bits.
     pub status: Status,
     /// A bit for every axis whose correction differs from the wanted one.
     pub limited: u8,
-    /// A bit for every axis whose table holds its edge value.
+    /// A bit for every axis whose table is at its clamped edge value.
     pub at_edge: u8,
     /// Command as it came (the held one during a stop), mm (deg).
     pub command: [P; N],
@@ -123,15 +123,15 @@ pub struct Frame {
     pub machine_id: u32,
     /// CRC-32 of the tables in force.
     pub tables_crc: u32,
-    /// What went wrong.
+    /// The fault.
     pub fault: Fault,
-    /// Place of the axis at fault.
+    /// Slot of the axis at fault.
     pub fault_axis: u8,
     /// State bits.
     pub status: Status,
     /// Axes whose correction is limited.
     pub limited: u8,
-    /// Axes whose table holds its edge value.
+    /// Axes whose table is at its clamped edge value.
     pub at_edge: u8,
     /// The axes, in the step's order.
     pub axes: Vec<AxisFrame, AXES>,

@@ -1,24 +1,22 @@
-//! A vector of three components over the scalar of the step.
+//! The kernels' vector over the scalar of the step: generic arithmetic, which glam's vectors of one scalar each have not.
 
 use crate::real::Real;
 use core::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
-/// Three components along X, Y, Z; converts to and from arrays, and through them to any vector library.
+/// Three components along X, Y, Z. At the public interface they are glam's ([`Real::Vec3`]); the conversions are moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct V3<R> {
+pub(crate) struct V3<R> {
     /// Along X.
-    pub x: R,
+    pub(crate) x: R,
     /// Along Y.
-    pub y: R,
+    pub(crate) y: R,
     /// Along Z.
-    pub z: R,
+    pub(crate) z: R,
 }
 
-/// Which machine direction an axis of rotation has.
+/// Machine direction of an axis of rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum About {
+pub(crate) enum About {
     /// X: an A axis.
     X,
     /// Y: a B axis.
@@ -29,34 +27,46 @@ pub enum About {
 
 impl<R: Real> V3<R> {
     /// The zero vector.
-    pub const ZERO: Self = V3 { x: R::ZERO, y: R::ZERO, z: R::ZERO };
+    pub(crate) const ZERO: Self = V3 { x: R::ZERO, y: R::ZERO, z: R::ZERO };
 
     /// From its components.
     #[inline(always)]
-    pub const fn new(x: R, y: R, z: R) -> Self {
+    pub(crate) const fn new(x: R, y: R, z: R) -> Self {
         V3 { x, y, z }
     }
 
     /// Rounded from doubles.
-    pub fn of([x, y, z]: [f64; 3]) -> Self {
+    pub(crate) fn of([x, y, z]: [f64; 3]) -> Self {
         V3::new(R::of(x), R::of(y), R::of(z))
+    }
+
+    /// From glam's.
+    #[inline(always)]
+    pub(crate) fn from_glam(v: R::Vec3) -> Self {
+        V3::from(v.into())
+    }
+
+    /// As glam's.
+    #[inline(always)]
+    pub(crate) fn glam(self) -> R::Vec3 {
+        self.array().into()
     }
 
     /// The components.
     #[inline(always)]
-    pub const fn array(self) -> [R; 3] {
+    pub(crate) const fn array(self) -> [R; 3] {
         [self.x, self.y, self.z]
     }
 
     /// Scalar product.
     #[inline(always)]
-    pub fn dot(self, other: Self) -> R {
+    pub(crate) fn dot(self, other: Self) -> R {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     /// Vector product.
     #[inline(always)]
-    pub fn cross(self, other: Self) -> Self {
+    pub(crate) fn cross(self, other: Self) -> Self {
         V3::new(
             self.y * other.z - self.z * other.y,
             self.z * other.x - self.x * other.z,
@@ -66,13 +76,13 @@ impl<R: Real> V3<R> {
 
     /// Length.
     #[inline(always)]
-    pub fn norm(self) -> R {
+    pub(crate) fn norm(self) -> R {
         self.dot(self).sqrt()
     }
 
     /// Turned about a machine direction by the angle of that cosine and sine, right-handed.
     #[inline(always)]
-    pub fn turned(self, about: About, (c, s): (R, R)) -> Self {
+    pub(crate) fn turned(self, about: About, (c, s): (R, R)) -> Self {
         let V3 { x, y, z } = self;
         match about {
             About::X => V3::new(x, c * y - s * z, s * y + c * z),
@@ -83,14 +93,9 @@ impl<R: Real> V3<R> {
 }
 
 impl<R> From<[R; 3]> for V3<R> {
+    #[inline(always)]
     fn from([x, y, z]: [R; 3]) -> Self {
         V3 { x, y, z }
-    }
-}
-
-impl<R> From<V3<R>> for [R; 3] {
-    fn from(v: V3<R>) -> Self {
-        [v.x, v.y, v.z]
     }
 }
 

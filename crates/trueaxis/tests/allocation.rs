@@ -3,6 +3,7 @@
 use allocation_counter::measure;
 use trueaxis::contour::{CommandWindow, Path, Reference, Segment, Span, convert};
 use trueaxis::exchange::Exchange;
+use trueaxis::glam::DVec3;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Bypass, Fault, HostServo, Input};
 
@@ -15,7 +16,7 @@ fn the_step_does_not_allocate() {
     let mut memory = vec![0.0; tables.requirement()];
     let servo = HostServo::<3>::load(&tables, PERIOD_NS, &mut memory).unwrap();
     let mut spans: Vec<Span<f64, f64>> = Vec::new();
-    let line = Segment::Line { start: [10.0, -30.0, -200.0], end: [110.0, -30.0, -200.0] };
+    let line = Segment::Line { start: DVec3::new(10.0, -30.0, -200.0), end: DVec3::new(110.0, -30.0, -200.0) };
     convert(&line, 0, [0.0, 0.0, 1.0], |span| {
         spans.push(span);
         Ok(())

@@ -9,17 +9,8 @@ exec </dev/null
 mcu=thumbv7em-none-eabihf
 host=$(rustc -vV | sed -n 's/^host: //p')
 tools=$(rustc --print sysroot)/lib/rustlib/$host/bin
-rustc --print target-libdir --target "$mcu" | xargs test -d || rustup target add "$mcu"
+../../../.ci/install "rustup:target:$mcu" qemu-system-arm
 [[ -x $tools/llvm-objdump ]] || rustup component add llvm-tools
-if ! command -v qemu-system-arm >/dev/null; then
-    if [[ $(id -u) != 0 ]]; then
-        echo 'qemu-system-arm is missing, and only root can install it: apt-get install qemu-system-arm' >&2
-        exit 1
-    fi
-    export DEBIAN_FRONTEND=noninteractive
-    apt-get -o DPkg::Lock::Timeout=300 -q update
-    apt-get -o DPkg::Lock::Timeout=300 -q -y install --no-install-recommends qemu-system-arm
-fi
 target=${CARGO_TARGET_DIR:-$PWD/target}/proofs
 mkdir -p "$target"
 

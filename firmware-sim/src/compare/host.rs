@@ -3,7 +3,7 @@
 use super::outputs::AXES;
 use anyhow::{Result, anyhow};
 use trueaxis::contour::{Path, Span};
-use trueaxis::roundness::{Roundness, RoundnessState};
+use trueaxis::roundness::{Gauge, GaugeState};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::RoundnessFrame;
 use trueaxis::{GaugeRide, ServoLoop};
@@ -53,10 +53,10 @@ fn run<R: Wire>(
     let gauge = match file.settings().roundness.filter(|_| recording.header().gauge) {
         None => None,
         Some(settings) => {
-            Some(Box::new(Roundness::<R, POINTS>::build(&settings, period_ns).map_err(|e| anyhow!("gauge: {e}"))?))
+            Some(Box::new(Gauge::<R, POINTS>::build(&settings, period_ns).map_err(|e| anyhow!("gauge: {e}"))?))
         }
     };
-    let mut gauge_state = Box::new(RoundnessState::<R, POINTS>::new());
+    let mut gauge_state = Box::new(GaugeState::<R, POINTS>::new());
     let mut sent = Vec::new();
     let mut revolutions = Vec::new();
     for number in 0..recording.header().cycles {

@@ -1,7 +1,7 @@
 //! Readings of three probes at a workpiece that turns and is not ground.
 
 use std::f64::consts::TAU;
-use trueaxis::roundness::RoundnessSettings;
+use trueaxis::roundness::GaugeSettings;
 use trueaxis_recording::Probe;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::grinding::{CentreMotion, Noise, Term, Turning, counts, probe_angles, sum};
@@ -16,7 +16,7 @@ const SURFACE: [Term; 4] = [
 
 /// The turning workpiece.
 pub(super) struct Turned {
-    gauge: RoundnessSettings,
+    gauge: GaugeSettings,
     phi: [f64; 3],
     motion: CentreMotion,
     turning: Turning,
@@ -25,7 +25,7 @@ pub(super) struct Turned {
 }
 
 impl Turned {
-    pub(super) fn new(gauge: &RoundnessSettings, scenario: &Scenario, speed_rpm: f64) -> Turned {
+    pub(super) fn new(gauge: &GaugeSettings, scenario: &Scenario, speed_rpm: f64) -> Turned {
         Turned {
             gauge: *gauge,
             phi: probe_angles(gauge),

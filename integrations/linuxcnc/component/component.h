@@ -1,4 +1,4 @@
-/* trueaxis for LinuxCNC: what the parts of the component share.
+/* trueaxis for LinuxCNC: shared by the parts of the component.
  *
  *   main.c        loading and unloading
  *   parameters.c  module parameters: instances, joints, files
@@ -6,7 +6,9 @@
  *   reload.c      the thread that reads files while the machine moves
  *   pins.c        HAL pins and parameters
  *   cycle.c       the two realtime functions
+ *   steps.c       the library's steps in a cycle
  *   gauge.c       the roundness gauge in a cycle
+ *   show.c        outputs of a cycle on pins
  *
  * License: MIT OR Apache-2.0
  */
@@ -35,12 +37,12 @@
 #define JOINT_TABLE_BYTES (128 * 1024)
 #define FILE_BYTES (1024 * 1024)
 #define LINE_BYTES 320
-/* Way between two points of the commanded path at slow feeds. */
-#define FOLLOW_SPACING_MM 0.005
+/* Distance between two points of the commanded path at slow feeds. */
+#define WINDOW_SPACING_MM 0.005
 /* So near its reading, a joint is commanded where it stands: mm, degrees. */
 #define STANDING 0.05
 
-/* Why the component itself refuses; the library's own status codes are smaller. */
+/* Reasons of the component itself to refuse; the library's results are smaller. */
 enum refusal {
     REFUSED_OPEN = 1000,
     REFUSED_LONG = 1001,
@@ -49,29 +51,25 @@ enum refusal {
     REFUSED_LIMITS = 1004,
 };
 
-/* ---- what one cycle of the servo thread may touch without waiting ---- */
-
 /* Everything that is exchanged at a reload. The memory is ours, not HAL's: HAL has 1 MiB for all components. */
 struct tables {
     trueaxis_loop_t axes;
     trueaxis_loop_t joint[MAX_JOINT_TABLES];
     trueaxis_tables_info_t info;
-    int joint_place[MAX_JOINT_TABLES];        /* of the joint's axis in its own file */
+    int joint_slot[MAX_JOINT_TABLES];         /* of the joint's axis in its own file */
     uint32_t joint_machine[MAX_JOINT_TABLES]; /* identity of that file */
     uint64_t axes_memory[AXIS_TABLE_BYTES / 8];
     uint64_t joint_memory[MAX_JOINT_TABLES][JOINT_TABLE_BYTES / 8];
 };
 
 struct joint {
-    int axis;         /* place of its axis in the step */
-    int table;        /* of its own, or -1 */
-    double offset;    /* motor-pos-cmd - pos-cmd: homing, backlash, COMP_FILE */
-    double reading;   /* raw, this cycle */
-    double passed;    /* last reading without correction that is a number */
-    double own;       /* correction from its own table, sent */
-    double sent;      /* whole correction sent */
-    double drive;     /* motor position sent, once `known` */
-    bool known;       /* there is a motor position that may be sent */
+    double offset;  /* motor-pos-cmd - pos-cmd: homing, backlash, COMP_FILE */
+    double reading; /* raw, this cycle */
+    double passed;  /* last reading without correction that is a number */
+    double own;     /* correction from its own table, sent */
+    double sent;    /* whole correction sent */
+    double drive;   /* motor position sent, once `known` */
+    bool known;     /* there is a motor position that may be sent */
 };
 
 struct joint_pins {
@@ -113,8 +111,8 @@ struct pins {
     struct gauge_pins gauge;
 };
 
-struct instance {
-    /* Set when the component is loaded, never changed afterwards. */
+/* Set while the component is loaded, read by everybody afterwards. */
+struct setup {
     char name[NAME_BYTES];
     char path[PATH_BYTES];
     char joint_path[MAX_JOINT_TABLES][PATH_BYTES];
@@ -123,6 +121,8 @@ struct instance {
     char letters[MAX_JOINTS + 1];
     bool letters_from_file;
     int joints;
+    int axis_of_joint[MAX_JOINTS];  /* slot of its axis in the step */
+    int table_of_joint[MAX_JOINTS]; /* of its own, or -1 */
     char axis_letters[MAX_AXES];
     int axes;
     int joints_of_axis[MAX_AXES];
@@ -130,35 +130,65 @@ struct instance {
     double mm_per_unit[MAX_AXES]; /* degrees of rotary axes */
     uint32_t period_ns;
     bool has_gauge;
-    struct pins *pins;
+};
 
-    /* The realtime functions' own. */
+/* State of an instance in the servo thread, from the first cycle on. */
+enum phase {
+    PHASE_NEW,     /* not started yet */
+    PHASE_REFUSED, /* the thread has another period: commands pass, a stop is requested */
+    PHASE_BLIND,   /* nothing to hold yet: outputs follow the readings, a stop is requested */
+    PHASE_HOLDING, /* the outputs are held, a stop is requested */
+    PHASE_RUNNING, /* commands pass with their correction */
+};
+
+/* Written by the servo thread alone. */
+struct servo {
+    enum phase phase;
     struct joint joint[MAX_JOINTS];
     const struct tables *tables;
     trueaxis_state_t axes_state;
     trueaxis_state_t joint_state[MAX_JOINT_TABLES];
-    /* What they were before this cycle, where more than one of them decides what is sent. */
+    /* The same before this cycle, where more than one of them decides on the output. */
     trueaxis_state_t axes_before, joint_before[MAX_JOINT_TABLES];
-    trueaxis_follow_t follow;
+    /* Which step requests the stop. */
+    struct {
+        bool axes, joint[MAX_JOINT_TABLES];
+    } stopped;
+    trueaxis_command_window_t window;
     trueaxis_gauge_t gauge;
     trueaxis_gauge_state_t gauge_state;
     double temperature_rise[MAX_AXES];
-    bool started, held, no_output, growth_told, homed_before, reload_before, reset_before, index_before, new_part_before;
-    bool axes_stopped, joint_stopped[MAX_JOINT_TABLES];
-    atomic_uint refused; /* status with which the library refused the thread's period, or 0 */
-    atomic_uint thread_period_ns;
+    bool growth_told; /* to the tables in force */
+    /* Inputs in the last cycle, for their edges. */
+    struct {
+        bool homed, reload, reset, index, new_part;
+    } last;
+};
 
-    /* Between the realtime functions and the thread. */
-    _Atomic(const struct tables *) offered;
+/* Between the servo thread and the loader's. */
+struct shared {
+    _Atomic(const struct tables *) offered; /* by the loader, taken by the servo thread */
     _Atomic(const struct tables *) in_force;
-    atomic_uint reload_wanted;
-    atomic_bool permitted;
+    atomic_uint reload_wanted; /* counted by the servo thread */
+    atomic_bool permitted;     /* by the loader: the limits are accepted */
+    atomic_uint refused;       /* by the servo thread: result of the library for its period, or 0 */
+    atomic_uint thread_period_ns;
+};
 
-    /* The thread's own. */
-    struct tables place[2];
+/* Written by the loader's thread alone. */
+struct loader {
+    struct tables slot[2];
     const struct tables *offer; /* read and offered, not taken yet */
     unsigned reload_done;
     bool refusal_told;
+};
+
+struct instance {
+    struct setup setup;
+    struct servo servo;
+    struct shared shared;
+    struct loader loader;
+    struct pins *pins; /* in HAL: inputs are the user's, outputs the servo thread's, reload_... the loader's */
 };
 
 extern struct instance trueaxis_instances[MAX_INSTANCES];
@@ -167,7 +197,7 @@ extern int trueaxis_instance_count;
 /* parameters.c: fills the instances from the module parameters; 0 or a negative errno with a line printed. */
 int parameters_read(void);
 
-/* tables.c: reads the instance's files into `tables`. Returns 0, or the library's status or a `refusal`, and then one
+/* tables.c: reads the instance's files into `tables`. Returns 0, the library's result or a `refusal`, and then one
  * line of text. Files of other machines than those of `before` are refused, if that is not NULL. */
 uint32_t tables_read(const struct instance *instance, const struct tables *before, struct tables *tables,
                      char line[LINE_BYTES]);
@@ -175,8 +205,8 @@ uint32_t tables_read(const struct instance *instance, const struct tables *befor
 uint32_t tables_match(struct instance *instance, const struct tables *tables, char line[LINE_BYTES]);
 /* Builds the gauge of a machine that has one, of as many points a revolution. */
 uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE_BYTES]);
-/* The negative errno that belongs to a status. */
-int tables_errno(uint32_t status);
+/* The negative errno of a result. */
+int tables_errno(uint32_t refused);
 
 /* pins.c */
 int pins_export(struct instance *instance, int component);
@@ -189,8 +219,23 @@ bool pins_limits_accepted(const struct instance *instance, const struct tables *
 int reload_start(void);
 void reload_stop(void);
 
-/* gauge.c: a cycle of a machine with a gauge; the library's status. */
-int gauge_step(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *output);
+/* steps.c: the library's steps of a cycle. */
+void steps_start(struct instance *instance, uint32_t period_ns);
+void steps_take_tables(struct instance *instance);
+void steps_temperature(struct instance *instance);
+/* Command and readings of the axes. */
+void steps_gather(const struct instance *instance, trueaxis_input_t *input);
+/* All of them; `phase` becomes the new one. False if the library refused. */
+bool steps_run(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *axes,
+               trueaxis_output_t joints[MAX_JOINT_TABLES]);
+
+/* gauge.c: its readings of a cycle from pins, and its answer to pins. */
+void gauge_read(struct instance *instance, trueaxis_gauge_ride_t *ride);
+void gauge_show(struct instance *instance, const trueaxis_gauge_ride_t *ride);
+
+/* show.c: what came out of a cycle, on pins. */
+void show_cycle(const struct instance *instance, const trueaxis_input_t *input, const trueaxis_output_t *axes,
+                const trueaxis_output_t joints[MAX_JOINT_TABLES]);
 
 /* cycle.c: the functions of the servo thread; `arg` is an instance. */
 void cycle_update_feedback(void *arg, long period);

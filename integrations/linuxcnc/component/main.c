@@ -17,32 +17,33 @@ int trueaxis_instance_count;
 
 static int component;
 
-/* All that can be refused is refused here, before HAL knows of the instance. */
+/* Everything that can be refused is refused here, before HAL knows of the instance. */
 static int instance_load(struct instance *instance)
 {
     char line[LINE_BYTES] = "";
-    struct tables *tables = &instance->place[0];
+    struct tables *tables = &instance->loader.slot[0];
     uint32_t refused = tables_read(instance, NULL, tables, line);
     if (!refused)
         refused = tables_match(instance, tables, line);
     if (!refused && tables->info.gauge_points > 0)
         refused = tables_gauge(instance, tables->info.gauge_points, line);
     if (!refused)
-        refused = (uint32_t)trueaxis_follow_start(&instance->follow, sizeof instance->follow, NULL, FOLLOW_SPACING_MM);
+        refused = (uint32_t)trueaxis_command_window_start(&instance->servo.window, sizeof instance->servo.window, NULL,
+                                                          WINDOW_SPACING_MM);
     if (refused) {
-        rtapi_print_msg(RTAPI_MSG_ERR, "trueaxis: %s: %s\n", instance->name, line);
+        rtapi_print_msg(RTAPI_MSG_ERR, "trueaxis: %s: %s\n", instance->setup.name, line);
         return tables_errno(refused);
     }
-    instance->tables = tables;
-    atomic_store(&instance->in_force, tables);
-    atomic_store(&instance->permitted, true);
+    instance->servo.tables = tables;
+    atomic_store(&instance->shared.in_force, tables);
+    atomic_store(&instance->shared.permitted, true);
     return 0;
 }
 
-static int function_export(struct instance *instance, const char *what, void (*function)(void *, long))
+static int function_export(struct instance *instance, const char *function_name, void (*function)(void *, long))
 {
     char name[HAL_NAME_LEN + 1];
-    rtapi_snprintf(name, sizeof name, "%s.%s", instance->name, what);
+    rtapi_snprintf(name, sizeof name, "%s.%s", instance->setup.name, function_name);
     return hal_export_funct(name, function, instance, 1, 0, component);
 }
 
@@ -54,7 +55,7 @@ static int instance_export(struct instance *instance)
     if (!refused)
         refused = function_export(instance, "update-output", cycle_update_output);
     if (!refused) {
-        pins_limits(instance, instance->tables);
+        pins_limits(instance, instance->servo.tables);
         *instance->pins->tables_ok = 1;
         /* As if motion were on, where the pin is not connected. */
         *instance->pins->motion_enabled = 1;

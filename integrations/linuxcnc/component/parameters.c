@@ -1,4 +1,4 @@
-/* Module parameters: which instances there are, on which joints, with which files. */
+/* Module parameters: the instances, their joints and files. */
 #include "component.h"
 
 #include <errno.h>
@@ -34,9 +34,9 @@ static bool copied(char *to, size_t bytes, const char *from)
     return true;
 }
 
-static bool given(char *const *list, int place)
+static bool given(char *const *list, int index)
 {
-    return list[place] != NULL && list[place][0] != '\0';
+    return list[index] != NULL && list[index][0] != '\0';
 }
 
 static int instances_named(void)
@@ -61,13 +61,13 @@ static int joint_letters(struct instance *instance, const char *letters)
 {
     size_t joint_count = strlen(letters);
     if (joint_count > MAX_JOINTS || strspn(letters, "XYZABCxyzabc") != joint_count) {
-        COMPLAIN("%s: joints=%s; needed: at most %d letters out of XYZABC, that of joint 0 first\n", instance->name,
+        COMPLAIN("%s: joints=%s; needed: at most %d letters out of XYZABC, that of joint 0 first\n", instance->setup.name,
                  letters, MAX_JOINTS);
         return -EINVAL;
     }
     for (size_t i = 0; i < joint_count; i++)
-        instance->letters[i] = (char)(letters[i] & ~0x20);
-    instance->joints = (int)joint_count;
+        instance->setup.letters[i] = (char)(letters[i] & ~0x20);
+    instance->setup.joints = (int)joint_count;
     return 0;
 }
 
@@ -75,7 +75,7 @@ static struct instance *instance_of(const char *name, size_t length)
 {
     for (int i = 0; i < trueaxis_instance_count; i++) {
         struct instance *instance = &trueaxis_instances[i];
-        if (strlen(instance->name) == length && memcmp(instance->name, name, length) == 0)
+        if (strlen(instance->setup.name) == length && memcmp(instance->setup.name, name, length) == 0)
             return instance;
     }
     return NULL;
@@ -97,51 +97,51 @@ static int joint_table(const char *text)
         COMPLAIN("joint_tables=%s; needed: JOINT=FILE, with several instances NAME:JOINT=FILE\n", text);
         return -EINVAL;
     }
-    if (joint >= instance->joints) {
-        COMPLAIN("%s: a table for joint %ld; needed: a joint named in joints= (%d of them)\n", instance->name, joint,
-                 instance->joints);
+    if (joint >= instance->setup.joints) {
+        COMPLAIN("%s: a table for joint %ld; needed: a joint named in joints= (%d of them)\n", instance->setup.name, joint,
+                 instance->setup.joints);
         return -EINVAL;
     }
-    int place = instance->joint_tables;
-    if (place == MAX_JOINT_TABLES || instance->joint[joint].table >= 0) {
-        COMPLAIN("%s: joint_tables=%s; needed: one table a joint, at most %d\n", instance->name, text,
+    int table = instance->setup.joint_tables;
+    if (table == MAX_JOINT_TABLES || instance->setup.table_of_joint[joint] >= 0) {
+        COMPLAIN("%s: joint_tables=%s; needed: one table a joint, at most %d\n", instance->setup.name, text,
                  MAX_JOINT_TABLES);
         return -EINVAL;
     }
-    if (!copied(instance->joint_path[place], PATH_BYTES, equals + 1)) {
-        COMPLAIN("%s: the path of joint %ld's table; needed: below %d bytes\n", instance->name, joint, PATH_BYTES);
+    if (!copied(instance->setup.joint_path[table], PATH_BYTES, equals + 1)) {
+        COMPLAIN("%s: the path of joint %ld's table; needed: below %d bytes\n", instance->setup.name, joint, PATH_BYTES);
         return -ENAMETOOLONG;
     }
-    instance->joint_of_table[place] = (int)joint;
-    instance->joint[joint].table = place;
-    instance->joint_tables = place + 1;
+    instance->setup.joint_of_table[table] = (int)joint;
+    instance->setup.table_of_joint[joint] = table;
+    instance->setup.joint_tables = table + 1;
     return 0;
 }
 
-static int instance_read(struct instance *instance, int place)
+static int instance_read(struct instance *instance, int index)
 {
-    if (given(names, place)) {
-        if (!copied(instance->name, NAME_BYTES, names[place])) {
-            COMPLAIN("names=%s; needed: below %d bytes\n", names[place], NAME_BYTES);
+    if (given(names, index)) {
+        if (!copied(instance->setup.name, NAME_BYTES, names[index])) {
+            COMPLAIN("names=%s; needed: below %d bytes\n", names[index], NAME_BYTES);
             return -EINVAL;
         }
     } else {
-        rtapi_snprintf(instance->name, NAME_BYTES, "trueaxis.%d", place);
+        rtapi_snprintf(instance->setup.name, NAME_BYTES, "trueaxis.%d", index);
     }
-    if (!given(tables, place)) {
-        COMPLAIN("%s: no table file; needed: tables=FILE.tcomp, one for every instance\n", instance->name);
+    if (!given(tables, index)) {
+        COMPLAIN("%s: no table file; needed: tables=FILE.tcomp, one for every instance\n", instance->setup.name);
         return -EINVAL;
     }
-    if (!copied(instance->path, PATH_BYTES, tables[place])) {
-        COMPLAIN("%s: the path of the table file; needed: below %d bytes\n", instance->name, PATH_BYTES);
+    if (!copied(instance->setup.path, PATH_BYTES, tables[index])) {
+        COMPLAIN("%s: the path of the table file; needed: below %d bytes\n", instance->setup.name, PATH_BYTES);
         return -ENAMETOOLONG;
     }
-    instance->period_ns = (uint32_t)servo_period_nsec;
-    instance->inch = inch[place] != 0;
+    instance->setup.period_ns = (uint32_t)servo_period_nsec;
+    instance->setup.inch = inch[index] != 0;
     for (int j = 0; j < MAX_JOINTS; j++)
-        instance->joint[j].table = -1;
-    instance->letters_from_file = !given(joints, place);
-    return instance->letters_from_file ? 0 : joint_letters(instance, joints[place]);
+        instance->setup.table_of_joint[j] = -1;
+    instance->setup.letters_from_file = !given(joints, index);
+    return instance->setup.letters_from_file ? 0 : joint_letters(instance, joints[index]);
 }
 
 int parameters_read(void)

@@ -1,4 +1,4 @@
-/* HAL pins and parameters of an instance. What they mean stands in the man page. */
+/* HAL pins and parameters of an instance; the man page describes them. */
 #include "component.h"
 
 #include <errno.h>
@@ -114,7 +114,7 @@ static int gauge(struct gauge_pins *p, int id, const char *name)
 
 int pins_export(struct instance *instance, int id)
 {
-    const char *name = instance->name;
+    const char *name = instance->setup.name;
     struct pins *pins = hal_malloc(sizeof *pins);
     if (!pins)
         return -ENOMEM;
@@ -122,12 +122,12 @@ int pins_export(struct instance *instance, int id)
     TRY(whole(pins, id, name));
     TRY(contour(&pins->tip, id, name, "tip"));
     TRY(contour(&pins->encoder, id, name, "encoder"));
-    for (int j = 0; j < instance->joints; j++)
+    for (int j = 0; j < instance->setup.joints; j++)
         TRY(joint(&pins->joint[j], id, name, j));
-    for (int a = 0; a < instance->axes; a++)
-        if (instance->joints_of_axis[a] > 0)
-            TRY(axis(&pins->axis[a], id, name, small(instance->axis_letters[a])));
-    if (instance->has_gauge)
+    for (int a = 0; a < instance->setup.axes; a++)
+        if (instance->setup.joints_of_axis[a] > 0)
+            TRY(axis(&pins->axis[a], id, name, small(instance->setup.axis_letters[a])));
+    if (instance->setup.has_gauge)
         TRY(gauge(&pins->gauge, id, name));
     return 0;
 }
@@ -135,11 +135,11 @@ int pins_export(struct instance *instance, int id)
 void pins_limits(struct instance *instance, const struct tables *tables)
 {
     const trueaxis_tables_info_t *info = &tables->info;
-    for (int a = 0; a < instance->axes; a++) {
-        if (instance->joints_of_axis[a] == 0)
+    for (int a = 0; a < instance->setup.axes; a++) {
+        if (instance->setup.joints_of_axis[a] == 0)
             continue;
         struct axis_pins *p = &instance->pins->axis[a];
-        double unit = instance->mm_per_unit[a];
+        double unit = instance->setup.mm_per_unit[a];
         p->magnitude = info->correction_limit[a] / unit;
         p->slope = info->slope_limit_per_s[a] / unit;
         p->acceleration = info->acceleration_limit_per_s2[a] / unit;
@@ -156,11 +156,11 @@ static bool within(double limit, double unit, double accepted)
 bool pins_limits_accepted(const struct instance *instance, const struct tables *tables)
 {
     const trueaxis_tables_info_t *info = &tables->info;
-    for (int a = 0; a < instance->axes; a++) {
-        if (instance->joints_of_axis[a] == 0)
+    for (int a = 0; a < instance->setup.axes; a++) {
+        if (instance->setup.joints_of_axis[a] == 0)
             continue;
         const struct axis_pins *p = &instance->pins->axis[a];
-        double unit = instance->mm_per_unit[a];
+        double unit = instance->setup.mm_per_unit[a];
         if (!within(info->correction_limit[a], unit, p->max_magnitude) ||
             !within(info->slope_limit_per_s[a], unit, p->max_slope) ||
             !within(info->acceleration_limit_per_s2[a], unit, p->max_acceleration))

@@ -1,4 +1,4 @@
-/* The thread that reads files while the machine moves, and watches what the integrator accepts. */
+/* The loader's thread: reads files while the machine moves, and watches the limits that the integrator accepts. */
 #include "component.h"
 
 #include <pthread.h>
@@ -19,65 +19,66 @@ static void pause_briefly(void)
 static void finish(struct instance *instance, uint32_t code)
 {
     struct pins *pins = instance->pins;
-    instance->offer = NULL;
+    instance->loader.offer = NULL;
     *pins->reload_code = code;
     *pins->reload_failed = code != 0;
     *pins->reload_busy = 0;
     *pins->reloads += 1;
 }
 
-/* Reads into the place that is not in force and offers it; the servo thread takes it between two cycles. */
+/* Reads into the memory that is not in force and offers it; the servo thread takes it between two cycles. */
 static void begin(struct instance *instance)
 {
-    const struct tables *now = atomic_load_explicit(&instance->in_force, memory_order_acquire);
-    struct tables *free_place = now == &instance->place[0] ? &instance->place[1] : &instance->place[0];
+    const struct tables *now = atomic_load_explicit(&instance->shared.in_force, memory_order_acquire);
+    struct loader *loader = &instance->loader;
+    struct tables *unused = now == &loader->slot[0] ? &loader->slot[1] : &loader->slot[0];
     char line[LINE_BYTES] = "";
     *instance->pins->reload_busy = 1;
-    uint32_t refused = tables_read(instance, now, free_place, line);
-    if (!refused && !pins_limits_accepted(instance, free_place)) {
+    uint32_t refused = tables_read(instance, now, unused, line);
+    if (!refused && !pins_limits_accepted(instance, unused)) {
         rtapi_snprintf(line, sizeof line, "%s: found limits of an axis above its max-magnitude, max-slope or "
-                       "max-acceleration", instance->path);
+                       "max-acceleration", instance->setup.path);
         refused = REFUSED_LIMITS;
     }
     if (refused) {
-        rtapi_print_msg(RTAPI_MSG_ERR, "trueaxis: %s: reload: %s; the tables in force stay\n", instance->name, line);
+        rtapi_print_msg(RTAPI_MSG_ERR, "trueaxis: %s: reload: %s; the tables in force stay\n", instance->setup.name, line);
         finish(instance, refused);
         return;
     }
-    instance->offer = free_place;
-    atomic_store_explicit(&instance->offered, free_place, memory_order_release);
+    instance->loader.offer = unused;
+    atomic_store_explicit(&instance->shared.offered, unused, memory_order_release);
 }
 
 static void reload(struct instance *instance)
 {
-    unsigned wanted = atomic_load_explicit(&instance->reload_wanted, memory_order_acquire);
-    if (instance->offer && atomic_load_explicit(&instance->in_force, memory_order_acquire) == instance->offer) {
-        pins_limits(instance, instance->offer);
+    unsigned wanted = atomic_load_explicit(&instance->shared.reload_wanted, memory_order_acquire);
+    if (instance->loader.offer && atomic_load_explicit(&instance->shared.in_force, memory_order_acquire) == instance->loader.offer) {
+        pins_limits(instance, instance->loader.offer);
         finish(instance, 0);
     }
-    if (!instance->offer && wanted != instance->reload_done) {
-        instance->reload_done = wanted;
+    if (!instance->loader.offer && wanted != instance->loader.reload_done) {
+        instance->loader.reload_done = wanted;
         begin(instance);
     }
 }
 
-/* Limits above what the integrator accepts by now switch the correction off, as `enable` does: bumpless. */
+/* Limits above those that the integrator accepts by now switch the correction off, as `enable` does: bumpless. */
 static void watch_limits(struct instance *instance)
 {
-    const struct tables *now = atomic_load_explicit(&instance->in_force, memory_order_acquire);
+    const struct tables *now = atomic_load_explicit(&instance->shared.in_force, memory_order_acquire);
     bool permitted = pins_limits_accepted(instance, now);
-    atomic_store_explicit(&instance->permitted, permitted, memory_order_release);
-    *instance->pins->tables_ok = permitted && !atomic_load(&instance->refused);
+    atomic_store_explicit(&instance->shared.permitted, permitted, memory_order_release);
+    *instance->pins->tables_ok = permitted && !atomic_load(&instance->shared.refused);
 }
 
-/* A thread of another period stops the machine at once: why, the realtime functions cannot say. */
+/* A thread of another period stops the machine at once; the realtime functions cannot print why. */
 static void tell_refusal(struct instance *instance)
 {
-    if (instance->refusal_told || !atomic_load(&instance->refused))
+    if (instance->loader.refusal_told || !atomic_load(&instance->shared.refused))
         return;
-    instance->refusal_told = true;
+    instance->loader.refusal_told = true;
     rtapi_print_msg(RTAPI_MSG_ERR, "trueaxis: %s: found a thread of %u ns, needed servo_period_nsec=%u, or the other one\n",
-                    instance->name, atomic_load(&instance->thread_period_ns), instance->period_ns);
+                    instance->setup.name, atomic_load(&instance->shared.thread_period_ns), instance->setup.period_ns);
 }
 
 static void *look_after(void *unused)

@@ -28,17 +28,17 @@ static uint32_t file_read(const char *path, size_t *length, char line[LINE_BYTES
         return REFUSED_OPEN;
     }
     size_t done = 0;
-    ssize_t piece = 1;
-    while (piece != 0 && done < sizeof file) {
-        piece = read(descriptor, file + done, sizeof file - done);
-        if (piece < 0 && errno != EINTR)
+    ssize_t part = 1;
+    while (part != 0 && done < sizeof file) {
+        part = read(descriptor, file + done, sizeof file - done);
+        if (part < 0 && errno != EINTR)
             break;
-        if (piece > 0)
-            done += (size_t)piece;
+        if (part > 0)
+            done += (size_t)part;
     }
     open_errno = errno;
     close(descriptor);
-    if (piece < 0) {
+    if (part < 0) {
         rtapi_snprintf(line, LINE_BYTES, "cannot be read: %s", strerror(open_errno));
         return REFUSED_OPEN;
     }
@@ -69,7 +69,7 @@ static uint32_t loop_read(const char *path, uint32_t machine_id, uint32_t period
             if (status == TRUEAXIS_OK)
                 status = trueaxis_loop_build(loop, sizeof *loop, file, length, machine_id, period_ns, memory, bytes, &error);
             if (status != TRUEAXIS_OK)
-                rtapi_snprintf(found, sizeof found, "%s", error.text[0] ? error.text : trueaxis_status_text(status));
+                rtapi_snprintf(found, sizeof found, "%s", error.text[0] ? error.text : trueaxis_result_text(status));
             refused = (uint32_t)status;
         }
     }
@@ -83,7 +83,7 @@ static bool names(const trueaxis_tables_info_t *info, char letter)
     return strchr(info->chain, letter) != NULL;
 }
 
-static int place_of(const trueaxis_tables_info_t *info, char letter)
+static int slot_of(const trueaxis_tables_info_t *info, char letter)
 {
     for (uint32_t a = 0; a < info->axes; a++)
         if (info->letters[a] == letter)
@@ -95,31 +95,31 @@ static int place_of(const trueaxis_tables_info_t *info, char letter)
 static uint32_t joint_match(const struct instance *instance, int t, struct tables *tables,
                             const trueaxis_tables_info_t *info, char line[LINE_BYTES])
 {
-    char letter = instance->letters[instance->joint_of_table[t]];
-    int place = place_of(info, letter);
-    bool alone = place >= 0 && info->rows[place] > 0;
+    char letter = instance->setup.letters[instance->setup.joint_of_table[t]];
+    int slot = slot_of(info, letter);
+    bool alone = slot >= 0 && info->rows[slot] > 0;
     for (uint32_t a = 0; a < info->axes; a++)
-        if ((int)a != place && info->rows[a] > 0)
+        if ((int)a != slot && info->rows[a] > 0)
             alone = false;
     if (!alone) {
         rtapi_snprintf(line, LINE_BYTES,
                        "%s: for joint %d: found tables of other axes or none of %c, needed one of %c alone",
-                       instance->joint_path[t], instance->joint_of_table[t], letter, letter);
+                       instance->setup.joint_path[t], instance->setup.joint_of_table[t], letter, letter);
         return REFUSED_JOINTS;
     }
-    tables->joint_place[t] = place;
+    tables->joint_slot[t] = slot;
     return 0;
 }
 
 uint32_t tables_read(const struct instance *instance, const struct tables *before, struct tables *tables,
                      char line[LINE_BYTES])
 {
-    uint32_t period_ns = instance->period_ns;
-    uint32_t refused = loop_read(instance->path, before ? before->info.machine_id : 0, period_ns, &tables->axes,
+    uint32_t period_ns = instance->setup.period_ns;
+    uint32_t refused = loop_read(instance->setup.path, before ? before->info.machine_id : 0, period_ns, &tables->axes,
                                  &tables->info, tables->axes_memory, sizeof tables->axes_memory, line);
-    for (int t = 0; t < instance->joint_tables && !refused; t++) {
+    for (int t = 0; t < instance->setup.joint_tables && !refused; t++) {
         trueaxis_tables_info_t info;
-        refused = loop_read(instance->joint_path[t], before ? before->joint_machine[t] : 0, period_ns,
+        refused = loop_read(instance->setup.joint_path[t], before ? before->joint_machine[t] : 0, period_ns,
                             &tables->joint[t], &info, tables->joint_memory[t], sizeof tables->joint_memory[t], line);
         if (!refused)
             refused = joint_match(instance, t, tables, &info, line);
@@ -132,27 +132,27 @@ uint32_t tables_read(const struct instance *instance, const struct tables *befor
 uint32_t tables_match(struct instance *instance, const struct tables *tables, char line[LINE_BYTES])
 {
     const trueaxis_tables_info_t *info = &tables->info;
-    instance->axes = (int)info->axes;
-    for (int a = 0; a < instance->axes; a++) {
-        instance->axis_letters[a] = info->letters[a];
-        instance->mm_per_unit[a] = instance->inch && strchr("XYZ", info->letters[a]) ? 25.4 : 1.0;
-        if (instance->joints < MAX_JOINTS && instance->letters_from_file && names(info, info->letters[a]))
-            instance->letters[instance->joints++] = info->letters[a];
+    instance->setup.axes = (int)info->axes;
+    for (int a = 0; a < instance->setup.axes; a++) {
+        instance->setup.axis_letters[a] = info->letters[a];
+        instance->setup.mm_per_unit[a] = instance->setup.inch && strchr("XYZ", info->letters[a]) ? 25.4 : 1.0;
+        if (instance->setup.joints < MAX_JOINTS && instance->setup.letters_from_file && names(info, info->letters[a]))
+            instance->setup.letters[instance->setup.joints++] = info->letters[a];
     }
-    for (int j = 0; j < instance->joints; j++) {
-        int place = place_of(info, instance->letters[j]);
-        if (place < 0 || !names(info, instance->letters[j])) {
-            rtapi_snprintf(line, LINE_BYTES, "%s: found no axis %c (chain \"%s\"), needed for joints=%s", instance->path,
-                           instance->letters[j], info->chain, instance->letters);
+    for (int j = 0; j < instance->setup.joints; j++) {
+        int slot = slot_of(info, instance->setup.letters[j]);
+        if (slot < 0 || !names(info, instance->setup.letters[j])) {
+            rtapi_snprintf(line, LINE_BYTES, "%s: found no axis %c (chain \"%s\"), needed for joints=%s", instance->setup.path,
+                           instance->setup.letters[j], info->chain, instance->setup.letters);
             return REFUSED_JOINTS;
         }
-        instance->joint[j].axis = place;
-        instance->joints_of_axis[place]++;
+        instance->setup.axis_of_joint[j] = slot;
+        instance->setup.joints_of_axis[slot]++;
     }
-    for (int a = 0; a < instance->axes; a++) {
-        if (instance->joints_of_axis[a] == 0 && names(info, info->letters[a])) {
+    for (int a = 0; a < instance->setup.axes; a++) {
+        if (instance->setup.joints_of_axis[a] == 0 && names(info, info->letters[a])) {
             rtapi_snprintf(line, LINE_BYTES, "%s: found axis %c (chain \"%s\"), needed: a joint for it in joints=%s",
-                           instance->path, info->letters[a], info->chain, instance->letters);
+                           instance->setup.path, info->letters[a], info->chain, instance->setup.letters);
             return REFUSED_JOINTS;
         }
     }
@@ -164,27 +164,27 @@ uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE
     size_t length = 0;
     char found[LINE_BYTES] = "";
     trueaxis_error_t error = {.size = sizeof error};
-    uint32_t refused = file_read(instance->path, &length, found);
+    uint32_t refused = file_read(instance->setup.path, &length, found);
     if (!refused) {
-        int status = trueaxis_gauge_build(&instance->gauge, sizeof instance->gauge, file, length, instance->period_ns,
+        int status = trueaxis_gauge_build(&instance->servo.gauge, sizeof instance->servo.gauge, file, length, instance->setup.period_ns,
                                           &error);
         if (status == TRUEAXIS_OK) {
-            size_t size = points == 512 ? sizeof(uint64_t[TRUEAXIS_GAUGE_STATE_512_WORDS]) : sizeof instance->gauge_state;
-            status = trueaxis_gauge_restart(&instance->gauge, &instance->gauge_state, size);
+            size_t size = points == 512 ? sizeof(trueaxis_gauge_state_512_t) : sizeof instance->servo.gauge_state;
+            status = trueaxis_gauge_restart(&instance->servo.gauge, &instance->servo.gauge_state, size);
         }
         if (status != TRUEAXIS_OK)
-            rtapi_snprintf(found, sizeof found, "gauge: %s", error.text[0] ? error.text : trueaxis_status_text(status));
+            rtapi_snprintf(found, sizeof found, "gauge: %s", error.text[0] ? error.text : trueaxis_result_text(status));
         refused = (uint32_t)status;
     }
     if (refused)
-        rtapi_snprintf(line, LINE_BYTES, "%s: %s", instance->path, found);
-    instance->has_gauge = !refused;
+        rtapi_snprintf(line, LINE_BYTES, "%s: %s", instance->setup.path, found);
+    instance->setup.has_gauge = !refused;
     return refused;
 }
 
-int tables_errno(uint32_t status)
+int tables_errno(uint32_t refused)
 {
-    switch (status) {
+    switch (refused) {
     case 0: return 0;
     case REFUSED_OPEN: return open_errno > 0 ? -open_errno : -EIO;
     case REFUSED_LONG:

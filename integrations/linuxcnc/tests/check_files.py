@@ -66,9 +66,9 @@ def streamed(folder, inch, unit):
 
 GAUGE_HAL = """
 loadrt threads name1=servo-thread period1=1000000
-loadrt streamer depth=16000 cfg=sbfff
+loadrt streamer depth=16000 cfg=sbfffffff
 loadrt trueaxis names=ta tables=gauge.tcomp joints=XZ
-loadrt sampler depth=16000 cfg=fuuuf
+loadrt sampler depth=16000 cfg=fuuuffffb
 setp ta.enable 1
 setp ta.joint.0.homed 1
 setp ta.joint.1.homed 1
@@ -81,7 +81,15 @@ net roundness ta.gauge.roundness => sampler.0.pin.0
 net evaluated ta.gauge.evaluated => sampler.0.pin.1
 net flags ta.gauge.flags => sampler.0.pin.2
 net of ta.gauge.revolution-flags => sampler.0.pin.3
-net drive ta.joint.0.motor-pos-cmd-out => ta.joint.0.motor-pos-fb-in sampler.0.pin.4
+net drive ta.joint.0.motor-pos-cmd-out => sampler.0.pin.4
+net x-command streamer.0.pin.5 => ta.joint.0.pos-cmd ta.joint.0.motor-pos-cmd-in
+net z-command streamer.0.pin.6 => ta.joint.1.pos-cmd ta.joint.1.motor-pos-cmd-in
+net x-encoder streamer.0.pin.7 => ta.joint.0.motor-pos-fb-in
+net z-encoder streamer.0.pin.8 => ta.joint.1.motor-pos-fb-in
+net encoder-error ta.contour.encoder.error => sampler.0.pin.5
+net tip-error ta.contour.tip.error => sampler.0.pin.6
+net lag ta.contour.tip.lag => sampler.0.pin.7
+net found ta.contour.tip.found => sampler.0.pin.8
 addf ta.update-feedback servo-thread
 addf streamer.0 servo-thread
 addf ta.update-output servo-thread
@@ -93,12 +101,25 @@ loadusr -w halsampler -n %d
 
 
 def gauge(folder):
-    """Three probes about a turning shaft with a known profile that runs out: roundness on a pin."""
+    """Three probes about a turning shaft, the slides on a circle: roundness and contour error of the same cycles."""
     compile_tables(folder, os.path.join(rig.MACHINES, "gauge", "machine.toml"), "gauge.tcomp")
     turn, cycles, step = 16384, 6000, 12
 
     def profile(angle):
         return 2.0 * math.cos(3 * angle) + 0.7 * math.sin(7 * angle)
+
+    # A circle of X and Z at 25 mm/s, a second of rest before it; the slides lag by 4 ms and cut inwards by 3 um.
+    radius, inwards, lag = 20.0, 0.003, 4
+
+    def on_circle(n, r):
+        angle = max(n - 1000, 0) * 0.025 / radius
+        return r * math.cos(angle), r * math.sin(angle)
+
+    def at(n):
+        return on_circle(n, radius)
+
+    def encoder(n):
+        return on_circle(n - lag, radius - inwards if n > 1000 + lag else radius)
 
     with open(os.path.join(folder, "stream.in"), "w") as f:
         for n in range(cycles):
@@ -111,7 +132,8 @@ def gauge(folder):
             for slot in (0, 94, 94 + 333):
                 phi = 2.0 * math.pi * slot / 512
                 probes.append(profile(theta + phi) + y * math.cos(phi) + x * math.sin(phi))
-            f.write("%d %d %r %r %r\n" % (count, index, *probes))
+            command, reading = at(n), encoder(n)
+            f.write("%d %d %r %r %r %r %r %r %r\n" % (count, index, *probes, *command, *reading))
     code, printed = rig.halrun(folder, GAUGE_HAL % cycles, 60)
     expect(code == 0, "halrun", printed)
     rows = [line.split() for line in printed.splitlines() if line.count(" ") >= 4 and line[0] in "-0123456789"]
@@ -125,7 +147,18 @@ def gauge(folder):
     expect(evaluated >= 2, "only %d revolutions" % evaluated, rows[-1])
     expect(abs(roundness - truth) < 0.01, "roundness %g um, the shaft has %g" % (roundness, truth))
     expect(int(rows[-1][3]) == 0, "flags of the revolution", rows[-1])
-    return "%.3f um after %d revolutions, the shaft has %.3f" % (roundness, evaluated, truth)
+    worst = 0.0
+    for n in range(1200, cycles):
+        # Feedback is taken before the stream goes on: the reading of the cycle before.
+        x, z = encoder(n - 1)
+        # The tables: 0.02 um per mm of X.
+        tip = abs(math.hypot(1.00002 * x, z) - radius)
+        expect(int(rows[n][8]) == 1, "no contour error in sample %d" % n, rows[n])
+        worst = max(worst, abs(float(rows[n][5]) - inwards), abs(float(rows[n][6]) - tip))
+        expect(abs(float(rows[n][7]) - 0.025 * (lag + 1)) < 1e-3, "lag in sample %d" % n, rows[n])
+    expect(worst < 2e-6, "contour error %g mm from the truth" % worst)
+    return "%.3f um after %d revolutions, the shaft has %.3f; contour error within %.0e mm of the truth" % (
+        roundness, evaluated, truth, worst)
 
 
 PAIR_HAL = """

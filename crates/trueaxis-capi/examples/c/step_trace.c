@@ -75,25 +75,25 @@ static int32_t whole_nm(double mm) {
     return (int32_t)(nm < 0 ? nm - 0.5 : nm + 0.5);
 }
 
-/* Builds the loop, or says why not; then one that passes commands uncorrected takes its place. */
+/* Builds the loop, or prints why not and builds one that passes commands uncorrected. */
 static uint8_t build(int which, struct file file, uint32_t machine_id) {
-    trueaxis_status_t status = trueaxis_check_abi(TRUEAXIS_ABI_VERSION);
+    trueaxis_result_t result = trueaxis_check_abi(TRUEAXIS_ABI_VERSION);
     uint8_t reason = TRUEAXIS_FAULT_ABI_MISMATCH;
-    if (status == TRUEAXIS_OK) {
-        status = trueaxis_loop_build(&loops[which], sizeof loops[which], file.bytes, file.length, machine_id, PERIOD_NS,
+    if (result == TRUEAXIS_OK) {
+        result = trueaxis_loop_build(&loops[which], sizeof loops[which], file.bytes, file.length, machine_id, PERIOD_NS,
                                      memory[which], sizeof memory[which], &error);
-        if (status == TRUEAXIS_OK) {
+        if (result == TRUEAXIS_OK) {
             return TRUEAXIS_FAULT_NONE;
         }
-        reason = status == TRUEAXIS_ERROR_MEMORY ? TRUEAXIS_FAULT_CAPACITY_TOO_SMALL : TRUEAXIS_FAULT_TABLES_REFUSED;
-        printf("refused: status %" PRId32 ", code %" PRIu32 ": %s\n", status, error.code, error.text);
+        reason = result == TRUEAXIS_ERROR_MEMORY ? TRUEAXIS_FAULT_CAPACITY_TOO_SMALL : TRUEAXIS_FAULT_TABLES_REFUSED;
+        printf("refused: result %" PRId32 ", code %" PRIu32 ": %s\n", result, error.code, error.text);
     } else {
-        printf("refused: status %" PRId32 ", header %08" PRIx32 ", library %08" PRIx32 ": %s\n", status,
-               (uint32_t)TRUEAXIS_ABI_VERSION, trueaxis_abi_version(), trueaxis_status_text(status));
+        printf("refused: result %" PRId32 ", header %08" PRIx32 ", library %08" PRIx32 ": %s\n", result,
+               (uint32_t)TRUEAXIS_ABI_VERSION, trueaxis_abi_version(), trueaxis_result_text(result));
     }
-    status = trueaxis_loop_bypass(&loops[which], sizeof loops[which], AXES, reason, PERIOD_NS);
-    if (status != TRUEAXIS_OK) {
-        printf("no bypass: %s\n", trueaxis_status_text(status));
+    result = trueaxis_loop_bypass(&loops[which], sizeof loops[which], AXES, reason, PERIOD_NS);
+    if (result != TRUEAXIS_OK) {
+        printf("no bypass: %s\n", trueaxis_result_text(result));
     }
     return reason;
 }
@@ -158,18 +158,18 @@ static int run(struct file first, struct file second) {
         if (cycle == EXCHANGE_AT && refused == TRUEAXIS_FAULT_NONE) {
             active = &loops[1];
         }
-        trueaxis_reference_t reference;
-        trueaxis_status_t status = trueaxis_path_reference(&path, 0, moved / 8000.0, &reference);
-        if (status == TRUEAXIS_OK) {
-            status = trueaxis_step(active, &state, &input, &path, &reference, &output);
+        trueaxis_measure_t measure = { .size = sizeof measure, .kind = TRUEAXIS_MEASURE_PATH, .path = &path };
+        trueaxis_result_t result = trueaxis_path_reference(&path, 0, moved / 8000.0, &measure.reference);
+        if (result == TRUEAXIS_OK) {
+            result = trueaxis_step(active, &state, &input, &measure, NULL, &output);
         }
         uint8_t frame[TRUEAXIS_FRAME_BYTES];
         size_t length = 0;
-        if (status == TRUEAXIS_OK) {
-            status = trueaxis_frame_encode(&output, frame, sizeof frame, &length);
+        if (result == TRUEAXIS_OK) {
+            result = trueaxis_frame_encode(&output, frame, sizeof frame, &length);
         }
-        if (status != TRUEAXIS_OK) {
-            printf("cycle %" PRIu32 ": %s\n", cycle, trueaxis_status_text(status));
+        if (result != TRUEAXIS_OK) {
+            printf("cycle %" PRIu32 ": %s\n", cycle, trueaxis_result_text(result));
             return 1;
         }
         for (int axis = 0; axis < AXES; ++axis) {

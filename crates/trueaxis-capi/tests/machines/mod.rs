@@ -1,6 +1,9 @@
-//! Machines, their table files, and what a C program would have in its static memory.
+//! Machines, their table files, and the static memory of a C program.
 
 #![allow(dead_code)]
+
+pub(crate) mod gauge;
+pub(crate) mod rust;
 
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;
@@ -25,7 +28,15 @@ pub(crate) fn mill() -> &'static [u8] {
 
 /// `w X' Y' b Z t`, 0 to 20 µm along X in a table of two lines: the least that can be checked and corrected.
 pub(crate) fn small() -> Machine {
-    let axes = [Axis::X, Axis::Y, Axis::Z];
+    small_of("w X' Y' b Z t", &[Axis::X, Axis::Y, Axis::Z])
+}
+
+/// The same with a table that turns and tilts.
+pub(crate) fn small_five() -> Machine {
+    small_of("w C' A' X' Y' b Z t", &[Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C])
+}
+
+fn small_of(chain: &str, axes: &[Axis]) -> Machine {
     let row = |position: f64, error: f64| {
         let errors = [error, 0.0, 0.0, 0.0, 0.0, 0.0];
         Row { position, forward: errors, reverse: errors }
@@ -35,15 +46,17 @@ pub(crate) fn small() -> Machine {
         bidirectional: false,
         rows: vec![row(-400.0, 0.0), row(400.0, 0.02)],
     };
-    let settings = axes.map(|axis| AxisSettings {
+    let settings = axes.iter().map(|axis| AxisSettings {
         travel: [-400.0, 400.0],
         joint: [-401.0, 401.0],
-        ..AxisSettings::with_defaults(axis, axis != Axis::Z)
+        ..AxisSettings::with_defaults(*axis, *axis != Axis::Z)
     });
+    let mut tables = vec![None; axes.len()];
+    tables[0] = Some(table);
     Machine {
         settings: MachineSettings {
             name: "small".try_into().unwrap(),
-            chain: "w X' Y' b Z t".try_into().unwrap(),
+            chain: chain.try_into().unwrap(),
             tool_mm: [0.0; 3],
             reference_temperature_c: 20.0,
             location: LocationErrors::default(),
@@ -51,10 +64,10 @@ pub(crate) fn small() -> Machine {
             contour: ContourSettings::default(),
             compensation: CompensationSettings::default(),
             kinematics: KinematicsSettings::default(),
-            axes: settings.into_iter().collect(),
+            axes: settings.collect(),
             roundness: None,
         },
-        tables: vec![Some(table), None, None],
+        tables,
     }
 }
 
@@ -80,8 +93,12 @@ pub(crate) fn halved(bytes: &[u8]) -> Vec<u8> {
 
 /// Zeroed storage of a C object.
 pub(crate) fn zeroed<T>() -> Box<T> {
+    let mut storage = Box::<T>::new_uninit();
     // SAFETY: the objects of the header are arrays of words.
-    unsafe { Box::<T>::new_zeroed().assume_init() }
+    unsafe {
+        storage.as_mut_ptr().write_bytes(0, 1);
+        storage.assume_init()
+    }
 }
 
 pub(crate) fn error() -> Error {
@@ -109,7 +126,9 @@ pub(crate) fn input(command: [f64; AXES_MAX], feedback: [f64; AXES_MAX]) -> Inpu
         homed: 1,
         enable: 1,
         reset: 0,
-        reserved: [0; 4],
+        refusal: 0,
+        refusal_axis: 0,
+        reserved: [0; 2],
     }
 }
 
@@ -141,7 +160,7 @@ pub(crate) fn built(file: &[u8]) -> BuiltLoop {
     unsafe {
         assert_eq!(trueaxis_tables_info(file.as_ptr(), file.len(), &mut info, null_mut()), OK);
         let mut memory = vec![0xa5a5_a5a5_a5a5_a5a5_u64; (info.memory_bytes as usize).div_ceil(8)];
-        let status = trueaxis_loop_build(
+        let result = trueaxis_loop_build(
             &mut *servo,
             size_of::<Loop>(),
             file.as_ptr(),
@@ -152,7 +171,7 @@ pub(crate) fn built(file: &[u8]) -> BuiltLoop {
             info.memory_bytes as usize,
             null_mut(),
         );
-        assert_eq!(status, OK);
+        assert_eq!(result, OK);
         BuiltLoop { servo, memory }
     }
 }
@@ -164,8 +183,73 @@ pub(crate) fn started(servo: &Loop) -> Box<State> {
     state
 }
 
-/// A cycle without a path.
-pub(crate) fn step(servo: &Loop, state: &mut State, input: &Input, output: &mut Output) -> Status {
+/// A measure of a kind, without its pointers.
+pub(crate) fn measure(kind: u32) -> Measure {
+    Measure {
+        size: size_of::<Measure>() as u32,
+        kind,
+        path: null(),
+        reference: Reference::default(),
+        window: null_mut(),
+        kinematics: null(),
+        direction_error: [9.0; 3],
+    }
+}
+
+/// A cycle without measure or gauge.
+pub(crate) fn step(servo: &Loop, state: &mut State, input: &Input, output: &mut Output) -> ResultCode {
     // SAFETY: everything is as the types say.
-    unsafe { trueaxis_step(servo, state, input, null(), null(), output) }
+    unsafe { trueaxis_step(servo, state, input, null_mut(), null_mut(), output) }
+}
+
+/// A path in memory of its own.
+pub(crate) struct Programmed {
+    pub(crate) path: Box<Path>,
+    pub(crate) memory: Vec<u64>,
+}
+
+impl Programmed {
+    pub(crate) fn new(spans: usize, first: u32) -> Self {
+        Self::start(trueaxis_path_start, spans * SPAN_BYTES, first)
+    }
+
+    pub(crate) fn of_tool(spans: usize, first: u32) -> Self {
+        Self::start(trueaxis_path_start_tool, spans * TOOL_SPAN_BYTES, first)
+    }
+
+    fn start(
+        start: unsafe extern "C" fn(*mut Path, usize, *mut std::ffi::c_void, usize, u32) -> ResultCode,
+        bytes: usize,
+        first: u32,
+    ) -> Self {
+        let (mut path, mut memory) = (zeroed::<Path>(), vec![0_u64; bytes.div_ceil(8)]);
+        // SAFETY: everything is as the types say.
+        let result = unsafe { start(&mut *path, size_of::<Path>(), memory.as_mut_ptr().cast(), bytes, first) };
+        assert_eq!(result, OK);
+        Programmed { path, memory }
+    }
+
+    pub(crate) fn line(&mut self, start: [f64; 3], end: [f64; 3]) -> ResultCode {
+        // SAFETY: everything is as the types say.
+        unsafe { trueaxis_path_line(&mut *self.path, start.as_ptr(), end.as_ptr(), null_mut()) }
+    }
+
+    pub(crate) fn count(&self) -> (u32, u32) {
+        let (mut segments, mut spans) = (0, 0);
+        // SAFETY: everything is as the types say.
+        assert_eq!(unsafe { trueaxis_path_count(&*self.path, &mut segments, &mut spans) }, OK);
+        (segments, spans)
+    }
+
+    pub(crate) fn reference(&self, segment: u32, u: f64) -> Result<Reference, ResultCode> {
+        let mut reference = Reference { span: 99, t: 9.0 };
+        // SAFETY: everything is as the types say.
+        match unsafe { trueaxis_path_reference(&*self.path, segment, u, &mut reference) } {
+            OK => Ok(reference),
+            result => {
+                assert_eq!((reference.span, reference.t), (99, 9.0));
+                Err(result)
+            }
+        }
+    }
 }

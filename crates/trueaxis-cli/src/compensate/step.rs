@@ -6,7 +6,8 @@ use crate::model::{passes, rise, thermal, with_compensation};
 use anyhow::{Result, anyhow};
 use std::convert::Infallible;
 use trueaxis::compensation::Direction;
-use trueaxis::machine::step_axes;
+use trueaxis::compensation::Query;
+use trueaxis::machine::AxisOrder;
 use trueaxis_tables::Machine;
 
 pub(super) fn evaluate<const N: usize>(
@@ -16,7 +17,7 @@ pub(super) fn evaluate<const N: usize>(
     result: &mut Written<'_>,
 ) -> Result<()> {
     let settings = &machine.settings;
-    let axes = step_axes::<N>(settings).map_err(|error| anyhow!("{error}"))?;
+    let axes = AxisOrder::<N>::of(settings).map_err(|error| anyhow!("{error}"))?.axes();
     let passes = passes(machine, arguments.inverse_passes)?;
     let thermal = thermal(machine, &axes, rise(arguments.temperature_c, machine)?);
     let mut directions = [if arguments.reverse { Direction::NEGATIVE } else { Direction::POSITIVE }; N];
@@ -28,20 +29,20 @@ pub(super) fn evaluate<const N: usize>(
             let at = compensation.coordinates(&command);
             if let Some(travel) = &mut travel {
                 let sent = |directions: &[Direction; N]| {
-                    Ok::<_, Infallible>(compensation.correction(&at, &at, directions, &thermal, &mut 0))
+                    Ok::<_, Infallible>(compensation.correction(&Query::at(&at, directions, &thermal), &mut 0))
                 };
                 let Ok(settled) = travel.arrive(&command, sent);
                 directions = settled;
             }
             let mut clamped = 0;
-            let error = compensation.pose_error(&at, &directions, &thermal, &mut clamped);
-            let correction = compensation.correction(&at, &at, &directions, &thermal, &mut 0);
+            let error = compensation.pose_error(&Query::at(&at, &directions, &thermal), &mut clamped);
+            let correction = compensation.correction(&Query::at(&at, &directions, &thermal), &mut 0);
             let mut corrected = row.values;
             for (axis, (q, correction)) in axes.iter().zip(command.iter().zip(correction)) {
                 corrected[axis.index()] = q + correction;
             }
             let clamped = clamped != 0;
-            let at = Evaluated { error: error.tip, orientation: error.orientation, corrected, clamped };
+            let at = Evaluated { error: error.tip.into(), orientation: error.orientation.into(), corrected, clamped };
             result.row(arguments, positions, &at)?;
         }
         Ok(())

@@ -3,8 +3,8 @@
 use super::arguments::Asked;
 use crate::model::{passes, thermal, with_compensation};
 use anyhow::{Result, anyhow};
-use trueaxis::compensation::{Direction, PoseError};
-use trueaxis::machine::{AXES, Axis, ErrorModel, step_axes};
+use trueaxis::compensation::{Direction, PoseError, Query};
+use trueaxis::machine::{AXES, Axis, AxisOrder, ErrorModel};
 use trueaxis_tables::Machine;
 
 /// Error and correction at a position. Lists are in the order X, Y, Z, A, B, C.
@@ -26,10 +26,10 @@ pub(super) struct Found {
 }
 
 pub(super) fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<Found> {
-    let axes = step_axes::<N>(&machine.settings).map_err(|error| anyhow!("{error}"))?;
+    let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
     let (whole, correction, clamped) = look_up(machine, &axes, asked, passes(machine, None)?)?;
     let mut contributions = Vec::new();
-    let mut rest = whole.tip;
+    let mut rest = whole.tip.to_array();
     for (own, table) in machine.axes() {
         let mut without = machine.clone();
         let settings =
@@ -48,9 +48,9 @@ pub(super) fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<Fou
     contributions.push((String::from("location errors"), rest));
     let mut found = Found {
         at: asked.at,
-        tip: whole.tip,
+        tip: whole.tip.into(),
         orientation: (N > 3 && machine.settings.compensation.model == ErrorModel::Volumetric)
-            .then_some(whole.orientation),
+            .then_some(whole.orientation.into()),
         correction: [0.0; AXES],
         contributions,
         clamped: (0..N).filter(|slot| clamped >> slot & 1 == 1).map(|slot| axes[slot]).collect(),
@@ -82,8 +82,8 @@ fn look_up<const N: usize>(
     with_compensation::<N, _>(machine, passes, |compensation| {
         let mut clamped = 0;
         let at = compensation.coordinates(&axes.map(|axis| asked.at[axis.index()]));
-        let error = compensation.pose_error(&at, &directions, &thermal, &mut clamped);
-        let correction = compensation.correction(&at, &at, &directions, &thermal, &mut 0);
+        let error = compensation.pose_error(&Query::at(&at, &directions, &thermal), &mut clamped);
+        let correction = compensation.correction(&Query::at(&at, &directions, &thermal), &mut 0);
         Ok((error, correction, clamped))
     })
 }

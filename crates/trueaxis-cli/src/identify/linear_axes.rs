@@ -5,9 +5,10 @@ use crate::model::{axis_count, by_axes, with_compensation};
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
+use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine};
 use trueaxis::machine::ErrorModel;
-use trueaxis::machine::{carries_workpiece, step_axes};
+use trueaxis::machine::{AxisOrder, carries_workpiece};
 use trueaxis_metrology::identification::{Ball, lever};
 use trueaxis_tables::Machine;
 
@@ -68,7 +69,7 @@ fn tip_errors<const N: usize>(
     axis: Axis,
     poses: &[([f64; 3], f64)],
 ) -> Result<(Vec<[f64; 3]>, bool)> {
-    let axes = step_axes::<N>(&machine.settings).map_err(|error| anyhow!("{error}"))?;
+    let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
     with_compensation::<N, _>(machine, 1, |compensation: &Compensation<'_, f64, f64, N>| {
         let mut clamped = 0;
         let errors = poses.iter().map(|(position, angle)| {
@@ -77,7 +78,8 @@ fn tip_errors<const N: usize>(
                 of => position.get(of.index()).copied().unwrap_or(0.0),
             });
             let at = compensation.coordinates(&command);
-            let error = compensation.errors(&at, &[Direction::POSITIVE; N], &[ThermalLine::default(); N], &mut clamped);
+            let error = compensation
+                .errors(&Query::at(&at, &[Direction::POSITIVE; N], &[ThermalLine::default(); N]), &mut clamped);
             [error[0], error[1], error[2]]
         });
         let errors = errors.collect();

@@ -4,9 +4,9 @@ use crate::numbers::triple;
 use anyhow::{Result, anyhow};
 use clap::Args;
 use std::path::PathBuf;
+use trueaxis::glam::DVec3;
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::{AXES, MachineSettings};
-use trueaxis::vector::V3;
 
 #[derive(Args)]
 pub(crate) struct Common {
@@ -52,7 +52,7 @@ pub(super) fn kinematics(common: &Common, settings: &MachineSettings) -> Result<
             for value in tool {
                 finite("--tool-mm", value)?;
             }
-            kinematics.with_tool(V3::from(tool))
+            kinematics.with_tool(DVec3::from(tool))
         }
         (None, Some(length)) => kinematics.with_tool_length(finite("--tool-length-mm", length)?),
         (None, None) => kinematics,

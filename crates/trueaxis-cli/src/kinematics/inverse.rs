@@ -10,9 +10,9 @@ use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use std::path::Path;
 use trueaxis::Axis;
+use trueaxis::glam::DVec3;
 use trueaxis::kinematics::{BranchTracker, Choice, InverseError, Kinematics, Solution, Tool};
 use trueaxis::machine::{AXES, MachineSettings};
-use trueaxis::vector::V3;
 use trueaxis_tables::text::counted;
 
 /// One of two poses of the rotary axes.
@@ -83,7 +83,7 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
     let mut walk = Walk { near: start(arguments, &used)?, follow: None, left_out: 0 };
     while let Some(Row { line, values }) = rows.next()? {
         let [x, y, z, i, j, k, ..] = values;
-        let tool = Tool { tip: V3::new(x, y, z), axis: V3::new(i, j, k) };
+        let tool = Tool { tip: DVec3::new(x, y, z), axis: DVec3::new(i, j, k) };
         let found = walk.solve(arguments, &kinematics, &tool).map_err(|error| at_line(&common.input, line, error))?;
         for solution in found {
             let positions = used.iter().map(|axis| solution.axes[axis.index()]);

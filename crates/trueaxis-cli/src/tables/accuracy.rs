@@ -7,9 +7,8 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::{Direction as Travel, ThermalLine};
-use trueaxis::machine::ErrorModel;
-use trueaxis::machine::step_axes;
+use trueaxis::compensation::{Direction as Travel, Query, ThermalLine};
+use trueaxis::machine::{AxisOrder, ErrorModel};
 use trueaxis_metrology::accuracy::{Accuracy, Direction, Measurement, evaluate, evaluate_compensated};
 use trueaxis_tables::Machine;
 use trueaxis_tables::formats::iso230_2::{MeasurementFile, read_measurement};
@@ -49,7 +48,7 @@ pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_js
 
 /// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.
 fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<Accuracy> {
-    let axes = step_axes::<N>(&tables.settings).map_err(|error| anyhow!("{error}"))?;
+    let axes = AxisOrder::<N>::of(&tables.settings).map_err(|error| anyhow!("{error}"))?.axes();
     let slot = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
     with_compensation::<N, _>(tables, 1, |compensation| {
         let own = |position: f64, direction: Direction| {
@@ -60,7 +59,7 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
                 let (at, thermal) = (compensation.coordinates(&at), [ThermalLine::default(); N]);
                 let mut directions = [Travel::POSITIVE; N];
                 directions[slot] = travel;
-                compensation.errors(&at, &directions, &thermal, &mut 0)[slot]
+                compensation.errors(&Query::at(&at, &directions, &thermal), &mut 0)[slot]
             };
             // The other axes stand still: what they add is the same everywhere.
             let constant = {
@@ -70,9 +69,7 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
                 let mut at = [0.0; N];
                 at[slot] = start;
                 let forward = compensation.errors(
-                    &compensation.coordinates(&at),
-                    &[Travel::POSITIVE; N],
-                    &[ThermalLine::default(); N],
+                    &Query::at(&compensation.coordinates(&at), &[Travel::POSITIVE; N], &[ThermalLine::default(); N]),
                     &mut 0,
                 )[slot];
                 let own = if measurement.axis.is_rotary() { own.to_degrees() } else { own };

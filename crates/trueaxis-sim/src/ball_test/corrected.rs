@@ -3,8 +3,9 @@
 use super::cycle::{Cycle, with_ball};
 use crate::error::Result;
 use trueaxis::Axis;
+use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
-use trueaxis::machine::step_axes;
+use trueaxis::machine::AxisOrder;
 use trueaxis::machine::{AXES, ErrorModel, LocationErrors, Row, Twist};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_metrology::identification::{Ball, Identified};
@@ -65,7 +66,7 @@ pub(super) fn tip_errors(cycle: &Cycle, plant: &Machine, known: &Machine, ball: 
     let mut memory = vec![0.0; requirement(tcomp.settings(), rows)];
     let compensation: Compensation<'_, f64, f64, N> =
         Compensation::build(tcomp.settings(), rows, tcomp.inverse_passes(), &mut memory)?;
-    let axes = step_axes::<N>(tcomp.settings())?;
+    let axes = AxisOrder::<N>::of(tcomp.settings())?.axes();
     let slots = axes.map(|axis| super::place(plant, axis));
 
     let mut errors = Vec::with_capacity(cycle.judged_deg.len());
@@ -74,7 +75,7 @@ pub(super) fn tip_errors(cycle: &Cycle, plant: &Machine, known: &Machine, ball: 
         let command: [f64; N] = slots.map(|slot| slot.map_or(0.0, |slot| position[slot]));
         let at = compensation.coordinates(&command);
         let thermal = [ThermalLine::default(); N];
-        let correction = compensation.correction(&at, &at, &[Direction::POSITIVE; N], &thermal, &mut 0);
+        let correction = compensation.correction(&Query::at(&at, &[Direction::POSITIVE; N], &thermal), &mut 0);
         let mut sent: [f64; AXES] = position;
         for (slot, correction) in slots.into_iter().zip(correction) {
             if let Some(slot) = slot {

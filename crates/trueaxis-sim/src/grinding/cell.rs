@@ -5,7 +5,7 @@ use crate::error::{Result, SimError};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use trueaxis::machine::AXES;
-use trueaxis::roundness::{Probes, RoundnessSettings};
+use trueaxis::roundness::{GaugeSettings, Probes};
 use trueaxis_tables::exact::Geometry;
 
 /// The spindle's counter at the index pulse: an incremental encoder starts anywhere.
@@ -29,7 +29,7 @@ struct Instant {
 /// State of the machine.
 pub(super) struct Cell {
     grinding: Arc<Grinding>,
-    gauge: RoundnessSettings,
+    gauge: GaugeSettings,
     phi: [f64; 3],
     contact: f64,
     /// +1 where the axis moves toward the workpiece.

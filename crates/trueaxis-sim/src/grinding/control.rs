@@ -9,7 +9,7 @@ use crate::error::{Result, SimError};
 use crate::servo::{Owned, three};
 use std::sync::Arc;
 use trueaxis::machine::{AXES, Limits};
-use trueaxis::roundness::{Flags, Roundness, RoundnessState};
+use trueaxis::roundness::{Gauge, GaugeFlags, GaugeState};
 use trueaxis::sample::Refusal;
 use trueaxis::{Fault, GaugeRide, Input, State};
 
@@ -24,8 +24,8 @@ pub(super) struct Control<const POINTS: usize> {
     grinding: Arc<Grinding>,
     servo: three::Cell,
     state: State<f64, f64, 3>,
-    gauge: Box<Roundness<f64, POINTS>>,
-    gauge_state: Box<RoundnessState<f64, POINTS>>,
+    gauge: Box<Gauge<f64, POINTS>>,
+    gauge_state: Box<GaugeState<f64, POINTS>>,
     cell: Cell,
     settled: bool,
     limits: [Limits; 3],
@@ -39,7 +39,7 @@ pub(super) struct Control<const POINTS: usize> {
 }
 
 impl<const POINTS: usize> Control<POINTS> {
-    pub(super) fn new(grinding: Arc<Grinding>, gauge: Box<Roundness<f64, POINTS>>) -> Result<Self> {
+    pub(super) fn new(grinding: Arc<Grinding>, gauge: Box<Gauge<f64, POINTS>>) -> Result<Self> {
         let servo = three::Cell::build(&grinding.machine, grinding.period_ns())?;
         let cell = Cell::new(Arc::clone(&grinding))?;
         let free = Limits { magnitude: f64::MAX, slope_per_s: f64::MAX, acceleration_per_s2: f64::MAX };
@@ -126,7 +126,7 @@ impl<const POINTS: usize> Control<POINTS> {
             return Ok(());
         }
         self.run.cycles += 1;
-        self.run.flags = Flags(self.run.flags.0 | cycle.flags.0);
+        self.run.flags = GaugeFlags(self.run.flags.0 | cycle.flags.0);
         observe(&Moment {
             turns: self.cell.turns(),
             drive_mm: output.drive,

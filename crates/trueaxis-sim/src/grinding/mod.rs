@@ -42,7 +42,7 @@ pub use spindle::{CentreMotion, Linkage, Noise, Term, Turning, counts, sum};
 pub use workpiece::{CELLS, Harmonic, Workpiece, imprint};
 
 use crate::error::{Result, SimError};
-use trueaxis::roundness::{ProbeAngles, RoundnessSettings};
+use trueaxis::roundness::{GaugeSettings, ProbeAngles};
 use trueaxis_tables::Machine;
 
 /// A pin to be ground: machine, speed, process and events.
@@ -104,7 +104,7 @@ impl Grinding {
     ///
     /// # Errors
     /// It has none, or one without infeed correction, or it has rotary axes.
-    pub fn gauge(&self) -> Result<&RoundnessSettings> {
+    pub fn gauge(&self) -> Result<&GaugeSettings> {
         let machine = format!("machine {}", self.machine.settings.name);
         let Some(gauge) = &self.machine.settings.roundness else {
             return Err(SimError::unsuited(machine, "no [roundness]", "a gauge of three probes"));
@@ -128,7 +128,7 @@ impl Grinding {
 }
 
 /// Angles of the probes, rad: 0, φ2, φ2 + φ3.
-pub fn probe_angles(gauge: &RoundnessSettings) -> [f64; 3] {
+pub fn probe_angles(gauge: &GaugeSettings) -> [f64; 3] {
     let (phi2, phi3) = match gauge.angles {
         ProbeAngles::Slots { p, q } => {
             let slot = std::f64::consts::TAU / f64::from(gauge.points);
@@ -141,7 +141,7 @@ pub fn probe_angles(gauge: &RoundnessSettings) -> [f64; 3] {
 
 /// Fastest speed at which the gauge can resample: θ passes two points in a cycle at most, and the arm makes it run
 /// faster than α by up to R/(R_S + R_W); a tenth is kept for the ripple of the speed, rpm.
-pub fn fastest_rpm(gauge: &RoundnessSettings, rate_hz: f64) -> f64 {
+pub fn fastest_rpm(gauge: &GaugeSettings, rate_hz: f64) -> f64 {
     let ratio = gauge.arm.map_or(0.0, |arm| arm.lengths.ratio().unwrap_or(0.0));
     60.0 * rate_hz * 2.0 / (1.1 * (1.0 + ratio) * f64::from(gauge.points))
 }
@@ -150,11 +150,11 @@ pub fn fastest_rpm(gauge: &RoundnessSettings, rate_hz: f64) -> f64 {
 ///
 /// # Errors
 /// The settings do not build, or that is faster than [`fastest_rpm`].
-pub fn speed_that_skips(gauge: &RoundnessSettings, rate_hz: f64, skip: u32) -> Result<f64> {
+pub fn speed_that_skips(gauge: &GaugeSettings, rate_hz: f64, skip: u32) -> Result<f64> {
     let most = simulate::cycles_of_work(gauge, (1e9 / rate_hz).round() as u32)?;
     // Two units a point are spent only where a window of spindle motion is full, one only where the wheel is another.
     let seldom = usize::from(gauge.points) * if gauge.arm.is_some() { 3 } else { 2 };
-    let seldom = seldom / usize::from(gauge.units_per_cycle.max(1));
+    let seldom = seldom / usize::from(gauge.slices_per_cycle.max(1));
     let work = most.saturating_sub(seldom).max(1) as f64;
     let cycles = work / (f64::from(skip) + 0.5);
     let speed_rpm = 60.0 * rate_hz / cycles;

@@ -1,7 +1,7 @@
 //! Results of a grinding run: of a cycle, of a turn, of the whole run.
 
 use super::workpiece::Harmonic;
-use trueaxis::roundness::{Counts, Evaluation, Flags};
+use trueaxis::roundness::{Counts, Evaluation, GaugeFlags};
 
 /// A cycle as an observer sees it.
 #[derive(Clone, Copy, Debug)]
@@ -14,8 +14,8 @@ pub struct Moment<'m> {
     pub correction_mm: [f64; 3],
     /// Infeed correction that the gauge asks for, mm.
     pub infeed_mm: f64,
-    /// Flags of the gauge.
-    pub flags: Flags,
+    /// GaugeFlags of the gauge.
+    pub flags: GaugeFlags,
     /// A revolution has just been evaluated.
     pub finished: bool,
     /// Counts of revolutions evaluated, skipped, discarded.
@@ -67,7 +67,7 @@ pub struct Run {
     /// Cycles in which the limiter bounded the infeed axis.
     pub limited_cycles: u64,
     /// All flags that the gauge raised.
-    pub flags: Flags,
+    pub flags: GaugeFlags,
     /// Servo cycles.
     pub cycles: u64,
     /// Cycles that the work on a revolution takes at most.
@@ -90,7 +90,7 @@ impl Run {
             surfaces: [surface, Vec::new()],
             limits_exceeded: 0,
             limited_cycles: 0,
-            flags: Flags::default(),
+            flags: GaugeFlags::default(),
             cycles: 0,
             cycles_of_work,
         }

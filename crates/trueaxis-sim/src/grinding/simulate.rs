@@ -5,7 +5,7 @@ use super::control::{Advance, Control};
 use super::result::{Moment, Run};
 use crate::error::{Result, SimError};
 use std::sync::Arc;
-use trueaxis::roundness::{Roundness, RoundnessSettings};
+use trueaxis::roundness::{Gauge, GaugeSettings};
 
 /// Calls a function that is generic over the points of a revolution.
 macro_rules! with_points {
@@ -27,15 +27,15 @@ macro_rules! with_points {
 }
 
 /// Cycles that the work on a revolution takes at most.
-pub(super) fn cycles_of_work(gauge: &RoundnessSettings, period_ns: u32) -> Result<usize> {
-    fn of<const POINTS: usize>(gauge: &RoundnessSettings, period_ns: u32) -> Result<usize> {
+pub(super) fn cycles_of_work(gauge: &GaugeSettings, period_ns: u32) -> Result<usize> {
+    fn of<const POINTS: usize>(gauge: &GaugeSettings, period_ns: u32) -> Result<usize> {
         Ok(build::<POINTS>(gauge, period_ns)?.cycles_of_work())
     }
     with_points!(gauge.points, of, (gauge, period_ns))
 }
 
-fn build<const POINTS: usize>(gauge: &RoundnessSettings, period_ns: u32) -> Result<Box<Roundness<f64, POINTS>>> {
-    Ok(Box::new(Roundness::build(gauge, period_ns).map_err(SimError::Gauge)?))
+fn build<const POINTS: usize>(gauge: &GaugeSettings, period_ns: u32) -> Result<Box<Gauge<f64, POINTS>>> {
+    Ok(Box::new(Gauge::build(gauge, period_ns).map_err(SimError::Gauge)?))
 }
 
 /// A grinding run under way: servo loop, gauge, machine and workpiece, owned together.

@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
-use trueaxis::roundness::RoundnessSettings;
+use trueaxis::roundness::GaugeSettings;
 
 /// One term `amplitude · cos(order · α + phase)` of a motion, µm and rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +98,7 @@ pub struct Linkage {
 
 impl Linkage {
     /// That of a gauge; without an arm, one that stands.
-    pub fn of(gauge: &RoundnessSettings) -> Linkage {
+    pub fn of(gauge: &GaugeSettings) -> Linkage {
         gauge.arm.map_or(Linkage { crank_mm: 0.0, wheel_mm: 1.0, pin_mm: 1.0 }, |arm| Linkage {
             crank_mm: arm.lengths.crank_mm,
             wheel_mm: arm.lengths.wheel_mm,

@@ -9,7 +9,7 @@ use trueaxis::contour::{Path, Reference, Span, ToolPath, Turn};
 
 /// The stretch of a program's path around the reference, converted when the motion comes to it.
 ///
-/// Its spans have the numbers that they have in the [`PlannedPath`], and it reaches as far as the step ever looks, so that
+/// Its spans have the numbers that they have in the [`PlannedPath`](super::PlannedPath), and it reaches as far as the step ever looks, so that
 /// the step gives the same with either.
 #[derive(Debug)]
 pub struct SlidingPath {
@@ -113,7 +113,7 @@ impl SlidingPath {
         ToolPath::new(self.view(), self.turns.get(self.spent..).unwrap_or_default())
     }
 
-    /// As [`PlannedPath::reference`], in a move that is covered.
+    /// As [`PlannedPath::reference`](super::PlannedPath::reference), in a move that is covered.
     pub fn reference(&self, move_index: usize, u: f64, near: &mut u32) -> Reference<f64> {
         let ends = match (self.beginning(move_index), self.beginning(move_index + 1)) {
             (Some(first), Some(end)) => [first.span, end.span.saturating_sub(1)],

@@ -55,18 +55,18 @@ pub(super) fn too_many_spans(program: &Program, step: &Move) -> SimError {
 
 /// The programmed curve itself, shifted.
 fn programmed(step: &Move, shift_mm: [f64; 3], add: &mut impl FnMut(&Segment<'_>) -> Result<()>) -> Result<()> {
-    let shift = |p: &[f64; 3]| std::array::from_fn(|k| p[k] + shift_mm[k]);
+    let shift = |p: &[f64; 3]| DVec3::from_array(*p) + DVec3::from_array(shift_mm);
     match &step.curve {
         Curve::Line { start, end } => add(&Segment::Line { start: shift(start), end: shift(end) }),
         Curve::Arc { start, end, center, normal, turns } => add(&Segment::Arc {
             start: shift(start),
             end: shift(end),
             center: shift(center),
-            normal: *normal,
+            normal: (*normal).into(),
             turns: *turns,
         }),
         Curve::Nurbs { degree, knots, points, weights } => {
-            let shifted: Vec<[f64; 3]> = points.iter().map(shift).collect();
+            let shifted: Vec<DVec3> = points.iter().map(shift).collect();
             add(&Segment::Nurbs { degree: *degree, knots, points: &shifted, weights })
         }
     }
@@ -75,13 +75,13 @@ fn programmed(step: &Move, shift_mm: [f64; 3], add: &mut impl FnMut(&Segment<'_>
 /// The tip's path in workpiece coordinates: as it is where it is programmed there, else as cubics with parameter u.
 fn tip_path(step: &Move, machine: &Placement, add: &mut impl FnMut(&Segment<'_>) -> Result<()>) -> Result<()> {
     let (first, last) = step.curve.domain();
-    let standing = Segment::Turning { point: machine.place(step, first).tip.to_array() };
+    let standing = Segment::Turning { point: machine.place(step, first).tip };
     if step.tool_center {
         let moves = step.curve.length() > 0.0;
         return if moves { programmed(step, machine.zero().to_array(), add) } else { add(&standing) };
     }
     if let (Curve::Line { .. }, [0.0, 0.0, 0.0]) = (&step.curve, step.turn.change) {
-        let [start, end] = [first, last].map(|u| machine.place(step, u).tip.to_array());
+        let [start, end] = [first, last].map(|u| machine.place(step, u).tip);
         return add(&Segment::Line { start, end });
     }
     let mut any = false;
@@ -117,7 +117,6 @@ fn add_cubics(
     if points.iter().all(|point| point.distance(p) < TOLERANCE_MM) {
         return Ok(false);
     }
-    let points = points.map(|point| point.to_array());
     add(&Segment::Nurbs { degree: 3, knots: &[a, a, a, a, b, b, b, b], points: &points, weights: &[] })?;
     Ok(true)
 }

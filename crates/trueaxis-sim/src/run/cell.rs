@@ -16,7 +16,7 @@ use glam::DVec3;
 use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::OrientationError;
 use trueaxis::kinematics::Kinematics;
-use trueaxis::machine::{AXES, step_axes};
+use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis::sample::Refusal;
 use trueaxis::{Axis, Fault, Input, OnToolPath, Output, ServoLoop, State};
 
@@ -67,9 +67,9 @@ pub(super) struct Cell<const N: usize> {
 impl<const N: usize> Cell<N> {
     pub(super) fn new(scenario: &Scenario, kind: Kind, servo: &ServoLoop<'_, f64, f64, N>) -> Result<Self> {
         let mut state = servo.start();
-        let axes = step_axes::<N>(&scenario.machine.settings)?;
+        let axes = AxisOrder::<N>::of(&scenario.machine.settings)?.axes();
         for (slot, axis) in axes.iter().enumerate() {
-            if let Some(settings) = scenario.machine.settings.axes.iter().find(|a| a.axis == *axis) {
+            if let Some(settings) = scenario.machine.settings.axis(*axis) {
                 let line = ThermalLine::for_axis(&settings.thermal, scenario.kelvin)
                     .ok_or_else(|| cold(*axis, scenario.kelvin))?;
                 state.set_thermal(slot, line);

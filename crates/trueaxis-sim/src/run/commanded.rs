@@ -8,7 +8,7 @@ use crate::scenario::Scenario;
 use glam::DVec3;
 use trueaxis::Axis;
 use trueaxis::contour::Reference;
-use trueaxis::machine::step_axes;
+use trueaxis::machine::AxisOrder;
 
 /// Command of one cycle.
 pub(super) struct Commanded<const N: usize> {
@@ -39,7 +39,7 @@ impl<const N: usize> Commander<N> {
             walk,
             next,
             path: SlidingPath::new(scenario),
-            axes: step_axes::<N>(&scenario.machine.settings)?,
+            axes: AxisOrder::<N>::of(&scenario.machine.settings)?.axes(),
             span: 0,
             cycle: 0,
         })

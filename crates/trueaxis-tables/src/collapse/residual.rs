@@ -5,9 +5,10 @@ use super::volume::Volume;
 use super::{CollapseError, LINEAR};
 use crate::Machine;
 use crate::exact::Geometry;
+use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
 use trueaxis::error::ConfigError;
-use trueaxis::machine::step_axes;
+use trueaxis::machine::AxisOrder;
 use trueaxis::machine::{AXES, Axis};
 
 /// Points per axis at which deviations are evaluated, equidistant, ends included: 42 steps rarely fall on a table's lines.
@@ -89,14 +90,15 @@ fn with_step<const N: usize, T>(
     let mut memory = vec![0.0; requirement(&machine.settings, rows)];
     let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 1, &mut memory)?;
     // A step has X, Y and Z in any case, a machine need not.
-    let slots: [Option<usize>; N] =
-        step_axes::<N>(&machine.settings)?.map(|axis| machine.settings.axes.iter().position(|own| own.axis == axis));
+    let slots: [Option<usize>; N] = AxisOrder::<N>::of(&machine.settings)?
+        .axes()
+        .map(|axis| machine.settings.axes.iter().position(|own| own.axis == axis));
     let tip = |position: &[f64; AXES], reverse: &[f64; AXES]| {
         let of = |all: &[f64; AXES]| slots.map(|slot| slot.map_or(0.0, |slot| all[slot]));
         let direction =
             of(reverse).map(|reverse| if reverse > 0.0 { Direction::NEGATIVE } else { Direction::POSITIVE });
         let at = compensation.coordinates(&of(position));
-        let errors = compensation.errors(&at, &direction, &[ThermalLine::default(); N], &mut 0);
+        let errors = compensation.errors(&Query::at(&at, &direction, &[ThermalLine::default(); N]), &mut 0);
         [errors[0], errors[1], errors[2]]
     };
     Ok(user(&tip))

@@ -8,7 +8,7 @@ use trueaxis::machine::{
     AxisSettings, CompensationSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, KinematicsSettings,
     Lookup,
 };
-use trueaxis::roundness::{ArmSettings, InfeedSettings, ProbeAngles, RoundnessSettings};
+use trueaxis::roundness::{ArmSettings, GaugeSettings, InfeedSettings, ProbeAngles};
 
 /// The files of a machine, as (file name, text): the axis tables `x.csv` … and, last, `machine.toml`.
 ///
@@ -160,7 +160,7 @@ fn axis(text: &mut String, own: &AxisSettings, table: Option<&str>, carries_work
     section(text, &format!("{name}.thermal"), &lines.0);
 }
 
-fn roundness(text: &mut String, gauge: &RoundnessSettings) {
+fn roundness(text: &mut String, gauge: &GaugeSettings) {
     let mut lines = Lines::default();
     lines.put("points", gauge.points);
     match gauge.angles {
@@ -183,7 +183,7 @@ fn roundness(text: &mut String, gauge: &RoundnessSettings) {
         lines.put("filter_upr", filter);
     }
     lines.put("revolutions", gauge.revolutions);
-    lines.put("units_per_cycle", gauge.units_per_cycle);
+    lines.put("units_per_cycle", gauge.slices_per_cycle);
     lines.put("stop_s", format_args!("{:?}", gauge.stop_s));
     section(text, "roundness", &lines.0);
     if let Some(arm) = &gauge.arm {

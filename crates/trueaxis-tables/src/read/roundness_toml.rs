@@ -4,14 +4,14 @@ use super::section::{Found, Section};
 use crate::error::FileError;
 use trueaxis::machine::Axis;
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings, RoundnessSettings,
+    Arm, ArmSettings, Band, GaugeSettings, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, ProbeAngles, ProbeSettings,
     SpindleEncoder,
 };
 
 const COUNTS: &str = "a whole number of counts per revolution";
 
 /// The section; `None` where the file has none.
-pub(super) fn read(root: &Section<'_>) -> Result<Option<RoundnessSettings>, FileError> {
+pub(super) fn read(root: &Section<'_>) -> Result<Option<GaugeSettings>, FileError> {
     let Some(section) = root.section("roundness")? else { return Ok(None) };
     let points = section
         .whole("points", "a power of two from 64 to 4096")?
@@ -20,7 +20,7 @@ pub(super) fn read(root: &Section<'_>) -> Result<Option<RoundnessSettings>, File
         .whole("spindle_counts_per_revolution", COUNTS)?
         .ok_or_else(|| section.missing("spindle_counts_per_revolution", "the counts of the spindle's encoder"))?;
     let (angles, angles_at) = read_angles(&section)?;
-    let mut settings = RoundnessSettings::with_defaults(points, angles, counts);
+    let mut settings = GaugeSettings::with_defaults(points, angles, counts);
     read_keys(&section, &mut settings)?;
     if let Some(arm) = section.section("arm")? {
         settings.arm = Some(read_arm(&arm)?);
@@ -76,7 +76,7 @@ fn read_band(section: &Section<'_>, to: &mut Band) -> Result<(), FileError> {
     Ok(())
 }
 
-fn read_keys(section: &Section<'_>, settings: &mut RoundnessSettings) -> Result<(), FileError> {
+fn read_keys(section: &Section<'_>, settings: &mut GaugeSettings) -> Result<(), FileError> {
     read_band(section, &mut settings.band)?;
     section.set("noise_gain_limit", &mut settings.noise_gain_limit, |limit| limit)?;
     let SpindleEncoder { direction, index, index_tolerance, .. } = &mut settings.spindle;
@@ -87,7 +87,7 @@ fn read_keys(section: &Section<'_>, settings: &mut RoundnessSettings) -> Result<
     section.set_whole("spindle_index_tolerance_counts", index_tolerance, "a whole number of counts")?;
     section.set("stop_s", &mut settings.stop_s, |s| s)?;
     section.set_whole("revolutions", &mut settings.revolutions, "a whole number from 1 to 10,000")?;
-    section.set_whole("units_per_cycle", &mut settings.units_per_cycle, "a whole number from 1 to 16")?;
+    section.set_whole("units_per_cycle", &mut settings.slices_per_cycle, "a whole number from 1 to 16")?;
     settings.filter = section.whole("filter_upr", "a cut-off of 15, 50, 150 or 500 UPR")?;
     read_probes(section, &mut settings.probes)
 }
@@ -122,7 +122,7 @@ fn read_arm(section: &Section<'_>) -> Result<ArmSettings, FileError> {
     Ok(arm)
 }
 
-fn read_infeed(section: &Section<'_>, settings: &RoundnessSettings) -> Result<InfeedSettings, FileError> {
+fn read_infeed(section: &Section<'_>, settings: &GaugeSettings) -> Result<InfeedSettings, FileError> {
     let axis = section.string("axis")?.ok_or_else(|| section.missing("axis", "the axis that feeds in, like \"X\""))?;
     let letter = axis.value.chars().next().filter(|_| axis.value.len() == 1);
     let Some(letter) = letter.and_then(Axis::from_letter) else {

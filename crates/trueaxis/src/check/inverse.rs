@@ -1,4 +1,4 @@
-//! What the tables of all axes add up to: contraction and length of the exact inverse, range of the correction.
+//! Sums over the tables of all axes: contraction and length of the exact inverse, range of the correction.
 
 use super::bounds::{contribution, length, reach, sense, slopes, tilt};
 use super::volumetric;
@@ -8,7 +8,7 @@ use crate::machine::{Axis, AxisSettings, ErrorModel, Link, MachineSettings, Rows
 
 /// Most look-ups of the exact inverse.
 pub const MOST_PASSES: u8 = 8;
-/// What the inverse may leave, mm.
+/// Largest error that the inverse may leave, mm.
 pub const INVERSE_TOLERANCE_MM: f64 = 1e-6;
 
 /// Upper bound of the norm of the Jacobian of the error: the Frobenius norm of the largest |slopes|.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::compensation::Query;
 use crate::machine::is_turned;
 use crate::machine::{CompensationSettings, ErrorModel, Interpolation, LocationErrors, Row};
 use std::{vec, vec::Vec};
@@ -261,7 +262,7 @@ fn the_range_of_the_error_holds_what_the_step_computes() {
                 let reverse =
                     core::array::from_fn(|_| if random() < 0.5 { Direction::POSITIVE } else { Direction::NEGATIVE });
                 let at = compensation.coordinates(&q);
-                let error = compensation.errors(&at, &reverse, &[ThermalLine::default(); N], &mut 0);
+                let error = compensation.errors(&Query::at(&at, &reverse, &[ThermalLine::default(); N]), &mut 0);
                 for ((share, error), &(least, most)) in share.iter_mut().zip(error).zip(&ranges) {
                     assert!(error >= least - 1e-12 && error <= most + 1e-12, "{error} {least} {most}");
                     *share = share.max(error / most).max(error / least);

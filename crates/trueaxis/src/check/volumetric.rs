@@ -23,7 +23,7 @@ fn lever<'r, T: Rows + ?Sized + 'r>(
     way_to_tip(machine, rows, settings, settings.measured_at_mm)
 }
 
-/// Longest way from the origin of an axis' frame to the tip over the reach of all axes, mm.
+/// Longest distance from the origin of an axis' frame to the tip over the reach of all axes, mm.
 fn arm<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
@@ -34,7 +34,7 @@ fn arm<'r, T: Rows + ?Sized + 'r>(
 
 /// [`lever`] from the position `measured` of the slides beyond the axis.
 ///
-/// What stands between two rotary axes turns as one: boxes on both sides of a rotary axis add by their lengths, as the
+/// Everything between two rotary axes turns as one: boxes on both sides of a rotary axis add by their lengths, as the
 /// axis may turn them into one line.
 fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
@@ -66,7 +66,7 @@ fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
     // Where it was measured stands in the carrier's directions, whatever turns beyond.
     let mut apart = [0.0; 3];
     for link in beyond {
-        let Some(other) = machine.axes.iter().find(|other| other.axis == link.axis) else { continue };
+        let Some(other) = machine.axis(link.axis) else { continue };
         let rotary = link.axis.is_rotary();
         if !link.carries_workpiece {
             ranges = moved(ranges, other.offset_mm, 1.0);

@@ -4,6 +4,7 @@
 //! twist of every axis carried to the tool tip by its lever.
 
 mod nine;
+mod query;
 mod reversal;
 mod table;
 mod thermal;
@@ -11,13 +12,14 @@ pub mod trig;
 pub(crate) mod volumetric;
 
 pub use nine::NineTerms;
+pub use query::Query;
 pub use reversal::{Direction, Reversal};
 pub use table::{AxisTable, Contribution};
 pub use thermal::ThermalLine;
 pub use volumetric::Volumetric;
 
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, ErrorModel, MachineSettings, Rows};
+use crate::machine::{Axis, AxisOrder, ErrorModel, MachineSettings, Rows};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -27,11 +29,13 @@ pub type Errors<R, const N: usize> = [R; N];
 /// Error of the tool's pose relative to the workpiece, actual − ideal, in bed axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PoseError<R> {
+pub struct PoseError<R: Real> {
     /// Of the tip, mm.
-    pub tip: [R; 3],
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub tip: R::Vec3,
     /// Small rotation of the tool, rad: a tool axis t changes by `orientation × t`. Zero in the nine-term form.
-    pub orientation: [R; 3],
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub orientation: R::Vec3,
 }
 
 /// The tables of a machine under its error model: immutable, built once.
@@ -75,13 +79,24 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         passes: u8,
         memory: &'a mut [R],
     ) -> Result<Self, ConfigError> {
+        Self::build_in(&AxisOrder::of(machine)?, machine, rows, passes, memory)
+    }
+
+    /// [`Compensation::build`] with the order of the axes found already.
+    pub(crate) fn build_in<'r, T: Rows + ?Sized + 'r>(
+        order: &AxisOrder<N>,
+        machine: &MachineSettings,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+        passes: u8,
+        memory: &'a mut [R],
+    ) -> Result<Self, ConfigError> {
         if !(1..=8).contains(&passes) {
             return Err(ConfigError::new(Field::Inverse, f64::from(passes), "1 to 8 passes"));
         }
         table::enough(memory.len(), requirement(machine, &rows))?;
         let model = match machine.compensation.model {
-            ErrorModel::Nine => Model::Nine(NineTerms::build(machine, rows, memory)?),
-            ErrorModel::Volumetric => Model::Volumetric(Volumetric::build(machine, rows, memory)?),
+            ErrorModel::Nine => Model::Nine(NineTerms::build(order, machine, rows, memory)?),
+            ErrorModel::Volumetric => Model::Volumetric(Volumetric::build(order, machine, rows, memory)?),
         };
         Ok(Compensation { model, passes })
     }
@@ -119,21 +134,15 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// Errors at a position: modelled deviation of the tip from where the axes stand, and of the rotary axes.
     ///
     /// The volumetric form's rotary entries are zero: the tip carries everything, the direction of the tool is in
-    /// [`Compensation::pose_error`]. All look-ups at `at`; `held` gets a bit for every axis whose edge value is held.
+    /// [`Compensation::pose_error`]. All look-ups at `at`; `clamped` gets a bit for every axis whose edge value is clamped.
     #[inline(always)]
-    pub fn errors(
-        &self,
-        at: &[R; N],
-        directions: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
-        held: &mut u8,
-    ) -> Errors<R, N> {
+    pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
         match &self.model {
-            Model::Nine(nine) => nine.errors(at, directions, thermal, held),
+            Model::Nine(nine) => nine.errors(query, clamped),
             Model::Volumetric(volumetric) => {
                 let mut errors = [R::ZERO; N];
-                let pose = volumetric.pose_error(at, directions, thermal, held);
-                for (error, tip) in errors.iter_mut().zip(pose.tip) {
+                let pose = volumetric.pose_error(query, clamped);
+                for (error, tip) in errors.iter_mut().zip(pose.tip.into()) {
                     *error = tip;
                 }
                 errors
@@ -143,22 +152,16 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
 
     /// Error of the tool's pose at a position; arguments as for [`Compensation::errors`].
     #[inline]
-    pub fn pose_error(
-        &self,
-        at: &[R; N],
-        directions: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
-        held: &mut u8,
-    ) -> PoseError<R> {
+    pub fn pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
         match &self.model {
             Model::Nine(nine) => {
-                let mut pose = PoseError::default();
-                for (tip, error) in pose.tip.iter_mut().zip(nine.errors(at, directions, thermal, held)) {
+                let mut error_of_tip = [R::ZERO; 3];
+                for (tip, error) in error_of_tip.iter_mut().zip(nine.errors(query, clamped)) {
                     *tip = error;
                 }
-                pose
+                PoseError { tip: error_of_tip.into(), ..PoseError::default() }
             }
-            Model::Volumetric(volumetric) => volumetric.pose_error(at, directions, thermal, held),
+            Model::Volumetric(volumetric) => volumetric.pose_error(query, clamped),
         }
     }
 
@@ -167,19 +170,10 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// mm, rotary axes in degrees. Nine terms: `r ← −E(q + r)` from `r = 0`, [`NineTerms::correction`]; volumetric:
     /// [`Volumetric::correction`]. What is looked up at the feedback needs no inverse and stays as it is read.
     #[inline(always)]
-    pub fn correction(
-        &self,
-        command: &[R; N],
-        feedback: &[R; N],
-        directions: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
-        held: &mut u8,
-    ) -> [R; N] {
+    pub fn correction(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {
         match &self.model {
-            Model::Nine(nine) => nine.correction(command, feedback, directions, thermal, self.passes, held),
-            Model::Volumetric(volumetric) => {
-                volumetric.correction(command, feedback, directions, thermal, self.passes, held)
-            }
+            Model::Nine(nine) => nine.correction(query, self.passes, clamped),
+            Model::Volumetric(volumetric) => volumetric.correction(query, self.passes, clamped),
         }
     }
 }

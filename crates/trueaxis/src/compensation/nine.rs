@@ -16,19 +16,20 @@
 //! inverse and the look-up at the feedback are extensions.
 
 use super::Errors;
+use super::query::Query;
 use super::reversal::Direction;
 use super::table::{AxisTable, Contribution, own_component, requirement_of_all};
 use super::thermal::ThermalLine;
 use super::trig::cos_sin_deg;
 use crate::error::{ConfigError, Field};
-use crate::machine::{AXES, Axis, Lookup, MOST_CARRIERS, MachineSettings, Rows, carries_workpiece, links, step_axes};
+use crate::machine::{AXES, Axis, AxisOrder, Lookup, MOST_CARRIERS, MachineSettings, Rows, carries_workpiece, links};
 use crate::position::Position;
 use crate::real::Real;
 
 /// A rotary axis that turns the carrier of another one.
 #[derive(Clone, Copy, Debug)]
 struct Parent<R> {
-    /// Its place among the step's axes.
+    /// Its slot among the step's axes.
     index: usize,
     /// 0, 1, 2: it turns about X, Y, Z.
     about: usize,
@@ -71,7 +72,7 @@ enum Kind {
 /// The rotary axes between the bed and an axis, from the bed outwards; at most two count.
 fn parents_of<R: Real, const N: usize>(
     machine: &MachineSettings,
-    axes: &[Axis; N],
+    order: &AxisOrder<N>,
     axis: Axis,
 ) -> Result<[Option<Parent<R>>; 2], ConfigError> {
     let links = links(&machine.chain)?;
@@ -84,9 +85,9 @@ fn parents_of<R: Real, const N: usize>(
     let mut parents = [None; 2];
     let mut free = parents.iter_mut();
     for carrier in side.into_iter().take_while(|a| *a != axis).filter(|a| a.is_rotary()) {
-        let slot = free.next().ok_or(ConfigError::new(Field::Chain, 3.0, MOST_CARRIERS).on(axis))?;
-        let settings = machine.axes.iter().find(|a| a.axis == carrier);
-        *slot = axes.iter().position(|a| *a == carrier).map(|index| Parent {
+        let entry = free.next().ok_or(ConfigError::new(Field::Chain, 3.0, MOST_CARRIERS).on(axis))?;
+        let settings = machine.axis(carrier);
+        *entry = order.slot(carrier).map(|index| Parent {
             index,
             about: carrier.index() - Axis::A.index(),
             sense: R::of(settings.map_or(1.0, |s| f64::from(s.direction))),
@@ -109,11 +110,12 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     /// # Errors
     /// A table with fewer than two points or not ascending, memory too small, more axes than `N`.
     pub fn build<'r, T: Rows + ?Sized + 'r>(
+        order: &AxisOrder<N>,
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
         mut memory: &'a mut [R],
     ) -> Result<Self, ConfigError> {
-        let axes = step_axes::<N>(machine)?;
+        let axes = order.axes();
         let location = &machine.location;
         let mut built = NineTerms {
             tables: [AxisTable::zero(); N],
@@ -127,8 +129,8 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
             kind: Kind::Any,
         };
         let [mut plain, mut linear, mut cubic] = [N == 3; 3];
-        for (place, axis) in axes.into_iter().enumerate() {
-            let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) else { continue };
+        for (slot, axis) in axes.into_iter().enumerate() {
+            let Some(settings) = machine.axis(axis) else { continue };
             let sense =
                 f64::from(settings.direction) * if carries_workpiece(&machine.chain, axis) { -1.0 } else { 1.0 };
             let table: AxisTable<'a, R, P> = match rows(axis) {
@@ -140,22 +142,22 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
             plain &= table.is_plain() && at_command;
             linear &= table.is_linear() && at_command;
             cubic &= table.is_cubic() && at_command;
-            let set = |slot: Option<&mut R>, value| {
-                if let Some(slot) = slot {
-                    *slot = R::of(value);
+            let set = |entry: Option<&mut R>, value| {
+                if let Some(entry) = entry {
+                    *entry = R::of(value);
                 }
             };
-            set(built.origins.get_mut(place), table.origin().to_f64());
-            set(built.datum.get_mut(place), settings.thermal.datum);
+            set(built.origins.get_mut(slot), table.origin().to_f64());
+            set(built.datum.get_mut(slot), settings.thermal.datum);
             if let (Some(t), Some(f), Some(p), Some(c)) = (
-                built.tables.get_mut(place),
-                built.at_feedback.get_mut(place),
-                built.parents.get_mut(place),
-                built.constant.get_mut(place),
+                built.tables.get_mut(slot),
+                built.at_feedback.get_mut(slot),
+                built.parents.get_mut(slot),
+                built.constant.get_mut(slot),
             ) {
                 *t = table;
                 *f = feedback;
-                *p = parents_of(machine, &axes, axis)?;
+                *p = parents_of(machine, order, axis)?;
                 if let Some([x, y, z, ..]) = location.of(axis) {
                     *c = [*x, *y, *z].map(R::of);
                 }
@@ -182,23 +184,23 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
 
     /// Error of the nine terms alone at table coordinates, plain tables: the inner loop of the step.
     ///
-    /// `held` gets a bit for every axis whose edge value is held.
+    /// `clamped` gets a bit for every axis whose edge value is clamped.
     #[inline(always)]
-    pub fn plain_terms(&self, at: &[R; N], reverse: &[Direction; N], held: &mut u8) -> Errors<R, N> {
-        self.sum_of(at, reverse, held, AxisTable::at_plain)
+    pub fn plain_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
+        self.sum_of(at, reverse, clamped, AxisTable::at_plain)
     }
 
     /// Error of the nine terms alone, linear tables on any grid; apart from [`NineTerms::plain_terms`], so that
     /// equidistant tables do not carry the search.
     #[inline(never)]
-    pub fn linear_terms(&self, at: &[R; N], reverse: &[Direction; N], held: &mut u8) -> Errors<R, N> {
-        self.sum_of(at, reverse, held, AxisTable::at_linear)
+    pub fn linear_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
+        self.sum_of(at, reverse, clamped, AxisTable::at_linear)
     }
 
     /// Error of the nine terms alone, cubic tables on any grid.
     #[inline(never)]
-    fn cubic_terms(&self, at: &[R; N], reverse: &[Direction; N], held: &mut u8) -> Errors<R, N> {
-        self.sum_of(at, reverse, held, AxisTable::at_cubic)
+    fn cubic_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
+        self.sum_of(at, reverse, clamped, AxisTable::at_cubic)
     }
 
     /// Translations of all tables, looked up one way.
@@ -207,7 +209,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         &self,
         at: &[R; N],
         reverse: &[Direction; N],
-        held: &mut u8,
+        clamped: &mut u8,
         look_up: impl Fn(&AxisTable<'a, R, P>, R, Direction) -> (Contribution<R>, bool),
     ) -> Errors<R, N> {
         let mut sum = [R::ZERO; 3];
@@ -219,7 +221,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
             *sy += y;
             *sz += z;
             if edge {
-                *held |= bit;
+                *clamped |= bit;
             }
             bit <<= 1;
         }
@@ -232,36 +234,31 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
 
     /// Error of any tables, each looked up at the command or the feedback as configured.
     #[inline(never)]
-    fn general_terms(
-        &self,
-        command: &[R; N],
-        feedback: &[R; N],
-        reverse: &[Direction; N],
-        held: &mut u8,
-    ) -> Errors<R, N> {
+    fn general_terms(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
+        let Query { command, feedback, directions: reverse, .. } = *query;
         let mut tip = [R::ZERO; 3];
         let mut errors = [R::ZERO; N];
-        for place in 0..N {
+        for slot in 0..N {
             let (Some(table), Some(at_command), Some(at_feedback), Some(reverse)) =
-                (self.tables.get(place), command.get(place), feedback.get(place), reverse.get(place))
+                (self.tables.get(slot), command.get(slot), feedback.get(slot), reverse.get(slot))
             else {
                 continue;
             };
             let (Some(own_cross), Some(own), Some(parents), Some(constant)) =
-                (self.at_feedback.get(place), self.own.get(place), self.parents.get(place), self.constant.get(place))
+                (self.at_feedback.get(slot), self.own.get(slot), self.parents.get(slot), self.constant.get(slot))
             else {
                 continue;
             };
             let (own_feedback, cross_feedback) = *own_cross;
             let (cross, edge) = table.at(if cross_feedback { *at_feedback } else { *at_command }, *reverse);
             if edge {
-                *held |= 1 << (place & 7);
+                *clamped |= 1 << (slot & 7);
             }
             let mut contribution = cross;
             if own_feedback != cross_feedback {
                 let (own_at, edge) = table.at(if own_feedback { *at_feedback } else { *at_command }, *reverse);
                 if edge {
-                    *held |= 1 << (place & 7);
+                    *clamped |= 1 << (slot & 7);
                 }
                 if let (Some(to), Some(from)) = (contribution.get_mut(*own), own_at.get(*own)) {
                     *to = *from;
@@ -279,8 +276,8 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
             for (sum, part) in tip.iter_mut().zip(shift) {
                 *sum += part;
             }
-            if place >= 3
-                && let Some(error) = errors.get_mut(place)
+            if slot >= 3
+                && let Some(error) = errors.get_mut(slot)
             {
                 *error = turn;
             }
@@ -291,18 +288,18 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         errors
     }
 
-    /// Squareness and thermal growth: linear in the position, and not held at a table's edge.
+    /// Squareness and thermal growth: linear in the position, and not clamped at a table's edge.
     #[inline(always)]
     fn add_linear(&self, at: &[R; N], thermal: &[ThermalLine<R>; N], errors: &mut Errors<R, N>) {
-        let mut place = [R::ZERO; N];
-        for ((q, at), origin) in place.iter_mut().zip(at).zip(&self.origins) {
+        let mut position = [R::ZERO; N];
+        for ((q, at), origin) in position.iter_mut().zip(at).zip(&self.origins) {
             *q = *at + *origin;
         }
-        for (((error, q), line), datum) in errors.iter_mut().zip(&place).zip(thermal).zip(&self.datum) {
+        for (((error, q), line), datum) in errors.iter_mut().zip(&position).zip(thermal).zip(&self.datum) {
             *error += line.at(*q - *datum);
         }
         let [c0y, b0z, a0z] = self.squareness;
-        if let ([_, y, z, ..], [dx, dy, ..]) = (&place[..], &mut errors[..]) {
+        if let ([_, y, z, ..], [dx, dy, ..]) = (&position[..], &mut errors[..]) {
             *dx += b0z * *z - c0y * *y;
             *dy += -(a0z * *z);
         }
@@ -310,35 +307,18 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
 
     /// Errors at a position: modelled deviation of the tip from where the axes stand, and of the rotary axes.
     ///
-    /// All look-ups at `at`; `held` gets a bit for every axis whose edge value is held.
+    /// `clamped` gets a bit for every axis whose edge value is clamped.
     #[inline(always)]
-    pub fn errors(
-        &self,
-        at: &[R; N],
-        reverse: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
-        held: &mut u8,
-    ) -> Errors<R, N> {
-        self.errors_between(at, at, reverse, thermal, held)
-    }
-
-    #[inline(always)]
-    fn errors_between(
-        &self,
-        command: &[R; N],
-        feedback: &[R; N],
-        reverse: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
-        held: &mut u8,
-    ) -> Errors<R, N> {
+    pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
+        let Query { command, directions, thermal, .. } = *query;
         let mut errors = if self.kind == Kind::Plain {
-            self.plain_terms(command, reverse, held)
+            self.plain_terms(command, directions, clamped)
         } else if self.kind == Kind::Linear {
-            self.linear_terms(command, reverse, held)
+            self.linear_terms(command, directions, clamped)
         } else if self.kind == Kind::Cubic {
-            self.cubic_terms(command, reverse, held)
+            self.cubic_terms(command, directions, clamped)
         } else {
-            self.general_terms(command, feedback, reverse, held)
+            self.general_terms(query, clamped)
         };
         self.add_linear(command, thermal, &mut errors);
         errors
@@ -348,19 +328,12 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     ///
     /// mm, rotary axes in degrees. What is looked up at the feedback needs no inverse and stays as it is read.
     #[inline(always)]
-    pub fn correction(
-        &self,
-        command: &[R; N],
-        feedback: &[R; N],
-        reverse: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
-        passes: u8,
-        held: &mut u8,
-    ) -> [R; N] {
+    pub fn correction(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
+        let command = query.command;
         let mut at = *command;
         let mut correction = [R::ZERO; N];
         for _ in 0..passes & 15 {
-            let errors = self.errors_between(&at, feedback, reverse, thermal, held);
+            let errors = self.errors(&Query { command: &at, ..*query }, clamped);
             for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(command).zip(errors) {
                 *r = -error;
                 *at = *q - error;

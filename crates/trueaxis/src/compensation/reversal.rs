@@ -28,7 +28,8 @@ impl Direction {
     }
 }
 
-/// Which way an axis travels: its drive, not its command, because a correction takes up lost motion like any other way.
+/// Direction in which an axis travels: its drive, not its command, because a correction takes up lost motion like any
+/// other motion.
 ///
 /// The turning point follows the drive while it goes on in its direction; the direction changes once the drive has come
 /// back from the turning point by more than the band, so that a dither within it at standstill toggles nothing. Lost motion

@@ -6,7 +6,7 @@ use crate::machine::{Axis, AxisSettings, Interpolation, MachineSettings, Row, Ro
 use crate::position::Position;
 use crate::real::Real;
 
-/// What an axis contributes at one position.
+/// Contribution of an axis at one position.
 ///
 /// Four numbers: the translations along X, Y, Z in mm and its own rotation in degrees (zero for a linear axis, whose own
 /// positioning error is one of the translations). Six: the translations in mm and the rotations about X, Y, Z in rad.
@@ -32,7 +32,7 @@ fn take<'a, R>(memory: &mut &'a mut [R], count: usize) -> Result<&'a mut [R], Co
 /// The errors of one axis as a function of its position, in the form for the step.
 ///
 /// Equidistant grids cost one multiplication to find the interval, free grids a guide table and a search of fixed
-/// depth without a data-dependent branch. Beyond its ends a table holds its edge value. `W` numbers a line:
+/// depth without a data-dependent branch. Beyond its ends a table is at its clamped edge value. `W` numbers a line:
 /// [`Contribution`].
 #[derive(Clone, Copy, Debug)]
 pub struct AxisTable<'a, R, P, const W: usize = 4> {
@@ -236,17 +236,17 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         self.knots.is_empty() && self.cubic.is_empty()
     }
 
-    /// Contribution at a coordinate of a *plain* table, and whether its edge value is held.
+    /// Contribution at a coordinate of a *plain* table, and whether its edge value is clamped.
     ///
     /// `v + t s` with the interval and `t` from one multiplication.
     #[inline(always)]
     pub fn at_plain(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         let wanted = coordinate * self.scale;
-        let held = wanted.within(R::ZERO, self.last);
-        let index = held.to_i32();
-        let t = held - R::of_i32(index);
+        let clamped = wanted.limit(R::ZERO, self.last);
+        let index = clamped.to_i32();
+        let t = clamped - R::of_i32(index);
         match self.linear.get((index as usize).wrapping_add(self.reverse_offset & direction.mask())) {
-            Some([value, slope]) => (along(value, t, slope), wanted != held),
+            Some([value, slope]) => (along(value, t, slope), wanted != clamped),
             None => ([R::ZERO; W], false),
         }
     }
@@ -256,16 +256,16 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         !self.wraps && self.cubic.is_empty()
     }
 
-    /// Contribution at a coordinate of a *linear* table on any grid, and whether its edge value is held.
+    /// Contribution at a coordinate of a *linear* table on any grid, and whether its edge value is clamped.
     #[inline(always)]
     pub fn at_linear(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         if self.knots.is_empty() {
             return self.at_plain(coordinate, direction);
         }
-        let held = coordinate.within(R::ZERO, self.span);
-        let (index, t) = self.search(held);
+        let clamped = coordinate.limit(R::ZERO, self.span);
+        let (index, t) = self.search(clamped);
         match self.linear.get(index.wrapping_add(self.reverse_offset & direction.mask())) {
-            Some([value, slope]) => (along(value, t, slope), coordinate != held),
+            Some([value, slope]) => (along(value, t, slope), coordinate != clamped),
             None => ([R::ZERO; W], false),
         }
     }
@@ -275,18 +275,18 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         !self.wraps && self.linear.is_empty()
     }
 
-    /// Contribution at a coordinate of a *cubic* table on any grid, and whether its edge value is held.
+    /// Contribution at a coordinate of a *cubic* table on any grid, and whether its edge value is clamped.
     #[inline(always)]
     pub fn at_cubic(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         let (index, t, edge) = if self.knots.is_empty() {
             let wanted = coordinate * self.scale;
-            let held = wanted.within(R::ZERO, self.last);
-            let index = held.to_i32();
-            (index as usize, held - R::of_i32(index), wanted != held)
+            let clamped = wanted.limit(R::ZERO, self.last);
+            let index = clamped.to_i32();
+            (index as usize, clamped - R::of_i32(index), wanted != clamped)
         } else {
-            let held = coordinate.within(R::ZERO, self.span);
-            let (index, t) = self.search(held);
-            (index, t, coordinate != held)
+            let clamped = coordinate.limit(R::ZERO, self.span);
+            let (index, t) = self.search(clamped);
+            (index, t, coordinate != clamped)
         };
         match self.cubic.get(index.wrapping_add(self.reverse_offset & direction.mask())) {
             Some([value, c1, c2, c3]) => (along(value, t, &along(c1, t, &along(c2, t, c3))), edge),
@@ -294,7 +294,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// Contribution at a coordinate, and whether the table's edge value is held; any table.
+    /// Contribution at a coordinate, and whether the table's edge value is clamped; any table.
     #[inline]
     pub fn at(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
         let mut coordinate = coordinate;
@@ -306,13 +306,13 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
                 coordinate -= self.span;
             }
         }
-        let held = coordinate.within(R::ZERO, self.span);
+        let clamped = coordinate.limit(R::ZERO, self.span);
         let (index, t) = if self.knots.is_empty() {
-            let place = (held * self.scale).min(self.last);
+            let place = (clamped * self.scale).min(self.last);
             let index = place.to_i32();
             (index as usize, place - R::of_i32(index))
         } else {
-            self.search(held)
+            self.search(clamped)
         };
         let index = index.wrapping_add(self.reverse_offset & direction.mask());
         let value = if self.cubic.is_empty() {
@@ -322,7 +322,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
             cell.map(|[value, c1, c2, c3]| along(value, t, &along(c1, t, &along(c2, t, c3))))
         };
         match value {
-            Some(value) => (value, coordinate != held),
+            Some(value) => (value, coordinate != clamped),
             None => ([R::ZERO; W], false),
         }
     }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::compensation::Query;
 use crate::machine::{AxisSettings, Interpolation, LocationErrors, Lookup, Row};
 use crate::position::Nanometres;
 use std::{vec, vec::Vec};
@@ -239,7 +240,8 @@ fn nine_terms_add_up_and_squareness_tilts_the_travel() {
     let (x, y, z) = (120.0, 310.0, 75.0);
     let mut held = 0;
     let at = compensation.coordinates(&[x, y, z]);
-    let error = compensation.errors(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3], &mut held);
+    let error =
+        compensation.errors(&Query::at(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3]), &mut held);
     let sum: [f64; 3] = core::array::from_fn(|k| [x, y, z].iter().map(|q| plain_linear(&rows(&grid), *q)[k]).sum());
     let truth = [sum[0] - 50e-6 * y - 20e-6 * z, sum[1] - 30e-6 * z, sum[2]];
     for k in 0..3 {
@@ -247,7 +249,8 @@ fn nine_terms_add_up_and_squareness_tilts_the_travel() {
     }
     // Beyond the table its edge value is held, the squareness goes on.
     let at = compensation.coordinates(&[x, 500.0, z]);
-    let beyond = compensation.errors(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3], &mut held);
+    let beyond =
+        compensation.errors(&Query::at(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3]), &mut held);
     let edge = plain_linear(&rows(&grid), 500.0)[0] - plain_linear(&rows(&grid), y)[0];
     assert_eq!(held, 0b010);
     assert!((beyond[0] - error[0] - edge + 50e-6 * 190.0).abs() < 1e-15);
@@ -266,9 +269,9 @@ fn the_exact_inverse_lands_on_the_command() {
     for i in 0..5000 {
         let q: [f64; 3] = core::array::from_fn(|k| 31.5 + 60.0 * noise(i * 3 + k as u64));
         let at = compensation.coordinates(&q);
-        let r = compensation.correction(&at, &at, &[Direction::POSITIVE; 3], &thermal, &mut 0);
+        let r = compensation.correction(&Query::at(&at, &[Direction::POSITIVE; 3], &thermal), &mut 0);
         let there = compensation.coordinates(&[q[0] + r[0], q[1] + r[1], q[2] + r[2]]);
-        let error = compensation.errors(&there, &[Direction::POSITIVE; 3], &thermal, &mut 0);
+        let error = compensation.errors(&Query::at(&there, &[Direction::POSITIVE; 3], &thermal), &mut 0);
         for k in 0..3 {
             assert!((r[k] + error[k]).abs() < 1e-6, "lands {} mm beside", r[k] + error[k]);
         }
@@ -285,8 +288,15 @@ fn own_and_cross_terms_look_up_where_they_are_told() {
     let tables: Vec<_> = LINEAR.iter().map(|axis| (*axis, rows(&grid))).collect();
     let compensation = compensation::<3>(&machine, &tables, 1);
     let (command, feedback) = ([100.0, 110.0, 120.0], [130.0, 145.0, 160.0]);
-    let r =
-        compensation.correction(&command, &feedback, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3], &mut 0);
+    let r = compensation.correction(
+        &Query {
+            command: &command,
+            feedback: &feedback,
+            directions: &[Direction::POSITIVE; 3],
+            thermal: &[ThermalLine::default(); 3],
+        },
+        &mut 0,
+    );
     let e = |q: f64| plain_linear(&rows(&grid), q);
     let truth = [
         e(130.0)[0] + e(145.0)[0] + e(120.0)[0],
@@ -311,7 +321,7 @@ fn a_rotary_carrier_turns_the_translations_it_carries() {
     let tables = vec![(Axis::C, flat([0.001, 0.002, 0.003, 0.0, 0.0, 1e-5]))];
     let compensation = compensation::<5>(&machine, &tables, 1);
     let at = compensation.coordinates(&[0.0, 0.0, 0.0, 90.0, 77.0]);
-    let e = compensation.errors(&at, &[Direction::POSITIVE; 5], &[ThermalLine::default(); 5], &mut 0);
+    let e = compensation.errors(&Query::at(&at, &[Direction::POSITIVE; 5], &[ThermalLine::default(); 5]), &mut 0);
     for (k, truth) in [0.001, 0.003, -0.002, 0.0, 1e-5_f64.to_degrees()].into_iter().enumerate() {
         assert!((e[k] - truth).abs() < 1e-16, "{k}: {} {truth}", e[k]);
     }

@@ -26,26 +26,24 @@
 
 #![deny(clippy::indexing_slicing)]
 
-mod chain;
+mod carriages;
 mod inverse;
 
 use super::PoseError;
+use super::query::Query;
 use super::reversal::Direction;
 use super::table::{AxisTable, requirement_of_all};
 use super::thermal::ThermalLine;
 use super::trig::coarse_cos_sin_deg;
 use crate::error::ConfigError;
 use crate::machine::{Axis, Lookup, MachineSettings};
-use crate::machine::{Rows, step_axes};
+use crate::machine::{AxisOrder, Rows, Twist};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::{About, V3};
-use chain::{Chain, Link, Poses, about};
+use carriages::{Carriage, Carriages, Poses, about};
 use inverse::Fade;
 pub(crate) use inverse::{LEAST_DETERMINANT, LEAST_FADE};
-
-/// Error of an axis at a position: translations in mm, rotations in rad.
-type Twist<R> = [R; 6];
 
 /// The tables of a machine for the volumetric form and its chain: immutable, built once.
 ///
@@ -65,7 +63,7 @@ pub struct Volumetric<'a, R, P, const N: usize> {
     constant: [Twist<R>; N],
     /// Every table equidistant and linear and looked up at the command, no rotary axis corrected.
     plain: bool,
-    chain: Chain<R, N>,
+    chain: Carriages<R, N>,
     /// The tool's direction is corrected, and how it fades at the singular pose.
     orientation: Option<Fade<R>>,
     /// Largest correction of each axis, mm (deg).
@@ -105,23 +103,23 @@ impl<R: Real> Side<R> {
 
     /// A slide that carries the workpiece moves by −q what stands further out, and its own twist unless that is fixed.
     #[inline(always)]
-    fn carry(&mut self, link: &Link<R>, q: R, twist: (V3<R>, V3<R>)) {
-        if link.fixed {
-            self.slide(link.axis, -q);
+    fn carry(&mut self, carriage: &Carriage<R>, q: R, twist: (V3<R>, V3<R>)) {
+        if carriage.fixed {
+            self.slide(carriage.axis, -q);
             self.add(twist);
         } else {
             self.add(twist);
-            self.slide(link.axis, -q);
+            self.slide(carriage.axis, -q);
         }
     }
 
     /// Out of a rotary axis' frame into its carrier's, which adds the axis' own twist on the way.
     #[inline(always)]
-    fn turn(&mut self, link: &Link<R>, pose: (R, R), (e, w): (V3<R>, V3<R>)) {
-        self.v = self.v.turned(about(link.axis), pose) + e;
-        self.w = self.w.turned(about(link.axis), pose) + w;
-        if link.is_offset {
-            self.v -= self.w.cross(link.offset);
+    fn turn(&mut self, carriage: &Carriage<R>, pose: (R, R), (e, w): (V3<R>, V3<R>)) {
+        self.v = self.v.turned(about(carriage.axis), pose) + e;
+        self.w = self.w.turned(about(carriage.axis), pose) + w;
+        if carriage.is_offset {
+            self.v -= self.w.cross(carriage.offset);
         }
     }
 }
@@ -141,38 +139,39 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
     /// A table with fewer than two points or not ascending, memory too small, a structural code that cannot be read,
     /// more axes than `N`.
     pub fn build<'r, T: Rows + ?Sized + 'r>(
+        order: &AxisOrder<N>,
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
         mut memory: &'a mut [R],
     ) -> Result<Self, ConfigError> {
-        let axes = step_axes::<N>(machine)?;
-        let (mut chain, levers) = Chain::build(machine, &axes)?;
+        let axes = order.axes();
+        let (mut chain, levers) = Carriages::build(order, machine)?;
         let mut tables = [AxisTable::zero(); N];
         let mut at_feedback = [(false, false); N];
         let mut most = [R::ZERO; N];
         let (mut origins, mut datum) = ([R::ZERO; N], [R::ZERO; N]);
         let mut constant = [[R::ZERO; 6]; N];
         let mut plain = !machine.compensation.orientation;
-        for (place, (axis, lever)) in axes.into_iter().zip(levers).enumerate() {
-            let Some(settings) = machine.axes.iter().find(|a| a.axis == axis) else { continue };
+        for (slot, (axis, lever)) in axes.into_iter().zip(levers).enumerate() {
+            let Some(settings) = machine.axis(axis) else { continue };
             let located = machine.location.of(axis).copied().unwrap_or_default();
             let (table, apart): (AxisTable<'a, R, P, 6>, _) = match rows(axis) {
                 Some(rows) => (AxisTable::build_twists(settings, rows, lever, located, &mut memory)?, [0.0; 6]),
                 None => (AxisTable::zero(), located),
             };
-            if let Some(most) = most.get_mut(place) {
+            if let Some(most) = most.get_mut(slot) {
                 *most = R::of(settings.limits.magnitude);
             }
             let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
             plain &= table.is_even() && feedback == (false, false) && apart == [0.0; 6];
             let origin = table.origin().to_f64();
-            chain.set_origin(place, origin);
+            chain.set_origin(slot, origin);
             if let (Some(slot), Some(at), Some(from), Some(q0)) =
-                (tables.get_mut(place), at_feedback.get_mut(place), origins.get_mut(place), datum.get_mut(place))
+                (tables.get_mut(slot), at_feedback.get_mut(slot), origins.get_mut(slot), datum.get_mut(slot))
             {
                 (*slot, *at, *from, *q0) = (table, feedback, R::of(origin), R::of(settings.thermal.datum - origin));
             }
-            if let Some(slot) = constant.get_mut(place) {
+            if let Some(slot) = constant.get_mut(slot) {
                 *slot = apart.map(R::of);
             }
         }
@@ -205,38 +204,40 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
     }
 
     /// Unit vector along the tool, from the tip to the spindle, in bed axes at a position.
-    pub fn tool_axis(&self, at: &[R; N]) -> [R; 3] {
-        self.chain.directions(&self.chain.poses(at)).1.array()
+    pub fn tool_axis(&self, at: &[R; N]) -> R::Vec3 {
+        self.chain.directions(&self.chain.poses(at)).1.glam()
     }
 
     /// Error of the tool's pose at a position: tip in mm, rotation in rad, bed axes.
     ///
-    /// All look-ups at `at`, as [`Volumetric::coordinates`] gives it; `held` gets a bit for every axis whose edge value is held.
+    /// Positions as [`Volumetric::coordinates`] gives them; `clamped` gets a bit for every axis whose edge value is clamped.
+    #[inline(always)]
+    pub fn pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
+        self.pose_error_at(query.command, query.directions, query.thermal, clamped)
+    }
+
+    /// All look-ups at one position. In registers over the call, where a [`Query`] would go through memory.
     #[inline(never)]
-    pub fn pose_error(
+    fn pose_error_at(
         &self,
         at: &[R; N],
-        reverse: &[Direction; N],
+        directions: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
-        held: &mut u8,
+        clamped: &mut u8,
     ) -> PoseError<R> {
+        let query = &Query::at(at, directions, thermal);
         if self.plain {
-            return self.plain_pose_error(at, reverse, thermal, held);
+            return self.plain_pose_error(query, clamped);
         }
         let mut twists = [[R::ZERO; 6]; N];
-        self.look_up(0..N, at, at, reverse, &mut twists, held);
-        self.carried(at, &self.chain.poses(at), &twists, thermal)
+        self.look_up(0..N, query, &mut twists, clamped);
+        self.carried(query, &self.chain.poses(query.command), &twists)
     }
 
     /// Where no axis turns, the lever of every twist is the tool and the travels beyond it.
     #[inline(always)]
-    fn plain_slides(
-        &self,
-        at: &[R; N],
-        reverse: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
-        held: &mut u8,
-    ) -> PoseError<R> {
+    fn plain_slides(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
+        let Query { command: at, directions: reverse, thermal, .. } = *query;
         let (mut d, mut orientation) = (V3::ZERO, V3::ZERO);
         let mut q = [R::ZERO; 3];
         for ((q, at), origin) in q.iter_mut().zip(at).zip(&self.origins) {
@@ -247,7 +248,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         for (((table, [bx, by, bz]), at), reverse) in self.tables.iter().zip(&self.chain.beyond).zip(at).zip(reverse) {
             let (twist, edge) = table.at_plain(*at, *reverse);
             if edge {
-                *held |= bit;
+                *clamped |= bit;
             }
             bit <<= 1;
             let (e, w) = halves(twist);
@@ -260,37 +261,30 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         }
         let [c0y, b0z, a0z] = self.squareness;
         d += V3::from(growth) + V3::new(b0z * qz - c0y * qy, -(a0z * qz), R::ZERO);
-        PoseError { tip: d.array(), orientation: orientation.array() }
+        PoseError { tip: d.glam(), orientation: orientation.glam() }
     }
 
     /// Twist and position of one axis from its plain table, with what does not stand in tables.
     #[inline(always)]
-    fn read_plain(
-        &self,
-        link: &Link<R>,
-        at: &[R; N],
-        reverse: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
-        held: &mut u8,
-    ) -> (V3<R>, V3<R>, R) {
-        let place = link.place;
+    fn read_plain(&self, carriage: &Carriage<R>, query: &Query<'_, R, N>, clamped: &mut u8) -> (V3<R>, V3<R>, R) {
+        let slot = carriage.slot;
         let (Some(table), Some(at), Some(reverse), Some(line), Some(origin), Some(datum)) = (
-            self.tables.get(place),
-            at.get(place),
-            reverse.get(place),
-            thermal.get(place),
-            self.origins.get(place),
-            self.datum.get(place),
+            self.tables.get(slot),
+            query.command.get(slot),
+            query.directions.get(slot),
+            query.thermal.get(slot),
+            self.origins.get(slot),
+            self.datum.get(slot),
         ) else {
             return (V3::ZERO, V3::ZERO, R::ZERO);
         };
         let (twist, edge) = table.at_plain(*at, *reverse);
         if edge {
-            *held |= 1 << (place & 7);
+            *clamped |= 1 << (slot & 7);
         }
         let ((mut e, mut w), q, growth) = (halves(twist), *at + *origin, line.at(*at - *datum));
         let [c0y, b0z, a0z] = self.squareness;
-        match link.axis {
+        match carriage.axis {
             Axis::X => e.x += growth,
             Axis::Y => {
                 e.x -= c0y * q;
@@ -310,56 +304,51 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
 
     /// [`Volumetric::pose_error`] of plain tables: every twist is used where it is read.
     #[inline(always)]
-    fn plain_pose_error(
-        &self,
-        at: &[R; N],
-        reverse: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
-        held: &mut u8,
-    ) -> PoseError<R> {
+    fn plain_pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
         if N == 3 {
-            return self.plain_slides(at, reverse, thermal, held);
+            return self.plain_slides(query, clamped);
         }
         let mut tool = Side { v: V3::ZERO, w: V3::ZERO };
         let mut tip = self.chain.tool;
-        for link in self.chain.tool_side() {
-            let (e, w, q) = self.read_plain(link, at, reverse, thermal, held);
-            if link.axis.is_rotary() {
-                let pose = coarse_cos_sin_deg(q * link.motion);
-                tip = tip.turned(about(link.axis), pose) + link.offset;
-                tool.turn(link, pose, (e, w));
+        for carriage in self.chain.tool_side() {
+            let (e, w, q) = self.read_plain(carriage, query, clamped);
+            if carriage.axis.is_rotary() {
+                let pose = coarse_cos_sin_deg(q * carriage.motion);
+                tip = tip.turned(about(carriage.axis), pose) + carriage.offset;
+                tool.turn(carriage, pose, (e, w));
                 continue;
             }
             tool.add((e, w));
-            tool.slide(link.axis, q);
-            match about(link.axis) {
+            tool.slide(carriage.axis, q);
+            match about(carriage.axis) {
                 About::X => tip.x += q,
                 About::Y => tip.y += q,
                 About::Z => tip.z += q,
             }
         }
         let mut workpiece = Side { v: V3::ZERO, w: V3::ZERO };
-        for link in self.chain.workpiece_side() {
-            let (e, w, q) = self.read_plain(link, at, reverse, thermal, held);
-            if link.axis.is_rotary() {
-                workpiece.turn(link, coarse_cos_sin_deg(q * link.motion), (e, w));
+        for carriage in self.chain.workpiece_side() {
+            let (e, w, q) = self.read_plain(carriage, query, clamped);
+            if carriage.axis.is_rotary() {
+                workpiece.turn(carriage, coarse_cos_sin_deg(q * carriage.motion), (e, w));
                 continue;
             }
-            workpiece.carry(link, q, (e, w));
+            workpiece.carry(carriage, q, (e, w));
         }
         let w = tool.w + workpiece.w;
-        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).array(), orientation: w.array() }
+        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).glam(), orientation: w.glam() }
     }
 
     /// Twists of all axes from plain tables, at the command.
     #[inline(always)]
-    fn look_up_plain(&self, at: &[R; N], reverse: &[Direction; N], twists: &mut [Twist<R>; N], held: &mut u8) {
+    fn look_up_plain(&self, query: &Query<'_, R, N>, twists: &mut [Twist<R>; N], clamped: &mut u8) {
+        let Query { command: at, directions: reverse, .. } = *query;
         let mut bit = 1;
         for (((twist, table), at), reverse) in twists.iter_mut().zip(&self.tables).zip(at).zip(reverse) {
             let (found, edge) = table.at_plain(*at, *reverse);
             *twist = found;
             if edge {
-                *held |= bit;
+                *clamped |= bit;
             }
             bit <<= 1;
         }
@@ -369,21 +358,20 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
     #[inline(always)]
     fn look_up(
         &self,
-        places: core::ops::Range<usize>,
-        command: &[R; N],
-        feedback: &[R; N],
-        reverse: &[Direction; N],
+        slots: core::ops::Range<usize>,
+        query: &Query<'_, R, N>,
         twists: &mut [Twist<R>; N],
-        held: &mut u8,
+        clamped: &mut u8,
     ) {
-        for place in places {
+        let Query { command, feedback, directions: reverse, .. } = *query;
+        for slot in slots {
             let (Some(table), Some(command), Some(feedback), Some(reverse)) =
-                (self.tables.get(place), command.get(place), feedback.get(place), reverse.get(place))
+                (self.tables.get(slot), command.get(slot), feedback.get(slot), reverse.get(slot))
             else {
                 continue;
             };
             let (Some(twist), Some((own_feedback, cross_feedback)), Some(own)) =
-                (twists.get_mut(place), self.at_feedback.get(place), self.own.get(place))
+                (twists.get_mut(slot), self.at_feedback.get(slot), self.own.get(slot))
             else {
                 continue;
             };
@@ -397,20 +385,15 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
                 }
             }
             if edge {
-                *held |= 1 << (place & 7);
+                *clamped |= 1 << (slot & 7);
             }
         }
     }
 
     /// The twists of all axes, with what does not stand in tables, carried to the tip.
     #[inline(always)]
-    fn carried(
-        &self,
-        at: &[R; N],
-        poses: &Poses<R, N>,
-        twists: &[Twist<R>; N],
-        thermal: &[ThermalLine<R>; N],
-    ) -> PoseError<R> {
+    fn carried(&self, query: &Query<'_, R, N>, poses: &Poses<R, N>, twists: &[Twist<R>; N]) -> PoseError<R> {
+        let Query { command: at, thermal, .. } = *query;
         let mut twists = *twists;
         let mut positions = [R::ZERO; N];
         for (((twist, q), (at, origin)), ((line, datum), (constant, own))) in twists
@@ -454,43 +437,47 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
                 orientation += w;
             }
         }
-        PoseError { tip: d.array(), orientation: orientation.array() }
+        PoseError { tip: d.glam(), orientation: orientation.glam() }
     }
 
     /// Twists of both sides from their outer ends to the bed.
     #[inline(always)]
     fn walk(&self, positions: &[R; N], poses: &Poses<R, N>, twists: &[Twist<R>; N]) -> PoseError<R> {
-        let of = |link: &Link<R>| match (positions.get(link.place), twists.get(link.place), poses.get(link.place)) {
+        let of = |carriage: &Carriage<R>| match (
+            positions.get(carriage.slot),
+            twists.get(carriage.slot),
+            poses.get(carriage.slot),
+        ) {
             (Some(q), Some(twist), Some(pose)) => (*q, *twist, *pose),
             _ => (R::ZERO, [R::ZERO; 6], (R::ONE, R::ZERO)),
         };
         let mut tool = Side { v: V3::ZERO, w: V3::ZERO };
         let mut tip = self.chain.tool;
-        for link in self.chain.tool_side() {
-            let (q, twist, pose) = of(link);
-            if link.axis.is_rotary() {
-                tool.turn(link, pose, halves(twist));
-                tip = tip.turned(about(link.axis), pose) + link.offset;
+        for carriage in self.chain.tool_side() {
+            let (q, twist, pose) = of(carriage);
+            if carriage.axis.is_rotary() {
+                tool.turn(carriage, pose, halves(twist));
+                tip = tip.turned(about(carriage.axis), pose) + carriage.offset;
                 continue;
             }
             tool.add(halves(twist));
-            tool.slide(link.axis, q);
-            match link.axis {
+            tool.slide(carriage.axis, q);
+            match carriage.axis {
                 Axis::X | Axis::A => tip.x += q,
                 Axis::Y | Axis::B => tip.y += q,
                 Axis::Z | Axis::C => tip.z += q,
             }
         }
         let mut workpiece = Side { v: V3::ZERO, w: V3::ZERO };
-        for link in self.chain.workpiece_side() {
-            let (q, twist, pose) = of(link);
-            if link.axis.is_rotary() {
-                workpiece.turn(link, pose, halves(twist));
+        for carriage in self.chain.workpiece_side() {
+            let (q, twist, pose) = of(carriage);
+            if carriage.axis.is_rotary() {
+                workpiece.turn(carriage, pose, halves(twist));
                 continue;
             }
-            workpiece.carry(link, q, halves(twist));
+            workpiece.carry(carriage, q, halves(twist));
         }
         let w = tool.w + workpiece.w;
-        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).array(), orientation: w.array() }
+        PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).glam(), orientation: w.glam() }
     }
 }

@@ -4,6 +4,7 @@ use super::convert::{PathError, Segment, convert};
 use super::span::{OnPath, Path, Span};
 use crate::position::Position;
 use crate::real::Real;
+use glam::DVec3;
 
 /// A segment begins within this of the end of the one before, mm: what rounded programs leave.
 pub const JOINED_WITHIN_MM: f64 = 0.02;
@@ -111,8 +112,8 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
     ///
     /// # Errors
     /// As [`PathBuffer::append`].
-    pub fn line(&mut self, start: [f64; 3], end: [f64; 3]) -> Result<(), PathError> {
-        self.append(&Segment::Line { start, end })
+    pub fn line(&mut self, start: impl Into<DVec3>, end: impl Into<DVec3>) -> Result<(), PathError> {
+        self.append(&Segment::Line { start: start.into(), end: end.into() })
     }
 
     /// Appends a circular arc about an axis through `center` along `normal` (right hand), mm; u = 0..1 proportional to the
@@ -120,8 +121,20 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
     ///
     /// # Errors
     /// As [`PathBuffer::append`].
-    pub fn arc(&mut self, start: [f64; 3], end: [f64; 3], center: [f64; 3], normal: [f64; 3]) -> Result<(), PathError> {
-        self.append(&Segment::Arc { start, end, center, normal, turns: 0 })
+    pub fn arc(
+        &mut self,
+        start: impl Into<DVec3>,
+        end: impl Into<DVec3>,
+        center: impl Into<DVec3>,
+        normal: impl Into<DVec3>,
+    ) -> Result<(), PathError> {
+        self.append(&Segment::Arc {
+            start: start.into(),
+            end: end.into(),
+            center: center.into(),
+            normal: normal.into(),
+            turns: 0,
+        })
     }
 
     /// Appends a spline of degree 1 to 5, mm; u over `knots[degree] ..= knots[points.len()]`. No weights at all: weights of
@@ -129,13 +142,7 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
     ///
     /// # Errors
     /// As [`PathBuffer::append`].
-    pub fn nurbs(
-        &mut self,
-        degree: usize,
-        knots: &[f64],
-        points: &[[f64; 3]],
-        weights: &[f64],
-    ) -> Result<(), PathError> {
+    pub fn nurbs(&mut self, degree: usize, knots: &[f64], points: &[DVec3], weights: &[f64]) -> Result<(), PathError> {
         self.append(&Segment::Nurbs { degree, knots, points, weights })
     }
 
@@ -185,7 +192,7 @@ impl<R: Real, P: Position, const SPANS: usize> PathBuffer<R, P, SPANS> {
         Path::new(&self.spans, 0, self.closed)
     }
 
-    /// The place at parameter `u` of a segment, for the step: see [`Path::at`].
+    /// The point at parameter `u` of a segment, for the step: see [`Path::at`].
     #[inline]
     pub fn at(&self, segment: u32, u: f64) -> OnPath<'_, R, P> {
         self.path().at(segment, u)

@@ -21,28 +21,28 @@ mod nearest;
 /// ```
 ///
 /// and its speed 4|c|/(2 + cos α₀ + cos α₁), α the angles between c and the directions: on a circle it is within 1e-10 of
-/// the radius at 6° a piece, falling with the sixth power. Where u and v differ by more than 20° there is
-/// a corner, and the pieces on either side do not know of each other.
+/// the radius at 6° a span, falling with the sixth power. Where u and v differ by more than 20° there is
+/// a corner, and the spans on either side do not know of each other.
 ///
-/// What remains: where the curvature jumps, as from a line to an arc of radius R, c²/(27 R) (75 nm for 0.1 mm on 5 mm)
-/// in the two pieces beside it; corners and turning points between two commands are cut as the commands cut them, and by
+/// Remaining error: where the curvature jumps, as from a line to an arc of radius R, c²/(27 R) (75 nm for 0.1 mm on 5 mm)
+/// in the two spans beside it; corners and turning points between two commands are cut as the commands cut them, and by
 /// up to spacing/200 more. A tool ahead of the newest command has its foot at the path's end, and `tangential` says how
 /// far ahead it is.
 ///
-/// K is the pieces in the window, and memory is held for 2 K; numbers go on for ever, so that a
+/// K is the spans in the window, and memory is held for 2 K; numbers go on for ever, so that a
 /// [`super::ContourState`] stays valid. Nothing is allocated.
 #[derive(Clone, Copy, Debug)]
 pub struct CommandWindow<R, P, const K: usize> {
-    /// Every piece is in both halves: any K in a row are contiguous somewhere, and no cycle has to move them.
+    /// Every span is in both halves: any K in a row are contiguous somewhere, and no cycle has to move them.
     spans: [[Span<R, P>; K]; 2],
-    /// Place of the newest piece in a half, and its number.
+    /// Place of the newest span in a half, and its number.
     place: usize,
     number: u32,
-    /// Pieces in the window; none before the first command.
+    /// Spans in the window; none before the first command.
     count: usize,
     /// The window has been full since the motion began: its first point may be anywhere on the way.
     cut: bool,
-    /// The piece before the open one.
+    /// The span before the open one.
     last: Option<Chord<R, P>>,
     /// Last point that stays.
     from: [P; 3],
@@ -51,7 +51,7 @@ pub struct CommandWindow<R, P, const K: usize> {
     spacing: R,
 }
 
-/// A piece whose ends stay, while the direction at its end still depends on the next point.
+/// A span whose ends stay, while the direction at its end still depends on the next point.
 #[derive(Clone, Copy, Debug)]
 struct Chord<R, P> {
     from: [P; 3],
@@ -61,12 +61,12 @@ struct Chord<R, P> {
     start: Option<V3<R>>,
 }
 
-/// The piece from the last point that stays to the newest command.
+/// The span from the last point that stays to the newest command.
 #[derive(Clone, Copy, Debug)]
 struct Open<R, P> {
     /// Newest command.
     to: [P; 3],
-    /// The piece, once it has a length.
+    /// The span, once it has a length.
     chord: Option<Chord<R, P>>,
     /// Direction in which it set out, once that is known, …
     heading: Option<V3<R>>,
@@ -74,11 +74,11 @@ struct Open<R, P> {
     reach: R,
 }
 
-/// Shortest piece, per spacing: below, the newest command and the last point are the same.
+/// Shortest span, per spacing: below, the newest command and the last point are the same.
 const SHORTEST: f64 = 1.0 / 250.0;
-/// Length from which a piece has a direction, per spacing.
+/// Length from which a span has a direction, per spacing.
 const DIRECTED: f64 = 1.0 / 25.0;
-/// Commands that leave the straight on by more than this, or come back, begin a new piece: per spacing.
+/// Commands that leave the straight on by more than this, or come back, begin a new span: per spacing.
 const TUBE: f64 = 1.0 / 250.0;
 /// cos 20°: chords that turn by more meet in a corner.
 const CORNER: f64 = 0.94;
@@ -159,16 +159,16 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
     /// Where the newest command lies: at the path's end.
     #[inline]
     pub fn reference(&self) -> Reference<R> {
-        // A point becomes the first piece's start.
+        // A point becomes the first span's start.
         let moved = self.last.is_some() || self.open.chord.is_some();
         Reference { span: self.number, t: if moved { R::ONE } else { R::ZERO } }
     }
 
     /// Contour error of `point` (mm): its distance from the nearest place of the whole window.
     ///
-    /// Without memory, unlike [`super::ContourSearch`], which follows one foot on a path of long pieces: here a piece is
+    /// Without memory, unlike [`super::ContourSearch`], which follows one foot on a path of long spans: here a span is
     /// often shorter than what the tool moves in a cycle. Where the window passes the same place twice, the later pass
-    /// counts; which of two pieces is nearer is told by their chords. Without [`super::Flags::BRACKETED`] the tool is
+    /// counts; their chords decide which of two spans is nearer. Without [`super::Flags::BRACKETED`] the tool is
     /// further behind than the window reaches. Bounded: K distances from a line, twice the kernel, and at corners four
     /// evaluations more.
     #[inline]
@@ -186,12 +186,12 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         self.put(self.place, Span::turning(command, self.number, self.plane));
     }
 
-    /// The open piece ends where it is; the command begins a new one.
+    /// The open span ends where it is; the command begins a new one.
     #[inline(always)]
     fn is_complete(&self, command: &[P; 3], step: R) -> bool {
         let Some(chord) = &self.open.chord else { return false };
         let spacing = self.spacing;
-        // A long step would stretch the open piece, and a foot on it, by more than a search looks around.
+        // A long step would stretch the open span, and a foot on it, by more than a search looks around.
         if chord.length >= spacing || step >= spacing * spacing {
             return true;
         }
@@ -203,7 +203,7 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         along < self.open.reach - tube || aside.dot(aside) > tube * tube
     }
 
-    /// Draws the piece from the last point to the command, and with the direction between them the piece before it.
+    /// Draws the span from the last point to the command, and with the direction between them the span before it.
     #[inline(always)]
     fn draw(&mut self, command: [P; 3]) {
         let was_open = self.open.chord.is_some();
@@ -220,7 +220,7 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         let unit = way * (R::ONE / length);
         let joint = self.last.as_ref().and_then(|last| self.joint(last, unit, length));
         let chord = Chord { from: self.from, way, unit, length, start: joint };
-        // The window's first piece takes the number of its first point.
+        // The window's first span takes the number of its first point.
         let first = self.last.is_none();
         if !was_open && !first {
             self.number = self.number.wrapping_add(1);
@@ -241,7 +241,7 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         self.open.reach = self.open.reach.max(along);
     }
 
-    /// Direction at the last point, unless there is a corner or the new piece is too short to tell.
+    /// Direction at the last point, unless there is a corner or the new span is too short to tell.
     #[inline(always)]
     fn joint(&self, last: &Chord<R, P>, unit: V3<R>, length: R) -> Option<V3<R>> {
         let (shorter, longer) = if length < last.length { (length, last.length) } else { (last.length, length) };
@@ -253,7 +253,7 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         Some(direction * (R::ONE / direction.norm()))
     }
 
-    /// The command is back at the last point: the piece before it is the newest again, or the first point.
+    /// The command is back at the last point: the span before it is the newest again, or the first point.
     #[cold]
     fn withdraw(&mut self) {
         if self.last.is_none() {

@@ -25,7 +25,7 @@ pub(super) struct Foot<R> {
     pub(super) vector: [R; 3],
     /// Derivative of the curve there, mm.
     pub(super) tangent: [R; 3],
-    /// What is left of g is rounding, and the foot is a minimum inside the span.
+    /// The rest of g is rounding, and the foot is a minimum inside the span.
     pub(super) trusted: bool,
     /// The foot is a minimum, wherever it lies.
     pub(super) converged: bool,
@@ -60,21 +60,21 @@ impl<R: Real, P: Position> Span<R, P> {
     /// `None` where its own test does not trust the result: the guess is too far off, the foot beyond an end, or a
     /// maximum near. Then [`super::ContourSearch`] brackets.
     #[inline(always)]
-    pub fn foot_near(&self, point: &[P; 3], guess: R) -> Option<(R, [R; 3])> {
+    pub fn foot_near(&self, point: &[P; 3], guess: R) -> Option<(R, R::Vec3)> {
         let foot = foot(self, &self.relative(point), guess);
-        foot.trusted.then(|| (foot.t, foot.vector.map(|x| -x)))
+        foot.trusted.then(|| (foot.t, foot.vector.map(|x| -x).into()))
     }
 }
 
 /// Not inlined: in a driver's loop it runs slower.
 #[inline(never)]
 fn cubic<R: Real, const RATIONAL: bool>([c0, c1, c2, c3, ..]: &[[R; 4]; 6], point: &[R; 3], t: R) -> Foot<R> {
-    let p2 = step::<R, RATIONAL>(c2, t, c3);
-    let p1 = step::<R, RATIONAL>(c1, t, &p2);
-    let p0 = step::<R, RATIONAL>(c0, t, &p1);
-    let q2 = step::<R, RATIONAL>(&p2, t, c3);
-    let q1 = step::<R, RATIONAL>(&p1, t, &q2);
-    let r2 = step::<R, RATIONAL>(&q2, t, c3);
+    let p2 = horner::<R, RATIONAL>(c2, t, c3);
+    let p1 = horner::<R, RATIONAL>(c1, t, &p2);
+    let p0 = horner::<R, RATIONAL>(c0, t, &p1);
+    let q2 = horner::<R, RATIONAL>(&p2, t, c3);
+    let q1 = horner::<R, RATIONAL>(&p1, t, &q2);
+    let r2 = horner::<R, RATIONAL>(&q2, t, c3);
     solve::<R, RATIONAL, 4>([p0, q1, r2, *c3], point, t)
 }
 
@@ -83,38 +83,45 @@ fn quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], point: &[R; 3], t: R)
     let mut shifted = *c;
     // Taylor shift by synthetic division: fifteen steps in a triangle.
     let [s0, s1, s2, s3, s4, s5] = &mut shifted;
-    *s4 = step::<R, RATIONAL>(s4, t, s5);
-    *s3 = step::<R, RATIONAL>(s3, t, s4);
-    *s2 = step::<R, RATIONAL>(s2, t, s3);
-    *s1 = step::<R, RATIONAL>(s1, t, s2);
-    *s0 = step::<R, RATIONAL>(s0, t, s1);
-    *s4 = step::<R, RATIONAL>(s4, t, s5);
-    *s3 = step::<R, RATIONAL>(s3, t, s4);
-    *s2 = step::<R, RATIONAL>(s2, t, s3);
-    *s1 = step::<R, RATIONAL>(s1, t, s2);
-    *s4 = step::<R, RATIONAL>(s4, t, s5);
-    *s3 = step::<R, RATIONAL>(s3, t, s4);
-    *s2 = step::<R, RATIONAL>(s2, t, s3);
-    *s4 = step::<R, RATIONAL>(s4, t, s5);
-    *s3 = step::<R, RATIONAL>(s3, t, s4);
-    *s4 = step::<R, RATIONAL>(s4, t, s5);
+    *s4 = horner::<R, RATIONAL>(s4, t, s5);
+    *s3 = horner::<R, RATIONAL>(s3, t, s4);
+    *s2 = horner::<R, RATIONAL>(s2, t, s3);
+    *s1 = horner::<R, RATIONAL>(s1, t, s2);
+    *s0 = horner::<R, RATIONAL>(s0, t, s1);
+    *s4 = horner::<R, RATIONAL>(s4, t, s5);
+    *s3 = horner::<R, RATIONAL>(s3, t, s4);
+    *s2 = horner::<R, RATIONAL>(s2, t, s3);
+    *s1 = horner::<R, RATIONAL>(s1, t, s2);
+    *s4 = horner::<R, RATIONAL>(s4, t, s5);
+    *s3 = horner::<R, RATIONAL>(s3, t, s4);
+    *s2 = horner::<R, RATIONAL>(s2, t, s3);
+    *s4 = horner::<R, RATIONAL>(s4, t, s5);
+    *s3 = horner::<R, RATIONAL>(s3, t, s4);
+    *s4 = horner::<R, RATIONAL>(s4, t, s5);
     solve::<R, RATIONAL, 6>(shifted, point, t)
 }
 
 /// `a + t b`, without the weights where there are none.
 #[inline(always)]
-fn step<R: Real, const RATIONAL: bool>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4] {
+fn horner<R: Real, const RATIONAL: bool>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4] {
     if RATIONAL { mad(a, t, b) } else { [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2], R::ZERO] }
 }
 
 /// Coefficients about the guess, C of them: the step and its correction.
 #[inline(always)]
 fn solve<R: Real, const RATIONAL: bool, const C: usize>(s: [[R; 4]; C], p: &[R; 3], t: R) -> Foot<R> {
-    let (one, two, three) = (R::ONE, R::TWO, R::THREE);
-    // x = shifted − w p; for weight 1 only the constant term is touched.
+    let (x, w) = homogeneous::<R, RATIONAL, C>(&s, p);
+    let Some(step) = third_order::<R, RATIONAL, C>(&x, &w) else { return nowhere(t) };
+    let taylor = Taylor::at::<RATIONAL, C>(&x, &w, step.h);
+    taylor.correct::<RATIONAL>(&step, t)
+}
+
+/// x = shifted − w p; for weight 1 only the constant term is touched.
+#[inline(always)]
+fn homogeneous<R: Real, const RATIONAL: bool, const C: usize>(s: &[[R; 4]; C], p: &[R; 3]) -> ([[R; 3]; C], [R; C]) {
     let mut x = [[R::ZERO; 3]; C];
     let mut w = [R::ZERO; C];
-    for (k, ((x, w), s)) in x.iter_mut().zip(&mut w).zip(&s).enumerate() {
+    for (k, ((x, w), s)) in x.iter_mut().zip(&mut w).zip(s).enumerate() {
         if RATIONAL {
             *x = [s[0] - p[0] * s[3], s[1] - p[1] * s[3], s[2] - p[2] * s[3]];
             *w = s[3];
@@ -124,9 +131,26 @@ fn solve<R: Real, const RATIONAL: bool, const C: usize>(s: [[R; 4]; C], p: &[R; 
             *x = [s[0], s[1], s[2]];
         }
     }
-    let ([a, b, d, e, ..], [w0, w1, w2, w3, ..]) = (&x[..], &w[..]) else { return nowhere(t) };
-    let (w0, w1, w2, w3) = (*w0, *w1, *w2, *w3);
+    (x, w)
+}
 
+/// The third-order step h from g's series, with the series' quantities that the trust test looks at.
+struct Step<R> {
+    h: R,
+    u: R,
+    /// g'.
+    g1: R,
+    /// x·x'' + x'·x' at the guess.
+    s2: R,
+    w0: R,
+    sane: bool,
+}
+
+#[inline(always)]
+fn third_order<R: Real, const RATIONAL: bool, const C: usize>(x: &[[R; 3]; C], w: &[R; C]) -> Option<Step<R>> {
+    let (one, two, three) = (R::ONE, R::TWO, R::THREE);
+    let ([a, b, d, e, ..], [w0, w1, w2, w3, ..]) = (&x[..], &w[..]) else { return None };
+    let (w0, w1, w2, w3) = (*w0, *w1, *w2, *w3);
     let s1 = dot(a, b);
     let ad = dot(a, d);
     let s2 = dot(b, b) + (ad + ad);
@@ -143,54 +167,76 @@ fn solve<R: Real, const RATIONAL: bool, const C: usize>(s: [[R; 4]; C], p: &[R; 
     let u = g2 * inverse;
     let uy = u * y;
     let h = y - y * uy * (one - (uy + uy));
-    let sane = g1 > R::ZERO && uy.abs() < R::of(0.2);
+    Some(Step { h, u, g1, s2, w0, sane: g1 > R::ZERO && uy.abs() < R::of(0.2) })
+}
 
-    // Value, derivative and half the second derivative at h, exactly.
-    let (mut r, mut v, mut z) = ([R::ZERO; 3], [R::ZERO; 3], [R::ZERO; 3]);
-    let (mut rw, mut vw, mut zw) = (R::ZERO, R::ZERO, R::ZERO);
-    for (x, w) in x.iter().zip(&w).rev() {
+/// Value, derivative and half the second derivative of x and w at the step, exactly.
+struct Taylor<R> {
+    r: [R; 3],
+    v: [R; 3],
+    z: [R; 3],
+    rw: R,
+    vw: R,
+    zw: R,
+}
+
+impl<R: Real> Taylor<R> {
+    #[inline(always)]
+    fn at<const RATIONAL: bool, const C: usize>(x: &[[R; 3]; C], w: &[R; C], h: R) -> Self {
+        let (mut r, mut v, mut z) = ([R::ZERO; 3], [R::ZERO; 3], [R::ZERO; 3]);
+        let (mut rw, mut vw, mut zw) = (R::ZERO, R::ZERO, R::ZERO);
+        for (x, w) in x.iter().zip(w).rev() {
+            for k in 0..3 {
+                z[k] = v[k] + h * z[k];
+                v[k] = r[k] + h * v[k];
+                r[k] = x[k] + h * r[k];
+            }
+            if RATIONAL {
+                zw = vw + h * zw;
+                vw = rw + h * vw;
+                rw = *w + h * rw;
+            }
+        }
+        if !RATIONAL {
+            rw = R::ONE;
+        }
+        Taylor { r, v, z, rw, vw, zw }
+    }
+
+    /// One Newton correction after the step from `t`, and the test whether its result can be trusted.
+    #[inline(always)]
+    fn correct<const RATIONAL: bool>(&self, step: &Step<R>, t: R) -> Foot<R> {
+        let Taylor { r, v, z, rw, vw, zw } = self;
+        let (one, two) = (R::ONE, R::TWO);
+        let rv = dot(r, v);
+        let rz = dot(r, z);
+        let (mut g, mut slope) = (rv, dot(v, v) + (rz + rz));
+        if RATIONAL {
+            let rr = dot(r, r);
+            g = rv * *rw - rr * *vw;
+            slope = slope * *rw - (rv * *vw + two * (rr * *zw));
+        }
+        let correction = -g / slope;
+        let left = step.u * correction * correction;
+        let unit = if RATIONAL { step.w0 * step.w0 } else { one };
+        let converged = step.sane && slope > R::HALF * step.g1 && left * left * step.s2.abs() < tolerance::<R>() * unit;
+
+        let (mut vector, mut tangent) = ([R::ZERO; 3], [R::ZERO; 3]);
+        let weight = if RATIONAL { one / (*rw + correction * (*vw + correction * *zw)) } else { one };
+        let weight_rate = if RATIONAL { *vw + two * (correction * *zw) } else { R::ZERO };
         for k in 0..3 {
-            z[k] = v[k] + h * z[k];
-            v[k] = r[k] + h * v[k];
-            r[k] = x[k] + h * r[k];
+            vector[k] = r[k] + correction * (v[k] + correction * z[k]);
+            tangent[k] = v[k] + two * (correction * z[k]);
+            if RATIONAL {
+                vector[k] = vector[k] * weight;
+                // (x/w)' = (x' − x w'/w)/w
+                tangent[k] = (tangent[k] - vector[k] * weight_rate) * weight;
+            }
         }
-        if RATIONAL {
-            zw = vw + h * zw;
-            vw = rw + h * vw;
-            rw = *w + h * rw;
-        }
+        let t = t + step.h + correction;
+        let trusted = converged && t >= R::ZERO && t <= one;
+        Foot { t, vector, tangent, trusted, converged }
     }
-    if !RATIONAL {
-        rw = one;
-    }
-    let rv = dot(&r, &v);
-    let rz = dot(&r, &z);
-    let (mut g, mut slope) = (rv, dot(&v, &v) + (rz + rz));
-    if RATIONAL {
-        let rr = dot(&r, &r);
-        g = rv * rw - rr * vw;
-        slope = slope * rw - (rv * vw + two * (rr * zw));
-    }
-    let correction = -g / slope;
-    let left = u * correction * correction;
-    let unit = if RATIONAL { w0 * w0 } else { one };
-    let converged = sane && slope > R::HALF * g1 && left * left * s2.abs() < tolerance::<R>() * unit;
-
-    let (mut vector, mut tangent) = ([R::ZERO; 3], [R::ZERO; 3]);
-    let weight = if RATIONAL { one / (rw + correction * (vw + correction * zw)) } else { one };
-    let weight_rate = if RATIONAL { vw + two * (correction * zw) } else { R::ZERO };
-    for k in 0..3 {
-        vector[k] = r[k] + correction * (v[k] + correction * z[k]);
-        tangent[k] = v[k] + two * (correction * z[k]);
-        if RATIONAL {
-            vector[k] = vector[k] * weight;
-            // (x/w)' = (x' − x w'/w)/w
-            tangent[k] = (tangent[k] - vector[k] * weight_rate) * weight;
-        }
-    }
-    let t = t + h + correction;
-    let trusted = converged && t >= R::ZERO && t <= one;
-    Foot { t, vector, tangent, trusted, converged }
 }
 
 fn nowhere<R: Real>(t: R) -> Foot<R> {

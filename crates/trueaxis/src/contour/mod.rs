@@ -8,9 +8,9 @@
 //! - in a cycle, the search starts at the last foot plus the reference's progress. As a rule one call of the kernel
 //!   ends it; else it descends, brackets and refines, across borders and corners, within a window of
 //!   `5 µm + 4 × progress`. At most eight evaluations of the path in all;
-//! - with no foot known (first cycle, after a fault, lost) the way around the reference is looked over in several cycles.
+//! - with no foot known (first cycle, after a fault, lost) the path around the reference is searched over several cycles.
 //! - a host whose planner is closed lets its own commands be the path ([`CommandWindow`]);
-//! - a [`ToolPath`] adds a direction to every piece ([`Turn`]): its error is the angle at the tip's foot, and where the
+//! - a [`ToolPath`] adds a direction to every span ([`Turn`]): its error is the angle at the tip's foot, and where the
 //!   tip stands while the tool turns ([`Segment::Turning`]), that to the nearest orientation.
 //!
 //! Source: Han Jiang et al., CN110161966A, bracket and bisect the derivative of the distance. Corrected: the published rule
@@ -48,15 +48,15 @@ impl Flags {
     pub const BRACKETED: Flags = Flags(1);
     /// The foot is an end of an open path.
     pub const AT_END: Flags = Flags(2);
-    /// The foot is a corner between two pieces.
+    /// The foot is a corner between two spans.
     pub const AT_CORNER: Flags = Flags(4);
     /// A second minimum may be near.
     pub const SECOND_MINIMUM: Flags = Flags(8);
-    /// No foot was known from the last cycle; the way around the reference is being looked over.
+    /// No foot was known from the last cycle; the path around the reference is being searched.
     pub const COLD: Flags = Flags(16);
-    /// There is no path, or no belief in the readings: nothing was measured.
+    /// There is no path, or the readings are not trusted: nothing was measured.
     pub const NOT_FOUND: Flags = Flags(32);
-    /// The reference lay outside its piece and was taken at the nearer end; infinite or not a number, nothing was
+    /// The reference lay outside its span and was taken at the nearer end; infinite or not a number, nothing was
     /// measured.
     pub const REFERENCE: Flags = Flags(64);
 
@@ -80,15 +80,16 @@ impl Flags {
 /// Contour error in a cycle; lengths in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ContourError<R> {
-    /// Piece on which the foot lies.
+pub struct ContourError<R: Real> {
+    /// Span on which the foot lies.
     pub span: u32,
-    /// Parameter of the foot in the piece.
+    /// Parameter of the foot in the span.
     pub t: R,
     /// Distance from the path: |actual − foot|.
     pub error: R,
     /// Actual − foot, in machine axes; at ends and corners this is the authority.
-    pub vector: [R; 3],
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub vector: R::Vec3,
     /// Component along n = b × t: positive to the left of the path, seen against the plane's normal b. Where the path
     /// runs along b, n is machine X.
     pub normal: R,
@@ -98,7 +99,7 @@ pub struct ContourError<R> {
     pub tangential: R,
     /// Arc length from the foot to the reference, positive while the tool lags.
     pub lag: R,
-    /// What is left of the bracket, arc length.
+    /// Remaining width of the bracket, arc length.
     pub width: R,
     /// Evaluations of the path used (the kernel counts as two).
     pub evaluations: u8,
@@ -113,7 +114,7 @@ impl<R: Real> ContourError<R> {
             span: 0,
             t: R::ZERO,
             error: R::ZERO,
-            vector: [R::ZERO; 3],
+            vector: R::Vec3::default(),
             normal: R::ZERO,
             binormal: R::ZERO,
             tangential: R::ZERO,

@@ -8,9 +8,9 @@ use super::{ContourError, Flags};
 use crate::position::Position;
 use crate::real::Real;
 
-/// Samples of every piece; its tangent turns by less than 30°, so no two minima hide between two of them.
+/// Samples of every span; its tangent turns by less than 30°, so no two minima hide between two of them.
 const SAMPLES: i32 = 16;
-/// Pieces looked at on either side of the reference.
+/// Spans looked at on either side of the reference.
 const PIECES: usize = 4096;
 
 impl<R: Real> ContourSearch<R> {
@@ -28,7 +28,7 @@ impl<R: Real> ContourSearch<R> {
         let reference = path.moving(reference);
         let Some(home) = path.span(reference.span) else { return ContourError::none() };
         let mut spent = 0;
-        let start = at(home, reference.span, &point, reference.t.within(R::ZERO, R::ONE));
+        let start = at(home, reference.span, &point, reference.t.limit(R::ZERO, R::ONE));
         let mut best = Best { minimum: None, sample: start };
         let mut minima = 0;
         let (mut ahead, mut behind) = (R::ZERO, R::ZERO);
@@ -45,7 +45,7 @@ impl<R: Real> ContourSearch<R> {
             next = next.and_then(|n| path.next(n)).filter(|n| ahead < self.max_lag && *n != reference.span);
             previous =
                 previous.and_then(|n| path.previous(n)).filter(|n| behind < self.max_lag && *n != reference.span);
-            // Where the reference lies, counted from the start of the piece.
+            // Where the reference lies, counted from the start of the span.
             let before = previous.and_then(|n| path.span(n)).map_or(R::ZERO, Span::length);
             pieces = [next.map(|n| (n, -ahead)), previous.filter(|p| Some(*p) != next).map(|n| (n, behind + before))];
             if next.is_none() && previous.is_none() {
@@ -61,7 +61,7 @@ impl<R: Real> ContourSearch<R> {
         components(path, &best, error, lag, spent)
     }
 
-    /// Minima and borders of one piece, as far as it lies in the window; `reference` is its arc length in the piece.
+    /// Minima and borders of one span, as far as it lies in the window; `reference` is its arc length in the span.
     pub(super) fn piece<P: Position>(
         &self,
         path: &Path<'_, R, P>,
@@ -105,7 +105,7 @@ impl<R: Real> ContourSearch<R> {
         }
     }
 
-    /// The minimum between two samples of one piece.
+    /// The minimum between two samples of one span.
     fn narrow<P: Position>(
         &self,
         path: &Path<'_, R, P>,
@@ -142,7 +142,7 @@ impl<R: Real> ContourSearch<R> {
         Some(found)
     }
 
-    /// Whether a sample at a border of its piece is a corner's or an end's minimum.
+    /// Whether a sample at a border of its span is a corner's or an end's minimum.
     fn border<P: Position>(&self, path: &Path<'_, R, P>, number: u32, t: R, g: R, point: &[P; 3]) -> Flags {
         let (beyond, entry, outward) = if t == R::ONE && g < R::ZERO {
             (path.next(number), R::ZERO, true)

@@ -1,6 +1,6 @@
 //! Orientation contour error: the angle between the tool's direction and the one that the path has at the foot.
 //!
-//! A five-axis path has, beside the way of the tip, a direction for every piece: a [`Turn`]. The error is
+//! A five-axis path has, beside the path of the tip, a direction for every span: a [`Turn`]. The error is
 //!
 //! ```text
 //! ε = atan2(|a × b|, a · b)        a: direction of the path at the foot of the tip, b: the tool's
@@ -19,13 +19,14 @@ use crate::compensation::trig::{atan2, cos_sin_deg};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
+use glam::DVec3;
 
-/// How the tool's direction goes along a piece of the path.
+/// How the tool's direction goes along a span of the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn<R> {
     way: Way<R>,
-    /// tan² of a quarter of the piece's angle, and the weight that its series is divided by: on arcs the segment's
-    /// parameter is not linear in the piece's.
+    /// tan² of a quarter of the span's angle, and the weight that its series is divided by: on arcs the segment's
+    /// parameter is not linear in the span's.
     bend: R,
     scale: R,
 }
@@ -41,7 +42,7 @@ enum Way<R> {
 impl<R: Real> Turn<R> {
     /// Rotary axes that move linearly in the segment's parameter u, which is what a block with rotary words means.
     ///
-    /// `span`: the piece; `domain`: u at start and end of its segment (0 and 1, or the spline's outer knots); `start`
+    /// `span`: the span; `domain`: u at start and end of its segment (0 and 1, or the spline's outer knots); `start`
     /// and `end`: positions of A, B, C there, degrees, any number of turns.
     pub fn axes<P: Position>(span: &Span<R, P>, domain: [f64; 2], start: [f64; 3], end: [f64; 3]) -> Self {
         let [from, to] = part(span, domain);
@@ -60,11 +61,11 @@ impl<R: Real> Turn<R> {
     pub fn directions<P: Position>(
         span: &Span<R, P>,
         domain: [f64; 2],
-        start: [f64; 3],
-        end: [f64; 3],
+        start: impl Into<DVec3>,
+        end: impl Into<DVec3>,
     ) -> Option<Self> {
         let unit = |v: V3<f64>| (v.norm() > 1e-9 && v.norm().is_finite()).then(|| v * (1.0 / v.norm()));
-        let (a, b) = (unit(V3::of(start))?, unit(V3::of(end))?);
+        let (a, b) = (unit(V3::from_glam(start.into()))?, unit(V3::from_glam(end.into()))?);
         let angle = libm::atan2(a.cross(b).norm(), a.dot(b));
         if angle > core::f64::consts::PI - 1e-6 {
             return None;
@@ -88,7 +89,7 @@ impl<R: Real> Turn<R> {
         Turn { way, bend: R::of(k * k), scale: R::of(scale) }
     }
 
-    /// Part of the piece's angle at its parameter: ½ + ½ atan(k(2t − 1))/atan k, to 1e-9.
+    /// Part of the span's angle at its parameter: ½ + ½ atan(k(2t − 1))/atan k, to 1e-9.
     #[inline(always)]
     fn fraction(&self, t: R) -> R {
         if self.bend == R::ZERO {
@@ -101,12 +102,19 @@ impl<R: Real> Turn<R> {
         R::HALF + R::HALF * x * sum * self.scale
     }
 
-    /// Direction at the piece's parameter; `of_axes` gives that of rotary positions, degrees.
+    /// Direction at the span's parameter; `of_axes` gives that of rotary positions, degrees.
     #[inline(always)]
-    pub fn direction(&self, t: R, of_axes: impl Fn([R; 3]) -> V3<R>) -> V3<R> {
+    pub fn direction(&self, t: R, of_axes: impl Fn([R; 3]) -> R::Vec3) -> R::Vec3 {
+        self.heading(t, of_axes).glam()
+    }
+
+    #[inline(always)]
+    fn heading(&self, t: R, of_axes: impl Fn([R; 3]) -> R::Vec3) -> V3<R> {
         let s = self.fraction(t);
         match &self.way {
-            Way::Axes { start: [a, b, c], change: [da, db, dc] } => of_axes([*a + *da * s, *b + *db * s, *c + *dc * s]),
+            Way::Axes { start: [a, b, c], change: [da, db, dc] } => {
+                V3::from_glam(of_axes([*a + *da * s, *b + *db * s, *c + *dc * s]))
+            }
             Way::Circle { from, across, degrees } => {
                 let (cos, sin) = cos_sin_deg(*degrees * s);
                 *from * cos + *across * sin
@@ -114,7 +122,7 @@ impl<R: Real> Turn<R> {
         }
     }
 
-    /// Largest change of an angle over the piece, degrees.
+    /// Largest change of an angle over the span, degrees.
     #[inline(always)]
     fn extent(&self) -> R {
         match &self.way {
@@ -124,12 +132,12 @@ impl<R: Real> Turn<R> {
     }
 }
 
-/// The piece's part of its segment, 0 to 1.
+/// The span's part of its segment, 0 to 1.
 fn part<R: Real, P: Position>(span: &Span<R, P>, [low, high]: [f64; 2]) -> [f64; 2] {
     span.u_range().map(|u| if high > low { (u - low) / (high - low) } else { u })
 }
 
-/// A path of the tip and the directions that go with it: one [`Turn`] for every piece, in the same order. In workpiece
+/// A path of the tip and the directions that go with it: one [`Turn`] for every span, in the same order. In workpiece
 /// coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct ToolPath<'a, R, P> {
@@ -138,12 +146,12 @@ pub struct ToolPath<'a, R, P> {
 }
 
 impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
-    /// From a window of pieces and as many turns; a piece without one has no orientation error.
+    /// From a window of spans and as many turns; a span without one has no orientation error.
     pub fn new(path: Path<'a, R, P>, turns: &'a [Turn<R>]) -> Self {
         ToolPath { path: Path { turning: true, ..path }, turns }
     }
 
-    /// Way of the tip, with the pieces without length passed over by a search.
+    /// Path of the tip, with the spans without length passed over by a search.
     pub fn path(&self) -> &Path<'a, R, P> {
         &self.path
     }
@@ -155,7 +163,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
 
     /// Orientation error of a tool direction (unit vector, workpiece coordinates), given the tip's foot of this cycle.
     ///
-    /// `of_axes`: direction of rotary positions, degrees. Pieces on which the tip stands compete with the tip's foot for
+    /// `of_axes`: direction of rotary positions, degrees. Spans on which the tip stands compete with the tip's foot for
     /// the nearest place of the path, where a tilt counts as the way of a point 100 mm up the tool; without them it is
     /// one evaluation of `of_axes`, with them at most twenty-seven.
     #[inline(always)]
@@ -163,12 +171,13 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         &self,
         reference: Reference<R>,
         tip: &ContourError<R>,
-        actual: V3<R>,
-        of_axes: impl Fn([R; 3]) -> V3<R> + Copy,
+        actual: R::Vec3,
+        of_axes: impl Fn([R; 3]) -> R::Vec3 + Copy,
     ) -> OrientationError<R> {
+        let actual = V3::from_glam(actual);
         let place = Reference { span: tip.span, t: tip.t };
         let Some(turn) = self.turn(place.span).filter(|_| tip.is_measured()) else { return OrientationError::none() };
-        let error = OrientationError::between(turn.direction(place.t, of_axes), actual, place, 1, tip.flags);
+        let error = OrientationError::between(turn.heading(place.t, of_axes), actual, place, 1, tip.flags);
         let beside = if self.path.stands(reference.span) { Some(reference) } else { self.beside(place) };
         match beside {
             Some(start) => self.turning(start, place, &error, actual, of_axes),
@@ -176,7 +185,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         }
     }
 
-    /// The piece without length at the nearer border of a place, from that border.
+    /// The span without length at the nearer border of a point, from that border.
     #[inline(always)]
     fn beside(&self, place: Reference<R>) -> Option<Reference<R>> {
         let (number, t) = if place.t > R::HALF {
@@ -195,21 +204,21 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         foot: Reference<R>,
         at_foot: &OrientationError<R>,
         actual: V3<R>,
-        of_axes: impl Fn([R; 3]) -> V3<R> + Copy,
+        of_axes: impl Fn([R; 3]) -> R::Vec3 + Copy,
     ) -> OrientationError<R> {
         let mut evaluations = at_foot.evaluations;
         let mut best: Option<OrientationError<R>> = None;
         let mut from = start;
-        for _ in 0..PIECES {
+        for _ in 0..SPANS {
             let Some(turn) = self.turn(from.span) else { break };
-            let (t, spent) = nearest(turn, from.t.within(R::ZERO, R::ONE), actual, of_axes);
+            let (t, spent) = nearest(turn, from.t.limit(R::ZERO, R::ONE), actual, of_axes);
             evaluations = evaluations.saturating_add(spent).saturating_add(1);
-            // At a border that is seen at right angles, rounding decides on which side of it the place lies.
+            // At a border that is seen at right angles, rounding decides on which side of it the point lies.
             let margin = R::of(MARGIN_DEG) / turn.extent().max(R::of(MARGIN_DEG));
             let inside = t > margin && t < R::ONE - margin;
             let flags = if inside { Flags::BRACKETED } else { Flags::AT_CORNER };
             let here = Reference { span: from.span, t };
-            let error = OrientationError::between(turn.direction(t, of_axes), actual, here, 0, flags);
+            let error = OrientationError::between(turn.heading(t, of_axes), actual, here, 0, flags);
             if best.is_none_or(|best| error.angle < best.angle) {
                 best = Some(error);
             }
@@ -244,13 +253,13 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
     }
 }
 
-/// Pieces without length that a cycle looks at.
-const PIECES: usize = 2;
+/// Spans without length that a cycle looks at.
+const SPANS: usize = 2;
 /// Steps towards the nearest orientation on each.
 const STEPS: u8 = 4;
-/// Distance from the tip at which a tilt is weighed against a way of the tip, mm.
+/// Distance from the tip at which a tilt is weighed against a motion of the tip, mm.
 const LEVER_MM: f64 = 100.0;
-/// Where the way between two places is not followed any further, mm.
+/// Arc length beyond which two points count as far apart, mm.
 const BEYOND_MM: f64 = 1e3;
 /// Half the chord that stands for the tangent, degrees: leaves 1e-5 of it, which the angle at the foot sees squared.
 const CHORD_DEG: f64 = 0.5;
@@ -263,10 +272,10 @@ const STEP_DEG: f64 = 30.0;
 
 /// Parameter of the orientation nearest to `actual`, and the evaluations that took.
 ///
-/// Gauss and Newton's step on |a − b|², with the chord about the place as its tangent, held within the piece and to 30°:
+/// Gauss and Newton's step on |a − b|², with the chord about the place as its tangent, kept within the span and to 30°:
 /// always downhill, and the error shrinks by about ε + (30°)²/8 a step at worst.
 #[inline(always)]
-fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R; 3]) -> V3<R> + Copy) -> (R, u8) {
+fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R; 3]) -> R::Vec3 + Copy) -> (R, u8) {
     let extent = turn.extent();
     if extent <= R::of(1e-9) || !extent.is_finite() {
         return (start, 0);
@@ -277,8 +286,8 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
     let mut t = start;
     let mut spent = 0;
     for _ in 0..STEPS {
-        let (ahead, behind) = (turn.direction(t + half, of_axes), turn.direction(t - half, of_axes));
-        let left = actual - turn.direction(t, of_axes);
+        let (ahead, behind) = (turn.heading(t + half, of_axes), turn.heading(t - half, of_axes));
+        let left = actual - turn.heading(t, of_axes);
         spent += 3;
         let chord = ahead - behind;
         let square = chord.dot(chord);
@@ -286,8 +295,8 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
         if square <= R::of(1e-12) || !square.is_finite() {
             break;
         }
-        let step = ((half + half) * left.dot(chord) / square).within(-longest, longest);
-        let next = (t + step).within(R::ZERO, R::ONE);
+        let step = ((half + half) * left.dot(chord) / square).limit(-longest, longest);
+        let next = (t + step).limit(R::ZERO, R::ONE);
         let moved = (next - t).abs();
         t = next;
         if moved <= small {
@@ -300,15 +309,16 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
 /// Orientation contour error of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct OrientationError<R> {
+pub struct OrientationError<R: Real> {
     /// Angle between the tool and the path's direction at the foot, rad, 0 to π.
     pub angle: R,
     /// Path × tool, in workpiece coordinates: for small errors the rotation (rad) that takes the path's direction to the
     /// tool's, actual − ideal; its length is the sine of the angle.
-    pub vector: V3<R>,
-    /// Piece on which the foot lies.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub vector: R::Vec3,
+    /// Span on which the foot lies.
     pub span: u32,
-    /// Parameter of the foot in the piece.
+    /// Parameter of the foot in the span.
     pub t: R,
     /// Evaluations of the path's direction used.
     pub evaluations: u8,
@@ -321,7 +331,7 @@ impl<R: Real> OrientationError<R> {
     pub fn none() -> Self {
         OrientationError {
             angle: R::ZERO,
-            vector: V3::ZERO,
+            vector: V3::<R>::ZERO.glam(),
             span: 0,
             t: R::ZERO,
             evaluations: 0,
@@ -338,7 +348,7 @@ impl<R: Real> OrientationError<R> {
     fn between(path: V3<R>, tool: V3<R>, at: Reference<R>, evaluations: u8, flags: Flags) -> Self {
         let vector = path.cross(tool);
         let angle = atan2(vector.norm(), path.dot(tool));
-        OrientationError { angle, vector, span: at.span, t: at.t, evaluations, flags }
+        OrientationError { angle, vector: vector.glam(), span: at.span, t: at.t, evaluations, flags }
     }
 }
 

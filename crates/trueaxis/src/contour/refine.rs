@@ -14,10 +14,10 @@ pub(super) struct Found<R> {
     pub(super) vector: [R; 3],
     /// Derivative of the path, mm.
     pub(super) tangent: [R; 3],
-    /// What is left of the bracket, mm of arc length.
+    /// Remaining width of the bracket, mm of arc length.
     pub(super) width: R,
     pub(super) flags: Flags,
-    /// The evaluations ran out on the way down to a minimum: the place is good to go on from.
+    /// The evaluations ran out on the way down to a minimum: the point is good to go on from.
     pub(super) downhill: bool,
 }
 
@@ -26,22 +26,22 @@ pub(super) fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// A place counted from the start of the search: pieces forward, parameter in the piece.
+/// A point of the path counted from the start of the search: spans forward, parameter in the span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Spot<R> {
-    piece: i32,
+    span: i32,
     number: u32,
     t: R,
 }
 
 impl<R: Real> Spot<R> {
     fn before(&self, other: &Self) -> bool {
-        self.piece < other.piece || (self.piece == other.piece && self.t < other.t)
+        self.span < other.span || (self.span == other.span && self.t < other.t)
     }
 }
 
-/// Pieces that a search looks at on either side of its start.
-const PIECES: i32 = 4;
+/// Spans that a search looks at on either side of its start.
+const SPANS: i32 = 4;
 
 /// A Newton step shorter than this leaves, after its quadratic convergence, nothing but rounding: mm.
 #[inline(always)]
@@ -65,134 +65,216 @@ pub(super) fn descend<R: Real, P: Position>(
     spent: &mut u8,
 ) -> Option<Found<R>> {
     let start = path.moving(start);
-    let mut at = Spot { piece: 0, number: start.span, t: start.t.within(R::ZERO, R::ONE) };
-    let (mut low, mut high) = (None::<Spot<R>>, None::<Spot<R>>);
-    let mut flags = Flags::default();
-    let mut walked = R::ZERO;
+    let at = Spot { span: 0, number: start.span, t: start.t.limit(R::ZERO, R::ONE) };
+    let mut descent =
+        Descent { path, window, bisect, at, low: None, high: None, flags: Flags::default(), walked: R::ZERO };
     for round in 0..budget {
-        let span = path.span(at.number)?;
-        let e = evaluate(span, &span.relative(point), at.t);
+        let span = path.span(descent.at.number)?;
+        let e = evaluate(span, &span.relative(point), descent.at.t);
         *spent = spent.saturating_add(1);
         let speed = e.straight.sqrt();
         if e.g == R::ZERO && e.slope >= R::ZERO {
-            return Some(found(at, &e, R::ZERO, flags.and(Flags::BRACKETED)));
+            return Some(found(descent.at, &e, R::ZERO, descent.flags.and(Flags::BRACKETED)));
         }
-        if round == 0 && e.slope <= R::ZERO {
-            flags = flags.and(Flags::SECOND_MINIMUM);
+        let ahead = descent.bracket(&e, round == 0);
+        if let Some(foot) = descent.at_border(&e, &ahead) {
+            return Some(foot);
+        }
+        let newton = descent.newton(&e);
+        if !bisect && newton.convex && newton.inside && newton.bounded && newton.step.abs() * speed < short_step() {
+            return Some(descent.series(&e, &newton));
+        }
+        if round + 1 == budget {
+            return Some(descent.last(&e, newton.convex));
+        }
+        let next = match (descent.low, descent.high) {
+            (Some(low), Some(high)) => descent.between(&low, &high, &e, &newton)?,
+            _ => descent.downhill(&e, speed, &newton, &ahead, round > 0),
+        };
+        match next {
+            Next::Sample(spot) => descent.at = spot,
+            Next::Foot(foot) => return Some(foot),
+        }
+    }
+    None
+}
+
+/// A descent under way: the latest sample, the bracket around the minimum, and how far it has come.
+struct Descent<'p, 's, R, P> {
+    path: &'p Path<'s, R, P>,
+    window: R,
+    bisect: bool,
+    at: Spot<R>,
+    low: Option<Spot<R>>,
+    high: Option<Spot<R>>,
+    flags: Flags,
+    /// Arc length covered outside the bracket, mm.
+    walked: R,
+}
+
+/// The downhill side of a sample.
+struct Ahead<R> {
+    forward: bool,
+    /// The span beyond the border.
+    beyond: Option<u32>,
+    /// Parameter of the border.
+    border: R,
+}
+
+/// Newton's step from a sample; where the distance is not convex, the step of a straight tangent.
+struct Newton<R> {
+    step: R,
+    to: R,
+    convex: bool,
+    /// It stays on the span.
+    inside: bool,
+    /// It stays in the bracket.
+    bounded: bool,
+}
+
+/// Result of a round: another sample, or the answer.
+enum Next<R> {
+    Sample(Spot<R>),
+    Foot(Found<R>),
+}
+
+impl<R: Real, P: Position> Descent<'_, '_, R, P> {
+    /// Makes the latest sample an end of the bracket.
+    #[inline(always)]
+    fn bracket(&mut self, e: &Evaluation<R>, first: bool) -> Ahead<R> {
+        if first && e.slope <= R::ZERO {
+            self.flags = self.flags.and(Flags::SECOND_MINIMUM);
         }
         let forward = e.g < R::ZERO;
         if forward {
-            low = Some(at)
+            self.low = Some(self.at)
         } else {
-            high = Some(at)
+            self.high = Some(self.at)
         }
+        let number = self.at.number;
+        let beyond = if forward { self.path.next(number) } else { self.path.previous(number) };
+        Ahead { forward, beyond, border: if forward { R::ONE } else { R::ZERO } }
+    }
 
-        // Two samples on either side of the same border, or an end with the minimum beyond it.
-        if let (Some(l), Some(h)) = (low, high)
-            && h.piece == l.piece + 1
+    /// A corner between two samples on either side of the same border, or an end with the minimum beyond it.
+    #[inline(always)]
+    fn at_border(&self, e: &Evaluation<R>, ahead: &Ahead<R>) -> Option<Found<R>> {
+        if let (Some(l), Some(h)) = (self.low, self.high)
+            && h.span == l.span + 1
             && l.t == R::ONE
             && h.t == R::ZERO
         {
-            return Some(found(at, &e, R::ZERO, flags.and(Flags::BRACKETED).and(Flags::AT_CORNER)));
+            return Some(found(self.at, e, R::ZERO, self.flags.and(Flags::BRACKETED).and(Flags::AT_CORNER)));
         }
-        let beyond = if forward { path.next(at.number) } else { path.previous(at.number) };
-        let border = if forward { R::ONE } else { R::ZERO };
-        let open = if forward { high.is_none() } else { low.is_none() };
-        if open && at.t == border && beyond.is_none() {
-            return Some(found(at, &e, R::ZERO, flags.and(Flags::BRACKETED).and(Flags::AT_END)));
+        let open = if ahead.forward { self.high.is_none() } else { self.low.is_none() };
+        if open && self.at.t == ahead.border && ahead.beyond.is_none() {
+            return Some(found(self.at, e, R::ZERO, self.flags.and(Flags::BRACKETED).and(Flags::AT_END)));
         }
+        None
+    }
 
+    #[inline(always)]
+    fn newton(&self, e: &Evaluation<R>) -> Newton<R> {
+        let at = self.at;
         let convex = e.slope > R::of(0.25) * e.straight;
         let step = -(e.g / if convex { e.slope } else { e.straight }.max(R::of(1e-30)));
-        let newton = at.t + step;
-        let inside = newton >= R::ZERO && newton <= R::ONE;
-        let bounded = low.is_none_or(|l| l.piece < at.piece || l.t <= newton)
-            && high.is_none_or(|h| h.piece > at.piece || newton <= h.t);
-        if !bisect && convex && inside && bounded && step.abs() * speed < short_step() {
-            // The series about this place finishes it.
-            let mut done = found(at, &e, R::ZERO, flags.and(Flags::BRACKETED));
-            done.place.t = newton;
-            for k in 0..3 {
-                done.vector[k] = e.vector[k] + step * (e.tangent[k] + step * e.bend[k]);
-                done.tangent[k] = e.tangent[k] + R::TWO * (step * e.bend[k]);
-            }
-            return Some(done);
-        }
-
-        if round + 1 == budget {
-            let (width, flags) = match (low, high) {
-                (Some(l), Some(h)) => (bracket_width(path, &l, &h), flags.and(Flags::BRACKETED)),
-                _ => (window, flags),
-            };
-            return Some(Found { downhill: convex, ..found(at, &e, width, flags) });
-        }
-        at = match (low, high) {
-            (Some(l), Some(h)) => {
-                let width = bracket_width(path, &l, &h);
-                if width <= resolution::<R>() {
-                    return Some(found(at, &e, width, flags.and(Flags::BRACKETED)));
-                }
-                if l.piece == h.piece {
-                    let middle = R::HALF * (l.t + h.t);
-                    if !(l.t < middle && middle < h.t) {
-                        return Some(found(at, &e, width, flags.and(Flags::BRACKETED)));
-                    }
-                    let strictly = l.t < newton && newton < h.t;
-                    Spot { t: if !bisect && strictly && at.piece == l.piece { newton } else { middle }, ..l }
-                } else if !bisect && inside && bounded && newton != at.t && newton > R::ZERO && newton < R::ONE {
-                    Spot { t: newton, ..at }
-                } else if l.t < R::ONE {
-                    // The border itself, seen from the lower side, then from the upper.
-                    Spot { t: R::ONE, ..l }
-                } else {
-                    let number = path.next(l.number)?;
-                    Spot { piece: l.piece + 1, number, t: R::ZERO }
-                }
-            }
-            _ => {
-                // Still downhill: Newton's step, but not over a border, and not out of the window.
-                let room = window - walked;
-                let reach = room / speed.max(R::of(1e-12));
-                let far = if bisect {
-                    (R::of(0.25) * window / speed.max(R::of(1e-12))).min(reach)
-                } else {
-                    step.abs().min(reach)
-                };
-                let target = if forward { at.t + far } else { at.t - far };
-                let crosses = !(target > R::ZERO && target < R::ONE);
-                if crosses && at.t == border {
-                    // At the border already: on in the piece beyond it.
-                    match beyond {
-                        Some(number) if at.piece.abs() < PIECES => {
-                            let piece = if forward { at.piece + 1 } else { at.piece - 1 };
-                            Spot { piece, number, t: R::ONE - border }
-                        }
-                        _ => return Some(found(at, &e, window, flags)),
-                    }
-                } else if crosses {
-                    walked += (border - at.t).abs() * speed;
-                    match beyond {
-                        // A tangent that goes on smoothly needs no look at both sides of the border.
-                        Some(number) if at.piece.abs() < PIECES && !bisect => {
-                            let piece = if forward { at.piece + 1 } else { at.piece - 1 };
-                            Spot { piece, number, t: R::ONE - border }
-                        }
-                        _ => Spot { t: border, ..at },
-                    }
-                } else {
-                    walked += far * speed;
-                    if walked >= window * R::of(0.999) && far < step.abs() && round > 0 && room <= R::ZERO {
-                        return Some(found(at, &e, window, flags));
-                    }
-                    if far == R::ZERO || target == at.t {
-                        return Some(found(at, &e, window, flags));
-                    }
-                    Spot { t: target, ..at }
-                }
-            }
-        };
+        let to = at.t + step;
+        let inside = to >= R::ZERO && to <= R::ONE;
+        let bounded = self.low.is_none_or(|l| l.span < at.span || l.t <= to)
+            && self.high.is_none_or(|h| h.span > at.span || to <= h.t);
+        Newton { step, to, convex, inside, bounded }
     }
-    None
+
+    /// The foot by the series about the latest sample: no further evaluation.
+    #[inline(always)]
+    fn series(&self, e: &Evaluation<R>, newton: &Newton<R>) -> Found<R> {
+        let step = newton.step;
+        let mut done = found(self.at, e, R::ZERO, self.flags.and(Flags::BRACKETED));
+        done.place.t = newton.to;
+        for k in 0..3 {
+            done.vector[k] = e.vector[k] + step * (e.tangent[k] + step * e.bend[k]);
+            done.tangent[k] = e.tangent[k] + R::TWO * (step * e.bend[k]);
+        }
+        done
+    }
+
+    /// The evaluations are used up: the latest sample.
+    #[inline(always)]
+    fn last(&self, e: &Evaluation<R>, convex: bool) -> Found<R> {
+        let (width, flags) = match (self.low, self.high) {
+            (Some(l), Some(h)) => (bracket_width(self.path, &l, &h), self.flags.and(Flags::BRACKETED)),
+            _ => (self.window, self.flags),
+        };
+        Found { downhill: convex, ..found(self.at, e, width, flags) }
+    }
+
+    /// The next sample inside the bracket.
+    #[inline(always)]
+    fn between(&self, l: &Spot<R>, h: &Spot<R>, e: &Evaluation<R>, newton: &Newton<R>) -> Option<Next<R>> {
+        let at = self.at;
+        let width = bracket_width(self.path, l, h);
+        let done = || Next::Foot(found(at, e, width, self.flags.and(Flags::BRACKETED)));
+        if width <= resolution::<R>() {
+            return Some(done());
+        }
+        let to = newton.to;
+        Some(Next::Sample(if l.span == h.span {
+            let middle = R::HALF * (l.t + h.t);
+            if !(l.t < middle && middle < h.t) {
+                return Some(done());
+            }
+            let strictly = l.t < to && to < h.t;
+            Spot { t: if !self.bisect && strictly && at.span == l.span { to } else { middle }, ..*l }
+        } else if !self.bisect && newton.inside && newton.bounded && to != at.t && to > R::ZERO && to < R::ONE {
+            Spot { t: to, ..at }
+        } else if l.t < R::ONE {
+            // The border itself, seen from the lower side, then from the upper.
+            Spot { t: R::ONE, ..*l }
+        } else {
+            Spot { span: l.span + 1, number: self.path.next(l.number)?, t: R::ZERO }
+        }))
+    }
+
+    /// Still downhill: Newton's step, but not over a border, and not out of the window.
+    #[inline(always)]
+    fn downhill(&mut self, e: &Evaluation<R>, speed: R, newton: &Newton<R>, ahead: &Ahead<R>, later: bool) -> Next<R> {
+        let (at, border) = (self.at, ahead.border);
+        let room = self.window - self.walked;
+        let reach = room / speed.max(R::of(1e-12));
+        let far = if self.bisect {
+            (R::of(0.25) * self.window / speed.max(R::of(1e-12))).min(reach)
+        } else {
+            newton.step.abs().min(reach)
+        };
+        let target = if ahead.forward { at.t + far } else { at.t - far };
+        let over = |number| {
+            let span = if ahead.forward { at.span + 1 } else { at.span - 1 };
+            Next::Sample(Spot { span, number, t: R::ONE - border })
+        };
+        let near = at.span.abs() < SPANS;
+        let crosses = !(target > R::ZERO && target < R::ONE);
+        if crosses && at.t == border {
+            // At the border already: on in the span beyond it.
+            return match ahead.beyond {
+                Some(number) if near => over(number),
+                _ => Next::Foot(found(at, e, self.window, self.flags)),
+            };
+        }
+        if crosses {
+            self.walked += (border - at.t).abs() * speed;
+            return match ahead.beyond {
+                // A tangent that goes on smoothly needs no look at both sides of the border.
+                Some(number) if near && !self.bisect => over(number),
+                _ => Next::Sample(Spot { t: border, ..at }),
+            };
+        }
+        self.walked += far * speed;
+        let left = self.walked >= self.window * R::of(0.999) && far < newton.step.abs() && later && room <= R::ZERO;
+        if left || far == R::ZERO || target == at.t {
+            return Next::Foot(found(at, e, self.window, self.flags));
+        }
+        Next::Sample(Spot { t: target, ..at })
+    }
 }
 
 /// A bracket narrower than this is a point, mm.
@@ -207,7 +289,7 @@ fn bracket_width<R: Real, P: Position>(path: &Path<'_, R, P>, low: &Spot<R>, hig
     }
     let at = |spot: &Spot<R>| path.span(spot.number).map_or((R::ZERO, R::ZERO), |s| (s.arc_length(spot.t), s.length()));
     let ((from, whole), (to, _)) = (at(low), at(high));
-    if low.piece == high.piece { to - from } else { whole - from + to }
+    if low.span == high.span { to - from } else { whole - from + to }
 }
 
 fn found<R: Real>(spot: Spot<R>, e: &Evaluation<R>, width: R, flags: Flags) -> Found<R> {
@@ -218,5 +300,5 @@ fn found<R: Real>(spot: Spot<R>, e: &Evaluation<R>, width: R, flags: Flags) -> F
 /// Evaluates a span at `t` as a foot.
 pub(super) fn at<R: Real, P: Position>(span: &Span<R, P>, number: u32, point: &[P; 3], t: R) -> Found<R> {
     let e = evaluate(span, &span.relative(point), t);
-    found(Spot { piece: 0, number, t }, &e, R::ZERO, Flags::default())
+    found(Spot { span: 0, number, t }, &e, R::ZERO, Flags::default())
 }

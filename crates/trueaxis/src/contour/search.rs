@@ -28,7 +28,7 @@ pub struct ContourSearch<R> {
     pub(super) method: Method,
 }
 
-/// What one cycle's search hands to the next.
+/// State of the search from cycle to cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ContourState<R> {
     foot: Reference<R>,
@@ -72,7 +72,7 @@ impl<R: Real> ContourSearch<R> {
     ///
     /// At most six evaluations of the path. Cost: the kernel, as a rule; at worst some three times that.
     ///
-    /// A reference outside its piece is taken at the nearer end, and flagged ([`Flags::REFERENCE`]); with one that is
+    /// A reference outside its span is taken at the nearer end, and flagged ([`Flags::REFERENCE`]); with one that is
     /// infinite or not a number nothing is measured.
     #[inline(always)]
     pub fn update<P: Position>(
@@ -82,13 +82,13 @@ impl<R: Real> ContourSearch<R> {
         reference: Reference<R>,
         point: [P; 3],
     ) -> ContourError<R> {
-        if !reference.is_on_its_piece() {
+        if !reference.is_on_its_span() {
             return self.update_off(state, path, reference, &point);
         }
         self.update_on(state, path, reference, &point)
     }
 
-    /// The reference is off its piece.
+    /// The reference is off its span.
     #[cold]
     #[inline(never)]
     pub(crate) fn update_off<P: Position>(
@@ -99,7 +99,7 @@ impl<R: Real> ContourSearch<R> {
         point: &[P; 3],
     ) -> ContourError<R> {
         let mut error = if reference.t.is_finite() {
-            let held = Reference { t: reference.t.within(R::ZERO, R::ONE), ..reference };
+            let held = Reference { t: reference.t.limit(R::ZERO, R::ONE), ..reference };
             self.slow(state, path, held, point)
         } else {
             *state = ContourState::default();
@@ -111,7 +111,7 @@ impl<R: Real> ContourSearch<R> {
         error
     }
 
-    /// The reference is on its piece.
+    /// The reference is on its span.
     #[inline(always)]
     pub(crate) fn update_on<P: Position>(
         &self,
@@ -179,13 +179,13 @@ impl<R: Real> ContourSearch<R> {
                 None => return ContourError::none(),
             }
         };
-        // One more call of the kernel, at the nearer border; a piece so short that both are in sight is left soon.
+        // One more call of the kernel, at the nearer border; a span so short that both are in sight is left soon.
         if spent + 2 <= EVALUATIONS
             && let Some(other) = across(path, &found, point, window, &mut spent)
         {
             found = other;
         }
-        // On short pieces at high feed the evaluations may run out just past a border: the next cycle goes on from there.
+        // On short spans at high feed the evaluations may run out just past a border: the next cycle goes on from there.
         if !(found.flags.has(Flags::BRACKETED) || found.downhill) {
             state.warm = false;
             state.looked = 0;
@@ -244,7 +244,7 @@ impl<R: Real> ContourSearch<R> {
         self.report(state, path, reference, &found, error, spent)
     }
 
-    /// Takes a few samples of the way around the reference, from behind it to ahead of it; keeps the nearest. None are
+    /// Takes a few samples of the path around the reference, from behind it to ahead of it; keeps the nearest. None are
     /// taken in the cycle after the last, which leaves its evaluations to the descent.
     #[inline(never)]
     fn look_around<P: Position>(
@@ -338,7 +338,7 @@ pub(super) fn components<R: Real, P: Position>(
         span: found.place.span,
         t: found.place.t,
         error,
-        vector: e,
+        vector: e.into(),
         normal,
         binormal,
         tangential,
@@ -405,7 +405,7 @@ fn window<R: Real>(progress: R) -> R {
     R::of(STANDSTILL_WINDOW) + R::of(WINDOW_PER_PROGRESS) * progress.abs()
 }
 
-/// Arc length from one place to another, negative backwards; over more than four pieces it is more than `beyond`.
+/// Arc length from one point of the path to another, negative backwards; over more than four spans it is more than `beyond`.
 #[inline(always)]
 pub(super) fn way<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, to: Reference<R>, beyond: R) -> R {
     match path.span(from.span) {
@@ -438,7 +438,7 @@ fn way_across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, t
     R::TWO * beyond
 }
 
-/// The place a way further along the path, held at the ends of an open one; over at most 64 pieces.
+/// The point at a distance further along the path, clamped at the ends of an open one; over at most 64 spans.
 #[inline(always)]
 pub(super) fn advance<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Reference<R> {
     let Some(span) = path.span(from.span) else { return from };
@@ -480,5 +480,5 @@ fn advance_across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R
         let rest = length - place;
         if place < rest { place / span.arc_speed(R::ZERO) } else { R::ONE - rest / span.arc_speed(R::ONE) }
     });
-    Reference { span: number, t: t.within(R::ZERO, R::ONE) }
+    Reference { span: number, t: t.limit(R::ZERO, R::ONE) }
 }

@@ -1,4 +1,4 @@
-//! A piece of the path in the form in which the step searches it.
+//! A path in the form in which the step searches it.
 
 use crate::position::Position;
 use crate::real::Real;
@@ -19,7 +19,7 @@ pub enum Form {
     RationalQuintic,
 }
 
-/// A short piece of a line, arc, helix or spline.
+/// A short polynomial part of a line, arc, helix or spline.
 ///
 /// In a parameter t = 0..1 of its own and about an origin of its own, homogeneous, in power basis:
 ///
@@ -27,7 +27,7 @@ pub enum Form {
 /// P(t) = origin + (Σ c_k t^k)_xyz / (Σ c_k t^k)_w
 /// ```
 ///
-/// mm. Every piece lies within 8 mm of its origin and its tangent turns by less than 30°: single precision then keeps
+/// mm. Every span lies within 8 mm of its origin and its tangent turns by less than 30°: single precision then keeps
 /// about a nanometre, and the foot-point kernel's series converges.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Span<R, P> {
@@ -45,7 +45,7 @@ pub struct Span<R, P> {
 }
 
 impl Span<f64, f64> {
-    /// The same piece in the scalar and the positions of a step: a host plans in doubles, the servo's core gets this.
+    /// The same span in the scalar and the positions of a step: a host plans in doubles, the servo's core gets this.
     ///
     /// Bit for bit what [`super::convert`] makes there: the origin is rounded to what positions can say, the polynomial
     /// moves by what that leaves.
@@ -71,9 +71,9 @@ impl Span<f64, f64> {
 }
 
 impl<R: Real, P: Position> Span<R, P> {
-    /// A piece without length: the tip stands at `point` (mm) while the tool's direction turns.
+    /// A span without length: the tip stands at `point` (mm) while the tool's direction turns.
     ///
-    /// In a [`super::ToolPath`] the search of the tip passes over it to the pieces on either side; what turns is a
+    /// In a [`super::ToolPath`] the search of the tip passes over it to the spans on either side; what turns is a
     /// [`super::Turn`] of the same number. In a plain [`Path`] it is a point like any other, and holds the foot. `number` is the segment's, `plane` the unit normal of the machining plane; u = 0..1.
     pub fn turning(point: [P; 3], number: u32, plane: [R; 3]) -> Self {
         let mut coefficients = [[R::ZERO; 4]; 6];
@@ -99,7 +99,7 @@ impl<R: Real, P: Position> Span<R, P> {
         let half = way * R::HALF;
         let origin = [x.plus(half.x), y.plus(half.y), z.plus(half.z)];
         let [ox, oy, oz] = origin;
-        // What the rounding of the origin leaves goes into the polynomial.
+        // The rounding error of the origin goes into the polynomial.
         let first = V3::new(x.since_near(ox), y.since_near(oy), z.since_near(oz));
         let square = way * R::THREE - start * R::TWO - end;
         let cube = start + end - way * R::TWO;
@@ -126,17 +126,17 @@ impl<R: Real, P: Position> Span<R, P> {
     /// Whether the tip stands still on it ([`Span::turning`]).
     #[inline(always)]
     pub fn stands(&self) -> bool {
-        // Every other piece starts with a speed: a cusp's is still a whole length's cubic.
+        // Every other span starts with a speed: a cusp's is still a whole length's cubic.
         let [a, b, c] = self.arc;
         a == R::ZERO && b == R::ZERO && c == R::ZERO
     }
 
-    /// Number of the segment that this is a piece of.
+    /// Number of the segment that it belongs to.
     pub fn segment(&self) -> u32 {
         self.segment
     }
 
-    /// The segment's parameter at both ends of the piece.
+    /// The segment's parameter at both ends of the span.
     pub fn u_range(&self) -> [f64; 2] {
         self.u
     }
@@ -147,9 +147,9 @@ impl<R: Real, P: Position> Span<R, P> {
         a + b + c
     }
 
-    /// Arc length from the start of the piece to `t`, mm.
+    /// Arc length from the start of the span to `t`, mm.
     ///
-    /// Cubic in t: exact at both ends, on lines and circles to 1e-4 of the piece's length, on splines to some 1e-3.
+    /// Cubic in t: exact at both ends, on lines and circles to 1e-4 of the span's length, on splines to some 1e-3.
     #[inline(always)]
     pub fn arc_length(&self, t: R) -> R {
         let [a, b, c] = self.arc;
@@ -163,7 +163,7 @@ impl<R: Real, P: Position> Span<R, P> {
         (a + t * (R::TWO * b + R::THREE * t * c)).max(R::of(0.1) * self.length())
     }
 
-    /// Parameter at an arc length from the start: the inverse of [`Span::arc_length`], held at both ends. Forty
+    /// Parameter at an arc length from the start: the inverse of [`Span::arc_length`], clamped at both ends. Forty
     /// halvings: not for a servo cycle.
     pub fn t_at(&self, arc_length: R) -> R {
         let (mut low, mut high) = (R::ZERO, R::ONE);
@@ -180,13 +180,13 @@ impl<R: Real, P: Position> Span<R, P> {
     /// t = (1 + tan(θ/2)/k)/2 with the tangent's series to the 13th power.
     pub fn t_of(&self, u: f64) -> R {
         let [u0, u1] = self.u;
-        let linear = Real::within((u - u0) / (u1 - u0), 0.0, 1.0);
+        let linear = Real::limit((u - u0) / (u1 - u0), 0.0, 1.0);
         let k = self.quarter_tangent;
         if k == 0.0 {
             return R::of(linear);
         }
         let tangent = tan((2.0 * linear - 1.0) * atan(k));
-        R::of(Real::within(0.5 + 0.5 * tangent / k, 0.0, 1.0))
+        R::of(Real::limit(0.5 + 0.5 * tangent / k, 0.0, 1.0))
     }
 
     /// The segment's parameter at span parameter `t`: the inverse of [`Span::t_of`].
@@ -206,7 +206,7 @@ impl<R: Real, P: Position> Span<R, P> {
         [x * i, y * i, z * i]
     }
 
-    /// Start, relative to the origin, and the way to the end, mm; of a cubic.
+    /// Start, relative to the origin, and the vector to the end, mm; of a cubic.
     #[inline(always)]
     pub(super) fn chord(&self) -> ([R; 4], V3<R>) {
         let [start, [x1, y1, z1, _], [x2, y2, z2, _], [x3, y3, z3, _], ..] = self.coefficients;
@@ -220,7 +220,7 @@ impl<R: Real, P: Position> Span<R, P> {
         [ox.plus(x), oy.plus(y), oz.plus(z)]
     }
 
-    /// A point relative to the origin, from which a piece reaches a few millimetres.
+    /// A point relative to the origin, from which a span reaches a few millimetres.
     #[inline(always)]
     pub(super) fn relative(&self, point: &[P; 3]) -> [R; 3] {
         let ([x, y, z], [ox, oy, oz]) = (point, &self.origin);
@@ -228,7 +228,7 @@ impl<R: Real, P: Position> Span<R, P> {
     }
 }
 
-/// Most pieces without length in a row that the search of the tip passes over; a single one may turn by any angle.
+/// Most spans without length in a row that the search of the tip passes over; a single one may turn by any angle.
 const TURNS_IN_A_ROW: u32 = 8;
 
 /// `a + t b`.
@@ -251,28 +251,28 @@ fn tan(x: f64) -> f64 {
     x * C.iter().rev().fold(0.0, |sum, c| sum * z + c)
 }
 
-/// What the interpolator follows: pieces in path order, each beginning where the one before ends.
+/// The path of the interpolator: spans in path order, each beginning where the one before ends.
 ///
-/// A host with a long program slides a window over it: `first` is the sequence number of the window's first piece.
+/// A host with a long program slides a window over it: `first` is the sequence number of the window's first span.
 #[derive(Clone, Copy, Debug)]
 pub struct Path<'a, R, P> {
     pub(super) spans: &'a [Span<R, P>],
     pub(super) first: u32,
     pub(super) closed: bool,
-    /// There may be pieces without length to be passed over; a path of the tip alone is not asked.
+    /// There may be spans without length to be passed over; a path of the tip alone is not asked.
     pub(super) turning: bool,
 }
 
 impl<'a, R: Real, P: Position> Path<'a, R, P> {
-    /// A window of pieces; `closed` where the last one ends at the first one's start.
+    /// A window of spans; `closed` where the last one ends at the first one's start.
     pub fn new(spans: &'a [Span<R, P>], first: u32, closed: bool) -> Self {
         Path { spans, first, closed, turning: false }
     }
 
-    /// The place at parameter `u` of a segment, for the step: 0 to 1 on lines and arcs, the knots' domain on splines, and
+    /// The point at parameter `u` of a segment, for the step: 0 to 1 on lines and arcs, the knots' domain on splines, and
     /// beyond them the end.
     ///
-    /// Of a segment that the window does not hold, and of a `u` that is not a number, there is no such place: nothing is
+    /// Of a segment that the window does not hold, and of a `u` that is not a number, there is no such point: nothing is
     /// measured there, and that is flagged.
     ///
     /// Cost: a search by halves, some ten instructions for each doubling of the spans.
@@ -282,20 +282,20 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
             let span = self.spans.get(index).filter(|span| span.segment == segment && !u.is_nan())?;
             Some(Reference { span: self.first.wrapping_add(index as u32), t: span.t_of(u) })
         };
-        // Below the segment's first parameter it is the next piece.
+        // Below the segment's first parameter it is the next span.
         let reference = held(before.saturating_sub(1))
             .or_else(|| held(before))
             .unwrap_or(Reference { span: self.first, t: R::of(f64::NAN) });
         self.on(reference)
     }
 
-    /// A place that is known by span and parameter, for the step.
+    /// A point known by span and parameter, for the step.
     #[inline(always)]
     pub fn on(&self, reference: Reference<R>) -> OnPath<'a, R, P> {
         OnPath { path: *self, reference }
     }
 
-    /// The piece with a sequence number.
+    /// The span with a sequence number.
     #[inline(always)]
     pub fn span(&self, number: u32) -> Option<&'a Span<R, P>> {
         self.spans.get(number.wrapping_sub(self.first) as usize)
@@ -315,13 +315,13 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         if self.turning { self.pass(previous, Self::preceding) } else { Some(previous) }
     }
 
-    /// Whether the tip stands still on a piece.
+    /// Whether the tip stands still on a span.
     #[inline(always)]
     pub(super) fn stands(&self, number: u32) -> bool {
         self.span(number).is_some_and(Span::stands)
     }
 
-    /// Over pieces without length, at most [`TURNS_IN_A_ROW`] of them.
+    /// Over spans without length, at most [`TURNS_IN_A_ROW`] of them.
     #[inline(never)]
     fn pass(&self, mut number: u32, onwards: impl Fn(&Self, u32) -> Option<u32>) -> Option<u32> {
         for _ in 0..TURNS_IN_A_ROW {
@@ -333,7 +333,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         (!self.stands(number)).then_some(number)
     }
 
-    /// The same place on a piece on which the tip moves, if the path has one nearby.
+    /// The same point on a span on which the tip moves, if the path has one nearby.
     #[inline(always)]
     pub(super) fn moving(&self, at: Reference<R>) -> Reference<R> {
         if self.turning && self.stands(at.span) { self.beside(at) } else { at }
@@ -375,7 +375,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
 /// A path, and where on it the command of this cycle lies.
 #[derive(Clone, Copy, Debug)]
 pub struct OnPath<'a, R, P> {
-    /// What the interpolator follows.
+    /// The path.
     pub path: Path<'a, R, P>,
     /// The place.
     pub reference: Reference<R>,
@@ -389,20 +389,20 @@ impl<R: Real, P: Position> OnPath<'_, R, P> {
     }
 }
 
-/// A place on a path.
+/// A point of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reference<R> {
-    /// Sequence number of the piece.
+    /// Sequence number of the span.
     pub span: u32,
-    /// Parameter in the piece, 0 to 1.
+    /// Parameter in the span, 0 to 1.
     pub t: R,
 }
 
 impl<R: Real> Reference<R> {
-    /// The parameter is one of the piece and not −0; not so if it is not a number.
+    /// The parameter is one of the span and not −0; not so if it is not a number.
     #[inline(always)]
-    pub(crate) fn is_on_its_piece(&self) -> bool {
+    pub(crate) fn is_on_its_span(&self) -> bool {
         self.t.is_in_unit()
     }
 }

@@ -1,6 +1,7 @@
 use super::kernel::foot;
 use super::*;
 use crate::position::{Nanometres, Position};
+use glam::DVec3;
 use proptest::prelude::*;
 use std::{vec, vec::Vec};
 
@@ -44,7 +45,7 @@ fn spans<R: Real, P: Position>(segments: &[Segment<'_>]) -> Vec<Span<R, P>> {
 }
 
 /// de Boor's algorithm, written apart from the conversion.
-fn de_boor(degree: usize, knots: &[f64], points: &[V], weights: &[f64], u: f64) -> V {
+fn de_boor(degree: usize, knots: &[f64], points: &[DVec3], weights: &[f64], u: f64) -> V {
     let n = points.len();
     let mut i = degree;
     while i + 1 < n && knots[i + 1] <= u {
@@ -52,7 +53,7 @@ fn de_boor(degree: usize, knots: &[f64], points: &[V], weights: &[f64], u: f64) 
     }
     let mut d: Vec<[f64; 4]> = (0..=degree)
         .map(|j| {
-            let (p, w) = (points[i - degree + j], weights[i - degree + j]);
+            let (p, w) = (points[i - degree + j].to_array(), weights[i - degree + j]);
             [p[0] * w, p[1] * w, p[2] * w, w]
         })
         .collect();
@@ -68,7 +69,7 @@ fn de_boor(degree: usize, knots: &[f64], points: &[V], weights: &[f64], u: f64) 
 struct Spline {
     degree: usize,
     knots: Vec<f64>,
-    points: Vec<V>,
+    points: Vec<DVec3>,
     weights: Vec<f64>,
 }
 
@@ -81,7 +82,7 @@ impl Spline {
             match numbers(line)[..] {
                 [knot] => knots.push(knot),
                 [x, y, w] => {
-                    points.push([x, y, 0.0]);
+                    points.push(DVec3::new(x, y, 0.0));
                     weights.push(w);
                 }
                 _ => panic!("{line}"),
@@ -101,7 +102,7 @@ impl Spline {
         }
         knots.extend(vec![u + 0.5; degree + 1]);
         let points = (0..count)
-            .map(|i| [9.0 * i as f64 + 6.0 * random.signed(), 12.0 * random.signed(), 5.0 * random.signed()])
+            .map(|i| DVec3::new(9.0 * i as f64 + 6.0 * random.signed(), 12.0 * random.signed(), 5.0 * random.signed()))
             .collect();
         let weights = (0..count).map(|_| if rational { 0.5 + 2.0 * random.next() } else { 1.0 }).collect();
         Spline { degree, knots, points, weights }
@@ -175,8 +176,13 @@ fn arcs_and_helices_are_exact_in_any_plane() {
             core::array::from_fn(|k| center[k] + radius * (angle.cos() * e1[k] + angle.sin() * e2[k]) + rise * n[k])
         };
         let whole = angle + core::f64::consts::TAU * f64::from(turns);
-        let segment =
-            Segment::Arc { start: at(0.0, 0.0), end: at(angle, rise), center, normal: n.map(|x| 3.0 * x), turns };
+        let segment = Segment::Arc {
+            start: at(0.0, 0.0).into(),
+            end: at(angle, rise).into(),
+            center: center.into(),
+            normal: n.map(|x| 3.0 * x).into(),
+            turns,
+        };
         let all = spans::<f64, f64>(&[segment]);
         let mut length = 0.0;
         for span in &all {
@@ -197,10 +203,10 @@ fn arcs_and_helices_are_exact_in_any_plane() {
 fn a_rounded_programs_radius_changes_linearly_with_the_angle() {
     let (r0, r1, angle) = (10.0, 10.004, 2.0_f64);
     let all = spans::<f64, f64>(&[Segment::Arc {
-        start: [r0, 0.0, 0.0],
-        end: [r1 * angle.cos(), r1 * angle.sin(), 0.0],
-        center: [0.0; 3],
-        normal: Z,
+        start: DVec3::new(r0, 0.0, 0.0),
+        end: DVec3::new(r1 * angle.cos(), r1 * angle.sin(), 0.0),
+        center: [0.0; 3].into(),
+        normal: Z.into(),
         turns: 0,
     }]);
     for span in &all {
@@ -218,14 +224,14 @@ fn a_rounded_programs_radius_changes_linearly_with_the_angle() {
 fn segments_that_are_no_path_are_refused() {
     let refused = |segment: Segment<'_>| convert::<f64, f64>(&segment, 0, Z, |_| Ok(())).unwrap_err();
     let o = [0.0; 3];
-    let e = refused(Segment::Line { start: o, end: o });
+    let e = refused(Segment::Line { start: o.into(), end: o.into() });
     assert_eq!((e.field, e.found), ("end", 0.0));
-    assert_eq!(refused(Segment::Line { start: [f64::NAN, 0.0, 0.0], end: o }).field, "start");
+    assert_eq!(refused(Segment::Line { start: DVec3::new(f64::NAN, 0.0, 0.0), end: o.into() }).field, "start");
     let arc = |start, end, center, normal| Segment::Arc { start, end, center, normal, turns: 0 };
-    assert_eq!(refused(arc([1.0, 0.0, 0.0], [0.0, 1.1, 0.0], o, Z)).field, "end");
-    assert_eq!(refused(arc(o, [0.0, 1.0, 0.0], o, Z)).field, "center");
-    assert_eq!(refused(arc([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], o, o)).field, "normal");
-    let p = [o, [1.0, 0.0, 0.0], [2.0, 1.0, 0.0]];
+    assert_eq!(refused(arc([1.0, 0.0, 0.0].into(), [0.0, 1.1, 0.0].into(), o.into(), Z.into())).field, "end");
+    assert_eq!(refused(arc(o.into(), [0.0, 1.0, 0.0].into(), o.into(), Z.into())).field, "center");
+    assert_eq!(refused(arc([1.0, 0.0, 0.0].into(), [0.0, 1.0, 0.0].into(), o.into(), o.into())).field, "normal");
+    let p = [o, [1.0, 0.0, 0.0], [2.0, 1.0, 0.0]].map(DVec3::from_array);
     let nurbs = |degree, knots, weights| Segment::Nurbs { degree, knots, points: &p, weights };
     assert_eq!(refused(nurbs(6, &[0.0; 10], &[])).field, "degree");
     assert_eq!(refused(nurbs(3, &[0.0; 7], &[])).field, "points");
@@ -380,8 +386,8 @@ fn follows_the_butterfly_like_brute_force() {
 fn a_corner_is_the_answer_outside_and_has_two_minima_inside() {
     // A right angle: along x, then up y.
     let all = spans::<f64, f64>(&[
-        Segment::Line { start: [0.0; 3], end: [10.0, 0.0, 0.0] },
-        Segment::Line { start: [10.0, 0.0, 0.0], end: [10.0, 10.0, 0.0] },
+        Segment::Line { start: [0.0; 3].into(), end: DVec3::new(10.0, 0.0, 0.0) },
+        Segment::Line { start: DVec3::new(10.0, 0.0, 0.0), end: DVec3::new(10.0, 10.0, 0.0) },
     ]);
     let path = Path::new(&all, 0, false);
     let reference = Reference { span: 0, t: 1.0 };
@@ -417,9 +423,15 @@ fn behind_a_hairpin_the_true_error_is_found_where_the_published_rule_loses_it() 
     // Two lines joined by half a circle of 0.02 mm; the tool is 3 µm beside the first line, the reference past the bend.
     let r = 0.02;
     let all = spans::<f64, f64>(&[
-        Segment::Line { start: [0.0; 3], end: [5.0, 0.0, 0.0] },
-        Segment::Arc { start: [5.0, 0.0, 0.0], end: [5.0, 2.0 * r, 0.0], center: [5.0, r, 0.0], normal: Z, turns: 0 },
-        Segment::Line { start: [5.0, 2.0 * r, 0.0], end: [0.0, 2.0 * r, 0.0] },
+        Segment::Line { start: [0.0; 3].into(), end: DVec3::new(5.0, 0.0, 0.0) },
+        Segment::Arc {
+            start: DVec3::new(5.0, 0.0, 0.0),
+            end: DVec3::new(5.0, 2.0 * r, 0.0),
+            center: DVec3::new(5.0, r, 0.0),
+            normal: Z.into(),
+            turns: 0,
+        },
+        Segment::Line { start: DVec3::new(5.0, 2.0 * r, 0.0), end: DVec3::new(0.0, 2.0 * r, 0.0) },
     ]);
     let mut seen = 0;
     follow(
@@ -443,7 +455,13 @@ fn behind_a_hairpin_the_true_error_is_found_where_the_published_rule_loses_it() 
 
 #[test]
 fn closed_paths_wrap_and_open_ones_end() {
-    let circle = Segment::Arc { start: [10.0, 0.0, 0.0], end: [10.0, 0.0, 0.0], center: [0.0; 3], normal: Z, turns: 0 };
+    let circle = Segment::Arc {
+        start: DVec3::new(10.0, 0.0, 0.0),
+        end: DVec3::new(10.0, 0.0, 0.0),
+        center: [0.0; 3].into(),
+        normal: Z.into(),
+        turns: 0,
+    };
     let all = spans::<f64, f64>(&[circle]);
     let closed = Path::new(&all, 0, true);
     let open = Path::new(&all, 0, false);
@@ -477,7 +495,7 @@ fn closed_paths_wrap_and_open_ones_end() {
 
 #[test]
 fn the_tool_on_the_path_and_far_from_it() {
-    let all = spans::<f64, f64>(&[Segment::Line { start: [0.0; 3], end: [100.0, 0.0, 0.0] }]);
+    let all = spans::<f64, f64>(&[Segment::Line { start: [0.0; 3].into(), end: DVec3::new(100.0, 0.0, 0.0) }]);
     let path = Path::new(&all, 0, false);
     let reference = Reference { span: 3, t: 0.5 };
     let x = all[3].position(0.5)[0];
@@ -492,7 +510,7 @@ fn the_tool_on_the_path_and_far_from_it() {
         assert!(!far.flags.has(Flags::BRACKETED) && (far.error - 4.0).abs() < 1e-9, "{far:?}");
     }
     // The machine's X is the normal where the path runs along the plane's.
-    let up = spans::<f64, f64>(&[Segment::Line { start: [0.0; 3], end: [0.0, 0.0, 10.0] }]);
+    let up = spans::<f64, f64>(&[Segment::Line { start: [0.0; 3].into(), end: DVec3::new(0.0, 0.0, 10.0) }]);
     let r =
         search(Method::Guarded).nearest(&Path::new(&up, 0, false), Reference { span: 0, t: 0.5 }, [-0.01, 0.0, 5.0]);
     assert!((r.normal + 0.01).abs() < 1e-12, "{r:?}");
@@ -504,10 +522,10 @@ fn the_tool_on_the_path_and_far_from_it() {
 fn a_maximum_is_never_taken() {
     // Inside a circle beyond its centre the near side of the window is a maximum of the distance.
     let all = spans::<f64, f64>(&[Segment::Arc {
-        start: [1.0, 0.0, 0.0],
-        end: [0.0, 1.0, 0.0],
-        center: [0.0; 3],
-        normal: Z,
+        start: DVec3::new(1.0, 0.0, 0.0),
+        end: DVec3::new(0.0, 1.0, 0.0),
+        center: [0.0; 3].into(),
+        normal: Z.into(),
         turns: 0,
     }]);
     let path = Path::new(&all, 0, false);
@@ -674,15 +692,21 @@ proptest! {
 #[test]
 fn no_span_reaches_farther_than_it_should() {
     let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
-    let far = [[0.0; 3], [0.0, 1.0, 0.0], [2e6, 1.0, 0.0], [2e6, 0.0, 0.0]];
-    let near = [[0.0; 3], [1e3, 0.0, 0.0], [1e3, 1e3, 0.0], [0.0, 1e3, 5.0]];
+    let far = [[0.0; 3], [0.0, 1.0, 0.0], [2e6, 1.0, 0.0], [2e6, 0.0, 0.0]].map(DVec3::from_array);
+    let near = [[0.0; 3], [1e3, 0.0, 0.0], [1e3, 1e3, 0.0], [0.0, 1e3, 5.0]].map(DVec3::from_array);
     let heavy = [1.0, 1e7, 1e-7, 1.0];
     let cases = [
         Segment::Nurbs { degree: 3, knots: &knots, points: &far, weights: &[] },
         Segment::Nurbs { degree: 3, knots: &knots, points: &near, weights: &heavy },
-        Segment::Line { start: [0.0; 3], end: [1e3, 7.0, 0.0] },
-        Segment::Arc { start: [300.0, 0.0, 0.0], end: [300.0, 0.0, 9.0], center: [0.0; 3], normal: Z, turns: 3 },
-        Segment::Turning { point: [1.0; 3] },
+        Segment::Line { start: [0.0; 3].into(), end: DVec3::new(1e3, 7.0, 0.0) },
+        Segment::Arc {
+            start: DVec3::new(300.0, 0.0, 0.0),
+            end: DVec3::new(300.0, 0.0, 9.0),
+            center: [0.0; 3].into(),
+            normal: Z.into(),
+            turns: 3,
+        },
+        Segment::Turning { point: [1.0; 3].into() },
     ];
     for segment in &cases {
         let made: Vec<Span<f64, f64>> = spans(std::slice::from_ref(segment));
@@ -703,11 +727,17 @@ fn no_span_reaches_farther_than_it_should() {
 #[test]
 fn segments_without_end_are_refused_before_a_span_is_made() {
     let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-    let far = [[0.0; 3], [9e8, 0.0, 0.0], [9e8, 9e8, 0.0]];
-    let peak = [[0.0; 3], [9e8, 0.0, 0.0], [1.0, 0.0, 0.0]];
+    let far = [[0.0; 3], [9e8, 0.0, 0.0], [9e8, 9e8, 0.0]].map(DVec3::from_array);
+    let peak = [[0.0; 3], [9e8, 0.0, 0.0], [1.0, 0.0, 0.0]].map(DVec3::from_array);
     for segment in [
-        Segment::Line { start: [0.0; 3], end: [1e8, 0.0, 0.0] },
-        Segment::Arc { start: [1e6, 0.0, 0.0], end: [1e6, 0.0, 0.0], center: [0.0; 3], normal: Z, turns: 9999 },
+        Segment::Line { start: [0.0; 3].into(), end: DVec3::new(1e8, 0.0, 0.0) },
+        Segment::Arc {
+            start: DVec3::new(1e6, 0.0, 0.0),
+            end: DVec3::new(1e6, 0.0, 0.0),
+            center: [0.0; 3].into(),
+            normal: Z.into(),
+            turns: 9999,
+        },
         Segment::Nurbs { degree: 2, knots: &knots, points: &far, weights: &[] },
         Segment::Nurbs { degree: 2, knots: &knots, points: &peak, weights: &[] },
     ] {
@@ -726,9 +756,18 @@ fn a_segment_and_its_parameter_are_a_place_on_the_path() {
     let [a, b, c] = [[0.0; 3], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0]];
     // Segments 4, 5 and 7: 6 is not there. The window begins at piece 100.
     let segments = [
-        (4, Segment::Line { start: a, end: b }),
-        (5, Segment::Arc { start: b, end: c, center: [10.0, 5.0, 0.0], normal: Z, turns: 0 }),
-        (7, Segment::Line { start: c, end: a }),
+        (4, Segment::Line { start: a.into(), end: b.into() }),
+        (
+            5,
+            Segment::Arc {
+                start: b.into(),
+                end: c.into(),
+                center: DVec3::new(10.0, 5.0, 0.0),
+                normal: Z.into(),
+                turns: 0,
+            },
+        ),
+        (7, Segment::Line { start: c.into(), end: a.into() }),
     ];
     let mut all: Vec<Span<f64, f64>> = Vec::new();
     for (number, segment) in &segments {

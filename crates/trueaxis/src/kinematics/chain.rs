@@ -11,7 +11,7 @@ const LEAST_LEVER: f64 = 1e-3;
 
 /// A rotary axis as the workpiece sees it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turn<R> {
+pub(super) struct Rotary<R> {
     pub(super) axis: Axis,
     pub(super) about: About,
     /// +1 or −1: sense in which a positive command turns the tool over the workpiece.
@@ -21,7 +21,7 @@ pub(super) struct Turn<R> {
     pub(super) travel: [R; 2],
 }
 
-/// What stands between two rotary axes: a constant shift, and the linear axes (1 where the axis stands here, else 0).
+/// The part between two rotary axes: a constant shift, and the linear axes (1 where the axis stands here, else 0).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Section<R> {
     pub(super) offset: V3<R>,
@@ -40,7 +40,7 @@ impl<R: Real> Section<R> {
 /// The chain from the workpiece to the tool: section, turn, section, turn, section.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chain<R> {
-    pub(super) turns: [Option<Turn<R>>; 2],
+    pub(super) turns: [Option<Rotary<R>>; 2],
     pub(super) sections: [Section<R>; 3],
     /// Travel of X, Y, Z, mm.
     pub(super) travel: [[R; 2]; 3],
@@ -53,7 +53,7 @@ impl<R: Real> Chain<R> {
         let (mut linear, mut rotary) = (0, 0);
         let links = links(&machine.chain)?;
         for link in &links {
-            let Some(settings) = machine.axes.iter().find(|known| known.axis == link.axis) else {
+            let Some(settings) = machine.axis(link.axis) else {
                 let count = machine.axes.len() as f64;
                 return Err(ConfigError::new(Field::Axes, count, "every axis that the chain names").on(link.axis));
             };
@@ -94,7 +94,7 @@ impl<R: Real> Chain<R> {
                 return Err(ConfigError::new(Field::Chain, 3.0, "at most two rotary axes").on(link.axis));
             };
             let sense = R::of(if link.carries_workpiece { -direction } else { direction });
-            *turn = Some(Turn { axis: link.axis, about, sense, carries_workpiece: link.carries_workpiece, travel });
+            *turn = Some(Rotary { axis: link.axis, about, sense, carries_workpiece: link.carries_workpiece, travel });
             // p = Rot⁻¹(p − o) on the workpiece side: the offset lies behind the turn; Rot(p) + o on the tool side: before.
             let place = if link.carries_workpiece { rotary + 1 } else { rotary };
             if let Some(sum) = offsets.get_mut(place) {

@@ -16,7 +16,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use super::chain::Turn;
+use super::chain::Rotary;
 use super::{Branch, InverseError, Kinematics, NO_SINGULAR_POSE, Tool, degrees, in_frame, turned};
 use crate::compensation::trig::atan2;
 use crate::machine::{AXES, Axis};
@@ -103,7 +103,7 @@ impl<R: Real> Kinematics<R> {
     /// the tool within 1e-12 mm at a metre (f64). Cost: at most ten polynomials for angles, both branches included.
     ///
     /// # Errors
-    /// A tool that is no tool, out of reach, in the singular cone, or whose axis positions leave the travel.
+    /// An invalid tool vector, out of reach, in the singular cone, or whose axis positions leave the travel.
     pub fn inverse(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solution<R>, InverseError> {
         self.solutions(tool, near)?.choose(Choice::Nearest)
     }
@@ -113,9 +113,9 @@ impl<R: Real> Kinematics<R> {
     /// At the singular pose itself (singular cone 0) the axis nearest the workpiece stays where it is in `near`.
     ///
     /// # Errors
-    /// What holds for both branches: a tool that is no tool, out of reach or in the singular cone.
+    /// Errors of both branches: an invalid tool vector, out of reach or in the singular cone.
     pub fn solutions(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solutions<R>, InverseError> {
-        let Tool { tip, axis } = *tool;
+        let [tip, axis] = [tool.tip, tool.axis].map(V3::<R>::from_glam);
         if !(tip.x.is_finite() && tip.y.is_finite() && tip.z.is_finite()) {
             return Err(InverseError::TipNotFinite);
         }
@@ -138,8 +138,8 @@ impl<R: Real> Kinematics<R> {
         tip: V3<R>,
         axis: V3<R>,
         near: &[R; AXES],
-        first: Turn<R>,
-        second: Turn<R>,
+        first: Rotary<R>,
+        second: Rotary<R>,
     ) -> Result<Solutions<R>, InverseError> {
         let [a, b, c] = in_frame(first.about, second.about, self.tool_axis);
         let [u, p, q] = in_frame(first.about, second.about, axis);
@@ -160,7 +160,7 @@ impl<R: Real> Kinematics<R> {
         let branch = |branch: Branch, w: R| {
             let q1 = if free {
                 let [low, high] = first.travel;
-                first.position(near).within(low, high)
+                first.position(near).limit(low, high)
             } else {
                 first.settle(atan2(b * q - w * p, b * p + w * q), near)?
             };
@@ -174,7 +174,13 @@ impl<R: Real> Kinematics<R> {
         Ok(Solutions { first: branch(Branch::First, -across), second: branch(Branch::Second, across) })
     }
 
-    fn one_turn(&self, tip: V3<R>, axis: V3<R>, near: &[R; AXES], turn: Turn<R>) -> Result<Solutions<R>, InverseError> {
+    fn one_turn(
+        &self,
+        tip: V3<R>,
+        axis: V3<R>,
+        near: &[R; AXES],
+        turn: Rotary<R>,
+    ) -> Result<Solutions<R>, InverseError> {
         let across = match turn.about {
             About::X => About::Y,
             About::Y => About::Z,
@@ -187,7 +193,7 @@ impl<R: Real> Kinematics<R> {
         let along = R::of(ALONG) * R::EPSILON;
         let angle = if b * b + c * c <= along * along {
             let [low, high] = turn.travel;
-            Ok(turn.position(near).within(low, high))
+            Ok(turn.position(near).limit(low, high))
         } else {
             turn.settle(atan2(b * q - c * p, b * p + c * q), near)
         };
@@ -236,7 +242,7 @@ impl<R: Real> Kinematics<R> {
     }
 }
 
-impl<R: Real> Turn<R> {
+impl<R: Real> Rotary<R> {
     /// The command for a turn (rad) that the workpiece sees: shortest way from `near`, by whole turns within the travel.
     #[inline(always)]
     fn settle(&self, angle: R, near: &[R; AXES]) -> Result<R, InverseError> {
@@ -257,7 +263,7 @@ impl<R: Real> Turn<R> {
         } else {
             nearest
         };
-        // Told is the position nearest to where the axis was, not the one at the far end.
+        // Reported is the position nearest to where the axis was, not the one at the far end.
         inside(self.axis, found, self.travel).or_else(|_| inside(self.axis, nearest, self.travel))
     }
 
@@ -273,7 +279,7 @@ impl<R: Real> Turn<R> {
     }
 }
 
-/// What rounding may add to a position of this size.
+/// Rounding error of a position of this size.
 #[inline(always)]
 fn rounding<R: Real>(position: R) -> R {
     R::of(TRAVEL_ROUNDING) * R::EPSILON * (position.abs() + R::of(360.0))
@@ -283,7 +289,7 @@ fn rounding<R: Real>(position: R) -> R {
 #[inline(always)]
 fn inside<R: Real>(axis: Axis, found: R, [low, high]: [R; 2]) -> Result<R, InverseError> {
     if found >= low - rounding(low) && found <= high + rounding(high) {
-        Ok(found.within(low, high))
+        Ok(found.limit(low, high))
     } else {
         let [found, low, high] = [found, low, high].map(R::to_f64);
         Err(InverseError::OutsideTravel { axis, found, low, high })

@@ -36,16 +36,18 @@ use crate::error::{ConfigError, Field};
 use crate::machine::{AXES, Axis, MachineSettings};
 use crate::real::Real;
 use crate::vector::{About, V3};
-use chain::{Chain, Turn};
+use chain::{Chain, Rotary};
 
 /// The tool in workpiece coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Tool<R> {
+pub struct Tool<R: Real> {
     /// Tip, mm.
-    pub tip: V3<R>,
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub tip: R::Vec3,
     /// Unit vector from the tip to the spindle.
-    pub axis: V3<R>,
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub axis: R::Vec3,
 }
 
 /// A machine's chain of axes, ready for transformations in both directions; immutable but for its tool.
@@ -89,29 +91,29 @@ impl<R: Real> Kinematics<R> {
     }
 
     /// The same machine with another tool: its tip from the last tool-side frame at all axes zero, mm.
-    pub fn with_tool(self, tool_mm: V3<R>) -> Self {
-        Kinematics { tool: tool_mm, ..self }
+    pub fn with_tool(self, tool_mm: impl Into<R::Vec3>) -> Self {
+        Kinematics { tool: V3::from_glam(tool_mm.into()), ..self }
     }
 
     /// The same machine with a tool that lies on the tool axis through the origin of the last tool-side frame, its tip
     /// `length_mm` before it: −length · tool axis. On a swivelling head without offset behind it, that is the pivot length.
     pub fn with_tool_length(self, length_mm: R) -> Self {
-        self.with_tool(self.tool_axis * -length_mm)
+        Kinematics { tool: self.tool_axis * -length_mm, ..self }
     }
 
     /// The same machine with another singular cone, degrees; limited to 0 … 45.
     pub fn with_singular_cone_deg(self, cone_deg: R) -> Self {
-        Kinematics { cone_deg: cone_deg.within(R::ZERO, R::of(45.0)), ..self }
+        Kinematics { cone_deg: cone_deg.limit(R::ZERO, R::of(45.0)), ..self }
     }
 
     /// Tip from the last tool-side frame at all axes zero, mm.
-    pub fn tool_mm(&self) -> V3<R> {
-        self.tool
+    pub fn tool_mm(&self) -> R::Vec3 {
+        self.tool.glam()
     }
 
     /// Tool axis at all axes zero, from the tip to the spindle; a unit vector.
-    pub fn tool_axis(&self) -> V3<R> {
-        self.tool_axis
+    pub fn tool_axis(&self) -> R::Vec3 {
+        self.tool_axis.glam()
     }
 
     /// Whether the machine has the axis.
@@ -130,24 +132,24 @@ impl<R: Real> Kinematics<R> {
         let [before, between, behind] = self.chain.sections.map(|section| section.shift(travel));
         let inner = turned(second, behind + self.tool);
         let tip = turned(first, inner + between) + before;
-        Tool { tip, axis: turned(first, turned(second, self.tool_axis)) }
+        Tool { tip: tip.glam(), axis: turned(first, turned(second, self.tool_axis)).glam() }
     }
 
     /// Direction of the tool in workpiece coordinates, from the tip to the spindle; only rotary axes matter.
     #[inline]
-    pub fn direction(&self, axes: &[R; AXES]) -> V3<R> {
+    pub fn direction(&self, axes: &[R; AXES]) -> R::Vec3 {
         let [first, second] = self.chain.turns.map(|turn| turn.map(|turn| (turn, turn.cos_sin(axes))));
-        turned(first, turned(second, self.tool_axis))
+        turned(first, turned(second, self.tool_axis)).glam()
     }
 
     /// A direction of the bed in workpiece coordinates.
     #[inline]
-    pub fn to_workpiece(&self, axes: &[R; AXES], bed: V3<R>) -> V3<R> {
+    pub fn to_workpiece(&self, axes: &[R; AXES], bed: R::Vec3) -> R::Vec3 {
         let [first, second] = self.chain.turns.map(|turn| {
             let turn = turn.filter(|turn| turn.carries_workpiece)?;
             Some((turn, turn.cos_sin(axes)))
         });
-        turned(first, turned(second, bed))
+        turned(first, turned(second, V3::from_glam(bed))).glam()
     }
 }
 
@@ -184,14 +186,14 @@ fn degrees<R: Real>(radians: R) -> R {
 
 /// `v` turned by an axis, where there is one.
 #[inline(always)]
-fn turned<R: Real>(turn: Option<(Turn<R>, (R, R))>, v: V3<R>) -> V3<R> {
+fn turned<R: Real>(turn: Option<(Rotary<R>, (R, R))>, v: V3<R>) -> V3<R> {
     match turn {
         Some((turn, angle)) => v.turned(turn.about, angle),
         None => v,
     }
 }
 
-impl<R: Real> Turn<R> {
+impl<R: Real> Rotary<R> {
     /// Position of this axis, degrees.
     #[inline(always)]
     fn position(&self, axes: &[R; AXES]) -> R {

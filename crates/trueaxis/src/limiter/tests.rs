@@ -46,7 +46,7 @@ impl Checker {
 #[test]
 fn a_step_of_50_um_takes_55_4_ms_without_overshoot() {
     let limiter = Limiter::<f64>::new(&LIMITS, T).unwrap();
-    let mut state = Limited::default();
+    let mut state = LimiterState::default();
     let mut check = Checker::new();
     let mut cycles = 0;
     while limiter.follow(&mut state, 0.05) {
@@ -63,7 +63,7 @@ fn a_step_of_50_um_takes_55_4_ms_without_overshoot() {
 #[test]
 fn locks_on_to_a_moving_sine_without_overshoot_and_then_passes_it_bit_for_bit() {
     let limiter = Limiter::<f64>::new(&LIMITS, T).unwrap();
-    let mut state = Limited::default();
+    let mut state = LimiterState::default();
     let mut check = Checker::new();
     let sine = |n: u32| 0.03 + 0.02 * (f64::from(n) * T * 20.0).sin(); // peak acceleration 0.04 of the limit
     let mut locked_at = None;
@@ -93,7 +93,7 @@ fn never_exceeds_a_limit_and_always_settles() {
                 acceleration_per_s2: 10f64.powf(1.7 + 1.5 * random.next()),
             };
             let limiter = Limiter::<R>::new(&limits, T).unwrap();
-            let mut state = Limited::<R>::default();
+            let mut state = LimiterState::<R>::default();
             let mut check = Checker::new();
             for _ in 0..12 {
                 let (level, size) =
@@ -137,7 +137,7 @@ fn never_exceeds_a_limit_and_always_settles() {
 #[test]
 fn freezing_brakes_within_the_acceleration_and_then_stands() {
     let limiter = Limiter::<f64>::new(&LIMITS, T).unwrap();
-    let mut state = Limited::default();
+    let mut state = LimiterState::default();
     let mut check = Checker::new();
     for _ in 0..100 {
         limiter.follow(&mut state, 0.05);
@@ -158,7 +158,7 @@ fn limits_lowered_in_motion_are_reached_with_the_acceleration() {
     let wide = Limiter::<f64>::new(&LIMITS, T).unwrap();
     let narrow_limits = Limits { magnitude: 0.02, slope_per_s: 0.5, ..LIMITS };
     let narrow = Limiter::<f64>::new(&narrow_limits, T).unwrap();
-    let mut state = Limited::default();
+    let mut state = LimiterState::default();
     let mut check = Checker::new();
     for _ in 0..400 {
         wide.follow(&mut state, 0.05);
@@ -189,7 +189,7 @@ proptest! {
     #[test]
     fn passes_what_keeps_the_limits(amplitude in 0.0..0.09f64, rate in 0.0..10.0f64) {
         let limiter = Limiter::<f64>::new(&LIMITS, T).unwrap();
-        let mut state = Limited::default();
+        let mut state = LimiterState::default();
         // From rest at zero: amplitude (1 − cos wt), acceleration amplitude w² < a, velocity amplitude w < V.
         let w = rate.min((0.9 * LIMITS.acceleration_per_s2 / amplitude).sqrt()).min(0.9 * LIMITS.slope_per_s / amplitude);
         for n in 0..2000 {
@@ -207,7 +207,7 @@ fn the_time_to_lead_a_step_in_is_the_one_stated() {
         for way in [1e-4, 1e-3, 2.2e-3, 0.01, 0.05, 0.1] {
             let period = 2e-5;
             let limiter = Limiter::<f64>::new(&limits, period).unwrap();
-            let mut state = Limited::default();
+            let mut state = LimiterState::default();
             let cycles = (1..1_000_000).find(|_| !limiter.follow(&mut state, way)).unwrap();
             let (found, stated) = (f64::from(cycles) * period, lead_in_s(&limits, way));
             // Whole cycles of deceleration, and the last part by rounding.

@@ -4,7 +4,7 @@ use crate::axis::{AXES, Axis};
 use crate::error::{ConfigError, Field};
 use heapless::Vec;
 
-/// An axis in its place in the kinematic chain.
+/// An axis in the kinematic chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Link {
     /// Which axis.
@@ -19,7 +19,7 @@ pub struct Link {
 /// tool (without), `t`; blanks are optional, every axis stands at most once. After ISO 10791-6.
 ///
 /// # Errors
-/// [`Field::Chain`] with the place in the code, counted from 0, of the first letter that makes no sense.
+/// [`Field::Chain`] with the position in the code, counted from 0, of the first letter that makes no sense.
 pub fn links(chain: &str) -> Result<Vec<Link, AXES>, ConfigError> {
     let wrong = |place: usize, needed| ConfigError::new(Field::Chain, place as f64, needed).at(place);
     let mut letters = chain.char_indices().filter(|(_, letter)| !letter.is_whitespace()).peekable();
@@ -85,5 +85,5 @@ pub(crate) fn nine_terms(links: &[Link]) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// What [`nine_terms`] needs.
+/// Requirement of [`nine_terms`].
 pub(crate) const MOST_CARRIERS: &str = "at most two rotary axes below another, or model = \"volumetric\"";

@@ -1,10 +1,11 @@
-//! What is known about a machine, as it stands in a compiled table file: axes, limits, location errors.
+//! Settings of a machine, as they stand in a compiled table file: axes, limits, location errors.
 //!
 //! Lengths are mm, angles of rotary *positions* are degrees, angular *errors* are radians; time is seconds.
 //! For a rotary axis every `mm` of an axis-own quantity (travel, backlash, correction limits) reads `degree`.
 
 mod chain;
 mod curve;
+mod order;
 pub mod pchip;
 mod rows;
 
@@ -13,10 +14,10 @@ pub use chain::{Link, carries_workpiece, is_turned, links};
 pub(crate) use chain::{MOST_CARRIERS, nine_terms};
 pub(crate) use curve::lost;
 pub use curve::{Curve, wraps};
+pub use order::AxisOrder;
 pub use rows::Rows;
 
-use crate::error::{ConfigError, Field};
-use crate::roundness::RoundnessSettings;
+use crate::roundness::GaugeSettings;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
@@ -116,7 +117,7 @@ pub struct AxisSettings {
 
 impl AxisSettings {
     /// The table holds what is read along a line in the machine: of a slide that carries the workpiece, whose frame
-    /// moves away from that line, the own travel is then no lever.
+    /// moves away from that line, its own travel then contributes no lever.
     pub fn is_measured_along_a_line(&self) -> bool {
         self.measured_at_mm != [0.0; 3]
     }
@@ -174,7 +175,7 @@ impl LocationErrors {
     }
 }
 
-/// When a reading or a command is believed. Pairs are for linear (mm) and rotary (degrees) axes.
+/// When a reading or a command is accepted. Pairs are for linear (mm) and rotary (degrees) axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultSettings {
@@ -219,7 +220,7 @@ pub enum ErrorModel {
     Volumetric,
 }
 
-/// What is corrected, and through which axes.
+/// Which errors are corrected, and through which axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CompensationSettings {
@@ -280,11 +281,11 @@ pub struct MachineSettings {
     /// The axes that the chain names, each once, in the order X Y Z A B C.
     pub axes: Vec<AxisSettings, AXES>,
     /// Gauge of three probes, where the machine has one.
-    pub roundness: Option<RoundnessSettings>,
+    pub roundness: Option<GaugeSettings>,
 }
 
 /// The six errors of an axis at one position: translations along X, Y, Z (mm), rotations about X, Y, Z (rad).
-pub type Twist = [f64; 6];
+pub type Twist<R = f64> = [R; 6];
 
 /// One line of an error table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -296,21 +297,4 @@ pub struct Row {
     pub forward: Twist,
     /// Errors in negative travel; equal to `forward` where the table is not bidirectional.
     pub reverse: Twist,
-}
-
-/// The axes of a step with `N` axes: X, Y, Z and the rotary axes of the machine in alphabetical order.
-///
-/// # Errors
-/// The machine has more or fewer rotary axes than `N − 3`.
-pub fn step_axes<const N: usize>(machine: &MachineSettings) -> Result<[Axis; N], ConfigError> {
-    let rotary = machine.axes.iter().map(|a| a.axis).filter(|a| a.is_rotary());
-    let mut found = [Axis::X, Axis::Y, Axis::Z].into_iter().chain(rotary);
-    let mut axes = [Axis::X; N];
-    for slot in &mut axes {
-        *slot = found.next().ok_or(ConfigError::new(Field::Axes, N as f64, "no more axes than the machine has"))?;
-    }
-    match found.next() {
-        None => Ok(axes),
-        Some(_) => Err(ConfigError::new(Field::Axes, N as f64, "a step with as many axes as the machine has")),
-    }
 }

@@ -124,7 +124,7 @@ impl ProbeAngles {
     }
 }
 
-/// What an arrangement of probes does to every harmonic.
+/// Gain of an arrangement of probes for every harmonic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
     phi2: f64,

@@ -3,7 +3,7 @@
 //! Angles are 32-bit fractions of a turn: 2^32 is 360°, one unit 1.5 nrad. They add and wrap as the angles do, over any
 //! number of revolutions, without a division and without losing anything.
 
-use super::flags::Flags;
+use super::flags::GaugeFlags;
 use super::settings::{ArmSettings, SpindleEncoder};
 
 /// Counts of one turn to a fraction of 2^32, within two units: (counts · 2^k) · ⌊2^(63−k)/counts per turn⌉ / 2^31.
@@ -101,7 +101,7 @@ impl SpindleCounter {
         state: &mut SpindleState,
         raw: i32,
         pulse: Option<i32>,
-        flags: &mut Flags,
+        flags: &mut GaugeFlags,
     ) -> Option<u32> {
         let raw = signed(raw, self.mask);
         let moved = raw.wrapping_sub(state.last);
@@ -140,11 +140,11 @@ impl SpindleCounter {
         raw: i32,
         moved: i32,
         pulse: Option<i32>,
-        flags: &mut Flags,
+        flags: &mut GaugeFlags,
     ) -> bool {
         if !state.started || moved.unsigned_abs() > self.most {
             if state.started {
-                flags.set(Flags::SPINDLE_JUMP);
+                flags.set(GaugeFlags::SPINDLE_JUMP);
             }
             self.restart(state, raw);
         }
@@ -157,10 +157,10 @@ impl SpindleCounter {
         } else if state.referenced && state.travelled.unsigned_abs() > self.overdue {
             // The count may have slipped by any amount.
             state.referenced = false;
-            flags.set(Flags::INDEX_MISSING);
+            flags.set(GaugeFlags::INDEX_MISSING);
         }
         if !state.referenced || anew {
-            flags.set(Flags::NO_INDEX);
+            flags.set(GaugeFlags::NO_INDEX);
         }
         anew
     }
@@ -173,12 +173,12 @@ impl SpindleCounter {
     }
 
     #[cold]
-    fn at_index(&self, state: &mut SpindleState, raw: i32, latched: i32, flags: &mut Flags) -> bool {
+    fn at_index(&self, state: &mut SpindleState, raw: i32, latched: i32, flags: &mut GaugeFlags) -> bool {
         let latched = signed(latched, self.mask);
         let since = raw.wrapping_sub(latched);
         if since.unsigned_abs() > self.most {
             // Latched more than a quarter turn ago: not this cycle's pulse.
-            flags.set(Flags::INDEX_SHIFTED);
+            flags.set(GaugeFlags::INDEX_SHIFTED);
             return false;
         }
         let now = self.advanced(0, since);
@@ -189,7 +189,7 @@ impl SpindleCounter {
             return false;
         }
         if state.referenced {
-            flags.set(Flags::INDEX_SHIFTED);
+            flags.set(GaugeFlags::INDEX_SHIFTED);
         }
         let first = !state.referenced && !state.doubtful;
         state.doubtful = !(first || agrees);
@@ -252,8 +252,8 @@ mod tests {
         from: i32,
         cycles: i32,
         pulse: fn(i32) -> Option<i32>,
-    ) -> Flags {
-        let mut seen = Flags::default();
+    ) -> GaugeFlags {
+        let mut seen = GaugeFlags::default();
         for i in 1..=cycles {
             let (before, now) = (from + 10 * (i - 1), from + 10 * i);
             let turn = now.div_euclid(1000);
@@ -268,12 +268,12 @@ mod tests {
     fn zero_is_at_the_index_over_many_turns() {
         let counter = SpindleCounter::new(&encoder(1000));
         let mut state = SpindleState::NEW;
-        let mut flags = Flags::default();
+        let mut flags = GaugeFlags::default();
         assert_eq!(counter.update(&mut state, 137, None, &mut flags), None);
-        assert!(flags.has(Flags::NO_INDEX));
+        assert!(flags.has(GaugeFlags::NO_INDEX));
         turn(&counter, &mut state, 137, 100, |_| Some(0));
         let seen = turn(&counter, &mut state, 1137, 5000, |_| Some(0));
-        assert_eq!(seen, Flags::default());
+        assert_eq!(seen, GaugeFlags::default());
         let alpha = counter.update(&mut state, 51_150, None, &mut flags).unwrap();
         assert!((f64::from(alpha) / 4_294_967_296.0 - 0.15).abs() < 1e-9);
     }
@@ -284,9 +284,9 @@ mod tests {
         let mut state = SpindleState::NEW;
         turn(&counter, &mut state, 0, 250, |_| Some(0));
         let seen = turn(&counter, &mut state, 2500, 100, |_| None);
-        assert!(seen.has(Flags::INDEX_MISSING) && seen.has(Flags::NO_INDEX));
+        assert!(seen.has(GaugeFlags::INDEX_MISSING) && seen.has(GaugeFlags::NO_INDEX));
         let seen = turn(&counter, &mut state, 3500, 60, |_| Some(0));
-        assert!(!seen.has(Flags::INDEX_SHIFTED));
+        assert!(!seen.has(GaugeFlags::INDEX_SHIFTED));
         assert!(state.referenced);
     }
 
@@ -297,11 +297,11 @@ mod tests {
         turn(&counter, &mut state, 0, 250, |_| Some(0));
         // Lost counts: the pulse comes 40 counts late, and stays there.
         let seen = turn(&counter, &mut state, 2500, 60, |_| Some(4));
-        assert!(seen.has(Flags::INDEX_SHIFTED) && !state.referenced);
+        assert!(seen.has(GaugeFlags::INDEX_SHIFTED) && !state.referenced);
         turn(&counter, &mut state, 3100, 100, |_| Some(4));
         assert!(state.referenced);
         let seen = turn(&counter, &mut state, 4100, 200, |_| Some(4));
-        assert_eq!(seen, Flags::default());
+        assert_eq!(seen, GaugeFlags::default());
     }
 
     #[test]
@@ -309,9 +309,9 @@ mod tests {
         let counter = SpindleCounter::new(&encoder(1000));
         let mut state = SpindleState::NEW;
         turn(&counter, &mut state, 0, 250, |_| Some(0));
-        let mut flags = Flags::default();
+        let mut flags = GaugeFlags::default();
         assert_eq!(counter.update(&mut state, i32::MIN, None, &mut flags), None);
-        assert!(flags.has(Flags::SPINDLE_JUMP) && flags.has(Flags::NO_INDEX));
+        assert!(flags.has(GaugeFlags::SPINDLE_JUMP) && flags.has(GaugeFlags::NO_INDEX));
     }
 
     #[test]
@@ -319,13 +319,13 @@ mod tests {
         for direction in [1, -1] {
             let counter = SpindleCounter::new(&SpindleEncoder { index: false, direction, ..encoder(1024) });
             let mut state = SpindleState::NEW;
-            let mut flags = Flags::default();
+            let mut flags = GaugeFlags::default();
             for raw in (-5000..5000).step_by(37) {
                 let alpha = counter.update(&mut state, raw, None, &mut flags).unwrap();
                 let exact = (raw * i32::from(direction)).rem_euclid(1024) as u32;
                 assert_eq!(alpha, exact << 22, "{raw}");
             }
-            assert_eq!(flags, Flags::default());
+            assert_eq!(flags, GaugeFlags::default());
         }
     }
 

@@ -3,15 +3,15 @@
 use super::infeed::Infeed;
 use super::resample::Resampler;
 use super::work::Plan;
-use super::{Arm, Band, Cycle, Followed, Gain, Probes, RoundnessSettings, RoundnessState};
+use super::{Arm, Band, Cycle, Followed, Gain, GaugeSettings, GaugeState, Probes};
 use crate::error::{ConfigError, Field};
 use crate::real::Real;
 
 /// The immutable half: angles, multipliers, limits. `N` is the number of points of a revolution.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct Roundness<R, const N: usize> {
-    pub(super) units_per_cycle: u8,
+pub struct Gauge<R, const N: usize> {
+    pub(super) slices_per_cycle: u8,
     pub(super) resampler: Resampler<R, N>,
     pub(super) infeed: Option<Infeed<R>>,
     pub(super) arm: Option<Arm>,
@@ -21,12 +21,12 @@ pub struct Roundness<R, const N: usize> {
     pub(super) plan: Plan<R, N>,
 }
 
-impl<R: Real, const N: usize> Roundness<R, N> {
+impl<R: Real, const N: usize> Gauge<R, N> {
     /// Checks the settings once and precomputes what a cycle needs.
     ///
     /// # Errors
-    /// What is wrong, with the figure found and what is needed; `N` other than the settings' number of points.
-    pub fn build(settings: &RoundnessSettings, period_ns: u32) -> Result<Self, ConfigError> {
+    /// The first setting that is wrong, with the figure found and the one needed; `N` other than the settings' number of points.
+    pub fn build(settings: &GaugeSettings, period_ns: u32) -> Result<Self, ConfigError> {
         if usize::from(settings.points) != N {
             return Err(ConfigError::new(Field::Points, f64::from(settings.points), "the capacity of this build"));
         }
@@ -35,7 +35,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         }
         let gain = settings.check()?;
         let period_s = f64::from(period_ns) * 1e-9;
-        Ok(Roundness {
+        Ok(Gauge {
             resampler: Resampler::new(settings, &gain, period_s),
             plan: Plan::new(settings, &gain),
             infeed: settings.infeed.as_ref().map(|infeed| Infeed::new(infeed, period_s)),
@@ -43,22 +43,22 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             gain,
             band: settings.band,
             noise_gain_limit: settings.noise_gain_limit,
-            units_per_cycle: settings.units_per_cycle,
+            slices_per_cycle: settings.slices_per_cycle,
         })
     }
 
     /// A fresh state.
-    pub fn start(&self) -> RoundnessState<R, N> {
-        RoundnessState::new()
+    pub fn start(&self) -> GaugeState<R, N> {
+        GaugeState::new()
     }
 
-    /// Makes a state new in its place: nothing is measured or fed in until another revolution is whole, and the wheel is
+    /// Makes a state new where it stands: nothing is measured or fed in until another revolution is whole, and the wheel is
     /// that of the settings.
-    pub fn restart(&self, state: &mut RoundnessState<R, N>) {
-        *state = RoundnessState::new();
+    pub fn restart(&self, state: &mut GaugeState<R, N>) {
+        *state = GaugeState::new();
     }
 
-    /// What the probes see of each harmonic.
+    /// Gain of the probes for each harmonic.
     pub fn gain(&self) -> &Gain {
         &self.gain
     }
@@ -76,19 +76,19 @@ impl<R: Real, const N: usize> Roundness<R, N> {
 
     /// Cycles that the work on a revolution takes at most; revolutions that are shorter are skipped whole in between.
     pub fn cycles_of_work(&self) -> usize {
-        self.plan.units().div_ceil(usize::from(self.units_per_cycle.max(1)))
+        self.plan.slices().div_ceil(usize::from(self.slices_per_cycle.max(1)))
     }
 
-    /// Place of the axis that the infeed correction moves.
-    pub fn infeed_place(&self) -> Option<usize> {
-        self.infeed.as_ref().map(|infeed| infeed.place)
+    /// Slot of the axis that the infeed correction moves.
+    pub fn infeed_slot(&self) -> Option<usize> {
+        self.infeed.as_ref().map(|infeed| infeed.slot)
     }
 
     /// Sets the wheel's radius R_S, mm (wear, dressing); in force from the next revolution that is worked on.
     ///
     /// # Errors
     /// There is no arm, or the linkage could not close.
-    pub fn set_wheel(&self, state: &mut RoundnessState<R, N>, wheel_mm: f64) -> Result<(), ConfigError> {
+    pub fn set_wheel(&self, state: &mut GaugeState<R, N>, wheel_mm: f64) -> Result<(), ConfigError> {
         let Some(arm) = self.arm else {
             return Err(ConfigError::new(Field::Arm, wheel_mm, "a gauge with a following arm"));
         };
@@ -99,9 +99,9 @@ impl<R: Real, const N: usize> Roundness<R, N> {
     /// One servo cycle: cannot fail, panic, allocate, block, or loop without a fixed bound.
     ///
     /// `followed` tells how the infeed of the cycle before was followed: the law learns only from what was. The three stages can be
-    /// called by themselves, [`Roundness::work`] for instance in the background.
+    /// called by themselves, [`Gauge::work`] for instance in the background.
     #[inline]
-    pub fn update(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, followed: Followed) -> Cycle<R> {
+    pub fn update(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> Cycle<R> {
         let flags = self.sample(state, probes, followed);
         let finished = self.work(state);
         Cycle { infeed: self.infeed(state), flags, finished }
@@ -109,7 +109,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
 
     /// Third stage: infeed correction of this cycle, mm in the sense of its axis.
     #[inline]
-    pub fn infeed(&self, state: &mut RoundnessState<R, N>) -> R {
+    pub fn infeed(&self, state: &mut GaugeState<R, N>) -> R {
         let (Some(infeed), Some(angles)) = (&self.infeed, state.resampler.angles) else {
             // A θ found again says nothing about the speed since.
             state.speed.theta = None;
@@ -124,6 +124,6 @@ impl<R: Real, const N: usize> Roundness<R, N> {
         if state.work.is_cleared() {
             return R::ZERO;
         }
-        infeed.at(&state.work.correction, |place| state.work.cos_beta(place), angles, speed.per_cycle)
+        infeed.at(&state.work.correction, |index| state.work.cos_beta(index), angles, speed.per_cycle)
     }
 }

@@ -19,8 +19,8 @@ use crate::real::Real;
 /// The settings as a cycle needs them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Infeed<R> {
-    /// Axis as a place in the step's order (linear axes stand at their index).
-    pub(super) place: usize,
+    /// Slot of the axis (a linear axis' slot is its index).
+    pub(super) slot: usize,
     /// g.
     pub(super) gain: R,
     /// Largest |c|, µm.
@@ -37,7 +37,7 @@ impl<R: Real> Infeed<R> {
     pub(super) fn new(settings: &InfeedSettings, period_s: f64) -> Self {
         let turns = settings.contact_deg / 360.0;
         Infeed {
-            place: settings.axis.index(),
+            slot: settings.axis.index(),
             gain: R::of(settings.gain),
             limit: R::of(settings.limit_um),
             scale: R::of(f64::from(settings.direction) * 1e-3),
@@ -60,10 +60,10 @@ impl<R: Real> Infeed<R> {
         let shift = u32::BITS - N.trailing_zeros();
         let lead = (self.lead * speed).to_i32();
         let angle = angles.theta.wrapping_add(self.contact).wrapping_add_signed(lead);
-        let place = (angle >> shift) as usize;
+        let index = (angle >> shift) as usize;
         let within = angle & (1u32 << shift).wrapping_sub(1);
         let t = R::of_i32(within as i32) * R::of(1.0 / (1u64 << shift) as f64);
-        let value = |offset: usize| table.get(place.wrapping_add(offset) & (N - 1)).copied().unwrap_or(R::ZERO);
+        let value = |offset: usize| table.get(index.wrapping_add(offset) & (N - 1)).copied().unwrap_or(R::ZERO);
         let [before, low, high, after] = [value(N - 1), value(0), value(1), value(2)];
         // Lagrange's cubic through −1, 0, 1, 2.
         let sixth = R::of(1.0 / 6.0);

@@ -3,7 +3,7 @@
 //! ```text
 //! probes ──────┐
 //! spindle, arm ┴─► counter ─► resample ─► one revolution ─► transform, 1/G, inverse ─► profile ─► harmonics, LSC
-//!                  counts      to θ        (the one before     in units of a fixed   └► R_X, R_Y ─► spindle error
+//!                  counts      to θ        (the one before     in slices of a fixed   └► R_X, R_Y ─► spindle error
 //!                  to angles   θ = α + β    is worked on)      size, some a cycle    └► infeed of the next revolutions
 //! ```
 //!
@@ -26,18 +26,18 @@
 //!
 //! Y lies along probe 1 at β = 0. Lengths here are µm, angles at the interface degrees.
 //!
-//! [`Roundness`] is the immutable half, built once; [`RoundnessState`] the other. [`Roundness::update`] takes a cycle's
+//! [`Gauge`] is the immutable half, built once; [`GaugeState`] the other. [`Gauge::update`] takes a cycle's
 //! readings in bounded time; a revolution is evaluated while the next one is sampled. A revolution in which anything was
-//! wrong is discarded whole ([`Flags`]), one that comes while the work is not finished is skipped whole; both are counted.
+//! wrong is discarded whole ([`GaugeFlags`]), one that comes while the work is not finished is skipped whole; both are counted.
 //!
 //! # Example
 //!
 //! ```
-//! use trueaxis::roundness::{Followed, ProbeAngles, Probes, Roundness, RoundnessSettings};
+//! use trueaxis::roundness::{Followed, ProbeAngles, Probes, Gauge, GaugeSettings};
 //!
 //! let angles = ProbeAngles::Slots { p: 44, q: 57 };
-//! let settings = RoundnessSettings::with_defaults(256, angles, 1 << 20);
-//! let gauge = Roundness::<f32, 256>::build(&settings, 100_000)?; // refuses angles that are blind to a harmonic
+//! let settings = GaugeSettings::with_defaults(256, angles, 1 << 20);
+//! let gauge = Gauge::<f32, 256>::build(&settings, 100_000)?; // refuses angles that are blind to a harmonic
 //! let mut state = gauge.start();
 //!
 //! // From here on the servo interrupt, or ServoLoop::step with a GaugeRide:
@@ -76,14 +76,14 @@ mod work;
 
 pub use angles::{Band, Gain, ProbeAngles};
 pub use arm::{Arm, arm_angle};
-pub use flags::Flags;
-pub use gauge::Roundness;
+pub use flags::GaugeFlags;
+pub use gauge::Gauge;
 pub use motion::ErrorMotion;
 pub use settings::{
-    ArmSettings, FEWEST_POINTS, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, MOST_COUNTS, MOST_POINTS, NOISE_GAIN_LIMIT,
-    ProbeSettings, RoundnessSettings, SpindleEncoder, gain_limit,
+    ArmSettings, FEWEST_POINTS, GaugeSettings, INFEED_NOISE_GAIN_LIMIT, InfeedSettings, MOST_COUNTS, MOST_POINTS,
+    NOISE_GAIN_LIMIT, ProbeSettings, SpindleEncoder, gain_limit,
 };
-pub use state::RoundnessState;
+pub use state::GaugeState;
 pub use work::HARMONICS;
 
 /// Readings of one cycle.
@@ -117,14 +117,14 @@ pub enum Followed {
     Not,
 }
 
-/// What is known about one revolution.
+/// Results of one revolution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Evaluation<R> {
     /// Counts whole revolutions that were sampled, from 1, wrapping.
     pub revolution: u32,
-    /// What this revolution met.
-    pub flags: Flags,
+    /// Events of this revolution.
+    pub flags: GaugeFlags,
     /// Peak-to-valley roundness about the least-squares circle, after the filter if there is one, µm.
     pub peak_to_valley_um: R,
     /// Error motion along X (across probe 1), over the last full window.
@@ -135,14 +135,14 @@ pub struct Evaluation<R> {
     pub revolutions: u16,
 }
 
-/// What a cycle gives back.
+/// Result of a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Cycle<R> {
     /// Infeed correction, mm in the sense of its axis; 0 without one, or while θ is unknown.
     pub infeed: R,
-    /// What this cycle met.
-    pub flags: Flags,
+    /// Events of this cycle.
+    pub flags: GaugeFlags,
     /// A revolution has just been evaluated.
     pub finished: bool,
 }
@@ -157,7 +157,7 @@ pub struct Counts {
     pub evaluated: u32,
     /// Skipped whole, because the work on one before was not finished.
     pub skipped: u32,
-    /// Discarded whole, because of something in [`Flags`].
+    /// Discarded whole, because of something in [`GaugeFlags`].
     pub discarded: u32,
 }
 

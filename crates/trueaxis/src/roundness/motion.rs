@@ -66,9 +66,9 @@ impl<R: Real, const N: usize> Motion<R, N> {
 
     /// Adds a point of a revolution; the first revolution of a window begins it.
     #[inline(always)]
-    pub(super) fn add(&mut self, place: usize, value: R, first: bool) {
+    pub(super) fn add(&mut self, index: usize, value: R, first: bool) {
         let (Some(sum), Some(low), Some(high)) =
-            (self.sum.get_mut(place), self.low.get_mut(place), self.high.get_mut(place))
+            (self.sum.get_mut(index), self.low.get_mut(index), self.high.get_mut(index))
         else {
             return;
         };
@@ -88,8 +88,8 @@ impl<R: Real, const N: usize> Motion<R, N> {
 
     /// First pass: mean and first harmonic of the mean contour, width of the bundle.
     #[inline(always)]
-    pub(super) fn evaluate(&mut self, place: usize, [cos, sin]: [R; 2], per_revolution: R) {
-        let (Some(sum), Some(low), Some(high)) = (self.sum.get_mut(place), self.low.get(place), self.high.get(place))
+    pub(super) fn evaluate(&mut self, index: usize, [cos, sin]: [R; 2], per_revolution: R) {
+        let (Some(sum), Some(low), Some(high)) = (self.sum.get_mut(index), self.low.get(index), self.high.get(index))
         else {
             return;
         };
@@ -112,8 +112,8 @@ impl<R: Real, const N: usize> Motion<R, N> {
 
     /// Second pass: what is left without mean and first harmonic.
     #[inline(always)]
-    pub(super) fn range(&mut self, place: usize, [cos, sin]: [R; 2]) {
-        let (Some(mean), Some(low), Some(high)) = (self.sum.get(place), self.low.get(place), self.high.get(place))
+    pub(super) fn range(&mut self, index: usize, [cos, sin]: [R; 2]) {
+        let (Some(mean), Some(low), Some(high)) = (self.sum.get(index), self.low.get(index), self.high.get(index))
         else {
             return;
         };
@@ -126,7 +126,7 @@ impl<R: Real, const N: usize> Motion<R, N> {
         self.total = [R::min(*low - fundamental, least), R::max(*high - fundamental, most)];
     }
 
-    /// What both passes found.
+    /// Results of both passes.
     #[inline(always)]
     pub(super) fn result(&self) -> ErrorMotion<R> {
         let [_, a, b] = self.fundamental;

@@ -17,8 +17,8 @@
 use super::Probes;
 use super::angles::Gain;
 use super::counter::{ArmCounter, SpindleCounter, SpindleState};
-use super::flags::Flags;
-use super::settings::RoundnessSettings;
+use super::flags::GaugeFlags;
+use super::settings::GaugeSettings;
 use crate::real::Real;
 
 /// Points that θ may pass in one cycle; beyond, the readings say too little about the surface between them.
@@ -35,7 +35,7 @@ pub(super) struct Resampler<R, const N: usize> {
     patience: u32,
 }
 
-/// What a cycle hands to the next.
+/// State from cycle to cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ResamplerState<R> {
     spindle: SpindleState,
@@ -77,7 +77,7 @@ pub(super) struct Angles {
 /// Readings at one point of the revolution, µm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point<R> {
-    pub(super) place: usize,
+    pub(super) index: usize,
     pub(super) h1: R,
     pub(super) h2: R,
     /// h1 + k2 h2 + k3 h3.
@@ -86,7 +86,7 @@ pub(super) struct Point<R> {
 
 impl<R: Real, const N: usize> Resampler<R, N> {
     /// Of settings that have been checked.
-    pub(super) fn new(settings: &RoundnessSettings, gain: &Gain, period_s: f64) -> Self {
+    pub(super) fn new(settings: &GaugeSettings, gain: &Gain, period_s: f64) -> Self {
         Resampler {
             spindle: SpindleCounter::new(&settings.spindle),
             arm: settings.arm.as_ref().map(ArmCounter::new),
@@ -97,7 +97,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
     }
 
-    /// The shift that makes a place of an angle.
+    /// The shift that makes an index of an angle.
     const SHIFT: u32 = u32::BITS - N.trailing_zeros();
     /// One point, in 2^−32 turns.
     const WIDTH: i32 = 1 << Self::SHIFT;
@@ -105,7 +105,12 @@ impl<R: Real, const N: usize> Resampler<R, N> {
     /// Takes a cycle's readings; `Some(points that θ has passed)` where the cycle counts, then
     /// [`Resampler::keep`] has to follow. What is wrong is added to the flags.
     #[inline(always)]
-    pub(super) fn update(&self, state: &mut ResamplerState<R>, probes: &Probes<R>, flags: &mut Flags) -> Option<usize> {
+    pub(super) fn update(
+        &self,
+        state: &mut ResamplerState<R>,
+        probes: &Probes<R>,
+        flags: &mut GaugeFlags,
+    ) -> Option<usize> {
         state.clock = state.clock.wrapping_add(1);
         let alpha = self.spindle.update(&mut state.spindle, probes.spindle, probes.index, flags);
         let beta = match &self.arm {
@@ -118,7 +123,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         let theta = alpha.wrapping_add_signed(beta);
         state.angles = Some(Angles { theta, alpha, beta });
         if state.clock.wrapping_sub(state.passed) > self.patience {
-            flags.set(Flags::STOPPED);
+            flags.set(GaugeFlags::STOPPED);
         }
         let mut sound = true;
         for (reading, [low, high]) in probes.readings.iter().zip(&self.range) {
@@ -126,7 +131,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
             sound &= *reading >= *low && *reading <= *high;
         }
         if !sound {
-            flags.set(Flags::PROBE_RANGE);
+            flags.set(GaugeFlags::PROBE_RANGE);
             (state.known, state.passed) = (0, state.clock);
             return None;
         }
@@ -143,9 +148,9 @@ impl<R: Real, const N: usize> Resampler<R, N> {
 
     /// θ is unknown.
     #[inline(never)]
-    fn lose(&self, state: &mut ResamplerState<R>, beta: Option<i32>, flags: &mut Flags) -> Option<usize> {
+    fn lose(&self, state: &mut ResamplerState<R>, beta: Option<i32>, flags: &mut GaugeFlags) -> Option<usize> {
         if beta.is_none() {
-            flags.set(Flags::ARM);
+            flags.set(GaugeFlags::ARM);
         }
         (state.known, state.angles, state.passed) = (0, None, state.clock);
         None
@@ -153,14 +158,14 @@ impl<R: Real, const N: usize> Resampler<R, N> {
 
     /// θ stands, turns back, or runs too fast to be sampled.
     #[inline(never)]
-    fn irregular(state: &mut ResamplerState<R>, moved: i32, flags: &mut Flags) -> Option<usize> {
+    fn irregular(state: &mut ResamplerState<R>, moved: i32, flags: &mut GaugeFlags) -> Option<usize> {
         if moved > 0 && moved >= Self::WIDTH {
-            flags.set(Flags::TOO_FAST);
+            flags.set(GaugeFlags::TOO_FAST);
             (state.known, state.passed) = (0, state.clock);
             return Some(0);
         }
         if moved < -Self::WIDTH {
-            flags.set(Flags::REVERSED);
+            flags.set(GaugeFlags::REVERSED);
             state.known = 0;
         }
         None
@@ -192,7 +197,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
         let [first, second, third] = values;
         let [k2, k3] = self.weights;
-        Point { place: (*angle >> Self::SHIFT) as usize, h1: first, h2: second, sum: first + k2 * second + k3 * third }
+        Point { index: (*angle >> Self::SHIFT) as usize, h1: first, h2: second, sum: first + k2 * second + k3 * third }
     }
 
     /// Where θ stood in the last cycle that counts.

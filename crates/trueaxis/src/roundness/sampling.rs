@@ -1,21 +1,21 @@
 //! First stage: a cycle's readings become points of a revolution, points become whole revolutions.
 
 use super::resample::{Angles, POINTS_PER_CYCLE, Resampler};
-use super::state::{RoundnessState, Sampling};
+use super::state::{GaugeState, Sampling};
 use super::work::{ARM_CHECKS, Beginning, Outcome};
-use super::{Flags, Followed, Probes, Roundness};
+use super::{Followed, Gauge, GaugeFlags, Probes};
 use crate::real::Real;
 
-impl<R: Real, const N: usize> Roundness<R, N> {
+impl<R: Real, const N: usize> Gauge<R, N> {
     /// First stage: a cycle's readings, resampled; gives what it met.
     #[inline]
-    pub fn sample(&self, state: &mut RoundnessState<R, N>, probes: &Probes<R>, followed: Followed) -> Flags {
+    pub fn sample(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> GaugeFlags {
         if probes.new_part {
             state.work.clear();
             state.sampling = Sampling::NEW;
             state.latest = Outcome::NONE;
         }
-        let mut flags = Flags::default();
+        let mut flags = GaugeFlags::default();
         let passed = self.resampler.update(&mut state.resampler, probes, &mut flags);
         if flags.discards() && state.sampling.running {
             state.sampling.running = false;
@@ -35,20 +35,20 @@ impl<R: Real, const N: usize> Roundness<R, N> {
 
     /// θ has passed a point, or two.
     #[inline(never)]
-    fn pass(&self, state: &mut RoundnessState<R, N>, readings: &[R; 3], points: usize, flags: &mut Flags) {
+    fn pass(&self, state: &mut GaugeState<R, N>, readings: &[R; 3], points: usize, flags: &mut GaugeFlags) {
         let Some(Angles { theta, alpha, beta }) = state.resampler.angles else { return };
         state.sampling.time(alpha, state.resampler.clock);
         let mut angle = Resampler::<R, N>::last(&state.resampler);
         for _ in 0..points.min(POINTS_PER_CYCLE) {
             let point = self.resampler.point(&mut state.resampler, theta, readings, &mut angle);
-            if point.place == 0 {
+            if point.index == 0 {
                 self.turn(state, flags);
             }
             if !state.sampling.running {
                 continue;
             }
             let revolution = &mut state.revolutions[!state.worked & 1];
-            let n = point.place & (N - 1);
+            let n = point.index & (N - 1);
             revolution.first[n] = point.h1;
             revolution.second[n] = point.h2;
             state.sums[!state.worked & 1][n] = point.sum;
@@ -62,17 +62,17 @@ impl<R: Real, const N: usize> Roundness<R, N> {
 
     /// θ passes zero: a revolution ends, the next begins.
     #[inline(never)]
-    fn turn(&self, state: &mut RoundnessState<R, N>, flags: &mut Flags) {
+    fn turn(&self, state: &mut GaugeState<R, N>, flags: &mut GaugeFlags) {
         let sampling = state.sampling;
-        let (mut before, mut skipped) = (None, Flags::default());
+        let (mut before, mut skipped) = (None, GaugeFlags::default());
         if sampling.running && sampling.points == N {
             let mean = sampling.total * R::of(1.0 / N as f64);
             before = Some(mean);
             state.counts.sampled = state.counts.sampled.wrapping_add(1);
-            let mut of_revolution = Flags::default();
+            let mut of_revolution = GaugeFlags::default();
             // A quarter of the time, and a cycle of rounding at either end.
             if sampling.most > sampling.fewest.saturating_add(sampling.fewest / 4).saturating_add(2) {
-                of_revolution.set(Flags::SPEED);
+                of_revolution.set(GaugeFlags::SPEED);
             }
             let few = state.resampler.clock.wrapping_sub(sampling.began) / 64;
             let limited = sampling.limited > few;
@@ -85,7 +85,7 @@ impl<R: Real, const N: usize> Roundness<R, N> {
             let steady = drift.is_some() && change <= self.plan.steady;
             state.drift = drift;
             if self.infeed.is_some() && (limited || sampling.unheard > few || !steady) {
-                of_revolution.set(Flags::INFEED_FROZEN);
+                of_revolution.set(GaugeFlags::INFEED_FROZEN);
             }
             flags.set(of_revolution);
             of_revolution.set(sampling.flags);
@@ -97,8 +97,8 @@ impl<R: Real, const N: usize> Roundness<R, N> {
                 state.work.begin(&self.plan, beginning);
             } else {
                 state.counts.skipped = state.counts.skipped.wrapping_add(1);
-                flags.set(Flags::SKIPPED);
-                skipped = Flags::SKIPPED;
+                flags.set(GaugeFlags::SKIPPED);
+                skipped = GaugeFlags::SKIPPED;
             }
         }
         state.sampling = Sampling {

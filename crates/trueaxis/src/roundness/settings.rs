@@ -1,4 +1,4 @@
-//! What a gauge of three probes is, as it stands in a compiled table file.
+//! Settings of a gauge of three probes, as they stand in a compiled table file.
 
 use super::angles::{Band, Gain, ProbeAngles};
 use super::arm::Arm;
@@ -25,7 +25,7 @@ pub struct ProbeSettings {
     pub gain_um: f64,
     /// Raw value at zero.
     pub zero: f64,
-    /// Raw values in which the probe is believed.
+    /// Raw values that are accepted.
     pub range: [f64; 2],
 }
 
@@ -102,7 +102,7 @@ pub fn gain_limit(delay_revolutions: u8) -> f64 {
 /// A gauge of three probes at a turning workpiece.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RoundnessSettings {
+pub struct GaugeSettings {
     /// Points of a revolution, a power of two from 64 to 4096.
     pub points: u16,
     /// Angles between the probes.
@@ -115,25 +115,25 @@ pub struct RoundnessSettings {
     pub probes: [ProbeSettings; 3],
     /// Encoder of the spindle.
     pub spindle: SpindleEncoder,
-    /// Following arm; an ordinary shaft without.
+    /// Following arm; `None` for an ordinary shaft.
     pub arm: Option<ArmSettings>,
     /// Cut-off of the Gaussian filter before the evaluation of roundness, UPR.
     pub filter: Option<u16>,
-    /// Revolutions over which synchronous and asynchronous motion of the spindle are told apart.
+    /// Revolutions over which synchronous and asynchronous motion of the spindle are separated.
     pub revolutions: u16,
-    /// Units of work done in a cycle.
-    pub units_per_cycle: u8,
+    /// Slices of work done in a cycle.
+    pub slices_per_cycle: u8,
     /// The spindle stands when no point was passed for so long, s.
     pub stop_s: f64,
-    /// Infeed correction; only measured without.
+    /// Infeed correction; `None` to measure only.
     pub infeed: Option<InfeedSettings>,
 }
 
-impl RoundnessSettings {
+impl GaugeSettings {
     /// The stated defaults: band 2 to 100 (or up to half the points), noise gain limit 100, probes of 1 µm per unit in
-    /// ±1000, index pulse within a thousandth of a turn, eight revolutions, one unit per cycle, stopped after 1 s.
+    /// ±1000, index pulse within a thousandth of a turn, eight revolutions, one slice per cycle, stopped after 1 s.
     pub fn with_defaults(points: u16, angles: ProbeAngles, counts: u32) -> Self {
-        RoundnessSettings {
+        GaugeSettings {
             points,
             angles,
             band: Band { first: 2, last: 100.min((points / 2).saturating_sub(1)) },
@@ -143,7 +143,7 @@ impl RoundnessSettings {
             arm: None,
             filter: None,
             revolutions: 8,
-            units_per_cycle: 1,
+            slices_per_cycle: 1,
             stop_s: 1.0,
             infeed: None,
         }
@@ -198,8 +198,8 @@ impl RoundnessSettings {
         let revolutions = f64::from(self.revolutions);
         need((1..=10_000).contains(&self.revolutions), Field::Revolutions, revolutions, "1 to 10,000 revolutions")
             .map_err(|error| error.of("revolutions"))?;
-        let units = f64::from(self.units_per_cycle);
-        need((1..=16).contains(&self.units_per_cycle), Field::Revolutions, units, "1 to 16 units per cycle")
+        let units = f64::from(self.slices_per_cycle);
+        need((1..=16).contains(&self.slices_per_cycle), Field::Revolutions, units, "1 to 16 units per cycle")
             .map_err(|error| error.of("units_per_cycle"))?;
         if let Some(infeed) = &self.infeed {
             infeed.check(points)?;
@@ -248,8 +248,8 @@ impl InfeedSettings {
 }
 
 /// Every scalar of a gauge that is not a whole number with a check of its own.
-fn scalars(settings: &RoundnessSettings) -> Result<(), ConfigError> {
-    let RoundnessSettings {
+fn scalars(settings: &GaugeSettings) -> Result<(), ConfigError> {
+    let GaugeSettings {
         points: _,
         // Checked where they are resolved.
         angles: _,
@@ -260,7 +260,7 @@ fn scalars(settings: &RoundnessSettings) -> Result<(), ConfigError> {
         arm,
         filter: _,
         revolutions: _,
-        units_per_cycle: _,
+        slices_per_cycle: _,
         stop_s,
         infeed,
     } = settings;

@@ -1,14 +1,14 @@
-//! What a gauge remembers from cycle to cycle, and its results.
+//! State of a gauge from cycle to cycle, and its results.
 
 use super::resample::ResamplerState;
 use super::work::{Outcome, Revolution, Work};
-use super::{Counts, Evaluation, Flags};
+use super::{Counts, Evaluation, GaugeFlags};
 use crate::real::Real;
 
-/// The mutable half: what one cycle hands to the next, and the results. Large (17 N scalars): a static's place.
+/// The mutable half: what one cycle hands to the next, and the results. Large (17 N scalars): keep it in a static.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct RoundnessState<R, const N: usize> {
+pub struct GaugeState<R, const N: usize> {
     /// The one of the two revolutions that is worked on; the other is being sampled.
     pub(super) worked: usize,
     pub(super) resampler: ResamplerState<R>,
@@ -30,7 +30,7 @@ pub(super) struct Sampling<R> {
     pub(super) running: bool,
     pub(super) points: usize,
     /// Whether revolutions before it were skipped.
-    pub(super) flags: Flags,
+    pub(super) flags: GaugeFlags,
     /// Weighted sums added up.
     pub(super) total: R,
     /// Their mean over the revolution before, if that was whole.
@@ -51,7 +51,7 @@ impl<R: Real> Sampling<R> {
     pub(super) const NEW: Sampling<R> = Sampling {
         running: false,
         points: 0,
-        flags: Flags(0),
+        flags: GaugeFlags(0),
         total: R::ZERO,
         before: None,
         began: 0,
@@ -96,11 +96,11 @@ pub(super) struct Speed<R> {
     pub(super) per_cycle: R,
 }
 
-impl<R: Real, const N: usize> RoundnessState<R, N> {
+impl<R: Real, const N: usize> GaugeState<R, N> {
     /// Before the first cycle. All of it is zero: a static of it takes no flash.
     #[allow(clippy::new_without_default)]
     pub const fn new() -> Self {
-        RoundnessState {
+        GaugeState {
             resampler: ResamplerState::new(),
             revolutions: [Revolution::new(), Revolution::new()],
             sums: [[R::ZERO; N]; 2],
@@ -115,7 +115,7 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
     }
 
     /// The latest revolution evaluated, of this part; whole while no work is under way
-    /// ([`RoundnessState::is_settled`]), like everything below.
+    /// ([`GaugeState::is_settled`]), like everything below.
     pub fn latest(&self) -> Option<Evaluation<R>> {
         let Outcome { revolution, flags, peak_to_valley_um } = self.latest;
         let ([x, y], revolutions) = (self.work.error_motion, self.work.window);
@@ -128,7 +128,7 @@ impl<R: Real, const N: usize> RoundnessState<R, N> {
     }
 
     /// Profile r of the latest revolution, µm, before the filter; whole while no work is under way
-    /// ([`RoundnessState::is_settled`]).
+    /// ([`GaugeState::is_settled`]).
     pub fn profile(&self) -> &[R; N] {
         &self.work.profile
     }

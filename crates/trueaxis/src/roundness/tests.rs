@@ -20,7 +20,7 @@ fn series(terms: &[(f64, f64, f64)], angle: f64) -> f64 {
 }
 
 impl Truth {
-    fn new(settings: &RoundnessSettings, highest: u16) -> Self {
+    fn new(settings: &GaugeSettings, highest: u16) -> Self {
         let gain = settings.check().unwrap();
         let profile = (2..=highest).map(|k| {
             let k = f64::from(k);
@@ -81,8 +81,8 @@ fn probes(truth: &Truth, alpha: f64, before: f64) -> Probes<f64> {
     }
 }
 
-fn settings(points: u16, angles: ProbeAngles, arm: bool) -> RoundnessSettings {
-    let mut settings = RoundnessSettings::with_defaults(points, angles, COUNTS);
+fn settings(points: u16, angles: ProbeAngles, arm: bool) -> GaugeSettings {
+    let mut settings = GaugeSettings::with_defaults(points, angles, COUNTS);
     settings.band.last = 50;
     if arm {
         settings.arm = Some(ArmSettings {
@@ -96,18 +96,18 @@ fn settings(points: u16, angles: ProbeAngles, arm: bool) -> RoundnessSettings {
 }
 
 struct Run<R, const N: usize> {
-    gauge: Roundness<R, N>,
-    state: Box<RoundnessState<R, N>>,
+    gauge: Gauge<R, N>,
+    state: Box<GaugeState<R, N>>,
     alpha: f64,
-    seen: Flags,
+    seen: GaugeFlags,
     evaluations: Vec<Evaluation<R>>,
 }
 
 impl<R: Real, const N: usize> Run<R, N> {
-    fn new(settings: &RoundnessSettings) -> Self {
-        let gauge = Roundness::build(settings, 100_000).unwrap();
+    fn new(settings: &GaugeSettings) -> Self {
+        let gauge = Gauge::build(settings, 100_000).unwrap();
         let state = Box::new(gauge.start());
-        Run { gauge, state, alpha: -0.3, seen: Flags::default(), evaluations: Vec::new() }
+        Run { gauge, state, alpha: -0.3, seen: GaugeFlags::default(), evaluations: Vec::new() }
     }
 
     fn cycle(&mut self, probes: &Probes<f64>) -> Cycle<R> {
@@ -209,7 +209,7 @@ fn a_changing_speed_is_flagged_and_costs_nothing() {
     let mut run = Run::<f64, 512>::new(&settings);
     // From 8 to 24 cycles a point within every turn.
     run.turn(&truth, 3.95, |alpha| TAU / 512.0 / (16.0 + 8.0 * alpha.sin()));
-    assert!(run.state.latest().unwrap().flags.has(Flags::SPEED));
+    assert!(run.state.latest().unwrap().flags.has(GaugeFlags::SPEED));
     let (profile, motion) = (run.profile_error(&truth), run.motion_error(&truth));
     assert!(profile < 5e-5 && motion < 5e-5, "{profile:e} {motion:e}");
     let mut steady = Run::<f64, 512>::new(&settings);
@@ -218,8 +218,8 @@ fn a_changing_speed_is_flagged_and_costs_nothing() {
 }
 
 /// A small gauge on which faults are tried: 64 points, harmonics up to 12.
-fn small() -> (RoundnessSettings, Truth) {
-    let mut settings = RoundnessSettings::with_defaults(64, ProbeAngles::Slots { p: 11, q: 15 }, COUNTS);
+fn small() -> (GaugeSettings, Truth) {
+    let mut settings = GaugeSettings::with_defaults(64, ProbeAngles::Slots { p: 11, q: 15 }, COUNTS);
     settings.band.last = 12;
     settings.stop_s = 0.05;
     let truth = Truth::new(&settings, 12);
@@ -227,13 +227,13 @@ fn small() -> (RoundnessSettings, Truth) {
 }
 
 /// Disturbs the cycles of a quarter turn in the third revolution; returns flags of that revolution and the counts after.
-fn disturbed(disturb: impl Fn(&mut Probes<f64>)) -> (Flags, Counts, Run<f64, 64>) {
+fn disturbed(disturb: impl Fn(&mut Probes<f64>)) -> (GaugeFlags, Counts, Run<f64, 64>) {
     let (settings, truth) = small();
     let mut run = Run::<f64, 64>::new(&settings);
     run.turn(&truth, 3.3, |_| TAU / 1000.0);
     assert_eq!(run.state.counts(), Counts { sampled: 2, evaluated: 2, skipped: 0, discarded: 0 });
-    assert_eq!(run.seen, Flags::NO_INDEX);
-    run.seen = Flags::default();
+    assert_eq!(run.seen, GaugeFlags::NO_INDEX);
+    run.seen = GaugeFlags::default();
     for _ in 0..250 {
         let before = run.alpha;
         run.alpha += TAU / 1000.0;
@@ -253,7 +253,7 @@ fn a_probe_that_is_not_believed_costs_one_whole_revolution() {
     for bad in [f64::NAN, f64::INFINITY, -1000.5, 1e300] {
         for probe in 0..3 {
             let (seen, counts, _) = disturbed(|probes| probes.readings[probe] = bad);
-            assert_eq!(seen, Flags::PROBE_RANGE);
+            assert_eq!(seen, GaugeFlags::PROBE_RANGE);
             assert_eq!((counts.discarded, counts.skipped), (1, 0), "{bad}");
             assert_eq!((counts.sampled, counts.evaluated), (5, 5));
         }
@@ -263,7 +263,7 @@ fn a_probe_that_is_not_believed_costs_one_whole_revolution() {
 #[test]
 fn a_jump_of_the_count_costs_the_revolution_and_waits_for_the_index() {
     let (seen, counts, _) = disturbed(|probes| probes.spindle = probes.spindle.wrapping_add(1 << 30));
-    assert!(seen.has(Flags::SPINDLE_JUMP) && seen.has(Flags::NO_INDEX));
+    assert!(seen.has(GaugeFlags::SPINDLE_JUMP) && seen.has(GaugeFlags::NO_INDEX));
     assert_eq!(counts.discarded, 1);
     assert_eq!(counts.evaluated, 4, "one more passes until zero is known again");
 }
@@ -273,7 +273,7 @@ fn a_missing_index_is_flagged_and_waited_for() {
     let (settings, truth) = small();
     let mut run = Run::<f64, 64>::new(&settings);
     run.turn(&truth, 3.3, |_| TAU / 1000.0);
-    run.seen = Flags::default();
+    run.seen = GaugeFlags::default();
     let end = run.alpha + 1.5 * TAU;
     while run.alpha < end {
         let before = run.alpha;
@@ -281,7 +281,7 @@ fn a_missing_index_is_flagged_and_waited_for() {
         let without = Probes { index: None, ..probes(&truth, run.alpha, before) };
         run.cycle(&without);
     }
-    assert!(run.seen.has(Flags::INDEX_MISSING));
+    assert!(run.seen.has(GaugeFlags::INDEX_MISSING));
     let before = run.state.counts().evaluated;
     run.turn(&truth, 3.5, |_| TAU / 1000.0);
     assert!(run.state.counts().evaluated > before);
@@ -293,11 +293,11 @@ fn a_stop_in_mid_revolution_discards_it() {
     let (settings, truth) = small();
     let mut run = Run::<f64, 64>::new(&settings);
     run.turn(&truth, 3.3, |_| TAU / 1000.0);
-    run.seen = Flags::default();
+    run.seen = GaugeFlags::default();
     for _ in 0..2000 {
         run.cycle(&probes(&truth, run.alpha, run.alpha));
     }
-    assert_eq!(run.seen, Flags::STOPPED);
+    assert_eq!(run.seen, GaugeFlags::STOPPED);
     let counts = run.state.counts();
     assert_eq!((counts.sampled, counts.discarded), (2, 1));
     run.turn(&truth, 2.4, |_| TAU / 1000.0);
@@ -310,18 +310,18 @@ fn turning_back_discards_the_revolution_and_jitter_does_not() {
     let (settings, truth) = small();
     let mut run = Run::<f64, 64>::new(&settings);
     run.turn(&truth, 3.3, |_| TAU / 1000.0);
-    run.seen = Flags::default();
+    run.seen = GaugeFlags::default();
     // Standing on a count that flickers: half a slot forth and back.
     for i in 0..100 {
         let flicker = if i % 2 == 0 { 0.04 } else { 0.0 };
         run.cycle(&probes(&truth, run.alpha + flicker, run.alpha));
     }
-    assert_eq!((run.seen, run.state.counts().discarded), (Flags::default(), 0));
+    assert_eq!((run.seen, run.state.counts().discarded), (GaugeFlags::default(), 0));
     for _ in 0..200 {
         run.alpha -= TAU / 1000.0;
         run.cycle(&probes(&truth, run.alpha, run.alpha));
     }
-    assert_eq!(run.seen, Flags::REVERSED);
+    assert_eq!(run.seen, GaugeFlags::REVERSED);
     assert_eq!(run.state.counts().discarded, 1);
     run.turn(&truth, 3.5, |_| TAU / 1000.0);
     assert!(run.profile_error(&truth) < 1e-3);
@@ -332,9 +332,9 @@ fn too_fast_a_spindle_is_flagged() {
     let (settings, truth) = small();
     let mut run = Run::<f64, 64>::new(&settings);
     run.turn(&truth, 3.3, |_| TAU / 1000.0);
-    run.seen = Flags::default();
+    run.seen = GaugeFlags::default();
     run.turn(&truth, 5.0, |_| TAU / 24.0);
-    assert!(run.seen.has(Flags::TOO_FAST));
+    assert!(run.seen.has(GaugeFlags::TOO_FAST));
     assert_eq!(run.state.counts().sampled, 2);
     run.turn(&truth, 4.5, |_| TAU / 1000.0);
     assert!(run.profile_error(&truth) < 1e-3);
@@ -357,8 +357,8 @@ fn revolutions_shorter_than_the_work_are_skipped_whole() {
         assert!(sampled >= 23, "{sampled} of {cycles}: {before:?} {after:?} {:?}", run.seen);
         assert!(evaluated.abs_diff(sampled / kept) <= 1, "{evaluated} of {sampled}, one in {kept}");
         assert!((after.skipped - before.skipped).abs_diff(sampled - evaluated) <= 1);
-        assert_eq!(run.seen.has(Flags::SKIPPED), kept > 1);
-        assert_eq!(run.state.latest().unwrap().flags.has(Flags::SKIPPED), kept > 1);
+        assert_eq!(run.seen.has(GaugeFlags::SKIPPED), kept > 1);
+        assert_eq!(run.state.latest().unwrap().flags.has(GaugeFlags::SKIPPED), kept > 1);
         assert_eq!(after.discarded, 0);
         assert!(run.profile_error(&truth) < 0.05, "{:e}", run.profile_error(&truth));
     }
@@ -374,17 +374,17 @@ fn the_arm_is_compared_with_the_linkage() {
     let truth = Truth::new(&settings, 50);
     let mut run = Run::<f64, 512>::new(&settings);
     run.turn(&truth, 2.95, |_| TAU / 6000.0);
-    assert!(!run.state.latest().unwrap().flags.has(Flags::ARM));
+    assert!(!run.state.latest().unwrap().flags.has(GaugeFlags::ARM));
     // A wheel dressed down by 30 mm: β is off by up to 0.8°.
     run.gauge.set_wheel(&mut run.state, 270.0).unwrap();
     run.turn(&truth, 2.0, |_| TAU / 6000.0);
-    assert!(run.state.latest().unwrap().flags.has(Flags::ARM));
+    assert!(run.state.latest().unwrap().flags.has(GaugeFlags::ARM));
     run.gauge.set_wheel(&mut run.state, 300.0).unwrap();
     run.turn(&truth, 2.0, |_| TAU / 6000.0);
-    assert!(!run.state.latest().unwrap().flags.has(Flags::ARM));
+    assert!(!run.state.latest().unwrap().flags.has(GaugeFlags::ARM));
     assert!(run.gauge.set_wheel(&mut run.state, 17.0).is_err(), "R >= R_S + R_W");
     assert!(run.gauge.set_wheel(&mut run.state, f64::NAN).is_err());
-    let still = Roundness::<f64, 64>::build(&small().0, 100_000).unwrap();
+    let still = Gauge::<f64, 64>::build(&small().0, 100_000).unwrap();
     assert!(still.set_wheel(&mut still.start(), 300.0).is_err(), "no arm");
 }
 
@@ -433,7 +433,7 @@ fn blind_harmonics_are_suppressed_and_blind_bands_refused() {
     let close = ProbeAngles::Degrees { phi2: 90.0, phi3: 135.02 };
     let mut settings = settings(512, close, false);
     settings.noise_gain_limit = 30.0;
-    let gauge = Roundness::<f64, 512>::build(&settings, 100_000).unwrap();
+    let gauge = Gauge::<f64, 512>::build(&settings, 100_000).unwrap();
     let suppressed: Vec<usize> = (2..=50).filter(|k| gauge.is_suppressed(*k)).collect();
     assert!(suppressed.contains(&7) && suppressed.contains(&9) && suppressed.len() < 14, "{suppressed:?}");
     let truth = Truth::new(&settings, 50);
@@ -443,22 +443,22 @@ fn blind_harmonics_are_suppressed_and_blind_bands_refused() {
         assert_eq!(run.state.harmonic(k) == [0.0; 2], suppressed.contains(&k), "{k}");
     }
     settings.angles = ProbeAngles::Degrees { phi2: 90.0, phi3: 135.0 };
-    let error = Roundness::<f64, 512>::build(&settings, 100_000).unwrap_err();
+    let error = Gauge::<f64, 512>::build(&settings, 100_000).unwrap_err();
     assert_eq!((error.field, error.found), (Field::ProbeAngles, 7.0));
     settings.angles = BEST_512;
-    assert!(Roundness::<f64, 1024>::build(&settings, 100_000).is_err(), "another capacity");
-    assert!(Roundness::<f64, 512>::build(&settings, 10).is_err(), "period");
+    assert!(Gauge::<f64, 1024>::build(&settings, 100_000).is_err(), "another capacity");
+    assert!(Gauge::<f64, 512>::build(&settings, 10).is_err(), "period");
 }
 
 /// A plant of one line: what is measured in a revolution was ground in the one before, d − c.
 struct Grinding {
-    settings: RoundnessSettings,
+    settings: GaugeSettings,
     contact: f64,
 }
 
 impl Grinding {
     fn new(gain: f64) -> Self {
-        let mut settings = RoundnessSettings::with_defaults(256, ProbeAngles::Slots { p: 44, q: 57 }, COUNTS);
+        let mut settings = GaugeSettings::with_defaults(256, ProbeAngles::Slots { p: 44, q: 57 }, COUNTS);
         settings.band.last = 40;
         settings.infeed = Some(InfeedSettings {
             axis: crate::Axis::X,
@@ -519,11 +519,11 @@ fn the_law_integrates_until_its_bound_and_is_reset_by_a_new_part() {
     let (mut run, truth) = grinding.run();
     // A surface that never changes: the sum grows by g r a revolution, and stops below 5 µm.
     run.turn(&truth, 30.0, |_| TAU / 5000.0);
-    let peak = |state: &RoundnessState<f64, 256>| state.correction().iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+    let peak = |state: &GaugeState<f64, 256>| state.correction().iter().fold(0.0_f64, |m, c| m.max(c.abs()));
     let profile = (0..256).map(|n| series(&truth.profile, TAU * n as f64 / 256.0).abs()).fold(0.0, f64::max);
     let found = peak(&run.state);
     assert!(found <= 5.0 && found > 5.0 - 0.25 * profile - 1e-3, "{found}");
-    assert!(run.state.latest().unwrap().flags.has(Flags::INFEED_FROZEN));
+    assert!(run.state.latest().unwrap().flags.has(GaugeFlags::INFEED_FROZEN));
     let before = run.alpha;
     run.alpha += TAU / 5000.0;
     let renewed = Probes { new_part: true, ..probes(&truth, run.alpha, before) };
@@ -550,12 +550,12 @@ fn while_the_axis_is_limited_the_correction_is_frozen_and_then_gives_way() {
     };
     // The revolution that was limited to its end is the first that does not count.
     limited(&mut run, 2.0);
-    assert!(run.state.latest().unwrap().flags.has(Flags::INFEED_FROZEN));
+    assert!(run.state.latest().unwrap().flags.has(GaugeFlags::INFEED_FROZEN));
     let frozen = *run.state.correction();
     limited(&mut run, 1.0);
     assert!(frozen == *run.state.correction(), "frozen");
     limited(&mut run, 1.0);
-    assert!(run.state.latest().unwrap().flags.has(Flags::INFEED_REDUCED));
+    assert!(run.state.latest().unwrap().flags.has(GaugeFlags::INFEED_REDUCED));
     for (now, before) in run.state.correction().iter().zip(&frozen) {
         assert!((now - 0.75 * before).abs() < 1e-12, "{now} {before}");
     }
@@ -619,7 +619,7 @@ fn a_missing_index_does_not_drop_the_correction() {
         run.alpha += TAU / 5000.0;
         let probes = Probes { index: None, ..probes(&truth, run.alpha, before) };
         let cycle = run.cycle(&probes);
-        if cycle.flags.has(Flags::NO_INDEX) && run.state.is_settled() {
+        if cycle.flags.has(GaugeFlags::NO_INDEX) && run.state.is_settled() {
             overdue = true;
             let n = run.state.correction().len() as f64;
             let place = ((run.alpha + grinding.contact) / TAU).rem_euclid(1.0) * n;
@@ -627,7 +627,7 @@ fn a_missing_index_does_not_drop_the_correction() {
             worst = worst.max((cycle.infeed + 1e-3 * near).abs());
         }
     }
-    assert!(overdue && run.seen.has(Flags::INDEX_MISSING));
+    assert!(overdue && run.seen.has(GaugeFlags::INDEX_MISSING));
     assert!(run.state.counts().evaluated <= counts + 2, "nothing was measured");
     // Half a point off at most: the steepest of harmonic 30.
     assert!(worst < 1e-4, "{worst:e}");
@@ -657,7 +657,7 @@ fn nothing_is_learnt_while_nothing_is_fed_in_or_ground() {
         });
         assert!(run.state.correction().iter().all(|c| *c == 0.0));
         let flags = run.state.latest().unwrap().flags;
-        assert_eq!(flags, Flags::INFEED_FROZEN, "and not made smaller for it");
+        assert_eq!(flags, GaugeFlags::INFEED_FROZEN, "and not made smaller for it");
         run.turn(&truth, 3.0, |_| TAU / 5000.0);
         assert!(run.state.correction().iter().any(|c| c.abs() > 0.1));
     }
@@ -681,7 +681,7 @@ fn an_unsteady_size_is_not_learnt_from() {
             probes.readings = probes.readings.map(|h| h + feed(run.alpha));
             run.cycle(&probes);
         }
-        let frozen = run.state.latest().unwrap().flags.has(Flags::INFEED_FROZEN);
+        let frozen = run.state.latest().unwrap().flags.has(GaugeFlags::INFEED_FROZEN);
         // The first of them was sampled before the feed began, save for a twentieth.
         assert_eq!(frozen, turn > 0, "{turn}");
     }

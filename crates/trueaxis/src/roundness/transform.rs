@@ -10,11 +10,11 @@
 //! ```
 //!
 //! Inverse by decimation in time, radix 4: bit-reversed in, natural out. Nothing is ever permuted: in bit-reversed order
-//! the partner of place i in [b, 2b), b a power of two, is 3b − 1 − i. Where M is not a power of four, one stage of
+//! the partner of index i in [b, 2b), b a power of two, is 3b − 1 − i. Where M is not a power of four, one stage of
 //! radix 2 stands next to the pair pass.
 //!
-//! A unit of work is one radix-4 butterfly, four radix-2 ones, or one pair: 16 to 24 multiplications and as many
-//! additions. The whole takes `2·(M/4·⌊log4 M⌋ [+ M/8]) + M/2` units.
+//! A slice is one radix-4 butterfly, four radix-2 ones, or one pair: 16 to 24 multiplications and as many
+//! additions. The whole takes `2·(M/4·⌊log4 M⌋ [+ M/8]) + M/2` slices.
 //!
 //! Source: radix-4 forms after C. S. Burrus and T. W. Parks, DFT/FFT and Convolution Algorithms, 1985; the real signal as
 //! a half-length complex one after W. H. Press et al., Numerical Recipes, 3rd ed., 12.3.
@@ -62,9 +62,9 @@ fn conj<R: Real>(a: Complex<R>) -> Complex<R> {
 /// e^{−j2πi/N} for i = 0..N.
 pub(crate) fn circle<R: Real, const N: usize>() -> [Complex<R>; N] {
     let mut circle = [[R::ZERO; 2]; N];
-    for (i, place) in circle.iter_mut().enumerate() {
+    for (i, value) in circle.iter_mut().enumerate() {
         let angle = TAU * i as f64 / N as f64;
-        *place = [R::of(libm::cos(angle)), R::of(-libm::sin(angle))];
+        *value = [R::of(libm::cos(angle)), R::of(-libm::sin(angle))];
     }
     circle
 }
@@ -76,8 +76,8 @@ pub(crate) fn multipliers<R: Real, const N: usize>(of: impl Fn(usize) -> [f64; 2
     let mut table = [R::ZERO; N];
     let half = N / 2;
     let scale = 1.0 / (4.0 * half as f64);
-    for (k, place) in table.as_chunks_mut::<2>().0.iter_mut().enumerate().skip(1) {
-        *place = of(k).map(|part| R::of(part * scale));
+    for (k, value) in table.as_chunks_mut::<2>().0.iter_mut().enumerate().skip(1) {
+        *value = of(k).map(|part| R::of(part * scale));
     }
     table
 }
@@ -86,9 +86,9 @@ pub(crate) fn multipliers<R: Real, const N: usize>(of: impl Fn(usize) -> [f64; 2
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Progress {
     /// Stages of radix 4 are numbered as the forward transform goes through them; behind the last of them stands the one
-    /// of radix 2, where there is one. In the pair pass the first place of the block.
+    /// of radix 2, where there is one. In the pair pass the first index of the block.
     stage: usize,
-    /// Units done in this stage; in the pair pass the place.
+    /// Slices done in this stage; in the pair pass the index.
     at: usize,
     /// In the pair pass the partner.
     partner: usize,
@@ -103,18 +103,18 @@ impl Progress {
     /// Before anything has begun.
     pub(crate) const NONE: Progress = Progress { stage: 0, at: 0, partner: 0 };
 
-    /// Before the first unit of a forward transform.
+    /// Before the first slice of a forward transform.
     pub(crate) const fn forward() -> Self {
         Progress { stage: 0, at: 0, partner: 0 }
     }
 
-    /// Before the first unit of an inverse transform.
+    /// Before the first slice of an inverse transform.
     pub(crate) const fn inverse<const N: usize>() -> Self {
         // N/2 = 2^m: the last of m/2 stages of radix 4, or the one of radix 2 behind it.
         Progress { stage: ((N / 2).trailing_zeros() as usize).div_ceil(2) - 1, at: 0, partner: 0 }
     }
 
-    /// Before the first pair: the place 1, its own partner.
+    /// Before the first pair: index 1, its own partner.
     pub(crate) const fn pairs() -> Self {
         Progress { stage: 1, at: 1, partner: 1 }
     }
@@ -124,7 +124,7 @@ impl Progress {
     fn next_pair<const N: usize>(&mut self) -> bool {
         self.at += 1;
         self.partner = self.partner.wrapping_sub(1);
-        // Half of [b, 2b) has met the other half; the place 1 has gone past itself.
+        // Half of [b, 2b) has met the other half; index 1 has gone past itself.
         if self.at <= self.partner {
             return false;
         }
@@ -134,9 +134,9 @@ impl Progress {
     }
 }
 
-/// One unit of the forward transform; true when it was the last.
+/// One slice of the forward transform; true when it was the last.
 #[inline(always)]
-pub(crate) fn forward_unit<R: Real, const N: usize>(
+pub(crate) fn forward_slice<R: Real, const N: usize>(
     z: &mut [R; N],
     circle: &[Complex<R>; N],
     progress: &mut Progress,
@@ -159,9 +159,9 @@ pub(crate) fn forward_unit<R: Real, const N: usize>(
     progress.stage > const { Progress::inverse::<N>().stage }
 }
 
-/// One unit of the inverse transform, unscaled; true when it was the last.
+/// One slice of the inverse transform, unscaled; true when it was the last.
 #[inline(always)]
-pub(crate) fn inverse_unit<R: Real, const N: usize>(
+pub(crate) fn inverse_slice<R: Real, const N: usize>(
     z: &mut [R; N],
     circle: &[Complex<R>; N],
     progress: &mut Progress,
@@ -187,7 +187,7 @@ pub(crate) fn inverse_unit<R: Real, const N: usize>(
     false
 }
 
-/// A unit of a forward stage; true when it was the stage's last.
+/// A slice of a forward stage; true when it was the stage's last.
 #[inline(always)]
 fn forward_stage<R: Real, const N: usize>(z: &mut [R; N], circle: &[Complex<R>; N], at: usize, quarter: usize) -> bool {
     let z = z.as_chunks_mut::<2>().0;
@@ -204,7 +204,7 @@ fn forward_stage<R: Real, const N: usize>(z: &mut [R; N], circle: &[Complex<R>; 
     at + 1 >= N / 8
 }
 
-/// A unit of an inverse stage; true when it was the stage's last.
+/// A slice of an inverse stage; true when it was the stage's last.
 #[inline(always)]
 fn inverse_stage<R: Real, const N: usize>(z: &mut [R; N], circle: &[Complex<R>; N], at: usize, quarter: usize) -> bool {
     let z = z.as_chunks_mut::<2>().0;
@@ -222,14 +222,14 @@ fn inverse_stage<R: Real, const N: usize>(z: &mut [R; N], circle: &[Complex<R>; 
     at + 1 >= N / 8
 }
 
-/// Place of the first of the four values of a butterfly, with zeros where the quarters are counted, and its three
+/// Index of the first of the four values of a butterfly, with zeros where the quarters are counted, and its three
 /// twiddle factors.
 #[inline(always)]
 fn operands<R: Real, const N: usize>(circle: &[Complex<R>; N], at: usize, quarter: usize) -> (usize, [Complex<R>; 3]) {
     let within = at & (quarter - 1);
-    let place = (((at << 2) & (N / 2 - 1) & !(4 * quarter - 1)) | within) & (N / 2 - 1);
+    let index = (((at << 2) & (N / 2 - 1) & !(4 * quarter - 1)) | within) & (N / 2 - 1);
     let turn = (within * (N / 4 / quarter)) & (N / 4 - 1);
-    (place, [circle[turn], circle[2 * turn], circle[3 * turn]])
+    (index, [circle[turn], circle[2 * turn], circle[3 * turn]])
 }
 
 /// Four butterflies of the radix-2 stage; true when they were the last.
@@ -261,7 +261,7 @@ pub(crate) struct Pair<R> {
 ///
 /// Returns the product at both harmonics, and whether it was the last pair.
 #[inline(always)]
-pub(crate) fn pair_unit<R: Real, const N: usize>(
+pub(crate) fn pair_slice<R: Real, const N: usize>(
     from: &[R; N],
     to: &mut [R; N],
     circle: &[Complex<R>; N],
@@ -300,7 +300,7 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// Multiplies a signal's spectrum unit by unit; returns the result, the spectrum seen in the pairs, and the units.
+    /// Multiplies a signal's spectrum slice by slice; returns the result, the spectrum seen in the pairs, and the slices.
     fn run<R: Real, const N: usize>(x: &[f64], of: impl Fn(usize) -> [f64; 2]) -> (Vec<f64>, Vec<[f64; 2]>, usize) {
         let circle = circle::<R, N>();
         let multipliers = multipliers::<R, N>(of);
@@ -308,15 +308,15 @@ mod tests {
         for (to, from) in z.iter_mut().zip(x) {
             *to = R::of(*from);
         }
-        let (mut units, mut progress) = (1, Progress::forward());
-        while !forward_unit(&mut z, &circle, &mut progress) {
-            units += 1;
+        let (mut slices, mut progress) = (1, Progress::forward());
+        while !forward_slice(&mut z, &circle, &mut progress) {
+            slices += 1;
         }
         let (mut out, mut spectrum) = ([R::ZERO; N], std::vec![[0.0; 2]; N / 2]);
         let mut progress = Progress::pairs();
         loop {
-            units += 1;
-            let (pair, last) = pair_unit(&z, &mut out, &circle, &multipliers, &mut progress);
+            slices += 1;
+            let (pair, last) = pair_slice(&z, &mut out, &circle, &multipliers, &mut progress);
             for (k, x) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
                 spectrum[k] = x.map(|part| part.to_f64() * AMPLITUDE_SCALE);
             }
@@ -325,11 +325,11 @@ mod tests {
             }
         }
         let mut progress = Progress::inverse::<N>();
-        units += 1;
-        while !inverse_unit(&mut out, &circle, &mut progress) {
-            units += 1;
+        slices += 1;
+        while !inverse_slice(&mut out, &circle, &mut progress) {
+            slices += 1;
         }
-        (out.iter().map(|x| x.to_f64()).collect(), spectrum, units)
+        (out.iter().map(|x| x.to_f64()).collect(), spectrum, slices)
     }
 
     fn signal(n: usize) -> Vec<f64> {
@@ -365,7 +365,7 @@ mod tests {
         let x = signal(N);
         let of = |k: usize| [1.0 / (1.0 + k as f64 / 40.0), 0.3 * (k as f64 * 0.7).sin()];
         let (truth, spectrum) = direct(&x, of);
-        let (double, found, units) = run::<f64, N>(&x, of);
+        let (double, found, slices) = run::<f64, N>(&x, of);
         assert!(worst(&double, &truth) < 1e-12, "{N} {:e}", worst(&double, &truth));
         for (a, b) in spectrum.iter().zip(&found) {
             assert!(worst(a, b) < 1e-13, "{N}");
@@ -374,7 +374,7 @@ mod tests {
         assert!(worst(&single, &truth) < 2e-6, "{N} {:e}", worst(&single, &truth));
         let half = N / 2;
         let (stages, left) = (half.ilog2() as usize / 2, half.ilog2() as usize % 2);
-        assert_eq!(units, 2 * (half / 4 * stages + left * half / 8) + half / 2);
+        assert_eq!(slices, 2 * (half / 4 * stages + left * half / 8) + half / 2);
     }
 
     /// The whole of it against rustfft: largest difference over largest value.

@@ -1,36 +1,37 @@
-//! The work on one revolution, in units of a fixed size.
+//! The work on one revolution, in slices of a fixed size.
 //!
 //! ```text
 //! Linkage (another wheel) ─► Level (drift) ─► Forward ─► Spread, Inverse (profile at θ + φ2) ─► Spread, Inverse (profile) ─► Arm ─► Orbit
 //!        ─► Evaluate, Express (once a window) ─► Spread, Inverse, Judge, Commit (infeed) ─► Spread, Inverse (filter) ─► Range
 //! ```
 //!
-//! Which of them a gauge needs is settled when it is built; what a unit does is bounded whatever the data.
+//! Which of them a gauge needs is settled when it is built; a slice is bounded whatever the data. What each task does in
+//! a slice, and how many it takes, stands in the table of `tasks.rs`; what follows what, in [`Plan::next`].
 
 use super::angles::Gain;
 use super::arm_angle;
 use super::filter;
-use super::flags::Flags;
+use super::flags::GaugeFlags;
 use super::infeed::Infeed;
 use super::motion::{ErrorMotion, Motion};
-use super::settings::RoundnessSettings;
+use super::settings::GaugeSettings;
 use super::transform::{
-    AMPLITUDE_SCALE, Complex, Progress, circle, forward_unit, inverse_unit, multipliers, pair_unit,
+    AMPLITUDE_SCALE, Complex, Progress, circle, forward_slice, inverse_slice, multipliers, pair_slice,
 };
 use crate::real::Real;
 
 /// Harmonics 0 to 127 of the profile are kept as amplitudes.
 pub const HARMONICS: usize = 128;
-/// Places of a revolution at which the arm's reading is compared with the linkage.
+/// Points of a revolution at which the arm's reading is compared with the linkage.
 pub(super) const ARM_CHECKS: usize = 16;
 /// Revolutions in a row in which the infeed axis was limited before the correction is made smaller.
 const PATIENCE: u8 = 4;
 /// The radius drifts steadily where its change per revolution itself changes by less than this and a quarter, µm.
 const STEADY_UM: f64 = 0.2;
-/// Points in a unit of the passes that only compare or add.
-const POINTS_PER_UNIT: usize = 4;
+/// Points in a slice of the passes that only compare or add.
+pub(super) const POINTS_PER_SLICE: usize = 4;
 
-/// What is measured in one revolution; turned into the motion of the centre while it is worked on.
+/// Readings of one revolution; turned into the motion of the centre while it is worked on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Revolution<R, const N: usize> {
     /// Probe 1; then R_X.
@@ -47,7 +48,7 @@ impl<R: Real, const N: usize> Revolution<R, N> {
     }
 }
 
-/// What a profile is computed for.
+/// Uses of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
     Shifted,
@@ -74,8 +75,8 @@ pub(super) enum Task {
     Linkage,
     /// The drift of the radius out of the weighted sum.
     Level,
-    /// From one task to the next: a unit of its own.
-    Turn,
+    /// From one task to the next: a slice of its own.
+    Switch,
 }
 
 /// Immutable: multipliers of the four uses, and constants.
@@ -83,15 +84,15 @@ pub(super) enum Task {
 pub(super) struct Plan<R, const N: usize> {
     pub(super) circle: [Complex<R>; N],
     profile: [R; N],
-    shifted: Option<[R; N]>,
-    infeed: Option<[R; N]>,
-    filtered: Option<[R; N]>,
+    pub(super) shifted: Option<[R; N]>,
+    pub(super) infeed: Option<[R; N]>,
+    pub(super) filtered: Option<[R; N]>,
     /// φ2 in whole slots, where it has not a transform of its own.
     slots: usize,
     cos2: R,
     sin2: R,
     per_sin2: R,
-    has_arm: bool,
+    pub(super) has_arm: bool,
     /// λ of the arm as set.
     ratio: R,
     arm_tolerance: R,
@@ -99,7 +100,7 @@ pub(super) struct Plan<R, const N: usize> {
     per_revolutions: R,
     /// 1/G(0), from the mean of the weighted sum to that of the radius; 0 where the probes do not see it.
     per_mean: R,
-    /// Change of the drift that is none, in the weighted sum.
+    /// Change of the drift that is treated as zero, in the weighted sum.
     pub(super) steady: R,
 }
 
@@ -107,7 +108,7 @@ pub(super) struct Plan<R, const N: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beginning<R> {
     pub(super) revolution: u32,
-    pub(super) flags: Flags,
+    pub(super) flags: GaugeFlags,
     /// The infeed axis could not follow.
     pub(super) limited: bool,
     /// Mean of the weighted sum, and its change from the revolution before.
@@ -115,19 +116,19 @@ pub(super) struct Beginning<R> {
     pub(super) drift: R,
 }
 
-/// What a revolution is known by while it is worked on.
+/// Result of a revolution while it is worked on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outcome<R> {
     pub(super) revolution: u32,
-    pub(super) flags: Flags,
+    pub(super) flags: GaugeFlags,
     pub(super) peak_to_valley_um: R,
 }
 
 impl<R: Real> Outcome<R> {
-    pub(super) const NONE: Outcome<R> = Outcome { revolution: 0, flags: Flags(0), peak_to_valley_um: R::ZERO };
+    pub(super) const NONE: Outcome<R> = Outcome { revolution: 0, flags: GaugeFlags(0), peak_to_valley_um: R::ZERO };
 }
 
-/// State of the work, and its results. What every unit needs stands first, within reach of short offsets.
+/// State of the work, and its results. What every slice needs stands first, within reach of short offsets.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Work<R, const N: usize> {
@@ -169,7 +170,7 @@ pub(super) struct Work<R, const N: usize> {
 
 impl<R: Real, const N: usize> Plan<R, N> {
     /// Of settings that have been checked.
-    pub(super) fn new(settings: &RoundnessSettings, gain: &Gain) -> Self {
+    pub(super) fn new(settings: &GaugeSettings, gain: &Gain) -> Self {
         let seen = |k: usize| {
             u16::try_from(k).is_ok_and(|k| settings.band.contains(k)) && gain.noise_gain(k) <= settings.noise_gain_limit
         };
@@ -217,24 +218,6 @@ impl<R: Real, const N: usize> Plan<R, N> {
         }
     }
 
-    /// Units that one revolution takes at most.
-    pub(super) fn units(&self) -> usize {
-        let half = N / 2;
-        let logarithm = half.ilog2() as usize;
-        let pass = half / 4 * (logarithm / 2) + half / 8 * (logarithm % 2);
-        let spread = half / 2 + pass;
-        let optional = |present: bool, units: usize| if present { units } else { 0 };
-        pass + spread
-            + optional(self.shifted.is_some(), spread)
-            + optional(self.has_arm, N + ARM_CHECKS)
-            + 3 * N
-            + optional(self.infeed.is_some(), spread + 2 * N / POINTS_PER_UNIT)
-            + optional(self.filtered.is_some(), spread)
-            + 2 * N / POINTS_PER_UNIT
-            // Between the tasks.
-            + 19
-    }
-
     pub(super) fn multipliers(&self, of: Use) -> &[R; N] {
         let table = match of {
             Use::Profile => None,
@@ -245,7 +228,7 @@ impl<R: Real, const N: usize> Plan<R, N> {
         table.unwrap_or(&self.profile)
     }
 
-    /// What comes after a task.
+    /// The task that comes after the one just done.
     #[inline(always)]
     fn next(&self, work: &Work<R, N>) -> Task {
         let window_is_full = work.gathered >= self.revolutions;
@@ -261,12 +244,12 @@ impl<R: Real, const N: usize> Plan<R, N> {
             Task::Evaluate => Task::Express,
             Task::Orbit | Task::Express if self.infeed.is_some() => Task::Spread(Use::Infeed),
             Task::Inverse(Use::Infeed) => Task::Judge,
-            Task::Judge if !work.result.flags.has(Flags::INFEED_FROZEN) || work.gives_way() => Task::Commit,
+            Task::Judge if !work.result.flags.has(GaugeFlags::INFEED_FROZEN) || work.gives_way() => Task::Commit,
             Task::Orbit | Task::Express | Task::Judge | Task::Commit if self.filtered.is_some() => {
                 Task::Spread(Use::Filtered)
             }
             Task::Orbit | Task::Express | Task::Judge | Task::Commit | Task::Inverse(Use::Filtered) => Task::Range,
-            Task::Range | Task::Clear | Task::Idle | Task::Turn => Task::Idle,
+            Task::Range | Task::Clear | Task::Idle | Task::Switch => Task::Idle,
         }
     }
 }
@@ -346,10 +329,10 @@ impl<R: Real, const N: usize> Work<R, N> {
         [re * R::of(AMPLITUDE_SCALE), im * R::of(-AMPLITUDE_SCALE)]
     }
 
-    /// The last unit of a task.
+    /// The last slice of a task.
     #[inline(always)]
     pub(super) fn end(&mut self) {
-        (self.done, self.task) = (self.task, Task::Turn);
+        (self.done, self.task) = (self.task, Task::Switch);
     }
 
     /// From one task to the next; true when the result stands.
@@ -358,11 +341,11 @@ impl<R: Real, const N: usize> Work<R, N> {
         let finished = self.done;
         match finished {
             Task::Arm if self.worst > plan.arm_tolerance => {
-                self.result.flags.set(Flags::ARM);
-                self.result.flags.set(Flags::INFEED_FROZEN);
+                self.result.flags.set(GaugeFlags::ARM);
+                self.result.flags.set(GaugeFlags::INFEED_FROZEN);
             }
             // A motion by a linkage that is contradicted says nothing: the window begins anew.
-            Task::Orbit if self.result.flags.has(Flags::ARM) => self.gathered = 0,
+            Task::Orbit if self.result.flags.has(GaugeFlags::ARM) => self.gathered = 0,
             Task::Orbit => self.gathered = self.gathered.saturating_add(1),
             Task::Evaluate => self.motion.iter_mut().for_each(Motion::express),
             Task::Express => {
@@ -372,7 +355,7 @@ impl<R: Real, const N: usize> Work<R, N> {
                 self.window = self.gathered;
             }
             Task::Clear => (self.clear, self.limited_for) = (false, 0),
-            Task::Judge if self.gives_way() => self.result.flags.set(Flags::INFEED_REDUCED),
+            Task::Judge if self.gives_way() => self.result.flags.set(GaugeFlags::INFEED_REDUCED),
             Task::Linkage => self.linked = self.linking,
             _ => {}
         }
@@ -394,23 +377,23 @@ impl<R: Real, const N: usize> Work<R, N> {
         finished == Task::Range
     }
 
-    /// One unit of the forward transform.
+    /// One slice of the forward transform.
     #[inline(always)]
     pub(super) fn forward(&mut self, plan: &Plan<R, N>, sum: &mut [R; N]) -> bool {
-        forward_unit(sum, &plan.circle, &mut self.progress)
+        forward_slice(sum, &plan.circle, &mut self.progress)
     }
 
-    /// One unit of an inverse transform.
+    /// One slice of an inverse transform.
     #[inline(always)]
     pub(super) fn inverse(&mut self, plan: &Plan<R, N>, of: Use) -> bool {
         let z = if of == Use::Profile { &mut self.profile } else { &mut self.other };
-        inverse_unit(z, &plan.circle, &mut self.progress)
+        inverse_slice(z, &plan.circle, &mut self.progress)
     }
 
     /// One pair of the profile; its harmonics are kept.
     #[inline(always)]
     pub(super) fn spread_profile(&mut self, plan: &Plan<R, N>, spectrum: &[R; N]) -> bool {
-        let (pair, last) = pair_unit(spectrum, &mut self.profile, &plan.circle, &plan.profile, &mut self.progress);
+        let (pair, last) = pair_slice(spectrum, &mut self.profile, &plan.circle, &plan.profile, &mut self.progress);
         for (k, [re, im]) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
             if let Some(amplitude) = self.harmonics.get_mut(k) {
                 *amplitude = [re, im];
@@ -422,17 +405,17 @@ impl<R: Real, const N: usize> Work<R, N> {
     /// One pair, for another use.
     #[inline(always)]
     pub(super) fn spread(&mut self, plan: &Plan<R, N>, spectrum: &[R; N], multipliers: &[R; N]) -> bool {
-        pair_unit(spectrum, &mut self.other, &plan.circle, multipliers, &mut self.progress).1
+        pair_slice(spectrum, &mut self.other, &plan.circle, multipliers, &mut self.progress).1
     }
 
     /// Takes a steady change of the radius out of the weighted sum: it is no harmonic, but would look like all of them.
     #[inline(always)]
     pub(super) fn level(&mut self, sum: &mut [R; N]) -> bool {
-        for i in 0..POINTS_PER_UNIT {
+        for i in 0..POINTS_PER_SLICE {
             let n = (self.at + i) & (N - 1);
             sum[n] -= self.drift * Self::turned(n);
         }
-        self.at += POINTS_PER_UNIT;
+        self.at += POINTS_PER_SLICE;
         self.at >= N
     }
 
@@ -459,13 +442,13 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.ratio.unwrap_or(plan.ratio)
     }
 
-    /// cos β at a place.
+    /// cos β at a point.
     #[inline(always)]
-    pub(super) fn cos_beta(&self, place: usize) -> R {
-        self.linkage.get(place).map_or(R::ONE, |[less, _]| *less + R::ONE)
+    pub(super) fn cos_beta(&self, index: usize) -> R {
+        self.linkage.get(index).map_or(R::ONE, |[less, _]| *less + R::ONE)
     }
 
-    /// sin β of the reading against sin β of the linkage, at one of the places.
+    /// sin β of the reading against sin β of the linkage, at one of the points compared.
     #[inline(always)]
     pub(super) fn compare_arm(&mut self, revolution: &Revolution<R, N>) -> bool {
         let at = self.at & (ARM_CHECKS - 1);
@@ -532,14 +515,14 @@ impl<R: Real, const N: usize> Work<R, N> {
     #[inline(always)]
     pub(super) fn judge(&mut self, infeed: Option<&Infeed<R>>) -> bool {
         let Some(infeed) = infeed else { return true };
-        for i in 0..POINTS_PER_UNIT {
+        for i in 0..POINTS_PER_SLICE {
             let n = (self.at + i) & (N - 1);
             self.worst = R::max((self.correction[n] + infeed.gain * self.other[n]).abs(), self.worst);
         }
-        self.at += POINTS_PER_UNIT;
+        self.at += POINTS_PER_SLICE;
         let done = self.at >= N;
         if done && self.worst > infeed.limit {
-            self.result.flags.set(Flags::INFEED_FROZEN);
+            self.result.flags.set(GaugeFlags::INFEED_FROZEN);
         }
         done
     }
@@ -548,20 +531,20 @@ impl<R: Real, const N: usize> Work<R, N> {
     pub(super) fn commit(&mut self, infeed: Option<&Infeed<R>>) -> bool {
         let Some(infeed) = infeed else { return true };
         let (keep, gain) = if self.gives_way() { (R::ONE - infeed.gain, R::ZERO) } else { (R::ONE, infeed.gain) };
-        for i in 0..POINTS_PER_UNIT {
+        for i in 0..POINTS_PER_SLICE {
             let n = (self.at + i) & (N - 1);
             self.correction[n] = keep * self.correction[n] + gain * self.other[n];
         }
-        self.at += POINTS_PER_UNIT;
+        self.at += POINTS_PER_SLICE;
         self.at >= N
     }
 
     #[inline(always)]
     pub(super) fn zero(&mut self) -> bool {
-        for i in 0..POINTS_PER_UNIT {
+        for i in 0..POINTS_PER_SLICE {
             self.correction[(self.at + i) & (N - 1)] = R::ZERO;
         }
-        self.at += POINTS_PER_UNIT;
+        self.at += POINTS_PER_SLICE;
         self.at >= N
     }
 
@@ -570,14 +553,14 @@ impl<R: Real, const N: usize> Work<R, N> {
     pub(super) fn measure(&mut self, plan: &Plan<R, N>) -> bool {
         let profile = if plan.filtered.is_some() { &self.other } else { &self.profile };
         let [mut low, mut high] = self.range;
-        for i in 0..POINTS_PER_UNIT {
+        for i in 0..POINTS_PER_SLICE {
             let value = profile[(self.at + i) & (N - 1)];
             low = R::min(value, low);
             high = R::max(value, high);
         }
         self.range = [low, high];
         self.result.peak_to_valley_um = high - low;
-        self.at += POINTS_PER_UNIT;
+        self.at += POINTS_PER_SLICE;
         self.at >= N
     }
 }

@@ -7,7 +7,7 @@ use crate::axis::{AXES, Axis};
 use crate::compensation::{self, Compensation};
 use crate::contour::{ContourSearch, Method};
 use crate::error::{ConfigError, Field};
-use crate::machine::{MachineSettings, Rows, step_axes};
+use crate::machine::{AxisOrder, MachineSettings, Rows};
 use crate::output::OutputStage;
 use crate::position::Position;
 use crate::real::Real;
@@ -60,21 +60,17 @@ impl<'m> Config<'m> {
             return Err(ConfigError::new(Field::Period, f64::from(self.period_ns) * 1e-9, "1e-6 s to 0.1 s"));
         }
         crate::check::settings(self.machine)?;
-        let axes = step_axes::<N>(self.machine)?;
-        let mut bands = [R::ZERO; N];
-        for (band, axis) in bands.iter_mut().zip(axes) {
-            let settings = self.machine.axes.iter().find(|a| a.axis == axis);
-            *band = R::of(settings.map_or(0.0, |s| s.hysteresis));
-        }
-        let compensation = Compensation::build(self.machine, &rows, self.inverse_passes, memory)?;
+        let order = AxisOrder::of(self.machine)?;
+        let bands = order.settings(self.machine).map(|settings| R::of(settings.map_or(0.0, |s| s.hysteresis)));
+        let compensation = Compensation::build_in(&order, self.machine, &rows, self.inverse_passes, memory)?;
         crate::check::reversal(self.machine, &rows)?;
         Ok(ServoLoop {
-            axes,
-            sampler: Sampler::new(self.machine, self.period_ns)?,
+            order,
+            sampler: Sampler::new(&order, self.machine, self.period_ns),
             compensation,
             bands,
             search: ContourSearch::new(self.machine.contour.max_lag_mm, self.method)?,
-            output: OutputStage::new(self.machine, f64::from(self.period_ns) * 1e-9)?,
+            output: OutputStage::new(&order, self.machine, f64::from(self.period_ns) * 1e-9)?,
             machine_id: self.machine_id,
             tables_crc: self.tables_crc,
             period_ns: self.period_ns,

@@ -4,18 +4,18 @@
 
 use crate::position::Position;
 use crate::real::Real;
-use crate::roundness::{Cycle, Followed, Probes, Roundness, RoundnessState};
+use crate::roundness::{Cycle, Followed, Gauge, GaugeState, Probes};
 use crate::sample::{Sample, Verdict};
 
 /// What rides along with the step: `()`, or `&mut` [`GaugeRide`]. Resolved at compile time.
-pub trait Gauge<R> {
+pub trait Ride<R> {
     /// Slot of the axis that the infeed moves.
     fn infeed_slot(&self) -> Option<usize>;
     /// One cycle of the gauge; the infeed it asks for, mm in the sense of its axis.
     fn update(&mut self, followed: Followed) -> R;
 }
 
-impl<R: Real> Gauge<R> for () {
+impl<R: Real> Ride<R> for () {
     #[inline(always)]
     fn infeed_slot(&self) -> Option<usize> {
         None
@@ -33,8 +33,8 @@ impl<R: Real> Gauge<R> for () {
 /// the infeed moves on purpose is part of the contour error: the programmed path knows nothing of it.
 #[derive(Debug)]
 pub struct GaugeRide<'a, R, const POINTS: usize> {
-    gauge: &'a Roundness<R, POINTS>,
-    state: &'a mut RoundnessState<R, POINTS>,
+    gauge: &'a Gauge<R, POINTS>,
+    state: &'a mut GaugeState<R, POINTS>,
     probes: &'a Probes<R>,
     cycle: Cycle<R>,
 }
@@ -42,11 +42,7 @@ pub struct GaugeRide<'a, R, const POINTS: usize> {
 impl<'a, R: Real, const POINTS: usize> GaugeRide<'a, R, POINTS> {
     /// For one cycle.
     #[inline(always)]
-    pub fn new(
-        gauge: &'a Roundness<R, POINTS>,
-        state: &'a mut RoundnessState<R, POINTS>,
-        probes: &'a Probes<R>,
-    ) -> Self {
+    pub fn new(gauge: &'a Gauge<R, POINTS>, state: &'a mut GaugeState<R, POINTS>, probes: &'a Probes<R>) -> Self {
         GaugeRide { gauge, state, probes, cycle: Cycle::default() }
     }
 
@@ -57,10 +53,10 @@ impl<'a, R: Real, const POINTS: usize> GaugeRide<'a, R, POINTS> {
     }
 }
 
-impl<R: Real, const POINTS: usize> Gauge<R> for &mut GaugeRide<'_, R, POINTS> {
+impl<R: Real, const POINTS: usize> Ride<R> for &mut GaugeRide<'_, R, POINTS> {
     #[inline(always)]
     fn infeed_slot(&self) -> Option<usize> {
-        self.gauge.infeed_place()
+        self.gauge.infeed_slot()
     }
     #[inline(always)]
     fn update(&mut self, followed: Followed) -> R {
@@ -72,7 +68,7 @@ impl<R: Real, const POINTS: usize> Gauge<R> for &mut GaugeRide<'_, R, POINTS> {
 /// A cycle of the gauge: it learns how its infeed was followed, and adds the next one.
 #[inline(always)]
 pub(super) fn ride<R: Real, P: Position, const N: usize>(
-    gauge: &mut impl Gauge<R>,
+    gauge: &mut impl Ride<R>,
     sample: &Sample<P, N>,
     limited: u8,
     wanted: &mut [R; N],

@@ -41,7 +41,7 @@ pub trait Measure<R: Real, P: Position, const N: usize> {
 
 /// What the contour stage found.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Measured<R> {
+pub(super) struct Measured<R: Real> {
     pub(super) tip: ContourError<R>,
     pub(super) encoder: ContourError<R>,
     pub(super) orientation: R,
@@ -135,7 +135,7 @@ impl<R: Real, P: Position, const N: usize, const K: usize> Measure<R, P, N> for 
 /// its sums), and a rotary position up to 0.13 µrad; doubles nothing. One forward transformation (two in the nine-term
 /// form) and one reference direction a cycle; beside a turn on the spot up to 26 more of the latter.
 #[derive(Clone, Copy, Debug)]
-pub struct OnToolPath<'a, R, P> {
+pub struct OnToolPath<'a, R: Real, P> {
     path: &'a ToolPath<'a, R, P>,
     reference: Reference<R>,
     kinematics: &'a Kinematics<R>,
@@ -178,7 +178,7 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut OnToolPath<
         }
         let kinematics = self.kinematics;
         let seen = servo.seen(&sample.feedback, modelled, kinematics);
-        let [tip, encoder] = [seen.estimated.tip, seen.encoder].map(position);
+        let [tip, encoder] = [seen.estimated.tip, seen.encoder].map(position::<R, P>);
         let [tip, encoder] = servo.feet(state, self.path.path(), self.reference, tip, encoder);
         let of_axes = |[a, b, c]: [R; 3]| kinematics.direction(&[R::ZERO, R::ZERO, R::ZERO, a, b, c]);
         self.orientation = self.path.orientation(self.reference, &tip, seen.estimated.axis, of_axes);
@@ -188,9 +188,9 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut OnToolPath<
 }
 
 /// Tip and direction as the model has them, tip by the encoders alone.
-struct Seen<R> {
+struct Seen<R: Real> {
     estimated: Tool<R>,
-    encoder: V3<R>,
+    encoder: R::Vec3,
 }
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
@@ -204,7 +204,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         tip: [P; 3],
         encoder: [P; 3],
     ) -> [ContourError<R>; 2] {
-        if !reference.is_on_its_piece() {
+        if !reference.is_on_its_span() {
             return [(&mut state.tip, tip), (&mut state.encoder, encoder)]
                 .map(|(state, point)| self.search.update_off(state, path, reference, &point));
         }
@@ -218,7 +218,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let read = self.joints(feedback);
         let mut actual = read;
         let mut moved = false;
-        for (axis, error) in self.axes.iter().zip(&modelled.tip_error) {
+        for (axis, error) in self.order.axes().iter().zip(&modelled.tip_error) {
             if let (true, Some(joint)) = (axis.is_rotary(), actual.get_mut(axis.index())) {
                 *joint += *error;
                 moved |= *error != R::ZERO;
@@ -230,27 +230,26 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             [x, y, z, ..] => V3::new(*x, *y, *z),
             _ => V3::ZERO,
         };
-        let tilt = kinematics.to_workpiece(&read, modelled.tilt);
-        let estimated = Tool { tip: tip + kinematics.to_workpiece(&read, error), axis: axis + tilt.cross(axis) };
+        let [tip, axis] = [tip, axis].map(V3::<R>::from_glam);
+        let to_workpiece = |bed: V3<R>| V3::from_glam(kinematics.to_workpiece(&read, bed.glam()));
+        let tilt = to_workpiece(modelled.tilt);
+        let estimated = Tool { tip: (tip + to_workpiece(error)).glam(), axis: (axis + tilt.cross(axis)).glam() };
         Seen { estimated, encoder: plain.tip }
     }
 
     /// Positions of the step's axes in the order of the kinematics, rotary ones within ±180 degrees.
     #[inline(always)]
     pub(super) fn joints(&self, positions: &[P; N]) -> [R; AXES] {
-        let mut joints = [R::ZERO; AXES];
         let zero = P::default();
-        for (axis, position) in self.axes.iter().zip(positions) {
-            let Some(joint) = joints.get_mut(axis.index()) else { continue };
-            *joint = if axis.is_rotary() {
+        self.order.letters(positions, R::ZERO, |axis, position| {
+            if axis.is_rotary() {
                 let turn: R = position.turn_since(zero);
                 // From the other side: an angle near 360 degrees would be rounded as that.
                 if turn > R::of(180.0) { -zero.turn_since::<R>(*position) } else { turn }
             } else {
                 position.since(zero)
-            };
-        }
-        joints
+            }
+        })
     }
 }
 
@@ -278,7 +277,8 @@ fn points<R: Real, P: Position, const N: usize>(
 
 /// Workpiece coordinates as positions.
 #[inline(always)]
-fn position<R: Real, P: Position>(tip: V3<R>) -> [P; 3] {
+fn position<R: Real, P: Position>(tip: R::Vec3) -> [P; 3] {
+    let tip = V3::<R>::from_glam(tip);
     let zero = P::default();
     [zero.plus(tip.x), zero.plus(tip.y), zero.plus(tip.z)]
 }

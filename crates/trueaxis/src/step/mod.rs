@@ -13,15 +13,15 @@ mod stateless;
 
 pub use bypass::Bypass;
 pub use config::Config;
-pub use gauge::{Gauge, GaugeRide};
+pub use gauge::{GaugeRide, Ride};
 pub use measure::{Measure, OnToolPath};
 pub use state::{Output, Stage, State};
 pub use stateless::Conditions;
 
-use crate::axis::Axis;
 use crate::compensation::{Compensation, Reversal, ThermalLine};
 use crate::contour::{ContourSearch, ContourState};
 use crate::error::Fault;
+use crate::machine::AxisOrder;
 use crate::output::{Applied, OutputStage, OutputState};
 use crate::position::Position;
 use crate::real::Real;
@@ -36,7 +36,7 @@ use measure::Measured;
 /// axes: [`crate::HostServo`] and [`crate::McuServo`] name the usual ones.
 #[derive(Clone, Copy, Debug)]
 pub struct ServoLoop<'a, R, P, const N: usize> {
-    axes: [Axis; N],
+    order: AxisOrder<N>,
     sampler: Sampler<R, P, N>,
     compensation: Compensation<'a, R, P, N>,
     bands: [R; N],
@@ -113,7 +113,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         state: &mut State<R, P, N>,
         input: &Input<P, N>,
         measure: impl Measure<R, P, N>,
-        gauge: impl Gauge<R>,
+        gauge: impl Ride<R>,
     ) -> Output<R, P, N> {
         self.step_watched(state, input, measure, gauge, |_| ())
     }
@@ -125,7 +125,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         state: &mut State<R, P, N>,
         input: &Input<P, N>,
         measure: impl Measure<R, P, N>,
-        gauge: impl Gauge<R>,
+        gauge: impl Ride<R>,
         output: &mut Output<R, P, N>,
     ) {
         *output = self.step(state, input, measure, gauge);
@@ -140,7 +140,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         state: &mut State<R, P, N>,
         input: &Input<P, N>,
         mut measure: impl Measure<R, P, N>,
-        mut gauge: impl Gauge<R>,
+        mut gauge: impl Ride<R>,
         mut watch: impl FnMut(Stage),
     ) -> Output<R, P, N> {
         let sample = self.sampler.read(&mut state.sample, input);

@@ -3,6 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::{ServoLoop, State};
+use crate::compensation::Query;
 use crate::compensation::{Direction, Reversal};
 use crate::position::Position;
 use crate::real::Real;
@@ -32,18 +33,21 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let mut at_edge = 0;
         let command = self.compensation.coordinates(&sample.command);
         let feedback = self.compensation.coordinates(&sample.feedback);
-        let wanted = self.compensation.correction(&command, &feedback, &directions, &state.thermal, &mut at_edge);
+        let wanted = self.compensation.correction(
+            &Query { command: &command, feedback: &feedback, directions: &directions, thermal: &state.thermal },
+            &mut at_edge,
+        );
         let (directions, thermal) = (&directions, &state.thermal);
         let (mut tip_error, mut tilt) = ([R::ZERO; N], V3::ZERO);
         match self.compensation.volumetric() {
             Some(volumetric) if tool => {
-                let pose = volumetric.pose_error(&feedback, directions, thermal, &mut 0);
-                for (error, tip) in tip_error.iter_mut().zip(pose.tip) {
+                let pose = volumetric.pose_error(&Query::at(&feedback, directions, thermal), &mut 0);
+                for (error, tip) in tip_error.iter_mut().zip(pose.tip.into()) {
                     *error = tip;
                 }
-                tilt = pose.orientation.into();
+                tilt = V3::from_glam(pose.orientation);
             }
-            _ => tip_error = self.compensation.errors(&feedback, directions, thermal, &mut 0),
+            _ => tip_error = self.compensation.errors(&Query::at(&feedback, directions, thermal), &mut 0),
         }
         Modelled { wanted, tip_error, tilt, at_edge }
     }

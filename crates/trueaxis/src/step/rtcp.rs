@@ -55,12 +55,12 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Joints as positions of the step's axes.
     #[inline(always)]
     fn positions(&self, joints: &[R; AXES]) -> [P; N] {
-        self.axes.map(|axis| joints.get(axis.index()).map_or(P::default(), |joint| P::default().plus(*joint)))
+        self.order.slots(|axis| joints.get(axis.index()).map_or(P::default(), |joint| P::default().plus(*joint)))
     }
 
     #[cold]
     fn refusal(&self, error: &InverseError, tool: &Tool<R>) -> Refusal {
-        let finite = tool.axis.array().iter().all(|x| x.is_finite());
+        let finite = tool.axis.into().iter().all(|x| x.is_finite());
         let (fault, axis) = match *error {
             InverseError::TipNotFinite => (Fault::CommandNotFinite, None),
             InverseError::NotADirection { .. } if !finite => (Fault::CommandNotFinite, None),
@@ -70,7 +70,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             InverseError::OutsideTravel { axis, .. } => (Fault::CommandOutOfTravel, Some(axis)),
             _ => (Fault::ToolUnreachable, None),
         };
-        let slot = self.axes.iter().position(|known| Some(*known) == axis);
+        let slot = axis.and_then(|axis| self.order.slot(axis));
         Refusal { fault, slot: slot.map_or(0, |slot| slot as u8) }
     }
 }

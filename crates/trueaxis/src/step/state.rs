@@ -54,7 +54,7 @@ pub enum Stage {
 /// What a cycle gives back.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Output<R, P, const N: usize> {
+pub struct Output<R: Real, P, const N: usize> {
     /// Corrected positions for the drives, mm (deg). Not to be written where [`Output::has_drive`] says no.
     pub drive: [P; N],
     /// Feedback for the host, without the correction: it sees no following error that is not there.
@@ -63,7 +63,7 @@ pub struct Output<R, P, const N: usize> {
     pub record: Record<R, P, N>,
 }
 
-impl<R, P, const N: usize> Output<R, P, N> {
+impl<R: Real, P, const N: usize> Output<R, P, N> {
     /// The output is held and the host must stop the machine.
     pub fn stop_requested(&self) -> bool {
         self.record.status.has(Status::STOP_REQUEST)

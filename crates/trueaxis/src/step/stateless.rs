@@ -3,6 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::ServoLoop;
+use crate::compensation::Query;
 use crate::compensation::{Direction, Errors, PoseError, ThermalLine};
 use crate::error::Fault;
 use crate::position::Position;
@@ -52,7 +53,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     pub fn error_at(&self, position: &[P; N], conditions: &Conditions<R, N>) -> Result<Errors<R, N>, Fault> {
         usable(position)?;
         let at = self.compensation.coordinates(position);
-        Ok(self.compensation.errors(&at, &conditions.directions, &conditions.thermal, &mut 0))
+        Ok(self.compensation.errors(&Query::at(&at, &conditions.directions, &conditions.thermal), &mut 0))
     }
 
     /// Modelled error of the tool's pose at a position: tip (mm) and small rotation (rad), machine axes.
@@ -62,7 +63,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     pub fn pose_error_at(&self, position: &[P; N], conditions: &Conditions<R, N>) -> Result<PoseError<R>, Fault> {
         usable(position)?;
         let at = self.compensation.coordinates(position);
-        Ok(self.compensation.pose_error(&at, &conditions.directions, &conditions.thermal, &mut 0))
+        Ok(self.compensation.pose_error(&Query::at(&at, &conditions.directions, &conditions.thermal), &mut 0))
     }
 
     /// The correction that makes up for the error at a command, mm (degrees): what the step's correction settles to at
@@ -79,7 +80,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             return Err(Fault::CommandOutOfTravel);
         }
         let at = self.compensation.coordinates(command);
-        Ok(self.compensation.correction(&at, &at, &conditions.directions, &conditions.thermal, &mut 0))
+        Ok(self.compensation.correction(&Query::at(&at, &conditions.directions, &conditions.thermal), &mut 0))
     }
 }
 
@@ -88,4 +89,5 @@ fn usable<P: Position>(position: &[P]) -> Result<(), Fault> {
 }
 
 #[cfg(test)]
+#[allow(clippy::indexing_slicing)]
 mod tests;

@@ -11,6 +11,7 @@ mod window;
 use super::*;
 use crate::axis::Axis;
 use crate::compensation::Direction;
+use crate::compensation::Query;
 use crate::contour::{Method, Path, Reference};
 use crate::exchange::Exchange;
 use crate::machine::MachineSettings;
@@ -180,7 +181,7 @@ fn the_machine_ends_up_where_it_was_told_and_the_host_sees_no_following_error() 
     assert_eq!(out.record.limited, 0);
     let compensation = bench.active.compensation();
     let at = compensation.coordinates(&out.drive);
-    let error = compensation.errors(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3], &mut 0);
+    let error = compensation.errors(&Query::at(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3]), &mut 0);
     for k in 0..3 {
         assert!((out.drive[k] + error[k] - command[k]).abs() < 1e-6);
         assert!((out.drive[k] - command[k]).abs() > 1e-3);

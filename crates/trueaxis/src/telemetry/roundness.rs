@@ -1,7 +1,7 @@
 //! One record per evaluated revolution.
 
 use crate::real::Real;
-use crate::roundness::{Counts, ErrorMotion, Evaluation, Flags, HARMONICS, Roundness, RoundnessState};
+use crate::roundness::{Counts, ErrorMotion, Evaluation, Gauge, GaugeFlags, GaugeState, HARMONICS};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -27,8 +27,8 @@ pub struct RoundnessFrame {
     pub skipped: u32,
     /// Revolutions discarded whole so far.
     pub discarded: u32,
-    /// What this revolution met.
-    pub flags: Flags,
+    /// Events of this revolution.
+    pub flags: GaugeFlags,
     /// Peak-to-valley roundness about the least-squares circle, µm.
     pub peak_to_valley_um: f32,
     /// Revolutions in the window of the error motions; 0 until one is full.
@@ -48,8 +48,8 @@ impl RoundnessFrame {
     /// state is settled: with the work on the next revolution under way some of it is already that one's.
     pub fn of<R: Real, const POINTS: usize>(
         machine_id: u32,
-        gauge: &Roundness<R, POINTS>,
-        state: &RoundnessState<R, POINTS>,
+        gauge: &Gauge<R, POINTS>,
+        state: &GaugeState<R, POINTS>,
     ) -> Option<RoundnessFrame> {
         let Evaluation { revolution, flags, peak_to_valley_um, x, y, revolutions } = state.latest()?;
         let Counts { evaluated, skipped, discarded, .. } = state.counts();

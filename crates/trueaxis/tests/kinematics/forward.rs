@@ -53,9 +53,9 @@ fn single_precision_keeps_its_digits() {
         for _ in 0..100 {
             let pose = random.pose(180.0).map(|q| q as f32);
             let (exact, found) = (fine.forward(&pose.map(f64::from)), coarse.forward(&pose));
-            let wide = |v: V3<f32>| V3::of(v.array().map(f64::from));
-            assert!((wide(found.tip) - exact.tip).norm() < 1e-3, "{chain} {pose:?}");
-            assert!((wide(found.axis) - exact.axis).norm() < 5e-7, "{chain} {pose:?}");
+            let wide = |v: glam::Vec3| v.as_dvec3();
+            assert!((wide(found.tip) - exact.tip).length() < 1e-3, "{chain} {pose:?}");
+            assert!((wide(found.axis) - exact.axis).length() < 5e-7, "{chain} {pose:?}");
         }
     }
 }
@@ -64,11 +64,11 @@ fn single_precision_keeps_its_digits() {
 fn bed_directions_turn_with_the_workpiece() {
     // Table turned by +90 degrees, seen from above clockwise on the default side: the bed's x is the table's …
     let kinematics = Kinematics::<f64>::new(&machine("w C' X' b Y Z A t")).unwrap();
-    let turned = kinematics.to_workpiece(&[0.0, 0.0, 0.0, 55.0, 0.0, 90.0], V3::new(1.0, 0.0, 0.0));
-    assert_eq!(turned, V3::new(0.0, 1.0, 0.0));
+    let turned = kinematics.to_workpiece(&[0.0, 0.0, 0.0, 55.0, 0.0, 90.0], DVec3::new(1.0, 0.0, 0.0));
+    assert_eq!(turned, DVec3::new(0.0, 1.0, 0.0));
     // … and a head leaves them alone.
     let kinematics = Kinematics::<f64>::new(&machine("w X' Y' b Z C A t")).unwrap();
-    let v = V3::new(0.1, 0.2, 0.3);
+    let v = DVec3::new(0.1, 0.2, 0.3);
     assert_eq!(kinematics.to_workpiece(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], v), v);
 }
 
@@ -78,7 +78,7 @@ fn a_longer_tool_reaches_further_along_its_axis() {
     let pose = [10.0, 20.0, 30.0, 40.0, 0.0, 50.0];
     let (short, long) = (kinematics.with_tool_length(100.0), kinematics.with_tool_length(130.0));
     let (short, long) = (short.forward(&pose), long.forward(&pose));
-    assert!((short.tip - long.tip - short.axis * 30.0).norm() < 1e-12);
+    assert!((short.tip - long.tip - short.axis * 30.0).length() < 1e-12);
 }
 
 #[test]

@@ -61,8 +61,8 @@ fn round_trip(kind: usize) -> Worst {
             }
             for solution in [solutions.first.unwrap(), solutions.second.unwrap()] {
                 let again = kinematics.forward(&solution.axes);
-                worst.tip = worst.tip.max((again.tip - tool.tip).norm());
-                worst.direction = worst.direction.max((again.axis - tool.axis).norm() * sharp);
+                worst.tip = worst.tip.max((again.tip - tool.tip).length());
+                worst.direction = worst.direction.max((again.axis - tool.axis).length() * sharp);
             }
         }
     }
@@ -165,7 +165,7 @@ fn the_singular_pose_is_refused_or_keeps_the_table() {
     let found = open.inverse(&up, &near).unwrap();
     assert_eq!(found.axes[5], 12.0);
     assert_eq!(found.singularity_margin_deg, 0.0);
-    assert!((open.forward(&found.axes).tip - up.tip).norm() < 1e-12);
+    assert!((open.forward(&found.axes).tip - up.tip).length() < 1e-12);
     // Just outside the cone, just inside.
     let at = |a: f64| kinematics.inverse(&kinematics.forward(&[0.0, 0.0, 0.0, a, 0.0, 33.0]), &near);
     assert!((at(0.1001).unwrap().singularity_margin_deg - 0.1001).abs() < 1e-10);
@@ -176,7 +176,7 @@ fn the_singular_pose_is_refused_or_keeps_the_table() {
 
 #[test]
 fn what_is_out_of_reach_is_refused_with_its_angle() {
-    let tool = |axis: [f64; 3]| Tool { tip: V3::ZERO, axis: V3::of(axis) };
+    let tool = |axis: [f64; 3]| Tool { tip: DVec3::ZERO, axis: DVec3::from_array(axis) };
     let (s, c) = 1f64.to_radians().sin_cos();
     let still = [0.0; AXES];
     let by = |chain: &str, tool_axis: [f64; 3], axis: [f64; 3]| {
@@ -206,7 +206,7 @@ fn what_is_out_of_reach_is_refused_with_its_angle() {
     for bad in [[0.0, 0.0, 1.01], [0.0; 3], [f64::NAN, 0.0, 1.0], [f64::INFINITY, 0.0, 0.0]] {
         assert!(matches!(one.inverse(&tool(bad), &still), Err(InverseError::NotADirection { .. })));
     }
-    let nowhere = Tool { tip: V3::new(0.0, f64::NAN, 0.0), axis: V3::new(0.0, 0.0, 1.0) };
+    let nowhere = Tool { tip: DVec3::new(0.0, f64::NAN, 0.0), axis: DVec3::new(0.0, 0.0, 1.0) };
     assert_eq!(one.inverse(&nowhere, &still), Err(InverseError::TipNotFinite));
 }
 
@@ -222,7 +222,7 @@ fn a_path_is_followed_without_a_jump_or_refused() {
         let axis = kinematics.direction(&[0.0, 0.0, 0.0, 30.0, 0.0, f64::from(i)]);
         let found = follow.next(&kinematics, &Tool { tip, axis }).unwrap();
         assert!((found.axes[5] - f64::from(i)).abs() < 1e-9);
-        assert!((kinematics.forward(&found.axes).tip - tip).norm() < 1e-11);
+        assert!((kinematics.forward(&found.axes).tip - tip).length() < 1e-11);
         assert_eq!(found.branch, first.branch);
     }
     // Straight through the pole: A goes on through zero on the other branch only.

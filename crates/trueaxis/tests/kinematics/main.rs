@@ -2,7 +2,6 @@
 
 use glam::{DAffine3, DVec3};
 use trueaxis::machine::{AXES, Axis, AxisSettings, MachineSettings};
-use trueaxis::vector::V3;
 
 mod forward;
 mod inverse;
@@ -73,7 +72,7 @@ fn by_transforms(machine: &MachineSettings, q: &[f64; AXES], tool: [f64; 3]) -> 
     let count = machine.chain.split('b').next().unwrap().chars().filter(|c| c.is_ascii_uppercase()).count();
     let carriage = |letter: char, sign: f64| {
         let axis = Axis::from_letter(letter).unwrap();
-        let settings = machine.axes.iter().find(|a| a.axis == axis).unwrap();
+        let settings = machine.axis(axis).unwrap();
         let q = q[axis.index()];
         let along = [DVec3::X, DVec3::Y, DVec3::Z][axis.index() % 3];
         let motion = if axis.is_rotary() {
@@ -90,6 +89,6 @@ fn by_transforms(machine: &MachineSettings, q: &[f64; AXES], tool: [f64; 3]) -> 
     (relative.transform_point3(DVec3::from_array(tool)), relative.matrix3 * axis)
 }
 
-fn apart(a: V3<f64>, b: DVec3) -> f64 {
-    (DVec3::from_array(a.array()) - b).length()
+fn apart(a: DVec3, b: DVec3) -> f64 {
+    (a - b).length()
 }

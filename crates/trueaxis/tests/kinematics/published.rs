@@ -85,14 +85,14 @@ fn helicoid_on_a_head_table_machine() {
             let (s, c) = phi.sin_cos();
             let surface = DVec3::new(base_radius * (c + u * s), base_radius * (s - u * c), lead * theta);
             let normal = DVec3::new(lead * s, -lead * c, base_radius) / norm;
-            let tool = Tool { tip: V3::of((surface + work).to_array()), axis: V3::of(normal.to_array()) };
+            let tool = Tool { tip: surface + work, axis: normal };
             let solutions = kinematics.solutions(&tool, &[0.0; AXES]).unwrap();
             for (choice, turn, a) in [(Choice::First, 0.0, upright + gamma), (Choice::Second, 180.0, upright - gamma)] {
                 let table = turn - phi.to_degrees();
                 let found = solutions.choose(choice).unwrap().axes;
                 let place = DMat3::from_rotation_z(table.to_radians()) * (surface + work)
                     + (DMat3::from_rotation_x(a.to_radians()) * t0 - t0) * pivot;
-                assert!(apart(V3::new(found[0], found[1], found[2]), place) < 1e-11, "{t0} {u} {theta}");
+                assert!(apart(DVec3::new(found[0], found[1], found[2]), place) < 1e-11, "{t0} {u} {theta}");
                 assert!((found[3] - a).abs() < 1e-11, "{} {a}", found[3]);
                 let off = (found[5] - table).rem_euclid(360.0);
                 assert!(off.min(360.0 - off) < 1e-11, "{} {table}", found[5]);

@@ -1,5 +1,6 @@
 //! How deep the stack of each function is in a run: what lies below it is painted before every call and looked at after.
 
+use trueaxis::glam::DVec3;
 use crate::symbols::{
     P, POINTS, R, WINDOW, proved_bypass, proved_step, proved_step_following, proved_step_rtcp, proved_step_with_gauge,
     proved_step_with_tool, proved_take_into,
@@ -12,7 +13,7 @@ use trueaxis::contour::{CommandWindow, Method, Path, Reference, Segment, Span, T
 use trueaxis::exchange::Exchange;
 use trueaxis::kinematics::{BranchTracker, Kinematics};
 use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
-use trueaxis::roundness::{ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState};
+use trueaxis::roundness::{ProbeAngles, Probes, Gauge, GaugeSettings, GaugeState};
 use trueaxis::{Axis, Bypass, Config, Fault, Input, Position, Real, Row, ServoLoop};
 
 const PERIOD_NS: u32 = 100_000;
@@ -94,10 +95,10 @@ fn rows() -> [Row; 6] {
 fn pieces() -> heapless::Vec<Span<R, P>, 64> {
     let normal = [0.0, 0.0, 1.0];
     let segments = [
-        Segment::Line { start: [0.0, 0.0, 0.0], end: [30.0, 0.0, 0.0] },
-        Segment::Line { start: [30.0, 0.0, 0.0], end: [30.0, 10.0, 0.0] },
-        Segment::Arc { start: [30.0, 10.0, 0.0], end: [0.0, 10.0, 0.0], center: [15.0, 10.0, 0.0], normal, turns: 0 },
-        Segment::Line { start: [0.0, 10.0, 0.0], end: [0.0, 0.0, 0.0] },
+        Segment::Line { start: DVec3::new(0.0, 0.0, 0.0), end: DVec3::new(30.0, 0.0, 0.0) },
+        Segment::Line { start: DVec3::new(30.0, 0.0, 0.0), end: DVec3::new(30.0, 10.0, 0.0) },
+        Segment::Arc { start: DVec3::new(30.0, 10.0, 0.0), end: DVec3::new(0.0, 10.0, 0.0), center: DVec3::new(15.0, 10.0, 0.0), normal, turns: 0 },
+        Segment::Line { start: DVec3::new(0.0, 10.0, 0.0), end: DVec3::new(0.0, 0.0, 0.0) },
     ];
     let mut all = heapless::Vec::new();
     for (number, segment) in segments.iter().enumerate() {
@@ -163,10 +164,10 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
     }
 
     let mut gauge_settings =
-        RoundnessSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 16);
+        GaugeSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 16);
     gauge_settings.revolutions = 1;
-    let gauge = Roundness::<R, POINTS>::build(&gauge_settings, PERIOD_NS).expect("a gauge");
-    let mut gauge_state = RoundnessState::new();
+    let gauge = Gauge::<R, POINTS>::build(&gauge_settings, PERIOD_NS).expect("a gauge");
+    let mut gauge_state = GaugeState::new();
     let mut state = servo.start();
     for cycle in 0..10 * CYCLES {
         let (reference, command) = place(&spans, cycle);

@@ -5,7 +5,7 @@
 use trueaxis::contour::{CommandWindow, OrientationError, Path, Reference, ToolPath};
 use trueaxis::exchange::Exchange;
 use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
-use trueaxis::roundness::{Cycle, Probes, Roundness, RoundnessState};
+use trueaxis::roundness::{Cycle, Probes, Gauge, GaugeState};
 use trueaxis::{Bypass, GaugeRide, Input, OnToolPath, Output, ServoLoop, State};
 
 #[cfg(not(feature = "double"))]
@@ -47,7 +47,7 @@ pub fn proved_step_with_gauge(
     input: &Input<P, 3>,
     path: &Path<'_, R, P>,
     reference: Reference<R>,
-    gauge: (&Roundness<R, POINTS>, &mut RoundnessState<R, POINTS>, &Probes<R>),
+    gauge: (&Gauge<R, POINTS>, &mut GaugeState<R, POINTS>, &Probes<R>),
 ) -> (Output<R, P, 3>, Cycle<R>) {
     let (gauge, gauge_state, probes) = gauge;
     let mut ride = GaugeRide::new(gauge, gauge_state, probes);

@@ -1,4 +1,5 @@
 use super::*;
+use crate::compensation::Query;
 use crate::compensation::{Compensation, Direction, ThermalLine, requirement};
 use crate::machine::carries_workpiece;
 use crate::machine::{ErrorModel, LocationErrors, Row};
@@ -144,7 +145,10 @@ fn levers<const N: usize>(chains: u64) {
                 built::<_, N>(&machine, &tables_of(&machine, |axis, _| turned(axis)), |compensation| {
                     for (square, q) in squares.iter_mut().zip(&places) {
                         let at = compensation.coordinates(q);
-                        let tip = compensation.pose_error(&at, &[Direction::POSITIVE; N], &no_growth(), &mut 0).tip;
+                        let tip = compensation
+                            .pose_error(&Query::at(&at, &[Direction::POSITIVE; N], &no_growth()), &mut 0)
+                            .tip
+                            .to_array();
                         *square += tip.iter().map(|x| x * x).sum::<f64>();
                     }
                 });
@@ -205,7 +209,7 @@ fn steepest<const N: usize>(chains: u64) {
                     let q: [f64; N] = place(&mut random, 0.99);
                     let error = |q: &[f64; N]| {
                         let at = compensation.coordinates(q);
-                        compensation.pose_error(&at, &[Direction::POSITIVE; N], &no_growth(), &mut 0)
+                        compensation.pose_error(&Query::at(&at, &[Direction::POSITIVE; N], &no_growth()), &mut 0)
                     };
                     let here = error(&q);
                     for (place, [tip, turn]) in bounds.iter().enumerate() {
@@ -215,7 +219,10 @@ fn steepest<const N: usize>(chains: u64) {
                         let slope = |a: [f64; 3], b: [f64; 3]| {
                             norm(&core::array::from_fn::<f64, 3, _>(|k| (a[k] - b[k]) / 0.05))
                         };
-                        let found = [slope(there.tip, here.tip), slope(there.orientation, here.orientation)];
+                        let found = [
+                            slope(there.tip.into(), here.tip.into()),
+                            slope(there.orientation.into(), here.orientation.into()),
+                        ];
                         assert!(found[0] <= tip * (1.0 + 1e-6) + 1e-12, "{} {place}: {found:?} {tip}", machine.chain);
                         assert!(found[1] <= turn * (1.0 + 1e-6) + 1e-15, "{} {place}: {found:?} {turn}", machine.chain);
                     }
@@ -249,8 +256,9 @@ fn contracts<const N: usize>(chains: u64, orientation: bool) {
             for _ in 0..150 {
                 let q = place::<N>(&mut random, 0.9);
                 let at = compensation.coordinates(&q);
-                let after =
-                    |passes| volumetric.correction(&at, &at, &[Direction::POSITIVE; N], &no_growth(), passes, &mut 0);
+                let after = |passes| {
+                    volumetric.correction(&Query::at(&at, &[Direction::POSITIVE; N], &no_growth()), passes, &mut 0)
+                };
                 let step = |a: [f64; N], b: [f64; N]| {
                     norm(&core::array::from_fn::<f64, N, _>(|i| (a[i] - b[i]) * if i < 3 { 1.0 } else { weight }))
                 };

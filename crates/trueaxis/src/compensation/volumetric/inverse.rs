@@ -3,8 +3,8 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::Volumetric;
-use super::chain::Poses;
-use crate::compensation::{Direction, ThermalLine};
+use super::carriages::Poses;
+use crate::compensation::Query;
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -52,24 +52,17 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     ///
     /// `passes` look-ups from `r = 0`; sines, rotary tables and directions once, unless rotary axes are corrected.
     #[inline(never)]
-    pub fn correction(
-        &self,
-        command: &[R; N],
-        feedback: &[R; N],
-        reverse: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
-        passes: u8,
-        held: &mut u8,
-    ) -> [R; N] {
+    pub fn correction(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
+        let command = query.command;
         // Three slides carry no rotary axis, and need none of the code and the stack for it.
         let orientation = if N > 3 { self.orientation.as_ref() } else { None };
         let slides_turn = N > 3 && self.chain.turned;
         let mut poses = self.chain.poses(command);
         let mut twists = [[R::ZERO; 6]; N];
         if self.plain {
-            self.look_up_plain(command, reverse, &mut twists, held);
+            self.look_up_plain(query, &mut twists, clamped);
         } else {
-            self.look_up(0..N, command, feedback, reverse, &mut twists, held);
+            self.look_up(0..N, query, &mut twists, clamped);
         }
         let turned = slides_turn || orientation.is_some();
         let nominal = if turned { self.chain.directions(&poses) } else { ([V3::ZERO; N], V3::ZERO) };
@@ -78,13 +71,13 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         let mut correction = [R::ZERO; N];
         for pass in 0..passes & 15 {
             if pass > 0 {
-                let places = if orientation.is_some() { 0..N } else { 0..3 };
-                self.look_up(places, &at, feedback, reverse, &mut twists, held);
+                let slots = if orientation.is_some() { 0..N } else { 0..3 };
+                self.look_up(slots, &Query { command: &at, ..*query }, &mut twists, clamped);
             }
-            let error = self.carried(&at, &poses, &twists, thermal);
-            let mut wrong = V3::from(error.tip);
+            let error = self.carried(&Query { command: &at, ..*query }, &poses, &twists);
+            let mut wrong = V3::<R>::from_glam(error.tip);
             if let Some(fade) = orientation {
-                self.turn_back(fade, &nominal, V3::from(error.orientation), &mut correction);
+                self.turn_back(fade, &nominal, V3::from_glam(error.orientation), &mut correction);
                 for ((at, q), r) in at.iter_mut().zip(command).zip(&correction).skip(3) {
                     *at = *q + *r;
                 }
@@ -145,7 +138,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 }
             }
         }
-        // What the drives will not be given must not be put back by the slides: all of them give way together.
+        // The slides must not put back a rotation that the drives will not be given: all of them give way together.
         let mut scale = fade.over(square) * R::of(180.0 / core::f64::consts::PI);
         for (wanted, most) in wanted.iter().zip(&self.most).skip(3) {
             if (*wanted * scale).abs() > *most {

@@ -1,9 +1,11 @@
 use crate::contour::{PathError, Segment, Span, convert, span_count};
 use crate::{HostPath, McuPath};
+use glam::DVec3;
 
 const FLAT: [f64; 3] = [0.0, 0.0, 1.0];
 const KNOTS: [f64; 8] = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
-const SPLINE: [[f64; 3]; 4] = [[30.0, 10.0, 0.0], [30.0, 25.0, 0.0], [10.0, 25.0, 5.0], [0.0, 30.0, 5.0]];
+const SPLINE: [DVec3; 4] =
+    [DVec3::new(30.0, 10.0, 0.0), DVec3::new(30.0, 25.0, 0.0), DVec3::new(10.0, 25.0, 5.0), DVec3::new(0.0, 30.0, 5.0)];
 
 fn line_arc_spline() -> HostPath<32> {
     let mut path = HostPath::new();
@@ -17,12 +19,12 @@ fn line_arc_spline() -> HostPath<32> {
 fn segments_become_the_spans_that_conversion_makes() {
     let path = line_arc_spline();
     let segments = [
-        Segment::Line { start: [0.0; 3], end: [20.0, 0.0, 0.0] },
+        Segment::Line { start: [0.0; 3].into(), end: DVec3::new(20.0, 0.0, 0.0) },
         Segment::Arc {
-            start: [20.0, 0.0, 0.0],
-            end: [30.0, 10.0, 0.0],
-            center: [20.0, 10.0, 0.0],
-            normal: FLAT,
+            start: DVec3::new(20.0, 0.0, 0.0),
+            end: DVec3::new(30.0, 10.0, 0.0),
+            center: DVec3::new(20.0, 10.0, 0.0),
+            normal: FLAT.into(),
             turns: 0,
         },
         Segment::Nurbs { degree: 3, knots: &KNOTS, points: &SPLINE, weights: &[] },
@@ -42,9 +44,12 @@ fn segments_become_the_spans_that_conversion_makes() {
 #[test]
 fn a_place_is_found_by_segment_and_parameter() {
     let path = line_arc_spline();
-    for (segment, u, wanted) in
-        [(0, 0.25, [5.0, 0.0, 0.0]), (1, 1.0, [30.0, 10.0, 0.0]), (2, 0.0, SPLINE[0]), (2, 1.0, SPLINE[3])]
-    {
+    for (segment, u, wanted) in [
+        (0, 0.25, [5.0, 0.0, 0.0]),
+        (1, 1.0, [30.0, 10.0, 0.0]),
+        (2, 0.0, SPLINE[0].to_array()),
+        (2, 1.0, SPLINE[3].to_array()),
+    ] {
         let on = path.at(segment, u);
         let found = on.path.span(on.reference.span).unwrap().position(on.reference.t);
         assert!((0..3).all(|k| (found[k] - wanted[k]).abs() < 1e-12), "{segment} {u}: {found:?}");
@@ -86,7 +91,13 @@ fn only_a_path_that_ends_where_it_begins_is_closed() {
 fn integers_and_single_precision_take_the_same_segments() {
     let mut path = McuPath::<8>::new();
     path.set_plane([0.0, 2.0, 0.0]);
-    let arc = Segment::Arc { start: [5.0, 0.0, 0.0], end: [5.0, 0.0, 3.0], center: [0.0; 3], normal: FLAT, turns: 0 };
+    let arc = Segment::Arc {
+        start: DVec3::new(5.0, 0.0, 0.0),
+        end: DVec3::new(5.0, 0.0, 3.0),
+        center: [0.0; 3].into(),
+        normal: FLAT.into(),
+        turns: 0,
+    };
     assert!(span_count(&arc).unwrap() > 8);
     assert!(path.append(&arc).is_err());
     path.line([0.0; 3], [100.0, 0.0, 0.0]).unwrap();

@@ -1,4 +1,4 @@
-//! Nearest place on a path of many short pieces.
+//! Nearest point of a path of many short spans.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -11,7 +11,7 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
 
-/// Evaluations of the descent where the kernel's two feet are not on their pieces.
+/// Evaluations of the descent where the kernel's two feet are not on their spans.
 const DESCENT: u8 = 4;
 
 /// `whole`: the path's first point is where the motion began, and not where the window was cut off.
@@ -52,7 +52,7 @@ pub(super) fn contour_error<R: Real, P: Position>(
     components(path, &found, error, lag, evaluations)
 }
 
-/// The piece whose chord is nearest, the later one of two, and the place on it.
+/// The span whose chord is nearest, the later one of two, and the point on it.
 #[inline(always)]
 fn nearest<'a, R: Real, P: Position>(path: &Path<'a, R, P>, point: &[P; 3]) -> Option<(&'a Span<R, P>, Reference<R>)> {
     let (mut least, mut best) = (R::MAX, None);
@@ -62,7 +62,7 @@ fn nearest<'a, R: Real, P: Position>(path: &Path<'a, R, P>, point: &[P; 3]) -> O
         let to = V3::from(span.relative(point)) - V3::new(x, y, z);
         let (along, square) = (to.dot(chord), chord.dot(chord));
         // A point has no chord; 0/0 is held at 0.
-        let t = (along / square).within(R::ZERO, R::ONE);
+        let t = (along / square).limit(R::ZERO, R::ONE);
         let aside = to - chord * t;
         let distance = aside.dot(aside);
         if distance <= least {
@@ -73,7 +73,7 @@ fn nearest<'a, R: Real, P: Position>(path: &Path<'a, R, P>, point: &[P; 3]) -> O
     best
 }
 
-/// The kernel's foot, if the piece has one.
+/// The kernel's foot, if the span has one.
 #[inline(always)]
 fn on<R: Real, P: Position>(span: &Span<R, P>, guess: Reference<R>, point: &[P; 3]) -> Option<Found<R>> {
     let found = foot(span, &span.relative(point), guess.t);
@@ -87,7 +87,7 @@ fn on<R: Real, P: Position>(span: &Span<R, P>, guess: Reference<R>, point: &[P; 
     })
 }
 
-/// Arc length from a place to the end.
+/// Arc length from a point of the path to the end.
 #[inline(always)]
 fn lag<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, end: Reference<R>) -> R {
     let mut lag = R::ZERO;

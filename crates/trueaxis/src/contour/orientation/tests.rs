@@ -7,6 +7,7 @@ use crate::contour::{
 use crate::position::{Nanometres, Position};
 use crate::real::Real;
 use crate::vector::V3;
+use glam::DVec3;
 use proptest::prelude::*;
 use std::{vec, vec::Vec};
 
@@ -19,8 +20,8 @@ fn head([a, _, c]: [f64; 3]) -> [f64; 3] {
     [a.sin() * c.sin(), -a.sin() * c.cos(), a.cos()]
 }
 
-fn of_axes<R: Real>(axes: [R; 3]) -> V3<R> {
-    V3::of(head(axes.map(R::to_f64)))
+fn of_axes<R: Real>(axes: [R; 3]) -> R::Vec3 {
+    V3::<R>::of(head(axes.map(R::to_f64))).glam()
 }
 
 fn angle_between(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -46,9 +47,9 @@ fn build<R: Real, P: Position>(segments: &[(Segment<'_>, [f64; 3], [f64; 3])]) -
 fn corner<R: Real, P: Position>() -> (Vec<Span<R, P>>, Vec<Turn<R>>) {
     let [x, y, z] = CORNER;
     build(&[
-        (Segment::Line { start: [x - 12.0, y, z], end: CORNER }, [10.0, 0.0, 0.0], [10.0, 0.0, 0.0]),
-        (Segment::Turning { point: CORNER }, [10.0, 0.0, 0.0], [70.0, 0.0, 20.0]),
-        (Segment::Line { start: CORNER, end: [x, y + 12.0, z] }, [70.0, 0.0, 20.0], [70.0, 0.0, 20.0]),
+        (Segment::Line { start: DVec3::new(x - 12.0, y, z), end: CORNER.into() }, [10.0, 0.0, 0.0], [10.0, 0.0, 0.0]),
+        (Segment::Turning { point: CORNER.into() }, [10.0, 0.0, 0.0], [70.0, 0.0, 20.0]),
+        (Segment::Line { start: CORNER.into(), end: DVec3::new(x, y + 12.0, z) }, [70.0, 0.0, 20.0], [70.0, 0.0, 20.0]),
     ])
 }
 
@@ -59,7 +60,7 @@ fn foot<R: Real>(span: u32, t: f64) -> ContourError<R> {
 /// A tilt of one microradian, about any direction, comes out with its size and sense.
 fn resolves_a_microradian<R: Real, P: Position>(permitted: f64) {
     let (spans, turns) = build::<R, P>(&[(
-        Segment::Line { start: [0.0; 3], end: [10.0, 0.0, 0.0] },
+        Segment::Line { start: [0.0; 3].into(), end: DVec3::new(10.0, 0.0, 0.0) },
         [20.0, 0.0, -30.0],
         [41.0, 0.0, 15.0],
     )]);
@@ -69,11 +70,11 @@ fn resolves_a_microradian<R: Real, P: Position>(permitted: f64) {
         let a = V3::<f64>::of(head([20.0 + 21.0 * t, 0.0, -30.0 + 45.0 * t]));
         let any = V3::new((i as f64).sin(), (i as f64 * 1.7).cos(), 0.3);
         let w = a.cross(any) * (1e-6 / a.cross(any).norm());
-        let b: V3<R> = V3::of((a + w.cross(a)).array());
+        let b = V3::<R>::of((a + w.cross(a)).array()).glam();
         let reference = Reference { span: 0, t: R::of(t) };
         let found = path.orientation(reference, &foot(0, t), b, of_axes);
         assert!((found.angle.to_f64() - 1e-6).abs() < permitted, "{}", found.angle.to_f64());
-        let vector = V3::of(found.vector.array().map(R::to_f64));
+        let vector = V3::<f64>::of(found.vector.into().map(R::to_f64));
         assert!((vector - w).norm() < permitted, "{vector:?} {w:?}");
         assert_eq!(found.evaluations, 1);
     }
@@ -92,7 +93,13 @@ fn a_microradian_is_resolved_in_singles() {
 
 #[test]
 fn rotary_axes_move_linearly_in_the_angle_of_an_arc() {
-    let arc = Segment::Arc { start: [30.0, 0.0, 0.0], end: [-30.0, 0.0, 0.0], center: [0.0; 3], normal: Z, turns: 0 };
+    let arc = Segment::Arc {
+        start: DVec3::new(30.0, 0.0, 0.0),
+        end: DVec3::new(-30.0, 0.0, 0.0),
+        center: [0.0; 3].into(),
+        normal: Z.into(),
+        turns: 0,
+    };
     let (spans, turns) = build::<f64, f64>(&[(arc, [-725.0, 0.0, 5.0], [-635.0, 0.0, 25.0])]);
     assert!(spans.len() > 4);
     for (span, turn) in spans.iter().zip(&turns) {
@@ -100,7 +107,7 @@ fn rotary_axes_move_linearly_in_the_angle_of_an_arc() {
             let t = f64::from(i) / 20.0;
             let u = span.u_of(t);
             let truth = head([-725.0 + 90.0 * u, 0.0, 5.0 + 20.0 * u]);
-            let found = turn.direction(t, of_axes).array();
+            let found = turn.direction(t, of_axes).to_array();
             assert!(angle_between(truth, found) < 1e-9, "{t}: {:e}", angle_between(truth, found));
         }
     }
@@ -114,22 +121,22 @@ fn a_great_circle_is_the_shortest_way_at_a_constant_rate() {
     let whole = angle_between(a, b);
     for i in 0..=10 {
         let t = f64::from(i) / 10.0;
-        let d = turn.direction(t, of_axes).array();
+        let d = turn.direction(t, of_axes).to_array();
         assert!((V3::<f64>::of(d).norm() - 1.0).abs() < 1e-14);
         assert!((angle_between(a, d) - t * whole).abs() < 1e-14);
         assert!((angle_between(d, b) - (1.0 - t) * whole).abs() < 1e-14);
     }
-    let line = Segment::Line { start: [0.0; 3], end: [40.0, 0.0, 0.0] };
+    let line = Segment::Line { start: [0.0; 3].into(), end: DVec3::new(40.0, 0.0, 0.0) };
     convert::<f64, f64>(&line, 0, Z, |span| {
         let piece = Turn::directions(&span, [0.0, 1.0], a, b).unwrap();
-        let middle = piece.direction(0.5, of_axes).array();
+        let middle = piece.direction(0.5, of_axes).to_array();
         let u = 0.5 * (span.u_range()[0] + span.u_range()[1]);
         assert!((angle_between(a, middle) - u * whole).abs() < 1e-14);
         Ok(())
     })
     .unwrap();
     let still = Turn::directions(&span, [0.0, 1.0], a, a).unwrap();
-    assert!(angle_between(still.direction(0.7, of_axes).array(), a) < 1e-15);
+    assert!(angle_between(still.direction(0.7, of_axes).to_array(), a) < 1e-15);
     assert!(Turn::directions(&span, [0.0, 1.0], [0.0; 3], b).is_none());
     assert!(Turn::directions(&span, [0.0, 1.0], a, a.map(|x| -x)).is_none());
     assert!(Turn::directions(&span, [0.0, 1.0], [f64::NAN, 0.0, 1.0], b).is_none());
@@ -148,12 +155,12 @@ fn the_nearest_orientation_of_a_turn_on_the_spot_is_found() {
         let brute = samples.map(|s| angle_between(head([10.0 + 60.0 * s, 0.0, 20.0 * s]), actual)).fold(9.0, f64::min);
         // The reference leads by six degrees.
         let reference = Reference { span: 1, t: (s + 0.1).min(1.0) };
-        let found = path.orientation(reference, &foot(0, 1.0), V3::of(actual), of_axes);
+        let found = path.orientation(reference, &foot(0, 1.0), V3::<f64>::of(actual).glam(), of_axes);
         assert!(found.angle <= brute + 1e-10 && found.angle > brute - 2.5e-6, "{s}: {} {brute}", found.angle);
         assert!(found.evaluations <= 27);
         // With the reference gone on, and with the foot on either side of the point.
         for at in [foot(0, 1.0), foot(2, 0.0)] {
-            let found = path.orientation(Reference { span: 2, t: 1e-3 }, &at, V3::of(actual), of_axes);
+            let found = path.orientation(Reference { span: 2, t: 1e-3 }, &at, V3::<f64>::of(actual).glam(), of_axes);
             assert!(found.angle <= brute + 1e-6, "{s}: {} {brute}", found.angle);
         }
     }
@@ -163,8 +170,8 @@ fn the_nearest_orientation_of_a_turn_on_the_spot_is_found() {
 #[test]
 fn turns_on_the_spot_follow_each_other() {
     let (spans, turns) = build::<f64, f64>(&[
-        (Segment::Turning { point: CORNER }, [0.0, 0.0, 10.0], [40.0, 0.0, 10.0]),
-        (Segment::Turning { point: CORNER }, [40.0, 0.0, 10.0], [40.0, 0.0, 100.0]),
+        (Segment::Turning { point: CORNER.into() }, [0.0, 0.0, 10.0], [40.0, 0.0, 10.0]),
+        (Segment::Turning { point: CORNER.into() }, [40.0, 0.0, 10.0], [40.0, 0.0, 100.0]),
     ]);
     let path = ToolPath::new(Path::new(&spans, 0, false), &turns);
     let search = ContourSearch::new(1.0, Method::Guarded).unwrap();
@@ -176,7 +183,7 @@ fn turns_on_the_spot_follow_each_other() {
         let axes = if back < 1.0 { [40.0 * back, 0.0, 10.0] } else { [40.0, 0.0, 10.0 + 90.0 * (back - 1.0)] };
         let tip = search.update(&mut state, &path.path, reference, [CORNER[0] + 0.003, CORNER[1], CORNER[2] - 0.004]);
         assert!((tip.error - 0.005).abs() < 1e-12, "{tip:?}");
-        let found = path.orientation(reference, &tip, V3::of(head(axes)), of_axes);
+        let found = path.orientation(reference, &tip, V3::<f64>::of(head(axes)).glam(), of_axes);
         assert!(found.angle < 1e-6, "{place}: {found:?}");
         assert_eq!(found.span, back as u32, "{place}");
     }
@@ -226,7 +233,7 @@ fn walks_the_corner<R: Real, P: Position>(permitted_mm: f64) {
         if i > 60 {
             assert!((error - to_legs(actual)).abs() < permitted_mm, "{time}: {error} {} {at:?}", to_legs(actual));
         }
-        let found = path.orientation(reference, &at, V3::of(head(axes)), of_axes);
+        let found = path.orientation(reference, &at, V3::<R>::of(head(axes)).glam(), of_axes);
         assert!(found.evaluations <= 27 && found.angle.is_finite());
         let angle = found.angle.to_f64();
         on_the_turn += u32::from(found.span == 1);
@@ -257,9 +264,10 @@ fn a_turn_on_the_spot_is_crossed_in_singles() {
 fn a_path_without_turns_has_no_orientation_error() {
     let (spans, _) = corner::<f64, f64>();
     let path = ToolPath::new(Path::new(&spans, 0, false), &[]);
-    let found = path.orientation(Reference { span: 0, t: 0.5 }, &foot(0, 0.5), V3::of(Z), of_axes);
+    let found = path.orientation(Reference { span: 0, t: 0.5 }, &foot(0, 0.5), V3::<f64>::of(Z).glam(), of_axes);
     assert_eq!(found, OrientationError::none());
-    let found = path.orientation(Reference { span: 0, t: 0.5 }, &ContourError::none(), V3::of(Z), of_axes);
+    let found =
+        path.orientation(Reference { span: 0, t: 0.5 }, &ContourError::none(), V3::<f64>::of(Z).glam(), of_axes);
     assert!(!found.is_measured());
 }
 
@@ -278,7 +286,7 @@ proptest! {
         for (stands, a, c) in kinds {
             let end = if stands { at } else { [at[0] + 3.0, at[1] + a / 100.0, at[2]] };
             let next = [a, 0.0, c];
-            let segment = if stands { Segment::Turning { point: at } } else { Segment::Line { start: at, end } };
+            let segment = if stands { Segment::Turning { point: at.into() } } else { Segment::Line { start: at.into(), end: end.into() } };
             segments.push((segment, axes, next));
             (at, axes) = (end, next);
         }
@@ -293,7 +301,7 @@ proptest! {
             let tip = search.update(&mut state, &path.path, reference, point);
             prop_assert!(tip.error.is_finite() && tip.lag.is_finite() && tip.t.is_finite() && tip.evaluations <= 6);
             prop_assert!(tip.normal.is_finite() && tip.binormal.is_finite() && tip.tangential.is_finite());
-            let found = path.orientation(reference, &tip, V3::of(head([angle, 0.0, 3.0 * angle])), of_axes);
+            let found = path.orientation(reference, &tip, V3::<f32>::of(head([angle, 0.0, 3.0 * angle])).glam(), of_axes);
             prop_assert!(found.angle.is_finite() && (0.0..=std::f32::consts::PI).contains(&found.angle));
             prop_assert!(found.evaluations <= 27 && (0.0..=1.0).contains(&found.t));
         }

@@ -20,7 +20,7 @@ fn the_correction_at_a_command_is_what_the_step_settles_to() {
     let corrected: [f64; 3] = core::array::from_fn(|k| command[k] + wanted[k]);
     let error = servo.error_at(&corrected, &conditions).unwrap();
     assert!((0..3).all(|k| (corrected[k] + error[k] - command[k]).abs() < 1e-6 && error[k].abs() > 1e-3));
-    assert_eq!(servo.pose_error_at(&corrected, &conditions).unwrap().tip, error);
+    assert_eq!(servo.pose_error_at(&corrected, &conditions).unwrap().tip.to_array(), error);
 }
 
 #[test]

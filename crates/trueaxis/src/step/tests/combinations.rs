@@ -4,6 +4,7 @@ use super::*;
 use crate::contour::{CommandWindow, Flags, Segment, Span, ToolPath, Turn, convert};
 use crate::kinematics::Kinematics;
 use crate::roundness::Followed;
+use glam::DVec3;
 
 /// Readings lie beside the line, mm.
 const BESIDE: f64 = 0.002;
@@ -22,7 +23,7 @@ struct Asking {
     whole: usize,
 }
 
-impl Gauge<f64> for &mut Asking {
+impl Ride<f64> for &mut Asking {
     fn infeed_slot(&self) -> Option<usize> {
         Some(1)
     }
@@ -54,7 +55,7 @@ fn run(mut step: impl FnMut(&Loop, &mut State<f64, f64, 3>, &Input<f64, 3>, f64,
 fn a_gauge_adds_its_infeed_and_changes_nothing_else_whatever_is_measured() {
     let kinematics = Kinematics::new(&machine(|_| ())).unwrap();
     let (mut spans, mut turns): (Vec<Span<f64, f64>>, Vec<_>) = (Vec::new(), Vec::new());
-    let line = Segment::Line { start: [10.0; 3], end: [10.0 + LENGTH, 10.0, 10.0] };
+    let line = Segment::Line { start: [10.0; 3].into(), end: DVec3::new(10.0 + LENGTH, 10.0, 10.0) };
     convert(&line, 0, [0.0, 0.0, 1.0], |span| {
         turns.push(Turn::axes(&span, [0.0, 1.0], [0.0; 3], [0.0; 3]));
         spans.push(span);

@@ -4,19 +4,20 @@ use super::*;
 use crate::contour::{CommandWindow, Flags, Segment, Span, convert};
 use crate::position::Nanometres;
 use crate::telemetry::Frame;
+use glam::DVec3;
 
 /// A line, a quarter circle, a line.
 fn spans<R: Real, P: Position>() -> Vec<Span<R, P>> {
     let segments = [
-        Segment::Line { start: [10.0, 10.0, 10.0], end: [50.0, 10.0, 10.0] },
+        Segment::Line { start: DVec3::new(10.0, 10.0, 10.0), end: DVec3::new(50.0, 10.0, 10.0) },
         Segment::Arc {
-            start: [50.0, 10.0, 10.0],
-            end: [60.0, 20.0, 10.0],
-            center: [50.0, 20.0, 10.0],
-            normal: [0.0, 0.0, 1.0],
+            start: DVec3::new(50.0, 10.0, 10.0),
+            end: DVec3::new(60.0, 20.0, 10.0),
+            center: DVec3::new(50.0, 20.0, 10.0),
+            normal: DVec3::new(0.0, 0.0, 1.0),
             turns: 0,
         },
-        Segment::Line { start: [60.0, 20.0, 10.0], end: [60.0, 90.0, 10.0] },
+        Segment::Line { start: DVec3::new(60.0, 20.0, 10.0), end: DVec3::new(60.0, 90.0, 10.0) },
     ];
     let mut spans = Vec::new();
     for (segment, number) in segments.iter().zip(0..) {
@@ -61,7 +62,7 @@ fn check<R: Real, P: Position>(out: &Output<R, P, 3>, reference: Reference<R>) {
     }
     let mut numbers: Vec<R> = record.correction.to_vec();
     for contour in [&record.tip, &record.encoder] {
-        numbers.extend(contour.vector);
+        numbers.extend(contour.vector.into());
         numbers.extend([contour.t, contour.error, contour.normal, contour.binormal, contour.tangential]);
         numbers.extend([contour.lag, contour.width]);
         let inside = contour.t >= R::ZERO && contour.t <= R::ONE;

@@ -17,7 +17,7 @@ use proptest::prelude::*;
 const STEP_DEG: f64 = 0.1;
 
 fn tool<R: Real>(tip: V, direction: V) -> Tool<R> {
-    Tool { tip: V3::of(tip), axis: V3::of(direction) }
+    Tool { tip: V3::<R>::of(tip).glam(), axis: V3::<R>::of(direction).glam() }
 }
 
 /// A machine under RTCP whose drives do at once what they are told.
@@ -175,7 +175,7 @@ fn a_direction_out_of_reach_holds() {
     let [x, y, z, a, _, c] = start.axes;
     (bench.machine, bench.tracker, bench.feedback) = (machine, BranchTracker::new(&start, STEP_DEG), [x, y, z, a, c]);
     let held = bench.cycle(&good, false);
-    let out = bench.cycle(&Tool { axis: V3::of(Z), ..good }, false);
+    let out = bench.cycle(&Tool { axis: Z.into(), ..good }, false);
     assert_eq!(out.record.fault, Fault::ToolUnreachable);
     assert_eq!(out.drive, held.drive);
     let out = bench.cycle(&good, true);
@@ -238,12 +238,12 @@ proptest! {
         let mut bench = Bench::<f64, f64>::standing(Machine::perfect(TABLES), tip, a, c);
         let mut last: Option<Output<f64, f64, 5>> = None;
         for (any, [x, y, z], bits) in cycles {
-            let mut wanted = tool(tip, turned(Z, a, c));
+            let mut wanted: Tool<f64> = tool(tip, turned(Z, a, c));
             match bits & 7 {
                 0 => wanted.tip.x = f64::from_bits(any),
                 1 => wanted.axis.y = f64::from_bits(any),
                 2 => wanted = tool([900.0 * x, 900.0 * y, 900.0 * z], [x, y, z]),
-                3 => wanted.axis = wanted.axis * (1.0 + x),
+                3 => wanted.axis *= 1.0 + x,
                 _ => {
                     tip = add(tip, [0.02 * x, 0.02 * y, 0.02 * z]);
                     (a, c) = (a + 0.03 * x, c + 0.03 * y);
@@ -260,7 +260,7 @@ proptest! {
                 // The interpolator goes on from where the machine is.
                 let at = bench.tracker.axes();
                 let reached = bench.machine.kinematics.forward(at);
-                (tip, a, c) = (reached.tip.array(), at[Axis::A.index()], at[Axis::C.index()]);
+                (tip, a, c) = (reached.tip.to_array(), at[Axis::A.index()], at[Axis::C.index()]);
             }
             last = Some(out);
         }

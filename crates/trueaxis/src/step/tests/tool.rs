@@ -159,7 +159,7 @@ const TURN: [V; 2] = [[10.0, 0.0, -20.0], [40.0, 0.0, 25.0]];
 
 pub(super) fn slanted<R: Real, P: Position>() -> (Vec<Span<R, P>>, Vec<Turn<R>>) {
     let (mut spans, mut turns) = (Vec::new(), Vec::new());
-    convert(&Segment::Line { start: START, end: END }, 0, Z, |span| {
+    convert(&Segment::Line { start: START.into(), end: END.into() }, 0, Z, |span| {
         turns.push(Turn::axes(&span, [0.0, 1.0], TURN[0], TURN[1]));
         spans.push(span);
         Ok(())
@@ -323,7 +323,7 @@ fn resolves_a_microradian<R: Real, P: Position>(permitted: f64) {
             assert!(without.angle.to_f64() < permitted);
             // About x, turned by C; the table's error is the tool's over the workpiece whichever side turns.
             let truth = about_z([1e-6, 0.0, 0.0], c);
-            let found = with.vector.array().map(R::to_f64);
+            let found = with.vector.into().map(R::to_f64);
             assert!(norm(sub(found, truth)) < permitted, "{chain} {a} {c}: {found:?} {truth:?}");
             assert!((with.angle.to_f64() - 1e-6).abs() < permitted);
         }
@@ -362,7 +362,7 @@ fn the_modelled_tilt_is_turned_with_the_table() {
             let about_itself = dot(seen, d);
             let truth: V = core::array::from_fn(|k| seen[k] - about_itself * d[k]);
             assert!(
-                norm(sub(orientation.vector.array(), truth)) < 1e-11,
+                norm(sub(orientation.vector.to_array(), truth)) < 1e-11,
                 "{chain}: {:?} {truth:?}",
                 orientation.vector
             );

@@ -3,6 +3,7 @@
 use crate::contour::{CommandWindow, Path, Segment, Span, convert};
 use crate::error::Fault;
 use crate::step::tests::{input, servo_loop};
+use glam::DVec3;
 use std::vec::Vec;
 
 /// Feed of 60 mm/s at 10 kHz.
@@ -14,7 +15,7 @@ fn on_a_line_it_says_what_the_step_says_with_the_planners_own_path() {
     let (mut following, mut with_path) = (servo.start(), servo.start());
     let mut commanded = CommandWindow::<f64, f64, 64>::new([0.0, 0.0, 1.0], 0.005).unwrap();
     let mut spans: Vec<Span<f64, f64>> = Vec::new();
-    let line = Segment::Line { start: [10.0; 3], end: [30.0, 10.0, 10.0] };
+    let line = Segment::Line { start: [10.0; 3].into(), end: DVec3::new(30.0, 10.0, 10.0) };
     convert(&line, 0, [0.0, 0.0, 1.0], |span| {
         spans.push(span);
         Ok(())

@@ -5,7 +5,7 @@ use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
 
 use trueaxis::roundness::{
-    Arm, ArmSettings, Band, Followed, InfeedSettings, ProbeAngles, Probes, Roundness, RoundnessSettings, RoundnessState,
+    Arm, ArmSettings, Band, Followed, Gauge, GaugeSettings, GaugeState, InfeedSettings, ProbeAngles, Probes,
 };
 use trueaxis::{Axis, Real};
 use trueaxis_cortex_m::timer::{Tally, timed};
@@ -14,8 +14,8 @@ const POINTS: usize = 1024;
 /// Forward transform, pairs and inverse of 1024 points.
 const TRANSFORM_UNITS: usize = 576 + 256 + 576;
 
-fn settings(whole: bool) -> RoundnessSettings {
-    let mut settings = RoundnessSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 22);
+fn settings(whole: bool) -> GaugeSettings {
+    let mut settings = GaugeSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 22);
     settings.revolutions = 1;
     if whole {
         settings.angles = ProbeAngles::Degrees { phi2: 66.1, phi3: 234.5 };
@@ -39,14 +39,14 @@ fn settings(whole: bool) -> RoundnessSettings {
 
 /// A stage with everything it works on.
 struct Stage<'a, R: Real> {
-    gauge: &'a Roundness<R, POINTS>,
-    state: *mut RoundnessState<R, POINTS>,
+    gauge: &'a Gauge<R, POINTS>,
+    state: *mut GaugeState<R, POINTS>,
     probes: Probes<R>,
 }
 
 impl<R: Real> Stage<'_, R> {
     #[allow(clippy::mut_from_ref)]
-    fn state(&self) -> &mut RoundnessState<R, POINTS> {
+    fn state(&self) -> &mut GaugeState<R, POINTS> {
         // SAFETY: one stage at a time, in one thread.
         unsafe { &mut *self.state }
     }
@@ -73,8 +73,8 @@ fn infeed<R: Real>(stage: &Stage<'_, R>) -> u32 {
     stage.gauge.infeed(stage.state()).to_i32() as u32
 }
 
-fn count<R: Real>(name: &str, whole: bool, gauge: &mut Roundness<R, POINTS>, state: &mut RoundnessState<R, POINTS>) {
-    match Roundness::build(&settings(whole), 100_000) {
+fn count<R: Real>(name: &str, whole: bool, gauge: &mut Gauge<R, POINTS>, state: &mut GaugeState<R, POINTS>) {
+    match Gauge::build(&settings(whole), 100_000) {
         Ok(built) => *gauge = built,
         Err(error) => panic!("{}", error),
     }
@@ -123,12 +123,12 @@ fn count<R: Real>(name: &str, whole: bool, gauge: &mut Roundness<R, POINTS>, sta
 
 /// Counts the stages, as they are by default and with everything that a gauge can have.
 pub fn all<R: Real>(name: &str, arena: &mut Arena) {
-    let gauge = match Roundness::build(&settings(false), 100_000) {
+    let gauge = match Gauge::build(&settings(false), 100_000) {
         Ok(gauge) => gauge,
         Err(error) => panic!("{}", error),
     };
     let gauge = arena.keep(gauge);
-    let state = arena.keep(RoundnessState::new());
+    let state = arena.keep(GaugeState::new());
     count::<R>(name, false, gauge, state);
     count::<R>(name, true, gauge, state);
 }

@@ -6,7 +6,7 @@ use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
 use trueaxis::contour::{Path, Reference};
 use trueaxis::machine::ErrorModel;
-use trueaxis::roundness::{Probes, Roundness, RoundnessState};
+use trueaxis::roundness::{Gauge, GaugeState, Probes};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, GaugeRide, Input, Output, Real, ServoLoop, Stage, State};
 use trueaxis_cortex_m::regions;
@@ -48,7 +48,7 @@ struct Cycle<'a, R: Real, P: Integer> {
     reference: Reference<R>,
     input: Input<P, AXES>,
     probes: Probes<R>,
-    gauge: &'a Roundness<R, POINTS>,
+    gauge: &'a Gauge<R, POINTS>,
     memory: &'a RefCell<Memory<R, P>>,
 }
 
@@ -58,7 +58,7 @@ struct Memory<R: Real, P: Integer> {
     gauged: State<R, P, AXES>,
     watched: State<R, P, AXES>,
     volumetric: State<R, P, AXES>,
-    gauge: RoundnessState<R, POINTS>,
+    gauge: GaugeState<R, POINTS>,
     output: Option<Output<R, P, AXES>>,
 }
 
@@ -148,7 +148,7 @@ pub fn all<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
     let servo = build::<R, P>(&first, ErrorModel::Nine, header.period_ns, arena);
     let exchanged = build::<R, P>(&second, ErrorModel::Nine, header.period_ns, arena);
     let all_terms = build::<R, P>(&second, ErrorModel::Volumetric, header.period_ns, arena);
-    let gauge = match Roundness::build(&settings, header.period_ns) {
+    let gauge = match Gauge::build(&settings, header.period_ns) {
         Ok(gauge) => arena.keep(gauge),
         Err(error) => panic!("{}", error),
     };
@@ -158,7 +158,7 @@ pub fn all<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
         gauged: state,
         watched: state,
         volumetric: state,
-        gauge: RoundnessState::new(),
+        gauge: GaugeState::new(),
         output: None,
     }));
     let mut whole = [(); 3].map(|()| Tally::default());

@@ -3,11 +3,13 @@
 use crate::arena::Arena;
 use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
+use trueaxis::compensation::Query;
 use trueaxis::compensation::{Direction, NineTerms, ThermalLine, Volumetric};
 use trueaxis::contour::{ContourSearch, ContourState, Method, Path, Reference, Segment, Span, convert};
-use trueaxis::limiter::{Limited, Limiter};
+use trueaxis::glam::DVec3;
+use trueaxis::limiter::{Limiter, LimiterState};
 use trueaxis::machine::Rows;
-use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
+use trueaxis::machine::{AxisOrder, AxisSettings, ErrorModel, MachineSettings};
 use trueaxis::{Axis, Position, Real, Row};
 use trueaxis_cortex_m::timer::{Tally, timed};
 
@@ -84,7 +86,7 @@ fn nine<R: Real, P: Position>(free: bool, arena: &mut Arena) -> &'static NineTer
     let tables = tables(free);
     let rows = |axis: Axis| tables.get(axis.index());
     let memory = arena.slice(NineTerms::<R, P, 3>::requirement(&machine, rows), R::ZERO);
-    match NineTerms::build(&machine, rows, memory) {
+    match AxisOrder::of(&machine).and_then(|order| NineTerms::build(&order, &machine, rows, memory)) {
         Ok(nine) => arena.keep(nine),
         Err(error) => panic!("{}", error),
     }
@@ -95,7 +97,7 @@ fn volumetric<R: Real, P: Position, const N: usize>(arena: &mut Arena) -> &'stat
     let tables = tables(false);
     let rows = |axis: Axis| tables.get(axis.index());
     let memory = arena.slice(Volumetric::<R, P, N>::requirement(&machine, rows), R::ZERO);
-    match Volumetric::build(&machine, rows, memory) {
+    match AxisOrder::of(&machine).and_then(|order| Volumetric::build(&order, &machine, rows, memory)) {
         Ok(volumetric) => arena.keep(volumetric),
         Err(error) => panic!("{}", error),
     }
@@ -128,7 +130,7 @@ struct Pose<R: Real, P: Position, const N: usize>(&'static Volumetric<'static, R
 
 #[inline(never)]
 fn pose<R: Real, P: Position, const N: usize>(of: &Pose<R, P, N>) -> u32 {
-    sink(of.0.pose_error(&of.1, &[Direction::POSITIVE; N], &[ThermalLine::default(); N], &mut 0))
+    sink(of.0.pose_error(&Query::at(&of.1, &[Direction::POSITIVE; N], &[ThermalLine::default(); N]), &mut 0))
 }
 
 /// A foot to be found, and where it is looked for.
@@ -148,7 +150,7 @@ fn kernel<R: Real, P: Position>(near: &Near<R, P>) -> u32 {
     sink(near.span.foot_near(&near.point, near.guess))
 }
 
-struct Limits<R: Real>([Limiter<R>; 3], core::cell::Cell<[Limited<R>; 3]>, core::cell::Cell<[R; 3]>);
+struct Limits<R: Real>([Limiter<R>; 3], core::cell::Cell<[LimiterState<R>; 3]>, core::cell::Cell<[R; 3]>);
 
 #[inline(never)]
 fn no_limit<R: Real>(limits: &Limits<R>) -> u32 {
@@ -194,7 +196,8 @@ fn limiter<R: Real>(scalar: &str) {
 
 /// The butterfly's rational cubic between two of its points, and the same without weights.
 fn cubic(weights: [f64; 4]) -> Segment<'static> {
-    static POINTS: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.1, 3.4, 0.0], [3.9, 4.4, 0.0], [6.0, 2.1, 0.0]];
+    static POINTS: [DVec3; 4] =
+        [DVec3::ZERO, DVec3::new(1.1, 3.4, 0.0), DVec3::new(3.9, 4.4, 0.0), DVec3::new(6.0, 2.1, 0.0)];
     static KNOTS: [f64; 8] = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
     static RATIONAL: [f64; 4] = [1.0, 1.2, 1.0, 2.0];
     let rational = weights != [1.0; 4];

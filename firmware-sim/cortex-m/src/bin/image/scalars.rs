@@ -1,8 +1,7 @@
-//! In which numbers this image computes.
+//! The image's scalars and positions.
 
 use trueaxis::contour::Span;
-use trueaxis::roundness::{Roundness, RoundnessState};
-use trueaxis::{Output, ServoLoop, State};
+use trueaxis::{Output, ServoLoop, State, roundness};
 
 /// Axes of the step.
 pub const AXES: usize = 3;
@@ -25,13 +24,13 @@ pub use numbers::{Place, Scalar};
 pub type Loop = ServoLoop<'static, Scalar, Place, AXES>;
 /// The step's state.
 pub type LoopState = State<Scalar, Place, AXES>;
-/// What a cycle gives back.
+/// Output of a cycle.
 pub type StepOutput = Output<Scalar, Place, AXES>;
-/// A piece of the path.
+/// A span of the path.
 pub type Piece = Span<Scalar, Place>;
 /// The gauge's immutable half.
-pub type GaugePlan = Roundness<Scalar, POINTS>;
+pub type GaugePlan = roundness::Gauge<Scalar, POINTS>;
 /// The gauge's state.
-pub type GaugeState = RoundnessState<Scalar, POINTS>;
-/// What the gauge gives back in a cycle.
-pub type GaugeCycle = trueaxis::roundness::Cycle<Scalar>;
+pub type GaugeState = roundness::GaugeState<Scalar, POINTS>;
+/// The gauge's output of a cycle.
+pub type GaugeCycle = roundness::Cycle<Scalar>;

@@ -3,7 +3,7 @@
 use crate::scalars::{GaugePlan, Loop, Scalar};
 use defmt::Format;
 use trueaxis::error::Field;
-use trueaxis::roundness::RoundnessSettings;
+use trueaxis::roundness::GaugeSettings;
 use trueaxis::tcomp::{Tcomp, TcompError};
 use trueaxis::{ConfigError, Fault};
 
@@ -88,6 +88,6 @@ pub fn build(
 ///
 /// # Errors
 /// Another number of points than this image's, or settings that it cannot be built from.
-pub fn gauge(settings: Option<&RoundnessSettings>, period_ns: u32) -> Result<Option<GaugePlan>, Refused> {
+pub fn gauge(settings: Option<&GaugeSettings>, period_ns: u32) -> Result<Option<GaugePlan>, Refused> {
     Ok(settings.map(|settings| GaugePlan::build(settings, period_ns)).transpose()?)
 }

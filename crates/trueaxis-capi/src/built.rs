@@ -1,0 +1,212 @@
+//! Loops and states for every number of axes.
+
+use crate::cycle::{AXES_MAX, Input, Output};
+use crate::gauge_ride::Riding;
+use crate::plugin::{CorePosition, Servo, ServoState};
+use crate::result::{ERROR_AXES, ERROR_PERIOD, ERROR_STATE, ResultCode};
+use crate::{Real, opaque};
+use trueaxis::compensation::ThermalLine;
+use trueaxis::machine::ThermalGrowth;
+use trueaxis::tcomp::Tcomp;
+use trueaxis::{Bypass, ConfigError, Fault, Measure};
+
+/// Words of a `trueaxis_loop_t`.
+#[cfg(not(feature = "single"))]
+pub const LOOP_WORDS: usize = 368;
+/// Words of a `trueaxis_loop_t`.
+#[cfg(feature = "single")]
+pub const LOOP_WORDS: usize = 240;
+/// Words of a `trueaxis_state_t`.
+#[cfg(not(feature = "single"))]
+pub const STATE_WORDS: usize = 104;
+/// Words of a `trueaxis_state_t`.
+#[cfg(feature = "single")]
+pub const STATE_WORDS: usize = 64;
+
+/// Tables, limits and settings of a machine: immutable, may be copied and read from any thread.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Loop {
+    words: [u64; LOOP_WORDS],
+}
+
+/// All that one cycle hands to the next. Belongs to the thread that steps it; a copy may be put back between two cycles.
+#[repr(C)]
+#[derive(Debug)]
+pub struct State {
+    words: [u64; STATE_WORDS],
+}
+
+// SAFETY: repr(C), one array of u64.
+unsafe impl opaque::Storage for Loop {
+    type Content = Built;
+    const MAGIC: u32 = 0x5452_0001;
+}
+
+// SAFETY: repr(C), one array of u64.
+unsafe impl opaque::Storage for State {
+    type Content = Running;
+    const MAGIC: u32 = 0x5452_0002;
+}
+
+/// Content of a [`Loop`].
+pub(crate) struct Built {
+    pub(crate) servo: AnyServo,
+    period_ns: u32,
+    /// 0 in a bypass.
+    pub(crate) machine_id: u32,
+    /// Thermal growth of the axes, in the order of the step.
+    growth: [ThermalGrowth; AXES_MAX],
+}
+
+/// A servo loop of any number of axes.
+#[allow(clippy::large_enum_variant)] // storage has the size of the largest anyway
+pub(crate) enum AnyServo {
+    Three(Servo<3>),
+    Four(Servo<4>),
+    Five(Servo<5>),
+    Six(Servo<6>),
+    /// Commands pass uncorrected.
+    Bypass {
+        axes: usize,
+        reason: Fault,
+    },
+}
+
+/// Content of a [`State`].
+#[allow(clippy::large_enum_variant)] // as above
+pub(crate) enum Running {
+    Three(ServoState<3>),
+    Four(ServoState<4>),
+    Five(ServoState<5>),
+    Six(ServoState<6>),
+    BypassThree(Bypass<CorePosition, 3>),
+    BypassFour(Bypass<CorePosition, 4>),
+    BypassFive(Bypass<CorePosition, 5>),
+    BypassSix(Bypass<CorePosition, 6>),
+}
+
+/// Runs the same code for every number of axes: for a loop and a state that belong together.
+macro_rules! with_servo {
+    ($built:expr, $running:expr, servo($servo:ident, $state:ident) => $work:expr, bypass($passing:pat) => $pass:expr) => {{
+        use $crate::built::{AnyServo, Running};
+        match (&$built.servo, $running) {
+            (AnyServo::Three($servo), Running::Three($state)) => Ok($work),
+            (AnyServo::Four($servo), Running::Four($state)) => Ok($work),
+            (AnyServo::Five($servo), Running::Five($state)) => Ok($work),
+            (AnyServo::Six($servo), Running::Six($state)) => Ok($work),
+            (AnyServo::Bypass { axes: 3, .. }, Running::BypassThree($passing)) => Ok($pass),
+            (AnyServo::Bypass { axes: 4, .. }, Running::BypassFour($passing)) => Ok($pass),
+            (AnyServo::Bypass { axes: 5, .. }, Running::BypassFive($passing)) => Ok($pass),
+            (AnyServo::Bypass { axes: 6, .. }, Running::BypassSix($passing)) => Ok($pass),
+            (servo, running) => Err($crate::built::mismatch(servo, running)),
+        }
+    }};
+}
+pub(crate) use with_servo;
+
+/// Error of a loop and a state that do not belong together.
+#[cold]
+pub(crate) fn mismatch(servo: &AnyServo, running: &Running) -> ResultCode {
+    if servo.axes() == running.axes() { ERROR_STATE } else { ERROR_AXES }
+}
+
+impl AnyServo {
+    pub(crate) fn axes(&self) -> usize {
+        match self {
+            AnyServo::Three(_) => 3,
+            AnyServo::Four(_) => 4,
+            AnyServo::Five(_) => 5,
+            AnyServo::Six(_) => 6,
+            AnyServo::Bypass { axes, .. } => *axes,
+        }
+    }
+}
+
+impl Running {
+    pub(crate) fn axes(&self) -> usize {
+        match self {
+            Running::Three(_) | Running::BypassThree(_) => 3,
+            Running::Four(_) | Running::BypassFour(_) => 4,
+            Running::Five(_) | Running::BypassFive(_) => 5,
+            Running::Six(_) | Running::BypassSix(_) => 6,
+        }
+    }
+}
+
+impl Built {
+    pub(crate) fn new(tables: &Tcomp<'_>, period_ns: u32, memory: &'static mut [Real]) -> Result<Self, ConfigError> {
+        let servo = match crate::tables::axes_of(tables) {
+            3 => AnyServo::Three(Servo::load(tables, period_ns, memory)?),
+            4 => AnyServo::Four(Servo::load(tables, period_ns, memory)?),
+            5 => AnyServo::Five(Servo::load(tables, period_ns, memory)?),
+            _ => AnyServo::Six(Servo::load(tables, period_ns, memory)?),
+        };
+        let mut growth = [ThermalGrowth::default(); AXES_MAX];
+        for (growth, (_, settings)) in growth.iter_mut().zip(crate::tables::slots(tables)) {
+            *growth = settings.map_or(*growth, |settings| settings.thermal);
+        }
+        Ok(Built { servo, period_ns, machine_id: tables.machine_id(), growth })
+    }
+
+    pub(crate) fn bypass(axes: usize, reason: Fault, period_ns: u32) -> Self {
+        let servo = AnyServo::Bypass { axes, reason };
+        Built { servo, period_ns, machine_id: 0, growth: [ThermalGrowth::default(); AXES_MAX] }
+    }
+
+    pub(crate) fn start(&self, period_ns: u32) -> Result<Running, ResultCode> {
+        if period_ns.abs_diff(self.period_ns) > self.period_ns / 1000 {
+            return Err(ERROR_PERIOD);
+        }
+        Ok(match &self.servo {
+            AnyServo::Three(servo) => Running::Three(servo.start()),
+            AnyServo::Four(servo) => Running::Four(servo.start()),
+            AnyServo::Five(servo) => Running::Five(servo.start()),
+            AnyServo::Six(servo) => Running::Six(servo.start()),
+            AnyServo::Bypass { axes: 3, reason } => Running::BypassThree(Bypass::new(*reason)),
+            AnyServo::Bypass { axes: 4, reason } => Running::BypassFour(Bypass::new(*reason)),
+            AnyServo::Bypass { axes: 5, reason } => Running::BypassFive(Bypass::new(*reason)),
+            AnyServo::Bypass { reason, .. } => Running::BypassSix(Bypass::new(*reason)),
+        })
+    }
+
+    /// Growth of an axis at a temperature above the reference, if both make sense.
+    pub(crate) fn growth(&self, axis: usize, kelvin: f64) -> Option<ThermalLine<Real>> {
+        let growth = self.growth.get(axis).filter(|_| axis < self.servo.axes() && kelvin.is_finite())?;
+        ThermalLine::for_axis(growth, kelvin)
+    }
+}
+
+/// A measure for any number of axes.
+pub(crate) trait AnyMeasure:
+    Measure<Real, CorePosition, 3>
+    + Measure<Real, CorePosition, 4>
+    + Measure<Real, CorePosition, 5>
+    + Measure<Real, CorePosition, 6>
+{
+}
+impl<M> AnyMeasure for M where
+    M: Measure<Real, CorePosition, 3>
+        + Measure<Real, CorePosition, 4>
+        + Measure<Real, CorePosition, 5>
+        + Measure<Real, CorePosition, 6>
+{
+}
+
+/// A cycle of a loop and a state that belong together.
+#[inline(always)]
+pub(crate) fn cycle(
+    built: &Built,
+    running: &mut Running,
+    input: &Input,
+    measure: impl AnyMeasure,
+    gauge: &mut Riding<'_>,
+) -> Result<Output, ResultCode> {
+    with_servo!(built, running,
+        servo(servo, state) => Output::of(&servo.step(state, &input.to_core(), measure, gauge)),
+        bypass(bypass) => {
+            gauge.measure_on();
+            Output::of(&bypass.step::<Real>(&input.to_core()))
+        }
+    )
+}

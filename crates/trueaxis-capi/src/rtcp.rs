@@ -1,0 +1,114 @@
+//! Rotation about the tool centre point: the tool is commanded in workpiece coordinates.
+
+use crate::Real;
+use crate::built::{Loop, State, with_servo};
+use crate::cycle::Input;
+use crate::error::{Error, Refusal, explained};
+use crate::kinematics::{Kinematics, Tool};
+use crate::opaque::{self, Storage};
+use crate::pointer::check;
+use crate::result::{self, ERROR_ARGUMENT, ERROR_STATE, ResultCode};
+use trueaxis::kinematics;
+
+/// Words of a `trueaxis_branch_tracker_t`.
+#[cfg(not(feature = "single"))]
+pub const BRANCH_TRACKER_WORDS: usize = 16;
+/// Words of a `trueaxis_branch_tracker_t`.
+#[cfg(feature = "single")]
+pub const BRANCH_TRACKER_WORDS: usize = 10;
+
+/// The branch of the rotary axes that is followed. Belongs to the thread that steps it.
+#[repr(C)]
+#[derive(Debug)]
+pub struct BranchTracker {
+    words: [u64; BRANCH_TRACKER_WORDS],
+}
+
+// SAFETY: repr(C), one array of u64.
+unsafe impl Storage for BranchTracker {
+    type Content = kinematics::BranchTracker<Real>;
+    const MAGIC: u32 = 0x5452_0009;
+}
+
+/// Starts at the pose in which the machine stands.
+///
+/// `axes`: as for `trueaxis_kinematics_forward`. `max_step_deg`: largest step of a rotary axis in a cycle, degrees. Not
+/// real-time. `_POSE`, `_ARGUMENT` (not finite, no step).
+///
+/// # Safety
+/// Pointers are null or point to what their types and sizes say, `axes` to as many numbers as the machine has axes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trueaxis_branch_tracker_start(
+    tracker: *mut BranchTracker,
+    tracker_size: usize,
+    kinematics: *const Kinematics,
+    axes: *const f64,
+    max_step_deg: f64,
+    error: *mut Error,
+) -> ResultCode {
+    let work = || {
+        let place = opaque::place(tracker, tracker_size)?;
+        // SAFETY: the caller's promise.
+        let chain = unsafe { opaque::content(kinematics) }?;
+        // SAFETY: the caller's promise.
+        let joints = unsafe { chain.joints(axes) }?;
+        if !(max_step_deg > 0.0 && max_step_deg <= 360.0) {
+            return Err(ERROR_ARGUMENT.into());
+        }
+        let tool = chain.kinematics.forward(&joints);
+        let start = chain.kinematics.inverse(&tool, &joints).map_err(Refusal::Pose)?;
+        let tracker = kinematics::BranchTracker::new(&start, max_step_deg as Real);
+        // SAFETY: storage of the size that the caller vouched for.
+        unsafe { opaque::fill(place, tracker) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { explained(error, work) }
+}
+
+/// Writes the axis positions for a tool into `input->command`, on the branch that `tracker` follows, for the next
+/// `trueaxis_step`.
+///
+/// `input->elapsed_ns` must be set. A tool without such positions goes into `input->refusal`: the step then holds and
+/// reports the fault, and a reset near the held pose releases it. Call it once a cycle, for homed axes.
+///
+/// Real-time safe. `_AXES`, `_STATE` (also: a bypass, which has no axes to find), `_MACHINE`.
+///
+/// # Safety
+/// Pointers are null or point to what their types say; nobody else uses tracker or input, or writes the others.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trueaxis_rtcp(
+    r#loop: *const Loop,
+    state: *const State,
+    tool: *const Tool,
+    tracker: *mut BranchTracker,
+    kinematics: *const Kinematics,
+    input: *mut Input,
+) -> ResultCode {
+    let work = || {
+        // SAFETY: the caller's promise.
+        let mut result = unsafe { Input::read_unrefused(input) }?;
+        check(tool)?;
+        // SAFETY: not null, aligned; any bits are numbers; readable by the caller's promise.
+        let tool = unsafe { tool.read() }.to_core();
+        // SAFETY: the caller's promise.
+        let (built, running) = unsafe { (opaque::content(r#loop)?, opaque::content(state)?) };
+        // SAFETY: the caller's promise.
+        let chain = unsafe { opaque::content(kinematics) }?;
+        // SAFETY: the caller's promise.
+        let tracker = unsafe { opaque::content_mut(tracker) }?;
+        chain.check_machine(built)?;
+        with_servo!(built, running,
+            servo(servo, state) => {
+                let given = result.to_core();
+                result.command_of(&servo.rtcp(state, &tool, tracker, &chain.kinematics, &given));
+                Ok(())
+            },
+            bypass(_) => Err(ERROR_STATE)
+        )??;
+        // SAFETY: checked: aligned, of the right size; writable by the caller's promise.
+        unsafe { input.write(result) };
+        Ok(())
+    };
+    result::of(work())
+}

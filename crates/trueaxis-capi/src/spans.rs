@@ -1,0 +1,202 @@
+//! The spans of a path in memory that the caller lends.
+
+use crate::Real;
+use crate::error::Refusal;
+use crate::plugin::{CorePosition, PathSpan};
+use crate::result::{ERROR_ARGUMENT, ERROR_PATH, ResultCode};
+use crate::steps::{PathStep, path_step};
+use trueaxis::contour::{self, PathBuilder, PathError, Segment, ToolPath, Turn};
+
+/// Bytes of lent memory per span of a path. A line takes a span every 16 mm, an arc one every 30°, a spline one or more
+/// for each of its knot intervals.
+#[cfg(not(feature = "single"))]
+pub const SPAN_BYTES: usize = 296;
+/// Bytes of lent memory per span of a path. A line takes a span every 16 mm, an arc one every 30°, a spline one or more
+/// for each of its knot intervals.
+#[cfg(feature = "single")]
+pub const SPAN_BYTES: usize = 168;
+/// The same for the path of a tool.
+#[cfg(not(feature = "single"))]
+pub const TOOL_SPAN_BYTES: usize = 376;
+/// The same for the path of a tool.
+#[cfg(feature = "single")]
+pub const TOOL_SPAN_BYTES: usize = 208;
+
+type SpanTurn = Turn<Real>;
+
+const _: () = assert!(size_of::<PathSpan>() <= SPAN_BYTES && align_of::<PathSpan>() <= align_of::<u64>());
+const _: () = assert!(size_of::<PathSpan>() + size_of::<SpanTurn>() <= TOOL_SPAN_BYTES);
+const _: () = assert!(align_of::<SpanTurn>() <= align_of::<PathSpan>());
+
+/// How the direction of the tool goes along the next segment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Direction {
+    /// Positions of A, B, C at its start and end, degrees.
+    Axes([f64; 3], [f64; 3]),
+    /// Directions of the tool there.
+    Vectors([f64; 3], [f64; 3]),
+}
+
+impl Direction {
+    /// Nothing for two directions that are opposite, or for one that has no length.
+    fn turn(&self, span: &PathSpan, domain: [f64; 2]) -> Option<SpanTurn> {
+        match *self {
+            Direction::Axes(start, end) => Some(Turn::axes(span, domain, start, end)),
+            Direction::Vectors(start, end) => Turn::directions(span, domain, start, end),
+        }
+    }
+
+    /// Whether it has a turn.
+    pub(crate) fn is_possible(&self) -> bool {
+        let (Direction::Axes(start, end) | Direction::Vectors(start, end)) = self;
+        let standing = PathSpan::turning([CorePosition::default(); 3], 0, [0.0, 0.0, 1.0]);
+        start.iter().chain(end).all(|x| x.abs() <= 1e9) && self.turn(&standing, [0.0, 1.0]).is_some()
+    }
+
+    fn stays(self) -> Self {
+        match self {
+            Direction::Axes(_, end) => Direction::Axes(end, end),
+            Direction::Vectors(_, end) => Direction::Vectors(end, end),
+        }
+    }
+}
+
+/// Content of a [`crate::Path`].
+#[derive(Clone, Copy)]
+pub(crate) struct Spans {
+    pub(crate) path_step: PathStep,
+    spans: *mut PathSpan,
+    /// Behind the spans; null if directions are not kept.
+    turns: *mut SpanTurn,
+    capacity: usize,
+    count: usize,
+    first: u32,
+    builder: PathBuilder<CorePosition>,
+    plane: [f64; 3],
+    direction: Direction,
+    closed: bool,
+}
+
+impl Spans {
+    /// An empty path in memory of so many bytes.
+    pub(crate) fn new(memory: *mut u8, bytes: usize, first: u32, of_tool: bool) -> Self {
+        let spans = memory.cast::<PathSpan>();
+        let span_bytes = size_of::<PathSpan>() + if of_tool { size_of::<SpanTurn>() } else { 0 };
+        let capacity = bytes / span_bytes;
+        let turns = if of_tool { spans.wrapping_add(capacity).cast() } else { core::ptr::null_mut() };
+        let mut path = Spans {
+            path_step,
+            spans,
+            turns,
+            capacity,
+            count: 0,
+            first,
+            builder: PathBuilder::new(),
+            plane: [0.0, 0.0, 1.0],
+            direction: Direction::Axes([0.0; 3], [0.0; 3]),
+            closed: false,
+        };
+        path.clear();
+        path
+    }
+
+    pub(crate) fn clear(&mut self) {
+        (self.count, self.builder, self.closed) = (0, PathBuilder::new(), false);
+        self.builder.set_plane(self.plane);
+    }
+
+    pub(crate) fn set_plane(&mut self, normal: [f64; 3]) {
+        self.plane = normal;
+        self.builder.set_plane(normal);
+    }
+
+    /// Directions are kept.
+    pub(crate) fn is_of_tool(&self) -> bool {
+        !self.turns.is_null()
+    }
+
+    pub(crate) fn set_direction(&mut self, direction: Direction) -> Result<(), ResultCode> {
+        if !(self.is_of_tool() && direction.is_possible()) {
+            return Err(ERROR_ARGUMENT);
+        }
+        self.direction = direction;
+        Ok(())
+    }
+
+    pub(crate) fn segments(&self) -> u32 {
+        self.builder.segments()
+    }
+
+    #[inline(always)]
+    pub(crate) fn spans(&self) -> &[PathSpan] {
+        // SAFETY: `count` spans were written there by `append`, and the caller of `trueaxis_path_start` lent the memory.
+        unsafe { core::slice::from_raw_parts(self.spans, self.count) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn path(&self) -> contour::Path<'_, Real, CorePosition> {
+        contour::Path::new(self.spans(), self.first, self.closed)
+    }
+
+    #[inline(always)]
+    pub(crate) fn tool_path(&self) -> ToolPath<'_, Real, CorePosition> {
+        let turns: &[SpanTurn] = if self.is_of_tool() {
+            // SAFETY: as for the spans.
+            unsafe { core::slice::from_raw_parts(self.turns, self.count) }
+        } else {
+            &[]
+        };
+        ToolPath::new(self.path(), turns)
+    }
+
+    /// Converts a segment behind the last one; the path is as before if that is refused.
+    pub(crate) fn append(&mut self, segment: &Segment<'_>) -> Result<(), Refusal> {
+        let domain = match segment {
+            Segment::Nurbs { degree, knots, points, .. } => {
+                [knots.get(*degree), knots.get(points.len())].map(|knot| knot.copied().unwrap_or_default())
+            }
+            _ => [0.0, 1.0],
+        };
+        let Spans { spans, turns, capacity, direction, mut count, .. } = *self;
+        let mut full = false;
+        let appended = self.builder.append(segment, |span: PathSpan| {
+            let Some(turn) = (if turns.is_null() { Some(None) } else { direction.turn(&span, domain).map(Some) })
+            else {
+                return Err(PathError { field: "direction", index: None, found: f64::NAN, needed: "a turn" });
+            };
+            if count == capacity {
+                full = true;
+                return Err(PathError { field: "memory", index: None, found: count as f64, needed: "more spans" });
+            }
+            // SAFETY: within the memory lent, which is aligned for both.
+            unsafe {
+                spans.add(count).write(span);
+                if let Some(turn) = turn {
+                    turns.add(count).write(turn);
+                }
+            }
+            count += 1;
+            Ok(())
+        });
+        if full {
+            let each = if self.is_of_tool() { TOOL_SPAN_BYTES } else { SPAN_BYTES };
+            return Err(Refusal::Memory(capacity * each, (capacity + 1) * each));
+        }
+        appended.map_err(Refusal::Path)?;
+        (self.count, self.closed, self.direction) = (count, false, direction.stays());
+        Ok(())
+    }
+
+    pub(crate) fn close(&mut self) -> Result<(), ResultCode> {
+        let ([first, ..], [.., last]) = (self.spans(), self.spans()) else { return Err(ERROR_PATH) };
+        let squared = first.position(0.0).into_iter().zip(last.position(1.0)).fold(0.0, |sum, (a, b)| {
+            let difference: f64 = trueaxis::Position::since(a, b);
+            sum + difference * difference
+        });
+        if squared > contour::JOINED_WITHIN_MM * contour::JOINED_WITHIN_MM {
+            return Err(ERROR_PATH);
+        }
+        self.closed = true;
+        Ok(())
+    }
+}

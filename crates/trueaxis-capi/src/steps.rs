@@ -1,0 +1,62 @@
+//! The step with each measure, for any number of axes.
+//!
+//! Each is called through a pointer that stands in a path, a window or the kinematics: a program that starts none of them
+//! does not link it.
+
+use crate::Real;
+use crate::built::{Built, Running, cycle};
+use crate::cycle::{Input, Output};
+use crate::gauge_ride::Riding;
+use crate::plugin::{CorePosition, Window};
+use crate::result::ResultCode;
+use trueaxis::OnToolPath;
+use trueaxis::contour::{self, OnPath, ToolPath};
+
+/// A step with something to measure, for any number of axes.
+pub(crate) type PathStep =
+    fn(&Built, &mut Running, &Input, OnPath<'_, Real, CorePosition>, &mut Riding<'_>) -> Result<Output, ResultCode>;
+/// The same with the last commands as the path.
+pub(crate) type WindowStep =
+    fn(&Built, &mut Running, &Input, &mut Window, &mut Riding<'_>) -> Result<Output, ResultCode>;
+/// The same with a tool path; gives the error of the direction too.
+pub(crate) type ToolStep =
+    fn(&Built, &mut Running, &Input, OnTool<'_>, &mut Riding<'_>) -> Result<(Output, [Real; 3]), ResultCode>;
+
+/// A tool path, where on it the command lies, and the kinematics.
+pub(crate) struct OnTool<'a> {
+    pub(crate) path: ToolPath<'a, Real, CorePosition>,
+    pub(crate) reference: contour::Reference<Real>,
+    pub(crate) kinematics: &'a trueaxis::kinematics::Kinematics<Real>,
+}
+
+pub(crate) fn path_step(
+    built: &Built,
+    running: &mut Running,
+    input: &Input,
+    on: OnPath<'_, Real, CorePosition>,
+    gauge: &mut Riding<'_>,
+) -> Result<Output, ResultCode> {
+    cycle(built, running, input, on, gauge)
+}
+
+pub(crate) fn window_step(
+    built: &Built,
+    running: &mut Running,
+    input: &Input,
+    window: &mut Window,
+    gauge: &mut Riding<'_>,
+) -> Result<Output, ResultCode> {
+    cycle(built, running, input, window, gauge)
+}
+
+pub(crate) fn tool_step(
+    built: &Built,
+    running: &mut Running,
+    input: &Input,
+    on: OnTool<'_>,
+    gauge: &mut Riding<'_>,
+) -> Result<(Output, [Real; 3]), ResultCode> {
+    let mut on = OnToolPath::new(&on.path, on.reference, on.kinematics);
+    let output = cycle(built, running, input, &mut on, gauge)?;
+    Ok((output, on.orientation().vector.into()))
+}

@@ -1,0 +1,73 @@
+//! The order of a machine's axes: that of its list, of the step's slots, and of the six letters.
+
+use super::{AxisSettings, MachineSettings};
+use crate::axis::{AXES, Axis};
+use crate::error::{ConfigError, Field};
+
+/// The axes of a step with `N` axes by their slots: X, Y, Z, always all three, then the machine's rotary axes in
+/// alphabetical order.
+///
+/// Made once, where a machine's settings are read; everything that depends on the order is asked here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AxisOrder<const N: usize>([Axis; N]);
+
+impl<const N: usize> AxisOrder<N> {
+    /// The order of a machine's axes.
+    ///
+    /// # Errors
+    /// The machine has more or fewer rotary axes than `N − 3`.
+    pub fn of(machine: &MachineSettings) -> Result<Self, ConfigError> {
+        let rotary = machine.axes.iter().map(|a| a.axis).filter(|a| a.is_rotary());
+        let mut found = [Axis::X, Axis::Y, Axis::Z].into_iter().chain(rotary);
+        let mut axes = [Axis::X; N];
+        for axis in &mut axes {
+            *axis = found.next().ok_or(ConfigError::new(Field::Axes, N as f64, "no more axes than the machine has"))?;
+        }
+        match found.next() {
+            None => Ok(AxisOrder(axes)),
+            Some(_) => Err(ConfigError::new(Field::Axes, N as f64, "a step with as many axes as the machine has")),
+        }
+    }
+
+    /// The axes by slot.
+    #[inline(always)]
+    pub const fn axes(&self) -> [Axis; N] {
+        self.0
+    }
+
+    /// Slot of an axis.
+    pub fn slot(&self, axis: Axis) -> Option<usize> {
+        self.0.iter().position(|known| *known == axis)
+    }
+
+    /// Settings by slot; `None` for a linear axis that the machine does not have.
+    pub fn settings<'m>(&self, machine: &'m MachineSettings) -> [Option<&'m AxisSettings>; N] {
+        self.0.map(|axis| machine.axis(axis))
+    }
+
+    /// From the six letters, as [`Axis::index`] counts them, to slots.
+    #[inline(always)]
+    pub fn slots<T>(&self, of: impl FnMut(Axis) -> T) -> [T; N] {
+        self.0.map(of)
+    }
+
+    /// From slots to the six letters; `empty` for axes that the step does not have.
+    #[inline(always)]
+    pub fn letters<S, T: Copy>(&self, slots: &[S; N], empty: T, of: impl Fn(Axis, &S) -> T) -> [T; AXES] {
+        let mut letters = [empty; AXES];
+        for (axis, slot) in self.0.iter().zip(slots) {
+            if let Some(letter) = letters.get_mut(axis.index()) {
+                *letter = of(*axis, slot);
+            }
+        }
+        letters
+    }
+}
+
+impl MachineSettings {
+    /// Settings of an axis, where the machine has it.
+    pub fn axis(&self, axis: Axis) -> Option<&AxisSettings> {
+        self.axes.iter().find(|known| known.axis == axis)
+    }
+}

@@ -1,0 +1,65 @@
+/* Outputs of a cycle on pins, but for those to the drives. Realtime, as cycle.c. */
+#include "component.h"
+
+static void show_contour(struct contour_pins *pins, const trueaxis_contour_t *contour, double mm_per_unit)
+{
+    *pins->error = contour->error / mm_per_unit;
+    *pins->normal = contour->normal / mm_per_unit;
+    *pins->binormal = contour->binormal / mm_per_unit;
+    *pins->lag = contour->lag / mm_per_unit;
+    *pins->found = !(contour->flags & TRUEAXIS_CONTOUR_NOT_FOUND);
+}
+
+static void show_axes(const struct instance *instance, const trueaxis_input_t *input, const trueaxis_output_t *output)
+{
+    const trueaxis_record_t *record = &output->record;
+    for (int a = 0; a < instance->setup.axes; a++) {
+        if (instance->setup.joints_of_axis[a] == 0)
+            continue;
+        struct axis_pins *pins = &instance->pins->axis[a];
+        double unit = instance->setup.mm_per_unit[a];
+        *pins->command = input->command[a] / unit;
+        if (instance->servo.phase != PHASE_BLIND)
+            *pins->corrected = output->drive[a] / unit;
+        *pins->correction = record->correction[a] / unit;
+        *pins->limited = record->limited >> a & 1;
+        *pins->at_edge = record->at_edge >> a & 1;
+    }
+}
+
+void show_cycle(const struct instance *instance, const trueaxis_input_t *input, const trueaxis_output_t *axes,
+                const trueaxis_output_t joints[MAX_JOINT_TABLES])
+{
+    const struct setup *setup = &instance->setup;
+    struct pins *pins = instance->pins;
+    const trueaxis_record_t *record = &axes->record;
+    uint32_t fault = record->fault;
+    int fault_axis = record->fault_axis;
+    bool limited = record->limited != 0, at_edge = record->at_edge != 0;
+    bool frozen = record->status & TRUEAXIS_STATUS_FROZEN;
+    for (int t = 0; t < setup->joint_tables; t++) {
+        const trueaxis_record_t *own = &joints[t].record;
+        limited |= own->limited != 0;
+        at_edge |= own->at_edge != 0;
+        frozen |= (own->status & TRUEAXIS_STATUS_FROZEN) != 0;
+        if (fault == TRUEAXIS_FAULT_NONE && own->fault != TRUEAXIS_FAULT_NONE) {
+            fault = own->fault;
+            fault_axis = setup->axis_of_joint[setup->joint_of_table[t]];
+        }
+    }
+    show_axes(instance, input, axes);
+    *pins->active = (record->status & TRUEAXIS_STATUS_ACTIVE) != 0;
+    *pins->frozen = frozen;
+    *pins->limited = limited;
+    *pins->at_edge = at_edge;
+    *pins->fault = fault != TRUEAXIS_FAULT_NONE;
+    *pins->fault_code = fault;
+    *pins->fault_axis = fault != TRUEAXIS_FAULT_NONE ? fault_axis : -1;
+    *pins->stop_request = instance->servo.phase != PHASE_RUNNING;
+    *pins->no_output = instance->servo.phase == PHASE_BLIND;
+    *pins->sequence = record->sequence;
+    *pins->machine_id = record->machine_id;
+    *pins->tables_crc = record->tables_crc;
+    show_contour(&pins->tip, &record->tip, setup->mm_per_unit[0]);
+    show_contour(&pins->encoder, &record->encoder, setup->mm_per_unit[0]);
+}

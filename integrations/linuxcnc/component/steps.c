@@ -1,0 +1,162 @@
+/* The library's steps of a cycle: that of the axes, and one for each joint with tables of its own. Realtime, as cycle.c. */
+#include "component.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Exchanges the tables for those that the loader has offered, between two cycles. */
+void steps_take_tables(struct instance *instance)
+{
+    const struct tables *next = atomic_exchange_explicit(&instance->shared.offered, NULL, memory_order_acq_rel);
+    if (next) {
+        instance->servo.tables = next;
+        instance->servo.growth_told = false;
+        atomic_store_explicit(&instance->shared.in_force, next, memory_order_release);
+    }
+}
+
+void steps_start(struct instance *instance, uint32_t period_ns)
+{
+    struct servo *servo = &instance->servo;
+    const struct tables *tables = servo->tables;
+    int result = trueaxis_start(&tables->axes, &servo->axes_state, sizeof servo->axes_state, period_ns);
+    for (int t = 0; t < instance->setup.joint_tables && result == TRUEAXIS_OK; t++)
+        result = trueaxis_start(&tables->joint[t], &servo->joint_state[t], sizeof servo->joint_state[t], period_ns);
+    atomic_store(&instance->shared.thread_period_ns, period_ns);
+    atomic_store(&instance->shared.refused, (unsigned)result);
+    trueaxis_command_window_restart(&servo->window);
+    servo->growth_told = false;
+    memset(&servo->stopped, 0, sizeof servo->stopped);
+    servo->phase = result == TRUEAXIS_OK ? PHASE_RUNNING : PHASE_REFUSED;
+    for (int j = 0; j < instance->setup.joints; j++) {
+        struct joint *joint = &servo->joint[j];
+        joint->known = isfinite(joint->reading);
+        if (joint->known)
+            joint->drive = joint->reading;
+    }
+}
+
+/* Heated axes: hands a changed temperature on, and every one to new tables; a reading that is not a number keeps the
+ * last one. */
+void steps_temperature(struct instance *instance)
+{
+    struct servo *servo = &instance->servo;
+    for (int a = 0; a < instance->setup.axes; a++) {
+        if (instance->setup.joints_of_axis[a] == 0)
+            continue;
+        double rise = *instance->pins->axis[a].temperature_rise;
+        if (isfinite(rise) && (rise != servo->temperature_rise[a] || !servo->growth_told)) {
+            servo->temperature_rise[a] = rise;
+            trueaxis_set_thermal(&servo->tables->axes, &servo->axes_state, (uint32_t)a, rise);
+        }
+    }
+    servo->growth_told = true;
+}
+
+/* The axis' position in the command: that of its first joint. A motor command that is not a number stops the axis too. */
+void steps_gather(const struct instance *instance, trueaxis_input_t *input)
+{
+    const struct setup *setup = &instance->setup;
+    bool seen[MAX_AXES] = {false};
+    for (int j = 0; j < setup->joints; j++) {
+        const struct joint *joint = &instance->servo.joint[j];
+        const struct joint_pins *p = &instance->pins->joint[j];
+        int a = setup->axis_of_joint[j];
+        double command = *p->pos_cmd;
+        if (!seen[a])
+            input->command[a] = command * setup->mm_per_unit[a];
+        seen[a] = true;
+        if (!isfinite(command) || !isfinite(*p->motor_cmd_in))
+            input->command[a] = NAN;
+        double share = setup->mm_per_unit[a] / setup->joints_of_axis[a];
+        input->feedback[a] += (joint->reading - joint->offset - joint->own) * share;
+        if (*p->alarm)
+            input->encoder_alarm |= (uint8_t)(1u << a);
+        if (!*p->homed)
+            input->homed = 0;
+    }
+}
+
+/* The tables that belong to one joint only: a step of its own, in which no other axis moves. */
+static int step_joint(struct instance *instance, int t, const trueaxis_input_t *axes, trueaxis_output_t *output)
+{
+    struct servo *servo = &instance->servo;
+    int j = instance->setup.joint_of_table[t];
+    struct joint *joint = &servo->joint[j];
+    const struct joint_pins *p = &instance->pins->joint[j];
+    trueaxis_input_t input = *axes;
+    memset(input.command, 0, sizeof input.command);
+    memset(input.feedback, 0, sizeof input.feedback);
+    double unit = instance->setup.mm_per_unit[instance->setup.axis_of_joint[j]];
+    /* A stop of the axes is a stop of the joint, by the same latch; and the other way round. */
+    bool stopped_elsewhere = servo->phase != PHASE_RUNNING && !servo->stopped.joint[t];
+    int slot = servo->tables->joint_slot[t];
+    input.command[slot] = isfinite(*p->motor_cmd_in) && !stopped_elsewhere ? *p->pos_cmd * unit : NAN;
+    input.feedback[slot] = (joint->reading - joint->offset - (joint->sent - joint->own)) * unit;
+    input.encoder_alarm = *p->alarm ? (uint8_t)(1u << slot) : 0;
+    return trueaxis_step(&servo->tables->joint[t], &servo->joint_state[t], &input, NULL, NULL, output);
+}
+
+/* The path is the last commands, from homing on. */
+static int step_axes(struct instance *instance, const trueaxis_input_t *given, trueaxis_output_t *output)
+{
+    struct servo *servo = &instance->servo;
+    trueaxis_input_t input = *given;
+    if (servo->phase != PHASE_RUNNING && !servo->stopped.axes)
+        input.command[0] = NAN;
+    if (input.homed && !servo->last.homed)
+        trueaxis_command_window_restart(&servo->window);
+    servo->last.homed = input.homed;
+    trueaxis_measure_t measure = {.size = sizeof measure, .kind = TRUEAXIS_MEASURE_COMMANDS, .window = &servo->window};
+    trueaxis_gauge_ride_t ride = {.size = sizeof ride};
+    if (instance->setup.has_gauge)
+        gauge_read(instance, &ride);
+    int result = trueaxis_step(&servo->tables->axes, &servo->axes_state, &input, &measure,
+                               instance->setup.has_gauge ? &ride : NULL, output);
+    if (instance->setup.has_gauge && (result == TRUEAXIS_OK || result == TRUEAXIS_ERROR_NO_OUTPUT))
+        gauge_show(instance, &ride);
+    return result;
+}
+
+/* One of the steps stops the machine: the others' progress of this cycle is not sent either. */
+static void take_back(struct instance *instance)
+{
+    struct servo *servo = &instance->servo;
+    if (instance->setup.joint_tables == 0)
+        return;
+    if (!servo->stopped.axes)
+        servo->axes_state = servo->axes_before;
+    for (int t = 0; t < instance->setup.joint_tables; t++)
+        if (!servo->stopped.joint[t])
+            servo->joint_state[t] = servo->joint_before[t];
+}
+
+bool steps_run(struct instance *instance, const trueaxis_input_t *input, trueaxis_output_t *axes,
+               trueaxis_output_t joints[MAX_JOINT_TABLES])
+{
+    struct servo *servo = &instance->servo;
+    int tables = instance->setup.joint_tables;
+    if (tables > 0) {
+        servo->axes_before = servo->axes_state;
+        memcpy(servo->joint_before, servo->joint_state, sizeof servo->joint_before);
+    }
+    int result = step_axes(instance, input, axes);
+    bool blind = result == TRUEAXIS_ERROR_NO_OUTPUT;
+    for (int t = 0; t < tables && (result == TRUEAXIS_OK || result == TRUEAXIS_ERROR_NO_OUTPUT); t++) {
+        joints[t].size = sizeof joints[t];
+        result = step_joint(instance, t, input, &joints[t]);
+        blind |= result == TRUEAXIS_ERROR_NO_OUTPUT;
+    }
+    if (result != TRUEAXIS_OK && result != TRUEAXIS_ERROR_NO_OUTPUT)
+        return false;
+    servo->stopped.axes = axes->record.status & TRUEAXIS_STATUS_STOP_REQUEST;
+    bool stopped = servo->stopped.axes;
+    for (int t = 0; t < tables; t++) {
+        servo->stopped.joint[t] = joints[t].record.status & TRUEAXIS_STATUS_STOP_REQUEST;
+        stopped |= servo->stopped.joint[t];
+    }
+    if (stopped && servo->phase == PHASE_RUNNING)
+        take_back(instance);
+    servo->phase = blind ? PHASE_BLIND : stopped ? PHASE_HOLDING : PHASE_RUNNING;
+    return true;
+}
