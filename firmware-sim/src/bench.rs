@@ -1,18 +1,18 @@
 //! Latency and throughput of the step alone, without the simulated machine.
 
 use crate::latency::{Latency, LatencySummary, timed};
-use crate::motion::{Motion, Setpoints};
-use crate::path::SlidingPath;
-use crate::scenario::Scenario;
-use crate::simulate::with_loop;
 use anyhow::{Result, anyhow};
 use std::hint::black_box;
 use trueaxis::contour::Reference;
 use trueaxis::machine::AxisOrder;
 use trueaxis::sample::Refusal;
 use trueaxis::{Axis, Input, OnToolPath, State};
+use trueaxis_sim::Scenario;
+use trueaxis_sim::motion::{Motion, Setpoints};
+use trueaxis_sim::path::{self, SlidingPath};
+use trueaxis_sim::servo::with_loop;
 
-/// What the bench gives.
+/// Results of the bench.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
     /// Latency of single steps, the clock's own reading included.
@@ -29,21 +29,21 @@ type Prepared<const N: usize> = (Input<f64, N>, Reference<f64>);
 /// The inputs of a scenario's program, a block at a time, over and over.
 struct Inputs<'c, const N: usize> {
     scenario: &'c Scenario,
-    motion: &'c Motion<'c>,
+    motion: &'c Motion,
     axes: [Axis; N],
     setpoints: Setpoints<'c>,
-    path: SlidingPath<'c>,
+    path: SlidingPath,
     span: u32,
     block: Vec<Prepared<N>>,
 }
 
 impl<'c, const N: usize> Inputs<'c, N> {
-    fn new(scenario: &'c Scenario, motion: &'c Motion<'c>) -> Result<Self> {
+    fn new(scenario: &'c Scenario, motion: &'c Motion) -> Result<Self> {
         Ok(Inputs {
             scenario,
             motion,
             axes: AxisOrder::<N>::of(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?.axes(),
-            setpoints: motion.setpoints(),
+            setpoints: motion.setpoints(&scenario.program),
             path: SlidingPath::new(scenario),
             span: 0,
             block: Vec::new(),
@@ -57,14 +57,15 @@ impl<'c, const N: usize> Inputs<'c, N> {
         while (self.block.len() as u64) < most {
             let Some(setpoint) = self.setpoints.next() else {
                 if self.block.is_empty() {
-                    (self.setpoints, self.path) = (self.motion.setpoints(), SlidingPath::new(self.scenario));
+                    (self.setpoints, self.path) =
+                        (self.motion.setpoints(&self.scenario.program), SlidingPath::new(self.scenario));
                     self.span = 0;
                     continue;
                 }
                 break;
             };
             let first = *first.get_or_insert(setpoint.move_index);
-            self.path.cover([first, setpoint.move_index])?;
+            self.path.cover(self.scenario, [first, setpoint.move_index])?;
             let positions = self.scenario.axis_positions(&setpoint);
             let command = self.axes.map(|axis| positions[axis.index()]);
             let mut feedback = command;
@@ -93,10 +94,12 @@ impl<'c, const N: usize> Inputs<'c, N> {
 ///
 /// # Errors
 /// The machine's tables do not build.
-pub fn run<const N: usize>(scenario: &Scenario, motion: &Motion<'_>, cycles: u64) -> Result<Outcome> {
+pub fn run<const N: usize>(scenario: &Scenario, budget_ns: u64, cycles: u64) -> Result<Outcome> {
+    let motion = &scenario.motion()?;
+    path::check(scenario)?;
     let kinematics = scenario.kinematics()?;
-    with_loop::<N, _>(&scenario.machine, scenario.period_ns(), |servo| {
-        let step = |state: &mut State<f64, f64, N>, path: &SlidingPath<'_>, (input, reference): &Prepared<N>| {
+    with_loop::<N, _, _>(&scenario.machine, scenario.period_ns(), |servo| {
+        let step = |state: &mut State<f64, f64, N>, path: &SlidingPath, (input, reference): &Prepared<N>| {
             let (input, reference) = (black_box(input), *reference);
             match &kinematics {
                 Some(kinematics) => {
@@ -105,7 +108,7 @@ pub fn run<const N: usize>(scenario: &Scenario, motion: &Motion<'_>, cycles: u64
                 None => servo.step(state, input, path.view().on(reference), ()),
             }
         };
-        // What `steps` does with every block, from a fresh state.
+        // Hands every block to `steps`, from a fresh state.
         let pass = |steps: &mut dyn FnMut(&mut State<f64, f64, N>, &Inputs<'_, N>)| -> Result<()> {
             let mut state = servo.start();
             let mut inputs = Inputs::new(scenario, motion)?;
@@ -117,7 +120,7 @@ pub fn run<const N: usize>(scenario: &Scenario, motion: &Motion<'_>, cycles: u64
             }
             Ok(())
         };
-        let mut latency = Latency::new(scenario.budget_ns, scenario.period_ns().into());
+        let mut latency = Latency::new(budget_ns, scenario.period_ns().into());
         pass(&mut |state, inputs| {
             for prepared in &inputs.block {
                 let (output, nanoseconds) = timed(|| step(state, &inputs.path, prepared));

@@ -1,13 +1,16 @@
 //! `firmware-sim compare`: its arguments and what it prints.
 
+use crate::console::{put, tell};
+use crate::machine_arg::{outputs_of, read_machine};
 use crate::record::{self, How};
-use crate::{ScenarioArgs, outputs_of, prepare, read_machine};
+use crate::scenario_args::{ScenarioArgs, prepare};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use firmware_sim::compare::Inputs;
 use firmware_sim::compare::image::{self, Core};
 use firmware_sim::report;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Arguments of `compare`.
 #[derive(Args)]
@@ -63,11 +66,11 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     }
     let machines = [Some(args.scenario.machine.as_path()), args.second.as_deref()].into_iter().flatten();
     let images = [&args.image_m4f, &args.image_m7].into_iter().flatten().map(PathBuf::as_path);
-    let outputs = outputs_of(machines, images.chain(args.scenario.program.files()));
+    let outputs = outputs_of(machines, images.chain(args.scenario.files()));
     for file in Inputs::files(&args.folder).into_iter().chain(args.report.iter().map(|dir| dir.join("compare.html"))) {
         outputs.refuse_input(&file)?;
     }
-    let scenario = prepare(&args.scenario, &[])?;
+    let scenario = Arc::new(prepare(&args.scenario, &[])?);
     let compile = |machine: &trueaxis_tables::Machine| trueaxis_tables::compile(machine).map_err(|e| anyhow!("{e}"));
     let second = args.second.as_deref().map(|given| read_machine("--second", given)).transpose()?;
     if let Some(second) = &second
@@ -90,7 +93,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
         let elf = match given {
             Some(elf) => elf.clone(),
             None => {
-                crate::tell(format_args!("building the image for {}", core.title()));
+                tell(format_args!("building the image for {}", core.title()));
                 image::build(core, &std::path::absolute(args.folder.join("build").join(core.name()))?)?
             }
         };
@@ -105,10 +108,10 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
         None => None,
     };
     if args.json {
-        crate::put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json())?))?;
+        put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json())?))?;
     } else {
         let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
-        crate::put(&(outcome.summary() + &page))?;
+        put(&(outcome.summary() + &page))?;
     }
     Ok(outcome.is_good())
 }

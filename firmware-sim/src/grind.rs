@@ -1,12 +1,15 @@
 //! `firmware-sim grind`: its arguments and what it prints.
 
-use crate::{outputs_of, progress_bar, read_machine};
+use crate::console::{progress_bar, put};
+use crate::grinding_text::{self, Summary};
+use crate::machine_arg::{outputs_of, read_machine};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use firmware_sim::grinding::{self, Grinding, Process};
+use firmware_sim::latency::timed;
 use firmware_sim::report;
 use std::path::PathBuf;
 use trueaxis::roundness::gain_limit;
+use trueaxis_sim::grinding::{self, Grinding, Process};
 
 /// Arguments of `grind`.
 #[derive(Args)]
@@ -103,7 +106,9 @@ pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
     }
     let grinding = prepare(args)?;
     let bar = progress_bar("grinding");
-    let outcome = grinding::simulate(&grinding, &mut |fraction| bar.set_position((1000.0 * fraction) as u64))?;
+    let mut progress = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
+    let (outcome, nanoseconds) = timed(|| grinding::simulate(&grinding, &mut progress));
+    let (outcome, wall_s) = (outcome?, 1e-9 * nanoseconds as f64);
     bar.finish_and_clear();
     let page = match &args.report {
         Some(dir) => Some(
@@ -113,8 +118,11 @@ pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
         None => None,
     };
     if args.json {
-        return crate::put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&grinding)?)?));
+        return put(&format!(
+            "{}\n",
+            serde_json::to_string_pretty(&grinding_text::json(&outcome, &grinding, wall_s)?)?
+        ));
     }
     let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
-    crate::put(&(outcome.summary(&grinding).to_string() + &page))
+    put(&(Summary { outcome: &outcome, grinding: &grinding, wall_s }.to_string() + &page))
 }

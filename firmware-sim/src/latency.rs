@@ -48,7 +48,7 @@ pub struct LatencySummary {
     pub p99_99_ns: u64,
     /// Longest step in ns, exact.
     pub max_ns: u64,
-    /// What a step may take, in ns.
+    /// Time a step may take, in ns.
     pub budget_ns: u64,
     /// Servo period in ns.
     pub period_ns: u64,

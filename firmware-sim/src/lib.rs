@@ -1,7 +1,7 @@
 //! Host simulator of compensated servo cycles.
 //!
 //! A G-code program is interpolated at the servo rate, every cycle goes through the plugin's `step` against a simulated
-//! machine, and the machine's *true* tool tip is held against the programmed path:
+//! machine, and the machine's *true* tool tip is compared with the programmed path:
 //!
 //! ```text
 //! program ─► motion ─► step (the plugin) ─► plant: drives, exact geometry, encoders ─► true tip ─► truth: contour error
@@ -14,22 +14,17 @@
 // print! and its like panic when the other end of a pipe is closed.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
-pub mod ball_test;
 pub mod bench;
 pub mod compare;
-pub mod grinding;
 pub mod latency;
-pub mod motion;
 pub mod outcome;
 pub mod pace;
-pub mod path;
-pub mod placement;
-pub mod plant;
-pub mod program;
 pub mod recorded;
 pub mod report;
-pub mod scenario;
+pub mod rs274;
+pub mod samples;
 pub mod series;
-pub mod simulate;
+pub mod stopwatch;
 pub mod trace;
-pub mod truth;
+
+pub use trueaxis_sim::{ball_test, grinding};

@@ -1,10 +1,11 @@
-//! The program of a scenario: its arguments, how it is read, and what is told of it.
+//! The program of a scenario: its arguments, reading, and notes.
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
-use firmware_sim::program::{Note, Offsets, Program, ProgramError, ReadOptions, Reader, ToolTable, limits};
+use firmware_sim::rs274;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use trueaxis_sim::program::{Note, Offsets, Program, ProgramError, ReadOptions, ToolTable, limits};
 
 #[derive(Args)]
 pub(crate) struct ProgramArgs {
@@ -41,23 +42,24 @@ impl ProgramArgs {
 
     pub(crate) fn read(&self) -> Result<Program> {
         let options = ReadOptions {
-            tools: self.tool_table.as_deref().map(ToolTable::read).transpose()?,
-            offsets: self.offsets.as_deref().map(Offsets::read).transpose()?,
+            tools: self.tool_table.as_deref().map(read_tools).transpose()?,
+            offsets: self.offsets.as_deref().map(read_offsets).transpose()?,
             block_delete: self.block_delete,
-            reader: match self.interpreter {
-                Interpreter::Own => Reader::Own,
-                Interpreter::Rs274 => Reader::LinuxCnc,
-            },
         };
+        let read = match self.interpreter {
+            Interpreter::Own => Program::read,
+            Interpreter::Rs274 => rs274::read,
+        };
+        let file = self.file.display().to_string();
         let name = self.file.to_string_lossy();
         if !self.file.exists()
             && let Some(text) = Program::builtin_text(&name)
         {
-            return Ok(Program::read(&name, text.as_bytes(), &self.file, &options)?);
+            return Ok(read(&name, text.as_bytes(), &file, &options)?);
         }
         let bytes = read_bounded(&self.file)?;
         let stem = self.file.file_stem().map_or(name.clone(), |s| s.to_string_lossy());
-        Ok(Program::read(&stem, &bytes, &self.file, &options)?)
+        Ok(read(&stem, &bytes, &file, &options)?)
     }
 }
 
@@ -70,12 +72,26 @@ fn read_bounded(path: &Path) -> Result<Vec<u8>> {
     if bytes.len() as u64 > limits::MOST_BYTES {
         let line = bytes.iter().filter(|byte| **byte == b'\n').count() as u32 + 1;
         let found = format!("more than {} bytes", limits::MOST_BYTES);
-        return Err(ProgramError { file: path.into(), line, found, needed: "a shorter program".into() }.into());
+        return Err(ProgramError::new(&path.display().to_string(), line, found, "a shorter program").into());
     }
     Ok(bytes)
 }
 
-/// What `run --json` prints.
+fn read_tools(path: &Path) -> Result<ToolTable, ProgramError> {
+    let file = path.display().to_string();
+    let bytes = std::fs::read(path)
+        .map_err(|e| ProgramError::new(&file, 1, format!("a file that cannot be read ({e})"), "a tool table"))?;
+    ToolTable::parse(&String::from_utf8_lossy(&bytes), &file)
+}
+
+fn read_offsets(path: &Path) -> Result<Offsets, ProgramError> {
+    let file = path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| ProgramError::new(&file, 1, format!("a file that cannot be read ({e})"), "a file of offsets"))?;
+    Offsets::parse(&text, &file)
+}
+
+/// The document that `run --json` prints.
 #[derive(serde::Serialize)]
 pub(crate) struct Document<'p, Run> {
     #[serde(flatten)]

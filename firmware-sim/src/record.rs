@@ -1,14 +1,15 @@
 //! `firmware-sim record`: its arguments and what it prints.
 
-use crate::{ScenarioArgs, outputs_of, plan, prepare, progress_bar, put};
+use crate::console::{progress_bar, put, tell};
+use crate::machine_arg::outputs_of;
+use crate::scenario_args::{ScenarioArgs, prepare};
 use anyhow::{Result, bail};
 use clap::Args;
 use firmware_sim::compare::image;
-use firmware_sim::motion::Motion;
-use firmware_sim::path::PlannedPath;
 use firmware_sim::recorded::{self, Settings};
-use firmware_sim::scenario::Scenario;
 use std::path::PathBuf;
+use std::sync::Arc;
+use trueaxis_sim::Scenario;
 
 /// Arguments of `record`.
 #[derive(Args)]
@@ -29,7 +30,7 @@ pub(crate) struct RecordArgs {
     output: PathBuf,
 }
 
-/// How a run is recorded.
+/// Arguments of a recording.
 #[derive(Args, Clone, Copy)]
 pub(crate) struct How {
     /// Stop after so many cycles.
@@ -48,31 +49,28 @@ pub(crate) struct How {
 }
 
 /// Records a scenario; the bar runs on the standard error.
-pub(crate) fn bytes(scenario: &Scenario, how: &How) -> Result<Vec<u8>> {
+pub(crate) fn bytes(scenario: &Arc<Scenario>, how: &How) -> Result<Vec<u8>> {
     if !(0.01..=10_000.0).contains(&how.speed_rpm) {
         bail!("--speed-rpm: found {}, needed 0.01 to 10000", how.speed_rpm);
     }
-    let motion = plan(scenario)?;
-    let path = PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement)?;
     let settings =
         Settings { cycles: how.cycles, drill: how.drill, exchange_at: how.exchange_at, speed_rpm: how.speed_rpm };
     let bar = progress_bar("recording");
-    let whole = Motion::cycles(&motion).max(1);
-    let mut tell = |cycle: u64| bar.set_position(1000 * cycle / whole);
-    let bytes = recorded::record(scenario, &motion, &path, &settings, &mut tell)?;
+    let mut progress = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
+    let bytes = recorded::record(scenario, &settings, &mut progress)?;
     bar.finish_and_clear();
     Ok(bytes)
 }
 
 pub(crate) fn record(args: &RecordArgs) -> Result<()> {
-    let mut outputs = outputs_of([args.scenario.machine.as_path()], args.scenario.program.files());
+    let mut outputs = outputs_of([args.scenario.machine.as_path()], args.scenario.files());
     outputs.refuse_input(&args.output)?;
-    let scenario = prepare(&args.scenario, &args.fault)?;
+    let scenario = Arc::new(prepare(&args.scenario, &args.fault)?);
     let bytes = bytes(&scenario, &args.how)?;
     outputs.put(&args.output, &bytes)?;
     outputs.commit()?;
     if bytes.len() as u64 > image::RECORDING.1 {
-        crate::tell(format_args!(
+        tell(format_args!(
             "note: the bare-metal image has room for {} bytes (fewer cycles: --cycles, --rate-hz)",
             image::RECORDING.1
         ));

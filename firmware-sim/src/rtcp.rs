@@ -1,11 +1,13 @@
 //! `firmware-sim rtcp`: its arguments and what it prints.
 
-use crate::{outputs_of, read_machine};
+use crate::ball_test_text as text;
+use crate::console::put;
+use crate::machine_arg::{outputs_of, read_machine};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use firmware_sim::ball_test::BallCycle;
 use firmware_sim::report;
 use std::path::PathBuf;
+use trueaxis_sim::ball_test::BallCycle;
 
 /// Arguments of `rtcp`.
 #[derive(Args)]
@@ -55,8 +57,8 @@ pub(crate) fn rtcp(args: &RtcpArgs) -> Result<()> {
         None => None,
     };
     if args.json {
-        return crate::put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&test))?));
+        return put(&format!("{}\n", serde_json::to_string_pretty(&text::json(&outcome, &test))?));
     }
     let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
-    crate::put(&format!("{}{page}", outcome.summary(&test)))
+    put(&format!("{}{page}", text::summary(&outcome, &test)))
 }

@@ -1,11 +1,11 @@
-//! What the report's figures need of the runs, gathered while they go by in memory of fixed size.
+//! Curves for the report's figures, gathered from the runs in memory of fixed size.
 
 use crate::report::{AxisReport, ContourSeries, OrientationSeries, PathPoint};
-use crate::scenario::Scenario;
-use crate::simulate::{Moment, Sample, Sink};
 use std::array::from_fn;
 use trueaxis::machine::AxisSettings;
 use trueaxis_report::Thinner;
+use trueaxis_sim::Scenario;
+use trueaxis_sim::run::{Moment, Sample, Sink};
 
 /// Buckets of a curve over the path or over time, and of the path itself: as many as its figure can show, or up to twice.
 const CURVE: usize = 1400;
@@ -37,7 +37,7 @@ pub struct Series {
     five_axis: bool,
     contour: [Curve; 3],
     orientation: [Curve; 3],
-    /// Rotary axes: place among A, B, C, letter, position.
+    /// Rotary axes: index among A, B, C, letter, position.
     rotary: Vec<(usize, char, Curve)>,
     axes: Vec<AxisCurves>,
     path: Thinner<PathPoint, 4>,

@@ -1,15 +1,15 @@
 //! CSV trace of a run.
 
-use crate::simulate::{Moment, Sample, Sink};
 use std::io::{self, Write};
 use trueaxis::machine::{Axis, MachineSettings};
+use trueaxis_sim::run::{Moment, Sample, Sink};
 
 /// Writes a line every so many cycles, as they come.
 #[derive(Debug)]
 pub struct Trace<W> {
     out: W,
     every: u64,
-    /// Which of the runs.
+    /// Index of the run.
     run: usize,
     /// Rotary axes of the machine.
     rotary: Vec<Axis>,
@@ -26,7 +26,7 @@ impl<W: Write> Trace<W> {
     /// has their command, drive, feedback (degrees) and correction (µrad) at its end.
     ///
     /// # Errors
-    /// What writing answers.
+    /// Errors of the writer.
     pub fn new(mut out: W, every: u64, run: usize, machine: &MachineSettings) -> io::Result<Trace<W>> {
         write!(out, "{HEADER}")?;
         let mut rotary: Vec<Axis> = machine.axes.iter().map(|a| a.axis).filter(|axis| axis.is_rotary()).collect();

@@ -1,18 +1,17 @@
 //! Programs with rotary axes: words, feeds, tool centre point, and what compensation leaves on five axes.
 
-use firmware_sim::motion::{Motion, MotionSettings};
-use firmware_sim::path::PlannedPath;
-use firmware_sim::placement::Placement;
-use firmware_sim::program::{Curve, Program, ProgramError};
-use firmware_sim::scenario::sample_machine;
+use firmware_sim::samples::sample_machine;
 use glam::{DMat3, DVec3};
 use serde_json::Value;
-use std::path::Path;
 use std::process::{Command, Output};
+use trueaxis_sim::motion::{Motion, MotionSettings};
+use trueaxis_sim::path::PlannedPath;
+use trueaxis_sim::placement::Placement;
+use trueaxis_sim::program::{Curve, Program, ProgramError};
 use trueaxis_tables::Machine;
 
 fn parse(text: &str) -> Result<Program, ProgramError> {
-    Program::parse("test", text, Path::new("part.ngc"))
+    Program::parse("test", text, "part.ngc")
 }
 
 fn machine(name: &str) -> Machine {
@@ -65,10 +64,10 @@ fn feeds_count_lengths_or_degrees_or_minutes() {
 fn axes_that_a_machine_does_not_have_are_refused_with_the_line() {
     let (three, five) = (machine("mill-3axis"), machine("mill-5axis"));
     for (text, good, line) in [("G0 X1\nG0 A5", false, 2), ("G0 X1 B1", false, 1), ("G0 Z1\n\nG43.4", false, 3)] {
-        let error = parse(text).unwrap().check_axes(&three.settings, Path::new("p.ngc")).unwrap_err();
-        assert_eq!((error.line, error.file.to_str(), good), (line, Some("p.ngc"), false));
+        let error = parse(text).unwrap().check_axes(&three.settings).unwrap_err();
+        assert_eq!((error.line, error.file.as_str(), good), (line, "part.ngc", false));
     }
-    let on_five = |text| parse(text).unwrap().check_axes(&five.settings, Path::new("p.ngc"));
+    let on_five = |text| parse(text).unwrap().check_axes(&five.settings);
     assert!(on_five("G43.4\nG0 A5 C7").is_ok());
     assert!(on_five("G0 B1").unwrap_err().found.contains('B'));
 }
@@ -133,7 +132,7 @@ fn no_axis_is_faster_than_it_can_and_three_axes_are_planned_as_before() {
     let highest = [400.0, 400.0, 400.0, 150.0, f64::INFINITY, 300.0];
     let mut fastest = [0.0_f64; 6];
     let mut last: Option<[f64; 6]> = None;
-    for point in motion.setpoints() {
+    for point in motion.setpoints(&program) {
         let now = placement.axes(&program.moves[point.move_index], point.u);
         assert_eq!(point.rotary, [now[3], now[4], now[5]]);
         if let Some(last) = last {
@@ -152,7 +151,7 @@ fn no_axis_is_faster_than_it_can_and_three_axes_are_planned_as_before() {
         let settings = MotionSettings { period_s: 2e-3, ..settings };
         let plain = Motion::plan(&program, settings).unwrap();
         let placed = Motion::plan_on(&program, settings, &placement).unwrap();
-        assert!(plain.setpoints().eq(placed.setpoints()), "{name}");
+        assert!(plain.setpoints(&program).eq(placed.setpoints(&program)), "{name}");
     }
 }
 
@@ -163,7 +162,7 @@ fn the_tip_of_a_helicoid_program_lies_on_the_helicoid() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/helicoid.ngc")).unwrap();
     let program = parse(&text).unwrap();
     let machine = machine("mill-turn");
-    program.check_axes(&machine.settings, Path::new("helicoid.ngc")).unwrap();
+    program.check_axes(&machine.settings).unwrap();
     let placement = Placement::new(&machine, [0.0; 3]).unwrap();
     // m_t = m_n / cos β, tan α_t = tan α_n / cos β, r_b = r cos α_t, p = r / tan β.
     let beta = 15_f64.to_radians();

@@ -1,8 +1,8 @@
 //! Grinding with the infeed correction: what it gains on the true surface, and what it does when something goes wrong.
 
-use firmware_sim::grinding::{self, Event, Grinding, Moment, Process, Run};
-use firmware_sim::scenario::sample_machine;
+use firmware_sim::samples::sample_machine;
 use trueaxis::roundness::{GaugeFlags, GaugeSettings, ProbeAngles, gain_limit};
+use trueaxis_sim::grinding::{self, Event, Grinding, Moment, Process, Run};
 use trueaxis_tables::Machine;
 
 /// The sample grinder with fewer points, so that the tests are quick: 256 points, 2000 cycles a revolution.

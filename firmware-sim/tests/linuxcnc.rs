@@ -5,7 +5,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use firmware_sim::program::{Curve, Move, Offsets, Program, ReadOptions, Reader, ToolTable};
+use firmware_sim::rs274::read as read_through_rs274;
+use trueaxis_sim::program::{Curve, Move, Offsets, Program, ReadOptions, ToolTable};
 
 const POSTS: [&str; 12] = [
     "drilling.ngc",
@@ -207,13 +208,17 @@ fn agree(name: &str, moves: &[Move], steps: &[Step]) {
 
 fn read(name: &str, options: &ReadOptions) -> Program {
     let path = posts().join(name);
-    Program::read(name, &std::fs::read(&path).unwrap(), &path, options).unwrap()
+    Program::read(name, &std::fs::read(&path).unwrap(), name, options).unwrap()
+}
+
+fn text_of(name: &str) -> String {
+    std::fs::read_to_string(posts().join(name)).unwrap()
 }
 
 /// With and without the files of a controller.
 fn all_options() -> [ReadOptions; 3] {
-    let tools = ToolTable::read(&posts().join("tool.tbl")).unwrap();
-    let offsets = Offsets::read(&posts().join("controller.var")).unwrap();
+    let tools = ToolTable::parse(&text_of("tool.tbl"), "tool.tbl").unwrap();
+    let offsets = Offsets::parse(&text_of("controller.var"), "controller.var").unwrap();
     [
         ReadOptions::default(),
         ReadOptions { tools: Some(tools.clone()), block_delete: true, ..ReadOptions::default() },
@@ -229,7 +234,7 @@ fn posts_go_where_linuxcnc_goes() {
     for name in POSTS {
         for (number, mut options) in all_options().into_iter().enumerate() {
             // Without a table rs274 refuses T1.
-            options.tools = options.tools.or_else(|| ToolTable::read(&posts().join("tool.tbl")).ok());
+            options.tools = options.tools.or_else(|| ToolTable::parse(&text_of("tool.tbl"), "tool.tbl").ok());
             let steps = rs274(&posts().join(name), &options);
             assert!(steps.len() > 3, "{name}");
             agree(&format!("{name} ({number})"), &read(name, &options).moves, &steps);
@@ -245,7 +250,7 @@ fn the_canonical_output_makes_the_same_moves() {
     let [.., options] = all_options();
     for name in POSTS {
         let own = read(name, &options);
-        let through = read(name, &ReadOptions { reader: Reader::LinuxCnc, ..options.clone() });
+        let through = read_through_rs274(name, &std::fs::read(posts().join(name)).unwrap(), name, &options).unwrap();
         let steps: Vec<Step> = rs274(&posts().join(name), &options);
         agree(&format!("{name} through rs274"), &through.moves, &steps);
         let lines = |program: &Program| program.moves.iter().map(|m| m.line).collect::<Vec<_>>();
@@ -266,16 +271,15 @@ fn parameters_subprograms_and_cutter_compensation_come_through_rs274() {
     options.offsets = None;
     let path = posts().join("subprograms.ngc");
     let bytes = std::fs::read(&path).unwrap();
-    let own = Program::read("part", &bytes, &path, &options).unwrap_err();
+    let own = Program::read("part", &bytes, "subprograms.ngc", &options).unwrap_err();
     assert_eq!(own.line, 2);
     assert!(own.needed.contains("--interpreter rs274"), "{own}");
 
-    options.reader = Reader::LinuxCnc;
-    let program = Program::read("part", &bytes, &path, &options).unwrap();
+    let program = read_through_rs274("part", &bytes, "subprograms.ngc", &options).unwrap();
     agree("subprograms.ngc", &program.moves, &rs274(&path, &options));
     assert_eq!(program.moves.iter().filter(|m| matches!(m.curve, Curve::Arc { .. }) && m.line == 5).count(), 2);
 
-    let refuse = |text: &str| Program::read("part", text.as_bytes(), Path::new("part.ngc"), &options).unwrap_err();
+    let refuse = |text: &str| read_through_rs274("part", text.as_bytes(), "part.ngc", &options).unwrap_err();
     let error = refuse("G0 X1\n\n#1 = [1 / 0]\nG0 X#1\nM2\n");
     assert_eq!(error.line, 3, "{error}");
     let error = refuse("G0 X1\nF10 G5.2 X1 Y1 P1\nX2 Y2 P1\nX3 Y1 P1\nG5.3\nM2\n");
@@ -283,6 +287,6 @@ fn parameters_subprograms_and_cutter_compensation_come_through_rs274() {
     // It writes no file for a comment that asks for one.
     let log = tempfile::tempdir().unwrap().path().join("log");
     let text = format!("(LOGOPEN,{})\n(LOG,x)\nG0 X1\nM2\n", log.display());
-    Program::read("part", text.as_bytes(), Path::new("part.ngc"), &options).unwrap();
+    read_through_rs274("part", text.as_bytes(), "part.ngc", &options).unwrap();
     assert!(!log.exists());
 }

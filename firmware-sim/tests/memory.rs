@@ -1,18 +1,16 @@
 //! A run keeps nothing per cycle and little per line, whatever is asked for.
 
 use allocation_counter::{AllocationInfo, measure};
-use firmware_sim::motion::{Motion, MotionSettings};
 use firmware_sim::outcome;
-use firmware_sim::path;
-use firmware_sim::placement::Placement;
-use firmware_sim::plant::fault::FaultScript;
-use firmware_sim::program::{Curve, Program};
-use firmware_sim::scenario::{Scenario, middle_of_travel, sample_machine};
+use firmware_sim::samples::sample_machine;
 use firmware_sim::series::Series;
-use firmware_sim::simulate::Sink;
 use firmware_sim::trace::Trace;
 use std::fmt::Write;
-use std::path::Path;
+use std::sync::Arc;
+use trueaxis_sim::path;
+use trueaxis_sim::program::{Curve, Program};
+use trueaxis_sim::run::{Run, Sink};
+use trueaxis_sim::{Scenario, Settings};
 use trueaxis_tables::Machine;
 
 /// Lines of 0.1 mm round and round on a circle of 20 mm, lifted every fiftieth time round.
@@ -28,35 +26,24 @@ fn program(lines: u32) -> String {
 
 fn scenario(text: &str) -> Scenario {
     let machine = Machine::read(&sample_machine("mill-3axis")).unwrap();
-    let program = Program::parse("lines", text, Path::new("lines.ngc")).unwrap();
-    let origin_mm = middle_of_travel(&machine);
-    Scenario {
-        five_axis: program.is_five_axis(),
-        placement: Placement::new(&machine, origin_mm).unwrap(),
-        machine,
-        program,
-        origin_mm,
-        rate_hz: 1000.0,
-        seed: 1,
-        faults: FaultScript::default(),
-        kelvin: 0.0,
-        budget_ns: 100_000,
-    }
+    let program = Program::parse("lines", text, "lines.ngc").unwrap();
+    Scenario::new(machine, program, Settings { rate_hz: 1000.0, ..Settings::default() }).unwrap()
 }
 
 /// Peak of what a run allocates: motion, three runs, every curve of the report, the trace; and its cycles.
-fn run(scenario: &Scenario) -> (u64, u64) {
+fn run(scenario: Scenario) -> (u64, u64) {
+    let scenario = Arc::new(scenario);
     let mut cycles = 0;
     let AllocationInfo { bytes_max, .. } = measure(|| {
-        let settings = MotionSettings { period_s: scenario.period_s(), ..MotionSettings::default() };
-        let motion = Motion::plan_on(&scenario.program, settings, &scenario.placement).unwrap();
-        path::check(scenario).unwrap();
-        cycles = motion.cycles();
-        let mut series = Series::new(scenario);
+        let run = Run::new(Arc::clone(&scenario)).unwrap();
+        cycles = run.cycles();
+        let mut series = Series::new(&scenario);
         let mut trace = Trace::new(std::io::sink(), 1, 1, &scenario.machine.settings).unwrap();
-        let mut sinks: [&mut dyn Sink; 2] = [&mut series, &mut trace];
-        let outcome = outcome::simulate::<3>(scenario, &motion, false, &mut sinks, &mut |_| {}).unwrap();
-        let report = outcome.report(scenario, &series);
+        let sinks: Vec<&mut dyn Sink> = vec![&mut series, &mut trace];
+        let outcome =
+            outcome::simulate(run, &scenario, outcome::Timing { budget_ns: 100_000, paced: false }, sinks, &mut |_| {})
+                .unwrap();
+        let report = outcome.report(&scenario, &series);
         assert!(report.contour.compensated.len() > 500 && report.path.len() > 500);
         assert!(firmware_sim::report::render(&report).len() < 2_000_000);
     });
@@ -65,14 +52,14 @@ fn run(scenario: &Scenario) -> (u64, u64) {
 
 #[test]
 fn a_run_keeps_nothing_per_cycle_and_little_per_line() {
-    let [short, long] = [2_000, 20_000].map(|lines| run(&scenario(&program(lines))));
+    let [short, long] = [2_000, 20_000].map(|lines| run(scenario(&program(lines))));
     let (more, cycles) = (long.0.saturating_sub(short.0), long.1 - short.1);
     assert!(cycles > 30_000, "{cycles}");
     // Where the moves begin, their sections and speeds, their numbers in a figure.
     assert!(more < 18_000 * 150, "{} bytes a line: {short:?} {long:?}", more / 18_000);
 
     // The same lines, ten times as slow: ten times the cycles, and not a byte.
-    let slow = run(&scenario(&program(2_000).replace("F3000", "F300")));
+    let slow = run(scenario(&program(2_000).replace("F3000", "F300")));
     let (more, cycles) = (slow.0.saturating_sub(short.0), slow.1 - short.1);
     assert!(cycles > 30_000, "{cycles}");
     assert!(more < 64 * 1024, "{more} bytes in {cycles} cycles: {short:?} {slow:?}");
@@ -82,14 +69,13 @@ fn a_run_keeps_nothing_per_cycle_and_little_per_line() {
 #[test]
 fn the_sliding_path_is_the_whole_one_where_it_is() {
     let scenario = scenario(&program(3_000));
-    let settings = MotionSettings { period_s: scenario.period_s(), ..MotionSettings::default() };
-    let motion = Motion::plan_on(&scenario.program, settings, &scenario.placement).unwrap();
+    let motion = scenario.motion().unwrap();
     let whole = path::PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement).unwrap();
     let mut sliding = path::SlidingPath::new(&scenario);
     let (mut near, mut also_near) = (0, 0);
     let mut held = 0;
-    for point in motion.setpoints() {
-        sliding.cover([point.move_index; 2]).unwrap();
+    for point in motion.setpoints(&scenario.program) {
+        sliding.cover(&scenario, [point.move_index; 2]).unwrap();
         let at = whole.reference(point.move_index, point.u, &mut near);
         assert_eq!(sliding.reference(point.move_index, point.u, &mut also_near), at);
         for number in at.span.saturating_sub(60)..at.span + 60 {

@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use firmware_sim::program::{Offsets, Program, ProgramError, ReadOptions, ToolTable};
 use serde_json::Value;
+use trueaxis_sim::program::{Offsets, Program, ProgramError, ReadOptions, ToolTable};
 
 fn posts() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/posts")
@@ -94,8 +94,12 @@ fn what_needs_a_whole_interpreter_says_so() {
     assert!(error.contains("no LinuxCNC interpreter") && error.contains("linuxcnc-uspace"), "{error}");
 }
 
+fn text_of(name: &str) -> String {
+    std::fs::read_to_string(posts().join(name)).unwrap()
+}
+
 fn read(text: &str, options: &ReadOptions) -> Result<Program, ProgramError> {
-    Program::read("test", text.as_bytes(), Path::new("part.ngc"), options)
+    Program::read("test", text.as_bytes(), "part.ngc", options)
 }
 
 /// Ends of the moves.
@@ -169,10 +173,10 @@ fn cycles_go_down_and_up() {
 
 #[test]
 fn files_of_a_controller() {
-    let var = Offsets::read(&posts().join("controller.var")).unwrap();
-    assert_eq!(var, Offsets::read(&posts().join("controller.toml")).unwrap());
+    let var = Offsets::parse(&text_of("controller.var"), "controller.var").unwrap();
+    assert_eq!(var, Offsets::parse(&text_of("controller.toml"), "controller.toml").unwrap());
     assert_eq!((var.systems[1].offset[0], var.systems[1].rotation_deg, var.home[1][2]), (-2.0, 30.0, 25.0));
-    let tools = ToolTable::read(&posts().join("tool.tbl")).unwrap();
+    let tools = ToolTable::parse(&text_of("tool.tbl"), "tool.tbl").unwrap();
     let options = ReadOptions { tools: Some(tools), offsets: Some(var), ..ReadOptions::default() };
     // G54 is at 3, 4, −1.5, shifted by G92 0.5, −0.25; tool 1 is 12.5 long.
     assert_ends(
@@ -191,17 +195,17 @@ fn files_of_a_controller() {
         path
     };
     let cases = [
-        (ToolTable::read(&file("a.tbl", "T1 P1 Z5\nP2 Z3\n")).err(), 2, "`P2 Z3`"),
-        (ToolTable::read(&file("b.tbl", "T1 Z5\nT1 Z6\n")).err(), 2, "second time"),
-        (ToolTable::read(&file("c.tbl", "POC FMS LEN DIAM\n")).err(), 1, "`POC`"),
-        (ToolTable::read(&file("d.tbl", "T1 Z1e308\n")).err(), 1, "Z1e308"),
-        (Offsets::read(&file("a.var", "5221 1\n5222 x\n")).err(), 2, "5222 x"),
-        (Offsets::read(&file("b.var", "5221\tNaN\n")).err(), 1, "NaN"),
-        (Offsets::read(&file("c.var", "5220 12\n")).err(), 1, "5220 12"),
-        (Offsets::read(&file("a.toml", "[G54]\nx_mm = 1\n[G77]\nx_mm = 1\n")).err(), 3, "G77"),
-        (Offsets::read(&file("b.toml", "[G54]\nx = 1\n")).err(), 2, "unknown field"),
-        (Offsets::read(&file("c.toml", "\nactive = \"G60\"\n")).err(), 2, "G60"),
-        (Offsets::read(&file("d.toml", "[G54]\nx_mm = inf\n")).err(), 1, "inf"),
+        (ToolTable::parse("T1 P1 Z5\nP2 Z3\n", "a.tbl").err(), 2, "`P2 Z3`"),
+        (ToolTable::parse("T1 Z5\nT1 Z6\n", "b.tbl").err(), 2, "second time"),
+        (ToolTable::parse("POC FMS LEN DIAM\n", "c.tbl").err(), 1, "`POC`"),
+        (ToolTable::parse("T1 Z1e308\n", "d.tbl").err(), 1, "Z1e308"),
+        (Offsets::parse("5221 1\n5222 x\n", "a.var").err(), 2, "5222 x"),
+        (Offsets::parse("5221\tNaN\n", "b.var").err(), 1, "NaN"),
+        (Offsets::parse("5220 12\n", "c.var").err(), 1, "5220 12"),
+        (Offsets::parse("[G54]\nx_mm = 1\n[G77]\nx_mm = 1\n", "a.toml").err(), 3, "G77"),
+        (Offsets::parse("[G54]\nx = 1\n", "b.toml").err(), 2, "unknown field"),
+        (Offsets::parse("\nactive = \"G60\"\n", "c.toml").err(), 2, "G60"),
+        (Offsets::parse("[G54]\nx_mm = inf\n", "d.toml").err(), 1, "inf"),
     ];
     for (error, line, found) in cases {
         let error = error.unwrap();

@@ -2,6 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
+
 use firmware_sim::{
     latency::Latency,
     report::{
@@ -44,15 +47,14 @@ fn circle() -> Report {
         acceleration_limit: 0.2,
         ..AxisReport::default()
     });
-    let mut noise = 1_u32;
+    let mut random = ChaCha8Rng::seed_from_u64(1);
     for k in 0..CYCLES {
-        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let random = f64::from(noise) / f64::from(u32::MAX) - 0.5;
+        let noise = f64::from(random.next_u32()) / f64::from(u32::MAX) - 0.5;
         let angle = TAU * f64::from(k) / f64::from(CYCLES);
         let (sin, cos) = angle.sin_cos();
         let spike = 6.0 * (-(((2.0 * angle).sin() / 0.05).powi(2))).exp();
         let radial = 11.0 * (2.0 * angle + 0.6).sin() + spike;
-        let servo = 0.6 * (3.0 * angle).sin() + 0.5 * random;
+        let servo = 0.6 * (3.0 * angle).sin() + 0.5 * noise;
         let residue = 0.07 * radial + servo;
         let length = RADIUS_MM * angle;
         report.contour.uncompensated.push([length, radial + servo]);
@@ -81,7 +83,7 @@ fn circle() -> Report {
     report.axes = axes.into();
     let mut latency = Latency::new(25_000, 100_000);
     for k in 0..u64::from(CYCLES) {
-        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let noise = random.next_u32();
         let jitter = u64::from(noise >> 28) + u64::from(noise >> 20 & 7) * u64::from(noise >> 24 & 3);
         latency.record(match k % 20_000 {
             77 => 140_000,

@@ -203,7 +203,11 @@ fn contents_that_make_no_sense_name_the_setting() {
     let result = unsafe { trueaxis_tables_info(bytes.as_ptr(), bytes.len(), &mut info, &mut error) };
     assert_eq!((result, error.code, error.axis as u8), (ERROR_TABLES, 11, b'Y'));
     assert_eq!((text(&error.field).as_str(), error.found), ("Slope", 0.0));
-    assert!(text(&error.text).starts_with("table file: axis Y: Slope: found 0, needed "), "{}", text(&error.text));
+    assert!(
+        text(&error.text).starts_with("table file: axis.Y.limits.slope_mm_per_s: found 0, needed "),
+        "{}",
+        text(&error.text)
+    );
 }
 
 #[test]

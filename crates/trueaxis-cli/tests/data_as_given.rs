@@ -196,7 +196,7 @@ fn a_matrix_of_runs_is_the_list_of_its_approaches() {
     for (text, parts) in [
         ("X_mm,+1,+1\n0,1,2\n", ["matrix.csv:1: column +1", "again"]),
         ("X_mm,+1,mean_um\n0,1,2\n", ["matrix.csv:1: column mean_um", "fwd_1_um"]),
-        ("+1,-1\n1,2\n", ["matrix.csv:1", "no column with the targets"]),
+        ("+1,-1\n1,2\n", ["matrix.csv:1", "a header without all of them, needed X_mm"]),
         ("C_deg,fwd_1_um\n0,1\n", ["matrix.csv:1: column fwd_1_um", "deg and urad"]),
         ("X_mm,+1,-1\n0,1,\n", ["matrix.csv:2: column -1", "a number"]),
         ("X_mm,+1,-1\n0,1,2\n0,1,2\n", ["matrix.csv:3", "again"]),

@@ -22,7 +22,7 @@ pub mod helicoid;
 pub mod identification;
 #[cfg(feature = "std")]
 pub mod pair_search;
-#[cfg(feature = "std")]
+#[cfg(feature = "separation")]
 pub mod separation;
 #[cfg(feature = "std")]
 pub mod spindle;

@@ -104,10 +104,10 @@ impl Separator {
         let points = gain.points();
         band.check(points)?;
         if noise_gain_limit.is_nan() || noise_gain_limit <= 0.0 {
-            return Err(ConfigError::new(Field::Harmonics, noise_gain_limit, "a noise gain limit above 0").into());
+            return Err(ConfigError::new(Field::NoiseGain, noise_gain_limit, "a noise gain limit above 0").into());
         }
         if !(0.0..1.0).contains(&arm_ratio) {
-            return Err(ConfigError::new(Field::Arm, arm_ratio, "R/(R_S + R_W) from 0 to below 1").into());
+            return Err(ConfigError::new(Field::ArmCrank, arm_ratio, "R/(R_S + R_W) from 0 to below 1").into());
         }
         let singular: Vec<u16> = gain.singular(band).collect();
         if !singular.is_empty() {

@@ -255,7 +255,7 @@ fn settings_that_make_no_sense_are_refused() {
     let cases: [(Field, Change); 32] = [
         (Field::Points, |m| m.roundness = Some(gauge(1000))),
         (Field::Harmonics, |m| m.roundness = Some(GaugeSettings { band: Band { first: 0, last: 9 }, ..gauge(64) })),
-        (Field::Spindle, |m| m.roundness = Some(GaugeSettings { stop_s: f64::NAN, ..gauge(64) })),
+        (Field::Stop, |m| m.roundness = Some(GaugeSettings { stop_s: f64::NAN, ..gauge(64) })),
         (Field::Name, |m| m.name.clear()),
         (Field::Chain, |m| m.chain = "w C' A' Y' b X Z".parse().unwrap()),
         (Field::Axes, |m| m.chain = "w C' A' Y' b X t".parse().unwrap()),
@@ -263,18 +263,18 @@ fn settings_that_make_no_sense_are_refused() {
         (Field::Axes, |m| m.axes[1].axis = Axis::X),
         (Field::Tool, |m| m.tool_mm[1] = f64::NAN),
         (Field::ReferenceTemperature, |m| m.reference_temperature_c = f64::INFINITY),
-        (Field::Location, |m| m.location.rotary[2][5] = f64::NAN),
-        (Field::Location, |m| m.location.a0z = f64::NAN),
-        (Field::Faults, |m| m.faults.stuck[1] = 0.0),
-        (Field::Contour, |m| m.contour.max_lag_mm = f64::NAN),
-        (Field::Compensation, |m| m.compensation.fade_deg = -1e-9),
-        (Field::Compensation, |m| m.compensation.fade_deg = f64::NAN),
-        (Field::Kinematics, |m| m.kinematics.tool_axis = [0.0; 3]),
-        (Field::Kinematics, |m| m.kinematics.tool_axis[0] = f64::INFINITY),
-        (Field::Kinematics, |m| m.kinematics.singular_cone_deg = 46.0),
+        (Field::LocationEc, |m| m.location.rotary[2][5] = f64::NAN),
+        (Field::LocationA0Z, |m| m.location.a0z = f64::NAN),
+        (Field::StuckDeg, |m| m.faults.stuck[1] = 0.0),
+        (Field::MaxLag, |m| m.contour.max_lag_mm = f64::NAN),
+        (Field::Fade, |m| m.compensation.fade_deg = -1e-9),
+        (Field::Fade, |m| m.compensation.fade_deg = f64::NAN),
+        (Field::ToolAxis, |m| m.kinematics.tool_axis = [0.0; 3]),
+        (Field::ToolAxis, |m| m.kinematics.tool_axis[0] = f64::INFINITY),
+        (Field::SingularCone, |m| m.kinematics.singular_cone_deg = 46.0),
         (Field::Offset, |m| m.axes[4].offset_mm[2] = f64::NAN),
         (Field::MeasuredAt, |m| m.axes[3].measured_at_mm[0] = f64::NEG_INFINITY),
-        (Field::Compensation, |m| m.compensation.fade_deg = 45.1),
+        (Field::Fade, |m| m.compensation.fade_deg = 45.1),
         (Field::Travel, |m| m.axes[0].travel = [1.0, 1.0]),
         (Field::Joint, |m| m.axes[0].joint = [f64::NEG_INFINITY, 1e3]),
         (Field::Joint, |m| m.axes[0].joint = m.axes[0].travel),
@@ -282,9 +282,9 @@ fn settings_that_make_no_sense_are_refused() {
         (Field::Magnitude, |m| m.axes[2].limits.magnitude = 0.0),
         (Field::Direction, |m| m.axes[0].direction = -1),
         (Field::Direction, |m| m.axes[4].direction = 0),
-        (Field::Location, |m| m.location.c0y = 2.0),
+        (Field::LocationC0Y, |m| m.location.c0y = 2.0),
         (Field::Inverse, |m| m.tool_mm = [1e6; 3]),
-        (Field::Thermal, |m| m.axes[0].thermal.offset_per_k = f64::NAN),
+        (Field::ThermalOffset, |m| m.axes[0].thermal.offset_per_k = f64::NAN),
     ];
     for (field, change) in cases {
         match forged(change) {
@@ -307,7 +307,7 @@ fn the_compiler_refuses_what_the_file_cannot_hold() {
     table(refused(|m| m.tables[0].as_mut().unwrap().rows.truncate(1)));
     assert_eq!(refused(|m| m.tables.truncate(2)).field, Field::Axes);
     assert_eq!(refused(|m| m.tables = vec![None; 3]).field, Field::Table);
-    assert_eq!(refused(|m| m.settings.location.b0z = 1.5).field, Field::Location);
+    assert_eq!(refused(|m| m.settings.location.b0z = 1.5).field, Field::LocationB0Z);
     let steep = refused(|m| {
         let row = &mut m.tables[0].as_mut().unwrap().rows[1];
         (row.position, row.forward[1], row.reverse[1]) = (1.0, 0.9, 0.9);

@@ -57,7 +57,7 @@ fn five_axes(machine: &MachineSettings) -> Result<(), ConfigError> {
     let length = libm::sqrt(machine.kinematics.tool_axis.iter().map(|x| x * x).sum());
     need(
         (1e-3..=1e3).contains(&length),
-        ConfigError::new(Field::Kinematics, length, "a tool_axis of a length of about 1").of("tool_axis"),
+        ConfigError::new(Field::ToolAxis, length, "a tool_axis of a length of about 1"),
     )
 }
 
@@ -67,14 +67,11 @@ fn roundness(machine: &MachineSettings) -> Result<(), ConfigError> {
     settings.check()?;
     let Some(infeed) = &settings.infeed else { return Ok(()) };
     let index = infeed.axis.index() as f64;
-    let Some(axis) = machine.axis(infeed.axis) else {
-        return Err(ConfigError::new(Field::Infeed, index, "an axis of the machine").of("axis"));
+    let Some(axis) = machine.axes.iter().find(|known| known.axis == infeed.axis) else {
+        return Err(ConfigError::new(Field::InfeedAxis, index, "an axis of the machine"));
     };
     let needed = "a limit within the magnitude of the axis' correction";
-    need(
-        infeed.limit_um * 1e-3 <= axis.limits.magnitude,
-        ConfigError::new(Field::Infeed, infeed.limit_um, needed).of("limit"),
-    )
+    need(infeed.limit_um * 1e-3 <= axis.limits.magnitude, ConfigError::new(Field::InfeedLimit, infeed.limit_um, needed))
 }
 
 /// The axes are those of the chain, each once, in the order X Y Z A B C.
@@ -119,6 +116,7 @@ fn axis_settings(axis: &AxisSettings) -> Result<(), ConfigError> {
 
 /// Rules for a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum TableRule {
     /// Number of lines.
     Count,
@@ -156,6 +154,7 @@ impl TableRule {
 
 /// Where a table is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TableFault {
     /// The rule that is broken.
     pub rule: TableRule,

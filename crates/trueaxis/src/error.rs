@@ -1,5 +1,9 @@
 //! The two kinds of error: what a configuration may get wrong at build, what a cycle may meet at run time.
 
+mod field;
+
+pub use field::{Field, Key};
+
 use crate::axis::Axis;
 use core::fmt;
 
@@ -14,8 +18,6 @@ pub struct ConfigError {
     pub axis: Option<Axis>,
     /// Which element, where the setting is a list (row of a table, from 0).
     pub index: Option<u32>,
-    /// Key of the setting in its section of `machine.toml`, without its unit, where the field has several; else empty.
-    pub key: &'static str,
     /// What was found, in the setting's unit inside the core (mm, degrees, seconds).
     pub found: f64,
     /// What is needed.
@@ -27,7 +29,7 @@ pub struct ConfigError {
 impl ConfigError {
     /// An error of the machine as a whole.
     pub fn new(field: Field, found: f64, needed: &'static str) -> Self {
-        ConfigError { field, axis: None, index: None, key: "", found, needed, bound: None }
+        ConfigError { field, axis: None, index: None, found, needed, bound: None }
     }
 
     /// The same, of one axis.
@@ -35,9 +37,9 @@ impl ConfigError {
         ConfigError { axis: Some(axis), ..self }
     }
 
-    /// The same, of one key of the field.
-    pub fn of(self, key: &'static str) -> Self {
-        ConfigError { key, ..self }
+    /// The key or section of `machine.toml` to edit; `None` where the setting is not in the file.
+    pub fn key(&self) -> Option<Key> {
+        self.field.key(self.axis)
     }
 
     /// The same, at one element of a list.
@@ -48,12 +50,15 @@ impl ConfigError {
 
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(axis) = self.axis {
+        let key = self.key();
+        if let Some(axis) = self.axis
+            && !key.is_some_and(|key| key.names_its_axis())
+        {
             write!(f, "axis {}: ", axis.letter())?;
         }
-        write!(f, "{:?}", self.field)?;
-        if !self.key.is_empty() {
-            write!(f, " {}", self.key)?;
+        match key {
+            Some(key) => write!(f, "{key}")?,
+            None => write!(f, "{:?}", self.field)?,
         }
         if let Some(index) = self.index {
             write!(f, " [{index}]")?;
@@ -81,85 +86,6 @@ impl fmt::Display for Figure {
             write!(f, "{}", self.0)
         }
     }
-}
-
-/// A setting that can be wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Field {
-    /// Machine name.
-    Name,
-    /// Structural code.
-    Chain,
-    /// The set of axes.
-    Axes,
-    /// Tool vector.
-    Tool,
-    /// Reference temperature.
-    ReferenceTemperature,
-    /// Location errors.
-    Location,
-    /// Servo period.
-    Period,
-    /// Declared travel.
-    Travel,
-    /// Range of the joint.
-    Joint,
-    /// Line of measurement.
-    MeasuredAt,
-    /// Highest feed.
-    MaxFeed,
-    /// Sense of a rotary axis.
-    Direction,
-    /// Backlash.
-    Backlash,
-    /// Reversal hysteresis.
-    Hysteresis,
-    /// Magnitude limit of the correction.
-    Magnitude,
-    /// Slope limit of the correction.
-    Slope,
-    /// Acceleration limit of the correction.
-    Acceleration,
-    /// Thermal growth.
-    Thermal,
-    /// Plausibility limits.
-    Faults,
-    /// Contour search.
-    Contour,
-    /// Error model and correction of the tool's direction.
-    Compensation,
-    /// Origin of an axis' frame.
-    Offset,
-    /// Tool axis or singular cone.
-    Kinematics,
-    /// Error table.
-    Table,
-    /// Exact inverse.
-    Inverse,
-    /// Scale of an encoder.
-    Encoder,
-    /// Memory lent for the tables.
-    Memory,
-    /// Points of a revolution.
-    Points,
-    /// Band of harmonics.
-    Harmonics,
-    /// Angles between the probes.
-    ProbeAngles,
-    /// Gain, zero or range of a probe.
-    Probe,
-    /// Encoder of the spindle.
-    Spindle,
-    /// Crank throw, wheel radius, pin radius or encoder of the following arm.
-    Arm,
-    /// Gaussian filter.
-    Filter,
-    /// Revolutions of an evaluation of the spindle.
-    Revolutions,
-    /// Infeed correction.
-    Infeed,
 }
 
 /// What a servo cycle met; carried in its output and telemetry.

@@ -1,7 +1,6 @@
 //! The recording on the host.
 
 use super::outputs::AXES;
-use crate::simulate::with_tables;
 use anyhow::{Result, anyhow};
 use trueaxis::contour::{Path, Span};
 use trueaxis::roundness::{Gauge, GaugeState};
@@ -10,6 +9,7 @@ use trueaxis::telemetry::RoundnessFrame;
 use trueaxis::{GaugeRide, ServoLoop};
 use trueaxis_recording::Recording;
 use trueaxis_recording::outputs::{Wire, line};
+use trueaxis_sim::servo::with_tables;
 
 /// Points of the gauge's revolution, as in the image.
 const POINTS: usize = 1024;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Where the image looks for what is flashed apart from it, and how much room there is.
+/// Address and room of what is flashed apart from the image.
 const TABLES_A: (u64, u64) = (0x0010_0000, 0x4_0000);
 const TABLES_B: (u64, u64) = (0x0014_0000, 0x4_0000);
 /// Address of the recording and room for it, bytes.
@@ -56,18 +56,18 @@ pub struct Flash {
     pub recording: PathBuf,
 }
 
-/// What it sent.
+/// Data that the image sent.
 #[derive(Clone, Debug)]
 pub struct Sent {
     /// Telemetry: COBS frames.
     pub frames: Vec<u8>,
-    /// What the step gave back, byte for byte.
+    /// Outputs of the step, byte for byte.
     pub outputs: Vec<u8>,
     /// Wall time.
     pub took: Duration,
 }
 
-/// What a run leaves in its folder: telemetry, outputs, log.
+/// Files that a run leaves in its folder: telemetry, outputs, log.
 pub(super) const FILES: [&str; 3] = ["frames.bin", "outputs.bin", "defmt.bin"];
 
 /// A run that takes longer hangs.

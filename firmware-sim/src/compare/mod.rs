@@ -1,7 +1,7 @@
 //! The same recording on the host and in the bare-metal image, side by side.
 //!
 //! In the same scalar host and image must agree in every bit. Between single and double precision the corrections and
-//! contour errors are held against each other in nanometres.
+//! contour errors are compared in nanometres.
 
 pub mod host;
 pub mod image;
@@ -21,7 +21,7 @@ use trueaxis_recording::Recording;
 use trueaxis_recording::outputs::Wire;
 use trueaxis_tables::write_atomically;
 
-/// What is compared.
+/// Inputs of a comparison.
 #[derive(Clone, Debug)]
 pub struct Inputs {
     /// The recording.
@@ -32,7 +32,7 @@ pub struct Inputs {
     pub second: Option<Vec<u8>>,
 }
 
-/// What the flash of an image holds: tables, the tables asked for in motion, the recording.
+/// Contents of an image's flash: tables, the tables asked for in motion, the recording.
 const FLASH: [&str; 3] = ["tables-a.tcomp", "tables-b.tcomp", "recording.rec"];
 
 impl Inputs {

@@ -1,4 +1,4 @@
-//! What a comparison found.
+//! Result of a comparison.
 
 use super::image::Core;
 use super::outputs::Row;
@@ -132,7 +132,7 @@ pub(super) fn faults(rows: &[Row]) -> Vec<(u8, usize)> {
 /// All cores.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// What the recording is of.
+    /// Subject of the recording.
     pub header: Header,
     /// Core by core.
     pub comparisons: Vec<Comparison>,
@@ -191,7 +191,7 @@ impl Outcome {
         text
     }
 
-    /// What `--json` prints.
+    /// The document that `--json` prints.
     pub fn json(&self) -> Value {
         let one = |one: &Comparison| {
             json!({

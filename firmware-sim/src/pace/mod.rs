@@ -12,7 +12,7 @@ use linux::Host;
 #[cfg(not(target_os = "linux"))]
 use portable::Host;
 
-/// How to pace a run.
+/// Settings of a paced run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pace {
     /// Servo period in ns; 0 is taken as 1.
@@ -36,7 +36,7 @@ impl Pace {
 /// A real-time means asked of the host, and its answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Permission {
-    /// What was asked for, e.g. `SCHED_FIFO priority 80`.
+    /// The means asked for, e.g. `SCHED_FIFO priority 80`.
     pub means: String,
     /// `None`: permitted and in force. Otherwise the host's reason, with the error number's text.
     pub refused: Option<String>,
@@ -51,7 +51,7 @@ impl fmt::Display for Permission {
     }
 }
 
-/// What a paced run had at its disposal and how punctual it was.
+/// Means of a paced run and its punctuality.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PaceReport {
     /// Each real-time means and whether it was permitted.
@@ -80,7 +80,7 @@ impl PaceReport {
     }
 }
 
-/// What pacing needs of the host.
+/// Services that pacing needs of the host.
 trait Clock {
     /// Asks for the real-time means, on the thread that is going to run the cycle.
     fn prepare(&mut self, pace: &Pace) -> Vec<Permission>;

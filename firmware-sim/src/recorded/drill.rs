@@ -1,8 +1,8 @@
-//! What a controller meets, written over the recorded cycles.
+//! Disturbances that a controller meets, written over the recorded cycles.
 
-use crate::scenario::Scenario;
 use trueaxis::Nanometres;
 use trueaxis_recording::Cycle;
+use trueaxis_sim::Scenario;
 
 /// A fixed script, in cycles of the recording:
 ///

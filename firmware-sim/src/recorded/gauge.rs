@@ -1,10 +1,10 @@
-//! What three probes read at a workpiece that turns and is not ground.
+//! Readings of three probes at a workpiece that turns and is not ground.
 
-use crate::grinding::{CentreMotion, Noise, Term, Turning, counts, probe_angles, sum};
-use crate::scenario::Scenario;
 use std::f64::consts::TAU;
 use trueaxis::roundness::GaugeSettings;
 use trueaxis_recording::Probe;
+use trueaxis_sim::Scenario;
+use trueaxis_sim::grinding::{CentreMotion, Noise, Term, Turning, counts, probe_angles, sum};
 
 /// Surface, µm over the angle.
 const SURFACE: [Term; 4] = [
@@ -31,7 +31,7 @@ impl Turned {
             phi: probe_angles(gauge),
             motion: CentreMotion::default(),
             turning: Turning::new(-0.3, speed_rpm, scenario.period_s()),
-            noise: Noise::new(scenario.seed, 101),
+            noise: Noise::new(scenario.settings.seed, 101),
             turn: -1,
         }
     }

@@ -1,25 +1,26 @@
-//! A simulated run as a recording: what the step was given, cycle by cycle, for any build of the step to be given again.
+//! A simulated run as a recording: the step's inputs, cycle by cycle, for any build of the step to replay.
 //!
-//! Positions are rounded to 1e-6 mm, as integer interfaces hand them over; what a fixed-point position cannot say is said
-//! as such an interface says it: a missing reading is an alarm of that encoder, a command that is no number lies at the
+//! Positions are rounded to 1e-6 mm, as integer interfaces hand them over; what a fixed-point position cannot express is
+//! expressed as such an interface does: a missing reading is an alarm of that encoder, a command that is no number lies at the
 //! end of the range.
 
 mod drill;
 mod gauge;
 
-use crate::motion::Motion;
-use crate::path::PlannedPath;
-use crate::scenario::Scenario;
-use crate::simulate::{self, Given, Kind, Options};
 use anyhow::{Context, Result, anyhow, bail};
 pub use drill::Drill;
 use gauge::Turned;
+use std::sync::Arc;
 use trueaxis::contour::Reference;
 use trueaxis::tcomp::machine_id;
 use trueaxis::{Nanometres, Position};
 use trueaxis_recording::{Cycle, Header, Probe, Writer};
+use trueaxis_sim::Scenario;
+use trueaxis_sim::path::PlannedPath;
+use trueaxis_sim::run::{Given, Kind, Moment, Run, Sample, Sink};
+use trueaxis_sim::scenario::axis_count;
 
-/// How a run is recorded.
+/// Settings of a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// Stop after so many cycles.
@@ -32,23 +33,38 @@ pub struct Settings {
     pub speed_rpm: f64,
 }
 
-/// Records the compensated run of a scenario of X, Y, Z alone.
+/// Cycles between two looks at the progress.
+const STRETCH: u64 = 4096;
+
+/// Records the compensated run of a scenario of X, Y, Z alone; `progress` gets the fraction done, 0 to 1.
 ///
 /// # Errors
 /// The program turns rotary axes, or the tables do not build.
-pub fn record(
-    scenario: &Scenario,
-    motion: &Motion<'_>,
-    path: &PlannedPath,
-    settings: &Settings,
-    progress: &mut dyn FnMut(u64),
-) -> Result<Vec<u8>> {
+pub fn record(scenario: &Arc<Scenario>, settings: &Settings, progress: &mut dyn FnMut(f64)) -> Result<Vec<u8>> {
     let machine = &scenario.machine.settings;
-    if crate::scenario::axis_count(&scenario.machine) != 3 || scenario.five_axis {
+    if axis_count(&scenario.machine) != 3 || scenario.five_axis {
         bail!("{}: found rotary axes, needed a machine and a program of X, Y, Z alone", machine.name);
     }
+    let mut run = Run::of(Arc::clone(scenario), &[Kind::Compensated])?;
+    let path = PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement)?;
+    let writer = Writer::<3>::new(header(scenario, settings)?, &path.spans).context("the path cannot be written")?;
+    let mut recorder = Recorder {
+        writer,
+        turned: machine.roundness.as_ref().map(|gauge| Turned::new(gauge, scenario, settings.speed_rpm)),
+        drill: settings.drill.then(|| Drill::new(scenario)),
+        most: settings.cycles.unwrap_or(u32::MAX),
+        last: [Nanometres(0); 3],
+    };
+    while run.advance(STRETCH, &mut recorder) {
+        progress(run.cycle() as f64 / run.cycles() as f64);
+    }
+    recorder.writer.finish().context("the recording cannot be written")
+}
+
+fn header(scenario: &Scenario, settings: &Settings) -> Result<Header> {
+    let machine = &scenario.machine.settings;
     let name = scenario.program.name.chars().filter(char::is_ascii).take(48).collect::<String>();
-    let header = Header {
+    Ok(Header {
         name: name.as_str().try_into().map_err(|_| anyhow!("the program's name does not fit"))?,
         machine_id: machine_id(&machine.name, &machine.chain),
         axes: 3,
@@ -57,29 +73,35 @@ pub fn record(
         pieces: 0,
         gauge: machine.roundness.is_some(),
         exchange_at: settings.exchange_at,
-    };
-    let mut writer = Writer::<3>::new(header, &path.spans).context("the path cannot be written")?;
-    let mut turned = machine.roundness.as_ref().map(|gauge| Turned::new(gauge, scenario, settings.speed_rpm));
-    let drill = settings.drill.then(|| Drill::new(scenario));
-    let most = settings.cycles.unwrap_or(u32::MAX);
-    let mut last = [Nanometres(0); 3];
-    let mut watch = |given: &Given<'_>| {
-        let number = writer.cycles();
-        if number >= most {
+    })
+}
+
+/// Writes down the inputs of every step, settling included.
+struct Recorder {
+    writer: Writer<3>,
+    turned: Option<Turned>,
+    drill: Option<Drill>,
+    most: u32,
+    last: [Nanometres; 3],
+}
+
+impl Sink for Recorder {
+    fn cycle(&mut self, _moment: &Moment, _machines: &[Option<&Sample>]) {}
+
+    fn before_step(&mut self, given: &Given<'_>) {
+        let number = self.writer.cycles();
+        if number >= self.most {
             return;
         }
-        let mut cycle = rounded(given, &mut last);
-        if let Some(turned) = &mut turned {
+        let mut cycle = rounded(given, &mut self.last);
+        if let Some(turned) = &mut self.turned {
             cycle.probe = turned.cycle();
         }
-        if let Some(drill) = &drill {
+        if let Some(drill) = &self.drill {
             drill.disturb(number, &mut cycle);
         }
-        writer.add(&cycle);
-    };
-    let options = &mut Options { progress, sinks: &mut [], watch: Some(&mut watch) };
-    simulate::run::<3>(scenario, motion, &[Kind::Compensated], options)?;
-    writer.finish().context("the recording cannot be written")
+        self.writer.add(&cycle);
+    }
 }
 
 fn rounded(given: &Given<'_>, last: &mut [Nanometres; 3]) -> Cycle<3> {

@@ -2,6 +2,8 @@
 
 use crate::latency::{LatencyBucket, LatencySummary};
 
+pub use trueaxis_sim::run::{AngleSize, ErrorSize};
+
 /// Everything the page shows.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Report {
@@ -35,24 +37,6 @@ pub struct Report {
     pub faults: Vec<FaultEntry>,
     /// Remarks, e.g. which real-time means the host did not permit.
     pub notes: Vec<String>,
-}
-
-/// Size of an error over a run, in µm.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ErrorSize {
-    /// Largest magnitude in µm.
-    pub max_um: f64,
-    /// Root mean square in µm.
-    pub rms_um: f64,
-}
-
-/// Size of an angle over a run, in µrad.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct AngleSize {
-    /// Largest in µrad.
-    pub max_urad: f64,
-    /// Root mean square in µrad.
-    pub rms_urad: f64,
 }
 
 /// Contour error of the true tool tip against the programmed path, in three runs with the same servo and seed.

@@ -19,7 +19,6 @@ use crate::error::FileError;
 use crate::origin::{Origin, numbered};
 use std::fmt::Write;
 use trueaxis::check;
-use trueaxis::error::Field;
 use trueaxis::machine::{
     Axis, AxisSettings, CompensationSettings, ErrorModel, Interpolation, KinematicsSettings, LocationErrors, Lookup,
     MachineSettings,
@@ -136,10 +135,8 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Option<MachineSettings
     }
     check::settings(&settings).map_err(|error| {
         let of = |item: &&Item<'_>| {
-            item.axis == error.axis
-                && field(item.key).is_some_and(|(field, part)| {
-                    field == error.field && (part.is_empty() || error.needed.contains(part))
-                })
+            let key = error.key().map(|key| key.to_string()).unwrap_or_default();
+            item.axis == error.axis && key.rsplit('.').next() == Some(item.key)
         };
         match items.iter().find(of) {
             Some(item) => origin.at(item.line, item.key, format!("{:?}", item.value), error.needed),
@@ -255,19 +252,4 @@ fn choice<T, const N: usize>(item: &Item<'_>, choices: [(&str, T); N], origin: &
     let needed = choices.iter().map(|(name, _)| *name).collect::<Vec<&str>>().join(" or ");
     let chosen = choices.into_iter().find(|(name, _)| *name == item.value).map(|(_, value)| value);
     chosen.ok_or_else(|| origin.at(item.line, item.key, format!("{:?}", item.value), needed))
-}
-
-/// Which setting a key is, and the word that tells it from others of the same field.
-fn field(key: &str) -> Option<(Field, &'static str)> {
-    Some(match key {
-        "chain" => (Field::Chain, ""),
-        "tool_mm" => (Field::Tool, ""),
-        "reference_temperature_c" => (Field::ReferenceTemperature, ""),
-        "fade_deg" => (Field::Compensation, ""),
-        "tool_axis" => (Field::Kinematics, "tool_axis"),
-        "singular_cone_deg" => (Field::Kinematics, "singular_cone_deg"),
-        "travel_mm" | "travel_deg" => (Field::Travel, ""),
-        "offset_mm" => (Field::Offset, ""),
-        _ => return None,
-    })
 }

@@ -1,13 +1,14 @@
 //! `machine.toml`: keys, units and defaults.
 
-use super::section::{self, Found, Section};
+use super::keys::Keys;
+use super::section::{Found, Section, line};
 use crate::error::FileError;
 use crate::origin::Origin;
 use std::cell::RefCell;
 use toml::de::DeTable;
 use trueaxis::machine::{
-    Axis, AxisSettings, CompensationSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, Link,
-    LocationErrors, Lookup, MachineSettings,
+    Axis, AxisSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, LocationErrors, Lookup,
+    MachineSettings,
 };
 
 /// A table that the file names.
@@ -22,8 +23,7 @@ pub(super) struct TableReference {
 pub(super) struct Description {
     pub(super) settings: MachineSettings,
     pub(super) tables: Vec<TableReference>,
-    /// Text of the file.
-    pub(super) text: String,
+    pub(super) keys: Keys,
     /// Keys of numbers that were asked for, with their count.
     pub(super) numbers: Vec<(String, usize)>,
 }
@@ -43,6 +43,11 @@ fn degrees_from_urad(value: f64) -> f64 {
     (value / 1e6).to_degrees()
 }
 
+/// In the unit of the core already.
+fn same(value: f64) -> f64 {
+    value
+}
+
 /// Per minute to per second.
 fn per_second(value: f64) -> f64 {
     value / 60.0
@@ -50,7 +55,7 @@ fn per_second(value: f64) -> f64 {
 
 pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError> {
     let document = DeTable::parse(text).map_err(|error| {
-        let line = section::line(text, error.span().map_or(0, |span| span.start));
+        let line = error.span().map_or(1, |span| line(text, &span));
         origin.at(line, "", error.message(), "a valid TOML file")
     })?;
     let numbers = RefCell::default();
@@ -75,37 +80,9 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
         let needed = format!("{} (at letter {} of the chain)", error.needed, error.found + 1.0);
         root.wrong(&chain, needed)
     })?;
-    root.set_all("tool_mm", &mut settings.tool_mm)?;
-    root.set("reference_temperature_c", &mut settings.reference_temperature_c, |c| c)?;
-    let tables = read_axes(&root, &links, &mut settings)?;
-    if let Some(section) = root.section("location")? {
-        read_location(section, &mut settings)?;
-    }
-    if let Some(section) = root.section("faults")? {
-        read_faults(section, &mut settings.faults)?;
-    }
-    if let Some(section) = root.section("contour")? {
-        section.set("max_lag_mm", &mut settings.contour.max_lag_mm, |mm| mm)?;
-        section.finish(None)?;
-    }
-    if let Some(section) = root.section("compensation")? {
-        read_compensation(section, &mut settings.compensation)?;
-    }
-    if let Some(section) = root.section("kinematics")? {
-        section.set_all("tool_axis", &mut settings.kinematics.tool_axis)?;
-        section.set("singular_cone_deg", &mut settings.kinematics.singular_cone_deg, |degrees| degrees)?;
-        section.finish(None)?;
-    }
-    settings.roundness = super::roundness_toml::read(&root)?;
-    root.finish(None)?;
-    Ok(Description { settings, tables, text: text.to_owned(), numbers: numbers.into_inner() })
-}
+    root.store_all(&mut settings.tool_mm, "tool_mm")?;
+    root.store(&mut settings.reference_temperature_c, "reference_temperature_c", same)?;
 
-fn read_axes(
-    root: &Section<'_>,
-    links: &[Link],
-    settings: &mut MachineSettings,
-) -> Result<Vec<TableReference>, FileError> {
     let mut tables = Vec::new();
     let sections = root.section("axis")?;
     for axis in Axis::ALL {
@@ -122,7 +99,36 @@ fn read_axes(
         let letters: Vec<String> = links.iter().map(|link| link.axis.letter().to_string()).collect();
         sections.finish(Some(&format!("an axis of the chain ({})", letters.join(" "))))?;
     }
-    Ok(tables)
+    if let Some(section) = root.section("location")? {
+        read_location(section, &mut settings)?;
+    }
+    if let Some(section) = root.section("faults")? {
+        read_faults(section, &mut settings.faults)?;
+    }
+    if let Some(section) = root.section("contour")? {
+        section.store(&mut settings.contour.max_lag_mm, "max_lag_mm", same)?;
+        section.finish(None)?;
+    }
+    if let Some(section) = root.section("compensation")? {
+        let models = [("nine", ErrorModel::Nine), ("volumetric", ErrorModel::Volumetric)];
+        if let Some(model) = section.choice("model", models)? {
+            settings.compensation.model = model;
+        }
+        if let Some(orientation) = section.boolean("orientation")? {
+            settings.compensation.orientation = orientation;
+        }
+        section.store(&mut settings.compensation.fade_deg, "fade_deg", same)?;
+        section.finish(None)?;
+    }
+    if let Some(section) = root.section("kinematics")? {
+        let to = &mut settings.kinematics;
+        section.store_all(&mut to.tool_axis, "tool_axis")?;
+        section.store(&mut to.singular_cone_deg, "singular_cone_deg", same)?;
+        section.finish(None)?;
+    }
+    settings.roundness = super::roundness_toml::read(&root)?;
+    root.finish(None)?;
+    Ok(Description { settings, tables, keys: Keys::new(text, document.get_ref()), numbers: numbers.into_inner() })
 }
 
 fn read_axis(section: Section<'_>, settings: &mut AxisSettings) -> Result<Option<TableReference>, FileError> {
@@ -144,35 +150,39 @@ fn read_axis(section: Section<'_>, settings: &mut AxisSettings) -> Result<Option
     if let Some(choice) = section.choice("cross_lookup", where_to_look)? {
         settings.cross_lookup = choice;
     }
-    if rotary {
-        section.set_direction("direction", &mut settings.direction)?;
+    if rotary && let Some(direction) = section.number("direction")? {
+        settings.direction = match direction.value {
+            1.0 => 1,
+            -1.0 => -1,
+            _ => return Err(section.wrong(&direction, "1 or -1")),
+        };
     }
-    section.set_all(&format!("travel_{unit}"), &mut settings.travel)?;
-    section.set(&format!("max_feed_{unit}_per_min"), &mut settings.max_feed_per_s, per_second)?;
-    section.set_all("offset_mm", &mut settings.offset_mm)?;
-    section.set_all("measured_at_mm", &mut settings.measured_at_mm)?;
-    section.set(&format!("backlash_{micro}"), &mut settings.backlash, small)?;
-    section.set(&format!("hysteresis_{micro}"), &mut settings.hysteresis, small)?;
-    settings.encoder_resolution =
-        section.number(&format!("encoder_resolution_{micro}"))?.map(|found| small(found.value));
+    section.store_all(&mut settings.travel, &format!("travel_{unit}"))?;
+    section.store(&mut settings.max_feed_per_s, &format!("max_feed_{unit}_per_min"), per_second)?;
+    section.store_all(&mut settings.offset_mm, "offset_mm")?;
+    section.store_all(&mut settings.measured_at_mm, "measured_at_mm")?;
+    section.store(&mut settings.backlash, &format!("backlash_{micro}"), small)?;
+    section.store(&mut settings.hysteresis, &format!("hysteresis_{micro}"), small)?;
+    let resolution = section.number(&format!("encoder_resolution_{micro}"))?;
+    settings.encoder_resolution = resolution.map(|resolution| small(resolution.value));
 
     if let Some(limits) = section.section("limits")? {
         let to = &mut settings.limits;
-        limits.set(&format!("magnitude_{micro}"), &mut to.magnitude, small)?;
-        limits.set(&format!("slope_{unit}_per_s"), &mut to.slope_per_s, |v| v)?;
-        limits.set(&format!("acceleration_{unit}_per_s2"), &mut to.acceleration_per_s2, |a| a)?;
+        limits.store(&mut to.magnitude, &format!("magnitude_{micro}"), small)?;
+        limits.store(&mut to.slope_per_s, &format!("slope_{unit}_per_s"), same)?;
+        limits.store(&mut to.acceleration_per_s2, &format!("acceleration_{unit}_per_s2"), same)?;
         limits.finish(None)?;
     }
     if let Some(thermal) = section.section("thermal")? {
         let to = &mut settings.thermal;
-        thermal.set(&format!("offset_{micro}_per_k"), &mut to.offset_per_k, small)?;
+        thermal.store(&mut to.offset_per_k, &format!("offset_{micro}_per_k"), small)?;
         let expansion = if rotary { "expansion_urad_per_rad_k" } else { "expansion_um_per_m_k" };
         // µm per m and µrad per rad are both millionths.
-        thermal.set(expansion, &mut to.expansion_per_k, |millionths| millionths / 1e6)?;
-        thermal.set(&format!("datum_{unit}"), &mut to.datum, |q| q)?;
+        thermal.store(&mut to.expansion_per_k, expansion, |millionths| millionths / 1e6)?;
+        thermal.store(&mut to.datum, &format!("datum_{unit}"), same)?;
         thermal.finish(None)?;
     }
-    if !section.set_all(&format!("joint_{unit}"), &mut settings.joint)? {
+    if !section.store_all(&mut settings.joint, &format!("joint_{unit}"))? {
         let [low, high] = settings.travel;
         settings.joint = [low - settings.limits.magnitude, high + settings.limits.magnitude];
     }
@@ -184,7 +194,7 @@ fn read_location(section: Section<'_>, settings: &mut MachineSettings) -> Result
     let location = &mut settings.location;
     for (key, to) in [("A0Z_urad", &mut location.a0z), ("B0Z_urad", &mut location.b0z), ("C0Y_urad", &mut location.c0y)]
     {
-        section.set(key, to, from_urad)?;
+        section.store(to, key, from_urad)?;
     }
     for (errors, axis) in location.rotary.iter_mut().zip([Axis::A, Axis::B, Axis::C]) {
         if !settings.axes.iter().any(|known| known.axis == axis) {
@@ -193,7 +203,7 @@ fn read_location(section: Section<'_>, settings: &mut MachineSettings) -> Result
         for (error, direction) in errors.iter_mut().zip(Axis::ALL) {
             let (unit, convert) =
                 if direction.is_rotary() { ("urad", from_urad as fn(f64) -> f64) } else { ("um", from_um as _) };
-            section.set(&format!("E{}0{}_{unit}", direction.letter(), axis.letter()), error, convert)?;
+            section.store(error, &format!("E{}0{}_{unit}", direction.letter(), axis.letter()), convert)?;
         }
     }
     section.finish(None)
@@ -204,21 +214,9 @@ fn read_faults(section: Section<'_>, faults: &mut FaultSettings) -> Result<(), F
         [("resume", &mut faults.resume), ("feedback_jump", &mut faults.feedback_jump), ("stuck", &mut faults.stuck)]
     {
         for (limit, unit) in pair.iter_mut().zip(["mm", "deg"]) {
-            section.set(&format!("{key}_{unit}"), limit, |limit| limit)?;
+            section.store(limit, &format!("{key}_{unit}"), same)?;
         }
     }
-    section.set("command_jump_factor", &mut faults.command_jump_factor, |factor| factor)?;
-    section.finish(None)
-}
-
-fn read_compensation(section: Section<'_>, to: &mut CompensationSettings) -> Result<(), FileError> {
-    let models = [("nine", ErrorModel::Nine), ("volumetric", ErrorModel::Volumetric)];
-    if let Some(model) = section.choice("model", models)? {
-        to.model = model;
-    }
-    if let Some(orientation) = section.boolean("orientation")? {
-        to.orientation = orientation;
-    }
-    section.set("fade_deg", &mut to.fade_deg, |degrees| degrees)?;
+    section.store(&mut faults.command_jump_factor, "command_jump_factor", same)?;
     section.finish(None)
 }

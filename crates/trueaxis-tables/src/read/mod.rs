@@ -58,6 +58,15 @@ impl Machine {
         Ok(machine)
     }
 
+    /// An error of the machine's configuration at its key in `machine.toml`, or of its section without it; in a file that
+    /// can no longer be read, of the file.
+    pub fn refusal(files: &dyn Source, name: &Path, error: &ConfigError) -> FileError {
+        match described(files, name) {
+            Ok((origin, description)) => description.located(&origin, error),
+            Err(unread) => unread,
+        }
+    }
+
     /// The files that [`Machine::read`] reads: `machine.toml` and the tables that it names.
     ///
     /// # Errors
@@ -67,15 +76,6 @@ impl Machine {
         let (origin, description) = described(&folder, &name)?;
         let tables = description.tables.iter().map(|table| folder.path(&beside(&name, &table.file)));
         Ok(std::iter::once(origin.file().to_path_buf()).chain(tables).collect())
-    }
-
-    /// An error of the machine's configuration at its key in `machine.toml`, or of its section without it; in a file that
-    /// can no longer be read, of the file.
-    pub fn refusal(files: &dyn Source, name: &Path, error: &ConfigError) -> FileError {
-        match described(files, name) {
-            Ok((origin, description)) => description.located(&origin, error),
-            Err(unread) => unread,
-        }
     }
 
     /// Every key with a number, or a list of so many, that a `machine.toml` with the sections of this one may have.

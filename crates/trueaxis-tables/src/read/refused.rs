@@ -1,7 +1,6 @@
 //! Refusals of the controller's checks, at their lines in the files.
 
 use super::axis_table::TableFile;
-use super::keys::{self, Key};
 use super::machine_toml::Description;
 use crate::Machine;
 use crate::error::FileError;
@@ -56,15 +55,18 @@ pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigErro
 }
 
 impl Description {
-    /// An error of the settings at the line of its key, or of the section that leaves the key out.
+    /// An error of the settings at the line of its key; at that of the section where the key is left at its default.
     pub(super) fn located(&self, origin: &Origin, error: &ConfigError) -> FileError {
-        let axis = error.axis.map_or(String::new(), |axis| format!(" of axis {}", axis.letter()));
-        match keys::locate(&self.text, error) {
-            Some(Key { line, name, text: Some(text) }) => origin.at(line, &name, text, error.needed),
-            Some(Key { line, name, text: None }) => {
-                origin.at(line, &name, format!("{}, the default", Figure(error.found)), error.needed)
+        let Some(key) = error.key().map(|key| key.to_string()) else {
+            return origin.whole(format!("{:?} = {}", error.field, Figure(error.found)), error.needed);
+        };
+        match self.keys.get(&key) {
+            Some(written) if !written.text.is_empty() => origin.at(written.line, &key, &written.text, error.needed),
+            // A default, or a whole section.
+            _ => {
+                let line = self.keys.get(&key).map(|written| written.line).or_else(|| self.keys.section(&key));
+                origin.at(line.unwrap_or(0), &key, format!("{}, the default", Figure(error.found)), error.needed)
             }
-            None => origin.whole(format!("{:?}{axis} = {}", error.field, Figure(error.found)), error.needed),
         }
     }
 
@@ -74,11 +76,19 @@ impl Description {
         let rotary = error.axis.is_some_and(Axis::is_rotary);
         let micro = |value: f64| if rotary { value.to_radians() * 1e6 } else { value * 1e3 };
         let unit = if rotary { "urad" } else { "um" };
-        let given = keys::locate(&self.text, error).is_some_and(|key| key.text.is_some());
+        let given = error.key().is_some_and(|key| self.keys.get(&key.to_string()).is_some());
+        let letter = error.axis.map_or(' ', Axis::letter);
         FileError {
-            found: if given { at.found } else { format!("{}, the default", (micro(error.found) * 1e3).round() / 1e3) },
+            found: if given {
+                at.found
+            } else {
+                format!(
+                    "a hysteresis_{unit} of {} of axis {letter}, the default",
+                    (micro(error.found) * 1e3).round() / 1e3
+                )
+            },
             needed: match error.bound {
-                // Rounded up: the number in the message suffices.
+                // Rounded up: what is written off the message must do.
                 Some(bound) => format!("{}: {} {unit}", error.needed, (micro(bound) * 1e3 - 1e-6).ceil() / 1e3),
                 None => at.needed,
             },

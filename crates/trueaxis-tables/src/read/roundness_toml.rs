@@ -8,19 +8,75 @@ use trueaxis::roundness::{
     SpindleEncoder,
 };
 
+/// A number that has to be whole and fit.
+fn whole<T: TryFrom<i64>>(section: &Section<'_>, found: &Found<f64>, needed: &str) -> Result<T, FileError> {
+    let value = found.value;
+    let whole = (value.fract() == 0.0 && value.abs() < 9e15).then_some(value as i64);
+    whole.and_then(|value| T::try_from(value).ok()).ok_or_else(|| section.wrong(found, needed))
+}
+
+/// Reads where keys may be missing.
+impl Section<'_> {
+    fn store_whole<T: TryFrom<i64>>(&self, to: &mut T, key: &str, needed: &str) -> Result<(), FileError> {
+        if let Some(found) = self.number(key)? {
+            *to = whole(self, &found, needed)?;
+        }
+        Ok(())
+    }
+
+    fn store_band(&self, to: &mut Band, key: &str) -> Result<(), FileError> {
+        let Some(found) = self.numbers::<2>(key)? else { return Ok(()) };
+        let harmonic = |value: f64| (value.fract() == 0.0 && (0.0..=65_535.0).contains(&value)).then_some(value as u16);
+        let [first, last] = found.value.map(harmonic);
+        let (Some(first), Some(last)) = (first, last) else {
+            return Err(self.wrong(&found, "two whole numbers, lowest and highest harmonic"));
+        };
+        *to = Band { first, last };
+        Ok(())
+    }
+
+    fn store_direction(&self, to: &mut i8, key: &str) -> Result<(), FileError> {
+        let Some(found) = self.number(key)? else { return Ok(()) };
+        *to = match found.value {
+            1.0 => 1,
+            -1.0 => -1,
+            _ => return Err(self.wrong(&found, "1 or -1")),
+        };
+        Ok(())
+    }
+}
+
 const COUNTS: &str = "a whole number of counts per revolution";
 
 /// The section; `None` where the file has none.
 pub(super) fn read(root: &Section<'_>) -> Result<Option<GaugeSettings>, FileError> {
     let Some(section) = root.section("roundness")? else { return Ok(None) };
-    let points = section
-        .whole("points", "a power of two from 64 to 4096")?
-        .ok_or_else(|| section.missing("points", "the points of a revolution, 64 to 4096"))?;
+    let points =
+        section.number("points")?.ok_or_else(|| section.missing("points", "the points of a revolution, 64 to 4096"))?;
     let counts = section
-        .whole("spindle_counts_per_revolution", COUNTS)?
+        .number("spindle_counts_per_revolution")?
         .ok_or_else(|| section.missing("spindle_counts_per_revolution", "the counts of the spindle's encoder"))?;
-    let (angles, angles_at) = read_angles(&section)?;
-    let mut settings = GaugeSettings::with_defaults(points, angles, counts);
+    let (slots, degrees) = (section.numbers::<2>("probe_slots")?, section.numbers::<2>("probe_angles_deg")?);
+    let (angles, angles_at) = match (slots, degrees) {
+        (Some(found), None) => {
+            let slot = |value: f64| (value.fract() == 0.0 && (0.0..=65_535.0).contains(&value)).then_some(value as u16);
+            let [Some(p), Some(q)] = found.value.map(slot) else {
+                return Err(section.wrong(&found, "two whole numbers, p and q"));
+            };
+            (ProbeAngles::Slots { p, q }, found)
+        }
+        (None, Some(found)) => {
+            let [phi2, phi3] = found.value;
+            (ProbeAngles::Degrees { phi2, phi3 }, found)
+        }
+        (Some(_), Some(found)) => return Err(section.wrong(&found, "either probe_slots or probe_angles_deg")),
+        (None, None) => return Err(section.missing("probe_slots", "probe_slots = [p, q] or probe_angles_deg")),
+    };
+    let mut settings = GaugeSettings::with_defaults(
+        whole(&section, &points, "a power of two from 64 to 4096")?,
+        angles,
+        whole(&section, &counts, COUNTS)?,
+    );
     read_keys(&section, &mut settings)?;
     if let Some(arm) = section.section("arm")? {
         settings.arm = Some(read_arm(&arm)?);
@@ -45,62 +101,35 @@ pub(super) fn read(root: &Section<'_>) -> Result<Option<GaugeSettings>, FileErro
     Ok(Some(settings))
 }
 
-/// A whole number that fits into 16 bits.
-fn short(value: f64) -> Option<u16> {
-    (value.fract() == 0.0 && (0.0..=65_535.0).contains(&value)).then_some(value as u16)
-}
-
-fn read_angles(section: &Section<'_>) -> Result<(ProbeAngles, Found<[f64; 2]>), FileError> {
-    match (section.numbers::<2>("probe_slots")?, section.numbers::<2>("probe_angles_deg")?) {
-        (Some(found), None) => {
-            let [Some(p), Some(q)] = found.value.map(short) else {
-                return Err(section.wrong(&found, "two whole numbers, p and q"));
-            };
-            Ok((ProbeAngles::Slots { p, q }, found))
-        }
-        (None, Some(found)) => {
-            let [phi2, phi3] = found.value;
-            Ok((ProbeAngles::Degrees { phi2, phi3 }, found))
-        }
-        (Some(_), Some(found)) => Err(section.wrong(&found, "either probe_slots or probe_angles_deg")),
-        (None, None) => Err(section.missing("probe_slots", "probe_slots = [p, q] or probe_angles_deg")),
-    }
-}
-
-fn read_band(section: &Section<'_>, to: &mut Band) -> Result<(), FileError> {
-    let Some(found) = section.numbers::<2>("harmonics")? else { return Ok(()) };
-    let [Some(first), Some(last)] = found.value.map(short) else {
-        return Err(section.wrong(&found, "two whole numbers, lowest and highest harmonic"));
-    };
-    *to = Band { first, last };
-    Ok(())
-}
-
 fn read_keys(section: &Section<'_>, settings: &mut GaugeSettings) -> Result<(), FileError> {
-    read_band(section, &mut settings.band)?;
-    section.set("noise_gain_limit", &mut settings.noise_gain_limit, |limit| limit)?;
+    section.store_band(&mut settings.band, "harmonics")?;
+    section.store(&mut settings.noise_gain_limit, "noise_gain_limit", |limit| limit)?;
     let SpindleEncoder { direction, index, index_tolerance, .. } = &mut settings.spindle;
-    section.set_direction("spindle_direction", direction)?;
+    section.store_direction(direction, "spindle_direction")?;
     if let Some(given) = section.boolean("spindle_index")? {
         *index = given;
     }
-    section.set_whole("spindle_index_tolerance_counts", index_tolerance, "a whole number of counts")?;
-    section.set("stop_s", &mut settings.stop_s, |s| s)?;
-    section.set_whole("revolutions", &mut settings.revolutions, "a whole number from 1 to 10,000")?;
-    section.set_whole("units_per_cycle", &mut settings.slices_per_cycle, "a whole number from 1 to 16")?;
-    settings.filter = section.whole("filter_upr", "a cut-off of 15, 50, 150 or 500 UPR")?;
+    section.store_whole(index_tolerance, "spindle_index_tolerance_counts", "a whole number of counts")?;
+    section.store(&mut settings.stop_s, "stop_s", |seconds| seconds)?;
+    section.store_whole(&mut settings.revolutions, "revolutions", "a whole number from 1 to 10,000")?;
+    section.store_whole(&mut settings.slices_per_cycle, "units_per_cycle", "a whole number from 1 to 16")?;
+    // No cut-off fits into the type and is not read from the file.
+    const NONE: u16 = u16::MAX;
+    let mut cut_off = NONE;
+    section.store_whole(&mut cut_off, "filter_upr", "a cut-off of 15, 50, 150 or 500 UPR")?;
+    settings.filter = (cut_off != NONE).then_some(cut_off);
     read_probes(section, &mut settings.probes)
 }
 
 fn read_probes(section: &Section<'_>, probes: &mut [ProbeSettings; 3]) -> Result<(), FileError> {
     let mut gains = probes.map(|probe| probe.gain_um);
-    section.set_all("probe_gain_um", &mut gains)?;
+    section.store_all(&mut gains, "probe_gain_um")?;
     let mut zeros = probes.map(|probe| probe.zero);
-    section.set_all("probe_zero", &mut zeros)?;
+    section.store_all(&mut zeros, "probe_zero")?;
     let mut low = probes.map(|probe| probe.range[0]);
-    section.set_all("probe_low", &mut low)?;
+    section.store_all(&mut low, "probe_low")?;
     let mut high = probes.map(|probe| probe.range[1]);
-    section.set_all("probe_high", &mut high)?;
+    section.store_all(&mut high, "probe_high")?;
     for (i, probe) in probes.iter_mut().enumerate() {
         *probe = ProbeSettings { gain_um: gains[i], zero: zeros[i], range: [low[i], high[i]] };
     }
@@ -108,17 +137,24 @@ fn read_probes(section: &Section<'_>, probes: &mut [ProbeSettings; 3]) -> Result
 }
 
 fn read_arm(section: &Section<'_>) -> Result<ArmSettings, FileError> {
-    let length = |key| {
-        let found = section.number(key)?.ok_or_else(|| section.missing(key, "a length of the linkage"))?;
-        Ok::<_, FileError>(found.value)
+    let mut arm = ArmSettings {
+        lengths: Arm { crank_mm: 0.0, wheel_mm: 0.0, pin_mm: 0.0 },
+        counts: 0,
+        direction: 1,
+        tolerance_deg: 1.0,
     };
-    let lengths = Arm { crank_mm: length("crank_mm")?, wheel_mm: length("wheel_mm")?, pin_mm: length("pin_mm")? };
+    let lengths = &mut arm.lengths;
+    for (key, to) in
+        [("crank_mm", &mut lengths.crank_mm), ("wheel_mm", &mut lengths.wheel_mm), ("pin_mm", &mut lengths.pin_mm)]
+    {
+        *to = section.number(key)?.ok_or_else(|| section.missing(key, "a length of the linkage"))?.value;
+    }
     let counts = section
-        .whole("counts_per_revolution", COUNTS)?
+        .number("counts_per_revolution")?
         .ok_or_else(|| section.missing("counts_per_revolution", "the counts of the arm's encoder in a full turn"))?;
-    let mut arm = ArmSettings { lengths, counts, direction: 1, tolerance_deg: 1.0 };
-    section.set_direction("direction", &mut arm.direction)?;
-    section.set("tolerance_deg", &mut arm.tolerance_deg, |degrees| degrees)?;
+    arm.counts = whole(section, &counts, COUNTS)?;
+    section.store_direction(&mut arm.direction, "direction")?;
+    section.store(&mut arm.tolerance_deg, "tolerance_deg", |degrees| degrees)?;
     Ok(arm)
 }
 
@@ -139,13 +175,13 @@ fn read_infeed(section: &Section<'_>, settings: &GaugeSettings) -> Result<Infeed
         limit_um: 20.0,
         noise_gain_limit: INFEED_NOISE_GAIN_LIMIT,
     };
-    section.set_direction("direction", &mut infeed.direction)?;
-    section.set("gain", &mut infeed.gain, |gain| gain)?;
-    section.set_whole("delay_revolutions", &mut infeed.delay_revolutions, "a whole number from 1 to 16")?;
-    section.set("contact_deg", &mut infeed.contact_deg, |degrees| degrees)?;
-    section.set("drive_delay_s", &mut infeed.drive_delay_s, |s| s)?;
-    section.set("limit_um", &mut infeed.limit_um, |um| um)?;
-    section.set("noise_gain_limit", &mut infeed.noise_gain_limit, |limit| limit)?;
-    read_band(section, &mut infeed.band)?;
+    section.store_direction(&mut infeed.direction, "direction")?;
+    section.store(&mut infeed.gain, "gain", |gain| gain)?;
+    section.store_whole(&mut infeed.delay_revolutions, "delay_revolutions", "a whole number from 1 to 16")?;
+    section.store(&mut infeed.contact_deg, "contact_deg", |degrees| degrees)?;
+    section.store(&mut infeed.drive_delay_s, "drive_delay_s", |seconds| seconds)?;
+    section.store(&mut infeed.limit_um, "limit_um", |um| um)?;
+    section.store(&mut infeed.noise_gain_limit, "noise_gain_limit", |limit| limit)?;
+    section.store_band(&mut infeed.band, "harmonics")?;
     Ok(infeed)
 }

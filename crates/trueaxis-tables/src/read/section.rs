@@ -7,7 +7,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A value with its line.
+/// A value with the place it stands at.
 pub(super) struct Found<T> {
     pub(super) value: T,
     pub(super) line: u32,
@@ -15,12 +15,6 @@ pub(super) struct Found<T> {
     pub(super) key: String,
     /// As written.
     pub(super) text: String,
-}
-
-/// The line, from 1, of a byte of a text.
-pub(super) fn line(text: &str, offset: usize) -> u32 {
-    let before = text.as_bytes().get(..offset).unwrap_or_default();
-    u32::try_from(1 + before.iter().filter(|byte| **byte == b'\n').count()).unwrap_or(0)
 }
 
 /// A section, e.g. `[axis.X.limits]`.
@@ -35,6 +29,12 @@ pub(super) struct Section<'a> {
     numbers: &'a RefCell<Vec<(String, usize)>>,
 }
 
+/// The line at which a span begins, from 1.
+pub(super) fn line(text: &str, span: &Range<usize>) -> u32 {
+    let before = text.as_bytes().get(..span.start).unwrap_or_default();
+    u32::try_from(1 + before.iter().filter(|byte| **byte == b'\n').count()).unwrap_or(0)
+}
+
 impl<'a> Section<'a> {
     pub(super) fn new(
         origin: &'a Origin,
@@ -45,9 +45,13 @@ impl<'a> Section<'a> {
         Section { origin, text, table, prefix: String::new(), asked: RefCell::default(), numbers }
     }
 
+    fn line(&self, span: &Range<usize>) -> u32 {
+        line(self.text, span)
+    }
+
     fn refuse(&self, key: &str, span: &Range<usize>, needed: impl Into<String>) -> FileError {
         let found = self.text.get(span.clone()).unwrap_or_default();
-        self.origin.at(line(self.text, span.start), &format!("{}{key}", self.prefix), found, needed)
+        self.origin.at(self.line(span), &format!("{}{key}", self.prefix), found, needed)
     }
 
     fn value(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
@@ -57,7 +61,7 @@ impl<'a> Section<'a> {
 
     fn found<T>(&self, key: &str, span: &Range<usize>, value: T) -> Found<T> {
         let text = self.text.get(span.clone()).unwrap_or_default().to_owned();
-        Found { value, line: line(self.text, span.start), key: format!("{}{key}", self.prefix), text }
+        Found { value, line: self.line(span), key: format!("{}{key}", self.prefix), text }
     }
 
     fn plain_number(&self, key: &str, value: &Spanned<DeValue<'a>>) -> Result<f64, FileError> {
@@ -72,6 +76,24 @@ impl<'a> Section<'a> {
             Some(number) if number.is_finite() => Ok(number),
             _ => Err(self.refuse(key, &value.span(), "a finite number")),
         }
+    }
+
+    /// Stores a number, converted, where the key is given.
+    pub(super) fn store(&self, to: &mut f64, key: &str, convert: impl Fn(f64) -> f64) -> Result<(), FileError> {
+        if let Some(found) = self.number(key)? {
+            *to = convert(found.value);
+        }
+        Ok(())
+    }
+
+    /// Stores a list of numbers where the key is given; whether it is.
+    pub(super) fn store_all<const N: usize>(&self, to: &mut [f64; N], key: &str) -> Result<bool, FileError> {
+        let found = self.numbers(key)?;
+        let given = found.is_some();
+        if let Some(found) = found {
+            *to = found.value;
+        }
+        Ok(given)
     }
 
     /// A finite number.
@@ -94,51 +116,6 @@ impl<'a> Section<'a> {
             *number = self.plain_number(key, value)?;
         }
         Ok(Some(self.found(key, &value.span(), numbers)))
-    }
-
-    /// Stores a number where the key is given.
-    pub(super) fn set(&self, key: &str, to: &mut f64, convert: impl Fn(f64) -> f64) -> Result<(), FileError> {
-        if let Some(found) = self.number(key)? {
-            *to = convert(found.value);
-        }
-        Ok(())
-    }
-
-    /// Stores a list of numbers where the key is given; whether it is.
-    pub(super) fn set_all<const N: usize>(&self, key: &str, to: &mut [f64; N]) -> Result<bool, FileError> {
-        let found = self.numbers(key)?;
-        let given = found.is_some();
-        *to = found.map_or(*to, |found| found.value);
-        Ok(given)
-    }
-
-    /// A whole number that fits into its type.
-    pub(super) fn whole<T: TryFrom<i64>>(&self, key: &str, needed: &str) -> Result<Option<T>, FileError> {
-        let Some(found) = self.number(key)? else { return Ok(None) };
-        let value = found.value;
-        let whole = (value.fract() == 0.0 && value.abs() < 9e15).then_some(value as i64);
-        let whole = whole.and_then(|value| T::try_from(value).ok()).ok_or_else(|| self.wrong(&found, needed))?;
-        Ok(Some(whole))
-    }
-
-    /// Stores a whole number where the key is given.
-    pub(super) fn set_whole<T: TryFrom<i64>>(&self, key: &str, to: &mut T, needed: &str) -> Result<(), FileError> {
-        if let Some(value) = self.whole(key, needed)? {
-            *to = value;
-        }
-        Ok(())
-    }
-
-    /// Stores the sense of an axis where the key is given.
-    pub(super) fn set_direction(&self, key: &str, to: &mut i8) -> Result<(), FileError> {
-        if let Some(found) = self.number(key)? {
-            *to = match found.value {
-                1.0 => 1,
-                -1.0 => -1,
-                _ => return Err(self.wrong(&found, "1 or -1")),
-            };
-        }
-        Ok(())
     }
 
     /// A string.

@@ -29,21 +29,31 @@ pub(super) fn machine(machine: &MachineSettings) -> Result<(), ConfigError> {
     LENGTH.all(tool_mm, Field::Tool, None)?;
     TEMPERATURE.check(*reference_temperature_c, Field::ReferenceTemperature, None)?;
     let LocationErrors { a0z, b0z, c0y, rotary } = location;
-    ROTATION.all(&[*a0z, *b0z, *c0y], Field::Location, None)?;
+    for (error, field) in [(a0z, Field::LocationA0Z), (b0z, Field::LocationB0Z), (c0y, Field::LocationC0Y)] {
+        ROTATION.check(*error, field, None)?;
+    }
     for ([ex, ey, ez, ea, eb, ec], axis) in rotary.iter().zip([Axis::A, Axis::B, Axis::C]) {
-        TRANSLATION.all(&[*ex, *ey, *ez], Field::Location, Some(axis))?;
-        let turned = |error: ConfigError| error.at(3 + error.index.unwrap_or(0) as usize);
-        ROTATION.all(&[*ea, *eb, *ec], Field::Location, Some(axis)).map_err(turned)?;
+        for (error, field) in [(ex, Field::LocationEx), (ey, Field::LocationEy), (ez, Field::LocationEz)] {
+            TRANSLATION.check(*error, field, Some(axis))?;
+        }
+        for (error, field) in [(ea, Field::LocationEa), (eb, Field::LocationEb), (ec, Field::LocationEc)] {
+            ROTATION.check(*error, field, Some(axis))?;
+        }
     }
     let FaultSettings { resume, command_jump_factor, feedback_jump, stuck } = faults;
-    for (pair, key) in [(resume, "resume"), (feedback_jump, "feedback_jump"), (stuck, "stuck")] {
-        PLAUSIBLE.all(pair, Field::Faults, None).map_err(|error| error.of(key))?;
+    for ([mm, deg], in_mm, in_deg) in [
+        (resume, Field::ResumeMm, Field::ResumeDeg),
+        (feedback_jump, Field::FeedbackJumpMm, Field::FeedbackJumpDeg),
+        (stuck, Field::StuckMm, Field::StuckDeg),
+    ] {
+        PLAUSIBLE.check(*mm, in_mm, None)?;
+        PLAUSIBLE.check(*deg, in_deg, None)?;
     }
-    JUMP_FACTOR.check(*command_jump_factor, Field::Faults, None).map_err(|error| error.of("command_jump_factor"))?;
-    LAG.check(*max_lag_mm, Field::Contour, None)?;
-    FADE.check(*fade_deg, Field::Compensation, None)?;
-    TOOL_AXIS.all(tool_axis, Field::Kinematics, None).map_err(|error| error.of("tool_axis"))?;
-    SINGULAR_CONE.check(*singular_cone_deg, Field::Kinematics, None).map_err(|error| error.of("singular_cone"))?;
+    JUMP_FACTOR.check(*command_jump_factor, Field::CommandJumpFactor, None)?;
+    LAG.check(*max_lag_mm, Field::MaxLag, None)?;
+    FADE.check(*fade_deg, Field::Fade, None)?;
+    TOOL_AXIS.all(tool_axis, Field::ToolAxis, None)?;
+    SINGULAR_CONE.check(*singular_cone_deg, Field::SingularCone, None)?;
     axes.iter().try_for_each(of_axis)
 }
 
@@ -79,9 +89,9 @@ fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {
     BACKLASH.of(axis).check(*backlash, Field::Backlash, on)?;
     HYSTERESIS.of(axis).check(*hysteresis, Field::Hysteresis, on)?;
     if let Some(step) = encoder_resolution {
-        ENCODER_STEP.of(axis).check(*step, Field::Encoder, on)?;
+        ENCODER_STEP.of(axis).check(*step, Field::EncoderResolution, on)?;
     }
-    THERMAL_OFFSET.of(axis).check(*offset_per_k, Field::Thermal, on).map_err(|error| error.of("offset"))?;
-    EXPANSION.check(*expansion_per_k, Field::Thermal, on).map_err(|error| error.of("expansion"))?;
-    POSITION.of(axis).check(*datum, Field::Thermal, on).map_err(|error| error.of("datum"))
+    THERMAL_OFFSET.of(axis).check(*offset_per_k, Field::ThermalOffset, on)?;
+    EXPANSION.check(*expansion_per_k, Field::ThermalExpansion, on)?;
+    POSITION.of(axis).check(*datum, Field::ThermalDatum, on)
 }

@@ -336,7 +336,7 @@ fn the_hysteresis_spans_the_steps_of_the_encoder() {
     machine.axes[2].hysteresis = 0.6e-3;
     assert_eq!(reversal(&machine, of(own, own)), Ok(()));
     machine.axes[2].encoder_resolution = Some(0.0);
-    assert_eq!(settings(&machine).unwrap_err().field, Field::Encoder);
+    assert_eq!(settings(&machine).unwrap_err().field, Field::EncoderResolution);
 }
 
 #[test]

@@ -29,6 +29,7 @@ pub type Errors<R, const N: usize> = [R; N];
 /// Error of the tool's pose relative to the workpiece, actual − ideal, in bed axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct PoseError<R: Real> {
     /// Of the tip, mm.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]

@@ -100,10 +100,10 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         const { assert!(K >= 2, "a window of at least two pieces") };
         let size = libm::sqrt(plane.iter().map(|x| x * x).sum());
         if !(1e-6..1e9).contains(&size) {
-            return Err(ConfigError::new(Field::Contour, size, "a plane's normal of length 1e-6 to 1e9"));
+            return Err(ConfigError::new(Field::CommandWindow, size, "a plane's normal of length 1e-6 to 1e9"));
         }
         if !(1e-3..=1.0).contains(&spacing_mm) {
-            return Err(ConfigError::new(Field::Contour, spacing_mm, "a spacing of 0.001 to 1 mm"));
+            return Err(ConfigError::new(Field::CommandWindow, spacing_mm, "a spacing of 0.001 to 1 mm"));
         }
         let plane = plane.map(|x| R::of(x / size));
         let zero = [P::default(); 3];

@@ -80,6 +80,7 @@ impl Flags {
 /// Contour error in a cycle; lengths in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct ContourError<R: Real> {
     /// Span on which the foot lies.
     pub span: u32,

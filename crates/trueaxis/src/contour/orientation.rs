@@ -309,6 +309,7 @@ fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R
 /// Orientation contour error of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct OrientationError<R: Real> {
     /// Angle between the tool and the path's direction at the foot, rad, 0 to π.
     pub angle: R,

@@ -64,7 +64,7 @@ impl<R: Real> ContourSearch<R> {
     /// # Errors
     /// Not within [`LAG`].
     pub fn new(max_lag_mm: f64, method: Method) -> Result<Self, ConfigError> {
-        LAG.check(max_lag_mm, Field::Contour, None)?;
+        LAG.check(max_lag_mm, Field::MaxLag, None)?;
         Ok(ContourSearch { max_lag: R::of(max_lag_mm), method })
     }
 

@@ -115,7 +115,7 @@ impl<R: Real> Chain<R> {
             };
             if lever < LEAST_LEVER * LEAST_LEVER {
                 let needed = "a tool_axis that the rotary axis nearest the tool can turn, not one along it";
-                return Err(ConfigError::new(Field::Kinematics, libm::sqrt(lever), needed).on(second.axis));
+                return Err(ConfigError::new(Field::ToolAxis, libm::sqrt(lever), needed).on(second.axis));
             }
         }
         for (section, offset) in chain.sections.iter_mut().zip(offsets) {

@@ -72,14 +72,14 @@ impl<R: Real> Kinematics<R> {
         let [x, y, z] = machine.kinematics.tool_axis;
         let length = libm::sqrt(x * x + y * y + z * z);
         if !(1e-3..=1e3).contains(&length) {
-            return Err(ConfigError::new(Field::Kinematics, length, "a tool_axis of a length of about 1"));
+            return Err(ConfigError::new(Field::ToolAxis, length, "a tool_axis of a length of about 1"));
         }
         if let Some(bad) = machine.tool_mm.iter().find(|value| !value.is_finite()) {
             return Err(ConfigError::new(Field::Tool, *bad, "finite numbers"));
         }
         let cone = machine.kinematics.singular_cone_deg;
         if !(0.0..=45.0).contains(&cone) {
-            return Err(ConfigError::new(Field::Kinematics, cone, "a singular_cone_deg of 0 to 45 degrees"));
+            return Err(ConfigError::new(Field::SingularCone, cone, "a singular_cone_deg of 0 to 45 degrees"));
         }
         let tool_axis = [x / length, y / length, z / length];
         Ok(Kinematics {

@@ -77,6 +77,14 @@ pub enum ProbeAngles {
 }
 
 impl ProbeAngles {
+    /// The setting that gives them.
+    pub(super) const fn field(self) -> Field {
+        match self {
+            ProbeAngles::Slots { .. } => Field::ProbeSlots,
+            ProbeAngles::Degrees { .. } => Field::ProbeAngles,
+        }
+    }
+
     /// Checks the angles against the number of points and works out the weights.
     ///
     /// # Errors
@@ -87,7 +95,7 @@ impl ProbeAngles {
                 for (index, slots) in [(0, p), (1, q)] {
                     if slots == 0 || usize::from(slots) >= points {
                         let needed = "p and q from 1 to N − 1";
-                        return Err(ConfigError::new(Field::ProbeAngles, f64::from(slots), needed).at(index));
+                        return Err(ConfigError::new(Field::ProbeSlots, f64::from(slots), needed).at(index));
                     }
                 }
                 [p, q].map(|slots| TAU * f64::from(slots) / points as f64)
@@ -102,12 +110,12 @@ impl ProbeAngles {
         for (index, angle) in [(0, phi2), (1, phi3)] {
             if libm::fabs(libm::sin(angle)) < 1e-9 {
                 let needed = "angles that are no multiple of 180°: two probes on one line through the centre";
-                return Err(ConfigError::new(Field::ProbeAngles, angle.to_degrees(), needed).at(index));
+                return Err(ConfigError::new(self.field(), angle.to_degrees(), needed).at(index));
             }
         }
         if libm::fabs(libm::sin(0.5 * (phi2 + phi3))) < 1e-9 {
             let needed = "φ2 + φ3 no multiple of 360°: probes 1 and 3 stand in one place";
-            return Err(ConfigError::new(Field::ProbeAngles, (phi2 + phi3).to_degrees(), needed));
+            return Err(ConfigError::new(self.field(), (phi2 + phi3).to_degrees(), needed));
         }
         let slots = match self {
             ProbeAngles::Slots { p, q } => Some([usize::from(p), usize::from(q)]),

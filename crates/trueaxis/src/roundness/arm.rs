@@ -29,9 +29,9 @@ impl Arm {
     /// Every length in its range.
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         let Arm { crank_mm, wheel_mm, pin_mm } = *self;
-        CRANK.check(crank_mm, Field::Arm, None).map_err(|error| error.of("crank").at(0))?;
-        RADIUS.check(wheel_mm, Field::Arm, None).map_err(|error| error.of("wheel").at(1))?;
-        RADIUS.check(pin_mm, Field::Arm, None).map_err(|error| error.of("pin").at(2))
+        CRANK.check(crank_mm, Field::ArmCrank, None)?;
+        RADIUS.check(wheel_mm, Field::ArmWheel, None)?;
+        RADIUS.check(pin_mm, Field::ArmPin, None)
     }
 
     /// λ = R/(R_S + R_W).
@@ -43,7 +43,7 @@ impl Arm {
         self.check()?;
         if self.crank_mm >= self.wheel_mm + self.pin_mm {
             let needed = "a crank throw R below R_S + R_W: the linkage cannot close";
-            return Err(ConfigError::new(Field::Arm, self.crank_mm, needed).of("crank").at(0));
+            return Err(ConfigError::new(Field::ArmCrank, self.crank_mm, needed));
         }
         Ok(self.crank_mm / (self.wheel_mm + self.pin_mm))
     }
@@ -80,8 +80,8 @@ mod tests {
         assert!(arm(330.0, 300.0, 30.0).is_err());
         assert!(arm(329.9, 300.0, 30.0).is_ok());
         assert_eq!(arm(0.0, 300.0, 30.0), Ok(0.0));
-        assert_eq!(arm(40.0, 0.0, 50.0).unwrap_err().index, Some(1));
-        assert_eq!(arm(40.0, f64::NAN, 50.0).unwrap_err().index, Some(1));
-        assert_eq!(arm(-1.0, 300.0, 50.0).unwrap_err().index, Some(0));
+        assert_eq!(arm(40.0, 0.0, 50.0).unwrap_err().field, Field::ArmWheel);
+        assert_eq!(arm(40.0, f64::NAN, 50.0).unwrap_err().field, Field::ArmWheel);
+        assert_eq!(arm(-1.0, 300.0, 50.0).unwrap_err().field, Field::ArmCrank);
     }
 }

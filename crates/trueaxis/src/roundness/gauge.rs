@@ -90,7 +90,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     /// There is no arm, or the linkage could not close.
     pub fn set_wheel(&self, state: &mut GaugeState<R, N>, wheel_mm: f64) -> Result<(), ConfigError> {
         let Some(arm) = self.arm else {
-            return Err(ConfigError::new(Field::Arm, wheel_mm, "a gauge with a following arm"));
+            return Err(ConfigError::new(Field::ArmWheel, wheel_mm, "a gauge with a following arm"));
         };
         state.work.ratio = Some(R::of(Arm { wheel_mm, ..arm }.ratio()?));
         Ok(())

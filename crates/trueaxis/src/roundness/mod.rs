@@ -120,6 +120,7 @@ pub enum Followed {
 /// Results of one revolution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Evaluation<R> {
     /// Counts whole revolutions that were sampled, from 1, wrapping.
     pub revolution: u32,

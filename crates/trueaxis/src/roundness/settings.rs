@@ -152,7 +152,7 @@ impl GaugeSettings {
     /// Checks everything and resolves the angles.
     ///
     /// # Errors
-    /// The first setting that is wrong. A harmonic in the band that the probes cannot see is `Field::ProbeAngles` with
+    /// The first setting that is wrong. A harmonic in the band that the probes cannot see is the angles or slots with
     /// the harmonic found; [`Gain::singular`] names all of them.
     pub fn check(&self) -> Result<Gain, ConfigError> {
         let points = usize::from(self.points);
@@ -165,85 +165,86 @@ impl GaugeSettings {
         let gain = self.angles.resolve(points)?;
         if let Some(harmonic) = gain.singular(self.band).next() {
             let needed = "angles that see every harmonic of the band";
-            return Err(ConfigError::new(Field::ProbeAngles, f64::from(harmonic), needed));
+            return Err(ConfigError::new(self.angles.field(), f64::from(harmonic), needed));
         }
         scalars(self)?;
         for (index, probe) in self.probes.iter().enumerate() {
             let [low, high] = probe.range;
             if low >= high {
-                return Err(ConfigError::new(Field::Probe, high, "a range from low to high")
-                    .of("probe_high")
-                    .at(index));
+                return Err(ConfigError::new(Field::ProbeHigh, high, "a range from low to high").at(index));
             }
         }
-        encoder(self.spindle.counts, self.spindle.direction, Field::Spindle)?;
+        encoder(self.spindle.counts, self.spindle.direction, [Field::SpindleCounts, Field::SpindleDirection])?;
         let counts = f64::from(self.spindle.counts);
-        need(counts >= f64::from(self.points), Field::Spindle, counts, "at least as many counts as points")
-            .map_err(|error| error.of("spindle_counts_per_revolution"))?;
+        need(counts >= f64::from(self.points), Field::SpindleCounts, counts, "at least as many counts as points")?;
         let tolerance = self.spindle.index_tolerance;
         need(
             tolerance < self.spindle.counts / 4,
-            Field::Spindle,
+            Field::SpindleIndexTolerance,
             f64::from(tolerance),
             "an index tolerance below a quarter turn",
-        )
-        .map_err(|error| error.of("spindle_index_tolerance_counts"))?;
+        )?;
         if let Some(arm) = &self.arm {
             let ratio = arm.lengths.ratio()?;
             let needed = "a crank throw R of at most 0.99 (R_S + R_W): beyond, the arm stands across";
-            need(ratio <= 0.99, Field::Arm, arm.lengths.crank_mm, needed).map_err(|error| error.of("crank"))?;
-            encoder(arm.counts, arm.direction, Field::Arm)?;
+            need(ratio <= 0.99, Field::ArmCrank, arm.lengths.crank_mm, needed)?;
+            encoder(arm.counts, arm.direction, [Field::ArmCounts, Field::ArmDirection])?;
         }
         self.filter.map_or(Ok(()), filter::check)?;
         let revolutions = f64::from(self.revolutions);
-        need((1..=10_000).contains(&self.revolutions), Field::Revolutions, revolutions, "1 to 10,000 revolutions")
-            .map_err(|error| error.of("revolutions"))?;
+        need((1..=10_000).contains(&self.revolutions), Field::Revolutions, revolutions, "1 to 10,000 revolutions")?;
         let units = f64::from(self.slices_per_cycle);
-        need((1..=16).contains(&self.slices_per_cycle), Field::Revolutions, units, "1 to 16 units per cycle")
-            .map_err(|error| error.of("units_per_cycle"))?;
+        need((1..=16).contains(&self.slices_per_cycle), Field::UnitsPerCycle, units, "1 to 16 units per cycle")?;
         if let Some(infeed) = &self.infeed {
             infeed.check(points)?;
             for harmonic in [infeed.band.first, infeed.band.last] {
                 let inside = self.band.contains(harmonic);
-                let needed = "harmonics within those that are separated";
-                need(inside, Field::Infeed, f64::from(harmonic), needed).map_err(|error| error.of("harmonics"))?;
+                need(inside, Field::InfeedHarmonics, f64::from(harmonic), "harmonics within those that are separated")?;
             }
         }
         Ok(gain)
     }
 }
 
-fn encoder(counts: u32, direction: i8, field: Field) -> Result<(), ConfigError> {
+fn encoder(counts: u32, direction: i8, [of_counts, of_direction]: [Field; 2]) -> Result<(), ConfigError> {
     if !(1..=MOST_COUNTS).contains(&counts) {
-        let error = ConfigError::new(field, f64::from(counts), "1 to 2^28 counts per revolution");
-        return Err(error.of("counts_per_revolution"));
+        return Err(ConfigError::new(of_counts, f64::from(counts), "1 to 2^28 counts per revolution"));
     }
     if !matches!(direction, 1 | -1) {
-        return Err(ConfigError::new(field, f64::from(direction), "a direction of +1 or -1").of("direction"));
+        return Err(ConfigError::new(of_direction, f64::from(direction), "a direction of +1 or -1"));
     }
     Ok(())
 }
 
 impl InfeedSettings {
     fn check(&self, points: usize) -> Result<(), ConfigError> {
-        let need = |holds: bool, key, found: f64, needed| {
-            if holds { Ok(()) } else { Err(ConfigError::new(Field::Infeed, found, needed).of(key)) }
+        let need = |holds: bool, field, found: f64, needed| {
+            if holds { Ok(()) } else { Err(ConfigError::new(field, found, needed)) }
         };
-        need(!self.axis.is_rotary(), "axis", self.axis.index() as f64, "a linear axis")?;
-        need(matches!(self.direction, 1 | -1), "direction", f64::from(self.direction), "a direction of +1 or -1")?;
-        let of_infeed = |error| ConfigError { field: Field::Infeed, key: "harmonics", ..error };
-        self.band.check(points).map_err(of_infeed)?;
+        need(!self.axis.is_rotary(), Field::InfeedAxis, self.axis.index() as f64, "a linear axis")?;
+        need(
+            matches!(self.direction, 1 | -1),
+            Field::InfeedDirection,
+            f64::from(self.direction),
+            "a direction of +1 or -1",
+        )?;
+        self.band.check(points).map_err(|error| ConfigError { field: Field::InfeedHarmonics, ..error })?;
         // Four points carry the correction between the slots: enough up to an eighth of them.
-        need(8 * usize::from(self.band.last) <= points, "harmonics", f64::from(self.band.last), "harmonics up to N/8")?;
+        need(
+            8 * usize::from(self.band.last) <= points,
+            Field::InfeedHarmonics,
+            f64::from(self.band.last),
+            "harmonics up to N/8",
+        )?;
         need(
             (1..=16).contains(&self.delay_revolutions),
-            "delay_revolutions",
+            Field::InfeedDelay,
             f64::from(self.delay_revolutions),
             "a delay of 1 to 16 revolutions",
         )?;
         // Half the stability limit: room for what the model of the process leaves out.
         let most = 0.5 * gain_limit(self.delay_revolutions);
-        need(self.gain <= most, "gain", self.gain, "a gain above 0 and at most sin(π/(2(2D + 1)))")
+        need(self.gain <= most, Field::InfeedGain, self.gain, "a gain above 0 and at most sin(π/(2(2D + 1)))")
     }
 }
 
@@ -264,20 +265,20 @@ fn scalars(settings: &GaugeSettings) -> Result<(), ConfigError> {
         stop_s,
         infeed,
     } = settings;
-    NOISE_GAIN.check(*noise_gain_limit, Field::ProbeAngles, None).map_err(|error| error.of("noise_gain_limit"))?;
+    NOISE_GAIN.check(*noise_gain_limit, Field::NoiseGain, None)?;
     for (index, ProbeSettings { gain_um, zero, range: [low, high] }) in probes.iter().enumerate() {
-        for (raw, key) in [(zero, "probe_zero"), (low, "probe_low"), (high, "probe_high")] {
-            PROBE_RAW.check(*raw, Field::Probe, None).map_err(|error| error.of(key).at(index))?;
+        for (raw, field) in [(zero, Field::ProbeZero), (low, Field::ProbeLow), (high, Field::ProbeHigh)] {
+            PROBE_RAW.check(*raw, field, None).map_err(|error| error.at(index))?;
         }
         if !PROBE_GAIN.contains(gain_um.abs()) {
-            return Err(ConfigError::new(Field::Probe, *gain_um, PROBE_GAIN.needed).of("probe_gain").at(index));
+            return Err(ConfigError::new(Field::ProbeGain, *gain_um, PROBE_GAIN.needed).at(index));
         }
     }
     if let Some(ArmSettings { lengths, counts: _, direction: _, tolerance_deg }) = arm {
         lengths.check()?;
-        ARM_TOLERANCE.check(*tolerance_deg, Field::Arm, None).map_err(|error| error.of("tolerance"))?;
+        ARM_TOLERANCE.check(*tolerance_deg, Field::ArmTolerance, None)?;
     }
-    STOP.check(*stop_s, Field::Spindle, None).map_err(|error| error.of("stop"))?;
+    STOP.check(*stop_s, Field::Stop, None)?;
     let Some(infeed) = infeed else { return Ok(()) };
     let InfeedSettings {
         axis: _,
@@ -290,14 +291,9 @@ fn scalars(settings: &GaugeSettings) -> Result<(), ConfigError> {
         limit_um,
         noise_gain_limit,
     } = infeed;
-    for (range, value, key) in [
-        (&INFEED_GAIN, gain, "gain"),
-        (&ANGLE, contact_deg, "contact"),
-        (&DRIVE_DELAY, drive_delay_s, "drive_delay"),
-        (&INFEED, limit_um, "limit"),
-        (&NOISE_GAIN, noise_gain_limit, "noise_gain_limit"),
-    ] {
-        range.check(*value, Field::Infeed, None).map_err(|error| error.of(key))?;
-    }
-    Ok(())
+    INFEED_GAIN.check(*gain, Field::InfeedGain, None)?;
+    ANGLE.check(*contact_deg, Field::InfeedContact, None)?;
+    DRIVE_DELAY.check(*drive_delay_s, Field::InfeedDriveDelay, None)?;
+    INFEED.check(*limit_um, Field::InfeedLimit, None)?;
+    NOISE_GAIN.check(*noise_gain_limit, Field::InfeedNoiseGain, None)
 }

@@ -38,6 +38,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
 /// A stage of the step, in the order in which they run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Stage {
     /// Command and readings looked at ([`crate::sample`]).
     Sample,
@@ -54,6 +55,7 @@ pub enum Stage {
 /// What a cycle gives back.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Output<R: Real, P, const N: usize> {
     /// Corrected positions for the drives, mm (deg). Not to be written where [`Output::has_drive`] says no.
     pub drive: [P; N],

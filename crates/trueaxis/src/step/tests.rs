@@ -31,7 +31,7 @@ pub(super) fn servo_loop(scale: f64) -> &'static Loop {
 }
 
 /// The same in other scalars, with other settings of every axis.
-fn servo_loop_with<R: Real, P: Position>(
+pub(super) fn servo_loop_with<R: Real, P: Position>(
     scale: f64,
     change: impl Fn(&mut AxisSettings),
 ) -> &'static ServoLoop<'static, R, P, 3> {

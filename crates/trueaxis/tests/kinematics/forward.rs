@@ -90,7 +90,7 @@ fn machines_that_it_cannot_transform_are_refused() {
     assert_eq!((error.field, error.axis), (Field::Chain, Some(Axis::A)));
     // A spindle along z is not turned by C next to it.
     let error = refused(&machine("w A' X' b Y Z C t"));
-    assert_eq!((error.field, error.axis), (Field::Kinematics, Some(Axis::C)));
+    assert_eq!((error.field, error.axis), (Field::ToolAxis, Some(Axis::C)));
     let mut twice = machine("w X' b Y Z t");
     twice.chain = heapless::String::try_from("w X' b Y Z Y t").unwrap();
     assert_eq!(refused(&twice).field, Field::Chain);
@@ -98,9 +98,9 @@ fn machines_that_it_cannot_transform_are_refused() {
     assert_eq!(refused(&twice).axis, Some(Axis::C));
     let mut odd = machine("w X' b Y Z t");
     odd.kinematics.tool_axis = [f64::NAN, 0.0, 1.0];
-    assert_eq!(refused(&odd).field, Field::Kinematics);
+    assert_eq!(refused(&odd).field, Field::ToolAxis);
     odd.kinematics.tool_axis = [0.0; 3];
-    assert_eq!(refused(&odd).field, Field::Kinematics);
+    assert_eq!(refused(&odd).field, Field::ToolAxis);
     let mut odd = machine("w X' b Y Z t");
     of(&mut odd, Axis::Y).offset_mm[1] = f64::INFINITY;
     assert_eq!(refused(&odd).axis, Some(Axis::Y));

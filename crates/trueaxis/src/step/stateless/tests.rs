@@ -1,7 +1,7 @@
 use super::Conditions;
 use crate::compensation::{Direction, ThermalLine};
 use crate::error::Fault;
-use crate::step::tests::{PERIOD_NS, servo_loop};
+use crate::step::tests::{PERIOD_NS, servo_loop, servo_loop_with};
 
 #[test]
 fn the_correction_at_a_command_is_what_the_step_settles_to() {
@@ -37,10 +37,17 @@ fn positions_that_are_none_and_commands_beyond_the_travel_are_refused() {
     assert_eq!(servo.error_at(&[0.0, 150.0, 0.0], &forward), servo.error_at(&[0.0, 100.0, 0.0], &forward));
 }
 
+/// Every half of a table is one of two: a direction that were a mask of part of the bits would read beside it.
 #[test]
-fn directions_are_no_masks() {
-    assert_eq!(Conditions::<f64, 3>::default().directions, [Direction::POSITIVE; 3]);
-    assert_ne!(Direction::POSITIVE, Direction::NEGATIVE);
+fn negative_travel_reads_the_reverse_columns_and_the_backlash() {
+    let servo = servo_loop_with::<f64, f64>(1.0, |axis| axis.backlash = 0.004);
+    let forward = Conditions::default();
+    assert_eq!(forward.directions, [Direction::POSITIVE; 3]);
+    let reverse = Conditions { directions: [Direction::NEGATIVE; 3], ..forward };
+    for position in [0.0, 35.0, 100.0] {
+        let [there, back] = [forward, reverse].map(|at| servo.error_at(&[position; 3], &at).unwrap());
+        assert!((0..3).all(|k| (back[k] - there[k] - 0.004).abs() < 1e-12), "{there:?} {back:?}");
+    }
 }
 
 #[test]

@@ -1,0 +1,114 @@
+//! Reasons why something cannot be simulated.
+
+use crate::motion::MotionError;
+use crate::plant::PlantError;
+use crate::program::ProgramError;
+use crate::settings::SettingError;
+use trueaxis::contour::PathError;
+use trueaxis::tcomp::TcompError;
+use trueaxis::{ConfigError, Fault};
+use trueaxis_metrology::identification::Refused;
+use trueaxis_tables::exact::GeometryError;
+
+/// A machine, a program or settings that cannot be simulated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimError {
+    /// The program, with its line.
+    #[error(transparent)]
+    Program(#[from] ProgramError),
+    /// The machine's structure.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A setting.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// The plant.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// The machine's settings or tables.
+    #[error("{0}")]
+    Config(#[from] ConfigError),
+    /// The machine's kinematics.
+    #[error("kinematics: {0}")]
+    Kinematics(ConfigError),
+    /// The gauge's settings.
+    #[error("[roundness]: {0}")]
+    Gauge(ConfigError),
+    /// The tables as compiled.
+    #[error("compiled tables: {0}")]
+    Tables(#[from] TcompError),
+    /// The program's motion.
+    #[error("{program}: {error}")]
+    Motion {
+        /// Name of the program.
+        program: String,
+        /// The planner's reason.
+        error: MotionError,
+    },
+    /// A move that is no path.
+    #[error("{program}, line {line}: {error}")]
+    Path {
+        /// Name of the program.
+        program: String,
+        /// Line, from 1.
+        line: u32,
+        /// The reason.
+        error: PathError,
+    },
+    /// A line of the program that the machine cannot run.
+    #[error("{program}, line {line}: {found}, needed {needed}")]
+    Line {
+        /// Name of the program.
+        program: String,
+        /// Line, from 1.
+        line: u32,
+        /// Target of the line.
+        found: String,
+        /// Accepted instead.
+        needed: String,
+    },
+    /// A machine or setting that does not suit.
+    #[error("{what}: found {found}, needed {needed}")]
+    Unsuited {
+        /// The machine or setting.
+        what: String,
+        /// Its state.
+        found: String,
+        /// Accepted instead.
+        needed: String,
+    },
+    /// The step reports a fault where there must be none.
+    #[error("the step reports {fault:?} after {turns:.2} turns")]
+    Fault {
+        /// Fault code.
+        fault: Fault,
+        /// Turns of the spindle until then.
+        turns: f64,
+    },
+    /// The spindle does not get on.
+    #[error("the spindle has not turned {revolutions} times within {cycles} cycles")]
+    Spindle {
+        /// Turns asked for.
+        revolutions: u32,
+        /// Cycles run.
+        cycles: u64,
+    },
+    /// Errors that cannot be identified from readings.
+    #[error("{at}: {error}")]
+    Identification {
+        /// Axis or pose.
+        at: String,
+        /// The reason.
+        error: Refused,
+    },
+}
+
+impl SimError {
+    pub(crate) fn unsuited(what: impl Into<String>, found: impl Into<String>, needed: impl Into<String>) -> SimError {
+        SimError::Unsuited { what: what.into(), found: found.into(), needed: needed.into() }
+    }
+}
+
+/// Result with a [`SimError`].
+pub type Result<T, E = SimError> = std::result::Result<T, E>;

@@ -1,0 +1,172 @@
+//! Grinding a crankpin, with three probes on it and their infeed correction in the servo step.
+//!
+//! ```text
+//! spindle: α, motion of the pin's centre ─┬─► contact ─► workpiece (a surface on a fine grid) ─► harmonics, roundness
+//! linkage: β, θ = α + β                  ─┘      ▲            │
+//! X drive: delay, lag ───────────────────────────┘            ▼
+//!      ▲                                        probes at θ, θ + φ2, θ + φ2 + φ3; encoders
+//!      └──────────── step with gauge ◄──────────────────────┘
+//! ```
+//!
+//! The contact with the wheel is at the angle s = θ + ψ of the surface. The wheel's edge stands there at
+//!
+//! ```text
+//! level = level0 − x cos β − [R_Y cos(ψ + β) + R_X sin(ψ + β)]      µm; x: travel of the axis toward the workpiece
+//! ```
+//!
+//! and what is higher is removed: a centre that moves toward the wheel, or an axis that does, leaves a low spot (r < 0).
+//! The probes read `r + R_Y cos(φ + β) + R_X sin(φ + β)` of the same surface and the same motion. r > 0 is high.
+//!
+//! The programmed feed is a function of the spindle's turns that falls from roughing to a slow plunge, so that every
+//! point is touched in every revolution. The chase that keeps the wheel at the circling pin is taken for perfect: the
+//! axis carries feed and correction only.
+//!
+//! None of this uses the gauge's code: what the correction gains is read from the simulated surface.
+
+mod cell;
+mod control;
+mod event;
+mod infeed_drive;
+mod outcome;
+mod result;
+mod simulate;
+mod spindle;
+mod workpiece;
+
+pub use event::Event;
+pub use infeed_drive::InfeedDrive;
+pub use outcome::{Outcome, simulate};
+pub use result::{Moment, Revolution, Run};
+pub use simulate::{Simulation, run};
+pub use spindle::{CentreMotion, Linkage, Noise, Term, Turning, counts, sum};
+pub use workpiece::{CELLS, Harmonic, Workpiece, imprint};
+
+use crate::error::{Result, SimError};
+use trueaxis::roundness::{GaugeSettings, ProbeAngles};
+use trueaxis_tables::Machine;
+
+/// A pin to be ground: machine, speed, process and events.
+#[derive(Clone, Debug)]
+pub struct Grinding {
+    /// A machine of linear axes with a gauge and its infeed correction.
+    pub machine: Machine,
+    /// Servo rate.
+    pub rate_hz: f64,
+    /// Spindle speed.
+    pub speed_rpm: f64,
+    /// Turns of the spindle.
+    pub revolutions: u32,
+    /// Seed of the surface and of every noise.
+    pub seed: u64,
+    /// The process.
+    pub process: Process,
+    /// Events in between.
+    pub events: Vec<Event>,
+}
+
+/// The grinding process and its surroundings, as the plugin does not know them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Process {
+    /// Motion of the pin's centre.
+    pub motion: CentreMotion,
+    /// Taken off in roughing, µm of radius; the feed falls by 63 % in an eighth of the revolutions.
+    pub roughing_um: f64,
+    /// Feed that remains, µm of radius per revolution.
+    pub feed_um: f64,
+    /// Standard deviation of a probe's noise, µm.
+    pub probe_noise_um: f64,
+    /// Pure delay of the infeed drive, s.
+    pub delay_s: f64,
+    /// First-order lag of the infeed drive, s.
+    pub lag_s: f64,
+}
+
+impl Default for Process {
+    fn default() -> Self {
+        Process {
+            motion: CentreMotion::default(),
+            roughing_um: 30.0,
+            feed_um: 0.1,
+            probe_noise_um: 0.01,
+            delay_s: 0.002,
+            lag_s: 0.0005,
+        }
+    }
+}
+
+impl Grinding {
+    /// Servo period, ns.
+    pub fn period_ns(&self) -> u32 {
+        (1e9 / self.rate_hz).round() as u32
+    }
+
+    /// The gauge of the machine.
+    ///
+    /// # Errors
+    /// It has none, or one without infeed correction, or it has rotary axes.
+    pub fn gauge(&self) -> Result<&GaugeSettings> {
+        let machine = format!("machine {}", self.machine.settings.name);
+        let Some(gauge) = &self.machine.settings.roundness else {
+            return Err(SimError::unsuited(machine, "no [roundness]", "a gauge of three probes"));
+        };
+        if gauge.infeed.is_none() {
+            return Err(SimError::unsuited(machine, "no [roundness.infeed]", "the axis that corrects"));
+        }
+        if let Some(axis) = self.machine.settings.axes.iter().find(|a| a.axis.is_rotary()) {
+            let found = format!("the rotary axis {}", axis.axis.letter());
+            return Err(SimError::unsuited(machine, found, "linear axes only"));
+        }
+        Ok(gauge)
+    }
+
+    /// Feed from the beginning of a part until some turns later, µm of radius.
+    pub fn fed_um(&self, turns: f64) -> f64 {
+        let turns = turns.max(0.0);
+        let constant = f64::from(self.revolutions.max(1)) / 8.0;
+        self.process.roughing_um * -(-turns / constant).exp_m1() + self.process.feed_um * turns
+    }
+}
+
+/// Angles of the probes, rad: 0, φ2, φ2 + φ3.
+pub fn probe_angles(gauge: &GaugeSettings) -> [f64; 3] {
+    let (phi2, phi3) = match gauge.angles {
+        ProbeAngles::Slots { p, q } => {
+            let slot = std::f64::consts::TAU / f64::from(gauge.points);
+            (f64::from(p) * slot, f64::from(q) * slot)
+        }
+        ProbeAngles::Degrees { phi2, phi3 } => (phi2.to_radians(), phi3.to_radians()),
+    };
+    [0.0, phi2, phi2 + phi3]
+}
+
+/// Fastest speed at which the gauge can resample: θ passes two points in a cycle at most, and the arm makes it run
+/// faster than α by up to R/(R_S + R_W); a tenth is kept for the ripple of the speed, rpm.
+pub fn fastest_rpm(gauge: &GaugeSettings, rate_hz: f64) -> f64 {
+    let ratio = gauge.arm.map_or(0.0, |arm| arm.lengths.ratio().unwrap_or(0.0));
+    60.0 * rate_hz * 2.0 / (1.1 * (1.0 + ratio) * f64::from(gauge.points))
+}
+
+/// Speed at which the gauge has to skip at least `skip` whole revolutions between two that it evaluates, rpm.
+///
+/// # Errors
+/// The settings do not build, or that is faster than [`fastest_rpm`].
+pub fn speed_that_skips(gauge: &GaugeSettings, rate_hz: f64, skip: u32) -> Result<f64> {
+    let most = simulate::cycles_of_work(gauge, (1e9 / rate_hz).round() as u32)?;
+    // Two units a point are spent only where a window of spindle motion is full, one only where the wheel is another.
+    let seldom = usize::from(gauge.points) * if gauge.arm.is_some() { 3 } else { 2 };
+    let seldom = seldom / usize::from(gauge.slices_per_cycle.max(1));
+    let work = most.saturating_sub(seldom).max(1) as f64;
+    let cycles = work / (f64::from(skip) + 0.5);
+    let speed_rpm = 60.0 * rate_hz / cycles;
+    let fastest = fastest_rpm(gauge, rate_hz);
+    if speed_rpm > fastest {
+        let most = (work * fastest / (60.0 * rate_hz) - 0.5).floor().max(0.0);
+        let needed = format!(
+            "at most {most}: revolutions of {cycles:.1} cycles, of which its {work} cycles of work would span so many, are \
+             too short for {} points",
+            gauge.points
+        );
+        return Err(SimError::unsuited("--skip", skip.to_string(), needed));
+    }
+    Ok(speed_rpm)
+}

@@ -1,0 +1,43 @@
+//! Simulation of compensated servo cycles, as a library without a clock, a file or a thread.
+//!
+//! A G-code program is interpolated at the servo rate, every cycle goes through the plugin's `step` against a simulated
+//! machine, and the machine's *true* tool tip is compared with the programmed path:
+//!
+//! ```text
+//! program ─► motion ─► step (the plugin) ─► plant: drives, exact geometry, encoders ─► true tip ─► truth: contour error
+//!                        ▲                                     │
+//!                        └───────────── readings ◄─────────────┘
+//! ```
+//!
+//! Plant and truth are written apart from the plugin; neither uses its code.
+//!
+//! [`run`] simulates a part program, [`grinding`] a crankpin under the three-probe gauge, [`ball_test`] the test of a
+//! five-axis head. The same inputs and seed give the same results on every host, in a browser too.
+//!
+//! The crate's README shows a run from tables to figures.
+
+// print! and its like panic when the other end of a pipe is closed.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
+pub mod ball_test;
+pub mod error;
+pub mod grinding;
+pub mod motion;
+pub mod path;
+pub mod placement;
+pub mod plant;
+pub mod program;
+mod range;
+pub mod run;
+pub mod scenario;
+pub mod servo;
+pub mod settings;
+pub mod truth;
+
+pub use error::SimError;
+pub use scenario::Scenario;
+pub use settings::Settings;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

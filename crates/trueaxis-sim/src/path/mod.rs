@@ -1,0 +1,10 @@
+//! The program as the plugin's path: spans, and the reference on them.
+
+mod planned;
+mod reference;
+mod sliding;
+mod spans;
+
+pub use planned::{PlannedPath, check};
+pub use sliding::SlidingPath;
+pub use spans::MOST_SPANS;

@@ -1,0 +1,69 @@
+//! Differences from axis to axis, as on real machines.
+
+use crate::range::Range;
+use serde::{Deserialize, Serialize};
+use trueaxis::machine::Axis;
+
+/// Differences of an axis from the others. For a rotary axis every mm reads degree.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Variation {
+    /// Gains of position and velocity loop over the common ones.
+    pub gain_factor: f64,
+    /// Coulomb friction over the common one.
+    pub friction_factor: f64,
+    /// Lost motion that the tables do not know, mm: in negative travel the carriage stays behind by so much.
+    pub lost_motion_mm: f64,
+}
+
+impl Variation {
+    /// Gains and friction differ by a few per cent from axis to axis; no lost motion but that of the tables.
+    pub fn of(axis: Axis) -> Variation {
+        let (gain_factor, friction_factor) = match axis {
+            Axis::X => (1.0, 1.0),
+            Axis::Y => (0.97, 1.12),
+            Axis::Z => (1.02, 1.25),
+            Axis::A => (0.94, 0.9),
+            Axis::B => (0.95, 0.95),
+            Axis::C => (1.01, 0.8),
+        };
+        Variation { gain_factor, friction_factor, lost_motion_mm: 0.0 }
+    }
+
+    /// Name, value and range of every setting.
+    pub(crate) fn ranges(&self) -> [Range<'static>; 3] {
+        let range = |key, found, low, high, unit| Range { key, found, low, high, unit };
+        [
+            range("gain_factor", self.gain_factor, 0.2, 4.0, ""),
+            range("friction_factor", self.friction_factor, 0.0, 20.0, ""),
+            range("lost_motion_mm", self.lost_motion_mm, 0.0, 1.0, "mm"),
+        ]
+    }
+}
+
+/// Variations of all axes, by their letters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "UPPERCASE")]
+#[allow(missing_docs)]
+pub struct Variations {
+    pub x: Variation,
+    pub y: Variation,
+    pub z: Variation,
+    pub a: Variation,
+    pub b: Variation,
+    pub c: Variation,
+}
+
+impl Default for Variations {
+    fn default() -> Variations {
+        let [x, y, z, a, b, c] = Axis::ALL.map(Variation::of);
+        Variations { x, y, z, a, b, c }
+    }
+}
+
+impl Variations {
+    /// In the order X, Y, Z, A, B, C.
+    pub fn all(&self) -> [Variation; 6] {
+        [self.x, self.y, self.z, self.a, self.b, self.c]
+    }
+}

@@ -1,0 +1,112 @@
+//! Collects the moves of a program, in machine coordinates, within the limits of its length.
+
+use super::curve::Curve;
+use super::error::Refusal;
+use super::limits::{self, MOST_PIECES};
+use super::notes::Notes;
+use super::{FirstWords, Move, Turn};
+
+/// Shorter than this, a move is none, mm or degrees: what is left where offsets are added and taken off again.
+const SHORTEST: f64 = 1.0e-9;
+
+/// Speed of a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Pace {
+    Rapid,
+    /// A feed per minute: of lengths in mm, of angles in degrees.
+    PerMinute {
+        mm: f64,
+        degrees: f64,
+    },
+    /// One over the minutes it takes.
+    InverseTime(f64),
+}
+
+/// Moves so far, and where they have led.
+#[derive(Debug, Default)]
+pub(super) struct Builder {
+    /// X Y Z A B C of the machine, mm and degrees.
+    pub(super) at: [f64; 6],
+    pub(super) tool_center: bool,
+    pub(super) moves: Vec<Move>,
+    pub(super) notes: Notes,
+    pub(super) first: FirstWords,
+    pieces: u64,
+}
+
+impl Builder {
+    /// X Y Z.
+    pub(super) fn point(&self) -> [f64; 3] {
+        let [x, y, z, ..] = self.at;
+        [x, y, z]
+    }
+
+    /// Turn of the rotary axes to `angles` (A B C).
+    pub(super) fn turn_to(&self, angles: [f64; 3]) -> Turn {
+        let [.., a, b, c] = self.at;
+        let start = [a, b, c];
+        Turn { start, change: std::array::from_fn(|k| angles[k] - start[k]) }
+    }
+
+    /// A straight line to a position; whether it was long enough to be one.
+    pub(super) fn line_to(
+        &mut self,
+        line: u32,
+        pace: Pace,
+        end: [f64; 6],
+        plane_normal: [f64; 3],
+    ) -> Result<bool, Refusal> {
+        let [x, y, z, a, b, c] = end;
+        let turn = self.turn_to([a, b, c]);
+        self.push(line, pace, Curve::Line { start: self.point(), end: [x, y, z] }, turn, plane_normal)
+    }
+
+    /// Appends a move and goes to its end; whether it was long enough to be one.
+    pub(super) fn push(
+        &mut self,
+        line: u32,
+        pace: Pace,
+        curve: Curve,
+        turn: Turn,
+        plane_normal: [f64; 3],
+    ) -> Result<bool, Refusal> {
+        let (length, angle) = (curve.length(), turn.angle());
+        if length < SHORTEST && angle < SHORTEST {
+            return Ok(false);
+        }
+        self.pieces += limits::pieces(&curve, &turn, length);
+        if self.pieces > MOST_PIECES {
+            let needed = format!("at most {MOST_PIECES} (8 mm or 30° of a curve, 5° of a rotary axis each)");
+            return Err(Refusal::new(line, format!("a program of {} pieces up to here", self.pieces), needed));
+        }
+        let [x, y, z] = match &curve {
+            Curve::Line { end, .. } | Curve::Arc { end, .. } => *end,
+            Curve::Nurbs { points, .. } => points.last().copied().unwrap_or_default(),
+        };
+        let [a, b, c] = turn.end();
+        self.at = [x, y, z, a, b, c];
+        let along = length >= SHORTEST;
+        let feed_per_min = match pace {
+            Pace::Rapid => 0.0,
+            Pace::PerMinute { mm, degrees } => {
+                if along {
+                    mm
+                } else {
+                    degrees
+                }
+            }
+            Pace::InverseTime(number) => number * if along { length } else { angle },
+        };
+        let rapid = pace == Pace::Rapid;
+        let tool_center = self.tool_center;
+        self.moves.push(Move { line, rapid, feed_per_min, plane_normal, curve, turn, tool_center, stop: false });
+        Ok(true)
+    }
+
+    /// The axes come to rest at the end of the last move.
+    pub(super) fn stop(&mut self) {
+        if let Some(last) = self.moves.last_mut() {
+            last.stop = true;
+        }
+    }
+}

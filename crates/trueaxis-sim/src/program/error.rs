@@ -1,0 +1,51 @@
+//! Errors of a program, with their lines.
+
+/// Hint where only a whole interpreter can read a word.
+pub(super) const THROUGH_LINUXCNC: &str = "with --interpreter rs274, where LinuxCNC is installed";
+
+/// Most characters of a program in a message.
+const LONGEST_FOUND: usize = 160;
+
+/// A program that cannot be executed: file, line, what was found there and what is needed instead.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}:{line}: found {found}; needed: {needed}")]
+pub struct ProgramError {
+    /// File the text came from.
+    pub file: String,
+    /// Line, from 1.
+    pub line: u32,
+    /// The offending word or state.
+    pub found: String,
+    /// Accepted instead.
+    pub needed: String,
+}
+
+impl ProgramError {
+    /// An error in a line of a file; what was found is shortened to a line's length.
+    pub fn new(file: &str, line: u32, found: impl Into<String>, needed: impl Into<String>) -> ProgramError {
+        Refusal::new(line, found, needed).in_file(file)
+    }
+}
+
+/// The same without the file, as raised below [`super::Program::parse`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Refusal {
+    pub(super) line: u32,
+    pub(super) found: String,
+    pub(super) needed: String,
+}
+
+impl Refusal {
+    pub(super) fn new(line: u32, found: impl Into<String>, needed: impl Into<String>) -> Self {
+        let mut found = found.into();
+        if let Some((end, _)) = found.char_indices().nth(LONGEST_FOUND) {
+            found.truncate(end);
+            found.push('…');
+        }
+        Refusal { line, found, needed: needed.into() }
+    }
+
+    pub(super) fn in_file(self, file: &str) -> ProgramError {
+        ProgramError { file: file.to_owned(), line: self.line, found: self.found, needed: self.needed }
+    }
+}

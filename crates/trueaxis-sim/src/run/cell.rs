@@ -1,0 +1,267 @@
+//! Plugin and machine of one run.
+
+use super::Kind;
+use super::commanded::Commanded;
+use super::sample::{Given, Sample, Sink};
+use super::tally::{Sums, Tallies};
+use crate::error::{Result, SimError};
+use crate::motion::Setpoint;
+use crate::path::SlidingPath;
+use crate::placement::Place;
+use crate::plant::Plant;
+use crate::plant::fault::FaultScript;
+use crate::scenario::Scenario;
+use crate::truth;
+use glam::DVec3;
+use trueaxis::compensation::ThermalLine;
+use trueaxis::contour::OrientationError;
+use trueaxis::kinematics::Kinematics;
+use trueaxis::machine::{AXES, AxisOrder};
+use trueaxis::sample::Refusal;
+use trueaxis::{Axis, Fault, Input, OnToolPath, Output, ServoLoop, State};
+
+/// Cycles of a stopped run that are still simulated, to show that the output holds.
+const CYCLES_AFTER_STOP: u64 = 200;
+
+fn cold(axis: Axis, kelvin: f64) -> SimError {
+    let what = format!("thermal growth of axis {}", axis.letter());
+    SimError::unsuited(what, format!("{kelvin} K"), "a growth that the step can hold")
+}
+
+/// Everything that the machines of a run have in common in a cycle.
+pub(super) struct Shared<'r, const N: usize> {
+    pub(super) scenario: &'r Scenario,
+    pub(super) servo: &'r ServoLoop<'r, f64, f64, N>,
+    pub(super) path: &'r SlidingPath,
+}
+
+/// Outputs of the step.
+struct Stepped<const N: usize> {
+    output: Output<f64, f64, N>,
+    orientation: OrientationError<f64>,
+}
+
+/// The true error of a cycle.
+struct Measured {
+    tip: DVec3,
+    angle: f64,
+}
+
+/// State of one machine and of the plugin that drives it.
+pub(super) struct Cell<const N: usize> {
+    state: State<f64, f64, N>,
+    plant: Plant,
+    /// Index in the step of each of the machine's axes.
+    order: Vec<Option<usize>>,
+    axes: [Axis; N],
+    kind: Kind,
+    origin: DVec3,
+    /// For programs with rotary axes.
+    kinematics: Option<Kinematics<f64>>,
+    feedback: [f64; N],
+    elapsed_periods: f64,
+    stopped_for: u64,
+    sums: Sums,
+}
+
+impl<const N: usize> Cell<N> {
+    pub(super) fn new(scenario: &Scenario, kind: Kind, servo: &ServoLoop<'_, f64, f64, N>) -> Result<Self> {
+        let mut state = servo.start();
+        let axes = AxisOrder::<N>::of(&scenario.machine.settings)?.axes();
+        for (slot, axis) in axes.iter().enumerate() {
+            if let Some(settings) = scenario.machine.settings.axis(*axis) {
+                let line = ThermalLine::for_axis(&settings.thermal, scenario.kelvin)
+                    .ok_or_else(|| cold(*axis, scenario.kelvin))?;
+                state.set_thermal(slot, line);
+            }
+        }
+        let perfect = kind == Kind::ServoOnly;
+        let mut settings = scenario.settings.plant(scenario.kelvin);
+        if perfect {
+            settings.faults = FaultScript::default();
+        }
+        let plant = Plant::new(&scenario.machine, settings, perfect, scenario.settings.seed, scenario.period_s())?;
+        let order = scenario.machine.settings.axes.iter().map(|a| axes.iter().position(|b| *b == a.axis)).collect();
+        Ok(Cell {
+            state,
+            plant,
+            order,
+            axes,
+            kind,
+            origin: DVec3::from(scenario.origin_mm),
+            kinematics: scenario.kinematics()?,
+            feedback: [0.0; N],
+            elapsed_periods: 1.0,
+            stopped_for: 0,
+            sums: Sums::default(),
+        })
+    }
+
+    pub(super) fn has_ended(&self) -> bool {
+        self.stopped_for > CYCLES_AFTER_STOP
+    }
+
+    /// At rest on the first point until the correction has been led in, as a machine is switched on before it cuts.
+    pub(super) fn settle(&mut self, number: usize, first: &Commanded<N>, shared: &Shared<'_, N>, sink: &mut dyn Sink) {
+        self.feedback = first.command;
+        self.plant.rest_at(&self.to_plant(&first.command));
+        self.plant.hold_faults();
+        let limits = shared.scenario.machine.settings.axes.iter().map(|a| a.limits);
+        let slowest =
+            limits.map(|l| l.magnitude / l.slope_per_s + l.slope_per_s / l.acceleration_per_s2).fold(0.0, f64::max);
+        for _ in 0..(1.2 * slowest.min(2.0) * shared.scenario.rate_hz()) as u64 {
+            self.exchange((number, true), first, shared, sink);
+        }
+        self.plant.start_faults();
+    }
+
+    /// One servo period: plugin, then drives and encoders.
+    fn exchange(
+        &mut self,
+        (machine, settling): (usize, bool),
+        commanded: &Commanded<N>,
+        shared: &Shared<'_, N>,
+        sink: &mut dyn Sink,
+    ) -> Stepped<N> {
+        let mut command = commanded.command;
+        let mut disturbed = self.to_plant(&command);
+        self.plant.disturb_command(&mut disturbed);
+        self.take_from_plant(&disturbed, &mut command);
+        let elapsed_ns = (self.elapsed_periods * f64::from(shared.scenario.period_ns())) as u32;
+        let input = Input {
+            command,
+            feedback: self.feedback,
+            encoder_alarm: 0,
+            elapsed_ns,
+            homed: true,
+            enable: self.kind == Kind::Compensated,
+            reset: false,
+            refusal: Refusal::NONE,
+        };
+        let (path, tool_path) = (shared.path.view(), shared.path.tool_view());
+        let reference = commanded.reference;
+        let Input { command, feedback, .. } = &input;
+        sink.before_step(&Given { machine, settling, command, feedback, elapsed_ns, reference });
+        let stepped = match &self.kinematics {
+            Some(kinematics) => {
+                let mut on = OnToolPath::new(&tool_path, reference, kinematics);
+                let output = shared.servo.step(&mut self.state, &input, &mut on, ());
+                Stepped { output, orientation: *on.orientation() }
+            }
+            None => {
+                let output = shared.servo.step(&mut self.state, &input, path.on(reference), ());
+                Stepped { output, orientation: OrientationError::none() }
+            }
+        };
+        sink.after_step();
+        let readings = self.plant.cycle(&self.to_plant(&stepped.output.drive));
+        let mut feedback = self.feedback;
+        self.take_from_plant(&readings.position, &mut feedback);
+        self.feedback = feedback;
+        self.elapsed_periods = readings.elapsed_periods;
+        stepped
+    }
+
+    /// Positions in the step's order as the plant counts them: by the machine's list of axes.
+    fn to_plant(&self, positions: &[f64; N]) -> [f64; AXES] {
+        let mut plant = [0.0; AXES];
+        for (to, slot) in plant.iter_mut().zip(&self.order) {
+            *to = slot.and_then(|s| positions.get(s)).copied().unwrap_or(0.0);
+        }
+        plant
+    }
+
+    fn take_from_plant(&self, plant: &[f64; AXES], positions: &mut [f64; N]) {
+        for (from, slot) in plant.iter().zip(&self.order) {
+            if let Some(to) = slot.and_then(|s| positions.get_mut(s)) {
+                *to = *from;
+            }
+        }
+    }
+
+    pub(super) fn cycle(
+        &mut self,
+        number: usize,
+        commanded: &Commanded<N>,
+        shared: &Shared<'_, N>,
+        sink: &mut dyn Sink,
+    ) -> Sample {
+        let running = self.stopped_for == 0;
+        let stepped = self.exchange((number, false), commanded, shared, sink);
+        let record = &stepped.output.record;
+        if stepped.output.stop_requested() {
+            self.sums.stopped = true;
+            self.stopped_for += 1;
+        }
+        let measured = self.measure(shared.scenario, &commanded.setpoint);
+        if commanded.moment.cutting && running {
+            self.add(&measured, &stepped);
+        }
+        if record.limited != 0 {
+            self.sums.limited_cycles += 1;
+        }
+        if record.fault != Fault::None {
+            let axis = self.axes.get(usize::from(record.fault_axis)).copied().unwrap_or(Axis::X);
+            self.sums.fault(record.fault, axis, &commanded.moment);
+        }
+        self.sample(&measured, &stepped)
+    }
+
+    fn add(&mut self, measured: &Measured, stepped: &Stepped<N>) {
+        let Stepped { output, orientation } = stepped;
+        self.sums.error.add((1e3 * measured.tip).length());
+        self.sums.orientation.add(1e6 * measured.angle);
+        if output.record.tip.is_measured() {
+            self.sums.estimated.add(1e3 * output.record.tip.error);
+        }
+        if orientation.is_measured() {
+            self.sums.estimated_orientation.add(1e6 * orientation.angle);
+        }
+    }
+
+    fn sample(&self, measured: &Measured, stepped: &Stepped<N>) -> Sample {
+        let Stepped { output, orientation } = stepped;
+        let record = &output.record;
+        let mut sample = Sample {
+            deviation_um: (1e3 * measured.tip).as_vec3().to_array(),
+            orientation_urad: (1e6 * measured.angle) as f32,
+            estimated_orientation_urad: (orientation.angle * 1e6) as f32,
+            estimated_um: (record.tip.error * 1e3) as f32,
+            encoder_um: record.encoder.error * 1e3,
+            lag_um: record.tip.lag * 1e3,
+            fault: record.fault as u8,
+            status: record.status.0,
+            limited: record.limited,
+            at_edge: record.at_edge,
+            ..Sample::default()
+        };
+        for (k, axis) in self.axes.iter().enumerate() {
+            let i = axis.index();
+            sample.command[i] = record.command[k];
+            sample.drive[i] = output.drive[k];
+            sample.feedback[i] = record.feedback[k];
+            let correction = record.correction[k];
+            sample.correction[i] =
+                if axis.is_rotary() { correction.to_radians() * 1e6 } else { correction * 1e3 } as f32;
+        }
+        sample
+    }
+
+    /// The truth: three-axis programs in machine coordinates, the others in workpiece coordinates with the direction.
+    fn measure(&self, scenario: &Scenario, setpoint: &Setpoint) -> Measured {
+        let reference = (setpoint.move_index, setpoint.u);
+        let program = &scenario.program;
+        if scenario.five_axis {
+            let pose = self.plant.true_pose();
+            let actual = Place { tip: DVec3::from(pose.tip_mm), direction: DVec3::from(pose.direction) };
+            let found = truth::pose::deviation(program, &scenario.placement, reference, &actual);
+            return Measured { tip: found.tip, angle: found.angle };
+        }
+        let tip = DVec3::from(self.plant.true_tip());
+        Measured { tip: truth::deviation(program, self.origin, reference, tip), angle: 0.0 }
+    }
+
+    pub(super) fn tallies(&self) -> Tallies {
+        self.sums.tallies()
+    }
+}

@@ -1,0 +1,92 @@
+//! Runs of a part program: every servo cycle goes through the step against one or more simulated machines.
+
+mod cell;
+mod commanded;
+mod lanes;
+mod sample;
+mod tally;
+
+use crate::error::Result;
+use crate::scenario::{Scenario, axis_count};
+use crate::{path, servo};
+use lanes::{Advance, Lanes};
+use std::sync::Arc;
+
+pub use sample::{Given, Moment, Sample, Sink};
+pub use tally::{AngleSize, ErrorSize, FaultSpan, MOST_FAULT_SPANS, Tallies};
+
+/// A machine of a run and how it is driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The machine as it is, the plugin disabled.
+    Uncompensated,
+    /// The plugin enabled.
+    Compensated,
+    /// A machine with perfect geometry and no lost motion: what the servo alone leaves.
+    ServoOnly,
+}
+
+impl Kind {
+    /// All of them, in the order of a report.
+    pub const ALL: [Kind; 3] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly];
+}
+
+/// A simulation under way: program, motion, servo loop with its tables, plants and their state, owned together.
+///
+/// It can be left between any two cycles, sent to another thread and gone on with; the cycles come out the same however
+/// they are divided. Memory: a block of cycles and a stretch of the path, however long the program is.
+pub struct Run(Box<dyn Advance + Send>);
+
+impl Run {
+    /// The scenario on the machines of [`Kind::ALL`], side by side.
+    ///
+    /// # Errors
+    /// As [`Run::of`].
+    pub fn new(scenario: impl Into<Arc<Scenario>>) -> Result<Run> {
+        Run::of(scenario, &Kind::ALL)
+    }
+
+    /// The scenario on the machines asked for, side by side.
+    ///
+    /// # Errors
+    /// The motion cannot be planned, a move is no path, the machine's tables do not build, or a fault names an axis that
+    /// it does not have.
+    pub fn of(scenario: impl Into<Arc<Scenario>>, kinds: &[Kind]) -> Result<Run> {
+        let scenario = scenario.into();
+        let motion = scenario.motion()?;
+        path::check(&scenario)?;
+        Ok(Run(match axis_count(&scenario.machine) {
+            3 => Lanes::<servo::three::Cell, 3>::boxed(scenario, motion, kinds)?,
+            4 => Lanes::<servo::four::Cell, 4>::boxed(scenario, motion, kinds)?,
+            5 => Lanes::<servo::five::Cell, 5>::boxed(scenario, motion, kinds)?,
+            _ => Lanes::<servo::six::Cell, 6>::boxed(scenario, motion, kinds)?,
+        }))
+    }
+
+    /// Simulates at most `cycles` further cycles and hands each to `sink`; `false` at the end of the program, or once
+    /// every machine has stopped. Before the first cycle the machines settle at the first point.
+    pub fn advance(&mut self, cycles: u64, sink: &mut dyn Sink) -> bool {
+        self.0.advance(cycles, sink)
+    }
+
+    /// Cycles simulated so far.
+    pub fn cycle(&self) -> u64 {
+        self.0.cycle()
+    }
+
+    /// Cycles of the whole program.
+    pub fn cycles(&self) -> u64 {
+        self.0.cycles()
+    }
+
+    /// Figures of every machine so far, in the order in which they were asked for.
+    pub fn tallies(&self) -> Vec<Tallies> {
+        self.0.tallies()
+    }
+}
+
+impl std::fmt::Debug for Run {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Run").field("cycle", &self.cycle()).field("cycles", &self.cycles()).finish_non_exhaustive()
+    }
+}

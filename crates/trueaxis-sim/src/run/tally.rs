@@ -1,0 +1,130 @@
+//! Figures that a run adds up while it goes on.
+
+use super::sample::Moment;
+use trueaxis::{Axis, Fault};
+
+/// Size of an error over a run, in µm.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ErrorSize {
+    /// Largest magnitude in µm.
+    pub max_um: f64,
+    /// Root mean square in µm.
+    pub rms_um: f64,
+}
+
+/// Size of an angle over a run, in µrad.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct AngleSize {
+    /// Largest in µrad.
+    pub max_urad: f64,
+    /// Root mean square in µrad.
+    pub rms_urad: f64,
+}
+
+/// A fault that the plugin reported, over consecutive cycles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaultSpan {
+    /// Fault code.
+    pub fault: Fault,
+    /// On which axis.
+    pub axis: Axis,
+    /// First cycle, counted from the start of the program.
+    pub cycle: u64,
+    /// Number of cycles.
+    pub cycles: u64,
+    /// Program line.
+    pub line: u32,
+}
+
+/// Most stretches of faults that a run lists; those after them are counted.
+pub const MOST_FAULT_SPANS: usize = 1000;
+
+/// Figures of one machine over the cycles run so far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tallies {
+    /// Contour error of the true tip while cutting.
+    pub error: ErrorSize,
+    /// Angle of the true tool direction from the programmed one while cutting; zero for a program of X, Y, Z alone.
+    pub orientation: AngleSize,
+    /// Contour error of the tip that the step itself reports, while cutting.
+    pub estimated: ErrorSize,
+    /// Orientation error that the step itself reports, while cutting.
+    pub estimated_orientation: AngleSize,
+    /// Faults reported, at most [`MOST_FAULT_SPANS`] stretches.
+    pub faults: Vec<FaultSpan>,
+    /// Cycles with a fault that are not in that list.
+    pub more_faults: u64,
+    /// Cycles in which an axis' correction was limited.
+    pub limited_cycles: u64,
+    /// Stopped by a stop request.
+    pub stopped: bool,
+}
+
+/// Largest and root mean square of the values added.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tally {
+    max: f64,
+    squares: f64,
+    count: u64,
+}
+
+impl Tally {
+    pub(super) fn add(&mut self, value: f64) {
+        self.max = self.max.max(value);
+        self.squares += value * value;
+        self.count += 1;
+    }
+
+    fn rms(&self) -> f64 {
+        if self.count > 0 { (self.squares / self.count as f64).sqrt() } else { 0.0 }
+    }
+
+    fn length(&self) -> ErrorSize {
+        ErrorSize { max_um: self.max, rms_um: self.rms() }
+    }
+
+    fn angle(&self) -> AngleSize {
+        AngleSize { max_urad: self.max, rms_urad: self.rms() }
+    }
+}
+
+/// Sums behind [`Tallies`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sums {
+    pub(super) error: Tally,
+    pub(super) orientation: Tally,
+    pub(super) estimated: Tally,
+    pub(super) estimated_orientation: Tally,
+    pub(super) limited_cycles: u64,
+    pub(super) stopped: bool,
+    faults: Vec<FaultSpan>,
+    more_faults: u64,
+}
+
+impl Sums {
+    /// A cycle with a fault; consecutive ones become one stretch.
+    pub(super) fn fault(&mut self, fault: Fault, axis: Axis, moment: &Moment) {
+        if let Some(last) = self.faults.last_mut()
+            && (last.fault, last.axis, last.cycle + last.cycles) == (fault, axis, moment.cycle)
+        {
+            last.cycles += 1;
+        } else if self.faults.len() < MOST_FAULT_SPANS {
+            self.faults.push(FaultSpan { fault, axis, cycle: moment.cycle, cycles: 1, line: moment.line });
+        } else {
+            self.more_faults += 1;
+        }
+    }
+
+    pub(super) fn tallies(&self) -> Tallies {
+        Tallies {
+            error: self.error.length(),
+            orientation: self.orientation.angle(),
+            estimated: self.estimated.length(),
+            estimated_orientation: self.estimated_orientation.angle(),
+            faults: self.faults.clone(),
+            more_faults: self.more_faults,
+            limited_cycles: self.limited_cycles,
+            stopped: self.stopped,
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! A machine, a program and settings, checked against one another.
+
+use crate::error::{Result, SimError};
+use crate::motion::{Motion, MotionSettings, Setpoint};
+use crate::placement::Placement;
+use crate::program::Program;
+use crate::settings::Settings;
+use trueaxis::kinematics::Kinematics;
+use trueaxis::machine::AXES;
+use trueaxis_tables::Machine;
+
+/// One simulation.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// The machine: its tables are the plant's true errors and the plugin's knowledge of them.
+    pub machine: Machine,
+    /// The part program.
+    pub program: Program,
+    /// Everything else.
+    pub settings: Settings,
+    /// Program zero in machine coordinates, mm.
+    pub origin_mm: [f64; 3],
+    /// Positions of the axes for programmed points.
+    pub placement: Placement,
+    /// Rotary axes or the tool centre point are programmed: errors are those of tip and direction in workpiece coordinates.
+    pub five_axis: bool,
+    /// Kelvin above the reference temperature, as reported to the plugin.
+    pub kelvin: f64,
+}
+
+impl Scenario {
+    /// Puts a program on a machine.
+    ///
+    /// # Errors
+    /// Settings out of range; with its line, what needs axes that the machine does not have, takes too long or leaves the declared travel; a
+    /// structural code that cannot be read.
+    pub fn new(machine: Machine, program: Program, settings: Settings) -> Result<Scenario> {
+        settings.check()?;
+        program.check_axes(&machine.settings)?;
+        program.check_duration(settings.rate_hz, |element| settings.motion.speed(element))?;
+        let origin_mm = settings.origin_mm.unwrap_or_else(|| middle_of_travel(&machine));
+        let scenario = Scenario {
+            five_axis: program.is_five_axis(),
+            placement: Placement::new(&machine, origin_mm)?,
+            kelvin: settings.temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c),
+            origin_mm,
+            machine,
+            program,
+            settings,
+        };
+        scenario.stays_in_travel()?;
+        Ok(scenario)
+    }
+
+    /// The step's own transformation to workpiece coordinates, where the program needs it.
+    ///
+    /// # Errors
+    /// The machine has none: a linear axis missing, or more than two rotary ones.
+    pub fn kinematics(&self) -> Result<Option<Kinematics<f64>>> {
+        let build = || Kinematics::new(&self.machine.settings).map_err(SimError::Kinematics);
+        self.five_axis.then(build).transpose()
+    }
+
+    /// Plans the motion of the program on the machine.
+    ///
+    /// # Errors
+    /// As [`Motion::plan_on`].
+    pub fn motion(&self) -> Result<Motion> {
+        let settings = MotionSettings { period_s: self.period_s(), ..self.settings.motion };
+        Motion::plan_on(&self.program, settings, &self.placement)
+            .map_err(|error| SimError::Motion { program: self.program.name.clone(), error })
+    }
+
+    /// Servo rate, Hz.
+    pub fn rate_hz(&self) -> f64 {
+        self.settings.rate_hz
+    }
+
+    /// Servo period, s.
+    pub fn period_s(&self) -> f64 {
+        1.0 / self.settings.rate_hz
+    }
+
+    /// Servo period, ns.
+    pub fn period_ns(&self) -> u32 {
+        (1e9 / self.settings.rate_hz).round() as u32
+    }
+
+    /// Commanded positions of X, Y, Z, A, B, C, mm and degrees.
+    pub fn axis_positions(&self, setpoint: &Setpoint) -> [f64; AXES] {
+        match self.program.moves.get(setpoint.move_index) {
+            Some(step) if self.five_axis => self.placement.axes(step, setpoint.u),
+            _ => {
+                let [x, y, z]: [f64; 3] = std::array::from_fn(|k| setpoint.position[k] + self.origin_mm[k]);
+                [x, y, z, 0.0, 0.0, 0.0]
+            }
+        }
+    }
+
+    /// A program that leaves the declared travel would only run into the plugin's stop request.
+    fn stays_in_travel(&self) -> Result<()> {
+        for step in &self.program.moves {
+            let (first, last) = step.curve.domain();
+            for i in 0..=64 {
+                let point = self.placement.axes(step, first + (last - first) * f64::from(i) / 64.0);
+                let counted = self.machine.settings.axes.iter().filter(|a| self.five_axis || !a.axis.is_rotary());
+                for settings in counted {
+                    let (q, [low, high]) = (point[settings.axis.index()], settings.travel);
+                    if q < low || q > high {
+                        let (unit, hint) =
+                            if settings.axis.is_rotary() { ("°", "") } else { (" mm", " (see --origin-mm)") };
+                        return Err(SimError::Line {
+                            program: self.program.name.clone(),
+                            line: step.line,
+                            found: format!("axis {} goes to {q:.3}{unit}", settings.axis.letter()),
+                            needed: format!("within its travel {low} to {high}{unit}{hint}"),
+                        });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Middle of the declared travels of X, Y, Z, mm.
+pub fn middle_of_travel(machine: &Machine) -> [f64; 3] {
+    let mut middle = [0.0; 3];
+    for settings in machine.settings.axes.iter().filter(|a| !a.axis.is_rotary()) {
+        let [low, high] = settings.travel;
+        middle[settings.axis.index()] = 0.5 * (low + high);
+    }
+    middle
+}
+
+/// Number of axes of a machine's step: X, Y, Z, and its rotary ones.
+pub fn axis_count(machine: &Machine) -> usize {
+    3 + machine.settings.axes.iter().filter(|a| a.axis.is_rotary()).count()
+}

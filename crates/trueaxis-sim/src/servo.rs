@@ -1,0 +1,86 @@
+//! Servo loops built from compiled tables, as a controller builds them.
+
+use crate::error::{Result, SimError};
+use self_cell::{MutBorrow, self_cell};
+use trueaxis::tcomp::Tcomp;
+use trueaxis::{Axis, Config, Position, Real, ServoLoop};
+use trueaxis_tables::Machine;
+
+/// Builds the servo loop of a machine from its compiled tables and lends it out.
+///
+/// # Errors
+/// The tables do not compile or build.
+pub fn with_loop<const N: usize, T, E: From<SimError>>(
+    machine: &Machine,
+    period_ns: u32,
+    user: impl FnOnce(&ServoLoop<'_, f64, f64, N>) -> Result<T, E>,
+) -> Result<T, E> {
+    let bytes = trueaxis_tables::compile(machine).map_err(SimError::from)?;
+    let tcomp = Tcomp::parse(&bytes).map_err(SimError::from)?;
+    with_tables(&tcomp, period_ns, user)
+}
+
+/// Builds the servo loop of compiled tables, in any scalar, and lends it out.
+///
+/// # Errors
+/// The tables do not build.
+pub fn with_tables<R: Real, P: Position, const N: usize, T, E: From<SimError>>(
+    tcomp: &Tcomp<'_>,
+    period_ns: u32,
+    user: impl FnOnce(&ServoLoop<'_, R, P, N>) -> Result<T, E>,
+) -> Result<T, E> {
+    let rows = |axis: Axis| tcomp.table(axis);
+    let config = Config::of(tcomp, period_ns);
+    let mut memory = vec![R::ZERO; config.requirement(rows)];
+    let servo = config.build::<R, P, N, _>(rows, &mut memory).map_err(SimError::from)?;
+    user(&servo)
+}
+
+/// A servo loop together with the memory that it is built in, so that a run can own both.
+pub(crate) trait Owned<const N: usize>: Send + Sized {
+    /// Compiles and builds the tables of a machine.
+    fn build(machine: &Machine, period_ns: u32) -> Result<Self>;
+    /// The loop.
+    fn servo(&self) -> &ServoLoop<'_, f64, f64, N>;
+}
+
+/// `self_cell` declares no generic cells: one for each number of axes.
+macro_rules! owned {
+    ($module:ident, $axes:literal) => {
+        pub(crate) mod $module {
+            use super::*;
+
+            type Loop<'a> = ServoLoop<'a, f64, f64, $axes>;
+
+            self_cell! {
+                pub(crate) struct Cell {
+                    owner: MutBorrow<Vec<f64>>,
+                    #[covariant]
+                    dependent: Loop,
+                }
+            }
+
+            impl Owned<$axes> for Cell {
+                fn build(machine: &Machine, period_ns: u32) -> Result<Self> {
+                    let bytes = trueaxis_tables::compile(machine)?;
+                    let tcomp = Tcomp::parse(&bytes)?;
+                    let rows = |axis: Axis| tcomp.table(axis);
+                    let config = Config::of(&tcomp, period_ns);
+                    let memory = vec![0.0; config.requirement(rows)];
+                    Cell::try_new(MutBorrow::new(memory), |memory| {
+                        config.build::<f64, f64, $axes, _>(rows, memory.borrow_mut()).map_err(SimError::from)
+                    })
+                }
+
+                fn servo(&self) -> &ServoLoop<'_, f64, f64, $axes> {
+                    self.borrow_dependent()
+                }
+            }
+        }
+    };
+}
+
+owned!(three, 3);
+owned!(four, 4);
+owned!(five, 5);
+owned!(six, 6);

@@ -1,0 +1,175 @@
+//! Settings from TOML: what a text states replaces what was there.
+
+use super::Settings;
+use std::collections::BTreeMap;
+use std::fmt;
+use toml::de::{DeTable, DeValue};
+use toml::{Table, Value};
+
+/// A setting that cannot be taken.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SettingError {
+    /// File, if it comes from one.
+    pub file: Option<String>,
+    /// Line there, from 1.
+    pub line: u32,
+    /// The setting; empty where the text is no TOML.
+    pub key: String,
+    /// Its value, or what is wrong with it.
+    pub found: String,
+    /// Range or keys accepted.
+    pub needed: String,
+}
+
+impl fmt::Display for SettingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{file}:{}: ", self.line)?;
+        }
+        if !self.key.is_empty() {
+            write!(f, "{}: ", self.key)?;
+        }
+        write!(f, "found {}, needed {}", self.found, self.needed)
+    }
+}
+
+impl std::error::Error for SettingError {}
+
+fn wrong(line: u32, key: &str, found: String, needed: String) -> SettingError {
+    SettingError { file: None, line, key: key.to_owned(), found, needed }
+}
+
+/// Refuses the first setting out of its range; `line` finds the line of a key.
+pub(super) fn check(settings: &Settings, line: impl Fn(&str) -> u32) -> Result<(), SettingError> {
+    match settings.out_of_range() {
+        Some((key, found, needed)) => Err(wrong(line(&key), &key, found.to_string(), needed)),
+        None => Ok(()),
+    }
+}
+
+impl SettingError {
+    pub(super) fn in_file(self, file: &str) -> SettingError {
+        SettingError { file: Some(file.to_owned()), ..self }
+    }
+}
+
+/// Keys that may be left out, with a value of their type that stands for none.
+fn optional() -> [(&'static str, Value); 2] {
+    [("temperature_c", Value::Float(f64::NAN)), ("origin_mm", Value::Array(Vec::new()))]
+}
+
+/// Lines of the keys of a text, by their dotted names.
+type Lines = BTreeMap<String, u32>;
+
+pub(super) fn overlay(settings: &mut Settings, text: &str) -> Result<(), SettingError> {
+    let line_at = |at: usize| text.get(..at).map_or(1, |before| before.matches('\n').count() as u32 + 1);
+    let no_toml = |error: toml::de::Error| {
+        let line = error.span().map_or(1, |span| line_at(span.start));
+        wrong(line, "", error.message().replace('\n', " "), "KEY = VALUE lines of TOML".into())
+    };
+    let mut lines = Lines::new();
+    note_lines(DeTable::parse(text).map_err(no_toml)?.get_ref(), "", &line_at, &mut lines);
+    let given: Table = toml::from_str(text).map_err(no_toml)?;
+    let line = |key: &str| lines.get(key).copied().unwrap_or(1);
+
+    let mut all = table(settings);
+    for (key, none) in optional() {
+        all.entry(key).or_insert(none);
+    }
+    merge(&mut all, given, "").map_err(|(key, found, needed)| wrong(line(&key), &key, found, needed))?;
+    for (key, none) in optional() {
+        // NaN differs from itself.
+        if all.get(key).is_some_and(|value| value.to_string() == none.to_string()) {
+            all.remove(key);
+        }
+    }
+    let faults = all.get("faults").map(Value::to_string).unwrap_or_default();
+    let merged: Settings = Value::Table(all).try_into().map_err(|error: toml::de::Error| {
+        // Numbers have been checked: what is left are lists.
+        let key = if lines.contains_key("faults") { "faults" } else { "origin_mm" };
+        let found = if key == "faults" { faults.clone() } else { "another list".into() };
+        wrong(line(key), key, found, error.message().replace('\n', " "))
+    })?;
+    check(&merged, line)?;
+    *settings = merged;
+    Ok(())
+}
+
+/// Every setting as TOML.
+pub(super) fn text(settings: &Settings) -> String {
+    toml::to_string(settings).unwrap_or_default()
+}
+
+pub(super) fn changes(settings: &Settings) -> Vec<(String, String, String)> {
+    let (mut now, mut before) = (BTreeMap::new(), BTreeMap::new());
+    leaves(&table(settings), "", &mut now);
+    leaves(&table(&Settings::default()), "", &mut before);
+    let default = |key: &str| before.get(key).cloned().unwrap_or_else(|| "none".into());
+    let changed = now.into_iter().filter(|(key, value)| default(key) != *value);
+    changed.map(|(key, value)| (key.clone(), value, default(&key))).collect()
+}
+
+fn table(settings: &Settings) -> Table {
+    Table::try_from(settings).unwrap_or_default()
+}
+
+fn dotted(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
+
+fn leaves(table: &Table, path: &str, into: &mut BTreeMap<String, String>) {
+    for (key, value) in table {
+        match value {
+            Value::Table(inner) => leaves(inner, &dotted(path, key), into),
+            value => {
+                into.insert(dotted(path, key), value.to_string());
+            }
+        }
+    }
+}
+
+fn note_lines(table: &DeTable<'_>, path: &str, line_at: &dyn Fn(usize) -> u32, lines: &mut Lines) {
+    for (key, value) in table {
+        let name = dotted(path, key.get_ref());
+        lines.insert(name.clone(), line_at(key.span().start));
+        if let DeValue::Table(inner) = value.get_ref() {
+            note_lines(inner, &name, line_at, lines);
+        }
+    }
+}
+
+/// Replaces values by those given. An error is the key, what was found and what is needed.
+fn merge(all: &mut Table, given: Table, path: &str) -> Result<(), (String, String, String)> {
+    for (key, value) in given {
+        let name = dotted(path, &key);
+        let known = || all.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+        let Some(place) = all.get(&key) else {
+            let found = "no such setting".to_owned();
+            return Err((name, found, format!("one of {}", known())));
+        };
+        let merged = match (place, value) {
+            (Value::Table(inner), Value::Table(value)) => {
+                let mut inner = inner.clone();
+                merge(&mut inner, value, &name)?;
+                Value::Table(inner)
+            }
+            (Value::Float(_), Value::Integer(value)) => Value::Float(value as f64),
+            (Value::Float(_), value @ Value::Float(_))
+            | (Value::Integer(_), value @ Value::Integer(0..))
+            | (Value::Array(_), value @ Value::Array(_)) => value,
+            (place, value) => {
+                let needed = match place {
+                    Value::Table(inner) => {
+                        format!("a table of {}", inner.keys().map(String::as_str).collect::<Vec<_>>().join(", "))
+                    }
+                    Value::Integer(_) => "a whole number from 0".into(),
+                    Value::Array(_) => "a list".into(),
+                    _ => "a number".into(),
+                };
+                return Err((name, value.to_string(), needed));
+            }
+        };
+        all.insert(key, merged);
+    }
+    Ok(())
+}

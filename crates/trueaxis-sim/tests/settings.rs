@@ -1,0 +1,67 @@
+//! Settings as TOML: round trip, refusals with their lines, ranges.
+
+use trueaxis_sim::Settings;
+
+#[test]
+fn what_is_written_is_read_back() {
+    let mut settings = Settings::default();
+    assert_eq!(Settings::parse(&settings.to_toml(), "a.toml"), Ok(settings.clone()));
+    assert_eq!(Settings::parse("", "a.toml"), Ok(settings.clone()));
+    assert!(settings.changes().is_empty());
+    for (key, value) in [
+        ("rate_hz", "4000"),
+        ("seed", "9223372036854775807"),
+        ("temperature_c", "23.5"),
+        ("origin_mm", "[1, -2.5, 3.0]"),
+        ("faults", "[\"glitch:Y@0.5s+1=5mm\", \"late@3s+1=2.5\"]"),
+        ("motion.feed_percent", "80"),
+        ("drive.dead_time_s", "1e-3"),
+        ("encoder.rotary.noise_rms_mm", "0.0"),
+        ("axis.C.lost_motion_mm", "0.1"),
+    ] {
+        settings.set(key, value).unwrap();
+    }
+    assert_eq!(settings.changes().len(), 9, "{:?}", settings.changes());
+    assert!(settings.changes().contains(&("drive.dead_time_s".into(), "0.001".into(), "0.0".into())));
+    assert_eq!(Settings::parse(&settings.to_toml(), "a.toml"), Ok(settings));
+}
+
+#[test]
+fn a_text_changes_only_what_it_states() {
+    let text = "rate_hz = 4000\n[drive]\nposition_gain_per_s = 90\n[encoder.rotary]\nnoise_rms_mm = 1e-4\n";
+    let mut expected = Settings { rate_hz: 4000.0, ..Settings::default() };
+    expected.drive.position_gain_per_s = 90.0;
+    expected.encoder.rotary.noise_rms_mm = 1e-4;
+    assert_eq!(Settings::parse(text, "a.toml"), Ok(expected));
+}
+
+#[test]
+fn refusals_name_file_line_key_and_what_is_needed() {
+    for (text, expected) in [
+        ("seed = 1\ngain = 3\n", "a.toml:2: gain: found no such setting, needed one of axis, drive, encoder, faults"),
+        ("[drive]\n\ngain = 3\n", "a.toml:3: drive.gain: found no such setting, needed one of coulomb_mm_per_s2"),
+        ("[axis.U]\ngain_factor = 1\n", "a.toml:1: axis.U: found no such setting, needed one of A, B, C, X, Y, Z"),
+        ("rate_hz = \"fast\"", "a.toml:1: rate_hz: found \"fast\", needed a number"),
+        ("seed = 1.5", "a.toml:1: seed: found 1.5, needed a whole number"),
+        ("seed = -1", "a.toml:1: seed: found -1, needed a whole number from 0"),
+        ("drive = 3", "a.toml:1: drive: found 3, needed a table of"),
+        ("rate_hz = 50", "a.toml:1: rate_hz: found 50, needed 100 to 100000 Hz"),
+        ("[motion]\nfeed_percent = 0\n", "a.toml:2: motion.feed_percent: found 0, needed 1 to 1000 %"),
+        (
+            "[encoder.linear]\nresolution_mm = nan\n",
+            "a.toml:2: encoder.linear.resolution_mm: found NaN, needed 1e-9 to 1 mm",
+        ),
+        ("drive.dead_time_s = -1e-3", "a.toml:1: drive.dead_time_s: found -0.001, needed 0 to 0.1 s"),
+        ("faults = [\"vanish:X@1s+1\"]", "a.toml:1: faults: found"),
+        ("origin_mm = [1, 2]", "a.toml:1: origin_mm: found"),
+        ("temperature_c = 900", "a.toml:1: temperature_c: found 900, needed -50 to 200 °C"),
+        ("[drive\n", "a.toml:1: found"),
+    ] {
+        let error = Settings::parse(text, "a.toml").unwrap_err().to_string();
+        assert!(error.starts_with(expected), "{error}\nneeded {expected}");
+    }
+    let mut settings = Settings::default();
+    assert_eq!(settings.set("jerk", "1").unwrap_err().file, None);
+    assert!(settings.set("motion.jerk_mm_per_s3", "").is_err());
+    assert_eq!(settings, Settings::default());
+}

@@ -1,0 +1,87 @@
+//! JSON, summary and files of the ball test.
+
+use serde::Serialize;
+use std::fmt;
+use trueaxis_sim::ball_test::{BallCycle, Outcome, Stop, TipError};
+
+#[derive(Serialize)]
+struct BeforeAfter {
+    before: TipError,
+    after: TipError,
+    /// After over before.
+    ratio: TipError,
+}
+
+impl BeforeAfter {
+    fn new(before: TipError, after: TipError) -> BeforeAfter {
+        BeforeAfter { before, after, ratio: TipError { max: after.max / before.max, rms: after.rms / before.rms } }
+    }
+}
+
+#[derive(Serialize)]
+struct AxisJson<'o> {
+    axis: char,
+    stops: usize,
+    sigma_um: f64,
+    degrees_of_freedom: usize,
+    tip_error_um: BeforeAfter,
+    over_angle: &'o [Stop],
+}
+
+/// The document that `--json` prints.
+#[derive(Serialize)]
+pub(crate) struct Json<'o> {
+    machine: &'o str,
+    chain: &'o str,
+    gauge_noise_um: f64,
+    seed: u64,
+    tip_error_um: BeforeAfter,
+    axes: Vec<AxisJson<'o>>,
+}
+
+/// The JSON document.
+pub(crate) fn json<'o>(outcome: &'o Outcome, test: &'o BallCycle) -> Json<'o> {
+    let axes = outcome.axes.iter().map(|of| AxisJson {
+        axis: of.axis.letter(),
+        stops: of.stops_deg.len(),
+        sigma_um: 1e3 * of.found.sigma_mm,
+        degrees_of_freedom: of.found.degrees_of_freedom,
+        tip_error_um: BeforeAfter::new(of.before, of.after),
+        over_angle: &of.over_angle,
+    });
+    Json {
+        machine: &test.machine.settings.name,
+        chain: &test.machine.settings.chain,
+        gauge_noise_um: test.gauge_noise_um,
+        seed: test.seed,
+        tip_error_um: BeforeAfter::new(outcome.before, outcome.after),
+        axes: axes.collect(),
+    }
+}
+
+/// Lines to read.
+pub(crate) fn summary(outcome: &Outcome, test: &BallCycle) -> impl fmt::Display {
+    let mut text = format!(
+        "machine  {} ({}), linear axes perfect\ngauge    {} µm a reading, seed {}\n\n\
+         true tip error, µm          before            after         left\n\
+         \x20                         max     rms      max     rms     rms\n",
+        test.machine.settings.name, test.machine.settings.chain, test.gauge_noise_um, test.seed
+    );
+    let mut line = |name: &str, before: TipError, after: TipError| {
+        text += &format!(
+            "  {name:<19} {:>8.3} {:>7.3} {:>8.3} {:>7.3} {:>6.1} %\n",
+            before.max,
+            before.rms,
+            after.max,
+            after.rms,
+            100.0 * after.rms / before.rms
+        );
+    };
+    for of in &outcome.axes {
+        line(&format!("{} over {} stops", of.axis.letter(), of.stops_deg.len()), of.before, of.after);
+    }
+    line("both", outcome.before, outcome.after);
+    let sigma: Vec<String> =
+        outcome.axes.iter().map(|of| format!("{} {:.3} µm", of.axis.letter(), 1e3 * of.found.sigma_mm)).collect();
+    text + &format!("\nsigma of a reading, from the residuals: {}\n", sigma.join(", "))
+}

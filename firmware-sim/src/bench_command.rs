@@ -1,0 +1,61 @@
+//! `firmware-sim bench`: its arguments and what it prints.
+
+use crate::console::put;
+use crate::scenario_args::{ScenarioArgs, prepare};
+use anyhow::{Result, bail};
+use clap::Args;
+use firmware_sim::bench;
+use serde_json::json;
+use trueaxis_sim::scenario::axis_count;
+use trueaxis_tables::text::counted;
+
+#[derive(Args)]
+pub(crate) struct BenchArgs {
+    #[command(flatten)]
+    scenario: ScenarioArgs,
+    /// Steps to time.
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    cycles: u64,
+    /// Print one JSON document and nothing else.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn time(args: &BenchArgs) -> Result<()> {
+    if args.cycles == 0 {
+        bail!("--cycles: found 0, needed at least 1");
+    }
+    let scenario = prepare(&args.scenario, &[])?;
+    let budget_ns = args.scenario.budget_ns(&scenario);
+    let outcome = match axis_count(&scenario.machine) {
+        3 => bench::run::<3>(&scenario, budget_ns, args.cycles),
+        4 => bench::run::<4>(&scenario, budget_ns, args.cycles),
+        5 => bench::run::<5>(&scenario, budget_ns, args.cycles),
+        _ => bench::run::<6>(&scenario, budget_ns, args.cycles),
+    }?;
+    let l = outcome.latency;
+    if args.json {
+        let document = json!({
+            "cycles": args.cycles,
+            "latency_ns": { "min": l.min_ns, "p50": l.p50_ns, "p99": l.p99_ns, "p99_99": l.p99_99_ns, "max": l.max_ns },
+            "budget_ns": l.budget_ns,
+            "missed_deadlines": l.missed_deadlines,
+            "steps_per_s": outcome.steps_per_s,
+        });
+        return put(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+    }
+    put(&format!(
+        "{} of {} on {}, wall time on this host\n  \
+         min {} ns, median {} ns, 99 % {} ns, 99.99 % {} ns, max {} ns (the clock's reading included)\n  \
+         {:.2} million steps a second on one core, without a clock between them\n",
+        counted(args.cycles as usize, "step"),
+        scenario.program.name,
+        scenario.machine.settings.name,
+        l.min_ns,
+        l.p50_ns,
+        l.p99_ns,
+        l.p99_99_ns,
+        l.max_ns,
+        outcome.steps_per_s * 1e-6
+    ))
+}

@@ -1,0 +1,39 @@
+//! Standard output, standard error and the progress bar.
+
+use anyhow::Result;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::Write;
+
+/// A bar of thousandths on the standard error.
+pub(crate) fn progress_bar(message: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}");
+    let bar = ProgressBar::new(1000).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(message);
+    bar
+}
+
+/// The reader of the standard output has seen enough (`firmware-sim … | head`): no error.
+#[derive(Debug)]
+pub(crate) struct Closed;
+
+impl std::fmt::Display for Closed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("the standard output is closed")
+    }
+}
+
+impl std::error::Error for Closed {}
+
+/// Writes to the standard output; a full disk or a closed pipe is an error, not a panic.
+pub(crate) fn put(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| match error.kind() {
+        std::io::ErrorKind::BrokenPipe => Closed.into(),
+        _ => anyhow::Error::new(error).context("cannot write to the standard output"),
+    })
+}
+
+/// Says something on the standard error. Nobody listening there is no error, and nothing could be said about it.
+pub(crate) fn tell(line: impl std::fmt::Display) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}

@@ -1,0 +1,179 @@
+//! JSON and summary of grinding with and without correction.
+
+use anyhow::Result;
+use serde::Serialize;
+use std::fmt;
+use trueaxis::roundness::{ErrorMotion, GaugeFlags};
+use trueaxis_sim::grinding::{Grinding, Outcome, Run};
+
+#[derive(Serialize)]
+struct RevolutionJson {
+    imprint_um: f64,
+    roundness_um: f64,
+    gauge_imprint_um: Option<f64>,
+    gauge_roundness_um: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct RunJson {
+    imprint_um: f64,
+    roundness_um: f64,
+    evaluated: u32,
+    skipped: u32,
+    discarded: u32,
+    limited_cycles: u64,
+    per_revolution: Vec<RevolutionJson>,
+}
+
+#[derive(Serialize)]
+struct MotionJson {
+    x: ErrorMotion<f64>,
+    y: ErrorMotion<f64>,
+}
+
+#[derive(Serialize)]
+struct SpindleJson {
+    #[serde(rename = "true")]
+    truth: MotionJson,
+    gauge: Option<MotionJson>,
+}
+
+/// The document that `--json` prints.
+#[derive(Serialize)]
+pub(crate) struct Json {
+    machine: String,
+    revolutions: u32,
+    points: u16,
+    harmonics: [u16; 2],
+    servo_rate_hz: f64,
+    speed_rpm: f64,
+    gain: f64,
+    cycles: u64,
+    cycles_of_work: usize,
+    averaged_revolutions: usize,
+    uncorrected: RunJson,
+    corrected: RunJson,
+    imprint_ratio: f64,
+    spindle: SpindleJson,
+    limits_exceeded: u64,
+    wall_s: f64,
+}
+
+fn of_run(run: &Run) -> RunJson {
+    let per_revolution = run.revolutions.iter().map(|r| RevolutionJson {
+        imprint_um: r.imprint_um,
+        roundness_um: r.roundness_um,
+        gauge_imprint_um: r.gauge_imprint_um,
+        gauge_roundness_um: r.gauge_roundness_um,
+    });
+    RunJson {
+        imprint_um: run.imprint_um,
+        roundness_um: run.roundness_um,
+        evaluated: run.counts.evaluated,
+        skipped: run.counts.skipped,
+        discarded: run.counts.discarded,
+        limited_cycles: run.limited_cycles,
+        per_revolution: per_revolution.collect(),
+    }
+}
+
+/// The outcome as one JSON document; `wall_s` is the time that both runs took.
+///
+/// # Errors
+/// The machine has no gauge.
+pub(crate) fn json(outcome: &Outcome, grinding: &Grinding, wall_s: f64) -> Result<Json> {
+    let gauge = grinding.gauge()?;
+    let infeed = gauge.infeed.as_ref();
+    let [x, y] = outcome.motion;
+    let measured = outcome.corrected.evaluation.filter(|e| e.revolutions > 0);
+    Ok(Json {
+        machine: grinding.machine.settings.name.as_str().into(),
+        revolutions: grinding.revolutions,
+        points: gauge.points,
+        harmonics: infeed.map_or([0; 2], |infeed| [infeed.band.first, infeed.band.last]),
+        servo_rate_hz: grinding.rate_hz,
+        speed_rpm: grinding.speed_rpm,
+        gain: infeed.map_or(0.0, |infeed| infeed.gain),
+        cycles: outcome.corrected.cycles,
+        cycles_of_work: outcome.corrected.cycles_of_work,
+        averaged_revolutions: outcome.corrected.averaged,
+        uncorrected: of_run(&outcome.uncorrected),
+        corrected: of_run(&outcome.corrected),
+        imprint_ratio: outcome.imprint_ratio(),
+        spindle: SpindleJson { truth: MotionJson { x, y }, gauge: measured.map(|e| MotionJson { x: e.x, y: e.y }) },
+        limits_exceeded: outcome.limits_exceeded(),
+        wall_s,
+    })
+}
+
+/// Prints the outcome in plain words.
+pub(crate) struct Summary<'o> {
+    /// Figures of both runs.
+    pub(crate) outcome: &'o Outcome,
+    /// The pin and its process.
+    pub(crate) grinding: &'o Grinding,
+    /// Time that both runs took, s.
+    pub(crate) wall_s: f64,
+}
+
+impl fmt::Display for Summary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (g, o) = (self.grinding, self.outcome);
+        let Outcome { uncorrected: before, corrected: after, .. } = o;
+        let settings = &g.machine.settings;
+        let Some((gauge, infeed)) = settings.roundness.as_ref().and_then(|r| Some((r, r.infeed.as_ref()?))) else {
+            return Ok(());
+        };
+        writeln!(f, "machine  {} ({})", settings.name, settings.chain)?;
+        writeln!(
+            f,
+            "grinding {} revolutions at {:.4} rpm, {} Hz: {} servo cycles",
+            g.revolutions, g.speed_rpm, g.rate_hz, after.cycles
+        )?;
+        writeln!(
+            f,
+            "gauge    {} points, harmonics {} to {} corrected, gain {}; {} cycles of work on a revolution of {:.0}",
+            gauge.points,
+            infeed.band.first,
+            infeed.band.last,
+            infeed.gain,
+            after.cycles_of_work,
+            60.0 * g.rate_hz / g.speed_rpm
+        )?;
+        writeln!(f)?;
+        writeln!(f, "true surface, last {} revolutions     synchronous imprint    out of roundness", after.averaged)?;
+        for (name, run) in [("without correction", before), ("with correction", after)] {
+            writeln!(f, "  {name:<36} {:>9.4} µm rms {:>13.3} µm", run.imprint_um, run.roundness_um)?;
+        }
+        writeln!(f, "  {:<36} {:>9.1} %", "what is left", 100.0 * o.imprint_ratio())?;
+        writeln!(f)?;
+        writeln!(f, "error motion of the pin's centre        synchronous  asynchronous  once per revolution")?;
+        let mut row = |name: &str, motion: &ErrorMotion<f64>| {
+            let [a, b] = motion.once_per_revolution_um;
+            let (synchronous, asynchronous) = (motion.synchronous_um, motion.asynchronous_um);
+            writeln!(f, "  {name:<36} {synchronous:>8.3} µm   {asynchronous:>8.3} µm  {:>16.3} µm", a.hypot(b))
+        };
+        let [x, y] = &o.motion;
+        row("X, across probe 1, true", x)?;
+        if let Some(measured) = after.evaluation.filter(|e| e.revolutions > 0) {
+            row("X, as the gauge sees it", &measured.x)?;
+            row("Y, along probe 1, true", y)?;
+            row("Y, as the gauge sees it", &measured.y)?;
+        } else {
+            row("Y, along probe 1, true", y)?;
+        }
+        writeln!(f)?;
+        writeln!(
+            f,
+            "revolutions evaluated {}, skipped {}, discarded {}; cycles beyond the correction's limits {}",
+            after.counts.evaluated,
+            after.counts.skipped,
+            after.counts.discarded,
+            o.limits_exceeded()
+        )?;
+        if after.flags.has(GaugeFlags::INFEED_FROZEN) {
+            writeln!(f, "note     the infeed correction was frozen at least once: it was limited, or near its bound")?;
+        }
+        writeln!(f, "two runs in {:.1} s", self.wall_s)
+    }
+}

@@ -1,0 +1,140 @@
+//! The runs of a scenario side by side: console summary, JSON, report.
+
+mod json;
+mod page;
+mod summary;
+
+pub use json::Json;
+pub use summary::Summary;
+
+use crate::latency::{Latency, timed};
+use crate::pace::{self, Pace, PaceReport};
+use crate::stopwatch::Stopwatch;
+use anyhow::{Result, anyhow};
+use serde::Serialize;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use trueaxis_sim::Scenario;
+use trueaxis_sim::run::{Kind, MOST_FAULT_SPANS, Run, Sink, Tallies};
+use trueaxis_tables::text::counted;
+
+/// Cycles between two looks at the progress.
+const STRETCH: u64 = 4096;
+
+/// Note where steps took long or cycles came late.
+const BUSY_KERNEL: &str = "steps over the budget and late cycles are the doing of a busy kernel, which took the processor \
+away: the work of a step is bounded, its median and 99 % are what it costs";
+
+/// Figures of the runs.
+#[derive(Debug)]
+pub struct Outcome {
+    uncompensated: Tallies,
+    compensated: Tallies,
+    servo_only: Tallies,
+    /// Cost of the compensated run's steps.
+    latency: Latency,
+    /// Report of the pacing, if it was asked for.
+    pace: Option<PaceReport>,
+    cycles: u64,
+    wall_s: f64,
+}
+
+/// Timing of the steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Timing {
+    /// Time a step may take, ns.
+    pub budget_ns: u64,
+    /// Times them in a further run of the compensated machine, at the real rate.
+    pub paced: bool,
+}
+
+/// Runs a scenario to its end on the machines of [`Kind::ALL`], which `run` was made for. `sinks` get every cycle; `progress` gets the fraction done, 0
+/// to 1.
+///
+/// # Errors
+/// As [`Run::of`].
+pub fn simulate(
+    mut run: Run,
+    scenario: &Arc<Scenario>,
+    timing: Timing,
+    mut sinks: Vec<&mut dyn Sink>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Outcome> {
+    let compensated = Kind::ALL.iter().position(|kind| *kind == Kind::Compensated).unwrap_or(0);
+    let mut stopwatch = Stopwatch::new(compensated, scenario, timing.budget_ns);
+    let ((), nanoseconds) = timed(|| {
+        sinks.push(&mut stopwatch);
+        while run.advance(STRETCH, &mut sinks) {
+            progress(run.cycle() as f64 / run.cycles() as f64);
+        }
+        drop(sinks);
+    });
+    let tallies = run.tallies();
+    let [uncompensated, compensated, servo_only] =
+        <[Tallies; 3]>::try_from(tallies).map_err(|found| anyhow!("{} runs in place of three", found.len()))?;
+    let (latency, pace) = match timing.paced.then(|| pace(scenario, timing.budget_ns)).transpose()? {
+        Some((latency, report)) => (latency, Some(report)),
+        None => (stopwatch.latency, None),
+    };
+    let wall_s = 1e-9 * nanoseconds as f64;
+    Ok(Outcome { uncompensated, compensated, servo_only, latency, pace, cycles: run.cycles(), wall_s })
+}
+
+/// Runs the compensated machine alone at the real rate, for what its steps cost there.
+fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport)> {
+    let mut run = Run::of(Arc::clone(scenario), &[Kind::Compensated])?;
+    let mut stopwatch = Stopwatch::new(0, scenario, budget_ns);
+    // Only settles.
+    run.advance(0, &mut ());
+    let report = pace::run(&Pace::new(scenario.period_ns().into()), |_| match run.advance(1, &mut stopwatch) {
+        true => ControlFlow::Continue(()),
+        false => ControlFlow::Break(()),
+    });
+    Ok((stopwatch.latency, report))
+}
+
+/// A fault that the compensated run reported.
+#[derive(Serialize)]
+struct Reported {
+    time_s: f64,
+    fault: String,
+    code: u8,
+    axis: char,
+    line: u32,
+    cycles: u64,
+}
+
+impl Outcome {
+    /// Remarks on how the runs went.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = self.pace.as_ref().map(PaceReport::notes).unwrap_or_default();
+        let steps = self.latency.summary();
+        let late = self.pace.as_ref().is_some_and(|pace| pace.late > 0 || pace.skipped_periods > 0);
+        if late || steps.over_budget > 0 || steps.missed_deadlines > 0 {
+            notes.push(BUSY_KERNEL.into());
+        }
+        if self.compensated.stopped {
+            notes.push("the compensated run was ended by a stop request".into());
+        }
+        if self.compensated.more_faults > 0 {
+            notes.push(format!(
+                "faults: the first {} are listed; there are faults in {} after them",
+                MOST_FAULT_SPANS,
+                counted(self.compensated.more_faults as usize, "cycle")
+            ));
+        }
+        notes
+    }
+
+    /// Faults of the compensated run.
+    fn faults<'o>(&'o self, scenario: &'o Scenario) -> impl Iterator<Item = Reported> + 'o {
+        self.compensated.faults.iter().map(|span| Reported {
+            time_s: span.cycle as f64 * scenario.period_s(),
+            fault: format!("{:?}", span.fault),
+            code: span.fault as u8,
+            axis: span.axis.letter(),
+            line: span.line,
+            cycles: span.cycles,
+        })
+    }
+}

@@ -1,0 +1,139 @@
+//! The outcome for the console.
+
+use super::Outcome;
+use std::fmt;
+use trueaxis_sim::Scenario;
+use trueaxis_sim::run::Tallies;
+use trueaxis_tables::text::counted;
+
+impl Outcome {
+    /// The summary for the console.
+    pub fn summary<'o>(&'o self, scenario: &'o Scenario) -> Summary<'o> {
+        Summary { outcome: self, scenario }
+    }
+}
+
+const RUNS: [&str; 3] = ["without compensation", "with compensation", "servo alone (perfect geometry)"];
+
+/// Prints the outcome in plain words.
+pub struct Summary<'o> {
+    outcome: &'o Outcome,
+    scenario: &'o Scenario,
+}
+
+impl fmt::Display for Summary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.scenario(f)?;
+        self.contour_errors(f)?;
+        if self.scenario.five_axis {
+            self.orientation_errors(f)?;
+        }
+        self.cost(f)?;
+        self.remarks(f)
+    }
+}
+
+impl Summary<'_> {
+    fn runs(&self) -> [&Tallies; 3] {
+        let Outcome { uncompensated, compensated, servo_only, .. } = self.outcome;
+        [uncompensated, compensated, servo_only]
+    }
+
+    fn scenario(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let s = self.scenario;
+        let simulated = self.outcome.cycles as f64 * s.period_s();
+        writeln!(f, "machine  {} ({})", s.machine.settings.name, s.machine.settings.chain)?;
+        writeln!(
+            f,
+            "program  {}, {:.1} s at {} Hz, {} servo cycles",
+            s.program.name,
+            simulated,
+            s.rate_hz(),
+            self.outcome.cycles
+        )?;
+        for (key, value, default) in s.settings.changes() {
+            writeln!(f, "setting  {key} = {value} (default {default})")?;
+        }
+        writeln!(f)
+    }
+
+    fn contour_errors(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "true contour error of the tool tip while cutting      largest        RMS")?;
+        let runs @ [before, after, _] = self.runs();
+        for (name, run) in RUNS.into_iter().zip(runs) {
+            writeln!(f, "  {name:<46} {:>9.3} µm {:>7.3} µm", run.error.max_um, run.error.rms_um)?;
+        }
+        if before.error.max_um > 0.0 && before.error.rms_um > 0.0 {
+            writeln!(
+                f,
+                "  what is left                                   {:>9.1} %  {:>7.1} %",
+                100.0 * after.error.max_um / before.error.max_um,
+                100.0 * after.error.rms_um / before.error.rms_um
+            )?;
+        }
+        Ok(())
+    }
+
+    fn orientation_errors(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let runs = self.runs();
+        writeln!(f, "true angle of the tool from the programmed direction")?;
+        for (name, run) in RUNS.into_iter().zip(runs) {
+            let size = run.orientation;
+            writeln!(f, "  {name:<44} {:>9.2} µrad {:>6.2} µrad", size.max_urad, size.rms_urad)?;
+        }
+        writeln!(f, "both as the step itself reports them")?;
+        for (name, run) in RUNS.into_iter().zip(runs).take(2) {
+            let (tip, angle) = (run.estimated, run.estimated_orientation);
+            writeln!(f, "  {name:<46} {:>9.3} µm {:>7.3} µm", tip.max_um, tip.rms_um)?;
+            writeln!(f, "  {:<44} {:>9.2} µrad {:>6.2} µrad", "", angle.max_urad, angle.rms_urad)?;
+        }
+        Ok(())
+    }
+
+    fn cost(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let simulated = self.outcome.cycles as f64 * self.scenario.period_s();
+        let latency = self.outcome.latency.summary();
+        writeln!(f)?;
+        writeln!(f, "cost of one step, wall time on this host (shown, never gated)")?;
+        writeln!(
+            f,
+            "  min {} ns, median {} ns, 99 % {} ns, 99.99 % {} ns, max {} ns; budget {} ns, period {} ns",
+            latency.min_ns,
+            latency.p50_ns,
+            latency.p99_ns,
+            latency.p99_99_ns,
+            latency.max_ns,
+            latency.budget_ns,
+            latency.period_ns
+        )?;
+        writeln!(f, "  over budget {}, missed deadlines {}", latency.over_budget, latency.missed_deadlines)?;
+        writeln!(
+            f,
+            "  three runs in {:.1} s: {:.0} times real time each",
+            self.outcome.wall_s,
+            3.0 * simulated / self.outcome.wall_s.max(1e-9)
+        )?;
+        writeln!(f)
+    }
+
+    fn remarks(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.outcome.compensated.faults.is_empty() {
+            writeln!(f, "faults   none")?;
+        }
+        for fault in self.outcome.faults(self.scenario) {
+            writeln!(
+                f,
+                "fault    {:.4} s, line {}: {} on axis {}, {}",
+                fault.time_s,
+                fault.line,
+                fault.fault,
+                fault.axis,
+                counted(fault.cycles as usize, "cycle")
+            )?;
+        }
+        for note in self.outcome.notes() {
+            writeln!(f, "note     {note}")?;
+        }
+        Ok(())
+    }
+}

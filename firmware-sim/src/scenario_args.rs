@@ -1,0 +1,86 @@
+//! Arguments of every command that simulates a program, and the scenario made of them.
+
+use crate::machine_arg::read_machine;
+use crate::program_args::ProgramArgs;
+use crate::settings_args::SettingsArgs;
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+use trueaxis::machine::ErrorModel;
+use trueaxis_sim::Scenario;
+use trueaxis_tables::Machine;
+
+#[derive(Args)]
+pub(crate) struct ScenarioArgs {
+    /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
+    #[arg(long, value_name = "M", default_value = "mill-3axis")]
+    pub(crate) machine: PathBuf,
+    #[command(flatten)]
+    pub(crate) program: ProgramArgs,
+    /// Error model that the step corrects by [default: the machine file's].
+    #[arg(long, value_name = "MODEL", value_enum)]
+    model: Option<Model>,
+    /// Whether the tool's direction is corrected too, through the rotary axes; only with the volumetric model [default: the
+    /// machine file's].
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "on")]
+    orientation: Option<Switch>,
+    /// Time a step may take [default: a tenth of the period].
+    #[arg(long, value_name = "NS")]
+    budget_ns: Option<u64>,
+    #[command(flatten)]
+    pub(crate) settings: SettingsArgs,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Model {
+    /// Nine one-dimensional tables; angular errors have no lever.
+    Nine,
+    /// All errors of every axis, carried to the tool tip.
+    Volumetric,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Switch {
+    On,
+    Off,
+}
+
+impl ScenarioArgs {
+    /// Every file that is read beside the machine's.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.program.files().chain(self.settings.scenario.as_deref())
+    }
+
+    /// Time a step may take, ns.
+    pub(crate) fn budget_ns(&self, scenario: &Scenario) -> u64 {
+        self.budget_ns.unwrap_or((1e8 / scenario.rate_hz()) as u64)
+    }
+}
+
+pub(crate) fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
+    let mut settings = args.settings.settings(faults)?;
+    let mut machine = read_machine("--machine", &args.machine)?;
+    choose_model(&mut machine, args)?;
+    let program = args.program.read()?;
+    if args.program.offsets.is_some() {
+        settings.origin_mm.get_or_insert([0.0; 3]);
+    }
+    Ok(Scenario::new(machine, program, settings)?)
+}
+
+/// Options that take the place of the machine file's `[compensation]`.
+fn choose_model(machine: &mut Machine, args: &ScenarioArgs) -> Result<()> {
+    let settings = &mut machine.settings.compensation;
+    match args.model {
+        Some(Model::Nine) => (settings.model, settings.orientation) = (ErrorModel::Nine, false),
+        Some(Model::Volumetric) => settings.model = ErrorModel::Volumetric,
+        None => {}
+    }
+    if let Some(switch) = args.orientation {
+        settings.orientation = switch == Switch::On;
+    }
+    if settings.orientation && settings.model == ErrorModel::Nine {
+        bail!("--orientation: found on with the nine-term model, needed --model volumetric");
+    }
+    Ok(())
+}

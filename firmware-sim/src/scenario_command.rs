@@ -1,0 +1,29 @@
+//! `firmware-sim scenario`: prints the settings of a simulation.
+
+use crate::console::put;
+use crate::settings_args::SettingsArgs;
+use anyhow::Result;
+use clap::Args;
+
+/// Arguments of `scenario`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  firmware-sim scenario > mine.toml                 every setting with its default
+  firmware-sim scenario --noise-um 0.02 --set drive.reset_time_s=0.01 > noisy.toml
+  firmware-sim run --scenario noisy.toml")]
+pub(crate) struct PrintArgs {
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Inject a fault as in `run` (may be given several times).
+    #[arg(long, value_name = "FAULT")]
+    fault: Vec<String>,
+}
+
+pub(crate) fn print(args: &PrintArgs) -> Result<()> {
+    let settings = args.settings.settings(&args.fault)?;
+    put(&format!(
+        "# Settings of a simulation: firmware-sim run --scenario FILE. Keys left out keep their defaults.\n\
+         # Of rotary axes every mm reads degree.\n{}",
+        settings.to_toml()
+    ))
+}

@@ -1,0 +1,125 @@
+//! Settings of a simulation on the command line: a scenario file, flags for the most used ones, and any other by its key.
+
+use anyhow::{Context, Result, anyhow};
+use clap::Args;
+use std::path::PathBuf;
+use trueaxis_sim::Settings;
+use trueaxis_sim::plant::fault::FaultScript;
+
+#[derive(Args)]
+pub(crate) struct SettingsArgs {
+    /// Settings from a TOML file, as `firmware-sim scenario` prints them; flags and --set take precedence.
+    #[arg(long, value_name = "FILE.toml", help_heading = "Settings")]
+    pub(crate) scenario: Option<PathBuf>,
+    /// Any setting of the scenario file, e.g. --set axis.Y.lost_motion_mm=0.002 (may be given several times).
+    #[arg(long, value_name = "KEY=VALUE", help_heading = "Settings")]
+    set: Vec<String>,
+    /// Servo rate [default: 10000].
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, help_heading = "Settings")]
+    rate_hz: Option<f64>,
+    /// Seed of the encoders' noise [default: 1].
+    #[arg(long, help_heading = "Settings")]
+    seed: Option<u64>,
+    /// Temperature of the machine, °C [default: the tables' reference temperature].
+    #[arg(long, value_name = "C", allow_hyphen_values = true, help_heading = "Settings")]
+    temperature_c: Option<f64>,
+    /// Machine coordinates of the place that the program's controller calls zero: program zero where nothing shifts it
+    /// [default: 0,0,0 with --offsets, else the middle of the declared travels].
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, help_heading = "Settings")]
+    origin_mm: Option<Vec<f64>>,
+    /// Feed override of programmed feeds [default: 100].
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, help_heading = "Settings")]
+    feed_percent: Option<f64>,
+    /// Largest acceleration along the path, mm/s² [default: 1000].
+    #[arg(long, value_name = "MM/S2", allow_negative_numbers = true, help_heading = "Settings")]
+    acceleration: Option<f64>,
+    /// Largest jerk along the path, mm/s³ [default: 10000].
+    #[arg(long, value_name = "MM/S3", allow_negative_numbers = true, help_heading = "Settings")]
+    jerk: Option<f64>,
+    /// Position gain Kv of the drives, 1/s [default: 110].
+    #[arg(long, value_name = "KV", allow_negative_numbers = true, help_heading = "Settings")]
+    position_gain: Option<f64>,
+    /// Share of the velocity that is fed forward, 0 to 1 [default: 0.93].
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, help_heading = "Settings")]
+    feed_forward: Option<f64>,
+    /// Coulomb friction, force per moved mass, mm/s² [default: 420].
+    #[arg(long, value_name = "MM/S2", allow_negative_numbers = true, help_heading = "Settings")]
+    friction: Option<f64>,
+    /// Dead time between a command and the drives [default: 0].
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, help_heading = "Settings")]
+    dead_time_ms: Option<f64>,
+    /// Lost motion of X, Y, Z that the tables do not know [default: 0].
+    #[arg(long, value_name = "UM", allow_negative_numbers = true, help_heading = "Settings")]
+    lost_motion_um: Option<f64>,
+    /// Noise of the linear encoders, RMS [default: 0.005].
+    #[arg(long, value_name = "UM", allow_negative_numbers = true, help_heading = "Settings")]
+    noise_um: Option<f64>,
+    /// Travel per count of the linear encoders [default: 0.01].
+    #[arg(long, value_name = "UM", allow_negative_numbers = true, help_heading = "Settings")]
+    resolution_um: Option<f64>,
+}
+
+impl SettingsArgs {
+    /// The defaults, then the file, the flags and --set, one over the other; `faults` join those of the file.
+    pub(crate) fn settings(&self, faults: &[String]) -> Result<Settings> {
+        let mut settings = match &self.scenario {
+            Some(path) => {
+                let text = std::fs::read_to_string(path)
+                    .with_context(|| format!("--scenario: cannot read {}", path.display()))?;
+                Settings::parse(&text, &path.display().to_string())?
+            }
+            None => Settings::default(),
+        };
+        for (flag, value, keys) in self.flags() {
+            for key in keys {
+                let taken = value.as_ref().map_or(Ok(()), |value| settings.set(key, value));
+                // In micrometres and milliseconds, the setting's own name goes with its unit.
+                let scaled = flag.ends_with("-um") || flag.ends_with("-ms");
+                taken.map_err(|e| match scaled {
+                    true => anyhow!("{flag}: {e}"),
+                    false => anyhow!("{flag}: found {}, needed {}", e.found, e.needed),
+                })?;
+            }
+        }
+        for assignment in &self.set {
+            let (key, value) =
+                assignment.split_once('=').ok_or_else(|| anyhow!("--set: found {assignment}, needed KEY=VALUE"))?;
+            settings.set(key.trim(), value.trim()).map_err(|e| anyhow!("--set {assignment}: {e}"))?;
+        }
+        settings.faults.faults.extend(FaultScript::parse(faults).map_err(|e| anyhow!("--fault: {e}"))?.faults);
+        Ok(settings)
+    }
+
+    /// Flag, value in TOML, and the settings that it stands for.
+    fn flags(&self) -> Vec<(&'static str, Option<String>, &'static [&'static str])> {
+        // Divided, not multiplied by 0.001: 5 nm is the f64 nearest to 5e-6 mm then.
+        let milli = |value: Option<f64>| value.map(|value| number(value / 1000.0));
+        let plain = |value: Option<f64>| value.map(number);
+        let origin = self.origin_mm.as_ref().map(|origin| {
+            let numbers: Vec<String> = origin.iter().copied().map(number).collect();
+            format!("[{}]", numbers.join(", "))
+        });
+        let lost_motion: &[&str] = &["axis.X.lost_motion_mm", "axis.Y.lost_motion_mm", "axis.Z.lost_motion_mm"];
+        vec![
+            ("--rate-hz", plain(self.rate_hz), &["rate_hz"]),
+            ("--seed", self.seed.map(|seed| seed.to_string()), &["seed"]),
+            ("--temperature-c", plain(self.temperature_c), &["temperature_c"]),
+            ("--origin-mm", origin, &["origin_mm"]),
+            ("--feed-percent", plain(self.feed_percent), &["motion.feed_percent"]),
+            ("--acceleration", plain(self.acceleration), &["motion.acceleration_mm_per_s2"]),
+            ("--jerk", plain(self.jerk), &["motion.jerk_mm_per_s3"]),
+            ("--position-gain", plain(self.position_gain), &["drive.position_gain_per_s"]),
+            ("--feed-forward", plain(self.feed_forward), &["drive.velocity_feed_forward"]),
+            ("--friction", plain(self.friction), &["drive.coulomb_mm_per_s2"]),
+            ("--dead-time-ms", milli(self.dead_time_ms), &["drive.dead_time_s"]),
+            ("--lost-motion-um", milli(self.lost_motion_um), lost_motion),
+            ("--noise-um", milli(self.noise_um), &["encoder.linear.noise_rms_mm"]),
+            ("--resolution-um", milli(self.resolution_um), &["encoder.linear.resolution_mm"]),
+        ]
+    }
+}
+
+/// As TOML writes it.
+fn number(value: f64) -> String {
+    if value.is_nan() { "nan".into() } else { format!("{value:?}") }
+}
