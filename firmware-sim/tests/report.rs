@@ -2,9 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{RngCore, SeedableRng};
-
 use firmware_sim::{
     latency::Latency,
     report::{
@@ -47,9 +44,9 @@ fn circle() -> Report {
         acceleration_limit: 0.2,
         ..AxisReport::default()
     });
-    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut random = trueaxis_testing::noise::Noise::new(1);
     for k in 0..CYCLES {
-        let noise = f64::from(random.next_u32()) / f64::from(u32::MAX) - 0.5;
+        let noise = 0.5 * random.signed();
         let angle = TAU * f64::from(k) / f64::from(CYCLES);
         let (sin, cos) = angle.sin_cos();
         let spike = 6.0 * (-(((2.0 * angle).sin() / 0.05).powi(2))).exp();
@@ -83,7 +80,7 @@ fn circle() -> Report {
     report.axes = axes.into();
     let mut latency = Latency::new(25_000, 100_000);
     for k in 0..u64::from(CYCLES) {
-        let noise = random.next_u32();
+        let noise = random.below(1 << 32) as u32;
         let jitter = u64::from(noise >> 28) + u64::from(noise >> 20 & 7) * u64::from(noise >> 24 & 3);
         latency.record(match k % 20_000 {
             77 => 140_000,

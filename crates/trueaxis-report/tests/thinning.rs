@@ -22,15 +22,8 @@ fn a_spike_of_one_cycle_survives_at_any_length() {
 
 #[test]
 fn it_keeps_the_extremes_of_every_bucket_of_every_value() {
-    let mut state = 1_u32;
-    let values: Vec<[f64; 2]> = (0..5000)
-        .map(|_| {
-            [(); 2].map(|()| {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                f64::from(state >> 8)
-            })
-        })
-        .collect();
+    let mut noise = trueaxis_testing::noise::Noise::new(1);
+    let values: Vec<[f64; 2]> = (0..5000).map(|_| [(); 2].map(|()| noise.unit())).collect();
     let mut thinner = Thinner::<usize, 2>::new(40);
     values.iter().enumerate().for_each(|(k, value)| thinner.add(k, *value));
     let items = thinner.items();

@@ -350,11 +350,8 @@ mod tests {
 
     /// Near-round points with one or more of them far away, which a slip of a probe leaves.
     fn with_outliers(outliers: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        let mut seed = 5u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
+        let mut noise = trueaxis_testing::noise::Noise::new(5);
+        let mut random = || 0.5 * noise.signed();
         let round = (0..4000).map(|i| (TAU * f64::from(i) / 4000.0, 10.0 + 2e-3 * random()));
         round.map(|(a, r)| [r * a.cos(), r * a.sin()]).chain(outliers.iter().copied()).collect()
     }

@@ -1,9 +1,8 @@
 use super::sample::{machine, set_constant, set_table, slot};
 use super::*;
 use crate::Table;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{RngCore, SeedableRng};
 use trueaxis::machine::{Axis, Interpolation, Row, Twist};
+use trueaxis_testing::noise::Noise;
 
 const FORWARD: [f64; AXES] = [0.0; AXES];
 
@@ -199,8 +198,8 @@ fn agrees_with_the_sum_of_twists_to_second_order() {
         ("w X' Y' b Z C A t", &[Y, X], &[Z, C, A]),
         ("w C' Z' b X B Y A t", &[Z, C], &[X, B, Y, A]),
     ];
-    let mut random = ChaCha8Rng::seed_from_u64(5);
-    let mut uniform = move |size: f64| size * (random.next_u32() as f64 / f64::from(u32::MAX) * 2.0 - 1.0);
+    let mut noise = Noise::new(5);
+    let mut uniform = move |size: f64| size * noise.signed();
     for (chain, workpiece, tool) in chains {
         let (mut worst, mut largest, mut ratios) = (0f64, 0f64, Vec::new());
         for _ in 0..40 {
@@ -469,8 +468,8 @@ fn spoil(m: &mut Machine, random: &mut impl FnMut(f64) -> f64) {
 
 #[test]
 fn a_corrected_command_puts_the_tool_where_it_belongs() {
-    let mut bits = ChaCha8Rng::seed_from_u64(11);
-    let mut random = move |size: f64| size * (bits.next_u32() as f64 / f64::from(u32::MAX) * 2.0 - 1.0);
+    let mut noise = Noise::new(11);
+    let mut random = move |size: f64| size * noise.signed();
     for chain in ["w X' Y' b Z t", "w C' A' Y' b X Z t", "w X' b Y Z C A t", "w b C X Y Z B t", "w C' b Z X t"] {
         let mut m = machine(chain);
         m.settings.tool_mm = [5.0, -3.0, -120.0];
