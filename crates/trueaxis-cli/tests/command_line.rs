@@ -167,7 +167,7 @@ fn bad_machines_are_refused_and_nothing_is_written() {
     ];
     for (file, text, parts) in cases {
         small_machine(&directory);
-        directory.write(&format!("m/{file}"), text);
+        directory.write(format!("m/{file}"), text);
         directory.bad(&["tables", "compile", "m", "-o", "t.tcomp"], parts);
         directory.bad(&["tables", "check", "m"], parts);
         assert!(!directory.has("t.tcomp"));
@@ -187,7 +187,7 @@ fn contour_errors_on_a_line_an_arc_and_a_spline() {
     let inside = format!("{},{},0", 10.0 + 9.99 * s, 10.0 - 9.99 * c);
     // The spline is (10 − 5v, 20, 5/4 v²), v = u; at v = 1 its tangent is (−5, 0, 2.5): 3 µm along y is off at right angles.
     directory.write("actual.csv",
-        &format!(
+        format!(
             "segment,u,x_mm,y_mm,z_mm\n0,0.503,5,0.004,-0.003\n1,0.1,{inside}\n2,1.01,5,20.003,1.25\n0,1,10.002,-0.003,0\n"
         ),
     );
@@ -249,7 +249,7 @@ fn bad_paths_and_positions_are_refused_with_their_place() {
         ("2,2.5,0,0,0", &["actual.csv:2", "column u", "2.5", "0 to 2"]),
         ("0,0.5,0,nan,0", &["actual.csv:2", "y_mm", "nan"]),
     ] {
-        directory.write("actual.csv", &format!("segment,u,x_mm,y_mm,z_mm\n{row}\n"));
+        directory.write("actual.csv", format!("segment,u,x_mm,y_mm,z_mm\n{row}\n"));
         directory.bad(&["contour", "path.json", "actual.csv"], parts);
     }
     directory.write("actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
@@ -341,7 +341,7 @@ fn five_axes_travel_to_another_control_and_back() {
         &["chain w X' b Y Z C A t", "tool_mm 0 0 -250", "location errors", "EA0C 22.000 urad"],
     );
     let text = directory.read("head.csv");
-    directory.write("wrong.csv", &text.replace("w X' b", "w X' X' b"));
+    directory.write("wrong.csv", text.replace("w X' b", "w X' X' b"));
     directory.bad(&["tables", "import", "--from", "isg", "wrong.csv", "-o", "none"], &["wrong.csv:1", "at most once"]);
     assert!(!directory.has("none"));
 }
@@ -368,7 +368,7 @@ fn counts_and_numbers_read_as_people_write_them() {
              travel_mm = [-100.0, 100.0]\ntable = \"x.csv\"\n"
         )
     };
-    directory.write("m/machine.toml", &machine(20_000));
+    directory.write("m/machine.toml", machine(20_000));
     directory.write("m/x.csv", "X_mm,EXX_um\n-100,0\n100,1\n");
     let text = directory.good(&["tables", "check", "m"]);
     assert!(text.contains("up to 333.333333 mm/s"), "{text}");

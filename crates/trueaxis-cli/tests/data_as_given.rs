@@ -11,10 +11,10 @@ const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 fn machine(directory: &Folder) {
     let axes = "[axis.X]\ntable = \"x.csv\"\n[axis.Y]\ntable = \"y.csv\"\n[axis.Z]\ntable = \"z.csv\"\n";
-    directory.write("m/machine.toml", &format!("name = \"m\"\nchain = \"w b X Y Z t\"\n{axes}"));
+    directory.write("m/machine.toml", format!("name = \"m\"\nchain = \"w b X Y Z t\"\n{axes}"));
     for axis in ["x", "y", "z"] {
         let name = axis.to_uppercase();
-        directory.write(&format!("m/{axis}.csv"), &format!("{name}_mm,E{name}{name}_um\n0,0\n100.5,20.5\n"));
+        directory.write(format!("m/{axis}.csv"), format!("{name}_mm,E{name}{name}_um\n0,0\n100.5,20.5\n"));
     }
 }
 
@@ -164,7 +164,7 @@ fn paths_without_end_are_refused_at_once() {
         (helix, ["path.json:2", "segments[0]", "1000000 spans"]),
         (peak, ["path.json:2", "segments[0]", "1000000 spans"]),
     ] {
-        directory.write("path.json", &format!("{{\"segments\":[\n{segments}]}}"));
+        directory.write("path.json", format!("{{\"segments\":[\n{segments}]}}"));
         directory.bad(&["contour", "path.json", "a.csv"], &parts);
     }
 }
@@ -260,7 +260,7 @@ fn siemens_names_of_the_control_need_the_axis() {
     directory.both(&["tables", "import", "--from", "siemens", "x.ini", "--axis", "X", "-o", "x"]);
     assert_eq!(directory.read("x/x.csv"), "X_mm,EXX_um\n0,0\n100,3\n");
     directory.bad(&["tables", "import", "--from", "siemens", "x.ini", "-o", "y"], &["x.ini:2", "AX1", "--axis"]);
-    directory.write("two.ini", &format!("{text}$AA_ENC_COMP[0,0,AX2]=0.0\n"));
+    directory.write("two.ini", format!("{text}$AA_ENC_COMP[0,0,AX2]=0.0\n"));
     let arguments = ["tables", "import", "--from", "siemens", "two.ini", "--axis", "X", "-o", "y"];
     directory.bad(&arguments, &["two.ini:9", "AX2", "AX1"]);
 }

@@ -94,7 +94,7 @@ fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
 fn windows_line_ends_and_inline_sections_stay() {
     let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
-    directory.write("m/machine.toml", &format!("\u{feff}{}", MACHINE.replace('\n', "\r\n")));
+    directory.write("m/machine.toml", format!("\u{feff}{}", MACHINE.replace('\n', "\r\n")));
     directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "m"]);
     let expected =
         MACHINE.replace("max_feed_mm_per_min = 15_000\n", "max_feed_mm_per_min = 15_000\ntable = \"x.csv\"\n");
@@ -130,7 +130,7 @@ fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
         &[&import("linuxcnc", "steep.comp", "X")[..], &["--comp-file-type", "0"]].concat(),
         &["x.csv", "slope", "nothing is written"],
     );
-    directory.write("m/machine.toml", &MACHINE.replace("name", "nam"));
+    directory.write("m/machine.toml", MACHINE.replace("name", "nam"));
     directory.bad(&import("linuxcnc", "new.comp", "X"), &["machine.toml", "name"]);
     // A folder with a table and no machine.
     directory.write("bare/x.csv", "notes of the owner\n");
@@ -194,7 +194,7 @@ fn an_input_is_never_written() {
     directory.write("path.json", r#"{"segments":[{"type":"line","start":[0,0,0],"end":[10,0,0]}]}"#);
     directory.write("actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0.001,0\n");
     let readings: String = (0..64).map(|i| format!("{},0,0\n", i % 7)).collect();
-    directory.write("h.csv", &format!("h1_um,h2_um,h3_um\n{readings}"));
+    directory.write("h.csv", format!("h1_um,h2_um,h3_um\n{readings}"));
     let mut balls = String::from("angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um\n");
     for angle in [0, 90, 180, 270, 360] {
         for (l, h) in [(100, 0), (200, 50), (100, 100)] {
@@ -234,7 +234,7 @@ fn an_input_is_never_written() {
         }
     }
     // Folders and pages that would fall on an input.
-    directory.write("new/machine.toml", &directory.read("m/machine.toml"));
+    directory.write("new/machine.toml", directory.read("m/machine.toml"));
     fs::copy(directory.join("x.comp"), directory.join("new/x.csv")).unwrap();
     directory.bad(
         &["tables", "import", "--from", "linuxcnc", "new/x.csv", "--axis", "X", "-o", "new"],
@@ -249,7 +249,7 @@ fn an_input_is_never_written() {
         (&["identify", "pages/identify.html", "--axis", "C"], "balls.csv"),
     ] {
         directory.write("round.csv", "x_mm,y_mm\n1,0\n0,1\n-1,0\n0,-1.1\n");
-        directory.write(&format!("pages/{}.html", arguments[0]), &directory.read(page));
+        directory.write(format!("pages/{}.html", arguments[0]), directory.read(page));
         directory.bad(&[arguments, &["--report", "pages"]].concat(), &["input", "is never written"]);
     }
 }

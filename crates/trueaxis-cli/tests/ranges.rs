@@ -13,7 +13,7 @@ fn bad(directory: &Folder, arguments: &[&str], parts: &[&str]) {
 const MACHINE: &str = "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [-100, 100]\n";
 
 fn machine(directory: &Folder, lines: &str, table: &str) {
-    directory.write("m/machine.toml", &format!("{MACHINE}{lines}"));
+    directory.write("m/machine.toml", format!("{MACHINE}{lines}"));
     directory.write("m/x.csv", table);
 }
 
@@ -60,7 +60,7 @@ fn measurements_and_other_controls_files() {
         bad(&directory, &["tables", "accuracy", "d.csv"], &["d.csv:3", "deviation_um", "is the unit right?"]);
         let import = ["tables", "import", "--from", "iso230-2", "d.csv", "-o", "new"];
         bad(&directory, &import, &["d.csv:3", "deviation_um", "is the unit right?"]);
-        directory.write("x.comp", &format!("0 0 0\n10 {value} {value}\n"));
+        directory.write("x.comp", format!("0 0 0\n10 {value} {value}\n"));
         let import = ["tables", "import", "--from", "linuxcnc", "x.comp", "--axis", "X", "-o", "new"];
         bad(&directory, &import, &["x.comp:2", "EXX", "is the unit right?"]);
         assert!(!directory.has("new"));
