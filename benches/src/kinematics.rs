@@ -1,8 +1,8 @@
 //! A pose of a five-axis machine with offsets between its axes.
 
-use trueaxis::Axis;
 use trueaxis::kinematics::{InverseError, Kinematics, Solution, Tool};
-use trueaxis::machine::{AXES, AxisSettings, MachineSettings};
+use trueaxis::machine::AXES;
+use trueaxis_testing::machine::Machine;
 
 /// A machine, a pose, its tool, and the pose of the cycle before.
 #[derive(Clone, Copy, Debug)]
@@ -16,26 +16,10 @@ pub struct Pose {
 impl Pose {
     /// Trunnion A on Y, table C in it, the tool on Z on X.
     pub fn trunnion() -> Self {
-        let carries = |axis| matches!(axis, Axis::C | Axis::A | Axis::Y);
-        let mut axes = heapless::Vec::new();
-        for axis in [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C] {
-            let offset_mm = if axis.is_rotary() { [0.1, 20.0, -35.0] } else { [0.0; 3] };
-            let settings = AxisSettings { offset_mm, ..AxisSettings::with_defaults(axis, carries(axis)) };
-            axes.push(settings).expect("five of six axes");
-        }
-        let machine = MachineSettings {
-            name: heapless::String::try_from("trunnion").expect("a short name"),
-            chain: heapless::String::try_from("w C' A' Y' b X Z t").expect("a short code"),
-            tool_mm: [0.0, 0.0, -120.0],
-            reference_temperature_c: 20.0,
-            location: Default::default(),
-            faults: Default::default(),
-            contour: Default::default(),
-            compensation: Default::default(),
-            kinematics: Default::default(),
-            axes,
-            roundness: None,
-        };
+        let machine = Machine::new("w C' A' Y' b X Z t").tool([0.0, 0.0, -120.0]).each(|axis| {
+            axis.offset_mm = if axis.axis.is_rotary() { [0.1, 20.0, -35.0] } else { [0.0; 3] };
+        });
+        let machine = machine.settings();
         let kinematics = Kinematics::new(&machine).expect("a machine with five axes");
         let axes = [12.3, -45.6, 78.9, -33.3, 0.0, 211.1];
         let before = [12.2, -45.5, 78.8, -33.2, 0.0, 211.0];

@@ -4,6 +4,7 @@ use crate::Random;
 use trueaxis::compensation::{NineTerms, Volumetric};
 use trueaxis::machine::{AxisOrder, AxisSettings, ErrorModel, MachineSettings};
 use trueaxis::{Axis, Row};
+use trueaxis_testing::machine::Machine;
 
 /// Points of each table.
 pub const POINTS: u32 = 128;
@@ -38,28 +39,7 @@ pub fn rows(grid: Grid, seed: u64) -> Vec<Row> {
 
 /// A machine with three linear axes on the tool side.
 pub fn machine() -> MachineSettings {
-    let mut axes = heapless::Vec::new();
-    for axis in [Axis::X, Axis::Y, Axis::Z] {
-        let settings = AxisSettings {
-            travel: [-290.0, 325.0],
-            joint: [-290.1, 325.1],
-            ..AxisSettings::with_defaults(axis, false)
-        };
-        axes.push(settings).expect("three axes fit");
-    }
-    MachineSettings {
-        roundness: None,
-        name: "bench".try_into().expect("a short name"),
-        chain: "w b X Y Z t".try_into().expect("a short chain"),
-        tool_mm: [0.0; 3],
-        reference_temperature_c: 20.0,
-        location: Default::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes,
-    }
+    Machine::three_axis().travel([-290.0, 325.0], 0.1).settings()
 }
 
 /// Memory for 3 tables; leaked, because it serves as long as the process.

@@ -6,8 +6,9 @@ use crate::tables::{Grid, POINTS, rows};
 use trueaxis::contour::{Method, OrientationError, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use trueaxis::glam::DVec3;
 use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
-use trueaxis::machine::{AxisSettings, MachineSettings};
+use trueaxis::machine::MachineSettings;
 use trueaxis::{Axis, Config, Input, OnToolPath, Output, Row, ServoLoop, State};
+use trueaxis_testing::machine::Machine;
 
 /// A running five-axis loop and the input of its next cycle.
 #[derive(Clone, Copy, Debug)]
@@ -42,17 +43,7 @@ impl ToolCycle {
 }
 
 fn machine() -> MachineSettings {
-    let axes = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C].map(|axis| AxisSettings {
-        travel: [-290.0, 325.0],
-        joint: [-290.1, 325.1],
-        ..AxisSettings::with_defaults(axis, axis == Axis::C)
-    });
-    MachineSettings {
-        chain: "w C' b X Y Z A t".try_into().expect("a short chain"),
-        tool_mm: [0.0, 0.0, -150.0],
-        axes: heapless::Vec::from_slice(&axes).expect("five axes fit"),
-        ..crate::tables::machine()
-    }
+    Machine::new("w C' b X Y Z A t").travel([-290.0, 325.0], 0.1).tool([0.0, 0.0, -150.0]).settings()
 }
 
 /// As many points on every axis; a whole turn that closes on rotary ones.

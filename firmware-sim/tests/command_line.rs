@@ -1,18 +1,12 @@
 //! The simulator as it is called: what it prints, writes and refuses.
 
 use serde_json::Value;
-use std::path::Path;
-use std::process::{Command, Output};
+use trueaxis_testing::command::Folder;
 
-fn simulator(arguments: &[&str], directory: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_firmware-sim")).args(arguments).current_dir(directory).output().unwrap()
-}
+const SIMULATOR: &str = env!("CARGO_BIN_EXE_firmware-sim");
 
 fn json(arguments: &[&str]) -> Value {
-    let directory = tempfile::tempdir().unwrap();
-    let output = simulator(arguments, directory.path());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+    Folder::new(SIMULATOR).json(arguments)
 }
 
 fn size(run: &Value, which: &str, what: &str) -> f64 {
@@ -59,7 +53,7 @@ fn other_programs_machines_and_rates_run() {
 /// A short program of one's own, with every kind of injected fault.
 #[test]
 fn injected_faults_are_reported_where_they_happen_and_only_bad_commands_stop() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(SIMULATOR);
     let program = directory.path().join("own.ngc");
     std::fs::write(&program, "G21 G90 G17 F1200\nG1 X20 Y5 Z-1\nG2 X20 Y25 J10\nG1 X0 Y0\nM2\n").unwrap();
     let program = program.to_str().unwrap();
@@ -95,17 +89,17 @@ fn injected_faults_are_reported_where_they_happen_and_only_bad_commands_stop() {
 /// The trace of a run with faults keeps every limit of the correction in every line.
 #[test]
 fn the_trace_keeps_the_limits_and_the_report_is_written() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(SIMULATOR);
     let arguments =
         ["run", "--report", "out", "--trace-every", "1", "--program", "butterfly", "--fault", "dropout:Y@1s+50"];
-    let output = simulator(&arguments, directory.path());
+    let output = directory.run(&arguments);
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
         text.contains("without compensation") && text.contains("servo alone") && text.contains("FeedbackNotFinite")
     );
-    assert!(std::fs::read_to_string(directory.path().join("out/index.html")).unwrap().contains("</html>"));
-    let trace = std::fs::read_to_string(directory.path().join("out/trace.csv")).unwrap();
+    assert!(directory.read("out/index.html").contains("</html>"));
+    let trace = directory.read("out/trace.csv");
     let mut lines = trace.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     let columns: Vec<usize> = ["x", "y", "z"]
@@ -138,11 +132,11 @@ fn the_trace_keeps_the_limits_and_the_report_is_written() {
 
 #[test]
 fn bad_input_ends_with_2_says_why_and_writes_nothing() {
-    let directory = tempfile::tempdir().unwrap();
-    std::fs::write(directory.path().join("bad.ngc"), "G21 G90\nG1 X1 F100\nG33 Z1 K1\n").unwrap();
-    std::fs::write(directory.path().join("far.ngc"), "G21 G90 F100\nG1 X900\n").unwrap();
-    std::fs::write(directory.path().join("endless.ngc"), "G21 G90\nG1 X10 F0.001\n").unwrap();
-    std::fs::write(directory.path().join("binary.ngc"), [0xff, 0xfe, 0x00]).unwrap();
+    let directory = Folder::new(SIMULATOR);
+    directory.write("bad.ngc", "G21 G90\nG1 X1 F100\nG33 Z1 K1\n");
+    directory.write("far.ngc", "G21 G90 F100\nG1 X900\n");
+    directory.write("endless.ngc", "G21 G90\nG1 X10 F0.001\n");
+    directory.write("binary.ngc", [0xff, 0xfe, 0x00]);
     let cases: [(&[&str], &str); 12] = [
         (&["run", "--program", "bad.ngc"], "bad.ngc:3"),
         (&["run", "--program", "far.ngc"], "axis X goes to"),
@@ -159,12 +153,7 @@ fn bad_input_ends_with_2_says_why_and_writes_nothing() {
     ];
     for (arguments, expected) in cases {
         let with_report = [arguments, &["--report", "out"]].concat();
-        let output = simulator(&with_report, directory.path());
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-        assert!(error.contains(expected), "{arguments:?}: {error}");
-        assert!(output.stdout.is_empty());
-        assert!(!directory.path().join("out/index.html").exists());
+        directory.bad(&with_report, &[expected]);
     }
 }
 
@@ -174,7 +163,7 @@ fn the_step_alone_is_timed() {
     assert_eq!(bench["cycles"], 20_000);
     assert!(bench["steps_per_s"].as_f64().unwrap() > 1e4);
     assert!(bench["latency_ns"]["p50"].as_u64().unwrap() > 0);
-    assert_eq!(simulator(&["bench", "--cycles", "0"], Path::new(".")).status.code(), Some(2));
+    Folder::new(SIMULATOR).bad(&["bench", "--cycles", "0"], &[]);
 }
 
 #[test]
@@ -196,11 +185,10 @@ fn grinding_prints_its_figures_and_writes_its_page() {
     for axis in ["x", "y"] {
         assert!(run["spindle"]["true"][axis]["synchronous_um"].as_f64().unwrap() > 1.0);
     }
-    let directory = tempfile::tempdir().unwrap();
-    let output = simulator(&[&arguments[..], &["--report", "out"]].concat(), directory.path());
-    let text = String::from_utf8(output.stdout).unwrap();
+    let directory = Folder::new(SIMULATOR);
+    let text = directory.good(&[&arguments[..], &["--report", "out"]].concat());
     assert!(text.contains("without correction") && text.contains("grinding.html"), "{text}");
-    let page = std::fs::read_to_string(directory.path().join("out/grinding.html")).unwrap();
+    let page = directory.read("out/grinding.html");
     let options = roxmltree::ParsingOptions { allow_dtd: true, ..roxmltree::ParsingOptions::default() };
     let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
     let figures = document.descendants().filter(|n| n.has_tag_name("figure")).count();
@@ -212,7 +200,7 @@ fn grinding_prints_its_figures_and_writes_its_page() {
 
 #[test]
 fn bad_arguments_of_grinding_are_told_with_what_is_needed() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(SIMULATOR);
     for (arguments, expected) in [
         (["--revolutions", "3"], "--revolutions: found 3, needed 8 to 10000"),
         (["--gain", "0.5"], "--gain: found 0.5, needed above 0 and at most 0.3090"),
@@ -223,17 +211,13 @@ fn bad_arguments_of_grinding_are_told_with_what_is_needed() {
         (["--machine", "mill-3axis"], "found no [roundness]"),
         (["--rate-hz", "5"], "--rate-hz: found 5, needed 100 to 100000"),
     ] {
-        let output = simulator(&[&["grind", "--report", "out"], &arguments[..]].concat(), directory.path());
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-        assert!(error.contains(expected), "{arguments:?}: {error}");
-        assert!(output.stdout.is_empty() && !directory.path().join("out").exists());
+        directory.bad(&[&["grind", "--report", "out"], &arguments[..]].concat(), &[expected]);
     }
 }
 
 #[test]
 fn paced_runs_say_what_was_permitted() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(SIMULATOR);
     let program = directory.path().join("short.ngc");
     std::fs::write(&program, "G21 G90 F1200\nG1 X5\n").unwrap();
     let run = json(&["run", "--json", "--paced", "--rate-hz", "1000", "--program", program.to_str().unwrap()]);
@@ -244,8 +228,8 @@ fn paced_runs_say_what_was_permitted() {
     );
     let arguments =
         ["run", "--paced", "--rate-hz", "1000", "--report", "out", "--trace-every", "1", "--program", "short.ngc"];
-    assert!(simulator(&arguments, directory.path()).status.success());
-    let trace = std::fs::read_to_string(directory.path().join("out/trace.csv")).unwrap();
+    directory.good(&arguments);
+    let trace = directory.read("out/trace.csv");
     assert_eq!(trace.lines().count() as u64, 1 + run["cycles"].as_u64().unwrap());
     let notes: Vec<&str> = run["notes"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
     for means in ["SCHED_FIFO", "mlockall"] {
@@ -256,7 +240,7 @@ fn paced_runs_say_what_was_permitted() {
 /// Whatever the machine turns is in the report and in the trace: command, drive, feedback, correction.
 #[test]
 fn rotary_axes_are_in_the_report_and_in_the_trace() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(SIMULATOR);
     let arguments = [
         "run",
         "--machine",
@@ -273,15 +257,13 @@ fn rotary_axes_are_in_the_report_and_in_the_trace() {
         "--rate-hz",
         "2000",
     ];
-    std::fs::write(directory.path().join("own.ngc"), "G21 G90 G43.4 H1\nG1 X10 A-10 C20 F1200\nX0 A0 C0\nM2\n")
-        .unwrap();
-    let output = simulator(&arguments, directory.path());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let trace = std::fs::read_to_string(directory.path().join("out/trace.csv")).unwrap();
+    directory.write("own.ngc", "G21 G90 G43.4 H1\nG1 X10 A-10 C20 F1200\nX0 A0 C0\nM2\n");
+    directory.good(&arguments);
+    let trace = directory.read("out/trace.csv");
     let mut lines = trace.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     let rows: Vec<Vec<f64>> = lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
-    let page = std::fs::read_to_string(directory.path().join("out/index.html")).unwrap();
+    let page = directory.read("out/index.html");
     for axis in ["a", "c"] {
         let column = |name: String| {
             let place = header.iter().position(|h| *h == name).unwrap_or_else(|| panic!("{name} in {header:?}"));
@@ -307,7 +289,7 @@ fn rotary_axes_are_in_the_report_and_in_the_trace() {
 /// Both ends that it could write to are closed before it begins: the exit code of the same call with someone listening.
 #[test]
 fn a_closed_pipe_is_no_panic() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(SIMULATOR);
     let closed = || {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
@@ -316,9 +298,8 @@ fn a_closed_pipe_is_no_panic() {
     let calls: [&[&str]; 4] =
         [&["bench", "--cycles", "1000"], &["bench", "--cycles", "0"], &["--help"], &["no-such-command"]];
     for arguments in calls {
-        let listening = simulator(arguments, directory.path()).status.code();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_firmware-sim"));
-        let status = command.args(arguments).current_dir(directory.path()).stdout(closed()).stderr(closed()).status();
+        let listening = directory.run(arguments).status.code();
+        let status = directory.command(arguments).stdout(closed()).stderr(closed()).status();
         assert_eq!(status.unwrap().code(), listening, "{arguments:?}");
     }
 }

@@ -3,12 +3,14 @@
 use firmware_sim::samples::sample_machine;
 use glam::{DMat3, DVec3};
 use serde_json::Value;
-use std::process::{Command, Output};
 use trueaxis_sim::motion::{Motion, MotionSettings};
 use trueaxis_sim::path::PlannedPath;
 use trueaxis_sim::placement::Placement;
 use trueaxis_sim::program::{Curve, Program, ProgramError};
 use trueaxis_tables::Machine;
+use trueaxis_testing::command::Folder;
+
+const SIMULATOR: &str = env!("CARGO_BIN_EXE_firmware-sim");
 
 fn parse(text: &str) -> Result<Program, ProgramError> {
     Program::parse("test", text, "part.ngc")
@@ -191,15 +193,8 @@ fn the_tip_of_a_helicoid_program_lies_on_the_helicoid() {
     assert_eq!(on_surface, 55);
 }
 
-fn simulator(arguments: &[&str]) -> Output {
-    let directory = tempfile::tempdir().unwrap();
-    Command::new(env!("CARGO_BIN_EXE_firmware-sim")).args(arguments).current_dir(directory.path()).output().unwrap()
-}
-
 fn json(arguments: &[&str]) -> Value {
-    let output = simulator(arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+    Folder::new(SIMULATOR).json(arguments)
 }
 
 const CONE: [&str; 7] = ["run", "--json", "--machine", "mill-5axis", "--program", "cone-5axis", "--rate-hz=2000"];
@@ -240,20 +235,16 @@ fn faults_of_rotary_axes_are_reported_and_what_cannot_run_is_refused() {
         run["faults"].as_array().unwrap().iter().map(|f| (f["fault"].as_str(), f["axis"].as_str())).collect();
     assert_eq!(faults[..2], [(Some("FeedbackNotFinite"), Some("C")), (Some("CommandNotFinite"), Some("A"))]);
     assert_eq!(run["stopped"], true);
-    let directory = tempfile::tempdir().unwrap();
-    let program = directory.path().join("own.ngc");
+    let directory = Folder::new(SIMULATOR);
     for (text, machine, told) in [
         ("G0 X1\nG0 A5\n", "mill-3axis", "own.ngc:2: found a word of axis A"),
         ("G43.4\n", "mill-3axis", "own.ngc:1: found G43.4"),
         ("G0 A35\n", "mill-5axis", "line 1: axis A goes to"),
         ("G43.4\nG1 X150 Z120 C180 A-90 F900\n", "mill-5axis", "line 2: axis Y goes to"),
     ] {
-        std::fs::write(&program, text).unwrap();
-        let output = simulator(&["run", "--machine", machine, "--program", program.to_str().unwrap()]);
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(2) && error.contains(told), "{text}: {error}");
+        directory.write("own.ngc", text);
+        directory.bad(&["run", "--machine", machine, "--program", "own.ngc"], &[told]);
     }
-    let output = simulator(&["run", "--model", "nine", "--orientation"]);
-    assert_eq!(output.status.code(), Some(2));
+    directory.bad(&["run", "--model", "nine", "--orientation"], &[]);
     assert!(json(&["run", "--json", "--rate-hz", "1000"]).get("orientation_error_urad").is_none());
 }

@@ -2,29 +2,20 @@
 
 use firmware_sim::samples::sample_machine;
 use serde_json::Value;
-use std::path::Path;
-use std::process::{Command, Output};
 use trueaxis_sim::plant::encoder::EncoderSettings;
 use trueaxis_tables::Machine;
+use trueaxis_testing::command::Folder;
 
-fn simulator(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_firmware-sim")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn printed(folder: &Path, arguments: &[&str]) -> String {
-    let output = simulator(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
+const SIMULATOR: &str = env!("CARGO_BIN_EXE_firmware-sim");
 
 #[test]
 fn what_scenario_prints_is_read_back() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new(SIMULATOR);
     let all =
         ["--feed-percent", "80", "--noise-um", "0.02", "--set", "drive.reset_time_s=0.01", "--fault", "late@3s+1=2.5"];
-    let text = printed(folder.path(), &[&["scenario"], &all[..]].concat());
-    std::fs::write(folder.path().join("mine.toml"), &text).unwrap();
-    assert_eq!(printed(folder.path(), &["scenario", "--scenario", "mine.toml"]), text);
+    let text = folder.good(&[&["scenario"], &all[..]].concat());
+    folder.write("mine.toml", &text);
+    assert_eq!(folder.good(&["scenario", "--scenario", "mine.toml"]), text);
     for line in ["feed_percent = 80.0", "noise_rms_mm = 0.00002", "reset_time_s = 0.01", "faults = [\"late@3s+1=2.5\"]"]
     {
         assert!(text.contains(line), "{line} in\n{text}");
@@ -41,17 +32,16 @@ fn what_scenario_prints_is_read_back() {
         "--set",
         "motion.jerk_mm_per_s3=3e4",
     ];
-    let text = printed(folder.path(), &more);
+    let text = folder.good(&more);
     assert!(text.contains("feed_percent = 70.0") && text.contains("jerk_mm_per_s3 = 30000.0"), "{text}");
 }
 
 #[test]
 fn a_run_with_the_file_is_the_run_with_the_flags() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("mine.toml"), "rate_hz = 500\n[drive]\nposition_gain_per_s = 60\n").unwrap();
+    let folder = Folder::new(SIMULATOR);
+    folder.write("mine.toml", "rate_hz = 500\n[drive]\nposition_gain_per_s = 60\n");
     let run = |arguments: &[&str]| -> Value {
-        let text = printed(folder.path(), &[&["run", "--program", "short-tour", "--json"], arguments].concat());
-        serde_json::from_str(&text).unwrap()
+        folder.json(&[&["run", "--program", "short-tour", "--json"], arguments].concat())
     };
     let of_file = run(&["--scenario", "mine.toml"]);
     let of_flags = run(&["--rate-hz", "500", "--position-gain", "60"]);
@@ -62,14 +52,14 @@ fn a_run_with_the_file_is_the_run_with_the_flags() {
     }
     let rms = |of: &Value| of["contour_error_um"]["servo_only"]["rms"].as_f64().unwrap();
     assert!(rms(&of_file) > 1.2 * rms(&plain), "{} {}", rms(&of_file), rms(&plain));
-    let summary = printed(folder.path(), &["run", "--program", "short-tour", "--scenario", "mine.toml"]);
+    let summary = folder.good(&["run", "--program", "short-tour", "--scenario", "mine.toml"]);
     assert!(summary.contains("setting  drive.position_gain_per_s = 60.0 (default 110.0)"), "{summary}");
 }
 
 #[test]
 fn refusals_say_where_and_what_is_needed() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("bad.toml"), "seed = 1\n[drive]\ngain = 3\n").unwrap();
+    let folder = Folder::new(SIMULATOR);
+    folder.write("bad.toml", "seed = 1\n[drive]\ngain = 3\n");
     for (arguments, expected) in [
         (
             &["--scenario", "bad.toml"][..],
@@ -83,19 +73,12 @@ fn refusals_say_where_and_what_is_needed() {
         (&["--origin-mm", "1,2"], "--origin-mm: found"),
     ] {
         for command in ["scenario", "run"] {
-            let output = simulator(folder.path(), &[&[command], arguments].concat());
-            let error = String::from_utf8_lossy(&output.stderr).into_owned();
-            assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-            assert!(error.contains(expected), "{error}\nneeded {expected}");
-            assert!(output.stdout.is_empty());
+            folder.bad(&[&[command], arguments].concat(), &[expected]);
         }
     }
     // The scenario file is an input, which no output replaces.
-    std::fs::create_dir(folder.path().join("out")).unwrap();
-    std::fs::write(folder.path().join("out/trace.csv"), "seed = 1\n").unwrap();
-    let output = simulator(folder.path(), &["run", "--scenario", "out/trace.csv", "--report", "out"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert_eq!(std::fs::read_to_string(folder.path().join("out/trace.csv")).unwrap(), "seed = 1\n");
+    folder.write("out/trace.csv", "seed = 1\n");
+    folder.bad(&["run", "--scenario", "out/trace.csv", "--report", "out"], &[]);
 }
 
 /// Six standard deviations of the noise, which is more than a count.

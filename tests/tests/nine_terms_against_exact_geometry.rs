@@ -8,20 +8,10 @@ use trueaxis::machine::AxisOrder;
 use trueaxis::machine::{AXES, ErrorModel};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
+use trueaxis_testing::noise::Noise;
 
 /// Largest difference, mm. Both interpolate in doubles; squareness and translations are exact in either form.
 const TOLERANCE_MM: f64 = 1e-12;
-
-struct Random(u64);
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 /// A sample machine without its angular errors: what is left, nine terms hold exactly.
 fn without_angles(name: &str) -> Machine {
@@ -53,7 +43,7 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
     let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, &mut memory).unwrap();
     let axes = AxisOrder::<N>::of(&machine.settings).unwrap().axes();
 
-    let mut random = Random(17);
+    let mut random = Noise::new(17);
     let mut largest = 0.0_f64;
     for _ in 0..20_000 {
         let (mut step, mut plant, mut reversed) = ([0.0; N], [0.0; AXES], [0.0; AXES]);
@@ -62,10 +52,10 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
             let place = axes.iter().position(|a| *a == settings.axis).unwrap();
             let [low, high] = if settings.axis.is_rotary() { [-700.0, 700.0] } else { settings.travel };
             let [low, high] = [low.max(settings.travel[0]), high.min(settings.travel[1])];
-            let q = low + (high - low) * random.next();
+            let q = low + (high - low) * random.unit();
             (step[place], plant[i]) = (q, q);
             // Backlash is the drive's in the plant and the table's in the plugin: it is left out on both sides.
-            if settings.backlash == 0.0 && random.next() < 0.5 {
+            if settings.backlash == 0.0 && random.unit() < 0.5 {
                 (directions[place], reversed[i]) = (Direction::NEGATIVE, 1.0);
             }
         }

@@ -2,32 +2,12 @@
 
 use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine, requirement};
-use trueaxis::machine::{
-    AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, MachineSettings, Row, ThermalGrowth,
-};
+use trueaxis::machine::{AXES, AxisSettings, ErrorModel, Interpolation, LocationErrors, Row, ThermalGrowth};
 use trueaxis::machine::{AxisOrder, carries_workpiece};
 use trueaxis::{Axis, check};
 use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::{Machine, Table};
-
-struct Random(u64);
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.unit() * count as f64) as usize
-    }
-}
+use trueaxis_testing::noise::Noise;
 
 /// Linear axes travel ±250 mm, rotary ones wherever they want.
 const REACH_MM: f64 = 250.0;
@@ -35,7 +15,7 @@ const REACH_MM: f64 = 250.0;
 const RISE_K: f64 = 3.0;
 
 /// A chain of X, Y, Z and `rotary` rotary axes in any order, each on either side.
-fn chain(random: &mut Random, rotary: usize) -> String {
+fn chain(random: &mut Noise, rotary: usize) -> String {
     let mut axes = vec![Axis::X, Axis::Y, Axis::Z];
     let mut free = vec![Axis::A, Axis::B, Axis::C];
     for _ in 0..rotary {
@@ -58,7 +38,7 @@ fn chain(random: &mut Random, rotary: usize) -> String {
 }
 
 /// Errors of up to `mm` and `rad`; a table that changes slowly, as those of machines do.
-fn rows(random: &mut Random, axis: Axis, mm: f64, rad: f64) -> Vec<Row> {
+fn rows(random: &mut Noise, axis: Axis, mm: f64, rad: f64) -> Vec<Row> {
     let rotary = axis.is_rotary();
     let (low, high) = if rotary { (-180.0, 180.0) } else { (-REACH_MM - 10.0, REACH_MM + 10.0) };
     let free = random.unit() < 0.5;
@@ -82,7 +62,7 @@ struct Case {
     machine: Machine,
 }
 
-fn case(random: &mut Random, rotary: usize, mm: f64, rad: f64) -> Case {
+fn case(random: &mut Noise, rotary: usize, mm: f64, rad: f64) -> Case {
     let chain = chain(random, rotary);
     let mut axes = heapless::Vec::<AxisSettings, AXES>::new();
     let mut tables = Vec::new();
@@ -95,9 +75,9 @@ fn case(random: &mut Random, rotary: usize, mm: f64, rad: f64) -> Case {
             settings.interpolation = Interpolation::Cubic;
         }
         if random.unit() < 0.5 {
-            settings.measured_at_mm = [0; 3].map(|_| 100.0 * random.signed());
+            settings.measured_at_mm = random.vector(100.0);
         }
-        settings.offset_mm = [0; 3].map(|_| 80.0 * random.signed());
+        settings.offset_mm = random.vector(80.0);
         if axis.is_rotary() {
             settings.backlash = (0.2 * rad * random.unit()).to_degrees();
             settings.thermal =
@@ -128,19 +108,9 @@ fn case(random: &mut Random, rotary: usize, mm: f64, rad: f64) -> Case {
     for errors in &mut location.rotary {
         *errors = std::array::from_fn(|k| 0.3 * if k < 3 { mm } else { rad } * random.signed());
     }
-    let mut settings = MachineSettings {
-        name: "any".try_into().unwrap(),
-        chain: chain.as_str().try_into().unwrap(),
-        tool_mm: [0; 3].map(|_| 100.0 * random.signed()),
-        reference_temperature_c: 20.0,
-        location,
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes,
-        roundness: None,
-    };
+    let machine = trueaxis_testing::machine::Machine::new(&chain).axes(&axes).tool(random.vector(100.0));
+    let mut settings = machine.settings();
+    settings.location = location;
     settings.compensation.model = ErrorModel::Volumetric;
     settings.kinematics.tool_axis = [0.0, 0.6, 0.8];
     Case { machine: Machine { settings, tables } }
@@ -197,7 +167,7 @@ impl Case {
     }
 }
 
-fn place<const N: usize>(random: &mut Random) -> [f64; N] {
+fn place<const N: usize>(random: &mut Noise) -> [f64; N] {
     std::array::from_fn(|i| if i < 3 { REACH_MM * random.signed() } else { 175.0 * random.signed() })
 }
 
@@ -216,7 +186,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 /// Largest error and largest difference from the exact one: tip (mm), direction (rad).
 fn compare<const N: usize>(case: &Case, seed: u64) -> [[f64; 2]; 2] {
     let geometry = Geometry::new(&case.machine, RISE_K).unwrap();
-    let mut random = Random(seed);
+    let mut random = Noise::new(seed);
     let mut largest = [[0.0_f64; 2]; 2];
     case.with::<N, _>(1, |compensation| {
         for _ in 0..20 {
@@ -240,7 +210,7 @@ fn compare<const N: usize>(case: &Case, seed: u64) -> [[f64; 2]; 2] {
 
 fn first_order<const N: usize>(chains: u64) {
     for seed in 0..chains {
-        let mut random = Random(seed * 7919 + N as u64);
+        let mut random = Noise::new(seed * 7919 + N as u64);
         let large = case(&mut random, N - 3, 60e-3, 60e-6);
         let small = large.scaled(0.1);
         let (found, tenth) = (compare::<N>(&large, seed), compare::<N>(&small, seed));
@@ -280,7 +250,7 @@ fn six_axes_agree_to_second_order() {
 fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
     let settings = &case.machine.settings;
     let geometry = Geometry::new(&case.machine, RISE_K).unwrap();
-    let mut random = Random(seed);
+    let mut random = Noise::new(seed);
     let (mut largest, mut compared) = ([0.0_f64; 2], 0);
     case.with::<N, _>(8, |compensation| {
         for _ in 0..20 {
@@ -335,7 +305,7 @@ fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
 fn exact_inverse<const N: usize>(chains: u64, orientation: bool) {
     let mut compared = 0;
     for seed in 0..chains {
-        let mut random = Random(seed * 104_729 + N as u64);
+        let mut random = Noise::new(seed * 104_729 + N as u64);
         let mut large = case(&mut random, N - 3, 6e-3, 6e-6);
         large.machine.settings.compensation.orientation = orientation;
         let (found, poses) = landing::<N>(&large, seed);

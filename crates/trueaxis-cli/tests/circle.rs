@@ -1,24 +1,18 @@
 //! `trueaxis circle` as it is called.
 
 use serde_json::Value;
-use std::fs;
-use std::process::{Command, Output};
+use trueaxis_testing::command::Folder;
 
-fn call(points: &str, arguments: &[&str]) -> Output {
-    let directory = tempfile::tempdir().unwrap();
-    fs::write(directory.path().join("points.csv"), points).unwrap();
-    Command::new(env!("CARGO_BIN_EXE_trueaxis"))
-        .args(["circle", "points.csv"])
-        .args(arguments)
-        .current_dir(directory.path())
-        .output()
-        .unwrap()
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
+
+fn folder(points: &str) -> Folder {
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("points.csv", points);
+    directory
 }
 
 fn document(points: &str) -> Value {
-    let output = call(points, &["--json"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    folder(points).json(&["circle", "points.csv", "--json"])
 }
 
 fn near(value: &Value, truth: f64) {
@@ -64,9 +58,7 @@ fn all_four_circles_of_a_round_section() {
 
 #[test]
 fn the_table_gives_the_same_and_the_lines_in_the_file() {
-    let output = call(&round(), &[]);
-    assert!(output.status.success());
-    let text = String::from_utf8(output.stdout).unwrap();
+    let text = folder(&round()).good(&["circle", "points.csv"]);
     assert!(text.starts_with("8 points"), "{text}");
     let ring = text.lines().find(|line| line.starts_with("MZC")).unwrap();
     let cells: Vec<&str> = ring.split_whitespace().collect();
@@ -90,7 +82,7 @@ fn a_part_arc_has_no_inscribed_circle() {
     assert!(found["refused"]["mic"].as_str().unwrap().contains("part arc"), "{found}");
     assert!((found["lsc"]["radius_mm"].as_f64().unwrap() - 50.0).abs() < 0.1);
     assert!(found["mzc"]["zone_um"].as_f64().unwrap() < 20.1);
-    let table = String::from_utf8(call(&text, &[]).stdout).unwrap();
+    let table = folder(&text).good(&["circle", "points.csv"]);
     assert!(table.lines().any(|line| line.starts_with("MIC  none: ") && line.contains("part arc")), "{table}");
 }
 
@@ -109,12 +101,6 @@ fn bad_points_are_refused_with_what_is_needed() {
         ("x_mm\n1\n2\n3\n", &["points.csv:1", "y_mm"]),
     ];
     for (text, parts) in cases {
-        let output = call(text, &["--json"]);
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{text}: {error}");
-        assert!(output.stdout.is_empty(), "{text}");
-        for part in parts {
-            assert!(error.contains(part), "{text}: {error}");
-        }
+        folder(text).bad(&["circle", "points.csv", "--json"], parts);
     }
 }

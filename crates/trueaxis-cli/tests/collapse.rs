@@ -1,33 +1,34 @@
 //! `trueaxis tables collapse` from outside.
 
 use std::path::Path;
-use std::process::{Command, Output};
-use tempfile::TempDir;
+use trueaxis_testing::command::Folder;
 
-fn call(arguments: &[&str]) -> Output {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(root).output().unwrap()
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
+
+/// A folder with the sample machines.
+fn folder() -> Folder {
+    let directory = Folder::new(TRUEAXIS);
+    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables");
+    for name in ["mill-3axis", "mill-5axis"] {
+        directory.copy(&samples.join(name), name);
+    }
+    directory
 }
 
 #[test]
 fn nine_tables_that_check_accepts() {
-    let directory = TempDir::new().unwrap();
-    let out = directory.path().join("nine");
-    let out = out.to_str().unwrap();
-    let output =
-        call(&["tables", "collapse", "compensation-tables/mill-3axis", "-o", out, "--volume", "-200:200,,", "--json"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let directory = folder();
+    let document =
+        directory.json(&["tables", "collapse", "mill-3axis", "-o", "nine", "--volume", "-200:200,,", "--json"]);
     assert_eq!(document["volume_mm"]["X"], serde_json::json!([-200.0, 200.0]));
     let rms = |key: &str| document[key]["rms_um"].as_f64().unwrap();
     assert!(rms("collapsed_tables") < rms("original_tables") && rms("collapsed_tables") < rms("before"));
-    assert!(call(&["tables", "check", out]).status.success());
+    directory.good(&["tables", "check", "nine"]);
 }
 
 #[test]
 fn bad_input_writes_nothing() {
-    let directory = TempDir::new().unwrap();
-    let out = directory.path().join("nine");
+    let directory = folder();
     for (machine, option, value) in [
         ("mill-3axis", "--volume", "-900:0,,"),
         ("mill-3axis", "--volume", "0:0,,"),
@@ -41,13 +42,8 @@ fn bad_input_writes_nothing() {
         ("mill-5axis", "--pose", "A=90"),
         ("mill-5axis", "--pose", "A=1,A=2"),
     ] {
-        let path = format!("compensation-tables/{machine}");
-        let output = call(&["tables", "collapse", &path, "-o", out.to_str().unwrap(), option, value]);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{option} {value}: {said}");
-        assert!(said.contains("found") && said.contains("needed"), "{option} {value}: {said}");
-        assert!(!out.exists(), "{option} {value}");
+        let arguments = ["tables", "collapse", machine, "-o", "nine", option, value];
+        directory.bad(&arguments, &["found", "needed"]);
     }
-    let own = "compensation-tables/mill-3axis";
-    assert_eq!(call(&["tables", "collapse", own, "-o", own]).status.code(), Some(2));
+    directory.bad(&["tables", "collapse", "mill-3axis", "-o", "mill-3axis"], &[]);
 }

@@ -3,38 +3,12 @@
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-use tempfile::TempDir;
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 fn samples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables")
-}
-
-fn call(directory: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(directory.path()).output().unwrap()
-}
-
-fn good(directory: &TempDir, arguments: &[&str]) -> String {
-    let output = call(directory, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-/// Exit code 2, nothing on the standard output, and every part of the message.
-fn bad(directory: &TempDir, arguments: &[&str], parts: &[&str]) {
-    let output = call(directory, arguments);
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-    assert!(output.stdout.is_empty(), "{arguments:?}");
-    for part in parts {
-        assert!(error.contains(part), "{arguments:?}: {error}");
-    }
-}
-
-fn put(directory: &TempDir, name: &str, text: &str) {
-    let path = directory.path().join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(path, text).unwrap();
 }
 
 /// Rows of a CSV as numbers (true = 1), by column name.
@@ -51,24 +25,23 @@ fn column(csv: &str, name: &str) -> Vec<f64> {
 }
 
 /// X: 10 µm at 0 to 30 µm at 100; Y: straightness; C: wraps. Squareness 20 µrad.
-fn small_machine(directory: &TempDir) {
-    put(
-        directory,
+fn small_machine(directory: &Folder) {
+    directory.write(
         "m/machine.toml",
         "name = \"small\"\nchain = \"w C' X' b Y Z t\"\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [-50, 150]\n\
          [axis.Y]\ntable = \"y.csv\"\n[axis.C]\ntable = \"c.csv\"\n[location]\nC0Y_urad = 20\n",
     );
-    put(directory, "m/x.csv", "X_mm,EXX_um,EZX_um\n0,10,-4\n100,30,4\n");
-    put(directory, "m/y.csv", "# straightness\nEXY_um,Y_mm\n0,-100\n8,0\n2,300\n");
-    put(directory, "m/c.csv", "C_deg,EXC_um,EYC_um\n0,0,1\n90,6,1\n180,0,1\n270,-6,1\n360,0,1\n");
+    directory.write("m/x.csv", "X_mm,EXX_um,EZX_um\n0,10,-4\n100,30,4\n");
+    directory.write("m/y.csv", "# straightness\nEXY_um,Y_mm\n0,-100\n8,0\n2,300\n");
+    directory.write("m/c.csv", "C_deg,EXC_um,EYC_um\n0,0,1\n90,6,1\n180,0,1\n270,-6,1\n360,0,1\n");
 }
 
 #[test]
 fn errors_and_corrected_commands_are_what_the_tables_say() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     small_machine(&directory);
-    put(&directory, "p.csv", "x_mm,y_mm,z_mm,c_deg\n25,150,5,45\n25,150,5,1000045\n25,150,5,-675\n-40,-100,0,0\n");
-    let csv = good(&directory, &["compensate", "m", "p.csv"]);
+    directory.write("p.csv", "x_mm,y_mm,z_mm,c_deg\n25,150,5,45\n25,150,5,1000045\n25,150,5,-675\n-40,-100,0,0\n");
+    let csv = directory.good(&["compensate", "m", "p.csv"]);
     assert!(csv.starts_with("x_mm,y_mm,z_mm,c_deg,ex_um,ey_um,ez_um,cx_mm,cy_mm,cz_mm\n25,150,5,45,"));
     // EXX 15, EXY 5, squareness −20e-6 · 150 mm = −3 µm, EXC 3; 1000045 = 2777 · 360 + 325 degrees: EXC = −6 · 35/90.
     let ex = column(&csv, "ex_um");
@@ -83,29 +56,29 @@ fn errors_and_corrected_commands_are_what_the_tables_say() {
     let error = |x: f64, y: f64| 1e-3 * (10.0 + 0.2 * x + 8.0 - 0.02 * y + 3.0) - 20e-6 * y;
     assert!((cx + error(cx, cy) - 25.0).abs() < 1e-6);
     // One look-up: minus the error at the uncorrected command.
-    let once = good(&directory, &["compensate", "m", "p.csv", "--inverse-passes", "1", "--model", "nine"]);
+    let once = directory.good(&["compensate", "m", "p.csv", "--inverse-passes", "1", "--model", "nine"]);
     assert!((column(&once, "cx_mm")[0] - (25.0 - 0.020)).abs() < 1e-12);
-    let _ = good(&directory, &["compensate", "m/machine.toml", "p.csv", "-o", "out.csv"]);
-    assert_eq!(fs::read_to_string(directory.path().join("out.csv")).unwrap(), csv);
+    let _ = directory.good(&["compensate", "m/machine.toml", "p.csv", "-o", "out.csv"]);
+    assert_eq!(directory.read("out.csv"), csv);
 }
 
 #[test]
 fn the_held_out_interpolation_is_the_tables_own() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let mut table = String::from("X_mm,EXX_um\n");
     let value = |i: i32| f64::from((i * 7919) % 41) - 20.0;
     for i in 0..64 {
         table.push_str(&format!("{},{}\n", 5 * i, value(i)));
     }
-    put(&directory, "m/machine.toml", "name = \"t\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\n");
-    put(&directory, "m/x.csv", &table);
+    directory.write("m/machine.toml", "name = \"t\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\n");
+    directory.write("m/x.csv", &table);
     let mut positions = String::from("x_mm,y_mm,z_mm\n");
     let places: Vec<f64> = (0..3000).map(|i| f64::from(i) * 0.105).collect();
     for x in &places {
         positions.push_str(&format!("{x},0,0\n"));
     }
-    put(&directory, "p.csv", &positions);
-    let csv = good(&directory, &["compensate", "m", "p.csv"]);
+    directory.write("p.csv", &positions);
+    let csv = directory.good(&["compensate", "m", "p.csv"]);
     for (x, found) in places.iter().zip(column(&csv, "ex_um")) {
         let cell = ((x / 5.0) as i32).min(62);
         let t = x / 5.0 - f64::from(cell);
@@ -115,7 +88,7 @@ fn the_held_out_interpolation_is_the_tables_own() {
 
 #[test]
 fn bad_positions_are_refused_with_their_place() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     small_machine(&directory);
     let cases: [(&str, &[&str]); 9] = [
         ("x_mm,y_mm,z_mm\n1,2,nan\n", &["p.csv:2", "z_mm", "nan", "finite"]),
@@ -129,49 +102,49 @@ fn bad_positions_are_refused_with_their_place() {
         ("x_mm,y_mm,z_mm\n151,2,3\n", &["p.csv:2", "x_mm", "151", "-50 to 150"]),
     ];
     for (text, parts) in cases {
-        put(&directory, "p.csv", text);
-        bad(&directory, &["compensate", "m", "p.csv", "-o", "out.csv"], parts);
-        assert!(!directory.path().join("out.csv").exists());
+        directory.write("p.csv", text);
+        directory.bad(&["compensate", "m", "p.csv", "-o", "out.csv"], parts);
+        assert!(!directory.has("out.csv"));
     }
-    put(&directory, "p.csv", "x_mm,y_mm,z_mm\n1,2,3\n");
-    bad(&directory, &["compensate", "m", "missing.csv"], &["missing.csv"]);
-    bad(&directory, &["compensate", "nowhere", "p.csv"], &["nowhere"]);
-    bad(&directory, &["compensate", "m", "p.csv", "--inverse-passes", "9"], &["9"]);
-    bad(&directory, &["compensate", "m", "p.csv", "--model", "guess"], &["nine"]);
+    directory.write("p.csv", "x_mm,y_mm,z_mm\n1,2,3\n");
+    directory.bad(&["compensate", "m", "missing.csv"], &["missing.csv"]);
+    directory.bad(&["compensate", "nowhere", "p.csv"], &["nowhere"]);
+    directory.bad(&["compensate", "m", "p.csv", "--inverse-passes", "9"], &["9"]);
+    directory.bad(&["compensate", "m", "p.csv", "--model", "guess"], &["nine"]);
 }
 
 #[test]
 fn tables_check_compile_show_and_damage() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     small_machine(&directory);
-    let text = good(&directory, &["tables", "check", "m"]);
+    let text = directory.good(&["tables", "check", "m"]);
     assert!(text.contains("small") && text.contains("no errors"));
-    let document: Value = serde_json::from_str(&good(&directory, &["tables", "check", "m", "--json"])).unwrap();
+    let document: Value = serde_json::from_str(&directory.good(&["tables", "check", "m", "--json"])).unwrap();
     assert_eq!(document["ok"], true);
-    assert_eq!(good(&directory, &["tables", "compile", "m", "-o", "t.tcomp"]), "");
-    let shown: Value = serde_json::from_str(&good(&directory, &["tables", "show", "t.tcomp", "--json"])).unwrap();
+    assert_eq!(directory.good(&["tables", "compile", "m", "-o", "t.tcomp"]), "");
+    let shown: Value = serde_json::from_str(&directory.good(&["tables", "show", "t.tcomp", "--json"])).unwrap();
     assert_eq!((shown["name"].as_str(), shown["chain"].as_str()), (Some("small"), Some("w C' X' b Y Z t")));
-    assert!(good(&directory, &["tables", "show", "t.tcomp"]).contains("small"));
+    assert!(directory.good(&["tables", "show", "t.tcomp"]).contains("small"));
     // The compiled file gives the same corrections as its source.
-    put(&directory, "p.csv", "x_mm,y_mm,z_mm\n25,150,5\n");
-    assert_eq!(good(&directory, &["compensate", "m", "p.csv"]), good(&directory, &["compensate", "t.tcomp", "p.csv"]));
-    let bytes = fs::read(directory.path().join("t.tcomp")).unwrap();
+    directory.write("p.csv", "x_mm,y_mm,z_mm\n25,150,5\n");
+    assert_eq!(directory.good(&["compensate", "m", "p.csv"]), directory.good(&["compensate", "t.tcomp", "p.csv"]));
+    let bytes = fs::read(directory.join("t.tcomp")).unwrap();
     for damage in
         [&bytes[..bytes.len() - 1], &bytes[..20], &[], b"not tables at all, but long enough to look like some"]
     {
-        fs::write(directory.path().join("bad.tcomp"), damage).unwrap();
-        bad(&directory, &["tables", "show", "bad.tcomp"], &["bad.tcomp"]);
-        bad(&directory, &["compensate", "bad.tcomp", "p.csv"], &["bad.tcomp"]);
+        directory.write("bad.tcomp", damage);
+        directory.bad(&["tables", "show", "bad.tcomp"], &["bad.tcomp"]);
+        directory.bad(&["compensate", "bad.tcomp", "p.csv"], &["bad.tcomp"]);
     }
     let mut flipped = bytes.clone();
     flipped[bytes.len() / 2] ^= 0x10;
-    fs::write(directory.path().join("bad.tcomp"), flipped).unwrap();
-    bad(&directory, &["tables", "show", "bad.tcomp"], &["bad.tcomp"]);
+    directory.write("bad.tcomp", flipped);
+    directory.bad(&["tables", "show", "bad.tcomp"], &["bad.tcomp"]);
 }
 
 #[test]
 fn bad_machines_are_refused_and_nothing_is_written() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let cases: [(&str, &str, &[&str]); 10] = [
         ("x.csv", "X_mm,EXX_um\n0,1\n0,2\n", &["x.csv:3", "X_mm"]),
         ("x.csv", "X_mm,EXX_um\n0,1\n10,nan\n", &["x.csv:3", "EXX_um", "nan"]),
@@ -194,10 +167,10 @@ fn bad_machines_are_refused_and_nothing_is_written() {
     ];
     for (file, text, parts) in cases {
         small_machine(&directory);
-        put(&directory, &format!("m/{file}"), text);
-        bad(&directory, &["tables", "compile", "m", "-o", "t.tcomp"], parts);
-        bad(&directory, &["tables", "check", "m"], parts);
-        assert!(!directory.path().join("t.tcomp").exists());
+        directory.write(&format!("m/{file}"), text);
+        directory.bad(&["tables", "compile", "m", "-o", "t.tcomp"], parts);
+        directory.bad(&["tables", "check", "m"], parts);
+        assert!(!directory.has("t.tcomp"));
     }
 }
 
@@ -208,20 +181,18 @@ const PATH: &str = r#"{"segments":[
 
 #[test]
 fn contour_errors_on_a_line_an_arc_and_a_spline() {
-    let directory = tempfile::tempdir().unwrap();
-    put(&directory, "path.json", PATH);
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("path.json", PATH);
     let (s, c) = 0.3_f64.sin_cos();
     let inside = format!("{},{},0", 10.0 + 9.99 * s, 10.0 - 9.99 * c);
     // The spline is (10 − 5v, 20, 5/4 v²), v = u; at v = 1 its tangent is (−5, 0, 2.5): 3 µm along y is off at right angles.
-    put(
-        &directory,
-        "actual.csv",
+    directory.write("actual.csv",
         &format!(
             "segment,u,x_mm,y_mm,z_mm\n0,0.503,5,0.004,-0.003\n1,0.1,{inside}\n2,1.01,5,20.003,1.25\n0,1,10.002,-0.003,0\n"
         ),
     );
     for method in ["guarded", "bisection"] {
-        let csv = good(&directory, &["contour", "path.json", "actual.csv", "--method", method]);
+        let csv = directory.good(&["contour", "path.json", "actual.csv", "--method", method]);
         assert!(csv.starts_with("segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed\n"));
         let error = column(&csv, "error_um");
         for (found, truth) in error.iter().zip([5.0, 10.0, 3.0]) {
@@ -238,18 +209,15 @@ fn contour_errors_on_a_line_an_arc_and_a_spline() {
         assert!((error[3] - 1e3 * ((0.002_f64).hypot(10.003) - 10.0)).abs() < 1e-5);
     }
     let far = "segment,u,x_mm,y_mm,z_mm\n0,0.5,8,0,0\n";
-    put(&directory, "far.csv", far);
-    assert_eq!(column(&good(&directory, &["contour", "path.json", "far.csv"]), "bracketed"), [0.0]);
-    assert_eq!(
-        column(&good(&directory, &["contour", "path.json", "far.csv", "--max-lag-mm", "5"]), "bracketed"),
-        [1.0]
-    );
+    directory.write("far.csv", far);
+    assert_eq!(column(&directory.good(&["contour", "path.json", "far.csv"]), "bracketed"), [0.0]);
+    assert_eq!(column(&directory.good(&["contour", "path.json", "far.csv", "--max-lag-mm", "5"]), "bracketed"), [1.0]);
 }
 
 #[test]
 fn bad_paths_and_positions_are_refused_with_their_place() {
-    let directory = tempfile::tempdir().unwrap();
-    put(&directory, "actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
     let paths: [(&str, &[&str]); 8] = [
         ("{\"segments\":[]}", &["segments"]),
         ("{\"segments\":[\n{\"type\":\"line\",\"start\":[0,0,0]}]}", &["path.json:2", "end"]),
@@ -270,106 +238,97 @@ fn bad_paths_and_positions_are_refused_with_their_place() {
         ),
     ];
     for (text, parts) in paths {
-        put(&directory, "path.json", text);
-        bad(&directory, &["contour", "path.json", "actual.csv", "-o", "out.csv"], parts);
-        assert!(!directory.path().join("out.csv").exists());
+        directory.write("path.json", text);
+        directory.bad(&["contour", "path.json", "actual.csv", "-o", "out.csv"], parts);
+        assert!(!directory.has("out.csv"));
     }
-    put(&directory, "path.json", PATH);
+    directory.write("path.json", PATH);
     for (row, parts) in [
         ("3,0.5,0,0,0", &["actual.csv:2", "segment", "3", "0 to 2"][..]),
         ("0.5,0.5,0,0,0", &["actual.csv:2", "segment"]),
         ("2,2.5,0,0,0", &["actual.csv:2", "column u", "2.5", "0 to 2"]),
         ("0,0.5,0,nan,0", &["actual.csv:2", "y_mm", "nan"]),
     ] {
-        put(&directory, "actual.csv", &format!("segment,u,x_mm,y_mm,z_mm\n{row}\n"));
-        bad(&directory, &["contour", "path.json", "actual.csv"], parts);
+        directory.write("actual.csv", &format!("segment,u,x_mm,y_mm,z_mm\n{row}\n"));
+        directory.bad(&["contour", "path.json", "actual.csv"], parts);
     }
-    put(&directory, "actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
-    bad(&directory, &["contour", "path.json", "actual.csv", "--max-lag-mm", "0"], &["--max-lag-mm"]);
+    directory.write("actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
+    directory.bad(&["contour", "path.json", "actual.csv", "--max-lag-mm", "0"], &["--max-lag-mm"]);
 }
 
 #[test]
 fn iso_230_2_before_and_after_compensation() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let mill = samples().join("mill-3axis");
     let measured = mill.join("x-iso230-2.csv");
     let (mill, measured) = (mill.to_str().unwrap(), measured.to_str().unwrap());
     let document: Value =
-        serde_json::from_str(&good(&directory, &["tables", "accuracy", measured, "--machine", mill, "--json"]))
-            .unwrap();
+        serde_json::from_str(&directory.good(&["tables", "accuracy", measured, "--machine", mill, "--json"])).unwrap();
     let (before, after) = (&document["measured"]["both"], &document["compensated"]["both"]);
     assert!(after["systematic"].as_f64().unwrap() < 0.1 * before["systematic"].as_f64().unwrap());
     assert!(after["reversal"].as_f64().unwrap() < 0.5 * before["reversal"].as_f64().unwrap());
-    let table = good(&directory, &["tables", "accuracy", measured]);
+    let table = directory.good(&["tables", "accuracy", measured]);
     assert!(table.contains("bidirectional accuracy") && !table.contains("compensated"));
     // A machine whose table is the measured mean: what is left is the scatter alone.
-    put(
-        &directory,
-        "m/machine.toml",
-        "name = \"b\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\nbacklash_um = 3\n",
-    );
-    put(&directory, "m/x.csv", "X_mm,EXX_um\n0,1\n100,21\n");
-    put(
-        &directory,
-        "b.csv",
+    directory
+        .write("m/machine.toml", "name = \"b\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\nbacklash_um = 3\n");
+    directory.write("m/x.csv", "X_mm,EXX_um\n0,1\n100,21\n");
+    directory.write("b.csv",
         "X_mm,run,direction,deviation_um\n0,1,+,1\n0,2,+,1\n0,1,-,4\n0,2,-,4\n50,1,+,11\n50,2,+,11\n50,1,-,14\n50,2,-,14\n",
     );
     let document: Value =
-        serde_json::from_str(&good(&directory, &["tables", "accuracy", "b.csv", "--machine", "m", "--json"])).unwrap();
+        serde_json::from_str(&directory.good(&["tables", "accuracy", "b.csv", "--machine", "m", "--json"])).unwrap();
     assert!((document["measured"]["both"]["reversal"].as_f64().unwrap() - 3.0).abs() < 1e-9);
     for what in ["accuracy", "systematic", "reversal"] {
         assert!(document["compensated"]["both"][what].as_f64().unwrap().abs() < 1e-9, "{document}");
     }
-    put(&directory, "b.csv", "X_mm,run,direction,deviation_um\n0,1,+,x\n");
-    bad(&directory, &["tables", "accuracy", "b.csv"], &["b.csv:2", "deviation_um"]);
+    directory.write("b.csv", "X_mm,run,direction,deviation_um\n0,1,+,x\n");
+    directory.bad(&["tables", "accuracy", "b.csv"], &["b.csv:2", "deviation_um"]);
 }
 
 #[test]
 fn tables_travel_to_other_controls_and_back() {
-    let directory = tempfile::tempdir().unwrap();
-    put(&directory, "m/machine.toml", "name = \"t\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\n");
-    put(&directory, "m/x.csv", "X_mm,EXX_um\n0,1\n50,11\n100,21\n");
-    put(&directory, "p.csv", "x_mm,y_mm,z_mm\n25,0,0\n77,0,0\n");
-    let truth = column(&good(&directory, &["compensate", "m", "p.csv"]), "ex_um");
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("m/machine.toml", "name = \"t\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\n");
+    directory.write("m/x.csv", "X_mm,EXX_um\n0,1\n50,11\n100,21\n");
+    directory.write("p.csv", "x_mm,y_mm,z_mm\n25,0,0\n77,0,0\n");
+    let truth = column(&directory.good(&["compensate", "m", "p.csv"]), "ex_um");
     for (format, file) in [("linuxcnc", "t.comp"), ("linuxcnc-1", "t1.comp"), ("siemens", "t.mpf"), ("isg", "t.txt")] {
-        good(&directory, &["tables", "export", "--to", format, "m", "-o", file]);
-        good(&directory, &["tables", "import", "--from", format, file, "--axis", "X", "-o", "back"]);
-        let found = column(&good(&directory, &["compensate", "back", "p.csv"]), "ex_um");
+        directory.good(&["tables", "export", "--to", format, "m", "-o", file]);
+        directory.good(&["tables", "import", "--from", format, file, "--axis", "X", "-o", "back"]);
+        let found = column(&directory.good(&["compensate", "back", "p.csv"]), "ex_um");
         for (found, truth) in found.iter().zip(&truth) {
             assert!((found - truth).abs() < 1e-6, "{format}: {found} {truth}");
         }
-        fs::remove_dir_all(directory.path().join("back")).unwrap();
+        fs::remove_dir_all(directory.join("back")).unwrap();
     }
-    put(&directory, "cut.comp", "0 0 0\n# LinuxCNC would stop reading here without a word\n50 50 50\n");
-    bad(
-        &directory,
-        &["tables", "import", "--from", "linuxcnc", "cut.comp", "--axis", "X", "-o", "back"],
-        &["cut.comp:2"],
-    );
-    assert!(!directory.path().join("back").exists());
-    bad(&directory, &["tables", "export", "--to", "fanuc", "m", "-o", "x"], &["--to", "fanuc", "siemens"]);
-    bad(&directory, &["tables", "import", "--from", "linuxcnc", "t.comp", "--axis", "Q", "-o", "back"], &["--axis"]);
+    directory.write("cut.comp", "0 0 0\n# LinuxCNC would stop reading here without a word\n50 50 50\n");
+    directory
+        .bad(&["tables", "import", "--from", "linuxcnc", "cut.comp", "--axis", "X", "-o", "back"], &["cut.comp:2"]);
+    assert!(!directory.has("back"));
+    directory.bad(&["tables", "export", "--to", "fanuc", "m", "-o", "x"], &["--to", "fanuc", "siemens"]);
+    directory.bad(&["tables", "import", "--from", "linuxcnc", "t.comp", "--axis", "Q", "-o", "back"], &["--axis"]);
     let mill = samples().join("mill-3axis");
     let mill = mill.to_str().unwrap();
-    bad(&directory, &["tables", "export", "--to", "siemens", mill, "-o", "lost.mpf"], &["equidistant"]);
-    assert!(!directory.path().join("lost.mpf").exists());
+    directory.bad(&["tables", "export", "--to", "siemens", mill, "-o", "lost.mpf"], &["equidistant"]);
+    assert!(!directory.has("lost.mpf"));
 }
 
 /// A five-axis machine through the volumetric CSV: the same chain, and the same tip errors to 0.03 µm.
 #[test]
 fn five_axes_travel_to_another_control_and_back() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let head = samples().join("head-5axis");
     let head = head.to_str().unwrap();
-    good(&directory, &["tables", "export", "--to", "isg", head, "-o", "head.csv"]);
-    good(&directory, &["tables", "import", "--from", "isg", "head.csv", "-o", "back"]);
-    good(&directory, &["tables", "check", "back"]);
+    directory.good(&["tables", "export", "--to", "isg", head, "-o", "head.csv"]);
+    directory.good(&["tables", "import", "--from", "isg", "head.csv", "-o", "back"]);
+    directory.good(&["tables", "check", "back"]);
     let found: serde_json::Value =
-        serde_json::from_str(&good(&directory, &["tables", "check", "back", "--json"])).unwrap();
+        serde_json::from_str(&directory.good(&["tables", "check", "back", "--json"])).unwrap();
     assert_eq!(found["summary"]["chain"], "w X' b Y Z C A t");
-    put(&directory, "p.csv", "x_mm,y_mm,z_mm,a_deg,c_deg\n310,-220,150,33,77\n-500,100,-90,-61,200\n");
+    directory.write("p.csv", "x_mm,y_mm,z_mm,a_deg,c_deg\n310,-220,150,33,77\n-500,100,-90,-61,200\n");
     let errors = |machine: &str| {
-        let text = good(&directory, &["compensate", machine, "p.csv", "--model", "exact"]);
+        let text = directory.good(&["compensate", machine, "p.csv", "--model", "exact"]);
         ["ex_um", "ey_um", "ez_um"].map(|name| column(&text, name)).concat()
     };
     let (truth, back) = (errors(head), errors("back"));
@@ -377,61 +336,56 @@ fn five_axes_travel_to_another_control_and_back() {
     for (back, truth) in back.iter().zip(&truth) {
         assert!((back - truth).abs() < 0.03, "{back} {truth}");
     }
-    bad(
-        &directory,
+    directory.bad(
         &["tables", "export", "--to", "linuxcnc", head, "-o", "lost.comp"],
         &["chain w X' b Y Z C A t", "tool_mm 0 0 -250", "location errors", "EA0C 22.000 urad"],
     );
-    let text = fs::read_to_string(directory.path().join("head.csv")).unwrap();
-    put(&directory, "wrong.csv", &text.replace("w X' b", "w X' X' b"));
-    bad(
-        &directory,
-        &["tables", "import", "--from", "isg", "wrong.csv", "-o", "none"],
-        &["wrong.csv:1", "at most once"],
-    );
-    assert!(!directory.path().join("none").exists());
+    let text = directory.read("head.csv");
+    directory.write("wrong.csv", &text.replace("w X' b", "w X' X' b"));
+    directory.bad(&["tables", "import", "--from", "isg", "wrong.csv", "-o", "none"], &["wrong.csv:1", "at most once"]);
+    assert!(!directory.has("none"));
 }
 
 #[test]
 fn help_teaches() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     for (arguments, part) in [
         (&["--help"][..], "actual − ideal"),
         (&["compensate", "--help"], "corrected command"),
         (&["contour", "--help"], "PATH.json"),
         (&["tables", "import", "--help"], "COMP_FILE"),
     ] {
-        assert!(good(&directory, arguments).contains(part), "{arguments:?}");
+        assert!(directory.good(arguments).contains(part), "{arguments:?}");
     }
 }
 
 #[test]
 fn counts_and_numbers_read_as_people_write_them() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let machine = |feed: u32| {
         format!(
             "name = \"m\"\nchain = \"w b X Z t\"\n[axis.Z]\ntravel_mm = [0.0, 9.0]\n[axis.X]\nmax_feed_mm_per_min = {feed}.0\n\
              travel_mm = [-100.0, 100.0]\ntable = \"x.csv\"\n"
         )
     };
-    put(&directory, "m/machine.toml", &machine(20_000));
-    put(&directory, "m/x.csv", "X_mm,EXX_um\n-100,0\n100,1\n");
-    let text = good(&directory, &["tables", "check", "m"]);
+    directory.write("m/machine.toml", &machine(20_000));
+    directory.write("m/x.csv", "X_mm,EXX_um\n-100,0\n100,1\n");
+    let text = directory.good(&["tables", "check", "m"]);
     assert!(text.contains("up to 333.333333 mm/s"), "{text}");
     assert!(text.contains("m: no errors, 0 warnings\n"), "{text}");
-    put(&directory, "m/x.csv", "X_mm,EXX_um\n-90,0\n100,1\n");
-    let text = good(&directory, &["tables", "check", "m"]);
+    directory.write("m/x.csv", "X_mm,EXX_um\n-90,0\n100,1\n");
+    let text = directory.good(&["tables", "check", "m"]);
     assert!(text.contains("m: no errors, 1 warning\n"), "{text}");
 }
 
 /// Every reader names the line of bytes that are no UTF-8, and what was found never moves the cursor.
 #[test]
 fn odd_bytes_are_told_with_their_line_and_written_out() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     for name in ["latin.csv", "latin.json", "latin.comp"] {
-        fs::write(directory.path().join(name), b"x_mm,y_mm\n1,2\n3,\xb5\n").unwrap();
+        directory.write(name, b"x_mm,y_mm\n1,2\n3,\xb5\n");
     }
-    fs::write(directory.path().join("xyz.csv"), b"x_mm,y_mm,z_mm\n1,2,-3\n3,\xb5,-1\n").unwrap();
+    directory.write("xyz.csv", b"x_mm,y_mm,z_mm\n1,2,-3\n3,\xb5,-1\n");
     let mill = samples().join("mill-3axis").display().to_string();
     let cases: [&[&str]; 5] = [
         &["circle", "latin.csv"],
@@ -441,14 +395,14 @@ fn odd_bytes_are_told_with_their_line_and_written_out() {
         &["tables", "import", "--from", "linuxcnc", "latin.comp", "--axis", "X", "-o", "out"],
     ];
     for arguments in cases {
-        bad(&directory, arguments, &[":3: found bytes that are not UTF-8"]);
+        directory.bad(arguments, &[":3: found bytes that are not UTF-8"]);
     }
     // A carriage return alone ends a line.
-    put(&directory, "cr.csv", "x_mm,y_mm\n1,2\n3,4\r5\n6,7\n");
-    put(&directory, "bell.csv", "x_mm,y_mm\n1,2\n3,\u{1b}[2J\n6,7\n");
+    directory.write("cr.csv", "x_mm,y_mm\n1,2\n3,4\r5\n6,7\n");
+    directory.write("bell.csv", "x_mm,y_mm\n1,2\n3,\u{1b}[2J\n6,7\n");
     for (file, found) in [("cr.csv", "found 1 value"), ("bell.csv", "\\u{1b}[2J")] {
-        bad(&directory, &["circle", file], &[":3", found]);
-        let error = call(&directory, &["circle", file]).stderr;
+        directory.bad(&["circle", file], &[":3", found]);
+        let error = directory.run(&["circle", file]).stderr;
         assert!(error.iter().all(|byte| *byte >= b' ' || *byte == b'\n'), "{}", String::from_utf8_lossy(&error));
     }
 }

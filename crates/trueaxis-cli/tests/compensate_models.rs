@@ -5,34 +5,17 @@ use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
-use tempfile::TempDir;
+use trueaxis_testing::command::{Folder, numbers};
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 fn reference() -> Vec<Value> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/reference/volumetric.json");
     serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
 }
 
-fn call(directory: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(directory.path()).output().unwrap()
-}
-
-/// Header and numbers of the CSV that a call prints.
-fn good(directory: &TempDir, arguments: &[&str]) -> (String, Vec<Vec<f64>>) {
-    let output = call(directory, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
-    let mut lines = text.lines();
-    let header = lines.next().unwrap().to_owned();
-    (header, lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect())
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
-}
-
 /// Writes a machine and its positions; returns the header of the positions.
-fn put(directory: &TempDir, machine: &Value) -> String {
+fn put(directory: &Folder, machine: &Value) -> String {
     let mut toml =
         format!("name = {}\nchain = {}\ntool_mm = {}\n", machine["name"], machine["chain"], machine["tool_mm"]);
     let mut header = Vec::new();
@@ -53,32 +36,32 @@ fn put(directory: &TempDir, machine: &Value) -> String {
             let cells: Vec<String> = numbers(row).iter().map(f64::to_string).collect();
             let _ = writeln!(csv, "{}", cells.join(","));
         }
-        fs::write(directory.path().join(format!("{letter}.csv")), csv).unwrap();
+        directory.write(format!("{letter}.csv"), csv);
     }
     toml.push_str("[location]\n");
     for (key, value) in machine["location"].as_object().unwrap() {
         let _ = writeln!(toml, "{key} = {value}");
     }
-    fs::write(directory.path().join("machine.toml"), toml).unwrap();
+    directory.write("machine.toml", toml);
     header.join(",")
 }
 
-fn put_positions(directory: &TempDir, name: &str, header: &str, rows: &[Vec<f64>]) {
+fn put_positions(directory: &Folder, name: &str, header: &str, rows: &[Vec<f64>]) {
     let lines = rows.iter().map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(","));
-    fs::write(directory.path().join(name), format!("{header}\n{}\n", lines.collect::<Vec<_>>().join("\n"))).unwrap();
+    directory.write(name, format!("{header}\n{}\n", lines.collect::<Vec<_>>().join("\n")));
 }
 
 #[test]
 fn both_models_agree_with_homogeneous_transforms() {
     for machine in reference() {
-        let directory = tempfile::tempdir().unwrap();
+        let directory = Folder::new(TRUEAXIS);
         let header = put(&directory, &machine);
         let axes = header.split(',').count();
         let positions = machine["positions"].as_array().unwrap();
         let rows: Vec<Vec<f64>> = positions.iter().map(|position| numbers(&position["at"])).collect();
         put_positions(&directory, "p.csv", &header, &rows);
         for (model, absolute, relative) in [("exact", 1e-9, 0.0), ("volumetric", 0.0, 5e-3)] {
-            let (_, found) = good(&directory, &["compensate", ".", "p.csv", "--model", model, "--orientation"]);
+            let (_, found) = directory.csv(&["compensate", ".", "p.csv", "--model", model, "--orientation"]);
             let mut worst = 0.0_f64;
             for (row, position) in found.iter().zip(positions) {
                 let (tip, turn) = (&row[axes..axes + 3], &row[axes + 6..axes + 9]);
@@ -95,15 +78,15 @@ fn both_models_agree_with_homogeneous_transforms() {
             println!("{}, {model}: {worst:.1e}", machine["name"]);
         }
         // A compiled file says the same, bit for bit.
-        let plain = good(&directory, &["compensate", ".", "p.csv", "--model", "exact"]);
-        assert!(call(&directory, &["tables", "compile", ".", "-o", "m.tcomp"]).status.success());
-        assert_eq!(good(&directory, &["compensate", "m.tcomp", "p.csv", "--model", "exact"]), plain);
+        let plain = directory.csv(&["compensate", ".", "p.csv", "--model", "exact"]);
+        assert!(directory.run(&["tables", "compile", ".", "-o", "m.tcomp"]).status.success());
+        assert_eq!(directory.csv(&["compensate", "m.tcomp", "p.csv", "--model", "exact"]), plain);
         assert_eq!(plain.0, format!("{header},ex_um,ey_um,ez_um,cx_mm,cy_mm,cz_mm"));
         // Sent to the corrected commands, the machine stands where it should: their error is what was taken away.
         let sent: Vec<Vec<f64>> =
             (plain.1.iter().zip(&rows)).map(|(row, at)| [&row[axes + 3..axes + 6], &at[3..]].concat()).collect();
         put_positions(&directory, "sent.csv", &header, &sent);
-        let (_, left) = good(&directory, &["compensate", ".", "sent.csv", "--model", "exact"]);
+        let (_, left) = directory.csv(&["compensate", ".", "sent.csv", "--model", "exact"]);
         for ((at, sent), row) in rows.iter().zip(&sent).zip(&left) {
             for k in 0..3 {
                 let off = (sent[k] - at[k]) * 1e3 + row[axes + k];
@@ -115,13 +98,13 @@ fn both_models_agree_with_homogeneous_transforms() {
 
 #[test]
 fn orientation_needs_a_model_that_has_one() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let machine = &reference()[1];
     let header = put(&directory, machine);
     put_positions(&directory, "p.csv", &header, &[vec![1.0, 2.0, 3.0, -40.0, 5.0]]);
-    let (columns, _) = good(&directory, &["compensate", ".", "p.csv", "--model", "volumetric", "--orientation"]);
+    let (columns, _) = directory.csv(&["compensate", ".", "p.csv", "--model", "volumetric", "--orientation"]);
     assert!(columns.ends_with("cz_mm,ea_urad,eb_urad,ec_urad,ca_deg,cc_deg"), "{columns}");
-    let output = call(&directory, &["compensate", ".", "p.csv", "--orientation"]);
+    let output = directory.run(&["compensate", ".", "p.csv", "--orientation"]);
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{error}");
     assert!(error.contains("model nine of the machine") && error.contains("--model exact"), "{error}");
@@ -130,7 +113,7 @@ fn orientation_needs_a_model_that_has_one() {
 
 #[test]
 fn the_model_is_the_machines_own_unless_told() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     for machine in ["mill-3axis", "mill-5axis", "head-5axis"] {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables").join(machine);
         let folder = folder.to_str().unwrap();
@@ -138,13 +121,13 @@ fn the_model_is_the_machines_own_unless_told() {
         let toml = fs::read_to_string(Path::new(folder).join("machine.toml")).unwrap();
         let (own, other) =
             if toml.contains("model = \"volumetric\"") { ("volumetric", "nine") } else { ("nine", "volumetric") };
-        let output = call(&directory, &["compensate", folder, "p.csv"]);
+        let output = directory.run(&["compensate", folder, "p.csv"]);
         assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
-        let (_, rows) = good(&directory, &["compensate", folder, "p.csv"]);
-        assert_eq!(good(&directory, &["compensate", folder, "p.csv", "--model", own]).1, rows, "{machine}");
-        assert_ne!(good(&directory, &["compensate", folder, "p.csv", "--model", other]).1, rows, "{machine}");
-        call(&directory, &["tables", "compile", folder, "-o", "m.tcomp"]);
-        assert_eq!(good(&directory, &["compensate", "m.tcomp", "p.csv"]).1, rows, "{machine}");
+        let (_, rows) = directory.csv(&["compensate", folder, "p.csv"]);
+        assert_eq!(directory.csv(&["compensate", folder, "p.csv", "--model", own]).1, rows, "{machine}");
+        assert_ne!(directory.csv(&["compensate", folder, "p.csv", "--model", other]).1, rows, "{machine}");
+        directory.run(&["tables", "compile", folder, "-o", "m.tcomp"]);
+        assert_eq!(directory.csv(&["compensate", "m.tcomp", "p.csv"]).1, rows, "{machine}");
     }
 }
 
@@ -152,18 +135,18 @@ fn the_model_is_the_machines_own_unless_told() {
 /// stands: Y has 2 µm of lost motion, X none.
 #[test]
 fn in_order_the_direction_is_that_of_the_drives() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let toml = "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\n[axis.Y]\ntable = \"y.csv\"\nbacklash_um = 2\n";
-    fs::write(directory.path().join("machine.toml"), toml).unwrap();
+    directory.write("machine.toml", toml);
     // EYX rises by 0.1 µm per mm.
-    fs::write(directory.path().join("x.csv"), "X_mm,EYX_um\n0,0\n100,10\n").unwrap();
-    fs::write(directory.path().join("y.csv"), "Y_mm,EYY_um\n-50,0\n50,0\n").unwrap();
+    directory.write("x.csv", "X_mm,EYX_um\n0,0\n100,10\n");
+    directory.write("y.csv", "Y_mm,EYY_um\n-50,0\n50,0\n");
     let x = [10.0, 12.0, 14.0, 12.0, 30.0, 29.0, 25.0];
     put_positions(&directory, "p.csv", "x_mm,y_mm,z_mm", &x.map(|x| vec![x, 5.0, 0.0]));
     // Y's drive: −0.2 (within 0.3 µm), −0.4 (turned), +0.2 (within), −1.6, +0.1 (within), +0.5 µm (turned).
     let reverse = [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0];
     for model in ["nine", "volumetric", "exact"] {
-        let (_, rows) = good(&directory, &["compensate", ".", "p.csv", "--model", model, "--in-order"]);
+        let (_, rows) = directory.csv(&["compensate", ".", "p.csv", "--model", model, "--in-order"]);
         for ((row, x), reverse) in rows.iter().zip(x).zip(reverse) {
             let error = 0.1 * x + 2.0 * reverse;
             assert!(
@@ -172,19 +155,19 @@ fn in_order_the_direction_is_that_of_the_drives() {
             );
         }
         // Every row for itself, as ever.
-        let (_, rows) = good(&directory, &["compensate", ".", "p.csv", "--model", model]);
+        let (_, rows) = directory.csv(&["compensate", ".", "p.csv", "--model", model]);
         assert!(rows.iter().zip(x).all(|(row, x)| (row[4] - 0.1 * x).abs() < 1e-9));
     }
-    let output = call(&directory, &["compensate", ".", "p.csv", "--in-order", "--reverse"]);
+    let output = directory.run(&["compensate", ".", "p.csv", "--in-order", "--reverse"]);
     assert_eq!(output.status.code(), Some(2));
 }
 
 #[test]
 fn check_tells_what_lost_motion_costs() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-3axis");
     let folder = folder.to_str().unwrap();
-    let output = call(&directory, &["tables", "check", folder, "--json"]);
+    let output = directory.run(&["tables", "check", folder, "--json"]);
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     let lost = document["lost_motion"].as_array().unwrap();
     let y = lost.iter().find(|lost| lost["axis"] == "Y").unwrap();
@@ -193,7 +176,7 @@ fn check_tells_what_lost_motion_costs() {
     for (key, truth) in [("play_um", 2.2), ("lead_in_ms", ms), ("feed_mm_per_s", 250.0), ("way_mm", 0.25 * ms)] {
         assert!((y[key].as_f64().unwrap() - truth).abs() < 1e-9, "{y}");
     }
-    let output = call(&directory, &["tables", "check", folder]);
+    let output = directory.run(&["tables", "check", folder]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("axis Y: lost motion of up to 2.2 µm is corrected within 1.4 ms of a reversal"), "{text}");
 }

@@ -1,28 +1,13 @@
 //! `trueaxis correct`: against `compensate`, against exact transforms, and every way to ask wrongly.
 
 use serde_json::Value;
-use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
-use tempfile::TempDir;
+use trueaxis_testing::command::{Folder, numbers};
 
-fn call(directory: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(directory.path()).output().unwrap()
-}
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
-fn good(directory: &TempDir, arguments: &[&str]) -> (String, String) {
-    let output = call(directory, arguments);
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success(), "{arguments:?}: {told}");
-    (String::from_utf8(output.stdout).unwrap(), told)
-}
-
-fn document(directory: &TempDir, arguments: &[&str]) -> Value {
-    serde_json::from_str(&good(directory, &[arguments, &["--json"]].concat()).0).unwrap()
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+fn document(directory: &Folder, arguments: &[&str]) -> Value {
+    directory.json(&[arguments, &["--json"]].concat())
 }
 
 /// Equal but for the last digit, which reading JSON may change.
@@ -35,23 +20,19 @@ fn same(found: &[f64], wanted: &[f64], at: &str) {
 }
 
 /// A folder with the sample machines.
-fn folder() -> TempDir {
-    let directory = tempfile::tempdir().unwrap();
+fn folder() -> Folder {
+    let directory = Folder::new(TRUEAXIS);
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables");
     for name in ["mill-3axis", "mill-5axis"] {
-        fs::create_dir(directory.path().join(name)).unwrap();
-        for file in fs::read_dir(samples.join(name)).unwrap() {
-            let file = file.unwrap().path();
-            fs::copy(&file, directory.path().join(name).join(file.file_name().unwrap())).unwrap();
-        }
+        directory.copy(&samples.join(name), name);
     }
     directory
 }
 
 /// The row that `compensate` makes of a position, without the position.
-fn compensated(directory: &TempDir, machine: &str, header: &str, at: &str, options: &[&str]) -> Vec<f64> {
-    fs::write(directory.path().join("p.csv"), format!("{header}\n{at}\n")).unwrap();
-    let (text, _) = good(directory, &[&["compensate", machine, "p.csv"], options].concat());
+fn compensated(directory: &Folder, machine: &str, header: &str, at: &str, options: &[&str]) -> Vec<f64> {
+    directory.write("p.csv", format!("{header}\n{at}\n"));
+    let [text, _] = directory.both(&[&["compensate", machine, "p.csv"], options].concat());
     let row = text.lines().nth(1).unwrap();
     row.split(',').skip(header.split(',').count()).map(|cell| cell.parse().unwrap()).collect()
 }
@@ -114,7 +95,7 @@ fn five_axes_agree_with_compensate_and_with_exact_transforms() {
 #[test]
 fn without_a_position_the_middle_of_the_travel() {
     let directory = folder();
-    let (text, told) = good(&directory, &["correct", "mill-3axis"]);
+    let [text, told] = directory.both(&["correct", "mill-3axis"]);
     assert!(text.contains("at X 0, Y 0, Z -200 mm (middle of the travel)") && told.is_empty(), "{text}{told}");
     let found = document(&directory, &["correct", "mill-3axis"]);
     assert_eq!(found, document(&directory, &["correct", "mill-3axis", "--at", "0,0,-200"]));
@@ -126,7 +107,7 @@ fn without_a_position_the_middle_of_the_travel() {
 #[test]
 fn beyond_the_tables_the_edge_value_is_clamped() {
     let directory = folder();
-    let output = call(&directory, &["correct", "mill-3axis", "--at", "5000,0,-200", "--json"]);
+    let output = directory.run(&["correct", "mill-3axis", "--at", "5000,0,-200", "--json"]);
     let told = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && told.contains("axis X beyond the end of the table"), "{told}");
     assert!(told.contains("axis X outside the declared travel"), "{told}");
@@ -152,7 +133,7 @@ fn wrong_questions_are_refused() {
         (&["mill-3axis", "--temperature-c", "1e9"], &["--temperature-c", "K above"]),
         (&["nowhere"], &["nowhere", "needed a readable file"]),
     ] {
-        let output = call(&directory, &[&["correct"], arguments].concat());
+        let output = directory.run(&[&["correct"], arguments].concat());
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{arguments:?}: {error}");
         for part in parts {

@@ -4,65 +4,28 @@ use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
-use std::process::{Command, Output, Stdio};
-use tempfile::TempDir;
+use std::process::Stdio;
+use trueaxis_testing::command::Folder;
 
-fn command(directory: &TempDir, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_trueaxis"));
-    command.args(arguments).current_dir(directory.path());
-    command
-}
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
-fn call(directory: &TempDir, arguments: &[&str]) -> Output {
-    command(directory, arguments).output().unwrap()
-}
-
-/// Standard output and error of a call that succeeds.
-fn good(directory: &TempDir, arguments: &[&str]) -> [String; 2] {
-    let output = call(directory, arguments);
-    let [out, error] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
-    assert!(output.status.success(), "{arguments:?}: {error}");
-    [out, error]
-}
-
-/// Exit code 2, nothing on the standard output, and every part of the message.
-fn bad(directory: &TempDir, arguments: &[&str], parts: &[&str]) {
-    let output = call(directory, arguments);
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-    assert!(output.stdout.is_empty(), "{arguments:?}");
-    for part in parts {
-        assert!(error.contains(part), "{arguments:?}: {error}");
-    }
-}
-
-fn put(directory: &TempDir, name: &str, text: &str) {
-    let path = directory.path().join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(path, text).unwrap();
-}
-
-fn read(directory: &TempDir, name: &str) -> String {
-    fs::read_to_string(directory.path().join(name)).unwrap()
-}
-
-fn machine(directory: &TempDir) {
+fn machine(directory: &Folder) {
     let axes = "[axis.X]\ntable = \"x.csv\"\n[axis.Y]\ntable = \"y.csv\"\n[axis.Z]\ntable = \"z.csv\"\n";
-    put(directory, "m/machine.toml", &format!("name = \"m\"\nchain = \"w b X Y Z t\"\n{axes}"));
+    directory.write("m/machine.toml", &format!("name = \"m\"\nchain = \"w b X Y Z t\"\n{axes}"));
     for axis in ["x", "y", "z"] {
         let name = axis.to_uppercase();
-        put(directory, &format!("m/{axis}.csv"), &format!("{name}_mm,E{name}{name}_um\n0,0\n100.5,20.5\n"));
+        directory.write(&format!("m/{axis}.csv"), &format!("{name}_mm,E{name}{name}_um\n0,0\n100.5,20.5\n"));
     }
 }
 
 /// Every spelling of a file gives the same result, and its reading is reported once.
 #[test]
 fn separators_and_decimal_commas_are_recognised_everywhere() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     machine(&directory);
     let plain = "x_mm,y_mm,z_mm\n1.5,2.25,3\n10.125,20,30.5\n";
-    put(&directory, "p.csv", plain);
-    let [truth, silent] = good(&directory, &["compensate", "m", "p.csv"]);
+    directory.write("p.csv", plain);
+    let [truth, silent] = directory.both(&["compensate", "m", "p.csv"]);
     assert!(!silent.contains("read as"), "{silent}");
     let comma = |separator: &str| plain.replace(',', separator).replace('.', ",");
     for (text, told) in [
@@ -75,22 +38,22 @@ fn separators_and_decimal_commas_are_recognised_everywhere() {
             "p.csv: read as comma separated with decimal commas in quotes",
         ),
     ] {
-        put(&directory, "p.csv", &text);
-        let [found, error] = good(&directory, &["compensate", "m", "p.csv"]);
+        directory.write("p.csv", &text);
+        let [found, error] = directory.both(&["compensate", "m", "p.csv"]);
         assert_eq!(found, truth, "{text:?}");
         assert_eq!(error.matches(told).count(), 1, "{error}");
     }
     // The machine's own tables too.
-    put(&directory, "m/x.csv", "X_mm;EXX_um\n0;0\n100,5;20,5\n");
-    put(&directory, "p.csv", plain);
-    let [found, error] = good(&directory, &["compensate", "m", "p.csv"]);
+    directory.write("m/x.csv", "X_mm;EXX_um\n0;0\n100,5;20,5\n");
+    directory.write("p.csv", plain);
+    let [found, error] = directory.both(&["compensate", "m", "p.csv"]);
     assert_eq!(found, truth);
     assert!(error.contains("x.csv: read as semicolon separated with decimal commas"), "{error}");
 }
 
 #[test]
 fn what_can_be_read_in_two_ways_is_refused() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     machine(&directory);
     for (text, parts) in [
         ("x_mm,y_mm,z_mm\n1,5,2,5,3,5\n", ["p.csv:2", "6 values", "decimal commas need"]),
@@ -99,33 +62,33 @@ fn what_can_be_read_in_two_ways_is_refused() {
         ("x_mm,y_mm;z_mm\n1,2;3\n", ["p.csv:1", "commas and semicolons", "one of"]),
         ("x_mm,y_mm,z_mm\n\"1,2\n3\",4,5\n", ["p.csv:2", "open quote", "closed"]),
     ] {
-        put(&directory, "p.csv", text);
-        bad(&directory, &["compensate", "m", "p.csv", "-o", "out.csv"], &parts);
-        assert!(!directory.path().join("out.csv").exists());
+        directory.write("p.csv", text);
+        directory.bad(&["compensate", "m", "p.csv", "-o", "out.csv"], &parts);
+        assert!(!directory.has("out.csv"));
     }
 }
 
 /// Results longer than what is held in memory are the same as short ones, and whole or not at all.
 #[test]
 fn long_files_stream_and_leave_nothing_behind_when_they_end_badly() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     machine(&directory);
     let mut text = String::from("x_mm,y_mm,z_mm\n");
     for i in 0..150_000 {
         writeln!(text, "{},{},{}", f64::from(i % 1000) * 0.1, 7, 3.25).unwrap();
     }
-    put(&directory, "p.csv", &text);
-    let [out, _] = good(&directory, &["compensate", "m", "p.csv"]);
+    directory.write("p.csv", &text);
+    let [out, _] = directory.both(&["compensate", "m", "p.csv"]);
     assert!(out.len() > 9 << 20 && out.lines().count() == 150_001, "{}", out.len());
-    good(&directory, &["compensate", "m", "p.csv", "-o", "out.csv"]);
-    assert_eq!(read(&directory, "out.csv"), out);
+    directory.both(&["compensate", "m", "p.csv", "-o", "out.csv"]);
+    assert_eq!(directory.read("out.csv"), out);
     let before = fs::read_dir(directory.path()).unwrap().count();
     text.push_str("1,2,nan\n");
-    put(&directory, "p.csv", &text);
-    let output = call(&directory, &["compensate", "m", "p.csv", "-o", "out.csv"]);
+    directory.write("p.csv", &text);
+    let output = directory.run(&["compensate", "m", "p.csv", "-o", "out.csv"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("p.csv:150002"));
-    assert_eq!(read(&directory, "out.csv"), out);
+    assert_eq!(directory.read("out.csv"), out);
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), before);
 }
 
@@ -133,15 +96,15 @@ fn long_files_stream_and_leave_nothing_behind_when_they_end_badly() {
 #[test]
 #[cfg(target_os = "linux")]
 fn memory_is_flat_in_the_number_of_rows() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     machine(&directory);
     let peak = |rows: usize| {
         let mut text = String::from("x_mm,y_mm,z_mm\n");
         for i in 0..rows {
             writeln!(text, "{}.5,7,3.25", i % 100).unwrap();
         }
-        put(&directory, "p.csv", &text);
-        let mut child = command(&directory, &["compensate", "m", "p.csv", "-o", "out.csv"]).spawn().unwrap();
+        directory.write("p.csv", &text);
+        let mut child = directory.command(&["compensate", "m", "p.csv", "-o", "out.csv"]).spawn().unwrap();
         let mut peak = 0;
         while child.try_wait().unwrap().is_none() {
             let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
@@ -157,11 +120,11 @@ fn memory_is_flat_in_the_number_of_rows() {
 
 #[test]
 fn a_closed_pipe_is_no_panic() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     machine(&directory);
     let mut text = String::from("x_mm,y_mm,z_mm\n");
     (0..200_000).for_each(|i| writeln!(text, "{},1,2", i % 100).unwrap());
-    put(&directory, "p.csv", &text);
+    directory.write("p.csv", &text);
     let calls: [&[&str]; 6] = [
         &["tables", "check", "m"],
         &["compensate", "m", "p.csv"],
@@ -171,16 +134,16 @@ fn a_closed_pipe_is_no_panic() {
         &["no-such-command"],
     ];
     for arguments in calls {
-        let code = call(&directory, arguments).status.code();
+        let code = directory.run(arguments).status.code();
         // Both ends that it could write to are closed before it begins.
         let closed = || {
             let (reader, writer) = std::io::pipe().unwrap();
             drop(reader);
             Stdio::from(writer)
         };
-        let status = command(&directory, arguments).stdout(closed()).stderr(closed()).status().unwrap();
+        let status = directory.command(arguments).stdout(closed()).stderr(closed()).status().unwrap();
         assert_eq!(status.code(), code, "{arguments:?}");
-        let one = command(&directory, arguments).stderr(closed()).output().unwrap();
+        let one = directory.command(arguments).stderr(closed()).output().unwrap();
         assert_eq!(one.status.code(), code, "{arguments:?}");
     }
 }
@@ -188,8 +151,8 @@ fn a_closed_pipe_is_no_panic() {
 /// Inputs that would take gigabytes are refused with their line before anything is allocated.
 #[test]
 fn paths_without_end_are_refused_at_once() {
-    let directory = tempfile::tempdir().unwrap();
-    put(&directory, "a.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("a.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0,0\n");
     let line = |from: f64, to: f64| format!("{{\"type\":\"line\",\"start\":[{from},0,0],\"end\":[{to},0,0]}}");
     let lines = [line(0.0, 1e7), line(1e7, 0.0), line(0.0, 1e7)].join(",\n");
     let spline = "{\"type\":\"nurbs\",\"degree\":3,\"knots\":[0,0,0,0,1,1,1,1],\"points\":[[0,0,0],[1,0,0],[9e8,0,0],[9e8,1,0]]}";
@@ -201,8 +164,8 @@ fn paths_without_end_are_refused_at_once() {
         (helix, ["path.json:2", "segments[0]", "1000000 spans"]),
         (peak, ["path.json:2", "segments[0]", "1000000 spans"]),
     ] {
-        put(&directory, "path.json", &format!("{{\"segments\":[\n{segments}]}}"));
-        bad(&directory, &["contour", "path.json", "a.csv"], &parts);
+        directory.write("path.json", &format!("{{\"segments\":[\n{segments}]}}"));
+        directory.bad(&["contour", "path.json", "a.csv"], &parts);
     }
 }
 
@@ -210,7 +173,7 @@ const MATRIX: &str = "X_mm,+1,-1,+2,-2\n0,1,4,3,6\n50.5,11,14,13,16\n100,21,24,2
 
 #[test]
 fn a_matrix_of_runs_is_the_list_of_its_approaches() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let mut list = String::from("X_mm,run,direction,deviation_um\n");
     for row in MATRIX.lines().skip(1) {
         let cells: Vec<&str> = row.split(',').collect();
@@ -218,44 +181,45 @@ fn a_matrix_of_runs_is_the_list_of_its_approaches() {
             writeln!(list, "{},{run},{way},{}", cells[0], cells[place + 1]).unwrap();
         }
     }
-    put(&directory, "list.csv", &list);
-    let [truth, _] = good(&directory, &["tables", "accuracy", "list.csv", "--json"]);
+    directory.write("list.csv", &list);
+    let [truth, _] = directory.both(&["tables", "accuracy", "list.csv", "--json"]);
     for (text, told) in [
         (MATRIX.to_owned(), None),
         (MATRIX.replace("+1,-1,+2,-2", "fwd_1_um,rev_1_um,fwd_2_um,rev_2_um"), None),
         (MATRIX.replace(',', ";").replace('.', ","), Some("read as semicolon separated with decimal commas")),
     ] {
-        put(&directory, "matrix.csv", &text);
-        let [found, error] = good(&directory, &["tables", "accuracy", "matrix.csv", "--json"]);
+        directory.write("matrix.csv", &text);
+        let [found, error] = directory.both(&["tables", "accuracy", "matrix.csv", "--json"]);
         assert_eq!(found, truth, "{text}");
         assert!(told.is_none_or(|told| error.contains(told)), "{error}");
     }
     for (text, parts) in [
         ("X_mm,+1,+1\n0,1,2\n", ["matrix.csv:1: column +1", "again"]),
         ("X_mm,+1,mean_um\n0,1,2\n", ["matrix.csv:1: column mean_um", "fwd_1_um"]),
-        ("+1,-1\n1,2\n", ["matrix.csv:1", "no column with the targets"]),
+        ("+1,-1\n1,2\n", ["matrix.csv:1", "a header without all of them, needed X_mm"]),
         ("C_deg,fwd_1_um\n0,1\n", ["matrix.csv:1: column fwd_1_um", "deg and urad"]),
         ("X_mm,+1,-1\n0,1,\n", ["matrix.csv:2: column -1", "a number"]),
         ("X_mm,+1,-1\n0,1,2\n0,1,2\n", ["matrix.csv:3", "again"]),
     ] {
-        put(&directory, "matrix.csv", text);
-        bad(&directory, &["tables", "accuracy", "matrix.csv"], &parts);
+        directory.write("matrix.csv", text);
+        directory.bad(&["tables", "accuracy", "matrix.csv"], &parts);
     }
 }
 
 /// Errors of 20 µm over 400 mm, as positions and as trims: the numbers say which.
 #[test]
 fn the_type_of_a_linuxcnc_file_is_seen() {
-    let directory = tempfile::tempdir().unwrap();
-    put(&directory, "0.comp", "-200 -199.98 -199.97\n0 0.01 0.02\n200 200.02 200.03\n");
-    put(&directory, "1.comp", "-200 -0.02 -0.03\n0 -0.01 -0.02\n200 -0.02 -0.03\n");
-    put(&directory, "both.comp", "-0.02 0.01 0.01\n0.02 0.01 0.01\n");
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("0.comp", "-200 -199.98 -199.97\n0 0.01 0.02\n200 200.02 200.03\n");
+    directory.write("1.comp", "-200 -0.02 -0.03\n0 -0.01 -0.02\n200 -0.02 -0.03\n");
+    directory.write("both.comp", "-0.02 0.01 0.01\n0.02 0.01 0.01\n");
     for (file, into, says) in [("0.comp", "a", "nominal + E"), ("1.comp", "b", "trims = −E")] {
-        let [_, error] = good(&directory, &["tables", "import", "--from", "linuxcnc", file, "--axis", "X", "-o", into]);
+        let [_, error] = directory.both(&["tables", "import", "--from", "linuxcnc", file, "--axis", "X", "-o", into]);
         assert!(error.contains(says), "{error}");
     }
     let numbers = |name: &str| -> Vec<f64> {
-        read(&directory, name)
+        directory
+            .read(name)
             .lines()
             .skip(1)
             .flat_map(|row| row.split(',').map(|c| c.parse().unwrap()).collect::<Vec<f64>>())
@@ -266,36 +230,45 @@ fn the_type_of_a_linuxcnc_file_is_seen() {
     let import = |file: &str, option: &[&'static str], parts: &[&str]| {
         let mut arguments = vec!["tables", "import", "--from", "linuxcnc", file, "--axis", "X", "-o", "c"];
         arguments.extend(option);
-        bad(&directory, &arguments, parts);
-        assert!(!directory.path().join("c/x.csv").exists());
+        directory.bad(&arguments, parts);
+        assert!(!directory.has("c/x.csv"));
     };
     import("both.comp", &[], &["both.comp", "type 0", "type 1", "--comp-file-type"]);
     import("1.comp", &["--comp-file-type", "0"], &["1.comp", "200.03", "needed --comp-file-type 1"]);
     import("0.comp", &["--comp-file-type", "1"], &["0.comp", "needed --comp-file-type 0"]);
-    good(
-        &directory,
-        &["tables", "import", "--from", "linuxcnc", "both.comp", "--axis", "X", "--comp-file-type", "1", "-o", "d"],
-    );
+    directory.both(&[
+        "tables",
+        "import",
+        "--from",
+        "linuxcnc",
+        "both.comp",
+        "--axis",
+        "X",
+        "--comp-file-type",
+        "1",
+        "-o",
+        "d",
+    ]);
 }
 
 #[test]
 fn siemens_names_of_the_control_need_the_axis() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let text = "CHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.003\n$AA_ENC_COMP_STEP[0,AX1]=100.0\n\
         $AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=100.0\n$AA_ENC_COMP_IS_MODULO[0,AX1]=0\nM17\n";
-    put(&directory, "x.ini", text);
-    good(&directory, &["tables", "import", "--from", "siemens", "x.ini", "--axis", "X", "-o", "x"]);
-    assert_eq!(read(&directory, "x/x.csv"), "X_mm,EXX_um\n0,0\n100,3\n");
-    bad(&directory, &["tables", "import", "--from", "siemens", "x.ini", "-o", "y"], &["x.ini:2", "AX1", "--axis"]);
-    put(&directory, "two.ini", &format!("{text}$AA_ENC_COMP[0,0,AX2]=0.0\n"));
+    directory.write("x.ini", text);
+    directory.both(&["tables", "import", "--from", "siemens", "x.ini", "--axis", "X", "-o", "x"]);
+    assert_eq!(directory.read("x/x.csv"), "X_mm,EXX_um\n0,0\n100,3\n");
+    directory.bad(&["tables", "import", "--from", "siemens", "x.ini", "-o", "y"], &["x.ini:2", "AX1", "--axis"]);
+    directory.write("two.ini", &format!("{text}$AA_ENC_COMP[0,0,AX2]=0.0\n"));
     let arguments = ["tables", "import", "--from", "siemens", "two.ini", "--axis", "X", "-o", "y"];
-    bad(&directory, &arguments, &["two.ini:9", "AX2", "AX1"]);
+    directory.bad(&arguments, &["two.ini:9", "AX2", "AX1"]);
 }
 
 /// Three probes at angles of their own, uneven and from any start: the same part as from equidistant readings.
 #[test]
 fn traces_with_angles_are_resampled_and_the_error_is_stated() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let arguments = ["--n", "256", "--phi2-deg", "66.09375", "--phi3-deg", "234.4921875", "--harmonics", "2..40"];
     let profile = |theta: f64| 3.0 * (2.0 * theta).cos() + 1.5 * (7.0 * theta + 0.4).sin() + 0.2 * (31.0 * theta).cos();
     let readings = |theta: f64| {
@@ -309,11 +282,11 @@ fn traces_with_angles_are_resampled_and_the_error_is_stated() {
         let [a, b, c] = readings(TAU * f64::from(i) / 256.0);
         writeln!(even, "{a},{b},{c}").unwrap();
     }
-    put(&directory, "even.csv", &even);
+    directory.write("even.csv", &even);
     let run = |file: &str| {
         let mut all = vec!["roundness", file, "--json"];
         all.extend(arguments);
-        let [out, error] = good(&directory, &all);
+        let [out, error] = directory.both(&all);
         (serde_json::from_str::<Value>(&out).unwrap(), error)
     };
     let (truth, _) = run("even.csv");
@@ -327,7 +300,7 @@ fn traces_with_angles_are_resampled_and_the_error_is_stated() {
             let shown = if again { angle % 360.0 } else { angle };
             writeln!(trace, "{}", format!("{shown};{a};{b};{c}").replace('.', ",")).unwrap();
         }
-        put(&directory, "trace.csv", &trace);
+        directory.write("trace.csv", &trace);
         let (found, error) = run("trace.csv");
         assert!(error.contains("read as semicolon separated with decimal commas"), "{error}");
         assert!(error.contains("interpolation error at most"), "{error}");
@@ -343,10 +316,10 @@ fn traces_with_angles_are_resampled_and_the_error_is_stated() {
         assert!((phase(&truth) - phase(&found)).abs() < 0.1);
     }
     let refuse = |text: &str, parts: &[&str]| {
-        put(&directory, "trace.csv", text);
+        directory.write("trace.csv", text);
         let mut all = vec!["roundness", "trace.csv"];
         all.extend(arguments);
-        bad(&directory, &all, parts);
+        directory.bad(&all, parts);
     };
     let head = "theta_deg,h1_um,h2_um,h3_um\n";
     refuse(&format!("{head}0,1,1,1\n1,1,1,1\n0.5,1,1,1\n"), &["trace.csv:4: column theta_deg", "0.5", "more than 1"]);
@@ -357,7 +330,7 @@ fn traces_with_angles_are_resampled_and_the_error_is_stated() {
 
 #[test]
 fn a_circle_with_an_outlier_is_found() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let mut text = String::from("x_mm;y_mm\n");
     for i in 0..4000 {
         let (sin, cos) = (TAU * f64::from(i) / 4000.0).sin_cos();
@@ -365,8 +338,8 @@ fn a_circle_with_an_outlier_is_found() {
         writeln!(text, "{}", format!("{};{}", r * cos, r * sin).replace('.', ",")).unwrap();
     }
     text.push_str("10000000;0\n");
-    put(&directory, "c.csv", &text);
-    let [out, _] = good(&directory, &["circle", "c.csv", "--json"]);
+    directory.write("c.csv", &text);
+    let [out, _] = directory.both(&["circle", "c.csv", "--json"]);
     let found: Value = serde_json::from_str(&out).unwrap();
     assert!((found["mcc"]["radius_mm"].as_f64().unwrap() - 5_000_005.0).abs() < 1.0);
     assert!((found["mzc"]["zone_mm"].as_f64().unwrap() - 20.0).abs() < 0.01);

@@ -1,60 +1,10 @@
 //! Commands and files: an input is never written, an edited machine stays, a refused command leaves nothing.
 
-use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-use tempfile::TempDir;
+use std::path::Path;
+use trueaxis_testing::command::Folder;
 
-fn call(directory: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(directory.path()).output().unwrap()
-}
-
-/// Its standard error.
-fn good(directory: &TempDir, arguments: &[&str]) -> String {
-    let output = call(directory, arguments);
-    let error = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success(), "{arguments:?}: {error}");
-    error
-}
-
-/// Exit code 2, every part of the message, and every file as it was.
-fn bad(directory: &TempDir, arguments: &[&str], parts: &[&str]) {
-    let before = tree(directory.path());
-    let output = call(directory, arguments);
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-    for part in parts {
-        assert!(error.contains(part), "{arguments:?}: {error}");
-    }
-    assert_eq!(tree(directory.path()), before, "{arguments:?}");
-}
-
-/// Every file with its bytes, every folder with none.
-fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(tree(&path));
-            found.insert(path, Vec::new());
-        } else {
-            let bytes = fs::read(&path).unwrap();
-            found.insert(path, bytes);
-        }
-    }
-    found
-}
-
-fn put(directory: &TempDir, name: &str, text: &str) {
-    let path = directory.path().join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(path, text).unwrap();
-}
-
-fn text(directory: &TempDir, name: &str) -> String {
-    fs::read_to_string(directory.path().join(name)).unwrap()
-}
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 /// A table to a nanometre: actual − nominal has the rounding of both.
 fn table(csv: &str) -> String {
@@ -90,40 +40,40 @@ C0Y_urad = 20
 const Y: &str = "Y_mm,EYY_um,EXY_um\n-200,1,0\n200,9,2\n";
 const COMP: &str = "-100 -99.999 -99.998\n0 0.001 0.002\n100 100.003 100.004\n";
 
-fn hall_2(directory: &TempDir) {
-    put(directory, "m/machine.toml", MACHINE);
-    put(directory, "m/y-2024.csv", Y);
-    put(directory, "new.comp", COMP);
+fn hall_2(directory: &Folder) {
+    directory.write("m/machine.toml", MACHINE);
+    directory.write("m/y-2024.csv", Y);
+    directory.write("new.comp", COMP);
 }
 
 #[test]
 fn an_import_adds_an_axis_and_leaves_the_rest_of_the_machine_as_it_is_written() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
-    let said = good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "m"]);
+    let said = directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "m"]);
     for part in ["axis X: table added, 3 lines of EXX", "written m/x.csv", "written m/machine.toml"] {
         assert!(said.contains(part), "{said}");
     }
     let expected =
         MACHINE.replace("max_feed_mm_per_min = 15_000\n", "max_feed_mm_per_min = 15_000\ntable = \"x.csv\"\n");
-    assert_eq!(text(&directory, "m/machine.toml"), expected);
-    assert_eq!(table(&text(&directory, "m/x.csv")), "X_mm,EXX_fwd_um,EXX_rev_um\n-100,1,2\n0,1,2\n100,3,4\n");
-    assert_eq!(text(&directory, "m/y-2024.csv"), Y);
+    assert_eq!(directory.read("m/machine.toml"), expected);
+    assert_eq!(table(&directory.read("m/x.csv")), "X_mm,EXX_fwd_um,EXX_rev_um\n-100,1,2\n0,1,2\n100,3,4\n");
+    assert_eq!(directory.read("m/y-2024.csv"), Y);
     // An axis of the chain without a section gets one.
-    let said = good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Z", "-o", "m"]);
+    let said = directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Z", "-o", "m"]);
     assert!(said.contains("axis Z: table added"), "{said}");
-    let with_z = text(&directory, "m/machine.toml");
+    let with_z = directory.read("m/machine.toml");
     let section = "\n[axis.Z]\ntable = \"z.csv\"\ninterpolation = \"linear\"\ntravel_mm = [-100.0, 100.0]\n";
     assert!(with_z.contains(section), "{with_z}");
     assert_eq!(with_z.replace(section, ""), expected);
-    good(&directory, &["tables", "check", "m"]);
+    directory.reported(&["tables", "check", "m"]);
 }
 
 #[test]
 fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
-    let said = good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Y", "-o", "m"]);
+    let said = directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Y", "-o", "m"]);
     for part in [
         "axis Y: table replaced, 3 lines of EYY instead of 2 lines of EXY EYY",
         "backlash_um set to 0, as both directions",
@@ -131,68 +81,65 @@ fn an_import_replaces_a_table_in_its_place_and_says_what_was_there() {
     ] {
         assert!(said.contains(part), "{said}");
     }
-    assert_eq!(text(&directory, "m/machine.toml"), MACHINE.replace("backlash_um = 2.5", "backlash_um = 0.0"));
-    assert!(text(&directory, "m/y-2024.csv").starts_with("Y_mm,EYY_fwd_um,EYY_rev_um\n"));
+    assert_eq!(directory.read("m/machine.toml"), MACHINE.replace("backlash_um = 2.5", "backlash_um = 0.0"));
+    assert!(directory.read("m/y-2024.csv").starts_with("Y_mm,EYY_fwd_um,EYY_rev_um\n"));
     // Once more: nothing of machine.toml is left to change.
-    let once = text(&directory, "m/machine.toml");
-    let said = good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Y", "-o", "m"]);
+    let once = directory.read("m/machine.toml");
+    let said = directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "Y", "-o", "m"]);
     assert!(said.contains("m/machine.toml stays as it is") && !said.contains("written m/machine.toml"), "{said}");
-    assert_eq!(text(&directory, "m/machine.toml"), once);
+    assert_eq!(directory.read("m/machine.toml"), once);
 }
 
 #[test]
 fn windows_line_ends_and_inline_sections_stay() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
-    put(&directory, "m/machine.toml", &format!("\u{feff}{}", MACHINE.replace('\n', "\r\n")));
-    good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "m"]);
+    directory.write("m/machine.toml", &format!("\u{feff}{}", MACHINE.replace('\n', "\r\n")));
+    directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "m"]);
     let expected =
         MACHINE.replace("max_feed_mm_per_min = 15_000\n", "max_feed_mm_per_min = 15_000\ntable = \"x.csv\"\n");
-    assert_eq!(text(&directory, "m/machine.toml"), format!("\u{feff}{}", expected.replace('\n', "\r\n")));
+    assert_eq!(directory.read("m/machine.toml"), format!("\u{feff}{}", expected.replace('\n', "\r\n")));
 
     let inline =
         "name = \"i\"\nchain = \"w b X Y t\"\naxis = { X = { table = \"a.csv\" }, Y = { backlash_um = 1 } } # both\n";
-    put(&directory, "i/machine.toml", inline);
-    put(&directory, "i/a.csv", "X_mm,EXX_um\n0,0\n1,0\n");
-    good(&directory, &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "i"]);
-    assert_eq!(text(&directory, "i/machine.toml"), inline);
-    assert!(table(&text(&directory, "i/a.csv")).contains("100,3,4"));
+    directory.write("i/machine.toml", inline);
+    directory.write("i/a.csv", "X_mm,EXX_um\n0,0\n1,0\n");
+    directory.reported(&["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "i"]);
+    assert_eq!(directory.read("i/machine.toml"), inline);
+    assert!(table(&directory.read("i/a.csv")).contains("100,3,4"));
 }
 
 #[test]
 fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
     let import = |format: &'static str, file: &'static str, axis: &'static str| {
         vec!["tables", "import", "--from", format, file, "--axis", axis, "-o", "m"]
     };
-    bad(&directory, &import("linuxcnc", "new.comp", "A"), &["machine.toml:3", "chain", "axis A in the chain", "--new"]);
+    directory.bad(&import("linuxcnc", "new.comp", "A"), &["machine.toml:3", "chain", "axis A in the chain", "--new"]);
     let mut new = import("linuxcnc", "new.comp", "X");
     new.push("--new");
-    bad(&directory, &new, &["--new", "found m", "does not exist"]);
+    directory.bad(&new, &["--new", "found m", "does not exist"]);
     // The table of another axis stands where the new one would.
-    put(&directory, "m/x.csv", "notes of the owner\n");
-    bad(&directory, &import("linuxcnc", "new.comp", "X"), &["x.csv beside it"]);
-    fs::remove_file(directory.path().join("m/x.csv")).unwrap();
+    directory.write("m/x.csv", "notes of the owner\n");
+    directory.bad(&import("linuxcnc", "new.comp", "X"), &["x.csv beside it"]);
+    fs::remove_file(directory.join("m/x.csv")).unwrap();
     // The controller would refuse the result: 0.9 mm of error on 0.5 mm.
-    put(&directory, "steep.comp", "0 0 0\n0.5 1.4 1.4\n2 2 2\n");
-    bad(
-        &directory,
+    directory.write("steep.comp", "0 0 0\n0.5 1.4 1.4\n2 2 2\n");
+    directory.bad(
         &[&import("linuxcnc", "steep.comp", "X")[..], &["--comp-file-type", "0"]].concat(),
         &["x.csv", "slope", "nothing is written"],
     );
-    put(&directory, "m/machine.toml", &MACHINE.replace("name", "nam"));
-    bad(&directory, &import("linuxcnc", "new.comp", "X"), &["machine.toml", "name"]);
+    directory.write("m/machine.toml", &MACHINE.replace("name", "nam"));
+    directory.bad(&import("linuxcnc", "new.comp", "X"), &["machine.toml", "name"]);
     // A folder with a table and no machine.
-    put(&directory, "bare/x.csv", "notes of the owner\n");
-    bad(
-        &directory,
+    directory.write("bare/x.csv", "notes of the owner\n");
+    directory.bad(
         &["tables", "import", "--from", "linuxcnc", "new.comp", "--axis", "X", "-o", "bare"],
         &["bare/x.csv", "no machine.toml"],
     );
     // A machine that is new leaves no folder when it is refused.
-    bad(
-        &directory,
+    directory.bad(
         &[
             "tables",
             "import",
@@ -212,53 +159,49 @@ fn an_import_into_a_machine_that_cannot_take_it_is_refused() {
 
 #[test]
 fn an_import_from_a_file_that_states_a_chain_needs_that_chain() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let head = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/head-5axis");
     let head = head.to_str().unwrap();
-    good(&directory, &["tables", "export", "--to", "isg", head, "-o", "head.csv"]);
+    directory.reported(&["tables", "export", "--to", "isg", head, "-o", "head.csv"]);
     hall_2(&directory);
-    bad(
-        &directory,
+    directory.bad(
         &["tables", "import", "--from", "isg", "head.csv", "--axis", "X", "-o", "m"],
         &["machine.toml:3", "w X' b Y Z C A t", "--new"],
     );
-    let folder = directory.path().join("copy");
+    let folder = directory.join("copy");
     fs::create_dir(&folder).unwrap();
     for entry in fs::read_dir(head).unwrap() {
         let entry = entry.unwrap();
         fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
     }
-    let before = text(&directory, "copy/machine.toml");
-    good(&directory, &["tables", "import", "--from", "isg", "head.csv", "-o", "copy"]);
-    let after = text(&directory, "copy/machine.toml");
+    let before = directory.read("copy/machine.toml");
+    directory.reported(&["tables", "import", "--from", "isg", "head.csv", "-o", "copy"]);
+    let after = directory.read("copy/machine.toml");
     // The volumetric CSV states what the machine is: nothing but the decimals of the tables changes.
     assert_eq!(after, before);
-    assert_ne!(text(&directory, "copy/x.csv"), fs::read_to_string(Path::new(head).join("x.csv")).unwrap());
+    assert_ne!(directory.read("copy/x.csv"), fs::read_to_string(Path::new(head).join("x.csv")).unwrap());
 }
 
 /// Every command that writes, with every one of its inputs as its output, under three names.
 #[test]
 fn an_input_is_never_written() {
-    let directory = tempfile::tempdir().unwrap();
-    put(
-        &directory,
-        "m/machine.toml",
-        "name = \"m\"\nchain = \"w b X Y Z C t\"\n[axis.X]\ntable = \"x.csv\"\n[axis.C]\n",
-    );
-    put(&directory, "m/x.csv", "X_mm,EXX_um\n0,1\n100,3\n");
-    put(&directory, "x.comp", COMP);
-    put(&directory, "p.csv", "x_mm,y_mm,z_mm\n1,2,3\n");
-    put(&directory, "path.json", r#"{"segments":[{"type":"line","start":[0,0,0],"end":[10,0,0]}]}"#);
-    put(&directory, "actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0.001,0\n");
+    let directory = Folder::new(TRUEAXIS);
+    directory
+        .write("m/machine.toml", "name = \"m\"\nchain = \"w b X Y Z C t\"\n[axis.X]\ntable = \"x.csv\"\n[axis.C]\n");
+    directory.write("m/x.csv", "X_mm,EXX_um\n0,1\n100,3\n");
+    directory.write("x.comp", COMP);
+    directory.write("p.csv", "x_mm,y_mm,z_mm\n1,2,3\n");
+    directory.write("path.json", r#"{"segments":[{"type":"line","start":[0,0,0],"end":[10,0,0]}]}"#);
+    directory.write("actual.csv", "segment,u,x_mm,y_mm,z_mm\n0,0.5,5,0.001,0\n");
     let readings: String = (0..64).map(|i| format!("{},0,0\n", i % 7)).collect();
-    put(&directory, "h.csv", &format!("h1_um,h2_um,h3_um\n{readings}"));
+    directory.write("h.csv", &format!("h1_um,h2_um,h3_um\n{readings}"));
     let mut balls = String::from("angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um\n");
     for angle in [0, 90, 180, 270, 360] {
         for (l, h) in [(100, 0), (200, 50), (100, 100)] {
             balls += &format!("{angle},{l},{h},{angle},0,0\n").replace("360,0,0\n", "0,0,0\n");
         }
     }
-    put(&directory, "balls.csv", &balls);
+    directory.write("balls.csv", &balls);
     let machine = ["m/machine.toml", "m/x.csv"];
     let cases: [(&[&str], &[&str]); 9] = [
         (&["tables", "compile", "m", "-o"], &machine),
@@ -273,17 +216,17 @@ fn an_input_is_never_written() {
     ];
     for (arguments, inputs) in cases {
         // It does work, so that the refusal below is the output's.
-        good(&directory, &[arguments, &["out"]].concat());
-        fs::remove_file(directory.path().join("out")).unwrap();
+        directory.reported(&[arguments, &["out"]].concat());
+        fs::remove_file(directory.join("out")).unwrap();
         for input in inputs {
-            let path = directory.path().join(input);
-            let [link, hard] = ["link", "hard"].map(|name| directory.path().join(name));
+            let path = directory.join(input);
+            let [link, hard] = ["link", "hard"].map(|name| directory.join(name));
             #[cfg(unix)]
             std::os::unix::fs::symlink(&path, &link).unwrap();
             fs::hard_link(&path, &hard).unwrap();
             for name in [input, &*format!("./m/../{input}"), path.to_str().unwrap(), "link", "hard"] {
                 if cfg!(unix) || name != "link" {
-                    bad(&directory, &[arguments, &[name]].concat(), &["input", "is never written"]);
+                    directory.bad(&[arguments, &[name]].concat(), &["input", "is never written"]);
                 }
             }
             let _ = fs::remove_file(link);
@@ -291,10 +234,9 @@ fn an_input_is_never_written() {
         }
     }
     // Folders and pages that would fall on an input.
-    put(&directory, "new/machine.toml", &text(&directory, "m/machine.toml"));
-    fs::copy(directory.path().join("x.comp"), directory.path().join("new/x.csv")).unwrap();
-    bad(
-        &directory,
+    directory.write("new/machine.toml", &directory.read("m/machine.toml"));
+    fs::copy(directory.join("x.comp"), directory.join("new/x.csv")).unwrap();
+    directory.bad(
         &["tables", "import", "--from", "linuxcnc", "new/x.csv", "--axis", "X", "-o", "new"],
         &["input", "is never written"],
     );
@@ -306,27 +248,27 @@ fn an_input_is_never_written() {
         (&["circle", "pages/circle.html"], "round.csv"),
         (&["identify", "pages/identify.html", "--axis", "C"], "balls.csv"),
     ] {
-        put(&directory, "round.csv", "x_mm,y_mm\n1,0\n0,1\n-1,0\n0,-1.1\n");
-        put(&directory, &format!("pages/{}.html", arguments[0]), &text(&directory, page));
-        bad(&directory, &[arguments, &["--report", "pages"]].concat(), &["input", "is never written"]);
+        directory.write("round.csv", "x_mm,y_mm\n1,0\n0,1\n-1,0\n0,-1.1\n");
+        directory.write(&format!("pages/{}.html", arguments[0]), &directory.read(page));
+        directory.bad(&[arguments, &["--report", "pages"]].concat(), &["input", "is never written"]);
     }
 }
 
 #[test]
 fn a_machine_that_somebody_wrote_is_not_collapsed_over() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
-    put(&directory, "other/machine.toml", "# mine\n");
-    bad(&directory, &["tables", "collapse", "m", "-o", "other", "--volume", ",,0:100"], &["other/machine.toml"]);
+    directory.write("other/machine.toml", "# mine\n");
+    directory.bad(&["tables", "collapse", "m", "-o", "other", "--volume", ",,0:100"], &["other/machine.toml"]);
     for _ in 0..2 {
-        good(&directory, &["tables", "collapse", "m", "-o", "nine", "--volume", ",,0:100"]);
+        directory.reported(&["tables", "collapse", "m", "-o", "nine", "--volume", ",,0:100"]);
     }
 }
 
 /// Two outputs in one file, a folder in the place of a file, a place that does not exist: nothing is written.
 #[test]
 fn a_refused_command_leaves_nothing_behind() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     hall_2(&directory);
     let helicoid = [
         "helicoid",
@@ -343,8 +285,8 @@ fn a_refused_command_leaves_nothing_behind() {
         "--pivot-mm",
         "150",
     ];
-    bad(&directory, &[&helicoid[..], &["--gcode", "one", "-o", "./one"]].concat(), &["two outputs"]);
-    bad(&directory, &[&helicoid[..], &["--gcode", "one", "-o", "m"]].concat(), &["cannot write m", "folder"]);
-    bad(&directory, &[&helicoid[..], &["--report", "pages", "-o", "no/where"]].concat(), &["cannot write no/where"]);
-    bad(&directory, &["tables", "compile", "m", "-o", "no/where.tcomp"], &["cannot write no/where.tcomp"]);
+    directory.bad(&[&helicoid[..], &["--gcode", "one", "-o", "./one"]].concat(), &["two outputs"]);
+    directory.bad(&[&helicoid[..], &["--gcode", "one", "-o", "m"]].concat(), &["cannot write m", "folder"]);
+    directory.bad(&[&helicoid[..], &["--report", "pages", "-o", "no/where"]].concat(), &["cannot write no/where"]);
+    directory.bad(&["tables", "compile", "m", "-o", "no/where.tcomp"], &["cannot write no/where.tcomp"]);
 }

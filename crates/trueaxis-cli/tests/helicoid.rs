@@ -3,30 +3,21 @@
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 const BASE: [&str; 4] = ["--base-radius-mm", "36", "--lead-parameter-mm-per-rad", "130"];
 const GEAR: [&str; 8] = ["--module-mm", "3", "--teeth", "24", "--pressure-angle-deg", "20", "--helix-angle-deg", "15"];
 const GRID: [&str; 4] = ["--u-rad", "0.2:0.6:3", "--theta-rad", "-0.1:0.1:5"];
 const PIVOT: [&str; 2] = ["--pivot-mm", "150"];
 
-fn call_in(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trueaxis"))
-        .arg("helicoid")
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap()
-}
-
-fn call(parts: &[&[&str]]) -> Output {
-    call_in(tempfile::tempdir().unwrap().path(), &parts.concat())
+fn with<'a>(parts: &[&[&'a str]], more: &[&'a str]) -> Vec<&'a str> {
+    [&["helicoid"], &parts.concat()[..], more].concat()
 }
 
 fn text(parts: &[&[&str]]) -> String {
-    let output = call(parts);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
+    Folder::new(TRUEAXIS).good(&with(parts, &[]))
 }
 
 fn rows(csv: &str) -> Vec<[f64; 7]> {
@@ -42,14 +33,7 @@ fn same(one: &[f64; 7], other: &[f64; 7]) {
 }
 
 fn refused(parts: &[&[&str]], said: &[&str]) {
-    let directory = tempfile::tempdir().unwrap();
-    let output = call_in(directory.path(), &[&parts.concat()[..], &["-o", "o.csv", "--gcode", "o.ngc"]].concat());
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{parts:?}: {told}");
-    for part in said {
-        assert!(told.contains(part), "{parts:?}: {told} without {part}");
-    }
-    assert!(output.stdout.is_empty() && fs::read_dir(directory.path()).unwrap().next().is_none(), "{parts:?}");
+    Folder::new(TRUEAXIS).bad(&with(parts, &["-o", "o.csv", "--gcode", "o.ngc"]), said);
 }
 
 /// Values of `tests/reference/helicoid.py`: rotation matrices and difference quotients with 50 digits.
@@ -132,17 +116,15 @@ fn json_holds_inputs_gear_and_points() {
 #[test]
 fn an_edge_finder_gives_the_pivot_length() {
     let finder = ["--edge-finder-mm", "145.5", "--edge-finder-radius-mm", "4.5"];
-    let output = call(&[&BASE, &GRID, &finder]);
-    assert_eq!(String::from_utf8(output.stdout).unwrap(), text(&[&BASE, &GRID, &PIVOT]));
-    assert!(String::from_utf8(output.stderr).unwrap().contains("pivot length 150 mm"));
+    let [out, error] = Folder::new(TRUEAXIS).both(&with(&[&BASE, &GRID, &finder], &[]));
+    assert_eq!(out, text(&[&BASE, &GRID, &PIVOT]));
+    assert!(error.contains("pivot length 150 mm"));
 }
 
 fn program(parts: &[&[&str]]) -> Vec<String> {
-    let directory = tempfile::tempdir().unwrap();
-    let arguments = [&parts.concat()[..], &["--gcode", "flank.ngc", "-o", "flank.csv"]].concat();
-    let output = call_in(directory.path(), &arguments);
-    assert!(output.status.success() && output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = fs::read_to_string(directory.path().join("flank.ngc")).unwrap();
+    let directory = Folder::new(TRUEAXIS);
+    assert_eq!(directory.good(&with(parts, &["--gcode", "flank.ngc", "-o", "flank.csv"])), "");
+    let text = directory.read("flank.ngc");
     assert!(text.is_ascii());
     text.lines().map(str::to_owned).collect()
 }
@@ -219,12 +201,10 @@ fn the_program_turns_the_head_above_the_part_only() {
 
 #[test]
 fn the_page_is_whole_and_carries_the_same_values() {
-    let directory = tempfile::tempdir().unwrap();
-    let arguments = [&GEAR[..], &GRID, &PIVOT, &["-o", "o.csv", "--report"]].concat();
+    let directory = Folder::new(TRUEAXIS);
     for (path, file) in [("page.html", "page.html"), ("folder", "folder/helicoid.html")] {
-        let output = call_in(directory.path(), &[&arguments[..], &[path]].concat());
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let page = fs::read_to_string(directory.path().join(file)).unwrap();
+        directory.good(&with(&[&GEAR, &GRID, &PIVOT], &["-o", "o.csv", "--report", path]));
+        let page = directory.read(file);
         for outside in ["src=", "http:", "https:", "@import", "url("] {
             assert!(!page.contains(outside), "{outside}");
         }
@@ -232,7 +212,7 @@ fn the_page_is_whole_and_carries_the_same_values() {
         let tree = roxmltree::Document::parse_with_options(&page, options).unwrap();
         let run = tree.descendants().find(|node| node.attribute("id") == Some("run")).unwrap();
         let run: Value = serde_json::from_str(run.text().unwrap()).unwrap();
-        let csv = rows(&fs::read_to_string(directory.path().join("o.csv")).unwrap());
+        let csv = rows(&directory.read("o.csv"));
         let carried: Vec<[f64; 7]> = serde_json::from_value(run["points"].clone()).unwrap();
         assert_eq!(carried.len(), csv.len());
         carried.iter().zip(&csv).for_each(|(carried, row)| same(carried, row));

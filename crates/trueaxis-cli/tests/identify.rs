@@ -2,21 +2,12 @@
 
 use serde_json::Value;
 use std::fmt::Write;
-use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 const SET_UPS: [(f64, f64); 3] = [(250.0, 60.0), (250.0, 160.0), (350.0, 60.0)];
 const SET_UPS_A: [(f64, f64); 3] = [(250.0, 60.0), (250.0, 160.0), (350.0, 160.0)];
-
-fn call(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trueaxis"))
-        .arg("identify")
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap()
-}
 
 /// Turns a vector right-handed about an axis (0 X, 2 Z).
 fn turned(v: [f64; 3], axis: usize, angle: f64) -> [f64; 3] {
@@ -60,19 +51,13 @@ fn circle(step: usize) -> Vec<f64> {
     (0..360).step_by(step).map(|angle| angle as f64).collect()
 }
 
-fn document(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
 const KEYS: [&str; 6] = ["exc_um", "eyc_um", "ezc_um", "eac_urad", "ebc_urad", "ecc_urad"];
 
 #[test]
 fn errors_of_c_come_back_and_become_a_table_that_loads() {
-    let directory = tempfile::tempdir().unwrap();
-    fs::write(directory.path().join("m.csv"), measured(2, &circle(15), &SET_UPS, |_| 0.0)).unwrap();
-    let found =
-        document(&call(directory.path(), &["m.csv", "--axis", "C", "--json", "-o", "c.csv", "--report", "out"]));
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("m.csv", measured(2, &circle(15), &SET_UPS, |_| 0.0));
+    let found = directory.json(&["identify", "m.csv", "--axis", "C", "--json", "-o", "c.csv", "--report", "out"]);
     assert_eq!((&found["axis"], &found["location"]), (&Value::from("C"), &Value::from("inside")));
     assert_eq!(found["degrees_of_freedom"], 24 * 3);
     let angles = found["angles"].as_array().unwrap();
@@ -87,22 +72,17 @@ fn errors_of_c_come_back_and_become_a_table_that_loads() {
     }
     assert!(found["sigma_um"].as_f64().unwrap() < 1e-4 && found["standard_errors"]["exc_um"].is_number());
 
-    let table = fs::read_to_string(directory.path().join("c.csv")).unwrap();
+    let table = directory.read("c.csv");
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(lines[0], "C_deg,EXC_um,EYC_um,EZC_um,EAC_urad,EBC_urad,ECC_urad");
     assert_eq!(lines.len(), 26, "24 angles and the line that closes the circle");
     assert_eq!(lines[1].split_once(',').unwrap().1, lines[25].strip_prefix("360,").unwrap());
 
     let toml = "name = \"head\"\nchain = \"w b X Y Z C t\"\n[axis.C]\ntable = \"c.csv\"\n";
-    fs::write(directory.path().join("machine.toml"), toml).unwrap();
-    let check = Command::new(env!("CARGO_BIN_EXE_trueaxis"))
-        .args(["tables", "check", "machine.toml"])
-        .current_dir(directory.path())
-        .output()
-        .unwrap();
-    assert!(check.status.success(), "{}", String::from_utf8_lossy(&check.stderr));
+    directory.write("machine.toml", toml);
+    directory.good(&["tables", "check", "machine.toml"]);
 
-    let page = fs::read_to_string(directory.path().join("out/identify.html")).unwrap();
+    let page = directory.read("out/identify.html");
     let page = page.strip_prefix("<!DOCTYPE html>\n").unwrap();
     let tree = roxmltree::Document::parse(page).unwrap();
     assert_eq!(tree.descendants().filter(|node| node.has_tag_name("figure")).count(), 3);
@@ -110,12 +90,10 @@ fn errors_of_c_come_back_and_become_a_table_that_loads() {
 
 #[test]
 fn the_table_on_the_screen_has_the_figures() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let angles: Vec<f64> = (0..10).map(|i| 10.0 * f64::from(i)).collect();
-    fs::write(directory.path().join("m.csv"), measured(0, &angles, &SET_UPS_A, |_| 0.0)).unwrap();
-    let output = call(directory.path(), &["m.csv", "--axis", "a", "--report", "page.html", "-o", "a.csv"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
+    directory.write("m.csv", measured(0, &angles, &SET_UPS_A, |_| 0.0));
+    let text = directory.good(&["identify", "m.csv", "--axis", "a", "--report", "page.html", "-o", "a.csv"]);
     let line = text.lines().find(|line| line.trim_start().starts_with("40.000")).unwrap();
     let cells: Vec<f64> = line.split_whitespace().map(|cell| cell.parse().unwrap()).collect();
     for (cell, truth) in cells[1..7].iter().zip(truth(40.0)) {
@@ -124,18 +102,18 @@ fn the_table_on_the_screen_has_the_figures() {
     for needed in ["EXA_um", "ECA_urad", "rank                6 of 6", "inside", "condition"] {
         assert!(text.contains(needed), "{needed}: {text}");
     }
-    assert!(directory.path().join("page.html").is_file());
+    assert!(directory.join("page.html").is_file());
     // A part of the circle is not closed.
-    let table = fs::read_to_string(directory.path().join("a.csv")).unwrap();
+    let table = directory.read("a.csv");
     assert_eq!(table.lines().count(), 11);
 }
 
 #[test]
 fn free_offsets_do_not_reach_the_errors() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let angles = circle(15);
-    fs::write(directory.path().join("m.csv"), measured(2, &angles, &SET_UPS, |s| 40.0 * s as f64 - 7.0)).unwrap();
-    let found = document(&call(directory.path(), &["m.csv", "--axis", "C", "--free-offsets", "--json"]));
+    directory.write("m.csv", measured(2, &angles, &SET_UPS, |s| 40.0 * s as f64 - 7.0));
+    let found = directory.json(&["identify", "m.csv", "--axis", "C", "--free-offsets", "--json"]);
     assert_eq!((&found["location"], &found["null_space"]), (&Value::from("removed"), &Value::from(3)));
     assert!(found["sigma_um"].as_f64().unwrap() < 1e-3);
     let mean: [f64; 3] =
@@ -154,38 +132,28 @@ fn free_offsets_do_not_reach_the_errors() {
 
 #[test]
 fn a_measured_closing_angle_is_taken_for_both_ends() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let mut angles = circle(30);
     angles.push(360.0);
     let mut text = measured(2, &angles[..12], &SET_UPS, |_| 0.0);
     let closing = measured(2, &[360.0], &SET_UPS, |_| 2.0);
     text.extend(closing.lines().skip(2).map(|line| format!("{line}\n")));
-    fs::write(directory.path().join("m.csv"), text).unwrap();
-    let found = document(&call(directory.path(), &["m.csv", "--axis", "C", "--json", "-o", "c.csv"]));
+    directory.write("m.csv", text);
+    let found = directory.json(&["identify", "m.csv", "--axis", "C", "--json", "-o", "c.csv"]);
     assert_eq!(found["angles"].as_array().unwrap().len(), 13);
     assert!(found["warnings"][0].as_str().unwrap().contains("closes within 2.000 µm"), "{found}");
-    let table = fs::read_to_string(directory.path().join("c.csv")).unwrap();
+    let table = directory.read("c.csv");
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!((lines.len(), lines[1].split_once(',').unwrap().1), (14, lines[13].split_once(',').unwrap().1));
     let x: f64 = lines[1].split(',').nth(1).unwrap().parse().unwrap();
     assert!((x - truth(0.0)[0] - 1.0).abs() < 1e-3, "{x}");
 }
 
-/// Calls with bad readings: exit code 2, nothing on stdout, nothing written, and a message that says all of `needed`.
+/// Bad readings are refused with a message that holds all of `needed`.
 fn refused(text: &str, arguments: &[&str], needed: &[&str]) {
-    let directory = tempfile::tempdir().unwrap();
-    fs::write(directory.path().join("m.csv"), text).unwrap();
-    let mut all = vec!["m.csv", "-o", "c.csv", "--report", "out"];
-    all.extend(arguments);
-    let output = call(directory.path(), &all);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(output.stdout.is_empty());
-    for needed in needed {
-        assert!(message.contains(needed), "{needed:?} is not in {message:?}");
-    }
-    let left = fs::read_dir(directory.path()).unwrap().count();
-    assert_eq!(left, 1, "something was written");
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("m.csv", text);
+    directory.bad(&[&["identify", "m.csv", "-o", "c.csv", "--report", "out"], arguments].concat(), needed);
 }
 
 #[test]
@@ -250,10 +218,10 @@ const HEAD: &str = "name = \"head\"\nchain = \"w b X Y Z C A t\"\n[axis.X]\ntabl
 
 #[test]
 fn the_linear_axes_own_errors_are_removed() {
-    let directory = tempfile::tempdir().unwrap();
-    fs::write(directory.path().join("machine.toml"), HEAD).unwrap();
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("machine.toml", HEAD);
     // 0.2 µm and 0.1 µrad per mm of X.
-    fs::write(directory.path().join("x.csv"), "X_mm,EXX_um,EBX_urad\n-500,-100,-50\n500,100,50\n").unwrap();
+    directory.write("x.csv", "X_mm,EXX_um,EBX_urad\n-500,-100,-50\n500,100,50\n");
     let start = 120.0;
     let mut text = String::from("angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um\n");
     for angle in circle(20) {
@@ -266,9 +234,9 @@ fn the_linear_axes_own_errors_are_removed() {
             writeln!(text, "{angle},{l},{h},{dx},{dy},{dz}").unwrap();
         }
     }
-    fs::write(directory.path().join("m.csv"), text).unwrap();
-    let given = ["m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "120,0,0"];
-    let found = document(&call(directory.path(), &given));
+    directory.write("m.csv", text);
+    let given = ["identify", "m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "120,0,0"];
+    let found = directory.json(&given);
     for angle in found["angles"].as_array().unwrap() {
         for (key, truth) in KEYS.into_iter().zip(truth(angle["angle_deg"].as_f64().unwrap())) {
             let value = angle[key].as_f64().unwrap();
@@ -277,11 +245,11 @@ fn the_linear_axes_own_errors_are_removed() {
     }
     assert!(found["warnings"][0].as_str().unwrap().contains("own errors are removed"), "{found}");
     // Without the machine, the errors of X go into those of C.
-    let raw = document(&call(directory.path(), &["m.csv", "--axis", "C", "--json"]));
+    let raw = directory.json(&["identify", "m.csv", "--axis", "C", "--json"]);
     let apart = raw["angles"][4]["exc_um"].as_f64().unwrap() - found["angles"][4]["exc_um"].as_f64().unwrap();
     assert!(apart.abs() > 5.0, "{apart}");
     // And a start that takes X beyond its table is told.
-    let far = ["m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "450,0,0"];
-    let far = document(&call(directory.path(), &far));
+    let far = ["identify", "m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "450,0,0"];
+    let far = directory.json(&far);
     assert!(far["warnings"][1].as_str().unwrap().contains("edge value"), "{far}");
 }

@@ -1,8 +1,8 @@
 //! `trueaxis kinematics` as it is called.
 
-use std::fs;
-use std::process::{Command, Output};
-use tempfile::TempDir;
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 /// A trunnion machine, zero of the axes in the trunnion, A from −120 to 30 degrees.
 const TRUNNION: &str = "\
@@ -19,32 +19,16 @@ travel_deg = [-120.0, 30.0]
 [axis.C]
 ";
 
-fn folder(machine: &str, input: &str) -> TempDir {
-    let directory = tempfile::tempdir().unwrap();
-    fs::create_dir(directory.path().join("m")).unwrap();
-    fs::write(directory.path().join("m/machine.toml"), machine).unwrap();
-    fs::write(directory.path().join("m/x.csv"), "X_mm,EXX_um\n-250,0\n250,0\n").unwrap();
-    fs::write(directory.path().join("in.csv"), input).unwrap();
+fn folder(machine: &str, input: &str) -> Folder {
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("m/machine.toml", machine);
+    directory.write("m/x.csv", "X_mm,EXX_um\n-250,0\n250,0\n");
+    directory.write("in.csv", input);
     directory
 }
 
-fn call(directory: &TempDir, way: &str, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trueaxis"))
-        .args(["kinematics", way, "--machine", "m"])
-        .args(arguments)
-        .current_dir(directory.path())
-        .output()
-        .unwrap()
-}
-
-/// Header and rows of a good call.
-fn good(directory: &TempDir, way: &str, arguments: &[&str]) -> (String, Vec<Vec<f64>>) {
-    let output = call(directory, way, arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
-    let mut lines = text.lines();
-    let header = lines.next().unwrap().to_owned();
-    (header, lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect())
+fn with<'a>(way: &'a str, arguments: &[&'a str]) -> Vec<&'a str> {
+    [&["kinematics", way, "--machine", "m"], arguments].concat()
 }
 
 fn near(found: &[f64], truth: &[f64]) {
@@ -58,16 +42,16 @@ fn near(found: &[f64], truth: &[f64]) {
 fn forward_says_where_the_tool_is() {
     // The workpiece sees the spindle lean towards its +y at A −90; C turns that towards −x.
     let directory = folder(TRUNNION, "# poses\nz_mm,a_deg,c_deg,x_mm\n10,0,0,1\n10,-90,0,1\n10,-90,90,0\n");
-    let (header, rows) = good(&directory, "forward", &["in.csv"]);
+    let (header, rows) = directory.csv(&with("forward", &["in.csv"]));
     let expected = "z_mm,a_deg,c_deg,x_mm,tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k,singularity_margin_deg";
     assert_eq!(header, expected);
     near(&rows[0][4..], &[1.0, 0.0, 10.0, 0.0, 0.0, 1.0, 0.0]);
     near(&rows[1][4..], &[1.0, 10.0, 0.0, 0.0, 1.0, 0.0, 90.0]);
     near(&rows[2][4..], &[-10.0, 0.0, 0.0, -1.0, 0.0, 0.0, 90.0]);
     // A tool of 50 mm reaches 50 mm less far along its axis.
-    let (_, rows) = good(&directory, "forward", &["in.csv", "--tool-length-mm", "50"]);
+    let (_, rows) = directory.csv(&with("forward", &["in.csv", "--tool-length-mm", "50"]));
     near(&rows[1][4..7], &[1.0, -40.0, 0.0]);
-    let (_, rows) = good(&directory, "forward", &["in.csv", "--tool-mm", "-1,0,-50"]);
+    let (_, rows) = directory.csv(&with("forward", &["in.csv", "--tool-mm", "-1,0,-50"]));
     near(&rows[1][4..7], &[0.0, -40.0, 0.0]);
 }
 
@@ -80,12 +64,11 @@ fn the_inverse_takes_the_forwards_output_back() {
     }
     let directory = folder(TRUNNION, &text);
     let tool = ["--tool-length-mm", "120.5"];
-    let (_, poses) = good(&directory, "forward", &["in.csv", tool[0], tool[1]]);
-    assert!(call(&directory, "forward", &["in.csv", "-o", "t.csv", tool[0], tool[1]]).stdout.is_empty());
-    let output = call(&directory, "inverse", &["t.csv", tool[0], tool[1], "--max-step-deg", "12"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("x_mm, y_mm, z_mm, a_deg, c_deg"));
-    let (header, rows) = good(&directory, "inverse", &["t.csv", tool[0], tool[1]]);
+    let (_, poses) = directory.csv(&with("forward", &["in.csv", tool[0], tool[1]]));
+    assert_eq!(directory.good(&with("forward", &["in.csv", "-o", "t.csv", tool[0], tool[1]])), "");
+    let reported = directory.reported(&with("inverse", &["t.csv", tool[0], tool[1], "--max-step-deg", "12"]));
+    assert!(reported.contains("x_mm, y_mm, z_mm, a_deg, c_deg"), "{reported}");
+    let (header, rows) = directory.csv(&with("inverse", &["t.csv", tool[0], tool[1]]));
     let expected =
         "tip_x_mm,tip_y_mm,tip_z_mm,tool_i,tool_j,tool_k,x_mm,y_mm,z_mm,a_deg,c_deg,branch,singularity_margin_deg";
     assert_eq!(header, expected);
@@ -94,10 +77,9 @@ fn the_inverse_takes_the_forwards_output_back() {
         near(&row[12..], &pose[11..]);
     }
     // C goes on beyond a turn, also from a start many turns away.
-    let (_, rows) = good(&directory, "inverse", &["t.csv", tool[0], tool[1], "--start", "-1,-3600"]);
+    let (_, rows) = directory.csv(&with("inverse", &["t.csv", tool[0], tool[1], "--start", "-1,-3600"]));
     near(&rows[99][9..11], &[-100.0, 11.7 * 99.0 - 3600.0]);
-    let output = call(&directory, "inverse", &["t.csv", "--json"]);
-    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let document = directory.json(&with("inverse", &["t.csv", "--json"]));
     assert_eq!(document["machine"], "trunnion");
     assert_eq!(document["rows"].as_array().unwrap().len(), 100);
     assert_eq!(document["rows"][5]["branch"], rows[5][11] as u64);
@@ -107,15 +89,15 @@ fn the_inverse_takes_the_forwards_output_back() {
 #[test]
 fn both_branches_and_the_one_asked_for() {
     let directory = folder(TRUNNION, "a_deg,c_deg\n20,10\n");
-    call(&directory, "forward", &["in.csv", "-o", "t.csv"]);
-    let (_, rows) = good(&directory, "inverse", &["t.csv", "--both"]);
+    directory.good(&with("forward", &["in.csv", "-o", "t.csv"]));
+    let (_, rows) = directory.csv(&with("inverse", &["t.csv", "--both"]));
     assert_eq!(rows.len(), 2);
     near(&rows[0][9..], &[20.0, 10.0, 1.0, 20.0]);
     near(&rows[1][9..], &[-20.0, -170.0, 2.0, 20.0]);
     for (branch, row) in ["1", "2"].into_iter().zip(&rows) {
-        assert_eq!(&good(&directory, "inverse", &["t.csv", "--branch", branch]).1[0], row);
+        assert_eq!(&directory.csv(&with("inverse", &["t.csv", "--branch", branch])).1[0], row);
     }
-    assert_eq!(good(&directory, "inverse", &["t.csv"]).1[0], rows[0]);
+    assert_eq!(directory.csv(&with("inverse", &["t.csv"])).1[0], rows[0]);
 }
 
 /// Machine, way, input, more arguments, what the error names.
@@ -153,15 +135,8 @@ fn what_cannot_be_is_refused_with_place_and_figures() {
     for (machine, way, text, more, parts) in cases {
         let text = if way == "inverse" { format!("{head}{text}") } else { text.to_owned() };
         let directory = folder(machine, &text);
-        let output = call(&directory, way, &[&["in.csv", "-o", "out.csv"], more].concat());
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{text}: {error}");
-        assert!(output.stdout.is_empty() && !directory.path().join("out.csv").exists(), "{text}");
-        for part in parts {
-            assert!(error.contains(part), "{text}: {part} not in {error}");
-        }
+        directory.bad(&with(way, &[&["in.csv", "-o", "out.csv"], more].concat()), parts);
     }
     let directory = folder(TRUNNION, "tip_x_mm,tip_y_mm\n0,0\n");
-    let error = String::from_utf8(call(&directory, "inverse", &["in.csv"]).stderr).unwrap();
-    assert!(error.contains("in.csv:1") && error.contains("tip_z_mm"), "{error}");
+    directory.bad(&with("inverse", &["in.csv"]), &["in.csv:1", "tip_z_mm"]);
 }

@@ -1,39 +1,25 @@
 //! Absurd numbers at the command line: every command that reads them refuses them, and what it passes the controller runs.
 
-use std::fs;
-use std::process::{Command, Output};
-use tempfile::TempDir;
+use trueaxis_testing::command::Folder;
 
-fn call(directory: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(directory.path()).output().unwrap()
-}
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
-fn bad(directory: &TempDir, arguments: &[&str], parts: &[&str]) {
-    let output = call(directory, arguments);
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-    assert!(output.stdout.is_empty() && error.len() < 400, "{arguments:?}: {error}");
-    for part in parts {
-        assert!(error.contains(part), "{arguments:?}: {error}");
-    }
-}
-
-fn put(directory: &TempDir, name: &str, text: &str) {
-    let path = directory.path().join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(path, text).unwrap();
+/// A refusal whose message is short.
+fn bad(directory: &Folder, arguments: &[&str], parts: &[&str]) {
+    let error = directory.bad(arguments, parts);
+    assert!(error.len() < 400, "{arguments:?}: {error}");
 }
 
 const MACHINE: &str = "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [-100, 100]\n";
 
-fn machine(directory: &TempDir, lines: &str, table: &str) {
-    put(directory, "m/machine.toml", &format!("{MACHINE}{lines}"));
-    put(directory, "m/x.csv", table);
+fn machine(directory: &Folder, lines: &str, table: &str) {
+    directory.write("m/machine.toml", &format!("{MACHINE}{lines}"));
+    directory.write("m/x.csv", table);
 }
 
 #[test]
 fn settings_and_tables_out_of_this_world() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     const TABLE: &str = "X_mm,EXX_um\n-100,1\n100,2\n";
     for (lines, table, parts) in [
         ("backlash_um = 1e308\n", TABLE, &["machine.toml:6", "backlash_um", "found 1e308", "-1000 to 1000 um"][..]),
@@ -46,13 +32,13 @@ fn settings_and_tables_out_of_this_world() {
         machine(&directory, lines, table);
         bad(&directory, &["tables", "check", "m"], parts);
         bad(&directory, &["tables", "compile", "m", "-o", "m.tcomp"], parts);
-        assert!(!directory.path().join("m.tcomp").exists());
+        assert!(!directory.has("m.tcomp"));
     }
 }
 
 #[test]
 fn what_the_servo_step_refuses_at_its_rate() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     machine(&directory, "[axis.X.limits]\nacceleration_mm_per_s2 = 1\n", "X_mm,EXX_um\n-100,1\n100,2\n");
     let parts = ["at 10000 Hz", "machine.toml:", "key axis.X.limits.acceleration_mm_per_s2", "above the resolution"];
     bad(&directory, &["tables", "check", "m"], &parts);
@@ -60,29 +46,29 @@ fn what_the_servo_step_refuses_at_its_rate() {
     for rate in ["0", "-1", "nan", "1e308"] {
         bad(&directory, &["tables", "compile", "m", &format!("--rate-hz={rate}"), "-o", "m.tcomp"], &["--rate-hz"]);
     }
-    assert!(!directory.path().join("m.tcomp").exists());
-    let output = call(&directory, &["tables", "compile", "m", "--rate-hz", "1000", "-o", "m.tcomp"]);
+    assert!(!directory.has("m.tcomp"));
+    let output = directory.run(&["tables", "compile", "m", "--rate-hz", "1000", "-o", "m.tcomp"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 #[test]
 fn measurements_and_other_controls_files() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     for value in ["1e308", "-1e308", "3100"] {
         let rows = format!("X_mm,run,direction,deviation_um\n0,1,+,1\n0,2,+,{value}\n10,1,+,1\n10,2,+,1\n");
-        put(&directory, "d.csv", &rows);
+        directory.write("d.csv", &rows);
         bad(&directory, &["tables", "accuracy", "d.csv"], &["d.csv:3", "deviation_um", "is the unit right?"]);
         let import = ["tables", "import", "--from", "iso230-2", "d.csv", "-o", "new"];
         bad(&directory, &import, &["d.csv:3", "deviation_um", "is the unit right?"]);
-        put(&directory, "x.comp", &format!("0 0 0\n10 {value} {value}\n"));
+        directory.write("x.comp", &format!("0 0 0\n10 {value} {value}\n"));
         let import = ["tables", "import", "--from", "linuxcnc", "x.comp", "--axis", "X", "-o", "new"];
         bad(&directory, &import, &["x.comp:2", "EXX", "is the unit right?"]);
-        assert!(!directory.path().join("new").exists());
+        assert!(!directory.has("new"));
     }
     machine(&directory, "", "X_mm,EXX_um\n-100,1\n100,2\n");
-    put(&directory, "p.csv", "x_mm,y_mm,z_mm\n1,1e308,0\n");
+    directory.write("p.csv", "x_mm,y_mm,z_mm\n1,1e308,0\n");
     bad(&directory, &["compensate", "m", "p.csv"], &["p.csv:2", "y_mm", "1e308"]);
-    put(&directory, "h.csv", "h1_um,h2_um,h3_um\n1,1e9,0\n");
+    directory.write("h.csv", "h1_um,h2_um,h3_um\n1,1e9,0\n");
     let roundness = ["roundness", "h.csv", "--n", "64", "--p", "12", "--q", "41", "--harmonics", "2..5"];
     bad(&directory, &roundness, &["h.csv:2", "h2_um", "1e9"]);
 }

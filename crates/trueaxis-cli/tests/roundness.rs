@@ -5,36 +5,12 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-use tempfile::TempDir;
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
 fn reference(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/reference").join(name)
-}
-
-fn call(directory: &TempDir, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trueaxis")).args(arguments).current_dir(directory.path()).output().unwrap()
-}
-
-fn good(directory: &TempDir, arguments: &[&str]) -> String {
-    let output = call(directory, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn document(directory: &TempDir, arguments: &[&str]) -> Value {
-    serde_json::from_str(&good(directory, arguments)).unwrap()
-}
-
-/// Exit code 2, nothing on the standard output, and every part of the message.
-fn bad(directory: &TempDir, arguments: &[&str], parts: &[&str]) {
-    let output = call(directory, arguments);
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
-    assert!(output.stdout.is_empty(), "{arguments:?}");
-    for part in parts {
-        assert!(error.contains(part), "{arguments:?}: {error}");
-    }
 }
 
 /// Rows of a CSV without its comments and its header.
@@ -50,7 +26,7 @@ fn close(a: &Value, b: f64, tolerance: f64) {
 
 /// Probes that stand still at angles in degrees; profile over θ, motion `[x, y]` over revolution and θ.
 fn write_probes(
-    directory: &TempDir,
+    directory: &Folder,
     points: usize,
     revolutions: usize,
     angles: [f64; 2],
@@ -67,14 +43,14 @@ fn write_probes(
         });
         writeln!(text, "{h1},{h2},{h3}").unwrap();
     }
-    fs::write(directory.path().join("probes.csv"), text).unwrap();
+    directory.write("probes.csv", text);
 }
 
 const BEST: [f64; 2] = [66.093_75, 234.492_187_5];
 
 #[test]
 fn agrees_with_the_reference_script() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let probes = reference("separation_probes.csv");
     let arguments = [
         "roundness",
@@ -85,7 +61,7 @@ fn agrees_with_the_reference_script() {
         "--harmonics=2..12",
         "--arm=60,300,30",
     ];
-    let csv = good(&directory, &arguments);
+    let csv = directory.good(&arguments);
     assert!(csv.starts_with("theta_deg,r_um,rx_um,ry_um\n0,"));
     let text = fs::read_to_string(reference("separation_truth.csv")).unwrap();
     let (found, truth) = (numbers(&csv), numbers(&text));
@@ -96,8 +72,8 @@ fn agrees_with_the_reference_script() {
         }
     }
 
-    let json = document(&directory, &[&arguments[..], &["--json", "-o", "out.csv"]].concat());
-    assert_eq!(fs::read_to_string(directory.path().join("out.csv")).unwrap(), csv);
+    let json = directory.json(&[&arguments[..], &["--json", "-o", "out.csv"]].concat());
+    assert_eq!(directory.read("out.csv"), csv);
     for line in text.lines().filter(|line| line.starts_with("# spindle")) {
         let mut cells = line.split(' ').skip(2);
         let direction = &json["spindle"][cells.next().unwrap()];
@@ -120,11 +96,11 @@ fn agrees_with_the_reference_script() {
 
 #[test]
 fn zones_of_four_lobes_and_what_the_filter_leaves() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let shift = |revolution: usize, theta: f64| [0.25 * revolution as f64, 50.0 * theta.cos()];
     write_probes(&directory, 1024, 3, BEST, |theta| 3.0 * (4.0 * theta).cos() + 0.5 * (92.0 * theta).cos(), shift);
     let arguments = ["roundness", "probes.csv", "--n=1024", "--p=188", "--q=667", "--json"];
-    let json = document(&directory, &[&arguments[..], &["--upr=15"]].concat());
+    let json = directory.json(&[&arguments[..], &["--upr=15"]].concat());
     // H(4) = 2^−(4/15)², H(92) < 2^−37. Crests at 0°, 90°, …, troughs at 45°, 135°, …: all four circles are concentric.
     let zone = 6.0 * 2f64.powf(-16.0 / 225.0);
     for circle in ["lsc", "mzc", "mic", "mcc"] {
@@ -146,7 +122,7 @@ fn zones_of_four_lobes_and_what_the_filter_leaves() {
     close(&json["harmonics"][90]["amplitude_um"], 0.5, 1e-9);
 
     // Without the filter both waves have crests and troughs there.
-    let json = document(&directory, &arguments);
+    let json = directory.json(&arguments);
     for circle in ["lsc", "mzc", "mic", "mcc"] {
         close(&json[format!("{circle}_um")], 7.0, 1e-9);
     }
@@ -155,20 +131,20 @@ fn zones_of_four_lobes_and_what_the_filter_leaves() {
 
 #[test]
 fn one_revolution_has_no_asynchronous_motion() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     write_probes(&directory, 512, 1, [108.984_375, 120.9375], |theta| (4.0 * theta).cos(), |_, _| [0.0; 2]);
-    let json = document(&directory, &["roundness", "probes.csv", "--n=512", "--p=155", "--q=172", "--json"]);
+    let json = directory.json(&["roundness", "probes.csv", "--n=512", "--p=155", "--q=172", "--json"]);
     assert_eq!(json["spindle"]["x"]["asynchronous_um"], Value::Null);
     close(&json["mzc_um"], 2.0, 1e-9);
 }
 
 #[test]
 fn doubtful_settings_are_warned_of() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     write_probes(&directory, 1024, 1, [90.0, 181.05], |theta| (2.0 * theta).cos(), |_, _| [0.0; 2]);
     let arguments =
         ["roundness", "probes.csv", "--n=1024", "--phi2-deg=90", "--phi3-deg=181.05", "--upr=150", "--json"];
-    let output = call(&directory, &[&arguments[..], &["--noise-gain-limit=10"]].concat());
+    let output = directory.run(&[&arguments[..], &["--noise-gain-limit=10"]].concat());
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     let warnings: Vec<&str> = json["warnings"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
     let error = String::from_utf8(output.stderr).unwrap();
@@ -192,8 +168,8 @@ fn doubtful_settings_are_warned_of() {
 
 #[test]
 fn a_bad_measurement_is_refused_with_its_place() {
-    let directory = tempfile::tempdir().unwrap();
-    let write = |text: &str| fs::write(directory.path().join("probes.csv"), text).unwrap();
+    let directory = Folder::new(TRUEAXIS);
+    let write = |text: &str| directory.write("probes.csv", text);
     let head = "h1_um,h2_um,h3_um\n";
     let roundness = |more: &[&'static str]| {
         let mut arguments = vec!["roundness", "probes.csv", "--n=64", "-o", "out.csv", "--report", "out"];
@@ -203,63 +179,63 @@ fn a_bad_measurement_is_refused_with_its_place() {
     };
     write(&[head, &"1,2,3\n".repeat(100)].concat());
     let parts = ["probes.csv:101", "100 rows (1 revolution and 36 rows)", "whole revolutions of 64 rows"];
-    bad(&directory, &roundness(&[]), &parts);
+    directory.bad(&roundness(&[]), &parts);
     write(&[head, &"1,2,3\n".repeat(30), "1,inf,3\n", &"1,2,3\n".repeat(33)].concat());
-    bad(&directory, &roundness(&[]), &["probes.csv:32", "h2_um", "found \"inf\"", "needed a finite number"]);
+    directory.bad(&roundness(&[]), &["probes.csv:32", "h2_um", "found \"inf\"", "needed a finite number"]);
     write(&[head, &"1,2,3\n".repeat(63), "1,2,nan\n"].concat());
-    bad(&directory, &roundness(&[]), &["probes.csv:65", "h3_um", "found \"nan\""]);
+    directory.bad(&roundness(&[]), &["probes.csv:65", "h3_um", "found \"nan\""]);
     write("h1_um,h2_um\n1,2\n");
-    bad(&directory, &roundness(&[]), &["probes.csv:1", "h3_um"]);
+    directory.bad(&roundness(&[]), &["probes.csv:1", "h3_um"]);
     write(head);
-    bad(&directory, &roundness(&[]), &["probes.csv", "no rows"]);
+    directory.bad(&roundness(&[]), &["probes.csv", "no rows"]);
 
     write(&[head, &"1,2,3\n".repeat(64)].concat());
-    bad(&directory, &roundness(&["--arm=330,300,30"]), &["--arm R:", "found 330 mm", "cannot close"]);
-    bad(&directory, &roundness(&["--arm=30,300,0"]), &["--arm RW:", "found 0 mm"]);
-    bad(&directory, &roundness(&["--arm=30,300"]), &["--arm", "R,RS,RW"]);
-    bad(&directory, &roundness(&["--arm=-1,300,30"]), &["--arm R:", "found -1 mm"]);
-    bad(&directory, &roundness(&["--upr=60"]), &["--upr: found 60", "15, 50, 150 or 500"]);
-    bad(&directory, &roundness(&["--noise-gain-limit=0"]), &["--noise-gain-limit", "above 0"]);
-    bad(&directory, &roundness(&["--noise-gain-limit=nan"]), &["--noise-gain-limit", "NaN"]);
-    bad(&directory, &["roundness", "probes.csv", "--n=64"], &["no probe angles"]);
+    directory.bad(&roundness(&["--arm=330,300,30"]), &["--arm R:", "found 330 mm", "cannot close"]);
+    directory.bad(&roundness(&["--arm=30,300,0"]), &["--arm RW:", "found 0 mm"]);
+    directory.bad(&roundness(&["--arm=30,300"]), &["--arm", "R,RS,RW"]);
+    directory.bad(&roundness(&["--arm=-1,300,30"]), &["--arm R:", "found -1 mm"]);
+    directory.bad(&roundness(&["--upr=60"]), &["--upr: found 60", "15, 50, 150 or 500"]);
+    directory.bad(&roundness(&["--noise-gain-limit=0"]), &["--noise-gain-limit", "above 0"]);
+    directory.bad(&roundness(&["--noise-gain-limit=nan"]), &["--noise-gain-limit", "NaN"]);
+    directory.bad(&["roundness", "probes.csv", "--n=64"], &["no probe angles"]);
     let few = "--harmonics=2..10";
     let blind = roundness(&["--phi2-deg=120", "--phi3-deg=120", few]);
-    bad(&directory, &blind, &["--phi2-deg", "cannot see harmonics 2, 4, 5, 7, 8, 10,"]);
-    assert!(!directory.path().join("out.csv").exists() && !directory.path().join("out").exists());
+    directory.bad(&blind, &["--phi2-deg", "cannot see harmonics 2, 4, 5, 7, 8, 10,"]);
+    assert!(!directory.has("out.csv") && !directory.has("out"));
 }
 
 #[test]
 fn bad_angles_and_bands_are_refused() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let angles = |more: &[&'static str]| [&["probe-angles", "--n=1024", "--harmonics=2..100"], more].concat();
     // 90° and 135°: all singular harmonics are 8 m ± 1.
     let all: Vec<String> = (2..=100).filter(|k| [1, 7].contains(&(k % 8))).map(|k: i32| k.to_string()).collect();
-    bad(&directory, &angles(&["--p=256", "--q=384"]), &["--p, --q", &format!("see harmonics {},", all.join(", "))]);
-    bad(&directory, &angles(&["--p=0", "--q=3"]), &["--p: found 0", "1 to 1023"]);
-    bad(&directory, &angles(&["--p=3", "--q=1024"]), &["--q: found 1024", "1 to 1023"]);
-    bad(&directory, &angles(&["--p=-3", "--q=3"]), &["--p: found -3"]);
-    bad(&directory, &angles(&["--p=1.5", "--q=3"]), &["--p", "1.5", "whole number"]);
-    bad(&directory, &angles(&["--p=512", "--q=3"]), &["--p: found 180", "180°"]);
-    bad(&directory, &angles(&["--p=3"]), &["--q"]);
-    bad(&directory, &angles(&["--p=3", "--q=4", "--phi2-deg=3", "--phi3-deg=4"]), &["--phi2-deg"]);
-    bad(&directory, &angles(&["--phi2-deg=nan", "--phi3-deg=4"]), &["--phi2-deg: found NaN"]);
-    bad(&directory, &angles(&["--count=0"]), &["--count: found 0"]);
+    directory.bad(&angles(&["--p=256", "--q=384"]), &["--p, --q", &format!("see harmonics {},", all.join(", "))]);
+    directory.bad(&angles(&["--p=0", "--q=3"]), &["--p: found 0", "1 to 1023"]);
+    directory.bad(&angles(&["--p=3", "--q=1024"]), &["--q: found 1024", "1 to 1023"]);
+    directory.bad(&angles(&["--p=-3", "--q=3"]), &["--p: found -3"]);
+    directory.bad(&angles(&["--p=1.5", "--q=3"]), &["--p", "1.5", "whole number"]);
+    directory.bad(&angles(&["--p=512", "--q=3"]), &["--p: found 180", "180°"]);
+    directory.bad(&angles(&["--p=3"]), &["--q"]);
+    directory.bad(&angles(&["--p=3", "--q=4", "--phi2-deg=3", "--phi3-deg=4"]), &["--phi2-deg"]);
+    directory.bad(&angles(&["--phi2-deg=nan", "--phi3-deg=4"]), &["--phi2-deg: found NaN"]);
+    directory.bad(&angles(&["--count=0"]), &["--count: found 0"]);
     let band = |n: &'static str, band: &'static str| ["probe-angles", "--n", n, "--harmonics", band];
-    bad(&directory, &band("1024", "2..512"), &["--harmonics: found 2..512", "N/2 = 512"]);
-    bad(&directory, &band("1024", "1..9"), &["--harmonics: found 1..9", "2 or more"]);
-    bad(&directory, &band("1024", "9..8"), &["--harmonics: found 9..8"]);
-    bad(&directory, &band("1024", "2-9"), &["2-9", "2..100"]);
+    directory.bad(&band("1024", "2..512"), &["--harmonics: found 2..512", "N/2 = 512"]);
+    directory.bad(&band("1024", "1..9"), &["--harmonics: found 1..9", "2 or more"]);
+    directory.bad(&band("1024", "9..8"), &["--harmonics: found 9..8"]);
+    directory.bad(&band("1024", "2-9"), &["2-9", "2..100"]);
     for n in ["1000", "32", "8192", "0"] {
-        bad(&directory, &band(n, "2..9"), &[&format!("--n: found {n}"), "power of two from 64 to 4096"]);
+        directory.bad(&band(n, "2..9"), &[&format!("--n: found {n}"), "power of two from 64 to 4096"]);
     }
-    bad(&directory, &band("1e3", "2..9"), &["--n"]);
+    directory.bad(&band("1e3", "2..9"), &["--n"]);
 }
 
 #[test]
 fn the_best_pairs_are_found_and_a_given_one_is_compared() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let arguments = ["probe-angles", "--n=1024", "--harmonics=2..100", "--json"];
-    let json = document(&directory, &arguments);
+    let json = directory.json(&arguments);
     assert_eq!(json["harmonics"], serde_json::json!([2, 100]));
     assert_eq!(json.get("pair"), None);
     let best = json["best"].as_array().unwrap();
@@ -274,7 +250,7 @@ fn the_best_pairs_are_found_and_a_given_one_is_compared() {
 
     for (angles, worst) in [(["90", "181.05"], 0.052), (["60.82", "240.12"], 0.053)] {
         let given = ["--phi2-deg", angles[0], "--phi3-deg", angles[1], "--count=1"];
-        let pair = &document(&directory, &[&arguments[..], &given].concat())["pair"];
+        let pair = &directory.json(&[&arguments[..], &given].concat())["pair"];
         close(&pair["worst_gain"], worst, 5e-4);
         close(&pair["worst_noise_gain"], 1.0 / gain(pair), 1e-9);
         let noise_gains = pair["noise_gains"].as_array().unwrap();
@@ -285,9 +261,9 @@ fn the_best_pairs_are_found_and_a_given_one_is_compared() {
     }
     // The band leaves out what the pair cannot see; it is named all the same.
     let narrow = ["probe-angles", "--n=64", "--harmonics=2..6", "--p=16", "--q=24", "--json"];
-    let pair = &document(&directory, &narrow)["pair"];
+    let pair = &directory.json(&narrow)["pair"];
     assert_eq!(pair["singular"], serde_json::json!([7, 9, 15, 17, 23, 25, 31]));
-    let table = good(&directory, &["probe-angles", "--n=512", "--count=1", "--p=155", "--q=172"]);
+    let table = directory.good(&["probe-angles", "--n=512", "--count=1", "--p=155", "--q=172"]);
     assert!(
         table.contains("100.0 %") && table.lines().filter(|line| line.contains("108.98438")).count() == 2,
         "{table}"
@@ -331,18 +307,18 @@ fn read_page(page: &str) -> (String, usize) {
 
 #[test]
 fn the_report_shows_circles_harmonics_and_orbits() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let profile = |theta: f64| 1.5 * (2.0 * theta).cos() + (3.0 * theta + 0.4).cos() + 0.2 * (40.0 * theta).sin();
     let motion = |revolution: usize, theta: f64| {
         let wobble = 0.3 * (2.5 * theta + 2.0 * revolution as f64).sin();
         [20.0 * theta.cos() + wobble, (4.0 * theta).cos() - wobble]
     };
     write_probes(&directory, 1024, 5, [90.0, 181.05], profile, motion);
-    fs::rename(directory.path().join("probes.csv"), directory.path().join("pin & \"x\".csv")).unwrap();
+    fs::rename(directory.join("probes.csv"), directory.join("pin & \"x\".csv")).unwrap();
     let arguments = ["roundness", "pin & \"x\".csv", "--n=1024", "--phi2-deg=90", "--phi3-deg=181.05"];
     let more = ["--noise-gain-limit=10", "--upr=50", "--report=deep/er", "-o=out.csv"];
-    assert_eq!(good(&directory, &[&arguments[..], &more].concat()), "");
-    let page = fs::read_to_string(directory.path().join("deep/er/roundness.html")).unwrap();
+    assert_eq!(directory.good(&[&arguments[..], &more].concat()), "");
+    let page = directory.read("deep/er/roundness.html");
     let (text, _) = read_page(&page);
     // One figure each for polar plot, amplitudes, noise gains, orbit, motion over θ, development.
     assert_eq!(page.matches("<figure").count(), 6);
@@ -358,23 +334,23 @@ fn the_report_shows_circles_harmonics_and_orbits() {
     assert!(text.contains("pin & \"x\".csv") && !page.contains("http-equiv") && !page.contains("<script"));
 
     // Nothing but zeros, one revolution: still a page.
-    fs::write(directory.path().join("zero.csv"), ["h1_um,h2_um,h3_um\n", &"0,0,0\n".repeat(64)].concat()).unwrap();
+    directory.write("zero.csv", ["h1_um,h2_um,h3_um\n", &"0,0,0\n".repeat(64)].concat());
     let zero = ["roundness", "zero.csv", "--n=64", "--p=11", "--q=13", "--json", "--report=zero"];
-    close(&document(&directory, &zero)["mzc_um"], 0.0, 0.0);
-    let (text, _) = read_page(&fs::read_to_string(directory.path().join("zero/roundness.html")).unwrap());
+    close(&directory.json(&zero)["mzc_um"], 0.0, 0.0);
+    let (text, _) = read_page(&directory.read("zero/roundness.html"));
     assert!(text.contains("no development"));
 
     // A limit far above all gains would flatten them: it is told, not drawn, and in no legend.
     let far =
         ["roundness", "zero.csv", "--n=64", "--p=11", "--q=13", "--noise-gain-limit=1e6", "--report=far", "-o=f.csv"];
-    good(&directory, &far);
-    let page = fs::read_to_string(directory.path().join("far/roundness.html")).unwrap();
+    directory.good(&far);
+    let page = directory.read("far/roundness.html");
     assert!(page.contains("limit 1000000, outside the figure.") && !page.contains("/></svg>limit</span>"));
 }
 
 #[test]
 fn the_report_of_points_shows_them_with_their_circles() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = Folder::new(TRUEAXIS);
     let points = |count: i32, share: f64| {
         let mut text = String::from("x_mm,y_mm\n");
         for i in 0..count {
@@ -382,12 +358,12 @@ fn the_report_of_points_shows_them_with_their_circles() {
             let radius = 20.0 + 3e-3 * (3.0 * theta).cos();
             writeln!(text, "{},{}", 100.0 + radius * theta.cos(), -50.0 + radius * theta.sin()).unwrap();
         }
-        fs::write(directory.path().join("points.csv"), text).unwrap();
+        directory.write("points.csv", text);
     };
     points(72, 1.0);
-    let json = document(&directory, &["circle", "points.csv", "--json", "--report=out"]);
+    let json = directory.json(&["circle", "points.csv", "--json", "--report=out"]);
     close(&json["mzc"]["zone_um"], 6.0, 1e-6);
-    let page = fs::read_to_string(directory.path().join("out/circle.html")).unwrap();
+    let page = directory.read("out/circle.html");
     let (text, _) = read_page(&page);
     // 3 µm to either side: 21 mm on the page hold 5 mm/µm.
     for part in ["LSC, zone 6.00", "MZC", "MCC", "MIC", "Magnification 5000 : 1", "division is 2 µm", "points.csv"] {
@@ -395,9 +371,9 @@ fn the_report_of_points_shows_them_with_their_circles() {
     }
     // A part arc has no inscribed circle.
     points(40, 0.3);
-    let json = document(&directory, &["circle", "points.csv", "--json", "--report=out"]);
+    let json = directory.json(&["circle", "points.csv", "--json", "--report=out"]);
     assert_eq!(json["mic"], Value::Null);
-    let (text, _) = read_page(&fs::read_to_string(directory.path().join("out/circle.html")).unwrap());
+    let (text, _) = read_page(&directory.read("out/circle.html"));
     assert!(text.contains("MCC, zone") && !text.contains("MIC, zone"));
     assert!(text.contains(&format!("none: {}", json["refused"]["mic"].as_str().unwrap())), "{text}");
 }

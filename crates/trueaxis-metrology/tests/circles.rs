@@ -6,30 +6,16 @@ use std::f64::consts::{PI, TAU};
 use trueaxis_metrology::circles::{
     NoCircle, ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
 };
+use trueaxis_testing::noise::Noise;
 
 type P = [f64; 2];
 type Circle = fn(&[P]) -> Result<ReferenceCircle, NoCircle>;
 
-/// A generator with a seed, so that a failing set can be made again.
-struct Random(u64);
-
-impl Random {
-    /// Even in 0..1.
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn range(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-}
-
 /// Three to twelve points: near-round, lobed, ellipses, part arcs, clouds, and grids full of ties.
 fn set(seed: u64) -> Vec<P> {
-    let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+    let mut random = Noise::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     let n = 3 + (random.unit() * 10.0) as usize;
-    let around = |random: &mut Random, turn: f64, radius: &dyn Fn(f64, f64) -> f64| -> Vec<P> {
+    let around = |random: &mut Noise, turn: f64, radius: &dyn Fn(f64, f64) -> f64| -> Vec<P> {
         (0..n)
             .map(|i| {
                 let angle = turn * (i as f64 + 0.6 * random.unit()) / n as f64;
@@ -207,7 +193,7 @@ fn no_centre_of_any_two_pairs_or_three_points_is_better() {
 #[test]
 fn outliers_are_answered_exactly_too() {
     for seed in 0..600 {
-        let mut random = Random(seed + 9);
+        let mut random = Noise::new(seed + 9);
         let mut points: Vec<P> = (0..11)
             .map(|i| (TAU * (f64::from(i) + 0.5 * random.unit()) / 11.0, 10.0 + 0.1 * random.range(-1.0, 1.0)))
             .map(|(a, r)| [r * a.cos(), r * a.sin()])
@@ -244,7 +230,7 @@ fn outliers_are_answered_exactly_too() {
 #[test]
 fn thousands_of_points_with_an_outlier() {
     for decade in 3..=9 {
-        let mut random = Random(decade);
+        let mut random = Noise::new(decade);
         let mut points: Vec<P> = (0..4000)
             .map(|i| (TAU * f64::from(i) / 4000.0, 10.0 + 1e-3 * random.range(-1.0, 1.0)))
             .map(|(a, r)| [r * a.cos(), r * a.sin()])
@@ -266,7 +252,7 @@ fn thousands_of_points_with_an_outlier() {
 #[test]
 fn no_point_is_outside_and_none_inside() {
     for seed in 0..300 {
-        let mut random = Random(seed + 77);
+        let mut random = Noise::new(seed + 77);
         let n = 20 + (random.unit() * 500.0) as usize;
         let noise = 10f64.powf(random.range(-8.0, -0.5));
         let place = [random.range(-600.0, 600.0), random.range(-600.0, 600.0)];
@@ -298,7 +284,7 @@ fn no_point_is_outside_and_none_inside() {
 fn turning_moving_and_scaling_change_nothing() {
     for seed in 0..400 {
         let points = set(8 * seed + seed % 5);
-        let mut random = Random(seed + 5);
+        let mut random = Noise::new(seed + 5);
         let (angle, scale) = (random.range(0.0, TAU), 10f64.powf(random.range(-3.0, 3.0)));
         let place = [random.range(-9.0, 9.0) * scale, random.range(-9.0, 9.0) * scale];
         let moved = |p: &P| {

@@ -3,18 +3,9 @@
 
 use std::f64::consts::TAU;
 use trueaxis_metrology::circles::{NoCircle, ReferenceCircle, limacon};
+use trueaxis_testing::noise::Noise;
 
 type Circle = fn(&[f64], &[f64]) -> Result<ReferenceCircle, NoCircle>;
-
-struct Random(u64);
-
-impl Random {
-    /// Even in −1..1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
 
 fn residuals<'a>(theta: &'a [f64], r: &'a [f64], c: [f64; 2]) -> impl Iterator<Item = f64> + 'a {
     theta.iter().zip(r).map(move |(t, r)| r - c[0] * t.cos() - c[1] * t.sin())
@@ -47,12 +38,13 @@ fn enumerate(theta: &[f64], r: &[f64]) -> [f64; 3] {
 #[test]
 fn no_level_readings_give_a_better_circle() {
     for seed in 0..2_000 {
-        let mut random = Random(seed);
+        let mut random = Noise::new(seed);
         let n = 5 + (seed % 8) as usize;
         // Never half a turn open; readings on a coarse grid in every third set, so that many are level.
-        let theta: Vec<f64> = (0..n).map(|i| TAU * (i as f64 + 0.45 * random.next()) / n as f64).collect();
-        let r: Vec<f64> =
-            (0..n).map(|_| if seed % 3 == 0 { (3.0 * random.next()).round() } else { 40.0 + random.next() }).collect();
+        let theta: Vec<f64> = (0..n).map(|i| TAU * (i as f64 + 0.45 * random.signed()) / n as f64).collect();
+        let r: Vec<f64> = (0..n)
+            .map(|_| if seed % 3 == 0 { (3.0 * random.signed()).round() } else { 40.0 + random.signed() })
+            .collect();
         let [zone, outer, inner] = enumerate(&theta, &r);
         let found = |circle: Circle| circle(&theta, &r).unwrap();
         let [mzc, mcc, mic] =
@@ -122,8 +114,8 @@ fn readings_of_half_a_turn_have_a_zone_only() {
 
 #[test]
 fn large_profiles_are_quick_enough_to_search() {
-    let mut random = Random(3);
-    let profile: Vec<f64> = (0..100_000).map(|_| random.next()).collect();
+    let mut random = Noise::new(3);
+    let profile: Vec<f64> = (0..100_000).map(|_| random.signed()).collect();
     let zone = limacon::minimum_zone(&profile).unwrap();
     let fit = limacon::least_squares(&profile).unwrap();
     assert!(zone.zone <= fit.zone && zone.zone > 1.99, "{zone:?}");

@@ -1,11 +1,9 @@
 //! Import and export: published examples, golden files, round trips, refusals.
 
 mod golden_file;
-mod random;
 mod small_machine;
 
 use golden_file::golden;
-use random::random;
 use small_machine::machine;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -15,6 +13,7 @@ use trueaxis_tables::error::FileError;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
 use trueaxis_tables::formats::{ExportOptions, Exported, Format, Imported, Loss, export, import};
 use trueaxis_tables::{Machine, Table};
+use trueaxis_testing::noise::Noise;
 
 const TYPE_0: Format = Format::LinuxCnc(CompFileType::Positions);
 const TYPE_1: Format = Format::LinuxCnc(CompFileType::Trims);
@@ -288,14 +287,14 @@ fn losses_are_refused_and_named() {
 #[test]
 fn round_trips() {
     for seed in 0..50 {
-        let mut next = random(seed);
+        let mut noise = Noise::new(seed);
         let mut machine = machine();
         for (settings, table) in machine.settings.axes.iter().zip(machine.tables.iter_mut()) {
             let Some(table) = table else { continue };
             let last = table.rows.len() - 1;
             for row in &mut table.rows {
-                row.forward = std::array::from_fn(|k| next() * if k < 3 { 0.05 } else { 2e-4 });
-                row.reverse = std::array::from_fn(|k| next() * if k < 3 { 0.05 } else { 2e-4 });
+                row.forward = std::array::from_fn(|k| noise.signed() * if k < 3 { 0.05 } else { 2e-4 });
+                row.reverse = std::array::from_fn(|k| noise.signed() * if k < 3 { 0.05 } else { 2e-4 });
             }
             if settings.axis == Axis::C {
                 (table.rows[last].forward, table.rows[last].reverse) = (table.rows[0].forward, table.rows[0].reverse);

@@ -1,8 +1,5 @@
 //! Five axes through the formats of other controls: what comes back is the same machine, or its loss is named.
 
-mod random;
-
-use random::random;
 use std::fs;
 use std::path::Path;
 use trueaxis::machine::{AXES, Axis, Interpolation};
@@ -10,6 +7,7 @@ use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
 use trueaxis_tables::formats::{ExportOptions, Format, Imported, Loss, export, import};
 use trueaxis_tables::{Machine, Table};
+use trueaxis_testing::noise::Noise;
 
 const TYPE_0: Format = Format::LinuxCnc(CompFileType::Positions);
 
@@ -38,14 +36,14 @@ fn there_and_back(machine: &Machine) -> (Machine, Vec<String>) {
 
 /// Nothing that depends on the direction of travel or the temperature, and no value that the written digits hold exactly.
 fn one_way(machine: &mut Machine, seed: u64) {
-    let mut next = random(seed);
+    let mut noise = Noise::new(seed);
     for (settings, table) in machine.settings.axes.iter_mut().zip(&mut machine.tables) {
         settings.backlash = 0.0;
         settings.thermal = Default::default();
         let table = table.as_mut().unwrap();
         table.bidirectional = false;
         for row in &mut table.rows {
-            row.forward = std::array::from_fn(|k| row.forward[k] + next() * if k < 3 { 1e-3 } else { 1e-6 });
+            row.forward = std::array::from_fn(|k| row.forward[k] + noise.signed() * if k < 3 { 1e-3 } else { 1e-6 });
             row.reverse = row.forward;
         }
         let (first, last) = (table.rows[0], table.rows.len() - 1);
@@ -58,12 +56,12 @@ fn one_way(machine: &mut Machine, seed: u64) {
 /// Largest difference of the tip errors at random poses within the travels, mm.
 fn apart(one: &Machine, other: &Machine, reverse: f64) -> f64 {
     let (a, b) = (Geometry::new(one, 0.0).unwrap(), Geometry::new(other, 0.0).unwrap());
-    let mut next = random(99);
+    let mut noise = Noise::new(99);
     let poses = (0..2000).map(|_| {
         let mut q = [0.0; AXES];
         for (q, axis) in q.iter_mut().zip(&one.settings.axes) {
             let [low, high] = axis.travel.map(|end| end.clamp(-720.0, 1000.0));
-            *q = 0.5 * (low + high) + 0.5 * (high - low) * next();
+            *q = 0.5 * (low + high) + 0.5 * (high - low) * noise.signed();
         }
         let (a, b) = (a.tip_error(&q, &[reverse; AXES]), b.tip_error(&q, &[0.0; AXES]));
         (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()

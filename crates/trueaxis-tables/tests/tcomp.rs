@@ -1,10 +1,8 @@
 //! The compiled file: its bytes as documented, and whatever is not exactly such a file refused.
 
-mod random;
 mod small_machine;
 
 use proptest::prelude::*;
-use random::random;
 use std::path::Path;
 use trueaxis::check::{self, TableRule};
 use trueaxis::error::{ConfigError, Field};
@@ -13,6 +11,7 @@ use trueaxis::machine::{Axis, CompensationSettings, ErrorModel, KinematicsSettin
 use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
 use trueaxis::tcomp::{Tcomp, TcompError, checksum, machine_id};
 use trueaxis_tables::{Machine, Warning, check, compile, summary};
+use trueaxis_testing::noise::Noise;
 
 /// CRC-32 bit by bit, as the polynomial is defined (reflected 0x04C11DB7).
 fn crc32(bytes: &[u8]) -> u32 {
@@ -341,14 +340,14 @@ fn codes_and_texts() {
 /// Random errors in a machine with every kind of table go through the file bit for bit.
 #[test]
 fn numbers_pass_bit_for_bit() {
-    let mut next = random(3);
+    let mut noise = Noise::new(3);
     for _ in 0..200 {
         let mut machine = small_machine::machine();
         machine.settings.axes[0].hysteresis = 0.1;
         for row in &mut machine.tables[0].as_mut().unwrap().rows {
             for component in [0, 1, 5] {
-                row.forward[component] = next() * 1e-2;
-                row.reverse[component] = next() * 1e-2;
+                row.forward[component] = noise.signed() * 1e-2;
+                row.reverse[component] = noise.signed() * 1e-2;
             }
         }
         let bytes = compile(&machine).unwrap();

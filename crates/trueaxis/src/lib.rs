@@ -33,6 +33,9 @@
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;
+// For the files of `testing`, which `trueaxis-testing` compiles too.
+#[cfg(test)]
+extern crate self as trueaxis;
 
 mod axis;
 pub mod check;
@@ -52,6 +55,9 @@ pub mod sample;
 mod step;
 pub mod tcomp;
 pub mod telemetry;
+#[cfg(test)]
+#[allow(dead_code, unreachable_pub)] // Public, and in use, in `trueaxis-testing`.
+mod testing;
 mod vector;
 
 pub use glam;

@@ -4,42 +4,21 @@ use proptest::prelude::*;
 use trueaxis::contour::{Method, Path, Reference};
 use trueaxis::machine::{Axis, AxisSettings, Interpolation, MachineSettings, Row};
 use trueaxis::{Config, Input, Output, ServoLoop, State};
+use trueaxis_testing::machine::{Machine, rows_both_ways};
 
 const PERIOD_NS: u32 = 100_000;
-const AXES: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 
 fn settings() -> MachineSettings {
-    let axes = AXES.into_iter().map(|axis| AxisSettings {
-        travel: [-500.0, 500.0],
-        joint: [-501.0, 501.0],
-        interpolation: Interpolation::Cubic,
-        ..AxisSettings::with_defaults(axis, false)
-    });
-    MachineSettings {
-        roundness: None,
-        name: "direction".parse().unwrap(),
-        chain: "w b X Y Z t".parse().unwrap(),
-        tool_mm: [0.0; 3],
-        reference_temperature_c: 20.0,
-        location: Default::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes: axes.collect(),
-    }
+    let machine = Machine::three_axis().travel([-500.0, 500.0], 1.0);
+    machine.each(|axis| axis.interpolation = Interpolation::Cubic).settings()
 }
 
 /// A table over the travel, every 10 mm.
 fn table(error: impl Fn(f64, bool) -> [f64; 3]) -> Vec<Row> {
-    let twist = |q, reverse| {
+    rows_both_ways((-50..=50).map(|i| 10.0 * f64::from(i)), |q, reverse| {
         let [x, y, z] = error(q, reverse);
         [x, y, z, 0.0, 0.0, 0.0]
-    };
-    let positions = (-50..=50).map(|i| 10.0 * f64::from(i));
-    positions
-        .map(|position| Row { position, forward: twist(position, false), reverse: twist(position, true) })
-        .collect()
+    })
 }
 
 /// Built with memory that the test leaks.

@@ -7,10 +7,7 @@ pub(crate) mod rust;
 
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;
-use trueaxis::machine::{
-    Axis, AxisSettings, CompensationSettings, ContourSettings, FaultSettings, KinematicsSettings, LocationErrors,
-    MachineSettings, Row,
-};
+use trueaxis::machine::Row;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_capi::*;
 use trueaxis_tables::{Machine, Table, compile};
@@ -28,47 +25,29 @@ pub(crate) fn mill() -> &'static [u8] {
 
 /// `w X' Y' b Z t`, 0 to 20 µm along X in a table of two lines: the least that can be checked and corrected.
 pub(crate) fn small() -> Machine {
-    small_of("w X' Y' b Z t", &[Axis::X, Axis::Y, Axis::Z])
+    small_of("w X' Y' b Z t")
 }
 
 /// The same with a table that turns and tilts.
 pub(crate) fn small_five() -> Machine {
-    small_of("w C' A' X' Y' b Z t", &[Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C])
+    small_of("w C' A' X' Y' b Z t")
 }
 
-fn small_of(chain: &str, axes: &[Axis]) -> Machine {
-    let row = |position: f64, error: f64| {
+fn small_of(chain: &str) -> Machine {
+    let row = |(position, error)| {
         let errors = [error, 0.0, 0.0, 0.0, 0.0, 0.0];
         Row { position, forward: errors, reverse: errors }
     };
     let table = Table {
         given: [true, false, false, false, false, false],
         bidirectional: false,
-        rows: vec![row(-400.0, 0.0), row(400.0, 0.02)],
+        rows: [(-400.0, 0.0), (400.0, 0.02)].map(row).to_vec(),
     };
-    let settings = axes.iter().map(|axis| AxisSettings {
-        travel: [-400.0, 400.0],
-        joint: [-401.0, 401.0],
-        ..AxisSettings::with_defaults(*axis, *axis != Axis::Z)
-    });
-    let mut tables = vec![None; axes.len()];
+    let machine = trueaxis_testing::machine::Machine::new(chain).name("small");
+    let settings = machine.travel([-400.0, 400.0], 1.0).settings();
+    let mut tables = vec![None; settings.axes.len()];
     tables[0] = Some(table);
-    Machine {
-        settings: MachineSettings {
-            name: "small".try_into().unwrap(),
-            chain: chain.try_into().unwrap(),
-            tool_mm: [0.0; 3],
-            reference_temperature_c: 20.0,
-            location: LocationErrors::default(),
-            faults: FaultSettings::default(),
-            contour: ContourSettings::default(),
-            compensation: CompensationSettings::default(),
-            kinematics: KinematicsSettings::default(),
-            axes: settings.collect(),
-            roundness: None,
-        },
-        tables,
-    }
+    Machine { settings, tables }
 }
 
 /// A sample machine of `compensation-tables`, compiled.

@@ -3,18 +3,9 @@
 use super::*;
 use core::f64::consts::TAU;
 use trueaxis::roundness::{Arm, ProbeAngles};
+use trueaxis_testing::noise::Noise;
 
 const BAND: Band = Band { first: 2, last: 100 };
-
-/// Reproducible numbers in −1..1 (Knuth's MMIX generator).
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
 
 struct Truth {
     /// Amplitude and phase of harmonics 2, 3, ….
@@ -26,11 +17,11 @@ struct Truth {
 impl Truth {
     /// Several µm of every harmonic up to the band's last; motion with 50 µm once per revolution, others and noise.
     fn new(points: usize, seed: u64) -> Truth {
-        let mut noise = Noise(seed);
-        let harmonics = BAND.iter().map(|_| [3.0 + 2.0 * noise.next(), TAU * noise.next()]).collect();
+        let mut noise = Noise::new(seed);
+        let harmonics = BAND.iter().map(|_| [3.0 + 2.0 * noise.signed(), TAU * noise.signed()]).collect();
         let mut motion = |phase: f64| {
             let wave = |i: usize, k: f64| (TAU * k * i as f64 / points as f64 + phase).cos();
-            (0..points).map(|i| 7.0 + 50.0 * wave(i, 1.0) + 4.0 * wave(i, 2.3) + 0.5 * noise.next()).collect()
+            (0..points).map(|i| 7.0 + 50.0 * wave(i, 1.0) + 4.0 * wave(i, 2.3) + 0.5 * noise.signed()).collect()
         };
         let (x, y) = (motion(0.4), motion(2.0));
         Truth { harmonics, x, y }
@@ -218,10 +209,10 @@ fn noise_grows_by_the_noise_gain() {
     let band = Band { first: 2, last: 40 };
     let gain = degrees(90.0, 181.05).resolve(points).unwrap();
     let separator = Separator::new(gain, band, NOISE_GAIN_LIMIT, 0.1).unwrap();
-    let mut noise = Noise(11);
+    let mut noise = Noise::new(11);
     let mut squares = std::vec![0.0; band.iter().count()];
     for _ in 0..revolutions {
-        let probes = [(); 3].map(|()| (0..points).map(|_| noise.next()).collect::<Vec<f64>>());
+        let probes = [(); 3].map(|()| (0..points).map(|_| noise.signed()).collect::<Vec<f64>>());
         let found = separator.separate([&probes[0], &probes[1], &probes[2]]).unwrap();
         for (square, harmonic) in squares.iter_mut().zip(separator.harmonics(&found.profile).unwrap()) {
             *square += harmonic.amplitude * harmonic.amplitude / f64::from(revolutions);

@@ -1,30 +1,7 @@
 //! A machine small enough to be worked out by hand.
 
-use trueaxis::machine::{
-    Axis, AxisSettings, ContourSettings, FaultSettings, Interpolation, Limits, LocationErrors, Lookup, MachineSettings,
-    Row, ThermalGrowth,
-};
+use trueaxis::machine::{Axis, Limits, LocationErrors, Row};
 use trueaxis_tables::{Machine, Table};
-
-fn axis(axis: Axis) -> AxisSettings {
-    AxisSettings {
-        axis,
-        interpolation: Interpolation::Linear,
-        lookup: Lookup::Command,
-        cross_lookup: Lookup::Command,
-        direction: if axis == Axis::C { -1 } else { 1 },
-        travel: [-500.0, 500.0],
-        joint: [-501.0, 501.0],
-        offset_mm: [0.0; 3],
-        measured_at_mm: [0.0; 3],
-        max_feed_per_s: 500.0,
-        backlash: 0.0,
-        hysteresis: 0.001,
-        encoder_resolution: None,
-        limits: Limits { magnitude: 0.1, slope_per_s: 1.0, acceleration_per_s2: 200.0 },
-        thermal: ThermalGrowth::default(),
-    }
-}
 
 /// `w C' X' b Z t`.
 /// X: 0, 50, 100 mm; EXX +10, −20, +1.5 µm forward, 1 µm more in reverse and 3 µm backlash; EYX 4 µm, ECX −7 µrad at 100.
@@ -47,39 +24,22 @@ pub(crate) fn machine() -> Machine {
         bidirectional: false,
         rows: vec![row(0.0, [0.0; 6], [0.0; 6]), row(180.0, half, half), row(360.0, [0.0; 6], [0.0; 6])],
     };
-    let mut axes = heapless::Vec::new();
-    for mut settings in [Axis::X, Axis::Z, Axis::C].map(axis) {
-        match settings.axis {
-            Axis::X => {
-                settings.backlash = 0.003;
-                settings.thermal.expansion_per_k = 11.5e-6;
-            }
-            Axis::Z => settings.backlash = 0.002,
-            _ => {}
-        }
-        axes.push(settings).unwrap();
-    }
-    let mut location = LocationErrors { b0z: 2e-5, c0y: -3.5e-5, ..LocationErrors::default() };
-    location.rotary[2] = [0.012, 0.0, 0.0, 0.0, -1.4e-5, 0.0];
-    Machine {
-        settings: MachineSettings {
-            roundness: None,
-            name: "small".parse().unwrap(),
-            chain: "w C' X' b Z t".parse().unwrap(),
-            tool_mm: [0.0; 3],
-            reference_temperature_c: 20.0,
-            location,
-            faults: FaultSettings {
-                resume: [0.05; 2],
-                command_jump_factor: 2.0,
-                feedback_jump: [0.02; 2],
-                stuck: [0.2; 2],
-            },
-            contour: ContourSettings { max_lag_mm: 1.0 },
-            compensation: Default::default(),
-            kinematics: Default::default(),
-            axes,
-        },
-        tables: vec![Some(x), None, Some(c)],
-    }
+    let limits = Limits { magnitude: 0.1, slope_per_s: 1.0, acceleration_per_s2: 200.0 };
+    let settings = trueaxis_testing::machine::Machine::new("w C' X' b Z t")
+        .name("small")
+        .travel([-500.0, 500.0], 1.0)
+        .hysteresis(0.001)
+        .limits(limits)
+        .each(|axis| axis.max_feed_per_s = 500.0)
+        .axis(Axis::X, |x| {
+            x.backlash = 0.003;
+            x.thermal.expansion_per_k = 11.5e-6;
+        })
+        .axis(Axis::Z, |z| z.backlash = 0.002)
+        .with(|machine| {
+            machine.location = LocationErrors { b0z: 2e-5, c0y: -3.5e-5, ..LocationErrors::default() };
+            machine.location.rotary[2] = [0.012, 0.0, 0.0, 0.0, -1.4e-5, 0.0];
+        })
+        .settings();
+    Machine { settings, tables: vec![Some(x), None, Some(c)] }
 }

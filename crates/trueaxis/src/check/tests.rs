@@ -2,6 +2,8 @@ use super::*;
 use crate::compensation::Query;
 use crate::machine::is_turned;
 use crate::machine::{CompensationSettings, ErrorModel, Interpolation, LocationErrors, Row};
+use crate::testing::machine::Machine;
+use crate::testing::noise::Noise;
 use std::{vec, vec::Vec};
 
 fn rows_of(points: &[(f64, [f64; 6])]) -> Vec<Row> {
@@ -14,24 +16,7 @@ fn column(component: usize, points: &[(f64, f64)]) -> Vec<Row> {
 }
 
 fn machine_of(chain: &str) -> MachineSettings {
-    let links = links(chain).unwrap();
-    let of = |axis: Axis| links.iter().find(|link| link.axis == axis);
-    MachineSettings {
-        roundness: None,
-        name: heapless::String::try_from("test").unwrap(),
-        chain: heapless::String::try_from(chain).unwrap(),
-        tool_mm: [0.0; 3],
-        reference_temperature_c: 20.0,
-        location: LocationErrors::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes: Axis::ALL
-            .into_iter()
-            .filter_map(|axis| of(axis).map(|link| AxisSettings::with_defaults(axis, link.carries_workpiece)))
-            .collect(),
-    }
+    Machine::new(chain).settings()
 }
 
 #[test]
@@ -249,18 +234,16 @@ fn the_range_of_the_error_holds_what_the_step_computes() {
         ) -> Vec<f64> {
             let memory = vec![0.0; requirement(machine, &find)].leak();
             let compensation = Compensation::<f64, f64, N>::build(machine, &find, 1, memory).unwrap();
-            let mut state = 1_u64;
-            let mut random = || {
-                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                (state >> 11) as f64 / (1_u64 << 53) as f64
-            };
+            let mut noise = Noise::new(1);
             let mut share = vec![0.0_f64; N];
             let ranges: Vec<_> =
                 machine.axes.iter().map(|drive| error_range(machine, &find, drive, drive.travel)).collect();
             for _ in 0..200_000 {
-                let q: [f64; N] = core::array::from_fn(|_| -100.0 + 250.0 * random());
+                let q: [f64; N] = core::array::from_fn(|_| -100.0 + 250.0 * noise.unit());
                 let reverse =
-                    core::array::from_fn(|_| if random() < 0.5 { Direction::POSITIVE } else { Direction::NEGATIVE });
+                    core::array::from_fn(
+                        |_| if noise.unit() < 0.5 { Direction::POSITIVE } else { Direction::NEGATIVE },
+                    );
                 let at = compensation.coordinates(&q);
                 let error = compensation.errors(&Query::at(&at, &reverse, &[ThermalLine::default(); N]), &mut 0);
                 for ((share, error), &(least, most)) in share.iter_mut().zip(error).zip(&ranges) {

@@ -2,6 +2,8 @@ use super::*;
 use crate::compensation::Query;
 use crate::machine::{AxisSettings, Interpolation, LocationErrors, Lookup, Row};
 use crate::position::Nanometres;
+use crate::testing::machine::{self, Machine};
+use crate::testing::noise::Noise;
 use std::{vec, vec::Vec};
 
 /// Lent memory that a test leaks: it needs no owner.
@@ -14,23 +16,12 @@ fn table<R: Real, P: Position>(settings: &AxisSettings, rows: &[Row]) -> AxisTab
     AxisTable::build(settings, rows, 1.0, &mut memory).unwrap()
 }
 
-fn noise(i: u64) -> f64 {
-    let mut z = (i + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (z ^ (z >> 31)) as f64 / u64::MAX as f64 - 0.5
-}
-
 fn rows(positions: &[f64]) -> Vec<Row> {
-    let error = |i: usize, k: u64| 0.05 * noise(i as u64 * 7 + k);
-    positions
-        .iter()
-        .enumerate()
-        .map(|(i, &position)| {
-            let forward = [error(i, 0), error(i, 1), error(i, 2), 1e-3 * error(i, 3), 0.0, 1e-3 * error(i, 4)];
-            Row { position, forward, reverse: forward }
-        })
-        .collect()
+    let mut noise = Noise::new(1);
+    machine::rows(positions.iter().copied(), |_| {
+        let ([x, y, z], [a, _, c]) = (noise.vector(0.025), noise.vector(25e-6));
+        [x, y, z, a, 0.0, c]
+    })
 }
 
 /// Textbook linear interpolation by linear search.
@@ -45,7 +36,8 @@ fn plain_linear(rows: &[Row], q: f64) -> [f64; 3] {
 #[test]
 fn linear_tables_agree_with_the_textbook_on_any_grid() {
     let equidistant: Vec<f64> = (0..128).map(|i| -300.0 + 5.0 * f64::from(i)).collect();
-    let mut free: Vec<f64> = (0..97).map(|i| -200.0 + 4.0 * f64::from(i) + noise(i as u64)).collect();
+    let mut noise = Noise::new(2);
+    let mut free: Vec<f64> = (0..97).map(|i| -200.0 + 4.0 * f64::from(i) + 0.5 * noise.signed()).collect();
     // As uneven as a grid can be: a nanometre beside a hundred millimetres, all in one bucket.
     let wild = vec![0.0, 1e-6, 2e-6, 1e-3, 0.5, 0.500001, 100.0, 100.000001, 700.0, 700.1];
     free.push(500.0);
@@ -192,29 +184,14 @@ fn backlash_and_reverse_columns_act_in_negative_travel_only() {
 fn dither_within_the_band_does_not_toggle_the_direction() {
     let mut reversal = Reversal::at(10.0_f64);
     assert_eq!(reversal.update(12.0, 1e-3), Direction::POSITIVE);
-    for i in 0..1000 {
-        assert_eq!(reversal.update(12.0 + 0.9e-3 * noise(i), 1e-3), Direction::POSITIVE);
+    let mut noise = Noise::new(3);
+    for _ in 0..1000 {
+        assert_eq!(reversal.update(12.0 + 0.45e-3 * noise.signed(), 1e-3), Direction::POSITIVE);
     }
     assert_eq!(reversal.update(11.99, 1e-3), Direction::NEGATIVE);
     assert_eq!(reversal.update(11.9905, 1e-3), Direction::NEGATIVE);
     assert_eq!(reversal.update(11.9, 1e-3), Direction::NEGATIVE);
     assert_eq!(reversal.update(11.902, 1e-3), Direction::POSITIVE);
-}
-
-fn machine(chain: &str, axes: &[AxisSettings]) -> MachineSettings {
-    MachineSettings {
-        roundness: None,
-        name: heapless::String::try_from("test").unwrap(),
-        chain: heapless::String::try_from(chain).unwrap(),
-        tool_mm: [0.0; 3],
-        reference_temperature_c: 20.0,
-        location: LocationErrors::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes: axes.iter().copied().collect(),
-    }
 }
 
 fn compensation<const N: usize>(
@@ -232,7 +209,7 @@ const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 #[test]
 fn nine_terms_add_up_and_squareness_tilts_the_travel() {
     let axes = LINEAR.map(|axis| AxisSettings::with_defaults(axis, false));
-    let mut machine = machine("w b X Y Z t", &axes);
+    let mut machine = Machine::three_axis().axes(&axes).settings();
     machine.location = LocationErrors { a0z: 30e-6, b0z: -20e-6, c0y: 50e-6, ..Default::default() };
     let grid: Vec<f64> = (0..9).map(|i| 50.0 * f64::from(i)).collect();
     let tables: Vec<_> = LINEAR.iter().map(|axis| (*axis, rows(&grid))).collect();
@@ -260,14 +237,15 @@ fn nine_terms_add_up_and_squareness_tilts_the_travel() {
 fn the_exact_inverse_lands_on_the_command() {
     let axes = LINEAR
         .map(|axis| AxisSettings { interpolation: Interpolation::Cubic, ..AxisSettings::with_defaults(axis, false) });
-    let machine = machine("w b X Y Z t", &axes);
+    let machine = Machine::three_axis().axes(&axes).settings();
     // Steep: 25 µm on 1 mm.
     let grid: Vec<f64> = (0..64).map(f64::from).collect();
     let tables: Vec<_> = LINEAR.iter().map(|axis| (*axis, rows(&grid))).collect();
     let compensation = compensation::<3>(&machine, &tables, 8);
     let thermal = [ThermalLine::new(0.01, 1e-4).unwrap(); 3];
-    for i in 0..5000 {
-        let q: [f64; 3] = core::array::from_fn(|k| 31.5 + 60.0 * noise(i * 3 + k as u64));
+    let mut noise = Noise::new(4);
+    for _ in 0..5000 {
+        let q = noise.vector(30.0).map(|q| 31.5 + q);
         let at = compensation.coordinates(&q);
         let r = compensation.correction(&Query::at(&at, &[Direction::POSITIVE; 3], &thermal), &mut 0);
         let there = compensation.coordinates(&[q[0] + r[0], q[1] + r[1], q[2] + r[2]]);
@@ -283,7 +261,7 @@ fn own_and_cross_terms_look_up_where_they_are_told() {
     let mut axes = LINEAR.map(|axis| AxisSettings::with_defaults(axis, false));
     axes[0].lookup = Lookup::Feedback;
     axes[1].cross_lookup = Lookup::Feedback;
-    let machine = machine("w b X Y Z t", &axes);
+    let machine = Machine::three_axis().axes(&axes).settings();
     let grid: Vec<f64> = (0..9).map(|i| 50.0 * f64::from(i)).collect();
     let tables: Vec<_> = LINEAR.iter().map(|axis| (*axis, rows(&grid))).collect();
     let compensation = compensation::<3>(&machine, &tables, 1);
@@ -311,12 +289,7 @@ fn own_and_cross_terms_look_up_where_they_are_told() {
 #[test]
 fn a_rotary_carrier_turns_the_translations_it_carries() {
     // C stands on A, A on the bed: at A = 90° (workpiece side, turns by −q) C's frame is turned by −90° about X.
-    let axes: Vec<_> = LINEAR
-        .iter()
-        .map(|axis| AxisSettings::with_defaults(*axis, false))
-        .chain([Axis::A, Axis::C].map(|axis| AxisSettings::with_defaults(axis, true)))
-        .collect();
-    let machine = machine("w C' A' b X Y Z t", &axes);
+    let machine = Machine::five_axis().settings();
     let flat = |error: [f64; 6]| [0.0, 360.0].map(|position| Row { position, forward: error, reverse: error }).to_vec();
     let tables = vec![(Axis::C, flat([0.001, 0.002, 0.003, 0.0, 0.0, 1e-5]))];
     let compensation = compensation::<5>(&machine, &tables, 1);

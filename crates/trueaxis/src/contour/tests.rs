@@ -1,6 +1,7 @@
 use super::kernel::foot;
 use super::*;
 use crate::position::{Nanometres, Position};
+use crate::testing::noise::Noise;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::{vec, vec::Vec};
@@ -16,20 +17,6 @@ fn add(a: V, b: V) -> V {
 }
 fn norm(a: V) -> f64 {
     a.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-struct Random(u64);
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn signed(&mut self) -> f64 {
-        2.0 * self.next() - 1.0
-    }
 }
 
 fn spans<R: Real, P: Position>(segments: &[Segment<'_>]) -> Vec<Span<R, P>> {
@@ -91,20 +78,20 @@ impl Spline {
         Spline { degree: 3, knots, points, weights }
     }
 
-    fn random(random: &mut Random, degree: usize, rational: bool) -> Spline {
-        let count = degree + 3 + (random.next() * 6.0) as usize;
+    fn random(random: &mut Noise, degree: usize, rational: bool) -> Spline {
+        let count = degree + 3 + (random.unit() * 6.0) as usize;
         let inner = count - degree;
         let mut knots = vec![0.0; degree + 1];
         let mut u = 0.0;
         for _ in 1..inner {
-            u += 0.2 + random.next();
+            u += 0.2 + random.unit();
             knots.push(u);
         }
         knots.extend(vec![u + 0.5; degree + 1]);
         let points = (0..count)
             .map(|i| DVec3::new(9.0 * i as f64 + 6.0 * random.signed(), 12.0 * random.signed(), 5.0 * random.signed()))
             .collect();
-        let weights = (0..count).map(|_| if rational { 0.5 + 2.0 * random.next() } else { 1.0 }).collect();
+        let weights = (0..count).map(|_| if rational { 0.5 + 2.0 * random.unit() } else { 1.0 }).collect();
         Spline { degree, knots, points, weights }
     }
 
@@ -127,7 +114,7 @@ fn point<R: Real>(span: &Span<R, f64>, t: f64) -> V {
 
 #[test]
 fn splines_of_every_degree_agree_with_de_boor_and_keep_their_bounds() {
-    let mut random = Random(11);
+    let mut random = Noise::new(11);
     for round in 0..120 {
         let spline =
             if round == 0 { Spline::butterfly() } else { Spline::random(&mut random, 1 + round % 5, round % 2 == 0) };
@@ -158,7 +145,7 @@ fn the_butterfly_has_its_published_length() {
 
 #[test]
 fn arcs_and_helices_are_exact_in_any_plane() {
-    let mut random = Random(3);
+    let mut random = Noise::new(3);
     for round in 0..300 {
         let n = [random.signed(), random.signed(), random.signed()];
         let n = n.map(|x| x / norm(n));
@@ -167,8 +154,8 @@ fn arcs_and_helices_are_exact_in_any_plane() {
         let e1 = cross(n, side);
         let e1 = e1.map(|x| x / norm(e1));
         let e2 = cross(n, e1);
-        let radius = 10f64.powf(-1.5 + 4.0 * random.next());
-        let angle = 0.05 + 6.2 * random.next();
+        let radius = 10f64.powf(-1.5 + 4.0 * random.unit());
+        let angle = 0.05 + 6.2 * random.unit();
         let turns = if round % 3 == 0 { 2 } else { 0 };
         let rise = if round % 2 == 0 { 0.0 } else { 20.0 * random.signed() };
         let center = [100.0 * random.signed(), 50.0, -30.0];
@@ -245,7 +232,7 @@ fn segments_that_are_no_path_are_refused() {
 /// Wherever the kernel trusts itself, its distance is right to 1e-6 nm; held against bisection of the same span.
 #[test]
 fn the_kernel_is_exact_wherever_it_trusts_itself() {
-    let mut random = Random(5);
+    let mut random = Noise::new(5);
     let (mut trusted, mut all_queries, mut worst) = (0, 0, 0.0_f64);
     let mut singles = Vec::new();
     for round in 0..60 {
@@ -255,7 +242,7 @@ fn the_kernel_is_exact_wherever_it_trusts_itself() {
         let single = spans::<f32, Nanometres>(&[spline.segment()]);
         for (span, small) in double.iter().zip(&single) {
             for _ in 0..30 {
-                let t = 0.05 + 0.9 * random.next();
+                let t = 0.05 + 0.9 * random.unit();
                 let e = kernel::evaluate(span, &[0.0; 3], t);
                 let speed = e.straight.sqrt();
                 // 10 µm beside the path, started 5 to 20 µm along it.
@@ -538,21 +525,21 @@ fn a_maximum_is_never_taken() {
 
 #[test]
 fn offline_search_agrees_with_brute_force_on_random_splines_by_both_methods() {
-    let mut random = Random(21);
+    let mut random = Noise::new(21);
     for round in 0..40 {
         let spline =
             if round == 0 { Spline::butterfly() } else { Spline::random(&mut random, 1 + round % 5, round % 3 != 0) };
         let all = spans::<f64, f64>(&[spline.segment()]);
         let path = Path::new(&all, 0, false);
         for _ in 0..60 {
-            let number = (random.next() * all.len() as f64) as u32;
-            let t = random.next();
+            let number = (random.unit() * all.len() as f64) as u32;
+            let t = random.unit();
             let p = add(
                 all[number as usize].position(t),
                 [random.signed(), random.signed(), random.signed()].map(|x| 0.02 * x),
             );
             // The reference is up to 0.1 mm ahead.
-            let reference = search::advance(&path, Reference { span: number, t }, 0.1 * random.next());
+            let reference = search::advance(&path, Reference { span: number, t }, 0.1 * random.unit());
             let truth = brute(&all, number, p);
             let guarded = search(Method::Guarded).nearest(&path, reference, p);
             let plain = search(Method::Bisection).nearest(&path, reference, p);
@@ -587,14 +574,14 @@ fn a_million_queries_stay_within_eight_evaluations() {
     let all = spans::<f64, f64>(&[Spline::butterfly().segment()]);
     let path = Path::new(&all, 0, false);
     let search = search(Method::Guarded);
-    let mut random = Random(99);
+    let mut random = Noise::new(99);
     let mut state = ContourState::default();
     let mut reference = Reference { span: 0, t: 0.0 };
     let (mut most, mut lost) = (0, 0);
     let mut feed = 1e-3;
     for n in 0..1_000_000 {
         if n % 500 == 0 {
-            feed = 5e-3 * random.next();
+            feed = 5e-3 * random.unit();
         }
         let before = reference;
         reference = search::advance(&path, reference, feed);
@@ -623,15 +610,15 @@ fn short_pieces_at_high_feed_leave_the_search_warm() {
     let (search, shortest) = (search(Method::Guarded), all.iter().map(Span::length).fold(f64::MAX, f64::min));
     assert!(shortest < 0.035, "{shortest}");
     let (mut cold, mut wrong, mut open, mut cycles, mut most) = (0, 0, 0, 0, 0);
-    let mut random = Random(5);
+    let mut random = Noise::new(5);
     for round in 0..60 {
         let (feed, lag, height) = match round {
             0 => (0.038, 0.0, 0.0),
-            _ => (0.030 + 0.02 * random.next(), 0.03 * random.next(), 0.02 * random.next()),
+            _ => (0.030 + 0.02 * random.unit(), 0.03 * random.unit(), 0.02 * random.unit()),
         };
-        let phase = [random.next(), random.next(), random.next()].map(|x| 40.0 * x);
+        let phase = [random.unit(), random.unit(), random.unit()].map(|x| 40.0 * x);
         let mut state = ContourState::default();
-        let mut reference = search::advance(&path, Reference { span: 0, t: 0.0 }, 0.5 + feed * random.next());
+        let mut reference = search::advance(&path, Reference { span: 0, t: 0.0 }, 0.5 + feed * random.unit());
         // Standing, until the search is warm.
         for _ in 0..100 {
             search.update(&mut state, &path, reference, all[reference.span as usize].position(reference.t));

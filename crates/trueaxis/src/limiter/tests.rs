@@ -1,22 +1,11 @@
 #![allow(clippy::indexing_slicing)]
 
 use super::*;
+use crate::testing::noise::Noise;
 use proptest::prelude::*;
 
 const T: f64 = 1e-4;
 const LIMITS: Limits = Limits { magnitude: 0.1, slope_per_s: 1.0, acceleration_per_s2: 200.0 };
-
-/// Splitmix64: a seeded stream without a dependency.
-struct Random(u64);
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 /// Holds every cycle against the three limits.
 struct Checker {
@@ -84,30 +73,30 @@ fn locks_on_to_a_moving_sine_without_overshoot_and_then_passes_it_bit_for_bit() 
 #[test]
 fn never_exceeds_a_limit_and_always_settles() {
     fn run<R: Real>(seed: u64, cycles: u32, relative: f64) {
-        let mut random = Random(seed);
+        let mut random = Noise::new(seed);
         let mut done = 0;
         while done < cycles {
             let limits = Limits {
-                magnitude: 0.005 + 0.2 * random.next(),
-                slope_per_s: 10f64.powf(-1.0 + 1.5 * random.next()),
-                acceleration_per_s2: 10f64.powf(1.7 + 1.5 * random.next()),
+                magnitude: 0.005 + 0.2 * random.unit(),
+                slope_per_s: 10f64.powf(-1.0 + 1.5 * random.unit()),
+                acceleration_per_s2: 10f64.powf(1.7 + 1.5 * random.unit()),
             };
             let limiter = Limiter::<R>::new(&limits, T).unwrap();
             let mut state = LimiterState::<R>::default();
             let mut check = Checker::new();
             for _ in 0..12 {
                 let (level, size) =
-                    (1.2 * limits.magnitude * (2.0 * random.next() - 1.0), limits.magnitude * random.next());
-                let (kind, rate) = ((random.next() * 6.0) as u32, 200.0 * random.next());
-                let length = 200 + (random.next() * 4000.0) as u32;
+                    (1.2 * limits.magnitude * (2.0 * random.unit() - 1.0), limits.magnitude * random.unit());
+                let (kind, rate) = ((random.unit() * 6.0) as u32, 200.0 * random.unit());
+                let length = 200 + (random.unit() * 4000.0) as u32;
                 for n in 0..length {
                     let time = f64::from(n) * T;
                     let wanted = match kind {
                         0 => level,
                         1 => level + size * (rate * time).sin(),
                         2 => level * time * rate,
-                        3 => level + 1e-3 * size * random.next(),
-                        4 => 2.0 * limits.magnitude * (2.0 * random.next() - 1.0),
+                        3 => level + 1e-3 * size * random.unit(),
+                        4 => 2.0 * limits.magnitude * (2.0 * random.unit() - 1.0),
                         _ => 0.0,
                     };
                     if kind == 5 && n < length / 2 {

@@ -9,7 +9,6 @@ mod transitions;
 mod window;
 
 use super::*;
-use crate::axis::Axis;
 use crate::compensation::Direction;
 use crate::compensation::Query;
 use crate::contour::{Method, Path, Reference};
@@ -17,12 +16,12 @@ use crate::exchange::Exchange;
 use crate::machine::MachineSettings;
 use crate::machine::{AxisSettings, Interpolation, Row};
 use crate::sample::Refusal;
+use crate::testing::machine::Machine;
 use proptest::prelude::*;
 use std::{boxed::Box, vec, vec::Vec};
 
 pub(super) const PERIOD_NS: u32 = 100_000;
 const T: f64 = 1e-4;
-const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 pub(super) type Loop = ServoLoop<'static, f64, f64, 3>;
 type Out = Output<f64, f64, 3>;
 
@@ -59,30 +58,8 @@ pub(super) fn servo_loop_with<R: Real, P: Position>(
 
 /// Three linear axes, without their tables.
 fn machine(change: impl Fn(&mut AxisSettings)) -> MachineSettings {
-    let mut machine = MachineSettings {
-        roundness: None,
-        name: heapless::String::try_from("bench").unwrap(),
-        chain: heapless::String::try_from("w b X Y Z t").unwrap(),
-        tool_mm: [0.0; 3],
-        reference_temperature_c: 20.0,
-        location: Default::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes: heapless::Vec::new(),
-    };
-    for axis in LINEAR {
-        let mut settings = AxisSettings {
-            travel: [-10.0, 110.0],
-            joint: [-10.1, 110.1],
-            interpolation: Interpolation::Cubic,
-            ..AxisSettings::with_defaults(axis, false)
-        };
-        change(&mut settings);
-        machine.axes.push(settings).unwrap();
-    }
-    machine
+    let machine = Machine::three_axis().travel([-10.0, 110.0], 0.1);
+    machine.each(|axis| axis.interpolation = Interpolation::Cubic).each(change).settings()
 }
 
 pub(super) fn input(command: [f64; 3]) -> Input<f64, 3> {

@@ -23,15 +23,15 @@ const CHAINS: [&str; 16] = [
 
 #[test]
 fn agrees_with_products_of_homogeneous_transforms() {
-    let mut random = Random(1);
+    let mut random = Noise::new(1);
     let mut worst = 0.0_f64;
     for chain in CHAINS {
         for _ in 0..300 {
             let mut machine = machine(chain);
-            random.disturb(&mut machine);
+            disturb(&mut random, &mut machine);
             machine.kinematics.tool_axis = [random.signed(), random.signed(), 1.2 + random.signed()];
             let kinematics = Kinematics::<f64>::new(&machine).unwrap();
-            let pose = random.pose(400.0);
+            let pose = random_pose(&mut random, 400.0);
             let (tip, axis) = by_transforms(&machine, &pose, machine.tool_mm);
             let found = kinematics.forward(&pose);
             assert!(apart(found.axis, axis) < 1e-14, "{chain} {pose:?}");
@@ -44,14 +44,14 @@ fn agrees_with_products_of_homogeneous_transforms() {
 
 #[test]
 fn single_precision_keeps_its_digits() {
-    let mut random = Random(2);
+    let mut random = Noise::new(2);
     for chain in CHAINS {
         let mut machine = machine(chain);
-        random.disturb(&mut machine);
+        disturb(&mut random, &mut machine);
         machine.kinematics.tool_axis = [0.0, 0.6, 0.8];
         let (fine, coarse) = (Kinematics::<f64>::new(&machine).unwrap(), Kinematics::<f32>::new(&machine).unwrap());
         for _ in 0..100 {
-            let pose = random.pose(180.0).map(|q| q as f32);
+            let pose = random_pose(&mut random, 180.0).map(|q| q as f32);
             let (exact, found) = (fine.forward(&pose.map(f64::from)), coarse.forward(&pose));
             let wide = |v: glam::Vec3| v.as_dvec3();
             assert!((wide(found.tip) - exact.tip).length() < 1e-3, "{chain} {pose:?}");

@@ -28,16 +28,16 @@ struct Worst {
 /// The inverse of the forward over `POSES` poses of one kind; errors of the positions times sin(margin).
 fn round_trip(kind: usize) -> Worst {
     let (chain, tool_axis) = KINDS[kind];
-    let mut random = Random(77 + kind as u64);
+    let mut random = Noise::new(77 + kind as u64);
     let mut worst = Worst { tip: 0.0, direction: 0.0, rotary: 0.0, linear: 0.0 };
     let mut in_cone = 0;
     for _ in 0..POSES / 1000 {
         let mut machine = machine(chain);
-        random.disturb(&mut machine);
+        disturb(&mut random, &mut machine);
         machine.kinematics.tool_axis = tool_axis;
         let kinematics = Kinematics::<f64>::new(&machine).unwrap();
         for _ in 0..1000 {
-            let mut pose = random.pose(400.0);
+            let mut pose = random_pose(&mut random, 400.0);
             for axis in Axis::ALL.into_iter().filter(|axis| !kinematics.has(*axis)) {
                 pose[axis.index()] = 0.0;
             }
@@ -91,10 +91,10 @@ fn inverse_of_forward_over_a_million_poses_of_each_kind() {
 
 #[test]
 fn single_precision_comes_back() {
-    let mut random = Random(5);
+    let mut random = Noise::new(5);
     let kinematics = Kinematics::<f32>::new(&machine("w C' A' Y' b X Z t")).unwrap().with_singular_cone_deg(5.0);
     for _ in 0..20_000 {
-        let mut pose = random.pose(170.0).map(|q| q as f32);
+        let mut pose = random_pose(&mut random, 170.0).map(|q| q as f32);
         pose[4] = 0.0;
         let Ok(found) = kinematics.inverse(&kinematics.forward(&pose), &pose) else {
             assert!(kinematics.singularity_margin_deg(&pose) < 5.001);

@@ -2,6 +2,8 @@
 
 use glam::{DAffine3, DVec3};
 use trueaxis::machine::{AXES, Axis, AxisSettings, MachineSettings};
+use trueaxis_testing::machine::Machine;
+use trueaxis_testing::noise::Noise;
 
 mod forward;
 mod inverse;
@@ -9,60 +11,27 @@ mod published;
 
 /// A machine of the given structural code with the stated defaults.
 fn machine(chain: &str) -> MachineSettings {
-    let links = trueaxis::machine::links(chain).unwrap();
-    let mut axes = heapless::Vec::new();
-    for axis in Axis::ALL {
-        if let Some(link) = links.iter().find(|link| link.axis == axis) {
-            axes.push(AxisSettings::with_defaults(axis, link.carries_workpiece)).unwrap();
-        }
-    }
-    MachineSettings {
-        name: heapless::String::try_from("test").unwrap(),
-        chain: heapless::String::try_from(chain).unwrap(),
-        tool_mm: [0.0; 3],
-        reference_temperature_c: 20.0,
-        location: Default::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes,
-        roundness: None,
-    }
+    Machine::new(chain).settings()
 }
 
 fn of(machine: &mut MachineSettings, axis: Axis) -> &mut AxisSettings {
     machine.axes.iter_mut().find(|a| a.axis == axis).unwrap()
 }
 
-/// Splitmix64.
-struct Random(u64);
-
-impl Random {
-    /// Uniform in −1 … 1.
-    fn signed(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    /// Offsets, senses of the rotary axes, tool and tool axis at random; linear travel ±1e6 mm.
-    fn disturb(&mut self, machine: &mut MachineSettings) {
-        for axis in &mut machine.axes {
-            axis.offset_mm = [(); 3].map(|()| 80.0 * self.signed());
-            if axis.axis.is_rotary() && self.signed() < 0.0 {
-                axis.direction = -axis.direction;
-            }
+/// Offsets, senses of the rotary axes, tool and tool axis at random; linear travel ±1e6 mm.
+fn disturb(noise: &mut Noise, machine: &mut MachineSettings) {
+    for axis in &mut machine.axes {
+        axis.offset_mm = noise.vector(80.0);
+        if axis.axis.is_rotary() && noise.signed() < 0.0 {
+            axis.direction = -axis.direction;
         }
-        machine.tool_mm = [(); 3].map(|()| 150.0 * self.signed());
     }
+    machine.tool_mm = noise.vector(150.0);
+}
 
-    /// Positions of ±500 mm and ±`turn` degrees.
-    fn pose(&mut self, turn: f64) -> [f64; AXES] {
-        std::array::from_fn(|i| self.signed() * if i < 3 { 500.0 } else { turn })
-    }
+/// Positions of ±500 mm and ±`turn` degrees.
+fn random_pose(noise: &mut Noise, turn: f64) -> [f64; AXES] {
+    std::array::from_fn(|i| noise.signed() * if i < 3 { 500.0 } else { turn })
 }
 
 /// Product of homogeneous transforms along the code, independent of the code under test: from the bed outwards on

@@ -4,7 +4,7 @@ use super::*;
 use glam::DMat3;
 use trueaxis::kinematics::{Choice, Kinematics, Tool};
 
-fn random_angles(random: &mut Random) -> (f64, f64) {
+fn random_angles(random: &mut Noise) -> (f64, f64) {
     (179.0 * random.signed(), 179.0 * random.signed())
 }
 
@@ -20,7 +20,7 @@ fn random_angles(random: &mut Random) -> (f64, f64) {
 /// There a positive command turns the table by +A, +C.
 #[test]
 fn linuxcnc_tilting_and_rotating_table() {
-    let mut random = Random(11);
+    let mut random = Noise::new(11);
     for _ in 0..1000 {
         let (dy, dz) = (60.0 * random.signed(), 60.0 * random.signed());
         let mut machine = machine("w C' A' b X Y Z t");
@@ -29,7 +29,7 @@ fn linuxcnc_tilting_and_rotating_table() {
         of(&mut machine, Axis::A).offset_mm = [0.0, dy, dz];
         of(&mut machine, Axis::C).offset_mm = [0.0, -dy, -dz];
         let (a, c) = random_angles(&mut random);
-        let [x, y, z, ..] = random.pose(0.0);
+        let [x, y, z, ..] = random_pose(&mut random, 0.0);
         let ((sa, ca), (sc, cc)) = (a.to_radians().sin_cos(), c.to_radians().sin_cos());
         let published = DVec3::new(
             cc * x + sc * ca * (y - dy) + sc * sa * (z - dz) + sc * dy,
@@ -50,7 +50,7 @@ fn linuxcnc_tilting_and_rotating_table() {
 /// ```
 #[test]
 fn linuxcnc_bridge_mill() {
-    let mut random = Random(12);
+    let mut random = Noise::new(12);
     let mut machine = machine("w b X Y Z C B t");
     let pivot = 250.0;
     of(&mut machine, Axis::B).direction = -1;
@@ -58,7 +58,7 @@ fn linuxcnc_bridge_mill() {
     let kinematics = Kinematics::<f64>::new(&machine).unwrap().with_tool_length(pivot);
     for _ in 0..1000 {
         let (b, c) = random_angles(&mut random);
-        let [x, y, z, ..] = random.pose(0.0);
+        let [x, y, z, ..] = random_pose(&mut random, 0.0);
         let ((sb, cb), (sc, cc)) = (b.to_radians().sin_cos(), c.to_radians().sin_cos());
         let published = DVec3::new(x + pivot * sb * cc, y + pivot * sb * sc, z - pivot * cb + pivot);
         assert!(apart(kinematics.forward(&[x, y, z, 0.0, b, c]).tip, published) < 1e-12);

@@ -1,34 +1,15 @@
 use super::*;
 use crate::compensation::Query;
 use crate::compensation::{Compensation, Direction, ThermalLine, requirement};
-use crate::machine::carries_workpiece;
-use crate::machine::{ErrorModel, LocationErrors, Row};
+use crate::machine::{ErrorModel, Row};
+use crate::testing::machine::Machine;
+use crate::testing::noise::Noise;
 use std::{string::String, vec, vec::Vec};
-
-struct Random(u64);
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.unit() * count as f64) as usize
-    }
-
-    fn vector(&mut self, size: f64) -> [f64; 3] {
-        [0; 3].map(|_| size * self.signed())
-    }
-}
 
 const REACH_MM: f64 = 60.0;
 
 /// X, Y, Z and `rotary` rotary axes in any order, each on either side.
-fn chain_of(random: &mut Random, rotary: usize) -> String {
+fn chain_of(random: &mut Noise, rotary: usize) -> String {
     let (mut axes, mut free) = (vec!['X', 'Y', 'Z'], vec!['A', 'B', 'C']);
     for _ in 0..rotary {
         axes.push(free.remove(random.below(free.len())));
@@ -50,29 +31,14 @@ fn chain_of(random: &mut Random, rotary: usize) -> String {
 }
 
 /// Offsets, tool and place of measurement often longer than the travels, so that levers come from them.
-fn machine_of(random: &mut Random, rotary: usize) -> MachineSettings {
+fn machine_of(random: &mut Noise, rotary: usize) -> MachineSettings {
     let chain = chain_of(random, rotary);
-    let mut axes = heapless::Vec::new();
-    for axis in Axis::ALL.into_iter().filter(|axis| chain.contains(axis.letter())) {
-        let mut settings = AxisSettings::with_defaults(axis, carries_workpiece(&chain, axis));
-        settings.offset_mm = random.vector(100.0);
-        settings.measured_at_mm = random.vector(100.0);
-        settings.travel = if axis.is_rotary() { [-180.0, 180.0] } else { [-REACH_MM, REACH_MM] };
-        axes.push(settings).unwrap();
-    }
-    let mut machine = MachineSettings {
-        roundness: None,
-        name: "any".try_into().unwrap(),
-        chain: chain.as_str().try_into().unwrap(),
-        tool_mm: random.vector(100.0),
-        reference_temperature_c: 20.0,
-        location: LocationErrors::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes,
-    };
+    let machine = Machine::new(&chain).each(|axis| {
+        axis.offset_mm = random.vector(100.0);
+        axis.measured_at_mm = random.vector(100.0);
+        axis.travel = if axis.axis.is_rotary() { [-180.0, 180.0] } else { [-REACH_MM, REACH_MM] };
+    });
+    let mut machine = machine.tool(random.vector(100.0)).settings();
     machine.compensation.model = ErrorModel::Volumetric;
     machine.kinematics.tool_axis = [0.0, 0.6, 0.8];
     machine
@@ -108,12 +74,12 @@ fn built<T, const N: usize>(
 }
 
 /// Travels up to `share` of what the axes reach; slides first, as the step's order is that of [`Axis::ALL`].
-fn place<const N: usize>(random: &mut Random, share: f64) -> [f64; N] {
+fn place<const N: usize>(random: &mut Noise, share: f64) -> [f64; N] {
     core::array::from_fn(|i| share * random.signed() * if i < 3 { REACH_MM } else { 180.0 })
 }
 
 /// Errors of up to `mm` and `rad`, closed over the turn.
-fn waves(random: &mut Random, machine: &MachineSettings, mm: f64, rad: f64) -> Tables {
+fn waves(random: &mut Noise, machine: &MachineSettings, mm: f64, rad: f64) -> Tables {
     let waves: Vec<[[f64; 3]; 6]> = (0..6).map(|_| [0; 6].map(|_| random.vector(1.0 / 3.0))).collect();
     tables_of(machine, |axis, share| {
         let turn = core::f64::consts::TAU * share;
@@ -133,7 +99,7 @@ fn no_growth<const N: usize>() -> [ThermalLine<f64>; N] {
 fn levers<const N: usize>(chains: u64) {
     let mut nearest = 0.0_f64;
     for seed in 0..chains {
-        let mut random = Random(seed * 7919 + N as u64);
+        let mut random = Noise::new(seed * 7919 + N as u64);
         let machine = machine_of(&mut random, N - 3);
         let none = tables_of(&machine, |_, _| [0.0; 6]);
         for settings in &machine.axes {
@@ -174,7 +140,7 @@ fn no_lever_is_longer_than_its_bound() {
 
 #[test]
 fn offsets_on_both_sides_of_a_rotary_axis_add() {
-    let mut machine = machine_of(&mut Random(1), 0);
+    let mut machine = machine_of(&mut Noise::new(1), 0);
     machine.chain = "w b X Y Z A t".try_into().unwrap();
     for settings in &mut machine.axes {
         (settings.offset_mm, settings.measured_at_mm, settings.travel) = ([0.0; 3], [0.0; 3], [0.0, 0.0]);
@@ -190,7 +156,7 @@ fn offsets_on_both_sides_of_a_rotary_axis_add() {
 /// Secants of the errors are no steeper than the rates.
 fn steepest<const N: usize>(chains: u64) {
     for seed in 0..chains {
-        let mut random = Random(seed * 104_729 + N as u64);
+        let mut random = Noise::new(seed * 104_729 + N as u64);
         let machine = machine_of(&mut random, N - 3);
         // Turns without translations, and both: what the levers do is not to hide behind the tables' own slopes.
         for (mm, level) in [(0.0, true), (0.0, false), (6e-3, false)] {
@@ -243,7 +209,7 @@ fn the_errors_change_no_faster_than_their_rates() {
 /// Every pass comes nearer to the next by at least the contraction, and no correction leaves its range.
 fn contracts<const N: usize>(chains: u64, orientation: bool) {
     for seed in 0..chains {
-        let mut random = Random(seed * 15_485_863 + N as u64);
+        let mut random = Noise::new(seed * 15_485_863 + N as u64);
         let mut machine = machine_of(&mut random, N - 3);
         machine.compensation.orientation = orientation;
         let tables = waves(&mut random, &machine, 2e-3, 2e-6);

@@ -3,6 +3,7 @@
 use super::*;
 use crate::contour::{ContourError, Flags};
 use crate::position::Nanometres;
+use crate::testing::noise::Noise;
 use std::vec::Vec;
 
 type V = [f64; 3];
@@ -250,17 +251,13 @@ fn after_a_jump_or_a_restart_the_window_begins_anew_and_the_search_finds_it() {
 }
 
 fn random_walk<R: Real, P: Position, const K: usize>(seed: u64, rounds: u32) {
-    let mut x = seed;
-    let mut random = move || {
-        x = x.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        ((x >> 33) as f64) / f64::from(1u32 << 31) * 2.0 - 1.0
-    };
+    let mut noise = Noise::new(seed);
     let mut commanded = CommandWindow::<R, P, K>::new([0.0, 0.3, 1.0], 0.005).unwrap();
     let (mut at, mut velocity) = ([0.0f64; 3], [0.0f64; 3]);
     for i in 0..rounds {
-        let size = 10f64.powf(-7.0 + 4.0 * random() + 3.0 * f64::from((i / 97) % 2 == 0));
+        let size = 10f64.powf(-7.0 + 4.0 * noise.signed() + 3.0 * f64::from((i / 97) % 2 == 0));
         for k in 0..3 {
-            velocity[k] = if random() > 0.9 { 0.0 } else { 0.9 * velocity[k] + size * random() };
+            velocity[k] = if noise.signed() > 0.9 { 0.0 } else { 0.9 * velocity[k] + size * noise.signed() };
             at[k] = (at[k] + velocity[k]) % 900.0;
         }
         commanded.append(at.map(P::of));
@@ -279,7 +276,7 @@ fn random_walk<R: Real, P: Position, const K: usize>(seed: u64, rounds: u32) {
             assert!(gap < 4e-6, "seed {seed} round {i}: gap of {gap}");
             assert!(pair.iter().all(|s| s.length().is_finite() && s.length() > R::ZERO && s.length() < R::of(20.0)));
         }
-        let point = at.map(|x| P::of(x + 0.002 * random()));
+        let point = at.map(|x| P::of(x + 0.002 * noise.signed()));
         let e = commanded.contour_error(point);
         let sane = [e.error, e.normal, e.binormal, e.tangential, e.lag, e.t].iter().all(|x| x.is_finite());
         assert!(sane, "seed {seed} round {i}: {e:?}");

@@ -2,7 +2,7 @@
 
 use crate::contour::{Flags, Method, OrientationError, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use crate::kinematics::Kinematics;
-use crate::machine::{Axis, AxisSettings, ErrorModel, MachineSettings, Row};
+use crate::machine::{Axis, ErrorModel, MachineSettings, Row};
 use crate::position::{Nanometres, Position};
 use crate::real::Real;
 use crate::telemetry::Status;
@@ -70,25 +70,7 @@ pub(super) struct Machine<R: Real, P: Position> {
 }
 
 pub(super) fn settings(chain: &str) -> MachineSettings {
-    let mut machine = MachineSettings {
-        roundness: None,
-        name: heapless::String::try_from("tool").unwrap(),
-        chain: heapless::String::try_from(chain).unwrap(),
-        tool_mm: TOOL,
-        reference_temperature_c: 20.0,
-        location: Default::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes: heapless::Vec::new(),
-    };
-    for axis in [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C] {
-        let workpiece = chain == TABLES && axis.is_rotary();
-        let axis = AxisSettings { travel: [-1000.0, 1000.0], ..AxisSettings::with_defaults(axis, workpiece) };
-        machine.axes.push(AxisSettings { joint: [-1001.0, 1001.0], ..axis }).unwrap();
-    }
-    machine
+    crate::testing::machine::Machine::new(chain).tool(TOOL).travel([-1000.0, 1000.0], 1.0).settings()
 }
 
 impl<R: Real, P: Position> Machine<R, P> {
