@@ -47,7 +47,7 @@ fn result(report: &Report) -> Markup {
     let share = if before > 0.0 { format!(" (to {})", percent(after, before)) } else { String::new() };
     html! {
         "The largest contour error of the tool tip "
-        @if after != before {
+        @if (after - before).abs() > 0.0 {
             (verb) " from " (size(before)) " to " (size(after)) (share) "."
         } @else {
             "stayed at " (size(before)) "."
