@@ -63,9 +63,10 @@ impl fmt::Display for ConfigError {
         if let Some(index) = self.index {
             write!(f, " [{index}]")?;
         }
-        write!(f, ": found {}, needed {}", Figure(self.found), self.needed)?;
+        let figure = |value| Figure(key.map_or(value, |key| key.in_its_unit(value)));
+        write!(f, ": found {}, needed {}", figure(self.found), self.needed)?;
         match self.bound {
-            Some(bound) => write!(f, ": {}", Figure(bound)),
+            Some(bound) => write!(f, ": {}", figure(bound)),
             None => Ok(()),
         }
     }
@@ -216,9 +217,29 @@ impl TryFrom<u8> for Fault {
 
 #[cfg(test)]
 mod tests {
-    use super::Fault;
+    use super::{ConfigError, Fault, Field};
+    use crate::axis::Axis;
     use std::collections::BTreeSet;
     use std::string::ToString;
+
+    #[test]
+    fn figures_are_in_the_unit_of_their_key() {
+        for (field, axis, found, text) in [
+            (Field::Hysteresis, Some(Axis::X), 0.0003, "axis.X.hysteresis_um: found 0.3, "),
+            (Field::Magnitude, Some(Axis::C), 12e-6_f64.to_degrees(), "axis.C.limits.magnitude_urad: found 12, "),
+            (Field::LocationC0Y, None, 0.0525, "location.C0Y_urad: found 52500, "),
+            (Field::LocationEx, Some(Axis::A), 1.001, "location.EX0A_um: found 1001, "),
+            (Field::MaxFeed, Some(Axis::Y), 1e-6, "axis.Y.max_feed_mm_per_min: found 0.00006, "),
+            (Field::ThermalOffset, Some(Axis::Z), 0.2, "axis.Z.thermal.offset_um_per_k: found 200, "),
+            (Field::ThermalExpansion, Some(Axis::B), 0.002, "axis.B.thermal.expansion_urad_per_rad_k: found 2000, "),
+            (Field::InfeedLimit, None, 20.0, "roundness.infeed.limit_um: found 20, "),
+            (Field::Magnitude, Some(Axis::X), f64::NAN, "axis.X.limits.magnitude_um: found NaN, "),
+            (Field::Magnitude, Some(Axis::X), f64::MAX, "axis.X.limits.magnitude_um: found inf, "),
+        ] {
+            let error = ConfigError { axis, ..ConfigError::new(field, found, "less") };
+            assert!(error.to_string().starts_with(text), "{error} {text}");
+        }
+    }
 
     #[test]
     fn every_fault_has_a_sentence_of_its_own() {

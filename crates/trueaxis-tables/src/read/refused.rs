@@ -57,15 +57,17 @@ pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigErro
 impl Description {
     /// An error of the settings at the line of its key; at that of the section where the key is left at its default.
     pub(super) fn located(&self, origin: &Origin, error: &ConfigError) -> FileError {
-        let Some(key) = error.key().map(|key| key.to_string()) else {
+        let Some(key) = error.key() else {
             return origin.whole(format!("{:?} = {}", error.field, Figure(error.found)), error.needed);
         };
+        let found = key.in_its_unit(error.found);
+        let key = key.to_string();
         match self.keys.get(&key) {
             Some(written) if !written.text.is_empty() => origin.at(written.line, &key, &written.text, error.needed),
             // A default, or a whole section.
             _ => {
                 let line = self.keys.get(&key).map(|written| written.line).or_else(|| self.keys.section(&key));
-                origin.at(line.unwrap_or(0), &key, format!("{}, the default", Figure(error.found)), error.needed)
+                origin.at(line.unwrap_or(0), &key, format!("{}, the default", Figure(found)), error.needed)
             }
         }
     }
@@ -76,17 +78,7 @@ impl Description {
         let rotary = error.axis.is_some_and(Axis::is_rotary);
         let micro = |value: f64| if rotary { value.to_radians() * 1e6 } else { value * 1e3 };
         let unit = if rotary { "urad" } else { "um" };
-        let given = error.key().is_some_and(|key| self.keys.get(&key.to_string()).is_some());
-        let letter = error.axis.map_or(' ', Axis::letter);
         FileError {
-            found: if given {
-                at.found
-            } else {
-                format!(
-                    "a hysteresis_{unit} of {} of axis {letter}, the default",
-                    (micro(error.found) * 1e3).round() / 1e3
-                )
-            },
             needed: match error.bound {
                 // Rounded up: what is written off the message must do.
                 Some(bound) => format!("{}: {} {unit}", error.needed, (micro(bound) * 1e3 - 1e-6).ceil() / 1e3),

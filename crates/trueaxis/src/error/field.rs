@@ -210,6 +210,32 @@ pub struct Key {
 }
 
 impl Key {
+    /// A value of the core (mm, degrees, rad, seconds) in the unit that the name ends with, to twelve digits.
+    pub fn in_its_unit(&self, value: f64) -> f64 {
+        let name = self.pattern.strip_suffix("_per_k").unwrap_or(self.pattern);
+        let is_of_axis = name.starts_with("axis.");
+        let factor = if name.starts_with("roundness.") {
+            1.0
+        } else if name.contains("expansion") {
+            1e6
+        } else if name.ends_with("_um") {
+            1e3
+        } else if name.ends_with("_urad") {
+            if is_of_axis { 1e6_f64.to_radians() } else { 1e6 }
+        } else if name.ends_with("_per_min") {
+            60.0
+        } else {
+            1.0
+        };
+        let scaled = value * factor;
+        let digits = libm::floor(libm::log10(libm::fabs(scaled)));
+        if factor == 1.0 || !digits.is_finite() || libm::fabs(digits) > 200.0 {
+            return scaled;
+        }
+        let (up, down) = (libm::exp10((11.0 - digits).max(0.0)), libm::exp10((digits - 11.0).max(0.0)));
+        libm::round(scaled * up / down) / up * down
+    }
+
     /// Whether the name contains its axis.
     pub(super) fn names_its_axis(&self) -> bool {
         self.axis.is_some() && self.pattern.contains('*')
