@@ -130,7 +130,7 @@ fn what_cannot_be_is_refused_with_place_and_figures() {
         (TRUNNION, "forward", "x_mm,a_deg\n0,0\n0,31\n", &[], &["in.csv:3", "a_deg", "31", "-120 to 30"]),
         (TRUNNION, "forward", "x_mm,w_deg\n0,0\n", &[], &["in.csv:1", "w_deg"]),
         (four, "inverse", "0,0,0,0.6,0,0.8\n", &[], &["in.csv:2", "36.8", "beyond reach"]),
-        (two, "inverse", "0,0,0,0.6,0,0.8\n", &[], &["m: ", "Chain", "X, Y and Z"]),
+        (two, "inverse", "0,0,0,0.6,0,0.8\n", &[], &["m: ", "chain", "X, Y and Z"]),
     ];
     for (machine, way, text, more, parts) in cases {
         let text = if way == "inverse" { format!("{head}{text}") } else { text.to_owned() };

@@ -224,7 +224,7 @@ fn a_correction_against_the_travel_needs_a_wider_band() {
     assert!(error.bound.is_some_and(|bound| (bound - 0.0005).abs() < 1e-9), "{error}");
     assert_eq!(
         error.to_string(),
-        "axis.X.hysteresis_um: found 0.0003, needed more than its correction steps against the travel at a reversal: 0.0005"
+        "axis.X.hysteresis_um: found 0.3, needed more than its correction steps against the travel at a reversal: 0.5"
     );
     machine.axes[0].hysteresis = 0.00051;
     assert!(servo(&machine, &tables).is_ok());

@@ -14,6 +14,7 @@ use evaluation::Evaluation;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use trace::{InterpolationError, Resampling};
+use trueaxis::error::Field;
 use trueaxis::roundness::filter;
 use trueaxis::roundness::{Arm, Band};
 use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation, Separator};
@@ -109,7 +110,11 @@ fn separator(arguments: &Arguments, band: Band) -> Result<Separator> {
     let ratio = match &arguments.arm {
         None => 0.0,
         Some(arm) => arm.ratio().map_err(|error| {
-            let name = ["R", "RS", "RW"].get(error.index.unwrap_or(0) as usize).copied().unwrap_or("R");
+            let name = match error.field {
+                Field::ArmWheel => "RS",
+                Field::ArmPin => "RW",
+                _ => "R",
+            };
             anyhow!("--arm {name}: found {} mm, needed {}", error.found, error.needed)
         })?,
     };

@@ -233,9 +233,16 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     }
 
     /// Error of any tables, each looked up at the command or the feedback as configured.
+    ///
+    /// Not by a [`Query`]: handed to a function that is not inlined, it would have to lie in memory in every cycle.
     #[inline(never)]
-    fn general_terms(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
-        let Query { command, feedback, directions: reverse, .. } = *query;
+    fn general_terms(
+        &self,
+        command: &[R; N],
+        feedback: &[R; N],
+        reverse: &[Direction; N],
+        clamped: &mut u8,
+    ) -> Errors<R, N> {
         let mut tip = [R::ZERO; 3];
         let mut errors = [R::ZERO; N];
         for slot in 0..N {
@@ -310,7 +317,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     /// `clamped` gets a bit for every axis whose edge value is clamped.
     #[inline(always)]
     pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
-        let Query { command, directions, thermal, .. } = *query;
+        let Query { command, feedback, directions, thermal } = *query;
         let mut errors = if self.kind == Kind::Plain {
             self.plain_terms(command, directions, clamped)
         } else if self.kind == Kind::Linear {
@@ -318,7 +325,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         } else if self.kind == Kind::Cubic {
             self.cubic_terms(command, directions, clamped)
         } else {
-            self.general_terms(query, clamped)
+            self.general_terms(command, feedback, directions, clamped)
         };
         self.add_linear(command, thermal, &mut errors);
         errors
