@@ -10,7 +10,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let servo = HostServo::<3>::load(&tables, PERIOD_NS, &mut memory)?;
     let mut state = servo.start();
 
-    let mut path = HostPath::<16>::new(); // the interpolator's segments, in spans of at most 16 mm
+    let mut path = HostPath::<16>::new(); // the interpolator's segments, in at most 16 spans
     let [a, b, c, d] = [[0.0, 0.0, -200.0], [20.0, 0.0, -200.0], [30.0, 10.0, -200.0], [30.0, 30.0, -200.0]];
     path.line(a, b)?;
     path.arc(b, c, [20.0, 10.0, -200.0], [0.0, 0.0, 1.0])?;
