@@ -60,7 +60,7 @@ fn binding() -> &'static mut Limits {
     leak(limits)
 }
 
-// What a look-up's frame costs: call, result in memory.
+// Overhead of a look-up: the call, and its result in memory.
 #[library_benchmark(setup = lookup)]
 #[bench::frame(Grid::Equidistant)]
 fn nothing(lookup: &'static Lookup) -> [f64; 3] {

@@ -15,7 +15,7 @@ use trueaxis_benches::tables::{CELL_MM, FIRST_MM, Grid, nine_terms, position, ro
 
 const QUERIES: u64 = 256;
 
-/// Warm queries whose foot lies inside a piece.
+/// Warm queries whose foot lies inside a span.
 fn queries(shape: Shape) -> Vec<Query> {
     let track = Track::new(shape);
     (0..4 * QUERIES).map(|seed| track.query(seed)).filter(|q| { *q }.run().evaluations == 2).take(256).collect()
@@ -37,7 +37,7 @@ fn ours(queries: &[Query]) -> f64 {
     queries.iter().map(|query| query.repeat().error).sum()
 }
 
-/// 256 feet on pieces of the polynomial butterfly: kurbo is given the piece, we find it warm.
+/// 256 feet on spans of the polynomial butterfly: kurbo is given the span, we find it warm.
 fn against_kurbo(c: &mut Criterion) {
     let queries = queries(Shape::PolynomialCubic);
     let pieces: Vec<(CubicBez, Point)> = queries

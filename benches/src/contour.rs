@@ -90,11 +90,11 @@ pub struct Query {
     pub search: ContourSearch<f64>,
     /// Its path.
     pub path: Path<'static, f64, f64>,
-    /// What it remembers.
+    /// Its state.
     pub state: ContourState<f64>,
-    /// Where the interpolator is.
+    /// Position of the interpolator.
     pub reference: Reference<f64>,
-    /// Where the tool is, mm.
+    /// Position of the tool, mm.
     pub point: [f64; 3],
 }
 
@@ -135,12 +135,12 @@ impl Track {
         self.0
     }
 
-    /// Number of pieces.
+    /// Number of spans.
     pub fn pieces(&self) -> u32 {
         self.1
     }
 
-    /// Query number `seed`: warm at a random place, then up to 50 µm on, the tool up to 20 µm beside the path and up
+    /// Query number `seed`: warm at a random point, then up to 50 µm on, the tool up to 20 µm beside the path and up
     /// to 20 µm away along it.
     pub fn query(&self, seed: u64) -> Query {
         let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
@@ -148,7 +148,7 @@ impl Track {
         self.near(number, random.unit(), &mut random)
     }
 
-    /// A query in the middle of piece `number`.
+    /// A query in the middle of span `number`.
     pub fn middle(&self, number: u32) -> Query {
         self.near(number, 0.5, &mut Random(7))
     }

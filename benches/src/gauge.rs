@@ -17,7 +17,7 @@ const TRANSFORM_UNITS: usize = 576 + 256 + 576 + 3;
 pub struct Gauge {
     /// The gauge.
     pub gauge: Box<roundness::Gauge<f64, POINTS>>,
-    /// What it remembers.
+    /// Its state.
     pub state: Box<roundness::GaugeState<f64, POINTS>>,
     /// Readings.
     pub probes: Probes<f64>,
@@ -76,7 +76,7 @@ impl Gauge {
         }
     }
 
-    /// Before the first unit of work on a revolution.
+    /// Before the first slice of work on a revolution.
     pub fn whole_revolution() -> Self {
         let mut gauge = Gauge::new();
         while gauge.state.is_settled() {

@@ -12,7 +12,7 @@ pub const PERIOD_S: f64 = 1e-4;
 pub struct Limits {
     /// Limits of each axis.
     pub limiter: [Limiter<f64>; 3],
-    /// What each axis remembers.
+    /// State of each axis.
     pub state: [LimiterState<f64>; 3],
     /// Wanted corrections, mm.
     pub wanted: [f64; 3],

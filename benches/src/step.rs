@@ -16,13 +16,13 @@ pub const PASSES: u8 = 2;
 pub struct Cycle {
     /// The loop.
     pub servo: &'static ServoLoop<'static, f64, f64, 3>,
-    /// What it remembers.
+    /// Its state.
     pub state: State<f64, f64, 3>,
     /// Command and readings.
     pub input: Input<f64, 3>,
     /// The butterfly.
     pub path: Path<'static, f64, f64>,
-    /// Where the command is on it.
+    /// Position of the command on it.
     pub reference: Reference<f64>,
 }
 

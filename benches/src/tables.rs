@@ -13,7 +13,7 @@ pub const FIRST_MM: f64 = -300.0;
 /// Mean distance of two points, mm.
 pub const CELL_MM: f64 = 5.0;
 
-/// How the points are spaced.
+/// Spacing of the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grid {
     /// All at the same distance.

@@ -72,7 +72,7 @@ def main():
         if worst and mean and worst > 1.4 * mean:
             print(f"{target}: the worst slice takes {worst / mean:.2f} of the mean, needed at most 1.4")
             failed = True
-        # What the whole step is counted over must not become easier unnoticed.
+        # The recording over which the whole step is counted must not become easier unnoticed.
         if found.get("recording.cycles", 0) < 10_000 or found.get("recording.revolutions", 0) < 1:
             print(f"{target}: found {found.get('recording.cycles')} cycles and {found.get('recording.revolutions')} revolutions, "
                   "needed 10000 and a whole one")

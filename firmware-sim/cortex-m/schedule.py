@@ -28,7 +28,7 @@ CONFIGURATIONS = [
 RATES = [1_000, 2_000, 4_000, 10_000, 20_000]
 # Of the period: the rest is the host's own.
 SHARE = 0.5
-# What the counts table shows.
+# Rows of the counts table.
 SHOWN = [
     ("whole step, three axes: typical; worst", "step.typical", "step.worst"),
     ("with a gauge of 1024 points: typical; worst", "step_gauge.typical", "step_gauge.worst"),
@@ -69,7 +69,7 @@ def figures(budgets):
     return head + "".join(f"| {name} | {cell('m4f', things)} | {cell('m7', things)} |\n" for name, *things in SHOWN)
 
 
-# What the stack table shows: symbol and what is left out.
+# Rows of the stack table: symbol, and what is left out.
 STACKS = [
     ("step, nine terms only", "proved_step", "volumetric"),
     ("step, any model", "proved_step", None),

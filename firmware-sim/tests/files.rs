@@ -1,4 +1,4 @@
-//! What the simulator's commands do to files: an input is never written, a refused command leaves nothing.
+//! Effect of the simulator's commands on files: an input is never written, a refused command leaves nothing.
 
 use std::fs;
 use std::path::Path;
@@ -33,7 +33,7 @@ fn an_input_is_never_written() {
     folder.bad(&["compare", "--machine", "machine.toml", "--program", "recording.rec", "--folder", "."], &[NEVER]);
 }
 
-/// The trace is in its place only when the run is over.
+/// The trace appears at its path only when the run is over.
 #[test]
 fn a_run_leaves_its_report_and_nothing_else() {
     let folder = Folder::new(SIMULATOR);

@@ -101,7 +101,7 @@ fn the_tool_centre_point_is_that_of_rotation_matrices() {
     }
 }
 
-/// A machine-coordinate move bends in workpiece coordinates; the cubic pieces follow it.
+/// A machine-coordinate move bends in workpiece coordinates; the cubic spans follow it.
 #[test]
 fn the_path_of_a_turning_machine_move_is_within_a_nanometre_of_the_exact_one() {
     let machine = machine("mill-5axis");

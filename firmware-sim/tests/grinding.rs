@@ -1,4 +1,4 @@
-//! Grinding with the infeed correction: what it gains on the true surface, and what it does when something goes wrong.
+//! Grinding with the infeed correction: gain on the true surface, and behaviour when something goes wrong.
 
 use firmware_sim::samples::sample_machine;
 use trueaxis::roundness::{GaugeFlags, GaugeSettings, ProbeAngles, gain_limit};

@@ -1,4 +1,4 @@
-//! Against LinuxCNC's own interpreter, where it is installed: places, arcs, feeds and their order, as `rs274 -g` prints them.
+//! Against LinuxCNC's interpreter, if installed: positions, arcs, feeds and their order, as `rs274 -g` prints them.
 //!
 //! Its output is read here once more, without the crate's own reader. TRUEAXIS_LINUXCNC=1 makes a missing rs274 a failure.
 
@@ -39,7 +39,7 @@ fn installed() -> bool {
     found
 }
 
-/// What a call of the canonical interface moves.
+/// Motion of a call of the canonical interface.
 #[derive(Debug)]
 struct Step {
     text: String,

@@ -55,7 +55,7 @@ fn a_run_keeps_nothing_per_cycle_and_little_per_line() {
     let [short, long] = [2_000, 20_000].map(|lines| run(scenario(&program(lines))));
     let (more, cycles) = (long.0.saturating_sub(short.0), long.1 - short.1);
     assert!(cycles > 30_000, "{cycles}");
-    // Where the moves begin, their sections and speeds, their numbers in a figure.
+    // Starts of the moves, their sections and speeds, their numbers in a figure.
     assert!(more < 18_000 * 150, "{} bytes a line: {short:?} {long:?}", more / 18_000);
 
     // The same lines, ten times as slow: ten times the cycles, and not a byte.
@@ -65,7 +65,7 @@ fn a_run_keeps_nothing_per_cycle_and_little_per_line() {
     assert!(more < 64 * 1024, "{more} bytes in {cycles} cycles: {short:?} {slow:?}");
 }
 
-/// The stretch around the place that is run has the pieces and the numbers of the whole path.
+/// The part around the current position has the spans and the numbers of the whole path.
 #[test]
 fn the_sliding_path_is_the_whole_one_where_it_is() {
     let scenario = scenario(&program(3_000));
@@ -88,11 +88,11 @@ fn the_sliding_path_is_the_whole_one_where_it_is() {
     assert!(held * 50 < 600, "{held}");
 }
 
-/// A spline between points far apart is refused before there is any of its pieces.
+/// A spline between points far apart is refused before any of its spans exists.
 #[test]
 fn a_spline_of_too_many_pieces_is_refused_before_it_is_cut() {
     let mut scenario = scenario(&program(10));
-    // 1.2 million pieces of 8 mm.
+    // 1.2 million spans of 8 mm.
     let far = 8.0 * 1.2e6;
     scenario.program.moves[5].curve = Curve::Nurbs {
         degree: 2,

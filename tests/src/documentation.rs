@@ -1,4 +1,4 @@
-//! What the documentation shows is what the programs print: its commands are run, and their output compared.
+//! The documentation shows the output of the programs: its commands are run, and their output compared.
 //!
 //! A block of four blanks begins with commands after `$`; what follows in it is the output of the last of them, an `…` line
 //! stands for any lines. With the environment variable `UPDATE_DOCS` set, figures that have changed are written into the
@@ -96,7 +96,7 @@ fn frame(line: &str) -> String {
     line.split(|c: char| digits(c) || c == ' ').filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
-/// Puts what is printed in the place of what is shown; the lines that differed.
+/// Replaces the output shown by the output printed; the lines that differed.
 fn compare(lines: &mut [String], output: Range<usize>, printed: &[String]) -> Vec<String> {
     let shown: Vec<String> =
         lines[output.clone()].iter().map(|line| line.strip_prefix(INDENT).unwrap_or_default().to_owned()).collect();

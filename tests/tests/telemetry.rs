@@ -1,4 +1,4 @@
-//! The wire format of docs/telemetry.md, held against the code.
+//! The wire format of docs/telemetry.md, checked against the code.
 
 use trueaxis::Fault;
 use trueaxis::roundness::{ErrorMotion, Followed, Gauge, GaugeFlags, GaugeSettings, HARMONICS, ProbeAngles, Probes};
@@ -120,7 +120,7 @@ fn revolutions_are_laid_out_as_documented() {
     assert!(frame.encode(&mut [0; 100]).is_err());
 }
 
-/// What the gauge knows of a revolution arrives.
+/// The results of a revolution arrive.
 #[test]
 fn a_revolution_of_the_gauge_arrives() {
     let settings = GaugeSettings::with_defaults(64, ProbeAngles::Slots { p: 11, q: 15 }, 1 << 20);

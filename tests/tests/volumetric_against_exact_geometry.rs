@@ -263,7 +263,7 @@ fn landing<const N: usize>(case: &Case, seed: u64) -> ([f64; 2], u32) {
             if !settings.compensation.orientation {
                 assert!(r[3..].iter().all(|r| *r == 0.0));
             }
-            // How the slides stand to each other and the rotary axes to the tool, by differences of the exact geometry.
+            // Directions of the slides, and turns of the tool by the rotary axes: differences of the exact geometry.
             let moved = |place: usize, by: f64| {
                 let mut there = q;
                 there[place] += by;

@@ -15,7 +15,7 @@ fn points_are_found_by_segment_and_parameter() {
     for side in 0..4 {
         assert_eq!(square.line(corners[side], corners[(side + 1) % 4]), OK);
     }
-    // 40 mm make three pieces of at most 16 mm, 10 mm one.
+    // 40 mm make three spans of at most 16 mm, 10 mm one.
     assert_eq!(square.count(), (4, 8));
     for (segment, u, span, t) in [
         (0, 0.0, 100, 0.0),

@@ -265,7 +265,7 @@ fn a_machine_that_somebody_wrote_is_not_collapsed_over() {
     }
 }
 
-/// Two outputs in one file, a folder in the place of a file, a place that does not exist: nothing is written.
+/// Two outputs in one file, a folder in place of a file, a path that does not exist: nothing is written.
 #[test]
 fn a_refused_command_leaves_nothing_behind() {
     let directory = Folder::new(TRUEAXIS);

@@ -27,7 +27,7 @@ fn truth(angle_deg: f64) -> [f64; 6] {
     })
 }
 
-/// Where the ball goes: the small rotations about X, Y, Z one after the other, then the shift; µm.
+/// Displacement of the ball: the small rotations about X, Y, Z one after the other, then the shift; µm.
 fn deviation(axis: usize, angle_deg: f64, (l, h): (f64, f64)) -> [f64; 3] {
     let ideal = turned([0.0, h, -l], axis, angle_deg.to_radians());
     let [x, y, z, a, b, c] = truth(angle_deg);
@@ -248,7 +248,7 @@ fn the_linear_axes_own_errors_are_removed() {
     let raw = directory.json(&["identify", "m.csv", "--axis", "C", "--json"]);
     let apart = raw["angles"][4]["exc_um"].as_f64().unwrap() - found["angles"][4]["exc_um"].as_f64().unwrap();
     assert!(apart.abs() > 5.0, "{apart}");
-    // And a start that takes X beyond its table is told.
+    // A start that takes X beyond its table is reported.
     let far = ["identify", "m.csv", "--axis", "C", "--json", "--machine", "machine.toml", "--start-mm", "450,0,0"];
     let far = directory.json(&far);
     assert!(far["warnings"][1].as_str().unwrap().contains("edge value"), "{far}");

@@ -340,7 +340,7 @@ fn the_report_shows_circles_harmonics_and_orbits() {
     let (text, _) = read_page(&directory.read("zero/roundness.html"));
     assert!(text.contains("no development"));
 
-    // A limit far above all gains would flatten them: it is told, not drawn, and in no legend.
+    // A limit far above all gains would flatten them: it is reported, not drawn, and in no legend.
     let far =
         ["roundness", "zero.csv", "--n=64", "--p=11", "--q=13", "--noise-gain-limit=1e6", "--report=far", "-o=f.csv"];
     directory.good(&far);

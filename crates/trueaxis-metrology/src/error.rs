@@ -3,7 +3,7 @@
 use core::fmt;
 use trueaxis::Axis;
 
-/// A quantity that is wrong, with the figure found and what is needed in its place.
+/// A quantity that is wrong, with the value found and the one required.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct InputError {
@@ -15,7 +15,7 @@ pub struct InputError {
     pub index: Option<usize>,
     /// The figure found, in the quantity's unit at the interface.
     pub found: f64,
-    /// Needed in its place.
+    /// The value required.
     pub needed: &'static str,
 }
 

@@ -22,7 +22,7 @@ impl Integer for f64 {
     }
 }
 
-/// What the gauge's host hands over in a cycle.
+/// Inputs of the gauge in one cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Probe {
     /// Raw values of the three probes.
@@ -33,15 +33,15 @@ pub struct Probe {
     pub index: Option<i32>,
 }
 
-/// What the step is given in one cycle of `N` axes.
+/// Inputs of the step in one cycle of `N` axes.
 ///
 /// | bytes | |
 /// |---|---|
 /// | 4 N | commands, i32, 1e-6 mm (1e-6 degree) |
 /// | 4 N | readings, the same |
 /// | 4 | elapsed time, ns |
-/// | 4 | number of the piece of the path |
-/// | 4 | place on it, f32, 0 to 1 |
+/// | 4 | number of the span |
+/// | 4 | position on it, f32, 0 to 1 |
 /// | 1 | switches: 1 homed, 2 enable, 4 reset, 8 index pulse |
 /// | 1 | a bit for every axis with an encoder alarm |
 /// | 2 | zero |
@@ -54,7 +54,7 @@ pub struct Cycle<const N: usize> {
     pub feedback: [Nanometres; N],
     /// Time since the last cycle, ns.
     pub elapsed_ns: u32,
-    /// Place on the path.
+    /// Position on the path.
     pub reference: Reference<f32>,
     /// All axes are homed.
     pub homed: bool,

@@ -1,11 +1,11 @@
 //! Recorded servo cycles: the inputs of the step, the same bits for a host and for a bare-metal image.
 //!
 //! A recording holds the programmed path and, cycle by cycle, what a controller would hand to the step: commands and
-//! encoder readings as integers of 1e-6 mm (1e-6 degree), alarms and switches, the place on the path, and the probes of a
+//! encoder readings as integers of 1e-6 mm (1e-6 degree), alarms, switches, the position on the path, the probes of a
 //! gauge where there is one. It is read in place, without allocation, from flash or a file:
 //!
 //! ```text
-//! magic "TAXISREC" | version u16 | length u32 | header, pieces of the path (postcard) | cycles | CRC-32
+//! magic "TAXISREC" | version u16 | length u32 | header, spans of the path (postcard) | cycles | CRC-32
 //! ```
 //!
 //! `length` counts the bytes between itself and the sum; the sum is over everything before it. Numbers are little-endian;

@@ -1,4 +1,4 @@
-//! What the step gives back in a cycle, byte for byte: what one build sends, another compares.
+//! Outputs of the step in one cycle as bytes: one build sends them, another compares.
 //!
 //! | bytes | |
 //! |---|---|

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use trueaxis::contour::Span;
 use trueaxis::{Position, Real};
 
-/// What a recording is of.
+/// Header of a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// What was run.
+    /// Name of the program that was run.
     pub name: String<48>,
     /// Id of the machine that it was run on.
     pub machine_id: u32,
@@ -77,7 +77,7 @@ impl<'a, const N: usize> Recording<'a, N> {
     /// Reads and checks the recording at the start of `bytes`; what lies behind it is not looked at.
     ///
     /// # Errors
-    /// What is wrong with it; the first thing found.
+    /// The first defect found.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, Refused> {
         let (magic, rest) = bytes.split_first_chunk::<8>().ok_or(Refused::TooShort)?;
         if *magic != MAGIC {
@@ -110,7 +110,7 @@ impl<'a, const N: usize> Recording<'a, N> {
         if read.is_empty() { Ok(recording) } else { Err(Refused::Length) }
     }
 
-    /// What it is of.
+    /// The header.
     pub fn header(&self) -> &Header {
         &self.header
     }
@@ -122,7 +122,7 @@ impl<'a, const N: usize> Recording<'a, N> {
         Cycle::decode(self.cycles.get(start..start.checked_add(bytes)?)?, self.header.gauge)
     }
 
-    /// The pieces of the path, in order, in the scalar and the positions of the reader's step.
+    /// The spans of the path, in order, in the scalar and the positions of the reader's step.
     pub fn path<R: Real, P: Position>(&self) -> impl Iterator<Item = Span<R, P>> + use<'a, R, P, N> {
         let mut rest = self.pieces;
         core::iter::from_fn(move || {

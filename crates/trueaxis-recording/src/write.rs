@@ -15,10 +15,10 @@ pub struct Writer<const N: usize> {
 }
 
 impl<const N: usize> Writer<N> {
-    /// Begins a recording; the header's axes, cycles and pieces are counted.
+    /// Begins a recording; the header's numbers of axes, cycles and spans are filled in.
     ///
     /// # Errors
-    /// postcard's, if a piece cannot be written.
+    /// postcard's, if a span cannot be written.
     pub fn new(header: Header, path: &[Span<f64, f64>]) -> postcard::Result<Self> {
         let mut pieces = Vec::new();
         let mut buffer = [0; 512];

@@ -1,4 +1,4 @@
-//! What is written is read again, bit for bit, and nothing that is damaged is read.
+//! A recording reads back bit for bit; a damaged one is refused.
 #![allow(missing_docs)]
 
 use trueaxis::Nanometres;

@@ -75,7 +75,7 @@ impl Scale {
         self
     }
 
-    /// Where columns stand: at 0, or at the edge next to it.
+    /// Base of the columns: 0, or the edge next to it.
     pub(crate) fn base(&self) -> f64 {
         if self.logarithmic { self.low } else { 0.0_f64.clamp(self.low, self.high) }
     }

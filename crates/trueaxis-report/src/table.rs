@@ -14,7 +14,7 @@ pub struct Table {
 pub struct Row {
     name: String,
     cells: Vec<String>,
-    /// One cell of words takes the place of all others.
+    /// One cell of text replaces all others.
     whole: bool,
 }
 

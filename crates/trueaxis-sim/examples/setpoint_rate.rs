@@ -1,4 +1,4 @@
-//! How fast setpoints are made: `cargo run --release -p trueaxis-sim --example setpoint_rate`.
+//! Rate at which setpoints are generated: `cargo run --release -p trueaxis-sim --example setpoint_rate`.
 
 use std::time::Instant;
 

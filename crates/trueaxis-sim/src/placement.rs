@@ -37,7 +37,7 @@ pub(crate) struct Rates {
 #[derive(Clone, Debug)]
 pub struct Placement {
     geometry: Geometry,
-    /// Place of each axis X Y Z A B C among the machine's.
+    /// Index of each axis X Y Z A B C among the machine's.
     slots: [Option<usize>; AXES],
     origin: DVec3,
     /// Tool tip in workpiece coordinates with all axes at zero.

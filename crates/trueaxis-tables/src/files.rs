@@ -98,7 +98,7 @@ impl Source for Folder {
     }
 }
 
-/// Files in memory, by name: what a page was given, or what a machine would be after an import.
+/// Files in memory, by name: those given to a page, or a machine after an import.
 ///
 /// ```
 /// use std::path::Path;

@@ -47,7 +47,7 @@ pub enum OutputError {
     },
 }
 
-/// A file that takes its place only when it is complete; dropped before [`Staged::commit`], it leaves nothing behind.
+/// A file that replaces its target only when complete; dropped before [`Staged::commit`], it leaves nothing behind.
 #[derive(Debug)]
 pub struct Staged {
     target: PathBuf,
@@ -56,9 +56,9 @@ pub struct Staged {
 
 #[derive(Debug)]
 enum To {
-    /// Beside its target, in whose place it will be renamed.
+    /// Beside its target; renamed to it at the end.
     File(NamedTempFile),
-    /// A device or a pipe takes bytes; a file in its place would not be what was meant.
+    /// A device or a pipe takes the bytes directly: it must not be replaced by a file.
     Device(File),
 }
 
@@ -94,7 +94,7 @@ impl Staged {
         Ok(Staged { target, to: To::File(file) })
     }
 
-    /// Puts the file into its place; until then the old content stands there.
+    /// Moves the file to its target, which keeps its old content until then.
     ///
     /// # Errors
     /// Those of the file system; the old content still stands.
@@ -202,7 +202,7 @@ impl Outputs {
         self.folders.create(folder).map_err(|error| OutputError::Io { output: folder.into(), error })
     }
 
-    /// One file with its content, as yet beside its place.
+    /// One file with its content, staged beside its target.
     ///
     /// # Errors
     /// An input, a second output of that name, or a refusal of the file system.
@@ -223,7 +223,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// One file that is written bit by bit, beside its place until the commit; a device or a pipe takes it at once.
+    /// One file that is written bit by bit, beside its target until the commit; a device or a pipe takes it at once.
     ///
     /// # Errors
     /// As [`Outputs::put`].
@@ -241,7 +241,7 @@ impl Outputs {
         }
     }
 
-    /// Puts every file into its place, in the order in which they came.
+    /// Moves every file to its target, in the order of arrival.
     ///
     /// # Errors
     /// Those of the file system: what could be refused was when it was put, so that one here is a disk that fails.

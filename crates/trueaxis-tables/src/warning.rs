@@ -259,7 +259,7 @@ fn velocity_steps(machine: &Machine, settings: &AxisSettings) -> Option<Warning>
         return None;
     }
     let step = |component, reverse| Curve::new(settings, rows, component, reverse).slope_step();
-    // What reaches a drive: the translations, and the own error of a rotary axis.
+    // Components that reach a drive: the translations, and the own error of a rotary axis.
     let own = settings.axis.index();
     let components = (0..3).chain((own >= 3).then_some(own));
     let steps = components.map(|component| (component, step(component, false).max(step(component, true))));

@@ -83,7 +83,7 @@ fn linuxcnc_refuses_what_would_be_cut_off() {
         assert!(error.to_string().contains(fragment), "{error}");
     }
     assert!(refusal(TYPE_0, "0 0 0\n1 1 1\n", None).found.contains("no axis"));
-    // What LinuxCNC reads without loss is read: trailing blank lines, a comment after the third number.
+    // Lines that LinuxCNC reads without loss are accepted: trailing blank lines, a comment after the third number.
     read(TYPE_0, "0 0 0 # home\r\n  1\t1 1\r\n\r\n", Some(Axis::X));
 }
 

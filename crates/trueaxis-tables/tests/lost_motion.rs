@@ -1,4 +1,4 @@
-//! Lost motion: what of it is refused, and what is said of it.
+//! Lost motion: refusals and warnings.
 
 use std::fs;
 use std::path::Path;

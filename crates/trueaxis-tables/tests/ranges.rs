@@ -1,4 +1,4 @@
-//! Every number of every file has a range: outside it is refused with its place, by the bench and by the controller alike.
+//! Every number of every file has a range: a value outside is refused with its position, by bench and controller alike.
 //!
 //! The keys come from the reader itself, the ranges from the list in compensation-tables/README.md.
 
@@ -267,7 +267,7 @@ fn no_number_of_another_controls_file_is_absurd() {
     }
 }
 
-/// What the bench passes the controller runs, in both scalars: a setting that only the step's own stages refuse.
+/// The controller runs all that the bench passes, in both scalars; here a setting that only the step's stages refuse.
 #[test]
 fn what_the_controller_refuses_the_bench_refuses() {
     let (text, line) = with("contour.max_lag_mm", 0, 1, "5000");

@@ -152,7 +152,7 @@ impl TableRule {
     }
 }
 
-/// Where a table is wrong.
+/// Location of a fault in a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct TableFault {

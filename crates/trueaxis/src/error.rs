@@ -1,4 +1,4 @@
-//! The two kinds of error: what a configuration may get wrong at build, what a cycle may meet at run time.
+//! The two kinds of error: an invalid configuration at build, a fault of a cycle at run time.
 
 mod field;
 
@@ -7,7 +7,7 @@ pub use field::{Field, Key};
 use crate::axis::Axis;
 use core::fmt;
 
-/// What a configuration got wrong, with the figure that was found and what is needed in its place.
+/// An invalid setting, with the value found and the one required.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -18,9 +18,9 @@ pub struct ConfigError {
     pub axis: Option<Axis>,
     /// Which element, where the setting is a list (row of a table, from 0).
     pub index: Option<u32>,
-    /// What was found, in the setting's unit inside the core (mm, degrees, seconds).
+    /// The value found, in the setting's unit inside the core (mm, degrees, seconds).
     pub found: f64,
-    /// What is needed.
+    /// The value required.
     pub needed: &'static str,
     /// The figure that `needed` speaks of where it follows from other settings, in the unit of `found`.
     pub bound: Option<f64>,
@@ -89,7 +89,7 @@ impl fmt::Display for Figure {
     }
 }
 
-/// What a servo cycle met; carried in its output and telemetry.
+/// Fault of a servo cycle; reported in its output and telemetry.
 ///
 /// Three classes. *Bad feedback* (1 to 15): the correction freezes, the command passes. *Bad command* (16 to 31): the
 /// output holds and a stop request is latched until a reset near the held position. *Refused at start* (32 and above):

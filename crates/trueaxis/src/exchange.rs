@@ -5,7 +5,7 @@
 use core::cell::Cell;
 use critical_section::Mutex;
 
-/// A one-place mailbox: the task offers a new configuration, the interrupt takes it before its next cycle.
+/// A mailbox with one slot: the task offers a new configuration, the interrupt takes it before its next cycle.
 ///
 /// Both sides spend a critical section of a few instructions. The state of the step goes on with the new tables and
 /// the limiter leads the correction over, so the exchange is bumpless in mid-motion.

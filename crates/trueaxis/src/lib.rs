@@ -1,7 +1,7 @@
 //! Geometric error compensation and true contour error inside the servo step of an open CNC controller.
 //!
 //! Once per servo period the host calls [`ServoLoop::step`] with the commanded positions, the encoder readings and the
-//! place on the programmed path; it gets back what to send to the drives, and how far the tool is from its path:
+//! position on the programmed path; it returns the drive commands and the distance of the tool from its path:
 //!
 //! ```text
 //! command ──► sample ──► compensation ──────────────► output ──► drives

@@ -17,11 +17,11 @@
 //! Δc   = want clamped to [max(−V, v − a, −U(C + c, a)), min(V, v + a, U(C − c, a))],   v = Δc of the last cycle
 //! ```
 //!
-//! U(d, b) is the largest speed from which whole cycles of deceleration b stop within d. What to know: a ramp just below
+//! U(d, b) is the largest speed from which whole cycles of deceleration b stop within d. Note: a ramp just below
 //! V started from rest is caught up with slowly, one above V never; a target that jitters by more than a per cycle is
 //! followed with chatter; limits lowered in motion are reached with a. All of it is flagged *limited*.
 //!
-//! Where a drive is held, c is what stands between it and the held command: it does not change, its speed is cut to zero,
+//! While a drive is held, c stays the difference between drive and held command: its speed is cut to zero,
 //! and it goes on from there ([`Limiter::hold`]).
 
 #![deny(clippy::indexing_slicing)]
@@ -179,7 +179,7 @@ impl<R: Real> Limiter<R> {
     }
 }
 
-/// Time in which a correction at rest is brought by `way`, mm (deg), to a target at rest, s.
+/// Time to move a correction at rest by the distance `way`, mm (deg), to a target at rest, s.
 ///
 /// With V and A the limits in seconds, by the law above without its rounding to whole cycles: A up to the speed v, 0.8 A
 /// down from it,

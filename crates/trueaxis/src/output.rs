@@ -1,4 +1,4 @@
-//! Last stage: the wanted correction becomes what the drives get, and what the host sees of its feedback.
+//! Last stage: from the wanted correction to drive commands and to the feedback that the host sees.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -16,7 +16,7 @@ pub(crate) struct OutputStage<R, P, const N: usize> {
     joint: [[P; 2]; N],
 }
 
-/// What was sent last.
+/// Positions and corrections sent last.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OutputState<R, P, const N: usize> {
     limited: [LimiterState<R>; N],
@@ -40,7 +40,7 @@ impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
         &self.drive
     }
 
-    /// Where a command and the corrections sent last put the drives.
+    /// Drive positions for a command with the corrections sent last.
     pub(crate) fn drive_at(&self, command: &[P; N]) -> [P; N] {
         let mut drive = *command;
         for (drive, limited) in drive.iter_mut().zip(&self.limited) {
@@ -50,7 +50,7 @@ impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
     }
 }
 
-/// What goes out in a cycle.
+/// Output of a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Applied<R, P, const N: usize> {
     pub(crate) drive: [P; N],
@@ -79,7 +79,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         Ok(stage)
     }
 
-    /// Command plus limited correction, held where it must be; feedback without the correction. What goes out is decided
+    /// Command plus limited correction, held where necessary; feedback without the correction. The output is decided
     /// before anything is remembered: where the output holds, drive and correction of the last cycle stay.
     #[inline(always)]
     pub(crate) fn apply(

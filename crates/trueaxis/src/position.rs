@@ -77,7 +77,7 @@ pub struct Nanometres(pub i32);
 impl Position for Nanometres {
     #[inline(always)]
     fn of(x: f64) -> Nanometres {
-        // Not a number must not become a place: the cast would make it zero.
+        // Not a number must not become a position: the cast would make it zero.
         if x.is_nan() { Nanometres(i32::MIN) } else { Nanometres(libm::rint(x * 1e6) as i32) }
     }
     fn nearest(x: f64) -> Nanometres {

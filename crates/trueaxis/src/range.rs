@@ -79,7 +79,7 @@ pub const JOINT: ByKind = ByKind::new(
     Range::new(-1_000_010.0, 1_000_010.0, "-1000010 to 1000010 mm"),
     Range::new(-1_000_000_010.0, 1_000_000_010.0, "-1000000010 to 1000000010 degrees"),
 );
-/// Lengths between the parts of a machine: tool, offsets of frames, place of measurement.
+/// Lengths between the parts of a machine: tool, offsets of frames, position of measurement.
 pub const LENGTH: Range = Range::new(-1e6, 1e6, "-1e6 to 1e6 mm");
 /// Distance of two lines of a table, mm or degrees: a micrometre, below what any instrument sets.
 pub const LEAST_PITCH: f64 = 1e-3;
@@ -128,7 +128,7 @@ pub const THERMAL_OFFSET: ByKind = ByKind::new(
 pub const EXPANSION: Range = Range::new(-1e-3, 1e-3, "-1000 to 1000 millionths per K");
 /// Temperature at which tables hold: that of a hall, an oven or a cold store.
 pub const TEMPERATURE: Range = Range::new(-50.0, 150.0, "-50 to 150 degrees Celsius");
-/// Plausible jumps, the stuck distance, the way of a restart, mm or degrees: a nanometre to a metre.
+/// Plausible jumps, the stuck distance, the resume distance, mm or degrees: a nanometre to a metre.
 pub const PLAUSIBLE: Range = Range::new(1e-6, 1e3, "1e-6 to 1000 mm or degrees");
 /// Command jump as a multiple of what the highest feed allows.
 pub const JUMP_FACTOR: Range = Range::new(1.0, 1e3, "a factor of 1 to 1000");
@@ -155,7 +155,7 @@ pub const RADIUS: Range = Range::new(1e-3, 1e4, "0.001 to 10000 mm");
 pub const ARM_TOLERANCE: Range = Range::new(1e-6, 90.0, "a tolerance of 1e-6 to 90 degrees");
 /// Time after which a spindle stands.
 pub const STOP: Range = Range::new(1e-3, 60.0, "a time of 0.001 to 60 s");
-/// Angles between probes, and from a probe to the wheel: a turn either way.
+/// Angles between probes, and from a probe to the wheel: a turn in either direction.
 pub const ANGLE: Range = Range::new(-360.0, 360.0, "-360 to 360 degrees");
 /// Delay of a drive.
 pub const DRIVE_DELAY: Range = Range::new(0.0, 0.1, "a delay of 0 to 0.1 s");

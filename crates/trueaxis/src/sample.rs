@@ -8,7 +8,7 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::telemetry::Status;
 
-/// What the host hands over in a servo cycle.
+/// Input of a servo cycle.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Input<P, const N: usize> {
@@ -27,7 +27,7 @@ pub struct Input<P, const N: usize> {
     pub enable: bool,
     /// Releases a latched stop request (on its rising edge, near the held position).
     pub reset: bool,
-    /// What came before the step has no command for this cycle and why ([`crate::ServoLoop::rtcp`]): it is held, whatever
+    /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command for this cycle: the output holds, whatever
     /// `command` says. [`Refusal::NONE`] otherwise.
     pub refusal: Refusal,
 }
@@ -109,7 +109,7 @@ impl EncoderScale<crate::position::Nanometres> {
     }
 }
 
-/// How a cycle is to be treated, after the sample has been looked at.
+/// Treatment of a cycle, decided from its sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Verdict {
@@ -146,7 +146,7 @@ pub(crate) struct Sample<P, const N: usize> {
     pub(crate) feedback: [P; N],
     pub(crate) verdict: Verdict,
     pub(crate) fault: Fault,
-    /// Place of the axis that the fault belongs to.
+    /// Slot of the axis that the fault belongs to.
     pub(crate) axis: u8,
     /// No cycle before this one had a command that was accepted.
     pub(crate) first: bool,
@@ -173,11 +173,11 @@ pub(crate) struct Sampler<R, P, const N: usize> {
     per_period: R,
 }
 
-/// What the stage remembers.
+/// State of the stage.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleState<R, P, const N: usize> {
     started: bool,
-    /// Held before anything was commanded: a bit for every axis whose place is known.
+    /// While holding before the first command: a bit for every axis whose position is known.
     known: u8,
     active: bool,
     reset: bool,
@@ -187,7 +187,7 @@ pub(crate) struct SampleState<R, P, const N: usize> {
     feedback: [P; N],
     /// Cycles since the last believed reading.
     missing: [u16; N],
-    /// Commanded way since the reading last changed.
+    /// Commanded distance since the reading last changed.
     unmoved: [R; N],
 }
 
@@ -458,7 +458,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
-    /// Held before anything was ever commanded: the place to hold is where the machine stands, as last read, in the
+    /// Holding before the first command: the position to hold is that of the machine as last read, in the
     /// cycle in which the last of its axes has been read. Returns whether it is known.
     #[cold]
     fn placed(state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> bool {

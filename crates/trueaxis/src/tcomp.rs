@@ -47,7 +47,7 @@ pub fn machine_id(name: &str, chain: &str) -> u32 {
     digest.finalize()
 }
 
-/// What stands before the lines of a table.
+/// Header of a table, before its lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TableHeader {
     /// The axis has a table; everything below is zero where it has not.
@@ -98,7 +98,7 @@ pub enum TcompError {
     PayloadTooLong = 9,
     /// The id does not belong to the name and the chain.
     MachineId = 10,
-    /// What is decoded makes no sense for a machine.
+    /// The decoded content is no valid machine.
     Content(ConfigError) = 11,
     /// Made for another machine.
     WrongMachine = 12,
@@ -159,7 +159,7 @@ impl TableData<'_> {
         core::array::from_fn(|component| self.header.given >> component & 1 == 1)
     }
 
-    /// Whether forward and reverse are told apart; otherwise both are the same.
+    /// Whether forward and reverse differ; otherwise both are the same.
     pub fn bidirectional(&self) -> bool {
         self.header.bidirectional
     }
@@ -230,7 +230,7 @@ impl<'a> Tcomp<'a> {
     /// Allocates nothing and never panics, whatever the bytes. Cost: linear in the file's length.
     ///
     /// # Errors
-    /// What is wrong with it; the first thing found.
+    /// The first defect found.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, TcompError> {
         let (magic, rest) = split::<8>(bytes)?;
         if magic != MAGIC {

@@ -2,7 +2,7 @@
 //!
 //! The step fills a [`Record`] in the scalars it computes with. Below the step, a task of lower priority turns records
 //! into [`Frame`]s (SI-near units, the same for every build of the plugin) and those into COBS frames of postcard:
-//! each ends with a zero byte, so that a receiver finds its place again after a loss, and the sequence number tells how
+//! each ends with a zero byte, so that a receiver resynchronizes after a loss, and the sequence number shows how
 //! many are missing. A gauge of three probes adds a [`RoundnessFrame`] for every revolution it has evaluated.
 
 #![deny(clippy::indexing_slicing)]
@@ -79,7 +79,7 @@ pub struct Record<R: Real, P, const N: usize> {
     pub encoder: ContourError<R>,
     /// Orientation contour error of the estimated tool, rad; 0 in a step without tool.
     pub orientation: R,
-    /// How that was found; *not found* in a step without tool.
+    /// Flags of that search; *not found* in a step without tool.
     pub orientation_flags: Flags,
 }
 

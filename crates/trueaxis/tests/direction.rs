@@ -70,7 +70,7 @@ fn input(command: [f64; 3]) -> Input<f64, 3> {
     Input { command, feedback: command, homed: true, enable: true, ..Input::at_rest(PERIOD_NS) }
 }
 
-/// Play between a drive and its carriage, as it is: a share of its width that is traversed by the way the drive goes.
+/// Play between a drive and its carriage: a fraction of its width, traversed as the drive moves.
 struct Play {
     width: f64,
     reverse: f64,
@@ -110,7 +110,7 @@ fn a_straightness_correction_takes_up_the_play_of_the_axis_that_it_moves() {
         let error = out.drive[1] + straightness_of(&tables[0], x) + play.follow(out.drive[1]);
         let slope = (std::f64::consts::TAU * x / WAVE_MM).cos();
         worst = worst.max(error.abs());
-        // A reversal at the crest of a wave takes some way to cross the band.
+        // A reversal at the crest of a wave takes some distance to cross the band.
         if slope.abs() > 0.25 {
             let reverse = slope > 0.0;
             let asked = -straightness_of(&tables[0], x) - if reverse { PLAY_MM } else { 0.0 };
@@ -186,7 +186,7 @@ fn a_reversal_while_readings_are_missing_counts() {
         let mut run = with_play();
         run.stand([10.0, 0.0, 0.0]);
         let steps = 300;
-        // There and back to a place beyond the start: only the way back tells the direction.
+        // There and back to a position beyond the start: only the return shows the direction.
         for n in 0..=2 * steps {
             let part = f64::from(if n <= steps { n } else { 2 * steps - n }) / f64::from(steps);
             let x =
@@ -203,7 +203,7 @@ fn a_held_drive_has_no_direction() {
     let mut run = with_play();
     let before = run.stand([10.0, 0.0, 0.0]);
     run.cycle(&Input { feedback: before.drive, ..input([f64::NAN, 0.0, 0.0]) });
-    // What is commanded meanwhile moves nothing.
+    // Commands in the meantime move nothing.
     for n in 0..500 {
         let away = Input { feedback: before.drive, ..input([10.0 - 0.01 * f64::from(n), 0.0, 0.0]) };
         assert!(run.cycle(&away).stop_requested());
@@ -230,7 +230,7 @@ fn a_correction_against_the_travel_needs_a_wider_band() {
     assert!(servo(&machine, &tables).is_ok());
 }
 
-/// What two axes' reversals do to each other, and to themselves: µm that a table gives more in negative travel.
+/// Effect of two axes' reversals on each other and on themselves: µm that a table gives more in negative travel.
 fn any_steps() -> impl Strategy<Value = [[f64; 3]; 3]> {
     let step = prop_oneof![2 => Just(0.0), 3 => -1.5..1.5f64, 1 => 0.0..8.0f64];
     prop::array::uniform3(prop::array::uniform3(step))

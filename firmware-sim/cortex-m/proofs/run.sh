@@ -34,7 +34,7 @@ prove() {
             exit 1
         }
     done
-    # What a panic or an allocation needs; the host's C library, linked at run time, is not asked for either.
+    # Symbols that a panic or an allocation needs; the host's C library, linked at run time, is not asked for either.
     if grep -E 'panicking|__rust_alloc|__rg_alloc|[UT] (malloc|calloc|realloc)' <<<"$symbols"; then
         echo "$core: a panic or an allocation is in the program" >&2
         exit 1

@@ -1,4 +1,4 @@
-//! What the images share: the board.
+//! The board, shared by the images.
 
 #![no_std]
 

@@ -1,4 +1,4 @@
-//! What is flashed apart from the image: tables and a recording, each in a region of its own (`memory.x`).
+//! Data flashed apart from the image: tables and a recording, each in a region of its own (`memory.x`).
 
 use core::ptr::addr_of;
 

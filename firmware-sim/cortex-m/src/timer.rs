@@ -60,7 +60,7 @@ impl Tally {
         self.most = self.most.max(instructions);
     }
 
-    /// How many there are.
+    /// Number of them.
     pub fn count(&self) -> u32 {
         self.count
     }

@@ -61,7 +61,7 @@ pub struct ContourSeries {
     pub servo_only: Vec<[f64; 2]>,
     /// Path lengths at which the curves are interrupted, ascending, mm: what lies between was not cutting.
     pub breaks: Vec<f64>,
-    /// Where each program line begins: path length in mm and line number.
+    /// Start of each program line: path length in mm and line number.
     pub program_lines: Vec<(f64, u32)>,
 }
 
@@ -117,8 +117,8 @@ pub struct FaultEntry {
     pub time_s: f64,
     /// Its code or name.
     pub code: String,
-    /// What happened, in words.
+    /// Description in words.
     pub description: String,
-    /// In how many cycles it was reported.
+    /// Number of cycles in which it was reported.
     pub cycles: u64,
 }

@@ -1,4 +1,4 @@
-/* The two functions of the servo thread: feedback on its way to motion-controller, command on its way to the drives.
+/* The two functions of the servo thread: feedback for motion-controller, command for the drives.
  *
  *   motor-pos-fb  --update-feedback-->  joint.N.motor-pos-fb  = raw - correction sent
  *   motion-controller

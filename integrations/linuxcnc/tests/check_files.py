@@ -50,7 +50,7 @@ def streamed(folder, inch, unit):
     expect(code == 0, "halrun", printed)
     expected, before = [], None
     for x in way:
-        # Where the tool is told to be x: y + 1e-4 y = x, and Z is off by 5e-5 y. The first cycle passes the command.
+        # Tool commanded to x: y + 1e-4 y = x, and Z is off by 5e-5 y. The first cycle passes the command.
         y = x / 1.0001 if before is not None else x
         z = -5e-5 * y if before is not None else 0.0
         back = before + home if before is not None else 0.0

@@ -12,7 +12,7 @@ from machines import DEFAULT_LIMITS, TRUEAXIS, compile_tables, mill
 from recording import Recording
 from rig import expect
 
-# Trims of LinuxCNC, up to 12 um, are single precision: rounding of one of them, and of two in the slope of a piece.
+# Trims of LinuxCNC, up to 12 um, are single precision: rounding of one of them, and of two in the slope of a segment.
 TRIM_ROUNDING = 3.0 * 2.0**-24 * 0.012
 
 
@@ -64,7 +64,7 @@ def compared(run, table):
         if not active or not direction or limited or slope is None or abs(position - turned) < 0.05:
             skipped += active != 0 and direction != 0 and sign != 0
             continue
-        # Ours is looked up where the motor goes, theirs where the command is: on a straight piece that is the slope.
+        # Ours is looked up where the motor goes, theirs where the command is: on a straight segment that is the slope.
         same = ours * (1.0 - slope)
         if sign:
             worst, moving, arrived = max(worst, abs(theirs - same)), moving + 1, same

@@ -64,7 +64,7 @@ fn figure(points: &[[f64; 2]], base: &ReferenceCircle, circles: [Option<&Referen
     )
 }
 
-/// Where the rays from the base's centre meet a circle, µm beyond the base; circles that do not surround the centre are
+/// Points where the rays from the base's centre meet a circle, µm beyond the base; circles not around the centre are
 /// seen at the nearest point of the ray.
 fn around(base: &ReferenceCircle, centre: [f64; 2], radius: f64) -> Vec<f64> {
     let [x, y] = [centre[0] - base.centre[0], centre[1] - base.centre[1]];

@@ -86,7 +86,7 @@ pub(super) fn read(rows: &mut Rows<4>, points: usize, band: Band) -> Result<([Ve
     readings.iter_mut().for_each(|probe| probe.resize(revolutions * points, 0.0));
     let (mut max, mut sum) = (0.0_f64, 0.0);
     for (turn, i) in (begin..).take(revolutions * points).enumerate() {
-        // A revolution may begin at any angle; its points stand at their places.
+        // A revolution may begin at any angle; each point stands at its own index.
         let slot = turn / points * points + i.rem_euclid(points as i64) as usize;
         let (six, four) = trace.at(i as f64 * step);
         for ((readings, six), four) in readings.iter_mut().zip(six).zip(four) {

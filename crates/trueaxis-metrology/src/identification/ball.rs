@@ -1,4 +1,4 @@
-//! Where the ball is, and what was read there.
+//! Position of the ball, and the readings taken there.
 
 #![deny(clippy::indexing_slicing)]
 

@@ -11,7 +11,7 @@
 //!                     └───────────────────────────── corrected command ◄──────────────────────────────┘
 //! ```
 //!
-//! Linear axes are taken for perfect: what is shown is what the rotary axes cause and what is left of it.
+//! Linear axes are taken as perfect: the results show the errors of the rotary axes, and the residuals.
 //!
 //! Source: CN105479268A (cycle and set-ups).
 
@@ -70,7 +70,7 @@ fn rotary_only(machine: &Machine) -> Result<Machine> {
     Ok(machine)
 }
 
-/// Place of an axis among those of the machine.
+/// Index of an axis among those of the machine.
 fn place(machine: &Machine, axis: Axis) -> Option<usize> {
     machine.settings.axes.iter().position(|settings| settings.axis == axis)
 }

@@ -73,7 +73,7 @@ impl ArcLength {
         // Slopes beyond three times the secant would make the cubic run backwards (Fritsch and Carlson 1980).
         let steepest = 3.0 * (b - a) / length;
         let slope = |u: f64| (1.0 / curve.speed(u)).min(steepest);
-        // The derivative at b belongs to the piece before it: approach from inside.
+        // The derivative at b belongs to the interval before it: approach from inside.
         let inside = b - (b - a) * 1.0e-9;
         let first = Node { s: start, u: a, after: slope(a), before: 0.0 };
         let last = Node { s: start + length, u: b, after: 0.0, before: slope(inside) };

@@ -189,7 +189,7 @@ impl Plant {
         self.cycle = 0;
     }
 
-    /// Cycle of the fault script; far beyond its end while it is held.
+    /// Cycle of the fault script; far beyond its end while the script is paused.
     fn script_cycle(&self) -> u64 {
         if self.faults_held { u64::MAX } else { self.cycle }
     }

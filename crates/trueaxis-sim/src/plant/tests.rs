@@ -151,7 +151,7 @@ fn negative_travel_stays_behind_by_the_backlash() {
     let reversal = travel(&mut plant, -5.0, 2000);
     assert!((behind(&plant, 0) - 8e-3).abs() < 1e-12);
     assert!(behind(&plant, 1).abs() < 1e-12);
-    // In the play the carriage stands: several cycles at the same place, between both ends.
+    // In the play the carriage stands: several cycles at the same position, between both ends.
     let inside: Vec<f64> = reversal.iter().filter(|(b, _)| *b > 1e-9 && *b < 8e-3 - 1e-9).map(|s| s.1).collect();
     assert!(inside.len() > 10, "{}", inside.len());
     let spread = inside.iter().copied().fold(f64::MIN, f64::max) - inside.iter().copied().fold(f64::MAX, f64::min);

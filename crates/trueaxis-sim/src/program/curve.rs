@@ -157,12 +157,12 @@ impl Curve {
         breaks
     }
 
-    /// C(u) in mm; u outside the domain continues the first or last piece.
+    /// C(u) in mm; u outside the domain continues the first or last polynomial.
     pub fn position(&self, u: f64) -> [f64; 3] {
         self.derivatives(u).position
     }
 
-    /// C, C', C'' at u; at an inner knot, those of the piece after it.
+    /// C, C', C'' at u; at an inner knot, those of the polynomial after it.
     pub fn derivatives(&self, u: f64) -> Derivatives {
         let (position, first, second) = self.vectors(u);
         Derivatives { position: position.into(), first: first.into(), second: second.into() }

@@ -6,7 +6,7 @@ use super::{Curve, Move, Program, ProgramError, Turn};
 /// Largest file, bytes.
 pub const MOST_BYTES: u64 = 256 * 1024 * 1024;
 
-/// Most pieces of path a program may come to: 8 mm or 30° of a curve, 5° of a rotary axis, at least one a move.
+/// Most spans that a program may have: 8 mm or 30° of a curve, 5° of a rotary axis, at least one a move.
 pub const MOST_PIECES: u64 = 2_000_000;
 
 /// Most turns of one arc or helix.

@@ -15,8 +15,8 @@
 //! | G90, G91; G90.1, G91.1 | end points; centres: absolute, incremental |
 //! | F, G94 | feed per minute along X Y Z, or in degrees where none of them moves |
 //! | F, G93 | inverse time: the move takes 1/F minutes; F in every line of a feed motion |
-//! | G54 to G59.3, G10 L2 L20, G52, G92 to G92.3 | where coordinates count from: [`Offsets`] |
-//! | G53, G28, G30, G28.1, G30.1 | machine coordinates of a line; stored places |
+//! | G54 to G59.3, G10 L2 L20, G52, G92 to G92.3 | origin of the coordinates: [`Offsets`] |
+//! | G53, G28, G30, G28.1, G30.1 | machine coordinates of a line; stored positions |
 //! | G43 H, G43.1, G43.2, G49 | tool length: [`ToolTable`] |
 //! | G43.4 H, G49 | tool centre point mode on, off: X Y Z are the tip in workpiece coordinates |
 //! | G61.1, G4, M0, M1, M6, M60 | the axes come to rest |

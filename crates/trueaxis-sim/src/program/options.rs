@@ -7,7 +7,7 @@ use super::{Offsets, ToolTable};
 pub struct ReadOptions {
     /// Tools for G43; without it they have no length.
     pub tools: Option<ToolTable>,
-    /// Work offsets and stored places; without it they are zero.
+    /// Work offsets and stored positions; zero without it.
     pub offsets: Option<Offsets>,
     /// Whether lines that begin with `/` are left out.
     pub block_delete: bool,

@@ -1,4 +1,4 @@
-//! Words that set where coordinates count from, and those that go to fixed places: G10, G28, G30, G43, G49, G52, G54 to
+//! Words that set the origin of coordinates, and those that go to fixed positions: G10, G28, G30, G43, G49, G52, G54 to
 //! G59.3, G92.
 
 use super::block::{AXIS_LETTERS, Block};
@@ -206,7 +206,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// With the tool centre point on, places of the axes are not known from X Y Z alone.
+    /// With the tool centre point on, positions of the axes are not known from X Y Z alone.
     pub(super) fn refuse_tool_center(&self, line: u32, word: &str) -> Result<(), Refusal> {
         if self.builder.tool_center {
             return Err(Refusal::new(line, format!("{word} with G43.4"), "G49 before it"));

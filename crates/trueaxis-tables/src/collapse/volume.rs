@@ -1,4 +1,4 @@
-//! Where the tables shall hold.
+//! Volume in which the tables must hold.
 
 use super::{CollapseError, CollapseOptions, FREE_NODES, LINEAR, wrong};
 use crate::Machine;
@@ -7,7 +7,7 @@ use trueaxis::machine::{AXES, Axis, AxisSettings};
 /// The working volume and the pose of the rotary axes, checked against the machine.
 #[derive(Clone, Debug)]
 pub(super) struct Volume {
-    /// Place of X, Y, Z among the machine's axes.
+    /// Indices of X, Y, Z among the machine's axes.
     pub(super) slots: [Option<usize>; 3],
     /// Ends, mm; both zero for an axis that the machine lacks.
     pub(super) ends: [[f64; 2]; 3],

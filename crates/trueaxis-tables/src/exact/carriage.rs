@@ -1,4 +1,4 @@
-//! One axis' carriage: what it does and what it errs by.
+//! One axis' carriage: its motion and its errors.
 
 use super::table::ErrorTable;
 use crate::Table;

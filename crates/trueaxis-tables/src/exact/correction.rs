@@ -1,4 +1,4 @@
-//! Where the axes must be sent so that the exact geometry puts the tool where it belongs.
+//! Axis positions at which the exact geometry puts the tool at its commanded pose.
 
 use super::{Geometry, into_frame, side};
 use glam::{DMat3, DVec3};
@@ -140,7 +140,7 @@ impl Turns {
 
     /// Corrections, rad, that take away the error `wrong` of the direction, found with the corrections `so_far` (degrees).
     fn back(&self, wrong: DVec3, so_far: &[f64; AXES]) -> Vec<(usize, f64)> {
-        // What the machine errs by is what is seen without what the correction itself moves.
+        // The machine's error is the error seen, less the motion due to the correction itself.
         let moved: DVec3 = self.axes.iter().map(|&(slot, column)| column * so_far[slot].to_radians()).sum();
         let error = wrong - moved;
         if let [(slot, only)] = self.axes.as_slice() {

@@ -15,7 +15,7 @@ pub(super) fn machine(chain: &str) -> Machine {
     Machine { settings, tables }
 }
 
-/// Place of `axis` among the machine's axes.
+/// Index of `axis` among the machine's axes.
 pub(super) fn slot(machine: &Machine, axis: Axis) -> usize {
     machine.settings.axes.iter().position(|own| own.axis == axis).unwrap()
 }

@@ -50,8 +50,8 @@ fn a_workpiece_carriage_moves_and_errs_the_other_way_round() {
         set_constant(&mut m, Axis::X, [5e-3, 1e-3, -2e-3, 0.0, 0.0, 0.0]);
         assert_near(tip(&m, &[100.0, 200.0, 300.0]), [5e-3, 1e-3, -2e-3], 1e-12);
     }
-    // Its yaw acts on the whole way from the workpiece carriage to the tip, p_w = R(w) ((x, y, z) + e); what it does along
-    // the line of the measurement, w × (x, 0, 0), the table's straightness has already: e = (0, −w x, 0).
+    // Its yaw acts on the whole distance from workpiece carriage to tip, p_w = R(w) ((x, y, z) + e); its effect along
+    // the line of the measurement, w × (x, 0, 0), is in the table's straightness already: e = (0, −w x, 0).
     let w: f64 = 50e-6;
     let mut m = machine("w X' b Y Z t");
     set_constant(&mut m, Axis::X, [0.0, 0.0, 0.0, 0.0, 0.0, w]);

@@ -19,7 +19,7 @@
 //! Location errors: `X0C` there is `EX0C` here; only `A0Z`, `B0Z`, `C0Y` of the linear axes and all six of the rotary ones
 //! exist here, others must be 0.
 //!
-//! Where the errors hold: tool of length zero, the other linear axes at zero, the rotary axes at zero. Tables measured elsewhere
+//! The errors hold for a tool of length zero, the other linear and the rotary axes at zero. Tables measured elsewhere
 //! (`measured_at_mm`) are moved there, e = e_measured − w × l at every line.
 //!
 //! Chain, senses, tool, offsets, interpolation and `[compensation]` have no columns. They are written as comments and read back:

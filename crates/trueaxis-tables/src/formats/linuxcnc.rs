@@ -30,7 +30,7 @@ use trueaxis::machine::{Axis, LocationErrors};
 
 /// Most points of a joint (`EMCMOT_COMP_SIZE`).
 pub const MAX_POINTS: usize = 256;
-/// Longest line, without its end, that LinuxCNC's buffer of 255 bytes takes in one piece.
+/// Longest line, without its end, that LinuxCNC's buffer of 255 bytes takes in one read.
 pub const MAX_LINE: usize = 253;
 
 /// `COMP_FILE_TYPE`.

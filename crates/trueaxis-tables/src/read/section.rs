@@ -7,7 +7,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A value with the place it stands at.
+/// A value with its line and key.
 pub(super) struct Found<T> {
     pub(super) value: T,
     pub(super) line: u32,

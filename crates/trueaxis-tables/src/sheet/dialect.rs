@@ -4,7 +4,7 @@ use super::lines::{Lines, reader};
 use crate::error::FileError;
 use crate::origin::Origin;
 
-/// Bytes of a file in which decimal commas are told from points.
+/// Bytes of a file in which decimal commas are distinguished from points.
 pub(super) const HEAD: u64 = 1 << 16;
 
 pub(super) const AMBIGUOUS: &str =

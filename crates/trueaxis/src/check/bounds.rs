@@ -1,4 +1,4 @@
-//! How large and how steep the errors of one axis become over its reach.
+//! Bounds of the errors of one axis, and of their slopes, over its reach.
 
 use crate::machine::{Axis, AxisSettings, Curve, MachineSettings, Rows, carries_workpiece};
 

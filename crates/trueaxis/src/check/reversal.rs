@@ -60,7 +60,7 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
             }
         }
     }
-    // Where the reversal of `from` may reverse `to` as well, and whether the same way or the other.
+    // Entries in which a reversal of `from` may reverse `to` too, with the sign.
     let mut leads = [[Leads::default(); AXES]; AXES];
     let mut sums = [0.0; AXES];
     for ((to, axis), sum) in machine.axes.iter().enumerate().zip(&mut sums) {

@@ -206,7 +206,7 @@ fn defaults_of_any_chain_are_sound() {
     assert_eq!(super::machine(&machine, |_| None::<&[Row]>).unwrap_err().field, Field::Table);
 }
 
-/// The step's own evaluation at random places never leaves the range that is checked at build, and reaches most of it.
+/// The step's own evaluation at random positions never leaves the range checked at build, and reaches most of it.
 #[test]
 fn the_range_of_the_error_holds_what_the_step_computes() {
     use crate::compensation::{Compensation, Direction, ThermalLine, requirement};
@@ -344,7 +344,7 @@ fn angular_errors_step_the_tip_by_their_lever() {
     let mut machine = machine_of("w b X Y Z t");
     machine.axes[0].travel = [0.0, 100.0];
     machine.axes[2].offset_mm = [0.0, 0.0, 400.0];
-    // 2 µrad about Y on a lever of 400 mm move the tip by 0.8 µm along X, who knows which way.
+    // 2 µrad about Y on a lever of 400 mm move the tip by 0.8 µm along X, in either direction.
     let x = lost([0.0, 0.0, 0.0, 0.0, 2e-6, 0.0]);
     let tables = |axis| (axis == Axis::X).then_some(x.as_slice());
     assert_eq!(reversal(&machine, tables), Ok(()));

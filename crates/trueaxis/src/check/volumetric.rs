@@ -51,8 +51,8 @@ fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
         let [x, y, z] = by.map(|by| sense * by);
         [[a + x, b + x], [c + y, d + y], [e + z, f + z]]
     };
-    // From a frame that carries the workpiece the way to the tip goes over its own offset, of a frame that carries the
-    // tool over those beyond. A rotary axis that carries the tool turns all of its lever.
+    // From a frame that carries the workpiece, the lever to the tip includes its own offset; from one that carries the
+    // tool, the offsets beyond it. A rotary axis that carries the tool turns all of its lever.
     let mut turned = settings.axis.is_rotary() && !on_workpiece;
     let mut ranges = moved([[0.0; 2]; 3], settings.offset_mm, if on_workpiece { -1.0 } else { 0.0 });
     // Its own travel lies between the frame that it moves and the tool, unless its readings contain that.
@@ -63,7 +63,7 @@ fn way_to_tip<'r, T: Rows + ?Sized + 'r>(
         }
     }
     let mut closed = 0.0;
-    // Where it was measured stands in the carrier's directions, whatever turns beyond.
+    // The position of measurement is in the carrier's directions, whatever turns beyond.
     let mut apart = [0.0; 3];
     for link in beyond {
         let Some(other) = machine.axis(link.axis) else { continue };
@@ -240,7 +240,7 @@ fn rates<'r, T: Rows + ?Sized + 'r>(
     if settings.axis.is_rotary() {
         let radian = 1f64.to_radians();
         let location = rotations(machine, settings, rows(settings.axis), reach(settings, rows(settings.axis)));
-        // Its own twist stands in its carrier's directions; on the tool side the way to the tip turns under it.
+        // Its own twist stands in its carrier's directions; on the tool side the lever to the tip turns with it.
         let under = if on_workpiece { 0.0 } else { norm(&location) * arm };
         [own + (tip + under) * radian, norm(&[a, b, c]) + turn * radian]
     } else {
@@ -355,7 +355,7 @@ pub(super) fn reversal_steps<'r, T: Rows + ?Sized + 'r>(
     let links = links(&machine.chain).unwrap_or_default();
     let orientation = machine.compensation.orientation;
     let [x, y, z, a, b, c] = *twist;
-    // Lost motion has the whole way to the tip for a lever, readings the way from where they were taken.
+    // The lever of lost motion is the whole distance to the tip; that of readings starts where they were taken.
     let (measured, whole) = (lever(machine, rows, moving), way_to_tip(machine, rows, moving, [0.0; 3]));
     let lever =
         core::array::from_fn(|k| measured.get(k).copied().unwrap_or(0.0).max(whole.get(k).copied().unwrap_or(0.0)));

@@ -203,7 +203,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         self.sum_of(at, reverse, clamped, AxisTable::at_cubic)
     }
 
-    /// Translations of all tables, looked up one way.
+    /// Translations of all tables, for one choice of look-up position.
     #[inline(always)]
     fn sum_of(
         &self,

@@ -224,7 +224,7 @@ fn nine_terms_add_up_and_squareness_tilts_the_travel() {
     for k in 0..3 {
         assert!((error[k] - truth[k]).abs() < 1e-15, "{k}");
     }
-    // Beyond the table its edge value is held, the squareness goes on.
+    // Beyond the table its value is clamped, the squareness goes on.
     let at = compensation.coordinates(&[x, 500.0, z]);
     let beyond =
         compensation.errors(&Query::at(&at, &[Direction::POSITIVE; 3], &[ThermalLine::default(); 3]), &mut held);

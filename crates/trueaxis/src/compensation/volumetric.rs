@@ -14,7 +14,7 @@
 //! (and the tip) by its pose. Tables state the tool relative to the workpiece whichever side moves, so the two sides add:
 //! `d = v_t + v_w + (w_t + w_w) × p`.
 //!
-//! Where a table holds: without `measured_at_mm` (zero) at the origin of the axis' moved frame. With it, its translations
+//! A table holds, without `measured_at_mm` (zero), at the origin of the axis' moved frame. With it, its translations
 //! are what is read at a tool of length zero with the other slides there, so `e = e_measured − w × l`, l the position of
 //! that point from the axis' frame. The constant part of l is in the table's polynomials; the own position, part of it
 //! where a slide carries the workpiece, cancels the travel of the slide's own twist.

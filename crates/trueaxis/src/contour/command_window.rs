@@ -22,25 +22,25 @@ mod nearest;
 ///
 /// and its speed 4|c|/(2 + cos α₀ + cos α₁), α the angles between c and the directions: on a circle it is within 1e-10 of
 /// the radius at 6° a span, falling with the sixth power. Where u and v differ by more than 20° there is
-/// a corner, and the spans on either side do not know of each other.
+/// a corner, and the spans on either side are independent of each other.
 ///
 /// Remaining error: where the curvature jumps, as from a line to an arc of radius R, c²/(27 R) (75 nm for 0.1 mm on 5 mm)
 /// in the two spans beside it; corners and turning points between two commands are cut as the commands cut them, and by
 /// up to spacing/200 more. A tool ahead of the newest command has its foot at the path's end, and `tangential` says how
 /// far ahead it is.
 ///
-/// K is the spans in the window, and memory is held for 2 K; numbers go on for ever, so that a
+/// K is the number of spans in the window, with memory for 2 K. Span numbers are never reused, so that a
 /// [`super::ContourState`] stays valid. Nothing is allocated.
 #[derive(Clone, Copy, Debug)]
 pub struct CommandWindow<R, P, const K: usize> {
     /// Every span is in both halves: any K in a row are contiguous somewhere, and no cycle has to move them.
     spans: [[Span<R, P>; K]; 2],
-    /// Place of the newest span in a half, and its number.
+    /// Slot of the newest span in a half, and its number.
     place: usize,
     number: u32,
     /// Spans in the window; none before the first command.
     count: usize,
-    /// The window has been full since the motion began: its first point may be anywhere on the way.
+    /// The window has been full since the motion began: its first point may be anywhere on the path.
     cut: bool,
     /// The span before the open one.
     last: Option<Chord<R, P>>,
@@ -90,9 +90,9 @@ const JUMP: f64 = 8.0;
 impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
     /// An empty window.
     ///
-    /// `plane`: normal of the machining plane, for the signed components; any length. `spacing_mm`: way between two
-    /// points at slow feeds, 0.001 to 1 mm; 0.005 is a good one. At fast feeds every command is a point. The window must
-    /// hold the largest lag: K ≥ lag / max(spacing, way in a cycle).
+    /// `plane`: normal of the machining plane, for the signed components; any length. `spacing_mm`: distance of two
+    /// points at slow feeds, 0.001 to 1 mm; 0.005 is good. At fast feeds every command is a point. The window must
+    /// hold the largest lag: K ≥ lag / max(spacing, travel in a cycle).
     ///
     /// # Errors
     /// No direction; a spacing outside the range.
@@ -156,7 +156,7 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         Path::new(spans, self.number.wrapping_sub(self.count.saturating_sub(1) as u32), false)
     }
 
-    /// Where the newest command lies: at the path's end.
+    /// Position of the newest command: the end of the path.
     #[inline]
     pub fn reference(&self) -> Reference<R> {
         // A point becomes the first span's start.
@@ -164,10 +164,10 @@ impl<R: Real, P: Position, const K: usize> CommandWindow<R, P, K> {
         Reference { span: self.number, t: if moved { R::ONE } else { R::ZERO } }
     }
 
-    /// Contour error of `point` (mm): its distance from the nearest place of the whole window.
+    /// Contour error of `point` (mm): its distance from the nearest point of the whole window.
     ///
     /// Without memory, unlike [`super::ContourSearch`], which follows one foot on a path of long spans: here a span is
-    /// often shorter than what the tool moves in a cycle. Where the window passes the same place twice, the later pass
+    /// often shorter than what the tool moves in a cycle. Where the window passes the same point twice, the later pass
     /// counts; their chords decide which of two spans is nearer. Without [`super::Flags::BRACKETED`] the tool is
     /// further behind than the window reaches. Bounded: K distances from a line, twice the kernel, and at corners four
     /// evaluations more.

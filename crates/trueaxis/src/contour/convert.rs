@@ -121,7 +121,7 @@ pub fn convert<R: Real, P: Position>(
     Maker { number, count: 0, counting: false, plane, sink: &mut sink, position }.segment(segment)
 }
 
-/// How many spans [`convert`] makes of a segment, at most: known before any is made, so that memory can be refused or lent.
+/// Most spans that [`convert`] makes of a segment: known before any is made, so that memory can be lent or refused.
 ///
 /// In time for lines and arcs that does not grow with the number; splines are cut without their spans being formed.
 ///

@@ -38,7 +38,7 @@ pub use span::{Form, OnPath, Path, Reference, Span};
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
 
-/// How a contour error was found, as bits.
+/// Flags of the search for a contour error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Flags(u8);
@@ -104,7 +104,7 @@ pub struct ContourError<R: Real> {
     pub width: R,
     /// Evaluations of the path used (the kernel counts as two).
     pub evaluations: u8,
-    /// How it was found.
+    /// Flags of the search.
     pub flags: Flags,
 }
 

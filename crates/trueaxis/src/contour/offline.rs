@@ -45,7 +45,7 @@ impl<R: Real> ContourSearch<R> {
             next = next.and_then(|n| path.next(n)).filter(|n| ahead < self.max_lag && *n != reference.span);
             previous =
                 previous.and_then(|n| path.previous(n)).filter(|n| behind < self.max_lag && *n != reference.span);
-            // Where the reference lies, counted from the start of the span.
+            // Position of the reference, from the start of the span.
             let before = previous.and_then(|n| path.span(n)).map_or(R::ZERO, Span::length);
             pieces = [next.map(|n| (n, -ahead)), previous.filter(|p| Some(*p) != next).map(|n| (n, behind + before))];
             if next.is_none() && previous.is_none() {

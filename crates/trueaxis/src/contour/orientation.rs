@@ -21,7 +21,7 @@ use crate::real::Real;
 use crate::vector::V3;
 use glam::DVec3;
 
-/// How the tool's direction goes along a span of the path.
+/// Direction of the tool along a span of the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn<R> {
     way: Way<R>,
@@ -164,7 +164,7 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
     /// Orientation error of a tool direction (unit vector, workpiece coordinates), given the tip's foot of this cycle.
     ///
     /// `of_axes`: direction of rotary positions, degrees. Spans on which the tip stands compete with the tip's foot for
-    /// the nearest place of the path, where a tilt counts as the way of a point 100 mm up the tool; without them it is
+    /// the nearest point of the path; a tilt counts as the motion of a point 100 mm up the tool; without them it is
     /// one evaluation of `of_axes`, with them at most twenty-seven.
     #[inline(always)]
     pub fn orientation(
@@ -272,7 +272,7 @@ const STEP_DEG: f64 = 30.0;
 
 /// Parameter of the orientation nearest to `actual`, and the evaluations that took.
 ///
-/// Gauss and Newton's step on |a − b|², with the chord about the place as its tangent, kept within the span and to 30°:
+/// Gauss and Newton's step on |a − b|², with the chord about the point as its tangent, kept within the span and to 30°:
 /// always downhill, and the error shrinks by about ε + (30°)²/8 a step at worst.
 #[inline(always)]
 fn nearest<R: Real>(turn: &Turn<R>, start: R, actual: V3<R>, of_axes: impl Fn([R; 3]) -> R::Vec3 + Copy) -> (R, u8) {

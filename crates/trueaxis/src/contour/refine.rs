@@ -17,7 +17,7 @@ pub(super) struct Found<R> {
     /// Remaining width of the bracket, mm of arc length.
     pub(super) width: R,
     pub(super) flags: Flags,
-    /// The evaluations ran out on the way down to a minimum: the point is good to go on from.
+    /// The evaluations ran out while descending to a minimum: the next cycle can continue from this point.
     pub(super) downhill: bool,
 }
 

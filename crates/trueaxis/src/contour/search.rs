@@ -9,7 +9,7 @@ use crate::position::Position;
 use crate::range::LAG;
 use crate::real::Real;
 
-/// How a bracket is narrowed.
+/// Method by which a bracket is narrowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -39,7 +39,7 @@ pub struct ContourState<R> {
     looked: u16,
     best: Reference<R>,
     best_distance: R,
-    /// Where the next sample is taken.
+    /// Position of the next sample.
     sample: Reference<R>,
 }
 

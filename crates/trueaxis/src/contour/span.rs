@@ -90,7 +90,7 @@ impl<R: Real, P: Position> Span<R, P> {
         }
     }
 
-    /// A cubic from one point over a way, with the derivatives at both ends (all mm); `number` and `plane` as above.
+    /// A cubic from one point over a distance vector, with the derivatives at both ends (all mm); rest as above.
     ///
     /// Real-time: some sixty multiplications and three roots. The arc length is Simpson's, 1e-6 of itself at 20° of turn.
     #[inline(always)]
@@ -377,12 +377,12 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
 pub struct OnPath<'a, R, P> {
     /// The path.
     pub path: Path<'a, R, P>,
-    /// The place.
+    /// Position on it.
     pub reference: Reference<R>,
 }
 
 impl<R: Real, P: Position> OnPath<'_, R, P> {
-    /// The point of the path there, mm; none where the path has no such place.
+    /// The point of the path there, mm; none if the path has no such position.
     pub fn position(&self) -> Option<[P; 3]> {
         let Reference { span, t } = self.reference;
         self.path.span(span).filter(|_| t.is_finite()).map(|span| span.position(t))

@@ -229,7 +229,7 @@ fn segments_that_are_no_path_are_refused() {
     assert_eq!(refused(nurbs(1, &[0.0, 0.0, 0.5, 1.0, 1.0], &[1.0])).field, "weights");
 }
 
-/// Wherever the kernel trusts itself, its distance is right to 1e-6 nm; held against bisection of the same span.
+/// Wherever the kernel trusts itself, its distance is right to 1e-6 nm; compared with bisection of the same span.
 #[test]
 fn the_kernel_is_exact_wherever_it_trusts_itself() {
     let mut random = Noise::new(5);
@@ -303,7 +303,7 @@ fn follow(
     let mut s = lag;
     while s < total {
         let place = |s: f64| search::advance(&path, Reference { span: 0, t: 0.0 }, 0.0_f64.max(s));
-        // advance() goes over 64 pieces at most: walk.
+        // advance() goes over 64 spans at most: walk.
         let walk = |mut s: f64| {
             for (i, span) in all.iter().enumerate() {
                 if s <= span.length() {
@@ -322,7 +322,7 @@ fn follow(
     }
 }
 
-/// Nearest point by brute force over all spans near a place.
+/// Nearest point by brute force over all spans near a position.
 fn brute(all: &[Span<f64, f64>], near: u32, p: V) -> f64 {
     let from = (near as usize).saturating_sub(6);
     let mut best = f64::MAX;
@@ -599,9 +599,9 @@ fn a_million_queries_stay_within_eight_evaluations() {
     assert!(lost < 100, "{lost} of a million lost");
 }
 
-/// Fast over pieces of some hundredths of a millimetre: feet just past a border, again and again. None may send the search
+/// Fast over spans of some hundredths of a millimetre: feet just past a border, many times. None may send the search
 /// cold, and all but a few beside a second minimum are the nearest that
-/// plain search over the same pieces finds.
+/// plain search over the same spans finds.
 #[test]
 fn short_pieces_at_high_feed_leave_the_search_warm() {
     let polynomial = Spline { weights: vec![1.0; Spline::butterfly().points.len()], ..Spline::butterfly() };
@@ -638,7 +638,7 @@ fn short_pieces_at_high_feed_leave_the_search_warm() {
             most = most.max(r.evaluations);
             cold += u32::from(r.flags.has(Flags::COLD));
             open += u32::from(!r.flags.has(Flags::BRACKETED));
-            // Where it costs evaluations, and here and there.
+            // At those that cost evaluations, and at a few others.
             if (n % 61 == 0 || r.evaluations >= 5) && r.flags.has(Flags::BRACKETED) {
                 wrong += u32::from((r.error - brute(&all, r.span, p)).abs() > 1e-8 + r.width);
             }
@@ -710,7 +710,7 @@ fn no_span_reaches_farther_than_it_should() {
     }
 }
 
-/// More spans than memory should be asked for: refused by their number, not after they are made.
+/// Too many spans are refused by their number, before any is made.
 #[test]
 fn segments_without_end_are_refused_before_a_span_is_made() {
     let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
@@ -741,7 +741,7 @@ fn segments_without_end_are_refused_before_a_span_is_made() {
 #[test]
 fn a_segment_and_its_parameter_are_a_place_on_the_path() {
     let [a, b, c] = [[0.0; 3], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0]];
-    // Segments 4, 5 and 7: 6 is not there. The window begins at piece 100.
+    // Segments 4, 5 and 7: 6 is not there. The window begins at span 100.
     let segments = [
         (4, Segment::Line { start: a.into(), end: b.into() }),
         (

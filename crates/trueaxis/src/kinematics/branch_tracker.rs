@@ -13,7 +13,7 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug)]
 pub struct BranchTracker<R> {
     last: [R; AXES],
-    /// Where it was before the last call, for a pose that was not taken up.
+    /// Position before the last call, restored if the pose is not accepted.
     before: [R; AXES],
     branch: Branch,
     max_step_deg: R,

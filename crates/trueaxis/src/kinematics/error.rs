@@ -37,7 +37,7 @@ pub enum InverseError {
     OutsideTravel {
         /// The axis.
         axis: Axis,
-        /// Where it would have to stand.
+        /// Position it would have to take.
         found: f64,
         /// Low end of its travel.
         low: f64,

@@ -34,7 +34,7 @@ const TRAVEL_ROUNDING: f64 = 64.0;
 /// Below this many EPSILON a component across an axis is nothing but rounding.
 const ALONG: f64 = 8.0;
 
-/// How a branch is chosen.
+/// Choice of a branch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Choice {
@@ -99,7 +99,7 @@ impl<R: Real> Solutions<R> {
 impl<R: Real> Kinematics<R> {
     /// Axis positions for a tool, nearest to `near` (X Y Z A B C, mm and degrees).
     ///
-    /// Rotary axes take the shortest way by whole turns, within their travel. Error: rounding; forward of the result is
+    /// Rotary axes take the nearest angle, by whole turns, in their travel. Error: rounding; forward of the result is
     /// the tool within 1e-12 mm at a metre (f64). Cost: at most ten polynomials for angles, both branches included.
     ///
     /// # Errors
@@ -215,7 +215,7 @@ impl<R: Real> Kinematics<R> {
         Ok(Solutions { first: self.with_linear(tip, axes, still), second: Err(InverseError::OneBranch) })
     }
 
-    /// X, Y, Z that bring the tip into its place, the rotary axes standing at `axes`.
+    /// X, Y, Z that bring the tip to its position, the rotary axes standing at `axes`.
     #[inline(always)]
     fn with_linear(&self, tip: V3<R>, axes: [R; AXES], solution: Solution<R>) -> Result<Solution<R>, InverseError> {
         let [first, second] = self.chain.turns.map(|turn| turn.map(|turn| (turn, turn.cos_sin(&axes))));
@@ -243,7 +243,7 @@ impl<R: Real> Kinematics<R> {
 }
 
 impl<R: Real> Rotary<R> {
-    /// The command for a turn (rad) that the workpiece sees: shortest way from `near`, by whole turns within the travel.
+    /// The command for a turn (rad) that the workpiece sees: nearest to `near`, by whole turns within the travel.
     #[inline(always)]
     fn settle(&self, angle: R, near: &[R; AXES]) -> Result<R, InverseError> {
         let whole = R::of(360.0);

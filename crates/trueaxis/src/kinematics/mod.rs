@@ -11,7 +11,7 @@
 //! n1 is the rotary axis nearest the workpiece *in the code*, whichever side of the bed it stands on; L0, L1, L2 are the
 //! positions of the linear axes that stand before, between and behind the rotary ones; k their offsets. A positive
 //! command moves the tool along +n over the workpiece on both sides. s is the axis' `direction` on the tool side and
-//! its opposite on the workpiece side, where the carriage turns and the workpiece sees the tool turn the other way.
+//! its opposite on the workpiece side, where the carriage turns and the tool turns oppositely over the workpiece.
 //!
 //! Positions are six numbers in the order X Y Z A B C, mm and degrees; axes that the machine does not have are ignored.
 //! Everything is bounded, allocates nothing and calls no transcendental function of a library.

@@ -26,7 +26,7 @@ pub const NAME_CAPACITY: usize = 64;
 /// Longest structural code, in bytes.
 pub const CHAIN_CAPACITY: usize = 48;
 
-/// How values between the points of a table are formed.
+/// Interpolation between the points of a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Interpolation {
@@ -37,7 +37,7 @@ pub enum Interpolation {
     Cubic,
 }
 
-/// Where a table is looked up.
+/// Position at which a table is looked up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Lookup {
@@ -94,8 +94,8 @@ pub struct AxisSettings {
     /// Origin of the axis' frame from its carrier's, in bed directions with all axes at zero, mm. For a rotary axis: a
     /// point of its axis of rotation.
     pub offset_mm: [f64; 3],
-    /// Where the table was measured: position of the *other* linear axes (and of the measuring point), mm. Zero: nowhere
-    /// in particular, its translations are those of the origin of the axis' moved frame.
+    /// Position of the *other* linear axes (and of the measuring point) when the table was measured, mm. Zero: none
+    /// in particular; its translations are those of the origin of the axis' moved frame.
     pub measured_at_mm: [f64; 3],
     /// Highest feed of the axis, mm/s (deg/s).
     pub max_feed_per_s: f64,

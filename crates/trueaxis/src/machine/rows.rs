@@ -4,7 +4,7 @@ use super::Row;
 
 /// A table's lines by number: implemented for slices and for the lines of a compiled file.
 pub trait Rows {
-    /// How many lines.
+    /// Number of lines.
     fn len(&self) -> usize;
     /// Line `index`, in ascending order of position.
     fn row(&self, index: usize) -> Option<Row>;

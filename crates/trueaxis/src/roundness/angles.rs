@@ -1,4 +1,4 @@
-//! Where the three probes stand, and what that does to every harmonic.
+//! Angles of the three probes, and their gain for every harmonic.
 //!
 //! ```text
 //! k2 = −sin(φ2 + φ3) / sin φ3      k3 = sin φ2 / sin φ3
@@ -200,7 +200,7 @@ impl Gain {
         libm::sqrt(1.0 + self.k2 * self.k2 + self.k3 * self.k3)
     }
 
-    /// How much the probes' noise grows in harmonic k of the profile; infinite where |G| is zero.
+    /// Gain of the probes' noise in harmonic k of the profile; infinite where |G| is zero.
     pub fn noise_gain(&self, harmonic: usize) -> f64 {
         let [re, im] = self.of(harmonic);
         self.norm() / libm::hypot(re, im)

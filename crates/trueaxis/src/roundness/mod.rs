@@ -16,8 +16,8 @@
 //! h3(θ) = r(θ + φ2 + φ3) + R_Y cos(φ2 + φ3 + β) + R_X sin(φ2 + φ3 + β)
 //! ```
 //!
-//! Weighted as in [`Gain`] the three sum to something that the centre's motion is not in; divided by G in the frequency
-//! domain it is the profile; and what the profile leaves of two readings is the motion:
+//! Weighted as in [`Gain`], their sum does not contain the centre's motion; divided by G in the frequency
+//! domain it is the profile; two readings less the profile give the motion:
 //!
 //! ```text
 //! R_X = [cos β (h2 − r(θ+φ2)) − cos(φ2+β) (h1 − r(θ))] / sin φ2
@@ -104,7 +104,7 @@ pub struct Probes<R> {
     pub idle: bool,
 }
 
-/// How the infeed of the cycle before was followed.
+/// Extent to which the drive followed the infeed of the cycle before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Followed {
@@ -148,7 +148,7 @@ pub struct Cycle<R> {
     pub finished: bool,
 }
 
-/// How whole revolutions fared.
+/// Counts of whole revolutions by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {

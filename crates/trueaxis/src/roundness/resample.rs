@@ -42,7 +42,7 @@ pub(super) struct ResamplerState<R> {
     /// The last two cycles that count, the older one first.
     theta: [u32; 2],
     readings: [[R; 3]; 2],
-    /// How many of them there are.
+    /// Number of them.
     known: u8,
     /// Counts cycles, wrapping.
     pub(super) clock: u32,
@@ -200,7 +200,7 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         Point { index: (*angle >> Self::SHIFT) as usize, h1: first, h2: second, sum: first + k2 * second + k3 * third }
     }
 
-    /// Where θ stood in the last cycle that counts.
+    /// θ in the last cycle that counts.
     #[inline(always)]
     pub(super) fn last(state: &ResamplerState<R>) -> u32 {
         state.theta[1]

@@ -45,7 +45,7 @@ pub struct SpindleEncoder {
     pub direction: i8,
     /// The encoder has an index pulse, which is zero of α; without, zero is where the count is zero.
     pub index: bool,
-    /// An index pulse this many counts off its place is an error.
+    /// An index pulse this many counts off its position is an error.
     pub index_tolerance: u32,
 }
 

@@ -87,7 +87,7 @@ impl<R: Real> Sampling<R> {
     }
 }
 
-/// How fast the surface turns.
+/// Speed of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Speed<R> {
     /// θ of the last cycle in which it was known.
@@ -122,7 +122,7 @@ impl<R: Real, const N: usize> GaugeState<R, N> {
         (revolution > 0).then_some(Evaluation { revolution, flags, peak_to_valley_um, x, y, revolutions })
     }
 
-    /// How whole revolutions fared so far.
+    /// Counts of whole revolutions so far.
     pub fn counts(&self) -> Counts {
         self.counts
     }

@@ -634,7 +634,7 @@ fn a_missing_index_does_not_drop_the_correction() {
     assert!(run.state.correction().iter().any(|c| c.abs() > 0.2));
 }
 
-/// Turns with every cycle told as given.
+/// Turns; `change` sets the input of every cycle.
 fn turned(run: &mut Run<f64, 256>, truth: &Truth, revolutions: f64, change: impl Fn(&mut Probes<f64>) -> Followed) {
     let end = run.alpha + revolutions * TAU;
     while run.alpha < end {

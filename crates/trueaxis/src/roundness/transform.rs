@@ -82,7 +82,7 @@ pub(crate) fn multipliers<R: Real, const N: usize>(of: impl Fn(usize) -> [f64; 2
     table
 }
 
-/// Where a pass through the stages stands.
+/// Progress of a pass through the stages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Progress {
     /// Stages of radix 4 are numbered as the forward transform goes through them; behind the last of them stands the one

@@ -5,8 +5,8 @@
 //!        ─► Evaluate, Express (once a window) ─► Spread, Inverse, Judge, Commit (infeed) ─► Spread, Inverse (filter) ─► Range
 //! ```
 //!
-//! Which of them a gauge needs is settled when it is built; a slice is bounded whatever the data. What each task does in
-//! a slice, and how many it takes, stands in the table of `tasks.rs`; what follows what, in [`Plan::next`].
+//! The tasks that a gauge needs are chosen when it is built; a slice is bounded for any data. The work of each task in
+//! a slice and its number of slices are in the table of `tasks.rs`; the order of tasks is in [`Plan::next`].
 
 use super::angles::Gain;
 use super::arm_angle;
@@ -511,7 +511,7 @@ impl<R: Real, const N: usize> Work<R, N> {
         self.at >= N
     }
 
-    /// How far the correction would go.
+    /// Largest value that the correction would reach.
     #[inline(always)]
     pub(super) fn judge(&mut self, infeed: Option<&Infeed<R>>) -> bool {
         let Some(infeed) = infeed else { return true };

@@ -1,4 +1,4 @@
-//! What runs in place of the step when its tables were refused.
+//! Replacement of the step when its tables were refused.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -15,7 +15,7 @@ use crate::telemetry::{Record, Status};
 /// For a controller that goes on without its tables: damaged, of another machine, too large
 /// ([`Fault::TablesRefused`], [`Fault::CapacityTooSmall`], [`Fault::AbiMismatch`], [`Fault::PeriodMismatch`]). A command
 /// that is no usable number is not passed: the last one holds, and a stop is requested. Unlike the step's, this request
-/// is not latched: it ends with the next usable command. Before the first one the place in which the machine stands
+/// is not latched: it ends with the next usable command. Before the first one, the position of the machine
 /// holds; until every axis has been read there is none, and no output either ([`Output::has_drive`]).
 ///
 /// ```
@@ -30,10 +30,10 @@ use crate::telemetry::{Record, Status};
 pub struct Bypass<P, const N: usize> {
     reason: Fault,
     sequence: u32,
-    /// A bit for every axis of which it is known what to hold.
+    /// A bit for every axis whose position to hold is known.
     known: u8,
     held: [P; N],
-    /// Last usable reading of an axis that was ever read; what is held of the others.
+    /// Last usable reading of every axis that was ever read; the held position of the others.
     feedback: [P; N],
     read: [bool; N],
 }
@@ -135,7 +135,7 @@ mod tests {
         assert_eq!(held.drive, [3.0, 0.0, 0.0]);
         assert!(held.stop_requested());
         assert!(!bypass.step::<f64>(&at(4.0)).stop_requested());
-        // The number of cycles wraps; what is held does not.
+        // The number of cycles wraps; the held positions stay.
         bypass.sequence = u32::MAX;
         bypass.step::<f64>(&at(5.0));
         let held = bypass.step::<f64>(&at(f64::NAN));

@@ -27,7 +27,7 @@ pub struct Config<'m> {
     pub period_ns: u32,
     /// Passes of the exact inverse, 1 to 8; [`crate::check::machine_passes`] tells how many a machine needs.
     pub inverse_passes: u8,
-    /// How the foot point is found.
+    /// Method by which the foot point is found.
     pub method: Method,
 }
 

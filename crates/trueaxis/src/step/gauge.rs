@@ -7,7 +7,7 @@ use crate::real::Real;
 use crate::roundness::{Cycle, Followed, Gauge, GaugeState, Probes};
 use crate::sample::{Sample, Verdict};
 
-/// What rides along with the step: `()`, or `&mut` [`GaugeRide`]. Resolved at compile time.
+/// Gauge that runs along with the step, or none: `()`, or `&mut` [`GaugeRide`]. Resolved at compile time.
 pub trait Ride<R> {
     /// Slot of the axis that the infeed moves.
     fn infeed_slot(&self) -> Option<usize>;
@@ -28,9 +28,9 @@ impl<R: Real> Ride<R> for () {
 
 /// A gauge, its state and the readings of a cycle.
 ///
-/// Some slices of the gauge's work are done in every cycle, and its infeed correction is added to what the tables want of
-/// that axis, through the same limiter. While the step is not active the gauge measures on, but nothing is fed in. What
-/// the infeed moves on purpose is part of the contour error: the programmed path knows nothing of it.
+/// Some slices of the gauge's work are done in every cycle; its infeed correction is added to that of the tables for
+/// that axis, through the same limiter. While the step is inactive the gauge measures on, without infeed. Motion
+/// due to the infeed is part of the contour error: the programmed path does not contain it.
 #[derive(Debug)]
 pub struct GaugeRide<'a, R, const POINTS: usize> {
     gauge: &'a Gauge<R, POINTS>,
@@ -46,7 +46,7 @@ impl<'a, R: Real, const POINTS: usize> GaugeRide<'a, R, POINTS> {
         GaugeRide { gauge, state, probes, cycle: Cycle::default() }
     }
 
-    /// What the gauge gave in the cycle.
+    /// Output of the gauge in the cycle.
     #[inline(always)]
     pub fn cycle(&self) -> Cycle<R> {
         self.cycle

@@ -1,4 +1,4 @@
-//! What the contour error is measured against.
+//! References for the contour error.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -14,8 +14,8 @@ use crate::real::Real;
 use crate::sample::{Sample, Verdict};
 use crate::vector::V3;
 
-/// What the step measures: `()`, [`OnPath`], `&mut` [`CommandWindow`] or `&mut` [`OnToolPath`]. Resolved at compile time;
-/// for these types only.
+/// Reference of the contour error: `()`, [`OnPath`], `&mut` [`CommandWindow`] or `&mut` [`OnToolPath`]. Implemented
+/// for these types only, and resolved at compile time.
 #[allow(private_interfaces)]
 pub trait Measure<R: Real, P: Position, const N: usize> {
     /// The model has to give the error of the tool's direction too.
@@ -39,7 +39,7 @@ pub trait Measure<R: Real, P: Position, const N: usize> {
     fn take_back(&mut self) {}
 }
 
-/// What the contour stage found.
+/// Result of the contour stage.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measured<R: Real> {
     pub(super) tip: ContourError<R>,

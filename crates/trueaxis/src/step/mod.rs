@@ -1,4 +1,4 @@
-//! The servo cycle: the pipeline of named stages, and the only place that knows their order.
+//! The servo cycle: the pipeline of named stages, and the only module that knows their order.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -158,7 +158,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         output
     }
 
-    /// What the output stage decided, for the cycles to come: the command was accepted, or a joint's range holds it.
+    /// Keeps the output stage's decision for the next cycles: the command was accepted, or a joint's range holds it.
     #[inline(always)]
     fn settle(
         &self,

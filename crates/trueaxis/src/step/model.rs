@@ -10,7 +10,7 @@ use crate::real::Real;
 use crate::sample::{Sample, Verdict};
 use crate::vector::V3;
 
-/// What the tables say in a cycle.
+/// Result of the tables in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Modelled<R, const N: usize> {
     pub(super) wanted: [R; N],
@@ -53,7 +53,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 
     /// Direction of travel of every drive as it was sent last, command plus correction: while one axis alone is commanded,
-    /// the corrections of the others take up lost motion that their commands know nothing of. A held drive stands.
+    /// the corrections of the others take up lost motion that their commands do not show. A held drive stands.
     #[inline(always)]
     fn travel(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> [Direction; N] {
         let begins = sample.first || (sample.homed && !state.homed);

@@ -27,7 +27,7 @@ pub struct State<R, P, const N: usize> {
 }
 
 impl<R: Real, P: Position, const N: usize> State<R, P, N> {
-    /// Sets the thermal growth of the axis at a place (0 = X); takes effect in the next cycle, through the limiter.
+    /// Sets the thermal growth of the axis in a slot (0 = X); takes effect in the next cycle, through the limiter.
     pub fn set_thermal(&mut self, place: usize, line: ThermalLine<R>) {
         if let Some(slot) = self.thermal.get_mut(place) {
             *slot = line;
@@ -52,7 +52,7 @@ pub enum Stage {
     Telemetry,
 }
 
-/// What a cycle gives back.
+/// Output of a cycle.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -72,7 +72,7 @@ impl<R: Real, P, const N: usize> Output<R, P, N> {
     }
 
     /// `drive` may be written. Not so from a first cycle without a usable command on, until every axis has been read: then
-    /// that place is held, and a reset near it is heard. Until then leave the drives without power, or what they have.
+    /// that position is held, and a reset near it is accepted. Until then leave the drives off or unchanged.
     pub fn has_drive(&self) -> bool {
         !self.record.status.has(Status::NO_OUTPUT)
     }

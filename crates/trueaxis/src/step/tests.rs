@@ -105,7 +105,7 @@ impl Bench {
             let c = out.record.correction[k];
             assert!(out.drive[k].is_finite() && out.feedback[k].is_finite());
             assert!(c.abs() <= 0.1 * (1.0 + 1e-6), "magnitude {c}");
-            // What the record says was sent, was sent.
+            // The record holds the correction that was sent.
             let command = out.record.command[k];
             let sent = if c == 0.0 { command } else { command + c };
             assert_eq!(out.drive[k].to_bits(), sent.to_bits(), "{command} + {c} is not {}", out.drive[k]);
@@ -292,7 +292,7 @@ fn readings_that_stood_during_a_stop_are_believed_after_it() {
     let mut bench = Bench::new();
     bench.settle([60.0; 3]);
     bench.cycle(&Input { feedback: [60.0; 3], ..input([60.0, f64::NAN, 60.0]) });
-    // The host stands a little beside the held command for a second: no way that the axes were sent.
+    // The host stands a little beside the held command for a second: this counts as no commanded distance.
     let beside = Input { feedback: [60.0; 3], ..input([60.04; 3]) };
     for _ in 0..10_000 {
         assert!(bench.cycle(&beside).stop_requested());

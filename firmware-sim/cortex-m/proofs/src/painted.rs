@@ -1,4 +1,4 @@
-//! How deep the stack of each function is in a run: what lies below it is painted before every call and looked at after.
+//! Stack depth of each function in a run: the stack below it is painted before every call and checked afterwards.
 
 use trueaxis::glam::DVec3;
 use crate::symbols::{
@@ -91,7 +91,7 @@ fn rows() -> [Row; 6] {
     })
 }
 
-/// A corner between two lines and an arc: a path that goes on for ever round the same way.
+/// A corner between two lines and an arc: a closed path, followed for ever.
 fn pieces() -> heapless::Vec<Span<R, P>, 64> {
     let normal = [0.0, 0.0, 1.0];
     let segments = [
@@ -125,7 +125,7 @@ fn input<const N: usize>(cycle: u32, command: [P; N]) -> Input<P, N> {
     input
 }
 
-/// Where the interpolator is, and its command.
+/// Position of the interpolator, and its command.
 fn place(spans: &[Span<R, P>], cycle: u32) -> (Reference<R>, [P; 3]) {
     let (piece, part) = ((cycle / 40) as usize % spans.len(), cycle % 40);
     let t = scalar(f64::from(part) / 40.0);

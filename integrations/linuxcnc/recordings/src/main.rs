@@ -1,4 +1,4 @@
-//! Recordings of a LinuxCNC machine that trueaxis corrects: held against the library sample by sample, and drawn.
+//! Recordings of a LinuxCNC machine that trueaxis corrects: compared with the library sample by sample, and drawn.
 
 mod plot;
 mod recording;

@@ -35,7 +35,7 @@ impl Recording {
         Ok(Recording { columns: head.columns, values: words.iter().map(|word| f64::from_le_bytes(*word)).collect() })
     }
 
-    /// Place of a pin's column.
+    /// Index of a pin's column.
     pub(crate) fn place(&self, pin: &str) -> Result<usize> {
         self.columns.iter().position(|column| column == pin).with_context(|| format!("{pin} was not recorded"))
     }

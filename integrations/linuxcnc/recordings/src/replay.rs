@@ -7,7 +7,7 @@ use trueaxis::contour::{Path, Reference};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, Input, ServoLoop};
 
-/// How far component and library are apart.
+/// Difference between component and library.
 #[derive(Debug, Serialize)]
 pub(crate) struct Agreement {
     /// Samples compared, of every joint.

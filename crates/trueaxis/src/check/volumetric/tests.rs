@@ -30,7 +30,7 @@ fn chain_of(random: &mut Noise, rotary: usize) -> String {
     code + "t"
 }
 
-/// Offsets, tool and place of measurement often longer than the travels, so that levers come from them.
+/// Offsets, tool and position of measurement often longer than the travels, so that levers come from them.
 fn machine_of(random: &mut Noise, rotary: usize) -> MachineSettings {
     let chain = chain_of(random, rotary);
     let machine = Machine::new(&chain).each(|axis| {

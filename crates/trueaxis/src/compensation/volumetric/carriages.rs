@@ -30,7 +30,7 @@ pub(super) struct Carriage<R> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carriages<R, const N: usize> {
     carriages: [Option<Carriage<R>>; N],
-    /// How many of them carry the workpiece.
+    /// Number of those that carry the workpiece.
     workpiece: usize,
     /// Tool tip from the last tool-side frame.
     pub(super) tool: V3<R>,
@@ -252,7 +252,7 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         (directions, tool_axis)
     }
 
-    /// How far the tip has moved relative to the workpiece because the rotary axes stand `turned_deg` further than at
+    /// Motion of the tip relative to the workpiece, due to the rotary axes standing `turned_deg` further than at
     /// `command`, mm in bed axes at the pose where they stand now. To third order in the turns.
     pub(super) fn moved_tip(&self, command: &[R; N], poses: &Poses<R, N>, turned_deg: &[R; N]) -> V3<R> {
         let of = |carriage: &Carriage<R>| {

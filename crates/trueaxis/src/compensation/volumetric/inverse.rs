@@ -14,7 +14,7 @@ pub(crate) const LEAST_DETERMINANT: f64 = 0.05;
 /// Smallest sine of `fade_deg`: the correction of the direction stays bounded where no fade is wanted.
 pub(crate) const LEAST_FADE: f64 = 1e-3;
 
-/// Where the correction of the direction fades.
+/// Range in which the correction of the direction fades.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fade<R> {
     sine: R,
@@ -138,7 +138,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 }
             }
         }
-        // The slides must not put back a rotation that the drives will not be given: all of them give way together.
+        // The slides must not compensate a rotation that the drives do not get: all corrections are scaled together.
         let mut scale = fade.over(square) * R::of(180.0 / core::f64::consts::PI);
         for (wanted, most) in wanted.iter().zip(&self.most).skip(3) {
             if (*wanted * scale).abs() > *most {

@@ -61,7 +61,7 @@ fn nearest<'a, R: Real, P: Position>(path: &Path<'a, R, P>, point: &[P; 3]) -> O
         let ([x, y, z, _], chord) = span.chord();
         let to = V3::from(span.relative(point)) - V3::new(x, y, z);
         let (along, square) = (to.dot(chord), chord.dot(chord));
-        // A point has no chord; 0/0 is held at 0.
+        // A point has no chord; 0/0 becomes 0.
         let t = (along / square).limit(R::ZERO, R::ONE);
         let aside = to - chord * t;
         let distance = aside.dot(aside);

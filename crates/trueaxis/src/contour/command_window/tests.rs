@@ -47,7 +47,7 @@ fn circle<R: Real, P: Position>(radius: f64, way: f64, lag: f64, radial: f64) ->
 
 #[test]
 fn on_a_circle_radial_error_and_lag_are_those_that_were_put_in() {
-    // Radius, way in a cycle (500 mm/s, 100 mm/s, 10 mm/s, 1 mm/s at 1 kHz), lag, radial error; mm.
+    // Radius, travel in a cycle (500 mm/s, 100 mm/s, 10 mm/s, 1 mm/s at 1 kHz), lag, radial error; mm.
     for (radius, way, lag, radial) in [
         (5.0, 0.5, 2.0, 0.01),
         (5.0, 0.5, 0.3, -0.02),
@@ -60,7 +60,7 @@ fn on_a_circle_radial_error_and_lag_are_those_that_were_put_in() {
         let double = circle::<f64, f64>(radius, way, lag, radial);
         let single = circle::<f32, Nanometres>(radius, way, lag, radial);
         std::println!("R {radius} way {way}: error, normal, lag off by f64 {double:.6?} nm, f32 {single:.3?} nm");
-        // 0.1 rad a piece: a tenth of a picometre, and Simpson's arc length is off by 1e-7 of a piece.
+        // 0.1 rad a span: a tenth of a picometre, and Simpson's arc length is off by 1e-7 of a span.
         assert!(double[0] < 1e-3 && double[1] < 1e-3 && double[2] < 0.5, "{radius} {way}: {double:?}");
         // Points in whole nanometres.
         assert!(single[0] < 2.0 && single[1] < 2.0 && single[2] < 3.0, "{radius} {way}: {single:?}");
@@ -201,7 +201,7 @@ fn at_standstill_nothing_is_appended_and_the_error_is_the_distance() {
     }
     let (count, reference) = (bench.commanded.path().spans.len(), bench.commanded.reference());
     for i in 0..1000 {
-        // Jitter of the command below the shortest piece.
+        // Jitter of the command below the shortest span.
         let jitter = 1e-6 * f64::from(i % 7);
         let e = bench.cycle([14.9 + jitter, 20.0, 30.0], [14.9, 20.002, 30.0]);
         assert!((e.error - 0.002).abs() < 1e-6, "{i}: {e:?}");
@@ -215,7 +215,7 @@ fn a_tool_behind_the_window_is_said_to_be_so_also_where_a_command_comes_back() {
     let flags = |commanded: &CommandWindow<f64, f64, 16>| commanded.contour_error([0.0, 0.01, 0.0]).flags;
     (0..200).for_each(|i| commanded.append([0.02 * f64::from(i), 0.0, 0.0]));
     assert!(!flags(&commanded).has(Flags::BRACKETED));
-    // A piece is begun and withdrawn: the window is shorter by it, and begins no earlier.
+    // A span is begun and withdrawn: the window is shorter by it, and begins no earlier.
     for x in [3.9801, 3.98] {
         commanded.append([x, 0.0, 0.0]);
         assert!(!flags(&commanded).has(Flags::BRACKETED), "at {x}");
@@ -281,7 +281,7 @@ fn random_walk<R: Real, P: Position, const K: usize>(seed: u64, rounds: u32) {
         let sane = [e.error, e.normal, e.binormal, e.tangential, e.lag, e.t].iter().all(|x| x.is_finite());
         assert!(sane, "seed {seed} round {i}: {e:?}");
         if i % 64 == 0 {
-            // No place of the window is nearer, and the vector leads to one.
+            // No point of the window is nearer, and the vector leads to one.
             let aside = |span: &Span<R, P>, t: f64| {
                 let on = span.position(R::of(t));
                 (0..3).map(|k| (on[k].to_f64() - point[k].to_f64()).powi(2)).sum::<f64>().sqrt()
@@ -290,9 +290,9 @@ fn random_walk<R: Real, P: Position, const K: usize>(seed: u64, rounds: u32) {
             let far = (f64::MAX, R::ZERO);
             let (nearest, length) =
                 places.map(|(s, t)| (aside(s, t), s.length())).fold(far, |a, b| if b.0 < a.0 { b } else { a });
-            // The kernel's rounding over pieces of 8 mm in single precision.
+            // The kernel's rounding over spans of 8 mm in single precision.
             let rounding = if R::EPSILON.to_f64() < 1e-10 { 1e-9 } else { 4e-6 };
-            // Which piece is nearest is told by chords: off by the height of an arc of up to 40° over its chord.
+            // The nearest span is decided by chords: off by the height of an arc of up to 40° over its chord.
             let height = 0.09 * length.max(path.span(e.span).unwrap().length()).to_f64();
             assert!(e.error.to_f64() < nearest + height + rounding, "seed {seed} round {i}: {nearest} {e:?}");
             let found = aside(path.span(e.span).unwrap(), e.t.to_f64());

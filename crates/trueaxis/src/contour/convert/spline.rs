@@ -120,7 +120,7 @@ struct Bezier {
     rational: bool,
 }
 
-/// How far a part of a spline is from one span.
+/// Deviation of a part of a spline from a single span.
 struct Shape {
     middle: DVec3,
     /// Distance of the farthest control point from the middle, mm.

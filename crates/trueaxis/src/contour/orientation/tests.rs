@@ -238,7 +238,7 @@ fn walks_the_corner<R: Real, P: Position>(permitted_mm: f64) {
         let angle = found.angle.to_f64();
         on_the_turn += u32::from(found.span == 1);
         if let Some(last_angle) = before {
-            // Where the tool leaves the spot before the turn is done, what is left weighs less than the way of the tip.
+            // If the tool moves on before the turn is done, the remaining turn weighs less than the motion of the tip.
             assert!((angle - last_angle).abs() < 0.6e-3, "{time}: {last_angle} {angle}");
         }
         // On the spot both axes lag alike: no error, although the reference is 0.2 degrees ahead.
@@ -274,7 +274,7 @@ fn a_path_without_turns_has_no_orientation_error() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
 
-    /// Any turns, any direction, any tip, any order of pieces: finite, bounded, and the tip search stays the nearest.
+    /// Any turns, any direction, any tip, any order of spans: finite, bounded, and the tip search stays the nearest.
     #[test]
     fn nothing_makes_it_fail(
         kinds in prop::collection::vec((any::<bool>(), -400.0..400.0f64, -400.0..400.0f64), 1..6),

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 /// Readings lie beside the line, mm.
 const BESIDE: f64 = 0.002;
-/// What the gauge asks for of Y, mm.
+/// Infeed that the gauge asks of Y, mm.
 const INFEED: f64 = 0.005;
 /// Cycles at rest, in which the correction and then the infeed arrive; then 60 mm/s.
 const AT_REST: i32 = 2000;
@@ -17,7 +17,7 @@ const CYCLES: i32 = 4000;
 const FROM: i32 = 1000;
 const LENGTH: f64 = 20.0;
 
-/// A gauge that asks for what it is told.
+/// A gauge that asks for a given infeed.
 struct Asking {
     infeed: f64,
     whole: usize,

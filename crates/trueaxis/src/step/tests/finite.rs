@@ -142,7 +142,7 @@ proptest! {
     }
 }
 
-/// The lag to a reference off its piece is that to the piece's end, and flagged; to none there is no contour error.
+/// The lag to a reference off its span is that to the span's end, and flagged; to none there is no contour error.
 #[test]
 fn a_reference_off_its_piece_is_taken_at_its_end_or_refused() {
     let servo = servo_loop(0.0);

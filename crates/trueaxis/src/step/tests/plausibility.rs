@@ -120,7 +120,7 @@ fn a_reading_that_moves_or_a_switch_off_ends_the_suspicion() {
     let at = x - 13.0 * step;
     let out = bench.cycle(&Input { feedback: [50.0 - 1e-6, 50.0, 50.0], ..input([at, 50.0, 50.0]) });
     assert_eq!(out.record.fault, Fault::EncoderStuck);
-    // Switched off for a cycle: the way begins anew.
+    // Switched off for a cycle: the distance counts from zero again.
     let mut bench = standing(50.0);
     assert_eq!(stuck(&mut bench, 50.0, &[step; 12]), Fault::None);
     let x = 50.0 + 12.0 * step;
@@ -163,7 +163,7 @@ fn before_homing_positions_mean_nothing() {
         assert_eq!((out.record.fault, out.drive, out.feedback), (Fault::None, command, feedback));
         assert!(!out.record.status.has(Status::ACTIVE));
     }
-    // What is no number is no position either.
+    // A NaN is not a position either.
     let out = bench.cycle(&raw([f64::NAN, 0.0, 0.0], [0.0; 3]));
     assert_eq!(out.record.fault, Fault::CommandNotFinite);
 }
@@ -187,7 +187,7 @@ fn enabling_looks_at_travel_and_readings_but_not_back_at_the_command() {
         let out = bench.cycle(&input([20.0, 110.001, 20.0]));
         assert_eq!((out.record.fault, out.record.fault_axis), (Fault::CommandOutOfTravel, 1));
     }
-    // A reading is held against the last one already in that cycle, unless it is the first of all.
+    // A reading is compared with the last one already in that cycle, unless it is the first of all.
     let mut bench = Bench::new();
     bench.cycle(&off([20.0; 3]));
     assert_eq!(
@@ -204,7 +204,7 @@ fn readings_are_watched_while_the_output_holds() {
     let mut bench = standing(50.0);
     let held = |feedback| Input { feedback, ..input([50.0, f64::NAN, 50.0]) };
     bench.cycle(&held([50.0; 3]));
-    // A glitch is not believed, though the fault that is told stays the stop's.
+    // A glitch is not believed, though the fault reported is still the stop's.
     let out = bench.cycle(&held([50.0 + 1.001 * limit, 50.0, 50.0]));
     assert_eq!((out.record.fault, out.record.feedback[0]), (Fault::CommandNotFinite, 50.0));
     // One missing: twice the limit.
@@ -246,7 +246,7 @@ fn a_reset_with_a_command_out_of_travel_is_not_heard() {
     assert!(!bench.cycle(&Input { reset: true, ..at(109.951) }).stop_requested());
 }
 
-/// An axis so slow that the way to the held command is a jump: near excuses it.
+/// An axis so slow that the distance to the held command is a jump: near excuses it.
 #[test]
 fn a_reset_is_heard_where_the_way_back_is_more_than_a_cycles() {
     let servo = servo_loop_with(1.0, |axis| axis.max_feed_per_s = 100.0);

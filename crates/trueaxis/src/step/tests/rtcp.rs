@@ -20,14 +20,14 @@ fn tool<R: Real>(tip: V, direction: V) -> Tool<R> {
     Tool { tip: V3::<R>::of(tip).glam(), axis: V3::<R>::of(direction).glam() }
 }
 
-/// A machine under RTCP whose drives do at once what they are told.
+/// A machine under RTCP whose drives follow their commands at once.
 struct Bench<R: Real, P: Position> {
     machine: Machine<R, P>,
     state: State<R, P, 5>,
     tracker: BranchTracker<R>,
     feedback: [P; 5],
     drive: Option<[f64; 5]>,
-    /// What an axis may move in a cycle: top feed with its factor, or the way to the held position at a release.
+    /// Largest move of an axis in a cycle: top feed with its factor, or the distance to the held position at a release.
     bound: [f64; 5],
 }
 
@@ -112,7 +112,7 @@ fn follows_a_line_in_singles() {
     follows_a_line::<f32, Nanometres>(150e-6, 20e-6);
 }
 
-/// The tip stands on a path of one piece without length while the direction turns by 50 degrees.
+/// The tip stands on a path of one span without length while the direction turns by 50 degrees.
 #[test]
 fn the_tip_stays_while_the_tool_turns_about_it() {
     for chain in [TABLES, HEADS] {

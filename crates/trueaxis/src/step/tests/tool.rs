@@ -55,7 +55,7 @@ pub(super) fn joints(chain: &str, tip: V, a: f64, c: f64) -> Pose {
     [x, y, z, a, c]
 }
 
-/// The way back: tip and direction of joints.
+/// The reverse: tip and direction from joint positions.
 pub(super) fn tool_at(chain: &str, [x, y, z, a, c]: Pose) -> (V, V) {
     let xyz = [x, y, z];
     let tip = if chain == HEADS { add(xyz, turned(TOOL, a, c)) } else { turned(add(xyz, TOOL), a, c) };
@@ -134,7 +134,7 @@ impl<R: Real, P: Position> Machine<R, P> {
     }
 }
 
-/// A straight way of the tip with both rotary axes turning along it, in three pieces.
+/// A straight path of the tip with both rotary axes turning along it, in three spans.
 const START: V = [20.0, -30.0, 10.0];
 const END: V = [50.0, 0.0, 15.0];
 const TURN: [V; 2] = [[10.0, 0.0, -20.0], [40.0, 0.0, 25.0]];
@@ -150,7 +150,7 @@ pub(super) fn slanted<R: Real, P: Position>() -> (Vec<Span<R, P>>, Vec<Turn<R>>)
     (spans, turns)
 }
 
-/// Tip, A and C at a part of the whole way.
+/// Tip, A and C at a fraction of the whole path.
 pub(super) fn along(u: f64) -> (V, f64, f64) {
     let mix = |a: f64, b: f64| a + u * (b - a);
     (core::array::from_fn(|k| mix(START[k], END[k])), mix(TURN[0][0], TURN[1][0]), mix(TURN[0][2], TURN[1][2]))
@@ -248,7 +248,7 @@ fn errors_of_every_joint_agree_with_the_projection() {
     agrees_with_the_projection::<f64, f64>(HEADS, 1e-9, 1e-10);
 }
 
-/// What single precision costs: the documented 30 nm at 500 mm from each sum, and the rounded angles.
+/// Error of single precision: the documented 30 nm at 500 mm from each sum, and the rounded angles.
 #[test]
 fn single_precision_costs_some_tens_of_nanometres() {
     agrees_with_the_projection::<f32, Nanometres>(TABLES, 100e-6, 0.5e-6);

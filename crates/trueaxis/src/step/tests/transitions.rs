@@ -1,4 +1,4 @@
-//! Into and out of every state: hold, freeze, disable, joint range, exchange; and before there is a place to hold.
+//! Into and out of every state: hold, freeze, disable, joint range, exchange; and before there is a position to hold.
 
 use super::*;
 
@@ -122,7 +122,7 @@ fn a_way_that_was_not_sent_is_no_part_of_the_commanded_path() {
     }
     let out = servo.step(&mut state, &input([110.0, 50.0, 50.0]), &mut commanded, ());
     assert_eq!((out.record.fault, out.record.command[0]), (Fault::JointRange, 109.94));
-    // Off again: an axis that stands on the rejected way is beside the path.
+    // Off again: an axis that stands on the rejected path is beside the accepted one.
     let beside = 109.97;
     let mut measured = 0;
     for n in 0..30 {
@@ -258,7 +258,7 @@ fn a_jump_of_the_whole_range_of_integers_is_a_jump() {
     }
 }
 
-/// What a cycle of the random sequence does.
+/// Action of a cycle in the random sequence.
 #[derive(Clone, Copy, Debug)]
 enum Do {
     /// Goes on at a speed, mm per cycle and axis.

@@ -11,7 +11,7 @@ struct Memory {
 
 static mut MEMORY: Memory = Memory { _bytes: MaybeUninit::uninit() };
 
-/// What is left of it.
+/// Memory that is still free.
 pub struct Arena {
     next: usize,
     end: usize,

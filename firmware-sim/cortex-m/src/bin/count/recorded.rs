@@ -52,7 +52,7 @@ struct Cycle<'a, R: Real, P: Integer> {
     memory: &'a RefCell<Memory<R, P>>,
 }
 
-/// What a cycle changes: a state for each way of running the step, and where the output goes.
+/// Memory that a cycle changes: a state for each form of the step, and the output.
 struct Memory<R: Real, P: Integer> {
     bare: State<R, P, AXES>,
     gauged: State<R, P, AXES>,
@@ -177,7 +177,7 @@ pub fn all<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
         memory,
     };
     let frame = timed(nothing, &cycle).0;
-    // What two readings in a row have between them.
+    // Count between two readings in a row.
     let apart = {
         let first = now();
         first.wrapping_sub(now())

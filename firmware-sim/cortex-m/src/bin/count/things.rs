@@ -43,7 +43,7 @@ impl Rows for Table {
 }
 
 impl Table {
-    /// 0 to 1, the same for the same place.
+    /// 0 to 1, the same for the same index.
     fn scatter(&self, place: usize, k: usize) -> f64 {
         let mixed = ((place * 31 + k * 7 + self.axis.index() * 101 + 1) as u32).wrapping_mul(2_654_435_761);
         f64::from(mixed >> 8) / f64::from(1u32 << 24)
@@ -230,7 +230,7 @@ fn contour<R: Real, P: Position>(scalar: &str, name: &str, weights: [f64; 4], ar
     searches(scalar, name, spans);
 }
 
-/// A warm search, and queries of every kind: on the way, up to 50 µm on, the tool up to 35 µm beside the path.
+/// A warm search, and queries of every kind: on the path, up to 50 µm on, the tool up to 35 µm beside the path.
 struct Search<R: Real, P: Position> {
     search: ContourSearch<R>,
     path: Path<'static, R, P>,

@@ -58,7 +58,7 @@ mod app {
     /// Stack pointer of the idle task: what the interrupt finds where it interrupts nothing.
     static IDLE: AtomicU32 = AtomicU32::new(0);
 
-    /// What the interrupt counts.
+    /// Counters of the interrupt.
     #[derive(Clone, Copy, Default)]
     pub struct Figures {
         cycles: u32,

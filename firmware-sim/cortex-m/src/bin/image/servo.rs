@@ -8,7 +8,7 @@ use trueaxis::exchange::Exchange;
 use trueaxis::{Bypass, Fault, GaugeRide, Input};
 use trueaxis_recording::{Cycle, Recording};
 
-/// What runs in a cycle. The state is the interrupt's alone: larger than what runs without tables, and never moved.
+/// The step or bypass that runs in a cycle. The state is the interrupt's alone: large, and never moved.
 #[allow(clippy::large_enum_variant)]
 pub enum Running {
     /// The step.
@@ -19,18 +19,18 @@ pub enum Running {
 
 /// A gauge of three probes.
 pub struct Gauge {
-    /// What was built.
+    /// The built gauge.
     pub plan: &'static GaugePlan,
-    /// What it remembers.
+    /// Its state.
     pub state: &'static mut GaugeState,
 }
 
-/// What a cycle produces for the telemetry.
+/// Output of a cycle for the telemetry.
 #[derive(Clone, Copy)]
 pub struct Produced {
-    /// What the step gave back.
+    /// Output of the step.
     pub output: StepOutput,
-    /// What the gauge gave back, where one runs.
+    /// Output of the gauge, if one runs.
     pub gauge: Option<GaugeCycle>,
 }
 
@@ -60,7 +60,7 @@ impl Servo {
         self.recording.header().exchange_at == Some(self.next)
     }
 
-    /// One cycle; what it produces takes the place of what the last one did. `None` at the end of the recording.
+    /// One cycle; its output replaces that of the last one. `None` at the end of the recording.
     pub fn cycle(&mut self, exchange: &Exchange<'static, Loop>, gauge: Option<&mut Gauge>) -> Option<&Produced> {
         let cycle = self.recording.cycle(self.next)?;
         self.next += 1;

@@ -1,4 +1,4 @@
-//! How much stack the servo interrupt takes: painted before every cycle, looked at after it.
+//! Stack use of the servo interrupt: painted before every cycle, looked at after it.
 
 use core::arch::asm;
 

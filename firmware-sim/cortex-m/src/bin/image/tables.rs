@@ -14,7 +14,7 @@ pub const MEMORY: usize = 6 * 1024;
 /// Why tables are not taken.
 #[derive(Clone, Copy, Debug, Format)]
 pub enum Refused {
-    /// What is wrong with the file.
+    /// Defect of the file.
     File(TcompError),
     /// Scalars that the tables need; there are [`MEMORY`].
     Capacity { needed: usize },
@@ -22,12 +22,12 @@ pub enum Refused {
     Points(ConfigError),
     /// The cycles' period, ns, is not the configured one.
     Period { found: u32, configured: u32 },
-    /// What the step cannot be built from.
+    /// Settings from which the step cannot be built.
     Config(ConfigError),
 }
 
 impl Refused {
-    /// What every record says of it.
+    /// Fault reported in every record.
     pub fn fault(&self) -> Fault {
         match self {
             Refused::Capacity { .. } | Refused::Points(_) => Fault::CapacityTooSmall,

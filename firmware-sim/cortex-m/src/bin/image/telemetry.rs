@@ -1,4 +1,4 @@
-//! Records on their way out: frames on UART 0, raw outputs on UART 1 ([`outputs`]), what is worth a line in the log.
+//! Output of records: frames on UART 0, raw outputs on UART 1 ([`outputs`]), what is worth a line in the log.
 //!
 //! A cycle whose record was dropped is missing on both.
 
