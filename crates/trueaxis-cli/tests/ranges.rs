@@ -1,4 +1,4 @@
-//! Absurd numbers at the command line: every command that reads them refuses them; the controller runs all that it passes.
+//! Absurd numbers at the command line: every command that reads them refuses them; what passes, the controller runs.
 
 use trueaxis_testing::command::Folder;
 

@@ -27,8 +27,8 @@ pub struct Input<P, const N: usize> {
     pub enable: bool,
     /// Releases a latched stop request (on its rising edge, near the held position).
     pub reset: bool,
-    /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command in this cycle: the output holds, whatever
-    /// `command` says. [`Refusal::NONE`] otherwise.
+    /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command in this cycle: the output holds for any
+    /// `command`. [`Refusal::NONE`] otherwise.
     pub refusal: Refusal,
 }
 
