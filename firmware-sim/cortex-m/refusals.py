@@ -14,7 +14,7 @@ from pathlib import Path
 PERIOD_NS = 1_000_000
 LENGTH_AT, HEADER, SUM = 14, 18, 4
 
-# name: exit code, fault in every record, what the log has to say.
+# name: exit code, fault in every record, text expected in the log.
 CASES = {
     "damaged": (0, 33, "tables A refused: fault 33 TablesRefused, code 5, File(Checksum)"),
     "foreign": (0, 33, "tables A refused: fault 33 TablesRefused, code 3, File(Magic)"),

@@ -1,4 +1,4 @@
-//! `firmware-sim bench`: its arguments and what it prints.
+//! `firmware-sim bench`: its arguments and output.
 
 use crate::console::put;
 use crate::scenario_args::{ScenarioArgs, prepare};

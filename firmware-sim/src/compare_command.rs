@@ -1,4 +1,4 @@
-//! `firmware-sim compare`: its arguments and what it prints.
+//! `firmware-sim compare`: its arguments and output.
 
 use crate::console::{put, tell};
 use crate::machine_arg::{outputs_of, read_machine};

@@ -1,4 +1,4 @@
-//! `firmware-sim record`: its arguments and what it prints.
+//! `firmware-sim record`: its arguments and output.
 
 use crate::console::{progress_bar, put, tell};
 use crate::machine_arg::outputs_of;

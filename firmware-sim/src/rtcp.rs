@@ -1,4 +1,4 @@
-//! `firmware-sim rtcp`: its arguments and what it prints.
+//! `firmware-sim rtcp`: its arguments and output.
 
 use crate::ball_test_text as text;
 use crate::console::put;

@@ -1,4 +1,4 @@
-//! `firmware-sim run`: its arguments and what it prints.
+//! `firmware-sim run`: its arguments and output.
 
 use crate::console::{progress_bar, put};
 use crate::machine_arg::outputs_of;

@@ -1,4 +1,4 @@
-//! The simulator as it is called: what it prints, writes and refuses.
+//! The simulator's command line: output, files and refusals.
 
 use serde_json::Value;
 use trueaxis_testing::command::Folder;

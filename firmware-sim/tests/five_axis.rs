@@ -1,4 +1,4 @@
-//! Programs with rotary axes: words, feeds, tool centre point, and what compensation leaves on five axes.
+//! Programs with rotary axes: words, feeds, tool centre point, and residual errors of compensation on five axes.
 
 use firmware_sim::samples::sample_machine;
 use glam::{DMat3, DVec3};

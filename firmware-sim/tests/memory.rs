@@ -30,7 +30,7 @@ fn scenario(text: &str) -> Scenario {
     Scenario::new(machine, program, Settings { rate_hz: 1000.0, ..Settings::default() }).unwrap()
 }
 
-/// Peak of what a run allocates: motion, three runs, every curve of the report, the trace; and its cycles.
+/// Peak memory of a run: motion, three runs, every curve of the report, the trace; and its cycles.
 fn run(scenario: Scenario) -> (u64, u64) {
     let scenario = Arc::new(scenario);
     let mut cycles = 0;

@@ -1,4 +1,4 @@
-//! The simulator's report: what a whole page contains, and that nothing it may be given breaks it.
+//! The simulator's report: content of a whole page, and robustness against any input.
 
 use std::f64::consts::TAU;
 

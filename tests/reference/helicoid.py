@@ -4,7 +4,7 @@
 Standard library only. Nothing is taken from the closed formulas: the involute is a taut string unwound from the base
 circle and screwed up by the lead; its normal is the cross product of central differences (step 1e-15, so about 28 digits
 stand), turned to the tooth's outside; C is the turn that brings the normal into the plane x = 0, A the turn that brings
-the spindle onto it, both as arguments of vectors; the tip's position follows from rotation matrices.
+the spindle onto it, both as arguments of vectors; the tip's place follows from rotation matrices.
 Gear data by relations of the generating rack: base pitch pi m_n cos(alpha_n) in the normal section, sin(beta_b) =
 sin(beta) cos(alpha_n), lead = pi m_n z / sin(beta).
 C is reduced to (-180, 180] degrees.

@@ -7,7 +7,7 @@ Usage: separation.py probes > separation_probes.csv
 
 N = 64, harmonics 2..12, phi2 = 66.1 degrees, phi3 = 125.4 degrees (no whole slots), crank throw 60 mm, wheel radius
 300 mm, pin radius 30 mm; two revolutions. Nothing here is shared with the Rust code: the arm is solved for its crank
-angle by bisection, the probes read the sum of cosines at their positions plus the motion of the centre along
+angle by bisection, the probes read the sum of cosines at the place where they stand plus the motion of the centre along
 their own direction, and `check` takes the readings apart again with a discrete Fourier transform as a plain double sum,
 and evaluates the spindle by its definitions. Every number is the shortest decimal of its double, µm.
 """

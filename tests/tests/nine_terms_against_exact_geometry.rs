@@ -13,7 +13,7 @@ use trueaxis_testing::noise::Noise;
 /// Largest difference, mm. Both interpolate in doubles; squareness and translations are exact in either form.
 const TOLERANCE_MM: f64 = 1e-12;
 
-/// A sample machine without its angular errors: what is left, nine terms hold exactly.
+/// A sample machine without its angular errors: nine terms hold the rest exactly.
 fn without_angles(name: &str) -> Machine {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compensation-tables").join(name);
     let mut machine = Machine::read(&path).unwrap();

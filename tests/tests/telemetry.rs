@@ -150,7 +150,7 @@ fn a_revolution_of_the_gauge_arrives() {
     assert_eq!(RoundnessFrame::decode(frame.encode(&mut buffer).unwrap()).unwrap(), frame);
 }
 
-/// Consistent overhead byte stuffing, undone: every code byte says how far off the next zero is.
+/// Consistent overhead byte stuffing, undone: every code byte gives the distance to the next zero.
 fn uncobs(mut bytes: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
     while let Some((&code, rest)) = bytes.split_first() {

@@ -1,4 +1,4 @@
-//! Absurd numbers at the command line: every command that reads them refuses them, and what it passes the controller runs.
+//! Absurd numbers at the command line: every command that reads them refuses them; what passes, the controller runs.
 
 use trueaxis_testing::command::Folder;
 

@@ -1,6 +1,6 @@
 //! Recorded servo cycles: the inputs of the step, the same bits for a host and for a bare-metal image.
 //!
-//! A recording holds the programmed path and, cycle by cycle, what a controller would hand to the step: commands and
+//! A recording holds the programmed path and, cycle by cycle, the inputs of the step: commands and
 //! encoder readings as integers of 1e-6 mm (1e-6 degree), alarms, switches, the position on the path, the probes of a
 //! gauge where there is one. It is read in place, without allocation, from flash or a file:
 //!

@@ -33,7 +33,7 @@ pub struct Header {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// Shorter than it says, or than any recording.
+    /// Shorter than its header states, or than any recording.
     TooShort,
     /// Not a recording.
     Magic,
@@ -74,7 +74,7 @@ pub struct Recording<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Recording<'a, N> {
-    /// Reads and checks the recording at the start of `bytes`; what lies behind it is not looked at.
+    /// Reads and checks the recording at the start of `bytes`; bytes behind it are ignored.
     ///
     /// # Errors
     /// The first defect found.

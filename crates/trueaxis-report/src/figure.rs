@@ -10,7 +10,7 @@ const DOTS: usize = 200;
 /// A figure in the making: legend, plot and caption.
 ///
 /// Layers are drawn in the order in which they are added. A point that is not finite, above 1e12, or not positive on a
-/// logarithmic scale is left out. A figure without anything to draw says so.
+/// logarithmic scale is left out. An empty figure says so.
 #[derive(Clone, Debug)]
 pub struct Figure {
     pub(crate) description: String,

@@ -33,7 +33,7 @@ fn merge<T: Copy>([low, high]: &mut [Kept<T>; 2], next: [Kept<T>; 2]) {
     }
 }
 
-/// Thins a curve to at most `2·buckets + 2` points, in their order; what cannot be drawn is left out.
+/// Thins a curve to at most `2·buckets + 2` points, in their order; points that cannot be drawn are left out.
 #[must_use]
 pub fn decimate(points: &[[f64; 2]], buckets: usize) -> Vec<[f64; 2]> {
     let drawable: Vec<[f64; 2]> = points.iter().copied().filter(drawable_point).collect();

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// Unit: mm for linear axes, degrees for rotary ones.
 pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Sync + 'static {
-    /// The nearest position to `x` (mm or deg); what cannot be said becomes a position that is not usable.
+    /// The nearest position to `x` (mm or deg); a value out of range becomes a position that is not usable.
     fn of(x: f64) -> Self;
     /// The nearest usable position to a limit of the machine (mm or deg).
     fn nearest(x: f64) -> Self {
@@ -67,7 +67,7 @@ impl Position for f64 {
 
 /// A position in whole nanometres, ±2.147 m; of a rotary axis in 1e-6 degree, ±2147 degrees.
 ///
-/// Nothing wraps: what lies beyond saturates at `i32::MIN` or `i32::MAX`, and neither is usable.
+/// Nothing wraps: a value beyond the range saturates at `i32::MIN` or `i32::MAX`, and neither is usable.
 ///
 /// For cores without a double-precision unit: an f64 subtraction costs about 120 instructions on a Cortex-M4F, this one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -98,7 +98,7 @@ pub const HYSTERESIS: ByKind = ByKind::new(
     Range::new(0.0, 0.1, "0 to 100 um (0.1 mm)"),
     Range::new(0.0, degrees(2_000.0), "0 to 2000 urad (0.11 degrees)"),
 );
-/// Magnitude limit of the correction: what a table may hold, ten times; at least a nanometre.
+/// Magnitude limit of the correction: ten times the largest table value; at least a nanometre.
 pub const MAGNITUDE: ByKind = ByKind::new(
     Range::new(1e-6, 10.0, "0.001 to 10000 um (10 mm)"),
     Range::new(degrees(0.001), degrees(100_000.0), "0.001 to 100000 urad (5.7 degrees)"),
@@ -130,9 +130,9 @@ pub const EXPANSION: Range = Range::new(-1e-3, 1e-3, "-1000 to 1000 millionths p
 pub const TEMPERATURE: Range = Range::new(-50.0, 150.0, "-50 to 150 degrees Celsius");
 /// Plausible jumps, the stuck distance, the resume distance, mm or degrees: a nanometre to a metre.
 pub const PLAUSIBLE: Range = Range::new(1e-6, 1e3, "1e-6 to 1000 mm or degrees");
-/// Command jump as a multiple of what the highest feed allows.
+/// Command jump as a multiple of the travel at the highest feed.
 pub const JUMP_FACTOR: Range = Range::new(1.0, 1e3, "a factor of 1 to 1000");
-/// Half-window of the contour search: what the search itself takes.
+/// Half-window of the contour search: the range that the search accepts.
 pub const LAG: Range = Range::new(1e-3, 1e3, "a max_lag_mm of 0.001 to 1000 mm");
 /// Cone in which the correction of the direction fades: half of a right angle.
 pub const FADE: Range = Range::new(0.0, 45.0, "a fade_deg of 0 to 45 degrees");

@@ -27,8 +27,8 @@ pub struct Input<P, const N: usize> {
     pub enable: bool,
     /// Releases a latched stop request (on its rising edge, near the held position).
     pub reset: bool,
-    /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command for this cycle: the output holds, whatever
-    /// `command` says. [`Refusal::NONE`] otherwise.
+    /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command in this cycle: the output holds for any
+    /// `command`. [`Refusal::NONE`] otherwise.
     pub refusal: Refusal,
 }
 
@@ -48,7 +48,7 @@ impl Refusal {
 }
 
 impl<P: Position, const N: usize> Input<P, N> {
-    /// All axes at zero, neither homed nor enabled, the cycle in time: what the other fields start from.
+    /// All axes at zero, neither homed nor enabled, the cycle in time: defaults of the other fields.
     pub fn at_rest(period_ns: u32) -> Self {
         Input {
             command: [P::default(); N],
@@ -433,7 +433,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         if was_latched && reset && placed && near && acceptable {
             state.latched = Fault::None;
             state.started = true;
-            // The drives were held: what was commanded meanwhile says nothing about the readings.
+            // The drives were held: commands in the meantime say nothing about the readings.
             state.unmoved = [R::ZERO; N];
             state.active = input.homed && input.enable;
             let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Address and room of what is flashed apart from the image.
+/// Address and size of a region flashed apart from the image.
 const TABLES_A: (u64, u64) = (0x0010_0000, 0x4_0000);
 const TABLES_B: (u64, u64) = (0x0014_0000, 0x4_0000);
 /// Address of the recording and room for it, bytes.
@@ -73,7 +73,7 @@ pub(super) const FILES: [&str; 3] = ["frames.bin", "outputs.bin", "defmt.bin"];
 /// A run that takes longer hangs.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// Runs an image to its end; what it writes lies in `folder` afterwards: frames.bin, outputs.bin and its log, defmt.bin.
+/// Runs an image to its end; its output is in `folder` afterwards: frames.bin, outputs.bin and its log, defmt.bin.
 ///
 /// # Errors
 /// QEMU is not there or fails, a file does not fit into its region, or the image does not come to a good end.

@@ -112,7 +112,7 @@ impl Inputs {
     }
 }
 
-/// Frames whose cycle says something else in the plain outputs.
+/// Frames whose cycle differs in the plain outputs.
 fn contradicting(frames: &[Frame], rows: &[Row]) -> usize {
     let says = |frame: &&Frame| {
         rows.get(frame.sequence as usize).is_none_or(|row| {

@@ -57,7 +57,7 @@ fn nearly_all(values: &mut [f64]) -> f64 {
     values.get((0.999 * values.len() as f64) as usize).copied().unwrap_or(0.0)
 }
 
-/// From mm; what is no number is apart from everything.
+/// From mm; a NaN differs from everything.
 fn apart_nm(a: f64, b: f64) -> f64 {
     let nm = 1e6 * (a - b).abs();
     if nm.is_nan() { f64::INFINITY } else { nm }

@@ -46,7 +46,7 @@ pub struct ContourErrors {
     pub uncompensated: ErrorSize,
     /// The same machine, compensation on.
     pub compensated: ErrorSize,
-    /// A geometrically perfect machine: what the servo alone leaves behind.
+    /// A geometrically perfect machine: the error of the servo alone.
     pub servo_only: ErrorSize,
 }
 
@@ -59,7 +59,7 @@ pub struct ContourSeries {
     pub compensated: Vec<[f64; 2]>,
     /// A geometrically perfect machine.
     pub servo_only: Vec<[f64; 2]>,
-    /// Path lengths at which the curves are interrupted, ascending, mm: what lies between was not cutting.
+    /// Path lengths at which the curves are interrupted, ascending, mm: the motion between was not cutting.
     pub breaks: Vec<f64>,
     /// Start of each program line: path length in mm and line number.
     pub program_lines: Vec<(f64, u32)>,

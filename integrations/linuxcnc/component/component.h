@@ -233,7 +233,7 @@ bool steps_run(struct instance *instance, const trueaxis_input_t *input, trueaxi
 void gauge_read(struct instance *instance, trueaxis_gauge_ride_t *ride);
 void gauge_show(struct instance *instance, const trueaxis_gauge_ride_t *ride);
 
-/* show.c: what came out of a cycle, on pins. */
+/* show.c: output of a cycle, on pins. */
 void show_cycle(const struct instance *instance, const trueaxis_input_t *input, const trueaxis_output_t *axes,
                 const trueaxis_output_t joints[MAX_JOINT_TABLES]);
 

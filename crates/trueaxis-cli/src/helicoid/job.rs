@@ -5,7 +5,7 @@ use anyhow::Result;
 use serde::Serialize;
 use trueaxis_metrology::helicoid::{Branch, Flank, Form, Gear, GearData, HeadTable, Helicoid, MachineSettings};
 
-/// Everything that is asked for, checked.
+/// The checked request.
 pub(crate) struct Job {
     /// The gear and what follows from it, where the surface was given so.
     pub(crate) gear: Option<(Gear, GearData)>,

@@ -15,7 +15,7 @@ const COLUMNS: [Column; 6] = [
     Column { name: "dz_um", needed: true },
 ];
 
-/// Angles nearer than this are one, degrees: a hundredth of what the finest rotary encoder tells apart.
+/// Angles nearer than this are one, degrees: a hundredth of the finest rotary encoder's resolution.
 pub(super) const SAME_ANGLE_DEG: f64 = 1e-6;
 
 /// A test as it stands in a file, angles in degrees.

@@ -9,7 +9,7 @@ use trueaxis_tables::Table;
 /// A gap to the full circle that is at most this many of the widest steps belongs to a full circle.
 const CLOSING_STEPS: f64 = 1.5;
 
-/// The table, and what was done to its ends.
+/// The table, and the treatment of its ends.
 ///
 /// A table over exactly 360° wraps, and its ends must agree: a test that stops one step before is closed with its first
 /// line; one that has read the closing angle too gets the mean of both at either end.

@@ -143,7 +143,7 @@ impl<const POINTS: usize> Control<POINTS> {
         Ok(())
     }
 
-    /// Magnitude, slope and acceleration of what the plugin adds to the command, whatever happens.
+    /// Magnitude, slope and acceleration of the plugin's correction, in every case.
     fn hold_against_limits(&mut self, correction: [f64; 3], limited: u8) {
         let mut exceeded = false;
         for (k, limits) in self.limits.iter().enumerate() {

@@ -18,10 +18,10 @@
 //! The probes read `r + R_Y cos(φ + β) + R_X sin(φ + β)` of the same surface and the same motion. r > 0 is high.
 //!
 //! The programmed feed is a function of the spindle's turns that falls from roughing to a slow plunge, so that every
-//! point is touched in every revolution. The chase that keeps the wheel at the circling pin is taken for perfect: the
+//! point is touched in every revolution. The chase that keeps the wheel at the circling pin is taken as perfect: the
 //! axis carries feed and correction only.
 //!
-//! None of this uses the gauge's code: what the correction gains is read from the simulated surface.
+//! None of this uses the gauge's code: the gain of the correction is read from the simulated surface.
 
 mod cell;
 mod control;

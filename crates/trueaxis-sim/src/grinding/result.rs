@@ -44,7 +44,7 @@ pub struct Revolution {
 pub struct Run {
     /// One entry a turn of the spindle.
     pub revolutions: Vec<Revolution>,
-    /// Harmonics of the true surface, averaged over the last revolutions: what is not synchronous cancels.
+    /// Harmonics of the true surface, averaged over the last revolutions: asynchronous parts cancel.
     pub average: Vec<Harmonic>,
     /// Number of revolutions averaged.
     pub averaged: usize,

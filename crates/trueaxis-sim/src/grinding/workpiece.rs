@@ -1,4 +1,4 @@
-//! The surface of the pin: radius deviation over a fine grid of angles, and what is on it.
+//! The surface of the pin: radius deviation over a fine grid of angles, and its harmonics.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

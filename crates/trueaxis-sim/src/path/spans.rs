@@ -13,7 +13,7 @@ pub const MOST_SPANS: usize = 50_000_000;
 /// A move is halved at most this often.
 const DEEPEST_HALVING: u32 = 16;
 
-/// Appends the spans of a move, and what its rotary axes do along them.
+/// Appends the spans of a move, and the turns of its rotary axes along them.
 pub(super) fn add_move(
     program: &Program,
     (index, step): (usize, &Move),

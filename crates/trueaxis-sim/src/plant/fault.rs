@@ -1,4 +1,4 @@
-//! Scripted faults: what goes wrong, on which axis, when and for how long.
+//! Scripted faults: kind, axis, time and duration.
 //!
 //! | specification | effect |
 //! |---|---|

@@ -317,7 +317,7 @@ impl Plant {
     }
 }
 
-/// Lost motion of an axis: its backlash and what its table says about its own direction.
+/// Lost motion of an axis: its backlash, and its own error by direction in the table.
 fn play_width(settings: &AxisSettings, table: Option<&Table>) -> f64 {
     let own = settings.axis.index();
     let rows = table.map_or(&[][..], |table| &table.rows);

@@ -20,7 +20,7 @@
 //! | G43 H, G43.1, G43.2, G49 | tool length: [`ToolTable`] |
 //! | G43.4 H, G49 | tool centre point mode on, off: X Y Z are the tip in workpiece coordinates |
 //! | G61.1, G4, M0, M1, M6, M60 | the axes come to rest |
-//! | M2, M30, a second `%` | end; what follows is not read |
+//! | M2, M30, a second `%` | end; the rest is not read |
 //! | `/`, O1234, N | block delete ([`ReadOptions`]), program number, line number |
 //! | S, T, M3 to M9, M19, M48 to M53, M61 to M68, G8, G40, G61, G64 P, G96, G97 | no effect on the path: [`Note`] |
 //!

@@ -1,4 +1,4 @@
-//! LinuxCNC's tool table: what G43 adds.
+//! LinuxCNC's tool table: offsets added by G43.
 
 use std::collections::BTreeMap;
 

@@ -22,7 +22,7 @@ pub enum Kind {
     Uncompensated,
     /// The plugin enabled.
     Compensated,
-    /// A machine with perfect geometry and no lost motion: what the servo alone leaves.
+    /// A machine with perfect geometry and no lost motion: the error of the servo alone.
     ServoOnly,
 }
 

@@ -1,4 +1,4 @@
-//! Settings from TOML: what a text states replaces what was there.
+//! Settings from TOML: values given replace those present.
 
 use super::Settings;
 use std::collections::BTreeMap;

@@ -181,7 +181,7 @@ impl Gain {
         [1.0 + self.k2 * c2 + self.k3 * c3, self.k2 * s2 + self.k3 * s3]
     }
 
-    /// e^{jkφ2}: what harmonic k of r(θ) becomes in r(θ + φ2).
+    /// e^{jkφ2}: factor of harmonic k from r(θ) to r(θ + φ2).
     pub fn phase2(&self, harmonic: usize) -> [f64; 2] {
         self.phasor(harmonic, self.slots.map(|[p, _]| p), self.phi2)
     }

@@ -52,7 +52,7 @@ pub(super) struct SpindleCounter {
     tolerance: u32,
 }
 
-/// Follows the spindle's encoder from cycle to cycle: what it remembers.
+/// Follows the spindle's encoder from cycle to cycle: its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpindleState {
     last: i32,

@@ -100,7 +100,7 @@ pub struct Probes<R> {
     pub arm: i32,
     /// Another workpiece: correction back to zero (through the limiter), evaluation of the spindle begun anew.
     pub new_part: bool,
-    /// The wheel does not grind: measured all the same, but nothing is learnt for the infeed.
+    /// The wheel does not grind: measured all the same, but the infeed is not updated.
     pub idle: bool,
 }
 

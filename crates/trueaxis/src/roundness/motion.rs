@@ -110,7 +110,7 @@ impl<R: Real, const N: usize> Motion<R, N> {
         self.fundamental = [a0 * scale, R::TWO * a * scale, R::TWO * b * scale];
     }
 
-    /// Second pass: what is left without mean and first harmonic.
+    /// Second pass: the remainder without mean and first harmonic.
     #[inline(always)]
     pub(super) fn range(&mut self, index: usize, [cos, sin]: [R; 2]) {
         let (Some(mean), Some(low), Some(high)) = (self.sum.get(index), self.low.get(index), self.high.get(index))

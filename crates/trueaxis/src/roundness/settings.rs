@@ -107,7 +107,7 @@ pub struct GaugeSettings {
     pub points: u16,
     /// Angles between the probes.
     pub angles: ProbeAngles,
-    /// Harmonics of the profile that are separated; the rest of the profile is taken for zero.
+    /// Harmonics of the profile that are separated; the rest of the profile is taken as zero.
     pub band: Band,
     /// Harmonics of a worse noise gain are suppressed.
     pub noise_gain_limit: f64,

@@ -5,7 +5,7 @@ use super::work::{Outcome, Revolution, Work};
 use super::{Counts, Evaluation, GaugeFlags};
 use crate::real::Real;
 
-/// The mutable half: what one cycle hands to the next, and the results. Large (17 N scalars): keep it in a static.
+/// The mutable half: state from cycle to cycle, and the results. Large (17 N scalars): keep it in a static.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GaugeState<R, const N: usize> {

@@ -89,7 +89,7 @@ impl<P: Position, const N: usize> Bypass<P, N> {
         Output { drive: self.held, feedback: self.feedback, record }
     }
 
-    /// Nothing was ever commanded: what holds is where the machine stands, once every axis has been read.
+    /// Before the first command: holds the position of the machine, once every axis has been read.
     #[cold]
     fn stand(&mut self, input: &Input<P, N>) {
         let mut bit = 1u8;

@@ -97,7 +97,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// The first cycle returns the command; from then on `drive = command + c`, c the limited correction. While the
     /// output holds, drive and c stay as they are, bit for bit; after it c goes on from rest.
     ///
-    /// `measure` says what the contour error is measured against:
+    /// `measure` selects the reference of the contour error:
     ///
     /// | | |
     /// |---|---|
@@ -106,7 +106,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// | `&mut` [`CommandWindow`](crate::contour::CommandWindow) | the last commands, for a host that knows no path |
     /// | `&mut` [`OnToolPath`] | tip and direction of the tool, in workpiece coordinates |
     ///
-    /// `gauge`: `()`, or `&mut` [`GaugeRide`] with three probes. Every combination works; what is not there costs nothing.
+    /// `gauge`: `()`, or `&mut` [`GaugeRide`] with three probes. Every combination works; an absent part costs nothing.
     #[inline]
     pub fn step(
         &self,
@@ -133,7 +133,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
 
     /// [`ServoLoop::step`], telling `watch` when a stage has ended: for counting or timing the stages on the target.
     ///
-    /// The compiler may move work over the border of two stages; what all of them take together is exact.
+    /// The compiler may move work over the border of two stages; their sum is exact.
     #[inline(always)]
     pub fn step_watched(
         &self,

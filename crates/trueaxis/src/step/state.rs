@@ -10,7 +10,7 @@ use crate::real::Real;
 use crate::sample::SampleState;
 use crate::telemetry::{Record, Status};
 
-/// The mutable half: what one cycle hands to the next.
+/// The mutable half: state from cycle to cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct State<R, P, const N: usize> {
     pub(super) sample: SampleState<R, P, N>,

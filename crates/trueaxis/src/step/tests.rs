@@ -77,7 +77,7 @@ pub(super) fn input(command: [f64; 3]) -> Input<f64, 3> {
 
 /// Runs cycles and holds every one against the limits of the correction.
 ///
-/// While the output holds, drive and correction stay bit for bit, and what comes next starts from rest.
+/// While the output holds, drive and correction stay bit for bit, and the next motion starts from rest.
 struct Bench {
     active: &'static Loop,
     state: State<f64, f64, 3>,

@@ -11,7 +11,7 @@ pub const ROUNDNESS_FRAME_VERSION: u8 = 129;
 /// A buffer of this size holds the COBS frame of any revolution.
 pub const ROUNDNESS_FRAME_BYTES: usize = 1280;
 
-/// Wire form of what is known about a revolution: the same layout for every build; see `docs/telemetry.md`.
+/// Wire form of the results of a revolution: the same layout for every build; see `docs/telemetry.md`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RoundnessFrame {

@@ -1,4 +1,4 @@
-//! Settings of a machine and rows of its tables, from a structural code and what a test changes.
+//! Settings of a machine and rows of its tables, from a structural code and a test's changes.
 
 use std::vec::Vec;
 use trueaxis::machine::{Axis, AxisSettings, Limits, MachineSettings, Row, Twist, links};

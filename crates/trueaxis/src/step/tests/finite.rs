@@ -30,7 +30,7 @@ fn spans<R: Real, P: Position>() -> Vec<Span<R, P>> {
     spans
 }
 
-/// Bits of a cycle: what is not taken as it comes stays near where the machine stands.
+/// Bits of a cycle: values not taken as they come stay near the machine's position.
 type Bits = ([f64; 3], [f64; 3], f64, u32, u32, u16);
 
 fn any_bits() -> impl Strategy<Value = Bits> {

@@ -202,7 +202,7 @@ fn holds(
     assert_eq!((out.record.fault, out.record.fault_axis), (fault, axis));
     assert!(out.stop_requested());
     assert_eq!(out.drive, before.drive);
-    // A reset is not heard while the tool is out of reach …
+    // A reset is not accepted while the tool is out of reach …
     assert!(bench.cycle(&bad, true).stop_requested());
     assert!(bench.cycle(&bad, false).stop_requested());
     // … nor without one, however good the tool; nor from afar, and the pose that is followed stays at the held one.

@@ -148,7 +148,7 @@ fn a_bad_command_in_the_very_first_cycle_stays_where_the_machine_stands() {
         assert!(out.stop_requested() && out.has_drive());
         assert_eq!((out.drive, out.record.command), (stands, stands));
     }
-    // Elsewhere no reset is heard; there one is, and it is a first cycle.
+    // Elsewhere no reset is accepted; here one is, and it is a first cycle.
     let away = Input { feedback: stands, reset: true, ..input([1.2, 2.0, 3.0]) };
     assert!(bench.cycle(&away).stop_requested());
     bench.cycle(&input(stands));
@@ -170,7 +170,7 @@ fn there_is_no_output_before_a_command_or_every_reading_is_known() {
         assert!(out.record.status.has(Status::NO_OUTPUT));
         assert!(out.record.feedback.iter().all(|x| x.is_finite()));
     }
-    // An encoder that reports an alarm has not been read, and a reset is not heard.
+    // An encoder that reports an alarm has not been read, and a reset is not accepted.
     let alarm = Input { encoder_alarm: 0b010, ..blind([7.5, 8.0, 9.0]) };
     assert!(!bench.cycle(&alarm).has_drive());
     let reset = Input { reset: true, encoder_alarm: 0b010, ..input([0.0; 3]) };
@@ -347,7 +347,7 @@ proptest! {
                     }
                 }
                 let out = bench.cycle(&given); // against its own limits and rules
-                // And once more from outside: what the drives got against what was commanded.
+                // Once more from outside: drive positions against commands.
                 for k in 0..3 {
                     let c = out.drive[k] - out.record.command[k];
                     let v = c - sent[k];

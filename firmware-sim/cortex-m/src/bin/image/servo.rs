@@ -1,4 +1,4 @@
-//! The servo cycle: what the interrupt does, apart from the board.
+//! The servo cycle: the interrupt's work, apart from the board.
 
 #![deny(clippy::indexing_slicing)]
 

@@ -54,7 +54,7 @@ impl From<ConfigError> for Refused {
     }
 }
 
-/// A step, ready to run, and what its file says besides.
+/// A step, ready to run, and the other contents of its file.
 pub struct Tables {
     /// The step.
     pub servo: Loop,

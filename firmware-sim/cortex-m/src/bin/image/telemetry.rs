@@ -1,4 +1,4 @@
-//! Output of records: frames on UART 0, raw outputs on UART 1 ([`outputs`]), what is worth a line in the log.
+//! Output of records: frames on UART 0, raw outputs on UART 1 ([`outputs`]), notable events in the log.
 //!
 //! A cycle whose record was dropped is missing on both.
 
