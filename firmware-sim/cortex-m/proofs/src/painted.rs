@@ -1,6 +1,5 @@
 //! Stack depth of each function in a run: the stack below it is painted before every call and checked afterwards.
 
-use trueaxis::glam::DVec3;
 use crate::symbols::{
     P, POINTS, R, WINDOW, proved_bypass, proved_step, proved_step_following, proved_step_rtcp, proved_step_with_gauge,
     proved_step_with_tool, proved_take_into,
@@ -11,9 +10,10 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use trueaxis::contour::{CommandWindow, Method, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use trueaxis::exchange::Exchange;
+use trueaxis::glam::DVec3;
 use trueaxis::kinematics::{BranchTracker, Kinematics};
 use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
-use trueaxis::roundness::{ProbeAngles, Probes, Gauge, GaugeSettings, GaugeState};
+use trueaxis::roundness::{Gauge, GaugeSettings, GaugeState, ProbeAngles, Probes};
 use trueaxis::{Axis, Bypass, Config, Fault, Input, Position, Real, Row, ServoLoop};
 
 const PERIOD_NS: u32 = 100_000;
@@ -97,7 +97,13 @@ fn pieces() -> heapless::Vec<Span<R, P>, 64> {
     let segments = [
         Segment::Line { start: DVec3::new(0.0, 0.0, 0.0), end: DVec3::new(30.0, 0.0, 0.0) },
         Segment::Line { start: DVec3::new(30.0, 0.0, 0.0), end: DVec3::new(30.0, 10.0, 0.0) },
-        Segment::Arc { start: DVec3::new(30.0, 10.0, 0.0), end: DVec3::new(0.0, 10.0, 0.0), center: DVec3::new(15.0, 10.0, 0.0), normal, turns: 0 },
+        Segment::Arc {
+            start: DVec3::new(30.0, 10.0, 0.0),
+            end: DVec3::new(0.0, 10.0, 0.0),
+            center: DVec3::new(15.0, 10.0, 0.0),
+            normal: normal.into(),
+            turns: 0,
+        },
         Segment::Line { start: DVec3::new(0.0, 10.0, 0.0), end: DVec3::new(0.0, 0.0, 0.0) },
     ];
     let mut all = heapless::Vec::new();

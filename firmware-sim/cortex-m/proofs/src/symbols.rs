@@ -5,7 +5,7 @@
 use trueaxis::contour::{CommandWindow, OrientationError, Path, Reference, ToolPath};
 use trueaxis::exchange::Exchange;
 use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
-use trueaxis::roundness::{Cycle, Probes, Gauge, GaugeState};
+use trueaxis::roundness::{Cycle, Gauge, GaugeState, Probes};
 use trueaxis::{Bypass, GaugeRide, Input, OnToolPath, Output, ServoLoop, State};
 
 #[cfg(not(feature = "double"))]
