@@ -2,8 +2,8 @@
 
 use crate::Real;
 use crate::gauge::{Gauge, GaugeState, either, pair};
-use crate::pointer::{Sized32, check, check_sized};
-use crate::result::{self, ERROR_ARGUMENT, ERROR_BUFFER, ERROR_NOT_YET, ERROR_NULL, ERROR_SIZE, ResultCode};
+use crate::pointer::{Buffer, Sized32, check, check_sized};
+use crate::result::{self, ERROR_ARGUMENT, ERROR_BUFFER, ERROR_NOT_YET, ResultCode};
 use trueaxis::roundness::{ErrorMotion, HARMONICS};
 use trueaxis::telemetry::{ROUNDNESS_FRAME_BYTES, RoundnessFrame};
 
@@ -189,13 +189,7 @@ pub unsafe extern "C" fn trueaxis_gauge_frame_encode(
     written: *mut usize,
 ) -> ResultCode {
     let work = || {
-        check(written)?;
-        if buffer.is_null() {
-            return Err(ERROR_NULL);
-        }
-        if size > isize::MAX as usize {
-            return Err(ERROR_SIZE);
-        }
+        let buffer = Buffer::new(buffer, size, written)?;
         // SAFETY: the caller's promise.
         let frame = either!(unsafe { pair(gauge, gauge_state) }?.points, gauge, state => {
             RoundnessFrame::of(machine_id, gauge, state)
@@ -203,15 +197,8 @@ pub unsafe extern "C" fn trueaxis_gauge_frame_encode(
         let mut whole = [0; GAUGE_FRAME_BYTES];
         let frame = frame.ok_or(ERROR_NOT_YET)?;
         let frame = frame.encode(&mut whole).map_err(|_| ERROR_BUFFER)?;
-        if frame.len() > size {
-            return Err(ERROR_BUFFER);
-        }
-        // SAFETY: the buffer has at least as many bytes, and is the caller's and not this function's; `written` was checked.
-        unsafe {
-            buffer.copy_from_nonoverlapping(frame.as_ptr(), frame.len());
-            written.write(frame.len());
-        }
-        Ok(())
+        // SAFETY: the caller's promise; the bytes are this function's own.
+        unsafe { buffer.fill(frame) }
     };
     result::of(work())
 }

@@ -3,8 +3,8 @@
 use crate::contour::Contour;
 use crate::cycle::{AXES_MAX, Output};
 use crate::plugin::to_core;
-use crate::pointer::read_sized;
-use crate::result::{self, ERROR_ARGUMENT, ERROR_BUFFER, ERROR_NULL, ERROR_SIZE, ResultCode};
+use crate::pointer::{Buffer, read_sized};
+use crate::result::{self, ERROR_ARGUMENT, ResultCode};
 use trueaxis::telemetry::{self, AxisFrame, ContourFrame, Frame};
 use trueaxis::{Fault, Position as _};
 
@@ -28,24 +28,11 @@ pub unsafe extern "C" fn trueaxis_frame_encode(
     let work = || {
         // SAFETY: the caller's promise.
         let output = unsafe { read_sized(output) }?;
-        crate::pointer::check(written)?;
-        if buffer.is_null() {
-            return Err(ERROR_NULL);
-        }
-        if size > isize::MAX as usize {
-            return Err(ERROR_SIZE);
-        }
+        let buffer = Buffer::new(buffer, size, written)?;
         let mut whole = [0; FRAME_BYTES];
         let frame = frame(&output).ok_or(ERROR_ARGUMENT)?.encode(&mut whole).map_err(|_| ERROR_ARGUMENT)?;
-        if frame.len() > size {
-            return Err(ERROR_BUFFER);
-        }
-        // SAFETY: the buffer has at least as many bytes, and is the caller's and not this function's; `written` was checked.
-        unsafe {
-            buffer.copy_from_nonoverlapping(frame.as_ptr(), frame.len());
-            written.write(frame.len());
-        }
-        Ok(())
+        // SAFETY: the caller's promise; the bytes are this function's own.
+        unsafe { buffer.fill(frame) }
     };
     result::of(work())
 }

@@ -1,6 +1,6 @@
 //! Checks of the caller's pointers: null, alignment and size, before anything else.
 
-use crate::result::{ERROR_ALIGNMENT, ERROR_NULL, ERROR_SIZE, ResultCode};
+use crate::result::{ERROR_ALIGNMENT, ERROR_BUFFER, ERROR_NULL, ERROR_SIZE, ResultCode};
 use core::mem::{align_of, size_of};
 
 /// A structure of the header that begins with its own size, a `u32`.
@@ -64,6 +64,43 @@ pub(crate) fn memory(pointer: *mut core::ffi::c_void, size: usize) -> Result<*mu
 }
 
 const _: () = assert!(align_of::<u64>() <= MEMORY_ALIGNMENT && align_of::<f64>() <= MEMORY_ALIGNMENT);
+
+/// A buffer of the caller that a function fills, with the number of bytes that it has written there.
+pub(crate) struct Buffer {
+    start: *mut u8,
+    size: usize,
+    written: *mut usize,
+}
+
+impl Buffer {
+    /// Refuses null, a misaligned `written` and a size that no memory has.
+    pub(crate) fn new(start: *mut u8, size: usize, written: *mut usize) -> Result<Buffer, ResultCode> {
+        check(written)?;
+        if start.is_null() {
+            return Err(ERROR_NULL);
+        }
+        if size > isize::MAX as usize {
+            return Err(ERROR_SIZE);
+        }
+        Ok(Buffer { start, size, written })
+    }
+
+    /// Hands the bytes over; nothing is written if they do not fit.
+    ///
+    /// # Safety
+    /// The buffer has `size` writable bytes, none of them among `bytes`, and the count is writable.
+    pub(crate) unsafe fn fill(self, bytes: &[u8]) -> Result<(), ResultCode> {
+        if bytes.len() > self.size {
+            return Err(ERROR_BUFFER);
+        }
+        // SAFETY: as many bytes at least, not overlapping, and a count that `new` has checked, by the caller's promise.
+        unsafe {
+            self.start.copy_from_nonoverlapping(bytes.as_ptr(), bytes.len());
+            self.written.write(bytes.len());
+        }
+        Ok(())
+    }
+}
 
 /// Whether two ranges (address, size) have no byte in common.
 pub(crate) fn apart((a, a_size): (usize, usize), (b, b_size): (usize, usize)) -> bool {

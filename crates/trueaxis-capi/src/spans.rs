@@ -46,7 +46,7 @@ impl Direction {
         }
     }
 
-    /// Whether it has a turn.
+    /// Whether the tool can be turned like that: directions need a length and must not be opposite.
     pub(crate) fn is_possible(&self) -> bool {
         let (Direction::Axes(start, end) | Direction::Vectors(start, end)) = self;
         let standing = PathSpan::turning([CorePosition::default(); 3], 0, [0.0, 0.0, 1.0]);
