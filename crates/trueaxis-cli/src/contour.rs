@@ -8,7 +8,7 @@ use serde::Deserialize;
 use std::path::{Path as FilePath, PathBuf};
 use trueaxis::contour::{ContourSearch, Flags, Method, Path, Reference, Segment, Span, convert, span_count};
 use trueaxis::glam::DVec3;
-use trueaxis_tables::text::read_text;
+use trueaxis_tables::text::{line_at, read_text};
 
 pub(crate) const HELP: &str = "\
 PATH.json: {\"segments\":[
@@ -175,7 +175,7 @@ fn read_path(file: &FilePath) -> Result<Converted> {
 }
 
 /// The line on which a segment begins: only looked for to report an error.
-fn segment_line(text: &str, number: usize) -> Option<usize> {
+fn segment_line(text: &str, number: usize) -> Option<u32> {
     #[derive(Deserialize)]
     struct Raw<'t> {
         #[serde(borrow)]
@@ -183,7 +183,7 @@ fn segment_line(text: &str, number: usize) -> Option<usize> {
     }
     let raw: Raw<'_> = serde_json::from_str(text).ok()?;
     let offset = (raw.segments.get(number)?.get().as_ptr() as usize).checked_sub(text.as_ptr() as usize)?;
-    Some(1 + text.as_bytes().get(..offset)?.iter().filter(|byte| **byte == b'\n').count())
+    Some(line_at(text, offset))
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {

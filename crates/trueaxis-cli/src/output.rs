@@ -113,7 +113,7 @@ impl Display for Closed {
 
 impl std::error::Error for Closed {}
 
-/// The error of a failed write to the standard output; a closed pipe is told apart.
+/// Error of a failed write to the standard output; a pipe that its reader has closed gets an error of its own.
 fn standard_output(error: std::io::Error) -> anyhow::Error {
     if error.kind() == std::io::ErrorKind::BrokenPipe {
         return Closed.into();

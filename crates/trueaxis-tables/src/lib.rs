@@ -21,6 +21,7 @@ pub use compile::{build, compile};
 pub use edit::Edited;
 pub use lost_motion::{LostMotion, lost_motion};
 pub use output::write_atomically;
+pub use read::keys::{Keys, Written};
 pub use summary::{AxisSummary, ErrorSummary, Summary, TableSummary, summary};
 pub use warning::{Warning, check};
 

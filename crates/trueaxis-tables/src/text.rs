@@ -41,6 +41,12 @@ pub fn decode(bytes: Vec<u8>, file: &Path, comments: &[char]) -> Result<String, 
     })
 }
 
+/// The line, from 1, of a byte of a text; 1 beyond its end.
+pub fn line_at(text: &str, offset: usize) -> u32 {
+    let before = text.as_bytes().get(..offset).unwrap_or_default();
+    u32::try_from(1 + before.iter().filter(|byte| **byte == b'\n').count()).unwrap_or(0)
+}
+
 /// A count and what is counted: `1 warning`, `2 warnings`.
 pub fn counted(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }

@@ -1,6 +1,7 @@
 //! Work offsets and home positions: LinuxCNC's parameter file, or TOML.
 
 use serde::Deserialize;
+use trueaxis_tables::text::line_at;
 
 use super::ProgramError;
 use super::error::Refusal;
@@ -135,9 +136,8 @@ impl Offsets {
     }
 
     fn from_toml(text: &str) -> Result<Offsets, Refusal> {
-        let line_at = |at: usize| text.get(..at).map_or(1, |before| before.matches('\n').count() as u32 + 1);
         let document: Document = toml::from_str(text).map_err(|error| {
-            let line = error.span().map_or(1, |span| line_at(span.start));
+            let line = error.span().map_or(1, |span| line_at(text, span.start));
             Refusal::new(
                 line,
                 error.message(),

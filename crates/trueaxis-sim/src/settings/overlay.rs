@@ -3,8 +3,10 @@
 use super::Settings;
 use std::collections::BTreeMap;
 use std::fmt;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 use toml::{Table, Value};
+use trueaxis_tables::Keys;
+use trueaxis_tables::text::line_at;
 
 /// A setting that cannot be taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -58,19 +60,14 @@ fn optional() -> [(&'static str, Value); 2] {
     [("temperature_c", Value::Float(f64::NAN)), ("origin_mm", Value::Array(Vec::new()))]
 }
 
-/// Lines of the keys of a text, by their dotted names.
-type Lines = BTreeMap<String, u32>;
-
 pub(super) fn overlay(settings: &mut Settings, text: &str) -> Result<(), SettingError> {
-    let line_at = |at: usize| text.get(..at).map_or(1, |before| before.matches('\n').count() as u32 + 1);
     let no_toml = |error: toml::de::Error| {
-        let line = error.span().map_or(1, |span| line_at(span.start));
+        let line = error.span().map_or(1, |span| line_at(text, span.start));
         wrong(line, "", error.message().replace('\n', " "), "KEY = VALUE lines of TOML".into())
     };
-    let mut lines = Lines::new();
-    note_lines(DeTable::parse(text).map_err(no_toml)?.get_ref(), "", &line_at, &mut lines);
+    let keys = Keys::new(text, DeTable::parse(text).map_err(no_toml)?.get_ref());
     let given: Table = toml::from_str(text).map_err(no_toml)?;
-    let line = |key: &str| lines.get(key).copied().unwrap_or(1);
+    let line = |key: &str| keys.get(key).map_or(1, |key| key.line);
 
     let mut all = table(settings);
     for (key, none) in optional() {
@@ -86,7 +83,7 @@ pub(super) fn overlay(settings: &mut Settings, text: &str) -> Result<(), Setting
     let faults = all.get("faults").map(Value::to_string).unwrap_or_default();
     let merged: Settings = Value::Table(all).try_into().map_err(|error: toml::de::Error| {
         // Numbers have been checked: what is left are lists.
-        let key = if lines.contains_key("faults") { "faults" } else { "origin_mm" };
+        let key = if keys.get("faults").is_some() { "faults" } else { "origin_mm" };
         let found = if key == "faults" { faults.clone() } else { "another list".into() };
         wrong(line(key), key, found, error.message().replace('\n', " "))
     })?;
@@ -124,16 +121,6 @@ fn leaves(table: &Table, path: &str, into: &mut BTreeMap<String, String>) {
             value => {
                 into.insert(dotted(path, key), value.to_string());
             }
-        }
-    }
-}
-
-fn note_lines(table: &DeTable<'_>, path: &str, line_at: &dyn Fn(usize) -> u32, lines: &mut Lines) {
-    for (key, value) in table {
-        let name = dotted(path, key.get_ref());
-        lines.insert(name.clone(), line_at(key.span().start));
-        if let DeValue::Table(inner) = value.get_ref() {
-            note_lines(inner, &name, line_at, lines);
         }
     }
 }

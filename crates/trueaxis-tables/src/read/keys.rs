@@ -1,21 +1,25 @@
 //! Lines of all keys and sections of a TOML file, for errors that are found later.
 
-use super::section::line;
+use crate::text::line_at;
 use std::collections::BTreeMap;
 use toml::de::DeTable;
 
 /// A key or section as written.
-pub(super) struct Written {
-    pub(super) line: u32,
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// Its line, from 1.
+    pub line: u32,
     /// The value; empty for a section.
-    pub(super) text: String,
+    pub text: String,
 }
 
 /// The keys and sections of a file by their full names, like `axis.X.limits.magnitude_um`.
-pub(super) struct Keys(BTreeMap<String, Written>);
+#[derive(Clone, Debug)]
+pub struct Keys(BTreeMap<String, Written>);
 
 impl Keys {
-    pub(super) fn new(text: &str, table: &DeTable<'_>) -> Keys {
+    /// All that the table, parsed from `text`, contains.
+    pub fn new(text: &str, table: &DeTable<'_>) -> Keys {
         let mut keys = Keys(BTreeMap::new());
         keys.add(text, "", table);
         keys
@@ -32,16 +36,17 @@ impl Keys {
             if let Some(section) = section {
                 self.add(text, &format!("{name}."), section);
             }
-            self.0.insert(name, Written { line: line(text, &span), text: written.into() });
+            self.0.insert(name, Written { line: line_at(text, span.start), text: written.into() });
         }
     }
 
-    pub(super) fn get(&self, name: &str) -> Option<&Written> {
+    /// The key or section of that name.
+    pub fn get(&self, name: &str) -> Option<&Written> {
         self.0.get(name)
     }
 
     /// Line of the innermost section that a key belongs to, whether the key is there or not; `None` for the file.
-    pub(super) fn section(&self, name: &str) -> Option<u32> {
+    pub fn section(&self, name: &str) -> Option<u32> {
         let (section, _) = name.rsplit_once('.')?;
         self.get(section).map(|written| written.line).or_else(|| self.section(section))
     }

@@ -1,9 +1,10 @@
 //! `machine.toml`: keys, units and defaults.
 
 use super::keys::Keys;
-use super::section::{Found, Section, line};
+use super::section::{Found, Section};
 use crate::error::FileError;
 use crate::origin::Origin;
+use crate::text::line_at;
 use std::cell::RefCell;
 use toml::de::DeTable;
 use trueaxis::machine::{
@@ -55,7 +56,7 @@ fn per_second(value: f64) -> f64 {
 
 pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError> {
     let document = DeTable::parse(text).map_err(|error| {
-        let line = error.span().map_or(1, |span| line(text, &span));
+        let line = error.span().map_or(1, |span| line_at(text, span.start));
         origin.at(line, "", error.message(), "a valid TOML file")
     })?;
     let numbers = RefCell::default();

@@ -1,7 +1,7 @@
 //! Reading a machine: `machine.toml` and the CSV of each axis.
 
 mod axis_table;
-mod keys;
+pub(crate) mod keys;
 mod machine_toml;
 mod refused;
 mod roundness_toml;

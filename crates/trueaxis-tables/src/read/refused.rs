@@ -75,13 +75,13 @@ impl Description {
     /// The hysteresis is too narrow.
     pub(super) fn reversal(&self, origin: &Origin, error: &ConfigError) -> FileError {
         let at = self.located(origin, error);
-        let rotary = error.axis.is_some_and(Axis::is_rotary);
-        let micro = |value: f64| if rotary { value.to_radians() * 1e6 } else { value * 1e3 };
-        let unit = if rotary { "urad" } else { "um" };
         FileError {
-            needed: match error.bound {
-                // Rounded up: what is written off the message must do.
-                Some(bound) => format!("{}: {} {unit}", error.needed, (micro(bound) * 1e3 - 1e-6).ceil() / 1e3),
+            needed: match error.bound.zip(error.key()) {
+                // Rounded up: a figure copied from the message must be accepted.
+                Some((bound, key)) => {
+                    let unit = if error.axis.is_some_and(Axis::is_rotary) { "urad" } else { "um" };
+                    format!("{}: {} {unit}", error.needed, (key.in_its_unit(bound) * 1e3 - 1e-6).ceil() / 1e3)
+                }
                 None => at.needed,
             },
             ..at

@@ -2,6 +2,7 @@
 
 use crate::error::FileError;
 use crate::origin::Origin;
+use crate::text::line_at;
 use std::cell::RefCell;
 use std::ops::Range;
 use toml::Spanned;
@@ -29,12 +30,6 @@ pub(super) struct Section<'a> {
     numbers: &'a RefCell<Vec<(String, usize)>>,
 }
 
-/// The line at which a span begins, from 1.
-pub(super) fn line(text: &str, span: &Range<usize>) -> u32 {
-    let before = text.as_bytes().get(..span.start).unwrap_or_default();
-    u32::try_from(1 + before.iter().filter(|byte| **byte == b'\n').count()).unwrap_or(0)
-}
-
 impl<'a> Section<'a> {
     pub(super) fn new(
         origin: &'a Origin,
@@ -46,7 +41,7 @@ impl<'a> Section<'a> {
     }
 
     fn line(&self, span: &Range<usize>) -> u32 {
-        line(self.text, span)
+        line_at(self.text, span.start)
     }
 
     fn refuse(&self, key: &str, span: &Range<usize>, needed: impl Into<String>) -> FileError {
