@@ -6,7 +6,6 @@ use anyhow::{Result, bail};
 use clap::Args;
 use firmware_sim::bench;
 use serde_json::json;
-use trueaxis_sim::scenario::axis_count;
 use trueaxis_tables::text::counted;
 
 #[derive(Args)]
@@ -27,7 +26,7 @@ pub(crate) fn time(args: &BenchArgs) -> Result<()> {
     }
     let scenario = prepare(&args.scenario, &[])?;
     let budget_ns = args.scenario.budget_ns(&scenario);
-    let outcome = match axis_count(&scenario.machine) {
+    let outcome = match scenario.machine.settings.step_axes().count() {
         3 => bench::run::<3>(&scenario, budget_ns, args.cycles),
         4 => bench::run::<4>(&scenario, budget_ns, args.cycles),
         5 => bench::run::<5>(&scenario, budget_ns, args.cycles),

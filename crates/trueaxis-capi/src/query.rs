@@ -124,7 +124,7 @@ fn asked<const N: usize>(
 ) -> Result<[Real; AXES_MAX], ResultCode> {
     let mut conditions = Conditions::<Real, N>::default();
     for (slot, direction) in conditions.directions.iter_mut().enumerate() {
-        *direction = if negative >> slot & 1 == 1 { Direction::NEGATIVE } else { Direction::POSITIVE };
+        *direction = Direction::of(negative >> slot & 1 == 1);
     }
     for (slot, (line, kelvin)) in conditions.thermal.iter_mut().zip(kelvin).enumerate() {
         *line = built.growth(slot, *kelvin).ok_or(ERROR_ARGUMENT)?;

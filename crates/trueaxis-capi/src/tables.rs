@@ -79,15 +79,12 @@ pub unsafe extern "C" fn trueaxis_tables_info(
 
 /// Number of axes of a step with these tables.
 pub(crate) fn axes_of(tables: &Tcomp<'_>) -> usize {
-    3 + tables.settings().axes.iter().filter(|settings| settings.axis.is_rotary()).count()
+    tables.settings().step_axes().count()
 }
 
 /// The axes of the step in order, with their settings if the machine has them.
 pub(crate) fn slots<'t>(tables: &'t Tcomp<'_>) -> impl Iterator<Item = (Axis, Option<&'t AxisSettings>)> {
-    Axis::ALL.into_iter().filter_map(|axis| {
-        let settings = tables.settings().axis(axis);
-        (settings.is_some() || !axis.is_rotary()).then_some((axis, settings))
-    })
+    tables.settings().step_axes().map(|axis| (axis, tables.settings().axis(axis)))
 }
 
 /// Bytes of as many scalars.

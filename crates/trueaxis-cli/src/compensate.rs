@@ -4,7 +4,7 @@ mod exact;
 mod step;
 
 use crate::csv_in::{Column, Row, Rows};
-use crate::model::{self, axis_count, by_axes};
+use crate::model::{self, by_axes};
 use crate::output::{Writer, tell};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -112,7 +112,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         Model::Nine | Model::Volumetric => {
             let nine = model == Model::Nine;
             machine.settings.compensation.model = if nine { ErrorModel::Nine } else { ErrorModel::Volumetric };
-            by_axes!(axis_count(&machine), step::evaluate(arguments, &machine, &mut positions, &mut result))?;
+            by_axes!(
+                machine.settings.step_axes().count(),
+                step::evaluate(arguments, &machine, &mut positions, &mut result)
+            )?;
         }
     }
     result.finish(positions.count)

@@ -41,11 +41,6 @@ pub(crate) fn parsed<'b>(bytes: &'b [u8], machine: &Path) -> Result<Tcomp<'b>> {
     Tcomp::parse(bytes).map_err(|error| anyhow!("{}: {error}", machine.display()))
 }
 
-/// Axes of the step: X, Y, Z, and the machine's rotary ones.
-pub(crate) fn axis_count(machine: &Machine) -> usize {
-    3 + machine.settings.axes.iter().filter(|a| a.axis.is_rotary()).count()
-}
-
 /// Builds the model that the machine's settings name and lends it out.
 pub(crate) fn with_compensation<const N: usize, T>(
     machine: &Machine,

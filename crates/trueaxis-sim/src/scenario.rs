@@ -132,8 +132,3 @@ pub fn middle_of_travel(machine: &Machine) -> [f64; 3] {
     }
     middle
 }
-
-/// Number of axes of a machine's step: X, Y, Z, and its rotary ones.
-pub fn axis_count(machine: &Machine) -> usize {
-    3 + machine.settings.axes.iter().filter(|a| a.axis.is_rotary()).count()
-}

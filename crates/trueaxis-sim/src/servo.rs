@@ -3,7 +3,7 @@
 use crate::error::{Result, SimError};
 use self_cell::{MutBorrow, self_cell};
 use trueaxis::tcomp::Tcomp;
-use trueaxis::{Axis, Config, Position, Real, ServoLoop};
+use trueaxis::{Position, Real, ServoLoop};
 use trueaxis_tables::Machine;
 
 /// Builds the servo loop of a machine from its compiled tables and lends it out.
@@ -29,10 +29,8 @@ pub fn with_tables<R: Real, P: Position, const N: usize, T, E: From<SimError>>(
     period_ns: u32,
     user: impl FnOnce(&ServoLoop<'_, R, P, N>) -> Result<T, E>,
 ) -> Result<T, E> {
-    let rows = |axis: Axis| tcomp.table(axis);
-    let config = Config::of(tcomp, period_ns);
-    let mut memory = vec![R::ZERO; config.requirement(rows)];
-    let servo = config.build::<R, P, N, _>(rows, &mut memory).map_err(SimError::from)?;
+    let mut memory = vec![R::ZERO; tcomp.requirement()];
+    let servo = ServoLoop::load(tcomp, period_ns, &mut memory).map_err(SimError::from)?;
     user(&servo)
 }
 
@@ -64,11 +62,9 @@ macro_rules! owned {
                 fn build(machine: &Machine, period_ns: u32) -> Result<Self> {
                     let bytes = trueaxis_tables::compile(machine)?;
                     let tcomp = Tcomp::parse(&bytes)?;
-                    let rows = |axis: Axis| tcomp.table(axis);
-                    let config = Config::of(&tcomp, period_ns);
-                    let memory = vec![0.0; config.requirement(rows)];
+                    let memory = vec![0.0; tcomp.requirement()];
                     Cell::try_new(MutBorrow::new(memory), |memory| {
-                        config.build::<f64, f64, $axes, _>(rows, memory.borrow_mut()).map_err(SimError::from)
+                        ServoLoop::load(&tcomp, period_ns, memory.borrow_mut()).map_err(SimError::from)
                     })
                 }
 

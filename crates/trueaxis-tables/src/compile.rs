@@ -88,10 +88,10 @@ pub fn build(machine: &Machine, rate_hz: f64) -> Result<(), ConfigError> {
         inverse_passes,
         method: Method::Guarded,
     };
-    match machine.settings.axes.iter().filter(|settings| settings.axis.is_rotary()).count() {
-        0 => build_with::<3>(machine, &config),
-        1 => build_with::<4>(machine, &config),
-        2 => build_with::<5>(machine, &config),
+    match machine.settings.step_axes().count() {
+        3 => build_with::<3>(machine, &config),
+        4 => build_with::<4>(machine, &config),
+        5 => build_with::<5>(machine, &config),
         _ => build_with::<6>(machine, &config),
     }
 }

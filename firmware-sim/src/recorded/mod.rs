@@ -18,7 +18,6 @@ use trueaxis_recording::{Cycle, Header, Probe, Writer};
 use trueaxis_sim::Scenario;
 use trueaxis_sim::path::PlannedPath;
 use trueaxis_sim::run::{Given, Kind, Moment, Run, Sample, Sink};
-use trueaxis_sim::scenario::axis_count;
 
 /// Settings of a recording.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +41,7 @@ const STRETCH: u64 = 4096;
 /// The program turns rotary axes, or the tables do not build.
 pub fn record(scenario: &Arc<Scenario>, settings: &Settings, progress: &mut dyn FnMut(f64)) -> Result<Vec<u8>> {
     let machine = &scenario.machine.settings;
-    if axis_count(&scenario.machine) != 3 || scenario.five_axis {
+    if scenario.machine.settings.step_axes().count() != 3 || scenario.five_axis {
         bail!("{}: found rotary axes, needed a machine and a program of X, Y, Z alone", machine.name);
     }
     let mut run = Run::of(Arc::clone(scenario), &[Kind::Compensated])?;

@@ -20,7 +20,7 @@ pub(super) fn evaluate<const N: usize>(
     let axes = AxisOrder::<N>::of(settings).map_err(|error| anyhow!("{error}"))?.axes();
     let passes = passes(machine, arguments.inverse_passes)?;
     let thermal = thermal(machine, &axes, rise(arguments.temperature_c, machine)?);
-    let mut directions = [if arguments.reverse { Direction::NEGATIVE } else { Direction::POSITIVE }; N];
+    let mut directions = [Direction::of(arguments.reverse); N];
     let mut travel = arguments.in_order.then(|| Travel::new(machine, axes.into_iter()));
     with_compensation::<N, _>(machine, passes, |compensation| {
         result.header(arguments, machine, positions)?;

@@ -53,17 +53,11 @@ impl Asked {
     }
 }
 
-/// The axes of the step: X, Y, Z, then the machine's rotary ones.
-pub(super) fn step_axes(machine: &Machine) -> Vec<Axis> {
-    let rotary = machine.settings.axes.iter().map(|own| own.axis).filter(|axis| axis.is_rotary());
-    [Axis::X, Axis::Y, Axis::Z].into_iter().chain(rotary).collect()
-}
-
 /// Largest coordinate, mm or degrees.
 const MOST: f64 = 1e6;
 
 fn position(found: &[f64], machine: &Machine) -> Result<[f64; AXES]> {
-    let axes = step_axes(machine);
+    let axes: Vec<Axis> = machine.settings.step_axes().collect();
     if found.len() != 3 && found.len() != axes.len() {
         let rotary: String = axes.iter().skip(3).map(|axis| format!(",{}", axis.letter())).collect();
         let or = if rotary.is_empty() { String::new() } else { format!(", or {} with X,Y,Z{rotary}", axes.len()) };
@@ -97,7 +91,7 @@ fn middle(machine: &Machine) -> [f64; AXES] {
 }
 
 fn directions(text: &str, machine: &Machine) -> Result<[bool; AXES]> {
-    let axes = step_axes(machine);
+    let axes: Vec<Axis> = machine.settings.step_axes().collect();
     let mut reverse = [None; AXES];
     for part in text.split(',').map(str::trim) {
         let of = |letters: &str| {

@@ -77,8 +77,7 @@ fn look_up<const N: usize>(
     passes: u8,
 ) -> Result<(PoseError<f64>, [f64; N], u8)> {
     let thermal = thermal(machine, axes, asked.kelvin);
-    let directions =
-        axes.map(|axis| if asked.reverse[axis.index()] { Direction::NEGATIVE } else { Direction::POSITIVE });
+    let directions = axes.map(|axis| Direction::of(asked.reverse[axis.index()]));
     with_compensation::<N, _>(machine, passes, |compensation| {
         let mut clamped = 0;
         let at = compensation.coordinates(&axes.map(|axis| asked.at[axis.index()]));

@@ -4,7 +4,7 @@ mod arguments;
 mod found;
 mod table;
 
-use crate::model::{self, axis_count, by_axes};
+use crate::model::{self, by_axes};
 use crate::output::{json, print, tell};
 use anyhow::Result;
 pub(crate) use arguments::Arguments;
@@ -32,7 +32,7 @@ Example: trueaxis correct compensation-tables/mill-3axis --at 120,-40,-200 --dir
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let machine = model::machine(&arguments.machine)?;
     let asked = Asked::new(arguments, &machine)?;
-    let found: Found = by_axes!(axis_count(&machine), found::at(&machine, &asked))?;
+    let found: Found = by_axes!(machine.settings.step_axes().count(), found::at(&machine, &asked))?;
     for (letters, what) in [
         (&found.clamped, "beyond the end of the table: its edge value is clamped"),
         (&found.out_of_travel, "outside the declared travel"),

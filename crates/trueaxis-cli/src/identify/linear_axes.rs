@@ -1,7 +1,7 @@
 //! Contribution of the linear axes to the ball's deviation, predicted by a machine's tables.
 
 use super::readings::Readings;
-use crate::model::{axis_count, by_axes, with_compensation};
+use crate::model::{by_axes, with_compensation};
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
@@ -51,7 +51,7 @@ pub(super) fn remove(
             std::array::from_fn(|i| start_mm[i] + sense * (arm[i] - origin[i]))
         };
         let poses: Vec<([f64; 3], f64)> = readings.angles_deg.iter().map(|&angle| (stands(angle), angle)).collect();
-        let (errors, clamped) = by_axes!(axis_count(&known), tip_errors(&known, axis, &poses))
+        let (errors, clamped) = by_axes!(known.settings.step_axes().count(), tip_errors(&known, axis, &poses))
             .with_context(|| file.display().to_string())?;
         beyond |= clamped;
         for (deviations, error) in readings.deviations_mm.iter_mut().zip(errors) {

@@ -1,6 +1,6 @@
 //! `trueaxis tables accuracy`: ISO 230-2 before and after compensation.
 
-use crate::model::{self, axis_count, by_axes, with_compensation};
+use crate::model::{self, by_axes, with_compensation};
 use crate::output::{json, print, tell};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
@@ -37,7 +37,7 @@ pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_js
             if tables.rows(measurement.axis).is_none() {
                 bail!("{}: found no table of axis {}, needed one", path.display(), measurement.axis.letter());
             }
-            Some(by_axes!(axis_count(&tables), after(&tables, &measurement))?)
+            Some(by_axes!(tables.settings.step_axes().count(), after(&tables, &measurement))?)
         }
     };
     if as_json {

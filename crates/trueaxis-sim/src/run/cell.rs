@@ -67,7 +67,8 @@ pub(super) struct Cell<const N: usize> {
 impl<const N: usize> Cell<N> {
     pub(super) fn new(scenario: &Scenario, kind: Kind, servo: &ServoLoop<'_, f64, f64, N>) -> Result<Self> {
         let mut state = servo.start();
-        let axes = AxisOrder::<N>::of(&scenario.machine.settings)?.axes();
+        let slots = AxisOrder::<N>::of(&scenario.machine.settings)?;
+        let axes = slots.axes();
         for (slot, axis) in axes.iter().enumerate() {
             if let Some(settings) = scenario.machine.settings.axis(*axis) {
                 let line = ThermalLine::for_axis(&settings.thermal, scenario.kelvin)
@@ -81,7 +82,7 @@ impl<const N: usize> Cell<N> {
             settings.faults = FaultScript::default();
         }
         let plant = Plant::new(&scenario.machine, settings, perfect, scenario.settings.seed, scenario.period_s())?;
-        let order = scenario.machine.settings.axes.iter().map(|a| axes.iter().position(|b| *b == a.axis)).collect();
+        let order = scenario.machine.settings.axes.iter().map(|own| slots.slot(own.axis)).collect();
         Ok(Cell {
             state,
             plant,

@@ -7,7 +7,7 @@ mod sample;
 mod tally;
 
 use crate::error::Result;
-use crate::scenario::{Scenario, axis_count};
+use crate::scenario::Scenario;
 use crate::{path, servo};
 use lanes::{Advance, Lanes};
 use std::sync::Arc;
@@ -55,7 +55,7 @@ impl Run {
         let scenario = scenario.into();
         let motion = scenario.motion()?;
         path::check(&scenario)?;
-        Ok(Run(match axis_count(&scenario.machine) {
+        Ok(Run(match scenario.machine.settings.step_axes().count() {
             3 => Lanes::<servo::three::Cell, 3>::boxed(scenario, motion, kinds)?,
             4 => Lanes::<servo::four::Cell, 4>::boxed(scenario, motion, kinds)?,
             5 => Lanes::<servo::five::Cell, 5>::boxed(scenario, motion, kinds)?,

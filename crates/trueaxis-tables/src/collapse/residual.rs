@@ -74,10 +74,10 @@ pub(super) fn with_nine_terms<T>(
     machine: &Machine,
     user: impl FnOnce(&dyn Fn(&[f64; AXES], &[f64; AXES]) -> [f64; 3]) -> T,
 ) -> Result<T, ConfigError> {
-    match machine.settings.axes.iter().filter(|own| own.axis.is_rotary()).count() {
-        0 => with_step::<3, T>(machine, user),
-        1 => with_step::<4, T>(machine, user),
-        2 => with_step::<5, T>(machine, user),
+    match machine.settings.step_axes().count() {
+        3 => with_step::<3, T>(machine, user),
+        4 => with_step::<4, T>(machine, user),
+        5 => with_step::<5, T>(machine, user),
         _ => with_step::<6, T>(machine, user),
     }
 }
@@ -95,8 +95,7 @@ fn with_step<const N: usize, T>(
         .map(|axis| machine.settings.axes.iter().position(|own| own.axis == axis));
     let tip = |position: &[f64; AXES], reverse: &[f64; AXES]| {
         let of = |all: &[f64; AXES]| slots.map(|slot| slot.map_or(0.0, |slot| all[slot]));
-        let direction =
-            of(reverse).map(|reverse| if reverse > 0.0 { Direction::NEGATIVE } else { Direction::POSITIVE });
+        let direction = of(reverse).map(|reverse| Direction::of(reverse > 0.0));
         let at = compensation.coordinates(&of(position));
         let errors = compensation.errors(&Query::at(&at, &direction, &[ThermalLine::default(); N]), &mut 0);
         [errors[0], errors[1], errors[2]]

@@ -16,6 +16,11 @@ impl Direction {
     /// Towards smaller positions: the reverse columns and the backlash.
     pub const NEGATIVE: Direction = Direction(usize::MAX);
 
+    /// Negative or positive.
+    pub const fn of(is_negative: bool) -> Direction {
+        if is_negative { Direction::NEGATIVE } else { Direction::POSITIVE }
+    }
+
     /// Zero in positive, all ones in negative travel.
     #[inline(always)]
     pub(super) const fn mask(self) -> usize {

@@ -18,8 +18,7 @@ impl<const N: usize> AxisOrder<N> {
     /// # Errors
     /// The machine has more or fewer rotary axes than `N − 3`.
     pub fn of(machine: &MachineSettings) -> Result<Self, ConfigError> {
-        let rotary = machine.axes.iter().map(|a| a.axis).filter(|a| a.is_rotary());
-        let mut found = [Axis::X, Axis::Y, Axis::Z].into_iter().chain(rotary);
+        let mut found = machine.step_axes();
         let mut axes = [Axis::X; N];
         for axis in &mut axes {
             *axis = found.next().ok_or(ConfigError::new(Field::Axes, N as f64, "no more axes than the machine has"))?;
@@ -66,6 +65,12 @@ impl<const N: usize> AxisOrder<N> {
 }
 
 impl MachineSettings {
+    /// The axes of the machine's step by their slots, for a caller that does not know their number yet; see [`AxisOrder`].
+    pub fn step_axes(&self) -> impl Iterator<Item = Axis> + '_ {
+        let rotary = self.axes.iter().map(|known| known.axis).filter(|axis| axis.is_rotary());
+        [Axis::X, Axis::Y, Axis::Z].into_iter().chain(rotary)
+    }
+
     /// Settings of an axis, where the machine has it.
     pub fn axis(&self, axis: Axis) -> Option<&AxisSettings> {
         self.axes.iter().find(|known| known.axis == axis)

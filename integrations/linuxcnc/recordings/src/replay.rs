@@ -5,7 +5,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use trueaxis::contour::{Path, Reference};
 use trueaxis::tcomp::Tcomp;
-use trueaxis::{Axis, Config, Input, ServoLoop};
+use trueaxis::{Axis, HostServo, Input};
 
 /// Difference between component and library.
 #[derive(Debug, Serialize)]
@@ -39,22 +39,16 @@ pub(crate) fn replay(
     period_ns: u32,
 ) -> Result<Agreement> {
     let tables = Tcomp::parse(file).map_err(|error| anyhow!("{error}"))?;
-    match tables.settings().axes.iter().filter(|settings| settings.axis.is_rotary()).count() {
-        0 => of::<3>(&tables, recording, joints, instance, period_ns),
-        1 => of::<4>(&tables, recording, joints, instance, period_ns),
-        2 => of::<5>(&tables, recording, joints, instance, period_ns),
+    match tables.settings().step_axes().count() {
+        3 => of::<3>(&tables, recording, joints, instance, period_ns),
+        4 => of::<4>(&tables, recording, joints, instance, period_ns),
+        5 => of::<5>(&tables, recording, joints, instance, period_ns),
         _ => of::<6>(&tables, recording, joints, instance, period_ns),
     }
 }
 
-/// The axes of the step in their order.
-fn axes(tables: &Tcomp<'_>) -> Vec<Axis> {
-    let named = |axis: Axis| tables.settings().axes.iter().any(|settings| settings.axis == axis);
-    Axis::ALL.into_iter().filter(|axis| !axis.is_rotary() || named(*axis)).collect()
-}
-
 fn columns(tables: &Tcomp<'_>, recording: &Recording, joints: &str, instance: &str) -> Result<Vec<Joint>> {
-    let axes = axes(tables);
+    let axes: Vec<Axis> = tables.settings().step_axes().collect();
     joints
         .chars()
         .enumerate()
@@ -79,10 +73,8 @@ fn of<const N: usize>(
 ) -> Result<Agreement> {
     let joints = columns(tables, recording, joints, instance)?;
     let active = recording.place(&format!("{instance}.active"))?;
-    let config = Config::of(tables, period_ns);
-    let mut memory = vec![0.0; config.requirement(|axis| tables.table(axis))];
-    let servo: ServoLoop<'_, f64, f64, N> =
-        config.build(|axis: Axis| tables.table(axis), &mut memory).map_err(|error| anyhow!("{error}"))?;
+    let mut memory = vec![0.0; tables.requirement()];
+    let servo = HostServo::<N>::load(tables, period_ns, &mut memory).map_err(|error| anyhow!("{error}"))?;
     let mut state = servo.start();
     let no_path = Path::new(&[], 0, false);
 
