@@ -8,6 +8,12 @@ use serde::{Deserialize, Serialize};
 ///
 /// Unit: mm for linear axes, degrees for rotary ones.
 pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Sync + 'static {
+    /// A correction as positions add it: exactly the difference between a drive position and its command.
+    type Offset: Copy + Debug + Default + PartialEq + Send + Sync;
+    /// A distance in steps of the position, for comparing.
+    type Reach: Copy + Debug + Default + PartialEq + PartialOrd + Send + Sync;
+    /// A step of the position in mm (deg): 1 for doubles.
+    const STEP: f64;
     /// The nearest position to `x` (mm or deg); a value out of range becomes a position that is not usable.
     fn of(x: f64) -> Self;
     /// The nearest usable position to a limit of the machine (mm or deg).
@@ -29,12 +35,29 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
     /// `self - origin` reduced by whole turns to 0 (inclusive) … 360 degrees; the reduction itself is exact, so that
     /// an angle and the same angle after many turns give the same result. Meant for |self| up to 7e11 degrees.
     fn turn_since<R: Real>(self, origin: Self) -> R;
+    /// The offset that a correction of `d` mm (deg) is rounded to. Zero adds nothing to a position, not even a sign.
+    fn offset<R: Real>(d: R) -> Self::Offset;
+    /// `self + offset`; an integer saturates.
+    fn moved(self, offset: Self::Offset) -> Self;
+    /// `self - offset`; an integer saturates.
+    fn moved_back(self, offset: Self::Offset) -> Self;
+    /// A distance of `d` mm (deg), rounded towards zero; all there are for one beyond the range.
+    fn reach(d: f64) -> Self::Reach;
+    /// |self − other|, exact in integers: two positions at opposite ends are far apart. Not a number for a double that is
+    /// none, and no comparison with a reach then holds.
+    fn apart(self, other: Self) -> Self::Reach;
+    /// `self - low` in steps, and whether it lies in 0 … `reach`: one comparison of integers. Outside it the distance
+    /// means nothing. `low` and `reach` together must stay below 2.147 m, and `reach` alone too.
+    fn steps_above<R: Real>(self, low: Self, reach: Self::Reach) -> (R, bool);
     /// A number a machine can mean: neither infinite nor NaN nor beyond 1e9 (so that no later product overflows), nor
     /// at an end of its range, where integers saturate.
     fn is_usable(self) -> bool;
 }
 
 impl Position for f64 {
+    type Offset = f64;
+    type Reach = f64;
+    const STEP: f64 = 1.0;
     #[inline(always)]
     fn of(x: f64) -> f64 {
         x
@@ -60,6 +83,33 @@ impl Position for f64 {
         R::of(if rest >= 360.0 { rest - 360.0 } else { rest })
     }
     #[inline(always)]
+    fn offset<R: Real>(d: R) -> f64 {
+        // x + −0 is x, for x = −0 too.
+        if d == R::ZERO { -0.0 } else { d.to_f64() }
+    }
+    #[inline(always)]
+    fn moved(self, offset: f64) -> f64 {
+        self + offset
+    }
+    #[inline(always)]
+    fn moved_back(self, offset: f64) -> f64 {
+        // self − offset, except that −0 stays −0.
+        -(-self + offset)
+    }
+    #[inline(always)]
+    fn reach(d: f64) -> f64 {
+        d
+    }
+    #[inline(always)]
+    fn apart(self, other: f64) -> f64 {
+        (self - other).abs()
+    }
+    #[inline(always)]
+    fn steps_above<R: Real>(self, low: f64, reach: f64) -> (R, bool) {
+        let distance = self - low;
+        (R::of(distance), (distance >= 0.0) & (distance <= reach))
+    }
+    #[inline(always)]
     fn is_usable(self) -> bool {
         self.abs() <= 1e9
     }
@@ -75,6 +125,9 @@ impl Position for f64 {
 pub struct Nanometres(pub i32);
 
 impl Position for Nanometres {
+    type Offset = i32;
+    type Reach = u32;
+    const STEP: f64 = 1e-6;
     #[inline(always)]
     fn of(x: f64) -> Nanometres {
         // Not a number must not become a position: the cast would make it zero.
@@ -111,6 +164,33 @@ impl Position for Nanometres {
         R::of_i32(angle.rem_euclid(360_000_000) as i32) * R::of(1e-6)
     }
     #[inline(always)]
+    fn offset<R: Real>(d: R) -> i32 {
+        let half = if d < R::ZERO { -R::HALF } else { R::HALF };
+        (d * R::of(1e6) + half).to_i32()
+    }
+    #[inline(always)]
+    fn moved(self, offset: i32) -> Nanometres {
+        Nanometres(self.0.saturating_add(offset))
+    }
+    #[inline(always)]
+    fn moved_back(self, offset: i32) -> Nanometres {
+        Nanometres(self.0.saturating_sub(offset))
+    }
+    #[inline(always)]
+    fn reach(d: f64) -> u32 {
+        // Towards zero, and to the ends of the range.
+        (d * 1e6) as u32
+    }
+    #[inline(always)]
+    fn apart(self, other: Nanometres) -> u32 {
+        self.0.abs_diff(other.0)
+    }
+    #[inline(always)]
+    fn steps_above<R: Real>(self, low: Nanometres, reach: u32) -> (R, bool) {
+        let distance = self.0.wrapping_sub(low.0) as u32;
+        (R::of_i32(distance as i32), distance <= reach)
+    }
+    #[inline(always)]
     fn is_usable(self) -> bool {
         self.0.wrapping_sub(i32::MAX) as u32 > 1
     }
@@ -143,6 +223,41 @@ mod tests {
             prop_assert!((single - truth as f64 * 1e-6).abs() <= 1.5e-7 * (truth as f64 * 1e-6).abs());
             let near = truth.clamp(i64::from(i32::MIN), i64::from(i32::MAX));
             prop_assert_eq!(Nanometres(a).since_near::<f64>(Nanometres(b)), near as f64 * 1e-6);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn an_offset_is_what_a_correction_adds(a in any_position(), d in -5.0..5.0f64) {
+            for position in [Nanometres(a), Nanometres(0)] {
+                let offset = Nanometres::offset(d);
+                prop_assert_eq!(position.moved(offset), position.plus(d));
+                if position.moved(offset).is_usable() {
+                    prop_assert_eq!(position.moved(offset).moved_back(offset), position);
+                }
+            }
+            for position in [f64::from(a), 0.0, -0.0] {
+                prop_assert_eq!(position.moved(f64::offset(d)), position + d);
+                prop_assert_eq!(position.moved_back(f64::offset(d)), position - d);
+                for zero in [0.0, -0.0] {
+                    prop_assert_eq!(position.moved(f64::offset(zero)).to_bits(), position.to_bits());
+                    prop_assert_eq!(position.moved_back(f64::offset(zero)).to_bits(), position.to_bits());
+                }
+            }
+        }
+
+        #[test]
+        fn windows_are_exact(a in any_position(), low in any_position(), reach in any::<u32>()) {
+            let truth = i64::from(a) - i64::from(low);
+            prop_assert_eq!(Nanometres(a).apart(Nanometres(low)), truth.unsigned_abs() as u32);
+            let reach = reach.min(low.abs_diff(i32::MAX)) >> 1;
+            let (steps, inside) = Nanometres(a).steps_above::<f64>(Nanometres(low), reach);
+            prop_assert_eq!(inside, truth >= 0 && truth <= i64::from(reach));
+            if inside {
+                prop_assert_eq!(steps, truth as f64);
+            }
+            let (steps, inside) = f64::from(a).steps_above::<f64>(f64::from(low), f64::from(reach));
+            prop_assert_eq!((steps, inside), (truth as f64, truth >= 0 && truth <= i64::from(reach)));
         }
     }
 
