@@ -180,26 +180,37 @@ struct Taylor<R> {
     zw: R,
 }
 
+/// Value, derivative and half the second derivative of a cubic or quintic at h, no multiplication in vain.
+#[inline(always)]
+fn series<R: Real, const C: usize>(c: &[R; C], h: R) -> [R; 3] {
+    match &c[..] {
+        [a, b, d, e] => {
+            let z = *d + R::THREE * h * *e;
+            [*a + h * (*b + h * (*d + h * *e)), *b + h * (*d + z), z]
+        }
+        [c0, c1, c2, c3, c4, c5] => {
+            // Horner's scheme three times, each from the sums of the one before.
+            let p4 = *c4 + h * *c5;
+            let p3 = *c3 + h * p4;
+            let p2 = *c2 + h * p3;
+            let p1 = *c1 + h * p2;
+            let q4 = p4 + h * *c5;
+            let q3 = p3 + h * q4;
+            let q2 = p2 + h * q3;
+            [*c0 + h * p1, p1 + h * q2, q2 + h * (q3 + h * (q4 + h * *c5))]
+        }
+        _ => [R::ZERO; 3],
+    }
+}
+
 impl<R: Real> Taylor<R> {
     #[inline(always)]
     fn at<const RATIONAL: bool, const C: usize>(x: &[[R; 3]; C], w: &[R; C], h: R) -> Self {
-        let (mut r, mut v, mut z) = ([R::ZERO; 3], [R::ZERO; 3], [R::ZERO; 3]);
-        let (mut rw, mut vw, mut zw) = (R::ZERO, R::ZERO, R::ZERO);
-        for (x, w) in x.iter().zip(w).rev() {
-            for k in 0..3 {
-                z[k] = v[k] + h * z[k];
-                v[k] = r[k] + h * v[k];
-                r[k] = x[k] + h * r[k];
-            }
-            if RATIONAL {
-                zw = vw + h * zw;
-                vw = rw + h * vw;
-                rw = *w + h * rw;
-            }
+        let [mut r, mut v, mut z] = [[R::ZERO; 3]; 3];
+        for (k, ((r, v), z)) in r.iter_mut().zip(&mut v).zip(&mut z).enumerate() {
+            [*r, *v, *z] = series(&x.map(|x| x[k]), h);
         }
-        if !RATIONAL {
-            rw = R::ONE;
-        }
+        let [rw, vw, zw] = if RATIONAL { series(w, h) } else { [R::ONE, R::ZERO, R::ZERO] };
         Taylor { r, v, z, rw, vw, zw }
     }
 
