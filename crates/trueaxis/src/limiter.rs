@@ -66,6 +66,12 @@ impl<R: Real> LimiterState<R> {
         LimiterState { sent, velocity: R::ZERO, target: sent }
     }
 
+    /// The state that has sent `wanted` as it is.
+    #[inline(always)]
+    pub(crate) fn passed(&self, wanted: R) -> Self {
+        LimiterState { sent: wanted, velocity: wanted - self.target, target: wanted }
+    }
+
     /// Its change in the last cycle.
     #[inline(always)]
     pub fn velocity(&self) -> R {
@@ -125,17 +131,23 @@ impl<R: Real> Limiter<R> {
     /// Cost: some 40 host instructions an axis while nothing binds; a square root or two out of line otherwise.
     #[inline(always)]
     pub fn follow(&self, state: &mut LimiterState<R>, wanted: R) -> bool {
-        let change = wanted - state.target;
-        // Locked on, and the target itself keeps the limits: no root, no rounding.
-        if state.sent == state.target
-            && change.abs() <= self.velocity
-            && (change - state.velocity).abs() <= self.acceleration
-            && wanted.abs() <= self.open
-        {
-            *state = LimiterState { sent: wanted, velocity: change, target: wanted };
+        if self.passes(state, wanted) {
+            *state = state.passed(wanted);
             return false;
         }
         self.approach(state, wanted)
+    }
+
+    /// Locked on, and the target itself keeps the limits: [`Limiter::follow`] sends `wanted` as it is, without root or
+    /// rounding.
+    #[inline(always)]
+    pub(crate) fn passes(&self, state: &LimiterState<R>, wanted: R) -> bool {
+        let change = wanted - state.target;
+        // Without a jump between them.
+        (state.sent == state.target)
+            & (change.abs() <= self.velocity)
+            & ((change - state.velocity).abs() <= self.acceleration)
+            & (wanted.abs() <= self.open)
     }
 
     /// Takes no new target: comes to rest with the permitted acceleration and stays there.
