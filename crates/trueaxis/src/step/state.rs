@@ -3,7 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use crate::compensation::{Reversal, ThermalLine};
-use crate::contour::ContourState;
+use crate::contour::PairState;
 use crate::output::OutputState;
 use crate::position::Position;
 use crate::real::Real;
@@ -18,8 +18,7 @@ pub struct State<R, P: Position, const N: usize> {
     /// The machine was homed in the last cycle.
     pub(super) homed: bool,
     pub(super) thermal: [ThermalLine<R>; N],
-    pub(super) tip: ContourState<R>,
-    pub(super) encoder: ContourState<R>,
+    pub(super) feet: PairState<R>,
     pub(super) output: OutputState<R, P, N>,
     /// Axes whose correction was limited in the last cycle.
     pub(super) limited: u8,
