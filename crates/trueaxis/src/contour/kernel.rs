@@ -125,7 +125,10 @@ fn solve<R: Real, const RATIONAL: bool, const C: usize>(s: [[R; 4]; C], p: &[R; 
 
 /// x = shifted − w p; for weight 1 only the constant term is touched.
 #[inline(always)]
-pub(super) fn homogeneous<R: Real, const RATIONAL: bool, const C: usize>(s: &[[R; 4]; C], p: &[R; 3]) -> ([[R; 3]; C], [R; C]) {
+pub(super) fn homogeneous<R: Real, const RATIONAL: bool, const C: usize>(
+    s: &[[R; 4]; C],
+    p: &[R; 3],
+) -> ([[R; 3]; C], [R; C]) {
     let mut x = [[R::ZERO; 3]; C];
     let mut w = [R::ZERO; C];
     for (k, ((x, w), s)) in x.iter_mut().zip(&mut w).zip(s).enumerate() {
@@ -145,16 +148,20 @@ pub(super) fn homogeneous<R: Real, const RATIONAL: bool, const C: usize>(s: &[[R
 pub(super) struct Step<R> {
     pub(super) h: R,
     pub(super) u: R,
+    pub(super) uy: R,
     /// g'.
     pub(super) g1: R,
     /// x·x'' + x'·x' at the guess.
     s2: R,
     w0: R,
-    pub(super) sane: bool,
+    sane: bool,
 }
 
 #[inline(always)]
-pub(super) fn third_order<R: Real, const RATIONAL: bool, const C: usize>(x: &[[R; 3]; C], w: &[R; C]) -> Option<Step<R>> {
+pub(super) fn third_order<R: Real, const RATIONAL: bool, const C: usize>(
+    x: &[[R; 3]; C],
+    w: &[R; C],
+) -> Option<Step<R>> {
     let (one, two, three) = (R::ONE, R::TWO, R::THREE);
     let ([a, b, d, e, ..], [w0, w1, w2, w3, ..]) = (&x[..], &w[..]) else { return None };
     let (w0, w1, w2, w3) = (*w0, *w1, *w2, *w3);
@@ -174,7 +181,7 @@ pub(super) fn third_order<R: Real, const RATIONAL: bool, const C: usize>(x: &[[R
     let u = g2 * inverse;
     let uy = u * y;
     let h = y - y * uy * (one - (uy + uy));
-    Some(Step { h, u, g1, s2, w0, sane: g1 > R::ZERO && uy.abs() < R::of(0.2) })
+    Some(Step { h, u, uy, g1, s2, w0, sane: g1 > R::ZERO && uy.abs() < R::of(0.2) })
 }
 
 /// Value, derivative and half the second derivative of x and w at the step, exactly.

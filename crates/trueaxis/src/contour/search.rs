@@ -1,7 +1,7 @@
 //! The search of every cycle, warm and cold.
 
 use super::kernel::{Foot, foot};
-use super::refine::{Found, at, descend};
+use super::refine::{Found, descend};
 use super::span::{Path, Reference, Span, dot};
 use super::{ContourError, Flags};
 use crate::error::{ConfigError, Field};
@@ -37,7 +37,7 @@ pub struct ContourState<R> {
     pub(super) warm: bool,
     /// Samples of the cold search that have been taken, and the best one.
     pub(super) looked: u16,
-    best: Reference<R>,
+    pub(super) best: Reference<R>,
     best_distance: R,
     /// Position of the next sample.
     sample: Reference<R>,
@@ -261,7 +261,7 @@ impl<R: Real> ContourSearch<R> {
     /// Takes a few samples of the path around the reference, from behind it to ahead of it; keeps the nearest. None are
     /// taken in the cycle after the last, which leaves its evaluations to the descent.
     #[inline(never)]
-    fn look_around<P: Position>(
+    pub(super) fn look_around<P: Position>(
         &self,
         state: &mut ContourState<R>,
         path: &Path<'_, R, P>,
@@ -285,9 +285,10 @@ impl<R: Real> ContourSearch<R> {
         let spacing = self.max_lag * R::of(2.0 / f64::from(COLD_SAMPLES - COLD_PER_CYCLE));
         for _ in 0..COLD_PER_CYCLE {
             if let Some(span) = path.span(state.sample.span) {
-                let sample = at(span, state.sample.span, point, state.sample.t);
+                let ([x, y, z], [px, py, pz]) = (span.local(state.sample.t), span.relative(point));
+                let off = [x - px, y - py, z - pz];
                 *spent = spent.saturating_add(1);
-                let distance = dot(&sample.vector, &sample.vector);
+                let distance = dot(&off, &off);
                 if distance < state.best_distance {
                     (state.best_distance, state.best) = (distance, state.sample);
                 }

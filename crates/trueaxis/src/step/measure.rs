@@ -5,9 +5,7 @@
 use super::model::Modelled;
 use super::{ServoLoop, State};
 use crate::axis::AXES;
-use crate::contour::{
-    CommandWindow, ContourError, Flags, OnPath, OrientationError, Reference, ToolPath,
-};
+use crate::contour::{CommandWindow, ContourError, Flags, OnPath, OrientationError, Reference, ToolPath};
 use crate::kinematics::{Kinematics, Tool};
 use crate::position::Position;
 use crate::real::Real;

@@ -1,10 +1,10 @@
 //! Out of line: near borders and corners, not converged, or no foot known. One budget of evaluations for both points.
 
-use super::frame::{Converged, Tangent, feet, local};
-use super::{PairState, Start};
+use super::PairState;
+use super::frame::{Seen, Start, Tangent, feet, local};
 use crate::contour::kernel::{Evaluation, evaluate, foot};
 use crate::contour::refine::{Found, descend};
-use crate::contour::search::{BISECTIONS, across, components, sight, way, window};
+use crate::contour::search::{BISECTIONS, ContourState, across, components, sight, way, window};
 use crate::contour::span::{OnPath, Path, Reference, dot};
 use crate::contour::{ContourError, ContourSearch, Flags, Method};
 use crate::position::Position;
@@ -12,6 +12,8 @@ use crate::real::Real;
 
 /// Evaluations of the path for both points.
 const BOTH: u8 = 8;
+/// A look behind a border.
+const BEYOND: u8 = 5;
 /// The tip's own descent, where the first frame did not converge: the encoder's kernel is left.
 const DESCENT: u8 = 4;
 
@@ -20,7 +22,10 @@ struct Points<'a, 's, R: Real, P> {
     path: &'a Path<'s, R, P>,
     position: &'a [P; 3],
     d: &'a [R; 3],
+    /// Borders within this are in sight, whatever the errors.
     window: R,
+    /// How far a search goes, arc length.
+    reach: R,
     /// Evaluations for the tip, or for both, and for the encoder alone.
     spent: [u8; 2],
 }
@@ -29,6 +34,13 @@ struct Points<'a, 's, R: Real, P> {
 struct Feet<R> {
     tip: Option<Found<R>>,
     encoder: Option<Found<R>>,
+}
+
+/// Where the search of each goes on, if its foot is still missing.
+struct From<R> {
+    tip: Reference<R>,
+    /// From the tip's foot if there is nothing better.
+    encoder: Option<Reference<R>>,
 }
 
 /// A border of the span in sight: the side of its parameter, the span beyond it, and where that begins.
@@ -53,36 +65,27 @@ impl<R: Real> ContourSearch<R> {
         on: &OnPath<'_, R, P>,
         position: &[P; 3],
         d: &[R; 3],
-        start: &Start<R>,
-        converged: Converged,
+        guess: Reference<R>,
+        window: R,
+        seen: Seen,
         along: &Tangent<R>,
         tip: &mut ContourError<R>,
         encoder: &mut ContourError<R>,
     ) {
-        let window = window(start.progress);
-        let spent = [2, u8::from(converged.tip)];
-        let mut points = Points { path: &on.path, position, d, window, spent };
-        let mut feet = Feet { tip: None, encoder: None };
-        let mut from = Reference { span: start.span, t: start.guess };
-        if converged.tip && (tip.t - start.guess).abs() * along.speed <= window {
-            feet = Feet::of(start.span, converged, along, tip, encoder);
-            from = points.look_beyond(&mut feet, start.span, converged, tip, encoder);
-        }
-        let Some(at_tip) = feet.tip.or_else(|| points.descend_from(from)) else {
-            state.forget();
-            (*tip, *encoder) = (ContourError::none(), ContourError::none());
-            return;
+        let spent = [2, u8::from(seen.tip())];
+        let mut points = Points { path: &on.path, position, d, window, reach: window, spent };
+        let Some((at_tip, at_encoder)) = points.resolve(guess, seen, along, tip, encoder) else {
+            return state.lose(tip, encoder);
         };
         // On short spans at high feed the evaluations may run out just past a border: the next cycle goes on from there.
         if !(at_tip.flags.has(Flags::BRACKETED) || at_tip.downhill) {
             state.tip.warm = false;
             state.tip.looked = 0;
         }
-        let at_encoder = feet.encoder.unwrap_or_else(|| points.encoder_from(&at_tip));
         self.report_pair(state, on.reference, &points, &at_tip, &at_encoder, tip, encoder);
     }
 
-    /// No foot known, plain bisection, or the reference off its span.
+    /// No foot known, or one without a speed, or plain bisection.
     #[cold]
     #[inline(never)]
     pub(super) fn pair_anew<P: Position>(
@@ -94,35 +97,61 @@ impl<R: Real> ContourSearch<R> {
         tip: &mut ContourError<R>,
         encoder: &mut ContourError<R>,
     ) {
-        let Reference { span, t } = on.reference;
-        let reference = Reference { span, t: t.limit(R::ZERO, R::ONE) };
+        let reference = on.reference;
+        if on.path.span(reference.span).is_none() {
+            return state.lose(tip, encoder);
+        }
+        if self.method == Method::Guarded && state.tip.warm {
+            let (guess, progress, _) = self.cross(&on.path, &state.tip, reference);
+            let (window, none) = (window(progress), Tangent::NONE);
+            return self.beside_pair(state, on, position, d, guess, window, Seen::NOTHING, &none, tip, encoder);
+        }
         let [x, y, z] = position;
         let point = [x.plus(d[0]), y.plus(d[1]), z.plus(d[2])];
-        let mut spent = [0; 2];
-        let found = if t.is_finite() {
-            self.seek(&mut state.tip, &on.path, reference, &point, &mut spent[0])
-        } else {
-            None
+        let reach = self.max_lag;
+        let mut points = Points { path: &on.path, position, d, window: window(R::ZERO), reach, spent: [0; 2] };
+        let found = match self.method {
+            Method::Guarded => self.cold_pair(&mut state.tip, &mut points, reference, &point, tip, encoder),
+            Method::Bisection => self
+                .seek(&mut state.tip, &on.path, reference, &point, &mut points.spent[0])
+                .map(|at_tip| (at_tip, points.encoder_by_halves(&at_tip))),
         };
-        if let Some(at_tip) = found {
-            let window = window(dot(d, d).sqrt());
-            let mut points = Points { path: &on.path, position, d, window, spent };
-            let mut at_encoder = match self.method {
-                Method::Guarded => points.encoder_from(&at_tip),
-                Method::Bisection => points.encoder_by_halves(&at_tip),
-            };
-            if at_tip.flags.has(Flags::COLD) {
-                at_encoder.flags = at_encoder.flags.and(Flags::COLD);
-            }
-            self.report_pair(state, reference, &points, &at_tip, &at_encoder, tip, encoder);
-        } else {
-            state.forget();
-            (*tip, *encoder) = (ContourError::none(), ContourError::none());
+        let Some((at_tip, mut at_encoder)) = found else { return state.lose(tip, encoder) };
+        if at_tip.flags.has(Flags::COLD) {
+            at_encoder.flags = at_encoder.flags.and(Flags::COLD);
         }
-        if !on.reference.is_on_its_span() && t != R::ZERO {
-            tip.flags = tip.flags.and(Flags::REFERENCE);
-            encoder.flags = encoder.flags.and(Flags::REFERENCE);
+        self.report_pair(state, reference, &points, &at_tip, &at_encoder, tip, encoder);
+    }
+
+    /// Takes a few samples around the reference; both feet from the nearest sample so far.
+    fn cold_pair<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        points: &mut Points<'_, '_, R, P>,
+        reference: Reference<R>,
+        point: &[P; 3],
+        tip: &mut ContourError<R>,
+        encoder: &mut ContourError<R>,
+    ) -> Option<(Found<R>, Found<R>)> {
+        let path = points.path;
+        let progress = if state.looked > 0 { way(path, state.reference, reference, self.max_lag) } else { R::ZERO };
+        self.look_around(state, path, reference, point, progress, &mut points.spent[0]);
+        let sampled = points.spent[0] > 0;
+        let guess = path.moving(state.best);
+        let mut along = Tangent::NONE;
+        // No lag is so small: never plain.
+        let start = Start { guess: guess.t, window: self.max_lag, place: R::ZERO, max_lag: -R::ONE };
+        let seen = feet(path.span(guess.span)?, points.position, points.d, start, tip, encoder, &mut along);
+        points.spent[0] += 2;
+        points.spent[1] += u8::from(seen.tip());
+        let (mut at_tip, at_encoder) = points.resolve(guess, seen, &along, tip, encoder)?;
+        if !sampled {
+            // Looked all over: either it is found, or the search begins again.
+            state.warm = at_tip.flags.has(Flags::BRACKETED);
+            state.looked = 0;
         }
+        at_tip.flags = at_tip.flags.and(Flags::COLD);
+        Some((at_tip, at_encoder))
     }
 
     fn report_pair<P: Position>(
@@ -146,7 +175,7 @@ impl<R: Real> ContourSearch<R> {
 
 impl<R: Real> Feet<R> {
     /// The feet of one frame that lie on its span.
-    fn of(span: u32, converged: Converged, along: &Tangent<R>, tip: &ContourError<R>, encoder: &ContourError<R>) -> Self {
+    fn of(span: u32, seen: Seen, along: &Tangent<R>, tip: &ContourError<R>, encoder: &ContourError<R>) -> Self {
         let found = |converged: bool, foot: &ContourError<R>| {
             let vector: [R; 3] = foot.vector.into();
             (converged && foot.t >= R::ZERO && foot.t <= R::ONE).then(|| Found {
@@ -158,7 +187,7 @@ impl<R: Real> Feet<R> {
                 downhill: false,
             })
         };
-        Feet { tip: found(converged.tip, tip), encoder: found(converged.encoder, encoder) }
+        Feet { tip: found(seen.tip(), tip), encoder: found(seen.encoder(), encoder) }
     }
 }
 
@@ -177,47 +206,80 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         BOTH.saturating_sub(tip.saturating_add(encoder))
     }
 
+    /// Both feet, from those of the first frame.
+    fn resolve(
+        &mut self,
+        guess: Reference<R>,
+        seen: Seen,
+        along: &Tangent<R>,
+        tip: &ContourError<R>,
+        encoder: &ContourError<R>,
+    ) -> Option<(Found<R>, Found<R>)> {
+        let mut feet = Feet { tip: None, encoder: None };
+        let mut from = From { tip: guess, encoder: None };
+        // A foot beyond the border counts as the border.
+        let near = (tip.t.limit(R::ZERO, R::ONE) - guess.t).abs() * along.speed <= self.reach;
+        if seen.tip() && near {
+            feet = Feet::of(guess.span, seen, along, tip, encoder);
+            from = self.look_beyond(&mut feet, guess.span, seen, tip, encoder);
+        }
+        let at_tip = feet.tip.or_else(|| self.descend_from(from.tip))?;
+        let at_encoder = feet.encoder.unwrap_or_else(|| self.encoder_from(&at_tip, from.encoder));
+        Some((at_tip, at_encoder))
+    }
+
     /// Looks behind the border in sight, if there is one: one frame there for both points; where feet are still
-    /// missing, the border itself, seen from either side. Returns where a descent would go on.
+    /// missing, the border itself, seen from either side.
     fn look_beyond(
         &mut self,
         found: &mut Feet<R>,
         number: u32,
-        converged: Converged,
+        seen: Seen,
         tip: &ContourError<R>,
         encoder: &ContourError<R>,
-    ) -> Reference<R> {
+    ) -> From<R> {
         let path = self.path;
-        let here = Reference { span: number, t: tip.t.limit(R::ZERO, R::ONE) };
-        let Some(span) = path.span(number) else { return here };
-        // The encoder's place counts only if it is known.
-        let other = if converged.encoder { encoder } else { tip };
-        let (place, other, length) = (span.arc_length(tip.t), span.arc_length(other.t), span.length());
+        let held = |t: R| Reference { span: number, t: t.limit(R::ZERO, R::ONE) };
+        // An encoder's foot that is not exact yet is a good guess.
+        let mut from = From { tip: held(tip.t), encoder: (!seen.encoder()).then(|| held(encoder.t)) };
+        let Some(span) = path.span(number) else { return from };
+        let (place, other, length) = (span.arc_length(tip.t), span.arc_length(encoder.t), span.length());
         let forward = place + place > length;
         let rest = if forward { length - place.max(other) } else { place.min(other) };
-        if rest > sight(self.window, tip.error.max(encoder.error)) {
-            return here;
+        if rest > sight(self.window, tip.error.max(encoder.error)) || self.left() < BEYOND {
+            return from;
         }
         let border = Border { forward, beyond: if forward { path.next(number) } else { path.previous(number) } };
-        let [out, entry] = border.sides();
+        let [_, entry] = border.sides();
+        let mut missing = [found.tip.is_none(), found.encoder.is_none() && seen.encoder()];
         if let Some((beyond, there)) = border.beyond.and_then(|beyond| Some((beyond, path.span(beyond)?))) {
             let [mut to_tip, mut to_encoder] = [ContourError::none(); 2];
             let mut along = Tangent::NONE;
-            let at_border = feet(there, self.position, self.d, entry, &mut to_tip, &mut to_encoder, &mut along);
+            // No lag is so small: never plain.
+            let start = Start { guess: entry, window: self.window, place: R::ZERO, max_lag: -R::ONE };
+            let at_border = feet(there, self.position, self.d, start, &mut to_tip, &mut to_encoder, &mut along);
             self.spent[0] += 2;
-            self.spent[1] += u8::from(at_border.tip);
+            self.spent[1] += u8::from(at_border.tip());
             let second = Feet::of(beyond, at_border, &along, &to_tip, &to_encoder);
             found.tip = nearer(found.tip, second.tip);
             found.encoder = nearer(found.encoder, second.encoder);
-            if found.tip.is_none() && !at_border.tip {
-                return Reference { span: beyond, t: entry };
+            // Only between two feet beyond it from either side is the border the foot.
+            let inside = Reference { span: beyond, t: entry };
+            if !at_border.tip() {
+                from.tip = inside;
             }
+            if seen.encoder() && !at_border.encoder() {
+                from.encoder = Some(inside);
+            }
+            missing = [
+                found.tip.is_none() && at_border.tip(),
+                found.encoder.is_none() && seen.encoder() && at_border.encoder(),
+            ];
         }
-        let missing = [found.tip.is_none(), found.encoder.is_none() && converged.encoder];
         if missing.contains(&true) {
             self.look_at(found, number, &border, missing);
         }
-        Reference { span: number, t: out }
+        from
     }
 
     /// The border itself, for the points whose foot is missing: a corner, or the end of an open path.
@@ -265,21 +327,22 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         let ([x, y, z], [dx, dy, dz]) = (self.position, self.d);
         let point = [x.plus(*dx), y.plus(*dy), z.plus(*dz)];
         let budget = self.left().min(DESCENT);
-        let found = descend(self.path, from, &point, self.window, false, budget, &mut self.spent[0])?;
+        let found = descend(self.path, from, &point, self.reach, false, budget, &mut self.spent[0])?;
         if self.left() < 4 {
             return Some(found);
         }
         across(self.path, &found, &point, self.window, &mut self.spent[0]).or(Some(found))
     }
 
-    /// The encoder's foot by the kernel from the tip's; else that one itself, not bracketed.
-    fn encoder_from(&mut self, tip: &Found<R>) -> Found<R> {
-        if let (true, Some(span)) = (self.left() >= 2, self.path.span(tip.place.span)) {
-            let near = foot(span, &span.relative(self.position), tip.place.t);
+    /// The encoder's foot by the kernel, from a guess or from the tip's; else that one itself, not bracketed.
+    fn encoder_from(&mut self, tip: &Found<R>, guess: Option<Reference<R>>) -> Found<R> {
+        let from = guess.unwrap_or(tip.place);
+        if let (true, Some(span)) = (self.left() >= 2, self.path.span(from.span)) {
+            let near = foot(span, &span.relative(self.position), from.t);
             self.spent[1] += 2;
             if near.trusted {
                 return Found {
-                    place: Reference { t: near.t, ..tip.place },
+                    place: Reference { t: near.t, ..from },
                     vector: near.vector,
                     tangent: near.tangent,
                     width: R::ZERO,
@@ -292,14 +355,13 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         for k in 0..3 {
             vector[k] += self.d[k];
         }
-        let width = dot(self.d, self.d).sqrt();
+        let width = dot(self.d, self.d).root();
         Found { vector, width, flags: Flags::default(), downhill: true, ..*tip }
     }
 
     /// The encoder's foot by plain bisection from the tip's.
     fn encoder_by_halves(&mut self, tip: &Found<R>) -> Found<R> {
-        let by_halves =
-            descend(self.path, tip.place, self.position, self.window, true, BISECTIONS, &mut self.spent[1]);
-        by_halves.unwrap_or_else(|| self.encoder_from(tip))
+        let by_halves = descend(self.path, tip.place, self.position, self.reach, true, BISECTIONS, &mut self.spent[1]);
+        by_halves.unwrap_or_else(|| self.encoder_from(tip, None))
     }
 }
