@@ -143,11 +143,10 @@ impl<R: Real> Limiter<R> {
     #[inline(always)]
     pub(crate) fn passes(&self, state: &LimiterState<R>, wanted: R) -> bool {
         let change = wanted - state.target;
-        // Without a jump between them.
-        (state.sent == state.target)
-            & (change.abs() <= self.velocity)
-            & ((change - state.velocity).abs() <= self.acceleration)
-            & (wanted.abs() <= self.open)
+        state.sent == state.target
+            && change.abs() <= self.velocity
+            && (change - state.velocity).abs() <= self.acceleration
+            && wanted.abs() <= self.open
     }
 
     /// Takes no new target: comes to rest with the permitted acceleration and stays there.

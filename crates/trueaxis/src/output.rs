@@ -93,25 +93,42 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         for ((to, reading), offset) in output.feedback.iter_mut().zip(&sample.feedback).zip(&state.offsets) {
             *to = reading.moved_back(*offset);
         }
-        let mut passes = sample.verdict == Verdict::Active && !sample.first;
+        let Some(next) = self.unlimited(state, sample, wanted) else {
+            return self.apply_limited(state, sample, wanted, output);
+        };
+        *state = next;
+        (output.drive, output.record.correction) = (next.drive, *wanted);
+        Applied { limited: 0, outside: None }
+    }
+
+    /// The state that sends the wanted corrections as they are, if nothing speaks against it.
+    #[inline(always)]
+    fn unlimited(
+        &self,
+        state: &OutputState<R, P, N>,
+        sample: &Sample<P, N>,
+        wanted: &[R; N],
+    ) -> Option<OutputState<R, P, N>> {
+        if sample.verdict != Verdict::Active || sample.first {
+            return None;
+        }
         let mut next = *state;
         let axes = next.limited.iter_mut().zip(&mut next.offsets).zip(&mut next.drive);
         let limits = self.limiters.iter().zip(&self.joint);
         for ((((limited, offset), drive), (limiter, joint)), (wanted, command)) in
             axes.zip(limits).zip(wanted.iter().zip(&sample.command))
         {
-            passes &= limiter.passes(limited, *wanted);
+            if !limiter.passes(limited, *wanted) {
+                return None;
+            }
             *limited = limited.passed(*wanted);
             *offset = P::offset(*wanted);
             *drive = command.moved(*offset);
-            passes &= drive.is_within(joint);
+            if !drive.is_within(joint) {
+                return None;
+            }
         }
-        if !passes {
-            return self.apply_limited(state, sample, wanted, output);
-        }
-        *state = next;
-        (output.drive, output.record.correction) = (next.drive, *wanted);
-        Applied { limited: 0, outside: None }
+        Some(next)
     }
 
     /// The same where a limit binds, nothing is corrected or the output holds.

@@ -313,23 +313,32 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// reading last changed.
     #[inline(always)]
     fn glance(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<[P::Reach; N]> {
-        let mut calm = state.calm & input.homed & input.enable & !input.reset;
-        calm &= (input.encoder_alarm == 0) & (input.elapsed_ns <= self.latest_ns);
-        calm &= input.refusal.fault == Fault::None;
-        let mut unmoved = state.unmoved;
-        let before = state.command.iter().zip(&state.feedback);
+        let switched = input.homed && input.enable && !input.reset;
+        let in_order = input.encoder_alarm == 0 && input.refusal.fault == Fault::None;
+        if !(state.calm && switched && in_order && input.elapsed_ns <= self.latest_ns) {
+            return None;
+        }
+        let mut unmoved = [P::Reach::default(); N];
+        let before = state.command.iter().zip(&state.feedback).zip(&state.unmoved);
         let now = input.command.iter().zip(&input.feedback);
-        for (((axis, unmoved), (command, reading)), (last, good)) in
+        for (((axis, unmoved), (command, reading)), ((last, good), before)) in
             self.axes.iter().zip(&mut unmoved).zip(now).zip(before)
         {
             let way = command.apart(*last);
-            calm &= command.is_within(&axis.travel) & (way <= axis.command_jump);
-            // A number, because it is near one.
-            calm &= reading.is_usable() & (reading.apart(*good) <= axis.feedback_jump);
-            *unmoved = if reading == good { P::farther(*unmoved, way) } else { P::Reach::default() };
-            calm &= *unmoved <= axis.stuck;
+            if !(command.is_within(&axis.travel) && way <= axis.command_jump) {
+                return None;
+            }
+            if !(reading.is_usable() && reading.apart(*good) <= axis.feedback_jump) {
+                return None;
+            }
+            if reading == good {
+                *unmoved = P::farther(*before, way);
+                if *unmoved > axis.stuck {
+                    return None;
+                }
+            }
         }
-        calm.then_some(unmoved)
+        Some(unmoved)
     }
 
     /// The whole decision.
