@@ -293,12 +293,13 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         self.axes.iter().zip(positions).all(|(axis, position)| position.is_within(&axis.travel))
     }
 
-    /// Decides about a cycle. One in which nothing is wrong, after another, is seen at a glance; the rest is out of line.
+    /// The sample of a cycle in which nothing is wrong, after another such; none where that has to be looked into
+    /// ([`Sampler::look`]), and nothing is changed.
     #[inline(always)]
-    pub(crate) fn read(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Sample<P, N> {
-        let Some(unmoved) = self.glance(state, input) else { return self.look(state, input) };
+    pub(crate) fn glance(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Option<Sample<P, N>> {
+        let unmoved = self.unmoved(state, input)?;
         (state.feedback, state.unmoved) = (input.feedback, unmoved);
-        Sample {
+        Some(Sample {
             command: input.command,
             feedback: input.feedback,
             verdict: Verdict::Active,
@@ -306,13 +307,13 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             axis: 0,
             first: false,
             homed: true,
-        }
+        })
     }
 
     /// Of a calm cycle in which [`Sampler::look`] too finds nothing wrong, how far every command has gone on since its
     /// reading last changed.
     #[inline(always)]
-    fn glance(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<[P::Reach; N]> {
+    fn unmoved(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<[P::Reach; N]> {
         let switched = input.homed && input.enable && !input.reset;
         let in_order = input.encoder_alarm == 0 && input.refusal.fault == Fault::None;
         if !(state.calm && switched && in_order && input.elapsed_ns <= self.latest_ns) {
@@ -341,9 +342,9 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         Some(unmoved)
     }
 
-    /// The whole decision.
+    /// The whole decision about a cycle.
     #[inline(never)]
-    fn look(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Sample<P, N> {
+    pub(crate) fn look(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Sample<P, N> {
         state.calm = false;
         let first = !state.started;
         let active = input.homed && input.enable;
