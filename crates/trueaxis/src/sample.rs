@@ -544,43 +544,4 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::position::Nanometres;
-
-    #[test]
-    fn counts_become_positions_in_either_form() {
-        for (offset, resolution) in [(-12.5, 1e-4), (0.0, 2e-5 / 3.0), (3.0, -1e-3)] {
-            let double = EncoderScale::<f64>::new(offset, resolution).unwrap();
-            let fixed = EncoderScale::<Nanometres>::new(offset, resolution).unwrap();
-            for counts in [0, 1, -1, 77_777, -1_234_567] {
-                let truth = offset + f64::from(counts) * resolution;
-                assert_eq!(double.position(counts), truth);
-                assert!((fixed.nanometres(counts).to_f64() - truth).abs() <= 0.51e-6, "{counts}: {truth}");
-            }
-        }
-        for bad in [0.0, f64::NAN, 2.0, f64::INFINITY] {
-            assert!(EncoderScale::<f64>::new(0.0, bad).is_err());
-        }
-        for bad in [f64::INFINITY, f64::NAN, 2e9] {
-            assert!(EncoderScale::<f64>::new(bad, 1e-3).is_err());
-        }
-        assert!(EncoderScale::<Nanometres>::new(2148.0, 1e-3).is_err());
-    }
-
-    #[test]
-    fn counts_beyond_the_range_saturate_and_are_no_reading() {
-        let scale = EncoderScale::<Nanometres>::new(0.0, 1e-3).unwrap();
-        for counts in [3_000_000, -3_000_000, 2_147_484, i32::MAX, i32::MIN] {
-            let end = Nanometres(if counts > 0 { i32::MAX } else { i32::MIN });
-            assert_eq!((scale.position(counts), scale.nanometres(counts)), (end, end), "{counts}");
-            assert!(!end.is_usable());
-        }
-        // A coarse encoder over all its counts: 2^32 turns of the integer would be lost.
-        let coarse = EncoderScale::<Nanometres>::new(-1000.0, 1.0).unwrap();
-        for counts in [i32::MAX, i32::MIN, 4295, 8590] {
-            assert_eq!(coarse.position(counts), coarse.nanometres(counts), "{counts}");
-        }
-        assert_eq!(coarse.nanometres(3000), Nanometres(2_000_000_000));
-    }
-}
+mod tests;
