@@ -54,7 +54,7 @@ fn main() {
             let all = Adversarial::<f64>::default();
             for number in numbers {
                 let mut cycle = all.cycle(*number);
-                let mut output = { cycle.servo }.step(&mut { cycle.state }, &cycle.moment.input, (), ());
+                let mut output = Output::none();
                 counted_adversarial(black_box(&mut cycle), black_box(&mut output));
             }
         }
@@ -66,7 +66,7 @@ fn main() {
             let all = Adversarial::<f64>::default();
             let mut cycle = all.cycle(number);
             println!("events: {}\n{:#?}", cycle.moment.events, cycle.moment);
-            let mut output = { cycle.servo }.step(&mut { cycle.state }, &cycle.moment.input, (), ());
+            let mut output = Output::none();
             cycle.run(&mut output);
             println!("{:#?}", output.record);
         }

@@ -63,7 +63,7 @@ impl<'a, R: Wire<Place = P>, P: Integer> Run<'a, R, P> {
         }
         let mut cycle = self.machine.cycle(self.courses[moment.course].path(), moment.input.elapsed_ns);
         (cycle.input, cycle.reference, cycle.probes) = (moment.input, moment.reference, moment.probes);
-        cycle.exchanged = moment.exchanged;
+        (cycle.exchanged, cycle.all_exchanged) = (moment.exchanged, moment.exchanged);
         (moment, cycle)
     }
 }

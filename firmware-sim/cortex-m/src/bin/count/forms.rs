@@ -52,8 +52,9 @@ struct Memory<R: Real, P: Integer> {
 /// A cycle about to run.
 pub struct Cycle<'a, R: Real, P: Integer> {
     machine: &'a Machine<R, P>,
-    /// The second tables are in force.
+    /// The second tables are in force, in the nine terms; in all terms.
     pub exchanged: bool,
+    pub all_exchanged: bool,
     /// The path.
     pub path: Path<'a, R, P>,
     /// Place on it.
@@ -96,9 +97,14 @@ impl<R: Real, P: Integer> Machine<R, P> {
             Err(error) => panic!("{}", error),
         };
         let (state, volumetric, gauge_state) = (nine[0].start(), all_terms[0].start(), GaugeState::new());
-        let nowhere = Path::new(&[], 0, false).on(Reference { span: 0, t: R::ZERO });
-        let output = nine[0].step(&mut { state }, &Input::at_rest(period_ns), nowhere, ());
-        let memory = Memory { bare: state, gauged: state, watched: state, volumetric, gauge: gauge_state, output };
+        let memory = Memory {
+            bare: state,
+            gauged: state,
+            watched: state,
+            volumetric,
+            gauge: gauge_state,
+            output: Output::none(),
+        };
         let machine = arena.keep(Machine { nine, all_terms, gauge, memory: RefCell::new(memory), frame: 0, apart: 0 });
         machine.apart = {
             let first = now();
@@ -113,6 +119,7 @@ impl<R: Real, P: Integer> Machine<R, P> {
         Cycle {
             machine: self,
             exchanged: false,
+            all_exchanged: false,
             path,
             reference: Reference { span: 0, t: R::ZERO },
             input: Input::at_rest(period_ns),
@@ -191,7 +198,7 @@ fn bare<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 #[inline(never)]
 fn volumetric<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.machine.memory.borrow_mut();
-    let servo = &cycle.machine.all_terms[usize::from(cycle.exchanged)];
+    let servo = &cycle.machine.all_terms[usize::from(cycle.all_exchanged)];
     let on = cycle.path.on(cycle.reference);
     servo.step_into(&mut memory.volumetric, &cycle.input, on, (), &mut memory.output);
     0
@@ -213,7 +220,7 @@ fn stages<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> [u32; STAGES.len()] {
     let mut ticks = [0; STAGES.len()];
     let mut last = now();
     let on = cycle.path.on(cycle.reference);
-    memory.output = cycle.servo().step_watched(&mut memory.watched, &cycle.input, on, (), |stage| {
+    cycle.servo().step_watched(&mut memory.watched, &cycle.input, on, (), &mut memory.output, |stage| {
         let at = now();
         ticks[stage as usize] = last.wrapping_sub(at);
         last = now();
