@@ -119,20 +119,21 @@ def figures(budgets):
 
 
 def cycles(estimates):
-    """Estimated cycles beside the assumed two an instruction."""
+    """Estimated cycles beside the assumed ones."""
     head = (
-        "| cycle | core | instructions | model | refill after branches | waiting for flash | estimate an instruction, without; with |"
-        " assumed |\n" + "|---" * 8 + "|\n"
+        "| servo cycle | core | instructions | pipeline | branches | waiting for flash | cycles an instruction | time | assumed:"
+        " cycles an instruction, time |\n" + "|---" * 9 + "|\n"
     )
     rows = ""
     for target, core, clock, per_instruction in CORES:
         for found in (e for e in estimates["cycle"] if e["target"] == target):
-            executed, flash = found["executed"], found.get("flash")
-            straight = found["model"] + found["branches"]
-            with_flash = "–" if flash is None else f"{(straight + flash) / executed:.2f}"
+            executed, extra = found["executed"], [found.get(key) for key in ("branches", "flash")]
+            total = found["model"] + sum(filter(None, extra))
+            us = lambda cycles: f"{1e6 * cycles / clock:.1f} µs"
+            cells = "".join(f" {x} |" if x else " – |" for x in extra)
             rows += (
-                f"| {found['what']}, {found['number']} | {core} | {executed} | {found['model']} | {found['branches'] or '–'} |"
-                f" {'–' if flash is None else flash} | {straight / executed:.2f}; {with_flash} | {per_instruction:g} |\n"
+                f"| {found['what']} ({found['number']}) | {core}, {clock / 1e6:.0f} MHz | {executed} | {found['model']} |{cells}"
+                f" {total / executed:.2f} | {us(total)} | {per_instruction:g}, {us(per_instruction * executed)} |\n"
             )
     return head + rows
 
