@@ -15,6 +15,8 @@ use crate::step::Output;
 pub(crate) struct OutputStage<R, P, const N: usize> {
     limiters: [Limiter<R>; N],
     joint: [[P; 2]; N],
+    /// From no command within its travel can a correction lead out of the joint's range.
+    roomy: bool,
 }
 
 /// Corrections and positions sent last.
@@ -24,12 +26,15 @@ pub(crate) struct OutputState<R, P: Position, const N: usize> {
     /// The corrections as positions add them.
     offsets: [P::Offset; N],
     drive: [P; N],
+    /// All axes have locked on ([`LimiterState::is_locked`]).
+    locked: bool,
 }
 
 impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
     pub(crate) fn new() -> Self {
         let none = P::offset(R::ZERO);
-        OutputState { limited: [LimiterState::default(); N], offsets: [none; N], drive: [P::default(); N] }
+        let limited = [LimiterState::default(); N];
+        OutputState { limited, offsets: [none; N], drive: [P::default(); N], locked: true }
     }
 
     /// The drive positions sent last.
@@ -65,15 +70,22 @@ pub(crate) struct Applied {
 /// Limits of an axis that the machine does not have: it is never corrected, any positive numbers do.
 const ABSENT: Limits = Limits { magnitude: 1.0, slope_per_s: 1.0, acceleration_per_s2: 1e3 };
 
+/// More than positions are rounded by, mm (deg).
+const ROUNDING: f64 = 1e-5;
+
 impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
     pub(crate) fn new(order: &AxisOrder<N>, machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
         let idle = Limiter::new(&ABSENT, 1e-3)?;
-        let mut stage = OutputStage { limiters: [idle; N], joint: [[P::nearest(f64::MIN), P::nearest(f64::MAX)]; N] };
+        let anywhere = [f64::MIN, f64::MAX].map(P::nearest);
+        let mut stage = OutputStage { limiters: [idle; N], joint: [anywhere; N], roomy: true };
         let settings = order.settings(machine);
         for ((settings, limiter), joint) in settings.into_iter().zip(&mut stage.limiters).zip(&mut stage.joint) {
             if let Some(settings) = settings {
                 *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
                 *joint = settings.joint.map(P::nearest);
+                let ([low, high], [least, most]) = (settings.travel, settings.joint);
+                let room = settings.limits.magnitude + ROUNDING;
+                stage.roomy &= low - room >= least && high + room <= most;
             }
         }
         Ok(stage)
@@ -93,25 +105,38 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         for ((to, reading), offset) in output.feedback.iter_mut().zip(&sample.feedback).zip(&state.offsets) {
             *to = reading.moved_back(*offset);
         }
-        let mut passes = sample.verdict == Verdict::Active && !sample.first;
-        let mut next = *state;
-        let axes = next.limited.iter_mut().zip(&mut next.offsets).zip(&mut next.drive);
-        let limits = self.limiters.iter().zip(&self.joint);
-        for ((((limited, offset), drive), (limiter, joint)), (wanted, command)) in
-            axes.zip(limits).zip(wanted.iter().zip(&sample.command))
-        {
-            passes &= limiter.passes(limited, *wanted);
-            *limited = limited.passed(*wanted);
-            *offset = P::offset(*wanted);
-            *drive = command.moved(*offset);
-            passes &= drive.is_within(joint);
-        }
-        if !passes {
+        let Some(next) = self.unlimited(state, sample, wanted) else {
             return self.apply_limited(state, sample, wanted, output);
-        }
+        };
         *state = next;
         (output.drive, output.record.correction) = (next.drive, *wanted);
         Applied { limited: 0, outside: None }
+    }
+
+    /// The state that sends the wanted corrections as they are, if nothing speaks against it.
+    #[inline(always)]
+    fn unlimited(
+        &self,
+        state: &OutputState<R, P, N>,
+        sample: &Sample<P, N>,
+        wanted: &[R; N],
+    ) -> Option<OutputState<R, P, N>> {
+        if sample.verdict != Verdict::Active || sample.first || !state.locked {
+            return None;
+        }
+        for ((limiter, limited), wanted) in self.limiters.iter().zip(&state.limited).zip(wanted) {
+            if !limiter.follows(limited, *wanted) {
+                return None;
+            }
+        }
+        let mut next = *state;
+        let axes = next.limited.iter_mut().zip(&mut next.offsets).zip(&mut next.drive);
+        for (((limited, offset), drive), (wanted, command)) in axes.zip(wanted.iter().zip(&sample.command)) {
+            *limited = limited.passed(*wanted);
+            *offset = P::offset(*wanted);
+            *drive = command.moved(*offset);
+        }
+        (self.roomy || self.outside(&next.drive).is_none()).then_some(next)
     }
 
     /// The same where a limit binds, nothing is corrected or the output holds.
@@ -154,6 +179,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
                 }
             }
         }
+        state.locked = state.limited.iter().all(LimiterState::is_locked);
         output.drive = state.drive;
         output.record.correction = state.limited.map(|limited| limited.sent());
         Applied { limited: flags, outside }

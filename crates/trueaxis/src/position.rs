@@ -56,7 +56,7 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
     /// From the first of two limits to the second, both included.
     #[inline(always)]
     fn is_within(self, [low, high]: &[Self; 2]) -> bool {
-        (self >= *low) & (self <= *high)
+        self >= *low && self <= *high
     }
     /// A number a machine can mean: neither infinite nor NaN nor beyond 1e9 (so that no later product overflows), nor
     /// at an end of its range, where integers saturate.

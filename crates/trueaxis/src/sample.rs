@@ -293,12 +293,13 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         self.axes.iter().zip(positions).all(|(axis, position)| position.is_within(&axis.travel))
     }
 
-    /// Decides about a cycle. One in which nothing is wrong, after another, is seen at a glance; the rest is out of line.
+    /// The sample of a cycle in which nothing is wrong, after another such; none where that has to be looked into
+    /// ([`Sampler::look`]), and nothing is changed.
     #[inline(always)]
-    pub(crate) fn read(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Sample<P, N> {
-        let Some(unmoved) = self.glance(state, input) else { return self.look(state, input) };
+    pub(crate) fn glance(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Option<Sample<P, N>> {
+        let unmoved = self.unmoved(state, input)?;
         (state.feedback, state.unmoved) = (input.feedback, unmoved);
-        Sample {
+        Some(Sample {
             command: input.command,
             feedback: input.feedback,
             verdict: Verdict::Active,
@@ -306,35 +307,44 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             axis: 0,
             first: false,
             homed: true,
-        }
+        })
     }
 
     /// Of a calm cycle in which [`Sampler::look`] too finds nothing wrong, how far every command has gone on since its
     /// reading last changed.
     #[inline(always)]
-    fn glance(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<[P::Reach; N]> {
-        let mut calm = state.calm & input.homed & input.enable & !input.reset;
-        calm &= (input.encoder_alarm == 0) & (input.elapsed_ns <= self.latest_ns);
-        calm &= input.refusal.fault == Fault::None;
-        let mut unmoved = state.unmoved;
-        let before = state.command.iter().zip(&state.feedback);
+    fn unmoved(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<[P::Reach; N]> {
+        let switched = input.homed && input.enable && !input.reset;
+        let in_order = input.encoder_alarm == 0 && input.refusal.fault == Fault::None;
+        if !(state.calm && switched && in_order && input.elapsed_ns <= self.latest_ns) {
+            return None;
+        }
+        let mut unmoved = [P::Reach::default(); N];
+        let before = state.command.iter().zip(&state.feedback).zip(&state.unmoved);
         let now = input.command.iter().zip(&input.feedback);
-        for (((axis, unmoved), (command, reading)), (last, good)) in
+        for (((axis, unmoved), (command, reading)), ((last, good), before)) in
             self.axes.iter().zip(&mut unmoved).zip(now).zip(before)
         {
             let way = command.apart(*last);
-            calm &= command.is_within(&axis.travel) & (way <= axis.command_jump);
-            // A number, because it is near one.
-            calm &= reading.is_usable() & (reading.apart(*good) <= axis.feedback_jump);
-            *unmoved = if reading == good { P::farther(*unmoved, way) } else { P::Reach::default() };
-            calm &= *unmoved <= axis.stuck;
+            if !(command.is_within(&axis.travel) && way <= axis.command_jump) {
+                return None;
+            }
+            if !(reading.is_usable() && reading.apart(*good) <= axis.feedback_jump) {
+                return None;
+            }
+            if reading == good {
+                *unmoved = P::farther(*before, way);
+                if *unmoved > axis.stuck {
+                    return None;
+                }
+            }
         }
-        calm.then_some(unmoved)
+        Some(unmoved)
     }
 
-    /// The whole decision.
+    /// The whole decision about a cycle.
     #[inline(never)]
-    fn look(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Sample<P, N> {
+    pub(crate) fn look(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Sample<P, N> {
         state.calm = false;
         let first = !state.started;
         let active = input.homed && input.enable;
@@ -534,43 +544,4 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::position::Nanometres;
-
-    #[test]
-    fn counts_become_positions_in_either_form() {
-        for (offset, resolution) in [(-12.5, 1e-4), (0.0, 2e-5 / 3.0), (3.0, -1e-3)] {
-            let double = EncoderScale::<f64>::new(offset, resolution).unwrap();
-            let fixed = EncoderScale::<Nanometres>::new(offset, resolution).unwrap();
-            for counts in [0, 1, -1, 77_777, -1_234_567] {
-                let truth = offset + f64::from(counts) * resolution;
-                assert_eq!(double.position(counts), truth);
-                assert!((fixed.nanometres(counts).to_f64() - truth).abs() <= 0.51e-6, "{counts}: {truth}");
-            }
-        }
-        for bad in [0.0, f64::NAN, 2.0, f64::INFINITY] {
-            assert!(EncoderScale::<f64>::new(0.0, bad).is_err());
-        }
-        for bad in [f64::INFINITY, f64::NAN, 2e9] {
-            assert!(EncoderScale::<f64>::new(bad, 1e-3).is_err());
-        }
-        assert!(EncoderScale::<Nanometres>::new(2148.0, 1e-3).is_err());
-    }
-
-    #[test]
-    fn counts_beyond_the_range_saturate_and_are_no_reading() {
-        let scale = EncoderScale::<Nanometres>::new(0.0, 1e-3).unwrap();
-        for counts in [3_000_000, -3_000_000, 2_147_484, i32::MAX, i32::MIN] {
-            let end = Nanometres(if counts > 0 { i32::MAX } else { i32::MIN });
-            assert_eq!((scale.position(counts), scale.nanometres(counts)), (end, end), "{counts}");
-            assert!(!end.is_usable());
-        }
-        // A coarse encoder over all its counts: 2^32 turns of the integer would be lost.
-        let coarse = EncoderScale::<Nanometres>::new(-1000.0, 1.0).unwrap();
-        for counts in [i32::MAX, i32::MIN, 4295, 8590] {
-            assert_eq!(coarse.position(counts), coarse.nanometres(counts), "{counts}");
-        }
-        assert_eq!(coarse.nanometres(3000), Nanometres(2_000_000_000));
-    }
-}
+mod tests;

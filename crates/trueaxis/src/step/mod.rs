@@ -146,17 +146,48 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         output: &mut Output<R, P, N>,
         mut watch: impl FnMut(Stage),
     ) {
-        let sample = self.sampler.read(&mut state.sample, input);
+        match self.sampler.glance(&mut state.sample, input) {
+            Some(sample) => self.cycle(state, &sample, &mut measure, &mut gauge, output, &mut watch),
+            None => self.other_cycle(state, input, &mut measure, &mut gauge, output, &mut watch),
+        }
+    }
+
+    /// A cycle that is not seen at a glance: out of line, so that in the others nothing has to be asked twice.
+    #[inline(never)]
+    fn other_cycle(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        measure: &mut impl Measure<R, P, N>,
+        gauge: &mut impl Ride<R>,
+        output: &mut Output<R, P, N>,
+        watch: &mut impl FnMut(Stage),
+    ) {
+        let sample = self.sampler.look(&mut state.sample, input);
+        self.cycle(state, &sample, measure, gauge, output, watch);
+    }
+
+    /// The stages after the sample.
+    #[inline(always)]
+    fn cycle(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        measure: &mut impl Measure<R, P, N>,
+        gauge: &mut impl Ride<R>,
+        output: &mut Output<R, P, N>,
+        watch: &mut impl FnMut(Stage),
+    ) {
         watch(Stage::Sample);
-        let mut modelled = self.model(state, &sample, measure.needs_tilt());
-        gauge::ride(&mut gauge, &sample, state.limited, &mut modelled.wanted);
+        let mut modelled = self.model(state, sample, measure.needs_tilt());
+        gauge::ride(gauge, sample, state.limited, &mut modelled.wanted);
         watch(Stage::Compensation);
-        measure.measure(self, state, &sample, &modelled, &mut output.record);
+        measure.measure(self, state, sample, &modelled, &mut output.record);
         watch(Stage::Contour);
-        let applied = self.output.apply(&mut state.output, &sample, &modelled.wanted, output);
-        self.settle(state, &sample, applied, &mut measure);
+        let applied = self.output.apply(&mut state.output, sample, &modelled.wanted, output);
+        self.settle(state, sample, applied, measure);
         watch(Stage::Output);
-        self.record(state, &sample, modelled.at_edge, applied, &mut output.record);
+        self.record(state, sample, modelled.at_edge, applied, &mut output.record);
         watch(Stage::Telemetry);
     }
 
