@@ -2,8 +2,9 @@
 
 use super::kernel::evaluate;
 use super::refine::{Found, at, dot};
-use super::search::{ContourSearch, Method, components, way};
+use super::search::{ContourSearch, Method, components};
 use super::span::{Path, Reference, Span};
+use super::way::way_far;
 use super::{ContourError, Flags};
 use crate::position::Position;
 use crate::real::Real;
@@ -57,7 +58,7 @@ impl<R: Real> ContourSearch<R> {
             best.flags = best.flags.and(Flags::SECOND_MINIMUM);
         }
         let error = dot(&best.vector, &best.vector).sqrt();
-        let lag = way(path, best.place, reference, self.max_lag);
+        let lag = way_far(path, best.place, reference, self.max_lag);
         components(path, &best, error, lag, spent)
     }
 
