@@ -48,7 +48,7 @@ count() {
         # QEMU separates options by commas and doubles those in names.
         flash+=(-device "loader,file=${inputs//,/,,}/${file%=*},addr=${file#*=},force-raw=on")
     done
-    timeout 300 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
+    timeout 600 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
         -icount shift=7,align=off,sleep=off -semihosting-config enable=on,target=native "${flash[@]}" "${request[@]}" \
         -kernel "$target/$name/$mcu/release/count" >"$target/$name.txt" || {
         tail -3 "$target/$name.txt" >&2
