@@ -327,6 +327,87 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
+    /// The polynomial in force at a coordinate, about it: [`AxisTable::at`] with its derivative and how far it holds.
+    ///
+    /// Never in the cycle's straight way: cost some 100 instructions.
+    pub(super) fn piece(&self, coordinate: R, direction: Direction) -> Piece<R, W> {
+        let zero = [R::ZERO; W];
+        let mut piece = Piece {
+            value: zero,
+            slope: zero,
+            bend: zero,
+            below: R::MAX,
+            above: R::MAX,
+            inner: [false; 2],
+            edge: false,
+        };
+        if self.linear.is_empty() && self.cubic.is_empty() {
+            return piece;
+        }
+        let mut coordinate = coordinate;
+        if self.wraps {
+            if coordinate < R::ZERO {
+                coordinate += self.span;
+            } else if coordinate > self.span {
+                coordinate -= self.span;
+            }
+        }
+        (piece.value, piece.edge) = self.at(coordinate, direction);
+        if coordinate < R::ZERO || coordinate > self.span {
+            let low = coordinate < R::ZERO;
+            (piece.below, piece.above) = if low { (R::MAX, -coordinate) } else { (coordinate - self.span, R::MAX) };
+            return piece;
+        }
+        // Intervals of an equidistant grid count 0 to 1, those of a free one mm.
+        let (index, t, per_mm, width) = if self.knots.is_empty() {
+            let place = (coordinate * self.scale).min(self.last);
+            let index = place.to_i32();
+            (index as usize, place - R::of_i32(index), self.scale, R::ONE)
+        } else {
+            let (index, t) = self.search(coordinate);
+            let knot = |index: usize| self.knots.get(index).copied().unwrap_or(self.span);
+            (index, t, R::ONE, knot(index.wrapping_add(1)) - knot(index))
+        };
+        let mm = R::ONE / per_mm;
+        (piece.below, piece.above) = (t * mm, (width - t) * mm);
+        let line = index.wrapping_add(self.reverse_offset & direction.mask());
+        let count = self.linear.len().max(self.cubic.len());
+        let last = if self.reverse_offset == 0 { count } else { self.reverse_offset }.wrapping_sub(1);
+        if index >= last {
+            // The table's last point, and nothing but it.
+            piece.above = R::ZERO;
+        }
+        piece.inner = [index > 0 && index < last, index.wrapping_add(1) < last];
+        if let Some([_, slope]) = self.linear.get(line) {
+            piece.slope = slope.map(|slope| slope * per_mm);
+        } else if let Some([_, c1, c2, c3]) = self.cubic.get(line) {
+            for k in 0..W {
+                let (c1, c2, c3) = (c1[k], c2[k], c3[k]);
+                let slope = c1 + t * (R::TWO * c2 + R::THREE * t * c3);
+                piece.slope[k] = slope * per_mm;
+                piece.bend[k] = (R::TWO * c2.abs() + R::TWO * R::THREE * width * c3.abs()) * (per_mm * per_mm);
+            }
+        }
+        piece
+    }
+
+    /// Largest change of a slope from one interval to the next, per mm (deg): of each of the `W` numbers.
+    pub(super) fn largest_kinks(&self) -> [R; W] {
+        let mut most = [R::ZERO; W];
+        let count = if self.reverse_offset == 0 { self.linear.len() } else { self.reverse_offset };
+        let per_mm = if self.knots.is_empty() { self.scale } else { R::ONE };
+        for block in self.linear.chunks(count.max(1)) {
+            // The last line is the constant behind the table, which no interval goes on into.
+            let intervals = block.get(..count.saturating_sub(1)).unwrap_or(&[]);
+            for ([_, before], [_, after]) in intervals.iter().zip(intervals.iter().skip(1)) {
+                for ((most, before), after) in most.iter_mut().zip(before).zip(after) {
+                    *most = most.max((*after - *before).abs() * per_mm);
+                }
+            }
+        }
+        most
+    }
+
     /// Interval of a free grid and the distance from its first point.
     #[inline(always)]
     fn search(&self, coordinate: R) -> (usize, R) {
@@ -343,6 +424,23 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         let knot = self.knots.get(index).copied().unwrap_or(R::ZERO);
         (index, coordinate - knot)
     }
+}
+
+/// A table's polynomial about a coordinate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece<R, const W: usize> {
+    pub(super) value: [R; W],
+    /// Derivative, per mm (deg).
+    pub(super) slope: [R; W],
+    /// Largest |second derivative| in the interval, per mm² (deg²).
+    pub(super) bend: [R; W],
+    /// How far the interval goes on to either side, mm (deg).
+    pub(super) below: R,
+    pub(super) above: R,
+    /// Whether another interval of the table goes on there.
+    pub(super) inner: [bool; 2],
+    /// The value is the table's clamped edge.
+    pub(super) edge: bool,
 }
 
 /// Scalars that a table takes.

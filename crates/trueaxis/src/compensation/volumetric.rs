@@ -28,6 +28,9 @@
 
 mod carriages;
 mod inverse;
+mod kept;
+mod key;
+mod tangent;
 
 use super::PoseError;
 use super::query::Query;
@@ -44,6 +47,7 @@ use crate::vector::{About, V3};
 use carriages::{Carriage, Carriages, Poses, about};
 use inverse::Fade;
 pub(crate) use inverse::{LEAST_DETERMINANT, LEAST_FADE};
+pub(crate) use kept::{Cycle, Kept};
 
 /// The tables of a machine for the volumetric form and its chain: immutable, built once.
 ///
@@ -68,6 +72,15 @@ pub struct Volumetric<'a, R, P, const N: usize> {
     orientation: Option<Fade<R>>,
     /// Largest correction of each axis, mm (deg).
     most: [R; N],
+    /// Key of all this.
+    key: u64,
+    /// Everything is looked up at the command.
+    at_command: bool,
+    /// The slides stand along the bed's axes, and no rotary axis is corrected.
+    upright: bool,
+    /// Upper bound of every lever, mm, and how far a tangent may go on beyond a point of each table, mm (deg).
+    longest: R,
+    overlaps: [R; N],
 }
 
 /// Translations and rotations of a twist.
@@ -152,6 +165,9 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         let (mut origins, mut datum) = ([R::ZERO; N], [R::ZERO; N]);
         let mut constant = [[R::ZERO; 6]; N];
         let mut plain = !machine.compensation.orientation;
+        let mut at_command = true;
+        let longest = tangent::longest(machine, &rows);
+        let mut overlaps = [R::ZERO; N];
         for (slot, (axis, lever)) in axes.into_iter().zip(levers).enumerate() {
             let Some(settings) = machine.axis(axis) else { continue };
             let located = machine.location.of(axis).copied().unwrap_or_default();
@@ -163,7 +179,11 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
                 *most = R::of(settings.limits.magnitude);
             }
             let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
+            at_command &= feedback == (false, false);
             plain &= table.is_even() && feedback == (false, false) && apart == [0.0; 6];
+            if let Some(overlap) = overlaps.get_mut(slot) {
+                *overlap = tangent::overlap(table.largest_kinks(), longest);
+            }
             let origin = table.origin().to_f64();
             chain.set_origin(slot, origin);
             if let (Some(slot), Some(at), Some(from), Some(q0)) =
@@ -177,6 +197,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         }
         let settings = &machine.compensation;
         let orientation = settings.orientation.then(|| Fade::from_deg(settings.fade_deg));
+        let upright = orientation.is_none() && !chain.turned;
         let location = &machine.location;
         Ok(Volumetric {
             tables,
@@ -190,6 +211,11 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             chain,
             orientation,
             most,
+            key: key::of(order, machine, &rows),
+            at_command,
+            upright,
+            longest: R::of(longest),
+            overlaps,
         })
     }
 
@@ -201,6 +227,11 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             *at = table.coordinate(*position);
         }
         at
+    }
+
+    /// Whether every table is looked up at the command.
+    pub(crate) fn is_at_command(&self) -> bool {
+        self.at_command
     }
 
     /// Unit vector along the tool, from the tip to the spindle, in bed axes at a position.
@@ -481,3 +512,6 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).glam(), orientation: w.glam() }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,6 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
+use crate::compensation::volumetric::Kept;
 use crate::compensation::{Reversal, ThermalLine};
 use crate::contour::ContourState;
 use crate::output::OutputState;
@@ -12,12 +13,14 @@ use crate::telemetry::{Record, Status};
 
 /// The mutable half: state from cycle to cycle.
 #[derive(Clone, Copy, Debug)]
-pub struct State<R, P, const N: usize> {
+pub struct State<R, P: Position, const N: usize> {
     pub(super) sample: SampleState<R, P, N>,
     pub(super) reversal: [Reversal<P>; N],
     /// The machine was homed in the last cycle.
     pub(super) homed: bool,
     pub(super) thermal: [ThermalLine<R>; N],
+    /// Tangents of the volumetric model.
+    pub(super) poses: Kept<R, P, N>,
     pub(super) tip: ContourState<R>,
     pub(super) encoder: ContourState<R>,
     pub(super) output: OutputState<R, P, N>,
@@ -32,6 +35,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
         if let Some(slot) = self.thermal.get_mut(place) {
             *slot = line;
         }
+        self.poses.forget();
     }
 }
 
