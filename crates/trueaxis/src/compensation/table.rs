@@ -327,22 +327,20 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
-    /// The polynomial in force at a coordinate, about it: [`AxisTable::at`] with its derivative and how far it holds.
-    ///
-    /// Never in the cycle's straight way: cost some 100 instructions.
-    pub(super) fn piece(&self, coordinate: R, direction: Direction) -> Piece<R, W> {
-        let zero = [R::ZERO; W];
-        let mut piece = Piece {
-            value: zero,
-            slope: zero,
-            bend: zero,
+    /// The interval at a coordinate, to be kept: off the cycle's straight way.
+    pub(super) fn interval(&self, coordinate: R, direction: Direction) -> Interval<'a, R, W> {
+        let mut found = Interval {
+            line: Line::Zero,
+            t: R::ZERO,
+            per_mm: R::ONE,
             below: R::MAX,
             above: R::MAX,
             inner: [false; 2],
             edge: false,
         };
-        if self.linear.is_empty() && self.cubic.is_empty() {
-            return piece;
+        let count = self.linear.len().max(self.cubic.len());
+        if count == 0 {
+            return found;
         }
         let mut coordinate = coordinate;
         if self.wraps {
@@ -352,43 +350,57 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
                 coordinate -= self.span;
             }
         }
-        (piece.value, piece.edge) = self.at(coordinate, direction);
-        if coordinate < R::ZERO || coordinate > self.span {
-            let low = coordinate < R::ZERO;
-            (piece.below, piece.above) = if low { (R::MAX, -coordinate) } else { (coordinate - self.span, R::MAX) };
-            return piece;
-        }
+        let clamped = coordinate.limit(R::ZERO, self.span);
         // Intervals of an equidistant grid count 0 to 1, those of a free one mm.
-        let (index, t, per_mm, width) = if self.knots.is_empty() {
-            let place = (coordinate * self.scale).min(self.last);
+        let (index, t, width) = if self.knots.is_empty() {
+            found.per_mm = self.scale;
+            let place = (clamped * self.scale).min(self.last);
             let index = place.to_i32();
-            (index as usize, place - R::of_i32(index), self.scale, R::ONE)
+            (index as usize, place - R::of_i32(index), R::ONE)
         } else {
-            let (index, t) = self.search(coordinate);
+            let (index, t) = self.search(clamped);
             let knot = |index: usize| self.knots.get(index).copied().unwrap_or(self.span);
-            (index, t, R::ONE, knot(index.wrapping_add(1)) - knot(index))
+            (index, t, knot(index.wrapping_add(1)) - knot(index))
         };
-        let mm = R::ONE / per_mm;
-        (piece.below, piece.above) = (t * mm, (width - t) * mm);
-        let line = index.wrapping_add(self.reverse_offset & direction.mask());
-        let count = self.linear.len().max(self.cubic.len());
         let last = if self.reverse_offset == 0 { count } else { self.reverse_offset }.wrapping_sub(1);
-        if index >= last {
-            // The table's last point, and nothing but it.
-            piece.above = R::ZERO;
+        let line = index.wrapping_add(self.reverse_offset & direction.mask());
+        found.line = match (self.linear.get(line), self.cubic.get(line)) {
+            (Some(line), _) => Line::Linear(line),
+            (_, Some(line)) => Line::Cubic(line),
+            _ => Line::Zero,
+        };
+        if coordinate != clamped {
+            found.edge = true;
+            let value = self.at(clamped, direction).0;
+            found.line = Line::Constant(value);
+            let low = coordinate < R::ZERO;
+            (found.below, found.above) = if low { (R::MAX, -coordinate) } else { (coordinate - self.span, R::MAX) };
+            return found;
         }
-        piece.inner = [index > 0 && index < last, index.wrapping_add(1) < last];
-        if let Some([_, slope]) = self.linear.get(line) {
-            piece.slope = slope.map(|slope| slope * per_mm);
-        } else if let Some([_, c1, c2, c3]) = self.cubic.get(line) {
-            for k in 0..W {
-                let (c1, c2, c3) = (c1[k], c2[k], c3[k]);
-                let slope = c1 + t * (R::TWO * c2 + R::THREE * t * c3);
-                piece.slope[k] = slope * per_mm;
-                piece.bend[k] = (R::TWO * c2.abs() + R::TWO * R::THREE * width * c3.abs()) * (per_mm * per_mm);
+        let mm = R::ONE / found.per_mm;
+        found.t = t;
+        // The table's last point is an interval of its own.
+        (found.below, found.above) = (t * mm, if index < last { (width - t) * mm } else { R::ZERO });
+        found.inner = [index > 0 && index < last, index.wrapping_add(1) < last];
+        found
+    }
+
+    /// Largest |second derivative| within the intervals, per mm² (deg²): of each of the `W` numbers.
+    pub(super) fn largest_bends(&self) -> [R; W] {
+        let mut most = [R::ZERO; W];
+        for (index, [_, _, c2, c3]) in self.cubic.iter().enumerate() {
+            let count = self.knots.len().max(1);
+            let knot = |index: usize| self.knots.get(index % count).copied();
+            let (per_mm, width) = match (knot(index), knot(index.wrapping_add(1))) {
+                (Some(low), Some(high)) => (R::ONE, (high - low).max(R::ZERO)),
+                _ => (self.scale, R::ONE),
+            };
+            for ((most, c2), c3) in most.iter_mut().zip(c2).zip(c3) {
+                let bend = R::TWO * c2.abs() + R::TWO * R::THREE * width * c3.abs();
+                *most = most.max(bend * per_mm * per_mm);
             }
         }
-        piece
+        most
     }
 
     /// Largest change of a slope from one interval to the next, per mm (deg): of each of the `W` numbers.
@@ -406,6 +418,11 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
             }
         }
         most
+    }
+
+    /// No cubic table.
+    pub(super) fn is_straight(&self) -> bool {
+        self.cubic.is_empty()
     }
 
     /// Interval of a free grid and the distance from its first point.
@@ -426,21 +443,56 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     }
 }
 
-/// A table's polynomial about a coordinate.
+/// An interval of a table.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece<R, const W: usize> {
-    pub(super) value: [R; W],
-    /// Derivative, per mm (deg).
-    pub(super) slope: [R; W],
-    /// Largest |second derivative| in the interval, per mm² (deg²).
-    pub(super) bend: [R; W],
+pub(super) struct Interval<'a, R, const W: usize> {
+    line: Line<'a, R, W>,
+    /// Parameter of the polynomial at the coordinate, and how fast it grows.
+    pub(super) t: R,
+    pub(super) per_mm: R,
     /// How far the interval goes on to either side, mm (deg).
     pub(super) below: R,
     pub(super) above: R,
     /// Whether another interval of the table goes on there.
     pub(super) inner: [bool; 2],
-    /// The value is the table's clamped edge.
+    /// Beyond the table: its clamped edge value.
     pub(super) edge: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Line<'a, R, const W: usize> {
+    Zero,
+    Constant([R; W]),
+    Linear(&'a [Contribution<R, W>; 2]),
+    Cubic(&'a [Contribution<R, W>; 4]),
+}
+
+impl<R: Real, const W: usize> Interval<'_, R, W> {
+    /// How far a form of it may go on to either side, mm (deg): over a point within the table by an overlap.
+    pub(super) fn rooms(&self, overlap: R) -> [R; 2] {
+        let [below, above] = self.inner;
+        [(self.below, below), (self.above, above)].map(|(room, inner)| if inner { room + overlap } else { room })
+    }
+
+    /// Coefficients of the polynomial about a parameter, per mm (deg).
+    #[inline(always)]
+    pub(super) fn powers(&self, t: R) -> [[R; W]; 4] {
+        let (zero, f) = ([R::ZERO; W], self.per_mm);
+        match self.line {
+            Line::Zero => [zero; 4],
+            Line::Constant(value) => [value, zero, zero, zero],
+            Line::Linear([value, slope]) => [along(value, t, slope), slope.map(|slope| slope * f), zero, zero],
+            Line::Cubic([value, c1, c2, c3]) => {
+                let (square, cube) = (f * f, f * f * f);
+                [
+                    along(value, t, &along(c1, t, &along(c2, t, c3))),
+                    core::array::from_fn(|k| (c1[k] + t * (R::TWO * c2[k] + R::THREE * t * c3[k])) * f),
+                    core::array::from_fn(|k| (c2[k] + R::THREE * t * c3[k]) * square),
+                    core::array::from_fn(|k| c3[k] * cube),
+                ]
+            }
+        }
+    }
 }
 
 /// Scalars that a table takes.

@@ -30,6 +30,7 @@ mod carriages;
 mod inverse;
 mod kept;
 mod key;
+mod slides;
 mod tangent;
 
 use super::PoseError;
@@ -81,6 +82,9 @@ pub struct Volumetric<'a, R, P, const N: usize> {
     /// Upper bound of every lever, mm, and how far a tangent may go on beyond a point of each table, mm (deg).
     longest: R,
     overlaps: [R; N],
+    /// Three slides: width of the boxes, mm, and whether anything but products is bent in them.
+    width: R,
+    curved: bool,
 }
 
 /// Translations and rotations of a twist.
@@ -168,6 +172,8 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         let mut at_command = true;
         let longest = tangent::longest(machine, &rows);
         let mut overlaps = [R::ZERO; N];
+        let mut bends = [R::ZERO; N];
+        let mut curved = false;
         for (slot, (axis, lever)) in axes.into_iter().zip(levers).enumerate() {
             let Some(settings) = machine.axis(axis) else { continue };
             let located = machine.location.of(axis).copied().unwrap_or_default();
@@ -184,6 +190,10 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             if let Some(overlap) = overlaps.get_mut(slot) {
                 *overlap = tangent::overlap(table.largest_kinks(), longest);
             }
+            if let Some(bend) = bends.get_mut(slot) {
+                *bend = halves(table.largest_bends()).1.norm();
+            }
+            curved |= !table.is_straight();
             let origin = table.origin().to_f64();
             chain.set_origin(slot, origin);
             if let (Some(slot), Some(at), Some(from), Some(q0)) =
@@ -198,6 +208,8 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         let settings = &machine.compensation;
         let orientation = settings.orientation.then(|| Fade::from_deg(settings.fade_deg));
         let upright = orientation.is_none() && !chain.turned;
+        let width = slides::width(&chain.beyond, &bends);
+        let curved = curved || chain.carries_itself();
         let location = &machine.location;
         Ok(Volumetric {
             tables,
@@ -216,6 +228,8 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             upright,
             longest: R::of(longest),
             overlaps,
+            width,
+            curved,
         })
     }
 

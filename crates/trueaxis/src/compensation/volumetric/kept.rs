@@ -4,6 +4,7 @@
 
 use super::Volumetric;
 use super::tangent::{Pose, Tangent};
+use crate::compensation::Query;
 use crate::compensation::reversal::Direction;
 use crate::compensation::thermal::ThermalLine;
 use crate::position::Position;
@@ -58,7 +59,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         tool: bool,
         clamped: &mut u8,
     ) -> ([R; N], Pose<R>) {
-        let mut changed = kept.key != self.key;
+        let mut changed = (kept.key != self.key) | (N == 3 && tool);
         for (kept, direction) in kept.directions.iter().zip(cycle.directions) {
             changed |= kept != direction;
         }
@@ -90,7 +91,13 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             (kept.key, kept.directions) = (self.key, *cycle.directions);
             kept.tangents = [Tangent::nowhere(); 2];
         }
-        let new = |at: &[P; N]| self.tangent(at, cycle.directions, cycle.thermal);
+        let new = |at: &[P; N]| {
+            if N == 3 {
+                self.of_slides(at, cycle.directions, cycle.thermal)
+            } else {
+                self.tangent(at, cycle.directions, cycle.thermal)
+            }
+        };
         let [first, second] = &mut kept.tangents;
         if !first.steps(cycle.drive).1 {
             if second.steps(cycle.drive).1 {
@@ -108,7 +115,14 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             &*second
         };
         let wanted = self.solved(first, &first.steps(cycle.drive).0, cycle, passes, clamped);
-        (wanted, read(back, &back.steps(cycle.feedback).0, tool))
+        let mut pose = read(back, &back.steps(cycle.feedback).0, tool);
+        if N == 3 && tool {
+            // The form of three slides has no direction.
+            let feedback = self.coordinates(cycle.feedback);
+            let query = Query::at(&feedback, cycle.directions, cycle.thermal);
+            pose.1 = V3::from_glam(self.pose_error(&query, &mut 0).orientation);
+        }
+        (wanted, pose)
     }
 
     /// The correction from a tangent: `passes` from the correction that was sent last.
@@ -129,19 +143,15 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             return self.solved_in_poses(tangent, steps, cycle, passes);
         }
         let mut correction = [R::ZERO; N];
-        let tip = tangent.tip(steps);
-        keep_present(&self.chain.present, tip, &mut correction);
+        keep_present(&self.chain.present, tangent.tip(steps), &mut correction);
         if passes > 1 {
-            let mut sent = [R::ZERO; N];
-            for ((sent, drive), command) in sent.iter_mut().zip(cycle.drive).zip(cycle.command) {
-                *sent = drive.since_near::<R>(*command);
-            }
+            let sent = sent(cycle);
             for _ in 1..passes & 15 {
-                let mut further = [R::ZERO; N];
-                for ((further, correction), sent) in further.iter_mut().zip(&correction).zip(&sent).take(3) {
-                    *further = (*correction - *sent) * R::of(1.0 / P::STEP);
+                let mut there = *steps;
+                for ((there, correction), sent) in there.iter_mut().zip(&correction).zip(&sent).take(3) {
+                    *there += (*correction - *sent) * R::of(1.0 / P::STEP);
                 }
-                keep_present(&self.chain.present, tangent.moved_by(&further, tip), &mut correction);
+                keep_present(&self.chain.present, tangent.tip(&there), &mut correction);
             }
         }
         correction
@@ -156,10 +166,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         cycle: &Cycle<'_, R, P, N>,
         passes: u8,
     ) -> [R; N] {
-        let mut sent = [R::ZERO; N];
-        for ((sent, drive), command) in sent.iter_mut().zip(cycle.drive).zip(cycle.command) {
-            *sent = drive.since_near::<R>(*command);
-        }
+        let sent = sent(cycle);
         self.inverse(&self.coordinates(cycle.command), sent, passes, |_, correction, _| {
             let mut there = *steps;
             for ((there, correction), sent) in there.iter_mut().zip(correction).zip(&sent) {
@@ -168,6 +175,16 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             (tangent.tip(&there), tangent.turn(&there))
         })
     }
+}
+
+/// The correction sent last, mm (deg).
+#[inline(always)]
+fn sent<R: Real, P: Position, const N: usize>(cycle: &Cycle<'_, R, P, N>) -> [R; N] {
+    let mut sent = [R::ZERO; N];
+    for ((sent, drive), command) in sent.iter_mut().zip(cycle.drive).zip(cycle.command) {
+        *sent = drive.since_near(*command);
+    }
+    sent
 }
 
 /// `−error` along the slides that the machine has.

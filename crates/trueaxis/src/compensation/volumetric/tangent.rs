@@ -23,8 +23,8 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::vector::{About, V3};
 
-/// What the tangent may be off at the border of its box: half of what the inverse may leave.
-const TOLERANCE_MM: f64 = 0.4e-6;
+/// What the tangent may be off at the border of its box: of what the inverse may leave, most.
+pub(super) const TOLERANCE_MM: f64 = 0.6e-6;
 /// What it may be off in the overlap at a point of a linear table.
 const KINK_MM: f64 = 0.1e-6;
 /// Largest overlap.
@@ -35,7 +35,7 @@ const SHAPE_DEG: f64 = 0.1;
 const MOST_SCALE: f64 = 4.0;
 
 /// A rotation by one degree, rad.
-const RAD: f64 = core::f64::consts::PI / 180.0;
+pub(super) const RAD: f64 = core::f64::consts::PI / 180.0;
 
 /// Tip and direction of the tool.
 pub(crate) type Pose<R> = (V3<R>, V3<R>);
@@ -43,14 +43,18 @@ pub(crate) type Pose<R> = (V3<R>, V3<R>);
 /// First-order form of the pose error in a box.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tangent<R, P: Position, const N: usize> {
-    low: [P; N],
-    reach: [P::Reach; N],
+    pub(super) low: [P; N],
+    pub(super) reach: [P::Reach; N],
     /// Error of the tip (mm) and of the direction (rad) at the low corner.
-    tip: V3<R>,
+    pub(super) tip: V3<R>,
     turn: V3<R>,
     /// Their derivatives, per step of a position.
-    tip_slopes: [V3<R>; N],
+    pub(super) tip_slopes: [V3<R>; N],
     turn_slopes: [V3<R>; N],
+    /// Of three slides the rest, see [`super::slides`]: second and third powers, products of X and Y, X and Z, Y and Z.
+    pub(super) powers: [[V3<R>; 2]; 3],
+    pub(super) products: [V3<R>; 3],
+    pub(super) curved: bool,
     /// A bit for every axis whose edge value is clamped.
     pub(super) edge: u8,
 }
@@ -65,6 +69,9 @@ impl<R: Real, P: Position, const N: usize> Tangent<R, P, N> {
             turn: V3::ZERO,
             tip_slopes: [V3::ZERO; N],
             turn_slopes: [V3::ZERO; N],
+            powers: [[V3::ZERO; 2]; 3],
+            products: [V3::ZERO; 3],
+            curved: false,
             edge: 0,
         }
     }
@@ -85,12 +92,18 @@ impl<R: Real, P: Position, const N: usize> Tangent<R, P, N> {
     /// Error of the tip so many steps from the low corner.
     #[inline(always)]
     pub(super) fn tip(&self, steps: &[R; N]) -> V3<R> {
-        self.moved_by(steps, self.tip)
-    }
-
-    /// `tip` after so many steps more.
-    #[inline(always)]
-    pub(super) fn moved_by(&self, steps: &[R; N], mut tip: V3<R>) -> V3<R> {
+        if let (3, [x, y, z, ..], [along_x, along_y, along_z, ..]) = (N, steps.as_slice(), self.tip_slopes.as_slice()) {
+            let [xy, xz, yz] = self.products;
+            let (mut of_x, mut of_y, mut of_z) = (*along_x + xy * *y + xz * *z, *along_y + yz * *z, *along_z);
+            if self.curved {
+                let [[x2, x3], [y2, y3], [z2, z3]] = self.powers;
+                of_x += (x2 + x3 * *x) * *x;
+                of_y += (y2 + y3 * *y) * *y;
+                of_z += (z2 + z3 * *z) * *z;
+            }
+            return self.tip + of_x * *x + of_y * *y + of_z * *z;
+        }
+        let mut tip = self.tip;
         for (steps, slope) in steps.iter().zip(&self.tip_slopes) {
             tip += *slope * *steps;
         }
@@ -232,8 +245,13 @@ pub(super) fn longest<'r, T: Rows + ?Sized + 'r>(
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// Twist of the axis at `slot`, all that is added to its table included.
     fn local(&self, slot: usize, at: R, direction: Direction, line: &ThermalLine<R>) -> Option<(Local<R>, bool)> {
-        let piece = self.tables.get(slot)?.piece(at, direction);
-        let (mut twist, mut slope) = (piece.value, piece.slope);
+        let interval = self.tables.get(slot)?.interval(at, direction);
+        let [mut twist, mut slope, second, third] = interval.powers(interval.t);
+        let room = interval.below.max(interval.above);
+        let bend = core::array::from_fn(|k| {
+            let third: R = if interval.edge { R::ZERO } else { third[k].abs() * room };
+            R::TWO * (second[k].abs() + R::THREE * third)
+        });
         let (own, constant) = (*self.own.get(slot)?, self.constant.get(slot)?);
         let (mut growth, mut rate) = (line.at(at - *self.datum.get(slot)?), line.slope());
         if own >= 3 {
@@ -256,10 +274,8 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         *y += tilt_y * q;
         *along_x += tilt_x;
         *along_y += tilt_y;
-        let overlap = *self.overlaps.get(slot)?;
-        let [below, above] = [(piece.below, piece.inner[0]), (piece.above, piece.inner[1])]
-            .map(|(room, inner)| if inner { room + overlap } else { room });
-        Some((Local { twist, slope, bend: piece.bend, below, above }, piece.edge))
+        let [below, above] = interval.rooms(*self.overlaps.get(slot)?);
+        Some((Local { twist, slope, bend, below, above }, interval.edge))
     }
 
     /// The tangent about a position.
