@@ -328,6 +328,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     }
 
     /// The interval at a coordinate, to be kept: off the cycle's straight way.
+    #[inline]
     pub(super) fn interval(&self, coordinate: R, direction: Direction) -> Interval<'a, R, W> {
         let mut found = Interval {
             line: Line::Zero,
@@ -369,16 +370,14 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
             (_, Some(line)) => Line::Cubic(line),
             _ => Line::Zero,
         };
+        found.t = t;
         if coordinate != clamped {
-            found.edge = true;
-            let value = self.at(clamped, direction).0;
-            found.line = Line::Constant(value);
+            (found.edge, found.per_mm) = (true, R::ZERO);
             let low = coordinate < R::ZERO;
             (found.below, found.above) = if low { (R::MAX, -coordinate) } else { (coordinate - self.span, R::MAX) };
             return found;
         }
         let mm = R::ONE / found.per_mm;
-        found.t = t;
         // The table's last point is an interval of its own.
         (found.below, found.above) = (t * mm, if index < last { (width - t) * mm } else { R::ZERO });
         found.inner = [index > 0 && index < last, index.wrapping_add(1) < last];
@@ -447,7 +446,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interval<'a, R, const W: usize> {
     line: Line<'a, R, W>,
-    /// Parameter of the polynomial at the coordinate, and how fast it grows.
+    /// Parameter of the polynomial at the coordinate, and how fast it grows; not at all beyond the table.
     pub(super) t: R,
     pub(super) per_mm: R,
     /// How far the interval goes on to either side, mm (deg).
@@ -462,7 +461,6 @@ pub(super) struct Interval<'a, R, const W: usize> {
 #[derive(Clone, Copy, Debug)]
 enum Line<'a, R, const W: usize> {
     Zero,
-    Constant([R; W]),
     Linear(&'a [Contribution<R, W>; 2]),
     Cubic(&'a [Contribution<R, W>; 4]),
 }
@@ -474,22 +472,19 @@ impl<R: Real, const W: usize> Interval<'_, R, W> {
         [(self.below, below), (self.above, above)].map(|(room, inner)| if inner { room + overlap } else { room })
     }
 
-    /// Coefficients of the polynomial about a parameter, per mm (deg).
+    /// Coefficients of the polynomial about a parameter, per mm (deg): value and slope, of a cubic table the rest.
     #[inline(always)]
-    pub(super) fn powers(&self, t: R) -> [[R; W]; 4] {
+    pub(super) fn powers(&self, t: R) -> ([[R; W]; 2], Option<[[R; W]; 2]>) {
         let (zero, f) = ([R::ZERO; W], self.per_mm);
         match self.line {
-            Line::Zero => [zero; 4],
-            Line::Constant(value) => [value, zero, zero, zero],
-            Line::Linear([value, slope]) => [along(value, t, slope), slope.map(|slope| slope * f), zero, zero],
+            Line::Zero => ([zero; 2], None),
+            Line::Linear([value, slope]) => ([along(value, t, slope), slope.map(|slope| slope * f)], None),
             Line::Cubic([value, c1, c2, c3]) => {
                 let (square, cube) = (f * f, f * f * f);
-                [
-                    along(value, t, &along(c1, t, &along(c2, t, c3))),
-                    core::array::from_fn(|k| (c1[k] + t * (R::TWO * c2[k] + R::THREE * t * c3[k])) * f),
-                    core::array::from_fn(|k| (c2[k] + R::THREE * t * c3[k]) * square),
-                    core::array::from_fn(|k| c3[k] * cube),
-                ]
+                let value = along(value, t, &along(c1, t, &along(c2, t, c3)));
+                let slope = core::array::from_fn(|k| (c1[k] + t * (R::TWO * c2[k] + R::THREE * t * c3[k])) * f);
+                let second = core::array::from_fn(|k| (c2[k] + R::THREE * t * c3[k]) * square);
+                ([value, slope], Some([second, c3.map(|c3| c3 * cube)]))
             }
         }
     }

@@ -91,11 +91,11 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             (kept.key, kept.directions) = (self.key, *cycle.directions);
             kept.tangents = [Tangent::nowhere(); 2];
         }
-        let new = |at: &[P; N]| {
+        let renew = |tangent: &mut Tangent<R, P, N>, at: &[P; N]| {
             if N == 3 {
-                self.of_slides(at, cycle.directions, cycle.thermal)
+                self.of_slides(tangent, at, cycle.directions, cycle.thermal);
             } else {
-                self.tangent(at, cycle.directions, cycle.thermal)
+                self.tangent(tangent, at, cycle.directions, cycle.thermal);
             }
         };
         let [first, second] = &mut kept.tangents;
@@ -103,14 +103,14 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             if second.steps(cycle.drive).1 {
                 core::mem::swap(first, second);
             } else {
-                *first = new(cycle.drive);
+                renew(first, cycle.drive);
             }
         }
         let back = if first.steps(cycle.feedback).1 {
             &*first
         } else {
             if !second.steps(cycle.feedback).1 {
-                *second = new(cycle.feedback);
+                renew(second, cycle.feedback);
             }
             &*second
         };

@@ -15,6 +15,7 @@
 use super::tangent::{TOLERANCE_MM, Tangent};
 use super::{Volumetric, halves};
 use crate::compensation::reversal::Direction;
+use crate::compensation::table::Interval;
 use crate::compensation::thermal::ThermalLine;
 use crate::position::Position;
 use crate::real::Real;
@@ -46,114 +47,149 @@ fn across<R: Real>(w: V3<R>, slide: usize) -> V3<R> {
     }
 }
 
-impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
-    /// The form about a position.
+/// A slide in its table, from the low corner of the box.
+struct Corner<'a, R> {
+    interval: Interval<'a, R, 6>,
+    /// Parameter of its polynomial there.
+    t: R,
+    /// Position from the table's first point, and from machine zero.
+    at: R,
+    q: R,
+}
+
+/// Sums over the slides.
+struct Sums<R> {
+    tip: V3<R>,
+    slopes: [V3<R>; 3],
+    powers: [[V3<R>; 2]; 3],
+    products: [V3<R>; 3],
+    /// Of each slide the rotations of the axes that it carries the tool for.
+    carried: [V3<R>; 3],
+}
+
+impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
+    /// Makes `form` the one about a position.
     #[inline(never)]
     pub(super) fn of_slides(
         &self,
+        form: &mut Tangent<R, P, N>,
         position: &[P; N],
         directions: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
-    ) -> Tangent<R, P, N> {
-        let mut form = Tangent::nowhere();
-        let ahead = self.width * R::of(AHEAD);
-        let behind = self.width - ahead;
-        let mut powers = [[[R::ZERO; 6]; 4]; N];
-        let mut place = [R::ZERO; N];
-        for slot in 0..N {
-            let (Some(table), Some(position), Some(direction), Some(line)) =
-                (self.tables.get(slot), position.get(slot), directions.get(slot), thermal.get(slot))
-            else {
-                continue;
-            };
-            let (Some(overlap), Some(origin), Some(datum)) =
-                (self.overlaps.get(slot), self.origins.get(slot), self.datum.get(slot))
-            else {
-                continue;
-            };
-            let at = table.coordinate(*position);
-            let interval = table.interval(at, *direction);
-            let (down, up) = if *direction == Direction::POSITIVE { (behind, ahead) } else { (ahead, behind) };
-            let [below, above] = interval.rooms(*overlap);
-            let low = position.moved_back(P::offset(below.min(down)));
-            let high = position.moved(P::offset(above.min(up)));
-            let back: R = position.since_near(low);
-            let mut own = interval.powers(interval.t - back * interval.per_mm);
-            self.complete(slot, at - back, at - back - *datum, line, &mut own);
-            form.edge |= u8::from(interval.edge) << (slot & 7);
-            if let (Some(corner), Some(reach), Some(powers), Some(place)) =
-                (form.low.get_mut(slot), form.reach.get_mut(slot), powers.get_mut(slot), place.get_mut(slot))
-            {
-                (*corner, *reach, *powers, *place) = (low, high.apart(low), own, at - back + *origin);
-            }
-        }
-        self.sum_powers(&powers, &place, &mut form);
-        form
-    }
-
-    /// Adds what does not stand in the table of a slide: growth, and squareness, which is linear in its position.
-    #[inline(always)]
-    fn complete(&self, slot: usize, at: R, from_datum: R, line: &ThermalLine<R>, powers: &mut [[R; 6]; 4]) {
-        let [value, slope, ..] = powers;
-        if let (Some(value), Some(slope)) = (value.get_mut(slot), slope.get_mut(slot)) {
-            *value += line.at(from_datum);
-            *slope += line.slope();
-        }
-        let [c0y, b0z, a0z] = self.squareness;
-        let (tilt_x, tilt_y) = match slot {
-            1 => (-c0y, R::ZERO),
-            2 => (b0z, -a0z),
-            _ => return,
-        };
-        let q = at + self.origins.get(slot).copied().unwrap_or(R::ZERO);
-        let ([x, y, ..], [along_x, along_y, ..]) = (value, slope);
-        *x += tilt_x * q;
-        *y += tilt_y * q;
-        *along_x += tilt_x;
-        *along_y += tilt_y;
-    }
-
-    /// Sums the tables' polynomials up, at the levers of the low corner.
-    #[inline(always)]
-    fn sum_powers(&self, powers: &[[[R; 6]; 4]; N], place: &[R; N], form: &mut Tangent<R, P, N>) {
-        let [qx, qy, qz, ..] = place.as_slice() else { return };
-        let mut slopes = [V3::ZERO; 3];
-        for (slot, (powers, [bx, by, bz])) in powers.iter().zip(&self.chain.beyond).enumerate() {
-            let lever = self.chain.tool + V3::new(*bx * *qx, *by * *qy, *bz * *qz);
-            let [zeroth, first, second, third] = powers.map(|twist| {
-                let (e, w) = halves(twist);
-                (e + w.cross(lever), w)
-            });
-            form.tip += zeroth.0;
-            let mut curve = [second.0, third.0];
-            for (slide, (there, along)) in [*bx, *by, *bz].into_iter().zip(&mut slopes).enumerate() {
-                if slide == slot {
-                    *along += first.0;
-                }
-                if there == R::ZERO {
-                    continue;
-                }
-                *along += across(zeroth.1, slide);
-                if slide == slot {
-                    let [square, cube] = &mut curve;
-                    *square += across(first.1, slide);
-                    *cube += across(second.1, slide);
-                } else if let Some(product) = form.products.get_mut((slide + slot).wrapping_sub(1)) {
-                    *product += across(first.1, slide);
-                }
-            }
-            if let Some(of_slot) = form.powers.get_mut(slot) {
-                *of_slot = curve;
-            }
-        }
+    ) {
+        form.edge = 0;
+        let corners: [Option<Corner<'a, R>>; 3] =
+            core::array::from_fn(|slot| self.corner(form, slot, *position.get(slot)?, *directions.get(slot)?));
+        let [Some(x), Some(y), Some(z)] = &corners else { return };
+        let place = [x.q, y.q, z.q];
+        let none = V3::ZERO;
+        let mut sums =
+            Sums { tip: none, slopes: [none; 3], powers: [[none; 2]; 3], products: [none; 3], carried: [none; 3] };
+        self.add(&mut sums, 0, x, &place, thermal);
+        self.add(&mut sums, 1, y, &place, thermal);
+        self.add(&mut sums, 2, z, &place, thermal);
         let step = R::of(P::STEP);
-        for (slope, sum) in form.tip_slopes.iter_mut().zip(slopes) {
-            *slope = sum * step;
+        form.tip = sums.tip;
+        for (slide, (slope, (own, carried))) in
+            form.tip_slopes.iter_mut().zip(sums.slopes.into_iter().zip(sums.carried)).enumerate()
+        {
+            *slope = (own + across(carried, slide)) * step;
         }
-        form.products = form.products.map(|product| product * (step * step));
+        form.products = sums.products.map(|product| product * (step * step));
         form.curved = self.curved;
         if form.curved {
-            form.powers = form.powers.map(|[square, cube]| [square * (step * step), cube * (step * step * step)]);
+            form.powers = sums.powers.map(|[square, cube]| [square * (step * step), cube * (step * step * step)]);
+        }
+    }
+
+    /// The box along one slide, and the slide at its low corner.
+    #[inline(always)]
+    fn corner(
+        &self,
+        form: &mut Tangent<R, P, N>,
+        slot: usize,
+        position: P,
+        direction: Direction,
+    ) -> Option<Corner<'a, R>> {
+        let table = self.tables.get(slot)?;
+        let at = table.coordinate(position);
+        let interval = table.interval(at, direction);
+        let ahead = self.width * R::of(AHEAD);
+        let behind = self.width - ahead;
+        let (down, up) = if direction == Direction::POSITIVE { (behind, ahead) } else { (ahead, behind) };
+        let [below, above] = interval.rooms(*self.overlaps.get(slot)?);
+        let low = position.moved_back(P::offset(below.min(down)));
+        let high = position.moved(P::offset(above.min(up)));
+        let back: R = position.since_near(low);
+        (*form.low.get_mut(slot)?, *form.reach.get_mut(slot)?) = (low, high.apart(low));
+        form.edge |= u8::from(interval.edge) << (slot & 7);
+        let at = at - back;
+        let t = interval.t - back * interval.per_mm;
+        Some(Corner { interval, t, at, q: at + *self.origins.get(slot)? })
+    }
+
+    /// Adds a slide's polynomials at the levers of the low corner, with what does not stand in its table.
+    #[inline(always)]
+    fn add(
+        &self,
+        sums: &mut Sums<R>,
+        slot: usize,
+        corner: &Corner<'_, R>,
+        [qx, qy, qz]: &[R; 3],
+        thermal: &[ThermalLine<R>; N],
+    ) {
+        let (Some(beyond @ [bx, by, bz]), Some(line), Some(datum)) =
+            (self.chain.beyond.get(slot), thermal.get(slot), self.datum.get(slot))
+        else {
+            return;
+        };
+        let Some(own) = beyond.get(slot).copied() else { return };
+        let lever = self.chain.tool + V3::new(*bx * *qx, *by * *qy, *bz * *qz);
+        let ([value, slope], bent) = corner.interval.powers(corner.t);
+        let ((mut e, w), (mut e1, w1)) = (halves(value), halves(slope));
+        let [c0y, b0z, a0z] = self.squareness;
+        let (growth, rate) = (line.at(corner.at - *datum), line.slope());
+        match slot {
+            0 => (e.x, e1.x) = (e.x + growth, e1.x + rate),
+            1 => {
+                (e.x, e1.x) = (e.x - c0y * corner.q, e1.x - c0y);
+                (e.y, e1.y) = (e.y + growth, e1.y + rate);
+            }
+            _ => {
+                (e.x, e1.x) = (e.x + b0z * corner.q, e1.x + b0z);
+                (e.y, e1.y) = (e.y - a0z * corner.q, e1.y - a0z);
+                (e.z, e1.z) = (e.z + growth, e1.z + rate);
+            }
+        }
+        sums.tip += e + w.cross(lever);
+        for (carried, there) in sums.carried.iter_mut().zip(beyond) {
+            *carried += w * *there;
+        }
+        let mut square = across(w1, slot) * own;
+        let mut cube = V3::ZERO;
+        if let Some([second, third]) = bent {
+            let ((e2, w2), (e3, w3)) = (halves(second), halves(third));
+            square += e2 + w2.cross(lever);
+            cube = e3 + w3.cross(lever) + across(w2, slot) * own;
+        }
+        let [xy, xz, yz] = &mut sums.products;
+        match slot {
+            0 => {
+                *xy += across(w1, 1) * *by;
+                *xz += across(w1, 2) * *bz;
+            }
+            1 => {
+                *xy += across(w1, 0) * *bx;
+                *yz += across(w1, 2) * *bz;
+            }
+            _ => {
+                *xz += across(w1, 0) * *bx;
+                *yz += across(w1, 1) * *by;
+            }
+        }
+        if let (Some(slope), Some(powers)) = (sums.slopes.get_mut(slot), sums.powers.get_mut(slot)) {
+            *slope = e1 + w1.cross(lever);
+            *powers = [square, cube];
         }
     }
 }

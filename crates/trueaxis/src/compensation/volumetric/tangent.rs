@@ -246,12 +246,14 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// Twist of the axis at `slot`, all that is added to its table included.
     fn local(&self, slot: usize, at: R, direction: Direction, line: &ThermalLine<R>) -> Option<(Local<R>, bool)> {
         let interval = self.tables.get(slot)?.interval(at, direction);
-        let [mut twist, mut slope, second, third] = interval.powers(interval.t);
+        let ([mut twist, mut slope], bent) = interval.powers(interval.t);
         let room = interval.below.max(interval.above);
-        let bend = core::array::from_fn(|k| {
-            let third: R = if interval.edge { R::ZERO } else { third[k].abs() * room };
-            R::TWO * (second[k].abs() + R::THREE * third)
-        });
+        let bend = match bent {
+            Some([second, third]) if !interval.edge => {
+                core::array::from_fn(|k| R::TWO * (second[k].abs() + R::THREE * third[k].abs() * room))
+            }
+            _ => [R::ZERO; 6],
+        };
         let (own, constant) = (*self.own.get(slot)?, self.constant.get(slot)?);
         let (mut growth, mut rate) = (line.at(at - *self.datum.get(slot)?), line.slope());
         if own >= 3 {
@@ -278,14 +280,15 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         Some((Local { twist, slope, bend, below, above }, interval.edge))
     }
 
-    /// The tangent about a position.
+    /// Makes `tangent` the one about a position.
     #[inline(never)]
     pub(super) fn tangent(
         &self,
+        tangent: &mut Tangent<R, P, N>,
         position: &[P; N],
         directions: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
-    ) -> Tangent<R, P, N> {
+    ) {
         let at = self.coordinates(position);
         let zero = [R::ZERO; 6];
         let still = Local { twist: zero, slope: zero, bend: zero, below: R::MAX, above: R::MAX };
@@ -299,8 +302,8 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 edge |= u8::from(at_edge) << (slot & 7);
             }
         }
-        let (tip, turn, tip_slopes, turn_slopes) = self.derivatives(&at, &locals);
-        let mut tangent = Tangent { tip, turn, tip_slopes, turn_slopes, edge, ..Tangent::nowhere() };
+        (tangent.tip, tangent.turn, tangent.tip_slopes, tangent.turn_slopes) = self.derivatives(&at, &locals);
+        tangent.edge = edge;
         let scale = self.scale(&locals);
         for (slot, (position, local)) in position.iter().zip(&locals).enumerate() {
             let half = self.shape(slot) * scale;
@@ -320,7 +323,6 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 *turning = *turning * R::of(P::STEP);
             }
         }
-        tangent
     }
 
     /// Half width of the box before it is scaled.

@@ -1,5 +1,6 @@
 #![allow(clippy::indexing_slicing)]
 
+use super::tangent::Tangent;
 use super::*;
 use crate::check;
 use crate::compensation::requirement;
@@ -131,11 +132,12 @@ fn in_boxes<R: Real, P: Position, const N: usize>(random: &mut Noise, boxes: usi
         for _ in 0..boxes {
             let at = Case::place::<N>(random).map(P::of);
             let (directions, thermal) = Case::conditions(random);
-            let tangent = if N == 3 {
-                model.of_slides(&at, &directions, &thermal)
+            let mut tangent = Tangent::nowhere();
+            if N == 3 {
+                model.of_slides(&mut tangent, &at, &directions, &thermal);
             } else {
-                model.tangent(&at, &directions, &thermal)
-            };
+                model.tangent(&mut tangent, &at, &directions, &thermal);
+            }
             assert!(tangent.steps(&at).1, "{chain}: {at:?}");
             for _ in 0..40 {
                 // In corners too; what rounding leads out of the box again is not asked for.
