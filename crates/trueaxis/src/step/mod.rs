@@ -18,6 +18,7 @@ pub use measure::{Measure, OnToolPath};
 pub use state::{Output, Stage, State};
 pub use stateless::Conditions;
 
+use crate::compensation::volumetric::Kept;
 use crate::compensation::{Compensation, Reversal, ThermalLine};
 use crate::contour::{ContourSearch, PairState};
 use crate::error::Fault;
@@ -54,6 +55,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             reversal: [Reversal::default(); N],
             homed: false,
             thermal: [ThermalLine::default(); N],
+            poses: Kept::nothing(),
             feet: PairState::default(),
             output: OutputState::new(),
             limited: 0,
