@@ -82,4 +82,6 @@ fn squared_from_origin<R: Real, P: Position>(span: &Span<R, P>, point: &[P; 3]) 
 }
 
 #[cfg(test)]
+mod random;
+#[cfg(test)]
 mod tests;

@@ -40,10 +40,9 @@ impl<R: Real> NearFoot<R> {
 impl<R: Real> ContourSearch<R> {
     /// Foot of `point` (mm) near `guess`, with nothing known from the cycle before: a local projection.
     ///
-    /// The minimum of the distance in whose basin the guess lies, where the kernel's own test trusts its series; else the
-    /// kernel's foot from where the tangent leads, if that is at most an eighth as far from the point as the guess, or
-    /// the guess itself not farther than a sixteenth of `max_lag_mm`; else the nearest of all feet within `max_lag_mm` of arc
-    /// length, none missed. `None` where the path has no such span, or the guess or the point is not a number.
+    /// The kernel's foot from the guess, or from where the tangent leads from there, if its own test trusts it and it lies
+    /// within a sixteenth of `max_lag_mm` of the point; else the nearest of all feet within `max_lag_mm` of arc length of
+    /// the guess, none missed. `None` where the path has no such span, or the guess or the point is not a number.
     ///
     /// Cost: one call of the kernel, over a border or from farther off two and an evaluation; the whole window as a rule
     /// only at corners and ends.
@@ -57,7 +56,7 @@ impl<R: Real> ContourSearch<R> {
         let span = path.span(guess.span)?;
         if self.method == Method::Guarded {
             let found = foot(span, &span.relative(point), guess.t);
-            if found.trusted {
+            if found.trusted && dot(&found.vector, &found.vector) <= self.certain() {
                 return Some(near(guess.span, &found));
             }
         }
@@ -87,24 +86,25 @@ impl<R: Real> ContourSearch<R> {
         Some(NearFoot { at: found.place, vector: found.vector.map(|x| -x).into(), flags: found.flags })
     }
 
+    /// A foot at most so far from the point is not doubted: squared, mm².
+    #[inline(always)]
+    fn certain(&self) -> R {
+        R::of(1.0 / 256.0) * self.max_lag * self.max_lag
+    }
+
     /// Along the tangent, and the kernel there, a few times.
     #[inline(always)]
     fn walk<P: Position>(&self, path: &Path<'_, R, P>, guess: Reference<R>, point: &[P; 3]) -> Option<NearFoot<R>> {
-        let near_enough = R::of(1.0 / 16.0) * self.max_lag;
         let (mut at, mut left) = (guess, self.max_lag);
-        let mut least = None;
         for _ in 0..WALKS {
             let span = path.span(at.span)?;
             let e = evaluate(span, &span.relative(point), at.t);
-            let away = dot(&e.vector, &e.vector);
-            let far = if away <= near_enough * near_enough { away } else { R::of(1.0 / 64.0) * away };
-            let least = *least.get_or_insert(far);
             let along = (-(e.g / e.straight.max(R::of(1e-30)).sqrt())).limit(-left, left);
             left -= along.abs();
             at = advance(path, at, along);
             let span = path.span(at.span)?;
             let found = foot(span, &span.relative(point), at.t);
-            if found.trusted && dot(&found.vector, &found.vector) <= least {
+            if found.trusted && dot(&found.vector, &found.vector) <= self.certain() {
                 return Some(near(at.span, &found));
             }
         }

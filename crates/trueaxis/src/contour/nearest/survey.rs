@@ -2,6 +2,7 @@
 
 use super::part::Part;
 use crate::contour::Flags;
+use crate::contour::convert::REACH;
 use crate::contour::kernel::{evaluate, foot};
 use crate::contour::refine::{Found, at, dot};
 use crate::contour::search::Method;
@@ -55,8 +56,10 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
 
     /// The nearest minimum, unless an end of the stretch is nearer by more than rounding.
     pub(in crate::contour) fn answer(&self) -> Option<Found<R>> {
+        let distance = |found: &Found<R>| squared(found).sqrt();
+        let rounding = |distance: R| R::of(8.0) * R::EPSILON * (R::of(REACH) + distance);
         match (self.minimum, self.end) {
-            (Some(minimum), Some(end)) if squared(&minimum).sqrt() > squared(&end).sqrt() + R::of(1e-6) => Some(end),
+            (Some(minimum), Some(end)) if distance(&minimum) > distance(&end) + rounding(distance(&end)) => Some(end),
             (Some(minimum), _) => Some(minimum),
             (None, end) => end,
         }
@@ -86,7 +89,9 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
     fn end_of(&mut self, span: &Span<R, P>, number: u32, local: &[R; 3], t: R) -> End<R> {
         let e = evaluate(span, local, t);
         self.spent = self.spent.saturating_add(1);
-        let (place, flags) = (Reference { span: number, t }, self.border(number, t, e.g));
+        // At the very end the slope is zero, and rises from there.
+        let g = if e.g == R::ZERO && e.slope > R::ZERO && t == R::ZERO { R::EPSILON } else { e.g };
+        let (place, flags) = (Reference { span: number, t }, self.border(number, t, g));
         let found = Found { place, vector: e.vector, tangent: e.tangent, width: R::ZERO, flags, downhill: false };
         if flags.has(Flags::BRACKETED) {
             // A corner is an end of two spans.
@@ -175,20 +180,27 @@ impl<R: Real, P: Position> Survey<'_, R, P> {
         let known = self.guess.span == number && inside(self.guess.t);
         let guess = if known { self.guess.t } else { chord.limit(low.t, high.t) };
         if self.method == Method::Guarded {
-            let found = foot(span, local, guess);
+            let first = foot(span, local, guess);
             self.spent = self.spent.saturating_add(2);
-            if found.trusted && inside(found.t) {
-                return self.keep(Found {
-                    place: Reference { span: number, t: found.t },
-                    vector: found.vector,
-                    tangent: found.tangent,
-                    width: R::ZERO,
-                    flags: Flags::BRACKETED,
-                    downhill: false,
-                });
+            if first.trusted && inside(first.t) {
+                return self.polish(span, number, local, first.t);
             }
         }
         self.bracket(span, number, local, low.t, high.t);
+    }
+
+    /// Newton's last step: from a guess farther off than a cycle's, the kernel may leave some 1e-8 mm.
+    fn polish(&mut self, span: &Span<R, P>, number: u32, local: &[R; 3], t: R) {
+        let e = evaluate(span, local, t);
+        self.spent = self.spent.saturating_add(1);
+        let step = -(e.g / e.slope);
+        let place = Reference { span: number, t: (t + step).limit(R::ZERO, R::ONE) };
+        let (mut vector, mut tangent) = (e.vector, e.tangent);
+        for k in 0..3 {
+            vector[k] += step * (e.tangent[k] + step * e.bend[k]);
+            tangent[k] += R::TWO * (step * e.bend[k]);
+        }
+        self.keep(Found { place, vector, tangent, width: R::ZERO, flags: Flags::BRACKETED, downhill: false });
     }
 
     /// Newton's steps inside the bracket, guarded by bisection; or bisection alone.
