@@ -18,8 +18,9 @@ pub use measure::{Measure, OnToolPath};
 pub use state::{Output, Stage, State};
 pub use stateless::Conditions;
 
+use crate::compensation::volumetric::Kept;
 use crate::compensation::{Compensation, Reversal, ThermalLine};
-use crate::contour::{ContourSearch, ContourState};
+use crate::contour::{ContourSearch, PairState};
 use crate::error::Fault;
 use crate::machine::AxisOrder;
 use crate::output::{Applied, OutputStage, OutputState};
@@ -54,8 +55,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             reversal: [Reversal::default(); N],
             homed: false,
             thermal: [ThermalLine::default(); N],
-            tip: ContourState::default(),
-            encoder: ContourState::default(),
+            poses: Kept::nothing(),
+            feet: PairState::default(),
             output: OutputState::new(),
             limited: 0,
             sequence: 0,

@@ -2,8 +2,9 @@
 
 #![deny(clippy::indexing_slicing)]
 
+use crate::compensation::volumetric::Kept;
 use crate::compensation::{Reversal, ThermalLine};
-use crate::contour::ContourState;
+use crate::contour::PairState;
 use crate::output::OutputState;
 use crate::position::Position;
 use crate::real::Real;
@@ -18,8 +19,9 @@ pub struct State<R, P: Position, const N: usize> {
     /// The machine was homed in the last cycle.
     pub(super) homed: bool,
     pub(super) thermal: [ThermalLine<R>; N],
-    pub(super) tip: ContourState<R>,
-    pub(super) encoder: ContourState<R>,
+    /// Tangents of the volumetric model.
+    pub(super) poses: Kept<R, P, N>,
+    pub(super) feet: PairState<R>,
     pub(super) output: OutputState<R, P, N>,
     /// Axes whose correction was limited in the last cycle.
     pub(super) limited: u8,
@@ -32,6 +34,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
         if let Some(slot) = self.thermal.get_mut(place) {
             *slot = line;
         }
+        self.poses.forget();
     }
 }
 
