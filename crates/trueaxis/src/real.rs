@@ -49,12 +49,18 @@ pub trait Real:
     fn of_i32(i: i32) -> Self;
     /// Truncates toward zero; saturates at the ends of `i32`; NaN gives 0.
     fn to_i32(self) -> i32;
+    /// Truncates; saturates at the ends of `u32`; NaN gives 0.
+    fn to_u32(self) -> u32;
     /// An index in the room of a scalar, as its bits.
     fn of_index(index: u16) -> Self;
     /// The index that [`Real::of_index`] put there; no arithmetic, one load.
     fn to_index(self) -> usize;
     /// Square root; 0 for arguments that are not positive.
     fn sqrt(self) -> Self;
+    /// Square root of what cannot be negative, a sum of squares: no test.
+    fn root(self) -> Self;
+    /// The same of two at once: fewer instructions where the compiler cannot place them.
+    fn roots(squares: [Self; 2]) -> [Self; 2];
     /// |x|, one instruction.
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
@@ -79,7 +85,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($t:ty, $vector:ty, $sqrt:expr) => {
+    ($t:ty, $vector:ty, $root:expr, $roots:expr) => {
         impl Real for $t {
             type Vec3 = $vector;
             const ZERO: $t = 0.0;
@@ -106,6 +112,10 @@ macro_rules! real {
                 self as i32
             }
             #[inline(always)]
+            fn to_u32(self) -> u32 {
+                self as u32
+            }
+            #[inline(always)]
             fn of_index(index: u16) -> $t {
                 <$t>::from_bits(index.into())
             }
@@ -115,7 +125,15 @@ macro_rules! real {
             }
             #[inline(always)]
             fn sqrt(self) -> $t {
-                $sqrt(self)
+                if self > 0.0 { $root(self) } else { 0.0 }
+            }
+            #[inline(always)]
+            fn root(self) -> $t {
+                $root(self)
+            }
+            #[inline(always)]
+            fn roots(squares: [$t; 2]) -> [$t; 2] {
+                $roots(squares)
             }
             #[inline(always)]
             fn abs(self) -> $t {
@@ -134,15 +152,5 @@ macro_rules! real {
     };
 }
 
-real!(f64, glam::DVec3, sqrt_f64);
-real!(f32, glam::Vec3, sqrt_f32);
-
-#[inline(always)]
-fn sqrt_f64(x: f64) -> f64 {
-    if x > 0.0 { trueaxis_sqrt::sqrt_f64(x) } else { 0.0 }
-}
-
-#[inline(always)]
-fn sqrt_f32(x: f32) -> f32 {
-    if x > 0.0 { trueaxis_sqrt::sqrt_f32(x) } else { 0.0 }
-}
+real!(f64, glam::DVec3, trueaxis_sqrt::sqrt_f64, |squares: [f64; 2]| squares.map(trueaxis_sqrt::sqrt_f64));
+real!(f32, glam::Vec3, trueaxis_sqrt::sqrt_f32, trueaxis_sqrt::sqrt_two_f32);

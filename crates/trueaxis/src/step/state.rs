@@ -2,8 +2,9 @@
 
 #![deny(clippy::indexing_slicing)]
 
+use crate::compensation::volumetric::Kept;
 use crate::compensation::{Reversal, ThermalLine};
-use crate::contour::ContourState;
+use crate::contour::PairState;
 use crate::output::OutputState;
 use crate::position::Position;
 use crate::real::Real;
@@ -12,14 +13,15 @@ use crate::telemetry::{Record, Status};
 
 /// The mutable half: state from cycle to cycle.
 #[derive(Clone, Copy, Debug)]
-pub struct State<R, P, const N: usize> {
-    pub(super) sample: SampleState<R, P, N>,
+pub struct State<R, P: Position, const N: usize> {
+    pub(super) sample: SampleState<P, N>,
     pub(super) reversal: [Reversal<P>; N],
     /// The machine was homed in the last cycle.
     pub(super) homed: bool,
     pub(super) thermal: [ThermalLine<R>; N],
-    pub(super) tip: ContourState<R>,
-    pub(super) encoder: ContourState<R>,
+    /// Tangents of the volumetric model.
+    pub(super) poses: Kept<R, P, N>,
+    pub(super) feet: PairState<R>,
     pub(super) output: OutputState<R, P, N>,
     /// Axes whose correction was limited in the last cycle.
     pub(super) limited: u8,
@@ -32,6 +34,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
         if let Some(slot) = self.thermal.get_mut(place) {
             *slot = line;
         }
+        self.poses.forget();
     }
 }
 
@@ -65,7 +68,14 @@ pub struct Output<R: Real, P, const N: usize> {
     pub record: Record<R, P, N>,
 }
 
-impl<R: Real, P, const N: usize> Output<R, P, N> {
+impl<R: Real, P: Position, const N: usize> Output<R, P, N> {
+    /// Before the first cycle: nothing to be written, nothing measured. Room for [`crate::ServoLoop::step_into`].
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = [P::default(); N];
+        Output { drive: zero, feedback: zero, record: Record::none() }
+    }
+
     /// The output is held and the host must stop the machine.
     pub fn stop_requested(&self) -> bool {
         self.record.status.has(Status::STOP_REQUEST)

@@ -190,6 +190,11 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         self.tool = V3::of([x + tx, y + ty, z + tz]);
     }
 
+    /// The own travel of a slide lengthens its lever.
+    pub(super) fn carries_itself(&self) -> bool {
+        self.beyond.iter().enumerate().any(|(slot, slides)| slides.get(slot).is_some_and(|there| *there != R::ZERO))
+    }
+
     /// Sets the origin of the table of the axis at `slot`, from machine zero.
     pub(super) fn set_origin(&mut self, slot: usize, origin: f64) {
         for carriage in self.carriages.iter_mut().flatten().filter(|carriage| carriage.slot == slot) {
