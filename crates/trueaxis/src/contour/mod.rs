@@ -24,6 +24,7 @@ mod kernel;
 mod nearest;
 mod offline;
 mod orientation;
+mod pair;
 mod refine;
 mod search;
 mod span;
@@ -31,7 +32,9 @@ mod span;
 pub use buffer::{JOINED_WITHIN_MM, PathBuffer, PathBuilder};
 pub use command_window::CommandWindow;
 pub use convert::{PathError, Segment, convert, span_count};
+pub use offline::NearFoot;
 pub use orientation::{OrientationError, ToolPath, Turn};
+pub use pair::PairState;
 pub use search::{ContourSearch, ContourState, Method};
 pub use span::{Form, OnPath, Path, Reference, Span};
 

@@ -2,6 +2,7 @@
 
 use super::Flags;
 use super::kernel::{Evaluation, evaluate};
+pub(super) use super::span::dot;
 use super::span::{Path, Reference, Span};
 use crate::position::Position;
 use crate::real::Real;
@@ -19,11 +20,6 @@ pub(super) struct Found<R> {
     pub(super) flags: Flags,
     /// The evaluations ran out while descending to a minimum: the next cycle can continue from this point.
     pub(super) downhill: bool,
-}
-
-#[inline(always)]
-pub(super) fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// A point of the path counted from the start of the search: spans forward, parameter in the span.

@@ -1,8 +1,8 @@
 //! The search of every cycle, warm and cold.
 
 use super::kernel::{Foot, foot};
-use super::refine::{Found, at, descend, dot};
-use super::span::{Path, Reference, Span};
+use super::refine::{Found, descend};
+use super::span::{Path, Reference, Span, dot};
 use super::{ContourError, Flags};
 use crate::error::{ConfigError, Field};
 use crate::position::Position;
@@ -31,13 +31,13 @@ pub struct ContourSearch<R> {
 /// State of the search from cycle to cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ContourState<R> {
-    foot: Reference<R>,
-    reference: Reference<R>,
+    pub(super) foot: Reference<R>,
+    pub(super) reference: Reference<R>,
     /// A foot is known.
-    warm: bool,
+    pub(super) warm: bool,
     /// Samples of the cold search that have been taken, and the best one.
-    looked: u16,
-    best: Reference<R>,
+    pub(super) looked: u16,
+    pub(super) best: Reference<R>,
     best_distance: R,
     /// Position of the next sample.
     sample: Reference<R>,
@@ -46,7 +46,7 @@ pub struct ContourState<R> {
 /// Evaluations of the path that a cycle may use.
 pub(super) const EVALUATIONS: u8 = 6;
 /// The same for the published bisection.
-const BISECTIONS: u8 = 60;
+pub(super) const BISECTIONS: u8 = 60;
 /// Half-window at standstill, mm.
 const STANDSTILL_WINDOW: f64 = 5e-3;
 /// Half-window per progress of the reference.
@@ -190,8 +190,7 @@ impl<R: Real> ContourSearch<R> {
             state.warm = false;
             state.looked = 0;
         }
-        let error = dot(&found.vector, &found.vector).sqrt();
-        self.report(state, path, reference, &found, error, spent)
+        self.report_found(state, path, reference, &found, spent)
     }
 
     /// No foot known, or plain bisection.
@@ -203,9 +202,26 @@ impl<R: Real> ContourSearch<R> {
         reference: Reference<R>,
         point: &[P; 3],
     ) -> ContourError<R> {
+        let mut spent = 0;
+        match self.seek(state, path, reference, point, &mut spent) {
+            Some(found) => self.report_found(state, path, reference, &found, spent),
+            None => ContourError::none(),
+        }
+    }
+
+    /// The same, without the report. `None` without a path there: the state is as new.
+    #[inline(never)]
+    pub(super) fn seek<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        point: &[P; 3],
+        spent: &mut u8,
+    ) -> Option<Found<R>> {
         if path.span(reference.span).is_none() {
             *state = ContourState::default();
-            return ContourError::none();
+            return None;
         }
         let known = state.warm || state.looked > 0;
         let progress = if known { way(path, state.reference, reference, self.max_lag) } else { R::ZERO };
@@ -213,20 +229,19 @@ impl<R: Real> ContourSearch<R> {
         if path.span(start.span).is_none() {
             start = reference;
         }
-        let mut spent = 0;
         let bisect = self.method == Method::Bisection;
         if !state.warm {
-            self.look_around(state, path, reference, point, progress, &mut spent);
+            self.look_around(state, path, reference, point, progress, spent);
             start = state.best;
         }
         // A cycle that took samples only touches the best of them up; the one after the last descends.
-        let sampled = spent > 0;
+        let sampled = *spent > 0;
         let window = if state.warm { window(progress) } else { self.max_lag };
         let budget = if sampled { COLD_DESCENT } else { EVALUATIONS };
         let budget = if bisect { BISECTIONS } else { budget };
-        let Some(mut found) = descend(path, start, point, window, bisect, budget, &mut spent) else {
+        let Some(mut found) = descend(path, start, point, window, bisect, budget, spent) else {
             *state = ContourState::default();
-            return ContourError::none();
+            return None;
         };
         let bracketed = found.flags.has(Flags::BRACKETED);
         if !state.warm {
@@ -240,14 +255,13 @@ impl<R: Real> ContourSearch<R> {
             state.warm = bracketed;
             state.looked = 0;
         }
-        let error = dot(&found.vector, &found.vector).sqrt();
-        self.report(state, path, reference, &found, error, spent)
+        Some(found)
     }
 
     /// Takes a few samples of the path around the reference, from behind it to ahead of it; keeps the nearest. None are
     /// taken in the cycle after the last, which leaves its evaluations to the descent.
     #[inline(never)]
-    fn look_around<P: Position>(
+    pub(super) fn look_around<P: Position>(
         &self,
         state: &mut ContourState<R>,
         path: &Path<'_, R, P>,
@@ -271,9 +285,10 @@ impl<R: Real> ContourSearch<R> {
         let spacing = self.max_lag * R::of(2.0 / f64::from(COLD_SAMPLES - COLD_PER_CYCLE));
         for _ in 0..COLD_PER_CYCLE {
             if let Some(span) = path.span(state.sample.span) {
-                let sample = at(span, state.sample.span, point, state.sample.t);
+                let ([x, y, z], [px, py, pz]) = (span.local(state.sample.t), span.relative(point));
+                let off = [x - px, y - py, z - pz];
                 *spent = spent.saturating_add(1);
-                let distance = dot(&sample.vector, &sample.vector);
+                let distance = dot(&off, &off);
                 if distance < state.best_distance {
                     (state.best_distance, state.best) = (distance, state.sample);
                 }
@@ -281,6 +296,20 @@ impl<R: Real> ContourSearch<R> {
             state.sample = advance(path, state.sample, spacing);
             state.looked = state.looked.saturating_add(1);
         }
+    }
+
+    /// The same of a foot whose distance is not known yet, out of line.
+    #[inline(never)]
+    pub(super) fn report_found<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        found: &Found<R>,
+        evaluations: u8,
+    ) -> ContourError<R> {
+        let error = dot(&found.vector, &found.vector).sqrt();
+        self.report(state, path, reference, found, error, evaluations)
     }
 
     /// Components, lag and flags of a foot.
@@ -350,7 +379,8 @@ pub(super) fn components<R: Real, P: Position>(
 }
 
 /// A minimum behind the nearer border, if the path bends so that there is one on each side: the nearer of the two.
-fn across<R: Real, P: Position>(
+#[inline(never)]
+pub(super) fn across<R: Real, P: Position>(
     path: &Path<'_, R, P>,
     found: &Found<R>,
     point: &[P; 3],
@@ -395,13 +425,13 @@ fn across<R: Real, P: Position>(
 /// Borders within this may hide a nearer foot behind them: where a tool cuts a corner of 28° or more by the error, the
 /// foot on the old leg lies within four times that of the corner.
 #[inline(always)]
-fn sight<R: Real>(window: R, error: R) -> R {
+pub(super) fn sight<R: Real>(window: R, error: R) -> R {
     window + R::of(4.0) * error
 }
 
 /// S = 5 µm + 4 × progress.
 #[inline(always)]
-fn window<R: Real>(progress: R) -> R {
+pub(super) fn window<R: Real>(progress: R) -> R {
     R::of(STANDSTILL_WINDOW) + R::of(WINDOW_PER_PROGRESS) * progress.abs()
 }
 

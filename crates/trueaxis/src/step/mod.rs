@@ -20,7 +20,7 @@ pub use stateless::Conditions;
 
 use crate::compensation::volumetric::Kept;
 use crate::compensation::{Compensation, Reversal, ThermalLine};
-use crate::contour::{ContourSearch, ContourState};
+use crate::contour::{ContourSearch, PairState};
 use crate::error::Fault;
 use crate::machine::AxisOrder;
 use crate::output::{Applied, OutputStage, OutputState};
@@ -56,8 +56,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             homed: false,
             thermal: [ThermalLine::default(); N],
             poses: Kept::nothing(),
-            tip: ContourState::default(),
-            encoder: ContourState::default(),
+            feet: PairState::default(),
             output: OutputState::new(),
             limited: 0,
             sequence: 0,

@@ -4,7 +4,7 @@
 
 use crate::compensation::volumetric::Kept;
 use crate::compensation::{Reversal, ThermalLine};
-use crate::contour::ContourState;
+use crate::contour::PairState;
 use crate::output::OutputState;
 use crate::position::Position;
 use crate::real::Real;
@@ -21,8 +21,7 @@ pub struct State<R, P: Position, const N: usize> {
     pub(super) thermal: [ThermalLine<R>; N],
     /// Tangents of the volumetric model.
     pub(super) poses: Kept<R, P, N>,
-    pub(super) tip: ContourState<R>,
-    pub(super) encoder: ContourState<R>,
+    pub(super) feet: PairState<R>,
     pub(super) output: OutputState<R, P, N>,
     /// Axes whose correction was limited in the last cycle.
     pub(super) limited: u8,
