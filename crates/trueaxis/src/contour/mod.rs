@@ -38,6 +38,7 @@ mod way;
 pub use buffer::{JOINED_WITHIN_MM, PathBuffer, PathBuilder};
 pub use command_window::CommandWindow;
 pub use convert::{PathError, Segment, convert, span_count};
+pub use offline::NearFoot;
 pub use orientation::{OrientationError, ToolPath, Turn};
 pub use pair::PairState;
 pub use search::{ContourSearch, ContourState, Method};

@@ -136,8 +136,7 @@ fn walk<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R, 
     Some((Moved { to: Reference { span: number, t }, by: passed + span.arc_length(t) - begin }, there))
 }
 
-/// A place some way off, for tests.
-#[cfg(test)]
-pub(super) fn place_at<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Reference<R> {
+/// The same over up to 64 spans, where it stays: off the servo cycle.
+pub(super) fn advance_far<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Reference<R> {
     walk(path, from, by, FAR).map_or(from, |(moved, _)| moved.to)
 }

@@ -3,8 +3,8 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::{ServoLoop, State};
-use crate::compensation::Query;
-use crate::compensation::{Direction, Reversal};
+use crate::compensation::volumetric::Cycle;
+use crate::compensation::{Direction, Query, Reversal};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -31,6 +31,18 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             return Modelled { wanted: [R::ZERO; N], tip_error: [R::ZERO; N], tilt: V3::ZERO, at_edge: 0 };
         }
         let mut at_edge = 0;
+        if let Some(volumetric) = self.compensation.volumetric().filter(|model| model.is_at_command()) {
+            let (command, feedback, thermal) = (&sample.command, &sample.feedback, &state.thermal);
+            let drive = &state.output.drive_at(command);
+            let cycle = Cycle { command, drive, feedback, directions: &directions, thermal };
+            let passes = self.compensation.passes();
+            let (wanted, (tip, tilt)) = volumetric.modelled(&mut state.poses, &cycle, passes, tool, &mut at_edge);
+            let mut tip_error = [R::ZERO; N];
+            for (error, tip) in tip_error.iter_mut().zip(tip.array()) {
+                *error = tip;
+            }
+            return Modelled { wanted, tip_error, tilt, at_edge };
+        }
         let command = self.compensation.coordinates(&sample.command);
         let feedback = self.compensation.coordinates(&sample.feedback);
         let wanted = self.compensation.correction(

@@ -2,6 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
+use crate::compensation::volumetric::Kept;
 use crate::compensation::{Reversal, ThermalLine};
 use crate::contour::PairState;
 use crate::output::OutputState;
@@ -18,6 +19,8 @@ pub struct State<R, P: Position, const N: usize> {
     /// The machine was homed in the last cycle.
     pub(super) homed: bool,
     pub(super) thermal: [ThermalLine<R>; N],
+    /// Tangents of the volumetric model.
+    pub(super) poses: Kept<R, P, N>,
     pub(super) feet: PairState<R>,
     pub(super) output: OutputState<R, P, N>,
     /// Axes whose correction was limited in the last cycle.
@@ -31,6 +34,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
         if let Some(slot) = self.thermal.get_mut(place) {
             *slot = line;
         }
+        self.poses.forget();
     }
 }
 

@@ -143,7 +143,7 @@ pub(super) fn follow(
     let total: f64 = all.iter().map(Span::length).sum();
     let mut s = lag;
     while s < total {
-        let place = |s: f64| way::place_at(&path, Reference { span: 0, t: 0.0 }, 0.0_f64.max(s));
+        let place = |s: f64| way::advance_far(&path, Reference { span: 0, t: 0.0 }, 0.0_f64.max(s));
         // advance() goes over 64 spans at most: walk.
         let walk = |mut s: f64| {
             for (i, span) in all.iter().enumerate() {
