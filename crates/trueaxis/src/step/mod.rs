@@ -23,7 +23,7 @@ use crate::compensation::{Compensation, Reversal, ThermalLine};
 use crate::contour::{ContourSearch, PairState};
 use crate::error::Fault;
 use crate::machine::AxisOrder;
-use crate::output::{Applied, OutputStage, OutputState};
+use crate::output::{Applied, Outlets, OutputStage, OutputState};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
@@ -186,10 +186,12 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         watch(Stage::Compensation);
         measure.measure(self, state, sample, &modelled, &mut output.record);
         watch(Stage::Contour);
-        let applied = self.output.apply(&mut state.output, sample, &modelled.wanted, output);
+        let Output { drive, feedback, record } = output;
+        let outlets = Outlets { drive, feedback, correction: &mut record.correction };
+        let applied = self.output.apply(&mut state.output, sample, &modelled.wanted, outlets);
         self.settle(state, sample, applied, measure);
         watch(Stage::Output);
-        self.record(state, sample, modelled.at_edge, applied, &mut output.record);
+        self.record(state, sample, modelled.at_edge, applied, record);
         watch(Stage::Telemetry);
     }
 

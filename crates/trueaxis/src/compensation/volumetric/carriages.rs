@@ -214,6 +214,13 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         self.carriages.get(self.workpiece..).unwrap_or(&[]).iter().flatten()
     }
 
+    /// The axes of one side, from its outer end to the bed.
+    #[inline(always)]
+    pub(super) fn side(&self, tool: bool) -> impl Iterator<Item = &Carriage<R>> {
+        let (workpiece, of_tool) = self.carriages.split_at_checked(self.workpiece).unwrap_or((&[], &[]));
+        if tool { of_tool } else { workpiece }.iter().flatten()
+    }
+
     /// The rotary axes' turns at a position in table coordinates.
     #[inline(always)]
     pub(super) fn poses(&self, at: &[R; N]) -> Poses<R, N> {

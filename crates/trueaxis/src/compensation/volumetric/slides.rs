@@ -98,7 +98,9 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         form.products = sums.products.map(|product| product * (step * step));
         form.curved = self.curved;
         if form.curved {
-            form.powers = sums.powers.map(|[square, cube]| [square * (step * step), cube * (step * step * step)]);
+            for (powers, [square, cube]) in form.powers.iter_mut().zip(sums.powers) {
+                *powers = [square * (step * step), cube * (step * step * step)];
+            }
         }
     }
 
