@@ -40,6 +40,12 @@ impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
         &self.drive
     }
 
+    /// The corrections sent last, as positions add them.
+    #[inline(always)]
+    pub(crate) fn offsets(&self) -> [P::Offset; N] {
+        self.limited.map(|limited| P::offset(limited.sent()))
+    }
+
     /// Drive positions for a command with the corrections sent last.
     pub(crate) fn drive_at(&self, command: &[P; N]) -> [P; N] {
         let mut drive = *command;

@@ -3,6 +3,7 @@
 //! Two models, chosen by the machine's settings: [`NineTerms`], axis-wise and without levers, and [`Volumetric`], the
 //! twist of every axis carried to the tool tip by its lever.
 
+mod cells;
 mod nine;
 mod query;
 mod reversal;
@@ -11,6 +12,7 @@ mod thermal;
 pub mod trig;
 pub(crate) mod volumetric;
 
+pub(crate) use cells::{Cells, Source, Tables};
 pub use nine::NineTerms;
 pub use query::Query;
 pub use reversal::{Direction, Reversal};

@@ -42,17 +42,17 @@ struct Parent<R> {
 /// `N` axes: X, Y, Z first (an absent linear axis is a zero table), then the rotary axes of the chain.
 #[derive(Clone, Copy, Debug)]
 pub struct NineTerms<'a, R, P, const N: usize> {
-    tables: [AxisTable<'a, R, P>; N],
+    pub(super) tables: [AxisTable<'a, R, P>; N],
     /// Position of each table's origin from machine zero.
-    origins: [R; N],
+    pub(super) origins: [R; N],
     /// Look-up at the feedback: the axis' own error, its cross terms.
     at_feedback: [(bool, bool); N],
     parents: [[Option<Parent<R>>; 2]; N],
     own: [usize; N],
     /// C0Y, B0Z, A0Z.
-    squareness: [R; 3],
+    pub(super) squareness: [R; 3],
     constant: [[R; 3]; N],
-    datum: [R; N],
+    pub(super) datum: [R; N],
     kind: Kind,
 }
 
@@ -170,6 +170,18 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
             _ => Kind::Any,
         };
         Ok(built)
+    }
+
+    /// Three axes looked up at the command, which cells serve; and whether their tables are cubic.
+    pub(crate) fn cells(&self) -> Option<bool> {
+        (self.kind != Kind::Any).then_some(self.kind == Kind::Cubic)
+    }
+
+    /// Calls `take` with every number that tells these tables from others, where cells serve them.
+    pub(crate) fn numbers(&self, mut take: impl FnMut(f64)) {
+        self.tables.iter().for_each(|table| table.numbers(&mut take));
+        let scalars = self.squareness.iter().chain(&self.datum).chain(&self.origins);
+        scalars.for_each(|number| take(number.to_f64()));
     }
 
     /// The positions as the tables count them.

@@ -29,6 +29,25 @@ fn take<'a, R>(memory: &mut &'a mut [R], count: usize) -> Result<&'a mut [R], Co
     Ok(taken)
 }
 
+/// Farthest that an interval is taken to go on beyond its ends, mm.
+const OVERLAP_MM: f64 = 0.02;
+
+/// Polynomials between two points of a table.
+pub(super) struct Interval<'a, R, const W: usize> {
+    /// From its start to the coordinate asked for, mm.
+    pub(super) down: R,
+    /// Its length, mm.
+    pub(super) width: R,
+    /// Change of the polynomials' parameter per mm.
+    pub(super) rate: R,
+    /// Coefficients of a linear table, the parameter zero at the start.
+    pub(super) linear: Option<&'a [Contribution<R, W>; 2]>,
+    /// Those of a cubic one.
+    pub(super) cubic: Option<&'a [Contribution<R, W>; 4]>,
+    /// It is the table's first, its last.
+    pub(super) ends: [bool; 2],
+}
+
 /// The errors of one axis as a function of its position, in the form for the step.
 ///
 /// Equidistant grids cost one multiplication to find the interval, free grids a guide table and a search of fixed
@@ -37,6 +56,7 @@ fn take<'a, R>(memory: &mut &'a mut [R], count: usize) -> Result<&'a mut [R], Co
 #[derive(Clone, Copy, Debug)]
 pub struct AxisTable<'a, R, P, const W: usize = 4> {
     origin: P,
+    end: P,
     span: R,
     scale: R,
     last: R,
@@ -123,6 +143,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     pub fn zero() -> Self {
         AxisTable {
             origin: P::of(0.0),
+            end: P::of(0.0),
             span: R::MAX,
             scale: R::ZERO,
             last: R::ZERO,
@@ -201,6 +222,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         };
         Ok(AxisTable {
             origin,
+            end: P::of(end.position),
             span: R::of(length),
             scale,
             last: R::of(last),
@@ -223,6 +245,93 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     /// The table's first point.
     pub fn origin(&self) -> P {
         self.origin
+    }
+
+    /// Its first and its last point.
+    pub(super) fn ends(&self) -> [P; 2] {
+        [self.origin, self.end]
+    }
+
+    /// Zero everywhere.
+    pub(super) fn is_empty(&self) -> bool {
+        self.linear.is_empty() && self.cubic.is_empty()
+    }
+
+    /// Intervals between its points.
+    fn intervals(&self) -> usize {
+        let points = if self.reverse_offset > 0 { self.reverse_offset } else { self.linear.len().max(self.cubic.len()) };
+        points.saturating_sub(1)
+    }
+
+    /// The interval between two points about a coordinate; the first or last one for what is beyond them.
+    #[inline]
+    pub(super) fn interval(&self, coordinate: R, direction: Direction) -> Interval<'a, R, W> {
+        let last = self.intervals().saturating_sub(1);
+        let (index, down, width, rate) = if self.knots.is_empty() {
+            let place = (coordinate * self.scale).limit(R::ZERO, self.last);
+            let index = (place.to_i32() as usize).min(last);
+            let width = R::ONE / self.scale;
+            (index, (place - R::of_i32(index as i32)) * width, width, self.scale)
+        } else {
+            let clamped = coordinate.limit(R::ZERO, self.span);
+            let index = self.search(clamped).0.min(last);
+            let knot = |index: usize| self.knots.get(index).copied().unwrap_or(self.span);
+            (index, clamped - knot(index), knot(index.wrapping_add(1)) - knot(index), R::ONE)
+        };
+        let line = index.wrapping_add(self.reverse_offset & direction.mask());
+        let (linear, cubic) = (self.linear.get(line), self.cubic.get(line));
+        Interval { down, width, rate, linear, cubic, ends: [index == 0, index == last] }
+    }
+
+    /// How far an interval may be taken to go on beyond its ends, mm, so that no more than `tolerance` mm of error comes of
+    /// it: at most [`OVERLAP_MM`] and half the shortest interval. Δ the change of a coefficient from an interval to the next,
+    ///
+    /// ```text
+    /// |Δc1| o + |Δc2| o² + |Δc3| o³ <= tolerance
+    /// ```
+    pub(super) fn overlap(&self, tolerance: f64) -> f64 {
+        let mut most = OVERLAP_MM;
+        for direction in [Direction::POSITIVE, Direction::NEGATIVE] {
+            let mut before = None;
+            for index in 0..self.intervals() {
+                let (width, powers) = self.powers(index, direction);
+                most = most.min(0.5 * width);
+                if let Some(before) = before.replace(at_end(width, powers)) {
+                    let [d1, d2, d3] = changes(before, powers);
+                    while most * (d1 + most * (d2 + most * d3)) > tolerance {
+                        most *= 0.9;
+                    }
+                }
+            }
+        }
+        most
+    }
+
+    /// Length of an interval, mm, and its first to third power from its start, per mm.
+    fn powers(&self, index: usize, direction: Direction) -> (f64, [[f64; W]; 3]) {
+        let start = self.knots.get(index).map_or(index as f64 / self.scale.to_f64(), |knot| knot.to_f64());
+        let next = self.knots.get(index + 1).map_or((index + 1) as f64 / self.scale.to_f64(), |knot| knot.to_f64());
+        let Interval { rate, linear, cubic, .. } = self.interval(R::of(0.5 * (start + next)), direction);
+        let zero = [R::ZERO; W];
+        let (c1, c2, c3) = match (linear, cubic) {
+            (Some([_, c1]), _) => (*c1, zero, zero),
+            (_, Some([_, c1, c2, c3])) => (*c1, *c2, *c3),
+            _ => (zero, zero, zero),
+        };
+        let rate = rate.to_f64();
+        let per_mm = |line: [R; W], rate: f64| line.map(|c| c.to_f64() * rate);
+        (next - start, [per_mm(c1, rate), per_mm(c2, rate * rate), per_mm(c3, rate * rate * rate)])
+    }
+
+    /// Calls `take` with every number that tells this table from another.
+    pub(super) fn numbers(&self, take: &mut impl FnMut(f64)) {
+        take(self.origin.to_f64());
+        take(self.end.to_f64());
+        take(self.reverse_offset as f64);
+        let scalars = [self.span, self.scale, self.last];
+        let linear = self.linear.iter().flatten().flatten();
+        let cubic = self.cubic.iter().flatten().flatten();
+        scalars.iter().chain(linear).chain(cubic).chain(self.knots).for_each(|number| take(number.to_f64()));
     }
 
     /// Equidistant, linear and not wrapping: what [`AxisTable::at_plain`] handles.
@@ -343,6 +452,23 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         let knot = self.knots.get(index).copied().unwrap_or(R::ZERO);
         (index, coordinate - knot)
     }
+}
+
+/// First to third power of a polynomial, taken to a place `u` further on.
+fn at_end<const W: usize>(u: f64, [c1, c2, c3]: [[f64; W]; 3]) -> [[f64; W]; 3] {
+    [
+        core::array::from_fn(|k| c1[k] + u * (2.0 * c2[k] + 3.0 * u * c3[k])),
+        core::array::from_fn(|k| c2[k] + 3.0 * u * c3[k]),
+        c3,
+    ]
+}
+
+/// Lengths of the differences, power by power.
+fn changes<const W: usize>(before: [[f64; W]; 3], after: [[f64; W]; 3]) -> [f64; 3] {
+    core::array::from_fn(|power| {
+        let squares = before[power].iter().zip(after[power]).map(|(a, b)| (b - a) * (b - a));
+        libm::sqrt(squares.sum())
+    })
 }
 
 /// Scalars that a table takes.

@@ -29,6 +29,12 @@ impl<R: Real> ThermalLine<R> {
         Self::new(growth.offset_per_k * kelvin, growth.expansion_per_k * kelvin)
     }
 
+    /// Its slope.
+    #[inline(always)]
+    pub(crate) fn slope(&self) -> R {
+        self.slope
+    }
+
     /// Growth at a distance from the datum q0.
     #[inline(always)]
     pub fn at(&self, from_datum: R) -> R {

@@ -18,7 +18,7 @@ pub use measure::{Measure, OnToolPath};
 pub use state::{Output, Stage, State};
 pub use stateless::Conditions;
 
-use crate::compensation::{Compensation, Reversal, ThermalLine};
+use crate::compensation::{Cells, Compensation, Reversal, Tables, ThermalLine};
 use crate::contour::{ContourSearch, ContourState};
 use crate::error::Fault;
 use crate::machine::AxisOrder;
@@ -35,11 +35,14 @@ use measure::Measured;
 /// and the limiter makes the change bumpless. `R` is the scalar of the step, `P` that of positions, `N` the number of
 /// axes: [`crate::HostServo`] and [`crate::McuServo`] name the usual ones.
 #[derive(Clone, Copy, Debug)]
-pub struct ServoLoop<'a, R, P, const N: usize> {
+pub struct ServoLoop<'a, R, P: Position, const N: usize> {
     order: AxisOrder<N>,
     sampler: Sampler<R, P, N>,
     compensation: Compensation<'a, R, P, N>,
+    tables: Tables<R, P>,
     bands: [R; N],
+    /// The same in steps, rounded down.
+    within: [P::Reach; N],
     search: ContourSearch<R>,
     output: OutputStage<R, P, N>,
     machine_id: u32,
@@ -55,6 +58,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             reversal: [Reversal::default(); N],
             homed: false,
             thermal: [ThermalLine::default(); N],
+            cells: Cells::none(),
             tip: ContourState::default(),
             encoder: ContourState::default(),
             output: OutputState::new(),

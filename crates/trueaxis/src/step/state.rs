@@ -2,7 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use crate::compensation::{Reversal, ThermalLine};
+use crate::compensation::{Cells, Reversal, ThermalLine};
 use crate::contour::ContourState;
 use crate::output::OutputState;
 use crate::position::Position;
@@ -12,12 +12,13 @@ use crate::telemetry::{Record, Status};
 
 /// The mutable half: state from cycle to cycle.
 #[derive(Clone, Copy, Debug)]
-pub struct State<R, P, const N: usize> {
+pub struct State<R, P: Position, const N: usize> {
     pub(super) sample: SampleState<R, P, N>,
     pub(super) reversal: [Reversal<P>; N],
     /// The machine was homed in the last cycle.
     pub(super) homed: bool,
     pub(super) thermal: [ThermalLine<R>; N],
+    pub(super) cells: Cells<R, P>,
     pub(super) tip: ContourState<R>,
     pub(super) encoder: ContourState<R>,
     pub(super) output: OutputState<R, P, N>,
@@ -31,6 +32,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     pub fn set_thermal(&mut self, place: usize, line: ThermalLine<R>) {
         if let Some(slot) = self.thermal.get_mut(place) {
             *slot = line;
+            self.cells.forget();
         }
     }
 }
