@@ -23,4 +23,3 @@ pub(crate) use tables::Tables;
 
 /// Linear axes, which alone have cells.
 const LINEAR: usize = 3;
-

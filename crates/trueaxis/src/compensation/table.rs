@@ -259,7 +259,8 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
 
     /// Intervals between its points.
     fn intervals(&self) -> usize {
-        let points = if self.reverse_offset > 0 { self.reverse_offset } else { self.linear.len().max(self.cubic.len()) };
+        let points =
+            if self.reverse_offset > 0 { self.reverse_offset } else { self.linear.len().max(self.cubic.len()) };
         points.saturating_sub(1)
     }
 

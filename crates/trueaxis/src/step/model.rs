@@ -60,7 +60,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     #[inline(always)]
     fn all_go_on(&self, state: &mut State<R, P, N>) -> bool {
         let drives = state.output.drive().iter().zip(&self.within);
-        state.reversal.iter_mut().zip(drives).fold(true, |on, (reversal, (drive, within))| on & reversal.goes_on(*drive, *within))
+        state
+            .reversal
+            .iter_mut()
+            .zip(drives)
+            .fold(true, |on, (reversal, (drive, within))| on & reversal.goes_on(*drive, *within))
     }
 
     #[inline(never)]

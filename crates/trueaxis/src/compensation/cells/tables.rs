@@ -134,7 +134,8 @@ impl<R: Real, P: Position> Tables<R, P> {
             passes
         };
         let by_motion = norm * self.motion;
-        let by_motion = if by_motion < self.change * (R::ONE - norm) { by_motion / (R::ONE - norm) } else { self.change };
+        let by_motion =
+            if by_motion < self.change * (R::ONE - norm) { by_motion / (R::ONE - norm) } else { self.change };
         Passes { motion: for_change(by_motion), any: for_change(self.change) }
     }
 }
@@ -155,4 +156,3 @@ fn mixed(x: u64) -> u64 {
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ (x >> 31)
 }
-
