@@ -41,6 +41,8 @@ pub struct Limiter<R> {
     /// 8 / (0.8 a) and 8 / a.
     approach: R,
     brake: R,
+    /// From this |g| on the speed of approach is above 2 V: (2V)²/(2 · 0.8 a) + 2 V.
+    far: R,
     /// |g| up to this is rounding: some units in the last place of C.
     rounding: R,
 }
@@ -64,6 +66,18 @@ impl<R: Real> LimiterState<R> {
     #[inline(always)]
     pub(crate) fn at_rest(sent: R) -> Self {
         LimiterState { sent, velocity: R::ZERO, target: sent }
+    }
+
+    /// The target was sent as it is.
+    #[inline(always)]
+    pub(crate) fn is_locked(&self) -> bool {
+        self.sent == self.target
+    }
+
+    /// The state that has sent `wanted` as it is.
+    #[inline(always)]
+    pub(crate) fn passed(&self, wanted: R) -> Self {
+        LimiterState { sent: wanted, velocity: wanted - self.target, target: wanted }
     }
 
     /// Its change in the last cycle.
@@ -110,6 +124,7 @@ impl<R: Real> Limiter<R> {
             open: R::of(c - v - v * v / (2.0 * a)),
             approach: R::of(8.0 / (APPROACH * a)),
             brake: R::of(8.0 / a),
+            far: R::of(2.0 * v * (v / (APPROACH * a) + 1.0)),
             rounding: R::of(8.0 * resolution),
         };
         Ok(limiter)
@@ -125,17 +140,27 @@ impl<R: Real> Limiter<R> {
     /// Cost: some 40 host instructions an axis while nothing binds; a square root or two out of line otherwise.
     #[inline(always)]
     pub fn follow(&self, state: &mut LimiterState<R>, wanted: R) -> bool {
-        let change = wanted - state.target;
-        // Locked on, and the target itself keeps the limits: no root, no rounding.
-        if state.sent == state.target
-            && change.abs() <= self.velocity
-            && (change - state.velocity).abs() <= self.acceleration
-            && wanted.abs() <= self.open
-        {
-            *state = LimiterState { sent: wanted, velocity: change, target: wanted };
+        if self.passes(state, wanted) {
+            *state = state.passed(wanted);
             return false;
         }
         self.approach(state, wanted)
+    }
+
+    /// Locked on, and the target itself keeps the limits: [`Limiter::follow`] sends `wanted` as it is, without root or
+    /// rounding.
+    #[inline(always)]
+    fn passes(&self, state: &LimiterState<R>, wanted: R) -> bool {
+        state.is_locked() && self.follows(state, wanted)
+    }
+
+    /// The same of a state that is known to be locked on.
+    #[inline(always)]
+    pub(crate) fn follows(&self, state: &LimiterState<R>, wanted: R) -> bool {
+        let change = wanted - state.target;
+        change.abs() <= self.velocity
+            && (change - state.velocity).abs() <= self.acceleration
+            && wanted.abs() <= self.open
     }
 
     /// Takes no new target: comes to rest with the permitted acceleration and stays there.
@@ -158,24 +183,42 @@ impl<R: Real> Limiter<R> {
         let r = wanted.limit(-self.magnitude, self.magnitude);
         let moves = (r - last).limit(-self.velocity, self.velocity);
         let gap = r - c - moves;
-        let closing = stopping_speed(gap.abs(), R::of(APPROACH) * self.acceleration, self.approach);
-        let want = if gap < R::ZERO { moves - closing } else { moves + closing };
-
-        let up = stopping_speed(self.magnitude - c, self.acceleration, self.brake).min(self.velocity);
-        let down = stopping_speed(self.magnitude + c, self.acceleration, self.brake).min(self.velocity);
+        let (down, up) = self.room(c);
+        // The acceleration comes first, should limits have been lowered in motion.
         let (slowest, fastest) = (v - self.acceleration, v + self.acceleration);
-        let allowed = |x: R| x.limit(-down, up).limit(slowest, fastest);
+        let (lowest, highest) = (down.max(slowest).min(fastest), up.min(fastest).max(slowest));
 
         let direct = r - c;
-        let lock = gap.abs() <= self.rounding && allowed(direct) == direct;
+        let lock = gap.abs() <= self.rounding && direct >= lowest && direct <= highest;
         let (sent, velocity) = if lock {
             (r, direct)
         } else {
-            let velocity = allowed(want);
+            let closing = self.closing_speed(gap.abs());
+            let want = if gap < R::ZERO { moves - closing } else { moves + closing };
+            let velocity = want.limit(lowest, highest);
             (c + velocity, velocity)
         };
         *state = LimiterState { sent, velocity, target: r };
         sent != wanted
+    }
+
+    /// Fastest changes of a correction c from which it stops within the magnitude, and within the slope.
+    #[inline(always)]
+    fn room(&self, c: R) -> (R, R) {
+        if c.abs() <= self.open {
+            return (-self.velocity, self.velocity);
+        }
+        let speed = |room| stopping_speed(room, self.acceleration, self.brake).min(self.velocity);
+        (-speed(self.magnitude + c), speed(self.magnitude - c))
+    }
+
+    /// U(|g|, 0.8 a), or a speed that the slope cuts whichever way the target moves.
+    #[inline(always)]
+    fn closing_speed(&self, gap: R) -> R {
+        if gap >= self.far {
+            return R::TWO * self.velocity;
+        }
+        stopping_speed(gap, R::of(APPROACH) * self.acceleration, self.approach)
     }
 }
 

@@ -8,31 +8,33 @@ use crate::machine::{AxisOrder, Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
+use crate::step::Output;
 
 /// Limiters and joint ranges: immutable.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OutputStage<R, P, const N: usize> {
     limiters: [Limiter<R>; N],
     joint: [[P; 2]; N],
+    /// From no command within its travel can a correction lead out of the joint's range.
+    roomy: bool,
 }
 
-/// Positions and corrections sent last.
+/// Corrections and positions sent last.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct OutputState<R, P, const N: usize> {
+pub(crate) struct OutputState<R, P: Position, const N: usize> {
     limited: [LimiterState<R>; N],
+    /// The corrections as positions add them.
+    offsets: [P::Offset; N],
     drive: [P; N],
+    /// All axes have locked on ([`LimiterState::is_locked`]).
+    locked: bool,
 }
 
 impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
     pub(crate) fn new() -> Self {
-        OutputState { limited: [LimiterState::default(); N], drive: [P::default(); N] }
-    }
-
-    /// Nothing of this cycle is sent: drives and corrections stay what they were `before` it.
-    #[cold]
-    fn take_back(&mut self, feedback: [P; N], before: [R; N], outside: u8) -> Applied<R, P, N> {
-        self.limited = before.map(LimiterState::at_rest);
-        Applied { drive: self.drive, feedback, correction: before, limited: 0, outside: Some(outside) }
+        let none = P::offset(R::ZERO);
+        let limited = [LimiterState::default(); N];
+        OutputState { limited, offsets: [none; N], drive: [P::default(); N], locked: true }
     }
 
     /// The drive positions sent last.
@@ -42,26 +44,23 @@ impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
 
     /// The corrections sent last, as positions add them.
     #[inline(always)]
-    pub(crate) fn offsets(&self) -> [P::Offset; N] {
-        self.limited.map(|limited| P::offset(limited.sent()))
+    pub(crate) fn offsets(&self) -> &[P::Offset; N] {
+        &self.offsets
     }
 
     /// Drive positions for a command with the corrections sent last.
     pub(crate) fn drive_at(&self, command: &[P; N]) -> [P; N] {
         let mut drive = *command;
-        for (drive, limited) in drive.iter_mut().zip(&self.limited) {
-            *drive = plus(*drive, limited.sent());
+        for (drive, offset) in drive.iter_mut().zip(&self.offsets) {
+            *drive = drive.moved(*offset);
         }
         drive
     }
 }
 
-/// Output of a cycle.
+/// Flags of a cycle's output.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Applied<R, P, const N: usize> {
-    pub(crate) drive: [P; N],
-    pub(crate) feedback: [P; N],
-    pub(crate) correction: [R; N],
+pub(crate) struct Applied {
     /// A bit for every axis whose correction differs from the wanted one.
     pub(crate) limited: u8,
     /// Slot of an axis that would leave its joint's range: the output holds, and the command was not accepted.
@@ -71,15 +70,22 @@ pub(crate) struct Applied<R, P, const N: usize> {
 /// Limits of an axis that the machine does not have: it is never corrected, any positive numbers do.
 const ABSENT: Limits = Limits { magnitude: 1.0, slope_per_s: 1.0, acceleration_per_s2: 1e3 };
 
+/// More than positions are rounded by, mm (deg).
+const ROUNDING: f64 = 1e-5;
+
 impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
     pub(crate) fn new(order: &AxisOrder<N>, machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
         let idle = Limiter::new(&ABSENT, 1e-3)?;
-        let mut stage = OutputStage { limiters: [idle; N], joint: [[P::nearest(f64::MIN), P::nearest(f64::MAX)]; N] };
+        let anywhere = [f64::MIN, f64::MAX].map(P::nearest);
+        let mut stage = OutputStage { limiters: [idle; N], joint: [anywhere; N], roomy: true };
         let settings = order.settings(machine);
         for ((settings, limiter), joint) in settings.into_iter().zip(&mut stage.limiters).zip(&mut stage.joint) {
             if let Some(settings) = settings {
                 *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
                 *joint = settings.joint.map(P::nearest);
+                let ([low, high], [least, most]) = (settings.travel, settings.joint);
+                let room = settings.limits.magnitude + ROUNDING;
+                stage.roomy &= low - room >= least && high + room <= most;
             }
         }
         Ok(stage)
@@ -93,80 +99,104 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         state: &mut OutputState<R, P, N>,
         sample: &Sample<P, N>,
         wanted: &[R; N],
-    ) -> Applied<R, P, N> {
+        output: &mut Output<R, P, N>,
+    ) -> Applied {
         // The reading of this cycle answers the correction sent before it.
-        let mut feedback = sample.feedback;
-        let mut before = [R::ZERO; N];
-        for ((feedback, before), limited) in feedback.iter_mut().zip(&mut before).zip(&state.limited) {
-            *before = limited.sent();
-            *feedback = plus(*feedback, -limited.sent());
+        for ((to, reading), offset) in output.feedback.iter_mut().zip(&sample.feedback).zip(&state.offsets) {
+            *to = reading.moved_back(*offset);
         }
+        let Some(next) = self.unlimited(state, sample, wanted) else {
+            return self.apply_limited(state, sample, wanted, output);
+        };
+        *state = next;
+        (output.drive, output.record.correction) = (next.drive, *wanted);
+        Applied { limited: 0, outside: None }
+    }
 
+    /// The state that sends the wanted corrections as they are, if nothing speaks against it.
+    #[inline(always)]
+    fn unlimited(
+        &self,
+        state: &OutputState<R, P, N>,
+        sample: &Sample<P, N>,
+        wanted: &[R; N],
+    ) -> Option<OutputState<R, P, N>> {
+        if sample.verdict != Verdict::Active || sample.first || !state.locked {
+            return None;
+        }
+        for ((limiter, limited), wanted) in self.limiters.iter().zip(&state.limited).zip(wanted) {
+            if !limiter.follows(limited, *wanted) {
+                return None;
+            }
+        }
+        let mut next = *state;
+        let axes = next.limited.iter_mut().zip(&mut next.offsets).zip(&mut next.drive);
+        for (((limited, offset), drive), (wanted, command)) in axes.zip(wanted.iter().zip(&sample.command)) {
+            *limited = limited.passed(*wanted);
+            *offset = P::offset(*wanted);
+            *drive = command.moved(*offset);
+        }
+        (self.roomy || self.outside(&next.drive).is_none()).then_some(next)
+    }
+
+    /// The same where a limit binds, nothing is corrected or the output holds.
+    #[inline(never)]
+    fn apply_limited(
+        &self,
+        state: &mut OutputState<R, P, N>,
+        sample: &Sample<P, N>,
+        wanted: &[R; N],
+        output: &mut Output<R, P, N>,
+    ) -> Applied {
+        let before = state.limited;
         let mut flags = 0u8;
         match sample.verdict {
             _ if sample.first => {}
-            Verdict::Active => {
-                let mut bit = 1u8;
-                for ((limiter, limited), wanted) in self.limiters.iter().zip(&mut state.limited).zip(wanted) {
-                    if limiter.follow(limited, *wanted) {
-                        flags |= bit;
-                    }
-                    bit = bit.wrapping_shl(1);
-                }
-            }
-            Verdict::Inactive => flags = self.withdraw(state),
+            Verdict::Active => flags = self.follow(state, wanted),
+            Verdict::Inactive => flags = self.follow(state, &[R::ZERO; N]),
             Verdict::Freeze => self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.freeze(limited)),
             Verdict::Hold | Verdict::Nowhere => {
                 self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.hold(limited));
             }
         }
-
-        let mut drive = sample.command;
-        let mut correction = [R::ZERO; N];
-        for ((drive, limited), correction) in drive.iter_mut().zip(&state.limited).zip(&mut correction) {
-            *correction = limited.sent();
-            *drive = plus(*drive, limited.sent());
-        }
-        match sample.verdict {
-            _ if sample.first => {}
-            Verdict::Hold | Verdict::Nowhere => drive = state.drive,
-            Verdict::Active | Verdict::Freeze => {
-                if let Some(slot) = self.outside(&drive) {
-                    return state.take_back(feedback, before, slot);
+        let mut outside = None;
+        if sample.first || !sample.verdict.holds() {
+            let mut offsets = state.offsets;
+            output.drive = sample.command;
+            for ((drive, offset), limited) in output.drive.iter_mut().zip(&mut offsets).zip(&state.limited) {
+                *offset = P::offset(limited.sent());
+                *drive = drive.moved(*offset);
+            }
+            if !sample.first && sample.verdict != Verdict::Inactive {
+                outside = self.outside(&output.drive);
+            }
+            match outside {
+                None => (state.drive, state.offsets) = (output.drive, offsets),
+                // Nothing of this cycle is sent: drives and corrections stay what they were before it.
+                Some(_) => {
+                    state.limited = before.map(|limited| LimiterState::at_rest(limited.sent()));
+                    flags = 0;
                 }
             }
-            Verdict::Inactive => {}
         }
-        state.drive = drive;
-        Applied { drive, feedback, correction, limited: flags, outside: None }
+        state.locked = state.limited.iter().all(LimiterState::is_locked);
+        output.drive = state.drive;
+        output.record.correction = state.limited.map(|limited| limited.sent());
+        Applied { limited: flags, outside }
     }
 
-    /// The corrections go back to zero; a bit for every axis where there is one left.
-    #[cold]
-    #[inline(never)]
-    fn withdraw(&self, state: &mut OutputState<R, P, N>) -> u8 {
+    /// The corrections go on towards the wanted ones; a bit for every axis where there is a difference left.
+    fn follow(&self, state: &mut OutputState<R, P, N>, wanted: &[R; N]) -> u8 {
         let mut flags = 0;
-        for (slot, (limiter, limited)) in self.limiters.iter().zip(&mut state.limited).enumerate() {
-            flags |= u8::from(limiter.follow(limited, R::ZERO)) << (slot & 7);
+        let axes = self.limiters.iter().zip(&mut state.limited).zip(wanted);
+        for (slot, ((limiter, limited), wanted)) in axes.enumerate() {
+            flags |= u8::from(limiter.follow(limited, *wanted)) << (slot & 7);
         }
         flags
     }
 
     #[inline(always)]
     fn outside(&self, drive: &[P; N]) -> Option<u8> {
-        let mut place = 0u8;
-        for (drive, [low, high]) in drive.iter().zip(&self.joint) {
-            if *drive < *low || *drive > *high {
-                return Some(place);
-            }
-            place = place.wrapping_add(1);
-        }
-        None
+        drive.iter().zip(&self.joint).position(|(drive, joint)| !drive.is_within(joint)).map(|slot| slot as u8)
     }
-}
-
-/// A zero correction passes a position bit for bit, negative zero included.
-#[inline(always)]
-fn plus<R: Real, P: Position>(position: P, correction: R) -> P {
-    if correction == R::ZERO { position } else { position.plus(correction) }
 }

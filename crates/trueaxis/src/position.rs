@@ -41,14 +41,23 @@ pub trait Position: Copy + Debug + Default + PartialEq + PartialOrd + Send + Syn
     fn moved(self, offset: Self::Offset) -> Self;
     /// `self - offset`; an integer saturates.
     fn moved_back(self, offset: Self::Offset) -> Self;
-    /// A distance of `d` mm (deg), rounded towards zero; all there are for one beyond the range.
+    /// A distance of `d` mm (deg), rounded to whole steps; the longest there is for one beyond the range.
     fn reach(d: f64) -> Self::Reach;
+    /// The same in the scalar of the step; an integer is rounded towards zero.
+    fn reach_of<R: Real>(d: R) -> Self::Reach;
+    /// The sum of two distances; an integer saturates.
+    fn farther(distance: Self::Reach, more: Self::Reach) -> Self::Reach;
     /// |self − other|, exact in integers: two positions at opposite ends are far apart. Not a number for a double that is
     /// none, and no comparison with a reach then holds.
     fn apart(self, other: Self) -> Self::Reach;
     /// `self - low` in steps, and whether it lies in 0 … `reach`: one comparison of integers. Outside it the distance
     /// means nothing. `low` and `reach` together must stay below 2.147 m, and `reach` alone too.
     fn steps_above<R: Real>(self, low: Self, reach: Self::Reach) -> (R, bool);
+    /// From the first of two limits to the second, both included.
+    #[inline(always)]
+    fn is_within(self, [low, high]: &[Self; 2]) -> bool {
+        self >= *low && self <= *high
+    }
     /// A number a machine can mean: neither infinite nor NaN nor beyond 1e9 (so that no later product overflows), nor
     /// at an end of its range, where integers saturate.
     fn is_usable(self) -> bool;
@@ -99,6 +108,14 @@ impl Position for f64 {
     #[inline(always)]
     fn reach(d: f64) -> f64 {
         d
+    }
+    #[inline(always)]
+    fn reach_of<R: Real>(d: R) -> f64 {
+        d.to_f64()
+    }
+    #[inline(always)]
+    fn farther(distance: f64, more: f64) -> f64 {
+        distance + more
     }
     #[inline(always)]
     fn apart(self, other: f64) -> f64 {
@@ -178,8 +195,15 @@ impl Position for Nanometres {
     }
     #[inline(always)]
     fn reach(d: f64) -> u32 {
-        // Towards zero, and to the ends of the range.
-        (d * 1e6) as u32
+        libm::rint(d * 1e6) as u32
+    }
+    #[inline(always)]
+    fn reach_of<R: Real>(d: R) -> u32 {
+        (d * R::of(1e6)).to_u32()
+    }
+    #[inline(always)]
+    fn farther(distance: u32, more: u32) -> u32 {
+        distance.saturating_add(more)
     }
     #[inline(always)]
     fn apart(self, other: Nanometres) -> u32 {

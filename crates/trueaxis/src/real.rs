@@ -49,6 +49,8 @@ pub trait Real:
     fn of_i32(i: i32) -> Self;
     /// Truncates toward zero; saturates at the ends of `i32`; NaN gives 0.
     fn to_i32(self) -> i32;
+    /// Truncates; saturates at the ends of `u32`; NaN gives 0.
+    fn to_u32(self) -> u32;
     /// An index in the room of a scalar, as its bits.
     fn of_index(index: u16) -> Self;
     /// The index that [`Real::of_index`] put there; no arithmetic, one load.
@@ -104,6 +106,10 @@ macro_rules! real {
             #[inline(always)]
             fn to_i32(self) -> i32 {
                 self as i32
+            }
+            #[inline(always)]
+            fn to_u32(self) -> u32 {
+                self as u32
             }
             #[inline(always)]
             fn of_index(index: u16) -> $t {

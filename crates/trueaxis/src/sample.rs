@@ -154,18 +154,30 @@ pub(crate) struct Sample<P, const N: usize> {
     pub(crate) homed: bool,
 }
 
+/// Limits of an axis; largest changes of a cycle in time.
 #[derive(Clone, Copy, Debug)]
-struct Plausible<R, P> {
+struct Plausible<R, P: Position> {
     travel: [P; 2],
-    command_jump: R,
-    feedback_jump: R,
-    stuck: R,
-    resume: R,
+    command_jump: P::Reach,
+    feedback_jump: P::Reach,
+    stuck: P::Reach,
+    resume: P::Reach,
+    /// The two jumps once more, mm (deg), to be multiplied by the cycles that are missing.
+    jumps: [R; 2],
+}
+
+impl<R: Real, P: Position> Plausible<R, P> {
+    /// Largest change of a reading that has been missing for some cycles.
+    #[inline(always)]
+    fn feedback_jump_after(&self, missing: u16) -> P::Reach {
+        let [_, jump] = self.jumps;
+        if missing == 0 { self.feedback_jump } else { P::reach_of(jump * (R::ONE + R::of_i32(i32::from(missing)))) }
+    }
 }
 
 /// The plausibility limits of every axis: immutable.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sampler<R, P, const N: usize> {
+pub(crate) struct Sampler<R, P: Position, const N: usize> {
     axes: [Plausible<R, P>; N],
     latest_ns: u32,
     /// From here on a cycle counts as [`LONGEST`] periods.
@@ -175,7 +187,9 @@ pub(crate) struct Sampler<R, P, const N: usize> {
 
 /// State of the stage.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SampleState<R, P, const N: usize> {
+pub(crate) struct SampleState<P: Position, const N: usize> {
+    /// The last cycle was active and nothing was wrong with it: no stop, no reading missing, no reset held.
+    calm: bool,
     started: bool,
     /// While holding before the first command: a bit for every axis whose position is known.
     known: u8,
@@ -188,12 +202,13 @@ pub(crate) struct SampleState<R, P, const N: usize> {
     /// Cycles since the last believed reading.
     missing: [u16; N],
     /// Commanded distance since the reading last changed.
-    unmoved: [R; N],
+    unmoved: [P::Reach; N],
 }
 
-impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
+impl<P: Position, const N: usize> SampleState<P, N> {
     pub(crate) fn new() -> Self {
         SampleState {
+            calm: false,
             started: false,
             known: 0,
             active: false,
@@ -203,7 +218,7 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
             command: [P::default(); N],
             feedback: [P::default(); N],
             missing: [0; N],
-            unmoved: [R::ZERO; N],
+            unmoved: [P::Reach::default(); N],
         }
     }
 
@@ -225,6 +240,7 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
 
     pub(crate) fn latch(&mut self, fault: Fault, axis: u8) {
         (self.latched, self.latched_axis) = (fault, axis);
+        self.calm = false;
     }
 }
 
@@ -238,24 +254,29 @@ const LONGEST: u32 = 16;
 impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     pub(crate) fn new(order: &AxisOrder<N>, machine: &MachineSettings, period_ns: u32) -> Self {
         let period = f64::from(period_ns) * 1e-9;
+        let any = P::reach(f64::MAX);
         let none = Plausible {
             travel: [-FARTHEST, FARTHEST].map(P::nearest),
-            command_jump: R::MAX,
-            feedback_jump: R::MAX,
-            stuck: R::MAX,
-            resume: R::MAX,
+            command_jump: any,
+            feedback_jump: any,
+            stuck: any,
+            resume: any,
+            jumps: [R::MAX; 2],
         };
         let limits = order.slots(|axis| {
             let FaultSettings { resume, command_jump_factor, feedback_jump, stuck } = machine.faults;
             let pick = |[linear, rotary]: [f64; 2]| if axis.is_rotary() { rotary } else { linear };
             machine.axis(axis).map_or(none, |settings| {
                 let jump = command_jump_factor * settings.max_feed_per_s * period;
+                let jumps = [jump, jump + pick(feedback_jump)];
+                let [command_jump, feedback_jump] = jumps.map(P::reach);
                 Plausible {
                     travel: settings.travel.map(|x| P::nearest(Real::limit(x, -FARTHEST, FARTHEST))),
-                    command_jump: R::of(jump),
-                    feedback_jump: R::of(jump + pick(feedback_jump)),
-                    stuck: R::of(pick(stuck)),
-                    resume: R::of(pick(resume)),
+                    command_jump,
+                    feedback_jump,
+                    stuck: P::reach(pick(stuck)),
+                    resume: P::reach(pick(resume)),
+                    jumps: jumps.map(R::of),
                 }
             })
         });
@@ -269,14 +290,62 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 
     /// Every position lies in the declared travel of its axis.
     pub(crate) fn within_travel(&self, positions: &[P; N]) -> bool {
-        self.axes.iter().zip(positions).all(|(axis, position)| {
-            let [low, high] = axis.travel;
-            *position >= low && *position <= high
+        self.axes.iter().zip(positions).all(|(axis, position)| position.is_within(&axis.travel))
+    }
+
+    /// The sample of a cycle in which nothing is wrong, after another such; none where that has to be looked into
+    /// ([`Sampler::look`]), and nothing is changed.
+    #[inline(always)]
+    pub(crate) fn glance(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Option<Sample<P, N>> {
+        let unmoved = self.unmoved(state, input)?;
+        (state.feedback, state.unmoved) = (input.feedback, unmoved);
+        Some(Sample {
+            command: input.command,
+            feedback: input.feedback,
+            verdict: Verdict::Active,
+            fault: Fault::None,
+            axis: 0,
+            first: false,
+            homed: true,
         })
     }
 
+    /// Of a calm cycle in which [`Sampler::look`] too finds nothing wrong, how far every command has gone on since its
+    /// reading last changed.
     #[inline(always)]
-    pub(crate) fn read(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> Sample<P, N> {
+    fn unmoved(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<[P::Reach; N]> {
+        let switched = input.homed && input.enable && !input.reset;
+        let in_order = input.encoder_alarm == 0 && input.refusal.fault == Fault::None;
+        if !(state.calm && switched && in_order && input.elapsed_ns <= self.latest_ns) {
+            return None;
+        }
+        let mut unmoved = [P::Reach::default(); N];
+        let before = state.command.iter().zip(&state.feedback).zip(&state.unmoved);
+        let now = input.command.iter().zip(&input.feedback);
+        for (((axis, unmoved), (command, reading)), ((last, good), before)) in
+            self.axes.iter().zip(&mut unmoved).zip(now).zip(before)
+        {
+            let way = command.apart(*last);
+            if !(command.is_within(&axis.travel) && way <= axis.command_jump) {
+                return None;
+            }
+            if !(reading.is_usable() && reading.apart(*good) <= axis.feedback_jump) {
+                return None;
+            }
+            if reading == good {
+                *unmoved = P::farther(*before, way);
+                if *unmoved > axis.stuck {
+                    return None;
+                }
+            }
+        }
+        Some(unmoved)
+    }
+
+    /// The whole decision about a cycle.
+    #[inline(never)]
+    pub(crate) fn look(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Sample<P, N> {
+        state.calm = false;
         let first = !state.started;
         let active = input.homed && input.enable;
         let late = input.elapsed_ns > self.latest_ns;
@@ -302,6 +371,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             (true, Fault::None) => Verdict::Active,
             (true, _) => Verdict::Freeze,
         };
+        state.calm = verdict == Verdict::Active && !input.reset;
         Sample { command: input.command, feedback: state.feedback, verdict, fault, axis, first, homed: input.homed }
     }
 
@@ -321,15 +391,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// The first thing that is wrong with the command. Travel and jumps count only while the plugin is active:
     /// before homing, positions have no meaning.
     #[inline(always)]
-    fn command_fault(
-        &self,
-        state: &SampleState<R, P, N>,
-        input: &Input<P, N>,
-        active: bool,
-        late: bool,
-    ) -> (Fault, u8) {
+    fn command_fault(&self, state: &SampleState<P, N>, input: &Input<P, N>, active: bool, late: bool) -> (Fault, u8) {
         let check_jump = state.started && state.active;
-        let slack = if late { self.periods(input.elapsed_ns) } else { R::ONE };
         let mut place = 0;
         for ((axis, command), last) in self.axes.iter().zip(&input.command).zip(&state.command) {
             if active {
@@ -339,7 +402,9 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                     let fault = if command.is_usable() { Fault::CommandOutOfTravel } else { Fault::CommandNotFinite };
                     return (fault, place);
                 }
-                if check_jump && command.since_near::<R>(*last).abs() > axis.command_jump * slack {
+                let [jump, _] = axis.jumps;
+                let most = if late { P::reach_of(jump * self.periods(input.elapsed_ns)) } else { axis.command_jump };
+                if check_jump && command.apart(*last) > most {
                     return (Fault::CommandJump, place);
                 }
             } else if !command.is_usable() {
@@ -354,7 +419,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     #[inline(always)]
     fn feedback_fault(
         &self,
-        state: &mut SampleState<R, P, N>,
+        state: &mut SampleState<P, N>,
         input: &Input<P, N>,
         command: &[P; N],
         watch: bool,
@@ -372,18 +437,16 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 Fault::EncoderAlarm
             } else if !watch {
                 Fault::None
-            } else if reading.since_near::<R>(*good).abs()
-                > axis.feedback_jump * (R::ONE + R::of_i32(i32::from(*missing)))
-            {
+            } else if reading.apart(*good) > axis.feedback_jump_after(*missing) {
                 Fault::FeedbackJump
             } else if *reading == *good {
                 // In the cycle of switching on, the command may have been set anew.
                 if state.active {
-                    *unmoved += command.since_near::<R>(*last_command).abs();
+                    *unmoved = P::farther(*unmoved, command.apart(*last_command));
                 }
                 if *unmoved > axis.stuck { Fault::EncoderStuck } else { Fault::None }
             } else {
-                *unmoved = R::ZERO;
+                *unmoved = P::Reach::default();
                 Fault::None
             };
             match fault {
@@ -396,7 +459,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 _ => *missing = missing.saturating_add(1),
             }
             if !watch {
-                *unmoved = R::ZERO;
+                *unmoved = P::Reach::default();
             }
             if fault != Fault::None && worst.0 == Fault::None {
                 worst = (fault, place);
@@ -410,7 +473,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     #[inline(never)]
     fn stopped(
         &self,
-        state: &mut SampleState<R, P, N>,
+        state: &mut SampleState<P, N>,
         input: &Input<P, N>,
         reset: bool,
         (fault, axis): (Fault, u8),
@@ -421,10 +484,12 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             state.latch(fault, axis);
         }
         let placed = state.started || Self::placed(state, input);
-        let near =
-            self.axes.iter().zip(&input.command).zip(&state.command).all(|((axis, command), held)| {
-                command.is_usable() && command.since_near::<R>(*held).abs() <= axis.resume
-            });
+        let near = self
+            .axes
+            .iter()
+            .zip(&input.command)
+            .zip(&state.command)
+            .all(|((axis, command), held)| command.is_usable() && command.apart(*held) <= axis.resume);
         // A jump is measured from the held command, so near excuses it; out of travel stays a fault.
         let acceptable = matches!(fault, Fault::None | Fault::CommandJump);
         // Readings go on being believed or not, quietly: the stop is what is reported.
@@ -434,7 +499,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             state.latched = Fault::None;
             state.started = true;
             // The drives were held: commands in the meantime say nothing about the readings.
-            state.unmoved = [R::ZERO; N];
+            state.unmoved = [P::Reach::default(); N];
             state.active = input.homed && input.enable;
             let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };
             return Sample {
@@ -461,7 +526,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// Holding before the first command: the position to hold is that of the machine as last read, in the
     /// cycle in which the last of its axes has been read. Returns whether it is known.
     #[cold]
-    fn placed(state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> bool {
+    fn placed(state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
         let known = |known: u8| known.count_ones() as usize == N;
         if known(state.known) {
             return true;
@@ -479,43 +544,4 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::position::Nanometres;
-
-    #[test]
-    fn counts_become_positions_in_either_form() {
-        for (offset, resolution) in [(-12.5, 1e-4), (0.0, 2e-5 / 3.0), (3.0, -1e-3)] {
-            let double = EncoderScale::<f64>::new(offset, resolution).unwrap();
-            let fixed = EncoderScale::<Nanometres>::new(offset, resolution).unwrap();
-            for counts in [0, 1, -1, 77_777, -1_234_567] {
-                let truth = offset + f64::from(counts) * resolution;
-                assert_eq!(double.position(counts), truth);
-                assert!((fixed.nanometres(counts).to_f64() - truth).abs() <= 0.51e-6, "{counts}: {truth}");
-            }
-        }
-        for bad in [0.0, f64::NAN, 2.0, f64::INFINITY] {
-            assert!(EncoderScale::<f64>::new(0.0, bad).is_err());
-        }
-        for bad in [f64::INFINITY, f64::NAN, 2e9] {
-            assert!(EncoderScale::<f64>::new(bad, 1e-3).is_err());
-        }
-        assert!(EncoderScale::<Nanometres>::new(2148.0, 1e-3).is_err());
-    }
-
-    #[test]
-    fn counts_beyond_the_range_saturate_and_are_no_reading() {
-        let scale = EncoderScale::<Nanometres>::new(0.0, 1e-3).unwrap();
-        for counts in [3_000_000, -3_000_000, 2_147_484, i32::MAX, i32::MIN] {
-            let end = Nanometres(if counts > 0 { i32::MAX } else { i32::MIN });
-            assert_eq!((scale.position(counts), scale.nanometres(counts)), (end, end), "{counts}");
-            assert!(!end.is_usable());
-        }
-        // A coarse encoder over all its counts: 2^32 turns of the integer would be lost.
-        let coarse = EncoderScale::<Nanometres>::new(-1000.0, 1.0).unwrap();
-        for counts in [i32::MAX, i32::MIN, 4295, 8590] {
-            assert_eq!(coarse.position(counts), coarse.nanometres(counts), "{counts}");
-        }
-        assert_eq!(coarse.nanometres(3000), Nanometres(2_000_000_000));
-    }
-}
+mod tests;

@@ -83,6 +83,30 @@ pub struct Record<R: Real, P, const N: usize> {
     pub orientation_flags: Flags,
 }
 
+impl<R: Real, P: Position, const N: usize> Record<R, P, N> {
+    /// Before the first cycle.
+    #[inline(always)]
+    pub(crate) fn none() -> Self {
+        Record {
+            sequence: 0,
+            machine_id: 0,
+            tables_crc: 0,
+            fault: Fault::None,
+            fault_axis: 0,
+            status: Status::NO_OUTPUT,
+            limited: 0,
+            at_edge: 0,
+            command: [P::default(); N],
+            feedback: [P::default(); N],
+            correction: [R::ZERO; N],
+            tip: ContourError::none(),
+            encoder: ContourError::none(),
+            orientation: R::ZERO,
+            orientation_flags: Flags::NOT_FOUND,
+        }
+    }
+}
+
 /// One axis in a [`Frame`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -204,3 +204,53 @@ fn the_time_to_lead_a_step_in_is_the_one_stated() {
         }
     }
 }
+
+/// The law as it stands in the module's documentation, without any of the shortcuts.
+fn law(limiter: &Limiter<f64>, state: &LimiterState<f64>, wanted: f64) -> LimiterState<f64> {
+    let Limiter { magnitude, velocity: top, acceleration, rounding, .. } = *limiter;
+    let LimiterState { sent: c, velocity: v, target: last } = *state;
+    let speed = |d: f64, b: f64, eight_over_b: f64| {
+        let n = (((1.0 + d * eight_over_b).sqrt() - 1.0) * 0.5).ceil().max(1.0);
+        if d <= 0.0 { 0.0 } else { d / n + b * (n - 1.0) * 0.5 }
+    };
+    let r = wanted.clamp(-magnitude, magnitude);
+    let moves = (r - last).clamp(-top, top);
+    let gap = r - c - moves;
+    let want = moves + gap.signum() * speed(gap.abs(), APPROACH * acceleration, limiter.approach);
+    let up = speed(magnitude - c, acceleration, limiter.brake).min(top);
+    let down = speed(magnitude + c, acceleration, limiter.brake).min(top);
+    let allowed = |x: f64| x.max(-down).min(up).max(v - acceleration).min(v + acceleration);
+    let direct = r - c;
+    if gap.abs() <= rounding && allowed(direct) == direct {
+        return LimiterState { sent: r, velocity: direct, target: r };
+    }
+    let velocity = allowed(want);
+    LimiterState { sent: c + velocity, velocity, target: r }
+}
+
+#[test]
+fn the_shortcuts_change_no_bit() {
+    let mut noise = Noise::new(7);
+    for round in 0..200 {
+        let limits = Limits {
+            magnitude: 10f64.powf(noise.range(-3.0, 0.0)),
+            slope_per_s: 10f64.powf(noise.range(-1.0, 1.0)),
+            acceleration_per_s2: 10f64.powf(noise.range(1.0, 4.0)),
+        };
+        let limiter = Limiter::<f64>::new(&limits, T).unwrap();
+        // Faster than the limits, as after tables with lower ones came in motion.
+        let mut state = LimiterState { velocity: 3.0 * noise.signed() * limiter.velocity, ..LimiterState::default() };
+        let mut wanted = 0.0;
+        for cycle in 0..1000 {
+            wanted = match noise.below(100) {
+                0 => 1.5 * limits.magnitude * noise.signed(),
+                1..=3 => wanted + 3.0 * limiter.acceleration * noise.signed(),
+                _ => wanted + 0.3 * limiter.velocity,
+            };
+            let mut next = state;
+            limiter.approach(&mut next, wanted);
+            assert_eq!(next, law(&limiter, &state, wanted), "{round}, {cycle}: {limits:?} {state:?} {wanted}");
+            state = next;
+        }
+    }
+}

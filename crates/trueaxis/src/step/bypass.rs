@@ -3,7 +3,6 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::Output;
-use crate::contour::{ContourError, Flags};
 use crate::error::Fault;
 use crate::position::Position;
 use crate::real::Real;
@@ -70,20 +69,11 @@ impl<P: Position, const N: usize> Bypass<P, N> {
         }
         let record = Record {
             sequence: self.sequence,
-            machine_id: 0,
-            tables_crc: 0,
             fault: self.reason,
-            fault_axis: 0,
             status: Status::default().with(Status::STOP_REQUEST, !usable).with(Status::NO_OUTPUT, self.known != whole),
-            limited: 0,
-            at_edge: 0,
             command: self.held,
             feedback: self.feedback,
-            correction: [R::ZERO; N],
-            tip: ContourError::none(),
-            encoder: ContourError::none(),
-            orientation: R::ZERO,
-            orientation_flags: Flags::NOT_FOUND,
+            ..Record::none()
         };
         self.sequence = self.sequence.wrapping_add(1);
         Output { drive: self.held, feedback: self.feedback, record }

@@ -12,6 +12,7 @@ use crate::kinematics::{Kinematics, Tool};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
+use crate::telemetry::Record;
 use crate::vector::V3;
 
 /// Reference of the contour error: `()`, [`OnPath`], `&mut` [`CommandWindow`] or `&mut` [`OnToolPath`]. Implemented
@@ -24,7 +25,7 @@ pub trait Measure<R: Real, P: Position, const N: usize> {
     fn needs_tilt(&self) -> bool {
         false
     }
-    /// The contour stage.
+    /// The contour stage: writes both contour errors and the direction's into the record.
     #[doc(hidden)]
     fn measure(
         &mut self,
@@ -32,26 +33,20 @@ pub trait Measure<R: Real, P: Position, const N: usize> {
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
         modelled: &Modelled<R, N>,
-    ) -> Measured<R>;
+        record: &mut Record<R, P, N>,
+    );
     /// The command of this cycle was not sent.
     #[doc(hidden)]
     #[inline(always)]
     fn take_back(&mut self) {}
 }
 
-/// Result of the contour stage.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Measured<R: Real> {
-    pub(super) tip: ContourError<R>,
-    pub(super) encoder: ContourError<R>,
-    pub(super) orientation: R,
-    pub(super) orientation_flags: Flags,
-}
-
-impl<R: Real> Measured<R> {
+impl<R: Real, P, const N: usize> Record<R, P, N> {
+    /// Contour errors of tip and encoder; the direction is not measured.
     #[inline(always)]
-    fn of_tip([tip, encoder]: [ContourError<R>; 2]) -> Self {
-        Measured { tip, encoder, orientation: R::ZERO, orientation_flags: Flags::NOT_FOUND }
+    fn set_feet(&mut self, [tip, encoder]: [ContourError<R>; 2]) {
+        (self.tip, self.encoder) = (tip, encoder);
+        (self.orientation, self.orientation_flags) = (R::ZERO, Flags::NOT_FOUND);
     }
 }
 
@@ -64,10 +59,11 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for () {
         state: &mut State<R, P, N>,
         _: &Sample<P, N>,
         _: &Modelled<R, N>,
-    ) -> Measured<R> {
+        record: &mut Record<R, P, N>,
+    ) {
         // A path that comes later is searched from the start.
         state.forget_feet();
-        Measured::of_tip([ContourError::none(); 2])
+        record.set_feet([ContourError::none(); 2]);
     }
 }
 
@@ -80,15 +76,16 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for OnPath<'_, R, P>
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
         modelled: &Modelled<R, N>,
-    ) -> Measured<R> {
-        Measured::of_tip(match points(sample, modelled) {
+        record: &mut Record<R, P, N>,
+    ) {
+        record.set_feet(match points(sample, modelled) {
             Some([tip, encoder]) => servo.feet(state, &self.path, self.reference, tip, encoder),
             None => {
                 // After a fault the last foot says nothing about the next one.
                 state.forget_feet();
                 [ContourError::none(); 2]
             }
-        })
+        });
     }
 }
 
@@ -103,14 +100,15 @@ impl<R: Real, P: Position, const N: usize, const K: usize> Measure<R, P, N> for 
         _: &mut State<R, P, N>,
         sample: &Sample<P, N>,
         modelled: &Modelled<R, N>,
-    ) -> Measured<R> {
+        record: &mut Record<R, P, N>,
+    ) {
         if let ([x, y, z, ..], true) = (&sample.command[..], !sample.verdict.holds()) {
             self.append([*x, *y, *z]);
         }
-        Measured::of_tip(match points(sample, modelled) {
+        record.set_feet(match points(sample, modelled) {
             Some(points) => points.map(|point| self.contour_error(point)),
             None => [ContourError::none(); 2],
-        })
+        });
     }
 
     #[inline(always)]
@@ -170,11 +168,13 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut OnToolPath<
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
         modelled: &Modelled<R, N>,
-    ) -> Measured<R> {
+        record: &mut Record<R, P, N>,
+    ) {
         if !matches!(sample.verdict, Verdict::Active | Verdict::Inactive) {
             state.forget_feet();
             self.orientation = OrientationError::none();
-            return Measured::of_tip([ContourError::none(); 2]);
+            record.set_feet([ContourError::none(); 2]);
+            return;
         }
         let kinematics = self.kinematics;
         let seen = servo.seen(&sample.feedback, modelled, kinematics);
@@ -183,7 +183,8 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut OnToolPath<
         let of_axes = |[a, b, c]: [R; 3]| kinematics.direction(&[R::ZERO, R::ZERO, R::ZERO, a, b, c]);
         self.orientation = self.path.orientation(self.reference, &tip, seen.estimated.axis, of_axes);
         let OrientationError { angle, flags, .. } = self.orientation;
-        Measured { tip, encoder, orientation: angle, orientation_flags: flags }
+        (record.tip, record.encoder) = (tip, encoder);
+        (record.orientation, record.orientation_flags) = (angle, flags);
     }
 }
 

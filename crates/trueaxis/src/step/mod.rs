@@ -27,7 +27,6 @@ use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
 use crate::telemetry::{Record, Status};
-use measure::Measured;
 
 /// The immutable half: limits, tables, search settings.
 ///
@@ -111,6 +110,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// | `&mut` [`OnToolPath`] | tip and direction of the tool, in workpiece coordinates |
     ///
     /// `gauge`: `()`, or `&mut` [`GaugeRide`] with three probes. Every combination works; an absent part costs nothing.
+    ///
+    /// Every output is new, and copied: [`ServoLoop::step_into`] spares that.
     #[inline]
     pub fn step(
         &self,
@@ -119,10 +120,12 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         measure: impl Measure<R, P, N>,
         gauge: impl Ride<R>,
     ) -> Output<R, P, N> {
-        self.step_watched(state, input, measure, gauge, |_| ())
+        let mut output = Output::none();
+        self.step_into(state, input, measure, gauge, &mut output);
+        output
     }
 
-    /// [`ServoLoop::step`] into an output that is there already.
+    /// [`ServoLoop::step`] into an output that is there already, all of which it overwrites.
     #[inline]
     pub fn step_into(
         &self,
@@ -132,10 +135,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         gauge: impl Ride<R>,
         output: &mut Output<R, P, N>,
     ) {
-        *output = self.step(state, input, measure, gauge);
+        self.step_watched(state, input, measure, gauge, output, |_| ());
     }
 
-    /// [`ServoLoop::step`], telling `watch` when a stage has ended: for counting or timing the stages on the target.
+    /// [`ServoLoop::step_into`], telling `watch` when a stage has ended: for counting or timing the stages on the target.
     ///
     /// The compiler may move work over the border of two stages; their sum is exact.
     #[inline(always)]
@@ -145,21 +148,52 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         input: &Input<P, N>,
         mut measure: impl Measure<R, P, N>,
         mut gauge: impl Ride<R>,
+        output: &mut Output<R, P, N>,
         mut watch: impl FnMut(Stage),
-    ) -> Output<R, P, N> {
-        let sample = self.sampler.read(&mut state.sample, input);
+    ) {
+        match self.sampler.glance(&mut state.sample, input) {
+            Some(sample) => self.cycle(state, &sample, &mut measure, &mut gauge, output, &mut watch),
+            None => self.other_cycle(state, input, &mut measure, &mut gauge, output, &mut watch),
+        }
+    }
+
+    /// A cycle that is not seen at a glance: out of line, so that in the others nothing has to be asked twice.
+    #[inline(never)]
+    fn other_cycle(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        measure: &mut impl Measure<R, P, N>,
+        gauge: &mut impl Ride<R>,
+        output: &mut Output<R, P, N>,
+        watch: &mut impl FnMut(Stage),
+    ) {
+        let sample = self.sampler.look(&mut state.sample, input);
+        self.cycle(state, &sample, measure, gauge, output, watch);
+    }
+
+    /// The stages after the sample.
+    #[inline(always)]
+    fn cycle(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        measure: &mut impl Measure<R, P, N>,
+        gauge: &mut impl Ride<R>,
+        output: &mut Output<R, P, N>,
+        watch: &mut impl FnMut(Stage),
+    ) {
         watch(Stage::Sample);
-        let mut modelled = self.model(state, &sample, measure.needs_tilt());
-        gauge::ride(&mut gauge, &sample, state.limited, &mut modelled.wanted);
+        let mut modelled = self.model(state, sample, measure.needs_tilt());
+        gauge::ride(gauge, sample, state.limited, &mut modelled.wanted);
         watch(Stage::Compensation);
-        let measured = measure.measure(self, state, &sample, &modelled);
+        measure.measure(self, state, sample, &modelled, &mut output.record);
         watch(Stage::Contour);
-        let applied = self.output.apply(&mut state.output, &sample, &modelled.wanted);
-        self.settle(state, &sample, &applied, &mut measure);
+        let applied = self.output.apply(&mut state.output, sample, &modelled.wanted, output);
+        self.settle(state, sample, applied, measure);
         watch(Stage::Output);
-        let output = self.record(state, &sample, modelled.at_edge, &measured, &applied);
+        self.record(state, sample, modelled.at_edge, applied, &mut output.record);
         watch(Stage::Telemetry);
-        output
     }
 
     /// Keeps the output stage's decision for the next cycles: the command was accepted, or a joint's range holds it.
@@ -168,7 +202,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
-        applied: &Applied<R, P, N>,
+        applied: Applied,
         measure: &mut impl Measure<R, P, N>,
     ) {
         state.limited = applied.limited;
@@ -181,40 +215,28 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         }
     }
 
+    /// The rest of the record: contour and output stage have written their parts.
     #[inline(always)]
     fn record(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
         at_edge: u8,
-        measured: &Measured<R>,
-        applied: &Applied<R, P, N>,
-    ) -> Output<R, P, N> {
-        let sequence = state.sequence;
-        state.sequence = sequence.wrapping_add(1);
-        let (fault, fault_axis, status) = match applied.outside {
+        applied: Applied,
+        record: &mut Record<R, P, N>,
+    ) {
+        record.sequence = state.sequence;
+        state.sequence = state.sequence.wrapping_add(1);
+        (record.machine_id, record.tables_crc) = (self.machine_id, self.tables_crc);
+        let status;
+        (record.fault, record.fault_axis, status) = match applied.outside {
             Some(slot) => (Fault::JointRange, slot, Verdict::Hold.status()),
             None => (sample.fault, sample.axis, sample.verdict.status()),
         };
-        let status = status.with(Status::CONTOUR, measured.tip.is_measured());
-        let record = Record {
-            sequence,
-            machine_id: self.machine_id,
-            tables_crc: self.tables_crc,
-            fault,
-            fault_axis,
-            status,
-            limited: applied.limited,
-            at_edge,
-            command: state.sample.commanded(),
-            feedback: sample.feedback,
-            correction: applied.correction,
-            tip: measured.tip,
-            encoder: measured.encoder,
-            orientation: measured.orientation,
-            orientation_flags: measured.orientation_flags,
-        };
-        Output { drive: applied.drive, feedback: applied.feedback, record }
+        record.status = status.with(Status::CONTOUR, record.tip.is_measured());
+        (record.limited, record.at_edge) = (applied.limited, at_edge);
+        record.command = state.sample.commanded();
+        record.feedback = sample.feedback;
     }
 }
 

@@ -178,7 +178,7 @@ fn first<P: Position, const N: usize>(positions: &[P; N]) -> Option<[P; 3]> {
 fn drives<R: Real, P: Position, const N: usize>(state: &State<R, P, N>, sample: &Sample<P, N>) -> [P; N] {
     let mut drives = sample.command;
     for (drive, offset) in drives.iter_mut().zip(state.output.offsets()) {
-        *drive = drive.moved(offset);
+        *drive = drive.moved(*offset);
     }
     drives
 }

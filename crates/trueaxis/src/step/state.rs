@@ -13,7 +13,7 @@ use crate::telemetry::{Record, Status};
 /// The mutable half: state from cycle to cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct State<R, P: Position, const N: usize> {
-    pub(super) sample: SampleState<R, P, N>,
+    pub(super) sample: SampleState<P, N>,
     pub(super) reversal: [Reversal<P>; N],
     /// The machine was homed in the last cycle.
     pub(super) homed: bool,
@@ -67,7 +67,14 @@ pub struct Output<R: Real, P, const N: usize> {
     pub record: Record<R, P, N>,
 }
 
-impl<R: Real, P, const N: usize> Output<R, P, N> {
+impl<R: Real, P: Position, const N: usize> Output<R, P, N> {
+    /// Before the first cycle: nothing to be written, nothing measured. Room for [`crate::ServoLoop::step_into`].
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = [P::default(); N];
+        Output { drive: zero, feedback: zero, record: Record::none() }
+    }
+
     /// The output is held and the host must stop the machine.
     pub fn stop_requested(&self) -> bool {
         self.record.status.has(Status::STOP_REQUEST)

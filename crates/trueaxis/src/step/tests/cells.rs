@@ -198,8 +198,8 @@ fn compare<R: Real, P: Position>(
     cycle: u32,
 ) {
     let mut probe = *state;
-    let sent = state.output.offsets();
-    let sample = servo.sampler.read(&mut probe.sample, input);
+    let sent = *state.output.offsets();
+    let sample = servo.sampler.look(&mut probe.sample, input);
     let before = probe.cells.windows();
     let kept = probe.cells.key() == servo.tables.key();
     let modelled = servo.model(&mut probe, &sample, false);
@@ -325,9 +325,9 @@ fn at_the_velocity_limit(tables: &Tables, period_ns: u32) -> Inverse {
             *place += *speed;
         }
         let input = servo.input(place, place);
-        let sent = state.output.offsets();
+        let sent = *state.output.offsets();
         let mut probe = state;
-        let sample = servo.sampler.read(&mut probe.sample, &input);
+        let sample = servo.sampler.look(&mut probe.sample, &input);
         let wanted = servo.model(&mut probe, &sample, false).wanted;
         let truth = Truth { directions: probe.reversal.map(|r| r.direction()), ..truth };
         let off = distance(wanted, truth.correction(place));

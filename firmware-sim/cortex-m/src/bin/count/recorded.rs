@@ -59,7 +59,7 @@ struct Memory<R: Real, P: Integer> {
     watched: State<R, P, AXES>,
     volumetric: State<R, P, AXES>,
     gauge: GaugeState<R, POINTS>,
-    output: Option<Output<R, P, AXES>>,
+    output: Output<R, P, AXES>,
 }
 
 #[inline(never)]
@@ -72,7 +72,8 @@ fn nothing<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 #[inline(never)]
 fn bare<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.memory.borrow_mut();
-    memory.output = Some(cycle.servo.step(&mut memory.bare, &cycle.input, cycle.path.on(cycle.reference), ()));
+    let on = cycle.path.on(cycle.reference);
+    cycle.servo.step_into(&mut memory.bare, &cycle.input, on, (), &mut memory.output);
     0
 }
 
@@ -80,8 +81,8 @@ fn bare<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
 #[inline(never)]
 fn volumetric<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.memory.borrow_mut();
-    memory.output =
-        Some(cycle.all_terms.step(&mut memory.volumetric, &cycle.input, cycle.path.on(cycle.reference), ()));
+    let on = cycle.path.on(cycle.reference);
+    cycle.all_terms.step_into(&mut memory.volumetric, &cycle.input, on, (), &mut memory.output);
     0
 }
 
@@ -90,7 +91,7 @@ fn gauged<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
     let memory = &mut *cycle.memory.borrow_mut();
     let mut ride = GaugeRide::new(cycle.gauge, &mut memory.gauge, &cycle.probes);
     let on = cycle.path.on(cycle.reference);
-    memory.output = Some(cycle.servo.step(&mut memory.gauged, &cycle.input, on, &mut ride));
+    cycle.servo.step_into(&mut memory.gauged, &cycle.input, on, &mut ride, &mut memory.output);
     u32::from(ride.cycle().finished)
 }
 
@@ -99,13 +100,12 @@ fn stages<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> [u32; STAGES.len()] {
     let memory = &mut *cycle.memory.borrow_mut();
     let mut ticks = [0; STAGES.len()];
     let mut last = now();
-    let output =
-        cycle.servo.step_watched(&mut memory.watched, &cycle.input, cycle.path.on(cycle.reference), (), |stage| {
-            let at = now();
-            ticks[stage as usize] = last.wrapping_sub(at);
-            last = now();
-        });
-    memory.output = Some(output);
+    let on = cycle.path.on(cycle.reference);
+    cycle.servo.step_watched(&mut memory.watched, &cycle.input, on, (), &mut memory.output, |stage| {
+        let at = now();
+        ticks[stage as usize] = last.wrapping_sub(at);
+        last = now();
+    });
     ticks
 }
 
@@ -159,7 +159,7 @@ pub fn all<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
         watched: state,
         volumetric: state,
         gauge: GaugeState::new(),
-        output: None,
+        output: Output::none(),
     }));
     let mut whole = [(); 3].map(|()| Tally::default());
     let mut middle = [(); 3].map(|()| Middle(arena.slice(1 << 14, 0)));
