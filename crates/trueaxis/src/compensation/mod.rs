@@ -174,9 +174,15 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// [`Volumetric::correction`]. What is looked up at the feedback needs no inverse and stays as it is read.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {
+        self.correction_in(query, self.passes, clamped)
+    }
+
+    /// The same in another number of passes.
+    #[inline(always)]
+    pub(crate) fn correction_in(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         match &self.model {
-            Model::Nine(nine) => nine.correction(query, self.passes, clamped),
-            Model::Volumetric(volumetric) => volumetric.correction(query, self.passes, clamped),
+            Model::Nine(nine) => nine.correction(query, passes, clamped),
+            Model::Volumetric(volumetric) => volumetric.correction(query, passes, clamped),
         }
     }
 }

@@ -34,18 +34,38 @@ const OVERLAP_MM: f64 = 0.02;
 
 /// Polynomials between two points of a table.
 pub(super) struct Interval<'a, R, const W: usize> {
-    /// From its start to the coordinate asked for, mm.
-    pub(super) down: R,
-    /// Its length, mm.
-    pub(super) width: R,
-    /// Change of the polynomials' parameter per mm.
+    /// Parameter at the coordinate asked for, zero at the start.
+    pub(super) t: R,
+    /// The parameter at the end.
+    pub(super) length: R,
+    /// Change of the parameter per mm.
     pub(super) rate: R,
-    /// Coefficients of a linear table, the parameter zero at the start.
+    /// mm per change of the parameter.
+    pub(super) unit: R,
+    /// Coefficients of a linear table.
     pub(super) linear: Option<&'a [Contribution<R, W>; 2]>,
     /// Those of a cubic one.
     pub(super) cubic: Option<&'a [Contribution<R, W>; 4]>,
     /// It is the table's first, its last.
     pub(super) ends: [bool; 2],
+}
+
+impl<R: Real> Interval<'_, R, 4> {
+    /// Translations at a parameter.
+    #[inline(always)]
+    pub(super) fn at(&self, t: R) -> [R; 3] {
+        match (self.linear, self.cubic) {
+            (Some([value, slope]), _) => xyz(&along(value, t, slope)),
+            (_, Some([value, c1, c2, c3])) => xyz(&along(value, t, &along(c1, t, &along(c2, t, c3)))),
+            _ => [R::ZERO; 3],
+        }
+    }
+}
+
+/// The translations of a line.
+#[inline(always)]
+pub(super) fn xyz<R: Real>([x, y, z, _]: &Contribution<R, 4>) -> [R; 3] {
+    [*x, *y, *z]
 }
 
 /// The errors of one axis as a function of its position, in the form for the step.
@@ -264,24 +284,26 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         points.saturating_sub(1)
     }
 
-    /// The interval between two points about a coordinate; the first or last one for what is beyond them.
+    /// The interval between two points about a coordinate; the first or last one, at its end, for what is beyond them.
     #[inline]
     pub(super) fn interval(&self, coordinate: R, direction: Direction) -> Interval<'a, R, W> {
         let last = self.intervals().saturating_sub(1);
-        let (index, down, width, rate) = if self.knots.is_empty() {
+        let (index, t, length, rate, unit);
+        if self.knots.is_empty() {
             let place = (coordinate * self.scale).limit(R::ZERO, self.last);
-            let index = (place.to_i32() as usize).min(last);
-            let width = R::ONE / self.scale;
-            (index, (place - R::of_i32(index as i32)) * width, width, self.scale)
+            index = (place.to_i32() as usize).min(last);
+            (t, length) = (place - R::of_i32(index as i32), R::ONE);
+            (rate, unit) = (self.scale, R::ONE / self.scale);
         } else {
             let clamped = coordinate.limit(R::ZERO, self.span);
-            let index = self.search(clamped).0.min(last);
+            index = self.search(clamped).0.min(last);
             let knot = |index: usize| self.knots.get(index).copied().unwrap_or(self.span);
-            (index, clamped - knot(index), knot(index.wrapping_add(1)) - knot(index), R::ONE)
-        };
+            (t, length) = (clamped - knot(index), knot(index.wrapping_add(1)) - knot(index));
+            (rate, unit) = (R::ONE, R::ONE);
+        }
         let line = index.wrapping_add(self.reverse_offset & direction.mask());
         let (linear, cubic) = (self.linear.get(line), self.cubic.get(line));
-        Interval { down, width, rate, linear, cubic, ends: [index == 0, index == last] }
+        Interval { t, length, rate, unit, linear, cubic, ends: [index == 0, index == last] }
     }
 
     /// How far an interval may be taken to go on beyond its ends, mm, so that no more than `tolerance` mm of error comes of
@@ -438,20 +460,35 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     }
 
     /// Interval of a free grid and the distance from its first point.
+    ///
+    /// A bucket of the guide holds one point at most, unless the grid is very uneven: one comparison then decides.
     #[inline(always)]
     fn search(&self, coordinate: R) -> (usize, R) {
-        let bucket = (coordinate * self.scale).to_i32() as usize;
-        let mut index = self.guide.get(bucket).map_or(0, |entry| entry.to_index());
+        let bucket = (coordinate * self.scale).to_u32() as usize;
+        let first = self.guide.get(bucket).map_or(0, |entry| entry.to_index());
+        let first = if self.depth > 1 { self.search_on(first, coordinate) } else { first };
+        let ahead = self.knots.get(first.wrapping_add(1)).is_some_and(|next| *next <= coordinate);
+        let index = first.wrapping_add(usize::from(ahead));
+        match self.knots.get(index) {
+            Some(knot) => (index, coordinate - *knot),
+            None => (index, R::ZERO),
+        }
+    }
+
+    /// Point of a crowded bucket, from the one before the bucket on, to the last but one that is not above the coordinate.
+    #[cold]
+    #[inline(never)]
+    fn search_on(&self, first: usize, coordinate: R) -> usize {
+        let mut index = first;
         let mut half = (1usize << (self.depth & 15)) >> 1;
-        for _ in 0..self.depth & 15 {
+        while half > 0 {
             let ahead = index.wrapping_add(half);
             if self.knots.get(ahead).is_some_and(|knot| *knot <= coordinate) {
                 index = ahead;
             }
             half >>= 1;
         }
-        let knot = self.knots.get(index).copied().unwrap_or(R::ZERO);
-        (index, coordinate - knot)
+        index
     }
 }
 

@@ -60,13 +60,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     #[inline(always)]
     fn all_go_on(&self, state: &mut State<R, P, N>) -> bool {
         let drives = state.output.drive().iter().zip(&self.within);
-        state
-            .reversal
-            .iter_mut()
-            .zip(drives)
-            .fold(true, |on, (reversal, (drive, within))| on & reversal.goes_on(*drive, *within))
+        state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.goes_on(*drive, *within))
     }
 
+    /// Anything else than a cycle within its cells.
     #[inline(never)]
     fn model_anew(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
         let before = state.reversal.map(|reversal| reversal.direction());
@@ -77,57 +74,69 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             state.cells.forget();
             return Modelled::NOTHING;
         }
-        match self.compensation.nine_terms() {
-            Some(terms) if self.tables.has_cells() => self.model_in_cells(state, sample, terms, (&before, &directions)),
-            _ => self.model_at_large(state, sample, &directions, tool),
+        let mut near = false;
+        if let (true, Some(terms)) = (self.tables.has_cells(), self.compensation.nine_terms()) {
+            let mut changed = !state.cells.are_of(&self.tables, &state.thermal);
+            for (slot, (before, now)) in before.iter().zip(&directions).enumerate() {
+                if before != now {
+                    state.cells.forget_axis(slot);
+                    changed = true;
+                }
+            }
+            if !changed {
+                if let Some(modelled) = self.refill(state, sample, terms, &directions) {
+                    return modelled;
+                }
+                near = state.cells.passes() == 1;
+            }
         }
+        self.model_at_large(state, sample, &directions, (tool, near))
     }
 
-    /// Three axes looked up at the command: cells that have been left are filled.
+    /// Only the axes have moved: cells that have been left are filled, or one of them where there are many, and the errors
+    /// are not known.
     #[inline(always)]
-    fn model_in_cells(
+    fn refill(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
         terms: &NineTerms<'_, R, P, N>,
-        (before, directions): (&[Direction; N], &[Direction; N]),
-    ) -> Modelled<R, N> {
-        let mut changed = !state.cells.are_of(&self.tables, &state.thermal);
-        for (slot, (before, now)) in before.iter().zip(directions).enumerate() {
-            if before != now {
-                state.cells.forget_axis(slot);
-                changed = true;
-            }
-        }
-        // Where more than the place has changed, one look-up more is made; cells are filled in the next cycle.
-        let refills = if changed { 0 } else { REFILLS };
-        let mut source = Source::new(terms, &self.tables, directions, &state.thermal, refills);
+        directions: &[Direction; N],
+    ) -> Option<Modelled<R, N>> {
         let mut at = drives(state, sample);
-        let (mut errors, mut at_edge) = source.at_command(&mut state.cells, &at);
-        for _ in 1..state.cells.passes(changed) & 15 {
-            for ((at, command), error) in at.iter_mut().zip(&sample.command).zip(errors) {
+        let mut source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, left: REFILLS };
+        if state.cells.missing(&at, &sample.feedback) > REFILLS {
+            source.fill_one(&mut state.cells, &at, &sample.feedback);
+            return None;
+        }
+        let mut errors = source.at_command(&mut state.cells, &at);
+        for _ in 1..state.cells.passes() & 15 {
+            for ((at, command), error) in at.iter_mut().zip(&sample.command).zip(errors?) {
                 *at = command.moved(P::offset(-error));
             }
-            (errors, at_edge) = source.at_command(&mut state.cells, &at);
+            errors = source.at_command(&mut state.cells, &at);
         }
         let tip = source.at_feedback(&mut state.cells, &sample.feedback);
-        Modelled::of_errors([errors, tip], at_edge)
+        Some(Modelled::of_errors([errors?, tip?], state.cells.at_edge()))
     }
 
-    /// Any tables.
+    /// Any tables, looked up without cells. `near`: the correction sent last is near enough to look up where it leads.
     #[inline(always)]
     fn model_at_large(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
         directions: &[Direction; N],
-        tool: bool,
+        (tool, near): (bool, bool),
     ) -> Modelled<R, N> {
         let mut at_edge = 0;
-        let command = self.compensation.coordinates(&sample.command);
+        let place = if near { drives(state, sample) } else { sample.command };
+        let command = self.compensation.coordinates(&place);
         let feedback = self.compensation.coordinates(&sample.feedback);
-        let wanted = self.compensation.correction(
+        let passes = if near { 1 } else { self.compensation.passes() };
+        let wanted = self.compensation.correction_in(
             &Query { command: &command, feedback: &feedback, directions, thermal: &state.thermal },
+            passes,
             &mut at_edge,
         );
         let thermal = &state.thermal;

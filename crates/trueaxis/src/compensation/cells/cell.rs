@@ -11,6 +11,11 @@ pub(super) struct Window<P: Position> {
 }
 
 impl<P: Position> Window<P> {
+    /// No position lies in it.
+    pub(super) fn nowhere() -> Self {
+        Window { low: P::of(f64::NAN), reach: P::Reach::default() }
+    }
+
     pub(super) fn between(low: P, high: P) -> Self {
         Window { low, reach: high.apart(low) }
     }
@@ -31,33 +36,38 @@ pub(super) struct Cell<R, P: Position> {
 impl<R: Real, P: Position> Cell<R, P> {
     /// No position lies in it.
     pub(super) fn nowhere() -> Self {
-        let (zero, window) = ([R::ZERO; 3], Window { low: P::of(f64::NAN), reach: P::Reach::default() });
-        Cell { window, slope: zero, curve: [zero; 2], start: zero }
+        let zero = [R::ZERO; 3];
+        Cell { window: Window::nowhere(), slope: zero, curve: [zero; 2], start: zero }
     }
 
-    /// Distance from its start, and whether the position lies in it.
+    /// Distance of a position from its start, if it lies in the cell.
     #[inline(always)]
-    pub(super) fn steps(&self, position: P) -> (R, bool) {
-        position.steps_above(self.window.low, self.window.reach)
+    pub(super) fn steps(&self, position: P) -> Option<R> {
+        let (steps, inside) = position.steps_above(self.window.low, self.window.reach);
+        if inside { Some(steps) } else { None }
     }
 
-    /// What a component rises from its start.
+    /// What the error rises from its start to a distance `t`.
     #[inline(always)]
-    pub(super) fn rise(&self, t: R, k: usize) -> R {
-        let [second, third] = &self.curve;
-        match (self.slope.get(k), second.get(k), third.get(k)) {
-            (Some(slope), Some(second), Some(third)) => t * (*slope + t * (*second + t * *third)),
-            _ => R::ZERO,
-        }
+    pub(super) fn rise(&self, t: R, cubic: bool) -> [R; 3] {
+        let [second, third] = self.curve;
+        let slope = if cubic { plus(self.slope, times(t, plus(second, times(t, third)))) } else { self.slope };
+        times(t, slope)
     }
 
     /// Error at a distance from its start.
     #[inline(always)]
     pub(super) fn error(&self, t: R, cubic: bool) -> [R; 3] {
-        if cubic {
-            core::array::from_fn(|k| self.start[k] + self.rise(t, k))
-        } else {
-            core::array::from_fn(|k| self.start[k] + t * self.slope[k])
-        }
+        plus(self.start, self.rise(t, cubic))
     }
+}
+
+#[inline(always)]
+pub(super) fn plus<R: Real>([a, b, c]: [R; 3], [x, y, z]: [R; 3]) -> [R; 3] {
+    [a + x, b + y, c + z]
+}
+
+#[inline(always)]
+pub(super) fn times<R: Real>(t: R, [x, y, z]: [R; 3]) -> [R; 3] {
+    [t * x, t * y, t * z]
 }

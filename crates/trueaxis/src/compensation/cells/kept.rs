@@ -1,8 +1,8 @@
 //! Cells kept from cycle to cycle.
 
 use super::LINEAR;
-use super::cell::Cell;
-use super::tables::{Passes, Tables};
+use super::cell::{Cell, Window, plus};
+use super::tables::Tables;
 use crate::compensation::thermal::ThermalLine;
 use crate::position::Position;
 use crate::real::Real;
@@ -23,31 +23,21 @@ impl<R: Real, P: Position> Point<R, P> {
     /// A cell has been filled.
     pub(super) fn sum_up(&mut self) {
         let [x, y, z] = &self.cells;
-        self.base = core::array::from_fn(|k| x.start[k] + y.start[k] + z.start[k]);
+        self.base = plus(plus(x.start, y.start), z.start);
     }
 
-    /// Distances from the starts of the cells, and whether all three positions lie in theirs.
+    /// Distances from the starts of the cells, if all three positions lie in theirs.
     #[inline(always)]
-    fn steps(&self, [x, y, z]: [P; LINEAR]) -> ([R; LINEAR], bool) {
+    fn steps(&self, [x, y, z]: [P; LINEAR]) -> Option<[R; LINEAR]> {
         let [cx, cy, cz] = &self.cells;
-        let (x, in_x) = cx.steps(x);
-        let (y, in_y) = cy.steps(y);
-        let (z, in_z) = cz.steps(z);
-        ([x, y, z], in_x & in_y & in_z)
+        Some([cx.steps(x)?, cy.steps(y)?, cz.steps(z)?])
     }
 
-    /// Sum of the linear polynomials.
+    /// Sum of the polynomials.
     #[inline(always)]
-    fn linear(&self, [x, y, z]: [R; LINEAR]) -> [R; 3] {
+    fn sum(&self, [x, y, z]: [R; LINEAR], cubic: bool) -> [R; 3] {
         let [cx, cy, cz] = &self.cells;
-        core::array::from_fn(|k| self.base[k] + x * cx.slope[k] + y * cy.slope[k] + z * cz.slope[k])
-    }
-
-    /// Sum of the cubic polynomials.
-    #[inline(always)]
-    fn cubic(&self, [x, y, z]: [R; LINEAR]) -> [R; 3] {
-        let [cx, cy, cz] = &self.cells;
-        core::array::from_fn(|k| self.base[k] + cx.rise(x, k) + cy.rise(y, k) + cz.rise(z, k))
+        plus(plus(plus(self.base, cx.rise(x, cubic)), cy.rise(y, cubic)), cz.rise(z, cubic))
     }
 }
 
@@ -55,7 +45,8 @@ impl<R: Real, P: Position> Point<R, P> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells<R, P: Position> {
     key: u64,
-    passes: Passes,
+    /// Look-ups of the inverse in a cycle.
+    passes: u8,
     pub(super) command: Point<R, P>,
     pub(super) feedback: Point<R, P>,
     /// A bit for every axis whose cell at the command lies beyond its table.
@@ -68,8 +59,7 @@ impl<R: Real, P: Position> Cells<R, P> {
 
     /// None yet, of no tables.
     pub(crate) fn none() -> Self {
-        let passes = Passes { motion: 1, any: 1 };
-        Cells { key: Self::NONE, passes, command: Point::nowhere(), feedback: Point::nowhere(), at_edge: 0 }
+        Cells { key: Self::NONE, passes: 1, command: Point::nowhere(), feedback: Point::nowhere(), at_edge: 0 }
     }
 
     /// Makes them cells of these tables, none yet if they were not; returns whether they were.
@@ -79,14 +69,23 @@ impl<R: Real, P: Position> Cells<R, P> {
             return true;
         }
         self.passes = tables.passes(thermal);
-        self.key = if self.passes.motion == 1 { tables.key } else { !tables.key };
-        (self.command, self.feedback, self.at_edge) = (Point::nowhere(), Point::nowhere(), 0);
+        self.key = if self.passes == 1 { tables.key } else { !tables.key };
+        (0..LINEAR).for_each(|slot| self.forget_axis(slot));
         false
     }
 
-    /// Look-ups of the inverse in this cycle; `anything`: more has changed than that the axes moved.
-    pub(crate) fn passes(&self, anything: bool) -> u8 {
-        if anything { self.passes.any } else { self.passes.motion }
+    /// Look-ups of the inverse in a cycle.
+    pub(crate) fn passes(&self) -> u8 {
+        self.passes
+    }
+
+    /// Cells that have been left.
+    pub(crate) fn missing<const N: usize>(&self, command: &[P; N], feedback: &[P; N]) -> u32 {
+        let of = |point: &Point<R, P>, positions: &[P; N]| {
+            let left = point.cells.iter().zip(positions).map(|(cell, position)| cell.steps(*position).is_none());
+            left.map(u32::from).sum::<u32>()
+        };
+        of(&self.command, command) + of(&self.feedback, feedback)
     }
 
     /// Key of the tables that they are of.
@@ -105,7 +104,7 @@ impl<R: Real, P: Position> Cells<R, P> {
     pub(crate) fn forget_axis(&mut self, slot: usize) {
         for point in [&mut self.command, &mut self.feedback] {
             if let Some(cell) = point.cells.get_mut(slot) {
-                *cell = Cell::nowhere();
+                cell.window = Window::nowhere();
             }
         }
     }
@@ -119,15 +118,11 @@ impl<R: Real, P: Position> Cells<R, P> {
     /// Errors at command and feedback, in mm; none where one of the axes has left its cell.
     #[inline(always)]
     pub(crate) fn errors(&self, command: [P; LINEAR], feedback: [P; LINEAR], cubic: bool) -> Option<[[R; 3]; 2]> {
-        let (command, at_command) = self.command.steps(command);
-        let (feedback, at_feedback) = self.feedback.steps(feedback);
-        if !(at_command & at_feedback) {
-            return None;
-        }
+        let (command, feedback) = (self.command.steps(command)?, self.feedback.steps(feedback)?);
         Some(if cubic {
-            [self.command.cubic(command), self.feedback.cubic(feedback)]
+            [self.command.sum(command, true), self.feedback.sum(feedback, true)]
         } else {
-            [self.command.linear(command), self.feedback.linear(feedback)]
+            [self.command.sum(command, false), self.feedback.sum(feedback, false)]
         })
     }
 
@@ -137,7 +132,7 @@ impl<R: Real, P: Position> Cells<R, P> {
         let [a, b, c] = &self.command.cells;
         let [d, e, f] = &self.feedback.cells;
         [a, b, c, d, e, f].map(|cell| {
-            let (window, nowhere) = (cell.window, Cell::<R, P>::nowhere().window);
+            let (window, nowhere) = (cell.window, Window::<P>::nowhere());
             (window.low.is_usable() || window.reach != nowhere.reach).then_some((window.low, window.reach))
         })
     }

@@ -1,195 +1,192 @@
-//! Errors of cells that have been left: filled anew, or looked up without.
+//! Cells that have been left are filled anew.
 
-use super::LINEAR;
-use super::cell::{Cell, Window};
+use super::cell::{Cell, Window, plus, times};
 use super::kept::{Cells, Point};
 use super::tables::{Borders, Tables};
 use crate::compensation::nine::NineTerms;
 use crate::compensation::reversal::Direction;
-use crate::compensation::table::AxisTable;
+use crate::compensation::table::{Interval, xyz};
 use crate::compensation::thermal::ThermalLine;
 use crate::position::Position;
 use crate::real::Real;
 
-/// Errors of one cycle, in cells and beside them.
+/// Where cells are filled from in one cycle.
 pub(crate) struct Source<'n, R, P: Position, const N: usize> {
-    terms: &'n NineTerms<'n, R, P, N>,
-    tables: &'n Tables<R, P>,
-    directions: &'n [Direction; N],
-    thermal: &'n [ThermalLine<R>; N],
+    /// The tables.
+    pub(crate) terms: &'n NineTerms<'n, R, P, N>,
+    /// Where their cells end.
+    pub(crate) tables: &'n Tables<R, P>,
+    /// Directions of travel.
+    pub(crate) directions: &'n [Direction; N],
+    /// Thermal growth.
+    pub(crate) thermal: &'n [ThermalLine<R>; N],
     /// Cells that may still be filled.
-    left: u32,
+    pub(crate) left: u32,
 }
 
-impl<'n, R: Real, P: Position, const N: usize> Source<'n, R, P, N> {
-    /// Fills at most so many cells.
-    pub(crate) fn new(
-        terms: &'n NineTerms<'n, R, P, N>,
-        tables: &'n Tables<R, P>,
-        directions: &'n [Direction; N],
-        thermal: &'n [ThermalLine<R>; N],
-        refills: u32,
-    ) -> Self {
-        Source { terms, tables, directions, thermal, left: refills }
-    }
-
-    /// Errors at the place of the command, and a bit for every axis that is beyond its table there.
+impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
+    /// Errors at the place of the command; none where a cell has been left that may not be filled.
     #[inline(always)]
-    pub(crate) fn at_command(&mut self, cells: &mut Cells<R, P>, positions: &[P; N]) -> ([R; 3], u8) {
-        let mut at_edge = cells.at_edge;
-        let errors = self.errors(&mut cells.command, &mut cells.at_edge, &mut at_edge, positions);
-        (errors, at_edge)
+    pub(crate) fn at_command(&mut self, cells: &mut Cells<R, P>, positions: &[P; N]) -> Option<[R; 3]> {
+        self.errors(&mut cells.command, &mut cells.at_edge, positions)
     }
 
-    /// Errors at the feedback.
+    /// Errors at the feedback, likewise.
     #[inline(always)]
-    pub(crate) fn at_feedback(&mut self, cells: &mut Cells<R, P>, positions: &[P; N]) -> [R; 3] {
-        self.errors(&mut cells.feedback, &mut 0, &mut 0, positions)
+    pub(crate) fn at_feedback(&mut self, cells: &mut Cells<R, P>, positions: &[P; N]) -> Option<[R; 3]> {
+        self.errors(&mut cells.feedback, &mut 0, positions)
     }
 
-    /// `kept`: a bit for every cell beyond its table; `at_edge` begins as it is and becomes the same of all positions.
+    /// Fills the first cell that has been left.
     #[inline(never)]
-    fn errors(&mut self, point: &mut Point<R, P>, kept: &mut u8, at_edge: &mut u8, positions: &[P; N]) -> [R; 3] {
-        let cubic = self.tables.is_cubic();
-        let mut sum = [R::ZERO; 3];
-        let mut bit = 1;
-        for slot in 0..LINEAR {
-            let (Some(cell), Some(position)) = (point.cells.get_mut(slot), positions.get(slot)) else { continue };
-            let (t, inside) = cell.steps(*position);
-            let part = if inside {
-                cell.error(t, cubic)
-            } else if self.left > 0 {
+    pub(crate) fn fill_one(&self, cells: &mut Cells<R, P>, command: &[P; N], feedback: &[P; N]) {
+        let at_command = cells.command.cells.iter_mut().zip(command).enumerate();
+        for (slot, (cell, position)) in at_command {
+            if cell.steps(*position).is_none() {
+                let beyond = u8::from(self.fill(slot, *position, cell));
+                cells.at_edge = (cells.at_edge & !(1 << (slot & 7))) | beyond << (slot & 7);
+                return cells.command.sum_up();
+            }
+        }
+        for (slot, (cell, position)) in cells.feedback.cells.iter_mut().zip(feedback).enumerate() {
+            if cell.steps(*position).is_none() {
+                self.fill(slot, *position, cell);
+                return cells.feedback.sum_up();
+            }
+        }
+    }
+
+    /// `at_edge`: a bit for every cell beyond its table.
+    #[inline(never)]
+    fn errors(&mut self, point: &mut Point<R, P>, at_edge: &mut u8, positions: &[P; N]) -> Option<[R; 3]> {
+        let (cubic, before) = (self.tables.is_cubic(), self.left);
+        let (mut sum, mut bit, mut found) = ([R::ZERO; 3], 1, true);
+        for (slot, (cell, position)) in point.cells.iter_mut().zip(positions).enumerate() {
+            if cell.steps(*position).is_none() && self.left > 0 {
                 self.left -= 1;
                 let beyond = self.fill(slot, *position, cell);
-                *kept = if beyond { *kept | bit } else { *kept & !bit };
                 *at_edge = if beyond { *at_edge | bit } else { *at_edge & !bit };
-                let (t, _) = cell.steps(*position);
-                cell.error(t, cubic)
-            } else {
-                let (part, beyond) = self.look_up(slot, *position);
-                *at_edge = if beyond { *at_edge | bit } else { *at_edge & !bit };
-                part
-            };
-            sum = core::array::from_fn(|k| sum[k] + part[k]);
+            }
+            match cell.steps(*position) {
+                Some(t) => sum = plus(sum, cell.error(t, cubic)),
+                None => found = false,
+            }
             bit <<= 1;
         }
-        point.sum_up();
-        sum
-    }
-
-    fn growth(&self, slot: usize) -> ThermalLine<R> {
-        self.thermal.get(slot).copied().unwrap_or_default()
-    }
-
-    /// Error along an axis, and whether it is beyond its table.
-    fn look_up(&self, slot: usize, position: P) -> ([R; 3], bool) {
-        let (Some(table), Some(direction)) = (self.terms.tables.get(slot), self.directions.get(slot)) else {
-            return ([R::ZERO; 3], false);
-        };
-        let coordinate = table.coordinate(position);
-        let ([x, y, z, _], beyond) = if self.tables.is_cubic() {
-            table.at_cubic(coordinate, *direction)
-        } else {
-            table.at_linear(coordinate, *direction)
-        };
-        let mut error = [x, y, z];
-        self.add_linear(slot, coordinate, &mut error, &mut [R::ZERO; 3]);
-        (error, beyond)
+        if self.left < before {
+            point.sum_up();
+        }
+        found.then_some(sum)
     }
 
     /// Fills the cell of an axis about a position; returns whether it lies beyond the table.
+    #[inline(never)]
     fn fill(&self, slot: usize, position: P, cell: &mut Cell<R, P>) -> bool {
-        let (Some(table), Some(borders), Some(direction)) =
-            (self.terms.tables.get(slot), self.tables.borders.get(slot), self.directions.get(slot))
-        else {
+        let (Some(table), Some(borders), Some(direction), Some(growth)) = (
+            self.terms.tables.get(slot),
+            self.tables.borders.get(slot),
+            self.directions.get(slot),
+            self.thermal.get(slot),
+        ) else {
             return false;
         };
         let coordinate = table.coordinate(position);
+        let interval = table.interval(coordinate, *direction);
         let [first, last] = borders.ends;
-        let beyond = position < first || position > last;
-        let down = if beyond || table.is_empty() {
-            let [below, above] = borders.beyond;
-            cell.window = if position < first { below } else { above };
-            let ([x, y, z, _], _) = table.at(coordinate, *direction);
-            (cell.start, cell.slope, cell.curve) = ([x, y, z], [R::ZERO; 3], [[R::ZERO; 3]; 2]);
-            anchor(position, cell)
+        let (below, above) = (position < first, position > last);
+        let within = !(below || above || table.is_empty());
+        cell.window = if within {
+            between_points(borders, position, &interval)
+        } else if below {
+            borders.below
         } else {
-            within(table, borders, position, coordinate, *direction, cell)
+            borders.above
         };
-        self.add_linear(slot, coordinate - down, &mut cell.start, &mut cell.slope);
-        beyond && !table.is_empty()
+        let t = match cell.steps(position) {
+            Some(t) => t,
+            None => {
+                // The gap beside a table's end, or farther from it than a cell reaches: this position alone.
+                cell.window = Window::between(position, position);
+                R::ZERO
+            }
+        };
+        let down = t * R::of(P::STEP);
+        if within {
+            expand(&interval, down, cell);
+        } else {
+            (cell.start, cell.slope, cell.curve) = (interval.at(interval.t), [R::ZERO; 3], [[R::ZERO; 3]; 2]);
+        }
+        let line = self.line(slot, growth);
+        cell.start = plus(cell.start, line.at(coordinate - down));
+        cell.slope = plus(cell.slope, times(R::of(P::STEP), line.slope));
+        (below || above) && !table.is_empty()
     }
 
-    /// Adds squareness and thermal growth along one axis: to the error at a coordinate, and to its slope per step.
+    /// Squareness and thermal growth along an axis.
     #[inline(always)]
-    fn add_linear(&self, slot: usize, coordinate: R, [x, y, z]: &mut [R; 3], [dx, dy, dz]: &mut [R; 3]) {
-        let (Some(origin), Some(datum)) = (self.terms.origins.get(slot), self.terms.datum.get(slot)) else { return };
-        let (q, step, growth) = (coordinate + *origin, R::of(P::STEP), self.growth(slot));
-        let [c0y, b0z, a0z] = self.terms.squareness;
-        let (own, rate) = match slot {
-            0 => (x, dx),
-            1 => {
-                *x += -c0y * q;
-                *dx += -c0y * step;
-                (y, dy)
-            }
-            _ => {
-                *x += b0z * q;
-                *dx += b0z * step;
-                *y += -a0z * q;
-                *dy += -a0z * step;
-                (z, dz)
-            }
+    fn line(&self, slot: usize, growth: &ThermalLine<R>) -> Line<R> {
+        let (Some(origin), Some(datum)) = (self.terms.origins.get(slot), self.terms.datum.get(slot)) else {
+            return Line::default();
         };
-        *own += growth.at(q - *datum);
-        *rate += growth.slope() * step;
+        let [c0y, b0z, a0z] = self.terms.squareness;
+        let mut slope = match slot {
+            0 => [R::ZERO; 3],
+            1 => [-c0y, R::ZERO, R::ZERO],
+            _ => [b0z, -a0z, R::ZERO],
+        };
+        let mut at_origin = times(*origin, slope);
+        if let (Some(own), Some(rate)) = (at_origin.get_mut(slot), slope.get_mut(slot)) {
+            *own += growth.at(*origin - *datum);
+            *rate += growth.slope();
+        }
+        Line { at_origin, slope }
     }
 }
 
-/// Lays the cell about a position that it does not reach; distance of the position from its start, mm.
-#[inline(always)]
-fn anchor<R: Real, P: Position>(position: P, cell: &mut Cell<R, P>) -> R {
-    let (t, inside) = cell.steps(position);
-    if inside {
-        return t * R::of(P::STEP);
-    }
-    cell.window = Window::between(position, position);
-    R::ZERO
+/// What is linear in the position, all along an axis.
+#[derive(Clone, Copy, Default)]
+struct Line<R> {
+    /// Where the table begins.
+    at_origin: [R; 3],
+    /// Per mm.
+    slope: [R; 3],
 }
 
-/// The cell between two points of a table; distance of the position from its start, mm.
+impl<R: Real> Line<R> {
+    #[inline(always)]
+    fn at(&self, coordinate: R) -> [R; 3] {
+        plus(self.at_origin, times(coordinate, self.slope))
+    }
+}
+
+/// Window of the cell between two points of a table.
 #[inline(always)]
-fn within<R: Real, P: Position>(
-    table: &AxisTable<'_, R, P>,
+fn between_points<R: Real, P: Position>(
     borders: &Borders<R, P>,
     position: P,
-    coordinate: R,
-    direction: Direction,
-    cell: &mut Cell<R, P>,
-) -> R {
-    let interval = table.interval(coordinate, direction);
-    let [first, last] = borders.ends;
-    let [is_first, is_last] = interval.ends;
-    let low = if is_first { first } else { position.plus(-(interval.down + borders.overlap)) };
-    let high = if is_last { last } else { position.plus(interval.width - interval.down + borders.overlap) };
-    cell.window = Window::between(low, high);
-    let down = anchor(position, cell);
+    interval: &Interval<'_, R, 4>,
+) -> Window<P> {
+    let ([first, last], [is_first, is_last]) = (borders.ends, interval.ends);
+    let down = interval.t * interval.unit;
+    let low = if is_first { first } else { position.plus(-(down + borders.overlap)) };
+    let high = if is_last { last } else { position.plus(interval.unit * interval.length - down + borders.overlap) };
+    Window::between(low, high)
+}
+
+/// Polynomials of the cell between two points of a table, `down` mm below the coordinate.
+#[inline(always)]
+fn expand<R: Real, P: Position>(interval: &Interval<'_, R, 4>, down: R, cell: &mut Cell<R, P>) {
     // The parameter at the cell's start, and its change per step.
-    let (u, unit) = ((interval.down - down) * interval.rate, interval.rate * R::of(P::STEP));
-    let zero = [R::ZERO; 3];
-    if let Some([[vx, vy, vz, _], [sx, sy, sz, _]]) = interval.linear {
-        cell.start = [*vx + u * *sx, *vy + u * *sy, *vz + u * *sz];
-        cell.slope = [unit * *sx, unit * *sy, unit * *sz];
-        cell.curve = [zero; 2];
+    let (u, unit) = (interval.t - down * interval.rate, interval.rate * R::of(P::STEP));
+    if let Some([value, slope]) = interval.linear {
+        cell.start = plus(xyz(value), times(u, xyz(slope)));
+        cell.slope = times(unit, xyz(slope));
+        cell.curve = [[R::ZERO; 3]; 2];
     } else if let Some([c0, c1, c2, c3]) = interval.cubic {
-        let (second, third) = (unit * unit, unit * unit * unit);
-        let thrice = R::THREE * u;
-        for k in 0..3 {
-            cell.start[k] = c0[k] + u * (c1[k] + u * (c2[k] + u * c3[k]));
-            cell.slope[k] = unit * (c1[k] + u * (R::TWO * c2[k] + thrice * c3[k]));
-            cell.curve[0][k] = second * (c2[k] + thrice * c3[k]);
-            cell.curve[1][k] = third * c3[k];
-        }
+        let (c0, c1, c2, c3) = (xyz(c0), xyz(c1), xyz(c2), xyz(c3));
+        let (second, third, thrice) = (unit * unit, unit * unit * unit, times(R::THREE * u, c3));
+        cell.start = plus(c0, times(u, plus(c1, times(u, plus(c2, times(u, c3))))));
+        cell.slope = times(unit, plus(c1, times(u, plus(plus(c2, c2), thrice))));
+        cell.curve = [times(second, plus(c2, thrice)), times(third, c3)];
     }
-    down
 }

@@ -22,8 +22,8 @@ const GAP_MM: f64 = 1e-6;
 pub(super) struct Borders<R, P: Position> {
     /// The table's first and last position.
     pub(super) ends: [P; 2],
-    /// Below and above the table.
-    pub(super) beyond: [Window<P>; 2],
+    pub(super) below: Window<P>,
+    pub(super) above: Window<P>,
     /// How far a cell goes on beyond a point within the table, mm.
     pub(super) overlap: R,
 }
@@ -35,7 +35,8 @@ impl<R: Real, P: Position> Borders<R, P> {
         let window = |low: f64, high: f64| Window::between(P::nearest(low), P::nearest(high));
         Borders {
             ends: table.ends(),
-            beyond: [window(first - BEYOND_MM, first - gap), window(last + gap, last + BEYOND_MM)],
+            below: window(first - BEYOND_MM, first - gap),
+            above: window(last + gap, last + BEYOND_MM),
             overlap: R::of(table.overlap(OVERLAP_MM)),
         }
     }
@@ -118,35 +119,23 @@ impl<R: Real, P: Position> Tables<R, P> {
     /// |r − r*| <= κᵖ |c − r*|       |c − r*| <= |c − r| + |r − r*|       |r − r*| <= κᵖ |c − r| / (1 − κᵖ)
     /// ```
     ///
-    /// Locked on, the limiter sends r, and |c − r| is what r has changed since the last cycle: by motion at most
-    /// κ |Δq| / (1 − κ), by anything at most what the limiter lets pass. While the limiter approaches, c − r is what is left
-    /// of the way, and the error vanishes with it.
-    pub(super) fn passes<const N: usize>(&self, thermal: &[ThermalLine<R>; N]) -> Passes {
+    /// Locked on, the limiter sends r, and |c − r| is what r has changed since the last cycle: by motion, at most
+    /// κ |Δq| / (1 − κ), and at most what the limiter lets pass. While the limiter approaches, c − r is what is left of the
+    /// way, and the error vanishes with it. Where anything but motion changes r, the inverse starts from nothing.
+    pub(super) fn passes<const N: usize>(&self, thermal: &[ThermalLine<R>; N]) -> u8 {
         let growth = thermal.iter().fold(R::ZERO, |most, line| most.max(line.slope().abs()));
         let norm = self.norm + growth;
-        let for_change = |change: R| {
-            let mut error = norm * change;
-            let mut passes = 1;
-            while passes < self.most && !(error <= R::of(INVERSE_MM) * (R::ONE - norm)) {
-                error = error * norm;
-                passes += 1;
-            }
-            passes
-        };
+        let rest = R::ONE - norm;
         let by_motion = norm * self.motion;
-        let by_motion =
-            if by_motion < self.change * (R::ONE - norm) { by_motion / (R::ONE - norm) } else { self.change };
-        Passes { motion: for_change(by_motion), any: for_change(self.change) }
+        let change = if by_motion < self.change * rest { by_motion / rest } else { self.change };
+        let mut error = norm * change;
+        let mut passes = 1;
+        while passes < self.most && !(error <= R::of(INVERSE_MM) * rest) {
+            error = error * norm;
+            passes += 1;
+        }
+        passes
     }
-}
-
-/// Look-ups of the inverse in a cycle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Passes {
-    /// In which the axes have moved on.
-    pub(super) motion: u8,
-    /// In which anything else has changed too: a direction of travel, growth, tables, the state of the machine.
-    pub(super) any: u8,
 }
 
 /// Every bit of the result depends on all bits of `x` (splitmix64's finish).

@@ -203,6 +203,7 @@ fn compare<R: Real, P: Position>(
     let before = probe.cells.windows();
     let kept = probe.cells.key() == servo.tables.key();
     let modelled = servo.model(&mut probe, &sample, false);
+    let only_moved = kept && state.reversal.map(|r| r.direction()) == probe.reversal.map(|r| r.direction());
     let filled = before.iter().zip(probe.cells.windows()).filter(|(a, b)| *a != b && b.is_some()).count();
     worst.filled = worst.filled.max(filled);
     if !matches!(sample.verdict, Verdict::Active | Verdict::Inactive) || !sample.homed {
@@ -233,9 +234,9 @@ fn compare<R: Real, P: Position>(
         worst.locked = worst.locked.max(off);
     }
     for (slot, place) in place.into_iter().enumerate() {
-        // With a second look-up the place is that of the correction just found.
-        let near_end = ENDS.iter().any(|end| (place - end).abs() < 2e-6 + left);
-        if !near_end && !tables.rows[slot].is_empty() {
+        let near_end = ENDS.iter().any(|end| (place - end).abs() < 2e-6);
+        // Where more than the place has changed, the inverse begins at the command, and either counts.
+        if only_moved && !near_end && !tables.rows[slot].is_empty() {
             let beyond = place < ENDS[0] || place > ENDS[1];
             assert_eq!(modelled.at_edge >> slot & 1 == 1, beyond, "{cycle}: axis {slot} at {place}");
             worst.edges += usize::from(beyond);
