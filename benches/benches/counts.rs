@@ -132,16 +132,11 @@ fn limiter(limits: &'static mut Limits) -> u8 {
     black_box(limits.follow())
 }
 
-fn typical() -> &'static mut Cycle {
-    leak(step::typical())
-}
-
 fn worst() -> &'static mut Cycle {
     leak(step::worst(20_000))
 }
 
 #[library_benchmark]
-#[bench::typical(setup = typical)]
 #[bench::worst(setup = worst)]
 fn whole_step(cycle: &'static mut Cycle) -> trueaxis::Output<f64, f64, 3> {
     black_box(cycle.run())

@@ -58,7 +58,7 @@ fn limiter(c: &mut Criterion) {
 fn whole_step(c: &mut Criterion) {
     let mut group = c.benchmark_group("three-axis step");
     let mut cycles = Vec::new();
-    step::walk(2600, |cycle, _| cycles.push(*cycle));
+    step::walk(2600, |_, cycle, _| cycles.push(*cycle));
     let mut next = cycles.iter().skip(2000).cycle();
     group.bench_function("butterfly", |b| b.iter(|| next.next().map(|cycle| { black_box(*cycle) }.run())));
     group.finish();

@@ -1,5 +1,6 @@
 //! Fixed inputs for the benches: everything comes from seeds, so that instruction counts repeat exactly.
 
+pub mod adversarial;
 pub mod contour;
 pub mod gauge;
 pub mod kinematics;

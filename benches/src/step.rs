@@ -34,9 +34,12 @@ impl Cycle {
     }
 }
 
-/// Walks the butterfly at 100 mm/s with readings that stray by ±5 µm; calls `seen` with every cycle as it was before
-/// it ran, and its output.
-pub fn walk(cycles: u32, mut seen: impl FnMut(&Cycle, &Output<f64, f64, 3>)) {
+/// Cycles for which the walk stands first, until the search is warm and the correction is led in.
+pub const STANDING: u32 = 2000;
+
+/// Walks the butterfly at 100 mm/s, to its end or for so many cycles, with readings that stray by ±5 µm; calls `seen`
+/// with the number of every cycle, the cycle as it was before it ran, and its output.
+pub fn walk(cycles: u32, mut seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>)) {
     let machine = Box::leak(Box::new(machine()));
     let tables = [1, 2, 3].map(|seed| rows(Grid::Equidistant, seed));
     let config = Config {
@@ -60,8 +63,7 @@ pub fn walk(cycles: u32, mut seen: impl FnMut(&Cycle, &Output<f64, f64, 3>)) {
     let mut random = Random(17);
     let mut place = 0.0;
     for number in 0..cycles {
-        // Stands first, until the search is warm and the correction is led in.
-        place += if number < 2000 { 0.0 } else { 0.01 };
+        place += if number < STANDING { 0.0 } else { 0.01 };
         let Some(mut span) = cycle.path.span(cycle.reference.span) else { break };
         if place > span.length() {
             if cycle.reference.span + 1 >= track.pieces() {
@@ -76,26 +78,14 @@ pub fn walk(cycles: u32, mut seen: impl FnMut(&Cycle, &Output<f64, f64, 3>)) {
         cycle.input.feedback = cycle.input.command.map(|x| x + 0.005 * random.signed());
         let before = cycle;
         let output = cycle.run();
-        seen(&before, &output);
+        seen(number, &before, &output);
     }
-}
-
-/// A cycle in which both searches end in the kernel and no limit binds.
-pub fn typical() -> Cycle {
-    let mut found = None;
-    walk(2600, |cycle, output| {
-        let record = &output.record;
-        if record.tip.evaluations == 2 && record.encoder.evaluations == 2 && record.limited == 0 {
-            found = Some(*cycle);
-        }
-    });
-    found.expect("such a cycle")
 }
 
 /// The cycle of the walk with the most evaluations of the path, the most limited axes among those.
 pub fn worst(cycles: u32) -> Cycle {
     let mut found = None;
-    walk(cycles, |cycle, output| {
+    walk(cycles, |_, cycle, output| {
         let record = &output.record;
         let evaluations = u32::from(record.tip.evaluations) + u32::from(record.encoder.evaluations);
         let score = 4 * evaluations + record.limited.count_ones();

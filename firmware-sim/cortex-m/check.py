@@ -1,16 +1,24 @@
 #!/usr/bin/env python3
-"""Holds counts of the image against the committed ones: check.py [--commit] counts.toml m4f=FILE m7=FILE
+"""Holds counts of the image against the committed ones: check.py [--commit] counts.toml m4f=FILE m7=FILE host=FILE
 
-Fails (exit 1) where a count is above the committed one by more than 0.5 %. A committed count above its limit is shown
-as "limit missed" in every run. --commit writes the counts measured into the file, limits as they are.
+Fails (exit 1) where a count is above the committed one by more than 0.5 %, or where the image's outputs over the
+adversarial cycles are not the host's, bit for bit. A committed count above its limit is shown as "limit missed" in every
+run. --commit writes the counts measured into the file, limits as they are, and the dearest adversarial cycles into
+adversarial.toml beside it.
 """
 
+import json
 import re
 import sys
 import tomllib
+from pathlib import Path
 
 GROWTH = 1.005
 SCALAR = {"m4f": "f32", "m7": "f64"}
+# Adversarial cycles that have to be met at least, of 100,000.
+MET = {"active": 50_000, "frozen": 2_000, "stopped": 1_000, "limited": 10_000, "bracketed": 5_000, "undisturbed": 50_000}
+# Lines that are no counts.
+NO_COUNTS = ("digests", "dearest", "replay")
 
 
 def counts(target, path):
@@ -20,7 +28,7 @@ def counts(target, path):
         words = line.split()
         if words and words[0] == "PANIC":
             sys.exit(f"{path}: {line}")
-        if words and words[0] == SCALAR[target]:
+        if words and words[0] == SCALAR[target] and words[1] not in NO_COUNTS:
             figures = dict(zip(words[2::2], words[3::2]))
             found |= {f"{words[1]}.{figure}": float(value) for figure, value in figures.items()}
     return found
@@ -44,17 +52,59 @@ def commit(path, measured):
     open(path, "w", encoding="utf-8").write("[[budget]]".join([head, *map(rewritten, blocks)]))
 
 
+def after(path, beginning):
+    """The rest of every line that begins so."""
+    lines = open(path, encoding="ascii").read().splitlines()
+    return [line.removeprefix(beginning).strip() for line in lines if line.startswith(beginning)]
+
+
+def commit_dearest(path, files):
+    """The dearest adversarial cycles of every target, and what the first of them was."""
+    text = "# Adversarial cycles that cost most, nine terms, dearest first; of the first what it is. Written by count.sh --commit;\n"
+    text += "# `count.sh --replay CYCLE` runs one. benches/check-budgets.sh counts those of the M7 on the host.\n"
+    for target, file in files.items():
+        scalar = SCALAR[target]
+        [cycle, *rest] = after(file, f"{scalar} replay ")
+        text += f"\n[{target}]\n"
+        text += f"worst = {json.dumps(cycle)}\n"
+        for line in rest:
+            name, value = re.match(r"(\w+):? (.*)", line).groups()
+            text += f"{name} = {json.dumps(value)}\n"
+        [dearest] = after(file, f"{scalar} dearest ")
+        numbers = dearest.split()
+        rows = [", ".join(numbers[k : k + 16]) for k in range(0, len(numbers), 16)]
+        text += "dearest = [\n" + "".join(f"    {row},\n" for row in rows) + "]\n"
+    path.write_text(text, encoding="utf-8")
+
+
+def differ(files, host):
+    """Whether an image's digests of the adversarial outputs are other than the host's."""
+    bad = False
+    for target, file in files.items():
+        beginning = f"{SCALAR[target]} digests of "
+        image, on_host = after(file, beginning), after(host, beginning)
+        if image != on_host or not image:
+            print(f"{target}: found digests of the adversarial outputs {image}, needed the host's: {on_host}")
+            bad = True
+        else:
+            print(f"{target}: outputs of {image[0].split()[0]} adversarial cycles bit for bit as on the host, in all three forms")
+    return bad
+
+
 def main():
     arguments = sys.argv[1:]
     committing = arguments[:1] == ["--commit"]
     path, *files = arguments[committing:]
-    measured = {target: counts(target, file) for target, file in (argument.split("=", 1) for argument in files)}
+    files = dict(argument.split("=", 1) for argument in files)
+    host = files.pop("host")
+    measured = {target: counts(target, file) for target, file in files.items()}
     if committing:
         commit(path, measured)
+        commit_dearest(Path(path).with_name("adversarial.toml"), files)
     budgets = tomllib.load(open(path, "rb"))["budget"]
-    failed = False
+    failed = differ(files, host)
     print("instructions, not cycles")
-    print(f"{'thing':28} {'target':6} {'measured':>9} {'committed':>9} {'limit':>7} {'goal':>6}")
+    print(f"{'thing':31} {'target':6} {'measured':>9} {'committed':>9} {'limit':>7} {'goal':>6}")
     for target, found in measured.items():
         for budget in (b for b in budgets if b["target"] == target):
             count, committed, limit = found.get(budget["thing"]), budget.get("count"), budget.get("limit")
@@ -67,7 +117,7 @@ def main():
                 verdict = "limit missed"
             row = (count, committed, limit, budget.get("goal"))
             row = ["-" if x is None else f"{x:g}" if x < 1e6 else f"{x:.0f}" for x in row]
-            print(f"{budget['thing']:28} {target:6} {row[0]:>9} {row[1]:>9} {row[2]:>7} {row[3]:>6}  {verdict}".rstrip())
+            print(f"{budget['thing']:31} {target:6} {row[0]:>9} {row[1]:>9} {row[2]:>7} {row[3]:>6}  {verdict}".rstrip())
         worst, mean = found.get("slice.worst"), found.get("slice.mean")
         if worst and mean and worst > 1.4 * mean:
             print(f"{target}: the worst slice takes {worst / mean:.2f} of the mean, needed at most 1.4")
@@ -76,6 +126,11 @@ def main():
         if found.get("recording.cycles", 0) < 10_000 or found.get("recording.revolutions", 0) < 1:
             print(f"{target}: found {found.get('recording.cycles')} cycles and {found.get('recording.revolutions')} revolutions, "
                   "needed 10000 and a whole one")
+            failed = True
+        # Nor the adversarial cycles: every state has to be met often.
+        rare = {name: found.get(f"met.{name}", 0) for name in MET if found.get(f"met.{name}", 0) < MET[name]}
+        if rare:
+            print(f"{target}: found {rare} adversarial cycles, needed at least {MET}")
             failed = True
     return int(failed)
 

@@ -1,7 +1,11 @@
 #!/usr/bin/env bash
 # Counts the instructions of the step and its parts on a Cortex-M4F (f32) and a Cortex-M7 (f64) in QEMU, over a recording
 # with reversals, corners, faults, an exchange of tables and a whole revolution at the gauge, and holds them against
-# counts.toml. `count.sh --commit` writes what was measured into counts.toml instead.
+# counts.toml, and over 100,000 adversarial cycles, whose outputs must be the host's bit for bit.
+#
+#   count.sh --commit                      writes what was measured into counts.toml and adversarial.toml instead
+#   count.sh --replay CYCLE                runs an adversarial cycle: events, stages, inputs
+#   count.sh --replay-recorded CYCLE       runs a cycle of the recording
 #
 # Installs the target, and QEMU where root may.
 set -euo pipefail
@@ -15,14 +19,26 @@ mcu=thumbv7em-none-eabihf
 "$repository/.ci/install" "rustup:target:$mcu" qemu-system-arm
 
 # In the repository's folder: this one's configuration asks for the processor's target.
-(cd "$repository" && CARGO_TARGET_DIR="$on_host" cargo build --quiet --release -p firmware-sim -p trueaxis-cli)
+(cd "$repository" && CARGO_TARGET_DIR="$on_host" cargo build --quiet --release -p firmware-sim -p trueaxis-cli -p trueaxis-benches)
 inputs=$target/count
 mkdir -p "$inputs"
 "$on_host/release/trueaxis" tables compile machine -o "$inputs/a.tcomp" 2>"$inputs/compile.log"
 "$on_host/release/trueaxis" tables compile machine/warm.toml -o "$inputs/b.tcomp" 2>>"$inputs/compile.log"
 "$on_host/release/firmware-sim" record --machine machine --program short-tour --rate-hz 1000 --drill --exchange-at 12000 \
     -o "$inputs/run.rec" >"$inputs/record.log" 2>&1
+"$on_host/release/counted" digest >"$target/host.txt"
 
+request=()
+case ${1-} in
+--replay-recorded) kind=1 ;;
+--replay) kind=2 ;;
+*) kind= ;;
+esac
+replay=${kind:+-replay}
+if [[ -n $kind ]]; then
+    # Where regions.rs looks for it.
+    request=(-device "loader,addr=0x003ffff8,data=$kind,data-len=4" -device "loader,addr=0x003ffffc,data=$2,data-len=4")
+fi
 # board, processor, name, build
 count() {
     local board=$1 processor=$2 name=$3
@@ -33,10 +49,10 @@ count() {
         # QEMU separates options by commas and doubles those in names.
         flash+=(-device "loader,file=${inputs//,/,,}/${file%=*},addr=${file#*=},force-raw=on")
     done
-    timeout 300 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
-        -icount shift=7,align=off,sleep=off -semihosting-config enable=on,target=native "${flash[@]}" \
-        -kernel "$target/$name/$mcu/release/count" >"$target/$name.txt" || {
-        tail -3 "$target/$name.txt" >&2
+    timeout 600 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
+        -icount shift=7,align=off,sleep=off -semihosting-config enable=on,target=native "${flash[@]}" "${request[@]}" \
+        -kernel "$target/$name/$mcu/release/count" >"$target/$name$replay.txt" || {
+        tail -3 "$target/$name$replay.txt" >&2
         return 1
     }
 }
@@ -47,4 +63,7 @@ CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' \
 second=$!
 wait "$first"
 wait "$second"
-exec python3 check.py "$@" counts.toml "m4f=$target/m4f.txt" "m7=$target/m7.txt"
+if [[ -n $kind ]]; then
+    exec cat "$target/m4f$replay.txt" "$target/m7$replay.txt"
+fi
+exec python3 check.py "$@" counts.toml "m4f=$target/m4f.txt" "m7=$target/m7.txt" "host=$target/host.txt"

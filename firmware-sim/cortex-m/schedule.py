@@ -3,36 +3,46 @@
 
 Between the markers `schedule` of a page stand the servo rates that the counts allow,
 
-    load = rate · (margin · worst + overhead) · cycles per instruction / clock
+    load = rate · (worst + overhead) · cycles per instruction / clock
 
-between the markers `counts` the counts themselves, between the markers `stack` the bounds of proofs/budgets.toml. --check fails (exit 1) where a page holds another table, --write puts
-them there.
+between the markers `counts` the counts themselves, `limits` the whole step against its limits, `cycles` the estimates of
+cycles.toml, `stack` the bounds of proofs/budgets.toml, `host` and `budgets` the counts of benches/budgets.toml. A row of
+the README follows too. --check fails (exit 1) where a page holds another table, --write puts them there.
 """
 
 import sys
 import tomllib
-from glob import glob
-from os.path import dirname
+from pathlib import Path
 
 # Core, clock, bound of the mean cycles an instruction.
 CORES = [("m4f", "Cortex-M4F, f32", 168e6, 2.0), ("m7", "Cortex-M7, f64", 480e6, 2.0)]
 # Entry and exit of the interrupt, hand-over of tables, the record into its queue: instructions.
 OVERHEAD = 400
-# Over the worst cycle of the recording.
-MARGIN = 1.1
+# Name, counts over the recording, counts over the adversarial cycles.
 CONFIGURATIONS = [
-    ("three axes, nine terms", "step"),
-    ("three axes, nine terms, gauge of 1024 points", "step_gauge"),
-    ("three axes, volumetric, cubic tables", "step_volumetric"),
+    ("three axes, nine terms", "step", "adversarial"),
+    ("three axes, nine terms, gauge of 1024 points", "step_gauge", "adversarial_gauge"),
+    ("three axes, volumetric, cubic tables", "step_volumetric", "adversarial_volumetric"),
 ]
 RATES = [1_000, 2_000, 4_000, 10_000, 20_000]
 # Of the period: the rest is the host's own.
 SHARE = 0.5
 # Rows of the counts table.
 SHOWN = [
-    ("whole step, three axes: typical; worst", "step.typical", "step.worst"),
-    ("with a gauge of 1024 points: typical; worst", "step_gauge.typical", "step_gauge.worst"),
-    ("three axes, volumetric, cubic tables: typical; worst", "step_volumetric.typical", "step_volumetric.worst"),
+    ("whole step, three axes: typical; mean; worst", "step.typical", "step.mean", "step.worst"),
+    ("with a gauge of 1024 points: typical; mean; worst", "step_gauge.typical", "step_gauge.mean", "step_gauge.worst"),
+    (
+        "three axes, volumetric, cubic tables: typical; mean; worst",
+        "step_volumetric.typical",
+        "step_volumetric.mean",
+        "step_volumetric.worst",
+    ),
+    (
+        "worst of 100,000 adversarial cycles: nine terms; with a gauge; volumetric",
+        "adversarial.worst",
+        "adversarial_gauge.worst",
+        "adversarial_volumetric.worst",
+    ),
     ("plausibility of commands and readings", "stage_sample.mean"),
     ("tables, inverse, estimated tip", "stage_compensation.mean"),
     ("contour error of tip and encoder position: mean; worst", "stage_contour.mean", "stage_contour.worst"),
@@ -46,27 +56,88 @@ SHOWN = [
 ]
 
 
+def counts_of(budgets):
+    return {(b["target"], b["thing"]): b["count"] for b in budgets if "count" in b}
+
+
+def seconds(count, per_instruction, clock):
+    return (count + OVERHEAD) * per_instruction / clock
+
+
 def servo_rates(budgets):
-    counts = {(b["target"], b["thing"]): b["count"] for b in budgets}
+    """Loads by the worst cycle of all; the highest rate by that, and by the worst of the recording."""
+    counts = counts_of(budgets)
     rates = "".join(f" {rate / 1000:g} kHz |" for rate in RATES)
-    lines = [f"| core | configuration | typical | worst | time, worst |{rates} highest rate |", "|---" * (6 + len(RATES)) + "|"]
+    lines = [
+        f"| core | configuration | typical | worst, recording; adversarial | time, worst |{rates} highest rate, by the recording; by all |",
+        "|---" * (6 + len(RATES)) + "|",
+    ]
     for target, core, clock, per_instruction in CORES:
-        for name, thing in CONFIGURATIONS:
-            typical, worst = (counts[target, f"{thing}.{figure}"] for figure in ("typical", "worst"))
-            seconds = (MARGIN * worst + OVERHEAD) * per_instruction / clock
-            loads = "".join(f" {100 * seconds * rate:.0f} % |" if seconds * rate <= SHARE else " – |" for rate in RATES)
+        for name, recorded, adversarial in CONFIGURATIONS:
+            typical, usual = (counts[target, f"{recorded}.{figure}"] for figure in ("typical", "worst"))
+            hard = counts[target, f"{adversarial}.worst"]
+            took, longest = (seconds(count, per_instruction, clock) for count in (usual, max(usual, hard)))
+            loads = "".join(f" {100 * longest * rate:.0f} % |" if longest * rate <= SHARE else " – |" for rate in RATES)
             lines.append(
-                f"| {core}, {clock / 1e6:.0f} MHz | {name} | {typical:.0f} | {worst:.0f} | {1e6 * seconds:.1f} µs |{loads}"
-                f" {SHARE / seconds / 1000:.1f} kHz |"
+                f"| {core}, {clock / 1e6:.0f} MHz | {name} | {typical:.0f} | {usual:.0f}; {hard:.0f} | {1e6 * longest:.1f} µs |{loads}"
+                f" {SHARE / took / 1000:.1f}; {SHARE / longest / 1000:.1f} kHz |"
             )
     return "\n".join(lines) + "\n"
 
 
+# Rows of the table of limits.
+LIMITED = [
+    ("typical cycle of the recording", "step.typical"),
+    ("mean over the recording", "step.mean"),
+    ("worst of the recording", "step.worst"),
+    ("worst of 100,000 adversarial cycles", "adversarial.worst"),
+    ("with a gauge: typical", "step_gauge.typical"),
+    ("with a gauge: worst of the recording", "step_gauge.worst"),
+]
+
+
+def verdict(budget):
+    """Limit and goal, and whether the count meets them."""
+    met = lambda name, bound, no: f"{name}{bound} " + ("met" if budget["count"] <= bound else no)
+    limit, goal = budget.get("limit"), budget.get("goal")
+    parts = [] if limit is None else [met("", limit, "**not met**")]
+    parts += [] if goal is None else [met("goal ", goal, "not met")]
+    return ", ".join(parts) or "–"
+
+
+def limits(budgets):
+    by_name = {(b["target"], b["thing"]): b for b in budgets}
+    head = "| instructions of the whole step, three axes, nine terms |" + "".join(f" {core} | limit |" for _, core, *_ in CORES)
+    cell = lambda budget: f" {budget['count']:.0f} | {verdict(budget)} |"
+    rows = (f"| {name} |" + "".join(cell(by_name[target, thing]) for target, *_ in CORES) for name, thing in LIMITED)
+    return "\n".join([head, "|---" * (1 + 2 * len(CORES)) + "|", *rows]) + "\n"
+
+
 def figures(budgets):
-    counts = {(b["target"], b["thing"]): b["count"] for b in budgets}
+    counts = counts_of(budgets)
     cell = lambda target, things: "; ".join(f"{counts[target, thing]:.0f}" for thing in things)
     head = "| cost in a cycle, bare metal, in QEMU: instructions, not cycles | Cortex-M4F, f32 | Cortex-M7, f64 |\n|---|---|---|\n"
     return head + "".join(f"| {name} | {cell('m4f', things)} | {cell('m7', things)} |\n" for name, *things in SHOWN)
+
+
+def cycles(estimates):
+    """Estimated cycles beside the assumed ones."""
+    head = (
+        "| servo cycle | core | instructions | pipeline | branches | waiting for flash | cycles an instruction | time | assumed:"
+        " cycles an instruction, time |\n" + "|---" * 9 + "|\n"
+    )
+    rows = ""
+    for target, core, clock, per_instruction in CORES:
+        for found in (e for e in estimates["cycle"] if e["target"] == target):
+            executed, extra = found["executed"], [found.get(key) for key in ("branches", "flash")]
+            total = found["model"] + sum(filter(None, extra))
+            us = lambda cycles: f"{1e6 * cycles / clock:.1f} µs"
+            cells = "".join(f" {x} |" if x else " – |" for x in extra)
+            rows += (
+                f"| {found['what']} ({found['number']}) | {core}, {clock / 1e6:.0f} MHz | {executed} | {found['model']} |{cells}"
+                f" {total / executed:.2f} | {us(total)} | {per_instruction:g}, {us(per_instruction * executed)} |\n"
+            )
+    return head + rows
 
 
 # Rows of the stack table: symbol, and what is left out.
@@ -87,11 +158,57 @@ def stack(budgets):
     return "| stack, bytes, bound | Cortex-M4F, f32 | Cortex-M7, f64 |\n|---|---|---|\n" + rows
 
 
+# Rows of the table of a host's counts, plain x86-64.
+ON_HOST = [
+    ("nine-term look-up, equidistant linear tables", "nine_terms.equidistant"),
+    (
+        "volumetric errors at a position, equidistant linear tables, three axes; five",
+        "volumetric.three_axis",
+        "volumetric_rotary.five_axis",
+    ),
+    ("contour error, one point, rational cubic; its kernel", "contour.rational_cubic", "kernel.rational_cubic"),
+    ("limiter, three axes, nothing binding", "limiter.free"),
+    ("kinematics of five axes, forward; inverse with both branches", "kinematics.forward", "kinematics.inverse"),
+    ("whole step, three axes, all along the butterfly: typical; mean; worst", "walk.typical", "walk.mean", "walk.worst"),
+    ("the dearest adversarial cycle", "adversarial.worst"),
+    ("three-probe gauge, a cycle's readings; at one of 1024 points", "gauge_sampling.between_points", "gauge_sampling.at_a_point"),
+]
+
+
+def host(budgets):
+    counts = counts_of(budgets)
+    cell = lambda things: "; ".join(f"{counts['base', thing]:.0f}" for thing in things)
+    head = "| cost in a cycle, host, f64 | instructions |\n|---|---|\n"
+    return head + "".join(f"| {name} | {cell(things)} |\n" for name, *things in ON_HOST)
+
+
+def all_on_host(budgets):
+    """Every budget of the host, for both builds."""
+    by_name = {(b["target"], b["thing"]): b for b in budgets}
+    cell = lambda budget: f" {budget['count']:.0f} | {verdict(budget)} |" if budget and "count" in budget else " – | – |"
+    things = dict.fromkeys(b["thing"] for b in budgets)
+    rows = (f"| {thing} |" + "".join(cell(by_name.get((target, thing))) for target in ("base", "v3")) for thing in things)
+    return "\n".join(["| instructions | base | limit | x86-64-v3 | limit |", "|---|---|---|---|---|", *rows]) + "\n"
+
+
+def row(budgets):
+    """The README's row: its beginning, and all of it."""
+    counts = counts_of(budgets)
+    beginning = "| whole step, three axes, Cortex-M4F in f32; Cortex-M7 in f64 |"
+    return beginning, f"{beginning} {counts['m4f', 'step.typical']:.0f}; {counts['m7', 'step.typical']:.0f} instructions |"
+
+
 def main():
-    budgets = tomllib.load(open(sys.argv[1], "rb"))["budget"]
-    made = {"schedule": servo_rates(budgets), "counts": figures(budgets)}
-    if stacks := glob(f"{dirname(sys.argv[1])}/proofs/budgets.toml"):
-        made["stack"] = stack(tomllib.load(open(stacks[0], "rb"))["stack"])
+    path = Path(sys.argv[1])
+    read = lambda file: tomllib.loads(file.read_text(encoding="utf-8"))
+    budgets = read(path)["budget"]
+    on_host = read(path.parent / "../../benches/budgets.toml")["budget"]
+    made = {"schedule": servo_rates(budgets), "counts": figures(budgets), "limits": limits(budgets)}
+    made |= {"host": host(on_host), "budgets": all_on_host(on_host)}
+    made["stack"] = stack(read(path.parent / "proofs/budgets.toml")["stack"])
+    if (estimates := path.parent / "cycles.toml").exists():
+        made["cycles"] = cycles(read(estimates))
+    beginning, line = row(budgets)
     mode, *pages = sys.argv[2:]
     for path in pages:
         page = held = open(path, encoding="utf-8").read()
@@ -100,6 +217,7 @@ def main():
             if begin in page:
                 before, rest = page.split(begin)
                 page = before + begin + text + end + rest.split(end)[1]
+        page = "".join(line + "\n" if text.startswith(beginning) else text for text in page.splitlines(keepends=True))
         if mode == "--write":
             open(path, "w", encoding="utf-8").write(page)
         elif held != page:

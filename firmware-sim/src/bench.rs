@@ -1,8 +1,9 @@
-//! Latency and throughput of the step alone, without the simulated machine.
+//! Latency and throughput of the step alone, and its throughput with the simulated machine.
 
 use crate::latency::{Latency, LatencySummary, timed};
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use std::hint::black_box;
+use std::sync::Arc;
 use trueaxis::contour::Reference;
 use trueaxis::machine::AxisOrder;
 use trueaxis::sample::Refusal;
@@ -10,6 +11,7 @@ use trueaxis::{Axis, Input, OnToolPath, State};
 use trueaxis_sim::Scenario;
 use trueaxis_sim::motion::{Motion, Setpoints};
 use trueaxis_sim::path::{self, SlidingPath};
+use trueaxis_sim::run::{Kind, Run};
 use trueaxis_sim::servo::with_loop;
 
 /// Results of the bench.
@@ -17,9 +19,14 @@ use trueaxis_sim::servo::with_loop;
 pub struct Outcome {
     /// Latency of single steps, the clock's own reading included.
     pub latency: LatencySummary,
-    /// Steps a second on one core, from a second pass without a clock between the steps.
+    /// Steps a second on one core, without a clock between them: the best of [`REPEATS`] passes.
     pub steps_per_s: f64,
+    /// The same with the plant, the program and the true error of every cycle: the compensated machine of a run.
+    pub steps_per_s_with_plant: f64,
 }
+
+/// Passes, of which the fastest counts: what else runs on the computer only ever makes them slower.
+pub const REPEATS: u64 = 5;
 
 /// Inputs that are prepared at a time, outside the clock.
 const BLOCK: u64 = 4096;
@@ -128,15 +135,45 @@ pub fn run<const N: usize>(scenario: &Scenario, budget_ns: u64, cycles: u64) -> 
                 latency.record(nanoseconds);
             }
         })?;
-        let mut nanoseconds = 0;
-        pass(&mut |state, inputs| {
-            let work = || {
-                for prepared in &inputs.block {
-                    black_box(step(state, &inputs.path, prepared));
-                }
-            };
-            nanoseconds += timed(work).1;
-        })?;
-        Ok(Outcome { latency: latency.summary(), steps_per_s: cycles as f64 * 1e9 / nanoseconds as f64 })
+        let mut steps_per_s: f64 = 0.0;
+        for _ in 0..REPEATS {
+            let mut nanoseconds = 0;
+            pass(&mut |state, inputs| {
+                let work = || {
+                    for prepared in &inputs.block {
+                        black_box(step(state, &inputs.path, prepared));
+                    }
+                };
+                nanoseconds += timed(work).1;
+            })?;
+            steps_per_s = steps_per_s.max(rate(cycles, nanoseconds));
+        }
+        let steps_per_s_with_plant = with_plant(scenario, cycles)?;
+        Ok(Outcome { latency: latency.summary(), steps_per_s, steps_per_s_with_plant })
     })
+}
+
+fn rate(cycles: u64, nanoseconds: u64) -> f64 {
+    cycles as f64 * 1e9 / nanoseconds.max(1) as f64
+}
+
+/// Steps a second of the compensated machine of a run, from the program's first cycle on.
+fn with_plant(scenario: &Scenario, cycles: u64) -> Result<f64> {
+    let scenario = Arc::new(scenario.clone());
+    let mut best: f64 = 0.0;
+    for _ in 0..REPEATS {
+        let (mut done, mut nanoseconds) = (0, 0);
+        while done < cycles {
+            let mut run = Run::of(scenario.clone(), &[Kind::Compensated])?;
+            // The machine settles before its first cycle.
+            run.advance(0, &mut ());
+            nanoseconds += timed(|| run.advance(cycles - done, &mut ())).1;
+            done += run.cycle();
+            if run.cycle() == 0 {
+                bail!("program: found no cycle, needed at least one");
+            }
+        }
+        best = best.max(rate(cycles, nanoseconds));
+    }
+    Ok(best)
 }

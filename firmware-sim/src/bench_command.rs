@@ -40,13 +40,15 @@ pub(crate) fn time(args: &BenchArgs) -> Result<()> {
             "budget_ns": l.budget_ns,
             "missed_deadlines": l.missed_deadlines,
             "steps_per_s": outcome.steps_per_s,
+            "steps_per_s_with_plant": outcome.steps_per_s_with_plant,
         });
         return put(&format!("{}\n", serde_json::to_string_pretty(&document)?));
     }
     put(&format!(
         "{} of {} on {}, wall time on this host\n  \
          min {} ns, median {} ns, 99 % {} ns, 99.99 % {} ns, max {} ns (the clock's reading included)\n  \
-         {:.2} million steps a second on one core, without a clock between them\n",
+         {:.2} million steps a second on one core, without a clock between them; {:.2} million with the simulated \
+         machine\n",
         counted(args.cycles as usize, "step"),
         scenario.program.name,
         scenario.machine.settings.name,
@@ -55,6 +57,7 @@ pub(crate) fn time(args: &BenchArgs) -> Result<()> {
         l.p99_ns,
         l.p99_99_ns,
         l.max_ns,
-        outcome.steps_per_s * 1e-6
+        outcome.steps_per_s * 1e-6,
+        outcome.steps_per_s_with_plant * 1e-6
     ))
 }

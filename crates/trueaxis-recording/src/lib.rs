@@ -16,6 +16,7 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+pub mod adversary;
 mod cycle;
 pub mod outputs;
 mod read;

@@ -57,6 +57,10 @@ pub trait Real:
     fn to_index(self) -> usize;
     /// Square root; 0 for arguments that are not positive.
     fn sqrt(self) -> Self;
+    /// Square root of what cannot be negative, a sum of squares: no test.
+    fn root(self) -> Self;
+    /// The same of two at once: fewer instructions where the compiler cannot place them.
+    fn roots(squares: [Self; 2]) -> [Self; 2];
     /// |x|, one instruction.
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
@@ -81,7 +85,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($t:ty, $vector:ty, $sqrt:expr) => {
+    ($t:ty, $vector:ty, $root:expr, $roots:expr) => {
         impl Real for $t {
             type Vec3 = $vector;
             const ZERO: $t = 0.0;
@@ -121,7 +125,15 @@ macro_rules! real {
             }
             #[inline(always)]
             fn sqrt(self) -> $t {
-                $sqrt(self)
+                if self > 0.0 { $root(self) } else { 0.0 }
+            }
+            #[inline(always)]
+            fn root(self) -> $t {
+                $root(self)
+            }
+            #[inline(always)]
+            fn roots(squares: [$t; 2]) -> [$t; 2] {
+                $roots(squares)
             }
             #[inline(always)]
             fn abs(self) -> $t {
@@ -140,15 +152,5 @@ macro_rules! real {
     };
 }
 
-real!(f64, glam::DVec3, sqrt_f64);
-real!(f32, glam::Vec3, sqrt_f32);
-
-#[inline(always)]
-fn sqrt_f64(x: f64) -> f64 {
-    if x > 0.0 { trueaxis_sqrt::sqrt_f64(x) } else { 0.0 }
-}
-
-#[inline(always)]
-fn sqrt_f32(x: f32) -> f32 {
-    if x > 0.0 { trueaxis_sqrt::sqrt_f32(x) } else { 0.0 }
-}
+real!(f64, glam::DVec3, trueaxis_sqrt::sqrt_f64, |squares: [f64; 2]| squares.map(trueaxis_sqrt::sqrt_f64));
+real!(f32, glam::Vec3, trueaxis_sqrt::sqrt_f32, trueaxis_sqrt::sqrt_two_f32);

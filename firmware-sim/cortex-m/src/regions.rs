@@ -7,6 +7,27 @@ unsafe extern "C" {
     static _tables_b: u8;
     static _recording: u8;
     static _regions_end: u8;
+    static _request: [u32; 2];
+}
+
+/// A cycle that is to be run alone, with those before it that it needs.
+#[derive(Clone, Copy, Debug)]
+pub enum Request {
+    /// Of the recording.
+    Recorded(u32),
+    /// Of the adversarial cycles.
+    Adversarial(u32),
+}
+
+/// What was asked for at the very end of the recording's region: kind 1 or 2, and a number. Nothing where both are zero.
+pub fn request() -> Option<Request> {
+    // SAFETY: two words of the board's memory (memory.x), written by nobody while the image runs.
+    let [kind, number] = unsafe { addr_of!(_request).read_volatile() };
+    match kind {
+        1 => Some(Request::Recorded(number)),
+        2 => Some(Request::Adversarial(number)),
+        _ => None,
+    }
 }
 
 fn region(from: *const u8, to: *const u8) -> &'static [u8] {

@@ -3,7 +3,7 @@
 use super::Motion;
 use super::arc_length::ArcLength;
 use super::profile::{Phase, Planner};
-use crate::program::Program;
+use crate::program::{Polar, Program};
 
 /// Command of one servo cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +35,7 @@ pub struct Walk {
     phase: usize,
     element: usize,
     /// Of that move.
-    table: Option<ArcLength>,
+    table: Option<(ArcLength, Option<Polar>)>,
     node: usize,
 }
 
@@ -71,9 +71,9 @@ impl Walk {
         let element = program.moves.get(self.element)?;
         let curve = &element.curve;
         let along = (length - motion.starts[self.element]).max(0.0);
-        let table = self.table.get_or_insert_with(|| ArcLength::of(element));
+        let (table, polar) = self.table.get_or_insert_with(|| (ArcLength::of(element), curve.polar()));
         let u = table.parameter(along, &mut self.node);
-        let (position, first, _) = curve.vectors(u);
+        let (position, first, _) = curve.vectors_by(polar.as_ref(), u);
         let along = if element.in_degrees() { 0.0 } else { feed };
         let velocity = along * first.try_normalize().unwrap_or_default();
         Some(Setpoint {

@@ -77,7 +77,8 @@ const ABSOLUTE_TOLERANCE: f64 = 1.0e-12;
 const DEEPEST_HALVING: u32 = 30;
 
 /// An arc prepared: axes in its plane, angle, and what changes along it.
-struct Polar {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Polar {
     center: DVec3,
     along: DVec3,
     across: DVec3,
@@ -169,15 +170,41 @@ impl Curve {
     }
 
     pub(crate) fn vectors(&self, u: f64) -> (DVec3, DVec3, DVec3) {
+        self.vectors_by(self.polar().as_ref(), u)
+    }
+
+    /// What an arc's points have in common, for many of them; nothing of other curves.
+    pub(crate) fn polar(&self) -> Option<Polar> {
         match self {
-            Curve::Line { start, end } => {
+            Curve::Arc { start, end, center, normal, turns } => {
+                Some(Polar::new(*start, *end, *center, *normal, *turns))
+            }
+            _ => None,
+        }
+    }
+
+    /// [`Curve::vectors`] with the curve's own [`Curve::polar`].
+    pub(crate) fn vectors_by(&self, polar: Option<&Polar>, u: f64) -> (DVec3, DVec3, DVec3) {
+        match (self, polar) {
+            (Curve::Line { start, end }, _) => {
                 let (start, end) = (DVec3::from(*start), DVec3::from(*end));
                 (start.lerp(end, u), end - start, DVec3::ZERO)
             }
-            Curve::Arc { start, end, center, normal, turns } => {
+            (Curve::Arc { .. }, Some(polar)) => polar.at(u),
+            (Curve::Arc { start, end, center, normal, turns }, None) => {
                 Polar::new(*start, *end, *center, *normal, *turns).at(u)
             }
-            Curve::Nurbs { degree, knots, points, weights } => nurbs::derivatives(*degree, knots, points, weights, u),
+            (Curve::Nurbs { degree, knots, points, weights }, _) => {
+                nurbs::derivatives(*degree, knots, points, weights, u)
+            }
+        }
+    }
+
+    /// The point alone, in every bit that of [`Curve::vectors_by`].
+    pub(crate) fn point_by(&self, polar: Option<&Polar>, u: f64) -> DVec3 {
+        match self {
+            Curve::Nurbs { degree, knots, points, weights } => nurbs::point(*degree, knots, points, weights, u),
+            _ => self.vectors_by(polar, u).0,
         }
     }
 

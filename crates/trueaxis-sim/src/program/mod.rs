@@ -58,6 +58,7 @@ mod words;
 use trueaxis::machine::MachineSettings;
 
 pub use builtin::BUILTIN_NAMES;
+pub(crate) use curve::Polar;
 pub use curve::{Curve, Derivatives};
 pub use error::ProgramError;
 pub use notes::Note;

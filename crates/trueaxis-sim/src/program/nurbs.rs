@@ -19,42 +19,78 @@ pub(super) fn derivatives(
     weights: &[f64],
     u: f64,
 ) -> (DVec3, DVec3, DVec3) {
-    let p = degree.clamp(1, MAX_DEGREE);
-    // The span that holds u: its knots differ, also at the end of the domain.
-    let inner = knots.get(p..=points.len()).unwrap_or_default();
-    let last = inner.partition_point(|knot| Some(knot) < inner.last()).max(1);
-    let span = p + inner.partition_point(|knot| *knot <= u).clamp(1, last) - 1;
-    let knot = |i: usize| knots.get(i).copied().unwrap_or(0.0);
-
-    let mut level = [DVec4::ZERO; MAX_DEGREE + 1];
-    for (j, slot) in level.iter_mut().enumerate().take(p + 1) {
-        let i = span - p + j;
-        if let (Some(point), Some(weight)) = (points.get(i), weights.get(i)) {
-            *slot = (DVec3::from(*point) * *weight).extend(*weight);
-        }
-    }
+    let Scheme { p, mut level, knots } = Scheme::new(degree, knots, points, weights, u);
+    let knot = |i: usize| knots[i];
     let (mut first, mut second) = (DVec4::ZERO, DVec4::ZERO);
-    let width = knot(span + 1) - knot(span);
+    let width = knot(p) - knot(p - 1);
     let order = p as f64;
     for r in 1..=p {
         if r + 1 == p {
             let [a, b, c] = [level[p - 2], level[p - 1], level[p]];
-            let left = (b - a) / (knot(span + 1) - knot(span - 1));
-            let right = (c - b) / (knot(span + 2) - knot(span));
+            let left = (b - a) / (knot(p) - knot(p - 2));
+            let right = (c - b) / (knot(p + 1) - knot(p - 1));
             second = order * (order - 1.0) * (right - left) / width;
         }
         if r == p {
             first = order * (level[p] - level[p - 1]) / width;
         }
-        for j in (r..=p).rev() {
-            let i = span - p + j;
-            let t = (u - knot(i)) / (knot(i + p + 1 - r) - knot(i));
-            level[j] = level[j - 1] * (1.0 - t) + level[j] * t;
-        }
+        raise(&mut level, &knots, p, r, u);
     }
     let whole = level[p];
     let position = whole.truncate() / whole.w;
     let velocity = (first.truncate() - first.w * position) / whole.w;
     let acceleration = (second.truncate() - 2.0 * first.w * velocity - second.w * position) / whole.w;
     (position, velocity, acceleration)
+}
+
+/// C alone, in every bit that of [`derivatives`].
+pub(super) fn point(degree: usize, knots: &[f64], points: &[[f64; 3]], weights: &[f64], u: f64) -> DVec3 {
+    let Scheme { p, mut level, knots } = Scheme::new(degree, knots, points, weights, u);
+    for r in 1..=p {
+        raise(&mut level, &knots, p, r, u);
+    }
+    level[p].truncate() / level[p].w
+}
+
+/// One level of the scheme.
+#[inline(always)]
+fn raise(level: &mut [DVec4; MAX_DEGREE + 1], knots: &[f64; 2 * MAX_DEGREE], p: usize, r: usize, u: f64) {
+    for j in (r..=p).rev() {
+        let t = (u - knots[j - 1]) / (knots[j + p - r] - knots[j - 1]);
+        level[j] = level[j - 1] * (1.0 - t) + level[j] * t;
+    }
+}
+
+/// The start of de Boor's scheme at u.
+struct Scheme {
+    p: usize,
+    /// Control points of the span that holds u, homogeneous.
+    level: [DVec4; MAX_DEGREE + 1],
+    /// Its knots: from p − 1 before it to p after it.
+    knots: [f64; 2 * MAX_DEGREE],
+}
+
+impl Scheme {
+    #[inline(always)]
+    fn new(degree: usize, knots: &[f64], points: &[[f64; 3]], weights: &[f64], u: f64) -> Scheme {
+        let p = degree.clamp(1, MAX_DEGREE);
+        // The span that holds u: its knots differ, also at the end of the domain.
+        let inner = knots.get(p..=points.len()).unwrap_or_default();
+        let end = inner.last().copied().unwrap_or(0.0);
+        let mut span = inner.partition_point(|knot| *knot <= u).clamp(1, inner.len().max(1));
+        if u >= end {
+            span = span.min(inner.partition_point(|knot| *knot < end).max(1));
+        }
+        let span = p + span - 1;
+        let mut level = [DVec4::ZERO; MAX_DEGREE + 1];
+        let held = points.iter().zip(weights).skip(span - p);
+        for (slot, (point, weight)) in level.iter_mut().zip(held).take(p + 1) {
+            *slot = (DVec3::from(*point) * *weight).extend(*weight);
+        }
+        let mut near = [0.0; 2 * MAX_DEGREE];
+        for (to, knot) in near.iter_mut().zip(knots.iter().skip(span + 1 - p)).take(2 * p) {
+            *to = *knot;
+        }
+        Scheme { p, level, knots: near }
+    }
 }

@@ -11,7 +11,7 @@ use crate::placement::Place;
 use crate::plant::Plant;
 use crate::plant::fault::FaultScript;
 use crate::scenario::Scenario;
-use crate::truth;
+use crate::truth::{self, Truth};
 use glam::DVec3;
 use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::OrientationError;
@@ -56,6 +56,7 @@ pub(super) struct Cell<const N: usize> {
     axes: [Axis; N],
     kind: Kind,
     origin: DVec3,
+    truth: Truth,
     /// For programs with rotary axes.
     kinematics: Option<Kinematics<f64>>,
     feedback: [f64; N],
@@ -90,6 +91,7 @@ impl<const N: usize> Cell<N> {
             axes,
             kind,
             origin: DVec3::from(scenario.origin_mm),
+            truth: Truth::default(),
             kinematics: scenario.kinematics()?,
             feedback: [0.0; N],
             elapsed_periods: 1.0,
@@ -249,7 +251,7 @@ impl<const N: usize> Cell<N> {
     }
 
     /// The truth: three-axis programs in machine coordinates, the others in workpiece coordinates with the direction.
-    fn measure(&self, scenario: &Scenario, setpoint: &Setpoint) -> Measured {
+    fn measure(&mut self, scenario: &Scenario, setpoint: &Setpoint) -> Measured {
         let reference = (setpoint.move_index, setpoint.u);
         let program = &scenario.program;
         if scenario.five_axis {
@@ -259,7 +261,8 @@ impl<const N: usize> Cell<N> {
             return Measured { tip: found.tip, angle: found.angle };
         }
         let tip = DVec3::from(self.plant.true_tip());
-        Measured { tip: truth::deviation(program, self.origin, reference, tip), angle: 0.0 }
+        let here = DVec3::from(setpoint.position);
+        Measured { tip: self.truth.deviation(program, self.origin, reference, here, tip), angle: 0.0 }
     }
 
     pub(super) fn tallies(&self) -> Tallies {

@@ -5,7 +5,7 @@
 
 pub mod pose;
 
-use crate::program::{Curve, Program};
+use crate::program::{Curve, Polar, Program};
 use glam::DVec3;
 
 /// Arc length around the reference in which the foot is looked for, mm; the lag of the servo is far below it.
@@ -13,59 +13,99 @@ const WINDOW_MM: f64 = 1.0;
 /// Samples over the window that start the search on a free-form curve.
 const SAMPLES: usize = 16;
 
-/// Vector from the nearest point of the path, near the reference, to `point`.
-///
-/// `reference` is the move and its parameter that the interpolator is at; neighbouring moves count as far as the window
-/// reaches, so that a tool behind a corner is not measured against the wrong side of it.
-pub fn deviation(program: &Program, origin: DVec3, (index, u): (usize, f64), point: DVec3) -> DVec3 {
-    let point = point - origin;
-    let mut best = DVec3::INFINITY;
-    let mut consider = |index: usize, u: f64| {
-        let Some(step) = program.moves.get(index) else { return };
-        let found = point - foot(&step.curve, u, point);
-        if found.length_squared() < best.length_squared() {
-            best = found;
+/// Deviations along a program; keeps what the cycles of a move have in common.
+#[derive(Clone, Debug, Default)]
+pub struct Truth {
+    held: Option<Held>,
+}
+
+/// A move that the reference is on.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    index: usize,
+    polar: Option<Polar>,
+    /// Its first and last point.
+    ends: [DVec3; 2],
+}
+
+impl Truth {
+    /// Vector from the nearest point of the path, near the reference, to `point`.
+    ///
+    /// `reference` is the move and its parameter that the interpolator is at, `here` that point in the program's
+    /// coordinates; neighbouring moves count as far as the window reaches, so that a tool behind a corner is not measured
+    /// against the wrong side of it.
+    pub fn deviation(
+        &mut self,
+        program: &Program,
+        origin: DVec3,
+        (index, u): (usize, f64),
+        here: DVec3,
+        point: DVec3,
+    ) -> DVec3 {
+        let point = point - origin;
+        let mut best = DVec3::INFINITY;
+        let Some(step) = program.moves.get(index) else { return best };
+        let held = match self.held {
+            Some(held) if held.index == index => held,
+            _ => *self.held.insert(Held::new(index, &step.curve)),
+        };
+        let mut consider = |curve: &Curve, polar: Option<&Polar>, u: f64| {
+            let found = point - foot(curve, polar, u, point);
+            if found.length_squared() < best.length_squared() {
+                best = found;
+            }
+        };
+        consider(&step.curve, held.polar.as_ref(), u);
+        let [first, last] = held.ends;
+        if here.distance(first) < WINDOW_MM
+            && let Some(before) = index.checked_sub(1).and_then(|before| program.moves.get(before))
+        {
+            consider(&before.curve, before.curve.polar().as_ref(), before.curve.domain().1);
         }
-    };
-    consider(index, u);
-    let Some(step) = program.moves.get(index) else { return best };
-    let here = DVec3::from(step.curve.position(u));
-    let (first, last) = step.curve.domain();
-    if here.distance(DVec3::from(step.curve.position(first))) < WINDOW_MM
-        && let Some(before) = index.checked_sub(1)
-    {
-        let end = program.moves.get(before).map_or(0.0, |m| m.curve.domain().1);
-        consider(before, end);
+        if here.distance(last) < WINDOW_MM
+            && let Some(after) = program.moves.get(index + 1)
+        {
+            consider(&after.curve, after.curve.polar().as_ref(), after.curve.domain().0);
+        }
+        best
     }
-    if here.distance(DVec3::from(step.curve.position(last))) < WINDOW_MM {
-        let start = program.moves.get(index + 1).map_or(0.0, |m| m.curve.domain().0);
-        consider(index + 1, start);
+}
+
+impl Held {
+    fn new(index: usize, curve: &Curve) -> Held {
+        let polar = curve.polar();
+        let (first, last) = curve.domain();
+        Held { index, polar, ends: [first, last].map(|u| curve.point_by(polar.as_ref(), u)) }
     }
-    best
 }
 
 /// Nearest point of one curve near parameter `u`.
-fn foot(curve: &Curve, u: f64, point: DVec3) -> DVec3 {
+fn foot(curve: &Curve, polar: Option<&Polar>, u: f64, point: DVec3) -> DVec3 {
     let (first, last) = curve.domain();
     if let Curve::Line { start, end } = curve {
         let (a, b) = (DVec3::from(*start), DVec3::from(*end));
         let t = (point - a).dot(b - a) / (b - a).length_squared();
         return a + (b - a) * t.clamp(0.0, 1.0);
     }
-    let speed = curve.speed(u).max(1e-9);
+    let speed = curve.vectors_by(polar, u).1.length().max(1e-9);
     let reach = (WINDOW_MM / speed).min(last - first);
-    let distance = |u: f64| (DVec3::from(curve.position(u)) - point).length_squared();
-    let samples = (0..=SAMPLES).map(|i| (u - reach + 2.0 * reach * i as f64 / SAMPLES as f64).clamp(first, last));
+    let place = |u: f64| {
+        let position = curve.point_by(polar, u);
+        (u, position, (position - point).length_squared())
+    };
     // Around a point near a circle there is one minimum only; a spline can have several in the window.
     let start = match curve {
-        Curve::Arc { .. } => u,
-        _ => samples.chain([u]).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(u),
+        Curve::Arc { .. } => place(u),
+        _ => {
+            let parts = (0..=SAMPLES).map(|i| u - reach + 2.0 * reach * i as f64 / SAMPLES as f64);
+            let samples = parts.map(|u| u.clamp(first, last)).chain([u]).map(place);
+            samples.min_by(|a, b| a.2.total_cmp(&b.2)).unwrap_or_else(|| place(u))
+        }
     };
-    let mut at = start;
+    let mut at = start.0;
     for _ in 0..30 {
-        let here = curve.derivatives(at);
-        let offset = DVec3::from(here.position) - point;
-        let (d1, d2) = (DVec3::from(here.first), DVec3::from(here.second));
+        let (position, d1, d2) = curve.vectors_by(polar, at);
+        let offset = position - point;
         let curvature = d1.length_squared() + offset.dot(d2);
         // Where the distance is not convex, the tangent's own projection still goes downhill.
         let slope = if curvature > 0.1 * d1.length_squared() { curvature } else { d1.length_squared() };
@@ -76,5 +116,6 @@ fn foot(curve: &Curve, u: f64, point: DVec3) -> DVec3 {
             break;
         }
     }
-    if distance(at) <= distance(start) { DVec3::from(curve.position(at)) } else { DVec3::from(curve.position(start)) }
+    let end = place(at);
+    if end.2 <= start.2 { end.1 } else { start.1 }
 }

@@ -33,7 +33,7 @@ fn take<'a, R>(memory: &mut &'a mut [R], count: usize) -> Result<&'a mut [R], Co
 const OVERLAP_MM: f64 = 0.02;
 
 /// Polynomials between two points of a table.
-pub(super) struct Interval<'a, R, const W: usize> {
+pub(super) struct Piece<'a, R, const W: usize> {
     /// Parameter at the coordinate asked for, zero at the start.
     pub(super) t: R,
     /// The parameter at the end.
@@ -50,7 +50,7 @@ pub(super) struct Interval<'a, R, const W: usize> {
     pub(super) ends: [bool; 2],
 }
 
-impl<R: Real> Interval<'_, R, 4> {
+impl<R: Real> Piece<'_, R, 4> {
     /// Translations at a parameter.
     #[inline(always)]
     pub(super) fn at(&self, t: R) -> [R; 3] {
@@ -286,7 +286,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
 
     /// The interval between two points about a coordinate; the first or last one, at its end, for what is beyond them.
     #[inline]
-    pub(super) fn interval(&self, coordinate: R, direction: Direction) -> Interval<'a, R, W> {
+    pub(super) fn piece(&self, coordinate: R, direction: Direction) -> Piece<'a, R, W> {
         let last = self.intervals().saturating_sub(1);
         let (index, t, length, rate, unit);
         if self.knots.is_empty() {
@@ -303,7 +303,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
         let line = index.wrapping_add(self.reverse_offset & direction.mask());
         let (linear, cubic) = (self.linear.get(line), self.cubic.get(line));
-        Interval { t, length, rate, unit, linear, cubic, ends: [index == 0, index == last] }
+        Piece { t, length, rate, unit, linear, cubic, ends: [index == 0, index == last] }
     }
 
     /// How far an interval may be taken to go on beyond its ends, mm, so that no more than `tolerance` mm of error comes of
@@ -334,7 +334,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     fn powers(&self, index: usize, direction: Direction) -> (f64, [[f64; W]; 3]) {
         let start = self.knots.get(index).map_or(index as f64 / self.scale.to_f64(), |knot| knot.to_f64());
         let next = self.knots.get(index + 1).map_or((index + 1) as f64 / self.scale.to_f64(), |knot| knot.to_f64());
-        let Interval { rate, linear, cubic, .. } = self.interval(R::of(0.5 * (start + next)), direction);
+        let Piece { rate, linear, cubic, .. } = self.piece(R::of(0.5 * (start + next)), direction);
         let zero = [R::ZERO; W];
         let (c1, c2, c3) = match (linear, cubic) {
             (Some([_, c1]), _) => (*c1, zero, zero),
@@ -459,6 +459,103 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
+    /// The interval at a coordinate, to be kept: off the cycle's straight way.
+    #[inline]
+    pub(super) fn interval(&self, coordinate: R, direction: Direction) -> Interval<'a, R, W> {
+        let mut found = Interval {
+            line: Line::Zero,
+            t: R::ZERO,
+            per_mm: R::ONE,
+            below: R::MAX,
+            above: R::MAX,
+            inner: [false; 2],
+            edge: false,
+        };
+        let count = self.linear.len().max(self.cubic.len());
+        if count == 0 {
+            return found;
+        }
+        let mut coordinate = coordinate;
+        if self.wraps {
+            if coordinate < R::ZERO {
+                coordinate += self.span;
+            } else if coordinate > self.span {
+                coordinate -= self.span;
+            }
+        }
+        let clamped = coordinate.limit(R::ZERO, self.span);
+        // Intervals of an equidistant grid count 0 to 1, those of a free one mm.
+        let (index, t, width) = if self.knots.is_empty() {
+            found.per_mm = self.scale;
+            let place = (clamped * self.scale).min(self.last);
+            let index = place.to_i32();
+            (index as usize, place - R::of_i32(index), R::ONE)
+        } else {
+            let (index, t) = self.search(clamped);
+            let knot = |index: usize| self.knots.get(index).copied().unwrap_or(self.span);
+            (index, t, knot(index.wrapping_add(1)) - knot(index))
+        };
+        let last = if self.reverse_offset == 0 { count } else { self.reverse_offset }.wrapping_sub(1);
+        let line = index.wrapping_add(self.reverse_offset & direction.mask());
+        found.line = match (self.linear.get(line), self.cubic.get(line)) {
+            (Some(line), _) => Line::Linear(line),
+            (_, Some(line)) => Line::Cubic(line),
+            _ => Line::Zero,
+        };
+        found.t = t;
+        if coordinate != clamped {
+            (found.edge, found.per_mm) = (true, R::ZERO);
+            let low = coordinate < R::ZERO;
+            (found.below, found.above) = if low { (R::MAX, -coordinate) } else { (coordinate - self.span, R::MAX) };
+            return found;
+        }
+        let mm = R::ONE / found.per_mm;
+        // The table's last point is an interval of its own.
+        (found.below, found.above) = (t * mm, if index < last { (width - t) * mm } else { R::ZERO });
+        found.inner = [index > 0 && index < last, index.wrapping_add(1) < last];
+        found
+    }
+
+    /// Largest |second derivative| within the intervals, per mm² (deg²): of each of the `W` numbers.
+    pub(super) fn largest_bends(&self) -> [R; W] {
+        let mut most = [R::ZERO; W];
+        for (index, [_, _, c2, c3]) in self.cubic.iter().enumerate() {
+            let count = self.knots.len().max(1);
+            let knot = |index: usize| self.knots.get(index % count).copied();
+            let (per_mm, width) = match (knot(index), knot(index.wrapping_add(1))) {
+                (Some(low), Some(high)) => (R::ONE, (high - low).max(R::ZERO)),
+                _ => (self.scale, R::ONE),
+            };
+            for ((most, c2), c3) in most.iter_mut().zip(c2).zip(c3) {
+                let bend = R::TWO * c2.abs() + R::TWO * R::THREE * width * c3.abs();
+                *most = most.max(bend * per_mm * per_mm);
+            }
+        }
+        most
+    }
+
+    /// Largest change of a slope from one interval to the next, per mm (deg): of each of the `W` numbers.
+    pub(super) fn largest_kinks(&self) -> [R; W] {
+        let mut most = [R::ZERO; W];
+        let count = if self.reverse_offset == 0 { self.linear.len() } else { self.reverse_offset };
+        let per_mm = if self.knots.is_empty() { self.scale } else { R::ONE };
+        for block in self.linear.chunks(count.max(1)) {
+            // The last line is the constant behind the table, which no interval goes on into.
+            let intervals = block.get(..count.saturating_sub(1)).unwrap_or(&[]);
+            for ([_, before], [_, after]) in intervals.iter().zip(intervals.iter().skip(1)) {
+                for ((most, before), after) in most.iter_mut().zip(before).zip(after) {
+                    *most = most.max((*after - *before).abs() * per_mm);
+                }
+            }
+        }
+        most
+    }
+
+    /// No cubic table.
+    pub(super) fn is_straight(&self) -> bool {
+        self.cubic.is_empty()
+    }
+
     /// Interval of a free grid and the distance from its first point.
     ///
     /// A bucket of the guide holds one point at most, unless the grid is very uneven: one comparison then decides.
@@ -507,6 +604,54 @@ fn changes<const W: usize>(before: [[f64; W]; 3], after: [[f64; W]; 3]) -> [f64;
         let squares = before[power].iter().zip(after[power]).map(|(a, b)| (b - a) * (b - a));
         libm::sqrt(squares.sum())
     })
+}
+
+/// An interval of a table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interval<'a, R, const W: usize> {
+    line: Line<'a, R, W>,
+    /// Parameter of the polynomial at the coordinate, and how fast it grows; not at all beyond the table.
+    pub(super) t: R,
+    pub(super) per_mm: R,
+    /// How far the interval goes on to either side, mm (deg).
+    pub(super) below: R,
+    pub(super) above: R,
+    /// Whether another interval of the table goes on there.
+    pub(super) inner: [bool; 2],
+    /// Beyond the table: its clamped edge value.
+    pub(super) edge: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Line<'a, R, const W: usize> {
+    Zero,
+    Linear(&'a [Contribution<R, W>; 2]),
+    Cubic(&'a [Contribution<R, W>; 4]),
+}
+
+impl<R: Real, const W: usize> Interval<'_, R, W> {
+    /// How far a form of it may go on to either side, mm (deg): over a point within the table by an overlap.
+    pub(super) fn rooms(&self, overlap: R) -> [R; 2] {
+        let [below, above] = self.inner;
+        [(self.below, below), (self.above, above)].map(|(room, inner)| if inner { room + overlap } else { room })
+    }
+
+    /// Coefficients of the polynomial about a parameter, per mm (deg): value and slope, of a cubic table the rest.
+    #[inline(always)]
+    pub(super) fn powers(&self, t: R) -> ([[R; W]; 2], Option<[[R; W]; 2]>) {
+        let (zero, f) = ([R::ZERO; W], self.per_mm);
+        match self.line {
+            Line::Zero => ([zero; 2], None),
+            Line::Linear([value, slope]) => ([along(value, t, slope), slope.map(|slope| slope * f)], None),
+            Line::Cubic([value, c1, c2, c3]) => {
+                let (square, cube) = (f * f, f * f * f);
+                let value = along(value, t, &along(c1, t, &along(c2, t, c3)));
+                let slope = core::array::from_fn(|k| (c1[k] + t * (R::TWO * c2[k] + R::THREE * t * c3[k])) * f);
+                let second = core::array::from_fn(|k| (c2[k] + R::THREE * t * c3[k]) * square);
+                ([value, slope], Some([second, c3.map(|c3| c3 * cube)]))
+            }
+        }
+    }
 }
 
 /// Scalars that a table takes.

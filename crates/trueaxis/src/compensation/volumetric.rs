@@ -28,6 +28,10 @@
 
 mod carriages;
 mod inverse;
+mod kept;
+mod key;
+mod slides;
+mod tangent;
 
 use super::PoseError;
 use super::query::Query;
@@ -44,6 +48,7 @@ use crate::vector::{About, V3};
 use carriages::{Carriage, Carriages, Poses, about};
 use inverse::Fade;
 pub(crate) use inverse::{LEAST_DETERMINANT, LEAST_FADE};
+pub(crate) use kept::{Cycle, Kept};
 
 /// The tables of a machine for the volumetric form and its chain: immutable, built once.
 ///
@@ -68,6 +73,18 @@ pub struct Volumetric<'a, R, P, const N: usize> {
     orientation: Option<Fade<R>>,
     /// Largest correction of each axis, mm (deg).
     most: [R; N],
+    /// Key of all this.
+    key: u64,
+    /// Everything is looked up at the command.
+    at_command: bool,
+    /// The slides stand along the bed's axes, and no rotary axis is corrected.
+    upright: bool,
+    /// Upper bound of every lever, mm, and how far a tangent may go on beyond a point of each table, mm (deg).
+    longest: R,
+    overlaps: [R; N],
+    /// Three slides: width of the boxes, mm, and whether anything but products is bent in them.
+    width: R,
+    curved: bool,
 }
 
 /// Translations and rotations of a twist.
@@ -152,6 +169,11 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         let (mut origins, mut datum) = ([R::ZERO; N], [R::ZERO; N]);
         let mut constant = [[R::ZERO; 6]; N];
         let mut plain = !machine.compensation.orientation;
+        let mut at_command = true;
+        let longest = tangent::longest(machine, &rows);
+        let mut overlaps = [R::ZERO; N];
+        let mut bends = [R::ZERO; N];
+        let mut curved = false;
         for (slot, (axis, lever)) in axes.into_iter().zip(levers).enumerate() {
             let Some(settings) = machine.axis(axis) else { continue };
             let located = machine.location.of(axis).copied().unwrap_or_default();
@@ -163,7 +185,15 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
                 *most = R::of(settings.limits.magnitude);
             }
             let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);
+            at_command &= feedback == (false, false);
             plain &= table.is_even() && feedback == (false, false) && apart == [0.0; 6];
+            if let Some(overlap) = overlaps.get_mut(slot) {
+                *overlap = tangent::overlap(table.largest_kinks(), longest);
+            }
+            if let Some(bend) = bends.get_mut(slot) {
+                *bend = halves(table.largest_bends()).1.norm();
+            }
+            curved |= !table.is_straight();
             let origin = table.origin().to_f64();
             chain.set_origin(slot, origin);
             if let (Some(slot), Some(at), Some(from), Some(q0)) =
@@ -177,6 +207,9 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         }
         let settings = &machine.compensation;
         let orientation = settings.orientation.then(|| Fade::from_deg(settings.fade_deg));
+        let upright = orientation.is_none() && !chain.turned;
+        let width = slides::width(&chain.beyond, &bends);
+        let curved = curved || chain.carries_itself();
         let location = &machine.location;
         Ok(Volumetric {
             tables,
@@ -190,6 +223,13 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             chain,
             orientation,
             most,
+            key: key::of(order, machine, &rows),
+            at_command,
+            upright,
+            longest: R::of(longest),
+            overlaps,
+            width,
+            curved,
         })
     }
 
@@ -201,6 +241,11 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             *at = table.coordinate(*position);
         }
         at
+    }
+
+    /// Whether every table is looked up at the command.
+    pub(crate) fn is_at_command(&self) -> bool {
+        self.at_command
     }
 
     /// Unit vector along the tool, from the tip to the spindle, in bed axes at a position.
@@ -481,3 +526,6 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).glam(), orientation: w.glam() }
     }
 }
+
+#[cfg(test)]
+mod tests;

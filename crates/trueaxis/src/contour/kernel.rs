@@ -13,7 +13,7 @@
 //! fraction of a picometre (single precision: of a nanometre), the foot inside the span. Two plain Newton steps are no
 //! substitute: they leave more than a femtometre in some five per cent of queries.
 
-use super::span::{Form, Span, mad};
+use super::span::{Form, Span, dot, mad};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -35,11 +35,6 @@ pub(super) struct Foot<R> {
 #[inline(always)]
 fn tolerance<R: Real>() -> R {
     if R::EPSILON.to_f64() < 1e-10 { R::of(1e-24) } else { R::of(1e-13) }
-}
-
-#[inline(always)]
-fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Foot near `guess`; `point` relative to the span's origin.
@@ -68,18 +63,30 @@ impl<R: Real, P: Position> Span<R, P> {
 
 /// Not inlined: in a driver's loop it runs slower.
 #[inline(never)]
-fn cubic<R: Real, const RATIONAL: bool>([c0, c1, c2, c3, ..]: &[[R; 4]; 6], point: &[R; 3], t: R) -> Foot<R> {
+fn cubic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], point: &[R; 3], t: R) -> Foot<R> {
+    solve::<R, RATIONAL, 4>(shifted_cubic::<R, RATIONAL>(c, t), point, t)
+}
+
+#[inline(never)]
+fn quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], point: &[R; 3], t: R) -> Foot<R> {
+    solve::<R, RATIONAL, 6>(shifted_quintic::<R, RATIONAL>(c, t), point, t)
+}
+
+/// Coefficients about `t`.
+#[inline(always)]
+pub(super) fn shifted_cubic<R: Real, const RATIONAL: bool>([c0, c1, c2, c3, ..]: &[[R; 4]; 6], t: R) -> [[R; 4]; 4] {
     let p2 = horner::<R, RATIONAL>(c2, t, c3);
     let p1 = horner::<R, RATIONAL>(c1, t, &p2);
     let p0 = horner::<R, RATIONAL>(c0, t, &p1);
     let q2 = horner::<R, RATIONAL>(&p2, t, c3);
     let q1 = horner::<R, RATIONAL>(&p1, t, &q2);
     let r2 = horner::<R, RATIONAL>(&q2, t, c3);
-    solve::<R, RATIONAL, 4>([p0, q1, r2, *c3], point, t)
+    [p0, q1, r2, *c3]
 }
 
-#[inline(never)]
-fn quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], point: &[R; 3], t: R) -> Foot<R> {
+/// Coefficients about `t`.
+#[inline(always)]
+pub(super) fn shifted_quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], t: R) -> [[R; 4]; 6] {
     let mut shifted = *c;
     // Taylor shift by synthetic division: fifteen steps in a triangle.
     let [s0, s1, s2, s3, s4, s5] = &mut shifted;
@@ -98,7 +105,7 @@ fn quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], point: &[R; 3], t: R)
     *s4 = horner::<R, RATIONAL>(s4, t, s5);
     *s3 = horner::<R, RATIONAL>(s3, t, s4);
     *s4 = horner::<R, RATIONAL>(s4, t, s5);
-    solve::<R, RATIONAL, 6>(shifted, point, t)
+    shifted
 }
 
 /// `a + t b`, without the weights where there are none.
@@ -118,7 +125,10 @@ fn solve<R: Real, const RATIONAL: bool, const C: usize>(s: [[R; 4]; C], p: &[R; 
 
 /// x = shifted − w p; for weight 1 only the constant term is touched.
 #[inline(always)]
-fn homogeneous<R: Real, const RATIONAL: bool, const C: usize>(s: &[[R; 4]; C], p: &[R; 3]) -> ([[R; 3]; C], [R; C]) {
+pub(super) fn homogeneous<R: Real, const RATIONAL: bool, const C: usize>(
+    s: &[[R; 4]; C],
+    p: &[R; 3],
+) -> ([[R; 3]; C], [R; C]) {
     let mut x = [[R::ZERO; 3]; C];
     let mut w = [R::ZERO; C];
     for (k, ((x, w), s)) in x.iter_mut().zip(&mut w).zip(s).enumerate() {
@@ -135,11 +145,12 @@ fn homogeneous<R: Real, const RATIONAL: bool, const C: usize>(s: &[[R; 4]; C], p
 }
 
 /// The third-order step h from g's series, with the series' quantities that the trust test looks at.
-struct Step<R> {
-    h: R,
-    u: R,
+pub(super) struct Step<R> {
+    pub(super) h: R,
+    pub(super) u: R,
+    pub(super) uy: R,
     /// g'.
-    g1: R,
+    pub(super) g1: R,
     /// x·x'' + x'·x' at the guess.
     s2: R,
     w0: R,
@@ -147,7 +158,10 @@ struct Step<R> {
 }
 
 #[inline(always)]
-fn third_order<R: Real, const RATIONAL: bool, const C: usize>(x: &[[R; 3]; C], w: &[R; C]) -> Option<Step<R>> {
+pub(super) fn third_order<R: Real, const RATIONAL: bool, const C: usize>(
+    x: &[[R; 3]; C],
+    w: &[R; C],
+) -> Option<Step<R>> {
     let (one, two, three) = (R::ONE, R::TWO, R::THREE);
     let ([a, b, d, e, ..], [w0, w1, w2, w3, ..]) = (&x[..], &w[..]) else { return None };
     let (w0, w1, w2, w3) = (*w0, *w1, *w2, *w3);
@@ -167,39 +181,50 @@ fn third_order<R: Real, const RATIONAL: bool, const C: usize>(x: &[[R; 3]; C], w
     let u = g2 * inverse;
     let uy = u * y;
     let h = y - y * uy * (one - (uy + uy));
-    Some(Step { h, u, g1, s2, w0, sane: g1 > R::ZERO && uy.abs() < R::of(0.2) })
+    Some(Step { h, u, uy, g1, s2, w0, sane: g1 > R::ZERO && uy.abs() < R::of(0.2) })
 }
 
 /// Value, derivative and half the second derivative of x and w at the step, exactly.
-struct Taylor<R> {
-    r: [R; 3],
-    v: [R; 3],
-    z: [R; 3],
-    rw: R,
-    vw: R,
-    zw: R,
+pub(super) struct Taylor<R> {
+    pub(super) r: [R; 3],
+    pub(super) v: [R; 3],
+    pub(super) z: [R; 3],
+    pub(super) rw: R,
+    pub(super) vw: R,
+    pub(super) zw: R,
+}
+
+/// Value, derivative and half the second derivative of a cubic or quintic at h, no multiplication in vain.
+#[inline(always)]
+fn series<R: Real, const C: usize>(c: &[R; C], h: R) -> [R; 3] {
+    match &c[..] {
+        [a, b, d, e] => {
+            let z = *d + R::THREE * h * *e;
+            [*a + h * (*b + h * (*d + h * *e)), *b + h * (*d + z), z]
+        }
+        [c0, c1, c2, c3, c4, c5] => {
+            // Horner's scheme three times, each from the sums of the one before.
+            let p4 = *c4 + h * *c5;
+            let p3 = *c3 + h * p4;
+            let p2 = *c2 + h * p3;
+            let p1 = *c1 + h * p2;
+            let q4 = p4 + h * *c5;
+            let q3 = p3 + h * q4;
+            let q2 = p2 + h * q3;
+            [*c0 + h * p1, p1 + h * q2, q2 + h * (q3 + h * (q4 + h * *c5))]
+        }
+        _ => [R::ZERO; 3],
+    }
 }
 
 impl<R: Real> Taylor<R> {
     #[inline(always)]
-    fn at<const RATIONAL: bool, const C: usize>(x: &[[R; 3]; C], w: &[R; C], h: R) -> Self {
-        let (mut r, mut v, mut z) = ([R::ZERO; 3], [R::ZERO; 3], [R::ZERO; 3]);
-        let (mut rw, mut vw, mut zw) = (R::ZERO, R::ZERO, R::ZERO);
-        for (x, w) in x.iter().zip(w).rev() {
-            for k in 0..3 {
-                z[k] = v[k] + h * z[k];
-                v[k] = r[k] + h * v[k];
-                r[k] = x[k] + h * r[k];
-            }
-            if RATIONAL {
-                zw = vw + h * zw;
-                vw = rw + h * vw;
-                rw = *w + h * rw;
-            }
+    pub(super) fn at<const RATIONAL: bool, const C: usize>(x: &[[R; 3]; C], w: &[R; C], h: R) -> Self {
+        let [mut r, mut v, mut z] = [[R::ZERO; 3]; 3];
+        for (k, ((r, v), z)) in r.iter_mut().zip(&mut v).zip(&mut z).enumerate() {
+            [*r, *v, *z] = series(&x.map(|x| x[k]), h);
         }
-        if !RATIONAL {
-            rw = R::ONE;
-        }
+        let [rw, vw, zw] = if RATIONAL { series(w, h) } else { [R::ONE, R::ZERO, R::ZERO] };
         Taylor { r, v, z, rw, vw, zw }
     }
 
@@ -223,10 +248,11 @@ impl<R: Real> Taylor<R> {
 
         let (mut vector, mut tangent) = ([R::ZERO; 3], [R::ZERO; 3]);
         let weight = if RATIONAL { one / (*rw + correction * (*vw + correction * *zw)) } else { one };
-        let weight_rate = if RATIONAL { *vw + two * (correction * *zw) } else { R::ZERO };
+        // The tangent before the correction, which turns it by next to nothing.
+        let weight_rate = if RATIONAL { *vw } else { R::ZERO };
         for k in 0..3 {
             vector[k] = r[k] + correction * (v[k] + correction * z[k]);
-            tangent[k] = v[k] + two * (correction * z[k]);
+            tangent[k] = v[k];
             if RATIONAL {
                 vector[k] = vector[k] * weight;
                 // (x/w)' = (x' − x w'/w)/w
@@ -234,7 +260,7 @@ impl<R: Real> Taylor<R> {
             }
         }
         let t = t + step.h + correction;
-        let trusted = converged && t >= R::ZERO && t <= one;
+        let trusted = converged && t.is_in_unit();
         Foot { t, vector, tangent, trusted, converged }
     }
 }
@@ -263,6 +289,12 @@ pub(super) struct Evaluation<R> {
 /// Evaluates a span at `t`, any form.
 #[inline(never)]
 pub(super) fn evaluate<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], t: R) -> Evaluation<R> {
+    evaluated(span, point, t)
+}
+
+/// The same inlined.
+#[inline(always)]
+pub(super) fn evaluated<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], t: R) -> Evaluation<R> {
     let [c0, c1, c2, c3, c4, c5] = &span.coefficients;
     // Horner's scheme for value (p), first (q) and half second derivative (r), from the third power down.
     let (p3, q3, r2) = match span.form {

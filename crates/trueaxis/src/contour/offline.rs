@@ -1,24 +1,123 @@
 //! The whole cold search in one call: for files, not for cycles.
 
-use super::kernel::evaluate;
-use super::refine::{Found, at, dot};
-use super::search::{ContourSearch, Method, components, way};
+use super::kernel::{Foot, evaluate, foot};
+use super::nearest::survey::Survey;
+use super::refine::dot;
+use super::search::{ContourSearch, Method, components};
 use super::span::{Path, Reference, Span};
+use super::way::{advance_far, way_far};
 use super::{ContourError, Flags};
 use crate::position::Position;
 use crate::real::Real;
 
-/// Samples of every span; its tangent turns by less than 30°, so no two minima hide between two of them.
-const SAMPLES: i32 = 16;
 /// Spans looked at on either side of the reference.
 const PIECES: usize = 4096;
+/// Steps along the tangent before the whole window is searched.
+const WALKS: usize = 3;
+
+/// A foot by itself, without the components of a [`ContourError`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct NearFoot<R: Real> {
+    /// Where on the path.
+    pub at: Reference<R>,
+    /// Actual − foot, mm.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub vector: R::Vec3,
+    /// What it is; without *bracketed* the nearest end of the window.
+    pub flags: Flags,
+}
+
+impl<R: Real> NearFoot<R> {
+    /// Distance from the path, mm.
+    #[inline(always)]
+    pub fn distance(&self) -> R {
+        let vector: [R; 3] = self.vector.into();
+        dot(&vector, &vector).sqrt()
+    }
+}
 
 impl<R: Real> ContourSearch<R> {
+    /// Foot of `point` (mm) near `guess`, with nothing known from the cycle before: a local projection.
+    ///
+    /// The kernel's foot from the guess, or from where the tangent leads from there, if its own test trusts it and it lies
+    /// within a sixteenth of `max_lag_mm` of the point; else the nearest of all feet within `max_lag_mm` of arc length of
+    /// the guess, none missed. `None` where the path has no such span, or the guess or the point is not a number.
+    ///
+    /// Cost: one call of the kernel, over a border or from farther off two and an evaluation; the whole window as a rule
+    /// only at corners and ends.
+    #[inline(always)]
+    pub fn foot_near<P: Position>(
+        &self,
+        path: &Path<'_, R, P>,
+        guess: Reference<R>,
+        point: &[P; 3],
+    ) -> Option<NearFoot<R>> {
+        let span = path.span(guess.span)?;
+        if self.method == Method::Guarded {
+            let found = foot(span, &span.relative(point), guess.t);
+            if found.trusted && dot(&found.vector, &found.vector) <= self.certain() {
+                return Some(near(guess.span, &found));
+            }
+        }
+        self.foot_farther(path, guess, point)
+    }
+
+    /// The kernel does not trust its foot at the guess.
+    #[inline(never)]
+    fn foot_farther<P: Position>(
+        &self,
+        path: &Path<'_, R, P>,
+        guess: Reference<R>,
+        point: &[P; 3],
+    ) -> Option<NearFoot<R>> {
+        if !(guess.t.is_finite() && point.iter().all(|x| x.is_usable())) {
+            return None;
+        }
+        let guess = path.moving(Reference { t: guess.t.limit(R::ZERO, R::ONE), ..guess });
+        if self.method == Method::Guarded
+            && let Some(found) = self.walk(path, guess, point)
+        {
+            return Some(found);
+        }
+        let mut survey = self.survey(*path, guess, *point, false);
+        self.window(&mut survey);
+        let found = survey.answer()?;
+        Some(NearFoot { at: found.place, vector: found.vector.map(|x| -x).into(), flags: found.flags })
+    }
+
+    /// A foot at most so far from the point is not doubted: squared, mm².
+    #[inline(always)]
+    fn certain(&self) -> R {
+        R::of(1.0 / 256.0) * self.max_lag * self.max_lag
+    }
+
+    /// Along the tangent, and the kernel there, a few times.
+    #[inline(always)]
+    fn walk<P: Position>(&self, path: &Path<'_, R, P>, guess: Reference<R>, point: &[P; 3]) -> Option<NearFoot<R>> {
+        let (mut at, mut left) = (guess, self.max_lag);
+        for _ in 0..WALKS {
+            let span = path.span(at.span)?;
+            let e = evaluate(span, &span.relative(point), at.t);
+            let along = (-(e.g / e.straight.max(R::of(1e-30)).sqrt())).limit(-left, left);
+            left -= along.abs();
+            at = advance_far(path, at, along);
+            let span = path.span(at.span)?;
+            let found = foot(span, &span.relative(point), at.t);
+            if found.trusted && dot(&found.vector, &found.vector) <= self.certain() {
+                return Some(near(at.span, &found));
+            }
+        }
+        None
+    }
+
     /// Contour error of `point` with nothing known but where the reference is: the nearest of all feet within
     /// `max_lag_mm` of arc length on either side of it.
     ///
-    /// Without a minimum in that window its nearest sampled point is the answer, without the flag *bracketed*. Not for a
-    /// servo cycle: hundreds of evaluations; `evaluations` saturates at 255.
+    /// Every minimum in that window is seen, and flagged if there is a second one; without any its nearer end is the
+    /// answer, without the flag *bracketed*. Not for a servo cycle: two evaluations of every span in the window, and a call
+    /// of the kernel for each minimum; `evaluations` saturates at 255.
     pub fn nearest<P: Position>(
         &self,
         path: &Path<'_, R, P>,
@@ -26,18 +125,39 @@ impl<R: Real> ContourSearch<R> {
         point: [P; 3],
     ) -> ContourError<R> {
         let reference = path.moving(reference);
-        let Some(home) = path.span(reference.span) else { return ContourError::none() };
-        let mut spent = 0;
-        let start = at(home, reference.span, &point, reference.t.limit(R::ZERO, R::ONE));
-        let mut best = Best { minimum: None, sample: start };
-        let mut minima = 0;
+        let mut survey = self.survey(*path, reference, point, true);
+        self.window(&mut survey);
+        let Some(mut found) = survey.answer() else { return ContourError::none() };
+        if survey.minima > 1 {
+            found.flags = found.flags.and(Flags::SECOND_MINIMUM);
+        }
+        let error = dot(&found.vector, &found.vector).sqrt();
+        let lag = way_far(path, found.place, reference, self.max_lag);
+        components(path, &found, error, lag, survey.spent)
+    }
+
+    fn survey<'p, P: Position>(
+        &self,
+        path: Path<'p, R, P>,
+        guess: Reference<R>,
+        point: [P; 3],
+        counting: bool,
+    ) -> Survey<'p, R, P> {
+        let method = self.method;
+        Survey { path, point, method, counting, guess, minimum: None, end: None, minima: 0, spent: 0 }
+    }
+
+    /// Looks at all spans within `max_lag` of the guess, from there outwards on both sides.
+    fn window<P: Position>(&self, survey: &mut Survey<'_, R, P>) {
+        let (path, reference) = (survey.path, survey.guess);
+        let Some(home) = path.span(reference.span) else { return };
         let (mut ahead, mut behind) = (R::ZERO, R::ZERO);
         let here = home.arc_length(reference.t);
         let mut pieces = [Some((reference.span, here)), None];
         let (mut next, mut previous) = (Some(reference.span), Some(reference.span));
         for round in 0..PIECES {
             for (number, from) in pieces.into_iter().flatten() {
-                self.piece(path, number, from, &point, &mut best, &mut minima, &mut spent);
+                self.piece(survey, number, from);
             }
             let ahead_length = next.and_then(|n| path.span(n)).map_or(R::ZERO, Span::length);
             ahead += if round == 0 { ahead_length - here } else { ahead_length };
@@ -52,136 +172,40 @@ impl<R: Real> ContourSearch<R> {
                 break;
             }
         }
-        let mut best = best.answer();
-        if minima > 1 {
-            best.flags = best.flags.and(Flags::SECOND_MINIMUM);
-        }
-        let error = dot(&best.vector, &best.vector).sqrt();
-        let lag = way(path, best.place, reference, self.max_lag);
-        components(path, &best, error, lag, spent)
     }
 
-    /// Minima and borders of one span, as far as it lies in the window; `reference` is its arc length in the span.
-    pub(super) fn piece<P: Position>(
-        &self,
-        path: &Path<'_, R, P>,
-        number: u32,
-        reference: R,
-        point: &[P; 3],
-        best: &mut Best<R>,
-        minima: &mut u32,
-        spent: &mut u8,
-    ) {
-        let Some(span) = path.span(number) else { return };
-        let (first, last) = (span.t_at(reference - self.max_lag), span.t_at(reference + self.max_lag));
-        if last <= first {
-            return;
+    /// One span, as far as it lies in the window; `reference` is its arc length in the span.
+    fn piece<P: Position>(&self, survey: &mut Survey<'_, R, P>, number: u32, reference: R) {
+        let Some(span) = survey.path.span(number) else { return };
+        let (first, last) = (place(span, reference - self.max_lag), place(span, reference + self.max_lag));
+        if first < last {
+            survey.look(number, first, last);
         }
-        let local = span.relative(point);
-        let mut before: Option<(R, R)> = None;
-        for i in 0..=SAMPLES {
-            let t = if i == SAMPLES {
-                last
-            } else {
-                first + (last - first) * R::of_i32(i) * R::of(1.0 / f64::from(SAMPLES))
-            };
-            let e = evaluate(span, &local, t);
-            *spent = spent.saturating_add(1);
-            let mut candidate = at(span, number, point, t);
-            candidate.flags = self.border(path, number, t, e.g, point);
-            if candidate.flags.has(Flags::BRACKETED) {
-                *minima += 1;
-            }
-            best.consider(candidate);
-            if let Some((t0, g0)) = before
-                && g0 < R::ZERO
-                && e.g >= R::ZERO
-                && let Some(found) = self.narrow(path, number, (t0, t), point, spent)
-            {
-                *minima += 1;
-                best.consider(found);
-            }
-            before = Some((t, e.g));
-        }
-    }
-
-    /// The minimum between two samples of one span.
-    fn narrow<P: Position>(
-        &self,
-        path: &Path<'_, R, P>,
-        number: u32,
-        (low, high): (R, R),
-        point: &[P; 3],
-        spent: &mut u8,
-    ) -> Option<Found<R>> {
-        let span = path.span(number)?;
-        let local = span.relative(point);
-        let (mut low, mut high) = (low, high);
-        let mut t = R::HALF * (low + high);
-        for _ in 0..80 {
-            let e = evaluate(span, &local, t);
-            *spent = spent.saturating_add(1);
-            if e.g < R::ZERO {
-                low = t
-            } else {
-                high = t
-            }
-            // Near the centre of curvature the slope nearly vanishes: bisection goes on where Newton's step leads out.
-            let newton = t - e.g / e.slope;
-            let guarded = self.method == Method::Guarded && e.slope > R::ZERO && low < newton && newton < high;
-            let next = if guarded { newton } else { R::HALF * (low + high) };
-            let done = next == t || !(low < next && next < high);
-            t = next;
-            if done {
-                break;
-            }
-        }
-        let mut found = at(span, number, point, t);
-        found.width = span.arc_length(high) - span.arc_length(low);
-        found.flags = Flags::BRACKETED;
-        Some(found)
-    }
-
-    /// Whether a sample at a border of its span is a corner's or an end's minimum.
-    fn border<P: Position>(&self, path: &Path<'_, R, P>, number: u32, t: R, g: R, point: &[P; 3]) -> Flags {
-        let (beyond, entry, outward) = if t == R::ONE && g < R::ZERO {
-            (path.next(number), R::ZERO, true)
-        } else if t == R::ZERO && g > R::ZERO {
-            (path.previous(number), R::ONE, false)
-        } else {
-            return Flags::default();
-        };
-        let Some(neighbour) = beyond.and_then(|n| path.span(n)) else { return Flags::BRACKETED.and(Flags::AT_END) };
-        let there = evaluate(neighbour, &neighbour.relative(point), entry).g;
-        let back = if outward { there >= R::ZERO } else { there <= R::ZERO };
-        if back { Flags::BRACKETED.and(Flags::AT_CORNER) } else { Flags::default() }
     }
 }
 
-/// The nearest minimum and the nearest sample.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Best<R> {
-    pub(super) minimum: Option<Found<R>>,
-    pub(super) sample: Found<R>,
+#[inline(always)]
+fn near<R: Real>(span: u32, foot: &Foot<R>) -> NearFoot<R> {
+    let at = Reference { span, t: foot.t };
+    NearFoot { at, vector: foot.vector.map(|x| -x).into(), flags: Flags::BRACKETED }
 }
 
-impl<R: Real> Best<R> {
-    fn consider(&mut self, candidate: Found<R>) {
-        let squared = |found: &Found<R>| dot(&found.vector, &found.vector);
-        if candidate.flags.has(Flags::BRACKETED) && self.minimum.is_none_or(|m| squared(&candidate) < squared(&m)) {
-            self.minimum = Some(candidate);
-        }
-        if squared(&candidate) < squared(&self.sample) {
-            self.sample = candidate;
-        }
+/// [`Span::t_at`] by Newton's method, where that ends soon.
+fn place<R: Real, P: Position>(span: &Span<R, P>, arc: R) -> R {
+    let length = span.length();
+    if arc <= R::ZERO {
+        return R::ZERO;
     }
-
-    /// The minimum, unless the window's edge is nearer by more than rounding.
-    pub(super) fn answer(self) -> Found<R> {
-        let distance = |found: &Found<R>| dot(&found.vector, &found.vector).sqrt();
-        match self.minimum {
-            Some(minimum) if distance(&minimum) <= distance(&self.sample) + R::of(1e-6) => minimum,
-            _ => self.sample,
-        }
+    if arc >= length {
+        return R::ONE;
     }
+    let mut t = arc / length;
+    for _ in 0..4 {
+        let left = arc - span.arc_length(t);
+        if left.abs() <= R::of(4.0) * R::EPSILON * length {
+            return t;
+        }
+        t = (t + left / span.arc_speed(t)).limit(R::ZERO, R::ONE);
+    }
+    span.t_at(arc)
 }

@@ -1,7 +1,8 @@
 //! Out of line: descend, bracket, refine; across borders and corners, within a window.
 
 use super::Flags;
-use super::kernel::{Evaluation, evaluate};
+use super::kernel::{Evaluation, evaluate, evaluated};
+pub(super) use super::span::dot;
 use super::span::{Path, Reference, Span};
 use crate::position::Position;
 use crate::real::Real;
@@ -19,11 +20,6 @@ pub(super) struct Found<R> {
     pub(super) flags: Flags,
     /// The evaluations ran out while descending to a minimum: the next cycle can continue from this point.
     pub(super) downhill: bool,
-}
-
-#[inline(always)]
-pub(super) fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// A point of the path counted from the start of the search: spans forward, parameter in the span.
@@ -70,7 +66,7 @@ pub(super) fn descend<R: Real, P: Position>(
         Descent { path, window, bisect, at, low: None, high: None, flags: Flags::default(), walked: R::ZERO };
     for round in 0..budget {
         let span = path.span(descent.at.number)?;
-        let e = evaluate(span, &span.relative(point), descent.at.t);
+        let e = evaluated(span, &span.relative(point), descent.at.t);
         *spent = spent.saturating_add(1);
         let speed = e.straight.sqrt();
         if e.g == R::ZERO && e.slope >= R::ZERO {

@@ -231,6 +231,12 @@ impl<R: Real, P: Position> Span<R, P> {
 /// Most spans without length in a row that the search of the tip passes over; a single one may turn by any angle.
 const TURNS_IN_A_ROW: u32 = 8;
 
+/// a·b.
+#[inline(always)]
+pub(super) fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 /// `a + t b`.
 #[inline(always)]
 pub(super) fn mad<R: Real>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4] {
@@ -298,6 +304,8 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     /// The span with a sequence number.
     #[inline(always)]
     pub fn span(&self, number: u32) -> Option<&'a Span<R, P>> {
+        #[cfg(test)]
+        super::tests::LOOKED_AT.with(|count| count.set(count.get() + 1));
         self.spans.get(number.wrapping_sub(self.first) as usize)
     }
 

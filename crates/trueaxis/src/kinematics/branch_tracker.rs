@@ -56,6 +56,24 @@ impl<R: Real> BranchTracker<R> {
     ) -> Result<Solution<R>, InverseError> {
         self.before = self.last;
         let max_step_deg = self.max_step_deg * calls;
+        match kinematics.on_branch(tool, &self.last, self.branch) {
+            Some(solution) if solution.step_deg <= max_step_deg => {
+                self.last = solution.axes;
+                Ok(solution)
+            }
+            _ => self.refusal(kinematics, tool, max_step_deg),
+        }
+    }
+
+    /// Why the path does not go on on its branch.
+    #[cold]
+    #[inline(never)]
+    fn refusal(
+        &self,
+        kinematics: &Kinematics<R>,
+        tool: &Tool<R>,
+        max_step_deg: R,
+    ) -> Result<Solution<R>, InverseError> {
         let solutions = kinematics.solutions(tool, &self.last)?;
         let (here, other) = match self.branch {
             Branch::First => (solutions.first, solutions.second),
@@ -64,10 +82,6 @@ impl<R: Real> BranchTracker<R> {
         let limit_deg = max_step_deg.to_f64();
         let other_goes_on = other.is_ok_and(|solution| solution.step_deg <= max_step_deg);
         match here {
-            Ok(solution) if solution.step_deg <= max_step_deg => {
-                self.last = solution.axes;
-                Ok(solution)
-            }
             Ok(Solution { step_deg, .. }) if other_goes_on => {
                 Err(InverseError::BranchChange { from: self.branch, step_deg: step_deg.to_f64(), limit_deg })
             }

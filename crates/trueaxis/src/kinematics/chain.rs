@@ -1,5 +1,6 @@
 //! The structural code of a machine reduced to two turns and three shifts.
 
+use super::in_frame;
 use crate::error::{ConfigError, Field};
 use crate::machine::links;
 use crate::machine::{Axis, MachineSettings};
@@ -44,11 +45,21 @@ pub(super) struct Chain<R> {
     pub(super) sections: [Section<R>; 3],
     /// Travel of X, Y, Z, mm.
     pub(super) travel: [[R; 2]; 3],
+    /// Section in which X, Y and Z all stand, if it is one.
+    pub(super) together: Option<u8>,
+    /// Angle of the tool axis about the second rotary axis, from the first one, rad: atan2(c, a) of the inverse.
+    pub(super) tool_turn: R,
 }
 
 impl<R: Real> Chain<R> {
     pub(super) fn new(machine: &MachineSettings, tool_axis: [f64; 3]) -> Result<Self, ConfigError> {
-        let mut chain = Chain { turns: [None; 2], sections: [Section::default(); 3], travel: [[R::ZERO; 2]; 3] };
+        let mut chain = Chain {
+            turns: [None; 2],
+            sections: [Section::default(); 3],
+            travel: [[R::ZERO; 2]; 3],
+            together: None,
+            tool_turn: R::ZERO,
+        };
         let mut offsets = [V3::<f64>::ZERO; 3];
         let (mut linear, mut rotary) = (0, 0);
         let links = links(&machine.chain)?;
@@ -118,8 +129,16 @@ impl<R: Real> Chain<R> {
                 return Err(ConfigError::new(Field::ToolAxis, libm::sqrt(lever), needed).on(second.axis));
             }
         }
-        for (section, offset) in chain.sections.iter_mut().zip(offsets) {
+        for (number, (section, offset)) in (0..).zip(chain.sections.iter_mut().zip(offsets)) {
             section.offset = V3::of(offset.array());
+            if section.moves == V3::new(R::ONE, R::ONE, R::ONE) {
+                chain.together = Some(number);
+            }
+        }
+        if let [Some(first), Some(second)] = &chain.turns {
+            let [a, _, c] =
+                in_frame(first.about, second.about, V3::<f64> { x: tool_axis[0], y: tool_axis[1], z: tool_axis[2] });
+            chain.tool_turn = R::of(libm::atan2(c, a));
         }
         Ok(chain)
     }

@@ -8,6 +8,9 @@
 //! θ2 = atan2(c u − a w, a u + c w),   θ1 = atan2(b q − w p, b p + w q),   q_i = s_i θ_i
 //! ```
 //!
+//! As sums, with one angle of each kind for both branches: `θ2 = atan2(c, a) ± atan2(|w|, u)`,
+//! `θ1 = atan2(q, p) ± atan2(|w|, b)`, + on branch 1. Their cosines and sines are the arguments above over their lengths.
+//!
 //! Branch 1 is the pose in which the second axis has turned the tool by 0 … 180 degrees, right-handed, from where it
 //! comes nearest to n1. The tip is then linear in X, Y, Z: three equations by Cramer's rule.
 //!
@@ -96,16 +99,71 @@ impl<R: Real> Solutions<R> {
     }
 }
 
+/// Two rotary axes that point the tool: what both branches have in common.
+#[derive(Clone, Copy, Debug)]
+struct Aim<R> {
+    tip: V3<R>,
+    first: Rotary<R>,
+    second: Rotary<R>,
+    /// a, b, c and u, p, q of the head of the file, and |w|.
+    tool: [R; 3],
+    wanted: [R; 3],
+    across: R,
+    /// Angles in the middle between the branches, and from there to either of them.
+    middle: [R; 2],
+    apart: [R; 2],
+    /// 1 over the lengths of both axes' cosine and sine.
+    inverse: [R; 2],
+    margin_deg: R,
+    /// The first axis may stand anywhere.
+    free: bool,
+}
+
+/// Rotary axes on one branch.
+#[derive(Clone, Copy, Debug)]
+struct Turned<R> {
+    axes: [R; AXES],
+    /// Cosine and sine of both turns that the workpiece sees.
+    poses: [(R, R); 2],
+    branch: Branch,
+    margin_deg: R,
+    step_deg: R,
+}
+
 impl<R: Real> Kinematics<R> {
     /// Axis positions for a tool, nearest to `near` (X Y Z A B C, mm and degrees).
     ///
     /// Rotary axes take the nearest angle, by whole turns, in their travel. Error: rounding; forward of the result is
-    /// the tool within 1e-12 mm at a metre (f64). Cost: at most ten polynomials for angles, both branches included.
+    /// the tool within 1e-12 mm at a metre (f64). Cost: at most three polynomials for angles; linear axes on the nearer
+    /// branch only, unless that leaves the travel.
     ///
     /// # Errors
     /// An invalid tool vector, out of reach, in the singular cone, or whose axis positions leave the travel.
     pub fn inverse(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solution<R>, InverseError> {
+        if let [Some(first), Some(second)] = &self.chain.turns
+            && let Ok(aim) = self.aim(tool, first, second)
+            && let (Ok(one), Ok(other)) = (aim.turned(Branch::First, near), aim.turned(Branch::Second, near))
+            && let Ok(solution) = self.with_linear(aim.tip, if other.step_deg < one.step_deg { &other } else { &one })
+        {
+            return Ok(solution);
+        }
+        self.nearest(tool, near)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn nearest(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solution<R>, InverseError> {
         self.solutions(tool, near)?.choose(Choice::Nearest)
+    }
+
+    /// Axis positions on one branch, if there are any; why not, [`Kinematics::solutions`] says.
+    #[inline(always)]
+    pub(super) fn on_branch(&self, tool: &Tool<R>, near: &[R; AXES], branch: Branch) -> Option<Solution<R>> {
+        let [Some(first), Some(second)] = &self.chain.turns else {
+            return self.solutions(tool, near).ok()?.choose(Choice::First).ok();
+        };
+        let aim = self.aim(tool, first, second).ok()?;
+        self.with_linear(aim.tip, &aim.turned(branch, near).ok()?).ok()
     }
 
     /// Axis positions on both branches.
@@ -115,34 +173,29 @@ impl<R: Real> Kinematics<R> {
     /// # Errors
     /// Errors of both branches: an invalid tool vector, out of reach or in the singular cone.
     pub fn solutions(&self, tool: &Tool<R>, near: &[R; AXES]) -> Result<Solutions<R>, InverseError> {
-        let [tip, axis] = [tool.tip, tool.axis].map(V3::<R>::from_glam);
-        if !(tip.x.is_finite() && tip.y.is_finite() && tip.z.is_finite()) {
-            return Err(InverseError::TipNotFinite);
-        }
-        let length = axis.norm();
-        let off = (length - R::ONE).abs();
-        if off.is_finite() && off <= R::of(UNIT_TOLERANCE) {
-            let axis = axis * (R::ONE / length);
-            match self.chain.turns {
-                [Some(first), Some(second)] => self.two_turns(tip, axis, near, first, second),
-                [Some(turn), None] | [None, Some(turn)] => self.one_turn(tip, axis, near, turn),
-                [None, None] => self.no_turn(tip, axis),
+        match &self.chain.turns {
+            [Some(first), Some(second)] => {
+                let aim = self.aim(tool, first, second)?;
+                let [first, second] =
+                    [Branch::First, Branch::Second].map(|branch| self.with_linear(aim.tip, &aim.turned(branch, near)?));
+                Ok(Solutions { first, second })
             }
-        } else {
-            Err(InverseError::NotADirection { length: length.to_f64() })
+            [Some(turn), None] | [None, Some(turn)] => {
+                let (tip, axis) = valid(tool)?;
+                self.one_turn(tip, axis, near, turn)
+            }
+            [None, None] => {
+                let (tip, axis) = valid(tool)?;
+                self.no_turn(tip, axis)
+            }
         }
     }
 
-    fn two_turns(
-        &self,
-        tip: V3<R>,
-        axis: V3<R>,
-        near: &[R; AXES],
-        first: Rotary<R>,
-        second: Rotary<R>,
-    ) -> Result<Solutions<R>, InverseError> {
-        let [a, b, c] = in_frame(first.about, second.about, self.tool_axis);
-        let [u, p, q] = in_frame(first.about, second.about, axis);
+    #[inline(always)]
+    fn aim(&self, tool: &Tool<R>, first: &Rotary<R>, second: &Rotary<R>) -> Result<Aim<R>, InverseError> {
+        let (tip, axis) = valid(tool)?;
+        let tool @ [a, b, c] = in_frame(first.about, second.about, self.tool_axis);
+        let wanted @ [u, p, q] = in_frame(first.about, second.about, axis);
         let across_square = p * p + q * q;
         let square = across_square - b * b;
         if square < R::ZERO {
@@ -150,28 +203,36 @@ impl<R: Real> Kinematics<R> {
             within_reach(most - atan2(across_square.sqrt(), u.abs()))?;
         }
         let across = square.sqrt();
-        let margin_deg = degrees(atan2(across, (u * u + b * b).sqrt()));
+        let from_u = atan2(across, u);
+        let half_turn = R::of(core::f64::consts::PI);
+        let (margin, from_b) = if b == R::ZERO {
+            (from_u.min(half_turn - from_u), half_turn * R::HALF)
+        } else {
+            (atan2(across, (u * u + b * b).sqrt()), atan2(across, b))
+        };
+        let margin_deg = degrees(margin);
         if margin_deg < self.cone_deg {
             let (margin_deg, cone_deg) = (margin_deg.to_f64(), self.cone_deg.to_f64());
             return Err(InverseError::SingularPose { margin_deg, cone_deg });
         }
         let along = R::of(ALONG) * R::EPSILON;
         let free = across_square <= along * along;
-        let branch = |branch: Branch, w: R| {
-            let q1 = if free {
-                let [low, high] = first.travel;
-                first.position(near).limit(low, high)
-            } else {
-                first.settle(atan2(b * q - w * p, b * p + w * q), near)?
-            };
-            let q2 = second.settle(atan2(c * u - a * w, a * u + c * w), near)?;
-            let step = (q1 - first.position(near)).abs().max((q2 - second.position(near)).abs());
-            let mut axes = [R::ZERO; AXES];
-            first.put(&mut axes, q1);
-            second.put(&mut axes, q2);
-            self.with_linear(tip, axes, Solution { axes, branch, singularity_margin_deg: margin_deg, step_deg: step })
-        };
-        Ok(Solutions { first: branch(Branch::First, -across), second: branch(Branch::Second, across) })
+        let across_square_in_reach = across * across;
+        let lengths =
+            [across_square * (b * b + across_square_in_reach), (a * a + c * c) * (u * u + across_square_in_reach)];
+        Ok(Aim {
+            tip,
+            first: *first,
+            second: *second,
+            tool,
+            wanted,
+            across,
+            middle: [atan2(q, p), self.chain.tool_turn],
+            apart: [from_b, from_u],
+            inverse: lengths.map(|square| R::ONE / square.sqrt()),
+            margin_deg,
+            free,
+        })
     }
 
     fn one_turn(
@@ -179,7 +240,7 @@ impl<R: Real> Kinematics<R> {
         tip: V3<R>,
         axis: V3<R>,
         near: &[R; AXES],
-        turn: Rotary<R>,
+        turn: &Rotary<R>,
     ) -> Result<Solutions<R>, InverseError> {
         let across = match turn.about {
             About::X => About::Y,
@@ -195,30 +256,73 @@ impl<R: Real> Kinematics<R> {
             let [low, high] = turn.travel;
             Ok(turn.position(near).limit(low, high))
         } else {
-            turn.settle(atan2(b * q - c * p, b * p + c * q), near)
+            turn.settle(atan2(b * q - c * p, b * p + c * q), turn.position(near)).map(|(position, _)| position)
         };
         let solution = angle.and_then(|angle| {
             let mut axes = [R::ZERO; AXES];
             turn.put(&mut axes, angle);
+            let poses = [turn.cos_sin(&axes), (R::ONE, R::ZERO)];
             let step_deg = (angle - turn.position(near)).abs();
-            let singularity_margin_deg = R::of(NO_SINGULAR_POSE);
-            self.with_linear(tip, axes, Solution { axes, branch: Branch::First, singularity_margin_deg, step_deg })
+            let margin_deg = R::of(NO_SINGULAR_POSE);
+            self.with_linear(tip, &Turned { axes, poses, branch: Branch::First, margin_deg, step_deg })
         });
         Ok(Solutions { first: solution, second: Err(InverseError::OneBranch) })
     }
 
     fn no_turn(&self, tip: V3<R>, axis: V3<R>) -> Result<Solutions<R>, InverseError> {
         within_reach(atan2(axis.cross(self.tool_axis).norm(), axis.dot(self.tool_axis)))?;
-        let axes = [R::ZERO; AXES];
-        let singularity_margin_deg = R::of(NO_SINGULAR_POSE);
-        let still = Solution { axes, branch: Branch::First, singularity_margin_deg, step_deg: R::ZERO };
-        Ok(Solutions { first: self.with_linear(tip, axes, still), second: Err(InverseError::OneBranch) })
+        let poses = [(R::ONE, R::ZERO); 2];
+        let (margin_deg, step_deg) = (R::of(NO_SINGULAR_POSE), R::ZERO);
+        let still = Turned { axes: [R::ZERO; AXES], poses, branch: Branch::First, margin_deg, step_deg };
+        Ok(Solutions { first: self.with_linear(tip, &still), second: Err(InverseError::OneBranch) })
     }
 
-    /// X, Y, Z that bring the tip to its position, the rotary axes standing at `axes`.
+    /// X, Y, Z that bring the tip to its position, the rotary axes standing as they do.
     #[inline(always)]
-    fn with_linear(&self, tip: V3<R>, axes: [R; AXES], solution: Solution<R>) -> Result<Solution<R>, InverseError> {
-        let [first, second] = self.chain.turns.map(|turn| turn.map(|turn| (turn, turn.cos_sin(&axes))));
+    fn with_linear(&self, tip: V3<R>, stand: &Turned<R>) -> Result<Solution<R>, InverseError> {
+        let [first_pose, second_pose] = stand.poses;
+        let [first, second] = &self.chain.turns;
+        let turned = |turn: &Option<Rotary<R>>, pose, v: V3<R>| match turn {
+            Some(turn) => v.turned(turn.about, pose),
+            None => v,
+        };
+        let back = |turn: &Option<Rotary<R>>, (cos, sin): (R, R), v: V3<R>| turned(turn, (cos, -sin), v);
+        let [before, between, behind] = &self.chain.sections;
+        let tool = behind.offset + self.tool;
+        // The slides of one section move at right angles, turned as a whole.
+        let found = match self.chain.together {
+            Some(0) => {
+                tip - before.offset - turned(first, first_pose, between.offset + turned(second, second_pose, tool))
+            }
+            Some(1) => {
+                back(first, first_pose, tip - before.offset) - between.offset - turned(second, second_pose, tool)
+            }
+            Some(_) => {
+                let inner = back(first, first_pose, tip - before.offset) - between.offset;
+                back(second, second_pose, inner) - tool
+            }
+            None => self.along_slides(tip, stand)?,
+        };
+        let [x, y, z] = found.array();
+        let [travel_x, travel_y, travel_z] = &self.chain.travel;
+        let [_, _, _, a, b, c] = stand.axes;
+        let mut axes = [x, y, z, a, b, c];
+        if !(within(x, travel_x) & within(y, travel_y) & within(z, travel_z)) {
+            let ends = [Axis::X, Axis::Y, Axis::Z].into_iter().zip(&self.chain.travel);
+            for (place, (axis, travel)) in axes.iter_mut().zip(ends) {
+                *place = inside(axis, *place, *travel)?;
+            }
+        }
+        let Turned { branch, margin_deg, step_deg, .. } = *stand;
+        Ok(Solution { axes, branch, singularity_margin_deg: margin_deg, step_deg })
+    }
+
+    /// X, Y, Z where rotary axes stand between them: three equations by Cramer's rule.
+    #[inline(never)]
+    fn along_slides(&self, tip: V3<R>, stand: &Turned<R>) -> Result<V3<R>, InverseError> {
+        let [first_pose, second_pose] = stand.poses;
+        let [first, second] = self.chain.turns;
+        let (first, second) = (first.map(|turn| (turn, first_pose)), second.map(|turn| (turn, second_pose)));
         let [before, between, behind] = self.chain.sections;
         let still = turned(second, behind.offset + self.tool);
         let wanted = tip - before.offset - turned(first, between.offset + still);
@@ -233,24 +337,63 @@ impl<R: Real> Kinematics<R> {
             return Err(InverseError::LinearAxes { volume: volume.to_f64() });
         }
         let inverse = R::ONE / volume;
-        let [travel_x, travel_y, travel_z] = self.chain.travel;
-        let x = inside(Axis::X, wanted.dot(ey.cross(ez)) * inverse, travel_x)?;
-        let y = inside(Axis::Y, wanted.dot(ez.cross(ex)) * inverse, travel_y)?;
-        let z = inside(Axis::Z, wanted.dot(ex.cross(ey)) * inverse, travel_z)?;
-        let [_, _, _, a, b, c] = axes;
-        Ok(Solution { axes: [x, y, z, a, b, c], ..solution })
+        let along = V3::new(wanted.dot(ey.cross(ez)), wanted.dot(ez.cross(ex)), wanted.dot(ex.cross(ey)));
+        Ok(along * inverse)
+    }
+}
+
+impl<R: Real> Aim<R> {
+    /// The rotary axes' positions on a branch.
+    #[inline(always)]
+    fn turned(&self, branch: Branch, near: &[R; AXES]) -> Result<Turned<R>, InverseError> {
+        let ([a, b, c], [u, p, q]) = (self.tool, self.wanted);
+        let ([first_middle, second_middle], [first_apart, second_apart]) = (self.middle, self.apart);
+        let (w, first_angle, second_angle) = match branch {
+            Branch::First => (-self.across, first_middle + first_apart, second_middle + second_apart),
+            Branch::Second => (self.across, first_middle - first_apart, second_middle - second_apart),
+        };
+        let [first_inverse, second_inverse] = self.inverse;
+        let (first, second) = (&self.first, &self.second);
+        let mut axes = [R::ZERO; AXES];
+        let mut poses = [
+            ((b * p + w * q) * first_inverse, (b * q - w * p) * first_inverse),
+            ((a * u + c * w) * second_inverse, (c * u - a * w) * second_inverse),
+        ];
+        let (first_at, second_at) = (first.position(near), second.position(near));
+        let (q1, first_moved) = if self.free {
+            let [low, high] = first.travel;
+            (first_at.limit(low, high), true)
+        } else {
+            first.settle(first_angle, first_at)?
+        };
+        let (q2, second_moved) = second.settle(second_angle, second_at)?;
+        first.put(&mut axes, q1);
+        second.put(&mut axes, q2);
+        if first_moved | second_moved {
+            poses = [first.cos_sin(&axes), second.cos_sin(&axes)];
+        }
+        let step_deg = (q1 - first_at).abs().max((q2 - second_at).abs());
+        Ok(Turned { axes, poses, branch, margin_deg: self.margin_deg, step_deg })
     }
 }
 
 impl<R: Real> Rotary<R> {
-    /// The command for a turn (rad) that the workpiece sees: nearest to `near`, by whole turns within the travel.
+    /// The command for a turn (rad) that the workpiece sees: nearest to the position `near`, by whole turns within the
+    /// travel, and whether it was moved to the travel's end.
     #[inline(always)]
-    fn settle(&self, angle: R, near: &[R; AXES]) -> Result<R, InverseError> {
+    fn settle(&self, angle: R, near: R) -> Result<(R, bool), InverseError> {
         let whole = R::of(360.0);
         let base = self.sense * degrees(angle);
-        let turns = (self.position(near) - base) * R::of(1.0 / 360.0);
+        let turns = (near - base) * R::of(1.0 / 360.0);
         let half = if turns < R::ZERO { -R::HALF } else { R::HALF };
         let nearest = base + whole * R::of_i32((turns + half).to_i32());
+        if within(nearest, &self.travel) { Ok((nearest, false)) } else { self.settle_within(nearest) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn settle_within(&self, nearest: R) -> Result<(R, bool), InverseError> {
+        let whole = R::of(360.0);
         let [low, high] = self.travel;
         let back = |beyond: R| {
             let turns = R::of_i32((beyond * R::of(1.0 / 360.0)).to_i32());
@@ -264,7 +407,8 @@ impl<R: Real> Rotary<R> {
             nearest
         };
         // Reported is the position nearest to where the axis was, not the one at the far end.
-        inside(self.axis, found, self.travel).or_else(|_| inside(self.axis, nearest, self.travel))
+        let position = inside(self.axis, found, self.travel).or_else(|_| inside(self.axis, nearest, self.travel))?;
+        Ok((position, true))
     }
 
     /// Writes this axis' position.
@@ -279,6 +423,28 @@ impl<R: Real> Rotary<R> {
     }
 }
 
+/// The position lies in the travel; no number does.
+#[inline(always)]
+fn within<R: Real>(position: R, [low, high]: &[R; 2]) -> bool {
+    (position >= *low) & (position <= *high)
+}
+
+/// Tip and direction, the direction normalised.
+#[inline(always)]
+fn valid<R: Real>(tool: &Tool<R>) -> Result<(V3<R>, V3<R>), InverseError> {
+    let [tip, axis] = [tool.tip, tool.axis].map(V3::<R>::from_glam);
+    if !(tip.x.is_finite() & tip.y.is_finite() & tip.z.is_finite()) {
+        return Err(InverseError::TipNotFinite);
+    }
+    let length = axis.norm();
+    let off = (length - R::ONE).abs();
+    if off <= R::of(UNIT_TOLERANCE) {
+        Ok((tip, axis * (R::ONE / length)))
+    } else {
+        Err(InverseError::NotADirection { length: length.to_f64() })
+    }
+}
+
 /// Rounding error of a position of this size.
 #[inline(always)]
 fn rounding<R: Real>(position: R) -> R {
@@ -286,7 +452,7 @@ fn rounding<R: Real>(position: R) -> R {
 }
 
 /// The position where it is within the travel (up to rounding).
-#[inline(always)]
+#[cold]
 fn inside<R: Real>(axis: Axis, found: R, [low, high]: [R; 2]) -> Result<R, InverseError> {
     if found >= low - rounding(low) && found <= high + rounding(high) {
         Ok(found.limit(low, high))

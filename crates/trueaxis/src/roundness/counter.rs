@@ -6,43 +6,37 @@
 use super::flags::GaugeFlags;
 use super::settings::{ArmSettings, SpindleEncoder};
 
-/// Counts of one turn to a fraction of 2^32, within two units: (counts · 2^k) · ⌊2^(63−k)/counts per turn⌉ / 2^31.
+/// Counts of one turn to a fraction of 2^32: x + x·f/2^32 of x = counts · 2^k, f = ⌊2^(64−k)/counts per turn − 2^32⌉.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Scale {
+    /// 2^k, as far as the counts of a turn can be shifted in 32 bits.
+    power: u32,
     factor: u32,
-    /// k: as far as the counts of a turn can be shifted in 32 bits.
-    shift: u32,
 }
 
 impl Scale {
     fn new(counts: u32) -> Self {
         let counts = counts.max(1);
         let shift = (counts - 1).leading_zeros().min(31);
-        let factor = ((1u64 << (63 - shift)) + u64::from(counts) / 2) / u64::from(counts);
-        Scale { factor: u32::try_from(factor).unwrap_or(u32::MAX), shift }
+        let turn = u64::from(counts) << shift;
+        let factor = ((1u128 << 64) + u128::from(turn / 2)) / u128::from(turn) - (1u128 << 32);
+        Scale { power: 1 << shift, factor: u32::try_from(factor).unwrap_or(u32::MAX) }
     }
 
+    /// Within two units.
     #[inline(always)]
     fn angle(self, counts: u32) -> u32 {
-        ((u64::from(counts.wrapping_shl(self.shift)) * u64::from(self.factor)) >> 31) as u32
+        let x = counts.wrapping_mul(self.power);
+        x.wrapping_add(((u64::from(x) * u64::from(self.factor)) >> 32) as u32)
     }
-}
-
-/// 0 or −1: `(x ^ mask) − mask` is x or −x.
-fn mask(direction: i8) -> i32 {
-    if direction < 0 { -1 } else { 0 }
-}
-
-#[inline(always)]
-fn signed(x: i32, mask: i32) -> i32 {
-    (x ^ mask).wrapping_sub(mask)
 }
 
 /// Follows the spindle's encoder from cycle to cycle: immutable half.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpindleCounter {
     scale: Scale,
-    mask: i32,
+    /// ±1.
+    direction: i32,
     counts: u32,
     /// Counts of a cycle beyond which the encoder has jumped.
     most: u32,
@@ -52,15 +46,15 @@ pub(super) struct SpindleCounter {
     tolerance: u32,
 }
 
-/// Follows the spindle's encoder from cycle to cycle: its state.
+/// Follows the spindle's encoder from cycle to cycle: its state. Counts are in the sense of θ and wrap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpindleState {
     last: i32,
-    /// Counts since α = 0, below one turn.
-    in_turn: u32,
-    /// Counts since the last index pulse, in either direction.
-    travelled: i32,
-    started: bool,
+    /// Count at which α is zero in this turn.
+    zero: i32,
+    /// Count at the last index pulse.
+    pulse: i32,
+    pub(super) started: bool,
     referenced: bool,
     /// Zero was known, and the count has gone on since: good enough to hold a correction by, not to measure.
     counting: bool,
@@ -71,13 +65,19 @@ pub(super) struct SpindleState {
 impl SpindleState {
     pub(super) const NEW: SpindleState = SpindleState {
         last: 0,
-        in_turn: 0,
-        travelled: 0,
+        zero: 0,
+        pulse: 0,
         started: false,
         referenced: false,
         counting: false,
         doubtful: false,
     };
+
+    /// Counts since α = 0, below one turn.
+    #[inline(always)]
+    fn in_turn(&self) -> u32 {
+        self.last.wrapping_sub(self.zero) as u32
+    }
 }
 
 impl SpindleCounter {
@@ -85,13 +85,54 @@ impl SpindleCounter {
         let counts = encoder.counts;
         SpindleCounter {
             scale: Scale::new(counts),
-            mask: mask(encoder.direction),
+            direction: i32::from(encoder.direction),
             counts,
             most: counts / 4,
             overdue: if encoder.index { counts + counts / 4 } else { u32::MAX },
             index: encoder.index,
             tolerance: encoder.index_tolerance,
         }
+    }
+
+    /// Count in the sense of θ, and those since α = 0.
+    #[inline(always)]
+    pub(super) fn read(&self, state: &SpindleState, raw: i32) -> (i32, u32) {
+        let raw = raw.wrapping_mul(self.direction);
+        (raw, raw.wrapping_sub(state.zero) as u32)
+    }
+
+    /// α at a count below one turn.
+    #[inline(always)]
+    pub(super) fn angle(&self, in_turn: u32) -> u32 {
+        self.scale.angle(in_turn)
+    }
+
+    /// Whether a count is less than a quarter turn ahead of the last.
+    #[inline(always)]
+    pub(super) fn follows(&self, state: &SpindleState, raw: i32) -> bool {
+        raw.wrapping_sub(state.last) as u32 <= self.most
+    }
+
+    /// Takes over a count below [`SpindleCounter::plain`].
+    #[inline(always)]
+    pub(super) fn follow(state: &mut SpindleState, raw: i32) {
+        state.last = raw;
+    }
+
+    /// Counts from α = 0 below which a count that goes on needs no other look, until a pulse comes: the turn does not
+    /// end there, and no pulse is missing. 0 where zero is in doubt.
+    pub(super) fn plain(&self, state: &SpindleState) -> u32 {
+        if !state.referenced {
+            return 0;
+        }
+        if !self.index {
+            return self.counts;
+        }
+        if state.last.wrapping_sub(state.pulse) < 0 {
+            return 0;
+        }
+        let until_overdue = i64::from(self.overdue) + 1 - i64::from(state.zero.wrapping_sub(state.pulse));
+        u32::try_from(until_overdue).map_or(0, |counts| counts.min(self.counts))
     }
 
     /// α of this cycle, if it is known, if only by counting on; what is wrong is added to the flags.
@@ -103,19 +144,24 @@ impl SpindleCounter {
         pulse: Option<i32>,
         flags: &mut GaugeFlags,
     ) -> Option<u32> {
-        let raw = signed(raw, self.mask);
+        let raw = raw.wrapping_mul(self.direction);
         let moved = raw.wrapping_sub(state.last);
-        state.last = raw;
-        state.in_turn = self.advanced(state.in_turn, moved);
-        state.travelled = state.travelled.wrapping_add(moved);
+        let in_turn = self.advanced(state.in_turn(), moved);
+        (state.last, state.zero) = (raw, raw.wrapping_sub(in_turn as i32));
         let plain = state.referenced && moved.unsigned_abs() <= self.most && pulse.is_none();
-        if !(plain && state.travelled.unsigned_abs() <= self.overdue) {
+        if !(plain && self.is_in_time(state)) {
             let moved = self.exceptional(state, raw, moved, pulse, flags);
             if moved || !(state.referenced || state.counting) {
                 return None;
             }
         }
-        Some(self.scale.angle(state.in_turn))
+        Some(self.scale.angle(state.in_turn()))
+    }
+
+    /// No index pulse is missing.
+    #[inline(always)]
+    fn is_in_time(&self, state: &SpindleState) -> bool {
+        state.last.wrapping_sub(state.pulse).unsigned_abs() <= self.overdue
     }
 
     /// Counts within the turn after a motion of less than one turn.
@@ -154,7 +200,7 @@ impl SpindleCounter {
         let mut anew = false;
         if let Some(latched) = pulse {
             anew = self.at_index(state, raw, latched, flags);
-        } else if state.referenced && state.travelled.unsigned_abs() > self.overdue {
+        } else if state.referenced && !self.is_in_time(state) {
             // The count may have slipped by any amount.
             state.referenced = false;
             flags.set(GaugeFlags::INDEX_MISSING);
@@ -167,14 +213,21 @@ impl SpindleCounter {
 
     #[cold]
     fn restart(&self, state: &mut SpindleState, raw: i32) {
-        *state = SpindleState { last: raw, started: true, referenced: !self.index, ..SpindleState::NEW };
         // Without an index the count itself is absolute.
-        state.in_turn = i64::from(raw).checked_rem_euclid(i64::from(self.counts)).map_or(0, |rest| rest as u32);
+        let in_turn = i64::from(raw).checked_rem_euclid(i64::from(self.counts)).map_or(0, |rest| rest as i32);
+        *state = SpindleState {
+            last: raw,
+            zero: raw.wrapping_sub(in_turn),
+            pulse: raw,
+            started: true,
+            referenced: !self.index,
+            ..SpindleState::NEW
+        };
     }
 
     #[cold]
     fn at_index(&self, state: &mut SpindleState, raw: i32, latched: i32, flags: &mut GaugeFlags) -> bool {
-        let latched = signed(latched, self.mask);
+        let latched = latched.wrapping_mul(self.direction);
         let since = raw.wrapping_sub(latched);
         if since.unsigned_abs() > self.most {
             // Latched more than a quarter turn ago: not this cycle's pulse.
@@ -182,9 +235,9 @@ impl SpindleCounter {
             return false;
         }
         let now = self.advanced(0, since);
-        let apart = now.abs_diff(state.in_turn);
+        let apart = now.abs_diff(state.in_turn());
         let agrees = apart.min(self.counts.wrapping_sub(apart)) <= self.tolerance;
-        state.travelled = since;
+        state.pulse = latched;
         if state.referenced && agrees {
             return false;
         }
@@ -194,7 +247,7 @@ impl SpindleCounter {
         let first = !state.referenced && !state.doubtful;
         state.doubtful = !(first || agrees);
         (state.referenced, state.counting) = (!state.doubtful, !state.doubtful);
-        state.in_turn = now;
+        state.zero = raw.wrapping_sub(now as i32);
         true
     }
 }
@@ -202,25 +255,32 @@ impl SpindleCounter {
 /// The arm's encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ArmCounter {
-    scale: Scale,
-    mask: i32,
+    /// ±2^k, and half the factor of a [`Scale`]: what is signed has a bit less.
+    power: i32,
+    factor: i32,
     /// A quarter turn, in counts.
     most: u32,
 }
 
 impl ArmCounter {
     pub(super) fn new(arm: &ArmSettings) -> Self {
-        ArmCounter { scale: Scale::new(arm.counts), mask: mask(arm.direction), most: arm.counts / 4 }
+        let Scale { power, factor } = Scale::new(arm.counts);
+        ArmCounter {
+            power: (power as i32).wrapping_mul(i32::from(arm.direction)),
+            factor: (factor >> 1) as i32,
+            most: arm.counts / 4,
+        }
     }
 
-    /// β, a signed fraction of 2^32, if it lies within ±90°.
+    /// β, a signed fraction of 2^32 within four units, if it lies within ±90°.
     #[inline(always)]
     pub(super) fn angle(&self, raw: i32) -> Option<i32> {
-        let magnitude = raw.unsigned_abs();
-        if magnitude > self.most {
+        if raw.wrapping_add(self.most as i32) as u32 > 2 * self.most {
             return None;
         }
-        Some(signed(self.scale.angle(magnitude) as i32, (raw >> 31) ^ self.mask))
+        let x = raw.wrapping_mul(self.power);
+        let more = (i64::from(x) * i64::from(self.factor)) >> 32;
+        Some(x.wrapping_add((more as i32) << 1))
     }
 }
 
@@ -331,6 +391,17 @@ mod tests {
 
     #[test]
     fn counts_of_the_arm_are_signed() {
+        for (counts, direction) in [(5, 1), (4096, 1), (1_000_003, -1), (1 << 27, 1), (1 << 28, -1)] {
+            let lengths = super::super::Arm { crank_mm: 1.0, wheel_mm: 1.0, pin_mm: 1.0 };
+            let arm = ArmCounter::new(&ArmSettings { lengths, counts, direction, tolerance_deg: 1.0 });
+            let most = i64::from(counts) / 4;
+            for i in -1000..=1000 {
+                let raw = most * i / 1000;
+                let exact = (raw * i64::from(direction)) as f64 * 4_294_967_296.0 / f64::from(counts);
+                let found = f64::from(arm.angle(raw as i32).unwrap());
+                assert!((found - exact).abs() <= 4.0, "{counts} {raw}: {found} {exact}");
+            }
+        }
         let settings = ArmSettings {
             lengths: super::super::Arm { crank_mm: 1.0, wheel_mm: 1.0, pin_mm: 1.0 },
             counts: 4096,

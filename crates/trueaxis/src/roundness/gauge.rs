@@ -110,20 +110,20 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     /// Third stage: infeed correction of this cycle, mm in the sense of its axis.
     #[inline]
     pub fn infeed(&self, state: &mut GaugeState<R, N>) -> R {
-        let (Some(infeed), Some(angles)) = (&self.infeed, state.resampler.angles) else {
+        let (Some(infeed), Some(theta)) = (&self.infeed, state.resampler.theta()) else {
             // A θ found again says nothing about the speed since.
             state.speed.theta = None;
             return R::ZERO;
         };
         let speed = &mut state.speed;
-        if let Some(theta) = speed.theta {
-            let change = R::of_i32(angles.theta.wrapping_sub(theta) as i32);
+        if let Some(before) = speed.theta {
+            let change = R::of_i32(theta.wrapping_sub(before) as i32);
             speed.per_cycle += (change - speed.per_cycle) * R::of(1.0 / 64.0);
         }
-        speed.theta = Some(angles.theta);
+        speed.theta = Some(theta);
         if state.work.is_cleared() {
             return R::ZERO;
         }
-        infeed.at(&state.work.correction, |index| state.work.cos_beta(index), angles, speed.per_cycle)
+        infeed.at(&state.work.correction, |index| state.work.cos_beta(index), theta, speed.per_cycle)
     }
 }

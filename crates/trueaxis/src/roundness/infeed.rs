@@ -12,7 +12,6 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use super::resample::Angles;
 use super::settings::InfeedSettings;
 use crate::real::Real;
 
@@ -50,16 +49,10 @@ impl<R: Real> Infeed<R> {
     ///
     /// Between the points c is the cubic through the nearest four: 2e-4 of harmonic N/20, 0.9 % of N/8.
     #[inline(always)]
-    pub(super) fn at<const N: usize>(
-        &self,
-        table: &[R; N],
-        cos_beta: impl Fn(usize) -> R,
-        angles: Angles,
-        speed: R,
-    ) -> R {
+    pub(super) fn at<const N: usize>(&self, table: &[R; N], cos_beta: impl Fn(usize) -> R, theta: u32, speed: R) -> R {
         let shift = u32::BITS - N.trailing_zeros();
         let lead = (self.lead * speed).to_i32();
-        let angle = angles.theta.wrapping_add(self.contact).wrapping_add_signed(lead);
+        let angle = theta.wrapping_add(self.contact).wrapping_add_signed(lead);
         let index = (angle >> shift) as usize;
         let within = angle & (1u32 << shift).wrapping_sub(1);
         let t = R::of_i32(within as i32) * R::of(1.0 / (1u64 << shift) as f64);
@@ -71,6 +64,6 @@ impl<R: Real> Infeed<R> {
         let bend = (before + high) * R::HALF - low;
         let slope = high - low - bend - outer;
         let c = low + t * (slope + t * (bend + t * outer));
-        c * self.scale / cos_beta((angles.theta >> shift) as usize)
+        c * self.scale / cos_beta((theta >> shift) as usize)
     }
 }

@@ -29,6 +29,9 @@ pub(super) const POINTS_PER_CYCLE: usize = 2;
 pub(super) struct Resampler<R, const N: usize> {
     spindle: SpindleCounter,
     arm: Option<ArmCounter>,
+    /// Middle of every probe's range, and the square of a distance from there within which all readings are inside.
+    middle: [R; 3],
+    room: R,
     range: [[R; 2]; 3],
     scale: [[R; 2]; 3],
     weights: [R; 2],
@@ -36,48 +39,79 @@ pub(super) struct Resampler<R, const N: usize> {
 }
 
 /// State from cycle to cycle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ResamplerState<R> {
     spindle: SpindleState,
+    /// Counts from α = 0 below which a cycle may be as any other; 0 where the next one is looked at in full.
+    pub(super) plain: u32,
+    /// Cycles left until the spindle stands, unless a point is passed.
+    left: u32,
     /// The last two cycles that count, the older one first.
     theta: [u32; 2],
     readings: [[R; 3]; 2],
     /// Number of them.
     known: u8,
-    /// Counts cycles, wrapping.
-    pub(super) clock: u32,
-    /// The cycle in which a point was passed last.
-    passed: u32,
-    /// Angles of this cycle, where they are known.
-    pub(super) angles: Option<Angles>,
+    /// θ of this cycle, where it is known.
+    here: u32,
+    is_known: bool,
+    /// Cycles up to the last point, and in which the spindle stood, wrapping.
+    clock: u32,
 }
 
 impl<R: Real> ResamplerState<R> {
     pub(super) const fn new() -> Self {
         ResamplerState {
             spindle: SpindleState::NEW,
+            plain: 0,
+            left: 0,
             theta: [0; 2],
             readings: [[R::ZERO; 3]; 2],
             known: 0,
+            here: 0,
+            is_known: false,
             clock: 0,
-            passed: 0,
-            angles: None,
         }
+    }
+
+    /// θ of this cycle, where it is known.
+    #[inline(always)]
+    pub(super) fn theta(&self) -> Option<u32> {
+        self.is_known.then_some(self.here)
+    }
+
+    /// α of this cycle from its β.
+    #[inline(always)]
+    pub(super) fn alpha(&self, beta: i32) -> u32 {
+        self.here.wrapping_add_signed(beta.wrapping_neg())
     }
 }
 
-/// Angles of a cycle, in 2^−32 turns.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Angles {
-    pub(super) theta: u32,
-    pub(super) alpha: u32,
+/// A cycle at a glance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Glance {
+    /// It needs a full look; nothing has changed.
+    Look,
+    /// As any other between two points: all is done.
+    Between,
+    /// As any other, and θ has passed a point, or two; [`Resampler::keep`] has to follow.
+    Passed {
+        /// β in 2^−32 turns.
+        beta: i32,
+    },
+}
+
+/// A cycle that counts, after a full look: [`Resampler::gather`] has to follow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Counted {
+    /// β in 2^−32 turns.
     pub(super) beta: i32,
+    /// θ has passed a point, or two.
+    pub(super) passed: bool,
 }
 
 /// Readings at one point of the revolution, µm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point<R> {
-    pub(super) index: usize,
     pub(super) h1: R,
     pub(super) h2: R,
     /// h1 + k2 h2 + k3 h3.
@@ -87,9 +121,20 @@ pub(super) struct Point<R> {
 impl<R: Real, const N: usize> Resampler<R, N> {
     /// Of settings that have been checked.
     pub(super) fn new(settings: &GaugeSettings, gain: &Gain, period_s: f64) -> Self {
+        let (mut middle, mut room) = ([R::ZERO; 3], f64::INFINITY);
+        for (middle, probe) in middle.iter_mut().zip(&settings.probes) {
+            // As they are compared, and clear of their own rounding.
+            let [low, high] = probe.range.map(|limit| R::of(limit).to_f64());
+            *middle = R::of(0.5 * (low + high));
+            let clear = 1e-6 * libm::fmax(libm::fabs(low), libm::fabs(high));
+            room = libm::fmin(room, libm::fmin(high - middle.to_f64(), middle.to_f64() - low) - clear);
+        }
+        let room = libm::fmax(room, 0.0);
         Resampler {
             spindle: SpindleCounter::new(&settings.spindle),
             arm: settings.arm.as_ref().map(ArmCounter::new),
+            middle,
+            room: R::of(room * room * (1.0 - 1e-5)),
             range: settings.probes.map(|probe| probe.range.map(R::of)),
             scale: settings.probes.map(|probe| [R::of(probe.gain_um), R::of(probe.zero)]),
             weights: [R::of(gain.k2()), R::of(gain.k3())],
@@ -102,27 +147,99 @@ impl<R: Real, const N: usize> Resampler<R, N> {
     /// One point, in 2^−32 turns.
     const WIDTH: i32 = 1 << Self::SHIFT;
 
-    /// Takes a cycle's readings; `Some(points that θ has passed)` where the cycle counts, then
-    /// [`Resampler::keep`] has to follow. What is wrong is added to the flags.
+    /// Nearly every cycle: all is tested first, and where anything may be out of the ordinary, nothing is done.
     #[inline(always)]
-    pub(super) fn update(
+    pub(super) fn glance(&self, state: &mut ResamplerState<R>, probes: &Probes<R>) -> Glance {
+        let (raw, in_turn) = self.spindle.read(&state.spindle, probes.spindle);
+        let alpha = self.spindle.angle(in_turn);
+        if in_turn >= state.plain {
+            return Glance::Look;
+        }
+        let Some(left) = state.left.checked_sub(1) else { return Glance::Look };
+        let mut beta = 0;
+        if let Some(arm) = &self.arm {
+            match arm.angle(probes.arm) {
+                Some(angle) if self.spindle.follows(&state.spindle, raw) => beta = angle,
+                _ => return Glance::Look,
+            }
+        }
+        let [[h1, h2, h3], [m1, m2, m3]] = [&probes.readings, &self.middle];
+        let [h1, h2, h3] = [*h1 - *m1, *h2 - *m2, *h3 - *m3];
+        let theta = alpha.wrapping_add_signed(beta);
+        let [_, last] = state.theta;
+        let moved = theta.wrapping_sub(last) as i32;
+        let between = (theta ^ last) >> Self::SHIFT == 0;
+        // False for what is not a number.
+        let sound = h1 * h1 + h2 * h2 + h3 * h3 <= self.room;
+        if !sound {
+            return Glance::Look;
+        }
+        // Within a point nothing can have jumped.
+        if !(between || Self::is_regular(moved) && self.spindle.follows(&state.spindle, raw)) {
+            return Glance::Look;
+        }
+        SpindleCounter::follow(&mut state.spindle, raw);
+        (state.left, state.here) = (left, theta);
+        if !between {
+            return Glance::Passed { beta };
+        }
+        if moved >= Self::WIDTH >> 6 {
+            Self::keep(state, &probes.readings);
+        }
+        Glance::Between
+    }
+
+    /// Points between the last cycle and this one; those of a cycle that counts.
+    #[inline(always)]
+    pub(super) fn passed(state: &ResamplerState<R>) -> usize {
+        let [_, last] = state.theta;
+        (state.here >> Self::SHIFT).wrapping_sub(last >> Self::SHIFT) as usize & (N - 1)
+    }
+
+    /// Index of the last point up to this cycle.
+    #[inline(always)]
+    pub(super) fn index(state: &ResamplerState<R>) -> usize {
+        (state.here >> Self::SHIFT) as usize
+    }
+
+    /// A cycle from which a point can be told.
+    #[inline(always)]
+    fn is_regular(moved: i32) -> bool {
+        moved >= Self::WIDTH >> 6 && moved <= Self::WIDTH * POINTS_PER_CYCLE as i32
+    }
+
+    /// Takes a cycle's readings. What is wrong is added to the flags. [`Resampler::settle`] comes last.
+    pub(super) fn look(
         &self,
         state: &mut ResamplerState<R>,
         probes: &Probes<R>,
         flags: &mut GaugeFlags,
-    ) -> Option<usize> {
-        state.clock = state.clock.wrapping_add(1);
+    ) -> Option<Counted> {
+        if !state.spindle.started {
+            state.left = self.patience;
+        }
+        let stands = state.left == 0;
+        if stands {
+            state.clock = state.clock.wrapping_add(1);
+        } else {
+            state.left -= 1;
+        }
         let alpha = self.spindle.update(&mut state.spindle, probes.spindle, probes.index, flags);
         let beta = match &self.arm {
             None => Some(0),
             Some(arm) => arm.angle(probes.arm),
         };
+        state.is_known = false;
         let (Some(alpha), Some(beta)) = (alpha, beta) else {
-            return self.lose(state, beta, flags);
+            if beta.is_none() {
+                flags.set(GaugeFlags::ARM);
+            }
+            self.begin_anew(state);
+            return None;
         };
         let theta = alpha.wrapping_add_signed(beta);
-        state.angles = Some(Angles { theta, alpha, beta });
-        if state.clock.wrapping_sub(state.passed) > self.patience {
+        (state.here, state.is_known) = (theta, true);
+        if stands {
             flags.set(GaugeFlags::STOPPED);
         }
         let mut sound = true;
@@ -132,57 +249,62 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
         if !sound {
             flags.set(GaugeFlags::PROBE_RANGE);
-            (state.known, state.passed) = (0, state.clock);
+            self.begin_anew(state);
             return None;
         }
         let [_, last] = state.theta;
         let moved = theta.wrapping_sub(last) as i32;
-        if state.known > 0 && (moved < (Self::WIDTH >> 6) || moved > Self::WIDTH * POINTS_PER_CYCLE as i32) {
-            return Self::irregular(state, moved, flags);
+        if state.known > 0 && !Self::is_regular(moved) {
+            return self.irregular(state, moved, flags).then_some(Counted { beta, passed: false });
         }
-        if state.known < 2 {
-            return Some(0);
-        }
-        Some((theta >> Self::SHIFT).wrapping_sub(last >> Self::SHIFT) as usize & (N - 1))
+        Some(Counted { beta, passed: state.known == 2 && Self::passed(state) > 0 })
     }
 
-    /// θ is unknown.
-    #[inline(never)]
-    fn lose(&self, state: &mut ResamplerState<R>, beta: Option<i32>, flags: &mut GaugeFlags) -> Option<usize> {
-        if beta.is_none() {
-            flags.set(GaugeFlags::ARM);
-        }
-        (state.known, state.angles, state.passed) = (0, None, state.clock);
-        None
+    /// After a full look: whether the next cycle may be taken at a glance.
+    pub(super) fn settle(&self, state: &mut ResamplerState<R>) {
+        let is_plain = state.known == 2 && state.is_known;
+        state.plain = if is_plain { self.spindle.plain(&state.spindle) } else { 0 };
     }
 
-    /// θ stands, turns back, or runs too fast to be sampled.
-    #[inline(never)]
-    fn irregular(state: &mut ResamplerState<R>, moved: i32, flags: &mut GaugeFlags) -> Option<usize> {
+    /// No cycle before this one counts.
+    fn begin_anew(&self, state: &mut ResamplerState<R>) {
+        state.known = 0;
+        self.rest(state);
+    }
+
+    /// From here on the spindle has its time to pass a point.
+    #[inline(always)]
+    fn rest(&self, state: &mut ResamplerState<R>) {
+        state.clock = self.clock(state);
+        state.left = self.patience;
+    }
+
+    /// Counts cycles, wrapping.
+    #[inline(always)]
+    pub(super) fn clock(&self, state: &ResamplerState<R>) -> u32 {
+        state.clock.wrapping_add(self.patience.wrapping_sub(state.left))
+    }
+
+    /// θ stands, turns back, or runs too fast to be sampled; true where the cycle counts.
+    fn irregular(&self, state: &mut ResamplerState<R>, moved: i32, flags: &mut GaugeFlags) -> bool {
         if moved > 0 && moved >= Self::WIDTH {
             flags.set(GaugeFlags::TOO_FAST);
-            (state.known, state.passed) = (0, state.clock);
-            return Some(0);
+            self.begin_anew(state);
+            return true;
         }
         if moved < -Self::WIDTH {
             flags.set(GaugeFlags::REVERSED);
             state.known = 0;
         }
-        None
+        false
     }
 
-    /// Readings at the next point after `angle`, which θ has passed in this cycle; moves `angle` there.
+    /// Readings at a point that θ has passed in this cycle.
     #[inline(always)]
-    pub(super) fn point(
-        &self,
-        state: &mut ResamplerState<R>,
-        theta: u32,
-        readings: &[R; 3],
-        angle: &mut u32,
-    ) -> Point<R> {
-        state.passed = state.clock;
-        *angle = (*angle & (Self::WIDTH as u32).wrapping_neg()).wrapping_add(Self::WIDTH as u32);
-        let at = |other: u32| R::of_i32(other.wrapping_sub(*angle) as i32);
+    pub(super) fn point(&self, state: &mut ResamplerState<R>, readings: &[R; 3], index: usize) -> Point<R> {
+        self.rest(state);
+        let (angle, theta) = ((index as u32) << Self::SHIFT, state.here);
+        let at = |other: u32| R::of_i32(other.wrapping_sub(angle) as i32);
         let [before, last] = state.theta;
         let (x0, x1, x2) = (at(before), at(last), at(theta));
         let w0 = (x1 * x2) / ((x1 - x0) * (x2 - x0));
@@ -197,21 +319,20 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         }
         let [first, second, third] = values;
         let [k2, k3] = self.weights;
-        Point { index: (*angle >> Self::SHIFT) as usize, h1: first, h2: second, sum: first + k2 * second + k3 * third }
+        Point { h1: first, h2: second, sum: first + k2 * second + k3 * third }
     }
 
-    /// θ in the last cycle that counts.
-    #[inline(always)]
-    pub(super) fn last(state: &ResamplerState<R>) -> u32 {
-        state.theta[1]
+    /// Keeps one more cycle than before.
+    pub(super) fn gather(state: &mut ResamplerState<R>, readings: &[R; 3]) {
+        Self::keep(state, readings);
+        state.known = (state.known + 1).min(2);
     }
 
     /// Keeps the cycle for the points to come.
     #[inline(always)]
     pub(super) fn keep(state: &mut ResamplerState<R>, readings: &[R; 3]) {
-        let theta = state.angles.map_or(0, |angles| angles.theta);
-        state.theta = [state.theta[1], theta];
-        state.readings = [state.readings[1], *readings];
-        state.known = (state.known + 1).min(2);
+        let ([_, theta], [_, before]) = (state.theta, state.readings);
+        state.theta = [theta, state.here];
+        state.readings = [before, *readings];
     }
 }

@@ -1,6 +1,6 @@
 //! First stage: a cycle's readings become points of a revolution, points become whole revolutions.
 
-use super::resample::{Angles, POINTS_PER_CYCLE, Resampler};
+use super::resample::{Counted, Glance, POINTS_PER_CYCLE, Resampler};
 use super::state::{GaugeState, Sampling};
 use super::work::{ARM_CHECKS, Beginning, Outcome};
 use super::{Followed, Gauge, GaugeFlags, Probes};
@@ -10,13 +10,26 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     /// First stage: a cycle's readings, resampled; gives what it met.
     #[inline]
     pub fn sample(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> GaugeFlags {
+        if probes.new_part | probes.idle | probes.index.is_some() | (followed != Followed::Whole) {
+            return self.look(state, probes, followed);
+        }
+        match self.resampler.glance(&mut state.resampler, probes) {
+            Glance::Between => GaugeFlags::default(),
+            Glance::Passed { beta } => self.pass(state, &probes.readings, beta),
+            Glance::Look => self.look(state, probes, followed),
+        }
+    }
+
+    /// A cycle in which anything may be out of the ordinary.
+    #[inline(never)]
+    fn look(&self, state: &mut GaugeState<R, N>, probes: &Probes<R>, followed: Followed) -> GaugeFlags {
         if probes.new_part {
             state.work.clear();
             state.sampling = Sampling::NEW;
             state.latest = Outcome::NONE;
         }
         let mut flags = GaugeFlags::default();
-        let passed = self.resampler.update(&mut state.resampler, probes, &mut flags);
+        let passed = self.resampler.look(&mut state.resampler, probes, &mut flags);
         if flags.discards() && state.sampling.running {
             state.sampling.running = false;
             state.counts.discarded = state.counts.discarded.wrapping_add(1);
@@ -24,40 +37,66 @@ impl<R: Real, const N: usize> Gauge<R, N> {
         if followed != Followed::Whole || probes.idle {
             state.sampling.count(followed == Followed::Limited && !probes.idle);
         }
-        if let Some(points) = passed {
-            if points > 0 {
-                self.pass(state, &probes.readings, points, &mut flags);
+        if let Some(Counted { beta, passed }) = passed {
+            if passed {
+                self.points(state, &probes.readings, beta, &mut flags);
             }
-            Resampler::<R, N>::keep(&mut state.resampler, &probes.readings);
+            Resampler::<R, N>::gather(&mut state.resampler, &probes.readings);
         }
+        self.resampler.settle(&mut state.resampler);
         flags
     }
 
-    /// θ has passed a point, or two.
+    /// θ has passed a point, or two, in a cycle as any other.
     #[inline(never)]
-    fn pass(&self, state: &mut GaugeState<R, N>, readings: &[R; 3], points: usize, flags: &mut GaugeFlags) {
-        let Some(Angles { theta, alpha, beta }) = state.resampler.angles else { return };
-        state.sampling.time(alpha, state.resampler.clock);
-        let mut angle = Resampler::<R, N>::last(&state.resampler);
-        for _ in 0..points.min(POINTS_PER_CYCLE) {
-            let point = self.resampler.point(&mut state.resampler, theta, readings, &mut angle);
-            if point.index == 0 {
+    fn pass(&self, state: &mut GaugeState<R, N>, readings: &[R; 3], beta: i32) -> GaugeFlags {
+        let alpha = state.resampler.alpha(beta);
+        let index = Resampler::<R, N>::index(&state.resampler);
+        let next = Resampler::<R, N>::passed(&state.resampler) == 1 && index != 0;
+        let mut flags = GaugeFlags::default();
+        if next && state.sampling.running && state.sampling.is_timed(alpha) {
+            self.point(state, readings, index, beta);
+        } else {
+            self.points(state, readings, beta, &mut flags);
+        }
+        Resampler::<R, N>::keep(&mut state.resampler, readings);
+        flags
+    }
+
+    /// The points that θ has passed, with what happens at a quarter of a turn and at a whole one.
+    #[inline(never)]
+    fn points(&self, state: &mut GaugeState<R, N>, readings: &[R; 3], beta: i32, flags: &mut GaugeFlags) {
+        let alpha = state.resampler.alpha(beta);
+        if !state.sampling.is_timed(alpha) {
+            state.sampling.time(alpha, self.resampler.clock(&state.resampler));
+        }
+        let (last, passed) = (Resampler::<R, N>::index(&state.resampler), Resampler::<R, N>::passed(&state.resampler));
+        for back in (0..passed.min(POINTS_PER_CYCLE)).rev() {
+            let index = last.wrapping_sub(back) & (N - 1);
+            if index == 0 {
                 self.turn(state, flags);
             }
-            if !state.sampling.running {
-                continue;
-            }
-            let revolution = &mut state.revolutions[!state.worked & 1];
-            let n = point.index & (N - 1);
-            revolution.first[n] = point.h1;
-            revolution.second[n] = point.h2;
-            state.sums[!state.worked & 1][n] = point.sum;
-            state.sampling.total += point.sum;
-            if n & (N / ARM_CHECKS - 1) == 0 {
-                revolution.beta[(n / (N / ARM_CHECKS)) & (ARM_CHECKS - 1)] = beta;
-            }
-            state.sampling.points = state.sampling.points.wrapping_add(1);
+            self.point(state, readings, index, beta);
         }
+    }
+
+    /// One point that θ has passed.
+    #[inline(always)]
+    fn point(&self, state: &mut GaugeState<R, N>, readings: &[R; 3], index: usize, beta: i32) {
+        let point = self.resampler.point(&mut state.resampler, readings, index);
+        if !state.sampling.running {
+            return;
+        }
+        let n = index & (N - 1);
+        let revolution = &mut state.revolutions[!state.worked & 1];
+        revolution.first[n] = point.h1;
+        revolution.second[n] = point.h2;
+        state.sums[!state.worked & 1][n] = point.sum;
+        state.sampling.total += point.sum;
+        if n & (N / ARM_CHECKS - 1) == 0 {
+            revolution.beta[(n / (N / ARM_CHECKS)) & (ARM_CHECKS - 1)] = beta;
+        }
+        state.sampling.points = state.sampling.points.wrapping_add(1);
     }
 
     /// θ passes zero: a revolution ends, the next begins.
@@ -74,7 +113,8 @@ impl<R: Real, const N: usize> Gauge<R, N> {
             if sampling.most > sampling.fewest.saturating_add(sampling.fewest / 4).saturating_add(2) {
                 of_revolution.set(GaugeFlags::SPEED);
             }
-            let few = state.resampler.clock.wrapping_sub(sampling.began) / 64;
+            let clock = self.resampler.clock(&state.resampler);
+            let few = clock.wrapping_sub(sampling.began) / 64;
             let limited = sampling.limited > few;
             // The drift of this revolution is that between two means: only where it is steady.
             let drift = sampling.before.map(|before| mean - before);
@@ -105,7 +145,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
             running: !flags.discards(),
             flags: skipped,
             before,
-            began: state.resampler.clock,
+            began: self.resampler.clock(&state.resampler),
             ..Sampling::NEW
         };
     }

@@ -25,7 +25,7 @@ pub struct GaugeState<R, const N: usize> {
 }
 
 /// The revolution that is being sampled.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sampling<R> {
     pub(super) running: bool,
     pub(super) points: usize,
@@ -70,20 +70,21 @@ impl<R: Real> Sampling<R> {
         *counter = counter.wrapping_add(1);
     }
 
-    /// Follows the speed by the time that every quarter of a turn takes.
+    /// Still within the quarter of a turn that is being timed.
     #[inline(always)]
+    pub(super) fn is_timed(&self, alpha: u32) -> bool {
+        (alpha >> 30) + 1 == self.quarter
+    }
+
+    /// Follows the speed by the time that every quarter of a turn takes.
     pub(super) fn time(&mut self, alpha: u32, clock: u32) {
-        let quarter = (alpha >> 30) + 1;
-        if quarter == self.quarter {
-            return;
-        }
         // The first one seen is not whole.
         if self.quarter != 0 {
             let took = clock.wrapping_sub(self.entered);
             self.fewest = if self.most == 0 { took } else { self.fewest.min(took) };
             self.most = self.most.max(took);
         }
-        (self.quarter, self.entered) = (quarter, clock);
+        (self.quarter, self.entered) = ((alpha >> 30) + 1, clock);
     }
 }
 
@@ -130,7 +131,7 @@ impl<R: Real, const N: usize> GaugeState<R, N> {
     /// Profile r of the latest revolution, µm, before the filter; whole while no work is under way
     /// ([`GaugeState::is_settled`]).
     pub fn profile(&self) -> &[R; N] {
-        &self.work.profile
+        self.work.profile()
     }
 
     /// Amplitudes of cos kθ and sin kθ in the profile, µm; zero outside the band, where suppressed, and from

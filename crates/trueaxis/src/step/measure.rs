@@ -5,9 +5,7 @@
 use super::model::Modelled;
 use super::{ServoLoop, State};
 use crate::axis::AXES;
-use crate::contour::{
-    CommandWindow, ContourError, ContourState, Flags, OnPath, OrientationError, Path, Reference, ToolPath,
-};
+use crate::contour::{CommandWindow, ContourError, Flags, OnPath, OrientationError, Reference, ToolPath};
 use crate::kinematics::{Kinematics, Tool};
 use crate::position::Position;
 use crate::real::Real;
@@ -62,7 +60,7 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for () {
         record: &mut Record<R, P, N>,
     ) {
         // A path that comes later is searched from the start.
-        state.forget_feet();
+        state.feet.forget();
         record.set_feet([ContourError::none(); 2]);
     }
 }
@@ -78,14 +76,17 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for OnPath<'_, R, P>
         modelled: &Modelled<R, N>,
         record: &mut Record<R, P, N>,
     ) {
-        record.set_feet(match points(sample, modelled) {
-            Some([tip, encoder]) => servo.feet(state, &self.path, self.reference, tip, encoder),
+        (record.orientation, record.orientation_flags) = (R::ZERO, Flags::NOT_FOUND);
+        match points(sample, modelled) {
+            Some((encoder, d)) => {
+                servo.search.update_pair(&mut state.feet, self, encoder, d, &mut record.tip, &mut record.encoder);
+            }
             None => {
                 // After a fault the last foot says nothing about the next one.
-                state.forget_feet();
-                [ContourError::none(); 2]
+                state.feet.forget();
+                (record.tip, record.encoder) = (ContourError::none(), ContourError::none());
             }
-        });
+        }
     }
 }
 
@@ -106,7 +107,10 @@ impl<R: Real, P: Position, const N: usize, const K: usize> Measure<R, P, N> for 
             self.append([*x, *y, *z]);
         }
         record.set_feet(match points(sample, modelled) {
-            Some(points) => points.map(|point| self.contour_error(point)),
+            Some((encoder, d)) => {
+                let ([x, y, z], [dx, dy, dz]) = (encoder, d);
+                [[x.plus(*dx), y.plus(*dy), z.plus(*dz)], *encoder].map(|point| self.contour_error(point))
+            }
             None => [ContourError::none(); 2],
         });
     }
@@ -171,49 +175,33 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut OnToolPath<
         record: &mut Record<R, P, N>,
     ) {
         if !matches!(sample.verdict, Verdict::Active | Verdict::Inactive) {
-            state.forget_feet();
+            state.feet.forget();
             self.orientation = OrientationError::none();
             record.set_feet([ContourError::none(); 2]);
             return;
         }
         let kinematics = self.kinematics;
         let seen = servo.seen(&sample.feedback, modelled, kinematics);
-        let [tip, encoder] = [seen.estimated.tip, seen.encoder].map(position::<R, P>);
-        let [tip, encoder] = servo.feet(state, self.path.path(), self.reference, tip, encoder);
+        let on = self.path.path().on(self.reference);
+        let encoder = position::<R, P>(seen.encoder);
+        servo.search.update_pair(&mut state.feet, &on, &encoder, &seen.off, &mut record.tip, &mut record.encoder);
+        let tip = record.tip;
         let of_axes = |[a, b, c]: [R; 3]| kinematics.direction(&[R::ZERO, R::ZERO, R::ZERO, a, b, c]);
-        self.orientation = self.path.orientation(self.reference, &tip, seen.estimated.axis, of_axes);
+        self.orientation = self.path.orientation(self.reference, &tip, seen.axis, of_axes);
         let OrientationError { angle, flags, .. } = self.orientation;
-        (record.tip, record.encoder) = (tip, encoder);
         (record.orientation, record.orientation_flags) = (angle, flags);
     }
 }
 
-/// Tip and direction as the model has them, tip by the encoders alone.
+/// Direction as the model has it, tip by the encoders and by the model.
 struct Seen<R: Real> {
-    estimated: Tool<R>,
+    axis: R::Vec3,
     encoder: R::Vec3,
+    /// Tip as the model has it, less that by the encoders.
+    off: [R; 3],
 }
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
-    /// Feet of the estimated tip and of the plain encoder position.
-    #[inline(always)]
-    fn feet(
-        &self,
-        state: &mut State<R, P, N>,
-        path: &Path<'_, R, P>,
-        reference: Reference<R>,
-        tip: [P; 3],
-        encoder: [P; 3],
-    ) -> [ContourError<R>; 2] {
-        if !reference.is_on_its_span() {
-            return [(&mut state.tip, tip), (&mut state.encoder, encoder)]
-                .map(|(state, point)| self.search.update_off(state, path, reference, &point));
-        }
-        let at_tip = self.search.update_on(&mut state.tip, path, reference, &tip);
-        let at_encoder = self.search.update_on(&mut state.encoder, path, reference, &encoder);
-        [at_tip, at_encoder]
-    }
-
     #[inline(always)]
     fn seen(&self, feedback: &[P; N], modelled: &Modelled<R, N>, kinematics: &Kinematics<R>) -> Seen<R> {
         let read = self.joints(feedback);
@@ -231,11 +219,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             [x, y, z, ..] => V3::new(*x, *y, *z),
             _ => V3::ZERO,
         };
-        let [tip, axis] = [tip, axis].map(V3::<R>::from_glam);
+        let [tip, axis, encoder] = [tip, axis, plain.tip].map(V3::<R>::from_glam);
         let to_workpiece = |bed: V3<R>| V3::from_glam(kinematics.to_workpiece(&read, bed.glam()));
         let tilt = to_workpiece(modelled.tilt);
-        let estimated = Tool { tip: (tip + to_workpiece(error)).glam(), axis: (axis + tilt.cross(axis)).glam() };
-        Seen { estimated, encoder: plain.tip }
+        let off = (tip - encoder) + to_workpiece(error);
+        Seen { axis: (axis + tilt.cross(axis)).glam(), encoder: plain.tip, off: off.array() }
     }
 
     /// Positions of the step's axes in the order of the kinematics, rotary ones within ±180 degrees.
@@ -254,26 +242,17 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 }
 
-impl<R: Real, P: Position, const N: usize> State<R, P, N> {
-    /// The next search starts cold.
-    #[inline(always)]
-    fn forget_feet(&mut self) {
-        (self.tip, self.encoder) = (ContourState::default(), ContourState::default());
-    }
-}
-
-/// The estimated tip and the plain encoder position; none while a reading is not believed.
+/// The plain encoder position, and what the estimated tip is away from it; none while a reading is not believed.
 #[inline(always)]
-fn points<R: Real, P: Position, const N: usize>(
-    sample: &Sample<P, N>,
-    modelled: &Modelled<R, N>,
-) -> Option<[[P; 3]; 2]> {
-    let (true, [x, y, z, ..], [dx, dy, dz, ..]) =
-        (matches!(sample.verdict, Verdict::Active | Verdict::Inactive), &sample.feedback[..], &modelled.tip_error[..])
-    else {
-        return None;
-    };
-    Some([[x.plus(*dx), y.plus(*dy), z.plus(*dz)], [*x, *y, *z]])
+fn points<'a, R: Real, P: Position, const N: usize>(
+    sample: &'a Sample<P, N>,
+    modelled: &'a Modelled<R, N>,
+) -> Option<(&'a [P; 3], &'a [R; 3])> {
+    let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
+    match (believed, sample.feedback.first_chunk(), modelled.tip_error.first_chunk()) {
+        (true, Some(encoder), Some(d)) => Some((encoder, d)),
+        _ => None,
+    }
 }
 
 /// Workpiece coordinates as positions.

@@ -18,11 +18,12 @@ pub use measure::{Measure, OnToolPath};
 pub use state::{Output, Stage, State};
 pub use stateless::Conditions;
 
+use crate::compensation::volumetric::Kept;
 use crate::compensation::{Cells, Compensation, Reversal, Tables, ThermalLine};
-use crate::contour::{ContourSearch, ContourState};
+use crate::contour::{ContourSearch, PairState};
 use crate::error::Fault;
 use crate::machine::AxisOrder;
-use crate::output::{Applied, OutputStage, OutputState};
+use crate::output::{Applied, Outlets, OutputStage, OutputState};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
@@ -58,8 +59,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             homed: false,
             thermal: [ThermalLine::default(); N],
             cells: Cells::none(),
-            tip: ContourState::default(),
-            encoder: ContourState::default(),
+            poses: Kept::nothing(),
+            feet: PairState::default(),
             output: OutputState::new(),
             limited: 0,
             sequence: 0,
@@ -189,10 +190,12 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         watch(Stage::Compensation);
         measure.measure(self, state, sample, &modelled, &mut output.record);
         watch(Stage::Contour);
-        let applied = self.output.apply(&mut state.output, sample, &modelled.wanted, output);
+        let Output { drive, feedback, record } = output;
+        let outlets = Outlets { drive, feedback, correction: &mut record.correction };
+        let applied = self.output.apply(&mut state.output, sample, &modelled.wanted, outlets);
         self.settle(state, sample, applied, measure);
         watch(Stage::Output);
-        self.record(state, sample, modelled.at_edge, applied, &mut output.record);
+        self.record(state, sample, modelled.at_edge, applied, record);
         watch(Stage::Telemetry);
     }
 

@@ -3,6 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::{ServoLoop, State};
+use crate::compensation::volumetric::Cycle;
 use crate::compensation::{Direction, NineTerms, Query, Reversal, Source};
 use crate::position::Position;
 use crate::real::Real;
@@ -130,6 +131,18 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         (tool, near): (bool, bool),
     ) -> Modelled<R, N> {
         let mut at_edge = 0;
+        if let Some(volumetric) = self.compensation.volumetric().filter(|model| model.is_at_command()) {
+            let (command, feedback, thermal) = (&sample.command, &sample.feedback, &state.thermal);
+            let drive = &state.output.drive_at(command);
+            let cycle = Cycle { command, drive, feedback, directions, thermal };
+            let passes = self.compensation.passes();
+            let (wanted, (tip, tilt)) = volumetric.modelled(&mut state.poses, &cycle, passes, tool, &mut at_edge);
+            let mut tip_error = [R::ZERO; N];
+            for (error, tip) in tip_error.iter_mut().zip(tip.array()) {
+                *error = tip;
+            }
+            return Modelled { wanted, tip_error, tilt, at_edge };
+        }
         let place = if near { drives(state, sample) } else { sample.command };
         let command = self.compensation.coordinates(&place);
         let feedback = self.compensation.coordinates(&sample.feedback);

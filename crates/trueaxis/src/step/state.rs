@@ -2,8 +2,9 @@
 
 #![deny(clippy::indexing_slicing)]
 
+use crate::compensation::volumetric::Kept;
 use crate::compensation::{Cells, Reversal, ThermalLine};
-use crate::contour::ContourState;
+use crate::contour::PairState;
 use crate::output::OutputState;
 use crate::position::Position;
 use crate::real::Real;
@@ -19,8 +20,9 @@ pub struct State<R, P: Position, const N: usize> {
     pub(super) homed: bool,
     pub(super) thermal: [ThermalLine<R>; N],
     pub(super) cells: Cells<R, P>,
-    pub(super) tip: ContourState<R>,
-    pub(super) encoder: ContourState<R>,
+    /// Tangents of the volumetric model.
+    pub(super) poses: Kept<R, P, N>,
+    pub(super) feet: PairState<R>,
     pub(super) output: OutputState<R, P, N>,
     /// Axes whose correction was limited in the last cycle.
     pub(super) limited: u8,
@@ -34,6 +36,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
             *slot = line;
             self.cells.forget();
         }
+        self.poses.forget();
     }
 }
 

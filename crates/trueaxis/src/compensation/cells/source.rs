@@ -5,7 +5,7 @@ use super::kept::{Cells, Point};
 use super::tables::{Borders, Tables};
 use crate::compensation::nine::NineTerms;
 use crate::compensation::reversal::Direction;
-use crate::compensation::table::{Interval, xyz};
+use crate::compensation::table::{Piece, xyz};
 use crate::compensation::thermal::ThermalLine;
 use crate::position::Position;
 use crate::real::Real;
@@ -91,12 +91,12 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
             return false;
         };
         let coordinate = table.coordinate(position);
-        let interval = table.interval(coordinate, *direction);
+        let piece = table.piece(coordinate, *direction);
         let [first, last] = borders.ends;
         let (below, above) = (position < first, position > last);
         let within = !(below || above || table.is_empty());
         cell.window = if within {
-            between_points(borders, position, &interval)
+            between_points(borders, position, &piece)
         } else if below {
             borders.below
         } else {
@@ -112,9 +112,9 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
         };
         let down = t * R::of(P::STEP);
         if within {
-            expand(&interval, down, cell);
+            expand(&piece, down, cell);
         } else {
-            (cell.start, cell.slope, cell.curve) = (interval.at(interval.t), [R::ZERO; 3], [[R::ZERO; 3]; 2]);
+            (cell.start, cell.slope, cell.curve) = (piece.at(piece.t), [R::ZERO; 3], [[R::ZERO; 3]; 2]);
         }
         let line = self.line(slot, growth);
         cell.start = plus(cell.start, line.at(coordinate - down));
@@ -161,28 +161,24 @@ impl<R: Real> Line<R> {
 
 /// Window of the cell between two points of a table.
 #[inline(always)]
-fn between_points<R: Real, P: Position>(
-    borders: &Borders<R, P>,
-    position: P,
-    interval: &Interval<'_, R, 4>,
-) -> Window<P> {
-    let ([first, last], [is_first, is_last]) = (borders.ends, interval.ends);
-    let down = interval.t * interval.unit;
+fn between_points<R: Real, P: Position>(borders: &Borders<R, P>, position: P, piece: &Piece<'_, R, 4>) -> Window<P> {
+    let ([first, last], [is_first, is_last]) = (borders.ends, piece.ends);
+    let down = piece.t * piece.unit;
     let low = if is_first { first } else { position.plus(-(down + borders.overlap)) };
-    let high = if is_last { last } else { position.plus(interval.unit * interval.length - down + borders.overlap) };
+    let high = if is_last { last } else { position.plus(piece.unit * piece.length - down + borders.overlap) };
     Window::between(low, high)
 }
 
 /// Polynomials of the cell between two points of a table, `down` mm below the coordinate.
 #[inline(always)]
-fn expand<R: Real, P: Position>(interval: &Interval<'_, R, 4>, down: R, cell: &mut Cell<R, P>) {
+fn expand<R: Real, P: Position>(piece: &Piece<'_, R, 4>, down: R, cell: &mut Cell<R, P>) {
     // The parameter at the cell's start, and its change per step.
-    let (u, unit) = (interval.t - down * interval.rate, interval.rate * R::of(P::STEP));
-    if let Some([value, slope]) = interval.linear {
+    let (u, unit) = (piece.t - down * piece.rate, piece.rate * R::of(P::STEP));
+    if let Some([value, slope]) = piece.linear {
         cell.start = plus(xyz(value), times(u, xyz(slope)));
         cell.slope = times(unit, xyz(slope));
         cell.curve = [[R::ZERO; 3]; 2];
-    } else if let Some([c0, c1, c2, c3]) = interval.cubic {
+    } else if let Some([c0, c1, c2, c3]) = piece.cubic {
         let (c0, c1, c2, c3) = (xyz(c0), xyz(c1), xyz(c2), xyz(c3));
         let (second, third, thrice) = (unit * unit, unit * unit * unit, times(R::THREE * u, c3));
         cell.start = plus(c0, times(u, plus(c1, times(u, plus(c2, times(u, c3))))));

@@ -190,6 +190,11 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         self.tool = V3::of([x + tx, y + ty, z + tz]);
     }
 
+    /// The own travel of a slide lengthens its lever.
+    pub(super) fn carries_itself(&self) -> bool {
+        self.beyond.iter().enumerate().any(|(slot, slides)| slides.get(slot).is_some_and(|there| *there != R::ZERO))
+    }
+
     /// Sets the origin of the table of the axis at `slot`, from machine zero.
     pub(super) fn set_origin(&mut self, slot: usize, origin: f64) {
         for carriage in self.carriages.iter_mut().flatten().filter(|carriage| carriage.slot == slot) {
@@ -207,6 +212,13 @@ impl<R: Real, const N: usize> Carriages<R, N> {
     #[inline(always)]
     pub(super) fn tool_side(&self) -> impl DoubleEndedIterator<Item = &Carriage<R>> {
         self.carriages.get(self.workpiece..).unwrap_or(&[]).iter().flatten()
+    }
+
+    /// The axes of one side, from its outer end to the bed.
+    #[inline(always)]
+    pub(super) fn side(&self, tool: bool) -> impl Iterator<Item = &Carriage<R>> {
+        let (workpiece, of_tool) = self.carriages.split_at_checked(self.workpiece).unwrap_or((&[], &[]));
+        if tool { of_tool } else { workpiece }.iter().flatten()
     }
 
     /// The rotary axes' turns at a position in table coordinates.

@@ -53,31 +53,50 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// `passes` look-ups from `r = 0`; sines, rotary tables and directions once, unless rotary axes are corrected.
     #[inline(never)]
     pub fn correction(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
-        let command = query.command;
+        let mut twists = [[R::ZERO; 6]; N];
+        let mut first = true;
+        // At the command everything is looked up; after that, what a correction moves.
+        let slots = if self.orientation.is_some() { 0..N } else { 0..3 };
+        self.inverse(query.command, [R::ZERO; N], passes, |at, _, poses| {
+            let query = Query { command: at, ..*query };
+            if !first {
+                self.look_up(slots.clone(), &query, &mut twists, clamped);
+            } else if self.plain {
+                self.look_up_plain(&query, &mut twists, clamped);
+            } else {
+                self.look_up(0..N, &query, &mut twists, clamped);
+            }
+            first = false;
+            let error = self.carried(&query, poses, &twists);
+            (V3::from_glam(error.tip), V3::from_glam(error.orientation))
+        })
+    }
+
+    /// The correction by `passes` from the one in `correction`; `error` gives the errors of tip and direction at a position
+    /// with a correction and in the poses there (in the first pass those at the command).
+    #[inline(always)]
+    pub(super) fn inverse(
+        &self,
+        command: &[R; N],
+        mut correction: [R; N],
+        passes: u8,
+        mut error: impl FnMut(&[R; N], &[R; N], &Poses<R, N>) -> (V3<R>, V3<R>),
+    ) -> [R; N] {
         // Three slides carry no rotary axis, and need none of the code and the stack for it.
         let orientation = if N > 3 { self.orientation.as_ref() } else { None };
         let slides_turn = N > 3 && self.chain.turned;
         let mut poses = self.chain.poses(command);
-        let mut twists = [[R::ZERO; 6]; N];
-        if self.plain {
-            self.look_up_plain(query, &mut twists, clamped);
-        } else {
-            self.look_up(0..N, query, &mut twists, clamped);
-        }
         let turned = slides_turn || orientation.is_some();
         let nominal = if turned { self.chain.directions(&poses) } else { ([V3::ZERO; N], V3::ZERO) };
         let mut directions = nominal.0;
         let mut at = *command;
-        let mut correction = [R::ZERO; N];
-        for pass in 0..passes & 15 {
-            if pass > 0 {
-                let slots = if orientation.is_some() { 0..N } else { 0..3 };
-                self.look_up(slots, &Query { command: &at, ..*query }, &mut twists, clamped);
-            }
-            let error = self.carried(&Query { command: &at, ..*query }, &poses, &twists);
-            let mut wrong = V3::<R>::from_glam(error.tip);
+        for ((at, q), r) in at.iter_mut().zip(command).zip(&correction) {
+            *at = *q + *r;
+        }
+        for _ in 0..passes & 15 {
+            let (mut wrong, turn) = error(&at, &correction, &poses);
             if let Some(fade) = orientation {
-                self.turn_back(fade, &nominal, V3::from_glam(error.orientation), &mut correction);
+                self.turn_back(fade, &nominal, turn, &mut correction);
                 for ((at, q), r) in at.iter_mut().zip(command).zip(&correction).skip(3) {
                     *at = *q + *r;
                 }

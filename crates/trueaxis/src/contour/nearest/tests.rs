@@ -1,8 +1,32 @@
-use crate::contour::{ContourSearch, Flags, Method, Path, Reference};
+use crate::contour::{ContourSearch, Flags, Method, Path, Reference, Segment, Span, convert};
 use crate::{HostPath, McuPath, Position, Real};
+use glam::DVec3;
 use proptest::prelude::*;
+use std::vec::Vec;
 
 const FLAT: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// The butterfly of the test data.
+pub(super) fn butterfly() -> Vec<Span<f64, f64>> {
+    let (mut knots, mut points, mut weights, mut spans) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let text = include_str!("../../../tests/data/butterfly.csv");
+    for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
+        match line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>()[..] {
+            [knot] => knots.push(knot),
+            [x, y, weight] => {
+                points.push(DVec3::new(x, y, 0.0));
+                weights.push(weight);
+            }
+            _ => panic!("{line}"),
+        }
+    }
+    convert(&Segment::Nurbs { degree: 3, knots: &knots, points: &points, weights: &weights }, 0, FLAT, |span| {
+        spans.push(span);
+        Ok(())
+    })
+    .unwrap();
+    spans
+}
 
 /// Down and back along a hairpin whose legs are 10 mm apart, then a helix.
 fn hairpin() -> HostPath<64> {

@@ -8,8 +8,11 @@
 #![no_std]
 #![no_main]
 
+mod adversarial;
 mod arena;
+mod forms;
 mod gauge;
+mod middle;
 mod recorded;
 mod things;
 
@@ -17,7 +20,12 @@ use arena::Arena;
 use cortex_m as _;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
+use forms::Machine;
+use trueaxis::Nanometres;
+use trueaxis_cortex_m::regions::{self, Request};
 use trueaxis_cortex_m::timer;
+use trueaxis_recording::Integer;
+use trueaxis_recording::outputs::Wire;
 
 /// Ends QEMU.
 fn leave(code: debug::ExitStatus) -> ! {
@@ -33,18 +41,41 @@ fn panic(info: &core::panic::PanicInfo) -> ! {
     leave(debug::EXIT_FAILURE)
 }
 
+/// Counts everything in one scalar.
+fn count<R: Wire<Place = P>, P: Integer>(scalar: &str, adversarial: bool) {
+    let mut arena = Arena::take();
+    gauge::all::<R>(scalar, &mut arena);
+    things::all::<R, P>(scalar, &mut arena);
+    let machine = Machine::flashed(recorded::recording().header().period_ns, &mut arena);
+    recorded::all::<R, P>(scalar, machine, &mut arena);
+    if adversarial {
+        adversarial::all::<R, P>(scalar, machine, &mut arena);
+    }
+}
+
+/// Runs up to one cycle that was asked for.
+fn replay<R: Wire<Place = P>, P: Integer>(scalar: &str, request: Request) {
+    let mut arena = Arena::take();
+    let machine = Machine::flashed(recorded::recording().header().period_ns, &mut arena);
+    match request {
+        Request::Recorded(number) => recorded::replay::<R, P>(scalar, machine, number, &mut arena),
+        Request::Adversarial(number) => adversarial::replay::<R, P>(scalar, machine, number, &mut arena),
+    }
+}
+
 #[entry]
 fn main() -> ! {
     timer::start();
-    let mut arena = Arena::take();
-    gauge::all::<f32>("f32", &mut arena);
-    things::all::<f32, trueaxis::Nanometres>("f32", &mut arena);
-    recorded::all::<f32, trueaxis::Nanometres>("f32", &mut arena);
-    if cfg!(feature = "double") {
-        let mut arena = Arena::take();
-        gauge::all::<f64>("f64", &mut arena);
-        things::all::<f64, f64>("f64", &mut arena);
-        recorded::all::<f64, f64>("f64", &mut arena);
+    let double = cfg!(feature = "double");
+    match regions::request() {
+        Some(request) if double => replay::<f64, f64>("f64", request),
+        Some(request) => replay::<f32, Nanometres>("f32", request),
+        None => {
+            count::<f32, Nanometres>("f32", !double);
+            if double {
+                count::<f64, f64>("f64", true);
+            }
+        }
     }
     leave(debug::EXIT_SUCCESS)
 }

@@ -1,0 +1,75 @@
+//! Whole steps one by one, for callgrind: each call of `counted` is a cycle.
+//!
+//! ```text
+//! counted walk                       cycles one cycle in twenty all along the butterfly
+//! counted adversarial CYCLE...       adversarial cycles by number
+//! counted digest                     digests of all adversarial outputs, f32 and f64: what the bare-metal image prints
+//! counted replay CYCLE               inputs and output of an adversarial cycle
+//! ```
+//!
+//! With `--toggle-collect='counted::counted*' --dump-after='counted::counted*'` callgrind counts each cycle alone.
+
+use std::hint::black_box;
+use trueaxis::Output;
+use trueaxis_benches::adversarial::{self, Adversarial};
+use trueaxis_benches::step;
+use trueaxis_recording::adversary::CYCLES;
+
+type Out = Output<f64, f64, 3>;
+
+#[inline(never)]
+fn counted_walk(cycle: &mut step::Cycle, output: &mut Out) {
+    cycle.servo.step_into(&mut cycle.state, &cycle.input, cycle.path.on(cycle.reference), (), output);
+    // Callgrind is to see the end of this function, not that of one it jumps to.
+    black_box(output);
+}
+
+#[inline(never)]
+fn counted_adversarial(cycle: &mut adversarial::Cycle<'_, f64>, output: &mut Out) {
+    cycle.run(output);
+    black_box(output);
+}
+
+fn print_digests(scalar: &str, [bare, gauged, volumetric]: [u32; 3]) {
+    println!("{scalar} digests of {CYCLES} cycles: {bare:08x} {gauged:08x} {volumetric:08x}");
+}
+
+/// One cycle in so many is counted.
+const SAMPLED: u32 = 20;
+
+fn walk() {
+    step::walk(u32::MAX, |number, cycle, output| {
+        if number >= step::STANDING && number % SAMPLED == 0 {
+            counted_walk(black_box(&mut { *cycle }), black_box(&mut { *output }));
+        }
+    });
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let numbers: Vec<u32> = arguments.iter().skip(1).filter_map(|a| a.parse().ok()).collect();
+    match (arguments.first().map(String::as_str), &numbers[..]) {
+        (Some("walk"), []) => walk(),
+        (Some("adversarial"), numbers) => {
+            let all = Adversarial::<f64>::default();
+            for number in numbers {
+                let mut cycle = all.cycle(*number);
+                let mut output = Output::none();
+                counted_adversarial(black_box(&mut cycle), black_box(&mut output));
+            }
+        }
+        (Some("digest"), []) => {
+            print_digests("f32", Adversarial::<f32>::default().digests(CYCLES));
+            print_digests("f64", Adversarial::<f64>::default().digests(CYCLES));
+        }
+        (Some("replay"), &[number]) => {
+            let all = Adversarial::<f64>::default();
+            let mut cycle = all.cycle(number);
+            println!("events: {}\n{:#?}", cycle.moment.events, cycle.moment);
+            let mut output = Output::none();
+            cycle.run(&mut output);
+            println!("{:#?}", output.record);
+        }
+        _ => eprintln!("usage: counted walk | adversarial CYCLE... | digest | replay CYCLE"),
+    }
+}

@@ -1,0 +1,46 @@
+//! A digest of outputs.
+
+use crate::outputs::{Wire, line};
+use trueaxis::Output;
+
+/// Of the bytes of every output, in order: two runs with the same digest gave the same bits, but for one chance in 2³².
+#[derive(Clone, Copy, Debug)]
+pub struct Digest(u32);
+
+impl Default for Digest {
+    fn default() -> Self {
+        Digest(0x811c_9dc5)
+    }
+}
+
+impl Digest {
+    /// Adds an output: what [`crate::outputs`] has of it, and both contour errors whole.
+    pub fn add<R: Wire, const N: usize>(&mut self, output: &Output<R, R::Place, N>) {
+        let record = &output.record;
+        self.bytes(&line(output, None));
+        for error in [&record.tip, &record.encoder] {
+            let [x, y, z] = error.vector.into();
+            let components = [error.normal, error.binormal, error.tangential];
+            for scalar in [error.t, error.error, x, y, z, error.lag, error.width].into_iter().chain(components) {
+                scalar.put(|bytes| self.bytes(bytes));
+            }
+            self.word(error.span);
+            self.word(u32::from_le_bytes([error.evaluations, error.flags.bits(), 0, 0]));
+        }
+    }
+
+    /// The digest so far.
+    pub fn value(self) -> u32 {
+        self.0
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) {
+        for word in bytes.as_chunks::<4>().0 {
+            self.word(u32::from_le_bytes(*word));
+        }
+    }
+
+    fn word(&mut self, word: u32) {
+        self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(0x9e37_79b1);
+    }
+}

@@ -1,0 +1,201 @@
+//! Tangents kept from cycle to cycle, for command and feedback.
+
+#![deny(clippy::indexing_slicing)]
+
+use super::Volumetric;
+use super::tangent::{Pose, Tangent};
+use crate::compensation::Query;
+use crate::compensation::reversal::Direction;
+use crate::compensation::thermal::ThermalLine;
+use crate::position::Position;
+use crate::real::Real;
+use crate::vector::V3;
+
+/// Two tangents: one where the drive stands, the other for a feedback beyond a point of a table. Each serves both.
+///
+/// Forgotten when an axis changes its direction of travel, when the thermal growth is set and with other tables.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kept<R, P: Position, const N: usize> {
+    key: u64,
+    directions: [Direction; N],
+    tangents: [Tangent<R, P, N>; 2],
+}
+
+impl<R: Real, P: Position, const N: usize> Kept<R, P, N> {
+    /// None yet.
+    pub(crate) fn nothing() -> Self {
+        Kept { key: 0, directions: [Direction::POSITIVE; N], tangents: [Tangent::nowhere(); 2] }
+    }
+
+    /// The next look-up is one of the tables.
+    pub(crate) fn forget(&mut self) {
+        *self = Self::nothing();
+    }
+}
+
+/// Conditions of a cycle's look-ups.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cycle<'c, R, P, const N: usize> {
+    /// Command.
+    pub(crate) command: &'c [P; N],
+    /// Command with the correction sent last.
+    pub(crate) drive: &'c [P; N],
+    /// Feedback.
+    pub(crate) feedback: &'c [P; N],
+    pub(crate) directions: &'c [Direction; N],
+    pub(crate) thermal: &'c [ThermalLine<R>; N],
+}
+
+impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
+    /// The wanted correction, and the error of the pose at the feedback (its direction only for a `tool`).
+    ///
+    /// Looked up in the kept tangents; where a position is in none, one is made, out of line.
+    #[inline(always)]
+    pub(crate) fn modelled(
+        &self,
+        kept: &mut Kept<R, P, N>,
+        cycle: &Cycle<'_, R, P, N>,
+        passes: u8,
+        tool: bool,
+        clamped: &mut u8,
+    ) -> ([R; N], Pose<R>) {
+        let mut changed = (kept.key != self.key) | (N == 3 && tool);
+        for (kept, direction) in kept.directions.iter().zip(cycle.directions) {
+            changed |= kept != direction;
+        }
+        let [first, second] = &kept.tangents;
+        let (steps, inside) = first.steps(cycle.drive);
+        let (steps_back, same) = first.steps(cycle.feedback);
+        if !changed & inside & same {
+            return (self.solved(first, &steps, cycle, passes, clamped), read(first, &steps_back, tool));
+        }
+        let (steps_back, other) = second.steps(cycle.feedback);
+        if !changed & inside & other {
+            return (self.solved(first, &steps, cycle, passes, clamped), read(second, &steps_back, tool));
+        }
+        self.renewed(kept, cycle, passes, tool, clamped)
+    }
+
+    /// [`Volumetric::modelled`] where a position is in neither box.
+    #[cold]
+    #[inline(never)]
+    fn renewed(
+        &self,
+        kept: &mut Kept<R, P, N>,
+        cycle: &Cycle<'_, R, P, N>,
+        passes: u8,
+        tool: bool,
+        clamped: &mut u8,
+    ) -> ([R; N], Pose<R>) {
+        if kept.key != self.key || kept.directions != *cycle.directions {
+            (kept.key, kept.directions) = (self.key, *cycle.directions);
+            kept.tangents = [Tangent::nowhere(); 2];
+        }
+        let renew = |tangent: &mut Tangent<R, P, N>, at: &[P; N]| {
+            if N == 3 {
+                self.of_slides(tangent, at, cycle.directions, cycle.thermal);
+            } else {
+                self.tangent(tangent, at, cycle.directions, cycle.thermal);
+            }
+        };
+        let [first, second] = &mut kept.tangents;
+        if !first.steps(cycle.drive).1 {
+            if second.steps(cycle.drive).1 {
+                core::mem::swap(first, second);
+            } else {
+                renew(first, cycle.drive);
+            }
+        }
+        let back = if first.steps(cycle.feedback).1 {
+            &*first
+        } else {
+            if !second.steps(cycle.feedback).1 {
+                renew(second, cycle.feedback);
+            }
+            &*second
+        };
+        let wanted = self.solved(first, &first.steps(cycle.drive).0, cycle, passes, clamped);
+        let mut pose = read(back, &back.steps(cycle.feedback).0, tool);
+        if N == 3 && tool {
+            // The form of three slides has no direction.
+            let feedback = self.coordinates(cycle.feedback);
+            let query = Query::at(&feedback, cycle.directions, cycle.thermal);
+            pose.1 = V3::from_glam(self.pose_error(&query, &mut 0).orientation);
+        }
+        (wanted, pose)
+    }
+
+    /// The correction from a tangent: `passes` from the correction that was sent last.
+    ///
+    /// With κ the norm of the errors' Jacobian and c the correction sent, what is left after p passes is at most
+    /// `κ^p |c − r*|`, r* the exact correction.
+    #[inline(always)]
+    fn solved(
+        &self,
+        tangent: &Tangent<R, P, N>,
+        steps: &[R; N],
+        cycle: &Cycle<'_, R, P, N>,
+        passes: u8,
+        clamped: &mut u8,
+    ) -> [R; N] {
+        *clamped |= tangent.edge;
+        if !self.upright {
+            return self.solved_in_poses(tangent, steps, cycle, passes);
+        }
+        let mut correction = [R::ZERO; N];
+        keep_present(&self.chain.present, tangent.tip(steps), &mut correction);
+        if passes > 1 {
+            let sent = sent(cycle);
+            for _ in 1..passes & 15 {
+                let mut there = *steps;
+                for ((there, correction), sent) in there.iter_mut().zip(&correction).zip(&sent).take(3) {
+                    *there += (*correction - *sent) * R::of(1.0 / P::STEP);
+                }
+                keep_present(&self.chain.present, tangent.tip(&there), &mut correction);
+            }
+        }
+        correction
+    }
+
+    /// [`Volumetric::solved`] where the slides turn or the direction is corrected.
+    #[inline(never)]
+    fn solved_in_poses(
+        &self,
+        tangent: &Tangent<R, P, N>,
+        steps: &[R; N],
+        cycle: &Cycle<'_, R, P, N>,
+        passes: u8,
+    ) -> [R; N] {
+        let sent = sent(cycle);
+        self.inverse(&self.coordinates(cycle.command), sent, passes, |_, correction, _| {
+            let mut there = *steps;
+            for ((there, correction), sent) in there.iter_mut().zip(correction).zip(&sent) {
+                *there += (*correction - *sent) * R::of(1.0 / P::STEP);
+            }
+            (tangent.tip(&there), tangent.turn(&there))
+        })
+    }
+}
+
+/// The correction sent last, mm (deg).
+#[inline(always)]
+fn sent<R: Real, P: Position, const N: usize>(cycle: &Cycle<'_, R, P, N>) -> [R; N] {
+    let mut sent = [R::ZERO; N];
+    for ((sent, drive), command) in sent.iter_mut().zip(cycle.drive).zip(cycle.command) {
+        *sent = drive.since_near(*command);
+    }
+    sent
+}
+
+/// `−error` along the slides that the machine has.
+#[inline(always)]
+fn keep_present<R: Real>(present: &[bool; 3], error: V3<R>, correction: &mut [R]) {
+    for ((correction, error), present) in correction.iter_mut().zip(error.array()).zip(present) {
+        *correction = if *present { -error } else { R::ZERO };
+    }
+}
+
+#[inline(always)]
+fn read<R: Real, P: Position, const N: usize>(tangent: &Tangent<R, P, N>, steps: &[R; N], tool: bool) -> Pose<R> {
+    (tangent.tip(steps), if tool { tangent.turn(steps) } else { V3::ZERO })
+}

@@ -1,0 +1,52 @@
+//! Number by which tables are told from others, so that nothing kept from one look-up is used in the other's.
+
+use crate::machine::{Axis, AxisOrder, Interpolation, Lookup, MachineSettings, Rows};
+
+/// FNV-1a, by words.
+struct Key(u64);
+
+impl Key {
+    fn add(&mut self, word: u64) {
+        self.0 = (self.0 ^ word).wrapping_mul(0x0000_0100_0000_01b3);
+    }
+
+    fn add_all<'x>(&mut self, numbers: impl IntoIterator<Item = &'x f64>) {
+        for x in numbers {
+            // Low bits only move upwards in a product: the high ones are folded in too.
+            let bits = x.to_bits();
+            self.add(bits ^ (bits >> 32));
+        }
+    }
+}
+
+/// Key of everything that the volumetric model is built from; never 0.
+pub(super) fn of<'r, T: Rows + ?Sized + 'r, const N: usize>(
+    order: &AxisOrder<N>,
+    machine: &MachineSettings,
+    rows: impl Fn(Axis) -> Option<&'r T>,
+) -> u64 {
+    let mut key = Key(0xcbf2_9ce4_8422_2325);
+    machine.chain.bytes().for_each(|byte| key.add(byte.into()));
+    let location = &machine.location;
+    key.add_all(&machine.tool_mm);
+    key.add_all(&[location.a0z, location.b0z, location.c0y]);
+    key.add_all(location.rotary.iter().flatten());
+    key.add_all(&machine.kinematics.tool_axis);
+    for (axis, settings) in order.axes().into_iter().zip(order.settings(machine)) {
+        key.add(axis.index() as u64);
+        let Some(settings) = settings else { continue };
+        key.add(u64::from(settings.interpolation == Interpolation::Cubic));
+        key.add(
+            u64::from(settings.lookup == Lookup::Feedback) + 2 * u64::from(settings.cross_lookup == Lookup::Feedback),
+        );
+        key.add_all(&[f64::from(settings.direction), settings.backlash, settings.thermal.datum]);
+        key.add_all(&settings.offset_mm);
+        key.add_all(&settings.measured_at_mm);
+        let Some(rows) = rows(axis) else { continue };
+        for row in (0..rows.len()).filter_map(|index| rows.row(index)) {
+            key.add_all(&[row.position]);
+            key.add_all(row.forward.iter().chain(&row.reverse));
+        }
+    }
+    key.0 | 1
+}

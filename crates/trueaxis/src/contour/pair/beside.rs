@@ -1,0 +1,414 @@
+//! Out of line: near borders and corners, not converged, or no foot known. One budget of evaluations for both points.
+
+use super::frame::{Seen, Start, Tangent, feet, local};
+use super::{PairState, place};
+use crate::contour::kernel::{Evaluation, evaluate, foot};
+use crate::contour::refine::{Found, at, descend};
+use crate::contour::search::{BISECTIONS, ContourState, across, components, sight, window};
+use crate::contour::span::{OnPath, Path, Reference, dot};
+use crate::contour::way::{way, way_far};
+use crate::contour::{ContourError, ContourSearch, Flags, Method};
+use crate::position::Position;
+use crate::real::Real;
+
+/// Evaluations of the path for both points.
+const BOTH: u8 = 8;
+/// A look behind a border.
+const BEYOND: u8 = 5;
+/// The tip's own descent, where the first frame did not converge: the encoder's kernel is left.
+const DESCENT: u8 = 3;
+
+/// The two points in a cycle, and what has been spent on them.
+struct Points<'a, 's, R: Real, P> {
+    path: &'a Path<'s, R, P>,
+    position: &'a [P; 3],
+    d: &'a [R; 3],
+    /// Borders within this are in sight, whatever the errors.
+    window: R,
+    /// How far a search goes, arc length.
+    reach: R,
+    /// A span near the feet, and the arc length from its start to the reference.
+    base: u32,
+    place: R,
+    /// Evaluations for the tip, or for both, and for the encoder alone.
+    spent: [u8; 2],
+}
+
+/// Both feet, as far as they are known.
+struct Feet<R> {
+    tip: Option<Found<R>>,
+    encoder: Option<Found<R>>,
+}
+
+/// Where the search of each goes on, if its foot is still missing.
+struct From<R> {
+    tip: Reference<R>,
+    /// From the tip's foot if there is nothing better.
+    encoder: Option<Reference<R>>,
+}
+
+/// A border of the span in sight: the side of its parameter, the span beyond it, and where that begins.
+struct Border {
+    forward: bool,
+    beyond: Option<u32>,
+}
+
+impl Border {
+    /// Parameter of the border in the span, and in the one beyond it.
+    fn sides<R: Real>(&self) -> [R; 2] {
+        if self.forward { [R::ONE, R::ZERO] } else { [R::ZERO, R::ONE] }
+    }
+}
+
+impl<R: Real> ContourSearch<R> {
+    /// The plain case's tests have failed: near a border or beyond it, at a second minimum, upright, or left behind.
+    #[inline(never)]
+    pub(super) fn beside_pair<P: Position>(
+        &self,
+        state: &mut PairState<R>,
+        on: &OnPath<'_, R, P>,
+        position: &[P; 3],
+        d: &[R; 3],
+        guess: Reference<R>,
+        start: Start<R>,
+        seen: Seen,
+        along: &Tangent<R>,
+        tip: &mut ContourError<R>,
+        encoder: &mut ContourError<R>,
+    ) {
+        let spent = [2, u8::from(seen.tip())];
+        let Start { window, place, .. } = start;
+        let mut points = Points { path: &on.path, position, d, window, reach: window, base: guess.span, place, spent };
+        let Some((at_tip, at_encoder)) = points.resolve(guess, seen, along, tip, encoder) else {
+            return state.lose(tip, encoder);
+        };
+        // On short spans at high feed the evaluations may run out just past a border: the next cycle goes on from there.
+        if !(at_tip.flags.has(Flags::BRACKETED) || at_tip.downhill) {
+            state.tip.warm = false;
+            state.tip.looked = 0;
+        }
+        self.report_pair(state, on.reference, &points, &at_tip, &at_encoder, tip, encoder);
+    }
+
+    /// No foot known, or one without a speed, or plain bisection.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn pair_anew<P: Position>(
+        &self,
+        state: &mut PairState<R>,
+        on: &OnPath<'_, R, P>,
+        position: &[P; 3],
+        d: &[R; 3],
+        tip: &mut ContourError<R>,
+        encoder: &mut ContourError<R>,
+    ) {
+        let reference = on.reference;
+        if on.path.span(reference.span).is_none() {
+            return state.lose(tip, encoder);
+        }
+        if self.method == Method::Guarded && state.tip.warm {
+            if let Some(at) = state.cross(&on.path, reference) {
+                let (guess, none) = (at.guess, Tangent::NONE);
+                let start =
+                    Start { guess: guess.t, window: window(at.progress), place: at.place, max_lag: self.max_lag };
+                return self.beside_pair(state, on, position, d, guess, start, Seen::NOTHING, &none, tip, encoder);
+            }
+            state.forget();
+        }
+        let [x, y, z] = position;
+        let point = [x.plus(d[0]), y.plus(d[1]), z.plus(d[2])];
+        let reach = self.max_lag;
+        let mut points = Points {
+            path: &on.path,
+            position,
+            d,
+            window: window(R::ZERO),
+            reach,
+            base: reference.span,
+            place: R::ZERO,
+            spent: [0; 2],
+        };
+        let found = match self.method {
+            Method::Guarded => self.cold_pair(&mut state.tip, &mut points, reference, &point, tip, encoder),
+            Method::Bisection => self
+                .seek(&mut state.tip, &on.path, reference, &point, &mut points.spent[0])
+                .map(|at_tip| (at_tip, points.by_halves(&at_tip, reference))),
+        };
+        let Some((at_tip, mut at_encoder)) = found else { return state.lose(tip, encoder) };
+        if at_tip.flags.has(Flags::COLD) {
+            at_encoder.flags = at_encoder.flags.and(Flags::COLD);
+        }
+        self.report_pair(state, reference, &points, &at_tip, &at_encoder, tip, encoder);
+    }
+
+    /// Takes a few samples around the reference; both feet from the nearest sample so far.
+    fn cold_pair<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        points: &mut Points<'_, '_, R, P>,
+        reference: Reference<R>,
+        point: &[P; 3],
+        tip: &mut ContourError<R>,
+        encoder: &mut ContourError<R>,
+    ) -> Option<(Found<R>, Found<R>)> {
+        let path = points.path;
+        let progress = self.progress(state, path, reference);
+        self.look_around(state, path, reference, point, progress, &mut points.spent[0]);
+        let sampled = points.spent[0] > 0;
+        let guess = path.moving(state.best.at);
+        (points.base, points.place) = (guess.span, place(path, guess, state.best.lag, reference)?);
+        let mut along = Tangent::NONE;
+        // No lag is so small: never plain.
+        let start = Start { guess: guess.t, window: self.max_lag, place: R::ZERO, max_lag: -R::ONE };
+        let seen = feet(path.span(guess.span)?, points.position, points.d, start, tip, encoder, &mut along);
+        points.spent[0] += 2;
+        points.spent[1] += u8::from(seen.tip());
+        let (mut at_tip, at_encoder) = if sampled && !seen.tip() {
+            // The sample itself, until all are taken.
+            points.spent[0] += 1;
+            let at_tip = at(path.span(guess.span)?, guess.span, point, guess.t);
+            (at_tip, points.beside_tip(&at_tip))
+        } else {
+            points.resolve(guess, seen, &along, tip, encoder)?
+        };
+        if !sampled {
+            // Looked all over: either it is found, or the search begins again.
+            state.warm = at_tip.flags.has(Flags::BRACKETED);
+            state.looked = 0;
+        }
+        at_tip.flags = at_tip.flags.and(Flags::COLD);
+        Some((at_tip, at_encoder))
+    }
+
+    fn report_pair<P: Position>(
+        &self,
+        state: &mut PairState<R>,
+        reference: Reference<R>,
+        points: &Points<'_, '_, R, P>,
+        at_tip: &Found<R>,
+        at_encoder: &Found<R>,
+        tip: &mut ContourError<R>,
+        encoder: &mut ContourError<R>,
+    ) {
+        let [for_tip, for_encoder] = points.spent;
+        let lag = points.lag(at_tip.place, self.max_lag);
+        (state.tip.foot, state.tip.reference) = (at_tip.place, reference);
+        if state.tip.warm && lag.abs() > self.max_lag {
+            // The foot has stayed behind: look around afresh.
+            state.tip.warm = false;
+            state.tip.looked = 0;
+        }
+        state.keep(self.method, points.path, reference, &at_tip.tangent, lag);
+        let behind = points.lag(at_encoder.place, self.max_lag);
+        for (foot, found, lag, spent) in [(tip, at_tip, lag, for_tip), (encoder, at_encoder, behind, for_encoder)] {
+            let error = dot(&found.vector, &found.vector).root();
+            *foot = components(points.path, found, error, lag, spent);
+        }
+    }
+}
+
+impl<R: Real> Feet<R> {
+    /// The feet of one frame that lie on its span.
+    fn of(span: u32, seen: Seen, along: &Tangent<R>, tip: &ContourError<R>, encoder: &ContourError<R>) -> Self {
+        let found = |converged: bool, foot: &ContourError<R>| {
+            let vector: [R; 3] = foot.vector.into();
+            (converged && foot.t >= R::ZERO && foot.t <= R::ONE).then(|| Found {
+                place: Reference { span, t: foot.t },
+                vector: vector.map(|x| -x),
+                tangent: along.tangent,
+                width: R::ZERO,
+                flags: Flags::BRACKETED,
+                downhill: false,
+            })
+        };
+        Feet { tip: found(seen.tip(), tip), encoder: found(seen.encoder(), encoder) }
+    }
+}
+
+/// Of two minima the nearer one, and that there are two.
+fn nearer<R: Real>(one: Option<Found<R>>, other: Option<Found<R>>) -> Option<Found<R>> {
+    let (Some(one), Some(other)) = (&one, &other) else { return one.or(other) };
+    let first = dot(&one.vector, &one.vector) <= dot(&other.vector, &other.vector);
+    let mut found = if first { *one } else { *other };
+    found.flags = found.flags.and(Flags::SECOND_MINIMUM);
+    Some(found)
+}
+
+impl<R: Real, P: Position> Points<'_, '_, R, P> {
+    /// Arc length from a foot to the reference.
+    fn lag(&self, foot: Reference<R>, max_lag: R) -> R {
+        let base = Reference { span: self.base, t: R::ZERO };
+        way(self.path, base, foot).map_or(max_lag + max_lag, |way| self.place - way)
+    }
+
+    fn left(&self) -> u8 {
+        let [tip, encoder] = self.spent;
+        BOTH.saturating_sub(tip.saturating_add(encoder))
+    }
+
+    /// Both feet, from those of the first frame.
+    fn resolve(
+        &mut self,
+        guess: Reference<R>,
+        seen: Seen,
+        along: &Tangent<R>,
+        tip: &ContourError<R>,
+        encoder: &ContourError<R>,
+    ) -> Option<(Found<R>, Found<R>)> {
+        let mut feet = Feet { tip: None, encoder: None };
+        let mut from = From { tip: guess, encoder: None };
+        // A foot beyond the border counts as the border.
+        let near = (tip.t.limit(R::ZERO, R::ONE) - guess.t).abs() * along.speed <= self.reach;
+        if seen.tip() && near {
+            feet = Feet::of(guess.span, seen, along, tip, encoder);
+            from = self.look_beyond(&mut feet, guess.span, seen, tip, encoder);
+        }
+        let at_tip = feet.tip.or_else(|| self.descend_from(from.tip))?;
+        let at_encoder = feet.encoder.unwrap_or_else(|| self.encoder_from(&at_tip, from.encoder));
+        Some((at_tip, at_encoder))
+    }
+
+    /// Looks behind the border in sight, if there is one: one frame there for both points; where feet are still
+    /// missing, the border itself, seen from either side.
+    fn look_beyond(
+        &mut self,
+        found: &mut Feet<R>,
+        number: u32,
+        seen: Seen,
+        tip: &ContourError<R>,
+        encoder: &ContourError<R>,
+    ) -> From<R> {
+        let path = self.path;
+        let held = |t: R| Reference { span: number, t: t.limit(R::ZERO, R::ONE) };
+        // An encoder's foot that is not exact yet is a good guess.
+        let mut from = From { tip: held(tip.t), encoder: (!seen.encoder()).then(|| held(encoder.t)) };
+        let Some(span) = path.span(number) else { return from };
+        let (place, other, length) = (span.arc_length(tip.t), span.arc_length(encoder.t), span.length());
+        let forward = place + place > length;
+        let rest = if forward { length - place.max(other) } else { place.min(other) };
+        if rest > sight(self.window, tip.error.max(encoder.error)) || self.left() < BEYOND {
+            return from;
+        }
+        let border = Border { forward, beyond: if forward { path.next(number) } else { path.previous(number) } };
+        let [_, entry] = border.sides();
+        let mut missing = [found.tip.is_none(), found.encoder.is_none() && seen.encoder()];
+        if let Some((beyond, there)) = border.beyond.and_then(|beyond| Some((beyond, path.span(beyond)?))) {
+            let [mut to_tip, mut to_encoder] = [ContourError::none(); 2];
+            let mut along = Tangent::NONE;
+            // No lag is so small: never plain.
+            let start = Start { guess: entry, window: self.window, place: R::ZERO, max_lag: -R::ONE };
+            let at_border = feet(there, self.position, self.d, start, &mut to_tip, &mut to_encoder, &mut along);
+            self.spent[0] += 2;
+            self.spent[1] += u8::from(at_border.tip());
+            let second = Feet::of(beyond, at_border, &along, &to_tip, &to_encoder);
+            found.tip = nearer(found.tip, second.tip);
+            found.encoder = nearer(found.encoder, second.encoder);
+            // Only between two feet beyond it from either side is the border the foot.
+            let inside = Reference { span: beyond, t: entry };
+            if !at_border.tip() {
+                from.tip = inside;
+            }
+            if seen.encoder() && !at_border.encoder() {
+                from.encoder = Some(inside);
+            }
+            missing = [
+                found.tip.is_none() && at_border.tip(),
+                found.encoder.is_none() && seen.encoder() && at_border.encoder(),
+            ];
+        }
+        if missing.contains(&true) {
+            self.look_at(found, number, &border, missing);
+        }
+        from
+    }
+
+    /// The border itself, for the points whose foot is missing: a corner, or the end of an open path.
+    fn look_at(&mut self, found: &mut Feet<R>, number: u32, border: &Border, [tip, encoder]: [bool; 2]) {
+        let [out, entry] = border.sides();
+        let Some(inner) = self.sample(number, out) else { return };
+        let outer = border.beyond.and_then(|beyond| self.sample(beyond, entry));
+        let evaluations = if border.beyond.is_some() { 2 } else { 1 };
+        self.spent[usize::from(!tip)] += evaluations;
+        let still = [R::ZERO; 3];
+        for (missing, d, slot) in [(tip, &still, &mut found.tip), (encoder, self.d, &mut found.encoder)] {
+            if !missing {
+                continue;
+            }
+            // Downhill to the border from within, and uphill beyond it.
+            let rises = |e: &Evaluation<R>, way: bool| {
+                let g = e.g + dot(d, &e.tangent);
+                if way { g >= R::ZERO } else { g <= R::ZERO }
+            };
+            let (place, e, kind, bracketed) = match (&outer, border.beyond) {
+                (Some(outer), Some(span)) => {
+                    let bracketed = rises(&inner, !border.forward) && rises(outer, border.forward);
+                    (Reference { span, t: entry }, outer, Flags::AT_CORNER, bracketed)
+                }
+                _ => (Reference { span: number, t: out }, &inner, Flags::AT_END, rises(&inner, !border.forward)),
+            };
+            let mut vector = e.vector;
+            for k in 0..3 {
+                vector[k] += d[k];
+            }
+            let flags = if bracketed { Flags::BRACKETED.and(kind) } else { Flags::default() };
+            let width = if bracketed { R::ZERO } else { self.window };
+            *slot = Some(Found { place, vector, tangent: e.tangent, width, flags, downhill: !bracketed });
+        }
+    }
+
+    /// The path at `t` of a span, as the tip sees it.
+    fn sample(&self, number: u32, t: R) -> Option<Evaluation<R>> {
+        let span = self.path.span(number)?;
+        Some(evaluate(span, &local(span, self.position, self.d), t))
+    }
+
+    /// The tip's foot by its own search; where evaluations are left, a second one behind the nearer border.
+    fn descend_from(&mut self, from: Reference<R>) -> Option<Found<R>> {
+        let ([x, y, z], [dx, dy, dz]) = (self.position, self.d);
+        let point = [x.plus(*dx), y.plus(*dy), z.plus(*dz)];
+        let budget = self.left().min(DESCENT);
+        let found = descend(self.path, from, &point, self.reach, false, budget, &mut self.spent[0])?;
+        if self.left() < 4 {
+            return Some(found);
+        }
+        across(self.path, &found, &point, self.window, &mut self.spent[0]).or(Some(found))
+    }
+
+    /// The encoder's foot by the kernel, from a guess or from the tip's; else that one itself, not bracketed.
+    fn encoder_from(&mut self, tip: &Found<R>, guess: Option<Reference<R>>) -> Found<R> {
+        let from = guess.unwrap_or(tip.place);
+        if let (true, Some(span)) = (self.left() >= 2, self.path.span(from.span)) {
+            let near = foot(span, &span.relative(self.position), from.t);
+            self.spent[1] += 2;
+            if near.trusted {
+                return Found {
+                    place: Reference { t: near.t, ..from },
+                    vector: near.vector,
+                    tangent: near.tangent,
+                    width: R::ZERO,
+                    flags: Flags::BRACKETED,
+                    downhill: false,
+                };
+            }
+        }
+        self.beside_tip(tip)
+    }
+
+    /// The encoder seen from the tip's foot.
+    fn beside_tip(&self, tip: &Found<R>) -> Found<R> {
+        let mut vector = tip.vector;
+        for k in 0..3 {
+            vector[k] += self.d[k];
+        }
+        let width = dot(self.d, self.d).root();
+        Found { vector, width, flags: Flags::default(), downhill: true, ..*tip }
+    }
+
+    /// The encoder's foot by plain bisection from the tip's.
+    fn by_halves(&mut self, tip: &Found<R>, reference: Reference<R>) -> Found<R> {
+        let base = Reference { span: tip.place.span, t: R::ZERO };
+        (self.base, self.place) = (base.span, way_far(self.path, base, reference, self.reach));
+        let by_halves = descend(self.path, tip.place, self.position, self.reach, true, BISECTIONS, &mut self.spent[1]);
+        by_halves.unwrap_or_else(|| self.encoder_from(tip, None))
+    }
+}

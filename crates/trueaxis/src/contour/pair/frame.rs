@@ -1,0 +1,354 @@
+//! Feet of two points near one another on one span, from one shifted frame.
+//!
+//! The tip's is found as the kernel does it. The encoder lies d = tip − encoder from it, and in the same frame
+//! x + w d is its homogeneous vector: from the tip's foot a step of the second order, then an exact Newton step.
+//!
+//! What a Newton step c leaves along the path is, with T the path's derivative and u = g''/2g',
+//!
+//! ```text
+//! τ ≤ |T| c² (|u| + K)        K: what u changes by on the way from the guess
+//! ```
+//!
+//! and the distance e is then off by at most √(e² + τ²) − e, which is below ε exactly where τ² ≤ ε(ε + 2e). K holds where
+//! neither the path's second nor its third derivative is much larger than its first, which is tested too: u may be small
+//! by chance, at an inflection or in the middle of an arc.
+
+use crate::contour::kernel::{Taylor, homogeneous, shifted_cubic, shifted_quintic, third_order};
+use crate::contour::search::sight;
+use crate::contour::span::{Form, Span, dot};
+use crate::contour::{ContourError, Flags};
+use crate::position::Position;
+use crate::real::Real;
+
+/// What the distance may be off, mm: 1e-6 nm in doubles, 0.3 nm in single precision.
+#[inline(always)]
+fn tolerance<R: Real>() -> R {
+    if R::EPSILON.to_f64() < 1e-10 { R::of(1e-12) } else { R::of(3e-7) }
+}
+
+/// K. So large that |c|³ times the third derivative is below ε as well, and need not be added to the vectors.
+const CHANGE_OF_U: f64 = 16.0;
+
+/// A path's normal b × T of less than this times |T|², squared, points nowhere: the path runs along the plane's normal.
+const UPRIGHT: f64 = 0.01;
+
+/// Derivative of the path at the tip's foot, and its length.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tangent<R> {
+    pub(super) tangent: [R; 3],
+    pub(super) speed: R,
+}
+
+impl<R: Real> Tangent<R> {
+    pub(super) const NONE: Self = Tangent { tangent: [R::ZERO; 3], speed: R::ZERO };
+}
+
+/// What a frame has found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Seen(u8);
+
+impl Seen {
+    pub(super) const NOTHING: Self = Seen(0);
+    const TIP: Self = Seen(1);
+    const BOTH: Self = Seen(3);
+    const PLAIN: Self = Seen(7);
+
+    /// The tip's foot is an exact minimum of the distance, wherever on the span or beyond it: parameter, vector and
+    /// error are written, and the tangent unless all is plain.
+    pub(super) const fn tip(self) -> bool {
+        self.0 & 1 != 0
+    }
+
+    /// The same of the encoder.
+    pub(super) const fn encoder(self) -> bool {
+        self.0 & 2 != 0
+    }
+
+    /// Both feet are clear of the span's borders and all else is as expected: both errors are written, all but their
+    /// spans.
+    pub(super) const fn plain(self) -> bool {
+        self.0 & 4 != 0
+    }
+}
+
+/// Where a cycle's search starts and what it expects.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start<R> {
+    pub(super) guess: R,
+    /// Arc length around the guess in which the tip's foot is expected, mm.
+    pub(super) window: R,
+    /// Arc length from the start of the span to the reference.
+    pub(super) place: R,
+    /// A foot farther from the reference than this is not plain.
+    pub(super) max_lag: R,
+}
+
+/// Feet of an encoder position and of the tip `d` (mm) from it.
+#[inline(always)]
+pub(super) fn feet<R: Real, P: Position>(
+    span: &Span<R, P>,
+    position: &[P; 3],
+    d: &[R; 3],
+    start: Start<R>,
+    tip: &mut ContourError<R>,
+    encoder: &mut ContourError<R>,
+    along: &mut Tangent<R>,
+) -> Seen {
+    let Start { guess, window, place, max_lag } = start;
+    match span.form {
+        Form::Cubic => cubic::<R, P, false>(span, position, d, guess, window, place, max_lag, tip, encoder, along),
+        Form::RationalCubic => {
+            cubic::<R, P, true>(span, position, d, guess, window, place, max_lag, tip, encoder, along)
+        }
+        Form::Quintic => quintic::<R, P, false>(span, position, d, guess, window, place, max_lag, tip, encoder, along),
+        Form::RationalQuintic => {
+            quintic::<R, P, true>(span, position, d, guess, window, place, max_lag, tip, encoder, along)
+        }
+    }
+}
+
+// The start by its parts: they stay in registers.
+#[inline(never)]
+fn cubic<R: Real, P: Position, const RATIONAL: bool>(
+    span: &Span<R, P>,
+    position: &[P; 3],
+    d: &[R; 3],
+    guess: R,
+    window: R,
+    place: R,
+    max_lag: R,
+    tip: &mut ContourError<R>,
+    encoder: &mut ContourError<R>,
+    along: &mut Tangent<R>,
+) -> Seen {
+    let shifted = shifted_cubic::<R, RATIONAL>(&span.coefficients, guess);
+    let start = Start { guess, window, place, max_lag };
+    solve::<R, P, RATIONAL, 4>(&shifted, span, &local(span, position, d), d, start, tip, encoder, along)
+}
+
+#[inline(never)]
+fn quintic<R: Real, P: Position, const RATIONAL: bool>(
+    span: &Span<R, P>,
+    position: &[P; 3],
+    d: &[R; 3],
+    guess: R,
+    window: R,
+    place: R,
+    max_lag: R,
+    tip: &mut ContourError<R>,
+    encoder: &mut ContourError<R>,
+    along: &mut Tangent<R>,
+) -> Seen {
+    let shifted = shifted_quintic::<R, RATIONAL>(&span.coefficients, guess);
+    let start = Start { guess, window, place, max_lag };
+    solve::<R, P, RATIONAL, 6>(&shifted, span, &local(span, position, d), d, start, tip, encoder, along)
+}
+
+/// The tip relative to the span's origin: the encoder's distance is exact, and no position is rounded.
+#[inline(always)]
+pub(super) fn local<R: Real, P: Position>(span: &Span<R, P>, position: &[P; 3], d: &[R; 3]) -> [R; 3] {
+    let [x, y, z] = span.relative(position);
+    [x + d[0], y + d[1], z + d[2]]
+}
+
+#[inline(always)]
+fn solve<R: Real, P: Position, const RATIONAL: bool, const C: usize>(
+    shifted: &[[R; 4]; C],
+    span: &Span<R, P>,
+    p: &[R; 3],
+    d: &[R; 3],
+    start: Start<R>,
+    tip: &mut ContourError<R>,
+    encoder: &mut ContourError<R>,
+    along: &mut Tangent<R>,
+) -> Seen {
+    let (x, w) = homogeneous::<R, RATIONAL, C>(shifted, p);
+    let Some(step) = third_order::<R, RATIONAL, C>(&x, &w) else { return Seen::NOTHING };
+    let ([_, _, bend, twist, ..], [w0, w1, w2, w3, ..]) = (&x[..], &w[..]) else { return Seen::NOTHING };
+    // Second and third derivative against the first: |d|² + |e|² below a few |b|², and as to the weights the same. It
+    // implies that g' is positive.
+    let mut uneven = dot(bend, bend) + dot(twist, twist);
+    if RATIONAL {
+        uneven = uneven * *w0 + step.g1 * (*w1 * *w1 + *w2 * *w2 + *w3 * *w3);
+    }
+    let at = Taylor::at::<RATIONAL, C>(&x, &w, step.h);
+    let newton = Newton::from::<RATIONAL>(&at);
+    let (c, weight) = (newton.correction, newton.weight);
+    // The path's direction before the last correction, which turns it by less than 1e-4.
+    let (mut tangent, rate) = (at.v, at.vw);
+    if RATIONAL {
+        for k in 0..3 {
+            tangent[k] = (tangent[k] - newton.vector[k] * rate) * weight;
+        }
+    }
+    let squared = dot(&tangent, &tangent);
+    let least = R::HALF * step.g1;
+    let change = step.u.abs() + R::of(CHANGE_OF_U);
+    let t = start.guess + step.h + c;
+    let [error, speed] = R::roots([newton.squared(), squared]);
+    if !(uneven < R::of(4.0) * step.g1
+        && step.uy.abs() < R::of(0.2)
+        && newton.slope > least
+        && newton.leaves_nothing(error, change, squared))
+    {
+        return Seen::NOTHING;
+    }
+    let found = Point { t, vector: newton.vector, error };
+    found.write(tip);
+
+    // The encoder: g there is d·T, its derivative what it is at the tip's foot.
+    let off = dot(d, &tangent);
+    let mut slope = newton.slope;
+    if RATIONAL {
+        let weight_rate = rate * weight;
+        slope = slope * weight * weight * weight + R::THREE * weight_rate * off;
+    }
+    let y = -(off / slope);
+    let y = y - step.u * y * y;
+    let mut at = Taylor::at::<RATIONAL, C>(&x, &w, step.h + c + y);
+    for k in 0..3 {
+        if RATIONAL {
+            at.r[k] += at.rw * d[k];
+            at.v[k] += at.vw * d[k];
+            at.z[k] += at.zw * d[k];
+        } else {
+            at.r[k] += d[k];
+        }
+    }
+    let newton = Newton::from::<RATIONAL>(&at);
+    let n = cross(&span.plane, &tangent);
+    let nn = dot(&n, &n);
+    let [error, across] = R::roots([newton.squared(), nn]);
+    let other = Point { t: t + y + newton.correction, vector: newton.vector, error };
+    other.write(encoder);
+    let both = newton.slope > least && newton.leaves_nothing(other.error, change, squared);
+
+    let length = Length::of(span);
+    let room = length.half - sight(start.window, found.error.max(other.error));
+    let (lag, behind) = (start.place - length.to(found.t), start.place - length.to(other.t));
+    let plain = both
+        && length.from_middle(found.t) < room
+        && length.from_middle(other.t) < room
+        && found.t.is_in_unit()
+        && other.t.is_in_unit()
+        && (found.t - start.guess).abs() * speed <= start.window
+        && lag.abs() <= start.max_lag
+        && nn > R::of(UPRIGHT) * squared;
+    // The next cycle needs the speed too.
+    along.speed = speed;
+    if !plain {
+        along.tangent = tangent;
+        return if both { Seen::BOTH } else { Seen::TIP };
+    }
+
+    // With e at right angles to T, e·(T × n)/|T||n| = (e·b)|T|/|n|. The vectors here are −e.
+    let inverse = R::ONE / across;
+    let stretch = speed * inverse;
+    tip.normal = -(dot(&found.vector, &n) * inverse);
+    tip.binormal = -(dot(&found.vector, &span.plane) * stretch);
+    // The path has turned a little on the way to the encoder's foot: what is not out of the plane is in it.
+    let binormal = -(dot(&other.vector, &span.plane) * stretch);
+    let normal = (other.error * other.error - binormal * binormal).sqrt();
+    encoder.binormal = binormal;
+    encoder.normal = if dot(&other.vector, &n) > R::ZERO { -normal } else { normal };
+    (tip.lag, encoder.lag) = (lag, behind);
+    for (foot, evaluations) in [(tip, 2), (encoder, 1)] {
+        (foot.tangential, foot.width) = (R::ZERO, R::ZERO);
+        (foot.evaluations, foot.flags) = (evaluations, Flags::BRACKETED);
+    }
+    Seen::PLAIN
+}
+
+#[inline(always)]
+fn cross<R: Real>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Arc lengths on a span.
+struct Length<'a, R> {
+    arc: &'a [R; 3],
+    half: R,
+}
+
+impl<'a, R: Real> Length<'a, R> {
+    #[inline(always)]
+    fn of<P: Position>(span: &'a Span<R, P>) -> Self {
+        Length { arc: &span.arc, half: R::HALF * span.length() }
+    }
+
+    /// From the start to t.
+    #[inline(always)]
+    fn to(&self, t: R) -> R {
+        let [a, b, c] = *self.arc;
+        t * (a + t * (b + t * c))
+    }
+
+    #[inline(always)]
+    fn from_middle(&self, t: R) -> R {
+        (self.to(t) - self.half).abs()
+    }
+}
+
+/// A foot: its parameter, from the point to the curve, and the distance.
+struct Point<R> {
+    t: R,
+    vector: [R; 3],
+    error: R,
+}
+
+impl<R: Real> Point<R> {
+    #[inline(always)]
+    fn write(&self, foot: &mut ContourError<R>) {
+        foot.t = self.t;
+        foot.vector = self.vector.map(|x| -x).into();
+        foot.error = self.error;
+    }
+}
+
+/// An exact Newton step.
+struct Newton<R> {
+    correction: R,
+    /// g'.
+    slope: R,
+    /// One over the weight after the step.
+    weight: R,
+    /// From the point to the curve after the step, mm.
+    vector: [R; 3],
+}
+
+impl<R: Real> Newton<R> {
+    #[inline(always)]
+    fn from<const RATIONAL: bool>(at: &Taylor<R>) -> Self {
+        let Taylor { r, v, z, rw, vw, zw } = at;
+        let rv = dot(r, v);
+        let rz = dot(r, z);
+        let (mut g, mut slope) = (rv, dot(v, v) + (rz + rz));
+        if RATIONAL {
+            let rr = dot(r, r);
+            g = rv * *rw - rr * *vw;
+            slope = slope * *rw - (rv * *vw + R::TWO * (rr * *zw));
+        }
+        let c = -(g / slope);
+        let weight = if RATIONAL { R::ONE / (*rw + c * (*vw + c * *zw)) } else { R::ONE };
+        let mut vector = [R::ZERO; 3];
+        for k in 0..3 {
+            vector[k] = r[k] + c * (v[k] + c * z[k]);
+            if RATIONAL {
+                vector[k] = vector[k] * weight;
+            }
+        }
+        Newton { correction: c, slope, weight, vector }
+    }
+
+    #[inline(always)]
+    fn squared(&self) -> R {
+        dot(&self.vector, &self.vector)
+    }
+
+    /// The trust test: `change` bounds |u| from the guess to here, `squared` is |T|².
+    #[inline(always)]
+    fn leaves_nothing(&self, error: R, change: R, squared: R) -> bool {
+        let left = change * self.correction * self.correction;
+        left * left * squared <= tolerance::<R>() * (tolerance::<R>() + error + error)
+    }
+}
