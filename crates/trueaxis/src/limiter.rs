@@ -135,6 +135,11 @@ impl<R: Real> Limiter<R> {
         self.magnitude
     }
 
+    /// Below this |r| a stop at full speed always fits: C − V − V²/2a. Beyond it a correction is never passed as it is.
+    pub(crate) fn open(&self) -> R {
+        self.open
+    }
+
     /// Takes the wanted correction of this cycle, sets the one to send; returns whether they differ (*limited*).
     ///
     /// Cost: some 40 host instructions an axis while nothing binds; a square root or two out of line otherwise.

@@ -14,7 +14,7 @@ use crate::sample::{Sample, Verdict};
 pub(crate) struct OutputStage<R, P, const N: usize> {
     limiters: [Limiter<R>; N],
     joint: [[P; 2]; N],
-    /// From no command within its travel can a correction lead out of the joint's range.
+    /// From no command within its travel does a correction that no limit binds lead out of the joint's range.
     roomy: bool,
 }
 
@@ -81,7 +81,7 @@ const ROUNDING: f64 = 1e-5;
 
 impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
     pub(crate) fn new(order: &AxisOrder<N>, machine: &MachineSettings, period_s: f64) -> Result<Self, ConfigError> {
-        let idle = Limiter::new(&ABSENT, 1e-3)?;
+        let idle = Limiter::<R>::new(&ABSENT, 1e-3)?;
         let anywhere = [f64::MIN, f64::MAX].map(P::nearest);
         let mut stage = OutputStage { limiters: [idle; N], joint: [anywhere; N], roomy: true };
         let settings = order.settings(machine);
@@ -90,7 +90,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
                 *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
                 *joint = settings.joint.map(P::nearest);
                 let ([low, high], [least, most]) = (settings.travel, settings.joint);
-                let room = settings.limits.magnitude + ROUNDING;
+                let room = ROUNDING + limiter.open().to_f64();
                 stage.roomy &= low - room >= least && high + room <= most;
             }
         }
@@ -108,7 +108,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         output: Outlets<'_, R, P, N>,
     ) -> Applied {
         // The reading of this cycle answers the correction sent before it.
-        for ((to, reading), offset) in output.feedback.iter_mut().zip(&sample.feedback).zip(&state.offsets) {
+        for ((to, reading), offset) in output.feedback.iter_mut().zip(sample.feedback).zip(&state.offsets) {
             *to = reading.moved_back(*offset);
         }
         let Some(next) = self.unlimited(state, sample, wanted) else {
@@ -137,7 +137,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         }
         let mut next = *state;
         let axes = next.limited.iter_mut().zip(&mut next.offsets).zip(&mut next.drive);
-        for (((limited, offset), drive), (wanted, command)) in axes.zip(wanted.iter().zip(&sample.command)) {
+        for (((limited, offset), drive), (wanted, command)) in axes.zip(wanted.iter().zip(sample.command)) {
             *limited = limited.passed(*wanted);
             *offset = P::offset(*wanted);
             *drive = command.moved(*offset);
@@ -169,7 +169,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         let mut outside = None;
         if sample.first || !sample.verdict.holds() {
             let mut offsets = state.offsets;
-            let mut drive = sample.command;
+            let mut drive = *sample.command;
             for ((drive, offset), limited) in drive.iter_mut().zip(&mut offsets).zip(&state.limited) {
                 *offset = P::offset(limited.sent());
                 *drive = drive.moved(*offset);

@@ -141,9 +141,9 @@ impl Verdict {
 
 /// Positions in which the rest of the step believes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample<P, const N: usize> {
-    pub(crate) command: [P; N],
-    pub(crate) feedback: [P; N],
+pub(crate) struct Sample<'s, P, const N: usize> {
+    pub(crate) command: &'s [P; N],
+    pub(crate) feedback: &'s [P; N],
     pub(crate) verdict: Verdict,
     pub(crate) fault: Fault,
     /// Slot of the axis that the fault belongs to.
@@ -296,12 +296,12 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// The sample of a cycle in which nothing is wrong, after another such; none where that has to be looked into
     /// ([`Sampler::look`]), and nothing is changed.
     #[inline(always)]
-    pub(crate) fn glance(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Option<Sample<P, N>> {
+    pub(crate) fn glance<'s>(&self, state: &mut SampleState<P, N>, input: &'s Input<P, N>) -> Option<Sample<'s, P, N>> {
         let unmoved = self.unmoved(state, input)?;
         (state.feedback, state.unmoved) = (input.feedback, unmoved);
         Some(Sample {
-            command: input.command,
-            feedback: input.feedback,
+            command: &input.command,
+            feedback: &input.feedback,
             verdict: Verdict::Active,
             fault: Fault::None,
             axis: 0,
@@ -342,9 +342,14 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         Some(unmoved)
     }
 
-    /// The whole decision about a cycle.
+    /// The whole decision about a cycle. `believed` gets the positions of command and feedback.
     #[inline(never)]
-    pub(crate) fn look(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> Sample<P, N> {
+    pub(crate) fn look<'s>(
+        &self,
+        state: &mut SampleState<P, N>,
+        input: &Input<P, N>,
+        believed: &'s mut [[P; N]; 2],
+    ) -> Sample<'s, P, N> {
         state.calm = false;
         let first = !state.started;
         let active = input.homed && input.enable;
@@ -357,7 +362,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         state.reset = input.reset;
 
         if state.latched != Fault::None || command_fault != Fault::None {
-            return self.stopped(state, input, reset, (command_fault, command_axis), first);
+            return self.stopped(state, input, reset, (command_fault, command_axis), first, believed);
         }
         let (feedback_fault, feedback_axis) = self.feedback_fault(state, input, &input.command, active && !first);
         let (fault, axis) = match (feedback_fault, late && active && !first) {
@@ -372,7 +377,9 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             (true, _) => Verdict::Freeze,
         };
         state.calm = verdict == Verdict::Active && !input.reset;
-        Sample { command: input.command, feedback: state.feedback, verdict, fault, axis, first, homed: input.homed }
+        *believed = [input.command, state.feedback];
+        let [command, feedback] = believed;
+        Sample { command, feedback, verdict, fault, axis, first, homed: input.homed }
     }
 
     /// Periods that a cycle took, for what may have moved meanwhile: 1 in time, at most 16.
@@ -471,14 +478,15 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 
     /// A bad command now or earlier: hold, unless this cycle brings the reset near the held position.
     #[inline(never)]
-    fn stopped(
+    fn stopped<'s>(
         &self,
         state: &mut SampleState<P, N>,
         input: &Input<P, N>,
         reset: bool,
         (fault, axis): (Fault, u8),
         first: bool,
-    ) -> Sample<P, N> {
+        believed: &'s mut [[P; N]; 2],
+    ) -> Sample<'s, P, N> {
         let was_latched = state.latched != Fault::None;
         if !was_latched {
             state.latch(fault, axis);
@@ -502,19 +510,15 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             state.unmoved = [P::Reach::default(); N];
             state.active = input.homed && input.enable;
             let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };
-            return Sample {
-                command: input.command,
-                feedback: state.feedback,
-                verdict,
-                fault: Fault::None,
-                axis: 0,
-                first,
-                homed: input.homed,
-            };
+            *believed = [input.command, state.feedback];
+            let [command, feedback] = believed;
+            return Sample { command, feedback, verdict, fault: Fault::None, axis: 0, first, homed: input.homed };
         }
+        *believed = [held, state.feedback];
+        let [command, feedback] = believed;
         Sample {
-            command: held,
-            feedback: state.feedback,
+            command,
+            feedback,
             verdict: if placed { Verdict::Hold } else { Verdict::Nowhere },
             fault: state.latched,
             axis: state.latched_axis,

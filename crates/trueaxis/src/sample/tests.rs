@@ -92,16 +92,18 @@ fn a_glance_says_what_a_look_says<R: Real, P: Position>(seed: u64) {
         let input = random_cycle::<P>(&mut random, &mut command, &mut feedback);
         let seen = sampler.glance(&mut quick, &input);
         glances += u32::from(seen.is_some());
-        let seen = seen.unwrap_or_else(|| sampler.look(&mut quick, &input));
-        let looked = sampler.look(&mut thorough, &input);
+        let mut believed = [[[P::default(); 3]; 2]; 2];
+        let [by_glance, by_look] = &mut believed;
+        let seen = seen.unwrap_or_else(|| sampler.look(&mut quick, &input, by_glance));
+        let looked = sampler.look(&mut thorough, &input, by_look);
         assert_eq!(format!("{seen:?}"), format!("{looked:?}"), "{cycle}: {input:?}");
         faults.insert(seen.fault as u8);
         if random.unit() < 0.001 {
             quick.latch(Fault::JointRange, 1);
             thorough.latch(Fault::JointRange, 1);
         } else {
-            quick.accept(&looked.command);
-            thorough.accept(&looked.command);
+            quick.accept(looked.command);
+            thorough.accept(looked.command);
         }
         assert_eq!(format!("{quick:?}"), format!("{thorough:?}"), "{cycle}: {input:?}");
         // The next command goes on from the held one, so that a reset finds it near.

@@ -103,8 +103,8 @@ impl<R: Real, P: Position, const N: usize, const K: usize> Measure<R, P, N> for 
         modelled: &Modelled<R, N>,
         record: &mut Record<R, P, N>,
     ) {
-        if let ([x, y, z, ..], true) = (&sample.command[..], !sample.verdict.holds()) {
-            self.append([*x, *y, *z]);
+        if let (&[x, y, z, ..], true) = (sample.command.as_slice(), !sample.verdict.holds()) {
+            self.append([x, y, z]);
         }
         record.set_feet(match points(sample, modelled) {
             Some((encoder, d)) => {
@@ -181,7 +181,7 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut OnToolPath<
             return;
         }
         let kinematics = self.kinematics;
-        let seen = servo.seen(&sample.feedback, modelled, kinematics);
+        let seen = servo.seen(sample.feedback, modelled, kinematics);
         let on = self.path.path().on(self.reference);
         let encoder = position::<R, P>(seen.encoder);
         servo.search.update_pair(&mut state.feet, &on, &encoder, &seen.off, &mut record.tip, &mut record.encoder);

@@ -169,7 +169,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         output: &mut Output<R, P, N>,
         watch: &mut impl FnMut(Stage),
     ) {
-        let sample = self.sampler.look(&mut state.sample, input);
+        let mut believed = [[P::default(); N]; 2];
+        let sample = self.sampler.look(&mut state.sample, input, &mut believed);
         self.cycle(state, &sample, measure, gauge, output, watch);
     }
 
@@ -210,7 +211,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) {
         state.limited = applied.limited;
         match applied.outside {
-            None => state.sample.accept(&sample.command),
+            None => state.sample.accept(sample.command),
             Some(slot) => {
                 state.sample.latch(Fault::JointRange, slot);
                 measure.take_back();
@@ -239,7 +240,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         record.status = status.with(Status::CONTOUR, record.tip.is_measured());
         (record.limited, record.at_edge) = (applied.limited, at_edge);
         record.command = state.sample.commanded();
-        record.feedback = sample.feedback;
+        record.feedback = *sample.feedback;
     }
 }
 

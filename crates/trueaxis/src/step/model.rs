@@ -49,7 +49,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         if sample.verdict == Verdict::Active
             && state.cells.key() == self.tables.key()
             && self.all_go_on(state)
-            && let (Some(command), Some(feedback)) = (first(&drives(state, sample)), first(&sample.feedback))
+            && let (Some(command), Some(feedback)) = (first(&drives(state, sample)), first(sample.feedback))
             && let Some(errors) = state.cells.errors(command, feedback, self.tables.is_cubic())
         {
             return Modelled::of_errors(errors, state.cells.at_edge());
@@ -106,18 +106,18 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) -> Option<Modelled<R, N>> {
         let mut at = drives(state, sample);
         let mut source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, left: REFILLS };
-        if state.cells.missing(&at, &sample.feedback) > REFILLS {
-            source.fill_one(&mut state.cells, &at, &sample.feedback);
+        if state.cells.missing(&at, sample.feedback) > REFILLS {
+            source.fill_one(&mut state.cells, &at, sample.feedback);
             return None;
         }
         let mut errors = source.at_command(&mut state.cells, &at);
         for _ in 1..state.cells.passes() & 15 {
-            for ((at, command), error) in at.iter_mut().zip(&sample.command).zip(errors?) {
+            for ((at, command), error) in at.iter_mut().zip(sample.command).zip(errors?) {
                 *at = command.moved(P::offset(-error));
             }
             errors = source.at_command(&mut state.cells, &at);
         }
-        let tip = source.at_feedback(&mut state.cells, &sample.feedback);
+        let tip = source.at_feedback(&mut state.cells, sample.feedback);
         Some(Modelled::of_errors([errors?, tip?], state.cells.at_edge()))
     }
 
@@ -132,7 +132,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) -> Modelled<R, N> {
         let mut at_edge = 0;
         if let Some(volumetric) = self.compensation.volumetric().filter(|model| model.is_at_command()) {
-            let (command, feedback, thermal) = (&sample.command, &sample.feedback, &state.thermal);
+            let (command, feedback, thermal) = (sample.command, sample.feedback, &state.thermal);
             let drive = &state.output.drive_at(command);
             let cycle = Cycle { command, drive, feedback, directions, thermal };
             let passes = self.compensation.passes();
@@ -143,9 +143,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             }
             return Modelled { wanted, tip_error, tilt, at_edge };
         }
-        let place = if near { drives(state, sample) } else { sample.command };
+        let place = if near { drives(state, sample) } else { *sample.command };
         let command = self.compensation.coordinates(&place);
-        let feedback = self.compensation.coordinates(&sample.feedback);
+        let feedback = self.compensation.coordinates(sample.feedback);
         let passes = if near { 1 } else { self.compensation.passes() };
         let wanted = self.compensation.correction_in(
             &Query { command: &command, feedback: &feedback, directions, thermal: &state.thermal },
@@ -198,7 +198,7 @@ fn first<P: Position, const N: usize>(positions: &[P; N]) -> Option<[P; 3]> {
 /// Where the drives would stand with the corrections sent last.
 #[inline(always)]
 fn drives<R: Real, P: Position, const N: usize>(state: &State<R, P, N>, sample: &Sample<P, N>) -> [P; N] {
-    let mut drives = sample.command;
+    let mut drives = *sample.command;
     for (drive, offset) in drives.iter_mut().zip(state.output.offsets()) {
         *drive = drive.moved(*offset);
     }
@@ -210,7 +210,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     #[cold]
     fn begin_travel(&mut self, sample: &Sample<P, N>) {
         let held = sample.verdict == Verdict::Hold && !sample.first;
-        let drive = if held { *self.output.drive() } else { self.output.drive_at(&sample.command) };
+        let drive = if held { *self.output.drive() } else { self.output.drive_at(sample.command) };
         self.reversal = drive.map(Reversal::at);
         self.cells.forget();
     }
