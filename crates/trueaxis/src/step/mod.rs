@@ -19,7 +19,7 @@ pub use state::{Output, Stage, State};
 pub use stateless::Conditions;
 
 use crate::compensation::volumetric::Kept;
-use crate::compensation::{Compensation, Reversal, ThermalLine};
+use crate::compensation::{Cells, Compensation, Reversal, Tables, ThermalLine};
 use crate::contour::{ContourSearch, PairState};
 use crate::error::Fault;
 use crate::machine::AxisOrder;
@@ -39,7 +39,10 @@ pub struct ServoLoop<'a, R, P: Position, const N: usize> {
     order: AxisOrder<N>,
     sampler: Sampler<R, P, N>,
     compensation: Compensation<'a, R, P, N>,
+    tables: Tables<R, P>,
     bands: [R; N],
+    /// The same in steps, rounded down.
+    within: [P::Reach; N],
     search: ContourSearch<R>,
     output: OutputStage<R, P, N>,
     machine_id: u32,
@@ -55,6 +58,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             reversal: [Reversal::default(); N],
             homed: false,
             thermal: [ThermalLine::default(); N],
+            cells: Cells::none(),
             poses: Kept::nothing(),
             feet: PairState::default(),
             output: OutputState::new(),

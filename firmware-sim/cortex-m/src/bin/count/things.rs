@@ -134,23 +134,20 @@ fn kernel<R: Real, P: Position>(near: &Near<R, P>) -> u32 {
     sink(near.span.foot_near(&near.point, near.guess))
 }
 
-struct Limits<R: Real>([Limiter<R>; 3], core::cell::Cell<[LimiterState<R>; 3]>, core::cell::Cell<[R; 3]>);
+struct Limits<R: Real>([Limiter<R>; 3], core::cell::RefCell<[LimiterState<R>; 3]>, core::cell::Cell<[R; 3]>);
 
 #[inline(never)]
 fn no_limit<R: Real>(limits: &Limits<R>) -> u32 {
-    let state = limits.1.get();
-    limits.1.set(black_box(state));
+    black_box(&mut *limits.1.borrow_mut());
     sink(limits.2.get())
 }
 
 #[inline(never)]
 fn follow<R: Real>(limits: &Limits<R>) -> u32 {
-    let mut state = limits.1.get();
     let mut limited = 0;
-    for ((limiter, state), wanted) in limits.0.iter().zip(&mut state).zip(limits.2.get()) {
+    for ((limiter, state), wanted) in limits.0.iter().zip(&mut *limits.1.borrow_mut()).zip(limits.2.get()) {
         limited += u32::from(limiter.follow(state, wanted));
     }
-    limits.1.set(black_box(state));
     limited
 }
 
