@@ -47,17 +47,15 @@ struct From<R> {
     encoder: Option<Reference<R>>,
 }
 
-/// A border of the span in sight: the side of its parameter, the span beyond it, and where that begins.
-struct Border {
-    forward: bool,
-    beyond: Option<u32>,
+/// Parameter of a border in the span, and in the one beyond it.
+fn sides<R: Real>(forward: bool) -> [R; 2] {
+    if forward { [R::ONE, R::ZERO] } else { [R::ZERO, R::ONE] }
 }
 
-impl Border {
-    /// Parameter of the border in the span, and in the one beyond it.
-    fn sides<R: Real>(&self) -> [R; 2] {
-        if self.forward { [R::ONE, R::ZERO] } else { [R::ZERO, R::ONE] }
-    }
+/// Whether the distance of the point `d` behind the tip grows that way.
+fn rises<R: Real>(e: &Evaluation<R>, d: &[R; 3], forward: bool) -> bool {
+    let g = e.g + dot(d, &e.tangent);
+    if forward { g >= R::ZERO } else { g <= R::ZERO }
 }
 
 impl<R: Real> ContourSearch<R> {
@@ -163,11 +161,17 @@ impl<R: Real> ContourSearch<R> {
         let seen = feet(path.span(guess.span)?, points.position, points.d, start, tip, encoder, &mut along);
         points.spent[0] += 2;
         points.spent[1] += u8::from(seen.tip());
-        let (mut at_tip, at_encoder) = if sampled && !seen.tip() {
-            // The sample itself, until all are taken.
-            points.spent[0] += 1;
-            let at_tip = at(path.span(guess.span)?, guess.span, point, guess.t);
-            (at_tip, points.beside_tip(&at_tip))
+        let (mut at_tip, at_encoder) = if sampled {
+            // The sample itself where the frame has no answer, until all are taken.
+            let feet = Feet::of(guess.span, seen, &along, tip, encoder);
+            let at_tip = match feet.tip {
+                Some(at_tip) => at_tip,
+                None => {
+                    points.spent[0] += 1;
+                    at(path.span(guess.span)?, guess.span, point, guess.t)
+                }
+            };
+            (at_tip, feet.encoder.unwrap_or_else(|| points.beside_tip(&at_tip)))
         } else {
             points.resolve(guess, seen, &along, tip, encoder)?
         };
@@ -289,62 +293,70 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         if rest > sight(self.window, tip.error.max(encoder.error)) || self.left() < BEYOND {
             return from;
         }
-        let border = Border { forward, beyond: if forward { path.next(number) } else { path.previous(number) } };
-        let [_, entry] = border.sides();
+        let border = if forward { path.next(number) } else { path.previous(number) };
+        let [_, entry] = sides(forward);
         let mut missing = [found.tip.is_none(), found.encoder.is_none() && seen.encoder()];
-        if let Some((beyond, there)) = border.beyond.and_then(|beyond| Some((beyond, path.span(beyond)?))) {
-            let [mut to_tip, mut to_encoder] = [ContourError::none(); 2];
-            let mut along = Tangent::NONE;
-            // No lag is so small: never plain.
-            let start = Start { guess: entry, window: self.window, place: R::ZERO, max_lag: -R::ONE };
-            let at_border = feet(there, self.position, self.d, start, &mut to_tip, &mut to_encoder, &mut along);
-            self.spent[0] += 2;
-            self.spent[1] += u8::from(at_border.tip());
-            let second = Feet::of(beyond, at_border, &along, &to_tip, &to_encoder);
-            found.tip = nearer(found.tip, second.tip);
-            found.encoder = nearer(found.encoder, second.encoder);
-            // Only between two feet beyond it from either side is the border the foot.
-            let inside = Reference { span: beyond, t: entry };
-            if !at_border.tip() {
-                from.tip = inside;
+        let mut outer = None;
+        if let Some((beyond, there)) = border.and_then(|beyond| Some((beyond, path.span(beyond)?))) {
+            let entered = evaluate(there, &local(there, self.position, self.d), entry);
+            self.spent[0] += 1;
+            let uphill = [&[R::ZERO; 3], self.d].map(|d| rises(&entered, d, forward));
+            outer = Some((beyond, entered));
+            if uphill != [true; 2] {
+                let [mut to_tip, mut to_encoder] = [ContourError::none(); 2];
+                let mut along = Tangent::NONE;
+                // No lag is so small: never plain.
+                let start = Start { guess: entry, window: self.window, place: R::ZERO, max_lag: -R::ONE };
+                let inside = feet(there, self.position, self.d, start, &mut to_tip, &mut to_encoder, &mut along);
+                self.spent[0] += 2;
+                self.spent[1] += u8::from(inside.tip());
+                let second = Feet::of(beyond, inside, &along, &to_tip, &to_encoder);
+                found.tip = nearer(found.tip, second.tip);
+                found.encoder = nearer(found.encoder, second.encoder);
+                // Only between two feet beyond it from either side is the border the foot.
+                let begin = Reference { span: beyond, t: entry };
+                let [tip_outside, encoder_outside] = [uphill[0] || inside.tip(), uphill[1] || inside.encoder()];
+                if !tip_outside {
+                    from.tip = begin;
+                }
+                if seen.encoder() && !encoder_outside {
+                    from.encoder = Some(begin);
+                }
+                missing =
+                    [found.tip.is_none() && tip_outside, found.encoder.is_none() && seen.encoder() && encoder_outside];
             }
-            if seen.encoder() && !at_border.encoder() {
-                from.encoder = Some(inside);
-            }
-            missing = [
-                found.tip.is_none() && at_border.tip(),
-                found.encoder.is_none() && seen.encoder() && at_border.encoder(),
-            ];
         }
         if missing.contains(&true) {
-            self.look_at(found, number, &border, missing);
+            self.look_at(found, number, outer, forward, missing);
         }
         from
     }
 
     /// The border itself, for the points whose foot is missing: a corner, or the end of an open path.
-    fn look_at(&mut self, found: &mut Feet<R>, number: u32, border: &Border, [tip, encoder]: [bool; 2]) {
-        let [out, entry] = border.sides();
+    fn look_at(
+        &mut self,
+        found: &mut Feet<R>,
+        number: u32,
+        outer: Option<(u32, Evaluation<R>)>,
+        forward: bool,
+        [tip, encoder]: [bool; 2],
+    ) {
+        let [out, entry] = sides(forward);
         let Some(inner) = self.sample(number, out) else { return };
-        let outer = border.beyond.and_then(|beyond| self.sample(beyond, entry));
-        let evaluations = if border.beyond.is_some() { 2 } else { 1 };
-        self.spent[usize::from(!tip)] += evaluations;
+        self.spent[usize::from(!tip)] += 1;
         let still = [R::ZERO; 3];
         for (missing, d, slot) in [(tip, &still, &mut found.tip), (encoder, self.d, &mut found.encoder)] {
             if !missing {
                 continue;
             }
             // Downhill to the border from within, and uphill beyond it.
-            let rises = |e: &Evaluation<R>, way: bool| {
-                let g = e.g + dot(d, &e.tangent);
-                if way { g >= R::ZERO } else { g <= R::ZERO }
-            };
-            let (place, e, kind, bracketed) = match (&outer, border.beyond) {
-                (Some(outer), Some(span)) => {
-                    let bracketed = rises(&inner, !border.forward) && rises(outer, border.forward);
-                    (Reference { span, t: entry }, outer, Flags::AT_CORNER, bracketed)
+            let downhill = rises(&inner, d, !forward);
+            let (place, e, kind, bracketed) = match &outer {
+                Some((span, outer)) => {
+                    let bracketed = downhill && rises(outer, d, forward);
+                    (Reference { span: *span, t: entry }, outer, Flags::AT_CORNER, bracketed)
                 }
-                _ => (Reference { span: number, t: out }, &inner, Flags::AT_END, rises(&inner, !border.forward)),
+                None => (Reference { span: number, t: out }, &inner, Flags::AT_END, downhill),
             };
             let mut vector = e.vector;
             for k in 0..3 {

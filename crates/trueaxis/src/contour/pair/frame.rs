@@ -227,8 +227,8 @@ fn solve<R: Real, P: Position, const RATIONAL: bool, const C: usize>(
     let room = length.half - sight(start.window, found.error.max(other.error));
     let (lag, behind) = (start.place - length.to(found.t), start.place - length.to(other.t));
     let plain = both
-        && length.from_middle(found.t) < room
-        && length.from_middle(other.t) < room
+        && length.off_middle(found.t) < room
+        && length.off_middle(other.t) < room
         && found.t.is_in_unit()
         && other.t.is_in_unit()
         && (found.t - start.guess).abs() * speed <= start.window
@@ -284,7 +284,7 @@ impl<'a, R: Real> Length<'a, R> {
     }
 
     #[inline(always)]
-    fn from_middle(&self, t: R) -> R {
+    fn off_middle(&self, t: R) -> R {
         (self.to(t) - self.half).abs()
     }
 }

@@ -19,7 +19,9 @@ fn kind(random: &mut Noise, kind: usize) -> Vec<Span<f64, f64>> {
                 turns: 0,
             }])
         }
-        3..=10 => spans(&[Spline::random(random, 2 + kind / 2 - 1 - usize::from(kind == 10), kind % 2 == 0).segment()]),
+        3..=10 => spans(&[
+            Spline::random(random, 2 + kind / 2 - 1 - usize::from(kind == 10), kind.is_multiple_of(2)).segment()
+        ]),
         11 => {
             // Near a cusp: the middle points of a cubic cross over.
             let (x, y) = (random.range(0.8, 1.6), 0.3 * random.signed());
@@ -112,13 +114,9 @@ fn distances_of_both_feet_agree_with_bisection() {
             }
         }
     }
-    for (number, worst) in worst.iter().enumerate() {
-        std::println!("kind {number}: {worst:?}, trusted {:?} of {}", trusted[number], asked[number]);
-    }
-    for (which, singles) in singles.iter_mut().enumerate() {
+    for singles in &mut singles {
         singles.sort_by(f64::total_cmp);
         let p999 = singles[singles.len() * 999 / 1000];
-        std::println!("single {which}: {} {p999:e} {:e}", singles.len(), singles[singles.len() - 1]);
         assert!(p999 < 2e-6, "f32: {p999:e} mm");
     }
     for (number, worst) in worst.iter().enumerate() {

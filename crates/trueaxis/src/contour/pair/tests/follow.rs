@@ -41,9 +41,6 @@ fn compare(all: &[Span<f64, f64>], feed: f64, lag: f64, mut points: impl FnMut(f
         };
         if !(same(&pair[0], &alone[0]) && same(&pair[1], &alone[1])) {
             differ += 1;
-            if differ < 3 {
-                std::println!("{s}: {pair:?} {alone:?}");
-            }
         }
         s += feed;
     }
@@ -61,10 +58,9 @@ fn on_smooth_paths_the_pair_is_two_searches_and_nearly_always_plain() {
         turns: 0,
     }]);
     let mut random = Noise::new(8);
-    for (name, all, most_slow) in [("butterfly", &butterfly, 0.15), ("arc", &arc, 0.01)] {
+    for (name, all, most_slow) in [("butterfly", &butterfly, 0.15), ("arc", &arc, 0.02)] {
         for (feed, lag, size) in [(0.0025, 0.005, 0.003), (0.01, 0.015, 0.005), (0.01, 0.0, 0.01)] {
             let [cycles, differ, slow] = compare(all, feed, lag, |_| [random.vector(size), random.vector(size)]);
-            std::println!("{name}: {cycles} cycles, {differ} differ, {slow} slow");
             // At the sharp tip, where spans are short, the evaluations of a cycle may not do for the encoder.
             assert!(f64::from(differ) < 0.004 * f64::from(cycles), "{name}: {differ} of {cycles} differ");
             assert!(f64::from(slow) < most_slow * f64::from(cycles), "{name}: {slow} of {cycles} out of line");
@@ -99,7 +95,6 @@ fn borders_between_two_points_on_the_path() {
                     "{name} at {s}, {apart}: {at_encoder:?}"
                 );
             }
-            std::println!("{name}, {apart}: {lost} of {cycles}");
             // On the butterfly some spans are shorter than that.
             let most = if name == "butterfly" { 0.25 * apart.abs() + 0.005 } else { 0.0 };
             assert!(f64::from(lost) <= most * f64::from(cycles), "{name}, {apart}: {lost} of {cycles} lost");
