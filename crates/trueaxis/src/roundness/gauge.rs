@@ -1,8 +1,8 @@
 //! The gauge: built once, and its cycle of three stages.
 
 use super::infeed::Infeed;
+use super::plan::Plan;
 use super::resample::Resampler;
-use super::work::Plan;
 use super::{Arm, Band, Cycle, Followed, Gain, GaugeSettings, GaugeState, Probes};
 use crate::error::{ConfigError, Field};
 use crate::real::Real;

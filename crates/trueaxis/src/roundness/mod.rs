@@ -66,6 +66,7 @@ mod flags;
 mod gauge;
 mod infeed;
 mod motion;
+mod plan;
 mod resample;
 mod sampling;
 mod settings;

@@ -1,7 +1,8 @@
 //! Second stage: the work on a whole revolution, some slices a cycle.
 
+use super::plan::{Plan, Task};
 use super::transform::{forward_slice, inverse_slice, quarter, slices, slices_of_twos, twos_slice};
-use super::work::{ARM_CHECKS, POINTS_PER_SLICE, Plan, Task, Work};
+use super::work::{ARM_CHECKS, POINTS_PER_SLICE, Work};
 use super::{Gauge, GaugeState};
 use crate::real::Real;
 

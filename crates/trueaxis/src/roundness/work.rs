@@ -1,23 +1,20 @@
 //! The work on one revolution, in slices of a fixed size.
 //!
 //! ```text
-//! Linkage (another wheel) ─► Level (drift) ─► Forward ─► Spread, Inverse (profile at θ + φ2) ─► Spread, Inverse (profile) ─► Arm ─► Orbit
-//!        ─► Evaluate, Express (once a window) ─► Spread, Inverse, Judge, Commit (infeed) ─► Spread, Inverse (filter) ─► Range
+//! Linkage (another wheel) ─► Level (drift) ─► Forward ─► Spread, Inverse (profile at θ + φ2)
+//!   ─► Spread, Harmonics, Inverse (profile) ─► Arm ─► Orbit ─► Open, Evaluate, Scale, Express, Close (once a window)
+//!   ─► Spread, Inverse, Judge, Commit (infeed) ─► Spread, Inverse (filter) ─► Range
 //! ```
 //!
 //! The tasks that a gauge needs are chosen when it is built; a slice is bounded for any data. The work of each task in
-//! a slice and its number of slices are in the table of `tasks.rs`; the order of tasks is in [`Plan::next`].
+//! a slice and its number of slices are in the table of `tasks.rs`; the order of tasks is in `Work::next`.
 
-use super::angles::Gain;
 use super::arm_angle;
-use super::filter;
 use super::flags::GaugeFlags;
 use super::infeed::Infeed;
 use super::motion::{Bundle, Direction, ErrorMotion, gather};
-use super::settings::GaugeSettings;
-use super::transform::{
-    AMPLITUDE_SCALE, Complex, Pairs, circle, multipliers, pair_slice, slices, slices_of_twos, spectrum, without_mean,
-};
+use super::plan::{Plan, Task, Use, following};
+use super::transform::{AMPLITUDE_SCALE, Complex, Pairs, pair_slice, spectrum, without_mean};
 use crate::real::Real;
 
 /// Harmonics 0 to 127 of the profile are kept as amplitudes.
@@ -26,8 +23,6 @@ pub const HARMONICS: usize = 128;
 pub(super) const ARM_CHECKS: usize = 16;
 /// Revolutions in a row in which the infeed axis was limited before the correction is made smaller.
 const PATIENCE: u8 = 4;
-/// The radius drifts steadily where its change per revolution itself changes by less than this and a quarter, µm.
-const STEADY_UM: f64 = 0.2;
 /// Points in a slice of the passes that only compare or add.
 pub(super) const POINTS_PER_SLICE: usize = 4;
 
@@ -46,80 +41,6 @@ impl<R: Real, const N: usize> Revolution<R, N> {
     pub(super) const fn new() -> Self {
         Revolution { first: [R::ZERO; N], second: [R::ZERO; N], beta: [0; ARM_CHECKS] }
     }
-}
-
-/// Uses of a profile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Use {
-    Shifted,
-    Profile,
-    Infeed,
-    Filtered,
-}
-
-/// Every stage of a transform is a task, so that its distances are constants of a slice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Task {
-    Idle,
-    Forward0,
-    Forward1,
-    Forward2,
-    Forward3,
-    Forward4,
-    ForwardTwos,
-    SpreadShifted,
-    SpreadProfile,
-    SpreadInfeed,
-    SpreadFiltered,
-    /// Amplitudes of the profile.
-    Harmonics,
-    InverseTwos,
-    Inverse4,
-    Inverse3,
-    Inverse2,
-    Inverse1,
-    Inverse0,
-    Arm,
-    Orbit,
-    /// Before, between and after the two passes over a full window, a slice each.
-    Open,
-    Evaluate,
-    Scale,
-    Express,
-    Close,
-    Judge,
-    Commit,
-    Clear,
-    Range,
-    /// β at every point, for another radius of the wheel.
-    Linkage,
-    /// The drift of the radius out of the weighted sum.
-    Level,
-}
-
-/// Immutable: multipliers of the four uses, and constants.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Plan<R, const N: usize> {
-    pub(super) circle: [Complex<R>; N],
-    profile: [R; N],
-    pub(super) shifted: Option<[R; N]>,
-    pub(super) infeed: Option<[R; N]>,
-    pub(super) filtered: Option<[R; N]>,
-    /// Buffer with the profile as probe 2 sees it: one of its own, or the profile itself, φ2 in whole slots further on.
-    ahead: usize,
-    slots: usize,
-    cot2: R,
-    per_sin2: R,
-    pub(super) has_arm: bool,
-    /// λ of the arm as set.
-    ratio: R,
-    arm_tolerance: R,
-    revolutions: u16,
-    per_revolutions: R,
-    /// 1/G(0), from the mean of the weighted sum to that of the radius; 0 where the probes do not see it.
-    per_mean: R,
-    /// Change of the drift that is treated as zero, in the weighted sum.
-    pub(super) steady: R,
 }
 
 /// A whole revolution as it is handed over.
@@ -157,7 +78,7 @@ pub(super) struct Work<R, const N: usize> {
     into: usize,
     pub(super) task: Task,
     /// Use of the spectrum that is being worked out.
-    of: Use,
+    pub(super) of: Use,
     /// Revolutions in the window of the motion so far.
     pub(super) gathered: u16,
     /// λ of the arm, where the wheel's radius has been set since, and that for which the linkage holds.
@@ -173,7 +94,7 @@ pub(super) struct Work<R, const N: usize> {
     /// Revolutions in a row in which the infeed axis was limited.
     limited_for: u8,
     /// Change of the weighted sum in a revolution.
-    drift: R,
+    pub(super) drift: R,
     /// Radius at the first point and its change from point to point, against the probes' zeros, µm.
     radius: [R; 2],
     /// Motion along X and Y, over all points.
@@ -190,166 +111,6 @@ pub(super) struct Work<R, const N: usize> {
     pub(super) correction: [R; N],
     /// [cos β − 1, sin β] at every point: all zero is an arm that stands still.
     linkage: [Complex<R>; N],
-}
-
-impl<R: Real, const N: usize> Plan<R, N> {
-    /// Of settings that have been checked.
-    pub(super) fn new(settings: &GaugeSettings, gain: &Gain) -> Self {
-        let seen = |k: usize| {
-            u16::try_from(k).is_ok_and(|k| settings.band.contains(k)) && gain.noise_gain(k) <= settings.noise_gain_limit
-        };
-        let quotient = |k: usize| {
-            if !seen(k) {
-                return [0.0; 2];
-            }
-            let [re, im] = gain.of(k);
-            let square = re * re + im * im;
-            [re / square, -im / square]
-        };
-        let turned = |k: usize| {
-            let ([a, b], [c, d]) = (quotient(k), gain.phase2(k));
-            [a * c - b * d, a * d + b * c]
-        };
-        let (sin2, cos2) = (libm::sin(gain.phi2()), libm::cos(gain.phi2()));
-        // G(0) is real.
-        let [mean, _] = gain.of(0);
-        let sees_mean = libm::fabs(mean) > 1e-6 * gain.norm();
-        Plan {
-            circle: circle::<R, N>(),
-            profile: multipliers(quotient),
-            shifted: gain.slots().is_none().then(|| multipliers(turned)),
-            infeed: settings.infeed.map(|infeed| {
-                let corrected = |k: usize| {
-                    let inside = u16::try_from(k).is_ok_and(|k| infeed.band.contains(k));
-                    inside && gain.noise_gain(k) <= infeed.noise_gain_limit
-                };
-                multipliers(|k| if corrected(k) { quotient(k) } else { [0.0; 2] })
-            }),
-            filtered: settings
-                .filter
-                .map(|cut_off| multipliers(|k| quotient(k).map(|part| part * filter::transmission(k, cut_off)))),
-            slots: gain.slots().map_or(0, |[p, _]| p),
-            ahead: usize::from(gain.slots().is_none()),
-            cot2: R::of(cos2 / sin2),
-            per_sin2: R::of(1.0 / sin2),
-            has_arm: settings.arm.is_some(),
-            ratio: R::of(settings.arm.and_then(|arm| arm.lengths.ratio().ok()).unwrap_or(0.0)),
-            arm_tolerance: R::of(settings.arm.map_or(0.0, |arm| libm::sin(arm.tolerance_deg.to_radians()))),
-            revolutions: settings.revolutions,
-            per_revolutions: R::of(1.0 / f64::from(settings.revolutions)),
-            steady: R::of(STEADY_UM * libm::fabs(mean)),
-            per_mean: R::of(if sees_mean { 1.0 / mean } else { 0.0 }),
-        }
-    }
-
-    /// The task that comes after the one just done, and the use of the spectrum for which it is.
-    fn next(&self, work: &Work<R, N>) -> (Task, Use) {
-        let task = match work.task {
-            Task::Linkage if work.drift != R::ZERO => Task::Level,
-            Task::Linkage | Task::Level => Task::Forward0,
-            Task::SpreadProfile => Task::Harmonics,
-            Task::Inverse0 => match work.of {
-                Use::Shifted => return Use::Profile.spread(),
-                Use::Profile if self.has_arm => Task::Arm,
-                Use::Profile => Task::Orbit,
-                Use::Infeed => Task::Judge,
-                Use::Filtered => Task::Range,
-            },
-            Task::Arm => Task::Orbit,
-            Task::Orbit if work.gathered >= self.revolutions => Task::Open,
-            Task::Open => Task::Evaluate,
-            Task::Evaluate => Task::Scale,
-            Task::Scale => Task::Express,
-            Task::Express => Task::Close,
-            Task::Orbit | Task::Close if self.infeed.is_some() => return Use::Infeed.spread(),
-            Task::Judge if !work.result.flags.has(GaugeFlags::INFEED_FROZEN) || work.gives_way() => Task::Commit,
-            Task::Orbit | Task::Close | Task::Judge | Task::Commit if self.filtered.is_some() => {
-                return Use::Filtered.spread();
-            }
-            Task::Orbit | Task::Close | Task::Judge | Task::Commit => Task::Range,
-            Task::Range | Task::Clear | Task::Idle => Task::Idle,
-            of_transform => match following::<N>(of_transform) {
-                Some(task) => task,
-                None if self.shifted.is_some() => return Use::Shifted.spread(),
-                None => return Use::Profile.spread(),
-            },
-        };
-        (task, work.of)
-    }
-}
-
-/// The stage of a transform that follows a stage or a pair pass; none behind the last of the forward transform.
-const fn following<const N: usize>(task: Task) -> Option<Task> {
-    match task {
-        Task::Forward0 => const { first_of::<N>(&FORWARD, 1) },
-        Task::Forward1 => const { first_of::<N>(&FORWARD, 2) },
-        Task::Forward2 => const { first_of::<N>(&FORWARD, 3) },
-        Task::Forward3 => const { first_of::<N>(&FORWARD, 4) },
-        Task::Forward4 => const { first_of::<N>(&FORWARD, 5) },
-        Task::ForwardTwos => None,
-        Task::InverseTwos => const { first_of::<N>(&INVERSE, 1) },
-        Task::Inverse4 => const { first_of::<N>(&INVERSE, 2) },
-        Task::Inverse3 => const { first_of::<N>(&INVERSE, 3) },
-        Task::Inverse2 => const { first_of::<N>(&INVERSE, 4) },
-        Task::Inverse1 => const { first_of::<N>(&INVERSE, 5) },
-        _ => const { first_of::<N>(&INVERSE, 0) },
-    }
-}
-
-/// The first of some stages, from an index on, that N points have.
-const fn first_of<const N: usize>(stages: &[(Task, Stage); 6], mut index: usize) -> Option<Task> {
-    while index < stages.len() {
-        let (task, stage) = stages[index];
-        let slices = match stage {
-            Stage::Four(stage) => slices::<N>(stage),
-            Stage::Two => slices_of_twos::<N>(),
-        };
-        if slices > 0 {
-            return Some(task);
-        }
-        index += 1;
-    }
-    None
-}
-
-/// A stage of a transform: one of radix 4, or that of radix 2.
-#[derive(Clone, Copy, Debug)]
-enum Stage {
-    Four(usize),
-    Two,
-}
-
-/// The forward transform's stages in their order.
-const FORWARD: [(Task, Stage); 6] = [
-    (Task::Forward0, Stage::Four(0)),
-    (Task::Forward1, Stage::Four(1)),
-    (Task::Forward2, Stage::Four(2)),
-    (Task::Forward3, Stage::Four(3)),
-    (Task::Forward4, Stage::Four(4)),
-    (Task::ForwardTwos, Stage::Two),
-];
-
-/// The inverse transform's stages in their order.
-const INVERSE: [(Task, Stage); 6] = [
-    (Task::InverseTwos, Stage::Two),
-    (Task::Inverse4, Stage::Four(4)),
-    (Task::Inverse3, Stage::Four(3)),
-    (Task::Inverse2, Stage::Four(2)),
-    (Task::Inverse1, Stage::Four(1)),
-    (Task::Inverse0, Stage::Four(0)),
-];
-
-impl Use {
-    /// The pair pass for a use.
-    const fn spread(self) -> (Task, Use) {
-        let task = match self {
-            Use::Shifted => Task::SpreadShifted,
-            Use::Profile => Task::SpreadProfile,
-            Use::Infeed => Task::SpreadInfeed,
-            Use::Filtered => Task::SpreadFiltered,
-        };
-        (task, self)
-    }
 }
 
 impl<R: Real, const N: usize> Work<R, N> {
@@ -421,7 +182,7 @@ impl<R: Real, const N: usize> Work<R, N> {
     }
 
     /// The axis cannot follow the correction, revolution after revolution: frozen for good it would never come free.
-    fn gives_way(&self) -> bool {
+    pub(super) fn gives_way(&self) -> bool {
         self.limited_for >= PATIENCE
     }
 
@@ -446,6 +207,41 @@ impl<R: Real, const N: usize> Work<R, N> {
     #[inline(always)]
     pub(super) fn buffer(&mut self) -> &mut [R; N] {
         &mut self.buffers[self.into & 1]
+    }
+
+    /// The task that comes after the one just done, and the use of the spectrum for which it is.
+    fn next(&self, plan: &Plan<R, N>) -> (Task, Use) {
+        let task = match self.task {
+            Task::Linkage if self.drift != R::ZERO => Task::Level,
+            Task::Linkage | Task::Level => Task::Forward0,
+            Task::SpreadProfile => Task::Harmonics,
+            Task::Inverse0 => match self.of {
+                Use::Shifted => return Use::Profile.spread(),
+                Use::Profile if plan.has_arm => Task::Arm,
+                Use::Profile => Task::Orbit,
+                Use::Infeed => Task::Judge,
+                Use::Filtered => Task::Range,
+            },
+            Task::Arm => Task::Orbit,
+            Task::Orbit if self.gathered >= plan.revolutions => Task::Open,
+            Task::Open => Task::Evaluate,
+            Task::Evaluate => Task::Scale,
+            Task::Scale => Task::Express,
+            Task::Express => Task::Close,
+            Task::Orbit | Task::Close if plan.infeed.is_some() => return Use::Infeed.spread(),
+            Task::Judge if !self.result.flags.has(GaugeFlags::INFEED_FROZEN) || self.gives_way() => Task::Commit,
+            Task::Orbit | Task::Close | Task::Judge | Task::Commit if plan.filtered.is_some() => {
+                return Use::Filtered.spread();
+            }
+            Task::Orbit | Task::Close | Task::Judge | Task::Commit => Task::Range,
+            Task::Range | Task::Clear | Task::Idle => Task::Idle,
+            of_transform => match following::<N>(of_transform) {
+                Some(task) => task,
+                None if plan.shifted.is_some() => return Use::Shifted.spread(),
+                None => return Use::Profile.spread(),
+            },
+        };
+        (task, self.of)
     }
 
     /// From one task to the next; true when the result stands.
@@ -475,7 +271,7 @@ impl<R: Real, const N: usize> Work<R, N> {
             }
             _ => {}
         }
-        let (task, of) = plan.next(self);
+        let (task, of) = self.next(plan);
         self.start(task);
         self.of = of;
         self.worst = R::ZERO;
