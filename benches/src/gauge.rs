@@ -9,8 +9,9 @@ pub const POINTS: usize = 1024;
 const COUNTS: i32 = 1 << 22;
 /// Counts in a cycle.
 const STEP: i32 = 431;
-/// Units of the forward transform, of the pairs and of the inverse, and the three between and after them.
-const TRANSFORM_UNITS: usize = 576 + 256 + 576 + 3;
+/// Units of the forward transform, of the pairs, of the harmonics kept and of the inverse, and the twelve between and after
+/// them.
+const TRANSFORM_UNITS: usize = 512 + 256 + 127 + 512 + 12;
 
 /// A gauge and the readings of its next cycle.
 #[derive(Clone)]

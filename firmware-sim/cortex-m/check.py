@@ -15,6 +15,8 @@ from pathlib import Path
 
 GROWTH = 1.005
 SCALAR = {"m4f": "f32", "m7": "f64"}
+# Adversarial cycles that have to be met at least, of 100,000.
+MET = {"active": 50_000, "frozen": 2_000, "stopped": 1_000, "limited": 10_000, "bracketed": 5_000, "undisturbed": 50_000}
 # Lines that are no counts.
 NO_COUNTS = ("digests", "dearest", "replay")
 
@@ -124,6 +126,11 @@ def main():
         if found.get("recording.cycles", 0) < 10_000 or found.get("recording.revolutions", 0) < 1:
             print(f"{target}: found {found.get('recording.cycles')} cycles and {found.get('recording.revolutions')} revolutions, "
                   "needed 10000 and a whole one")
+            failed = True
+        # Nor the adversarial cycles: every state has to be met often.
+        rare = {name: found.get(f"met.{name}", 0) for name in MET if found.get(f"met.{name}", 0) < MET[name]}
+        if rare:
+            print(f"{target}: found {rare} adversarial cycles, needed at least {MET}")
             failed = True
     return int(failed)
 

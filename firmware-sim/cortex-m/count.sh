@@ -34,6 +34,7 @@ case ${1-} in
 --replay) kind=2 ;;
 *) kind= ;;
 esac
+replay=${kind:+-replay}
 if [[ -n $kind ]]; then
     # Where regions.rs looks for it.
     request=(-device "loader,addr=0x003ffff8,data=$kind,data-len=4" -device "loader,addr=0x003ffffc,data=$2,data-len=4")
@@ -48,10 +49,10 @@ count() {
         # QEMU separates options by commas and doubles those in names.
         flash+=(-device "loader,file=${inputs//,/,,}/${file%=*},addr=${file#*=},force-raw=on")
     done
-    timeout 300 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
+    timeout 600 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
         -icount shift=7,align=off,sleep=off -semihosting-config enable=on,target=native "${flash[@]}" "${request[@]}" \
-        -kernel "$target/$name/$mcu/release/count" >"$target/$name.txt" || {
-        tail -3 "$target/$name.txt" >&2
+        -kernel "$target/$name/$mcu/release/count" >"$target/$name$replay.txt" || {
+        tail -3 "$target/$name$replay.txt" >&2
         return 1
     }
 }
@@ -63,6 +64,6 @@ second=$!
 wait "$first"
 wait "$second"
 if [[ -n $kind ]]; then
-    exec cat "$target/m4f.txt" "$target/m7.txt"
+    exec cat "$target/m4f$replay.txt" "$target/m7$replay.txt"
 fi
 exec python3 check.py "$@" counts.toml "m4f=$target/m4f.txt" "m7=$target/m7.txt" "host=$target/host.txt"

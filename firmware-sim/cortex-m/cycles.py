@@ -2,7 +2,7 @@
 """Estimated cycles of executed instructions, by LLVM's models of both cores.
 
 cycles.py CORE WHAT KIND NUMBER ELF TRACE      one cycle for cycles.toml
-cycles.py --stalls CORE ELF TRACE              where the model waits
+cycles.py --where CORE ELF TRACE               where the instructions go, and where the model waits
 
 A trace is a list of addresses, as executed.c writes them. They are disassembled and put through llvm-mca in the order in
 which they ran, branches as the model has them: always predicted, without wait states of any memory.
@@ -124,27 +124,45 @@ def flash_waits(addresses, lengths, per_instruction):
     return waits
 
 
-def stalls(instructions, addresses, processor, elf):
-    """Waiting cycles by the function whose source the waiting instruction is of, inlined ones by themselves, and by line."""
-    issued_late = Counter()
+def waits(instructions, addresses, processor):
+    """Waiting cycles of every address, as the model issues it."""
+    late = Counter()
     for start in range(0, len(instructions), CHUNK):
         part = instructions[start : start + CHUNK]
         region = model(part, processor, "-timeline", "-timeline-max-iterations=1", "-timeline-max-cycles=100000")
         issued = [entry["CycleIssued"] for entry in region["TimelineView"]["TimelineInfo"]]
         for place, (before, now) in enumerate(zip(issued, issued[1:]), start + 1):
-            issued_late[addresses[place]] += max(0, now - before - 1)
-    waiting = [address for address, cycles in issued_late.items() if cycles]
+            late[addresses[place]] += max(0, now - before - 1)
+    return late
+
+
+def sources(addresses, elf):
+    """Function and line of every address; inlined functions by themselves."""
     command = ["llvm-symbolizer", f"--obj={elf}", "--functions=short", "--demangle", "--inlines"]
-    answer = subprocess.run(command, input="".join(f"{a:#x}\n" for a in waiting), capture_output=True, text=True, check=True)
-    by_function, by_line = Counter(), Counter()
-    for address, block in zip(waiting, answer.stdout.split("\n\n")):
+    asked = "".join(f"{address:#x}\n" for address in addresses)
+    answer = subprocess.run(command, input=asked, capture_output=True, text=True, check=True).stdout
+    for address, block in zip(addresses, answer.split("\n\n")):
         lines = block.strip().splitlines()
         frames = list(zip(lines[::2], lines[1::2])) or [("?", "?")]
         # Ours, not the operator of the language that it uses.
         function, place = next((frame for frame in frames if "/crates/" in frame[1]), frames[0])
-        by_function[function] += issued_late[address]
-        by_line["/".join(place.rsplit(":", 1)[0].split("/")[-3:])] += issued_late[address]
-    return by_function, by_line
+        yield address, function, "/".join(place.rsplit(":", 1)[0].split("/")[-3:])
+
+
+def show_where(core, elf, trace):
+    """Where the instructions go, and where the model waits."""
+    instructions, addresses = executed(trace, disassembled(elf, PROCESSOR[core]))
+    times, late = Counter(addresses), waits(instructions, addresses, PROCESSOR[core])
+    functions, lines = (Counter(), Counter()), (Counter(), Counter())
+    for address, function, line in sources(list(times), elf):
+        for name, (ran, waited) in ((function, functions), (line, lines)):
+            ran[name] += times[address]
+            waited[name] += late[address]
+    print(f"{len(instructions)} instructions, {sum(late.values())} cycles of waiting")
+    for ran, waited in (functions, lines):
+        print("executed  waiting")
+        for name, _ in (ran + waited).most_common(25):
+            print(f"{ran[name]:8} {waited[name]:8}  {name}")
 
 
 def lengths_of(listing):
@@ -169,14 +187,8 @@ def estimate(core, elf, trace):
 
 
 def main():
-    if sys.argv[1] == "--stalls":
-        core, elf, trace = sys.argv[2:]
-        instructions, addresses = executed(trace, disassembled(elf, PROCESSOR[core]))
-        for counted in stalls(instructions, addresses, PROCESSOR[core], elf):
-            print(f"of {len(instructions)} instructions {sum(counted.values())} cycles of waiting:")
-            for name, cycles in counted.most_common(25):
-                print(f"{cycles:6} {name}")
-        return
+    if sys.argv[1] == "--where":
+        return show_where(*sys.argv[2:])
     core, what, kind, number, elf, trace = sys.argv[1:]
     print(f'[[cycle]]\ntarget = "{core}"\nwhat = "{what}"\nkind = "{kind}"\nnumber = {number}')
     for name, value in estimate(core, elf, trace).items():

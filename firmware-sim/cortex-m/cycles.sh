@@ -4,7 +4,7 @@
 # of docs/bare-metal.md follow (schedule.py). By hand, after count.sh, whose images, recording and worst cycles it takes:
 #
 #   cycles.sh             all of them
-#   cycles.sh --stalls    also prints where the models wait, by function and by line
+#   cycles.sh --where     also prints where the instructions go and where the models wait, by function and by line
 #
 # Installs QEMU and LLVM where root may; needs a C compiler.
 set -euo pipefail
@@ -57,9 +57,9 @@ for core in m4f m7; do
         [[ $kind == 1 ]] || name=adversarial
         trace "$core" "$kind" "$number" "$work/$core-$name-$number"
         python3 cycles.py "$core" "$what" "$name" "$number" "$(elf "$core")" "$work/$core-$name-$number" >>"$work/cycles.toml"
-        if [[ ${1-} == --stalls ]]; then
+        if [[ ${1-} == --where ]]; then
             echo "--- $core, $what"
-            python3 cycles.py --stalls "$core" "$(elf "$core")" "$work/$core-$name-$number"
+            python3 cycles.py --where "$core" "$(elf "$core")" "$work/$core-$name-$number"
         fi
     done <<CYCLES
 1 $(at recording typical_at) typical cycle of the recording

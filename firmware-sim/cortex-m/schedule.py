@@ -97,10 +97,12 @@ LIMITED = [
 
 
 def verdict(budget):
-    count, limit, goal = (budget.get(key) for key in ("count", "limit", "goal"))
-    if limit is None or count > limit:
-        return "–" if limit is None else f"{limit} **not met**"
-    return f"{limit} met" + ("" if goal is None else f", goal {goal} " + ("met" if count <= goal else "not met"))
+    """Limit and goal, and whether the count meets them."""
+    met = lambda name, bound, no: f"{name}{bound} " + ("met" if budget["count"] <= bound else no)
+    limit, goal = budget.get("limit"), budget.get("goal")
+    parts = [] if limit is None else [met("", limit, "**not met**")]
+    parts += [] if goal is None else [met("goal ", goal, "not met")]
+    return ", ".join(parts) or "–"
 
 
 def limits(budgets):

@@ -1,4 +1,4 @@
-//! Whole revolutions at once: profile and motion of the centre from recorded probe readings, with `rustfft`.
+//! Whole revolutions at once: profile and motion of the centre from recorded probe readings, by transforms of real series (`realfft`).
 //!
 //! ```text
 //! s = h1 + k2 h2 + k3 h3        r = F⁻¹{ F{s} / G }, harmonics of the band that are not suppressed
@@ -11,8 +11,8 @@
 //!
 //! Source: Tian Yingzhong and Li Ming, CN1927535; R_Y corrected: the published form does not solve h1 and h2.
 
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::sync::Arc;
 use std::vec::Vec;
 use trueaxis::error::{ConfigError, Field};
@@ -20,8 +20,6 @@ use trueaxis::roundness::{Band, Gain, arm_angle, filter};
 
 /// Noise gain above which a harmonic is suppressed unless another limit is asked for.
 pub const NOISE_GAIN_LIMIT: f64 = 100.0;
-
-const I: Complex<f64> = Complex::new(0.0, 1.0);
 
 /// Why no separation is possible.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,12 +83,24 @@ pub struct Harmonic {
 pub struct Separator {
     gain: Gain,
     band: Band,
-    /// By harmonic from 0 to the band's last: 1/G, or nothing.
-    inverse: Vec<Option<Complex<f64>>>,
+    /// By harmonic from 0 to the band's last: what makes the profile and the profile at θ + φ2 of an unscaled spectrum,
+    /// 1/(N G) and e^{jkφ2}/(N G); nothing where suppressed.
+    multipliers: Vec<Option<[Complex<f64>; 2]>>,
+    /// φ2 in whole points: then r(θ + φ2) is r, turned.
+    whole_points: Option<usize>,
     /// `[cos β, sin β]` at every θ.
     arm: Vec<[f64; 2]>,
-    forward: Arc<dyn Fft<f64>>,
-    backward: Arc<dyn Fft<f64>>,
+    forward: Arc<dyn RealToComplex<f64>>,
+    backward: Arc<dyn ComplexToReal<f64>>,
+}
+
+/// Memory of a separation, for one revolution after the other.
+pub struct Workspace {
+    real: Vec<f64>,
+    ahead: Vec<f64>,
+    spectrum: Vec<Complex<f64>>,
+    amplitudes: Vec<Complex<f64>>,
+    scratch: Vec<Complex<f64>>,
 }
 
 impl Separator {
@@ -113,11 +123,13 @@ impl Separator {
         if !singular.is_empty() {
             return Err(NoSeparation::Blind(singular));
         }
-        let inverse = (0..=band.last)
+        let scale = 1.0 / points as f64;
+        let multipliers = (0..=band.last)
             .map(|k| {
                 let kept = band.contains(k) && gain.noise_gain(usize::from(k)) <= noise_gain_limit;
-                let [re, im] = gain.of(usize::from(k));
-                kept.then(|| Complex::new(re, im).inv())
+                let ([re, im], [cos, sin]) = (gain.of(usize::from(k)), gain.phase2(usize::from(k)));
+                let here = Complex::new(re, im).inv() * scale;
+                kept.then(|| [here, here * Complex::new(cos, sin)])
             })
             .collect();
         let arm = (0..points)
@@ -126,9 +138,22 @@ impl Separator {
                 arm_angle(arm_ratio, [libm::cos(theta), libm::sin(theta)])
             })
             .collect();
-        let mut planner = FftPlanner::new();
+        let mut planner = RealFftPlanner::new();
         let (forward, backward) = (planner.plan_fft_forward(points), planner.plan_fft_inverse(points));
-        Ok(Separator { gain, band, inverse, arm, forward, backward })
+        let whole_points = gain.slots().map(|[p, _]| p);
+        Ok(Separator { gain, band, multipliers, whole_points, arm, forward, backward })
+    }
+
+    /// Memory for [`Separator::separate_in`].
+    pub fn workspace(&self) -> Workspace {
+        let scratch = self.forward.get_scratch_len().max(self.backward.get_scratch_len());
+        Workspace {
+            real: std::vec![0.0; self.gain.points()],
+            ahead: std::vec![0.0; self.gain.points()],
+            spectrum: self.forward.make_output_vec(),
+            amplitudes: self.backward.make_input_vec(),
+            scratch: std::vec![Complex::default(); scratch],
+        }
     }
 
     /// The arrangement of probes.
@@ -138,49 +163,75 @@ impl Separator {
 
     /// Harmonics that the noise gain limit suppresses, ascending.
     pub fn suppressed(&self) -> impl Iterator<Item = u16> + '_ {
-        self.band.iter().filter(|k| self.inverse(*k).is_none())
+        self.band.iter().filter(|k| !self.keeps(*k))
     }
 
-    fn inverse(&self, harmonic: u16) -> Option<Complex<f64>> {
-        self.inverse.get(usize::from(harmonic)).copied().flatten()
+    fn keeps(&self, harmonic: u16) -> bool {
+        self.multipliers.get(usize::from(harmonic)).is_some_and(Option::is_some)
     }
 
-    /// Takes apart one revolution of N readings of the three probes, equidistant in θ from 0. Two transforms; noise free
-    /// and with a profile inside the band, exact to the rounding of the readings times the noise gain.
+    /// Takes apart one revolution of N readings of the three probes, equidistant in θ from 0. Two or three transforms of
+    /// real series; noise free and with a profile inside the band, exact to the rounding of the readings times the noise
+    /// gain.
     ///
     /// # Errors
     /// Not N readings of every probe.
     pub fn separate(&self, probes: [&[f64]; 3]) -> Result<Separation, ConfigError> {
+        self.separate_in(&mut self.workspace(), probes)
+    }
+
+    /// The same in memory that is used again, for many revolutions.
+    ///
+    /// # Errors
+    /// Not N readings of every probe.
+    pub fn separate_in(&self, workspace: &mut Workspace, probes: [&[f64]; 3]) -> Result<Separation, ConfigError> {
         for (index, probe) in probes.into_iter().enumerate() {
             self.check(probe).map_err(|error| error.at(index))?;
         }
         let [h1, h2, h3] = probes;
         let (k2, k3) = (self.gain.k2(), self.gain.k3());
-        let sum = h1.iter().zip(h2).zip(h3).map(|((h1, h2), h3)| h1 + k2 * h2 + k3 * h3);
-        let spectrum = self.spectrum(sum);
-        // The profile as real part and the profile seen by probe 2 as imaginary part, in one transform.
-        let both = self.synthesis(|k| {
-            let here = self.inverse(k)? * spectrum.get(usize::from(k))?;
-            let [cos, sin] = self.gain.phase2(usize::from(k));
-            Some([here, here * Complex::new(cos, sin)])
-        });
+        for (sum, ((h1, h2), h3)) in workspace.real.iter_mut().zip(h1.iter().zip(h2).zip(h3)) {
+            *sum = h1 + k2 * h2 + k3 * h3;
+        }
+        self.transform(workspace);
+        let mut profile = std::vec![0.0; self.gain.points()];
+        self.synthesis(workspace, &mut profile, |[here, _]| here);
+        match self.whole_points {
+            Some(points) => {
+                let (before, from) = profile.split_at(points.min(profile.len()));
+                let (ahead, behind) = workspace.ahead.split_at_mut(from.len());
+                ahead.copy_from_slice(from);
+                behind.copy_from_slice(before);
+            }
+            None => {
+                let mut ahead = core::mem::take(&mut workspace.ahead);
+                self.synthesis(workspace, &mut ahead, |[_, ahead]| ahead);
+                workspace.ahead = ahead;
+            }
+        }
         // The mean radius, against the probes' zeros: with an arm it would look like motion. G(0) is real.
         let [mean_gain, _] = self.gain.of(0);
         let sees_mean = libm::fabs(mean_gain) > 1e-6 * self.gain.norm();
-        let radius = spectrum.first().filter(|_| sees_mean).map_or(0.0, |mean| mean.re / mean_gain);
-        let (cos2, sin2) = (libm::cos(self.gain.phi2()), libm::sin(self.gain.phi2()));
-        let points = self.gain.points();
-        let mut parts =
-            Separation { profile: Vec::with_capacity(points), x: Vec::with_capacity(points), y: Vec::new() };
-        for (((h1, h2), profile), [cos, sin]) in h1.iter().zip(h2).zip(&both).zip(&self.arm) {
-            let (one, two) = (h1 - profile.re - radius, h2 - profile.im - radius);
-            // cos and sin of φ2 + β.
-            let (cos_two, sin_two) = (cos2 * cos - sin2 * sin, sin2 * cos + cos2 * sin);
-            parts.profile.push(profile.re);
-            parts.x.push((cos * two - cos_two * one) / sin2);
-            parts.y.push((sin_two * one - sin * two) / sin2);
+        let mean = workspace.spectrum.first().map_or(0.0, |sum| sum.re / self.gain.points() as f64);
+        let radius = if sees_mean { mean / mean_gain } else { 0.0 };
+        let [x, y] = self.motion([h1, h2], [&profile, &workspace.ahead], radius);
+        Ok(Separation { profile, x, y })
+    }
+
+    /// R_X and R_Y: with t = (h2 − r(θ + φ2) − cos φ2 (h1 − r(θ)))/sin φ2 they are t cos β + (h1 − r) sin β and
+    /// (h1 − r) cos β − t sin β.
+    fn motion(&self, [h1, h2]: [&[f64]; 2], [profile, ahead]: [&[f64]; 2], radius: f64) -> [Vec<f64>; 2] {
+        let (per_sin, cot) = (1.0 / libm::sin(self.gain.phi2()), 1.0 / libm::tan(self.gain.phi2()));
+        let mut motion = [(); 2].map(|()| std::vec![0.0; profile.len()]);
+        let [x, y] = &mut motion;
+        let readings = h1.iter().zip(h2).zip(profile.iter().zip(ahead));
+        for ((x, y), (((h1, h2), (here, ahead)), [cos, sin])) in x.iter_mut().zip(y).zip(readings.zip(&self.arm)) {
+            let (one, two) = (h1 - here - radius, h2 - ahead - radius);
+            let across = two * per_sin - one * cot;
+            *x = cos * across + sin * one;
+            *y = cos * one - sin * across;
         }
-        Ok(parts)
+        motion
     }
 
     /// The harmonics of a profile over the band, suppressed ones marked.
@@ -188,13 +239,13 @@ impl Separator {
     /// # Errors
     /// Not N points.
     pub fn harmonics(&self, profile: &[f64]) -> Result<Vec<Harmonic>, ConfigError> {
-        self.check(profile)?;
-        let spectrum = self.spectrum(profile.iter().copied());
+        let workspace = self.spectrum(profile)?;
+        let scale = 2.0 / self.gain.points() as f64;
         let harmonics = self.band.iter().map(|k| {
-            let suppressed = self.inverse(k).is_none();
-            let value = spectrum.get(usize::from(k)).filter(|_| !suppressed).copied().unwrap_or_default();
+            let suppressed = !self.keeps(k);
+            let value = workspace.spectrum.get(usize::from(k)).filter(|_| !suppressed).copied().unwrap_or_default();
             let noise_gain = self.gain.noise_gain(usize::from(k));
-            Harmonic { k, amplitude: 2.0 * value.norm(), phase: value.arg(), noise_gain, suppressed }
+            Harmonic { k, amplitude: scale * value.norm(), phase: value.arg(), noise_gain, suppressed }
         });
         Ok(harmonics.collect())
     }
@@ -205,14 +256,18 @@ impl Separator {
     /// # Errors
     /// Not N points, a cut-off that is not in [`filter::CUT_OFFS`].
     pub fn filtered(&self, profile: &[f64], cut_off: u16) -> Result<Vec<f64>, ConfigError> {
-        self.check(profile)?;
+        let mut workspace = self.spectrum(profile)?;
         filter::check(cut_off)?;
-        let spectrum = self.spectrum(profile.iter().copied());
-        let filtered = self.synthesis(|k| {
-            let here = spectrum.get(usize::from(k))? * filter::transmission(usize::from(k), cut_off);
-            Some([here, Complex::default()])
-        });
-        Ok(filtered.iter().map(|value| value.re).collect())
+        let scale = 1.0 / self.gain.points() as f64;
+        workspace.amplitudes.fill(Complex::default());
+        for k in self.band.iter().map(usize::from) {
+            if let (Some(to), Some(from)) = (workspace.amplitudes.get_mut(k), workspace.spectrum.get(k)) {
+                *to = from * (scale * filter::transmission(k, cut_off));
+            }
+        }
+        let mut filtered = std::vec![0.0; self.gain.points()];
+        self.series(&mut workspace, &mut filtered);
+        Ok(filtered)
     }
 
     fn check(&self, values: &[f64]) -> Result<(), ConfigError> {
@@ -222,29 +277,43 @@ impl Separator {
         Err(ConfigError::new(Field::Points, values.len() as f64, "one revolution, N values"))
     }
 
-    /// Complex amplitudes c(k) of e^{jkθ}.
-    fn spectrum(&self, values: impl Iterator<Item = f64>) -> Vec<Complex<f64>> {
-        let scale = 1.0 / self.gain.points() as f64;
-        let mut buffer: Vec<Complex<f64>> = values.map(|value| Complex::new(value * scale, 0.0)).collect();
-        self.forward.process(&mut buffer);
-        buffer
+    /// A workspace with the spectrum of one revolution, unscaled: N times the amplitudes of e^{jkθ}.
+    fn spectrum(&self, values: &[f64]) -> Result<Workspace, ConfigError> {
+        self.check(values)?;
+        let mut workspace = self.workspace();
+        workspace.real.copy_from_slice(values);
+        self.transform(&mut workspace);
+        Ok(workspace)
     }
 
-    /// Two real series from their amplitudes over the band, the second as imaginary part.
-    fn synthesis(&self, amplitudes: impl Fn(u16) -> Option<[Complex<f64>; 2]>) -> Vec<Complex<f64>> {
-        let points = self.gain.points();
-        let mut buffer = std::vec![Complex::default(); points];
-        for k in self.band.iter() {
-            let [first, second] = amplitudes(k).unwrap_or_default();
-            if let Some(slot) = buffer.get_mut(usize::from(k)) {
-                *slot = first + I * second;
-            }
-            if let Some(slot) = buffer.get_mut(points - usize::from(k)) {
-                *slot = first.conj() + I * second.conj();
-            }
+    /// The spectrum of the workspace's real series, which is lost.
+    fn transform(&self, workspace: &mut Workspace) {
+        let Workspace { real, spectrum, scratch, .. } = workspace;
+        let done = self.forward.process_with_scratch(real, spectrum, scratch);
+        debug_assert!(done.is_ok(), "every length is the planner's");
+    }
+
+    /// A real series from the spectrum and one of the multipliers.
+    fn synthesis(
+        &self,
+        workspace: &mut Workspace,
+        series: &mut [f64],
+        which: impl Fn([Complex<f64>; 2]) -> Complex<f64>,
+    ) {
+        workspace.amplitudes.fill(Complex::default());
+        let spectrum = workspace.amplitudes.iter_mut().zip(&workspace.spectrum);
+        for ((amplitude, value), multipliers) in spectrum.zip(&self.multipliers) {
+            *amplitude = multipliers.map_or(Complex::default(), |multipliers| value * which(multipliers));
         }
-        self.backward.process(&mut buffer);
-        buffer
+        self.series(workspace, series);
+    }
+
+    /// A real series from the workspace's amplitudes, which are lost.
+    fn series(&self, workspace: &mut Workspace, series: &mut [f64]) {
+        let Workspace { amplitudes, scratch, .. } = workspace;
+        // Mean and Nyquist frequency are zero, outside every band.
+        let done = self.backward.process_with_scratch(amplitudes, series, scratch);
+        debug_assert!(done.is_ok(), "every length is the planner's");
     }
 }
 

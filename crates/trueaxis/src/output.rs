@@ -8,7 +8,6 @@ use crate::machine::{AxisOrder, Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
-use crate::step::Output;
 
 /// Limiters and joint ranges: immutable.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +57,13 @@ impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
     }
 }
 
+/// Where a cycle's output goes.
+pub(crate) struct Outlets<'o, R, P, const N: usize> {
+    pub(crate) drive: &'o mut [P; N],
+    pub(crate) feedback: &'o mut [P; N],
+    pub(crate) correction: &'o mut [R; N],
+}
+
 /// Flags of a cycle's output.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Applied {
@@ -99,17 +105,17 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         state: &mut OutputState<R, P, N>,
         sample: &Sample<P, N>,
         wanted: &[R; N],
-        output: &mut Output<R, P, N>,
+        output: Outlets<'_, R, P, N>,
     ) -> Applied {
         // The reading of this cycle answers the correction sent before it.
         for ((to, reading), offset) in output.feedback.iter_mut().zip(&sample.feedback).zip(&state.offsets) {
             *to = reading.moved_back(*offset);
         }
         let Some(next) = self.unlimited(state, sample, wanted) else {
-            return self.apply_limited(state, sample, wanted, output);
+            return self.apply_limited(state, sample, wanted, output.drive, output.correction);
         };
         *state = next;
-        (output.drive, output.record.correction) = (next.drive, *wanted);
+        (*output.drive, *output.correction) = (next.drive, *wanted);
         Applied { limited: 0, outside: None }
     }
 
@@ -146,7 +152,8 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         state: &mut OutputState<R, P, N>,
         sample: &Sample<P, N>,
         wanted: &[R; N],
-        output: &mut Output<R, P, N>,
+        to_drive: &mut [P; N],
+        correction: &mut [R; N],
     ) -> Applied {
         let before = state.limited;
         let mut flags = 0u8;
@@ -162,16 +169,16 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         let mut outside = None;
         if sample.first || !sample.verdict.holds() {
             let mut offsets = state.offsets;
-            output.drive = sample.command;
-            for ((drive, offset), limited) in output.drive.iter_mut().zip(&mut offsets).zip(&state.limited) {
+            let mut drive = sample.command;
+            for ((drive, offset), limited) in drive.iter_mut().zip(&mut offsets).zip(&state.limited) {
                 *offset = P::offset(limited.sent());
                 *drive = drive.moved(*offset);
             }
             if !sample.first && sample.verdict != Verdict::Inactive {
-                outside = self.outside(&output.drive);
+                outside = self.outside(&drive);
             }
             match outside {
-                None => (state.drive, state.offsets) = (output.drive, offsets),
+                None => (state.drive, state.offsets) = (drive, offsets),
                 // Nothing of this cycle is sent: drives and corrections stay what they were before it.
                 Some(_) => {
                     state.limited = before.map(|limited| LimiterState::at_rest(limited.sent()));
@@ -180,8 +187,8 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
             }
         }
         state.locked = state.limited.iter().all(LimiterState::is_locked);
-        output.drive = state.drive;
-        output.record.correction = state.limited.map(|limited| limited.sent());
+        *to_drive = state.drive;
+        *correction = state.limited.map(|limited| limited.sent());
         Applied { limited: flags, outside }
     }
 

@@ -121,7 +121,7 @@ macro_rules! real {
             }
             #[inline(always)]
             fn to_index(self) -> usize {
-                self.to_bits() as usize
+                usize::from(self.to_bits() as u16)
             }
             #[inline(always)]
             fn sqrt(self) -> $t {

@@ -4,4 +4,5 @@
 
 pub mod device;
 pub mod regions;
+pub mod settings;
 pub mod timer;

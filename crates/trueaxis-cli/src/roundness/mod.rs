@@ -86,16 +86,22 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     let (probes, resampling) = read(arguments, points, band)?;
     let separations = separate(&separator, &probes)?;
-    let mut evaluation = Evaluation::new(&separator, &separations, arguments.upr)?;
-    evaluation.document.resampling = resampling;
-    evaluation.document.warnings = warnings(arguments, &separator, points, band);
-    for warning in &evaluation.document.warnings {
+    let warnings = warnings(arguments, &separator, points, band);
+    for warning in &warnings {
         tell(format_args!("warning: {warning}"));
     }
+    // Circles, harmonics and motion are nowhere but in the document and on the page.
+    let evaluation = if arguments.json || arguments.report.is_some() {
+        let mut evaluation = Evaluation::new(&separator, &separations, arguments.upr)?;
+        (evaluation.document.resampling, evaluation.document.warnings) = (resampling, warnings);
+        Some(evaluation)
+    } else {
+        None
+    };
     let mut outputs = Outputs::of([&arguments.readings]);
-    if let Some(directory) = &arguments.report {
+    if let (Some(directory), Some(evaluation)) = (&arguments.report, &evaluation) {
         let source = arguments.readings.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::roundness::page(&source, &evaluation, separator.gain(), arguments.noise_gain_limit);
+        let page = report::roundness::page(&source, evaluation, separator.gain(), arguments.noise_gain_limit);
         report::write(&mut outputs, &page, directory, "roundness.html")?;
     }
     if arguments.output.is_some() || !arguments.json {
@@ -103,7 +109,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         write(&separations, points, writer)?;
     }
     outputs.commit()?;
-    if arguments.json { json(&evaluation.document) } else { Ok(()) }
+    match &evaluation {
+        Some(evaluation) if arguments.json => json(&evaluation.document),
+        _ => Ok(()),
+    }
 }
 
 fn separator(arguments: &Arguments, band: Band) -> Result<Separator> {
@@ -180,10 +189,13 @@ fn separate(separator: &Separator, [h1, h2, h3]: &[Vec<f64>; 3]) -> Result<Vec<S
         .par_chunks(points)
         .zip(h2.par_chunks(points))
         .zip(h3.par_chunks(points))
-        .map(|((h1, h2), h3)| {
-            bar.inc(1);
-            Ok(separator.separate([h1, h2, h3])?)
-        })
+        .map_init(
+            || separator.workspace(),
+            |workspace, ((h1, h2), h3)| {
+                bar.inc(1);
+                Ok(separator.separate_in(workspace, [h1, h2, h3])?)
+            },
+        )
         .collect();
     bar.finish_and_clear();
     separations

@@ -3,6 +3,7 @@
 //! Two models, chosen by the machine's settings: [`NineTerms`], axis-wise and without levers, and [`Volumetric`], the
 //! twist of every axis carried to the tool tip by its lever.
 
+mod cells;
 mod nine;
 mod query;
 mod reversal;
@@ -11,6 +12,7 @@ mod thermal;
 pub mod trig;
 pub(crate) mod volumetric;
 
+pub(crate) use cells::{Cells, Source, Tables};
 pub use nine::NineTerms;
 pub use query::Query;
 pub use reversal::{Direction, Reversal};
@@ -172,9 +174,15 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// [`Volumetric::correction`]. What is looked up at the feedback needs no inverse and stays as it is read.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {
+        self.correction_in(query, self.passes, clamped)
+    }
+
+    /// The same in another number of passes.
+    #[inline(always)]
+    pub(crate) fn correction_in(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         match &self.model {
-            Model::Nine(nine) => nine.correction(query, self.passes, clamped),
-            Model::Volumetric(volumetric) => volumetric.correction(query, self.passes, clamped),
+            Model::Nine(nine) => nine.correction(query, passes, clamped),
+            Model::Volumetric(volumetric) => volumetric.correction(query, passes, clamped),
         }
     }
 }

@@ -42,17 +42,17 @@ struct Parent<R> {
 /// `N` axes: X, Y, Z first (an absent linear axis is a zero table), then the rotary axes of the chain.
 #[derive(Clone, Copy, Debug)]
 pub struct NineTerms<'a, R, P, const N: usize> {
-    tables: [AxisTable<'a, R, P>; N],
+    pub(super) tables: [AxisTable<'a, R, P>; N],
     /// Position of each table's origin from machine zero.
-    origins: [R; N],
+    pub(super) origins: [R; N],
     /// Look-up at the feedback: the axis' own error, its cross terms.
     at_feedback: [(bool, bool); N],
     parents: [[Option<Parent<R>>; 2]; N],
     own: [usize; N],
     /// C0Y, B0Z, A0Z.
-    squareness: [R; 3],
+    pub(super) squareness: [R; 3],
     constant: [[R; 3]; N],
-    datum: [R; N],
+    pub(super) datum: [R; N],
     kind: Kind,
 }
 
@@ -67,6 +67,25 @@ enum Kind {
     Cubic,
     /// Mixed, with rotary axes, or looked up at the feedback.
     Any,
+}
+
+/// Loops of [`NineTerms::sum_of`].
+const PLAIN: u8 = 0;
+const LINEAR: u8 = 1;
+const CUBIC: u8 = 2;
+
+/// By a constant and always inlined: a function handed over is called through a shim, with its result in memory.
+#[inline(always)]
+fn look_up<const KIND: u8, R: Real, P: Position>(
+    table: &AxisTable<'_, R, P>,
+    at: R,
+    reverse: Direction,
+) -> (Contribution<R>, bool) {
+    match KIND {
+        PLAIN => table.at_plain(at, reverse),
+        LINEAR => table.at_linear(at, reverse),
+        _ => table.at_cubic(at, reverse),
+    }
 }
 
 /// The rotary axes between the bed and an axis, from the bed outwards; at most two count.
@@ -172,6 +191,18 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         Ok(built)
     }
 
+    /// Three axes looked up at the command, which cells serve; and whether their tables are cubic.
+    pub(crate) fn cells(&self) -> Option<bool> {
+        (self.kind != Kind::Any).then_some(self.kind == Kind::Cubic)
+    }
+
+    /// Calls `take` with every number that tells these tables from others, where cells serve them.
+    pub(crate) fn numbers(&self, mut take: impl FnMut(f64)) {
+        self.tables.iter().for_each(|table| table.numbers(&mut take));
+        let scalars = self.squareness.iter().chain(&self.datum).chain(&self.origins);
+        scalars.for_each(|number| take(number.to_f64()));
+    }
+
     /// The positions as the tables count them.
     #[inline(always)]
     pub fn coordinates(&self, positions: &[P; N]) -> [R; N] {
@@ -187,43 +218,34 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
     /// `clamped` gets a bit for every axis whose edge value is clamped.
     #[inline(always)]
     pub fn plain_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
-        self.sum_of(at, reverse, clamped, AxisTable::at_plain)
+        self.sum_of::<PLAIN>(at, reverse, clamped)
     }
 
     /// Error of the nine terms alone, linear tables on any grid; apart from [`NineTerms::plain_terms`], so that
     /// equidistant tables do not carry the search.
     #[inline(never)]
     pub fn linear_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
-        self.sum_of(at, reverse, clamped, AxisTable::at_linear)
+        self.sum_of::<LINEAR>(at, reverse, clamped)
     }
 
     /// Error of the nine terms alone, cubic tables on any grid.
     #[inline(never)]
     fn cubic_terms(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
-        self.sum_of(at, reverse, clamped, AxisTable::at_cubic)
+        self.sum_of::<CUBIC>(at, reverse, clamped)
     }
 
     /// Translations of all tables, for one choice of look-up position.
     #[inline(always)]
-    fn sum_of(
-        &self,
-        at: &[R; N],
-        reverse: &[Direction; N],
-        clamped: &mut u8,
-        look_up: impl Fn(&AxisTable<'a, R, P>, R, Direction) -> (Contribution<R>, bool),
-    ) -> Errors<R, N> {
+    fn sum_of<const KIND: u8>(&self, at: &[R; N], reverse: &[Direction; N], clamped: &mut u8) -> Errors<R, N> {
         let mut sum = [R::ZERO; 3];
-        let mut bit = 1;
-        for ((table, at), reverse) in self.tables.iter().zip(at).zip(reverse) {
-            let ([x, y, z, _], edge) = look_up(table, *at, *reverse);
-            let [sx, sy, sz] = &mut sum;
-            *sx += x;
-            *sy += y;
-            *sz += z;
-            if edge {
-                *clamped |= bit;
-            }
-            bit <<= 1;
+        if let ([of_x, of_y, of_z, ..], [x, y, z, ..], [reverse_x, reverse_y, reverse_z, ..]) =
+            (&self.tables[..], &at[..], &reverse[..])
+        {
+            let ([xx, yx, zx, _], edge_x) = look_up::<KIND, R, P>(of_x, *x, *reverse_x);
+            let ([xy, yy, zy, _], edge_y) = look_up::<KIND, R, P>(of_y, *y, *reverse_y);
+            let ([xz, yz, zz, _], edge_z) = look_up::<KIND, R, P>(of_z, *z, *reverse_z);
+            sum = [xx + xy + xz, yx + yy + yz, zx + zy + zz];
+            *clamped |= u8::from(edge_x) | u8::from(edge_y) << 1 | u8::from(edge_z) << 2;
         }
         let mut errors = [R::ZERO; N];
         for (error, sum) in errors.iter_mut().zip(sum) {

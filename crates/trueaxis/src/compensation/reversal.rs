@@ -70,6 +70,21 @@ impl<P: Position> Reversal<P> {
         self.direction
     }
 
+    /// [`Reversal::update`] of a drive that goes on, or has come back by no more than `within`, the band in steps rounded
+    /// down: the direction stays. `false`, and nothing is done, where only the update itself can tell.
+    #[inline(always)]
+    pub(crate) fn goes_on(&mut self, drive: P, within: P::Reach) -> bool {
+        let onward = if self.direction == Direction::POSITIVE {
+            drive >= self.turning_point
+        } else {
+            drive <= self.turning_point
+        };
+        if onward {
+            self.turning_point = drive;
+        }
+        onward || drive.apart(self.turning_point) <= within
+    }
+
     /// The direction as it stands.
     #[inline(always)]
     pub fn direction(&self) -> Direction {

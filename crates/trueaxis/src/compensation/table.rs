@@ -29,6 +29,45 @@ fn take<'a, R>(memory: &mut &'a mut [R], count: usize) -> Result<&'a mut [R], Co
     Ok(taken)
 }
 
+/// Farthest that an interval is taken to go on beyond its ends, mm.
+const OVERLAP_MM: f64 = 0.02;
+
+/// Polynomials between two points of a table.
+pub(super) struct Piece<'a, R, const W: usize> {
+    /// Parameter at the coordinate asked for, zero at the start.
+    pub(super) t: R,
+    /// The parameter at the end.
+    pub(super) length: R,
+    /// Change of the parameter per mm.
+    pub(super) rate: R,
+    /// mm per change of the parameter.
+    pub(super) unit: R,
+    /// Coefficients of a linear table.
+    pub(super) linear: Option<&'a [Contribution<R, W>; 2]>,
+    /// Those of a cubic one.
+    pub(super) cubic: Option<&'a [Contribution<R, W>; 4]>,
+    /// It is the table's first, its last.
+    pub(super) ends: [bool; 2],
+}
+
+impl<R: Real> Piece<'_, R, 4> {
+    /// Translations at a parameter.
+    #[inline(always)]
+    pub(super) fn at(&self, t: R) -> [R; 3] {
+        match (self.linear, self.cubic) {
+            (Some([value, slope]), _) => xyz(&along(value, t, slope)),
+            (_, Some([value, c1, c2, c3])) => xyz(&along(value, t, &along(c1, t, &along(c2, t, c3)))),
+            _ => [R::ZERO; 3],
+        }
+    }
+}
+
+/// The translations of a line.
+#[inline(always)]
+pub(super) fn xyz<R: Real>([x, y, z, _]: &Contribution<R, 4>) -> [R; 3] {
+    [*x, *y, *z]
+}
+
 /// The errors of one axis as a function of its position, in the form for the step.
 ///
 /// Equidistant grids cost one multiplication to find the interval, free grids a guide table and a search of fixed
@@ -37,6 +76,7 @@ fn take<'a, R>(memory: &mut &'a mut [R], count: usize) -> Result<&'a mut [R], Co
 #[derive(Clone, Copy, Debug)]
 pub struct AxisTable<'a, R, P, const W: usize = 4> {
     origin: P,
+    end: P,
     span: R,
     scale: R,
     last: R,
@@ -123,6 +163,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     pub fn zero() -> Self {
         AxisTable {
             origin: P::of(0.0),
+            end: P::of(0.0),
             span: R::MAX,
             scale: R::ZERO,
             last: R::ZERO,
@@ -201,6 +242,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         };
         Ok(AxisTable {
             origin,
+            end: P::of(end.position),
             span: R::of(length),
             scale,
             last: R::of(last),
@@ -223,6 +265,96 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     /// The table's first point.
     pub fn origin(&self) -> P {
         self.origin
+    }
+
+    /// Its first and its last point.
+    pub(super) fn ends(&self) -> [P; 2] {
+        [self.origin, self.end]
+    }
+
+    /// Zero everywhere.
+    pub(super) fn is_empty(&self) -> bool {
+        self.linear.is_empty() && self.cubic.is_empty()
+    }
+
+    /// Intervals between its points.
+    fn intervals(&self) -> usize {
+        let points =
+            if self.reverse_offset > 0 { self.reverse_offset } else { self.linear.len().max(self.cubic.len()) };
+        points.saturating_sub(1)
+    }
+
+    /// The interval between two points about a coordinate; the first or last one, at its end, for what is beyond them.
+    #[inline]
+    pub(super) fn piece(&self, coordinate: R, direction: Direction) -> Piece<'a, R, W> {
+        let last = self.intervals().saturating_sub(1);
+        let (index, t, length, rate, unit);
+        if self.knots.is_empty() {
+            let place = (coordinate * self.scale).limit(R::ZERO, self.last);
+            index = (place.to_i32() as usize).min(last);
+            (t, length) = (place - R::of_i32(index as i32), R::ONE);
+            (rate, unit) = (self.scale, R::ONE / self.scale);
+        } else {
+            let clamped = coordinate.limit(R::ZERO, self.span);
+            index = self.search(clamped).0.min(last);
+            let knot = |index: usize| self.knots.get(index).copied().unwrap_or(self.span);
+            (t, length) = (clamped - knot(index), knot(index.wrapping_add(1)) - knot(index));
+            (rate, unit) = (R::ONE, R::ONE);
+        }
+        let line = index.wrapping_add(self.reverse_offset & direction.mask());
+        let (linear, cubic) = (self.linear.get(line), self.cubic.get(line));
+        Piece { t, length, rate, unit, linear, cubic, ends: [index == 0, index == last] }
+    }
+
+    /// How far an interval may be taken to go on beyond its ends, mm, so that no more than `tolerance` mm of error comes of
+    /// it: at most [`OVERLAP_MM`] and half the shortest interval. Δ the change of a coefficient from an interval to the next,
+    ///
+    /// ```text
+    /// |Δc1| o + |Δc2| o² + |Δc3| o³ <= tolerance
+    /// ```
+    pub(super) fn overlap(&self, tolerance: f64) -> f64 {
+        let mut most = OVERLAP_MM;
+        for direction in [Direction::POSITIVE, Direction::NEGATIVE] {
+            let mut before = None;
+            for index in 0..self.intervals() {
+                let (width, powers) = self.powers(index, direction);
+                most = most.min(0.5 * width);
+                if let Some(before) = before.replace(at_end(width, powers)) {
+                    let [d1, d2, d3] = changes(before, powers);
+                    while most * (d1 + most * (d2 + most * d3)) > tolerance {
+                        most *= 0.9;
+                    }
+                }
+            }
+        }
+        most
+    }
+
+    /// Length of an interval, mm, and its first to third power from its start, per mm.
+    fn powers(&self, index: usize, direction: Direction) -> (f64, [[f64; W]; 3]) {
+        let start = self.knots.get(index).map_or(index as f64 / self.scale.to_f64(), |knot| knot.to_f64());
+        let next = self.knots.get(index + 1).map_or((index + 1) as f64 / self.scale.to_f64(), |knot| knot.to_f64());
+        let Piece { rate, linear, cubic, .. } = self.piece(R::of(0.5 * (start + next)), direction);
+        let zero = [R::ZERO; W];
+        let (c1, c2, c3) = match (linear, cubic) {
+            (Some([_, c1]), _) => (*c1, zero, zero),
+            (_, Some([_, c1, c2, c3])) => (*c1, *c2, *c3),
+            _ => (zero, zero, zero),
+        };
+        let rate = rate.to_f64();
+        let per_mm = |line: [R; W], rate: f64| line.map(|c| c.to_f64() * rate);
+        (next - start, [per_mm(c1, rate), per_mm(c2, rate * rate), per_mm(c3, rate * rate * rate)])
+    }
+
+    /// Calls `take` with every number that tells this table from another.
+    pub(super) fn numbers(&self, take: &mut impl FnMut(f64)) {
+        take(self.origin.to_f64());
+        take(self.end.to_f64());
+        take(self.reverse_offset as f64);
+        let scalars = [self.span, self.scale, self.last];
+        let linear = self.linear.iter().flatten().flatten();
+        let cubic = self.cubic.iter().flatten().flatten();
+        scalars.iter().chain(linear).chain(cubic).chain(self.knots).for_each(|number| take(number.to_f64()));
     }
 
     /// Equidistant, linear and not wrapping: what [`AxisTable::at_plain`] handles.
@@ -425,21 +557,53 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
     }
 
     /// Interval of a free grid and the distance from its first point.
+    ///
+    /// A bucket of the guide holds one point at most, unless the grid is very uneven: one comparison then decides.
     #[inline(always)]
     fn search(&self, coordinate: R) -> (usize, R) {
-        let bucket = (coordinate * self.scale).to_i32() as usize;
-        let mut index = self.guide.get(bucket).map_or(0, |entry| entry.to_index());
+        let bucket = (coordinate * self.scale).to_u32() as usize;
+        let first = self.guide.get(bucket).map_or(0, |entry| entry.to_index());
+        let first = if self.depth > 1 { self.search_on(first, coordinate) } else { first };
+        let ahead = self.knots.get(first.wrapping_add(1)).is_some_and(|next| *next <= coordinate);
+        let index = first.wrapping_add(usize::from(ahead));
+        match self.knots.get(index) {
+            Some(knot) => (index, coordinate - *knot),
+            None => (index, R::ZERO),
+        }
+    }
+
+    /// Point of a crowded bucket, from the one before the bucket on, to the last but one that is not above the coordinate.
+    #[cold]
+    #[inline(never)]
+    fn search_on(&self, first: usize, coordinate: R) -> usize {
+        let mut index = first;
         let mut half = (1usize << (self.depth & 15)) >> 1;
-        for _ in 0..self.depth & 15 {
+        while half > 0 {
             let ahead = index.wrapping_add(half);
             if self.knots.get(ahead).is_some_and(|knot| *knot <= coordinate) {
                 index = ahead;
             }
             half >>= 1;
         }
-        let knot = self.knots.get(index).copied().unwrap_or(R::ZERO);
-        (index, coordinate - knot)
+        index
     }
+}
+
+/// First to third power of a polynomial, taken to a place `u` further on.
+fn at_end<const W: usize>(u: f64, [c1, c2, c3]: [[f64; W]; 3]) -> [[f64; W]; 3] {
+    [
+        core::array::from_fn(|k| c1[k] + u * (2.0 * c2[k] + 3.0 * u * c3[k])),
+        core::array::from_fn(|k| c2[k] + 3.0 * u * c3[k]),
+        c3,
+    ]
+}
+
+/// Lengths of the differences, power by power.
+fn changes<const W: usize>(before: [[f64; W]; 3], after: [[f64; W]; 3]) -> [f64; 3] {
+    core::array::from_fn(|power| {
+        let squares = before[power].iter().zip(after[power]).map(|(a, b)| (b - a) * (b - a));
+        libm::sqrt(squares.sum())
+    })
 }
 
 /// An interval of a table.

@@ -250,10 +250,11 @@ impl<R: Real> Taylor<R> {
 
         let (mut vector, mut tangent) = ([R::ZERO; 3], [R::ZERO; 3]);
         let weight = if RATIONAL { one / (*rw + correction * (*vw + correction * *zw)) } else { one };
-        let weight_rate = if RATIONAL { *vw + two * (correction * *zw) } else { R::ZERO };
+        // The tangent before the correction, which turns it by next to nothing.
+        let weight_rate = if RATIONAL { *vw } else { R::ZERO };
         for k in 0..3 {
             vector[k] = r[k] + correction * (v[k] + correction * z[k]);
-            tangent[k] = v[k] + two * (correction * z[k]);
+            tangent[k] = v[k];
             if RATIONAL {
                 vector[k] = vector[k] * weight;
                 // (x/w)' = (x' − x w'/w)/w
@@ -261,7 +262,7 @@ impl<R: Real> Taylor<R> {
             }
         }
         let t = t + step.h + correction;
-        let trusted = converged && t >= R::ZERO && t <= one;
+        let trusted = converged && t.is_in_unit();
         Foot { t, vector, tangent, trusted, converged }
     }
 }
@@ -290,6 +291,12 @@ pub(super) struct Evaluation<R> {
 /// Evaluates a span at `t`, any form.
 #[inline(never)]
 pub(super) fn evaluate<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], t: R) -> Evaluation<R> {
+    evaluated(span, point, t)
+}
+
+/// The same inlined.
+#[inline(always)]
+pub(super) fn evaluated<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], t: R) -> Evaluation<R> {
     let [c0, c1, c2, c3, c4, c5] = &span.coefficients;
     // Horner's scheme for value (p), first (q) and half second derivative (r), from the third power down.
     let (p3, q3, r2) = match span.form {

@@ -7,8 +7,13 @@
 //! - [`Segment`]s (lines, arcs in any plane, helices, splines to degree 5) are converted once into [`Span`]s;
 //! - in a cycle, the search starts at the last foot plus the reference's progress. As a rule one call of the kernel
 //!   ends it; else it descends, brackets and refines, across borders and corners, within a window of
-//!   `5 µm + 4 × progress`. At most eight evaluations of the path in all;
-//! - with no foot known (first cycle, after a fault, lost) the path around the reference is searched over several cycles.
+//!   `5 µm + 4 × progress`. At most eight evaluations of the path in all, and eight spans between a foot or the
+//!   reference and where it was in the last cycle: what leaps farther is searched afresh;
+//! - the step has two points, estimated tip and encoder position, and searches them together
+//!   ([`ContourSearch::update_pair`]): the tip's foot is followed, and the encoder's is the minimum of its distance
+//!   downhill from there. In a hairpin both are on the same leg;
+//! - with no foot known (first cycle, after a fault, lost) the path around the reference is searched over several cycles,
+//!   first behind it, then ahead;
 //! - a host whose planner is closed lets its own commands be the path ([`CommandWindow`]);
 //! - a [`ToolPath`] adds a direction to every span ([`Turn`]): its error is the angle at the tip's foot, and where the
 //!   tip stands while the tool turns ([`Segment::Turning`]), that to the nearest orientation.
@@ -28,6 +33,7 @@ mod pair;
 mod refine;
 mod search;
 mod span;
+mod way;
 
 pub use buffer::{JOINED_WITHIN_MM, PathBuffer, PathBuilder};
 pub use command_window::CommandWindow;

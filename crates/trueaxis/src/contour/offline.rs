@@ -3,8 +3,9 @@
 use super::kernel::{Foot, evaluate, foot};
 use super::nearest::survey::Survey;
 use super::refine::dot;
-use super::search::{ContourSearch, Method, advance, components, way};
+use super::search::{ContourSearch, Method, components};
 use super::span::{Path, Reference, Span};
+use super::way::{advance_far, way_far};
 use super::{ContourError, Flags};
 use crate::position::Position;
 use crate::real::Real;
@@ -101,7 +102,7 @@ impl<R: Real> ContourSearch<R> {
             let e = evaluate(span, &span.relative(point), at.t);
             let along = (-(e.g / e.straight.max(R::of(1e-30)).sqrt())).limit(-left, left);
             left -= along.abs();
-            at = advance(path, at, along);
+            at = advance_far(path, at, along);
             let span = path.span(at.span)?;
             let found = foot(span, &span.relative(point), at.t);
             if found.trusted && dot(&found.vector, &found.vector) <= self.certain() {
@@ -131,7 +132,7 @@ impl<R: Real> ContourSearch<R> {
             found.flags = found.flags.and(Flags::SECOND_MINIMUM);
         }
         let error = dot(&found.vector, &found.vector).sqrt();
-        let lag = way(path, found.place, reference, self.max_lag);
+        let lag = way_far(path, found.place, reference, self.max_lag);
         components(path, &found, error, lag, survey.spent)
     }
 

@@ -12,8 +12,8 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use super::search::way;
 use super::span::{Path, Reference, Span, atan};
+use super::way::way;
 use super::{ContourError, Flags};
 use crate::compensation::trig::{atan2, cos_sin_deg};
 use crate::position::Position;
@@ -243,7 +243,8 @@ impl<'a, R: Real, P: Position> ToolPath<'a, R, P> {
         if self.path.stands(foot.span) {
             return turned;
         }
-        let apart = way(&self.path, foot, Reference { span: best.span, t: best.t }, R::of(BEYOND_MM)).abs();
+        let there = Reference { span: best.span, t: best.t };
+        let apart = way(&self.path, foot, there).map_or(R::of(2.0 * BEYOND_MM), R::abs);
         let (tilt, remains) = (lever * at_foot.angle, lever * best.angle);
         if apart * apart + remains * remains < tilt * tilt {
             turned

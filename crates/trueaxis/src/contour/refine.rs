@@ -1,7 +1,7 @@
 //! Out of line: descend, bracket, refine; across borders and corners, within a window.
 
 use super::Flags;
-use super::kernel::{Evaluation, evaluate};
+use super::kernel::{Evaluation, evaluate, evaluated};
 pub(super) use super::span::dot;
 use super::span::{Path, Reference, Span};
 use crate::position::Position;
@@ -66,7 +66,7 @@ pub(super) fn descend<R: Real, P: Position>(
         Descent { path, window, bisect, at, low: None, high: None, flags: Flags::default(), walked: R::ZERO };
     for round in 0..budget {
         let span = path.span(descent.at.number)?;
-        let e = evaluate(span, &span.relative(point), descent.at.t);
+        let e = evaluated(span, &span.relative(point), descent.at.t);
         *spent = spent.saturating_add(1);
         let speed = e.straight.sqrt();
         if e.g == R::ZERO && e.slope >= R::ZERO {

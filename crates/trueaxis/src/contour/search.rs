@@ -2,7 +2,8 @@
 
 use super::kernel::{Foot, foot};
 use super::refine::{Found, descend};
-use super::span::{Path, Reference, Span, dot};
+use super::span::{Path, Reference, dot};
+use super::way::{advance, step, way, way_far};
 use super::{ContourError, Flags};
 use crate::error::{ConfigError, Field};
 use crate::position::Position;
@@ -37,10 +38,33 @@ pub struct ContourState<R> {
     pub(super) warm: bool,
     /// Samples of the cold search that have been taken, and the best one.
     pub(super) looked: u16,
-    pub(super) best: Reference<R>,
+    pub(super) best: Sample<R>,
     best_distance: R,
-    /// Position of the next sample.
-    sample: Reference<R>,
+    /// The next sample.
+    sample: Sample<R>,
+}
+
+/// A sample of a cold search.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sample<R> {
+    pub(super) at: Reference<R>,
+    /// Arc length from it to the reference.
+    pub(super) lag: R,
+}
+
+impl<R: Real> Sample<R> {
+    /// Moves with the reference; where that is out of sight, it is the reference.
+    fn follow<P: Position>(&self, path: &Path<'_, R, P>, reference: Reference<R>, progress: R) -> Self {
+        match advance(path, self.at, progress) {
+            Some(moved) => Sample { at: moved.to, lag: self.lag + progress - moved.by },
+            None => Sample { at: reference, lag: R::ZERO },
+        }
+    }
+
+    /// The next one.
+    fn step<P: Position>(&self, path: &Path<'_, R, P>, by: R) -> Self {
+        step(path, self.at, by).map_or(*self, |moved| Sample { at: moved.to, lag: self.lag - moved.by })
+    }
 }
 
 /// Evaluations of the path that a cycle may use.
@@ -53,6 +77,8 @@ const STANDSTILL_WINDOW: f64 = 5e-3;
 const WINDOW_PER_PROGRESS: f64 = 4.0;
 /// Samples of a cold search over ±max_lag.
 const COLD_SAMPLES: u16 = 129;
+/// Those from the reference backwards; the others lead on from it.
+const COLD_BEHIND: u16 = 66;
 /// Samples of a cold search in one cycle.
 const COLD_PER_CYCLE: u16 = 3;
 /// Evaluations of the descent in a cycle that takes cold samples too.
@@ -124,8 +150,12 @@ impl<R: Real> ContourSearch<R> {
         if u8::from(state.warm) <= self.method as u8 {
             return self.slow(state, path, reference, point);
         }
-        let progress = way(path, state.reference, reference, self.max_lag);
-        let guess = advance(path, state.foot, progress);
+        let Some(progress) = way(path, state.reference, reference) else {
+            return self.slow(state, path, reference, point);
+        };
+        let Some(guess) = advance(path, state.foot, progress).map(|moved| moved.to) else {
+            return self.slow(state, path, reference, point);
+        };
         let Some(span) = path.span(guess.span) else { return self.slow(state, path, reference, point) };
         let window = window(progress);
         let found = foot(span, &span.relative(point), guess.t);
@@ -223,16 +253,18 @@ impl<R: Real> ContourSearch<R> {
             *state = ContourState::default();
             return None;
         }
-        let known = state.warm || state.looked > 0;
-        let progress = if known { way(path, state.reference, reference, self.max_lag) } else { R::ZERO };
-        let mut start = if known { advance(path, state.foot, progress) } else { reference };
-        if path.span(start.span).is_none() {
-            start = reference;
+        // A reference that has leaped out of sight leaves nothing known.
+        let progress = self.progress(state, path, reference);
+        let mut start = if state.warm { advance(path, state.foot, progress).map(|moved| moved.to) } else { None };
+        if start.is_none_or(|start| path.span(start.span).is_none()) {
+            state.warm = false;
+            start = Some(reference);
         }
+        let mut start = start.unwrap_or(reference);
         let bisect = self.method == Method::Bisection;
         if !state.warm {
             self.look_around(state, path, reference, point, progress, spent);
-            start = state.best;
+            start = state.best.at;
         }
         // A cycle that took samples only touches the best of them up; the one after the last descends.
         let sampled = *spent > 0;
@@ -258,7 +290,24 @@ impl<R: Real> ContourSearch<R> {
         Some(found)
     }
 
-    /// Takes a few samples of the path around the reference, from behind it to ahead of it; keeps the nearest. None are
+    /// Motion of the reference since the last cycle; where it has leaped out of sight, the state is as new.
+    #[inline(always)]
+    pub(super) fn progress<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+    ) -> R {
+        if !(state.warm || state.looked > 0) {
+            return R::ZERO;
+        }
+        way(path, state.reference, reference).unwrap_or_else(|| {
+            *state = ContourState::default();
+            R::ZERO
+        })
+    }
+
+    /// Takes a few samples of the path around the reference, first behind it, then ahead; keeps the nearest. None are
     /// taken in the cycle after the last, which leaves its evaluations to the descent.
     #[inline(never)]
     pub(super) fn look_around<P: Position>(
@@ -272,11 +321,11 @@ impl<R: Real> ContourSearch<R> {
     ) {
         if state.looked == 0 {
             state.best_distance = R::MAX;
-            state.best = reference;
-            state.sample = advance(path, reference, -self.max_lag);
+            state.best = Sample { at: reference, lag: R::ZERO };
+            state.sample = state.best;
         } else {
-            state.best = advance(path, state.best, progress);
-            state.sample = advance(path, state.sample, progress);
+            state.best = state.best.follow(path, reference, progress);
+            state.sample = state.sample.follow(path, reference, progress);
         }
         if state.looked > COLD_SAMPLES - COLD_PER_CYCLE {
             state.looked = COLD_SAMPLES;
@@ -284,8 +333,12 @@ impl<R: Real> ContourSearch<R> {
         }
         let spacing = self.max_lag * R::of(2.0 / f64::from(COLD_SAMPLES - COLD_PER_CYCLE));
         for _ in 0..COLD_PER_CYCLE {
-            if let Some(span) = path.span(state.sample.span) {
-                let ([x, y, z], [px, py, pz]) = (span.local(state.sample.t), span.relative(point));
+            if state.looked == COLD_BEHIND {
+                state.sample = Sample { at: reference, lag: R::ZERO }.step(path, spacing);
+            }
+            let Sample { at, .. } = state.sample;
+            if let Some(span) = path.span(at.span) {
+                let ([x, y, z], [px, py, pz]) = (span.local(at.t), span.relative(point));
                 let off = [x - px, y - py, z - pz];
                 *spent = spent.saturating_add(1);
                 let distance = dot(&off, &off);
@@ -293,7 +346,8 @@ impl<R: Real> ContourSearch<R> {
                     (state.best_distance, state.best) = (distance, state.sample);
                 }
             }
-            state.sample = advance(path, state.sample, spacing);
+            let onwards = if state.looked < COLD_BEHIND { -spacing } else { spacing };
+            state.sample = state.sample.step(path, onwards);
             state.looked = state.looked.saturating_add(1);
         }
     }
@@ -325,7 +379,7 @@ impl<R: Real> ContourSearch<R> {
     ) -> ContourError<R> {
         state.foot = found.place;
         state.reference = reference;
-        let lag = way(path, found.place, reference, self.max_lag);
+        let lag = way_far(path, found.place, reference, self.max_lag);
         if state.warm && lag.abs() > self.max_lag {
             // The foot has stayed behind: look around afresh.
             state.warm = false;
@@ -433,82 +487,4 @@ pub(super) fn sight<R: Real>(window: R, error: R) -> R {
 #[inline(always)]
 pub(super) fn window<R: Real>(progress: R) -> R {
     R::of(STANDSTILL_WINDOW) + R::of(WINDOW_PER_PROGRESS) * progress.abs()
-}
-
-/// Arc length from one point of the path to another, negative backwards; over more than four spans it is more than `beyond`.
-#[inline(always)]
-pub(super) fn way<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, to: Reference<R>, beyond: R) -> R {
-    match path.span(from.span) {
-        Some(span) if from.span == to.span => span.arc_length(to.t) - span.arc_length(from.t),
-        _ => way_across(path, from, to, beyond),
-    }
-}
-
-#[inline(never)]
-fn way_across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, to: Reference<R>, beyond: R) -> R {
-    let length = |number| path.span(number).map_or(R::ZERO, Span::length);
-    let part = |place: Reference<R>| path.span(place.span).map_or(R::ZERO, |s| s.arc_length(place.t));
-    let (mut ahead, mut behind) = (Some(from.span), Some(from.span));
-    let (mut forward, mut backward) = (length(from.span) - part(from), part(from));
-    for _ in 0..64 {
-        ahead = ahead.and_then(|n| path.following(n));
-        behind = behind.and_then(|n| path.preceding(n));
-        if ahead == Some(to.span) {
-            return forward + part(to);
-        }
-        if behind == Some(to.span) {
-            return -(backward + length(to.span) - part(to));
-        }
-        forward += ahead.map_or(R::ZERO, length);
-        backward += behind.map_or(R::ZERO, length);
-        if forward > beyond && backward > beyond {
-            break;
-        }
-    }
-    R::TWO * beyond
-}
-
-/// The point at a distance further along the path, clamped at the ends of an open one; over at most 64 spans.
-#[inline(always)]
-pub(super) fn advance<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Reference<R> {
-    let Some(span) = path.span(from.span) else { return from };
-    let t = from.t + by / span.arc_speed(from.t);
-    if t >= R::ZERO && t <= R::ONE {
-        return Reference { span: from.span, t };
-    }
-    advance_across(path, from, by)
-}
-
-#[inline(never)]
-fn advance_across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Reference<R> {
-    let Some(span) = path.span(from.span) else { return from };
-    let (mut number, mut length) = (from.span, span.length());
-    let mut place = span.arc_length(from.t) + by;
-    for _ in 0..64 {
-        if place > length {
-            match path.following(number).and_then(|n| Some((n, path.span(n)?.length()))) {
-                Some((next, next_length)) => {
-                    place -= length;
-                    (number, length) = (next, next_length);
-                }
-                None => return Reference { span: number, t: R::ONE },
-            }
-        } else if place < R::ZERO {
-            match path.preceding(number).and_then(|n| Some((n, path.span(n)?.length()))) {
-                Some((previous, previous_length)) => {
-                    place += previous_length;
-                    (number, length) = (previous, previous_length);
-                }
-                None => return Reference { span: number, t: R::ZERO },
-            }
-        } else {
-            break;
-        }
-    }
-    // From the nearer end, with the speed there.
-    let t = path.span(number).map_or(R::ZERO, |span| {
-        let rest = length - place;
-        if place < rest { place / span.arc_speed(R::ZERO) } else { R::ONE - rest / span.arc_speed(R::ONE) }
-    });
-    Reference { span: number, t: t.limit(R::ZERO, R::ONE) }
 }

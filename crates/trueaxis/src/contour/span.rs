@@ -304,6 +304,8 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     /// The span with a sequence number.
     #[inline(always)]
     pub fn span(&self, number: u32) -> Option<&'a Span<R, P>> {
+        #[cfg(test)]
+        super::tests::LOOKED_AT.with(|count| count.set(count.get() + 1));
         self.spans.get(number.wrapping_sub(self.first) as usize)
     }
 

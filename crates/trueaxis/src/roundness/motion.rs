@@ -37,12 +37,18 @@ impl<R: Real> ErrorMotion<R> {
     };
 }
 
-/// One direction, point by point, over the revolutions of a window.
+/// Sum, smallest and largest value at a point in one direction, over the revolutions of a window.
+pub(super) type Bundle<R> = [R; 3];
+
+/// Adds a value of a revolution; the first revolution of a window begins it.
+#[inline(always)]
+pub(super) fn gather<R: Real>([sum, low, high]: Bundle<R>, value: R, first: bool) -> Bundle<R> {
+    if first { [value; 3] } else { [value + sum, R::min(value, low), R::max(value, high)] }
+}
+
+/// One direction over the points of a full window.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion<R, const N: usize> {
-    sum: [R; N],
-    low: [R; N],
-    high: [R; N],
+pub(super) struct Direction<R> {
     /// Σ m, Σ m cos θ, Σ m sin θ; then a0, a, b.
     fundamental: [R; 3],
     /// Ranges found so far: of s, and of everything.
@@ -51,31 +57,9 @@ pub(super) struct Motion<R, const N: usize> {
     asynchronous: R,
 }
 
-impl<R: Real, const N: usize> Motion<R, N> {
-    pub(super) const fn new() -> Self {
-        Motion {
-            sum: [R::ZERO; N],
-            low: [R::ZERO; N],
-            high: [R::ZERO; N],
-            fundamental: [R::ZERO; 3],
-            synchronous: [R::ZERO; 2],
-            total: [R::ZERO; 2],
-            asynchronous: R::ZERO,
-        }
-    }
-
-    /// Adds a point of a revolution; the first revolution of a window begins it.
-    #[inline(always)]
-    pub(super) fn add(&mut self, index: usize, value: R, first: bool) {
-        let (Some(sum), Some(low), Some(high)) =
-            (self.sum.get_mut(index), self.low.get_mut(index), self.high.get_mut(index))
-        else {
-            return;
-        };
-        *sum = value + if first { R::ZERO } else { *sum };
-        *low = if first { value } else { R::min(value, *low) };
-        *high = if first { value } else { R::max(value, *high) };
-    }
+impl<R: Real> Direction<R> {
+    pub(super) const NEW: Direction<R> =
+        Direction { fundamental: [R::ZERO; 3], synchronous: [R::ZERO; 2], total: [R::ZERO; 2], asynchronous: R::ZERO };
 
     /// Before the points of a full window are evaluated.
     #[inline(always)]
@@ -86,44 +70,37 @@ impl<R: Real, const N: usize> Motion<R, N> {
         self.asynchronous = R::ZERO;
     }
 
-    /// First pass: mean and first harmonic of the mean contour, width of the bundle.
+    /// First pass: mean and first harmonic of the mean contour, width of the bundle. The sum becomes the mean.
     #[inline(always)]
-    pub(super) fn evaluate(&mut self, index: usize, [cos, sin]: [R; 2], per_revolution: R) {
-        let (Some(sum), Some(low), Some(high)) = (self.sum.get_mut(index), self.low.get(index), self.high.get(index))
-        else {
-            return;
-        };
+    pub(super) fn evaluate(&mut self, [sum, low, high]: &mut Bundle<R>, [cos, sin]: [R; 2], per_revolution: R) {
         let mean = *sum * per_revolution;
         *sum = mean;
         let [a0, a, b] = &mut self.fundamental;
         *a0 += mean;
         *a += mean * cos;
         *b += mean * sin;
-        self.asynchronous = R::max(*high - *low, self.asynchronous);
+        widen(&mut self.asynchronous, *high - *low);
     }
 
     /// Between the passes: sums to amplitudes.
     #[inline(always)]
-    pub(super) fn express(&mut self) {
-        let scale = R::of(1.0 / N as f64);
+    pub(super) fn express(&mut self, points: usize) {
+        let scale = R::of(1.0 / points as f64);
         let [a0, a, b] = self.fundamental;
         self.fundamental = [a0 * scale, R::TWO * a * scale, R::TWO * b * scale];
     }
 
     /// Second pass: the remainder without mean and first harmonic.
     #[inline(always)]
-    pub(super) fn range(&mut self, index: usize, [cos, sin]: [R; 2]) {
-        let (Some(mean), Some(low), Some(high)) = (self.sum.get(index), self.low.get(index), self.high.get(index))
-        else {
-            return;
-        };
+    pub(super) fn range(&mut self, [mean, low, high]: Bundle<R>, [cos, sin]: [R; 2]) {
         let [a0, a, b] = self.fundamental;
         let fundamental = a0 + a * cos + b * sin;
-        let left = *mean - fundamental;
-        let [least, most] = self.synchronous;
-        self.synchronous = [R::min(left, least), R::max(left, most)];
-        let [least, most] = self.total;
-        self.total = [R::min(*low - fundamental, least), R::max(*high - fundamental, most)];
+        let [least, most] = &mut self.synchronous;
+        deepen(least, mean - fundamental);
+        widen(most, mean - fundamental);
+        let [least, most] = &mut self.total;
+        deepen(least, low - fundamental);
+        widen(most, high - fundamental);
     }
 
     /// Results of both passes.
@@ -137,5 +114,21 @@ impl<R: Real, const N: usize> Motion<R, N> {
             once_per_revolution_um: [a, b],
             total_um: width(self.total),
         }
+    }
+}
+
+/// Largest so far; it rarely grows, so it is rarely written.
+#[inline(always)]
+fn widen<R: Real>(most: &mut R, value: R) {
+    if value > *most {
+        *most = value;
+    }
+}
+
+/// Smallest so far.
+#[inline(always)]
+fn deepen<R: Real>(least: &mut R, value: R) {
+    if value < *least {
+        *least = value;
     }
 }

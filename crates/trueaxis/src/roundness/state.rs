@@ -131,7 +131,7 @@ impl<R: Real, const N: usize> GaugeState<R, N> {
     /// Profile r of the latest revolution, µm, before the filter; whole while no work is under way
     /// ([`GaugeState::is_settled`]).
     pub fn profile(&self) -> &[R; N] {
-        &self.work.profile
+        self.work.profile()
     }
 
     /// Amplitudes of cos kθ and sin kθ in the profile, µm; zero outside the band, where suppressed, and from

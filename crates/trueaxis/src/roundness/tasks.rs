@@ -1,126 +1,133 @@
 //! Second stage: the work on a whole revolution, some slices a cycle.
 
-use super::work::{ARM_CHECKS, POINTS_PER_SLICE, Plan, Task, Use};
+use super::transform::{forward_slice, inverse_slice, quarter, slices, slices_of_twos, twos_slice};
+use super::work::{ARM_CHECKS, POINTS_PER_SLICE, Plan, Task, Work};
 use super::{Gauge, GaugeState};
 use crate::real::Real;
 
-/// A row for every task: its pattern, a name, the slices that it takes at most in a revolution under a plan, and one
-/// slice of it, true when that was the last.
+/// A row for every task: its pattern, a name, its slices, how often it comes in a revolution under a plan at most, and
+/// its slice of an index. Slices count down.
 ///
 /// Every task becomes a function of its own, so that nothing is prepared before it is known which one it is. A table of
 /// functions would do the same by an indirect call, which the bound of the stack could not follow.
 macro_rules! tasks {
-    (|$gauge:ident, $plan:ident, $state:ident|
-     $($task:pat => $name:ident($($of:ident)?), $slices:expr, $slice:block)*) => {
+    (|$gauge:ident, $plan:ident, $state:ident, $at:ident|
+     $($task:ident => $name:ident, $slices:expr, $times:expr, $slice:expr;)*) => {
         impl<R: Real, const N: usize> Gauge<R, N> {
             /// One slice; true when a revolution has just been evaluated.
-            #[inline(never)]
+            #[inline(always)]
             fn slice(&self, state: &mut GaugeState<R, N>) -> bool {
+                let Some(at) = state.work.left.checked_sub(1) else {
+                    return !state.work.is_idle() && self.finish(state);
+                };
+                state.work.left = at;
                 match state.work.task {
-                    Task::Idle => false,
-                    $($task => self.$name(state $(, $of)?),)*
-                    Task::Switch => self.finish(state),
+                    Task::Idle => {}
+                    $(Task::$task => self.$name(state, at),)*
                 }
+                false
             }
 
             $(#[inline(never)]
-            fn $name(&self, $state: &mut GaugeState<R, N> $(, $of: Use)?) -> bool {
+            fn $name(&self, $state: &mut GaugeState<R, N>, $at: usize) {
                 let ($gauge, $plan) = (self, &self.plan);
-                // Not every task needs both.
-                let _ = ($gauge, $plan);
-                if $slice {
-                    $state.work.end();
-                }
-                false
+                // Not every task needs all of it.
+                let _ = ($gauge, $plan, $at);
+                $slice
             })*
         }
 
         impl<R: Real, const N: usize> Plan<R, N> {
-            /// Slices that one revolution takes at most.
+            /// Slices of a task.
+            pub(super) fn slices_of(task: Task) -> usize {
+                match task {
+                    Task::Idle => 0,
+                    $(Task::$task => $slices,)*
+                }
+            }
+
+            /// Slices that one revolution takes at most, with one from each task to the next.
             pub(super) fn slices(&self) -> usize {
                 let $plan = self;
-                SWITCHES $(+ $slices)*
+                [$(($slices, $times)),*].iter().filter(|(slices, _)| *slices > 0).map(|(slices, times)| (slices + 1) * times).sum()
             }
         }
     };
 }
 
-tasks! { |gauge, plan, state|
-    Task::Linkage => link(), of_arm::<R, N>(plan, N), {
-        state.work.link(plan)
-    }
-    Task::Level => level(), N / POINTS_PER_SLICE, {
-        state.work.level(&mut state.sums[state.worked & 1])
-    }
-    Task::Forward => forward(), pass::<N>(), {
-        let (work, sum) = (&mut state.work, &mut state.sums[state.worked & 1]);
-        work.forward(plan, sum)
-    }
-    Task::Spread(Use::Profile) => spread_profile(), N / 4, {
-        let (work, sum) = (&mut state.work, &mut state.sums[state.worked & 1]);
-        work.spread_profile(plan, sum)
-    }
-    Task::Spread(of) => spread(of), plan.other_uses() * (N / 4), {
-        let (work, sum) = (&mut state.work, &mut state.sums[state.worked & 1]);
-        work.spread(plan, sum, plan.multipliers(of))
-    }
-    Task::Inverse(of) => inverse(of), (1 + plan.other_uses()) * pass::<N>(), {
-        state.work.inverse(plan, of)
-    }
-    Task::Arm => compare_arm(), of_arm::<R, N>(plan, ARM_CHECKS), {
+tasks! { |gauge, plan, state, at|
+    Linkage => link, N, usize::from(plan.has_arm), state.work.link(plan, at);
+    Level => level, N / POINTS_PER_SLICE, 1, state.work.level(&mut state.sums[state.worked & 1], at);
+    Forward0 => forward_0, slices::<N>(0), 1, forward(plan, &mut state.sums[state.worked & 1], at, 0);
+    Forward1 => forward_1, slices::<N>(1), 1, forward(plan, &mut state.sums[state.worked & 1], at, 1);
+    Forward2 => forward_2, slices::<N>(2), 1, forward(plan, &mut state.sums[state.worked & 1], at, 2);
+    Forward3 => forward_3, slices::<N>(3), 1, forward(plan, &mut state.sums[state.worked & 1], at, 3);
+    Forward4 => forward_4, slices::<N>(4), 1, forward(plan, &mut state.sums[state.worked & 1], at, 4);
+    ForwardTwos => forward_twos, slices_of_twos::<N>(), 1, twos_slice(&mut state.sums[state.worked & 1], at);
+    SpreadShifted => spread_shifted, N / 4, used(&plan.shifted), {
+        state.work.spread(plan, &state.sums[state.worked & 1], plan.shifted.as_ref(), at)
+    };
+    SpreadProfile => spread_profile, N / 4, 1, {
+        state.work.spread_profile(plan, &state.sums[state.worked & 1], at)
+    };
+    SpreadInfeed => spread_infeed, N / 4, used(&plan.infeed), {
+        state.work.spread(plan, &state.sums[state.worked & 1], plan.infeed.as_ref(), at)
+    };
+    SpreadFiltered => spread_filtered, N / 4, used(&plan.filtered), {
+        state.work.spread(plan, &state.sums[state.worked & 1], plan.filtered.as_ref(), at)
+    };
+    Harmonics => keep_harmonic, Work::<R, N>::AMPLITUDES, 1, state.work.keep_harmonic(plan, at);
+    InverseTwos => inverse_twos, slices_of_twos::<N>(), plan.uses(), twos_slice(state.work.buffer(), at);
+    Inverse4 => inverse_4, slices::<N>(4), plan.uses(), inverse(plan, state.work.buffer(), at, 4);
+    Inverse3 => inverse_3, slices::<N>(3), plan.uses(), inverse(plan, state.work.buffer(), at, 3);
+    Inverse2 => inverse_2, slices::<N>(2), plan.uses(), inverse(plan, state.work.buffer(), at, 2);
+    Inverse1 => inverse_1, slices::<N>(1), plan.uses(), inverse(plan, state.work.buffer(), at, 1);
+    Inverse0 => inverse_0, slices::<N>(0), plan.uses(), inverse(plan, state.work.buffer(), at, 0);
+    Arm => compare_arm, ARM_CHECKS, usize::from(plan.has_arm), {
         let (work, revolution) = state.work_and_revolution();
-        work.compare_arm(revolution)
-    }
-    Task::Orbit => orbit(), N, {
+        work.compare_arm(revolution, at)
+    };
+    Orbit => orbit, N, 1, {
         let (work, revolution) = state.work_and_revolution();
-        work.orbit(plan, revolution)
-    }
-    Task::Evaluate => evaluate(), N, {
-        state.work.evaluate(plan)
-    }
-    Task::Express => express(), N, {
-        state.work.express(plan)
-    }
-    Task::Judge => judge(), of_infeed::<R, N>(plan), {
-        state.work.judge(gauge.infeed.as_ref())
-    }
-    Task::Commit => commit(), of_infeed::<R, N>(plan), {
-        state.work.commit(gauge.infeed.as_ref())
-    }
+        work.orbit(plan, revolution, at)
+    };
+    Open => open, 1, 1, state.work.open();
+    Evaluate => evaluate, N, 1, state.work.evaluate(plan, at);
+    Scale => scale, 1, 1, state.work.scale();
+    Express => express, N, 1, state.work.express(plan, at);
+    Close => close, 1, 1, state.work.close();
+    Judge => judge, N / POINTS_PER_SLICE, used(&plan.infeed), state.work.judge(gauge.infeed.as_ref(), at);
+    Commit => commit, N / POINTS_PER_SLICE, used(&plan.infeed), state.work.commit(gauge.infeed.as_ref(), at);
     // Another part: no work on a revolution.
-    Task::Clear => zero(), 0, {
-        state.work.zero()
+    Clear => zero, N / POINTS_PER_SLICE, 0, state.work.zero(at);
+    Range => measure, N / POINTS_PER_SLICE, 1, state.work.measure(plan, at);
+}
+
+/// One slice of a stage of the forward transform.
+#[inline(always)]
+fn forward<R: Real, const N: usize>(plan: &Plan<R, N>, sum: &mut [R; N], at: usize, stage: usize) {
+    if slices::<N>(stage) > 0 {
+        forward_slice(sum, &plan.circle, at, quarter::<N>(stage));
     }
-    Task::Range => measure(), N / POINTS_PER_SLICE, {
-        state.work.measure(plan)
+}
+
+/// One slice of a stage of an inverse transform.
+#[inline(always)]
+fn inverse<R: Real, const N: usize>(plan: &Plan<R, N>, buffer: &mut [R; N], at: usize, stage: usize) {
+    if slices::<N>(stage) > 0 {
+        inverse_slice(buffer, &plan.circle, at, quarter::<N>(stage));
     }
 }
 
-/// Switches from one task to the next, at most.
-const SWITCHES: usize = 19;
-
-/// Slices of one pass of a transform.
-const fn pass<const N: usize>() -> usize {
-    let half = N / 2;
-    let logarithm = half.ilog2() as usize;
-    half / 4 * (logarithm / 2) + half / 8 * (logarithm % 2)
+/// How often a use of the spectrum comes.
+fn used<T>(of: &Option<T>) -> usize {
+    usize::from(of.is_some())
 }
 
-fn of_arm<R, const N: usize>(plan: &Plan<R, N>, slices: usize) -> usize {
-    if plan.has_arm { slices } else { 0 }
-}
-
-fn of_infeed<R, const N: usize>(plan: &Plan<R, N>) -> usize {
-    if plan.infeed.is_some() { N / POINTS_PER_SLICE } else { 0 }
-}
-
-impl<R, const N: usize> Plan<R, N> {
-    /// Uses of the spectrum beside the profile.
-    fn other_uses(&self) -> usize {
-        [self.shifted.is_some(), self.infeed.is_some(), self.filtered.is_some()]
-            .into_iter()
-            .filter(|used| *used)
-            .count()
+impl<R: Real, const N: usize> Plan<R, N> {
+    /// Uses of the spectrum, with the profile.
+    fn uses(&self) -> usize {
+        1 + used(&self.shifted) + used(&self.infeed) + used(&self.filtered)
     }
 }
 
@@ -143,7 +150,7 @@ impl<R: Real, const N: usize> Gauge<R, N> {
     /// From one task to the next; true when it was the last of a revolution.
     #[inline(never)]
     fn finish(&self, state: &mut GaugeState<R, N>) -> bool {
-        let finished = state.work.finish(&self.plan);
+        let finished = state.work.finish(&self.plan, self.infeed.as_ref());
         if finished {
             state.latest = state.work.result;
             state.counts.evaluated = state.counts.evaluated.wrapping_add(1);

@@ -1,20 +1,20 @@
 //! A real transform of N points that can pause after every few operations.
 //!
 //! N real values are M = N/2 complex ones, z_i = x_2i + j x_2i+1. Forward by decimation in frequency, radix 4: natural
-//! order in, bit-reversed out. One pass over the pairs (k, M − k) separates the spectrum of the real signal, multiplies
-//! it, and joins it again:
+//! order in, bit-reversed out. Multiplying the real signal's spectrum by C(k) is, in the spectrum Z of z, one pass over the
+//! pairs (k, M − k), without separating and joining:
 //!
 //! ```text
-//! S(k) = E + w^k O     S(M − k) = conj(E − w^k O)     E = (Z_k + conj Z_{M−k})/2   O = (Z_k − conj Z_{M−k})/2j   w = e^{−j2π/N}
-//! X(k) = C(k) S(k)     Z'_k = E' + j O'               E' = (X_k + conj X_{M−k})/2  O' = conj(w^k) (X_k − conj X_{M−k})/2
+//! Z'_k = P Z_k + Q (j c Z*_{M−k} − s Z_k)     P = (C(k) + C*(M−k))/2     c − js = e^{−j2πk/N}
+//! Z'*_{M−k} = P Z*_{M−k} + Q (s Z*_{M−k} − j c Z_k)     Q = (C(k) − C*(M−k))/2
 //! ```
 //!
 //! Inverse by decimation in time, radix 4: bit-reversed in, natural out. Nothing is ever permuted: in bit-reversed order
 //! the partner of index i in [b, 2b), b a power of two, is 3b − 1 − i. Where M is not a power of four, one stage of
 //! radix 2 stands next to the pair pass.
 //!
-//! A slice is one radix-4 butterfly, four radix-2 ones, or one pair: 16 to 24 multiplications and as many
-//! additions. The whole takes `2·(M/4·⌊log4 M⌋ [+ M/8]) + M/2` slices.
+//! A slice is one radix-4 butterfly, two of the last stage, whose twiddle factors are eighths of a turn, four radix-2 ones,
+//! or one pair: at most 24 multiplications and 44 additions. The whole takes `2·(M/4·(⌊log4 M⌋ − ½) [+ M/8]) + M/2` slices.
 //!
 //! Source: radix-4 forms after C. S. Burrus and T. W. Parks, DFT/FFT and Convolution Algorithms, 1985; the real signal as
 //! a half-length complex one after W. H. Press et al., Numerical Recipes, 3rd ed., 12.3.
@@ -69,130 +69,90 @@ pub(crate) fn circle<R: Real, const N: usize>() -> [Complex<R>; N] {
     circle
 }
 
-/// Multipliers C(k), k = 1..M in natural order, with the scale of both passes and of the inverse in them.
+/// P and Q of the multipliers C(k), `[P.re, P.im, Q.re, Q.im]` pair by pair, the first of [`Pairs`] last, with the scale of
+/// the inverse in them.
 ///
 /// `of` gives the multiplier of a harmonic, `[re, im]`; mean and Nyquist frequency are always removed.
 pub(crate) fn multipliers<R: Real, const N: usize>(of: impl Fn(usize) -> [f64; 2]) -> [R; N] {
     let mut table = [R::ZERO; N];
-    let half = N / 2;
-    let scale = 1.0 / (4.0 * half as f64);
-    for (k, value) in table.as_chunks_mut::<2>().0.iter_mut().enumerate().skip(1) {
-        *value = of(k).map(|part| R::of(part * scale));
+    let mut pairs = Pairs::START;
+    for value in table.as_chunks_mut::<4>().0.iter_mut().rev() {
+        let k = harmonic::<N>(pairs.at);
+        let ([a, b], [c, d]) = (of(k), of(N / 2 - k));
+        *value = [a + c, b - d, a - c, b + d].map(|part| R::of(part / N as f64));
+        pairs.next();
     }
     table
 }
 
-/// Progress of a pass through the stages.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Progress {
-    /// Stages of radix 4 are numbered as the forward transform goes through them; behind the last of them stands the one
-    /// of radix 2, where there is one. In the pair pass the first index of the block.
-    stage: usize,
-    /// Slices done in this stage; in the pair pass the index.
-    at: usize,
-    /// In the pair pass the partner.
-    partner: usize,
-}
-
-/// Distance of the values of a butterfly in a stage, a quarter of its block; 0 from the stage of radix 2 on.
-const fn quarter<const N: usize>(stage: usize) -> usize {
+/// Distance of the values of a butterfly in a stage of radix 4, a quarter of its block; 0 behind the last one. Stages
+/// are numbered as the forward transform goes through them.
+pub(crate) const fn quarter<const N: usize>(stage: usize) -> usize {
     (N / 8) >> (2 * stage)
 }
 
-impl Progress {
-    /// Before anything has begun.
-    pub(crate) const NONE: Progress = Progress { stage: 0, at: 0, partner: 0 };
-
-    /// Before the first slice of a forward transform.
-    pub(crate) const fn forward() -> Self {
-        Progress { stage: 0, at: 0, partner: 0 }
-    }
-
-    /// Before the first slice of an inverse transform.
-    pub(crate) const fn inverse<const N: usize>() -> Self {
-        // N/2 = 2^m: the last of m/2 stages of radix 4, or the one of radix 2 behind it.
-        Progress { stage: ((N / 2).trailing_zeros() as usize).div_ceil(2) - 1, at: 0, partner: 0 }
-    }
-
-    /// Before the first pair: index 1, its own partner.
-    pub(crate) const fn pairs() -> Self {
-        Progress { stage: 1, at: 1, partner: 1 }
-    }
-
-    /// To the next pair; true after the last.
-    #[inline(always)]
-    fn next_pair<const N: usize>(&mut self) -> bool {
-        self.at += 1;
-        self.partner = self.partner.wrapping_sub(1);
-        // Half of [b, 2b) has met the other half; index 1 has gone past itself.
-        if self.at <= self.partner {
-            return false;
-        }
-        self.stage *= 2;
-        (self.at, self.partner) = (self.stage, 2 * self.stage - 1);
-        self.at >= N / 2
+/// Slices of a stage of radix 4, where it exists.
+pub(crate) const fn slices<const N: usize>(stage: usize) -> usize {
+    match quarter::<N>(stage) {
+        0 => 0,
+        // The last one: two butterflies a slice.
+        1 | 2 => N / 16,
+        _ => N / 8,
     }
 }
 
-/// One slice of the forward transform; true when it was the last.
+/// Slices of the stage of radix 2, where there is one.
+pub(crate) const fn slices_of_twos<const N: usize>() -> usize {
+    if (N / 2).trailing_zeros() % 2 == 1 { N / 16 } else { 0 }
+}
+
+/// Harmonic at an index in bit-reversed order, and the index of a harmonic.
+#[inline(always)]
+fn harmonic<const N: usize>(index: usize) -> usize {
+    let half = N / 2;
+    (index.reverse_bits() >> (half.leading_zeros() + 1)) & (half - 1)
+}
+
+/// Progress of a pair pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Pairs {
+    /// First index of the block, a power of two.
+    block: usize,
+    at: usize,
+    partner: usize,
+}
+
+impl Pairs {
+    /// Before anything has begun.
+    pub(crate) const NONE: Pairs = Pairs { block: 0, at: 0, partner: 0 };
+    /// Before the first pair: index 1, its own partner.
+    pub(crate) const START: Pairs = Pairs { block: 1, at: 1, partner: 1 };
+
+    /// To the next pair.
+    #[inline(always)]
+    fn next(&mut self) {
+        self.at += 1;
+        self.partner = self.partner.wrapping_sub(1);
+        // Half of [b, 2b) has met the other half; index 1 has gone past itself.
+        if self.at > self.partner {
+            self.block *= 2;
+            (self.at, self.partner) = (self.block, 2 * self.block - 1);
+        }
+    }
+}
+
+/// One slice of a forward stage: a butterfly, or two of the last stage.
 #[inline(always)]
 pub(crate) fn forward_slice<R: Real, const N: usize>(
     z: &mut [R; N],
     circle: &[Complex<R>; N],
-    progress: &mut Progress,
-) -> bool {
-    let at = progress.at;
-    // One arm a stage, so that its distances are constants.
-    let stage_done = match progress.stage {
-        0 => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(0) }),
-        1 => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(1) }),
-        2 => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(2) }),
-        3 => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(3) }),
-        4 => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(4) }),
-        _ => forward_stage::<R, N>(z, circle, at, const { quarter::<N>(5) }),
-    };
-    progress.at = at + 1;
-    if !stage_done {
-        return false;
-    }
-    (progress.stage, progress.at) = (progress.stage + 1, 0);
-    progress.stage > const { Progress::inverse::<N>().stage }
-}
-
-/// One slice of the inverse transform, unscaled; true when it was the last.
-#[inline(always)]
-pub(crate) fn inverse_slice<R: Real, const N: usize>(
-    z: &mut [R; N],
-    circle: &[Complex<R>; N],
-    progress: &mut Progress,
-) -> bool {
-    let at = progress.at;
-    let stage_done = match progress.stage {
-        0 => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(0) }),
-        1 => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(1) }),
-        2 => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(2) }),
-        3 => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(3) }),
-        4 => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(4) }),
-        _ => inverse_stage::<R, N>(z, circle, at, const { quarter::<N>(5) }),
-    };
-    progress.at = at + 1;
-    if !stage_done {
-        return false;
-    }
-    progress.at = 0;
-    if progress.stage == 0 {
-        return true;
-    }
-    progress.stage -= 1;
-    false
-}
-
-/// A slice of a forward stage; true when it was the stage's last.
-#[inline(always)]
-fn forward_stage<R: Real, const N: usize>(z: &mut [R; N], circle: &[Complex<R>; N], at: usize, quarter: usize) -> bool {
+    at: usize,
+    quarter: usize,
+) {
     let z = z.as_chunks_mut::<2>().0;
-    if quarter == 0 {
-        return sums_and_differences::<R, N>(z, at);
+    if quarter <= 2 {
+        let Some(z) = z.as_chunks_mut::<8>().0.get_mut(at & (N / 16 - 1)) else { return };
+        return last_forward(z, quarter);
     }
     let (i, [w1, w2, w3]) = operands(circle, at, quarter);
     let [a, b, c, d] = [z[i], z[i | quarter], z[i | (2 * quarter)], z[i | (3 * quarter)]];
@@ -201,15 +161,20 @@ fn forward_stage<R: Real, const N: usize>(z: &mut [R; N], circle: &[Complex<R>; 
     z[i | quarter] = mul(sub(e, g), w2);
     z[i | (2 * quarter)] = mul(add(f, h), w1);
     z[i | (3 * quarter)] = mul(sub(f, h), w3);
-    at + 1 >= N / 8
 }
 
-/// A slice of an inverse stage; true when it was the stage's last.
+/// One slice of an inverse stage: a butterfly, or two of the last stage; unscaled.
 #[inline(always)]
-fn inverse_stage<R: Real, const N: usize>(z: &mut [R; N], circle: &[Complex<R>; N], at: usize, quarter: usize) -> bool {
+pub(crate) fn inverse_slice<R: Real, const N: usize>(
+    z: &mut [R; N],
+    circle: &[Complex<R>; N],
+    at: usize,
+    quarter: usize,
+) {
     let z = z.as_chunks_mut::<2>().0;
-    if quarter == 0 {
-        return sums_and_differences::<R, N>(z, at);
+    if quarter <= 2 {
+        let Some(z) = z.as_chunks_mut::<8>().0.get_mut(at & (N / 16 - 1)) else { return };
+        return first_inverse(z, quarter);
     }
     let (i, [w1, w2, w3]) = operands(circle, at, quarter);
     let (a, b) = (z[i], mul_conj(z[i | quarter], w2));
@@ -219,7 +184,71 @@ fn inverse_stage<R: Real, const N: usize>(z: &mut [R; N], circle: &[Complex<R>; 
     z[i | (2 * quarter)] = sub(e, g);
     z[i | quarter] = sub(f, h);
     z[i | (3 * quarter)] = add(f, h);
-    at + 1 >= N / 8
+}
+
+/// Two butterflies of the last stage, whose eight values stand together: the twiddle factors are 1 and, where the
+/// butterflies overlap, eighths of a turn for the second.
+#[inline(always)]
+fn last_forward<R: Real>(z: &mut [Complex<R>; 8], quarter: usize) {
+    let overlap = quarter == 2;
+    for (within, [i, j, k, l]) in pairs_of_butterflies(quarter) {
+        let [a, b, c, d] = [z[i], z[j], z[k], z[l]];
+        let (e, f, g, h) = (add(a, c), sub(a, c), add(b, d), turned(sub(b, d)));
+        let (third, fourth) = (add(f, h), sub(f, h));
+        z[i] = add(e, g);
+        [z[j], z[k], z[l]] = if within && overlap {
+            // −j (e − g).
+            [[e[1] - g[1], g[0] - e[0]], eighth(third), turned(eighth(fourth))]
+        } else {
+            [sub(e, g), third, fourth]
+        };
+    }
+}
+
+/// [`last_forward`], undone but for the scale.
+#[inline(always)]
+fn first_inverse<R: Real>(z: &mut [Complex<R>; 8], quarter: usize) {
+    let overlap = quarter == 2;
+    for (within, [i, j, k, l]) in pairs_of_butterflies(quarter) {
+        let [a, mut b, mut c, mut d] = [z[i], z[j], z[k], z[l]];
+        if within && overlap {
+            (b, c, d) = (turned_back(b), eighth_back(c), eighth_back(turned_back(d)));
+        }
+        let (e, f, g, h) = (add(a, b), sub(a, b), add(c, d), turned(sub(c, d)));
+        z[i] = add(e, g);
+        z[k] = sub(e, g);
+        z[j] = sub(f, h);
+        z[l] = add(f, h);
+    }
+}
+
+/// Indices of the values of two butterflies among eight, the second marked.
+const fn pairs_of_butterflies(quarter: usize) -> [(bool, [usize; 4]); 2] {
+    if quarter == 2 {
+        [(false, [0, 2, 4, 6]), (true, [1, 3, 5, 7])]
+    } else {
+        [(false, [0, 1, 2, 3]), (true, [4, 5, 6, 7])]
+    }
+}
+
+/// j·a.
+#[inline(always)]
+fn turned_back<R: Real>(a: Complex<R>) -> Complex<R> {
+    [-a[1], a[0]]
+}
+
+/// a·e^{−jπ/4}.
+#[inline(always)]
+fn eighth<R: Real>([re, im]: Complex<R>) -> Complex<R> {
+    let half_root = R::of(core::f64::consts::FRAC_1_SQRT_2);
+    [(re + im) * half_root, (im - re) * half_root]
+}
+
+/// a·e^{jπ/4}.
+#[inline(always)]
+fn eighth_back<R: Real>([re, im]: Complex<R>) -> Complex<R> {
+    let half_root = R::of(core::f64::consts::FRAC_1_SQRT_2);
+    [(re - im) * half_root, (re + im) * half_root]
 }
 
 /// Index of the first of the four values of a butterfly, with zeros where the quarters are counted, and its three
@@ -232,73 +261,71 @@ fn operands<R: Real, const N: usize>(circle: &[Complex<R>; N], at: usize, quarte
     (index, [circle[turn], circle[2 * turn], circle[3 * turn]])
 }
 
-/// Four butterflies of the radix-2 stage; true when they were the last.
+/// One slice of the radix-2 stage, four butterflies; the same in either direction.
 #[inline(always)]
-fn sums_and_differences<R: Real, const N: usize>(z: &mut [Complex<R>], at: usize) -> bool {
+pub(crate) fn twos_slice<R: Real, const N: usize>(z: &mut [R; N], at: usize) {
+    let z = z.as_chunks_mut::<2>().0;
     let first = (at << 3) & (N / 2 - 8);
     for i in [first, first | 2, first | 4, first | 6] {
         let (a, b) = (z[i], z[i | 1]);
         z[i] = add(a, b);
         z[i | 1] = sub(a, b);
     }
-    at + 1 >= N / 16
 }
 
-/// The spectrum of the product at two harmonics, in the scale of the multipliers (times [`AMPLITUDE_SCALE`]: cosine and
-/// negative sine amplitude).
-pub(crate) struct Pair<R> {
-    /// k, below or at M/2.
-    pub(crate) low: usize,
-    /// X(k).
-    pub(crate) at_low: Complex<R>,
-    /// M − k.
-    pub(crate) high: usize,
-    /// X(M − k).
-    pub(crate) at_high: Complex<R>,
-}
-
-/// One pair: spectrum of the real signal in `from`, times the multipliers, joined again into `to`.
-///
-/// Returns the product at both harmonics, and whether it was the last pair.
+/// One pair: the spectrum in `from` times the multipliers into `to`. Pairs are numbered downwards. [`without_mean`] follows
+/// the last.
 #[inline(always)]
 pub(crate) fn pair_slice<R: Real, const N: usize>(
     from: &[R; N],
     to: &mut [R; N],
     circle: &[Complex<R>; N],
     multipliers: &[R; N],
-    progress: &mut Progress,
-) -> (Pair<R>, bool) {
-    let (from, to, multipliers) = (from.as_chunks::<2>().0, to.as_chunks_mut::<2>().0, multipliers.as_chunks::<2>().0);
-    let half = N / 2;
-    let mask = half - 1;
-    let (i, partner) = (progress.at & mask, progress.partner & mask);
-    let k = (i.reverse_bits() >> (half.leading_zeros() + 1)) & mask;
-    let w = circle[k];
+    pairs: &mut Pairs,
+    at: usize,
+) {
+    let (from, to) = (from.as_chunks::<2>().0, to.as_chunks_mut::<2>().0);
+    let mask = N / 2 - 1;
+    let (i, partner) = (pairs.at & mask, pairs.partner & mask);
+    let [p_re, p_im, q_re, q_im] = multipliers.as_chunks::<4>().0[at & (N / 4 - 1)];
+    // c and −s.
+    let [c, s] = circle[harmonic::<N>(i)];
     let (a, b) = (from[i], conj(from[partner]));
-    let (even, odd) = (add(a, b), mul(turned(sub(a, b)), w));
-    let other = (half - k) & mask;
-    let low = mul(add(even, odd), multipliers[k]);
-    let high = mul(conj(sub(even, odd)), multipliers[other]);
-    let mirrored = conj(high);
-    let (even, odd) = (add(low, mirrored), mul_conj(sub(low, mirrored), w));
-    to[i] = [even[0] - odd[1], even[1] + odd[0]];
-    to[partner] = [even[0] + odd[1], odd[0] - even[1]];
-    let last = progress.next_pair::<N>();
-    if last {
-        // The mean is not in the product.
-        to[0] = [R::ZERO; 2];
-    }
-    (Pair { low: k, at_low: low, high: other, at_high: high }, last)
+    let x = [s * a[0] - c * b[1], s * a[1] + c * b[0]];
+    let y = [c * a[1] - s * b[0], c * a[0] + s * b[1]];
+    // Sums from left to right: a multiply-add each. The second is conjugate.
+    to[i] =
+        [p_re * a[0] - p_im * a[1] + q_re * x[0] - q_im * x[1], p_re * a[1] + p_im * a[0] + q_re * x[1] + q_im * x[0]];
+    to[partner] =
+        [p_re * b[0] - p_im * b[1] + q_re * y[0] + q_im * y[1], q_re * y[1] - p_re * b[1] - p_im * b[0] - q_im * y[0]];
+    pairs.next();
 }
 
-/// From the product in the scale of the multipliers to an amplitude: x contains a cos kθ − b sin kθ where this times X
-/// is `[a, b]`.
-pub(crate) const AMPLITUDE_SCALE: f64 = 2.0;
+/// After the pairs: the mean is not in the product.
+pub(crate) fn without_mean<R: Real, const N: usize>(z: &mut [R; N]) {
+    (z[0], z[1]) = (R::ZERO, R::ZERO);
+}
+
+/// The real signal's spectrum at harmonic k, 0 < k < M, from what the pair pass left, in the scale of the inverse (times
+/// [`AMPLITUDE_SCALE`]: cosine and negative sine amplitude).
+#[inline(always)]
+pub(crate) fn spectrum<R: Real, const N: usize>(z: &[R; N], circle: &[Complex<R>; N], k: usize) -> Complex<R> {
+    let z = z.as_chunks::<2>().0;
+    let mask = N / 2 - 1;
+    let (a, b) = (z[harmonic::<N>(k & mask)], conj(z[harmonic::<N>((N / 2 - k) & mask)]));
+    add(add(a, b), mul(turned(sub(a, b)), circle[k & mask]))
+}
+
+/// From the spectrum to an amplitude: x contains a cos kθ − b sin kθ where this times X is `[a, b]`.
+pub(crate) const AMPLITUDE_SCALE: f64 = 0.5;
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::vec::Vec;
+
+    /// Stages of radix 4 at most: 4096 points.
+    const STAGES: usize = 5;
 
     /// Multiplies a signal's spectrum slice by slice; returns the result, the spectrum seen in the pairs, and the slices.
     fn run<R: Real, const N: usize>(x: &[f64], of: impl Fn(usize) -> [f64; 2]) -> (Vec<f64>, Vec<[f64; 2]>, usize) {
@@ -308,28 +335,38 @@ mod tests {
         for (to, from) in z.iter_mut().zip(x) {
             *to = R::of(*from);
         }
-        let (mut slices, mut progress) = (1, Progress::forward());
-        while !forward_slice(&mut z, &circle, &mut progress) {
-            slices += 1;
-        }
-        let (mut out, mut spectrum) = ([R::ZERO; N], std::vec![[0.0; 2]; N / 2]);
-        let mut progress = Progress::pairs();
-        loop {
-            slices += 1;
-            let (pair, last) = pair_slice(&z, &mut out, &circle, &multipliers, &mut progress);
-            for (k, x) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
-                spectrum[k] = x.map(|part| part.to_f64() * AMPLITUDE_SCALE);
-            }
-            if last {
-                break;
+        let mut count = 0;
+        for stage in 0..STAGES {
+            for at in (0..slices::<N>(stage)).rev() {
+                forward_slice(&mut z, &circle, at, quarter::<N>(stage));
+                count += 1;
             }
         }
-        let mut progress = Progress::inverse::<N>();
-        slices += 1;
-        while !inverse_slice(&mut out, &circle, &mut progress) {
-            slices += 1;
+        for at in 0..slices_of_twos::<N>() {
+            twos_slice(&mut z, at);
+            count += 1;
         }
-        (out.iter().map(|x| x.to_f64()).collect(), spectrum, slices)
+        let (mut out, mut amplitudes) = ([R::ZERO; N], std::vec![[0.0; 2]; N / 2]);
+        let mut pairs = Pairs::START;
+        for at in (0..N / 4).rev() {
+            pair_slice(&z, &mut out, &circle, &multipliers, &mut pairs, at);
+            count += 1;
+        }
+        without_mean(&mut out);
+        for (k, amplitude) in amplitudes.iter_mut().enumerate().skip(1) {
+            *amplitude = spectrum(&out, &circle, k).map(|part| part.to_f64() * AMPLITUDE_SCALE);
+        }
+        for at in 0..slices_of_twos::<N>() {
+            twos_slice(&mut out, at);
+            count += 1;
+        }
+        for stage in (0..STAGES).rev() {
+            for at in 0..slices::<N>(stage) {
+                inverse_slice(&mut out, &circle, at, quarter::<N>(stage));
+                count += 1;
+            }
+        }
+        (out.iter().map(|x| x.to_f64()).collect(), amplitudes, count)
     }
 
     fn signal(n: usize) -> Vec<f64> {
@@ -374,7 +411,7 @@ mod tests {
         assert!(worst(&single, &truth) < 2e-6, "{N} {:e}", worst(&single, &truth));
         let half = N / 2;
         let (stages, left) = (half.ilog2() as usize / 2, half.ilog2() as usize % 2);
-        assert_eq!(slices, 2 * (half / 4 * stages + left * half / 8) + half / 2);
+        assert_eq!(slices, 2 * (half / 4 * (stages - 1) + (1 + left) * half / 8) + half / 2);
     }
 
     /// The whole of it against rustfft: largest difference over largest value.
@@ -396,6 +433,55 @@ mod tests {
         let (double, single) = (worst(&double, &truth) / largest, worst(&single, &truth) / largest);
         std::println!("{N:5} points: {double:.1e} in f64, {single:.1e} in f32 from rustfft");
         assert!(double < 1e-12 && single < 1e-5, "{N}: {double:e} {single:e}");
+    }
+
+    /// Every index but 0 is met once, with the partner that holds the mirrored harmonic; a butterfly's four values are
+    /// its own in every stage.
+    fn maps<const N: usize>() {
+        let half = N / 2;
+        let (mut met, mut pairs) = (std::vec![0; half], Pairs::START);
+        for _ in 0..N / 4 {
+            let (k, mirrored) = (harmonic::<N>(pairs.at), harmonic::<N>(pairs.partner));
+            assert_eq!((k + mirrored, k.reverse_bits() >> (half.leading_zeros() + 1)), (half, pairs.at), "{N}");
+            met[pairs.at] += 1;
+            met[pairs.partner] += usize::from(pairs.partner != pairs.at);
+            pairs.next();
+        }
+        assert_eq!(pairs.at, half, "{N}");
+        assert!(met[0] == 0 && met[1..].iter().all(|count| *count == 1), "{N}");
+        let circle = circle::<f64, N>();
+        let mut bits = half.trailing_zeros();
+        for stage in (0..STAGES).filter(|stage| slices::<N>(*stage) > 0) {
+            let (quarter, mut met) = (quarter::<N>(stage), std::vec![0; half]);
+            for (at, (_, indices)) in (0..slices::<N>(stage))
+                .flat_map(|at| pairs_of_butterflies(quarter).map(|butterfly| (at, butterfly)))
+                .filter(|_| quarter <= 2)
+            {
+                indices.iter().for_each(|index| met[8 * at + index] += 1);
+            }
+            for at in (0..slices::<N>(stage)).filter(|_| quarter > 2) {
+                let (i, [w1, w2, w3]) = operands(&circle, at, quarter);
+                (0..4).for_each(|part| met[i | (part * quarter)] += 1);
+                let angle = -TAU * (i % quarter) as f64 / (4 * quarter) as f64;
+                for (power, w) in [(1.0, w1), (2.0, w2), (3.0, w3)] {
+                    assert!(worst(&w, &[(power * angle).cos(), (power * angle).sin()]) < 1e-14, "{N} {stage} {at}");
+                }
+            }
+            assert!(met.iter().all(|count| *count == 1), "{N} {stage}");
+            bits -= 2;
+        }
+        assert_eq!(bits == 1, slices_of_twos::<N>() > 0, "{N}");
+    }
+
+    #[test]
+    fn all_indices_are_met_once() {
+        maps::<64>();
+        maps::<128>();
+        maps::<256>();
+        maps::<512>();
+        maps::<1024>();
+        maps::<2048>();
+        maps::<4096>();
     }
 
     #[test]

@@ -13,10 +13,10 @@ use super::arm_angle;
 use super::filter;
 use super::flags::GaugeFlags;
 use super::infeed::Infeed;
-use super::motion::{ErrorMotion, Motion};
+use super::motion::{Bundle, Direction, ErrorMotion, gather};
 use super::settings::GaugeSettings;
 use super::transform::{
-    AMPLITUDE_SCALE, Complex, Progress, circle, forward_slice, inverse_slice, multipliers, pair_slice,
+    AMPLITUDE_SCALE, Complex, Pairs, circle, multipliers, pair_slice, slices, slices_of_twos, spectrum, without_mean,
 };
 use crate::real::Real;
 
@@ -57,16 +57,36 @@ pub(super) enum Use {
     Filtered,
 }
 
+/// Every stage of a transform is a task, so that its distances are constants of a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Task {
     Idle,
-    Forward,
-    Spread(Use),
-    Inverse(Use),
+    Forward0,
+    Forward1,
+    Forward2,
+    Forward3,
+    Forward4,
+    ForwardTwos,
+    SpreadShifted,
+    SpreadProfile,
+    SpreadInfeed,
+    SpreadFiltered,
+    /// Amplitudes of the profile.
+    Harmonics,
+    InverseTwos,
+    Inverse4,
+    Inverse3,
+    Inverse2,
+    Inverse1,
+    Inverse0,
     Arm,
     Orbit,
+    /// Before, between and after the two passes over a full window, a slice each.
+    Open,
     Evaluate,
+    Scale,
     Express,
+    Close,
     Judge,
     Commit,
     Clear,
@@ -75,8 +95,6 @@ pub(super) enum Task {
     Linkage,
     /// The drift of the radius out of the weighted sum.
     Level,
-    /// From one task to the next: a slice of its own.
-    Switch,
 }
 
 /// Immutable: multipliers of the four uses, and constants.
@@ -87,10 +105,10 @@ pub(super) struct Plan<R, const N: usize> {
     pub(super) shifted: Option<[R; N]>,
     pub(super) infeed: Option<[R; N]>,
     pub(super) filtered: Option<[R; N]>,
-    /// φ2 in whole slots, where it has not a transform of its own.
+    /// Buffer with the profile as probe 2 sees it: one of its own, or the profile itself, φ2 in whole slots further on.
+    ahead: usize,
     slots: usize,
-    cos2: R,
-    sin2: R,
+    cot2: R,
     per_sin2: R,
     pub(super) has_arm: bool,
     /// λ of the arm as set.
@@ -132,11 +150,14 @@ impl<R: Real> Outcome<R> {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Work<R, const N: usize> {
-    progress: Progress,
-    at: usize,
+    /// Slices of the task that are left.
+    pub(super) left: usize,
+    pairs: Pairs,
+    /// Buffer in which the inverse goes on: 0 the profile, 1 the other.
+    into: usize,
     pub(super) task: Task,
-    /// The task that has just been done.
-    done: Task,
+    /// Use of the spectrum that is being worked out.
+    of: Use,
     /// Revolutions in the window of the motion so far.
     pub(super) gathered: u16,
     /// λ of the arm, where the wheel's radius has been set since, and that for which the linkage holds.
@@ -153,16 +174,19 @@ pub(super) struct Work<R, const N: usize> {
     limited_for: u8,
     /// Change of the weighted sum in a revolution.
     drift: R,
-    /// Mean radius and its change in a revolution, against the probes' zeros, µm.
+    /// Radius at the first point and its change from point to point, against the probes' zeros, µm.
     radius: [R; 2],
+    /// Motion along X and Y, over all points.
+    directions: [Direction<R>; 2],
     /// Error motions along X and Y over the last full window, and its revolutions.
     pub(super) error_motion: [ErrorMotion<R>; 2],
     pub(super) window: u16,
     /// Spectrum of the profile, in the scale of the multipliers.
     harmonics: [Complex<R>; HARMONICS],
-    pub(super) profile: [R; N],
-    other: [R; N],
-    motion: [Motion<R, N>; 2],
+    /// The profile, and what another use of the spectrum gives.
+    buffers: [[R; N]; 2],
+    /// X and Y of the motion at every point, over the revolutions of the window.
+    bundles: [[Bundle<R>; 2]; N],
     pub(super) correction: [R; N],
     /// [cos β − 1, sin β] at every point: all zero is an arm that stands still.
     linkage: [Complex<R>; N],
@@ -205,8 +229,8 @@ impl<R: Real, const N: usize> Plan<R, N> {
                 .filter
                 .map(|cut_off| multipliers(|k| quotient(k).map(|part| part * filter::transmission(k, cut_off)))),
             slots: gain.slots().map_or(0, |[p, _]| p),
-            cos2: R::of(cos2),
-            sin2: R::of(sin2),
+            ahead: usize::from(gain.slots().is_none()),
+            cot2: R::of(cos2 / sin2),
             per_sin2: R::of(1.0 / sin2),
             has_arm: settings.arm.is_some(),
             ratio: R::of(settings.arm.and_then(|arm| arm.lengths.ratio().ok()).unwrap_or(0.0)),
@@ -218,39 +242,113 @@ impl<R: Real, const N: usize> Plan<R, N> {
         }
     }
 
-    pub(super) fn multipliers(&self, of: Use) -> &[R; N] {
-        let table = match of {
-            Use::Profile => None,
-            Use::Shifted => self.shifted.as_ref(),
-            Use::Infeed => self.infeed.as_ref(),
-            Use::Filtered => self.filtered.as_ref(),
-        };
-        table.unwrap_or(&self.profile)
-    }
-
-    /// The task that comes after the one just done.
-    #[inline(always)]
-    fn next(&self, work: &Work<R, N>) -> Task {
-        let window_is_full = work.gathered >= self.revolutions;
-        match work.done {
+    /// The task that comes after the one just done, and the use of the spectrum for which it is.
+    fn next(&self, work: &Work<R, N>) -> (Task, Use) {
+        let task = match work.task {
             Task::Linkage if work.drift != R::ZERO => Task::Level,
-            Task::Linkage | Task::Level => Task::Forward,
-            Task::Forward if self.shifted.is_some() => Task::Spread(Use::Shifted),
-            Task::Forward | Task::Inverse(Use::Shifted) => Task::Spread(Use::Profile),
-            Task::Spread(of) => Task::Inverse(of),
-            Task::Inverse(Use::Profile) if self.has_arm => Task::Arm,
-            Task::Inverse(Use::Profile) | Task::Arm => Task::Orbit,
-            Task::Orbit if window_is_full => Task::Evaluate,
-            Task::Evaluate => Task::Express,
-            Task::Orbit | Task::Express if self.infeed.is_some() => Task::Spread(Use::Infeed),
-            Task::Inverse(Use::Infeed) => Task::Judge,
+            Task::Linkage | Task::Level => Task::Forward0,
+            Task::SpreadProfile => Task::Harmonics,
+            Task::Inverse0 => match work.of {
+                Use::Shifted => return Use::Profile.spread(),
+                Use::Profile if self.has_arm => Task::Arm,
+                Use::Profile => Task::Orbit,
+                Use::Infeed => Task::Judge,
+                Use::Filtered => Task::Range,
+            },
+            Task::Arm => Task::Orbit,
+            Task::Orbit if work.gathered >= self.revolutions => Task::Open,
+            Task::Open => Task::Evaluate,
+            Task::Evaluate => Task::Scale,
+            Task::Scale => Task::Express,
+            Task::Express => Task::Close,
+            Task::Orbit | Task::Close if self.infeed.is_some() => return Use::Infeed.spread(),
             Task::Judge if !work.result.flags.has(GaugeFlags::INFEED_FROZEN) || work.gives_way() => Task::Commit,
-            Task::Orbit | Task::Express | Task::Judge | Task::Commit if self.filtered.is_some() => {
-                Task::Spread(Use::Filtered)
+            Task::Orbit | Task::Close | Task::Judge | Task::Commit if self.filtered.is_some() => {
+                return Use::Filtered.spread();
             }
-            Task::Orbit | Task::Express | Task::Judge | Task::Commit | Task::Inverse(Use::Filtered) => Task::Range,
-            Task::Range | Task::Clear | Task::Idle | Task::Switch => Task::Idle,
+            Task::Orbit | Task::Close | Task::Judge | Task::Commit => Task::Range,
+            Task::Range | Task::Clear | Task::Idle => Task::Idle,
+            of_transform => match following::<N>(of_transform) {
+                Some(task) => task,
+                None if self.shifted.is_some() => return Use::Shifted.spread(),
+                None => return Use::Profile.spread(),
+            },
+        };
+        (task, work.of)
+    }
+}
+
+/// The stage of a transform that follows a stage or a pair pass; none behind the last of the forward transform.
+const fn following<const N: usize>(task: Task) -> Option<Task> {
+    match task {
+        Task::Forward0 => const { first_of::<N>(&FORWARD, 1) },
+        Task::Forward1 => const { first_of::<N>(&FORWARD, 2) },
+        Task::Forward2 => const { first_of::<N>(&FORWARD, 3) },
+        Task::Forward3 => const { first_of::<N>(&FORWARD, 4) },
+        Task::Forward4 => const { first_of::<N>(&FORWARD, 5) },
+        Task::ForwardTwos => None,
+        Task::InverseTwos => const { first_of::<N>(&INVERSE, 1) },
+        Task::Inverse4 => const { first_of::<N>(&INVERSE, 2) },
+        Task::Inverse3 => const { first_of::<N>(&INVERSE, 3) },
+        Task::Inverse2 => const { first_of::<N>(&INVERSE, 4) },
+        Task::Inverse1 => const { first_of::<N>(&INVERSE, 5) },
+        _ => const { first_of::<N>(&INVERSE, 0) },
+    }
+}
+
+/// The first of some stages, from an index on, that N points have.
+const fn first_of<const N: usize>(stages: &[(Task, Stage); 6], mut index: usize) -> Option<Task> {
+    while index < stages.len() {
+        let (task, stage) = stages[index];
+        let slices = match stage {
+            Stage::Four(stage) => slices::<N>(stage),
+            Stage::Two => slices_of_twos::<N>(),
+        };
+        if slices > 0 {
+            return Some(task);
         }
+        index += 1;
+    }
+    None
+}
+
+/// A stage of a transform: one of radix 4, or that of radix 2.
+#[derive(Clone, Copy, Debug)]
+enum Stage {
+    Four(usize),
+    Two,
+}
+
+/// The forward transform's stages in their order.
+const FORWARD: [(Task, Stage); 6] = [
+    (Task::Forward0, Stage::Four(0)),
+    (Task::Forward1, Stage::Four(1)),
+    (Task::Forward2, Stage::Four(2)),
+    (Task::Forward3, Stage::Four(3)),
+    (Task::Forward4, Stage::Four(4)),
+    (Task::ForwardTwos, Stage::Two),
+];
+
+/// The inverse transform's stages in their order.
+const INVERSE: [(Task, Stage); 6] = [
+    (Task::InverseTwos, Stage::Two),
+    (Task::Inverse4, Stage::Four(4)),
+    (Task::Inverse3, Stage::Four(3)),
+    (Task::Inverse2, Stage::Four(2)),
+    (Task::Inverse1, Stage::Four(1)),
+    (Task::Inverse0, Stage::Four(0)),
+];
+
+impl Use {
+    /// The pair pass for a use.
+    const fn spread(self) -> (Task, Use) {
+        let task = match self {
+            Use::Shifted => Task::SpreadShifted,
+            Use::Profile => Task::SpreadProfile,
+            Use::Infeed => Task::SpreadInfeed,
+            Use::Filtered => Task::SpreadFiltered,
+        };
+        (task, self)
     }
 }
 
@@ -258,13 +356,14 @@ impl<R: Real, const N: usize> Work<R, N> {
     pub(super) const fn new() -> Self {
         Work {
             task: Task::Idle,
-            done: Task::Idle,
-            progress: Progress::NONE,
-            at: 0,
-            profile: [R::ZERO; N],
-            other: [R::ZERO; N],
+            left: 0,
+            pairs: Pairs::NONE,
+            into: 0,
+            of: Use::Shifted,
+            buffers: [[R::ZERO; N]; 2],
             harmonics: [[R::ZERO; 2]; HARMONICS],
-            motion: [Motion::new(), Motion::new()],
+            bundles: [[[R::ZERO; 3]; 2]; N],
+            directions: [Direction::NEW; 2],
             gathered: 0,
             correction: [R::ZERO; N],
             range: [R::ZERO; 2],
@@ -295,7 +394,8 @@ impl<R: Real, const N: usize> Work<R, N> {
     /// A new part: drops what is being worked on and sets the correction to zero.
     #[cold]
     pub(super) fn clear(&mut self) {
-        (self.task, self.at, self.gathered, self.clear) = (Task::Clear, 0, 0, true);
+        self.start(Task::Clear);
+        (self.gathered, self.clear) = (0, true);
         (self.error_motion, self.window) = ([ErrorMotion::NONE; 2], 0);
     }
 
@@ -308,13 +408,15 @@ impl<R: Real, const N: usize> Work<R, N> {
         } else if drift != R::ZERO {
             Task::Level
         } else {
-            Task::Forward
+            Task::Forward0
         };
         self.drift = drift;
-        self.radius = [mean * plan.per_mean, drift * plan.per_mean];
+        // From the first point on; the mean is that of the middle.
+        let step = drift * plan.per_mean * R::of(1.0 / N as f64);
+        self.radius = [mean * plan.per_mean - step * R::of((N as f64 - 1.0) / 2.0), step];
         self.limited_for = if limited { self.limited_for.saturating_add(1) } else { 0 };
         self.linking = self.ratio(plan);
-        (self.task, self.progress, self.at) = (first, Progress::forward(), 0);
+        self.start(first);
         self.result = Outcome { revolution, flags, ..Outcome::NONE };
     }
 
@@ -329,16 +431,30 @@ impl<R: Real, const N: usize> Work<R, N> {
         [re * R::of(AMPLITUDE_SCALE), im * R::of(-AMPLITUDE_SCALE)]
     }
 
-    /// The last slice of a task.
+    /// The profile.
+    pub(super) fn profile(&self) -> &[R; N] {
+        &self.buffers[0]
+    }
+
+    /// Before the first slice of a task.
     #[inline(always)]
-    pub(super) fn end(&mut self) {
-        (self.done, self.task) = (self.task, Task::Switch);
+    fn start(&mut self, task: Task) {
+        (self.task, self.left) = (task, Plan::<R, N>::slices_of(task));
+    }
+
+    /// The buffer in which an inverse goes on.
+    #[inline(always)]
+    pub(super) fn buffer(&mut self) -> &mut [R; N] {
+        &mut self.buffers[self.into & 1]
     }
 
     /// From one task to the next; true when the result stands.
     #[inline(always)]
-    pub(super) fn finish(&mut self, plan: &Plan<R, N>) -> bool {
-        let finished = self.done;
+    pub(super) fn finish(&mut self, plan: &Plan<R, N>, infeed: Option<&Infeed<R>>) -> bool {
+        let finished = self.task;
+        if finished == Task::Judge && infeed.is_some_and(|infeed| self.worst > infeed.limit) {
+            self.result.flags.set(GaugeFlags::INFEED_FROZEN);
+        }
         match finished {
             Task::Arm if self.worst > plan.arm_tolerance => {
                 self.result.flags.set(GaugeFlags::ARM);
@@ -347,76 +463,79 @@ impl<R: Real, const N: usize> Work<R, N> {
             // A motion by a linkage that is contradicted says nothing: the window begins anew.
             Task::Orbit if self.result.flags.has(GaugeFlags::ARM) => self.gathered = 0,
             Task::Orbit => self.gathered = self.gathered.saturating_add(1),
-            Task::Evaluate => self.motion.iter_mut().for_each(Motion::express),
-            Task::Express => {
-                for (to, motion) in self.error_motion.iter_mut().zip(&self.motion) {
-                    *to = motion.result();
-                }
-                self.window = self.gathered;
-            }
             Task::Clear => (self.clear, self.limited_for) = (false, 0),
             Task::Judge if self.gives_way() => self.result.flags.set(GaugeFlags::INFEED_REDUCED),
             Task::Linkage => self.linked = self.linking,
+            Task::SpreadShifted | Task::SpreadProfile | Task::SpreadInfeed | Task::SpreadFiltered => {
+                without_mean(self.buffer());
+            }
+            Task::Range => {
+                let [low, high] = self.range;
+                self.result.peak_to_valley_um = high - low;
+            }
             _ => {}
         }
-        self.task = plan.next(self);
-        if finished == Task::Express {
-            self.gathered = 0;
-        }
-        self.at = 0;
+        let (task, of) = plan.next(self);
+        self.start(task);
+        self.of = of;
         self.worst = R::ZERO;
         self.range = [R::MAX, -R::MAX];
-        self.progress = match self.task {
-            Task::Forward => Progress::forward(),
-            Task::Inverse(_) => Progress::inverse::<N>(),
-            _ => Progress::pairs(),
-        };
-        if self.task == Task::Evaluate {
-            self.motion.iter_mut().for_each(Motion::begin);
-        }
+        self.pairs = Pairs::START;
+        self.into = usize::from(self.of != Use::Profile);
         finished == Task::Range
     }
 
-    /// One slice of the forward transform.
+    /// One pair of the profile.
     #[inline(always)]
-    pub(super) fn forward(&mut self, plan: &Plan<R, N>, sum: &mut [R; N]) -> bool {
-        forward_slice(sum, &plan.circle, &mut self.progress)
-    }
-
-    /// One slice of an inverse transform.
-    #[inline(always)]
-    pub(super) fn inverse(&mut self, plan: &Plan<R, N>, of: Use) -> bool {
-        let z = if of == Use::Profile { &mut self.profile } else { &mut self.other };
-        inverse_slice(z, &plan.circle, &mut self.progress)
-    }
-
-    /// One pair of the profile; its harmonics are kept.
-    #[inline(always)]
-    pub(super) fn spread_profile(&mut self, plan: &Plan<R, N>, spectrum: &[R; N]) -> bool {
-        let (pair, last) = pair_slice(spectrum, &mut self.profile, &plan.circle, &plan.profile, &mut self.progress);
-        for (k, [re, im]) in [(pair.low, pair.at_low), (pair.high, pair.at_high)] {
-            if let Some(amplitude) = self.harmonics.get_mut(k) {
-                *amplitude = [re, im];
-            }
-        }
-        last
+    pub(super) fn spread_profile(&mut self, plan: &Plan<R, N>, sum: &[R; N], at: usize) {
+        let [profile, _] = &mut self.buffers;
+        pair_slice(sum, profile, &plan.circle, &plan.profile, &mut self.pairs, at);
     }
 
     /// One pair, for another use.
     #[inline(always)]
-    pub(super) fn spread(&mut self, plan: &Plan<R, N>, spectrum: &[R; N], multipliers: &[R; N]) -> bool {
-        pair_slice(spectrum, &mut self.other, &plan.circle, multipliers, &mut self.progress).1
+    pub(super) fn spread(&mut self, plan: &Plan<R, N>, sum: &[R; N], multipliers: Option<&[R; N]>, at: usize) {
+        if let ([_, other], Some(multipliers)) = (&mut self.buffers, multipliers) {
+            pair_slice(sum, other, &plan.circle, multipliers, &mut self.pairs, at);
+        }
+    }
+
+    /// One amplitude of the profile.
+    #[inline(always)]
+    pub(super) fn keep_harmonic(&mut self, plan: &Plan<R, N>, at: usize) {
+        let k = at + 1;
+        let [profile, _] = &self.buffers;
+        if let Some(kept) = self.harmonics.get_mut(k) {
+            *kept = spectrum(profile, &plan.circle, k);
+        }
+    }
+
+    /// Harmonics that are kept, without the mean.
+    pub(super) const AMPLITUDES: usize = if HARMONICS < N / 2 { HARMONICS - 1 } else { N / 2 - 1 };
+
+    /// Before the first pass over a full window.
+    pub(super) fn open(&mut self) {
+        self.directions.iter_mut().for_each(Direction::begin);
+    }
+
+    /// Between the passes.
+    pub(super) fn scale(&mut self) {
+        self.directions.iter_mut().for_each(|direction| direction.express(N));
+    }
+
+    /// After the passes.
+    pub(super) fn close(&mut self) {
+        self.error_motion = self.directions.map(|direction| direction.result());
+        (self.window, self.gathered) = (self.gathered, 0);
     }
 
     /// Takes a steady change of the radius out of the weighted sum: it is no harmonic, but would look like all of them.
     #[inline(always)]
-    pub(super) fn level(&mut self, sum: &mut [R; N]) -> bool {
+    pub(super) fn level(&mut self, sum: &mut [R; N], at: usize) {
         for i in 0..POINTS_PER_SLICE {
-            let n = (self.at + i) & (N - 1);
+            let n = (POINTS_PER_SLICE * at + i) & (N - 1);
             sum[n] -= self.drift * Self::turned(n);
         }
-        self.at += POINTS_PER_SLICE;
-        self.at >= N
     }
 
     /// Fraction of the revolution at a point, from its middle.
@@ -427,13 +546,11 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// β at one point.
     #[inline(always)]
-    pub(super) fn link(&mut self, plan: &Plan<R, N>) -> bool {
-        let n = self.at & (N - 1);
+    pub(super) fn link(&mut self, plan: &Plan<R, N>, at: usize) {
+        let n = at & (N - 1);
         let [cos, sin] = plan.circle[n];
         let [cos, sin] = arm_angle(self.linking, [cos, -sin]);
         self.linkage[n] = [cos - R::ONE, sin];
-        self.at = n + 1;
-        self.at >= N
     }
 
     /// λ of the arm, as the wheel is now.
@@ -450,117 +567,93 @@ impl<R: Real, const N: usize> Work<R, N> {
 
     /// sin β of the reading against sin β of the linkage, at one of the points compared.
     #[inline(always)]
-    pub(super) fn compare_arm(&mut self, revolution: &Revolution<R, N>) -> bool {
-        let at = self.at & (ARM_CHECKS - 1);
+    pub(super) fn compare_arm(&mut self, revolution: &Revolution<R, N>, at: usize) {
+        let at = at & (ARM_CHECKS - 1);
         let [_, expected] = self.linkage[(at * (N / ARM_CHECKS)) & (N - 1)];
         let beta = R::of_i32(revolution.beta[at]) * R::of(core::f64::consts::TAU / 4_294_967_296.0);
         let square = beta * beta;
         let found = beta
             * (R::ONE - square * (R::of(1.0 / 6.0) - square * (R::of(1.0 / 120.0) - square * R::of(1.0 / 5040.0))));
         self.worst = R::max((found - expected).abs(), self.worst);
-        self.at = at + 1;
-        self.at >= ARM_CHECKS
     }
 
     /// Motion of the centre at one point; it joins those of the window.
+    ///
+    /// With t = (h2 − r(θ + φ2) − cos φ2 (h1 − r(θ)))/sin φ2: R_X = t cos β + (h1 − r) sin β, R_Y = (h1 − r) cos β − t sin β.
     #[inline(always)]
-    pub(super) fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>) -> bool {
-        let n = self.at & (N - 1);
+    pub(super) fn orbit(&mut self, plan: &Plan<R, N>, revolution: &mut Revolution<R, N>, at: usize) {
+        let n = at & (N - 1);
         let [less, sin] = self.linkage[n];
         let cos = less + R::ONE;
-        let ahead = match plan.shifted {
-            Some(_) => self.other[n],
-            None => self.profile[(n + plan.slots) & (N - 1)],
-        };
-        let [mean, drift] = self.radius;
-        let radius = mean + drift * Self::turned(n);
-        let first = revolution.first[n] - self.profile[n] - radius;
+        let ahead = self.buffers[plan.ahead & 1][(n + plan.slots) & (N - 1)];
+        let [begin, step] = self.radius;
+        let radius = begin + R::of_i32(n as i32) * step;
+        let first = revolution.first[n] - self.buffers[0][n] - radius;
         let second = revolution.second[n] - ahead - radius;
-        let cos2 = plan.cos2 * cos - plan.sin2 * sin;
-        let sin2 = plan.sin2 * cos + plan.cos2 * sin;
-        let x = (cos * second - cos2 * first) * plan.per_sin2;
-        let y = (sin2 * first - sin * second) * plan.per_sin2;
+        let across = second * plan.per_sin2 - first * plan.cot2;
+        let x = cos * across + sin * first;
+        let y = cos * first - sin * across;
         (revolution.first[n], revolution.second[n]) = (x, y);
         let begins = self.gathered == 0;
-        let [of_x, of_y] = &mut self.motion;
-        of_x.add(n, x, begins);
-        of_y.add(n, y, begins);
-        self.at = n + 1;
-        self.at >= N
+        let [of_x, of_y] = &mut self.bundles[n];
+        (*of_x, *of_y) = (gather(*of_x, x, begins), gather(*of_y, y, begins));
     }
 
     #[inline(always)]
-    pub(super) fn evaluate(&mut self, plan: &Plan<R, N>) -> bool {
-        let n = self.at & (N - 1);
+    pub(super) fn evaluate(&mut self, plan: &Plan<R, N>, at: usize) {
+        let n = at & (N - 1);
         let [cos, sin] = plan.circle[n];
-        for motion in &mut self.motion {
-            motion.evaluate(n, [cos, -sin], plan.per_revolutions);
+        for (direction, bundle) in self.directions.iter_mut().zip(&mut self.bundles[n]) {
+            direction.evaluate(bundle, [cos, -sin], plan.per_revolutions);
         }
-        self.at = n + 1;
-        self.at >= N
     }
 
     #[inline(always)]
-    pub(super) fn express(&mut self, plan: &Plan<R, N>) -> bool {
-        let n = self.at & (N - 1);
+    pub(super) fn express(&mut self, plan: &Plan<R, N>, at: usize) {
+        let n = at & (N - 1);
         let [cos, sin] = plan.circle[n];
-        for motion in &mut self.motion {
-            motion.range(n, [cos, -sin]);
+        for (direction, bundle) in self.directions.iter_mut().zip(&self.bundles[n]) {
+            direction.range(*bundle, [cos, -sin]);
         }
-        self.at = n + 1;
-        self.at >= N
     }
 
     /// Largest value that the correction would reach.
     #[inline(always)]
-    pub(super) fn judge(&mut self, infeed: Option<&Infeed<R>>) -> bool {
-        let Some(infeed) = infeed else { return true };
+    pub(super) fn judge(&mut self, infeed: Option<&Infeed<R>>, at: usize) {
+        let Some(infeed) = infeed else { return };
         for i in 0..POINTS_PER_SLICE {
-            let n = (self.at + i) & (N - 1);
-            self.worst = R::max((self.correction[n] + infeed.gain * self.other[n]).abs(), self.worst);
+            let n = (POINTS_PER_SLICE * at + i) & (N - 1);
+            self.worst = R::max((self.correction[n] + infeed.gain * self.buffers[1][n]).abs(), self.worst);
         }
-        self.at += POINTS_PER_SLICE;
-        let done = self.at >= N;
-        if done && self.worst > infeed.limit {
-            self.result.flags.set(GaugeFlags::INFEED_FROZEN);
-        }
-        done
     }
 
     #[inline(always)]
-    pub(super) fn commit(&mut self, infeed: Option<&Infeed<R>>) -> bool {
-        let Some(infeed) = infeed else { return true };
+    pub(super) fn commit(&mut self, infeed: Option<&Infeed<R>>, at: usize) {
+        let Some(infeed) = infeed else { return };
         let (keep, gain) = if self.gives_way() { (R::ONE - infeed.gain, R::ZERO) } else { (R::ONE, infeed.gain) };
         for i in 0..POINTS_PER_SLICE {
-            let n = (self.at + i) & (N - 1);
-            self.correction[n] = keep * self.correction[n] + gain * self.other[n];
+            let n = (POINTS_PER_SLICE * at + i) & (N - 1);
+            self.correction[n] = keep * self.correction[n] + gain * self.buffers[1][n];
         }
-        self.at += POINTS_PER_SLICE;
-        self.at >= N
     }
 
     #[inline(always)]
-    pub(super) fn zero(&mut self) -> bool {
+    pub(super) fn zero(&mut self, at: usize) {
         for i in 0..POINTS_PER_SLICE {
-            self.correction[(self.at + i) & (N - 1)] = R::ZERO;
+            self.correction[(POINTS_PER_SLICE * at + i) & (N - 1)] = R::ZERO;
         }
-        self.at += POINTS_PER_SLICE;
-        self.at >= N
     }
 
     /// Peak to valley about the least-squares circle: mean and first harmonic are not in the profile.
     #[inline(always)]
-    pub(super) fn measure(&mut self, plan: &Plan<R, N>) -> bool {
-        let profile = if plan.filtered.is_some() { &self.other } else { &self.profile };
+    pub(super) fn measure(&mut self, plan: &Plan<R, N>, at: usize) {
+        let profile = &self.buffers[usize::from(plan.filtered.is_some())];
         let [mut low, mut high] = self.range;
         for i in 0..POINTS_PER_SLICE {
-            let value = profile[(self.at + i) & (N - 1)];
+            let value = profile[(POINTS_PER_SLICE * at + i) & (N - 1)];
             low = R::min(value, low);
             high = R::max(value, high);
         }
         self.range = [low, high];
-        self.result.peak_to_valley_um = high - low;
-        self.at += POINTS_PER_SLICE;
-        self.at >= N
     }
 }

@@ -4,15 +4,18 @@
 
 use super::ServoLoop;
 use crate::axis::{AXES, Axis};
-use crate::compensation::{self, Compensation};
+use crate::compensation::{self, Compensation, Tables};
 use crate::contour::{ContourSearch, Method};
 use crate::error::{ConfigError, Field};
-use crate::machine::{AxisOrder, MachineSettings, Rows};
+use crate::machine::{AxisOrder, AxisSettings, MachineSettings, Rows};
 use crate::output::OutputStage;
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::Sampler;
 use crate::tcomp::Tcomp;
+
+/// A drive within this share of its band has not turned, whatever the rounding of the comparison in the step's scalar.
+const WITHIN: f64 = 1.0 - 1e-6;
 
 /// Settings of a servo loop, for a host that wants others than [`ServoLoop::load`] takes.
 #[derive(Clone, Copy, Debug)]
@@ -61,16 +64,27 @@ impl<'m> Config<'m> {
         }
         crate::check::settings(self.machine)?;
         let order = AxisOrder::of(self.machine)?;
-        let bands = order.settings(self.machine).map(|settings| R::of(settings.map_or(0.0, |s| s.hysteresis)));
+        let bands = order.settings(self.machine).map(|settings| settings.map_or(0.0, |s| s.hysteresis));
         let compensation = Compensation::build_in(&order, self.machine, &rows, self.inverse_passes, memory)?;
         crate::check::reversal(self.machine, &rows)?;
+        let period_s = f64::from(self.period_ns) * 1e-9;
+        let in_a_cycle = |per_s: fn(&AxisSettings) -> f64| {
+            let squares = self.machine.axes.iter().map(|axis| per_s(axis) * period_s * per_s(axis) * period_s);
+            libm::sqrt(squares.sum())
+        };
+        let motion = self.machine.faults.command_jump_factor * in_a_cycle(|axis| axis.max_feed_per_s);
+        let norm = crate::check::jacobian_norm(self.machine, &rows);
+        let changes = [motion, in_a_cycle(|axis| axis.limits.slope_per_s)];
+        let tables = Tables::new(compensation.nine_terms(), norm, changes, self.inverse_passes);
         Ok(ServoLoop {
             order,
             sampler: Sampler::new(&order, self.machine, self.period_ns),
             compensation,
-            bands,
+            tables,
+            bands: bands.map(R::of),
+            within: bands.map(|band| P::reach(band * WITHIN)),
             search: ContourSearch::new(self.machine.contour.max_lag_mm, self.method)?,
-            output: OutputStage::new(&order, self.machine, f64::from(self.period_ns) * 1e-9)?,
+            output: OutputStage::new(&order, self.machine, period_s)?,
             machine_id: self.machine_id,
             tables_crc: self.tables_crc,
             period_ns: self.period_ns,

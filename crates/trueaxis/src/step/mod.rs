@@ -19,11 +19,11 @@ pub use state::{Output, Stage, State};
 pub use stateless::Conditions;
 
 use crate::compensation::volumetric::Kept;
-use crate::compensation::{Compensation, Reversal, ThermalLine};
+use crate::compensation::{Cells, Compensation, Reversal, Tables, ThermalLine};
 use crate::contour::{ContourSearch, PairState};
 use crate::error::Fault;
 use crate::machine::AxisOrder;
-use crate::output::{Applied, OutputStage, OutputState};
+use crate::output::{Applied, Outlets, OutputStage, OutputState};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Input, Sample, SampleState, Sampler, Verdict};
@@ -39,7 +39,10 @@ pub struct ServoLoop<'a, R, P: Position, const N: usize> {
     order: AxisOrder<N>,
     sampler: Sampler<R, P, N>,
     compensation: Compensation<'a, R, P, N>,
+    tables: Tables<R, P>,
     bands: [R; N],
+    /// The same in steps, rounded down.
+    within: [P::Reach; N],
     search: ContourSearch<R>,
     output: OutputStage<R, P, N>,
     machine_id: u32,
@@ -55,6 +58,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             reversal: [Reversal::default(); N],
             homed: false,
             thermal: [ThermalLine::default(); N],
+            cells: Cells::none(),
             poses: Kept::nothing(),
             feet: PairState::default(),
             output: OutputState::new(),
@@ -186,10 +190,12 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         watch(Stage::Compensation);
         measure.measure(self, state, sample, &modelled, &mut output.record);
         watch(Stage::Contour);
-        let applied = self.output.apply(&mut state.output, sample, &modelled.wanted, output);
+        let Output { drive, feedback, record } = output;
+        let outlets = Outlets { drive, feedback, correction: &mut record.correction };
+        let applied = self.output.apply(&mut state.output, sample, &modelled.wanted, outlets);
         self.settle(state, sample, applied, measure);
         watch(Stage::Output);
-        self.record(state, sample, modelled.at_edge, applied, &mut output.record);
+        self.record(state, sample, modelled.at_edge, applied, record);
         watch(Stage::Telemetry);
     }
 

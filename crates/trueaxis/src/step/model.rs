@@ -4,11 +4,14 @@
 
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
-use crate::compensation::{Direction, Query, Reversal};
+use crate::compensation::{Direction, NineTerms, Query, Reversal, Source};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
 use crate::vector::V3;
+
+/// Cells filled in one cycle; others that have been left are looked up without.
+const REFILLS: u32 = 2;
 
 /// Result of the tables in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -20,21 +23,118 @@ pub(super) struct Modelled<R, const N: usize> {
     pub(super) at_edge: u8,
 }
 
+impl<R: Real, const N: usize> Modelled<R, N> {
+    const NOTHING: Self = Modelled { wanted: [R::ZERO; N], tip_error: [R::ZERO; N], tilt: V3::ZERO, at_edge: 0 };
+
+    /// From the errors where the drives stand and at the feedback; rotary axes have none.
+    #[inline(always)]
+    fn of_errors([at_drives, at_feedback]: [[R; 3]; 2], at_edge: u8) -> Self {
+        let mut modelled = Modelled { at_edge, ..Self::NOTHING };
+        for ((wanted, tip), (drive, feedback)) in
+            modelled.wanted.iter_mut().zip(&mut modelled.tip_error).zip(at_drives.into_iter().zip(at_feedback))
+        {
+            (*wanted, *tip) = (-drive, feedback);
+        }
+        modelled
+    }
+}
+
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Wanted correction at the command, modelled error at the feedback; that of the direction only for a `tool`.
+    ///
+    /// Nine terms of three axes looked up at the command are read where the drives were sent last, command plus correction,
+    /// in the cells of the cycle before: nothing else is done while no axis turns or leaves its cell.
     #[inline(always)]
     pub(super) fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
+        if sample.verdict == Verdict::Active
+            && state.cells.key() == self.tables.key()
+            && self.all_go_on(state)
+            && let (Some(command), Some(feedback)) = (first(&drives(state, sample)), first(&sample.feedback))
+            && let Some(errors) = state.cells.errors(command, feedback, self.tables.is_cubic())
+        {
+            return Modelled::of_errors(errors, state.cells.at_edge());
+        }
+        self.model_anew(state, sample, tool)
+    }
+
+    /// No drive has turned.
+    #[inline(always)]
+    fn all_go_on(&self, state: &mut State<R, P, N>) -> bool {
+        let drives = state.output.drive().iter().zip(&self.within);
+        state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.goes_on(*drive, *within))
+    }
+
+    /// Anything else than a cycle within its cells.
+    #[inline(never)]
+    fn model_anew(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, tool: bool) -> Modelled<R, N> {
+        let before = state.reversal.map(|reversal| reversal.direction());
         let directions = self.travel(state, sample);
         // Switched off but homed, the tip is still estimated: that is how the errors look without correction.
         let believed = matches!(sample.verdict, Verdict::Active | Verdict::Inactive);
         if !(sample.homed && believed) {
-            return Modelled { wanted: [R::ZERO; N], tip_error: [R::ZERO; N], tilt: V3::ZERO, at_edge: 0 };
+            state.cells.forget();
+            return Modelled::NOTHING;
         }
+        let mut near = false;
+        if let (true, Some(terms)) = (self.tables.has_cells(), self.compensation.nine_terms()) {
+            let mut changed = !state.cells.are_of(&self.tables, &state.thermal);
+            for (slot, (before, now)) in before.iter().zip(&directions).enumerate() {
+                if before != now {
+                    state.cells.forget_axis(slot);
+                    changed = true;
+                }
+            }
+            if !changed {
+                if let Some(modelled) = self.refill(state, sample, terms, &directions) {
+                    return modelled;
+                }
+                near = state.cells.passes() == 1;
+            }
+        }
+        self.model_at_large(state, sample, &directions, (tool, near))
+    }
+
+    /// Only the axes have moved: cells that have been left are filled, or one of them where there are many, and the errors
+    /// are not known.
+    #[inline(always)]
+    fn refill(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        terms: &NineTerms<'_, R, P, N>,
+        directions: &[Direction; N],
+    ) -> Option<Modelled<R, N>> {
+        let mut at = drives(state, sample);
+        let mut source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, left: REFILLS };
+        if state.cells.missing(&at, &sample.feedback) > REFILLS {
+            source.fill_one(&mut state.cells, &at, &sample.feedback);
+            return None;
+        }
+        let mut errors = source.at_command(&mut state.cells, &at);
+        for _ in 1..state.cells.passes() & 15 {
+            for ((at, command), error) in at.iter_mut().zip(&sample.command).zip(errors?) {
+                *at = command.moved(P::offset(-error));
+            }
+            errors = source.at_command(&mut state.cells, &at);
+        }
+        let tip = source.at_feedback(&mut state.cells, &sample.feedback);
+        Some(Modelled::of_errors([errors?, tip?], state.cells.at_edge()))
+    }
+
+    /// Any tables, looked up without cells. `near`: the correction sent last is near enough to look up where it leads.
+    #[inline(always)]
+    fn model_at_large(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        directions: &[Direction; N],
+        (tool, near): (bool, bool),
+    ) -> Modelled<R, N> {
         let mut at_edge = 0;
         if let Some(volumetric) = self.compensation.volumetric().filter(|model| model.is_at_command()) {
             let (command, feedback, thermal) = (&sample.command, &sample.feedback, &state.thermal);
             let drive = &state.output.drive_at(command);
-            let cycle = Cycle { command, drive, feedback, directions: &directions, thermal };
+            let cycle = Cycle { command, drive, feedback, directions, thermal };
             let passes = self.compensation.passes();
             let (wanted, (tip, tilt)) = volumetric.modelled(&mut state.poses, &cycle, passes, tool, &mut at_edge);
             let mut tip_error = [R::ZERO; N];
@@ -43,13 +143,16 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             }
             return Modelled { wanted, tip_error, tilt, at_edge };
         }
-        let command = self.compensation.coordinates(&sample.command);
+        let place = if near { drives(state, sample) } else { sample.command };
+        let command = self.compensation.coordinates(&place);
         let feedback = self.compensation.coordinates(&sample.feedback);
-        let wanted = self.compensation.correction(
-            &Query { command: &command, feedback: &feedback, directions: &directions, thermal: &state.thermal },
+        let passes = if near { 1 } else { self.compensation.passes() };
+        let wanted = self.compensation.correction_in(
+            &Query { command: &command, feedback: &feedback, directions, thermal: &state.thermal },
+            passes,
             &mut at_edge,
         );
-        let (directions, thermal) = (&directions, &state.thermal);
+        let thermal = &state.thermal;
         let (mut tip_error, mut tilt) = ([R::ZERO; N], V3::ZERO);
         match self.compensation.volumetric() {
             Some(volumetric) if tool => {
@@ -83,6 +186,25 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 }
 
+/// The first three positions.
+#[inline(always)]
+fn first<P: Position, const N: usize>(positions: &[P; N]) -> Option<[P; 3]> {
+    match positions[..] {
+        [x, y, z, ..] => Some([x, y, z]),
+        _ => None,
+    }
+}
+
+/// Where the drives would stand with the corrections sent last.
+#[inline(always)]
+fn drives<R: Real, P: Position, const N: usize>(state: &State<R, P, N>, sample: &Sample<P, N>) -> [P; N] {
+    let mut drives = sample.command;
+    for (drive, offset) in drives.iter_mut().zip(state.output.offsets()) {
+        *drive = drive.moved(*offset);
+    }
+    drives
+}
+
 impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     /// Before homing positions have no meaning, and homing moves none of the drives: they travel from here, forward.
     #[cold]
@@ -90,5 +212,6 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
         let held = sample.verdict == Verdict::Hold && !sample.first;
         let drive = if held { *self.output.drive() } else { self.output.drive_at(&sample.command) };
         self.reversal = drive.map(Reversal::at);
+        self.cells.forget();
     }
 }

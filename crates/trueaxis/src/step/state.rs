@@ -3,7 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use crate::compensation::volumetric::Kept;
-use crate::compensation::{Reversal, ThermalLine};
+use crate::compensation::{Cells, Reversal, ThermalLine};
 use crate::contour::PairState;
 use crate::output::OutputState;
 use crate::position::Position;
@@ -19,6 +19,7 @@ pub struct State<R, P: Position, const N: usize> {
     /// The machine was homed in the last cycle.
     pub(super) homed: bool,
     pub(super) thermal: [ThermalLine<R>; N],
+    pub(super) cells: Cells<R, P>,
     /// Tangents of the volumetric model.
     pub(super) poses: Kept<R, P, N>,
     pub(super) feet: PairState<R>,
@@ -33,6 +34,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     pub fn set_thermal(&mut self, place: usize, line: ThermalLine<R>) {
         if let Some(slot) = self.thermal.get_mut(place) {
             *slot = line;
+            self.cells.forget();
         }
         self.poses.forget();
     }

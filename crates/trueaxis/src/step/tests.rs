@@ -1,5 +1,6 @@
 #![allow(clippy::indexing_slicing)]
 
+mod cells;
 mod combinations;
 mod finite;
 mod plausibility;

@@ -16,6 +16,9 @@ use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
 use trueaxis::roundness::{Gauge, GaugeSettings, GaugeState, ProbeAngles, Probes};
 use trueaxis::{Axis, Bypass, Config, Fault, Input, Position, Real, Row, ServoLoop};
 
+#[path = "../../src/settings.rs"]
+mod shared;
+
 const PERIOD_NS: u32 = 100_000;
 const CYCLES: u32 = 3000;
 /// Bytes that are painted: more than any function needs.
@@ -50,33 +53,15 @@ fn scalar(x: f64) -> R {
 }
 
 fn settings(axes: &[Axis], model: ErrorModel) -> MachineSettings {
-    let five = axes.len() == 5;
-    let mut machine = MachineSettings {
-        roundness: None,
-        name: heapless::String::try_from("painted").expect("short"),
-        chain: heapless::String::try_from(if five { "w C' A' b X Y Z t" } else { "w b X Y Z t" }).expect("short"),
-        tool_mm: [0.0, 0.0, -150.0],
-        reference_temperature_c: 20.0,
-        location: Default::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes: heapless::Vec::new(),
+    let axis = |axis: &Axis| AxisSettings {
+        travel: [-1000.0, 1000.0],
+        joint: [-1001.0, 1001.0],
+        backlash: 0.002,
+        hysteresis: 0.003,
+        ..AxisSettings::with_defaults(*axis, axis.is_rotary())
     };
-    machine.compensation.model = model;
-    machine.compensation.orientation = five && model == ErrorModel::Volumetric;
-    for axis in axes {
-        let settings = AxisSettings::with_defaults(*axis, axis.is_rotary());
-        let settings = AxisSettings {
-            travel: [-1000.0, 1000.0],
-            joint: [-1001.0, 1001.0],
-            backlash: 0.002,
-            hysteresis: 0.003,
-            ..settings
-        };
-        machine.axes.push(settings).ok().expect("at most six axes");
-    }
+    let mut machine = shared::machine([0.0, 0.0, -150.0], model, axes.iter().map(axis));
+    machine.compensation.orientation = axes.len() == 5 && model == ErrorModel::Volumetric;
     machine
 }
 

@@ -98,7 +98,9 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         form.products = sums.products.map(|product| product * (step * step));
         form.curved = self.curved;
         if form.curved {
-            form.powers = sums.powers.map(|[square, cube]| [square * (step * step), cube * (step * step * step)]);
+            for (powers, [square, cube]) in form.powers.iter_mut().zip(sums.powers) {
+                *powers = [square * (step * step), cube * (step * step * step)];
+            }
         }
     }
 
@@ -144,7 +146,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             return;
         };
         let Some(own) = beyond.get(slot).copied() else { return };
-        let lever = self.chain.tool + V3::new(*bx * *qx, *by * *qy, *bz * *qz);
+        let lever = V3::new(*bx * *qx, *by * *qy, *bz * *qz);
         let ([value, slope], bent) = corner.interval.powers(corner.t);
         let ((mut e, w), (mut e1, w1)) = (halves(value), halves(slope));
         let [c0y, b0z, a0z] = self.squareness;

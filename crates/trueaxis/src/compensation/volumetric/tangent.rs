@@ -5,17 +5,17 @@
 //! the second derivative of the tip's error along any way from the centre to a border is at most
 //!
 //! ```text
-//! Σ_k  θ² |u| + 2θ (|e'| ρ_k + |w'| ρ_k Λ + |w| l) + |e''| ρ_k² + |w''| ρ_k² Λ + 2 |w'| ρ_k l + |w| (2θλ + θ²Λ)
+//! Σ_k  θ² |u| + 2θ (|e'| ρ_k + |w'| ρ_k Λ + |w| l) + 2 |w'| ρ_k l + |w| (2θλ + θ²Λ)
 //! l = λ + θΛ
 //! ```
 //!
 //! |L| <= Λ, and the tangent is off by half of that. The form is homogeneous in the ρ: a box of a fixed shape is scaled so
-//! that it gives [`TOLERANCE_MM`]. Second derivatives come from cubic tables only; at a point of a linear table the slope
+//! that it gives [`TOLERANCE_MM`]. The own second and third powers of a cubic table are kept too; at a point of a linear table the slope
 //! jumps, so a box ends there, but for an overlap in which the jump stays below [`KINK_MM`]. Values and slopes are the
 //! largest in the largest box.
 
-use super::carriages::{Carriage, about};
-use super::{Side, Volumetric, halves};
+use super::carriages::{Carriage, Poses, about};
+use super::{Volumetric, halves};
 use crate::compensation::reversal::Direction;
 use crate::compensation::thermal::ThermalLine;
 use crate::machine::{Axis, MachineSettings, Rows, Twist};
@@ -51,10 +51,12 @@ pub(super) struct Tangent<R, P: Position, const N: usize> {
     /// Their derivatives, per step of a position.
     pub(super) tip_slopes: [V3<R>; N],
     turn_slopes: [V3<R>; N],
-    /// Of three slides the rest, see [`super::slides`]: second and third powers, products of X and Y, X and Z, Y and Z.
-    pub(super) powers: [[V3<R>; 2]; 3],
-    pub(super) products: [V3<R>; 3],
+    /// Second and third powers where tables are cubic, of the tip and of the direction.
+    pub(super) powers: [[V3<R>; 2]; N],
+    turn_powers: [[V3<R>; 2]; N],
     pub(super) curved: bool,
+    /// Of three slides products of X and Y, X and Z, Y and Z: see [`super::slides`].
+    pub(super) products: [V3<R>; 3],
     /// A bit for every axis whose edge value is clamped.
     pub(super) edge: u8,
 }
@@ -69,9 +71,10 @@ impl<R: Real, P: Position, const N: usize> Tangent<R, P, N> {
             turn: V3::ZERO,
             tip_slopes: [V3::ZERO; N],
             turn_slopes: [V3::ZERO; N],
-            powers: [[V3::ZERO; 2]; 3],
-            products: [V3::ZERO; 3],
+            powers: [[V3::ZERO; 2]; N],
+            turn_powers: [[V3::ZERO; 2]; N],
             curved: false,
+            products: [V3::ZERO; 3],
             edge: 0,
         }
     }
@@ -95,116 +98,104 @@ impl<R: Real, P: Position, const N: usize> Tangent<R, P, N> {
         if let (3, [x, y, z, ..], [along_x, along_y, along_z, ..]) = (N, steps.as_slice(), self.tip_slopes.as_slice()) {
             let [xy, xz, yz] = self.products;
             let (mut of_x, mut of_y, mut of_z) = (*along_x + xy * *y + xz * *z, *along_y + yz * *z, *along_z);
-            if self.curved {
-                let [[x2, x3], [y2, y3], [z2, z3]] = self.powers;
-                of_x += (x2 + x3 * *x) * *x;
-                of_y += (y2 + y3 * *y) * *y;
-                of_z += (z2 + z3 * *z) * *z;
+            if let (true, [[x2, x3], [y2, y3], [z2, z3], ..]) = (self.curved, self.powers.as_slice()) {
+                of_x += (*x2 + *x3 * *x) * *x;
+                of_y += (*y2 + *y3 * *y) * *y;
+                of_z += (*z2 + *z3 * *z) * *z;
             }
             return self.tip + of_x * *x + of_y * *y + of_z * *z;
         }
-        let mut tip = self.tip;
-        for (steps, slope) in steps.iter().zip(&self.tip_slopes) {
-            tip += *slope * *steps;
-        }
-        tip
+        polynomials(self.tip, &self.tip_slopes, self.curved.then_some(&self.powers), steps)
     }
 
     /// Error of the direction so many steps from the low corner.
     #[inline(always)]
     pub(super) fn turn(&self, steps: &[R; N]) -> V3<R> {
-        let mut turn = self.turn;
-        for (steps, slope) in steps.iter().zip(&self.turn_slopes) {
-            turn += *slope * *steps;
-        }
-        turn
+        polynomials(self.turn, &self.turn_slopes, self.curved.then_some(&self.turn_powers), steps)
     }
 }
 
-/// The twist of an axis at its position, with what bounds its change.
+/// `start + Σ t (slope + t (square + t cube))`.
+#[inline(always)]
+fn polynomials<R: Real, const N: usize>(
+    start: V3<R>,
+    slopes: &[V3<R>; N],
+    powers: Option<&[[V3<R>; 2]; N]>,
+    steps: &[R; N],
+) -> V3<R> {
+    let mut sum = start;
+    match powers {
+        None => {
+            for (t, slope) in steps.iter().zip(slopes) {
+                sum += *slope * *t;
+            }
+        }
+        Some(powers) => {
+            for ((t, slope), [square, cube]) in steps.iter().zip(slopes).zip(powers) {
+                sum += (*slope + (*square + *cube * *t) * *t) * *t;
+            }
+        }
+    }
+    sum
+}
+
+/// The twist of an axis about its position: polynomial, and how far that goes on.
 #[derive(Clone, Copy, Debug)]
 struct Local<R> {
-    twist: Twist<R>,
-    slope: Twist<R>,
-    bend: Twist<R>,
+    powers: [Twist<R>; 4],
     below: R,
     above: R,
 }
 
-/// Twists and tip in the frame that the walk has reached, with their derivatives by the positions of all axes.
-struct Walk<R, const N: usize> {
-    side: Side<R>,
-    tip: V3<R>,
-    sides: [Side<R>; N],
-    tips: [V3<R>; N],
+/// Where an axis acts: directions of its carrier and origin of its moved frame, in the bed.
+#[derive(Clone, Copy, Debug)]
+struct Frame<R> {
+    turned: bool,
+    directions: [V3<R>; 3],
+    origin: V3<R>,
 }
 
-impl<R: Real, const N: usize> Walk<R, N> {
-    fn from(tip: V3<R>) -> Self {
-        let none = Side { v: V3::ZERO, w: V3::ZERO };
-        Walk { side: none, tip, sides: [none; N], tips: [V3::ZERO; N] }
+impl<R: Real> Frame<R> {
+    fn bed() -> Self {
+        Frame { turned: false, directions: [About::X, About::Y, About::Z].map(along), origin: V3::ZERO }
     }
 
-    /// The axis' own twist.
-    fn add(&mut self, slot: usize, local: &Local<R>) {
-        self.side.add(halves(local.twist));
-        if let Some(side) = self.sides.get_mut(slot) {
-            side.add(halves(local.slope));
+    /// A vector of the carrier in the bed.
+    #[inline(always)]
+    fn out(&self, v: V3<R>) -> V3<R> {
+        if !self.turned {
+            return v;
         }
+        let [x, y, z] = self.directions;
+        x * v.x + y * v.y + z * v.z
     }
 
-    /// Through a slide that stands `travel` in the sense `sense`.
-    fn slide(&mut self, carriage: &Carriage<R>, travel: R, sense: R) {
-        self.side.slide(carriage.axis, travel);
-        for side in &mut self.sides {
-            side.slide(carriage.axis, travel);
-        }
-        let mut own = Side { v: V3::ZERO, w: self.side.w };
-        own.slide(carriage.axis, sense);
-        if let Some(side) = self.sides.get_mut(carriage.slot) {
-            side.v += own.v;
+    fn direction(&self, about: About) -> V3<R> {
+        let [x, y, z] = self.directions;
+        match about {
+            About::X => x,
+            About::Y => y,
+            About::Z => z,
         }
     }
 
-    /// The tip moves with a slide that carries the tool.
-    fn advance(&mut self, carriage: &Carriage<R>, travel: R) {
-        let n = along(about(carriage.axis));
-        self.tip += n * travel;
-        if let Some(tip) = self.tips.get_mut(carriage.slot) {
-            *tip += n;
-        }
+    /// The frame of what a rotary axis carries.
+    fn rotated(&self, about: About, (c, s): (R, R)) -> Self {
+        let [x, y, z] = self.directions;
+        let directions = match about {
+            About::X => [x, y * c + z * s, z * c - y * s],
+            About::Y => [x * c - z * s, y, z * c + x * s],
+            About::Z => [x * c + y * s, y * c - x * s, z],
+        };
+        Frame { turned: true, directions, ..*self }
     }
+}
 
-    /// Out of a rotary axis' frame.
-    fn turn(&mut self, carriage: &Carriage<R>, pose: (R, R), local: &Local<R>) {
-        let about = about(carriage.axis);
-        let turned = |side: &Side<R>| Side { v: side.v.turned(about, pose), w: side.w.turned(about, pose) };
-        self.side = turned(&self.side);
-        for side in &mut self.sides {
-            *side = turned(side);
-        }
-        // Per degree of the command.
-        let rate = along::<R>(about) * (carriage.motion * R::of(RAD));
-        if let Some(side) = self.sides.get_mut(carriage.slot) {
-            side.v += rate.cross(self.side.v);
-            side.w += rate.cross(self.side.w);
-        }
-        self.add(carriage.slot, local);
-        if carriage.is_offset {
-            self.side.v -= self.side.w.cross(carriage.offset);
-            for side in &mut self.sides {
-                side.v -= side.w.cross(carriage.offset);
-            }
-        }
-        self.tip = self.tip.turned(about, pose);
-        for tip in &mut self.tips {
-            *tip = tip.turned(about, pose);
-        }
-        if let Some(tip) = self.tips.get_mut(carriage.slot) {
-            *tip += rate.cross(self.tip);
-        }
-        self.tip += carriage.offset;
-    }
+/// Share of an axis in the errors of tip and direction, and the own changes of it.
+#[derive(Clone, Copy, Debug)]
+struct Share<R> {
+    tip: [V3<R>; 4],
+    turn: [V3<R>; 4],
 }
 
 fn along<R: Real>(about: About) -> V3<R> {
@@ -247,13 +238,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     fn local(&self, slot: usize, at: R, direction: Direction, line: &ThermalLine<R>) -> Option<(Local<R>, bool)> {
         let interval = self.tables.get(slot)?.interval(at, direction);
         let ([mut twist, mut slope], bent) = interval.powers(interval.t);
-        let room = interval.below.max(interval.above);
-        let bend = match bent {
-            Some([second, third]) if !interval.edge => {
-                core::array::from_fn(|k| R::TWO * (second[k].abs() + R::THREE * third[k].abs() * room))
-            }
-            _ => [R::ZERO; 6],
-        };
+        let [second, third] = bent.unwrap_or([[R::ZERO; 6]; 2]);
         let (own, constant) = (*self.own.get(slot)?, self.constant.get(slot)?);
         let (mut growth, mut rate) = (line.at(at - *self.datum.get(slot)?), line.slope());
         if own >= 3 {
@@ -277,7 +262,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         *along_x += tilt_x;
         *along_y += tilt_y;
         let [below, above] = interval.rooms(*self.overlaps.get(slot)?);
-        Some((Local { twist, slope, bend, below, above }, interval.edge))
+        Some((Local { powers: [twist, slope, second, third], below, above }, interval.edge))
     }
 
     /// Makes `tangent` the one about a position.
@@ -290,8 +275,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         thermal: &[ThermalLine<R>; N],
     ) {
         let at = self.coordinates(position);
-        let zero = [R::ZERO; 6];
-        let still = Local { twist: zero, slope: zero, bend: zero, below: R::MAX, above: R::MAX };
+        let still = Local { powers: [[R::ZERO; 6]; 4], below: R::MAX, above: R::MAX };
         let mut locals = [still; N];
         let mut edge = 0;
         for (slot, (((local, at), direction), line)) in
@@ -302,25 +286,26 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
                 edge |= u8::from(at_edge) << (slot & 7);
             }
         }
-        (tangent.tip, tangent.turn, tangent.tip_slopes, tangent.turn_slopes) = self.derivatives(&at, &locals);
-        tangent.edge = edge;
+        self.derivatives(&at, &locals, tangent);
+        (tangent.edge, tangent.curved) = (edge, self.curved);
         let scale = self.scale(&locals);
         for (slot, (position, local)) in position.iter().zip(&locals).enumerate() {
             let half = self.shape(slot) * scale;
             let low = position.moved_back(P::offset(local.below.min(half)));
             let high = position.moved(P::offset(local.above.min(half)));
             let from: R = position.since_near(low);
-            if let (Some(corner), Some(reach), Some(along), Some(turning)) = (
+            if let (Some(corner), Some(reach), Some(along), Some(turning), Some(powers), Some(turn_powers)) = (
                 tangent.low.get_mut(slot),
                 tangent.reach.get_mut(slot),
                 tangent.tip_slopes.get_mut(slot),
                 tangent.turn_slopes.get_mut(slot),
+                tangent.powers.get_mut(slot),
+                tangent.turn_powers.get_mut(slot),
             ) {
                 (*corner, *reach) = (low, high.apart(low));
-                tangent.tip -= *along * from;
-                tangent.turn -= *turning * from;
-                *along = *along * R::of(P::STEP);
-                *turning = *turning * R::of(P::STEP);
+                let curved = self.curved;
+                begin_at_corner(&mut tangent.tip, along, powers, from, R::of(P::STEP), curved);
+                begin_at_corner(&mut tangent.turn, turning, turn_powers, from, R::of(P::STEP), curved);
             }
         }
     }
@@ -341,13 +326,19 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         let mut sum = R::ZERO;
         for (slot, local) in locals.iter().enumerate() {
             let rho = self.shape(slot);
-            let [(e, w), (e1, w1), (e2, w2)] =
-                [local.twist, local.slope, local.bend].map(|twist| (halves(twist).0.norm(), halves(twist).1.norm()));
+            let size = |twist| (halves(twist).0.norm(), halves(twist).1.norm());
+            let [zeroth, first, second, third] = local.powers;
+            let ((e, w), (e1, w1)) = (size(zeroth), size(first));
             // The largest in the largest box.
             let far = rho * most;
-            let (e1, w1) = (e1 + e2 * far, w1 + w2 * far);
+            let (mut e1, mut w1) = (e1, w1);
+            if self.curved {
+                let ((e2, w2), (e3, w3)) = (size(second), size(third));
+                e1 += (R::TWO * e2 + R::THREE * e3 * far) * far;
+                w1 += (R::TWO * w2 + R::THREE * w3 * far) * far;
+            }
             let (e, w) = (e + e1 * far, w + w1 * far);
-            sum += rho * (R::TWO * w1 * l + rho * (e2 + w2 * longest));
+            sum += rho * (R::TWO * w1 * l);
             if turns > 0 {
                 let u = e + w * longest;
                 sum += theta * (theta * u + R::TWO * (rho * (e1 + w1 * longest) + w * l));
@@ -358,48 +349,113 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         if bound * (most * most) > R::of(TOLERANCE_MM) { (R::of(TOLERANCE_MM) / bound).sqrt() } else { most }
     }
 
-    /// Errors of tip and direction, and their derivatives by every position, per mm (deg).
-    fn derivatives(&self, at: &[R; N], locals: &[Local<R>; N]) -> (V3<R>, V3<R>, [V3<R>; N], [V3<R>; N]) {
-        let poses = self.chain.poses(at);
-        let of = |carriage: &Carriage<R>| {
+    /// Where all axes act, and where the tip is.
+    fn frames(&self, at: &[R; N], poses: &Poses<R, N>) -> ([Frame<R>; N], V3<R>) {
+        let mut frames = [Frame::bed(); N];
+        let mut place = |frame: &mut Frame<R>, carriage: &Carriage<R>| {
             let slot = carriage.slot;
-            let q = at.get(slot).copied().unwrap_or(R::ZERO) + self.origins.get(slot).copied().unwrap_or(R::ZERO);
-            (q, poses.get(slot).copied().unwrap_or((R::ONE, R::ZERO)), locals.get(slot))
+            let about = about(carriage.axis);
+            let here = *frame;
+            if carriage.axis.is_rotary() {
+                frame.origin += here.out(carriage.offset);
+                *frame = frame.rotated(about, poses.get(slot).copied().unwrap_or((R::ONE, R::ZERO)));
+            } else {
+                let q = at.get(slot).copied().unwrap_or(R::ZERO) + self.origins.get(slot).copied().unwrap_or(R::ZERO);
+                frame.origin += here.direction(about) * (q * carriage.motion);
+            }
+            if let Some(entry) = frames.get_mut(slot) {
+                *entry = if carriage.fixed { here } else { Frame { origin: frame.origin, ..here } };
+            }
         };
-        let mut tool = Walk::<R, N>::from(self.chain.tool);
-        for carriage in self.chain.tool_side() {
-            let (q, pose, Some(local)) = of(carriage) else { continue };
-            if carriage.axis.is_rotary() {
-                tool.turn(carriage, pose, local);
-            } else {
-                tool.add(carriage.slot, local);
-                tool.slide(carriage, q, R::ONE);
-                tool.advance(carriage, q);
+        let mut workpiece = Frame::bed();
+        self.chain.workpiece_side().rev().for_each(|carriage| place(&mut workpiece, carriage));
+        let mut tool = Frame::bed();
+        self.chain.tool_side().rev().for_each(|carriage| place(&mut tool, carriage));
+        (frames, tool.origin + tool.out(self.chain.tool))
+    }
+
+    /// Errors of tip and direction, and their derivatives by every position, per mm (deg): with D, W the sums over the axes
+    /// further out on the same side, a the direction of a rotary axis (rad per deg), n of a slide, p − o the lever to the tip,
+    ///
+    /// ```text
+    /// tool side      a × D + (W_all − W) × (a × (p − o))     (W_all − W − own) × n
+    /// workpiece      a × D − W × (a × (p − o))               (W + own) × n
+    /// ```
+    ///
+    /// besides the change of the own twist. Of a slide whose errors stay where its travel starts, `own` is left out.
+    fn derivatives(&self, at: &[R; N], locals: &[Local<R>; N], tangent: &mut Tangent<R, P, N>) {
+        let (frames, tip) = self.frames(at, &self.chain.poses(at));
+        let none = Share { tip: [V3::ZERO; 4], turn: [V3::ZERO; 4] };
+        let mut shares = [none; N];
+        (tangent.tip, tangent.turn) = (V3::ZERO, V3::ZERO);
+        for ((share, frame), local) in shares.iter_mut().zip(&frames).zip(locals) {
+            let lever = tip - frame.origin;
+            let powers = if self.curved { 4 } else { 2 };
+            for ((tip, turn), twist) in share.tip.iter_mut().zip(&mut share.turn).zip(&local.powers).take(powers) {
+                let (e, w) = halves(*twist);
+                *turn = frame.out(w);
+                *tip = frame.out(e) + turn.cross(lever);
+            }
+            let ([error, ..], [rotation, ..]) = (share.tip, share.turn);
+            tangent.tip += error;
+            tangent.turn += rotation;
+        }
+        let all = tangent.turn;
+        for on_tool in [false, true] {
+            let (mut outer_tip, mut outer_turn) = (V3::ZERO, V3::ZERO);
+            for carriage in self.chain.side(on_tool) {
+                let slot = carriage.slot;
+                let (Some(frame), Some(share)) = (frames.get(slot), shares.get(slot)) else { continue };
+                let ([error, own, square, cube], [rotation, turning, turn_square, turn_cube]) = (share.tip, share.turn);
+                let direction = frame.direction(about(carriage.axis));
+                let (mut along, mut turning) = (own, turning);
+                if carriage.axis.is_rotary() {
+                    let rate = direction * (carriage.motion * R::of(RAD));
+                    let moved = rate.cross(tip - frame.origin);
+                    let with = if on_tool { all - outer_turn } else { -outer_turn };
+                    along += rate.cross(outer_tip) + with.cross(moved);
+                    turning += rate.cross(outer_turn);
+                } else {
+                    let with = match (on_tool, carriage.fixed) {
+                        (true, _) => all - outer_turn - rotation,
+                        (false, false) => outer_turn + rotation,
+                        (false, true) => outer_turn,
+                    };
+                    along += with.cross(direction);
+                }
+                outer_tip += error;
+                outer_turn += rotation;
+                if let (Some(to), Some(turn_to), Some(powers), Some(turn_powers)) = (
+                    tangent.tip_slopes.get_mut(slot),
+                    tangent.turn_slopes.get_mut(slot),
+                    tangent.powers.get_mut(slot),
+                    tangent.turn_powers.get_mut(slot),
+                ) {
+                    (*to, *turn_to) = (along, turning);
+                    (*powers, *turn_powers) = ([square, cube], [turn_square, turn_cube]);
+                }
             }
         }
-        let mut workpiece = Walk::<R, N>::from(V3::ZERO);
-        for carriage in self.chain.workpiece_side() {
-            let (q, pose, Some(local)) = of(carriage) else { continue };
-            if carriage.axis.is_rotary() {
-                workpiece.turn(carriage, pose, local);
-            } else if carriage.fixed {
-                workpiece.slide(carriage, -q, -R::ONE);
-                workpiece.add(carriage.slot, local);
-            } else {
-                workpiece.add(carriage.slot, local);
-                workpiece.slide(carriage, -q, -R::ONE);
-            }
-        }
-        let turn = tool.side.w + workpiece.side.w;
-        let tip = tool.side.v + workpiece.side.v + turn.cross(tool.tip);
-        let (mut tip_slopes, mut turn_slopes) = ([V3::ZERO; N], [V3::ZERO; N]);
-        let sides = tool.sides.iter().zip(&workpiece.sides).zip(&tool.tips);
-        for ((along, turning), ((of_tool, of_workpiece), moved)) in
-            tip_slopes.iter_mut().zip(&mut turn_slopes).zip(sides)
-        {
-            *turning = of_tool.w + of_workpiece.w;
-            *along = of_tool.v + of_workpiece.v + turning.cross(tool.tip) + turn.cross(*moved);
-        }
-        (tip, turn, tip_slopes, turn_slopes)
+    }
+}
+
+/// A polynomial about a point `from` mm (deg) above the corner becomes one of steps from the corner.
+#[inline(always)]
+fn begin_at_corner<R: Real>(
+    start: &mut V3<R>,
+    slope: &mut V3<R>,
+    [square, cube]: &mut [V3<R>; 2],
+    from: R,
+    step: R,
+    curved: bool,
+) {
+    if curved {
+        *start -= (*slope - (*square - *cube * from) * from) * from;
+        *slope = (*slope - (*square * R::TWO - *cube * (R::THREE * from)) * from) * step;
+        *square = (*square - *cube * (R::THREE * from)) * (step * step);
+        *cube = *cube * (step * step * step);
+    } else {
+        *start -= *slope * from;
+        *slope = *slope * step;
     }
 }

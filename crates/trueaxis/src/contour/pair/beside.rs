@@ -1,11 +1,12 @@
 //! Out of line: near borders and corners, not converged, or no foot known. One budget of evaluations for both points.
 
-use super::PairState;
 use super::frame::{Seen, Start, Tangent, feet, local};
+use super::{PairState, place};
 use crate::contour::kernel::{Evaluation, evaluate, foot};
-use crate::contour::refine::{Found, descend};
-use crate::contour::search::{BISECTIONS, ContourState, across, components, sight, way, window};
+use crate::contour::refine::{Found, at, descend};
+use crate::contour::search::{BISECTIONS, ContourState, across, components, sight, window};
 use crate::contour::span::{OnPath, Path, Reference, dot};
+use crate::contour::way::{way, way_far};
 use crate::contour::{ContourError, ContourSearch, Flags, Method};
 use crate::position::Position;
 use crate::real::Real;
@@ -15,7 +16,7 @@ const BOTH: u8 = 8;
 /// A look behind a border.
 const BEYOND: u8 = 5;
 /// The tip's own descent, where the first frame did not converge: the encoder's kernel is left.
-const DESCENT: u8 = 4;
+const DESCENT: u8 = 3;
 
 /// The two points in a cycle, and what has been spent on them.
 struct Points<'a, 's, R: Real, P> {
@@ -26,6 +27,9 @@ struct Points<'a, 's, R: Real, P> {
     window: R,
     /// How far a search goes, arc length.
     reach: R,
+    /// A span near the feet, and the arc length from its start to the reference.
+    base: u32,
+    place: R,
     /// Evaluations for the tip, or for both, and for the encoder alone.
     spent: [u8; 2],
 }
@@ -66,14 +70,15 @@ impl<R: Real> ContourSearch<R> {
         position: &[P; 3],
         d: &[R; 3],
         guess: Reference<R>,
-        window: R,
+        start: Start<R>,
         seen: Seen,
         along: &Tangent<R>,
         tip: &mut ContourError<R>,
         encoder: &mut ContourError<R>,
     ) {
         let spent = [2, u8::from(seen.tip())];
-        let mut points = Points { path: &on.path, position, d, window, reach: window, spent };
+        let Start { window, place, .. } = start;
+        let mut points = Points { path: &on.path, position, d, window, reach: window, base: guess.span, place, spent };
         let Some((at_tip, at_encoder)) = points.resolve(guess, seen, along, tip, encoder) else {
             return state.lose(tip, encoder);
         };
@@ -102,19 +107,32 @@ impl<R: Real> ContourSearch<R> {
             return state.lose(tip, encoder);
         }
         if self.method == Method::Guarded && state.tip.warm {
-            let (guess, progress, _) = self.cross(&on.path, &state.tip, reference);
-            let (window, none) = (window(progress), Tangent::NONE);
-            return self.beside_pair(state, on, position, d, guess, window, Seen::NOTHING, &none, tip, encoder);
+            if let Some(at) = state.cross(&on.path, reference) {
+                let (guess, none) = (at.guess, Tangent::NONE);
+                let start =
+                    Start { guess: guess.t, window: window(at.progress), place: at.place, max_lag: self.max_lag };
+                return self.beside_pair(state, on, position, d, guess, start, Seen::NOTHING, &none, tip, encoder);
+            }
+            state.forget();
         }
         let [x, y, z] = position;
         let point = [x.plus(d[0]), y.plus(d[1]), z.plus(d[2])];
         let reach = self.max_lag;
-        let mut points = Points { path: &on.path, position, d, window: window(R::ZERO), reach, spent: [0; 2] };
+        let mut points = Points {
+            path: &on.path,
+            position,
+            d,
+            window: window(R::ZERO),
+            reach,
+            base: reference.span,
+            place: R::ZERO,
+            spent: [0; 2],
+        };
         let found = match self.method {
             Method::Guarded => self.cold_pair(&mut state.tip, &mut points, reference, &point, tip, encoder),
             Method::Bisection => self
                 .seek(&mut state.tip, &on.path, reference, &point, &mut points.spent[0])
-                .map(|at_tip| (at_tip, points.encoder_by_halves(&at_tip))),
+                .map(|at_tip| (at_tip, points.by_halves(&at_tip, reference))),
         };
         let Some((at_tip, mut at_encoder)) = found else { return state.lose(tip, encoder) };
         if at_tip.flags.has(Flags::COLD) {
@@ -134,17 +152,25 @@ impl<R: Real> ContourSearch<R> {
         encoder: &mut ContourError<R>,
     ) -> Option<(Found<R>, Found<R>)> {
         let path = points.path;
-        let progress = if state.looked > 0 { way(path, state.reference, reference, self.max_lag) } else { R::ZERO };
+        let progress = self.progress(state, path, reference);
         self.look_around(state, path, reference, point, progress, &mut points.spent[0]);
         let sampled = points.spent[0] > 0;
-        let guess = path.moving(state.best);
+        let guess = path.moving(state.best.at);
+        (points.base, points.place) = (guess.span, place(path, guess, state.best.lag, reference)?);
         let mut along = Tangent::NONE;
         // No lag is so small: never plain.
         let start = Start { guess: guess.t, window: self.max_lag, place: R::ZERO, max_lag: -R::ONE };
         let seen = feet(path.span(guess.span)?, points.position, points.d, start, tip, encoder, &mut along);
         points.spent[0] += 2;
         points.spent[1] += u8::from(seen.tip());
-        let (mut at_tip, at_encoder) = points.resolve(guess, seen, &along, tip, encoder)?;
+        let (mut at_tip, at_encoder) = if sampled && !seen.tip() {
+            // The sample itself, until all are taken.
+            points.spent[0] += 1;
+            let at_tip = at(path.span(guess.span)?, guess.span, point, guess.t);
+            (at_tip, points.beside_tip(&at_tip))
+        } else {
+            points.resolve(guess, seen, &along, tip, encoder)?
+        };
         if !sampled {
             // Looked all over: either it is found, or the search begins again.
             state.warm = at_tip.flags.has(Flags::BRACKETED);
@@ -165,11 +191,19 @@ impl<R: Real> ContourSearch<R> {
         encoder: &mut ContourError<R>,
     ) {
         let [for_tip, for_encoder] = points.spent;
-        *tip = self.report_found(&mut state.tip, points.path, reference, at_tip, for_tip);
-        let lag = way(points.path, at_encoder.place, reference, self.max_lag);
-        let error = dot(&at_encoder.vector, &at_encoder.vector).sqrt();
-        *encoder = components(points.path, at_encoder, error, lag, for_encoder);
-        state.keep(self.method, points.path, &at_tip.tangent);
+        let lag = points.lag(at_tip.place, self.max_lag);
+        (state.tip.foot, state.tip.reference) = (at_tip.place, reference);
+        if state.tip.warm && lag.abs() > self.max_lag {
+            // The foot has stayed behind: look around afresh.
+            state.tip.warm = false;
+            state.tip.looked = 0;
+        }
+        state.keep(self.method, points.path, reference, &at_tip.tangent, lag);
+        let behind = points.lag(at_encoder.place, self.max_lag);
+        for (foot, found, lag, spent) in [(tip, at_tip, lag, for_tip), (encoder, at_encoder, behind, for_encoder)] {
+            let error = dot(&found.vector, &found.vector).root();
+            *foot = components(points.path, found, error, lag, spent);
+        }
     }
 }
 
@@ -201,6 +235,12 @@ fn nearer<R: Real>(one: Option<Found<R>>, other: Option<Found<R>>) -> Option<Fou
 }
 
 impl<R: Real, P: Position> Points<'_, '_, R, P> {
+    /// Arc length from a foot to the reference.
+    fn lag(&self, foot: Reference<R>, max_lag: R) -> R {
+        let base = Reference { span: self.base, t: R::ZERO };
+        way(self.path, base, foot).map_or(max_lag + max_lag, |way| self.place - way)
+    }
+
     fn left(&self) -> u8 {
         let [tip, encoder] = self.spent;
         BOTH.saturating_sub(tip.saturating_add(encoder))
@@ -351,6 +391,11 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
                 };
             }
         }
+        self.beside_tip(tip)
+    }
+
+    /// The encoder seen from the tip's foot.
+    fn beside_tip(&self, tip: &Found<R>) -> Found<R> {
         let mut vector = tip.vector;
         for k in 0..3 {
             vector[k] += self.d[k];
@@ -360,7 +405,9 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
     }
 
     /// The encoder's foot by plain bisection from the tip's.
-    fn encoder_by_halves(&mut self, tip: &Found<R>) -> Found<R> {
+    fn by_halves(&mut self, tip: &Found<R>, reference: Reference<R>) -> Found<R> {
+        let base = Reference { span: tip.place.span, t: R::ZERO };
+        (self.base, self.place) = (base.span, way_far(self.path, base, reference, self.reach));
         let by_halves = descend(self.path, tip.place, self.position, self.reach, true, BISECTIONS, &mut self.spent[1]);
         by_halves.unwrap_or_else(|| self.encoder_from(tip, None))
     }

@@ -11,8 +11,9 @@
 mod beside;
 mod frame;
 
-use super::search::{ContourSearch, ContourState, Method, advance, way, window};
+use super::search::{ContourSearch, ContourState, Method, window};
 use super::span::{OnPath, Path, Reference, dot};
+use super::way::{Moved, advance, way};
 use super::{ContourError, Flags};
 use crate::position::Position;
 use crate::real::Real;
@@ -22,7 +23,7 @@ use frame::{Start, Tangent, feet};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PairState<R> {
     tip: ContourState<R>,
-    /// Arc length from the start of the foot's span to the reference, where they share one.
+    /// Arc length from the start of the foot's span to the reference.
     place: R,
     /// The path's derivative at the foot.
     along: Tangent<R>,
@@ -31,16 +32,18 @@ pub struct PairState<R> {
 }
 
 impl<R: Real> ContourSearch<R> {
-    /// Contour errors of an encoder position (mm) and of the tip, which is `d` (mm) from it, in this cycle.
+    /// Contour errors of an encoder position (mm) and of the tip, which is `d` (mm) from it, in this cycle; both are written.
     ///
     /// The tip's is what [`ContourSearch::update`] gives, without rounding it to a position. The encoder's is
-    /// the minimum of its distance that lies downhill from the tip's foot; its components are split at the tip's foot:
-    /// exact on plane paths and on helices about the plane's normal, elsewhere off by up to cot α · κ|d| of the binormal
-    /// one, κ the curvature and α the angle between path and normal.
+    /// the minimum of its distance that lies downhill from the tip's foot, and its distance is as exact: 1e-6 nm in
+    /// doubles, 2 nm in single precision. In the plain case both vectors are split in the frame of the tip's foot, in
+    /// which the encoder's components are exact on plane paths and on helices about the plane's normal. Elsewhere its
+    /// binormal one is off by up to cot α · κ|d| of itself, κ the curvature and α the angle between path and normal,
+    /// and the normal one is what then remains of the distance.
     ///
-    /// At most eight evaluations of the path for both (a shared one counts for the tip). If they run out before the
-    /// encoder's foot is found, its error is counted from the tip's foot, and the flag [`Flags::BRACKETED`] is missing. Cost: the
-    /// kernel 1.4 times, as a rule.
+    /// At most eight evaluations of the path for both; what serves both counts for the tip. If they are used up before
+    /// the encoder's foot is found, its error is counted from the tip's, `width` is |d| and [`Flags::BRACKETED`] is
+    /// missing. A reference off its span: as in [`ContourSearch::update`]. Cost: the kernel's twice and a half, as a rule.
     #[inline(always)]
     pub fn update_pair<P: Position>(
         &self,
@@ -104,8 +107,12 @@ impl<R: Real> ContourSearch<R> {
         let mut guess = state.tip.foot.t + progress / state.along.speed;
         let same = state.tip.foot.span == number && state.tip.reference.span == number;
         if !(same && guess.is_in_unit()) {
-            let at = self.cross(&on.path, &state.tip, reference);
-            (number, guess, progress, place) = (at.0.span, at.0.t, at.1, at.2);
+            let Some(at) = state.cross(&on.path, reference) else {
+                // Out of sight.
+                state.forget();
+                return self.pair_anew(state, on, position, d, tip, encoder);
+            };
+            (number, guess, progress, place) = (at.guess.span, at.guess.t, at.progress, at.place);
             let Some(other) = on.path.span(number) else {
                 return self.pair_anew(state, on, position, d, tip, encoder);
             };
@@ -117,30 +124,33 @@ impl<R: Real> ContourSearch<R> {
         let seen = feet(span, position, d, start, tip, encoder, &mut state.along);
         if !seen.plain() {
             let (from, along) = (Reference { span: number, t: guess }, state.along);
-            return self.beside_pair(state, on, position, d, from, start.window, seen, &along, tip, encoder);
+            return self.beside_pair(state, on, position, d, from, start, seen, &along, tip, encoder);
         }
         state.tip.foot.t = tip.t;
         (tip.span, encoder.span) = (number, number);
     }
+}
 
-    /// Foot and reference are on two spans, or the guess is beyond the foot's: the guess, the progress of the reference, and
-    /// its arc length from the start of the guess's span.
-    #[inline(never)]
-    fn cross<P: Position>(
-        &self,
-        path: &Path<'_, R, P>,
-        tip: &ContourState<R>,
-        reference: Reference<R>,
-    ) -> (Reference<R>, R, R) {
-        let progress = way(path, tip.reference, reference, self.max_lag);
-        let guess = advance(path, tip.foot, progress);
-        let from = Reference { span: guess.span, t: R::ZERO };
-        let place = way(path, from, reference, self.max_lag + self.max_lag);
-        (guess, progress, place)
-    }
+/// Where a cycle starts whose foot and reference are on two spans, or whose guess is beyond the foot's.
+struct Crossed<R> {
+    guess: Reference<R>,
+    progress: R,
+    /// Arc length from the start of the guess's span to the reference.
+    place: R,
 }
 
 impl<R: Real> PairState<R> {
+    /// None where the reference has leaped out of sight.
+    #[inline(never)]
+    fn cross<P: Position>(&self, path: &Path<'_, R, P>, reference: Reference<R>) -> Option<Crossed<R>> {
+        let foot = self.tip.foot;
+        let progress = way(path, self.tip.reference, reference)?;
+        let Moved { to: guess, by } = advance(path, foot, progress)?;
+        // The distance goes on from cycle to cycle, and is taken anew where there is only one span to look at.
+        let lag = self.place - path.span(foot.span)?.arc_length(foot.t) + progress - by;
+        Some(Crossed { guess, progress, place: place(path, guess, lag, reference)? })
+    }
+
     /// The next search starts cold.
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
@@ -155,12 +165,30 @@ impl<R: Real> PairState<R> {
     }
 
     /// What the next cycle starts from, after a search out of line.
-    fn keep<P: Position>(&mut self, method: Method, path: &Path<'_, R, P>, tangent: &[R; 3]) {
+    fn keep<P: Position>(
+        &mut self,
+        method: Method,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        tangent: &[R; 3],
+        lag: R,
+    ) {
         self.along.speed = dot(tangent, tangent).root();
         self.swift = self.tip.warm && method == Method::Guarded && self.along.speed > R::ZERO;
-        let Reference { span, t } = self.tip.reference;
-        self.place = path.span(span).map_or(R::ZERO, |span| span.arc_length(t));
+        self.place = place(path, self.tip.foot, lag, reference).unwrap_or(R::ZERO);
     }
+}
+
+/// Arc length from the start of a foot's span to the reference, which is `lag` ahead of it.
+#[inline(always)]
+fn place<R: Real, P: Position>(
+    path: &Path<'_, R, P>,
+    foot: Reference<R>,
+    lag: R,
+    reference: Reference<R>,
+) -> Option<R> {
+    let span = path.span(foot.span)?;
+    Some(if foot.span == reference.span { span.arc_length(reference.t) } else { lag + span.arc_length(foot.t) })
 }
 
 #[cfg(test)]

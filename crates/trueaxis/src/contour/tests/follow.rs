@@ -62,11 +62,11 @@ fn a_million_queries_stay_within_eight_evaluations() {
             feed = 5e-3 * random.unit();
         }
         let before = reference;
-        reference = search::advance(&path, reference, feed);
+        reference = way::advance_far(&path, reference, feed);
         if reference == before {
             (reference, state) = (Reference { span: 0, t: 0.0 }, ContourState::default());
         }
-        let tool = search::advance(&path, reference, -0.01);
+        let tool = way::advance_far(&path, reference, -0.01);
         let stray = [random.signed(), random.signed(), random.signed()].map(|x| 2e-3 * x);
         let r = search.update(&mut state, &path, reference, add(all[tool.span as usize].position(tool.t), stray));
         most = most.max(r.evaluations);
@@ -96,18 +96,18 @@ fn short_pieces_at_high_feed_leave_the_search_warm() {
         };
         let phase = [random.unit(), random.unit(), random.unit()].map(|x| 40.0 * x);
         let mut state = ContourState::default();
-        let mut reference = search::advance(&path, Reference { span: 0, t: 0.0 }, 0.5 + feed * random.unit());
+        let mut reference = way::advance_far(&path, Reference { span: 0, t: 0.0 }, 0.5 + feed * random.unit());
         // Standing, until the search is warm.
         for _ in 0..100 {
             search.update(&mut state, &path, reference, all[reference.span as usize].position(reference.t));
         }
         for n in 0.. {
             let before = reference;
-            reference = search::advance(&path, reference, feed);
-            if search::way(&path, before, reference, 1.0) < 0.9 * feed {
+            reference = way::advance_far(&path, reference, feed);
+            if way::way(&path, before, reference).unwrap() < 0.9 * feed {
                 break;
             }
-            let tool = search::advance(&path, reference, -lag);
+            let tool = way::advance_far(&path, reference, -lag);
             let s = feed * f64::from(n);
             let stray = phase.map(|phase| height * (3.0 * s + phase).sin());
             let p = add(all[tool.span as usize].position(tool.t), stray);

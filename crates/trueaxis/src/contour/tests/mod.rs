@@ -12,6 +12,11 @@ mod kernel;
 mod segments;
 mod shapes;
 
+std::thread_local! {
+    /// Spans of a path that have been looked up.
+    pub(super) static LOOKED_AT: core::cell::Cell<u32> = const { core::cell::Cell::new(0) };
+}
+
 pub(super) type V = [f64; 3];
 pub(super) const Z: V = [0.0, 0.0, 1.0];
 
@@ -138,7 +143,7 @@ pub(super) fn follow(
     let total: f64 = all.iter().map(Span::length).sum();
     let mut s = lag;
     while s < total {
-        let place = |s: f64| search::advance(&path, Reference { span: 0, t: 0.0 }, 0.0_f64.max(s));
+        let place = |s: f64| way::advance_far(&path, Reference { span: 0, t: 0.0 }, 0.0_f64.max(s));
         // advance() goes over 64 spans at most: walk.
         let walk = |mut s: f64| {
             for (i, span) in all.iter().enumerate() {

@@ -172,7 +172,7 @@ fn offline_search_agrees_with_brute_force_on_random_splines_by_both_methods() {
                 [random.signed(), random.signed(), random.signed()].map(|x| 0.02 * x),
             );
             // The reference is up to 0.1 mm ahead.
-            let reference = search::advance(&path, Reference { span: number, t }, 0.1 * random.unit());
+            let reference = way::advance_far(&path, Reference { span: number, t }, 0.1 * random.unit());
             let truth = brute(&all, number, p);
             let guarded = search(Method::Guarded).nearest(&path, reference, p);
             let plain = search(Method::Bisection).nearest(&path, reference, p);

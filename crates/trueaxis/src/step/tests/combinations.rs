@@ -98,12 +98,13 @@ fn a_gauge_adds_its_infeed_and_changes_nothing_else_whatever_is_measured() {
             assert_eq!((a.tip, a.encoder, a.orientation), (b.tip, b.encoder, b.orientation), "{measure}, {i}");
             assert_eq!((a.fault, b.fault, a.status), (Fault::None, Fault::None, b.status), "{measure}, {i}");
             let fed = [0, 1, 2].map(|k| gauged.drive[k] - plain.drive[k]);
-            assert_eq!([fed[0], fed[2]], [0.0, 0.0], "{measure}, {i}");
+            // The tables are read where the axis stands, infeed included: by less than 1e-4 of it they say something else.
+            assert!(fed[0].abs() <= 1e-4 * INFEED && fed[2].abs() <= 1e-4 * INFEED, "{measure}, {i}: {fed:?}");
             if (i as i32) < FROM {
                 assert_eq!(fed[1], 0.0, "{measure}, {i}");
             } else if i as i32 >= AT_REST {
                 assert_eq!((a.limited, b.limited), (0, 0), "{measure}, {i}");
-                assert!((fed[1] - INFEED).abs() < 1e-12, "{measure}, {i}: {}", fed[1]);
+                assert!((fed[1] - INFEED).abs() < 1e-4 * INFEED, "{measure}, {i}: {}", fed[1]);
                 let measured = *measure != "nothing";
                 assert_eq!((a.tip.is_measured(), a.encoder.is_measured()), (measured, measured), "{measure}, {i}");
                 let truth = if measured { BESIDE } else { 0.0 };

@@ -179,7 +179,7 @@ fn follow<R: Real, P: Position>(
         let feedback: Pose = core::array::from_fn(|k| command[k] + stray(u)[k]);
         let (out, orientation) = machine.cycle(&mut state, command, feedback, &path, reference(&spans, u));
         assert_eq!(out.record.fault, Fault::None);
-        assert!(out.record.tip.evaluations <= 6 && orientation.evaluations <= 27);
+        assert!(out.record.tip.evaluations + out.record.encoder.evaluations <= 8 && orientation.evaluations <= 27);
         assert_eq!((out.record.orientation, out.record.orientation_flags), (orientation.angle, orientation.flags));
         if i > 1000 {
             seen(u, feedback, &out, &orientation);
@@ -453,7 +453,7 @@ proptest! {
             let (out, orientation) = machine.cycle(&mut state, command, pose, &path, reference(&spans, u));
             prop_assert!(out.record.tip.error.is_finite() && out.record.encoder.error.is_finite());
             prop_assert!(orientation.angle.is_finite() && orientation.evaluations <= 27);
-            prop_assert!(out.record.tip.evaluations <= 6);
+            prop_assert!(out.record.tip.evaluations + out.record.encoder.evaluations <= 8);
             prop_assert!(!out.record.tip.is_measured() || orientation.is_measured());
         }
     }

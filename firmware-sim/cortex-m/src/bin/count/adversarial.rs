@@ -5,9 +5,11 @@ use crate::forms::{Cycle, FORMS, Machine, STAGES};
 use crate::middle::Middle;
 use crate::recorded;
 use cortex_m_semihosting::{hprint, hprintln};
+use trueaxis::contour::Flags;
+use trueaxis::telemetry::Status;
 use trueaxis_cortex_m::timer::Tally;
 use trueaxis_recording::Integer;
-use trueaxis_recording::adversary::{Adversary, COURSES, CYCLES, Course, Digest, Moment, SCENE};
+use trueaxis_recording::adversary::{Adversary, COURSES, CYCLES, Course, Digest, Events, Moment, SCENE};
 use trueaxis_recording::outputs::Wire;
 
 /// Names of the forms of the step in the counts.
@@ -15,6 +17,8 @@ const NAMES: [&str; FORMS] = ["adversarial", "adversarial_gauge", "adversarial_v
 /// Kinds of courses.
 const KINDS: [&str; 8] =
     ["corners", "hairpins", "short_spans", "racetrack", "rational", "helix_quintic", "cusps", "small_circle"];
+/// What cycles were met with, so that they do not become easier unnoticed.
+const MET: [&str; 6] = ["active", "frozen", "stopped", "limited", "bracketed", "undisturbed"];
 /// Dearest cycles that are listed, for the host to count.
 const DEAREST: usize = 256;
 
@@ -68,41 +72,95 @@ impl<'a, R: Wire<Place = P>, P: Integer> Run<'a, R, P> {
     }
 }
 
+/// What is found over all of them, by form, by kind of course, by stage.
+struct Found {
+    forms: [Tally; FORMS],
+    middle: [Middle; FORMS],
+    dearest: [Dearest; FORMS],
+    digests: [Digest; FORMS],
+    kinds: [Tally; KINDS.len()],
+    stages: [Tally; STAGES.len()],
+    met: [u32; MET.len()],
+}
+
+impl Found {
+    fn new(arena: &mut Arena) -> Self {
+        Found {
+            forms: Default::default(),
+            middle: [(); FORMS].map(|()| Middle::new(arena)),
+            dearest: [(); FORMS].map(|()| Dearest { kept: [(0, 0); DEAREST], least: 0 }),
+            digests: Default::default(),
+            kinds: Default::default(),
+            stages: Default::default(),
+            met: [0; MET.len()],
+        }
+    }
+
+    /// Runs and adds a cycle.
+    fn add<R: Wire<Place = P>, P: Integer>(&mut self, number: u32, moment: &Moment<R, P>, cycle: &Cycle<'_, R, P>) {
+        let mut last = None;
+        let (counts, _) = cycle.count(|form, output| {
+            self.digests[form].add(output);
+            last = Some(output.record);
+        });
+        self.kinds[moment.course % KINDS.len()].add(counts[0]);
+        for (form, count) in counts.into_iter().enumerate() {
+            self.forms[form].add(count);
+            self.middle[form].add(count, number);
+            self.dearest[form].add(count, number);
+        }
+        for (taken, stage) in cycle.stages().into_iter().zip(&mut self.stages) {
+            stage.add(taken);
+        }
+        let Some(record) = last else { return };
+        let met = [
+            record.status.has(Status::ACTIVE),
+            record.status.has(Status::FROZEN),
+            record.status.has(Status::STOP_REQUEST),
+            record.limited != 0,
+            record.tip.flags.has(Flags::BRACKETED),
+            moment.events == Events::default(),
+        ];
+        for (times, met) in self.met.iter_mut().zip(met) {
+            *times += u32::from(met);
+        }
+    }
+
+    fn print(&mut self, scalar: &str) {
+        for (form, name) in NAMES.into_iter().enumerate() {
+            let (typical, worst_at) = (self.middle[form].value(), self.dearest[form].worst());
+            hprintln!("{} {} typical {} {} at {}", scalar, name, typical, self.forms[form], worst_at);
+        }
+        let stages = STAGES.iter().map(|(_, name)| *name).zip(&self.stages);
+        for (name, tally) in stages.chain(KINDS.into_iter().zip(&self.kinds)) {
+            hprintln!("{} adversarial_{} {}", scalar, name, tally);
+        }
+        let [bare, gauged, volumetric] = self.digests.map(Digest::value);
+        hprintln!("{} digests of {} cycles: {:08x} {:08x} {:08x}", scalar, CYCLES, bare, gauged, volumetric);
+        hprint!("{} met", scalar);
+        for (name, times) in MET.iter().zip(self.met) {
+            hprint!(" {} {}", name, times);
+        }
+        hprint!("\n{} dearest", scalar);
+        let [dearest, ..] = &mut self.dearest;
+        dearest.kept.sort_unstable_by_key(|(count, cycle)| (u32::MAX - count, *cycle));
+        for (_, cycle) in dearest.kept {
+            hprint!(" {}", cycle);
+        }
+        hprintln!();
+    }
+}
+
 /// Counts all of them.
 pub fn all<R: Wire<Place = P>, P: Integer>(scalar: &str, machine: &Machine<R, P>, arena: &mut Arena) {
     let mut run = Run::new(machine, arena);
-    let mut tallies = [(); FORMS].map(|()| Tally::default());
-    let mut middle = [(); FORMS].map(|()| Middle::new(arena));
-    let mut dearest = [(); FORMS].map(|()| Dearest { kept: [(0, 0); DEAREST], least: 0 });
-    let mut kinds = KINDS.map(|_| Tally::default());
-    let mut digests = [(); FORMS].map(|()| Digest::default());
+    let mut found = Found::new(arena);
     for number in 0..CYCLES {
         let (moment, cycle) = run.draw(number);
-        let (counts, _) = cycle.count(|form, output| digests[form].add(output));
-        kinds[moment.course % KINDS.len()].add(counts[0]);
-        for (form, count) in counts.into_iter().enumerate() {
-            tallies[form].add(count);
-            middle[form].add(count, number);
-            dearest[form].add(count, number);
-        }
+        found.add(number, &moment, &cycle);
     }
-    for (form, name) in NAMES.into_iter().enumerate() {
-        let typical = middle[form].value();
-        hprintln!("{} {} typical {} {} at {}", scalar, name, typical, tallies[form], dearest[form].worst());
-    }
-    for (name, tally) in KINDS.iter().zip(&kinds) {
-        hprintln!("{} adversarial_{} {}", scalar, name, tally);
-    }
-    let [bare, gauged, volumetric] = digests.map(Digest::value);
-    hprintln!("{} digests of {} cycles: {:08x} {:08x} {:08x}", scalar, CYCLES, bare, gauged, volumetric);
-    hprint!("{} dearest", scalar);
-    dearest[0].kept.sort_unstable_by_key(|(count, cycle)| (u32::MAX - count, *cycle));
-    for (_, cycle) in dearest[0].kept {
-        hprint!(" {}", cycle);
-    }
-    hprintln!();
-    let worst = dearest[0].worst();
-    replay(scalar, machine, worst, arena);
+    found.print(scalar);
+    replay(scalar, machine, found.dearest[0].worst(), arena);
 }
 
 /// Runs the scene of a cycle up to it, and prints its inputs, what it found and its stages.

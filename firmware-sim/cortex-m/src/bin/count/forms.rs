@@ -26,6 +26,7 @@ pub const STAGES: [(Stage, &str); 5] = [
 /// Forms of the whole step.
 pub const FORMS: usize = 3;
 
+type Form<R, P> = fn(&Cycle<'_, R, P>) -> u32;
 type Loop<R, P> = ServoLoop<'static, R, P, AXES>;
 
 /// Everything that cycles run on: the tables in force from the start and those they are exchanged for.
@@ -155,7 +156,7 @@ impl<R: Real, P: Integer> Cycle<'_, R, P> {
     pub fn count(&self, mut seen: impl FnMut(usize, &Output<R, P, AXES>)) -> ([u32; FORMS], u32) {
         let mut revolutions = 0;
         let mut counts = [0; FORMS];
-        let forms: [fn(&Cycle<'_, R, P>) -> u32; FORMS] = [bare, gauged, volumetric];
+        let forms: [Form<R, P>; FORMS] = [bare, gauged, volumetric];
         for (number, (form, count)) in forms.into_iter().zip(&mut counts).enumerate() {
             let (taken, finished) = timed(form, self);
             revolutions += finished;

@@ -11,8 +11,8 @@ use trueaxis::{Axis, Real};
 use trueaxis_cortex_m::timer::{Tally, timed};
 
 const POINTS: usize = 1024;
-/// Forward transform, pairs and inverse of 1024 points.
-const TRANSFORM_UNITS: usize = 576 + 256 + 576;
+/// Forward transform, pairs, harmonics kept and inverse of 1024 points, and the eleven units between them.
+const TRANSFORM_UNITS: usize = 512 + 256 + 127 + 512 + 11;
 
 fn settings(whole: bool) -> GaugeSettings {
     let mut settings = GaugeSettings::with_defaults(POINTS as u16, ProbeAngles::Slots { p: 188, q: 667 }, 1 << 22);

@@ -11,6 +11,7 @@ use trueaxis::limiter::{Limiter, LimiterState};
 use trueaxis::machine::Rows;
 use trueaxis::machine::{AxisOrder, AxisSettings, ErrorModel, MachineSettings};
 use trueaxis::{Axis, Position, Real, Row};
+use trueaxis_cortex_m::settings;
 use trueaxis_cortex_m::timer::{Tally, timed};
 
 /// Points of a table.
@@ -54,35 +55,18 @@ fn tables(free: bool) -> [Table; 6] {
     [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C].map(|axis| Table { axis, free })
 }
 
-fn machine(five: bool) -> MachineSettings {
-    let mut axes = heapless::Vec::new();
-    let rotary: &[Axis] = if five { &[Axis::A, Axis::C] } else { &[] };
-    for axis in [Axis::X, Axis::Y, Axis::Z].iter().chain(rotary) {
-        let settings = AxisSettings::with_defaults(*axis, axis.is_rotary());
+fn machine(five: bool, model: ErrorModel) -> MachineSettings {
+    let axes = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C].into_iter().take(if five { 5 } else { 3 });
+    let axes = axes.map(|axis| {
+        let settings = AxisSettings::with_defaults(axis, axis.is_rotary());
         let linear = AxisSettings { travel: [-290.0, 325.0], joint: [-290.1, 325.1], ..settings };
-        let _ = axes.push(if axis.is_rotary() { settings } else { linear });
-    }
-    let chain = if five { "w C' A' b X Y Z t" } else { "w b X Y Z t" };
-    let mut machine = MachineSettings {
-        roundness: None,
-        name: "count".try_into().unwrap_or_default(),
-        chain: chain.try_into().unwrap_or_default(),
-        tool_mm: [0.0, 0.0, -120.0],
-        reference_temperature_c: 20.0,
-        location: Default::default(),
-        faults: Default::default(),
-        contour: Default::default(),
-        compensation: Default::default(),
-        kinematics: Default::default(),
-        axes,
-    };
-    machine.compensation.model = ErrorModel::Volumetric;
-    machine
+        if axis.is_rotary() { settings } else { linear }
+    });
+    settings::machine([0.0, 0.0, -120.0], model, axes)
 }
 
 fn nine<R: Real, P: Position>(free: bool, arena: &mut Arena) -> &'static NineTerms<'static, R, P, 3> {
-    let mut machine = machine(false);
-    machine.compensation.model = ErrorModel::Nine;
+    let machine = machine(false, ErrorModel::Nine);
     let tables = tables(free);
     let rows = |axis: Axis| tables.get(axis.index());
     let memory = arena.slice(NineTerms::<R, P, 3>::requirement(&machine, rows), R::ZERO);
@@ -93,7 +77,7 @@ fn nine<R: Real, P: Position>(free: bool, arena: &mut Arena) -> &'static NineTer
 }
 
 fn volumetric<R: Real, P: Position, const N: usize>(arena: &mut Arena) -> &'static Volumetric<'static, R, P, N> {
-    let machine = machine(N == 5);
+    let machine = machine(N == 5, ErrorModel::Volumetric);
     let tables = tables(false);
     let rows = |axis: Axis| tables.get(axis.index());
     let memory = arena.slice(Volumetric::<R, P, N>::requirement(&machine, rows), R::ZERO);
@@ -150,23 +134,20 @@ fn kernel<R: Real, P: Position>(near: &Near<R, P>) -> u32 {
     sink(near.span.foot_near(&near.point, near.guess))
 }
 
-struct Limits<R: Real>([Limiter<R>; 3], core::cell::Cell<[LimiterState<R>; 3]>, core::cell::Cell<[R; 3]>);
+struct Limits<R: Real>([Limiter<R>; 3], core::cell::RefCell<[LimiterState<R>; 3]>, core::cell::Cell<[R; 3]>);
 
 #[inline(never)]
 fn no_limit<R: Real>(limits: &Limits<R>) -> u32 {
-    let state = limits.1.get();
-    limits.1.set(black_box(state));
+    black_box(&mut *limits.1.borrow_mut());
     sink(limits.2.get())
 }
 
 #[inline(never)]
 fn follow<R: Real>(limits: &Limits<R>) -> u32 {
-    let mut state = limits.1.get();
     let mut limited = 0;
-    for ((limiter, state), wanted) in limits.0.iter().zip(&mut state).zip(limits.2.get()) {
+    for ((limiter, state), wanted) in limits.0.iter().zip(&mut *limits.1.borrow_mut()).zip(limits.2.get()) {
         limited += u32::from(limiter.follow(state, wanted));
     }
-    limits.1.set(black_box(state));
     limited
 }
 

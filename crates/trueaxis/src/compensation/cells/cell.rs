@@ -1,0 +1,73 @@
+//! One cell of one axis.
+
+use crate::position::Position;
+use crate::real::Real;
+
+/// Positions from `low` on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window<P: Position> {
+    pub(super) low: P,
+    pub(super) reach: P::Reach,
+}
+
+impl<P: Position> Window<P> {
+    /// No position lies in it.
+    pub(super) fn nowhere() -> Self {
+        Window { low: P::of(f64::NAN), reach: P::Reach::default() }
+    }
+
+    pub(super) fn between(low: P, high: P) -> Self {
+        Window { low, reach: high.apart(low) }
+    }
+}
+
+/// Where it lies and its polynomial of the distance from its start, in steps of the position.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell<R, P: Position> {
+    pub(super) window: Window<P>,
+    /// k1.
+    pub(super) slope: [R; 3],
+    /// k2 and k3; zero in a linear table.
+    pub(super) curve: [[R; 3]; 2],
+    /// k0.
+    pub(super) start: [R; 3],
+}
+
+impl<R: Real, P: Position> Cell<R, P> {
+    /// No position lies in it.
+    pub(super) fn nowhere() -> Self {
+        let zero = [R::ZERO; 3];
+        Cell { window: Window::nowhere(), slope: zero, curve: [zero; 2], start: zero }
+    }
+
+    /// Distance of a position from its start, if it lies in the cell.
+    #[inline(always)]
+    pub(super) fn steps(&self, position: P) -> Option<R> {
+        let (steps, inside) = position.steps_above(self.window.low, self.window.reach);
+        if inside { Some(steps) } else { None }
+    }
+
+    /// What the error rises from its start to a distance `t`.
+    #[inline(always)]
+    pub(super) fn rise(&self, t: R, cubic: bool) -> [R; 3] {
+        let [second, third] = self.curve;
+        let slope = if cubic { plus(self.slope, times(t, plus(second, times(t, third)))) } else { self.slope };
+        times(t, slope)
+    }
+
+    /// Error at a distance from its start.
+    #[inline(always)]
+    pub(super) fn error(&self, t: R, cubic: bool) -> [R; 3] {
+        plus(self.start, self.rise(t, cubic))
+    }
+}
+
+#[inline(always)]
+pub(super) fn plus<R: Real>([a, b, c]: [R; 3], [x, y, z]: [R; 3]) -> [R; 3] {
+    [a + x, b + y, c + z]
+}
+
+#[inline(always)]
+pub(super) fn times<R: Real>(t: R, [x, y, z]: [R; 3]) -> [R; 3] {
+    [t * x, t * y, t * z]
+}

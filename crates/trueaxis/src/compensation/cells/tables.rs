@@ -1,0 +1,147 @@
+//! What the cells of a machine's tables are made by.
+
+use super::LINEAR;
+use super::cell::Window;
+use crate::compensation::nine::NineTerms;
+use crate::compensation::table::AxisTable;
+use crate::compensation::thermal::ThermalLine;
+use crate::position::Position;
+use crate::real::Real;
+
+/// Error, mm, that the inverse may leave by starting from the last cycle's correction: half of its tolerance.
+const INVERSE_MM: f64 = 0.5e-6;
+/// Error, mm, that a cell may have beyond its ends: a third of the other half, for three axes.
+const OVERLAP_MM: f64 = 0.5e-6 / 3.0;
+/// How far the cell beyond a table's end reaches, mm.
+const BEYOND_MM: f64 = 2000.0;
+/// Between a table's end and the cell beyond it, mm: the end itself belongs to the table.
+const GAP_MM: f64 = 1e-6;
+
+/// Where the cells of an axis end: immutable.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Borders<R, P: Position> {
+    /// The table's first and last position.
+    pub(super) ends: [P; 2],
+    pub(super) below: Window<P>,
+    pub(super) above: Window<P>,
+    /// How far a cell goes on beyond a point within the table, mm.
+    pub(super) overlap: R,
+}
+
+impl<R: Real, P: Position> Borders<R, P> {
+    fn of(table: &AxisTable<'_, R, P>) -> Self {
+        let [first, last] = table.ends().map(P::to_f64);
+        let gap = if table.is_empty() { 0.0 } else { GAP_MM };
+        let window = |low: f64, high: f64| Window::between(P::nearest(low), P::nearest(high));
+        Borders {
+            ends: table.ends(),
+            below: window(first - BEYOND_MM, first - gap),
+            above: window(last + gap, last + BEYOND_MM),
+            overlap: R::of(table.overlap(OVERLAP_MM)),
+        }
+    }
+}
+
+/// What the cells of a machine's tables are made by: immutable, built once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tables<R, P: Position> {
+    /// Tells these tables from others; [`Tables::NO_CELLS`] where there are none to keep.
+    pub(super) key: u64,
+    cubic: bool,
+    pub(super) borders: [Borders<R, P>; LINEAR],
+    /// Norm of the Jacobian of the errors, without thermal growth.
+    norm: R,
+    /// Farthest that a command moves in a cycle, mm.
+    motion: R,
+    /// Largest change of the correction in a cycle, mm.
+    change: R,
+    /// Most look-ups of the inverse.
+    most: u8,
+}
+
+impl<R: Real, P: Position> Tables<R, P> {
+    /// Key of tables that cells do not serve.
+    const NO_CELLS: u64 = 1;
+
+    /// `norm` of the errors' Jacobian, at `most` as many look-ups of the inverse; in a cycle, the largest `motion` of the
+    /// command and `change` of the correction, mm.
+    pub(crate) fn new<const N: usize>(
+        terms: Option<&NineTerms<'_, R, P, N>>,
+        norm: f64,
+        [motion, change]: [f64; 2],
+        most: u8,
+    ) -> Self {
+        let mut built = Tables {
+            key: Self::NO_CELLS,
+            cubic: false,
+            borders: [Borders::of(&AxisTable::zero()); LINEAR],
+            norm: R::of(norm),
+            motion: R::of(motion),
+            change: R::of(change),
+            most,
+        };
+        let Some((terms, cubic)) = terms.and_then(|terms| Some((terms, terms.cells()?))) else { return built };
+        built.cubic = cubic;
+        for (borders, table) in built.borders.iter_mut().zip(&terms.tables) {
+            *borders = Borders::of(table);
+        }
+        let mut key = 0;
+        let mut take = |number: f64| key = mixed(key ^ number.to_bits());
+        terms.numbers(&mut take);
+        [norm, motion, change, f64::from(most)].into_iter().for_each(take);
+        // Neither of the two keys of other meaning, nor is its complement.
+        built.key = (key | 2) & !(1 << 63);
+        built
+    }
+
+    /// Key of the tables.
+    #[inline(always)]
+    pub(crate) fn key(&self) -> u64 {
+        self.key
+    }
+
+    /// Their polynomials are cubic.
+    #[inline(always)]
+    pub(crate) fn is_cubic(&self) -> bool {
+        self.cubic
+    }
+
+    /// There are cells to keep.
+    pub(crate) fn has_cells(&self) -> bool {
+        self.key != Self::NO_CELLS
+    }
+
+    /// Look-ups `r ← −E(q + r)` that a cycle starting from the correction c of the cycle before has to make.
+    ///
+    /// With κ the norm of dE/dq, r* the fixed point, and r what `p` look-ups give:
+    ///
+    /// ```text
+    /// |r − r*| <= κᵖ |c − r*|       |c − r*| <= |c − r| + |r − r*|       |r − r*| <= κᵖ |c − r| / (1 − κᵖ)
+    /// ```
+    ///
+    /// Locked on, the limiter sends r, and |c − r| is what r has changed since the last cycle: by motion, at most
+    /// κ |Δq| / (1 − κ), and at most what the limiter lets pass. While the limiter approaches, c − r is what is left of the
+    /// way, and the error vanishes with it. Where anything but motion changes r, the inverse starts from nothing.
+    pub(super) fn passes<const N: usize>(&self, thermal: &[ThermalLine<R>; N]) -> u8 {
+        let growth = thermal.iter().fold(R::ZERO, |most, line| most.max(line.slope().abs()));
+        let norm = self.norm + growth;
+        let rest = R::ONE - norm;
+        let by_motion = norm * self.motion;
+        let change = if by_motion < self.change * rest { by_motion / rest } else { self.change };
+        let mut error = norm * change;
+        let mut passes = 1;
+        while passes < self.most && !(error <= R::of(INVERSE_MM) * rest) {
+            error = error * norm;
+            passes += 1;
+        }
+        passes
+    }
+}
+
+/// Every bit of the result depends on all bits of `x` (splitmix64's finish).
+fn mixed(x: u64) -> u64 {
+    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
