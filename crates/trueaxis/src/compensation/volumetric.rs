@@ -279,7 +279,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         self.carried(query, &self.chain.poses(query.command), &twists)
     }
 
-    /// Where no axis turns, the lever of every twist is the tool and the travels beyond it.
+    /// Where no axis turns, the lever of every twist is the travels beyond it; the tool is in the tables.
     #[inline(always)]
     fn plain_slides(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
         let Query { command: at, directions: reverse, thermal, .. } = *query;
@@ -297,7 +297,9 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             }
             bit <<= 1;
             let (e, w) = halves(twist);
-            d += e + w.cross(self.chain.tool + V3::new(*bx * qx, *by * qy, *bz * qz));
+            // Terms added one by one, for processors that multiply and add in one instruction.
+            let (x, y, z) = (*bx * qx, *by * qy, *bz * qz);
+            d = V3::new(d.x + e.x + w.y * z - w.z * y, d.y + e.y + w.z * x - w.x * z, d.z + e.z + w.x * y - w.y * x);
             orientation += w;
         }
         let mut growth = [R::ZERO; 3];
@@ -470,14 +472,14 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         if N == 3 { self.sum_of_slides(&positions, &twists) } else { self.walk(&positions, poses, &twists) }
     }
 
-    /// Where no axis turns, the lever of every twist is the tool and the travels beyond it: no walk.
+    /// Where no axis turns, the lever of every twist is the travels beyond it, and the tool is in the tables: no walk.
     #[inline(always)]
     fn sum_of_slides(&self, positions: &[R; N], twists: &[Twist<R>; N]) -> PoseError<R> {
         let (mut d, mut orientation) = (V3::ZERO, V3::ZERO);
         if let [qx, qy, qz, ..] = positions.as_slice() {
             for ([x, y, z, a, b, c], [bx, by, bz]) in twists.iter().zip(&self.chain.beyond) {
                 let w = V3::new(*a, *b, *c);
-                let lever = self.chain.tool + V3::new(*bx * *qx, *by * *qy, *bz * *qz);
+                let lever = V3::new(*bx * *qx, *by * *qy, *bz * *qz);
                 d += V3::new(*x, *y, *z) + w.cross(lever);
                 orientation += w;
             }

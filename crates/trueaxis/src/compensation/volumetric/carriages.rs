@@ -32,7 +32,7 @@ pub(super) struct Carriages<R, const N: usize> {
     carriages: [Option<Carriage<R>>; N],
     /// Number of those that carry the workpiece.
     workpiece: usize,
-    /// Tool tip from the last tool-side frame.
+    /// Tool tip from the last tool-side frame; of three slides zero, as the tables carry it.
     pub(super) tool: V3<R>,
     /// Unit vector along the tool, all axes at zero.
     tool_axis: V3<R>,
@@ -96,7 +96,7 @@ impl<R: Real, const N: usize> Carriages<R, N> {
     /// The carriages and, for every axis, the constant lever that its table carries.
     ///
     /// Slides do not turn, so the offsets of the slides between two rotary axes act as one, at the outer end of that
-    /// run: in the next rotary axis' offset or the tool. What they would have added to the lever of a slide's own twist
+    /// run: in the next rotary axis' offset or the tool (without rotary axes the tool too is in the tables). What they would have added to the lever of a slide's own twist
     /// is constant and goes into its table, beside the line along which it was measured.
     pub(super) fn build(order: &AxisOrder<N>, machine: &MachineSettings) -> Result<(Self, [[f64; 3]; N]), ConfigError> {
         let found = links(&machine.chain)?;
@@ -187,7 +187,15 @@ impl<R: Real, const N: usize> Carriages<R, N> {
         }
         let [x, y, z] = run;
         let [tx, ty, tz] = machine.tool_mm;
-        self.tool = V3::of([x + tx, y + ty, z + tz]);
+        let tool = [x + tx, y + ty, z + tz];
+        if N == 3 {
+            // Without rotary axes it is the same constant part of every lever.
+            for (lever, tool) in levers.iter_mut().flat_map(|lever| lever.iter_mut().zip(tool)) {
+                *lever -= tool;
+            }
+        } else {
+            self.tool = V3::of(tool);
+        }
     }
 
     /// The own travel of a slide lengthens its lever.

@@ -146,7 +146,7 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             return;
         };
         let Some(own) = beyond.get(slot).copied() else { return };
-        let lever = self.chain.tool + V3::new(*bx * *qx, *by * *qy, *bz * *qz);
+        let lever = V3::new(*bx * *qx, *by * *qy, *bz * *qz);
         let ([value, slope], bent) = corner.interval.powers(corner.t);
         let ((mut e, w), (mut e1, w1)) = (halves(value), halves(slope));
         let [c0y, b0z, a0z] = self.squareness;
