@@ -194,6 +194,35 @@ fn dither_within_the_band_does_not_toggle_the_direction() {
     assert_eq!(reversal.update(11.902, 1e-3), Direction::POSITIVE);
 }
 
+/// A drive that wanders about its turning point, by steps about the width of the band: with and without the short look.
+fn verdicts_agree<R: Real, P: Position>(seed: u64) {
+    let mut noise = Noise::new(seed);
+    for band in [0.0, 0.3e-3, 3e-3] {
+        let within = P::reach(band * (1.0 - 1e-6));
+        let (mut q, mut turns) = (10.0, 0);
+        let (mut long, mut short) = (Reversal::at(P::of(q)), Reversal::at(P::of(q)));
+        for _ in 0..100_000 {
+            // Whole and half bands, to hit their ends.
+            let step = [0.0, band, 0.5 * band, 1e-3 * noise.signed(), 1e-6][noise.below(5)];
+            q += if noise.unit() < 0.5 { step } else { -step };
+            let (drive, before) = (P::of(q), long.direction());
+            let direction = long.update(drive, R::of(band));
+            if !short.goes_on(drive, within) {
+                short.update(drive, R::of(band));
+            }
+            assert_eq!((short, short.direction()), (long, direction), "{band} {q}");
+            turns += u32::from(direction != before);
+        }
+        assert!(turns > 100, "{turns}");
+    }
+}
+
+#[test]
+fn a_drive_that_goes_on_needs_no_second_look() {
+    verdicts_agree::<f64, f64>(21);
+    verdicts_agree::<f32, Nanometres>(22);
+}
+
 fn compensation<const N: usize>(
     machine: &MachineSettings,
     tables: &[(Axis, Vec<Row>)],

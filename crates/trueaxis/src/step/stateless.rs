@@ -69,7 +69,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// The correction that makes up for the error at a command, mm (degrees): what the step's correction settles to at
     /// standstill, where no limit binds.
     ///
-    /// By the exact inverse with the configured number of passes, not limited in magnitude. Axes that look their errors up
+    /// By the exact inverse with the configured number of passes, from nothing (the step's goes on from the correction it
+    /// sent last), not limited in magnitude. Axes that look their errors up
     /// at the feedback are taken to stand at the command.
     ///
     /// # Errors

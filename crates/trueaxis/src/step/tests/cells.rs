@@ -263,7 +263,6 @@ fn kept_cells_say_what_the_tables_say() {
         let singles = run::<f32, Nanometres>(&tables, seed as u64, 60_000, 0.1e-6);
         for worst in [doubles, singles] {
             assert!(worst.filled <= 2, "{worst:?}");
-            std::println!("{worst:?}");
             edges += worst.edges;
             kept += worst.kept;
         }
