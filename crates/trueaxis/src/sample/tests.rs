@@ -1,5 +1,7 @@
 //! Encoder scales, and the glance against the whole decision.
 
+#![allow(clippy::indexing_slicing)]
+
 use super::*;
 use crate::position::Nanometres;
 use crate::testing::machine::Machine;

@@ -37,7 +37,7 @@ impl<R: Real, const C: usize> Part<R, C> {
             for done in 0..C - 1 {
                 for k in (done..C - 1).rev() {
                     for lane in 0..lanes {
-                        c[k][lane] = c[k][lane] + first * c[k + 1][lane];
+                        c[k][lane] += first * c[k + 1][lane];
                     }
                 }
             }
@@ -69,16 +69,16 @@ impl<R: Real, const C: usize> Part<R, C> {
         for j in 1..C {
             for k in (1..=j).rev() {
                 for lane in 0..3 {
-                    x[k][lane] = x[k][lane] + x[k - 1][lane];
+                    x[k][lane] += x[k - 1][lane];
                 }
-                w[k] = w[k] + w[k - 1];
+                w[k] += w[k - 1];
             }
         }
         let mut squares = [R::ZERO; 11];
         for i in 0..C {
-            squares[2 * i] = squares[2 * i] + dot(&x[i], &x[i]);
+            squares[2 * i] += dot(&x[i], &x[i]);
             for j in 0..i {
-                squares[i + j] = squares[i + j] + R::TWO * dot(&x[i], &x[j]);
+                squares[i + j] += R::TWO * dot(&x[i], &x[j]);
             }
         }
         Part { x, w, squares }
@@ -89,7 +89,7 @@ impl<R: Real, const C: usize> Part<R, C> {
         let mut n = self.squares;
         for i in 0..C {
             for j in 0..C {
-                n[i + j] = n[i + j] - squared * self.w[i] * self.w[j];
+                n[i + j] -= squared * self.w[i] * self.w[j];
             }
         }
         let end = self.squares[2 * (C - 1)];
@@ -107,7 +107,7 @@ impl<R: Real, const C: usize> Part<R, C> {
             let (up, down) = (R::of_i32(j as i32 + 1), R::of_i32((C - 1 - j) as i32));
             let rate: [R; 3] = core::array::from_fn(|lane| up * self.x[j + 1][lane] - down * self.x[j][lane]);
             for i in 0..C {
-                g[i + j] = g[i + j] + dot(&self.x[i], &rate);
+                g[i + j] += dot(&self.x[i], &rate);
             }
         }
         let mut count = 2 * (C - 1);
@@ -116,13 +116,13 @@ impl<R: Real, const C: usize> Part<R, C> {
             g = [R::ZERO; 15];
             for i in 0..count {
                 for j in 0..C {
-                    g[i + j] = g[i + j] + along[i] * self.w[j];
+                    g[i + j] += along[i] * self.w[j];
                 }
             }
             for j in 0..C - 1 {
                 let rate = R::of_i32(j as i32 + 1) * self.w[j + 1] - R::of_i32((C - 1 - j) as i32) * self.w[j];
                 for i in 0..2 * C - 1 {
-                    g[i + j] = g[i + j] - self.squares[i] * rate;
+                    g[i + j] -= self.squares[i] * rate;
                 }
             }
             count = 3 * (C - 1);

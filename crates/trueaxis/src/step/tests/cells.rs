@@ -238,7 +238,7 @@ fn compare<R: Real, P: Position>(
         let near_end = ENDS.iter().any(|end| (place - end).abs() < 2e-6);
         // Where more than the place has changed, the inverse begins at the command, and either counts.
         if only_moved && !near_end && !tables.rows[slot].is_empty() {
-            let beyond = place < ENDS[0] || place > ENDS[1];
+            let beyond = !(ENDS[0]..=ENDS[1]).contains(&place);
             assert_eq!(modelled.at_edge >> slot & 1 == 1, beyond, "{cycle}: axis {slot} at {place}");
             worst.edges += usize::from(beyond);
         }
