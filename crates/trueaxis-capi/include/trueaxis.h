@@ -143,22 +143,22 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 368
+#define TRUEAXIS_LOOP_WORDS 448
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 240
+#define TRUEAXIS_LOOP_WORDS 288
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 104
+#define TRUEAXIS_STATE_WORDS 512
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 64
+#define TRUEAXIS_STATE_WORDS 272
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.

@@ -63,6 +63,8 @@ pub trait Real:
     fn roots(squares: [Self; 2]) -> [Self; 2];
     /// |x|, one instruction.
     fn abs(self) -> Self;
+    /// `self + a b`, rounded twice; once with the feature `fma` on a processor that has the instruction.
+    fn add_product(self, a: Self, b: Self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// 0 to 1, by one comparison of its bits; not so of −0.
@@ -138,6 +140,13 @@ macro_rules! real {
             #[inline(always)]
             fn abs(self) -> $t {
                 <$t>::abs(self)
+            }
+            #[inline(always)]
+            fn add_product(self, a: $t, b: $t) -> $t {
+                #[cfg(all(feature = "fma", any(target_feature = "fma", target_arch = "aarch64")))]
+                return a.mul_add(b, self);
+                #[cfg(not(all(feature = "fma", any(target_feature = "fma", target_arch = "aarch64"))))]
+                return self + a * b;
             }
             #[inline(always)]
             fn is_finite(self) -> bool {

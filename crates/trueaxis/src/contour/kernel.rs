@@ -111,7 +111,8 @@ pub(super) fn shifted_quintic<R: Real, const RATIONAL: bool>(c: &[[R; 4]; 6], t:
 /// `a + t b`, without the weights where there are none.
 #[inline(always)]
 fn horner<R: Real, const RATIONAL: bool>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4] {
-    if RATIONAL { mad(a, t, b) } else { [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2], R::ZERO] }
+    let lane = |k: usize| a[k].add_product(t, b[k]);
+    if RATIONAL { mad(a, t, b) } else { [lane(0), lane(1), lane(2), R::ZERO] }
 }
 
 /// Coefficients about the guess, C of them: the step and its correction.
@@ -199,8 +200,8 @@ pub(super) struct Taylor<R> {
 fn series<R: Real, const C: usize>(c: &[R; C], h: R) -> [R; 3] {
     match &c[..] {
         [a, b, d, e] => {
-            let z = *d + R::THREE * h * *e;
-            [*a + h * (*b + h * (*d + h * *e)), *b + h * (*d + z), z]
+            let z = d.add_product(R::THREE * h, *e);
+            [a.add_product(h, b.add_product(h, d.add_product(h, *e))), b.add_product(h, *d + z), z]
         }
         [c0, c1, c2, c3, c4, c5] => {
             // Horner's scheme three times, each from the sums of the one before.
@@ -253,7 +254,7 @@ impl<R: Real> Taylor<R> {
         // The tangent before the correction, which turns it by next to nothing.
         let weight_rate = if RATIONAL { *vw } else { R::ZERO };
         for k in 0..3 {
-            vector[k] = r[k] + correction * (v[k] + correction * z[k]);
+            vector[k] = r[k].add_product(correction, v[k].add_product(correction, z[k]));
             tangent[k] = v[k];
             if RATIONAL {
                 vector[k] = vector[k] * weight;

@@ -234,13 +234,13 @@ const TURNS_IN_A_ROW: u32 = 8;
 /// a·b.
 #[inline(always)]
 pub(super) fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    (a[0] * b[0]).add_product(a[1], b[1]).add_product(a[2], b[2])
 }
 
 /// `a + t b`.
 #[inline(always)]
 pub(super) fn mad<R: Real>(a: &[R; 4], t: R, b: &[R; 4]) -> [R; 4] {
-    [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2], a[3] + t * b[3]]
+    [a[0].add_product(t, b[0]), a[1].add_product(t, b[1]), a[2].add_product(t, b[2]), a[3].add_product(t, b[3])]
 }
 
 /// |x| < 0.14: the next term is below 1e-14 of x.

@@ -332,7 +332,7 @@ impl<R: Real> Newton<R> {
         let weight = if RATIONAL { R::ONE / (*rw + c * (*vw + c * *zw)) } else { R::ONE };
         let mut vector = [R::ZERO; 3];
         for k in 0..3 {
-            vector[k] = r[k] + c * (v[k] + c * z[k]);
+            vector[k] = r[k].add_product(c, v[k].add_product(c, z[k]));
             if RATIONAL {
                 vector[k] = vector[k] * weight;
             }
