@@ -77,7 +77,9 @@ impl<R: Real> ContourSearch<R> {
         let spent = [2, u8::from(seen.tip())];
         let Start { window, place, .. } = start;
         let mut points = Points { path: &on.path, position, d, window, reach: window, base: guess.span, place, spent };
-        let Some((at_tip, at_encoder)) = points.resolve(guess, seen, along, tip, encoder) else {
+        let mut feet = Feet { tip: None, encoder: None };
+        points.resolve(&mut feet, guess, seen, along, tip, encoder);
+        let Feet { tip: Some(at_tip), encoder: Some(at_encoder) } = &feet else {
             return state.lose(tip, encoder);
         };
         // On short spans at high feed the evaluations may run out just past a border: the next cycle goes on from there.
@@ -85,7 +87,7 @@ impl<R: Real> ContourSearch<R> {
             state.tip.warm = false;
             state.tip.looked = 0;
         }
-        self.report_pair(state, on.reference, &points, &at_tip, &at_encoder, tip, encoder);
+        self.report_pair(state, on.reference, &points, at_tip, at_encoder, tip, encoder);
     }
 
     /// No foot known, or one without a speed, or plain bisection.
@@ -173,7 +175,9 @@ impl<R: Real> ContourSearch<R> {
             };
             (at_tip, feet.encoder.unwrap_or_else(|| points.beside_tip(&at_tip)))
         } else {
-            points.resolve(guess, seen, &along, tip, encoder)?
+            let mut feet = Feet { tip: None, encoder: None };
+            points.resolve(&mut feet, guess, seen, &along, tip, encoder);
+            (feet.tip?, feet.encoder?)
         };
         if !sampled {
             // Looked all over: either it is found, or the search begins again.
@@ -229,13 +233,17 @@ impl<R: Real> Feet<R> {
     }
 }
 
-/// Of two minima the nearer one, and that there are two.
-fn nearer<R: Real>(one: Option<Found<R>>, other: Option<Found<R>>) -> Option<Found<R>> {
-    let (Some(one), Some(other)) = (&one, &other) else { return one.or(other) };
-    let first = dot(&one.vector, &one.vector) <= dot(&other.vector, &other.vector);
-    let mut found = if first { *one } else { *other };
-    found.flags = found.flags.and(Flags::SECOND_MINIMUM);
-    Some(found)
+/// Keeps the nearer one of two minima, and that there are two.
+fn keep_nearer<R: Real>(kept: &mut Option<Found<R>>, other: &Option<Found<R>>) {
+    let Some(other) = other else { return };
+    let Some(one) = kept else {
+        *kept = Some(*other);
+        return;
+    };
+    if dot(&one.vector, &one.vector) > dot(&other.vector, &other.vector) {
+        *one = *other;
+    }
+    one.flags = one.flags.and(Flags::SECOND_MINIMUM);
 }
 
 impl<R: Real, P: Position> Points<'_, '_, R, P> {
@@ -250,26 +258,29 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         BOTH.saturating_sub(tip.saturating_add(encoder))
     }
 
-    /// Both feet, from those of the first frame.
+    /// Both feet, from those of the first frame; none where there is no path.
     fn resolve(
         &mut self,
+        feet: &mut Feet<R>,
         guess: Reference<R>,
         seen: Seen,
         along: &Tangent<R>,
         tip: &ContourError<R>,
         encoder: &ContourError<R>,
-    ) -> Option<(Found<R>, Found<R>)> {
-        let mut feet = Feet { tip: None, encoder: None };
+    ) {
         let mut from = From { tip: guess, encoder: None };
         // A foot beyond the border counts as the border.
         let near = (tip.t.limit(R::ZERO, R::ONE) - guess.t).abs() * along.speed <= self.reach;
         if seen.tip() && near {
-            feet = Feet::of(guess.span, seen, along, tip, encoder);
-            from = self.look_beyond(&mut feet, guess.span, seen, tip, encoder);
+            *feet = Feet::of(guess.span, seen, along, tip, encoder);
+            from = self.look_beyond(feet, guess.span, seen, tip, encoder);
         }
-        let at_tip = feet.tip.or_else(|| self.descend_from(from.tip))?;
-        let at_encoder = feet.encoder.unwrap_or_else(|| self.encoder_from(&at_tip, from.encoder));
-        Some((at_tip, at_encoder))
+        if feet.tip.is_none() {
+            feet.tip = self.descend_from(from.tip);
+        }
+        if let (Some(at_tip), None) = (&feet.tip, &feet.encoder) {
+            feet.encoder = Some(self.encoder_from(at_tip, from.encoder));
+        }
     }
 
     /// Looks behind the border in sight, if there is one: one frame there for both points; where feet are still
@@ -303,7 +314,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
             let uphill = [&[R::ZERO; 3], self.d].map(|d| rises(&entered, d, forward));
             outer = Some((beyond, entered));
             if uphill != [true; 2] {
-                let [mut to_tip, mut to_encoder] = [ContourError::none(); 2];
+                let (mut to_tip, mut to_encoder) = (ContourError::none(), ContourError::none());
                 let mut along = Tangent::NONE;
                 // No lag is so small: never plain.
                 let start = Start { guess: entry, window: self.window, place: R::ZERO, max_lag: -R::ONE };
@@ -311,8 +322,8 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
                 self.spent[0] += 2;
                 self.spent[1] += u8::from(inside.tip());
                 let second = Feet::of(beyond, inside, &along, &to_tip, &to_encoder);
-                found.tip = nearer(found.tip, second.tip);
-                found.encoder = nearer(found.encoder, second.encoder);
+                keep_nearer(&mut found.tip, &second.tip);
+                keep_nearer(&mut found.encoder, &second.encoder);
                 // Only between two feet beyond it from either side is the border the foot.
                 let begin = Reference { span: beyond, t: entry };
                 let [tip_outside, encoder_outside] = [uphill[0] || inside.tip(), uphill[1] || inside.encoder()];
