@@ -143,22 +143,22 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 448
+#define TRUEAXIS_LOOP_WORDS 416
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 288
+#define TRUEAXIS_LOOP_WORDS 264
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 512
+#define TRUEAXIS_STATE_WORDS 472
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 272
+#define TRUEAXIS_STATE_WORDS 248
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.

@@ -12,16 +12,16 @@ use trueaxis::{Bypass, ConfigError, Fault, Measure};
 
 /// Words of a `trueaxis_loop_t`.
 #[cfg(not(feature = "single"))]
-pub const LOOP_WORDS: usize = 448;
+pub const LOOP_WORDS: usize = 416;
 /// Words of a `trueaxis_loop_t`.
 #[cfg(feature = "single")]
-pub const LOOP_WORDS: usize = 288;
+pub const LOOP_WORDS: usize = 264;
 /// Words of a `trueaxis_state_t`.
 #[cfg(not(feature = "single"))]
-pub const STATE_WORDS: usize = 512;
+pub const STATE_WORDS: usize = 472;
 /// Words of a `trueaxis_state_t`.
 #[cfg(feature = "single")]
-pub const STATE_WORDS: usize = 272;
+pub const STATE_WORDS: usize = 248;
 
 /// Tables, limits and settings of a machine: immutable, may be copied and read from any thread.
 #[repr(C)]

@@ -154,6 +154,22 @@ pub(crate) struct Sample<'s, P, const N: usize> {
     pub(crate) homed: bool,
 }
 
+impl<'s, P, const N: usize> Sample<'s, P, N> {
+    /// Of a cycle in which nothing is wrong.
+    #[inline(always)]
+    pub(crate) fn calm(input: &'s Input<P, N>) -> Self {
+        Sample {
+            command: &input.command,
+            feedback: &input.feedback,
+            verdict: Verdict::Active,
+            fault: Fault::None,
+            axis: 0,
+            first: false,
+            homed: true,
+        }
+    }
+}
+
 /// Limits of an axis; largest changes of a cycle in time.
 #[derive(Clone, Copy, Debug)]
 struct Plausible<R, P: Position> {
@@ -293,21 +309,13 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         self.axes.iter().zip(positions).all(|(axis, position)| position.is_within(&axis.travel))
     }
 
-    /// The sample of a cycle in which nothing is wrong, after another such; none where that has to be looked into
-    /// ([`Sampler::look`]), and nothing is changed.
+    /// Whether nothing is wrong in a cycle after another such: its sample is [`Sample::calm`]. If that has to be looked
+    /// into ([`Sampler::look`]), nothing is changed.
     #[inline(always)]
-    pub(crate) fn glance<'s>(&self, state: &mut SampleState<P, N>, input: &'s Input<P, N>) -> Option<Sample<'s, P, N>> {
-        let unmoved = self.unmoved(state, input)?;
+    pub(crate) fn glance(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
+        let Some(unmoved) = self.unmoved(state, input) else { return false };
         (state.feedback, state.unmoved) = (input.feedback, unmoved);
-        Some(Sample {
-            command: &input.command,
-            feedback: &input.feedback,
-            verdict: Verdict::Active,
-            fault: Fault::None,
-            axis: 0,
-            first: false,
-            homed: true,
-        })
+        true
     }
 
     /// Of a calm cycle in which [`Sampler::look`] too finds nothing wrong, how far every command has gone on since its

@@ -152,13 +152,28 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         output: &mut Output<R, P, N>,
         mut watch: impl FnMut(Stage),
     ) {
-        match self.sampler.glance(&mut state.sample, input) {
-            Some(sample) => self.cycle(state, &sample, &mut measure, &mut gauge, output, &mut watch),
-            None => self.other_cycle(state, input, &mut measure, &mut gauge, output, &mut watch),
+        if self.sampler.glance(&mut state.sample, input) {
+            self.calm_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
+        } else {
+            self.other_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
         }
     }
 
-    /// A cycle that is not seen at a glance: out of line, so that in the others nothing has to be asked twice.
+    /// A cycle in which nothing is wrong. A function of its own, for registers of its own.
+    #[inline(never)]
+    fn calm_cycle(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        measure: &mut impl Measure<R, P, N>,
+        gauge: &mut impl Ride<R>,
+        output: &mut Output<R, P, N>,
+        watch: &mut impl FnMut(Stage),
+    ) {
+        self.cycle(state, &Sample::calm(input), measure, gauge, output, watch);
+    }
+
+    /// A cycle that has to be looked into: apart from the others, in which nothing then has to be asked twice.
     #[inline(never)]
     fn other_cycle(
         &self,
