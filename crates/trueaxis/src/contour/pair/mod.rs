@@ -87,7 +87,7 @@ impl<R: Real> ContourSearch<R> {
     }
 
     /// The reference is on its span.
-    #[inline(never)]
+    #[inline(always)]
     fn pair_on<P: Position>(
         &self,
         state: &mut PairState<R>,
