@@ -130,7 +130,7 @@ pub fn typical() -> ToolCycle {
         let (output, orientation) = cycle.run();
         let record = &output.record;
         let searched = [record.tip.evaluations, record.encoder.evaluations, orientation.evaluations];
-        if searched == [2, 2, 1] && record.limited == 0 && number > 5000 {
+        if searched == [2, 1, 1] && record.limited == 0 && number > 5000 {
             found = Some(before);
         }
     }
