@@ -73,7 +73,9 @@ def compared(run, table):
             worst_standing, standing = max(worst_standing, abs(motor - position - arrived)), standing + 1
             expect(abs(ours - (motor - position)) < 1e-5, "at standstill the inverse is not the only difference")
     expect(moving > 5000 and standing > 500 and skipped < 0.1 * moving, "too little compared", moving, standing, skipped)
-    expect(worst <= TRIM_ROUNDING, "in motion %g mm apart" % worst)
+    # The step looks up where the drives were sent a cycle before, in cells that go on a little beyond their ends: it keeps
+    # 1e-3 um, of which a fifth is asked here.
+    expect(worst <= TRIM_ROUNDING + 2e-7, "in motion %g mm apart" % worst)
     expect(worst_standing <= TRIM_ROUNDING + 1e-12, "at standstill %g mm apart" % worst_standing)
     return "in motion %.1e mm (%d samples), at standstill %.1e mm (%d)" % (worst, moving, worst_standing, standing)
 
