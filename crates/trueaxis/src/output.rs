@@ -42,12 +42,13 @@ impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
     }
 
     /// The corrections sent last, as positions add them.
-    #[inline(always)]
+    #[cfg(test)]
     pub(crate) fn offsets(&self) -> &[P::Offset; N] {
         &self.offsets
     }
 
     /// Drive positions for a command with the corrections sent last.
+    #[inline(always)]
     pub(crate) fn drive_at(&self, command: &[P; N]) -> [P; N] {
         let mut drive = *command;
         for (drive, offset) in drive.iter_mut().zip(&self.offsets) {

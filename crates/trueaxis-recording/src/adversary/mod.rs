@@ -30,7 +30,7 @@ const FARTHEST: f64 = 0.3;
 /// Spans that a cycle passes at most.
 const HOPS: u32 = 64;
 
-/// What is done to a cycle beyond its motion; several at a time.
+/// Events of a cycle beside its motion; several may come together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events(u16);
 
@@ -107,7 +107,7 @@ pub struct Moment<R, P> {
     pub cold: bool,
     /// Thermal growth of an axis from this cycle on: slot and line.
     pub thermal: Option<(usize, ThermalLine<R>)>,
-    /// What happens in it.
+    /// Its events.
     pub events: Events,
 }
 

@@ -1,4 +1,4 @@
-//! What is drawn is what the documents say.
+//! The cycles that are drawn are those that the documents promise.
 
 use super::*;
 use std::boxed::Box;

@@ -173,7 +173,7 @@ impl Curve {
         self.vectors_by(self.polar().as_ref(), u)
     }
 
-    /// What an arc's points have in common, for many of them; nothing of other curves.
+    /// Quantities that all points of an arc share, computed once; none for other curves.
     pub(crate) fn polar(&self) -> Option<Polar> {
         match self {
             Curve::Arc { start, end, center, normal, turns } => {

@@ -4,6 +4,7 @@
 //! twist of every axis carried to the tool tip by its lever.
 
 mod cells;
+mod key;
 mod nine;
 mod query;
 mod reversal;

@@ -426,18 +426,24 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
+    /// A correction can carry the reduced angle of a table that wraps over the seam: it goes on from the other side.
+    #[inline(always)]
+    fn over_the_seam(&self, coordinate: R) -> R {
+        if !self.wraps {
+            coordinate
+        } else if coordinate < R::ZERO {
+            coordinate + self.span
+        } else if coordinate > self.span {
+            coordinate - self.span
+        } else {
+            coordinate
+        }
+    }
+
     /// Contribution at a coordinate, and whether the table's edge value is clamped; any table.
     #[inline]
     pub fn at(&self, coordinate: R, direction: Direction) -> (Contribution<R, W>, bool) {
-        let mut coordinate = coordinate;
-        if self.wraps {
-            // A correction can carry a reduced angle over the seam.
-            if coordinate < R::ZERO {
-                coordinate += self.span;
-            } else if coordinate > self.span {
-                coordinate -= self.span;
-            }
-        }
+        let coordinate = self.over_the_seam(coordinate);
         let clamped = coordinate.limit(R::ZERO, self.span);
         let (index, t) = if self.knots.is_empty() {
             let place = (clamped * self.scale).min(self.last);
@@ -475,14 +481,7 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         if count == 0 {
             return found;
         }
-        let mut coordinate = coordinate;
-        if self.wraps {
-            if coordinate < R::ZERO {
-                coordinate += self.span;
-            } else if coordinate > self.span {
-                coordinate -= self.span;
-            }
-        }
+        let coordinate = self.over_the_seam(coordinate);
         let clamped = coordinate.limit(R::ZERO, self.span);
         // Intervals of an equidistant grid count 0 to 1, those of a free one mm.
         let (index, t, width) = if self.knots.is_empty() {
@@ -616,7 +615,7 @@ pub(super) struct Interval<'a, R, const W: usize> {
     /// How far the interval goes on to either side, mm (deg).
     pub(super) below: R,
     pub(super) above: R,
-    /// Whether another interval of the table goes on there.
+    /// Whether the table has another interval on that side.
     pub(super) inner: [bool; 2],
     /// Beyond the table: its clamped edge value.
     pub(super) edge: bool,

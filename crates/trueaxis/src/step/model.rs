@@ -49,7 +49,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         if sample.verdict == Verdict::Active
             && state.cells.key() == self.tables.key()
             && self.all_go_on(state)
-            && let (Some(command), Some(feedback)) = (first(&drives(state, sample)), first(sample.feedback))
+            && let (Some(command), Some(feedback)) =
+                (first(&state.output.drive_at(sample.command)), first(sample.feedback))
             && let Some(errors) = state.cells.errors(command, feedback, self.tables.is_cubic())
         {
             return Modelled::of_errors(errors, state.cells.at_edge());
@@ -104,7 +105,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         terms: &NineTerms<'_, R, P, N>,
         directions: &[Direction; N],
     ) -> Option<Modelled<R, N>> {
-        let mut at = drives(state, sample);
+        let mut at = state.output.drive_at(sample.command);
         let mut source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, left: REFILLS };
         if state.cells.missing(&at, sample.feedback) > REFILLS {
             source.fill_one(&mut state.cells, &at, sample.feedback);
@@ -143,7 +144,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             }
             return Modelled { wanted, tip_error, tilt, at_edge };
         }
-        let place = if near { drives(state, sample) } else { *sample.command };
+        let place = if near { state.output.drive_at(sample.command) } else { *sample.command };
         let command = self.compensation.coordinates(&place);
         let feedback = self.compensation.coordinates(sample.feedback);
         let passes = if near { 1 } else { self.compensation.passes() };
@@ -193,16 +194,6 @@ fn first<P: Position, const N: usize>(positions: &[P; N]) -> Option<[P; 3]> {
         [x, y, z, ..] => Some([x, y, z]),
         _ => None,
     }
-}
-
-/// Where the drives would stand with the corrections sent last.
-#[inline(always)]
-fn drives<R: Real, P: Position, const N: usize>(state: &State<R, P, N>, sample: &Sample<P, N>) -> [P; N] {
-    let mut drives = *sample.command;
-    for (drive, offset) in drives.iter_mut().zip(state.output.offsets()) {
-        *drive = drive.moved(*offset);
-    }
-    drives
 }
 
 impl<R: Real, P: Position, const N: usize> State<R, P, N> {

@@ -47,7 +47,7 @@ impl<R: Real, P: Position> Cell<R, P> {
         if inside { Some(steps) } else { None }
     }
 
-    /// What the error rises from its start to a distance `t`.
+    /// Rise of the error from the cell's start to a distance `t`.
     #[inline(always)]
     pub(super) fn rise(&self, t: R, cubic: bool) -> [R; 3] {
         let [second, third] = self.curve;

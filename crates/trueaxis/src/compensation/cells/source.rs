@@ -143,7 +143,7 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
     }
 }
 
-/// What is linear in the position, all along an axis.
+/// The part of the error that is linear in the position, all along an axis.
 #[derive(Clone, Copy, Default)]
 struct Line<R> {
     /// Where the table begins.

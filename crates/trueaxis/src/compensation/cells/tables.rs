@@ -1,7 +1,8 @@
-//! What the cells of a machine's tables are made by.
+//! Borders of the cells in a machine's tables, and how often the inverse has to look up.
 
 use super::LINEAR;
 use super::cell::Window;
+use crate::compensation::key::Key;
 use crate::compensation::nine::NineTerms;
 use crate::compensation::table::AxisTable;
 use crate::compensation::thermal::ThermalLine;
@@ -42,7 +43,7 @@ impl<R: Real, P: Position> Borders<R, P> {
     }
 }
 
-/// What the cells of a machine's tables are made by: immutable, built once.
+/// Borders of the cells and bounds of the inverse: immutable, built once.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tables<R, P: Position> {
     /// Tells these tables from others; [`Tables::NO_CELLS`] where there are none to keep.
@@ -85,12 +86,11 @@ impl<R: Real, P: Position> Tables<R, P> {
         for (borders, table) in built.borders.iter_mut().zip(&terms.tables) {
             *borders = Borders::of(table);
         }
-        let mut key = 0;
-        let mut take = |number: f64| key = mixed(key ^ number.to_bits());
-        terms.numbers(&mut take);
-        [norm, motion, change, f64::from(most)].into_iter().for_each(take);
+        let mut key = Key(0);
+        terms.numbers(&mut |number| key.add_number(number));
+        key.add_all(&[norm, motion, change, f64::from(most)]);
         // Neither of the two keys of other meaning, nor is its complement.
-        built.key = (key | 2) & !(1 << 63);
+        built.key = (key.0 | 2) & !(1 << 63);
         built
     }
 
@@ -136,12 +136,4 @@ impl<R: Real, P: Position> Tables<R, P> {
         }
         passes
     }
-}
-
-/// Every bit of the result depends on all bits of `x` (splitmix64's finish).
-fn mixed(x: u64) -> u64 {
-    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
 }

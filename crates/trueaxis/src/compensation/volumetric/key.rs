@@ -1,23 +1,7 @@
-//! Number by which tables are told from others, so that nothing kept from one look-up is used in the other's.
+//! Key of a machine's volumetric model.
 
+use crate::compensation::key::Key;
 use crate::machine::{Axis, AxisOrder, Interpolation, Lookup, MachineSettings, Rows};
-
-/// FNV-1a, by words.
-struct Key(u64);
-
-impl Key {
-    fn add(&mut self, word: u64) {
-        self.0 = (self.0 ^ word).wrapping_mul(0x0000_0100_0000_01b3);
-    }
-
-    fn add_all<'x>(&mut self, numbers: impl IntoIterator<Item = &'x f64>) {
-        for x in numbers {
-            // Low bits only move upwards in a product: the high ones are folded in too.
-            let bits = x.to_bits();
-            self.add(bits ^ (bits >> 32));
-        }
-    }
-}
 
 /// Key of everything that the volumetric model is built from; never 0.
 pub(super) fn of<'r, T: Rows + ?Sized + 'r, const N: usize>(
@@ -25,7 +9,7 @@ pub(super) fn of<'r, T: Rows + ?Sized + 'r, const N: usize>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
 ) -> u64 {
-    let mut key = Key(0xcbf2_9ce4_8422_2325);
+    let mut key = Key(0);
     machine.chain.bytes().for_each(|byte| key.add(byte.into()));
     let location = &machine.location;
     key.add_all(&machine.tool_mm);
