@@ -5,7 +5,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | magic `TRUEAXIS` |
-//! | 2 | format version, 3 |
+//! | 2 | format version, 4 |
 //! | 4 | machine id: CRC-32 of name, line feed, chain |
 //! | 4 | length n of the payload |
 //! | n | payload |
@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 /// First eight bytes of the file.
 pub const MAGIC: [u8; 8] = *b"TRUEAXIS";
 /// Format version.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 18;
 

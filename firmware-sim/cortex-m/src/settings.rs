@@ -11,6 +11,7 @@ pub fn machine(tool_mm: [f64; 3], model: ErrorModel, axes: impl IntoIterator<Ite
     let chain = if axes.len() > 3 { "w C' A' b X Y Z t" } else { "w b X Y Z t" };
     let mut machine = MachineSettings {
         roundness: None,
+        crosstalk: Default::default(),
         name: "counted".try_into().unwrap_or_default(),
         chain: chain.try_into().unwrap_or_default(),
         tool_mm,

@@ -198,6 +198,7 @@ fn settings_of(chain: &Item<'_>, origin: &Origin) -> Result<MachineSettings, Fil
         kinematics: KinematicsSettings::default(),
         axes,
         roundness: None,
+        crosstalk: Default::default(),
     })
 }
 

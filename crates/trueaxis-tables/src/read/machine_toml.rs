@@ -66,6 +66,7 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
         root.string("chain")?.ok_or_else(|| root.missing("chain", "the structural code, like \"w X' b Y Z t\""))?;
     let mut settings = MachineSettings {
         roundness: None,
+        crosstalk: Default::default(),
         name: name.value.parse().map_err(|_| root.wrong(&name, "1 to 64 bytes"))?,
         chain: chain.value.parse().map_err(|_| root.wrong(&chain, "at most 48 bytes"))?,
         tool_mm: [0.0; 3],

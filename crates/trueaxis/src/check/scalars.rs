@@ -20,11 +20,12 @@ pub(super) fn machine(machine: &MachineSettings) -> Result<(), ConfigError> {
         reference_temperature_c,
         location,
         faults,
-        contour: ContourSettings { max_lag_mm },
+        contour: ContourSettings { max_lag_mm, feedback: _ },
         compensation: CompensationSettings { model: _, orientation: _, fade_deg },
         kinematics: KinematicsSettings { tool_axis, singular_cone_deg },
         axes,
         roundness: _,
+        crosstalk: _,
     } = machine;
     LENGTH.all(tool_mm, Field::Tool, None)?;
     TEMPERATURE.check(*reference_temperature_c, Field::ReferenceTemperature, None)?;
@@ -75,6 +76,7 @@ fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {
         encoder_resolution,
         limits: Limits { magnitude, slope_per_s, acceleration_per_s2 },
         thermal: ThermalGrowth { offset_per_k, expansion_per_k, datum },
+        servo: _,
     } = settings;
     let (axis, on) = (*axis, Some(*axis));
     POSITION.of(axis).all(travel, Field::Travel, on)?;

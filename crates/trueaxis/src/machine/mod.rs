@@ -8,6 +8,7 @@ mod curve;
 mod order;
 pub mod pchip;
 mod rows;
+mod servo;
 
 pub use crate::axis::{AXES, Axis};
 pub use chain::{Link, carries_workpiece, is_turned, links};
@@ -16,6 +17,10 @@ pub(crate) use curve::lost;
 pub use curve::{Curve, wraps};
 pub use order::AxisOrder;
 pub use rows::Rows;
+pub use servo::{
+    AxisServo, CROSSTALK_CAPACITY, CROSSTALK_POINTS, CrosstalkSettings, DriveFigures, DynamicSettings, FeedbackSettings,
+    FrictionSettings,
+};
 
 use crate::roundness::GaugeSettings;
 use heapless::{String, Vec};
@@ -113,6 +118,8 @@ pub struct AxisSettings {
     pub limits: Limits,
     /// Thermal growth.
     pub thermal: ThermalGrowth,
+    /// Drive, friction and dynamic correction.
+    pub servo: AxisServo,
 }
 
 impl AxisSettings {
@@ -150,6 +157,7 @@ impl AxisSettings {
             encoder_resolution: None,
             limits: Limits { magnitude, slope_per_s: 5.0, acceleration_per_s2: 5000.0 },
             thermal: ThermalGrowth::default(),
+            servo: AxisServo::default(),
         }
     }
 }
@@ -201,11 +209,13 @@ impl Default for FaultSettings {
 pub struct ContourSettings {
     /// Half-window of a cold search, arc length, mm.
     pub max_lag_mm: f64,
+    /// Contour feedback, where there is one.
+    pub feedback: Option<FeedbackSettings>,
 }
 
 impl Default for ContourSettings {
     fn default() -> Self {
-        ContourSettings { max_lag_mm: 1.0 }
+        ContourSettings { max_lag_mm: 1.0, feedback: None }
     }
 }
 
@@ -282,6 +292,8 @@ pub struct MachineSettings {
     pub axes: Vec<AxisSettings, AXES>,
     /// Gauge of three probes, where the machine has one.
     pub roundness: Option<GaugeSettings>,
+    /// Acceleration cross-talk.
+    pub crosstalk: Vec<CrosstalkSettings, CROSSTALK_CAPACITY>,
 }
 
 /// The six errors of an axis at one position: translations along X, Y, Z (mm), rotations about X, Y, Z (rad).

@@ -25,6 +25,7 @@ impl Machine {
             kinematics: Default::default(),
             axes: axes.map(|link| AxisSettings::with_defaults(link.axis, link.carries_workpiece)).collect(),
             roundness: None,
+            crosstalk: Default::default(),
         })
     }
 

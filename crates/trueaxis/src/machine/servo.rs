@@ -1,0 +1,107 @@
+//! Settings of what acts on the servo itself: drive figures, friction, feed-forward, contour feedback, cross-talk.
+//!
+//! For a rotary axis every `mm` reads `degree`. Everything here is off unless it is given.
+
+use super::Limits;
+use crate::axis::Axis;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Most entries of the cross-talk of a machine.
+pub const CROSSTALK_CAPACITY: usize = 6;
+/// Most points of one entry's table.
+pub const CROSSTALK_POINTS: usize = 8;
+
+/// Figures of an axis' servo drive: position loop around a velocity loop around a current loop.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DriveFigures {
+    /// Gain of the position loop K_v, 1/s.
+    pub position_gain_per_s: f64,
+    /// Proportional gain of the velocity loop K_vp, 1/s: acceleration per velocity error.
+    pub velocity_gain_per_s: f64,
+    /// Reset time of the velocity loop τ, s.
+    pub reset_time_s: f64,
+    /// Share of the commanded velocity that is fed forward k_ff, 0 to 1.
+    pub velocity_feed_forward: f64,
+    /// Time constant of the current loop, s.
+    pub current_loop_s: f64,
+    /// Dead time from a command to the position loop and back through the reading t_d, s.
+    pub dead_time_s: f64,
+}
+
+/// Friction of an axis, as the reversal feed-forward takes it. Forces are divided by the moved mass and by K_vp, so that
+/// they are velocities: what the velocity loop has to be off by until its integrator supplies them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FrictionSettings {
+    /// Coulomb friction F_c/K_vp, mm/s.
+    pub coulomb_per_s: f64,
+    /// Static friction above Coulomb friction as a share of it, s.
+    pub stribeck_share: f64,
+    /// Velocity at which half of that share is left v_s, mm/s.
+    pub stribeck_velocity_per_s: f64,
+    /// Pre-sliding z: travel over which friction reverses by 63 %, mm.
+    pub presliding: f64,
+    /// Viscous friction d/K_vp, mm/s per mm/s.
+    pub viscous: f64,
+    /// The friction of the velocity that is commanded this much later, s; extrapolated with the commanded acceleration.
+    pub lead_s: f64,
+}
+
+/// What the step adds to an axis' command beside the correction of geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DynamicSettings {
+    /// Limits of the dynamic correction; the sum with the geometric one keeps those of the axis besides.
+    pub limits: Limits,
+    /// Following error of the velocity that the drive does not feed forward is made up for.
+    pub lag: bool,
+    /// The velocity that the commanded acceleration asks of the velocity loop is fed forward.
+    pub acceleration: bool,
+    /// Lost motion is taken up from the reversal that the command shows, without waiting for the hysteresis.
+    pub take_up: bool,
+}
+
+/// The servo of an axis: each part is off where it is `None`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AxisServo {
+    /// The drive.
+    pub drive: Option<DriveFigures>,
+    /// Friction, for the reversal feed-forward.
+    pub friction: Option<FrictionSettings>,
+    /// Limits of the dynamic correction, and its other parts.
+    pub dynamic: Option<DynamicSettings>,
+}
+
+/// Contour feedback: u = −(K_p e + K_i ∫e dt), e the contour error of the estimated tip.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FeedbackSettings {
+    /// Proportional gain K_p.
+    pub proportional: f64,
+    /// Integral gain K_i, 1/s.
+    pub integral_per_s: f64,
+    /// Above this speed of the command there is no feedback (rapid motion), mm/s.
+    pub max_feed_per_s: f64,
+    /// A contour error that changes its sign again and again, and each time by more than this, is an oscillation: the
+    /// feedback is led out, mm.
+    pub watch_mm: f64,
+}
+
+/// Acceleration cross-talk: the tip moves by k a in direction `tip` while axis `from` accelerates by a.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct CrosstalkSettings {
+    /// Linear axis along which the tip moves, and which corrects it.
+    pub tip: Axis,
+    /// Axis that accelerates.
+    pub from: Axis,
+    /// Axis over whose position k is given.
+    pub over: Axis,
+    /// Position (mm, deg) and k (s²: mm per mm/s²; mm per deg/s²), positions increasing, linear between, constant beyond the
+    /// ends. One point: a constant.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub points: Vec<[f64; 2], CROSSTALK_POINTS>,
+}
