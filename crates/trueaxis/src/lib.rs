@@ -44,6 +44,7 @@ pub mod contour;
 pub mod error;
 pub mod exchange;
 pub mod kinematics;
+pub mod learned;
 pub mod limiter;
 pub mod machine;
 mod output;
