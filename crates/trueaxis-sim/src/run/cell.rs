@@ -144,6 +144,7 @@ impl<const N: usize> Cell<N> {
             enable: self.kind.enables_the_plugin(),
             reset: false,
             refusal: Refusal::NONE,
+            ..Input::at_rest(elapsed_ns)
         };
         let (path, tool_path) = (shared.path.view(), shared.path.tool_view());
         let reference = commanded.reference;
