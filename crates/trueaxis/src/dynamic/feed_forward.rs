@@ -56,6 +56,12 @@ pub(super) struct Drift<R> {
 }
 
 impl<R: Real> Drift<R> {
+    /// Of an axis that moves by `velocity` a period; no friction is known.
+    #[inline(always)]
+    pub(super) fn at(velocity: R) -> Self {
+        Drift { velocity, ..Drift::default() }
+    }
+
     /// Standing from now on.
     #[inline(always)]
     pub(super) fn stand(&mut self) {

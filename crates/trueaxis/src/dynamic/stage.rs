@@ -92,7 +92,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         match sample.verdict {
             _ if sample.first => state.rest(),
             Verdict::Active | Verdict::Freeze => self.want(state, sample, moment, &mut parts),
-            Verdict::Inactive => state.reset(),
+            Verdict::Inactive => state.go_along(moment.place, moment.ways),
             Verdict::Hold | Verdict::Nowhere => {
                 let limiters = self.axes.iter().zip(&mut state.limited);
                 limiters.for_each(|(act, limited)| act.limiter.hold(limited));
@@ -184,9 +184,10 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
         let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active);
         let errors = error.unwrap_or_default();
+        // One axis that cannot follow throws the tool off in the directions of all: none of them learns from that.
+        let limited = moment.limited != 0;
         let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
-        for (slot, ((((act, integral), swing), wanted), e)) in axes.zip(errors).enumerate() {
-            let limited = (moment.limited >> (slot & 7)) & 1 == 1;
+        for ((((act, integral), swing), wanted), e) in axes.zip(errors) {
             *wanted = feedback.offset(integral, error.map(|_| e), limited, act.limiter.magnitude());
             if error.is_some() {
                 state.out |= watch.swings(swing, e);

@@ -93,12 +93,14 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.drift.iter_mut().for_each(Drift::stand);
     }
 
-    /// Switched off: whatever was learned of friction and error is forgotten.
-    pub(super) fn reset(&mut self) {
-        self.drift = [Drift::default(); N];
+    /// Switched off: whatever was learned of friction and error is forgotten, the motion is followed, so that a part that is
+    /// switched on in motion sees no step of it.
+    pub(super) fn go_along(&mut self, place: &[P; N], ways: &[R; N]) {
+        self.drift = ways.map(Drift::at);
         self.integral = [R::ZERO; N];
         self.swing = [Swing::default(); N];
-        (self.out, self.fresh) = (false, true);
+        (self.place, self.trend) = (*place, *ways);
+        (self.out, self.fresh, self.parts) = (false, false, Dynamics::NONE);
     }
 
     /// The limiters.
