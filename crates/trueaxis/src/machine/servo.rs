@@ -94,19 +94,16 @@ pub struct DynamicSettings {
 }
 
 impl DynamicSettings {
-    /// The limits of an axis for which none are given: 50 µm, 5 mm/s, 5 m/s² (rotary 1000 µrad, 5 deg/s, 5000 deg/s²);
-    /// every part off.
-    pub fn with_defaults(axis: Axis) -> Self {
+    /// The stated defaults, which also hold where an axis has friction, cross-talk or feedback and no such section: limits
+    /// of 50 µm, 5 mm/s, 5 m/s² (rotary 1000 µrad, 5 deg/s, 5000 deg/s²), everything off.
+    pub fn with_defaults(axis: Axis) -> DynamicSettings {
         let magnitude = if axis.is_rotary() { 1000e-6_f64.to_degrees() } else { 0.05 };
-        let limits = Limits { magnitude, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };
-        DynamicSettings { limits, lag: false, acceleration: false, take_up: false }
-    }
-}
-
-impl Default for FeedbackSettings {
-    /// 0.3, 10/s, up to 10 m/min, watched from 10 µm on.
-    fn default() -> Self {
-        FeedbackSettings { proportional: 0.3, integral_per_s: 10.0, max_feed_per_s: 10_000.0 / 60.0, watch_mm: 0.01 }
+        DynamicSettings {
+            limits: Limits { magnitude, slope_per_s: 5.0, acceleration_per_s2: 5000.0 },
+            lag: false,
+            acceleration: false,
+            take_up: false,
+        }
     }
 }
 
@@ -135,6 +132,13 @@ pub struct FeedbackSettings {
     /// A contour error that changes its sign again and again, and each time by more than this, is an oscillation: the
     /// feedback is led out, mm.
     pub watch_mm: f64,
+}
+
+impl Default for FeedbackSettings {
+    /// K_p 0.3 and K_i 10/s, for position loops of about 110/s; up to 10 m/min; the watch looks for more than 10 µm.
+    fn default() -> Self {
+        FeedbackSettings { proportional: 0.3, integral_per_s: 10.0, max_feed_per_s: 1e4 / 60.0, watch_mm: 0.01 }
+    }
 }
 
 /// Acceleration cross-talk: the tip moves by k a in direction `tip` while axis `from` accelerates by a.
