@@ -110,13 +110,7 @@ fn axis(found: &Identified) -> AxisFound {
         drive_found: found.drive_errors.is_some(),
         standard_errors: Errors {
             friction: friction(found, |figure, scale| figure.standard_error.map(|error| scale * error)),
-            drive: Drive {
-                position_gain_per_s,
-                velocity_gain_per_s,
-                reset_time_s,
-                velocity_feed_forward,
-                dead_time_s,
-            },
+            drive: Drive { position_gain_per_s, velocity_gain_per_s, reset_time_s, velocity_feed_forward, dead_time_s },
         },
         reading_lag_s: lag.value,
         glitch_um: Glitch {
@@ -144,7 +138,8 @@ impl Document {
                 (own.standard_errors.friction.viscous.is_none(), "viscous friction", "0"),
             ] {
                 if held {
-                    warnings.push(format!("axis {letter}: the record does not tell the {name}, which is held at {value}"));
+                    warnings
+                        .push(format!("axis {letter}: the record does not tell the {name}, which is held at {value}"));
                 }
             }
         }

@@ -48,7 +48,16 @@ fn table(document: &Document) -> Table {
         )
     };
     let heads = [
-        "axis", "F_c/K_vp, mm/s", "z, µm", "s", "v_s, mm/s", "d/K_vp", "K_v, 1/s", "K_vp, 1/s", "τ, ms", "k_ff",
+        "axis",
+        "F_c/K_vp, mm/s",
+        "z, µm",
+        "s",
+        "v_s, mm/s",
+        "d/K_vp",
+        "K_v, 1/s",
+        "K_vp, 1/s",
+        "τ, ms",
+        "k_ff",
         "largest spike, µm",
     ];
     Table::new(heads, document.axes.iter().map(row))

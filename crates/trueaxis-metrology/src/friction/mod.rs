@@ -37,18 +37,20 @@ mod least_squares;
 mod parameters;
 mod record;
 mod refused;
+mod selection;
 mod start;
 
 pub use glitch::{Glitch, Size, Spike};
 pub use record::{Record, Recorded};
 pub use refused::Refused;
 
-use least_squares::{Fit, fit};
+use least_squares::Fit;
 use parameters::{
-    COULOMB, FEED_FORWARD, OFFSET, POSITION_GAIN, PRESLIDING, Problem, READING_LAG, RESET_TIME, REST, STRIBECK_SHARE,
+    COULOMB, FEED_FORWARD, POSITION_GAIN, PRESLIDING, Problem, READING_LAG, RESET_TIME, STRIBECK_SHARE,
     STRIBECK_VELOCITY, VELOCITY_GAIN, VISCOUS, Values,
 };
 use record::Reversal;
+use selection::{judge, reduced};
 use std::vec::Vec;
 use trueaxis::Axis;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
@@ -61,16 +63,8 @@ const COARSE_S: f64 = 1e-3;
 const ROUGH_S: f64 = 5e-4;
 /// Samples before this time do not count unless the axis stands: the state before them is not known, s.
 const UNKNOWN_S: f64 = 0.15;
-/// A parameter is told by the record if it is this many standard errors from 0.
-const TOLD: f64 = 3.0;
-/// Largest standard error of a figure of the drive, as a share of it.
-const LOOSE: f64 = 0.2;
 /// Share of the spikes that the model has to explain.
 const EXPLAINED: f64 = 0.5;
-/// What a drive that is found has to have been told.
-const DRIVE_FIGURES: [usize; 3] = [POSITION_GAIN, RESET_TIME, VELOCITY_GAIN];
-/// Residual with position gain and reset time exchanged over that of the fit, at least.
-const EXCHANGED: f64 = 1.02;
 
 /// A figure with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,6 +108,7 @@ pub struct Identified {
     pub reversals: usize,
     /// Spikes at the reversals.
     pub glitch: Glitch,
+    values: Values,
 }
 
 impl Identified {
@@ -126,6 +121,19 @@ impl Identified {
     pub fn feed_forward(&self, path: &[f64], period_s: f64) -> Vec<f64> {
         let axis = drive::Axis { drive: self.drive, friction: self.friction, rest: 0.0 };
         drive::feed_forward(&axis, path, period_s)
+    }
+
+    /// Spikes of another record of this axis: how far its readings stand from where the drive found would be without
+    /// friction, at its reversals. `index` is the axis' place in the record, whose commands are the path: without what a
+    /// feed-forward adds to them.
+    ///
+    /// # Errors
+    /// A record that [`identify`] would refuse before any fit.
+    pub fn spikes(&self, record: &Record, index: usize) -> Result<Size, Refused> {
+        let turns = record.reversals()?;
+        let index = index.min(1);
+        let (problem, turns) = problem(record, &record.axes[index], &turns[index], self.drive, STEP_S);
+        Ok(glitch::glitch(&problem, &self.values, &turns).before)
     }
 }
 
@@ -141,35 +149,41 @@ pub fn identify(
     given: [Option<DriveFigures>; 2],
     progress: &mut Progress<'_>,
 ) -> Result<[Identified; 2], Refused> {
-    let turns = record.reversals()?;
-    let [first, second] = &record.axes;
+    let [first, second] = record.reversals()?;
     Ok([
-        identify_axis(first, record.period_s, &turns[0], given[0], progress)?,
-        identify_axis(second, record.period_s, &turns[1], given[1], progress)?,
+        identify_axis(record, &record.axes[0], &first, given[0], progress)?,
+        identify_axis(record, &record.axes[1], &second, given[1], progress)?,
     ])
 }
 
-fn identify_axis(
+/// The fit's view of an axis in steps of about `step_s`, and its reversals.
+fn problem(
+    record: &Record,
     recorded: &Recorded,
-    period_s: f64,
+    turns: &[Reversal],
+    given: DriveFigures,
+    step_s: f64,
+) -> (Problem, Vec<Reversal>) {
+    let mut problem = Problem::new(&recorded.command, &recorded.reading, record.period_s, step_s, given);
+    let sample_s = problem.sample_s();
+    problem.skip = if record.rests(recorded) { 0 } else { (UNKNOWN_S / sample_s) as usize };
+    let scale = record.period_s / sample_s;
+    let place = |turn: &Reversal| Reversal { index: (turn.index as f64 * scale).round() as usize, ..*turn };
+    let turns: Vec<Reversal> = turns.iter().map(place).collect();
+    problem.borders = turns.windows(2).map(|pair| (pair[0].index + pair[1].index) / 2).collect();
+    (problem, turns)
+}
+
+fn identify_axis(
+    record: &Record,
+    recorded: &Recorded,
     turns: &[Reversal],
     given: Option<DriveFigures>,
     progress: &mut Progress<'_>,
 ) -> Result<Identified, Refused> {
     let axis = recorded.axis;
-    let rests = recorded.command.windows(2).take(3).all(|pair| pair[0] == pair[1]);
-    let problem = |step_s: f64| {
-        let mut problem =
-            Problem::new(&recorded.command, &recorded.reading, period_s, step_s, given.unwrap_or(start::DRIVE));
-        let sample_s = problem.sample_s();
-        problem.skip = if rests { 0 } else { (UNKNOWN_S / sample_s) as usize };
-        let own: Vec<Reversal> = turns
-            .iter()
-            .map(|turn| Reversal { index: (turn.index as f64 * period_s / sample_s).round() as usize, ..*turn })
-            .collect();
-        problem.borders = own.windows(2).map(|pair| (pair[0].index + pair[1].index) / 2).collect();
-        (problem, own)
-    };
+    let with_drive = given.is_none();
+    let problem = |step_s: f64| problem(record, recorded, turns, given.unwrap_or(start::DRIVE), step_s);
     let start = start::start(&problem(COARSE_S).0, given.as_ref());
     let mut steps = 0;
     let mut tell = || {
@@ -178,127 +192,14 @@ fn identify_axis(
     };
     let rough = problem(ROUGH_S).0;
     let (problem, turns) = problem(STEP_S);
-    let (found, free) = reduced(axis, [&rough, &problem], start, (given.is_none(), rests), &mut tell)?;
-    judge(axis, &found, &free, given.is_none())?;
+    let rests = record.rests(recorded);
+    let (found, free) = reduced(axis, [&rough, &problem], start, (with_drive, rests), &mut tell)?;
+    judge(axis, &found, &free, with_drive)?;
     let glitch = glitch::glitch(&problem, &found.values, &turns);
     if glitch.explained < EXPLAINED {
         return Err(Refused::NotExplained { axis, share: glitch.explained, needed: EXPLAINED });
     }
-    Ok(identified(axis, &problem, &found, &free, given.is_none(), turns.len(), glitch))
-}
-
-/// The fit with the parameters that the record tells; the others hold values that do no harm.
-fn reduced(
-    axis: Axis,
-    [coarse, problem]: [&Problem; 2],
-    start: Values,
-    (with_drive, rests): (bool, bool),
-    tell: &mut dyn FnMut(),
-) -> Result<(Fit, Vec<usize>), Refused> {
-    let unsettled = || Refused::NoConvergence { axis, steps: least_squares::STEPS };
-    let mut free = Vec::from([COULOMB, PRESLIDING, OFFSET]);
-    if with_drive {
-        free.extend([POSITION_GAIN, RESET_TIME, FEED_FORWARD, VELOCITY_GAIN]);
-    } else {
-        free.push(READING_LAG);
-    }
-    let rough = fit(coarse, start, &free, tell).ok_or_else(unsettled)?;
-    let mut values = rough.values;
-    if with_drive {
-        values = the_better_order(axis, coarse, &rough, &free, tell)?;
-        free.push(READING_LAG);
-    }
-    if rests {
-        free.push(REST);
-    }
-    free.extend([VISCOUS, STRIBECK_SHARE, STRIBECK_VELOCITY]);
-    loop {
-        let found = fit(problem, values, &free, tell).ok_or_else(unsettled)?;
-        let Some(held) = untold(&found, &free, with_drive) else { return Ok((found, free)) };
-        values = found.values;
-        for parameter in held {
-            free.retain(|p| p != parameter);
-            values.0[*parameter] = if *parameter == STRIBECK_VELOCITY { 2.0 } else { 0.0 };
-        }
-    }
-}
-
-/// Parameters that can be left out and that the fit does not tell: the least told first.
-///
-/// Viscous friction and velocity feed-forward act alike on a circle. Beside a drive that is fitted, viscous friction
-/// therefore stays free, however little it is told (held at 0 it would bend K_v), unless the drive is not told with it.
-fn untold(found: &Fit, free: &[usize], with_drive: bool) -> Option<&'static [usize]> {
-    let value = |parameter: usize| found.values.0[parameter];
-    let told = |parameter: usize| value(parameter).abs() / found.errors[parameter];
-    let loose = !with_drive || DRIVE_FIGURES.iter().any(|&p| !(found.errors[p] <= LOOSE * value(p)));
-    let is_told = |parameter: usize| match parameter {
-        READING_LAG => told(parameter) >= TOLD,
-        VISCOUS => value(parameter) > 0.0 && (told(parameter) >= TOLD || !loose),
-        _ => value(parameter) > 0.0 && told(parameter) >= TOLD,
-    };
-    let candidates: [(usize, &'static [usize]); 4] = [
-        (READING_LAG, &[READING_LAG]),
-        (STRIBECK_SHARE, &[STRIBECK_SHARE, STRIBECK_VELOCITY]),
-        (STRIBECK_VELOCITY, &[STRIBECK_VELOCITY]),
-        (VISCOUS, &[VISCOUS]),
-    ];
-    let untold = candidates.into_iter().find(|(parameter, _)| free.contains(parameter) && !is_told(*parameter));
-    untold.map(|(_, held)| held)
-}
-
-/// Of a fit and the one from position gain and 1/reset time exchanged, the better.
-fn the_better_order(
-    axis: Axis,
-    problem: &Problem,
-    found: &Fit,
-    free: &[usize],
-    tell: &mut dyn FnMut(),
-) -> Result<Values, Refused> {
-    let mut start = found.values;
-    let [gain, reset] = [start.0[POSITION_GAIN], start.0[RESET_TIME]];
-    start.0[POSITION_GAIN] = 1.0 / reset;
-    start.0[RESET_TIME] = 1.0 / gain;
-    start.0[FEED_FORWARD] = (1.0 - (1.0 - start.0[FEED_FORWARD]) / (gain * reset)).max(0.0);
-    let Some(other) = fit(problem, start, free, tell) else { return Ok(found.values) };
-    let [best, worse] = if found.rms <= other.rms { [found, &other] } else { [&other, found] };
-    let apart = |parameter: usize| (best.values.0[parameter] / worse.values.0[parameter]).ln().abs();
-    if apart(POSITION_GAIN).max(apart(RESET_TIME)) > 0.02 && worse.rms < EXCHANGED * best.rms {
-        return Err(Refused::GainOrResetTime {
-            axis,
-            position_gain_per_s: best.values.0[POSITION_GAIN],
-            reset_time_s: best.values.0[RESET_TIME],
-            residual_um: 1e3 * best.rms,
-            exchanged_um: 1e3 * worse.rms,
-        });
-    }
-    Ok(best.values)
-}
-
-fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -> Result<(), Refused> {
-    if found.rank < free.len() {
-        return Err(Refused::RankShort { axis, rank: found.rank, of: free.len(), condition: found.condition });
-    }
-    let [value, error] = [found.values.0[COULOMB], found.errors[COULOMB]];
-    if !(value > TOLD * error) {
-        return Err(Refused::NoFriction { axis, found_mm_per_s: value, standard_error_mm_per_s: error });
-    }
-    let circles = "circles of another radius or at another feed";
-    let drive = "a record that starts and stops, or the drive's figures (--machine)";
-    let mut needed = Vec::from([(PRESLIDING, "pre-sliding", circles)]);
-    if with_drive {
-        needed.extend([
-            (POSITION_GAIN, "position gain", drive),
-            (RESET_TIME, "reset time", drive),
-            (VELOCITY_GAIN, "velocity gain", drive),
-        ]);
-    }
-    for (parameter, figure, needed) in needed {
-        let relative_error = found.errors[parameter] / found.values.0[parameter];
-        if !(relative_error <= LOOSE) {
-            return Err(Refused::NotExcited { axis, figure, relative_error, needed });
-        }
-    }
-    Ok(())
+    Ok(identified(axis, &problem, &found, &free, turns.len(), glitch))
 }
 
 fn identified(
@@ -306,7 +207,6 @@ fn identified(
     problem: &Problem,
     found: &Fit,
     free: &[usize],
-    with_drive: bool,
     reversals: usize,
     glitch: Glitch,
 ) -> Identified {
@@ -316,6 +216,7 @@ fn identified(
     };
     let errors = [POSITION_GAIN, VELOCITY_GAIN, RESET_TIME, FEED_FORWARD].map(|parameter| found.errors[parameter]);
     let mut drive = found.values.drive(&problem.given);
+    let with_drive = free.contains(&POSITION_GAIN);
     if with_drive {
         drive.dead_time_s = found.values.0[READING_LAG].max(0.0);
         drive.velocity_feed_forward = drive.velocity_feed_forward.min(1.0);
@@ -336,5 +237,6 @@ fn identified(
         fitted: free.len(),
         reversals,
         glitch,
+        values: found.values,
     }
 }

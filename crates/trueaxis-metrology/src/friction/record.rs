@@ -15,8 +15,11 @@ const FEWEST_REVERSALS: usize = 4;
 const MOVING: f64 = 0.01;
 /// Largest ratio of the accelerations of circles that count as one size.
 const ONE_SIZE: f64 = 1.5;
-/// A stop that lasts longer parts two motions, s.
-const STOP_S: f64 = 0.005;
+/// Speed of the other axis at a reversal, as a share of its fastest: less is a stop.
+const PASSING: f64 = 0.05;
+/// An axis stands that moves less than this share of its fastest for so long, s.
+const RESTING: f64 = 1e-4;
+const RESTING_S: f64 = 0.01;
 
 /// One axis of a record: what the drive was sent and what the encoder read at the same times, mm.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,7 +106,7 @@ impl Record {
             let found = format!("readings over {read} mm with commands over {sent} mm");
             return refuse(found, "the same within a tenth: both in mm, of the same axis");
         }
-        let fastest = self.velocities(recorded).fold(0.0, |top: f64, v| top.max(v.abs()));
+        let fastest = self.fastest(recorded);
         if fastest > 2000.0 {
             return refuse(
                 format!("commands at up to {fastest:.0} mm/s"),
@@ -127,34 +130,42 @@ impl Record {
         recorded.command.windows(2).map(|pair| (pair[1] - pair[0]) / self.period_s)
     }
 
-    /// Sign changes of the commanded velocity without a stop between; `sense` is −1 for the second axis of the plane.
+    /// Sign changes of the commanded velocity while the other axis moves on; `sense` is −1 for the second axis of the plane.
     fn turns(&self, recorded: &Recorded, other: &Recorded, sense: f64) -> Vec<Reversal> {
-        let fastest = self.velocities(recorded).fold(0.0, |top: f64, v| top.max(v.abs()));
-        let moving = MOVING * fastest;
-        let stop = (STOP_S / self.period_s).ceil() as usize;
+        let moving = MOVING * self.fastest(recorded);
+        let passing = PASSING * self.fastest(other);
         let mut last: Option<(usize, f64)> = None;
-        let [mut still, mut longest] = [0, 0];
         let mut turns = Vec::new();
         for (k, velocity) in self.velocities(recorded).enumerate() {
-            still = if velocity == 0.0 { still + 1 } else { 0 };
-            longest = longest.max(still);
             if velocity.abs() <= moving {
                 continue;
             }
             if let Some((left, before)) = last
                 && velocity * before < 0.0
-                && longest <= stop
             {
-                // Linear between the samples at which the axis left and regained its speed.
-                let share = -before / (velocity - before);
-                let index = left + (share * (k - left) as f64).round() as usize;
-                let acceleration = (velocity - before) / (self.period_s * (k - left) as f64);
-                let aside = (other.command[k + 1] - other.command[left]) * acceleration * sense;
-                turns.push(Reversal { index, acceleration, counterclockwise: aside < 0.0 });
+                let aside = (other.command[k + 1] - other.command[left]) / (self.period_s * (k + 1 - left) as f64);
+                if aside.abs() >= passing {
+                    // Linear between the samples at which the axis left and regained its speed.
+                    let share = -before / (velocity - before);
+                    let index = left + (share * (k - left) as f64).round() as usize;
+                    let acceleration = (velocity - before) / (self.period_s * (k - left) as f64);
+                    turns.push(Reversal { index, acceleration, counterclockwise: aside * acceleration * sense < 0.0 });
+                }
             }
-            (last, longest) = (Some((k, velocity)), 0);
+            last = Some((k, velocity));
         }
         turns
+    }
+
+    fn fastest(&self, recorded: &Recorded) -> f64 {
+        self.velocities(recorded).fold(0.0, |top: f64, v| top.max(v.abs()))
+    }
+
+    /// Whether the axis stands at the record's first samples.
+    pub(super) fn rests(&self, recorded: &Recorded) -> bool {
+        let few = (RESTING_S / self.period_s).ceil() as usize;
+        let still = RESTING * self.fastest(recorded);
+        self.velocities(recorded).take(few).all(|velocity| velocity.abs() <= still)
     }
 }
 
