@@ -8,6 +8,7 @@ mod compensate;
 mod contour;
 mod correct;
 mod csv_in;
+mod friction;
 mod helicoid;
 mod identify;
 mod kinematics;
@@ -67,6 +68,9 @@ enum Command {
     /// Six errors of a rotary axis from a ball measured under RTCP.
     #[command(after_help = identify::HELP)]
     Identify(identify::Arguments),
+    /// Friction of two axes, and their drives' figures, from recorded circles.
+    #[command(after_help = friction::HELP)]
+    Friction(friction::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -81,6 +85,7 @@ fn main() -> ExitCode {
         Command::Kinematics(command) => kinematics::run(command),
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Friction(arguments) => friction::run(&arguments),
     };
     output::exit_code(result)
 }
