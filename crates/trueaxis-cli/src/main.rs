@@ -11,6 +11,7 @@ mod csv_in;
 mod helicoid;
 mod identify;
 mod kinematics;
+mod learn;
 mod model;
 mod numbers;
 mod output;
@@ -67,6 +68,9 @@ enum Command {
     /// Six errors of a rotary axis from a ball measured under RTCP.
     #[command(after_help = identify::HELP)]
     Identify(identify::Arguments),
+    /// Correction over path length for the next part of a program, from the contour error of the last.
+    #[command(after_help = learn::HELP)]
+    Learn(learn::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -81,6 +85,7 @@ fn main() -> ExitCode {
         Command::Kinematics(command) => kinematics::run(command),
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Learn(arguments) => learn::run(&arguments),
     };
     output::exit_code(result)
 }

@@ -4,6 +4,7 @@
 pub(crate) mod circle;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
+pub(crate) mod learn;
 pub(crate) mod roundness;
 
 use anyhow::Result;
