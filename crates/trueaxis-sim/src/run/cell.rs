@@ -248,9 +248,15 @@ impl<const N: usize> Cell<N> {
             sample.command[i] = record.command[k];
             sample.drive[i] = output.drive[k];
             sample.feedback[i] = record.feedback[k];
-            let correction = record.correction[k];
-            sample.correction[i] =
-                if axis.is_rotary() { correction.to_radians() * 1e6 } else { correction * 1e3 } as f32;
+            // mm to µm, degrees to µrad.
+            let micro = |value: f64| if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 } as f32;
+            sample.correction[i] = micro(record.correction[k]);
+            if let Some(parts) = &record.dynamic {
+                sample.dynamic.sent[i] = micro(parts.sent[k]);
+                sample.dynamic.feed_forward[i] = micro(parts.feed_forward[k]);
+                sample.dynamic.feedback[i] = micro(parts.feedback[k]);
+                sample.dynamic.crosstalk[i] = micro(parts.crosstalk[k]);
+            }
         }
         sample
     }

@@ -29,7 +29,7 @@ pub struct DynamicSample {
     /// Sent: the sum of the parts, limited.
     pub sent: [f32; AXES],
     /// Wanted against friction, following error and the error of acceleration.
-    pub friction: [f32; AXES],
+    pub feed_forward: [f32; AXES],
     /// Wanted by the contour feedback.
     pub feedback: [f32; AXES],
     /// Wanted against acceleration cross-talk.

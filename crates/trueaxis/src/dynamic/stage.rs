@@ -37,6 +37,8 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
 pub(crate) struct Moment<'m, R, P, const N: usize> {
     /// Command plus the geometric correction sent last.
     pub(crate) place: &'m [P; N],
+    /// Change of the command since the last cycle.
+    pub(crate) ways: &'m [R; N],
     /// Contour error of the tip in machine directions, where it can be acted on.
     pub(crate) error: Option<[R; 3]>,
     /// Axes that were limited in the last cycle.
@@ -131,10 +133,10 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let anew = fresh || state.parts != sample.dynamics;
         state.parts = sample.dynamics;
         let mut changes = [R::ZERO; N];
-        let motion = state.drift.iter_mut().zip(&mut state.place).zip(moment.place.iter().zip(&mut changes));
-        for (((drift, before), (place, change)), (act, wanted)) in
-            motion.zip(self.axes.iter().zip(&mut parts.feed_forward))
-        {
+        let motion = state.drift.iter_mut().zip(&mut state.place).zip(moment.place);
+        let commands = state.trend.iter_mut().zip(moment.ways).zip(&mut changes);
+        let laws = self.axes.iter().zip(&mut parts.feed_forward);
+        for ((((drift, before), place), ((trend, commanded), change)), (act, wanted)) in motion.zip(commands).zip(laws) {
             let was = drift.velocity();
             let way = if fresh {
                 R::ZERO
@@ -145,8 +147,11 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 place.since_near(*before)
             };
             *before = *place;
-            *change = way - was;
-            *wanted = act.law.offset(drift, way, sample.dynamics, anew);
+            if !fresh && !moment.late {
+                *change = *commanded - *trend;
+                *trend = *commanded;
+            }
+            *wanted = act.law.offset(drift, (way, *change), sample.dynamics, anew);
         }
         self.feed_back(state, sample, moment, &mut parts.feedback);
         if let (Some(crosstalk), true) = (&self.crosstalk, sample.dynamics.has(Dynamics::CROSSTALK)) {

@@ -126,8 +126,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
 
     /// Changes of the commands in the last cycle.
     #[inline(always)]
-    pub(crate) fn trend_mut(&mut self) -> &mut [R; N] {
-        &mut self.trend
+    pub(crate) fn trend(&self) -> &[R; N] {
+        &self.trend
     }
 
     /// The watch has led the feedback out.
