@@ -3,8 +3,7 @@
 use super::record::Record;
 use serde::Serialize;
 use std::fmt::Write;
-use trueaxis::learned::LearnedHeader;
-use trueaxis_metrology::learning::Law;
+use trueaxis_metrology::learning::{Law, Lesson};
 use trueaxis_tables::text::counted;
 
 /// Sizes of an error.
@@ -37,14 +36,9 @@ pub(crate) struct Document {
 }
 
 impl Document {
-    pub(super) fn new(
-        record: &Record,
-        header: &LearnedHeader,
-        law: Law,
-        before: Option<&[[f64; 3]]>,
-        correction: &[[f64; 3]],
-    ) -> Document {
-        let spacing_mm = 1e-6 * f64::from(header.spacing_nm);
+    pub(super) fn new(record: &Record, law: Law, lesson: &Lesson) -> Document {
+        let Lesson { header, spacing_mm, before_mm, correction_mm, .. } = lesson;
+        let spacing_mm = *spacing_mm;
         let at = |nodes: &[[f64; 3]], length: f64| -> [f64; 3] {
             let place = (length / spacing_mm).max(0.0);
             let (cell, share) = (place as usize, place.fract());
@@ -54,7 +48,8 @@ impl Document {
         };
         let measured = || record.rows.iter().filter_map(|row| row.error_mm.map(|error| (row.length_mm, error)));
         let predicted = measured().map(|(length, error)| {
-            let (new, old) = (at(correction, length), before.map_or([0.0; 3], |before| at(before, length)));
+            let (new, old) =
+                (at(correction_mm, length), before_mm.as_ref().map_or([0.0; 3], |before| at(before, length)));
             std::array::from_fn(|i| error[i] + new[i] - old[i])
         });
         let gone = record.rows.windows(2).filter(|pair| pair.iter().any(|row| row.error_mm.is_none()));
@@ -62,17 +57,17 @@ impl Document {
         Document {
             program_id: format!("{:08x}", header.program_id),
             machine_id: format!("{:08x}", header.machine_id),
-            length_mm: record.length_mm,
+            length_mm: record.identity.length_mm,
             parts: header.parts,
-            nodes: correction.len(),
+            nodes: correction_mm.len(),
             spacing_mm,
             gain: law.gain,
             forget: law.forget,
             cutoff_mm: law.cutoff_mm,
             before: Size::of(measured().map(|(_, error)| error)),
             predicted: Size::of(predicted),
-            correction_um: 1e3 * correction.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs())),
-            unmeasured: unmeasured / record.length_mm,
+            correction_um: 1e3 * correction_mm.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs())),
+            unmeasured: unmeasured / record.identity.length_mm,
         }
     }
 

@@ -10,10 +10,8 @@ use clap::Args;
 use document::Document;
 use record::Record;
 use std::path::PathBuf;
-use trueaxis::learned::{Learned, LearnedHeader};
-use trueaxis_metrology::learning::{
-    DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, GAP_OF_CUTOFF, Law, Resampled, encode, resample,
-};
+use trueaxis::learned::Learned;
+use trueaxis_metrology::learning::{DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Law, Lesson};
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
@@ -77,29 +75,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         .zip(&bytes)
         .map(|(table, bytes)| belonging(bytes, &record).with_context(|| format!("--table {}", table.display())));
     let old = old.last().transpose()?;
-    // Where the path is as long as the record says, so is every correction of it.
-    let length_mm = record.length_mm;
-    let spacing_mm = law.spacing_mm(length_mm);
-    let Resampled { errors_mm, .. } = resample(&record.rows, length_mm, spacing_mm, GAP_OF_CUTOFF * cutoff_mm)
+    let lesson = Lesson::learn(&law, &record.identity, old.as_ref(), &record.rows)
         .map_err(|refused| record.refused(&refused))?;
-    let at_nodes = |old: &Learned<'_, f64>| (0..errors_mm.len()).map(|k| old.at(k as f64 * spacing_mm)).collect();
-    let before: Option<Vec<[f64; 3]>> = old.as_ref().map(at_nodes);
-    let in_file = |error| anyhow!("{}: {error}", arguments.record.display());
-    let correction = law.update(before.as_deref(), &errors_mm, spacing_mm).map_err(in_file)?;
-    let header = LearnedHeader {
-        parts: old.as_ref().map_or(0, |old| old.header().parts).saturating_add(1),
-        machine_id: record.machine_id,
-        program_id: record.program_id,
-        length_nm: (1e6 * length_mm).round() as u64,
-        spacing_nm: (1e6 * spacing_mm).round() as u32,
-        resolution_pm: 1,
-    };
-    let file = encode(header, &correction).map_err(in_file)?;
-    let document = Document::new(&record, &header, law, before.as_deref(), &correction);
+    let file = lesson.to_bytes().map_err(|refused| record.refused(&refused))?;
+    let document = Document::new(&record, law, &lesson);
     let mut outputs = Outputs::of([&arguments.record].into_iter().chain(&arguments.table));
     if let Some(to) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::learn::page(&source, &document, &errors_mm, &correction);
+        let page = report::learn::page(&source, &document, &lesson);
         report::write_to(&mut outputs, &page, to, "learn.html")?;
     }
     outputs.put(&arguments.output, &file)?;
@@ -110,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 /// A correction of the record's program and machine.
 fn belonging<'b>(bytes: &'b [u8], record: &Record) -> Result<Learned<'b, f64>> {
     let learned = Learned::parse(bytes)?;
-    learned.expect_machine(record.machine_id)?;
-    learned.expect_program(record.program_id, record.length_mm)?;
+    learned.expect_machine(record.identity.machine_id)?;
+    learned.expect_program(record.identity.program_id, record.identity.length_mm)?;
     Ok(learned)
 }

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, anyhow};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use trueaxis_metrology::learning::{MeasuredError, NotLearned};
+use trueaxis_metrology::learning::{Identity, MeasuredError, NotLearned};
 
 const COLUMNS: [Column; 5] = [
     Column { name: "s_mm", needed: true },
@@ -22,9 +22,7 @@ const KEYS: [&str; 3] = ["program_id", "machine_id", "length_mm"];
 /// A part as it stands in a file.
 pub(crate) struct Record {
     file: PathBuf,
-    pub(super) program_id: u32,
-    pub(super) machine_id: u32,
-    pub(super) length_mm: f64,
+    pub(super) identity: Identity,
     pub(super) rows: Vec<MeasuredError>,
     lines: Vec<u32>,
 }
@@ -55,7 +53,8 @@ impl Record {
             rows.push(MeasuredError { length_mm, error_mm });
             lines.push(line);
         }
-        Ok(Record { file: file.into(), program_id, machine_id, length_mm, rows, lines })
+        let identity = Identity { machine_id, program_id, length_mm };
+        Ok(Record { file: file.into(), identity, rows, lines })
     }
 
     /// A refusal of the mathematics with file and line.

@@ -2,13 +2,14 @@
 
 use crate::learn::document::Document;
 use maud::html;
+use trueaxis_metrology::learning::Lesson;
 use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, decimate, number::significant, summary};
 
 /// Points of a curve: as many as a figure can show.
 const CURVE: usize = 1400;
 
-/// The whole page; `source` is the name of the record, errors and correction at the nodes in mm.
-pub(crate) fn page(source: &str, found: &Document, errors: &[[f64; 3]], correction: &[[f64; 3]]) -> String {
+/// The whole page; `source` is the name of the record, the curves come from the lesson.
+pub(crate) fn page(source: &str, found: &Document, lesson: &Lesson) -> String {
     let over = |values: &[[f64; 3]], what: &str, description: &str| over_length(found, values, what, description);
     Page::new("Learned correction")
         .top(summary([
@@ -19,8 +20,11 @@ pub(crate) fn page(source: &str, found: &Document, errors: &[[f64; 3]], correcti
             html! { "gain " (found.gain) ", forgetting " (found.forget) ", cut-off " (found.cutoff_mm) " mm" },
         ]))
         .top(table(found))
-        .section("Contour error of this part", over(errors, "error in µm", "Contour error over path length"))
-        .section("Correction for the next", over(correction, "correction in µm", "Correction over path length"))
+        .section("Contour error of this part", over(&lesson.errors_mm, "error in µm", "Contour error over path length"))
+        .section(
+            "Correction for the next",
+            over(&lesson.correction_mm, "correction in µm", "Correction over path length"),
+        )
         .document()
 }
 

@@ -21,11 +21,13 @@
 //! Control Systems 26 (2006), 10.1109/MCS.2006.1636313 (Q and the condition); ISO 16610-21 (the Gaussian filter).
 
 mod error;
+mod lesson;
 mod low_pass;
 mod resample;
 mod table;
 
 pub use error::NotLearned;
+pub use lesson::{Identity, Lesson};
 pub use low_pass::{low_pass, transmission};
 pub use resample::{GAP_OF_CUTOFF, LARGEST_ERROR_MM, MeasuredError, Resampled, resample};
 pub use table::{MOST_NODES, encode};
