@@ -90,6 +90,7 @@ impl<'c, const N: usize> Inputs<'c, N> {
                 enable: true,
                 reset: false,
                 refusal: Refusal::NONE,
+                ..Input::at_rest(self.scenario.period_ns())
             };
             self.block.push((input, self.path.reference(setpoint.move_index, setpoint.u, &mut self.span)));
         }

@@ -3,13 +3,13 @@
 use trueaxis::Fault;
 use trueaxis::roundness::{ErrorMotion, Followed, Gauge, GaugeFlags, GaugeSettings, HARMONICS, ProbeAngles, Probes};
 use trueaxis::telemetry::{
-    AxisFrame, FRAME_BYTES, FRAME_VERSION, Frame, ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION, RoundnessFrame,
-    Status,
+    AxisFrame, DynamicFrame, FRAME_BYTES, FRAME_VERSION, Frame, ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION,
+    RoundnessFrame, Status,
 };
 
 /// A frame with the longest variable-length numbers.
-fn longest(axes: usize) -> Frame {
-    let axis = AxisFrame { command: 1.1, feedback: 1.1, correction: 1.1 };
+fn longest(axes: usize, dynamic: Option<DynamicFrame>) -> Frame {
+    let axis = AxisFrame { command: 1.1, feedback: 1.1, correction: 1.1, dynamic };
     let mut frame = Frame {
         version: FRAME_VERSION,
         sequence: u32::MAX,
@@ -30,8 +30,11 @@ fn longest(axes: usize) -> Frame {
 #[test]
 fn frames_are_as_long_as_documented() {
     let mut buffer = [0; FRAME_BYTES];
-    assert_eq!(longest(3).encode(&mut buffer).unwrap().len(), 123);
-    assert_eq!(longest(6).encode(&mut buffer).unwrap().len(), 183);
+    assert_eq!(longest(3, None).encode(&mut buffer).unwrap().len(), 126);
+    assert_eq!(longest(6, None).encode(&mut buffer).unwrap().len(), 189);
+    let dynamic = Some(DynamicFrame { sent: 1.1, feed_forward: 1.1, feedback: 1.1, crosstalk: 1.1, learned: 1.1 });
+    assert_eq!(longest(3, dynamic).encode(&mut buffer).unwrap().len(), 186);
+    assert_eq!(longest(6, dynamic).encode(&mut buffer).unwrap().len(), 310);
 }
 
 /// Byte offsets and the numbers of the faults in docs/telemetry.md; COBS undone here, not by the code under test.
@@ -56,7 +59,7 @@ fn frames_are_laid_out_as_documented() {
     let codes = [0, 1, 2, 3, 4, 5, 16, 17, 18, 19, 20, 21, 22, 32];
     for (fault, code) in faults.into_iter().zip(codes) {
         assert_eq!(fault as u8, code);
-        let mut frame = longest(3);
+        let mut frame = longest(3, None);
         (frame.sequence, frame.fault) = (300, fault);
         let mut buffer = [0; FRAME_BYTES];
         let bytes = frame.encode(&mut buffer).unwrap();

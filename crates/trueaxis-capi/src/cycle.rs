@@ -82,6 +82,7 @@ impl Input {
             enable: self.enable != 0,
             reset: self.reset != 0,
             refusal: Refusal { fault: Fault::try_from(self.refusal).unwrap_or(Fault::None), slot: self.refusal_axis },
+            ..trueaxis::Input::at_rest(self.elapsed_ns)
         }
     }
 

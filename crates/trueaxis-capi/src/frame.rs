@@ -9,7 +9,7 @@ use trueaxis::telemetry::{self, AxisFrame, ContourFrame, Frame};
 use trueaxis::{Fault, Position as _};
 
 /// Largest telemetry frame of a record, bytes.
-pub const FRAME_BYTES: usize = 256;
+pub const FRAME_BYTES: usize = 384;
 const _: () = assert!(FRAME_BYTES == telemetry::FRAME_BYTES);
 
 /// Writes the telemetry frame of a record: postcard in COBS, ending in 0; the same bytes in every build and precision.
@@ -56,6 +56,7 @@ fn frame(output: &Output) -> Option<Frame> {
                 command: to_core(*command).to_f64(),
                 feedback: to_core(*feedback).to_f64(),
                 correction: single(*correction),
+                dynamic: None,
             })
             .collect(),
         tip: contour(&record.tip),

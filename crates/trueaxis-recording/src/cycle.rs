@@ -90,6 +90,8 @@ impl<const N: usize> Cycle<N> {
             enable: self.enable,
             reset: self.reset,
             refusal: trueaxis::sample::Refusal::NONE,
+            dynamics: trueaxis::Dynamics::ALL,
+            learned: [P::default(); 3],
         }
     }
 

@@ -17,6 +17,7 @@
 //! - [`kinematics`]: on five axes, before the contour stage the tool in workpiece coordinates ([`OnToolPath`]), before the
 //!   step the axes for a tool commanded there ([`ServoLoop::rtcp`]);
 //! - [`roundness`]: three probes on a turning workpiece, worked off in slices ([`GaugeRide`]);
+//! - dynamic: reversal friction, following error and the contour error itself as corrections ([`Dynamics`]);
 //! - [`limiter`]: magnitude, slope and acceleration of the correction; nothing ever jumps;
 //! - [`telemetry`]: one fixed record per cycle.
 //!
@@ -41,6 +42,7 @@ mod axis;
 pub mod check;
 pub mod compensation;
 pub mod contour;
+mod dynamic;
 pub mod error;
 pub mod exchange;
 pub mod kinematics;
@@ -64,6 +66,7 @@ pub use glam;
 
 mod alias;
 pub use alias::{HostInput, HostPath, HostServo, HostState, McuInput, McuPath, McuServo, McuState};
+pub use dynamic::{DynamicParts, Dynamics};
 pub use error::{ConfigError, Fault};
 pub use machine::{Axis, Row};
 pub use position::{Nanometres, Position};

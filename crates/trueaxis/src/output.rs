@@ -41,20 +41,15 @@ impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
         &self.drive
     }
 
-    /// The corrections sent last, as positions add them.
-    #[cfg(test)]
-    pub(crate) fn offsets(&self) -> &[P::Offset; N] {
-        &self.offsets
+    /// The corrections sent last, mm (deg).
+    #[inline(always)]
+    pub(crate) fn sent(&self) -> [R; N] {
+        self.limited.map(|limited| limited.sent())
     }
 
-    /// Drive positions for a command with the corrections sent last.
-    #[inline(always)]
-    pub(crate) fn drive_at(&self, command: &[P; N]) -> [P; N] {
-        let mut drive = *command;
-        for (drive, offset) in drive.iter_mut().zip(&self.offsets) {
-            *drive = drive.moved(*offset);
-        }
-        drive
+    /// The same, as positions add them.
+    pub(crate) fn offsets(&self) -> &[P::Offset; N] {
+        &self.offsets
     }
 }
 
@@ -99,13 +94,15 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
     }
 
     /// Command plus limited correction, held where necessary; feedback without the correction. The output is decided
-    /// before anything is remembered: where the output holds, drive and correction of the last cycle stay.
+    /// before anything is remembered: where the output holds, drive and correction of the last cycle stay. While a reading is
+    /// refused the correction `freezes`, or goes on to what is wanted.
     #[inline(always)]
     pub(crate) fn apply(
         &self,
         state: &mut OutputState<R, P, N>,
         sample: &Sample<P, N>,
         wanted: &[R; N],
+        freezes: bool,
         output: Outlets<'_, R, P, N>,
     ) -> Applied {
         // The reading of this cycle answers the correction sent before it.
@@ -113,7 +110,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
             *to = reading.moved_back(*offset);
         }
         let Some(next) = self.unlimited(state, sample, wanted) else {
-            return self.apply_limited(state, sample, wanted, output.drive, output.correction);
+            return self.apply_limited(state, sample, (wanted, freezes), output.drive, output.correction);
         };
         *state = next;
         (*output.drive, *output.correction) = (next.drive, *wanted);
@@ -152,7 +149,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         &self,
         state: &mut OutputState<R, P, N>,
         sample: &Sample<P, N>,
-        wanted: &[R; N],
+        (wanted, freezes): (&[R; N], bool),
         to_drive: &mut [P; N],
         correction: &mut [R; N],
     ) -> Applied {
@@ -161,6 +158,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         match sample.verdict {
             _ if sample.first => {}
             Verdict::Active => flags = self.follow(state, wanted),
+            Verdict::Freeze if !freezes => flags = self.follow(state, wanted),
             Verdict::Inactive => flags = self.follow(state, &[R::ZERO; N]),
             Verdict::Freeze => self.limiters.iter().zip(&mut state.limited).for_each(|(l, limited)| l.freeze(limited)),
             Verdict::Hold | Verdict::Nowhere => {

@@ -2,6 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
+use crate::dynamic::Dynamics;
 use crate::error::{ConfigError, Fault, Field};
 use crate::machine::{AxisOrder, FaultSettings, MachineSettings};
 use crate::position::Position;
@@ -30,6 +31,11 @@ pub struct Input<P, const N: usize> {
     /// Why a stage before the step ([`crate::ServoLoop::rtcp`]) has no command in this cycle: the output holds for any
     /// `command`. [`Refusal::NONE`] otherwise.
     pub refusal: Refusal,
+    /// Parts of the dynamic correction that are wanted; what is not configured stays off.
+    pub dynamics: Dynamics,
+    /// Correction of X, Y and Z that was learned for this place of the program, mm: as a position counted from 0. A value
+    /// that is no usable position counts as none.
+    pub learned: [P; 3],
 }
 
 /// A command that was refused before the step.
@@ -59,6 +65,8 @@ impl<P: Position, const N: usize> Input<P, N> {
             enable: false,
             reset: false,
             refusal: Refusal::NONE,
+            dynamics: Dynamics::ALL,
+            learned: [P::default(); 3],
         }
     }
 }
@@ -152,6 +160,10 @@ pub(crate) struct Sample<'s, P, const N: usize> {
     pub(crate) first: bool,
     /// The positions are machine positions.
     pub(crate) homed: bool,
+    /// Parts of the dynamic correction that are wanted.
+    pub(crate) dynamics: Dynamics,
+    /// Learned correction.
+    pub(crate) learned: &'s [P; 3],
 }
 
 impl<'s, P, const N: usize> Sample<'s, P, N> {
@@ -166,6 +178,8 @@ impl<'s, P, const N: usize> Sample<'s, P, N> {
             axis: 0,
             first: false,
             homed: true,
+            dynamics: input.dynamics,
+            learned: &input.learned,
         }
     }
 }
@@ -355,7 +369,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     pub(crate) fn look<'s>(
         &self,
         state: &mut SampleState<P, N>,
-        input: &Input<P, N>,
+        input: &'s Input<P, N>,
         believed: &'s mut [[P; N]; 2],
     ) -> Sample<'s, P, N> {
         state.calm = false;
@@ -387,7 +401,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         state.calm = verdict == Verdict::Active && !input.reset;
         *believed = [input.command, state.feedback];
         let [command, feedback] = believed;
-        Sample { command, feedback, verdict, fault, axis, first, homed: input.homed }
+        let (dynamics, learned) = (input.dynamics, &input.learned);
+        Sample { command, feedback, verdict, fault, axis, first, homed: input.homed, dynamics, learned }
     }
 
     /// Periods that a cycle took, for what may have moved meanwhile: 1 in time, at most 16.
@@ -489,7 +504,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     fn stopped<'s>(
         &self,
         state: &mut SampleState<P, N>,
-        input: &Input<P, N>,
+        input: &'s Input<P, N>,
         reset: bool,
         (fault, axis): (Fault, u8),
         first: bool,
@@ -520,7 +535,17 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };
             *believed = [input.command, state.feedback];
             let [command, feedback] = believed;
-            return Sample { command, feedback, verdict, fault: Fault::None, axis: 0, first, homed: input.homed };
+            return Sample {
+                command,
+                feedback,
+                verdict,
+                fault: Fault::None,
+                axis: 0,
+                first,
+                homed: input.homed,
+                dynamics: input.dynamics,
+                learned: &input.learned,
+            };
         }
         *believed = [held, state.feedback];
         let [command, feedback] = believed;
@@ -532,6 +557,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             axis: state.latched_axis,
             first,
             homed: input.homed,
+            dynamics: input.dynamics,
+            learned: &input.learned,
         }
     }
 

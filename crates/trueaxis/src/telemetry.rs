@@ -12,6 +12,7 @@ mod roundness;
 pub use roundness::{ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION, RoundnessFrame};
 
 use crate::contour::{ContourError, Flags};
+use crate::dynamic::DynamicParts;
 use crate::error::Fault;
 use crate::machine::AXES;
 use crate::position::Position;
@@ -36,6 +37,8 @@ impl Status {
     /// There is no output: nothing usable was ever commanded, and not every axis has been read. `drive` must not be
     /// written.
     pub const NO_OUTPUT: Status = Status(16);
+    /// The contour feedback was found to oscillate and is led out, until the compensation is switched off or a reset comes.
+    pub const FEEDBACK_OUT: Status = Status(32);
 
     /// Whether all bits of `other` are set.
     pub const fn has(self, other: Status) -> bool {
@@ -71,8 +74,10 @@ pub struct Record<R: Real, P, const N: usize> {
     pub command: [P; N],
     /// Raw feedback (last good one during a fault), mm (deg).
     pub feedback: [P; N],
-    /// Correction sent, mm (deg).
+    /// Correction sent, mm (deg); the geometric part where there is a dynamic one.
     pub correction: [R; N],
+    /// The dynamic correction and its parts; `None` where nothing of it is configured.
+    pub dynamic: Option<DynamicParts<R, N>>,
     /// Contour error of the estimated tool tip.
     pub tip: ContourError<R>,
     /// Contour error of the plain encoder position.
@@ -99,6 +104,7 @@ impl<R: Real, P: Position, const N: usize> Record<R, P, N> {
             command: [P::default(); N],
             feedback: [P::default(); N],
             correction: [R::ZERO; N],
+            dynamic: None,
             tip: ContourError::none(),
             encoder: ContourError::none(),
             orientation: R::ZERO,
@@ -115,8 +121,26 @@ pub struct AxisFrame {
     pub command: f64,
     /// Raw feedback, mm (deg).
     pub feedback: f64,
-    /// Correction sent, mm (deg).
+    /// Correction sent, mm (deg); the geometric part where there is a dynamic one.
     pub correction: f32,
+    /// The dynamic correction, where any of it is configured.
+    pub dynamic: Option<DynamicFrame>,
+}
+
+/// The dynamic correction of an axis in a [`Frame`], mm (deg).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DynamicFrame {
+    /// Sent, beside the geometric correction.
+    pub sent: f32,
+    /// Wanted for friction, lag and acceleration.
+    pub feed_forward: f32,
+    /// Wanted by the contour feedback.
+    pub feedback: f32,
+    /// Wanted against cross-talk.
+    pub crosstalk: f32,
+    /// Wanted by the learned correction.
+    pub learned: f32,
 }
 
 /// Contour error in a [`Frame`], mm.
@@ -170,21 +194,23 @@ pub struct Frame {
 }
 
 /// Version of the layout that [`Frame`] writes.
-pub const FRAME_VERSION: u8 = 2;
+pub const FRAME_VERSION: u8 = 3;
 /// A buffer of this size holds the COBS frame of any record.
-pub const FRAME_BYTES: usize = 256;
+pub const FRAME_BYTES: usize = 384;
 
 impl Frame {
     /// Puts a record into its wire form. Not part of the step: on a core without double precision this costs some
     /// hundred instructions an axis.
     pub fn of<R: Real, P: Position, const N: usize>(record: &Record<R, P, N>) -> Frame {
         let mut axes = Vec::new();
-        for ((command, feedback), correction) in record.command.iter().zip(&record.feedback).zip(&record.correction) {
+        let axes_of_record = record.command.iter().zip(&record.feedback).zip(&record.correction);
+        for (slot, ((command, feedback), correction)) in axes_of_record.enumerate() {
             // N is at most AXES (checked at build); a further axis would be left out, not written wrongly.
             let _ = axes.push(AxisFrame {
                 command: command.to_f64(),
                 feedback: feedback.to_f64(),
                 correction: correction.to_f64() as f32,
+                dynamic: record.dynamic.as_ref().map(|parts| dynamic(parts, slot)),
             });
         }
         Frame {
@@ -220,6 +246,17 @@ impl Frame {
     pub fn decode(bytes: &mut [u8]) -> Result<Frame, postcard::Error> {
         let frame: Frame = postcard::from_bytes_cobs(bytes)?;
         if frame.version == FRAME_VERSION { Ok(frame) } else { Err(postcard::Error::DeserializeBadEncoding) }
+    }
+}
+
+fn dynamic<R: Real, const N: usize>(parts: &DynamicParts<R, N>, slot: usize) -> DynamicFrame {
+    let single = |part: &[R; N]| part.get(slot).map_or(0.0, |value| value.to_f64() as f32);
+    DynamicFrame {
+        sent: single(&parts.sent),
+        feed_forward: single(&parts.feed_forward),
+        feedback: single(&parts.feedback),
+        crosstalk: single(&parts.crosstalk),
+        learned: single(&parts.learned),
     }
 }
 

@@ -107,6 +107,7 @@ impl<const POINTS: usize> Control<POINTS> {
             enable: true,
             reset: false,
             refusal: Refusal::NONE,
+            ..Input::at_rest(self.grinding.period_ns())
         };
         let mut ride = GaugeRide::new(&self.gauge, &mut self.gauge_state, &readings.probes);
         let output = self.servo.servo().step(&mut self.state, &input, (), &mut ride);

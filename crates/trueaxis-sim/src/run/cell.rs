@@ -140,6 +140,7 @@ impl<const N: usize> Cell<N> {
             enable: self.kind == Kind::Compensated,
             reset: false,
             refusal: Refusal::NONE,
+            ..Input::at_rest(elapsed_ns)
         };
         let (path, tool_path) = (shared.path.view(), shared.path.tool_view());
         let reference = commanded.reference;

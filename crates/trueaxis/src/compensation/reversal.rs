@@ -85,6 +85,14 @@ impl<P: Position> Reversal<P> {
         onward || drive.apart(self.turning_point) <= within
     }
 
+    /// The axis turns here: the next [`Reversal::update`] of a drive that is at `drive`, or goes on from there, says so.
+    #[inline(always)]
+    pub(crate) fn turn<R: Real>(&mut self, drive: P, band: R) {
+        let beyond = band + band + R::of(2.0 * P::STEP.min(1e-6));
+        self.turning_point =
+            if self.direction == Direction::POSITIVE { drive.plus(beyond) } else { drive.plus(-beyond) };
+    }
+
     /// The direction as it stands.
     #[inline(always)]
     pub fn direction(&self) -> Direction {

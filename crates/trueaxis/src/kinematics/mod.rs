@@ -151,6 +151,17 @@ impl<R: Real> Kinematics<R> {
         });
         turned(first, turned(second, V3::from_glam(bed))).glam()
     }
+
+    /// A direction of the workpiece in bed coordinates: what [`Kinematics::to_workpiece`] undoes.
+    #[inline]
+    pub fn to_bed(&self, axes: &[R; AXES], workpiece: R::Vec3) -> R::Vec3 {
+        let [first, second] = self.chain.turns.map(|turn| {
+            let turn = turn.filter(|turn| turn.carries_workpiece)?;
+            let (cos, sin) = turn.cos_sin(axes);
+            Some((turn, (cos, -sin)))
+        });
+        turned(second, turned(first, V3::from_glam(workpiece))).glam()
+    }
 }
 
 /// Margin of a machine without a singular pose, degrees.

@@ -18,8 +18,8 @@ pub use curve::{Curve, wraps};
 pub use order::AxisOrder;
 pub use rows::Rows;
 pub use servo::{
-    AxisServo, CROSSTALK_CAPACITY, CROSSTALK_POINTS, CrosstalkSettings, DriveFigures, DynamicSettings, FeedbackSettings,
-    FrictionSettings,
+    AxisServo, CROSSTALK_CAPACITY, CROSSTALK_POINTS, CrosstalkSettings, DriveFigures, DynamicSettings,
+    FeedbackSettings, FrictionSettings,
 };
 
 use crate::roundness::GaugeSettings;

@@ -63,6 +63,23 @@ pub struct DynamicSettings {
     pub take_up: bool,
 }
 
+impl DynamicSettings {
+    /// The limits of an axis for which none are given: 50 µm, 5 mm/s, 5 m/s² (rotary 1000 µrad, 5 deg/s, 5000 deg/s²);
+    /// every part off.
+    pub fn with_defaults(axis: Axis) -> Self {
+        let magnitude = if axis.is_rotary() { 1000e-6_f64.to_degrees() } else { 0.05 };
+        let limits = Limits { magnitude, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };
+        DynamicSettings { limits, lag: false, acceleration: false, take_up: false }
+    }
+}
+
+impl Default for FeedbackSettings {
+    /// 0.3, 10/s, up to 10 m/min, watched from 10 µm on.
+    fn default() -> Self {
+        FeedbackSettings { proportional: 0.3, integral_per_s: 10.0, max_feed_per_s: 10_000.0 / 60.0, watch_mm: 0.01 }
+    }
+}
+
 /// The servo of an axis: each part is off where it is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -6,6 +6,7 @@ use super::ServoLoop;
 use crate::axis::{AXES, Axis};
 use crate::compensation::{self, Compensation, Tables};
 use crate::contour::{ContourSearch, Method};
+use crate::dynamic::DynamicStage;
 use crate::error::{ConfigError, Field};
 use crate::machine::{AxisOrder, AxisSettings, MachineSettings, Rows};
 use crate::output::OutputStage;
@@ -85,6 +86,7 @@ impl<'m> Config<'m> {
             within: bands.map(|band| P::reach(band * WITHIN)),
             search: ContourSearch::new(self.machine.contour.max_lag_mm, self.method)?,
             output: OutputStage::new(&order, self.machine, period_s)?,
+            dynamic: DynamicStage::new(&order, self.machine, period_s)?,
             machine_id: self.machine_id,
             tables_crc: self.tables_crc,
             period_ns: self.period_ns,

@@ -33,6 +33,12 @@ pub trait Measure<R: Real, P: Position, const N: usize> {
         modelled: &Modelled<R, N>,
         record: &mut Record<R, P, N>,
     );
+    /// The contour error of the tip in machine directions.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn in_machine(&self, _: &ServoLoop<'_, R, P, N>, _: &Sample<P, N>, error: R::Vec3) -> R::Vec3 {
+        error
+    }
     /// The command of this cycle was not sent.
     #[doc(hidden)]
     #[inline(always)]
@@ -163,6 +169,10 @@ impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut OnToolPath<
     #[inline(always)]
     fn needs_tilt(&self) -> bool {
         true
+    }
+
+    fn in_machine(&self, servo: &ServoLoop<'_, R, P, N>, sample: &Sample<P, N>, error: R::Vec3) -> R::Vec3 {
+        self.kinematics.to_bed(&servo.joints(sample.feedback), error)
     }
 
     #[inline(always)]

@@ -4,6 +4,7 @@
 
 mod bypass;
 mod config;
+mod dynamic;
 mod gauge;
 mod measure;
 mod model;
@@ -21,6 +22,7 @@ pub use stateless::Conditions;
 use crate::compensation::volumetric::Kept;
 use crate::compensation::{Cells, Compensation, Reversal, Tables, ThermalLine};
 use crate::contour::{ContourSearch, PairState};
+use crate::dynamic::{DynamicStage, DynamicState};
 use crate::error::Fault;
 use crate::machine::AxisOrder;
 use crate::output::{Applied, Outlets, OutputStage, OutputState};
@@ -45,6 +47,8 @@ pub struct ServoLoop<'a, R, P: Position, const N: usize> {
     within: [P::Reach; N],
     search: ContourSearch<R>,
     output: OutputStage<R, P, N>,
+    /// Where anything of it is configured.
+    dynamic: Option<DynamicStage<R, P, N>>,
     machine_id: u32,
     tables_crc: u32,
     period_ns: u32,
@@ -62,6 +66,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             poses: Kept::nothing(),
             feet: PairState::default(),
             output: OutputState::new(),
+            dynamic: DynamicState::new(),
             limited: 0,
             sequence: 0,
         }
@@ -201,14 +206,24 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         watch: &mut impl FnMut(Stage),
     ) {
         watch(Stage::Sample);
+        self.begin_dynamic(state);
         let mut modelled = self.model(state, sample, measure.needs_tilt());
         gauge::ride(gauge, sample, state.limited, &mut modelled.wanted);
         watch(Stage::Compensation);
         measure.measure(self, state, sample, &modelled, &mut output.record);
         watch(Stage::Contour);
         let Output { drive, feedback, record } = output;
-        let outlets = Outlets { drive, feedback, correction: &mut record.correction };
-        let applied = self.output.apply(&mut state.output, sample, &modelled.wanted, outlets);
+        let applied = match &self.dynamic {
+            None => {
+                record.dynamic = None;
+                let outlets = Outlets { drive, feedback, correction: &mut record.correction };
+                self.output.apply(&mut state.output, sample, &modelled.wanted, true, outlets)
+            }
+            Some(stage) => {
+                let error = measure.in_machine(self, sample, record.tip.vector);
+                self.apply_dynamic(stage, state, sample, &modelled.wanted, error, (drive, feedback), record)
+            }
+        };
         self.settle(state, sample, applied, measure);
         watch(Stage::Output);
         self.record(state, sample, modelled.at_edge, applied, record);
@@ -252,7 +267,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             Some(slot) => (Fault::JointRange, slot, Verdict::Hold.status()),
             None => (sample.fault, sample.axis, sample.verdict.status()),
         };
-        record.status = status.with(Status::CONTOUR, record.tip.is_measured());
+        let out = record.dynamic.is_some() && state.dynamic.is_out();
+        record.status = status.with(Status::CONTOUR, record.tip.is_measured()).with(Status::FEEDBACK_OUT, out);
         (record.limited, record.at_edge) = (applied.limited, at_edge);
         record.command = state.sample.commanded();
         record.feedback = *sample.feedback;

@@ -49,8 +49,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         if sample.verdict == Verdict::Active
             && state.cells.key() == self.tables.key()
             && self.all_go_on(state)
-            && let (Some(command), Some(feedback)) =
-                (first(&state.output.drive_at(sample.command)), first(sample.feedback))
+            && let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
             && let Some(errors) = state.cells.errors(command, feedback, self.tables.is_cubic())
         {
             return Modelled::of_errors(errors, state.cells.at_edge());
@@ -61,7 +60,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// No drive has turned.
     #[inline(always)]
     fn all_go_on(&self, state: &mut State<R, P, N>) -> bool {
-        let drives = state.output.drive().iter().zip(&self.within);
+        let drives = Self::targets(self.dynamic.is_some(), &state.output, &state.dynamic).iter().zip(&self.within);
         state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.goes_on(*drive, *within))
     }
 
@@ -105,7 +104,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         terms: &NineTerms<'_, R, P, N>,
         directions: &[Direction; N],
     ) -> Option<Modelled<R, N>> {
-        let mut at = state.output.drive_at(sample.command);
+        let mut at = self.place(state, sample.command);
         let mut source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, left: REFILLS };
         if state.cells.missing(&at, sample.feedback) > REFILLS {
             source.fill_one(&mut state.cells, &at, sample.feedback);
@@ -134,7 +133,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let mut at_edge = 0;
         if let Some(volumetric) = self.compensation.volumetric().filter(|model| model.is_at_command()) {
             let (command, feedback, thermal) = (sample.command, sample.feedback, &state.thermal);
-            let drive = &state.output.drive_at(command);
+            let drive = &self.place(state, command);
             let cycle = Cycle { command, drive, feedback, directions, thermal };
             let passes = self.compensation.passes();
             let (wanted, (tip, tilt)) = volumetric.modelled(&mut state.poses, &cycle, passes, tool, &mut at_edge);
@@ -144,7 +143,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             }
             return Modelled { wanted, tip_error, tilt, at_edge };
         }
-        let place = if near { state.output.drive_at(sample.command) } else { *sample.command };
+        let place = if near { self.place(state, sample.command) } else { *sample.command };
         let command = self.compensation.coordinates(&place);
         let feedback = self.compensation.coordinates(sample.feedback);
         let passes = if near { 1 } else { self.compensation.passes() };
@@ -176,10 +175,15 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         state.homed = sample.homed;
         let mut directions = [Direction::POSITIVE; N];
         if begins {
-            state.begin_travel(sample);
+            let place = if sample.verdict == Verdict::Hold && !sample.first {
+                *Self::targets(self.dynamic.is_some(), &state.output, &state.dynamic)
+            } else {
+                self.place(state, sample.command)
+            };
+            state.begin_travel(place);
             return directions;
         }
-        let drives = state.output.drive().iter().zip(&self.bands);
+        let drives = Self::targets(self.dynamic.is_some(), &state.output, &state.dynamic).iter().zip(&self.bands);
         for ((direction, reversal), (drive, band)) in directions.iter_mut().zip(&mut state.reversal).zip(drives) {
             *direction = reversal.update(*drive, *band);
         }
@@ -199,10 +203,8 @@ fn first<P: Position, const N: usize>(positions: &[P; N]) -> Option<[P; 3]> {
 impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     /// Before homing positions have no meaning, and homing moves none of the drives: they travel from here, forward.
     #[cold]
-    fn begin_travel(&mut self, sample: &Sample<P, N>) {
-        let held = sample.verdict == Verdict::Hold && !sample.first;
-        let drive = if held { *self.output.drive() } else { self.output.drive_at(sample.command) };
-        self.reversal = drive.map(Reversal::at);
+    fn begin_travel(&mut self, place: [P; N]) {
+        self.reversal = place.map(Reversal::at);
         self.cells.forget();
     }
 }

@@ -5,6 +5,7 @@
 use crate::compensation::volumetric::Kept;
 use crate::compensation::{Cells, Reversal, ThermalLine};
 use crate::contour::PairState;
+use crate::dynamic::DynamicState;
 use crate::output::OutputState;
 use crate::position::Position;
 use crate::real::Real;
@@ -24,6 +25,7 @@ pub struct State<R, P: Position, const N: usize> {
     pub(super) poses: Kept<R, P, N>,
     pub(super) feet: PairState<R>,
     pub(super) output: OutputState<R, P, N>,
+    pub(super) dynamic: DynamicState<R, P, N>,
     /// Axes whose correction was limited in the last cycle.
     pub(super) limited: u8,
     pub(super) sequence: u32,

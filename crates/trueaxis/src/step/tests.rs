@@ -73,6 +73,7 @@ pub(super) fn input(command: [f64; 3]) -> Input<f64, 3> {
         enable: true,
         reset: false,
         refusal: Refusal::NONE,
+        ..Input::at_rest(PERIOD_NS)
     }
 }
 
@@ -362,6 +363,7 @@ proptest! {
                 enable: bits & 40 != 40,
                 reset: bits & 64 != 0,
                 refusal: Refusal::NONE,
+                ..Input::at_rest(PERIOD_NS)
             });
             if let Some(last) = last {
                 for k in 0..3 {

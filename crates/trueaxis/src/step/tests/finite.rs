@@ -106,6 +106,7 @@ fn run<R: Real, P: AnyBits>(
             enable: bits >> 9 & 7 != 7,
             reset: bit(12),
             refusal: Refusal::NONE,
+            ..Input::at_rest(elapsed_ns)
         };
         let reference = Reference { span, t: R::of(t) };
         let out = match &mut commanded {

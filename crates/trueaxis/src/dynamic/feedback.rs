@@ -1,0 +1,50 @@
+//! Contour feedback: u = −(K_p e + K_i ∫e dt), e the contour error of the estimated tip in machine directions.
+//!
+//! While the error says nothing that could be acted on (foot not bracketed, a corner or an end, ambiguous, cold, in rapid
+//! motion, under a fault) the integral holds and K_p e is led out; while an axis is limited its integral holds (anti-windup).
+
+#![deny(clippy::indexing_slicing)]
+
+use crate::machine::FeedbackSettings;
+use crate::real::Real;
+
+/// Gains and the fastest motion with feedback.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Feedback<R> {
+    proportional: R,
+    /// Per period.
+    integral: R,
+    /// Square of the largest way in a period.
+    fastest: R,
+}
+
+impl<R: Real> Feedback<R> {
+    pub(super) fn new(settings: &FeedbackSettings, period_s: f64) -> Self {
+        let fastest = settings.max_feed_per_s * period_s;
+        Feedback {
+            proportional: R::of(settings.proportional),
+            integral: R::of(settings.integral_per_s * period_s),
+            fastest: R::of(fastest * fastest),
+        }
+    }
+
+    /// Not faster than there is feedback for; `ways` of a cycle.
+    #[inline(always)]
+    pub(super) fn reaches(&self, ways: impl Iterator<Item = R>) -> bool {
+        let mut square = R::ZERO;
+        for way in ways {
+            square += way * way;
+        }
+        square <= self.fastest
+    }
+
+    /// The wanted offset of an axis; `error` is `None` where there is none to act on.
+    #[inline(always)]
+    pub(super) fn offset(&self, integral: &mut R, error: Option<R>, limited: bool, most: R) -> R {
+        let Some(error) = error else { return -*integral };
+        if !limited {
+            *integral = (*integral + self.integral * error).limit(-most, most);
+        }
+        -(self.proportional * error + *integral)
+    }
+}

@@ -1,0 +1,73 @@
+//! The parts of the dynamic correction: switched by the host, told apart in the record.
+
+use crate::real::Real;
+
+/// Parts of the dynamic correction that the host wants in a cycle, as bits. What is not configured stays off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Dynamics(pub u8);
+
+impl Dynamics {
+    /// None.
+    pub const NONE: Dynamics = Dynamics(0);
+    /// Friction at reversals.
+    pub const FRICTION: Dynamics = Dynamics(1);
+    /// Velocity that the drive does not feed forward itself.
+    pub const LAG: Dynamics = Dynamics(2);
+    /// Acceleration that the velocity loop would have to be off for.
+    pub const ACCELERATION: Dynamics = Dynamics(4);
+    /// Contour feedback.
+    pub const FEEDBACK: Dynamics = Dynamics(8);
+    /// Acceleration cross-talk.
+    pub const CROSSTALK: Dynamics = Dynamics(16);
+    /// Learned correction.
+    pub const LEARNED: Dynamics = Dynamics(32);
+    /// Lost motion from the reversal of the command.
+    pub const TAKE_UP: Dynamics = Dynamics(64);
+    /// Everything that is configured.
+    pub const ALL: Dynamics = Dynamics(127);
+
+    /// Whether all bits of `other` are set.
+    #[inline(always)]
+    pub const fn has(self, other: Dynamics) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Without the bits of `other`.
+    #[must_use]
+    pub const fn without(self, other: Dynamics) -> Dynamics {
+        Dynamics(self.0 & !other.0)
+    }
+}
+
+impl Default for Dynamics {
+    /// Everything that is configured.
+    fn default() -> Self {
+        Dynamics::ALL
+    }
+}
+
+/// The dynamic correction of a cycle and what asked for it, mm (deg), by slot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DynamicParts<R, const N: usize> {
+    /// d, after its limiter: the drive gets `command + correction + sent`.
+    pub sent: [R; N],
+    /// Wanted for friction, lag and acceleration.
+    pub feed_forward: [R; N],
+    /// Wanted by the contour feedback.
+    pub feedback: [R; N],
+    /// Wanted against cross-talk.
+    pub crosstalk: [R; N],
+    /// Wanted by the learned correction.
+    pub learned: [R; N],
+}
+
+impl<R: Real, const N: usize> DynamicParts<R, N> {
+    /// Nothing wanted, nothing sent.
+    #[inline(always)]
+    pub(crate) fn none() -> Self {
+        let none = [R::ZERO; N];
+        DynamicParts { sent: none, feed_forward: none, feedback: none, crosstalk: none, learned: none }
+    }
+}

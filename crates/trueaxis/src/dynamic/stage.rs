@@ -1,0 +1,195 @@
+//! The dynamic correction of a cycle.
+
+#![deny(clippy::indexing_slicing)]
+
+use super::crosstalk::Crosstalk;
+use super::feed_forward::FeedForward;
+use super::feedback::Feedback;
+use super::watch::Watch;
+use super::{DynamicParts, DynamicState, Dynamics};
+use crate::error::ConfigError;
+use crate::limiter::Limiter;
+use crate::machine::{AxisOrder, DynamicSettings, MachineSettings};
+use crate::position::Position;
+use crate::real::Real;
+use crate::sample::{Sample, Verdict};
+
+/// One axis: feed-forward, limiter.
+#[derive(Clone, Copy, Debug)]
+struct Act<R> {
+    law: FeedForward<R>,
+    limiter: Limiter<R>,
+    /// Lost motion is taken up from the reversal of the command.
+    takes_up: bool,
+    /// Moves the tip by the feedback.
+    is_linear: bool,
+}
+
+/// The immutable half.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DynamicStage<R, P, const N: usize> {
+    axes: [Act<R>; N],
+    feedback: Option<(Feedback<R>, Watch<R>)>,
+    crosstalk: Option<Crosstalk<R, P>>,
+}
+
+/// What a cycle brings.
+pub(crate) struct Moment<'m, R, P, const N: usize> {
+    /// Command plus the geometric correction sent last.
+    pub(crate) place: &'m [P; N],
+    /// Contour error of the tip in machine directions, where it can be acted on.
+    pub(crate) error: Option<[R; 3]>,
+    /// Axes that were limited in the last cycle.
+    pub(crate) limited: u8,
+    /// The cycle took longer than a period.
+    pub(crate) late: bool,
+}
+
+impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
+    /// The stage of a machine; `None` where nothing of it is configured.
+    ///
+    /// # Errors
+    /// A limit that the scalar cannot hold, an axis that the machine does not have.
+    pub(crate) fn new(
+        order: &AxisOrder<N>,
+        machine: &MachineSettings,
+        period_s: f64,
+    ) -> Result<Option<Self>, ConfigError> {
+        let feedback = machine.contour.feedback.as_ref();
+        let crosstalk = Crosstalk::new(order, machine, period_s)?;
+        let mut any = feedback.is_some() || !machine.crosstalk.is_empty();
+        let idle = Limiter::new(&DynamicSettings::with_defaults(crate::axis::Axis::X).limits, period_s)?;
+        let mut axes = [Act { law: FeedForward::none(), limiter: idle, takes_up: false, is_linear: false }; N];
+        for (act, settings) in axes.iter_mut().zip(order.settings(machine)) {
+            let Some(settings) = settings else { continue };
+            let servo = &settings.servo;
+            any |= servo.friction.is_some() || servo.dynamic.is_some();
+            let dynamic = servo.dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
+            let limiter = Limiter::new(&dynamic.limits, period_s).map_err(|error| error.on(settings.axis))?;
+            let law = FeedForward::new(servo, &dynamic, period_s);
+            *act = Act { law, limiter, takes_up: dynamic.take_up, is_linear: !settings.axis.is_rotary() };
+        }
+        let feedback = feedback.map(|settings| (Feedback::new(settings, period_s), Watch::new(settings, period_s)));
+        let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
+        Ok(any.then_some(DynamicStage { axes, feedback, crosstalk }))
+    }
+
+    /// Whether an axis takes up its lost motion from the reversal of the command.
+    pub(crate) fn takes_up(&self) -> [bool; N] {
+        self.axes.map(|act| act.takes_up)
+    }
+
+    /// The correction of a cycle, and a bit for every axis where its limiter is not where it is wanted.
+    pub(crate) fn act(
+        &self,
+        state: &mut DynamicState<R, P, N>,
+        sample: &Sample<P, N>,
+        moment: &Moment<'_, R, P, N>,
+    ) -> (DynamicParts<R, N>, u8) {
+        let mut parts = DynamicParts::none();
+        match sample.verdict {
+            _ if sample.first => state.rest(),
+            Verdict::Active | Verdict::Freeze => self.want(state, sample, moment, &mut parts),
+            Verdict::Inactive => state.reset(),
+            Verdict::Hold | Verdict::Nowhere => {
+                let limiters = self.axes.iter().zip(&mut state.limited);
+                limiters.for_each(|(act, limited)| act.limiter.hold(limited));
+                state.rest();
+                parts.sent = state.limited.map(|limited| limited.sent());
+                return (parts, 0);
+            }
+        }
+        let flags = self.follow(state, &mut parts);
+        (parts, flags)
+    }
+
+    /// The limiters follow the sum of the parts.
+    #[inline(always)]
+    fn follow(&self, state: &mut DynamicState<R, P, N>, parts: &mut DynamicParts<R, N>) -> u8 {
+        let mut flags = 0;
+        let wanted = parts.feed_forward.iter().zip(&parts.feedback).zip(parts.crosstalk.iter().zip(&parts.learned));
+        let axes = self.axes.iter().zip(&mut state.limited).zip(&mut parts.sent);
+        for (slot, (((act, limited), sent), ((law, feedback), (crosstalk, learned)))) in axes.zip(wanted).enumerate() {
+            let sum = *law + *feedback + *crosstalk + *learned;
+            flags |= u8::from(act.limiter.follow(limited, sum)) << (slot & 7);
+            *sent = limited.sent();
+        }
+        flags
+    }
+
+    /// What each part wants.
+    #[inline(always)]
+    fn want(
+        &self,
+        state: &mut DynamicState<R, P, N>,
+        sample: &Sample<P, N>,
+        moment: &Moment<'_, R, P, N>,
+        parts: &mut DynamicParts<R, N>,
+    ) {
+        let fresh = core::mem::replace(&mut state.fresh, false);
+        // What is switched on in motion, the drive supplies already.
+        let anew = fresh || state.parts != sample.dynamics;
+        state.parts = sample.dynamics;
+        let mut changes = [R::ZERO; N];
+        let motion = state.drift.iter_mut().zip(&mut state.place).zip(moment.place.iter().zip(&mut changes));
+        for (((drift, before), (place, change)), (act, wanted)) in
+            motion.zip(self.axes.iter().zip(&mut parts.feed_forward))
+        {
+            let was = drift.velocity();
+            let way = if fresh {
+                R::ZERO
+            } else if moment.late {
+                // Several periods in one: the axis goes on as it went.
+                was
+            } else {
+                place.since_near(*before)
+            };
+            *before = *place;
+            *change = way - was;
+            *wanted = act.law.offset(drift, way, sample.dynamics, anew);
+        }
+        self.feed_back(state, sample, moment, &mut parts.feedback);
+        if let (Some(crosstalk), true) = (&self.crosstalk, sample.dynamics.has(Dynamics::CROSSTALK)) {
+            crosstalk.subtract(&mut parts.crosstalk, &changes, moment.place);
+        }
+        if sample.dynamics.has(Dynamics::LEARNED) {
+            for (wanted, learned) in parts.learned.iter_mut().zip(sample.learned) {
+                if learned.is_usable() {
+                    *wanted = learned.since_near(P::default());
+                }
+            }
+        }
+    }
+
+    /// The contour error as a control input.
+    #[inline(always)]
+    fn feed_back(
+        &self,
+        state: &mut DynamicState<R, P, N>,
+        sample: &Sample<P, N>,
+        moment: &Moment<'_, R, P, N>,
+        wanted: &mut [R; N],
+    ) {
+        let Some((feedback, watch)) = &self.feedback else { return };
+        if state.out || !sample.dynamics.has(Dynamics::FEEDBACK) {
+            state.integral = [R::ZERO; N];
+            return;
+        }
+        let linear = state.drift.iter().zip(&self.axes).filter(|(_, act)| act.is_linear);
+        let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
+        let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active);
+        let errors = error.unwrap_or_default();
+        let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
+        for (slot, ((((act, integral), swing), wanted), e)) in axes.zip(errors).enumerate() {
+            let limited = (moment.limited >> (slot & 7)) & 1 == 1;
+            *wanted = feedback.offset(integral, error.map(|_| e), limited, act.limiter.magnitude());
+            if error.is_some() {
+                state.out |= watch.swings(swing, e);
+            }
+        }
+        if state.out {
+            // Led out by the limiters, from this cycle on.
+            state.integral = [R::ZERO; N];
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! State of the dynamic correction from cycle to cycle.
+
+#![deny(clippy::indexing_slicing)]
+
+use super::Dynamics;
+use super::feed_forward::Drift;
+use super::watch::Swing;
+use crate::limiter::LimiterState;
+use crate::position::Position;
+use crate::real::Real;
+
+/// The mutable half of the stage, and the geometric part of what the output stage sends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DynamicState<R, P: Position, const N: usize> {
+    pub(super) drift: [Drift<R>; N],
+    pub(super) limited: [LimiterState<R>; N],
+    pub(super) integral: [R; N],
+    pub(super) swing: [Swing; N],
+    /// The watch has led the feedback out.
+    pub(super) out: bool,
+    /// The parts of the last cycle.
+    pub(super) parts: Dynamics,
+    /// The next cycle starts from rest: ways are counted from there.
+    pub(super) fresh: bool,
+    /// Command plus geometric correction that the last way led to.
+    pub(super) place: [P; N],
+    /// Change of the command in the last cycle.
+    pub(super) trend: [R; N],
+    /// Geometric correction sent last, mm (deg), as positions add it, and where it led.
+    pub(super) geometric: [R; N],
+    offsets: [P::Offset; N],
+    drive: [P; N],
+    /// Number of the cycle that this state is for.
+    next: u32,
+}
+
+impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
+    /// Before the first cycle.
+    pub(crate) fn new() -> Self {
+        DynamicState {
+            drift: [Drift::default(); N],
+            limited: [LimiterState::default(); N],
+            integral: [R::ZERO; N],
+            swing: [Swing::default(); N],
+            out: false,
+            parts: Dynamics::NONE,
+            fresh: true,
+            place: [P::default(); N],
+            trend: [R::ZERO; N],
+            geometric: [R::ZERO; N],
+            offsets: [P::offset(R::ZERO); N],
+            drive: [P::default(); N],
+            next: 0,
+        }
+    }
+
+    /// Whether this state is that of the cycle before `cycle`: not so after cycles of a loop without dynamic correction.
+    #[inline(always)]
+    pub(crate) fn is_for(&self, cycle: u32) -> bool {
+        self.next == cycle
+    }
+
+    /// From nothing: all that is sent is geometric.
+    #[cold]
+    pub(crate) fn begin(&mut self, sent: [R; N], offsets: &[P::Offset; N], drive: &[P; N]) {
+        *self = DynamicState { geometric: sent, offsets: *offsets, drive: *drive, ..DynamicState::new() };
+    }
+
+    /// The cycle is done: what the limiter of the axis sends, less the dynamic part, is geometric.
+    #[inline(always)]
+    pub(crate) fn settle(&mut self, sent: [R; N], command: Option<&[P; N]>, cycle: u32) {
+        self.next = cycle.wrapping_add(1);
+        let Some(command) = command else { return };
+        let parts = self.geometric.iter_mut().zip(&mut self.offsets).zip(self.drive.iter_mut().zip(command));
+        for (((geometric, offset), (drive, command)), (sent, limited)) in parts.zip(sent.iter().zip(&self.limited)) {
+            *geometric = *sent - limited.sent();
+            *offset = P::offset(*geometric);
+            *drive = command.moved(*offset);
+        }
+    }
+
+    /// Nothing of this cycle was sent.
+    #[cold]
+    pub(crate) fn take_back(&mut self, before: &[LimiterState<R>; N]) {
+        self.limited = before.map(|limited| LimiterState::at_rest(limited.sent()));
+        self.rest();
+    }
+
+    /// The drives stand: the next way is counted from there.
+    pub(super) fn rest(&mut self) {
+        self.fresh = true;
+        self.trend = [R::ZERO; N];
+        self.drift.iter_mut().for_each(Drift::stand);
+    }
+
+    /// Switched off: whatever was learned of friction and error is forgotten.
+    pub(super) fn reset(&mut self) {
+        self.drift = [Drift::default(); N];
+        self.integral = [R::ZERO; N];
+        self.swing = [Swing::default(); N];
+        (self.out, self.fresh) = (false, true);
+    }
+
+    /// The limiters.
+    pub(crate) fn limited(&self) -> &[LimiterState<R>; N] {
+        &self.limited
+    }
+
+    /// Geometric corrections sent last.
+    #[inline(always)]
+    pub(crate) fn geometric(&self) -> &[R; N] {
+        &self.geometric
+    }
+
+    /// The same, as positions add them.
+    #[inline(always)]
+    pub(crate) fn offsets(&self) -> &[P::Offset; N] {
+        &self.offsets
+    }
+
+    /// Command plus geometric correction of the last cycle.
+    #[inline(always)]
+    pub(crate) fn drive(&self) -> &[P; N] {
+        &self.drive
+    }
+
+    /// Changes of the commands in the last cycle.
+    #[inline(always)]
+    pub(crate) fn trend_mut(&mut self) -> &mut [R; N] {
+        &mut self.trend
+    }
+
+    /// The watch has led the feedback out.
+    #[inline(always)]
+    pub(crate) fn is_out(&self) -> bool {
+        self.out
+    }
+}

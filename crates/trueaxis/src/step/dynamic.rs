@@ -1,0 +1,114 @@
+//! The dynamic correction's place in a cycle: after the contour error, before the limiters of the axes.
+
+#![deny(clippy::indexing_slicing)]
+
+use super::{ServoLoop, State};
+use crate::compensation::Direction;
+use crate::contour::Flags;
+use crate::dynamic::{DynamicStage, DynamicState, Dynamics, Moment};
+use crate::error::Fault;
+use crate::output::{Applied, Outlets, OutputState};
+use crate::position::Position;
+use crate::real::Real;
+use crate::sample::{Sample, Verdict};
+use crate::telemetry::Record;
+
+impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
+    /// After cycles without dynamic correction: all that is sent is geometric.
+    #[inline(always)]
+    pub(super) fn begin_dynamic(&self, state: &mut State<R, P, N>) {
+        if self.dynamic.is_some() && !state.dynamic.is_for(state.sequence) {
+            state.dynamic.begin(state.output.sent(), state.output.offsets(), state.output.drive());
+        }
+    }
+
+    /// Command plus the geometric correction sent last.
+    #[inline(always)]
+    pub(super) fn place(&self, state: &State<R, P, N>, command: &[P; N]) -> [P; N] {
+        let offsets = if self.dynamic.is_some() { state.dynamic.offsets() } else { state.output.offsets() };
+        let mut place = *command;
+        for (place, offset) in place.iter_mut().zip(offsets) {
+            *place = place.moved(*offset);
+        }
+        place
+    }
+
+    /// The same of the last cycle: where the drives were to go, but for the dynamic correction.
+    #[inline(always)]
+    pub(super) fn targets<'s>(
+        is_dynamic: bool,
+        output: &'s OutputState<R, P, N>,
+        dynamic: &'s DynamicState<R, P, N>,
+    ) -> &'s [P; N] {
+        if is_dynamic { dynamic.drive() } else { output.drive() }
+    }
+
+    /// The output stage with the dynamic correction added to the wanted one.
+    #[inline(never)]
+    pub(super) fn apply_dynamic(
+        &self,
+        stage: &DynamicStage<R, P, N>,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        geometric: &[R; N],
+        error: R::Vec3,
+        (drive, feedback): (&mut [P; N], &mut [P; N]),
+        record: &mut Record<R, P, N>,
+    ) -> Applied {
+        self.take_up(stage, state, sample);
+        let place = self.place(state, sample.command);
+        let usable = record.tip.flags == Flags::BRACKETED;
+        let moment = Moment {
+            place: &place,
+            error: usable.then(|| error.into()),
+            limited: state.limited,
+            late: sample.fault == Fault::LateCycle,
+        };
+        let before = *state.dynamic.limited();
+        let (mut parts, limited) = stage.act(&mut state.dynamic, sample, &moment);
+        // A correction that is frozen goes on with the dynamic part, which knows the command.
+        let frozen = sample.verdict == Verdict::Freeze;
+        let mut wanted = if frozen { *state.dynamic.geometric() } else { *geometric };
+        for (wanted, sent) in wanted.iter_mut().zip(&parts.sent) {
+            *wanted += *sent;
+        }
+        let outlets = Outlets { drive, feedback, correction: &mut record.correction };
+        let mut applied = self.output.apply(&mut state.output, sample, &wanted, false, outlets);
+        let held = applied.outside.is_some() || (sample.verdict.holds() && !sample.first);
+        if applied.outside.is_some() {
+            state.dynamic.take_back(&before);
+            parts.sent = before.map(|limited| limited.sent());
+        } else {
+            applied.limited |= limited;
+        }
+        state.dynamic.settle(state.output.sent(), (!held).then_some(sample.command), state.sequence);
+        record.correction = *state.dynamic.geometric();
+        record.dynamic = Some(parts);
+        applied
+    }
+
+    /// Axes that take up their lost motion from the command turn where it does: with the second change in the new
+    /// direction, so that a command that dithers where it stands turns nothing.
+    #[inline(always)]
+    fn take_up(&self, stage: &DynamicStage<R, P, N>, state: &mut State<R, P, N>, sample: &Sample<P, N>) {
+        if sample.verdict != Verdict::Active || sample.first || !sample.dynamics.has(Dynamics::TAKE_UP) {
+            return;
+        }
+        let commanded = state.sample.commanded();
+        let drives = *state.dynamic.drive();
+        let drives = drives.iter().zip(&self.bands);
+        let axes = stage.takes_up().into_iter().zip(&mut state.reversal).zip(drives);
+        let ways = sample.command.iter().zip(&commanded).zip(state.dynamic.trend_mut());
+        for (((takes_up, reversal), (drive, band)), ((command, last), trend)) in axes.zip(ways) {
+            let way: R = command.since_near(*last);
+            let goes = core::mem::replace(trend, way);
+            let against = match reversal.direction() {
+                Direction::POSITIVE => way < R::ZERO && goes < R::ZERO,
+                _ => way > R::ZERO && goes > R::ZERO,
+            };
+            if takes_up && against {
+                reversal.turn(*drive, *band);
+            }
+        }
+    }
+}
