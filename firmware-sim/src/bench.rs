@@ -158,14 +158,14 @@ fn rate(cycles: u64, nanoseconds: u64) -> f64 {
     cycles as f64 * 1e9 / nanoseconds.max(1) as f64
 }
 
-/// Steps a second of the compensated machine of a run, from the program's first cycle on.
+/// Steps a second of a run with the plugin as the machine configures it, from the program's first cycle on.
 fn with_plant(scenario: &Scenario, cycles: u64) -> Result<f64> {
     let scenario = Arc::new(scenario.clone());
     let mut best: f64 = 0.0;
     for _ in 0..REPEATS {
         let (mut done, mut nanoseconds) = (0, 0);
         while done < cycles {
-            let mut run = Run::of(scenario.clone(), &[Kind::Compensated])?;
+            let mut run = Run::of(scenario.clone(), &[Kind::Configured])?;
             // The machine settles before its first cycle.
             run.advance(0, &mut ());
             nanoseconds += timed(|| run.advance(cycles - done, &mut ())).1;

@@ -40,6 +40,13 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Simulate a program three times: without and with compensation, and on a geometrically perfect machine.
+    ///
+    /// A machine with friction, a dynamic correction, contour feedback or cross-talk gets a fourth run, full: everything
+    /// that the plugin has. The compensated run leaves the servo alone.
+    ///
+    /// The drives of the simulated machine are settings of the scenario, [drive] and [axis.X] in `firmware-sim scenario`;
+    /// what the plugin knows of them is in machine.toml. They need not agree: --set drive.coulomb_mm_per_s2=500 or
+    /// --set axis.Y.friction_factor=1.3 is a machine that differs from what its plugin was told.
     Run(run::RunArgs),
     /// Print the settings of a simulation as a scenario file, which --scenario reads back.
     Scenario(scenario_command::PrintArgs),

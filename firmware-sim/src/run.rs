@@ -31,10 +31,10 @@ pub(crate) struct RunArgs {
     /// Print one JSON document and nothing else.
     #[arg(long)]
     json: bool,
-    /// Write index.html and trace.csv into this folder.
+    /// Write index.html and trace.csv into this folder, and trace-full.csv of a full run.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// The trace keeps every Nth cycle.
+    /// The traces keep every Nth cycle.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
     trace_every: u64,
 }
@@ -44,6 +44,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if let Some(dir) = &args.report {
         outputs.refuse_input(&dir.join("index.html"))?;
         outputs.refuse_input(&dir.join("trace.csv"))?;
+        outputs.refuse_input(&dir.join("trace-full.csv"))?;
     }
     let scenario = Arc::new(prepare(&args.scenario, &args.fault)?);
     let simulation = Run::new(Arc::clone(&scenario))?;
@@ -59,7 +60,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
     let mut sinks: Vec<&mut dyn Sink> = Vec::new();
     if let Some(files) = &mut files {
-        sinks.extend([&mut files.trace as &mut dyn Sink, &mut files.series]);
+        sinks.extend(files.traces.iter_mut().map(|(_, trace)| trace as &mut dyn Sink));
+        sinks.push(&mut files.series);
     }
     let outcome = outcome::simulate(simulation, &scenario, timing, sinks, &mut tell)?;
     bar.finish_and_clear();
@@ -76,34 +78,42 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
 /// Files that `run --report` writes.
 struct ReportFiles {
     directory: PathBuf,
-    trace: Trace<BufWriter<Staged>>,
+    traces: Vec<(PathBuf, Trace<BufWriter<Staged>>)>,
     series: Series,
 }
 
 impl ReportFiles {
     fn create(directory: &Path, scenario: &Scenario, trace_every: u64) -> Result<ReportFiles> {
-        let compensated = Kind::ALL.iter().position(|kind| *kind == Kind::Compensated).unwrap_or(0);
-        let path = Self::trace_path(directory);
-        let trace = Staged::create(&path)
-            .and_then(|file| Trace::new(BufWriter::new(file), trace_every, compensated, &scenario.machine.settings))
-            .with_context(|| format!("cannot write {}", path.display()))?;
-        Ok(ReportFiles { directory: directory.into(), trace, series: Series::new(scenario) })
-    }
-
-    fn trace_path(directory: &Path) -> PathBuf {
-        directory.join("trace.csv")
+        let kinds = Kind::of(&scenario.machine.settings);
+        let traced = [(Kind::Compensated, "trace.csv"), (Kind::Full, "trace-full.csv")];
+        let open = |(kind, name)| {
+            let path = directory.join(name);
+            let trace = Staged::create(&path)
+                .and_then(|file| Trace::new(BufWriter::new(file), trace_every, kind, &scenario.machine.settings))
+                .with_context(|| format!("cannot write {}", path.display()))?;
+            Ok((path, trace))
+        };
+        let traces = traced.into_iter().filter(|(kind, _)| kinds.contains(kind)).map(open).collect::<Result<_>>()?;
+        Ok(ReportFiles { directory: directory.into(), traces, series: Series::new(scenario) })
     }
 
     /// Writes what is left to write; the files.
-    fn finish(self, outcome: &Outcome, scenario: &Scenario) -> Result<[PathBuf; 2]> {
-        let trace = Self::trace_path(&self.directory);
-        let cannot_write = || format!("cannot write {}", trace.display());
-        let staged = self.trace.finish().with_context(cannot_write)?;
+    fn finish(self, outcome: &Outcome, scenario: &Scenario) -> Result<Vec<PathBuf>> {
+        let cannot_write = |path: &Path| format!("cannot write {}", path.display());
+        let mut staged = Vec::new();
+        for (path, trace) in self.traces {
+            let file = trace.finish().with_context(|| cannot_write(&path))?;
+            let file = file.into_inner().map_err(|error| error.into_error()).with_context(|| cannot_write(&path))?;
+            staged.push((path, file));
+        }
         let page = report::write(&outcome.report(scenario, &self.series), &self.directory)
             .with_context(|| format!("cannot write into {}", self.directory.display()))?;
+        let mut written = vec![page];
         // After the page: dropped where that is refused.
-        let staged = staged.into_inner().map_err(|error| error.into_error());
-        staged.and_then(Staged::commit).with_context(cannot_write)?;
-        Ok([page, trace])
+        for (path, file) in staged {
+            file.commit().with_context(|| cannot_write(&path))?;
+            written.push(path);
+        }
+        Ok(written)
     }
 }

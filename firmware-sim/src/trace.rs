@@ -2,15 +2,17 @@
 
 use std::io::{self, Write};
 use trueaxis::machine::{Axis, MachineSettings};
-use trueaxis_sim::run::{Moment, Sample, Sink};
+use trueaxis_sim::run::{Kind, Moment, Sample, Sink};
 
 /// Writes a line every so many cycles, as they come.
 #[derive(Debug)]
 pub struct Trace<W> {
     out: W,
     every: u64,
-    /// Index of the run.
+    /// Index of the run in [`Kind::ALL`].
     run: usize,
+    /// Axes whose dynamic correction is written, in its parts.
+    dynamic: Vec<Axis>,
     /// Rotary axes of the machine.
     rotary: Vec<Axis>,
     failure: Option<io::Error>,
@@ -22,12 +24,13 @@ true_error_x_um,true_error_y_um,true_error_z_um,estimated_error_um,encoder_error
 a_deg,b_deg,c_deg,true_orientation_urad,estimated_orientation_urad";
 
 impl<W: Write> Trace<W> {
-    /// Writes the header. A line is written in every `every`th cycle of the run of that number; a machine with rotary axes
-    /// has their command, drive, feedback (degrees) and correction (µrad) at its end.
+    /// Writes the header. A line is written in every `every`th cycle of the run of that kind; a machine with rotary axes
+    /// has their command, drive, feedback (degrees) and correction (µrad) at its end, the full run the dynamic correction of
+    /// every axis and its parts (µm, µrad) after those.
     ///
     /// # Errors
     /// Errors of the writer.
-    pub fn new(mut out: W, every: u64, run: usize, machine: &MachineSettings) -> io::Result<Trace<W>> {
+    pub fn new(mut out: W, every: u64, kind: Kind, machine: &MachineSettings) -> io::Result<Trace<W>> {
         write!(out, "{HEADER}")?;
         let mut rotary: Vec<Axis> = machine.axes.iter().map(|a| a.axis).filter(|axis| axis.is_rotary()).collect();
         rotary.sort_unstable();
@@ -35,8 +38,20 @@ impl<W: Write> Trace<W> {
             let a = axis.letter().to_ascii_lowercase();
             write!(out, ",command_{a}_deg,drive_{a}_deg,feedback_{a}_deg,correction_{a}_urad")?;
         }
+        let mut dynamic: Vec<Axis> = Vec::new();
+        if kind == Kind::Full {
+            dynamic.extend(machine.axes.iter().map(|a| a.axis));
+            dynamic.sort_unstable();
+        }
+        for axis in &dynamic {
+            let (a, unit) = (axis.letter().to_ascii_lowercase(), if axis.is_rotary() { "urad" } else { "um" });
+            for part in ["dynamic", "friction", "contour_feedback", "crosstalk"] {
+                write!(out, ",{part}_{a}_{unit}")?;
+            }
+        }
         writeln!(out)?;
-        Ok(Trace { out, every: every.max(1), run, rotary, failure: None })
+        let run = Kind::ALL.iter().position(|of| *of == kind).unwrap_or(Kind::ALL.len());
+        Ok(Trace { out, every: every.max(1), run, rotary, dynamic, failure: None })
     }
 
     fn row(&mut self, moment: &Moment, s: &Sample) -> io::Result<()> {
@@ -74,6 +89,12 @@ impl<W: Write> Trace<W> {
             let i = axis.index();
             let (command, drive, feedback) = (s.command[i], s.drive[i], s.feedback[i]);
             write!(self.out, ",{command:.9},{drive:.9},{feedback:.9},{:.5}", s.correction[i])?;
+        }
+        for axis in &self.dynamic {
+            let (i, d) = (axis.index(), &s.dynamic);
+            let [sent, friction] = [d.sent[i], d.friction[i]];
+            let [feedback, crosstalk] = [d.feedback[i], d.crosstalk[i]];
+            write!(self.out, ",{sent:.5},{friction:.5},{feedback:.5},{crosstalk:.5}")?;
         }
         writeln!(self.out)
     }

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use firmware_sim::{
     latency::Latency,
     report::{
-        AxisReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, PathPoint, Report, decimate, render, write,
+        AxisReport, CircleReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, PathPoint, Report,
+        ReversalReport, decimate, render, write,
     },
 };
 
@@ -27,6 +28,7 @@ fn circle() -> Report {
             uncompensated: ErrorSize { max_um: 18.4, rms_um: 9.12 },
             compensated: ErrorSize { max_um: 1.31, rms_um: 0.412 },
             servo_only: ErrorSize { max_um: 0.904, rms_um: 0.287 },
+            full: None,
         },
         faults: vec![FaultEntry {
             time_s: 1.25,
@@ -198,7 +200,7 @@ fn a_rise_is_not_called_a_fall() {
     let size = |max_um| ErrorSize { max_um, rms_um: max_um };
     let result = |before, after| {
         let contour_error =
-            ContourErrors { uncompensated: size(before), compensated: size(after), servo_only: size(0.0) };
+            ContourErrors { uncompensated: size(before), compensated: size(after), servo_only: size(0.0), full: None };
         text_of(&render(&Report { contour_error, ..Report::default() }))
     };
     assert!(result(2.0, 3.0).contains("rose from 2.00 µm to 3.00 µm (to 150 %)"));
@@ -230,12 +232,18 @@ fn degenerate_data_make_a_page_all_the_same() {
                 let report = Report {
                     servo_rate_hz: value,
                     cycles: u64::MAX,
-                    contour_error: ContourErrors { uncompensated: size, compensated: size, servo_only: size },
+                    contour_error: ContourErrors {
+                        uncompensated: size,
+                        compensated: size,
+                        servo_only: size,
+                        full: Some(size),
+                    },
                     contour: ContourSeries {
                         breaks: Vec::new(),
                         uncompensated: series.clone(),
                         compensated: decimate(&series, 3),
                         servo_only: Vec::new(),
+                        full: series.clone(),
                         program_lines: (0..count).map(|k| (at(k), u32::MAX)).collect(),
                     },
                     path: (0..count)
@@ -246,6 +254,23 @@ fn degenerate_data_make_a_page_all_the_same() {
                             compensated_um: [0.0, at(k), value],
                         })
                         .collect(),
+                    circle: Some(CircleReport {
+                        radius_mm: value,
+                        plane: [count, 1],
+                        line: u32::MAX,
+                        uncompensated: series.clone(),
+                        full: series.clone(),
+                        ..CircleReport::default()
+                    }),
+                    reversals: vec![ReversalReport {
+                        axis: "\u{1}<".to_owned(),
+                        rotary: varied,
+                        time_s: value,
+                        sent: series.clone(),
+                        friction: series.clone(),
+                        full_um: series.clone(),
+                        ..ReversalReport::default()
+                    }],
                     axes: vec![axis],
                     latency: latency.summary(),
                     latency_buckets: latency.buckets().collect(),

@@ -18,7 +18,7 @@ pub const COMPENSATED: Colour = Colour(0, 90, 170);
 pub const SERVO: Colour = Colour(0, 140, 100);
 /// Corrections and latencies: neither of the three runs.
 pub const NEUTRAL: Colour = Colour(92, 72, 150);
-/// A fourth curve beside the three of [`AXES`].
+/// A fourth curve beside the three of [`AXES`]; the full run beside the three.
 pub const FOURTH: Colour = Colour(130, 70, 160);
 /// Limits, budgets, periods, suppressed harmonics.
 pub const LIMIT: Colour = Colour(160, 20, 40);

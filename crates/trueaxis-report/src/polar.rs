@@ -38,6 +38,17 @@ pub struct Circle {
     pub curves: Vec<Vec<f64>>,
 }
 
+/// A curve of a [`polar_traces`] figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolarTrace<'t> {
+    /// Name in the legend.
+    pub name: &'t str,
+    /// Its colour.
+    pub colour: Colour,
+    /// Angle in rad and departure in µm, in the order of travel.
+    pub points: Vec<[f64; 2]>,
+}
+
 /// A polar plot of measured departures `[angle in rad, departure in µm]`, angles ascending, with reference circles.
 ///
 /// Magnification and division are chosen for the largest departure, from 1, 2, 5 × 10^n, and added to the caption.
@@ -45,15 +56,9 @@ pub struct Circle {
 pub fn polar(name: &str, measured: &[[f64; 2]], circles: &[Circle], caption: &str) -> Figure {
     let measured: Vec<[f64; 2]> = measured.iter().copied().filter(drawable_point).collect();
     let drawn = circles.iter().flat_map(|circle| circle.curves.iter().flatten().copied());
-    let departures = measured.iter().map(|point| point[1]).chain(drawn).filter(|value| drawable(*value));
-    let largest = departures.map(f64::abs).fold(0.0, f64::max);
-    // mm on the page per µm.
-    let scale = round_down(REACH_MM / largest);
-    let division = round_down(10.0 / scale);
-    let at = |theta: f64, departure: f64| around(theta, BASE_MM + scale * departure);
-    let description = format!("Polar plot of {name} with reference circles");
-    let mut figure = Figure::bare(&description, "polar", SIDE_PX, HALF_MM);
-    let rings = grid(&mut figure, scale * division);
+    let dial = Dial::of(measured.iter().map(|point| point[1]).chain(drawn));
+    let mut figure = dial.figure(&format!("Polar plot of {name} with reference circles"));
+    let rings = dial.grid(&mut figure);
 
     // Dashes last: where circles coincide both are seen.
     let (zones, plain): (Vec<_>, Vec<_>) = circles.iter().partition(|circle| circle.curves.len() > 1);
@@ -61,31 +66,114 @@ pub fn polar(name: &str, measured: &[[f64; 2]], circles: &[Circle], caption: &st
         for curve in &circle.curves {
             let angles = (0..).map(|i| TAU * f64::from(i) / curve.len() as f64);
             let closed = angles.zip(curve.iter().chain(curve.first())).filter(|(_, value)| drawable(**value));
-            figure.line(closed.map(|(theta, value)| at(theta, *value)), stroke(circle));
+            figure.line(closed.map(|(theta, value)| dial.at([theta, *value])), stroke(circle));
         }
     }
-    let points: Vec<&[f64; 2]> = measured.iter().chain(measured.first()).collect();
-    figure.dots(measured.iter().map(|point| at(point[0], point[1])), colour::MEASURED);
-    for arc in points.chunk_by(|one, next| (next[0] - one[0]).rem_euclid(TAU) < GAP) {
-        figure.line(arc.iter().map(|point| at(point[0], point[1])), Stroke::new(colour::MEASURED, 1.3));
-    }
-    // On top of the curves, so that they stay legible.
-    for (number, distance) in rings {
-        figure.text(around(TAU / 24.0, distance), shortest(f64::from(number) * division));
-    }
+    let points: Vec<[f64; 2]> = measured.iter().chain(measured.first()).copied().collect();
+    figure.dots(measured.iter().map(|point| dial.at(*point)), colour::MEASURED);
+    dial.trace(&mut figure, &points, Stroke::new(colour::MEASURED, 1.3));
+    dial.number(&mut figure, rings);
 
     figure.key(name, Stroke::new(colour::MEASURED, 1.3));
     for circle in circles {
         figure.key(format!("{}, zone {} µm", circle.name, significant(circle.zone_um, 3)), stroke(circle));
     }
-    let factor = 1e3 * scale;
-    let magnification = if factor < 1e7 { shortest(factor) } else { significant(factor, 1) };
-    figure.caption(format!(
-        "{caption} Magnification {magnification} : 1 at the figure's full width of 160 mm; one division is {} µm. 0° to \
-         the right, counter-clockwise.",
-        shortest(division)
-    ));
+    figure.caption(dial.caption(caption));
     figure
+}
+
+/// A polar plot of several runs around the same circle, as a ballbar shows them: departure of the radius over the angle.
+///
+/// Magnification and division as for [`polar`]; the zone of each curve, largest − smallest departure, is in the legend.
+#[must_use]
+pub fn polar_traces(description: &str, traces: &[PolarTrace<'_>], caption: &str) -> Figure {
+    let drawable =
+        |trace: &PolarTrace<'_>| -> Vec<[f64; 2]> { trace.points.iter().copied().filter(drawable_point).collect() };
+    let traces: Vec<(&PolarTrace<'_>, Vec<[f64; 2]>)> = traces.iter().map(|trace| (trace, drawable(trace))).collect();
+    let dial = Dial::of(traces.iter().flat_map(|(_, points)| points.iter().map(|point| point[1])));
+    let mut figure = dial.figure(description);
+    let rings = dial.grid(&mut figure);
+    for (trace, points) in &traces {
+        let stroke = Stroke::new(trace.colour, 1.3);
+        dial.trace(&mut figure, points, stroke);
+        let least = points.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+        let most = points.iter().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
+        figure.key(format!("{}, zone {} µm", trace.name, significant(most - least, 3)), stroke);
+    }
+    dial.number(&mut figure, rings);
+    figure.caption(dial.caption(caption));
+    figure
+}
+
+/// The scale of a polar plot.
+struct Dial {
+    /// mm on the page per µm.
+    scale: f64,
+    /// From ring to ring, µm.
+    division: f64,
+}
+
+impl Dial {
+    /// For the largest of these departures, µm.
+    fn of(departures: impl Iterator<Item = f64>) -> Dial {
+        let largest = departures.filter(|value| drawable(*value)).map(f64::abs).fold(0.0, f64::max);
+        let scale = round_down(REACH_MM / largest);
+        Dial { scale, division: round_down(10.0 / scale) }
+    }
+
+    fn at(&self, [theta, departure]: [f64; 2]) -> [f64; 2] {
+        around(theta, BASE_MM + self.scale * departure)
+    }
+
+    fn figure(&self, description: &str) -> Figure {
+        Figure::bare(description, "polar", SIDE_PX, HALF_MM)
+    }
+
+    /// Points too far apart are not joined.
+    fn trace(&self, figure: &mut Figure, points: &[[f64; 2]], stroke: Stroke) {
+        let near = |one: &[f64; 2], next: &[f64; 2]| {
+            let apart = (next[0] - one[0]).rem_euclid(TAU);
+            apart.min(TAU - apart) < GAP
+        };
+        for arc in points.chunk_by(near) {
+            figure.line(arc.iter().map(|point| self.at(*point)), stroke);
+        }
+    }
+
+    /// Rings one division apart, and spokes of 30° with their labels; returns number and radius of each ring.
+    fn grid(&self, figure: &mut Figure) -> Vec<(i32, f64)> {
+        let step_mm = self.scale * self.division;
+        let thin = Stroke::new(colour::GREY, 0.6).opacity(0.5);
+        let reach = (1.2 * REACH_MM / step_mm).floor().min(12.0) as i32;
+        let rings: Vec<(i32, f64)> = (-reach..=reach).map(|ring| (ring, BASE_MM + f64::from(ring) * step_mm)).collect();
+        for (_, distance) in &rings {
+            figure.line((0..=180).map(|i| around(TAU * f64::from(i) / 180.0, *distance)), thin);
+        }
+        let outside = BASE_MM + 1.2 * REACH_MM;
+        for spoke in 0..12 {
+            let theta = TAU * f64::from(spoke) / 12.0;
+            figure.line([around(theta, 8.0), around(theta, outside)], thin);
+            figure.text(around(theta, outside + LABEL_MM), format!("{}°", 30 * spoke));
+        }
+        rings
+    }
+
+    /// On top of the curves, so that they stay legible.
+    fn number(&self, figure: &mut Figure, rings: Vec<(i32, f64)>) {
+        for (number, distance) in rings {
+            figure.text(around(TAU / 24.0, distance), shortest(f64::from(number) * self.division));
+        }
+    }
+
+    fn caption(&self, caption: &str) -> String {
+        let factor = 1e3 * self.scale;
+        let magnification = if factor < 1e7 { shortest(factor) } else { significant(factor, 1) };
+        format!(
+            "{caption} Magnification {magnification} : 1 at the figure's full width of 160 mm; one division is {} µm. 0° to \
+             the right, counter-clockwise.",
+            shortest(self.division)
+        )
+    }
 }
 
 fn stroke(circle: &Circle) -> Stroke {
@@ -96,21 +184,4 @@ fn stroke(circle: &Circle) -> Stroke {
 fn around(theta: f64, distance: f64) -> [f64; 2] {
     let (sin, cos) = theta.sin_cos();
     [distance * cos, distance * sin]
-}
-
-/// Rings one division apart, and spokes of 30° with their labels; returns number and radius of each ring.
-fn grid(figure: &mut Figure, step_mm: f64) -> Vec<(i32, f64)> {
-    let thin = Stroke::new(colour::GREY, 0.6).opacity(0.5);
-    let reach = (1.2 * REACH_MM / step_mm).floor().min(12.0) as i32;
-    let rings: Vec<(i32, f64)> = (-reach..=reach).map(|ring| (ring, BASE_MM + f64::from(ring) * step_mm)).collect();
-    for (_, distance) in &rings {
-        figure.line((0..=180).map(|i| around(TAU * f64::from(i) / 180.0, *distance)), thin);
-    }
-    let outside = BASE_MM + 1.2 * REACH_MM;
-    for spoke in 0..12 {
-        let theta = TAU * f64::from(spoke) / 12.0;
-        figure.line([around(theta, 8.0), around(theta, outside)], thin);
-        figure.text(around(theta, outside + LABEL_MM), format!("{}°", 30 * spoke));
-    }
-    rings
 }

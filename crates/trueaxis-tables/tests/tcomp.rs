@@ -7,7 +7,10 @@ use std::path::Path;
 use trueaxis::check::{self, TableRule};
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::Rows;
-use trueaxis::machine::{Axis, CompensationSettings, ErrorModel, KinematicsSettings, MachineSettings};
+use trueaxis::machine::{
+    Axis, CompensationSettings, CrosstalkSettings, DriveFigures, DynamicSettings, ErrorModel, FeedbackSettings,
+    FrictionSettings, KinematicsSettings, Limits, MachineSettings,
+};
 use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
 use trueaxis::tcomp::{Tcomp, TcompError, checksum, machine_id};
 use trueaxis_tables::{Machine, Warning, check, compile, summary};
@@ -27,7 +30,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 /// A file around a payload.
 fn file(id: u32, payload: &[u8]) -> Vec<u8> {
-    let mut bytes = b"TRUEAXIS\x03\x00".to_vec();
+    let mut bytes = b"TRUEAXIS\x04\x00".to_vec();
     bytes.extend(id.to_le_bytes());
     bytes.extend(u32::try_from(payload.len()).unwrap().to_le_bytes());
     bytes.extend(payload);
@@ -61,6 +64,8 @@ fn the_bytes_are_those_documented() {
     numbers(&mut payload, &[0.0; 12]);
     numbers(&mut payload, &[0.012, 0.0, 0.0, 0.0, -1.4e-5, 0.0]);
     numbers(&mut payload, &[0.05, 0.05, 2.0, 0.02, 0.02, 0.2, 0.2, 1.0]);
+    // No contour feedback.
+    payload.push(0);
     // Nine terms, no orientation.
     payload.extend([0, 0]);
     numbers(&mut payload, &[5.0]);
@@ -72,9 +77,12 @@ fn the_bytes_are_those_documented() {
         numbers(&mut payload, &[0.0; 6]);
         numbers(&mut payload, &[500.0, backlash, 0.001]);
         numbers(&mut payload, &[0.1, 1.0, 200.0, 0.0, expansion, 0.0]);
+        // No drive, friction, dynamic correction.
+        payload.extend([0, 0, 0]);
     }
     let gauge = payload.len();
-    payload.push(0);
+    // No gauge, no cross-talk.
+    payload.extend([0, 0]);
     payload.extend([1, 0b10_0011, 1, 3]);
     numbers(&mut payload, &[0.0, 0.010, 0.0, 0.0, 0.011, 0.0, 0.0]);
     numbers(&mut payload, &[50.0, -0.020, 0.0, 0.0, -0.019, 0.0, 0.0]);
@@ -95,7 +103,7 @@ fn the_bytes_are_those_documented() {
     five.settings.axes[0].offset_mm = [1.0, 2.0, 3.0];
     five.settings.axes[0].measured_at_mm = [4.0, 5.0, 6.0];
     let mut changed = payload.clone();
-    let compensation = "small".len() + "w C' X' b Z t".len() + 2 + 8 * (3 + 1 + 3 + 18 + 7 + 1);
+    let compensation = "small".len() + "w C' X' b Z t".len() + 2 + 8 * (3 + 1 + 3 + 18 + 7 + 1) + 1;
     let mut bytes = vec![1, 1];
     numbers(&mut bytes, &[7.5, 0.0, 0.6, 0.8, 0.25]);
     bytes.extend([3, 0, 0, 0, 0, 1]);
@@ -142,8 +150,66 @@ fn the_bytes_are_those_documented() {
     numbers(&mut gauge_bytes, &[0.25]);
     gauge_bytes.push(2);
     numbers(&mut gauge_bytes, &[180.0, 0.001, 20.0, 10.0]);
-    payload.splice(gauge..=gauge, gauge_bytes);
-    assert_eq!(compile(&with).unwrap(), file(id, &payload));
+    let mut gauged = payload.clone();
+    gauged.splice(gauge..=gauge, gauge_bytes);
+    assert_eq!(compile(&with).unwrap(), file(id, &gauged));
+}
+
+/// Servo settings, each with a value of its own, stand in the order that the page has.
+#[test]
+fn servo_settings_stand_where_documented() {
+    let plain = compile(&small_machine::machine()).unwrap();
+    let mut machine = small_machine::machine();
+    let limits = Limits { magnitude: 0.04, slope_per_s: 0.8, acceleration_per_s2: 150.0 };
+    for axis in machine.settings.axes.iter_mut().filter(|axis| !axis.axis.is_rotary()) {
+        axis.servo.drive = Some(DriveFigures {
+            velocity_feed_forward: 0.9,
+            dead_time_s: 5e-4,
+            ..DriveFigures::with_defaults(110.0, 800.0, 0.006)
+        });
+    }
+    let x = &mut machine.settings.axes[0].servo;
+    x.friction = Some(FrictionSettings {
+        coulomb_per_s: 0.5,
+        stribeck_share: 0.3,
+        stribeck_velocity_per_s: 1.5,
+        presliding: 0.007,
+        viscous: 0.004,
+        lead_s: 2e-4,
+    });
+    x.dynamic = Some(DynamicSettings { limits, lag: true, acceleration: false, take_up: true });
+    machine.settings.contour.feedback =
+        Some(FeedbackSettings { proportional: 0.25, integral_per_s: 8.0, max_feed_per_s: 150.0, watch_mm: 0.02 });
+    let points = [[0.0, 1e-6], [300.0, 2e-6]].into_iter().collect();
+    let crosstalk = CrosstalkSettings { tip: Axis::X, from: Axis::Z, over: Axis::C, points };
+    machine.settings.crosstalk.push(crosstalk).unwrap();
+    let compiled = compile(&machine).unwrap();
+    assert_eq!(*Tcomp::parse(&compiled).unwrap().settings(), machine.settings);
+
+    let bytes = |flags: &[u8], numbers: &[f64], behind: &[u8]| -> Vec<u8> {
+        flags
+            .iter()
+            .copied()
+            .chain(numbers.iter().flat_map(|x| x.to_le_bytes()))
+            .chain(behind.iter().copied())
+            .collect()
+    };
+    let drive = bytes(&[1], &[110.0, 800.0, 0.006, 0.9, 2.5e-4, 5e-4], &[]);
+    let friction = bytes(&[1], &[0.5, 0.3, 1.5, 0.007, 0.004, 2e-4], &[]);
+    let dynamic = bytes(&[1], &[0.04, 0.8, 150.0], &[1, 0, 1]);
+    let mut expected = plain[18..plain.len() - 4].to_vec();
+    let head = "small".len() + "w C' X' b Z t".len() + 2;
+    let feedback = head + 8 * (3 + 1 + 3 + 18 + 7 + 1);
+    let axes = feedback + 1 + 2 + 8 * 5 + 1;
+    let axis = 5 + 8 * (4 + 6 + 3 + 6) + 3;
+    // From the end, so that the places before it stay.
+    let crosstalk = axes + 3 * axis + 1;
+    assert_eq!(expected[crosstalk], 0);
+    expected.splice(crosstalk..=crosstalk, bytes(&[1, 0, 2, 5, 2], &[0.0, 1e-6, 300.0, 2e-6], &[]));
+    expected.splice(axes + 2 * axis - 3..axes + 2 * axis - 2, drive.clone());
+    expected.splice(axes + axis - 3..axes + axis, [drive, friction, dynamic].concat());
+    expected.splice(feedback..=feedback, bytes(&[1], &[0.25, 8.0, 150.0, 0.02], &[]));
+    assert_eq!(compiled, file(crc32(b"small\nw C' X' b Z t"), &expected));
 }
 
 #[test]
@@ -210,7 +276,7 @@ fn nonsense_with_a_good_sum_is_refused() {
     assert_eq!(wrapped(&payload[..settings]), TcompError::TableHeader);
     let header = |change: &[u8]| wrapped(&[&payload[..settings], change, &payload[settings + change.len()..]].concat());
     // A model and an orientation that are none: enum and bool beyond their variants.
-    let location = 8 * (3 + 1 + 3 + 18 + 7 + 1);
+    let location = 8 * (3 + 1 + 3 + 18 + 7 + 1) + 1;
     let compensation = 2 + machine.settings.name.len() + machine.settings.chain.len() + location;
     for place in [compensation, compensation + 1] {
         let mut payload = payload.to_vec();

@@ -46,6 +46,7 @@ mod dynamic;
 pub mod error;
 pub mod exchange;
 pub mod kinematics;
+pub mod learned;
 pub mod limiter;
 pub mod machine;
 mod output;

@@ -16,6 +16,9 @@ struct ErrorJson {
     uncompensated: Size,
     compensated: Size,
     servo_only: Size,
+    /// Machines with dynamic parts only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    full: Option<Size>,
 }
 
 /// Without the perfect machine: the step would report errors that its tables have and that machine does not.
@@ -23,6 +26,8 @@ struct ErrorJson {
 struct EstimateJson {
     uncompensated: Size,
     compensated: Size,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    full: Option<Size>,
 }
 
 #[derive(Serialize)]
@@ -46,7 +51,7 @@ pub struct Json {
     /// Programs with rotary axes only.
     #[serde(skip_serializing_if = "Option::is_none")]
     orientation_error_urad: Option<ErrorJson>,
-    /// The same two as the step itself reports them.
+    /// The same as the step itself reports them.
     #[serde(skip_serializing_if = "Option::is_none")]
     estimated_contour_error_um: Option<EstimateJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -69,6 +74,7 @@ impl Outcome {
             uncompensated: size(&self.uncompensated),
             compensated: size(&self.compensated),
             servo_only: size(&self.servo_only),
+            full: self.full.as_ref().map(size),
         }
     }
 
@@ -77,9 +83,12 @@ impl Outcome {
         let length = |size: &ErrorSize| Size { max: size.max_um, rms: size.rms_um };
         let angle = |size: &AngleSize| Size { max: size.max_urad, rms: size.rms_urad };
         let estimate = |size: &dyn Fn(&Tallies) -> Size| {
-            let of_both =
-                || EstimateJson { uncompensated: size(&self.uncompensated), compensated: size(&self.compensated) };
-            scenario.five_axis.then(of_both)
+            let of_the_imperfect = || EstimateJson {
+                uncompensated: size(&self.uncompensated),
+                compensated: size(&self.compensated),
+                full: self.full.as_ref().map(size),
+            };
+            scenario.five_axis.then(of_the_imperfect)
         };
         let latency = self.latency.summary();
         Json {

@@ -31,6 +31,8 @@ pub struct Outcome {
     uncompensated: Tallies,
     compensated: Tallies,
     servo_only: Tallies,
+    /// Of a machine with dynamic parts.
+    full: Option<Tallies>,
     /// Cost of the compensated run's steps.
     latency: Latency,
     /// Report of the pacing, if it was asked for.
@@ -48,8 +50,8 @@ pub struct Timing {
     pub paced: bool,
 }
 
-/// Runs a scenario to its end on the machines of [`Kind::ALL`], which `run` was made for. `sinks` get every cycle; `progress` gets the fraction done, 0
-/// to 1.
+/// Runs a scenario to its end on the machines of [`Kind::of`], which `run` was made for. `sinks` get every cycle;
+/// `progress` gets the fraction done, 0 to 1.
 ///
 /// # Errors
 /// As [`Run::of`].
@@ -69,7 +71,8 @@ pub fn simulate(
         }
         drop(sinks);
     });
-    let tallies = run.tallies();
+    let mut tallies = run.tallies();
+    let full = (tallies.len() == Kind::ALL.len()).then(|| tallies.pop()).flatten();
     let [uncompensated, compensated, servo_only] =
         <[Tallies; 3]>::try_from(tallies).map_err(|found| anyhow!("{} runs in place of three", found.len()))?;
     let (latency, pace) = match timing.paced.then(|| pace(scenario, timing.budget_ns)).transpose()? {
@@ -77,7 +80,7 @@ pub fn simulate(
         None => (stopwatch.latency, None),
     };
     let wall_s = 1e-9 * nanoseconds as f64;
-    Ok(Outcome { uncompensated, compensated, servo_only, latency, pace, cycles: run.cycles(), wall_s })
+    Ok(Outcome { uncompensated, compensated, servo_only, full, latency, pace, cycles: run.cycles(), wall_s })
 }
 
 /// Runs the compensated machine alone at the real rate, for what its steps cost there.
@@ -104,6 +107,19 @@ struct Reported {
     cycles: u64,
 }
 
+/// What the full run met that the compensated one did not.
+fn note_of_full(full: &Tallies, compensated: &Tallies) -> Option<String> {
+    if full.stopped && !compensated.stopped {
+        return Some("the full run was ended by a stop request".into());
+    }
+    let cycles = |run: &Tallies| run.faults.iter().map(|span| span.cycles).sum::<u64>() + run.more_faults;
+    let (in_full, in_compensated) = (cycles(full), cycles(compensated));
+    (in_full != in_compensated).then(|| {
+        let counted = |cycles| counted(cycles as usize, "cycle");
+        format!("faults in {} of the full run, in {} of the compensated one", counted(in_full), counted(in_compensated))
+    })
+}
+
 impl Outcome {
     /// Remarks on how the runs went.
     pub fn notes(&self) -> Vec<String> {
@@ -116,6 +132,7 @@ impl Outcome {
         if self.compensated.stopped {
             notes.push("the compensated run was ended by a stop request".into());
         }
+        notes.extend(self.full.as_ref().and_then(|full| note_of_full(full, &self.compensated)));
         if self.compensated.more_faults > 0 {
             notes.push(format!(
                 "faults: the first {} are listed; there are faults in {} after them",

@@ -35,7 +35,7 @@ pub struct Settings {
 /// Cycles between two looks at the progress.
 const STRETCH: u64 = 4096;
 
-/// Records the compensated run of a scenario of X, Y, Z alone; `progress` gets the fraction done, 0 to 1.
+/// Records the run of a scenario of X, Y, Z alone with the plugin as the machine configures it; `progress` gets the fraction done, 0 to 1.
 ///
 /// # Errors
 /// The program turns rotary axes, or the tables do not build.
@@ -44,7 +44,7 @@ pub fn record(scenario: &Arc<Scenario>, settings: &Settings, progress: &mut dyn 
     if scenario.machine.settings.step_axes().count() != 3 || scenario.five_axis {
         bail!("{}: found rotary axes, needed a machine and a program of X, Y, Z alone", machine.name);
     }
-    let mut run = Run::of(Arc::clone(scenario), &[Kind::Compensated])?;
+    let mut run = Run::of(Arc::clone(scenario), &[Kind::Configured])?;
     let path = PlannedPath::new(&scenario.program, scenario.origin_mm, &scenario.placement)?;
     let writer = Writer::<3>::new(header(scenario, settings)?, &path.spans).context("the path cannot be written")?;
     let mut recorder = Recorder {

@@ -31,6 +31,7 @@ pub(super) fn section(report: &Report) -> Option<Section> {
         Curve::new("uncompensated", colour::UNCOMPENSATED, &series.uncompensated),
         Curve::new("compensated", colour::COMPENSATED, &series.compensated),
         Curve::new("servo only", colour::SERVO, &series.servo_only),
+        Curve::new("full", colour::FOURTH, &series.full),
     ]
     .into_iter()
     .flatten()

@@ -19,7 +19,7 @@ pub struct Report {
     pub servo_rate_hz: f64,
     /// Servo cycles simulated.
     pub cycles: u64,
-    /// Contour error of the true tool tip in the three runs.
+    /// Contour error of the true tool tip in the runs.
     pub contour_error: ContourErrors,
     /// Contour error over the path.
     pub contour: ContourSeries,
@@ -27,6 +27,10 @@ pub struct Report {
     pub orientation: OrientationSeries,
     /// The programmed path and the tip's deviations from it, in path order.
     pub path: Vec<PathPoint>,
+    /// The first full circle of the program.
+    pub circle: Option<CircleReport>,
+    /// A reversal of each axis with what was done against it; empty for a machine without dynamic parts.
+    pub reversals: Vec<ReversalReport>,
     /// Correction and limits of each axis.
     pub axes: Vec<AxisReport>,
     /// Percentiles and deadlines of the step.
@@ -39,7 +43,7 @@ pub struct Report {
     pub notes: Vec<String>,
 }
 
-/// Contour error of the true tool tip against the programmed path, in three runs with the same servo and seed.
+/// Contour error of the true tool tip against the programmed path, in runs with the same servo and seed.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ContourErrors {
     /// Machine with its geometric errors, compensation off.
@@ -48,6 +52,8 @@ pub struct ContourErrors {
     pub compensated: ErrorSize,
     /// A geometrically perfect machine: the error of the servo alone.
     pub servo_only: ErrorSize,
+    /// The machine with geometry and servo corrected, where it has dynamic parts.
+    pub full: Option<ErrorSize>,
 }
 
 /// Contour error over the path: `[path length in mm, error in µm]`; the sign is ignored.
@@ -59,6 +65,8 @@ pub struct ContourSeries {
     pub compensated: Vec<[f64; 2]>,
     /// A geometrically perfect machine.
     pub servo_only: Vec<[f64; 2]>,
+    /// Geometry and servo corrected; empty for a machine without dynamic parts.
+    pub full: Vec<[f64; 2]>,
     /// Path lengths at which the curves are interrupted, ascending, mm: the motion between was not cutting.
     pub breaks: Vec<f64>,
     /// Start of each program line: path length in mm and line number.
@@ -74,8 +82,55 @@ pub struct OrientationSeries {
     pub compensated: Vec<[f64; 2]>,
     /// A geometrically perfect machine.
     pub servo_only: Vec<[f64; 2]>,
+    /// Geometry and servo corrected; empty for a machine without dynamic parts.
+    pub full: Vec<[f64; 2]>,
     /// Rotary axes by name: commanded position in degrees.
     pub rotary: Vec<(String, Vec<[f64; 2]>)>,
+}
+
+/// Departures of the true tip's radius along a full circle: `[angle in rad, µm]`, in the order of travel.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CircleReport {
+    /// Radius in mm.
+    pub radius_mm: f64,
+    /// Indices of the axes of its plane; angles count from the first to the second.
+    pub plane: [usize; 2],
+    /// Program line.
+    pub line: u32,
+    /// Machine with its geometric errors, compensation off.
+    pub uncompensated: Vec<[f64; 2]>,
+    /// The same machine, compensation on.
+    pub compensated: Vec<[f64; 2]>,
+    /// A geometrically perfect machine.
+    pub servo_only: Vec<[f64; 2]>,
+    /// Geometry and servo corrected; empty for a machine without dynamic parts.
+    pub full: Vec<[f64; 2]>,
+}
+
+/// One reversal of an axis: parts of the dynamic correction and contour errors, `[ms after the reversal, µm]`; for a rotary
+/// axis the parts are µrad.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReversalReport {
+    /// Name of the axis, e.g. `X`.
+    pub axis: String,
+    /// Whether the axis is rotary.
+    pub rotary: bool,
+    /// Program line.
+    pub line: u32,
+    /// When its command turned, s.
+    pub time_s: f64,
+    /// Dynamic correction sent.
+    pub sent: Vec<[f64; 2]>,
+    /// Wanted against friction, following error and the error of acceleration.
+    pub friction: Vec<[f64; 2]>,
+    /// Wanted by the contour feedback.
+    pub feedback: Vec<[f64; 2]>,
+    /// Wanted against acceleration cross-talk.
+    pub crosstalk: Vec<[f64; 2]>,
+    /// Contour error with geometry alone corrected.
+    pub compensated_um: Vec<[f64; 2]>,
+    /// Contour error with the servo corrected too.
+    pub full_um: Vec<[f64; 2]>,
 }
 
 /// A point of the programmed path and how far the true tip was from it, actual − foot point.

@@ -7,6 +7,7 @@
 //! `SECTIONS`; a further one needs its data in [`Report`] and a line there.
 
 pub mod ball_test;
+mod circle;
 pub mod compare;
 mod contour;
 mod correction;
@@ -15,10 +16,12 @@ pub mod grinding;
 mod latency;
 mod orientation;
 mod path;
+mod reversal;
 mod summary;
 
 pub use data::{
-    AngleSize, AxisReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, OrientationSeries, PathPoint, Report,
+    AngleSize, AxisReport, CircleReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, OrientationSeries,
+    PathPoint, Report, ReversalReport,
 };
 pub use trueaxis_report::decimate;
 
@@ -31,8 +34,15 @@ use trueaxis_report::Page;
 use trueaxis_tables::output::Outputs;
 
 /// The sections below the summary, in the order of the page.
-const SECTIONS: [fn(&Report) -> Option<Section>; 5] =
-    [path::section, contour::section, orientation::section, correction::section, latency::section];
+const SECTIONS: [fn(&Report) -> Option<Section>; 7] = [
+    path::section,
+    contour::section,
+    circle::section,
+    reversal::section,
+    orientation::section,
+    correction::section,
+    latency::section,
+];
 
 /// A section of the page.
 struct Section {

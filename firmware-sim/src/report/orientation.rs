@@ -15,6 +15,7 @@ pub(super) fn section(report: &Report) -> Option<Section> {
         ("uncompensated", colour::UNCOMPENSATED, &series.uncompensated),
         ("compensated", colour::COMPENSATED, &series.compensated),
         ("servo only", colour::SERVO, &series.servo_only),
+        ("full", colour::FOURTH, &series.full),
     ];
     let error: Vec<Curve> = (runs.into_iter())
         .map(|(name, colour, points)| (name, colour, decimate(points, BUCKETS)))

@@ -41,7 +41,7 @@ fn run(report: &Report) -> Markup {
 
 fn result(report: &Report) -> Markup {
     let before = report.contour_error.uncompensated.max_um;
-    let after = report.contour_error.compensated.max_um;
+    let after = report.contour_error.full.unwrap_or(report.contour_error.compensated).max_um;
     let size = |um: f64| html! { strong { (quantity(um, "µm")) } };
     let verb = if after < before { "fell" } else { "rose" };
     let share = if before > 0.0 { format!(" (to {})", percent(after, before)) } else { String::new() };
@@ -66,6 +66,7 @@ fn contour_table(report: &Report) -> Table {
         row("compensated", &errors.compensated),
         row("servo only (perfect geometry)", &errors.servo_only),
     ];
+    let rows = rows.into_iter().chain(errors.full.as_ref().map(|full| row("full: servo corrected too", full)));
     Table::new(["", "max in µm", "RMS in µm", "max against uncompensated"], rows)
         .caption("Contour error of the true tool tip")
 }

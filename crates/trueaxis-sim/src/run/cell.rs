@@ -1,7 +1,7 @@
 //! Plugin and machine of one run.
 
-use super::Kind;
 use super::commanded::Commanded;
+use super::kind::Kind;
 use super::sample::{Given, Sample, Sink};
 use super::tally::{Sums, Tallies};
 use crate::error::{Result, SimError};
@@ -100,6 +100,10 @@ impl<const N: usize> Cell<N> {
         })
     }
 
+    pub(super) fn kind(&self) -> Kind {
+        self.kind
+    }
+
     pub(super) fn has_ended(&self) -> bool {
         self.stopped_for > CYCLES_AFTER_STOP
     }
@@ -137,7 +141,7 @@ impl<const N: usize> Cell<N> {
             encoder_alarm: 0,
             elapsed_ns,
             homed: true,
-            enable: self.kind == Kind::Compensated,
+            enable: self.kind.enables_the_plugin(),
             reset: false,
             refusal: Refusal::NONE,
             ..Input::at_rest(elapsed_ns)

@@ -2,8 +2,9 @@
 
 use super::cell::{Cell, Shared};
 use super::commanded::{Commanded, Commander};
+use super::kind::{Kind, Parts};
 use super::sample::{Sample, Sink};
-use super::{Kind, Tallies};
+use super::tally::Tallies;
 use crate::error::Result;
 use crate::motion::Motion;
 use crate::scenario::Scenario;
@@ -22,10 +23,33 @@ pub(super) trait Advance {
     fn tallies(&self) -> Vec<Tallies>;
 }
 
+/// One servo loop for each set of parts that a machine is driven with.
+struct Servos<S>(Vec<(Parts, S)>);
+
+impl<S> Servos<S> {
+    fn build<const N: usize>(scenario: &Scenario, kinds: &[Kind]) -> Result<Servos<S>>
+    where
+        S: Owned<N>,
+    {
+        let mut servos: Vec<(Parts, S)> = Vec::new();
+        for parts in kinds.iter().map(|kind| kind.parts()) {
+            if servos.iter().all(|(built, _)| *built != parts) {
+                let machine = parts.of(&scenario.machine)?;
+                servos.push((parts, S::build(&machine, scenario.period_ns())?));
+            }
+        }
+        Ok(Servos(servos))
+    }
+
+    fn of(&self, kind: Kind) -> Option<&S> {
+        self.0.iter().find(|(parts, _)| *parts == kind.parts()).map(|(_, servo)| servo)
+    }
+}
+
 /// Machines that get the same commands.
 pub(super) struct Lanes<S, const N: usize> {
     scenario: Arc<Scenario>,
-    servo: S,
+    servos: Servos<S>,
     commander: Commander<N>,
     cells: Vec<Cell<N>>,
     settled: bool,
@@ -36,11 +60,13 @@ pub(super) struct Lanes<S, const N: usize> {
 
 impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
     pub(super) fn boxed(scenario: Arc<Scenario>, motion: Motion, kinds: &[Kind]) -> Result<Box<dyn Advance + Send>> {
-        let servo = S::build(&scenario.machine, scenario.period_ns())?;
-        let cells = kinds.iter().map(|kind| Cell::new(&scenario, *kind, servo.servo())).collect::<Result<_>>()?;
+        let servos = Servos::<S>::build(&scenario, kinds)?;
+        let with_servo = kinds.iter().filter_map(|kind| Some((kind, servos.of(*kind)?)));
+        let cells =
+            with_servo.map(|(kind, servo)| Cell::new(&scenario, *kind, servo.servo())).collect::<Result<_>>()?;
         Ok(Box::new(Lanes {
             commander: Commander::new(&scenario, motion)?,
-            servo,
+            servos,
             cells,
             settled: false,
             block: Vec::with_capacity(BLOCK),
@@ -53,8 +79,9 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
     fn settle(&mut self, sink: &mut dyn Sink) {
         self.settled = true;
         let Ok(Some(first)) = self.commander.first(&self.scenario) else { return };
-        let shared = Shared { scenario: &self.scenario, servo: self.servo.servo(), path: &self.commander.path };
         for (number, cell) in self.cells.iter_mut().enumerate() {
+            let Some(servo) = self.servos.of(cell.kind()) else { continue };
+            let shared = Shared { scenario: &self.scenario, servo: servo.servo(), path: &self.commander.path };
             cell.settle(number, &first, &shared, sink);
         }
     }
@@ -65,9 +92,10 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
 
     /// The commands in the block, through one machine after the other, then to the sink.
     fn simulate_block(&mut self, sink: &mut dyn Sink) {
-        let shared = Shared { scenario: &self.scenario, servo: self.servo.servo(), path: &self.commander.path };
         for (number, (cell, samples)) in self.cells.iter_mut().zip(&mut self.samples).enumerate() {
             samples.clear();
+            let Some(servo) = self.servos.of(cell.kind()) else { continue };
+            let shared = Shared { scenario: &self.scenario, servo: servo.servo(), path: &self.commander.path };
             for commanded in &self.block {
                 if cell.has_ended() {
                     break;

@@ -2,6 +2,7 @@
 
 mod cell;
 mod commanded;
+mod kind;
 mod lanes;
 mod sample;
 mod tally;
@@ -12,24 +13,9 @@ use crate::{path, servo};
 use lanes::{Advance, Lanes};
 use std::sync::Arc;
 
-pub use sample::{Given, Moment, Sample, Sink};
+pub use kind::Kind;
+pub use sample::{DynamicSample, Given, Moment, Sample, Sink};
 pub use tally::{AngleSize, ErrorSize, FaultSpan, MOST_FAULT_SPANS, Tallies};
-
-/// A machine of a run and how it is driven.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// The machine as it is, the plugin disabled.
-    Uncompensated,
-    /// The plugin enabled.
-    Compensated,
-    /// A machine with perfect geometry and no lost motion: the error of the servo alone.
-    ServoOnly,
-}
-
-impl Kind {
-    /// All of them, in the order of a report.
-    pub const ALL: [Kind; 3] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly];
-}
 
 /// A simulation under way: program, motion, servo loop with its tables, plants and their state, owned together.
 ///
@@ -38,12 +24,14 @@ impl Kind {
 pub struct Run(Box<dyn Advance + Send>);
 
 impl Run {
-    /// The scenario on the machines of [`Kind::ALL`], side by side.
+    /// The scenario on the machines of [`Kind::of`], side by side.
     ///
     /// # Errors
     /// As [`Run::of`].
     pub fn new(scenario: impl Into<Arc<Scenario>>) -> Result<Run> {
-        Run::of(scenario, &Kind::ALL)
+        let scenario = scenario.into();
+        let kinds = Kind::of(&scenario.machine.settings);
+        Run::of(scenario, kinds)
     }
 
     /// The scenario on the machines asked for, side by side.

@@ -22,6 +22,20 @@ pub struct Moment {
     pub rotary_deg: [f64; 3],
 }
 
+/// Parts of the dynamic correction in a cycle, µm and µrad; axes in the order X, Y, Z, A, B, C. All zero on a machine that
+/// is driven without.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DynamicSample {
+    /// Sent: the sum of the parts, limited.
+    pub sent: [f32; AXES],
+    /// Wanted against friction, following error and the error of acceleration.
+    pub friction: [f32; AXES],
+    /// Wanted by the contour feedback.
+    pub feedback: [f32; AXES],
+    /// Wanted against acceleration cross-talk.
+    pub crosstalk: [f32; AXES],
+}
+
 /// Result of a cycle on one machine. Axes in the order X, Y, Z, A, B, C; zero for those that the machine does not have.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample {
@@ -43,8 +57,10 @@ pub struct Sample {
     pub drive: [f64; AXES],
     /// Reading as the step took it, mm and degrees.
     pub feedback: [f64; AXES],
-    /// Correction sent, µm and µrad.
+    /// Correction of geometry sent, µm and µrad.
     pub correction: [f32; AXES],
+    /// Dynamic correction.
+    pub dynamic: DynamicSample,
     /// Fault code.
     pub fault: u8,
     /// State bits.

@@ -1,7 +1,8 @@
 //! A whole machine, written.
 
 use super::axis_csv::{axis_csv_name, location_lines, write_axis_csv};
-use super::decimal::shortest;
+use super::servo_toml;
+use super::toml_lines::{Lines, section};
 use crate::Machine;
 use std::fmt::Write;
 use trueaxis::machine::{
@@ -51,6 +52,9 @@ pub fn machine_files(machine: &Machine, comment: &str) -> Vec<(String, String)> 
     let mut lines = Lines::default();
     lines.number("max_lag_mm", settings.contour.max_lag_mm, ContourSettings::default().max_lag_mm);
     section(&mut text, "contour", &lines.0);
+    if let Some(feedback) = &settings.contour.feedback {
+        servo_toml::feedback(&mut text, feedback);
+    }
     let mut lines = Lines::default();
     let (compensation, plain) = (&settings.compensation, CompensationSettings::default());
     lines.put("model", if compensation.model == ErrorModel::Nine { "\"nine\"" } else { "\"volumetric\"" });
@@ -67,43 +71,11 @@ pub fn machine_files(machine: &Machine, comment: &str) -> Vec<(String, String)> 
     if let Some(gauge) = &settings.roundness {
         roundness(&mut text, gauge);
     }
+    for crosstalk in &settings.crosstalk {
+        servo_toml::crosstalk(&mut text, crosstalk);
+    }
     files.push((String::from("machine.toml"), text));
     files
-}
-
-/// Keys and values, one a line.
-#[derive(Default)]
-struct Lines(String);
-
-impl Lines {
-    fn put(&mut self, key: &str, value: impl std::fmt::Display) {
-        let _ = writeln!(self.0, "{key} = {value}");
-    }
-
-    fn number(&mut self, key: &str, value: f64, default: f64) {
-        if value != default {
-            let _ = writeln!(self.0, "{key} = {value:?}");
-        }
-    }
-
-    fn numbers(&mut self, key: &str, value: &[f64], default: &[f64]) {
-        if value != default {
-            let _ = writeln!(self.0, "{key} = {value:?}");
-        }
-    }
-
-    /// A number that is written in 1/`scale` of its unit and divided by it when it is read.
-    fn scaled(&mut self, key: &str, value: f64, default: f64, scale: f64) {
-        if value != default {
-            let _ = writeln!(self.0, "{key} = {:?}", shortest(value, scale));
-        }
-    }
-}
-
-fn section(text: &mut String, name: &str, lines: &str) {
-    if !lines.is_empty() {
-        let _ = write!(text, "\n[{name}]\n{lines}");
-    }
 }
 
 fn axis(text: &mut String, own: &AxisSettings, table: Option<&str>, carries_workpiece: bool) {
@@ -158,6 +130,7 @@ fn axis(text: &mut String, own: &AxisSettings, table: Option<&str>, carries_work
     lines.scaled(key, own.thermal.expansion_per_k, 0.0, 1e6);
     lines.number(&format!("datum_{unit}"), own.thermal.datum, 0.0);
     section(text, &format!("{name}.thermal"), &lines.0);
+    servo_toml::axis(text, own);
 }
 
 fn roundness(text: &mut String, gauge: &GaugeSettings) {

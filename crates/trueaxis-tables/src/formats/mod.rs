@@ -25,8 +25,10 @@ mod machine_toml;
 mod measured_at;
 mod own_comments;
 mod positioning;
+mod servo_toml;
 pub mod siemens;
 pub(crate) mod stated;
+mod toml_lines;
 
 pub use axis_csv::{axis_csv_name, write_axis_csv};
 pub use machine_toml::machine_files;

@@ -13,7 +13,8 @@ pub struct Written {
     pub text: String,
 }
 
-/// The keys and sections of a file by their full names, like `axis.X.limits.magnitude_um`.
+/// The keys and sections of a file by their full names, like `axis.X.limits.magnitude_um`; those of the sections of a list
+/// with their number, from 0: `crosstalk[0].tip`.
 #[derive(Clone, Debug)]
 pub struct Keys(BTreeMap<String, Written>);
 
@@ -35,6 +36,12 @@ impl Keys {
             };
             if let Some(section) = section {
                 self.add(text, &format!("{name}."), section);
+            }
+            let list = value.get_ref().as_array().into_iter().flat_map(|list| list.iter());
+            for (index, section) in
+                list.enumerate().filter_map(|(index, item)| Some((index, item.get_ref().as_table()?)))
+            {
+                self.add(text, &format!("{name}[{index}]."), section);
             }
             self.0.insert(name, Written { line: line_at(text, span.start), text: written.into() });
         }

@@ -30,7 +30,7 @@ pub(super) struct Description {
 }
 
 /// µm to mm: a division, so that the result is the double nearest to the decimal.
-fn from_um(value: f64) -> f64 {
+pub(super) fn from_um(value: f64) -> f64 {
     value / 1e3
 }
 
@@ -40,17 +40,17 @@ fn from_urad(value: f64) -> f64 {
 }
 
 /// µrad to degrees.
-fn degrees_from_urad(value: f64) -> f64 {
+pub(super) fn degrees_from_urad(value: f64) -> f64 {
     (value / 1e6).to_degrees()
 }
 
 /// In the unit of the core already.
-fn same(value: f64) -> f64 {
+pub(super) fn same(value: f64) -> f64 {
     value
 }
 
 /// Per minute to per second.
-fn per_second(value: f64) -> f64 {
+pub(super) fn per_second(value: f64) -> f64 {
     value / 60.0
 }
 
@@ -109,6 +109,7 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
     }
     if let Some(section) = root.section("contour")? {
         section.store(&mut settings.contour.max_lag_mm, "max_lag_mm", same)?;
+        settings.contour.feedback = super::servo_toml::read_feedback(&section)?;
         section.finish(None)?;
     }
     if let Some(section) = root.section("compensation")? {
@@ -129,6 +130,7 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
         section.finish(None)?;
     }
     settings.roundness = super::roundness_toml::read(&root)?;
+    settings.crosstalk = super::crosstalk_toml::read(&root)?;
     root.finish(None)?;
     Ok(Description { settings, tables, keys: Keys::new(text, document.get_ref()), numbers: numbers.into_inner() })
 }
@@ -188,6 +190,7 @@ fn read_axis(section: Section<'_>, settings: &mut AxisSettings) -> Result<Option
         let [low, high] = settings.travel;
         settings.joint = [low - settings.limits.magnitude, high + settings.limits.magnitude];
     }
+    settings.servo = super::servo_toml::read_axis(&section, axis)?;
     section.finish(None)?;
     Ok(table.map(|Found { value, line, key, .. }| TableReference { axis, file: value.to_owned(), line, key }))
 }

@@ -1,11 +1,13 @@
 //! Reading a machine: `machine.toml` and the CSV of each axis.
 
 mod axis_table;
+mod crosstalk_toml;
 pub(crate) mod keys;
 mod machine_toml;
 mod refused;
 mod roundness_toml;
 mod section;
+mod servo_toml;
 
 use crate::error::FileError;
 use crate::files::{Folder, Source, bytes};
@@ -13,6 +15,7 @@ use crate::origin::Origin;
 use crate::text::decode;
 use crate::{Machine, Table};
 use axis_table::TableFile;
+pub(crate) use crosstalk_toml::unit_of;
 use machine_toml::{Description, TableReference};
 use std::path::{Path, PathBuf};
 use trueaxis::check;

@@ -7,6 +7,7 @@ use std::cell::RefCell;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use trueaxis::machine::Axis;
 
 /// A value with its line and key.
 pub(super) struct Found<T> {
@@ -160,6 +161,50 @@ impl<'a> Section<'a> {
         }))
     }
 
+    /// The sections of an array of tables, `[[key]]`, in the order of the file; none where the key is not there.
+    pub(super) fn sections(&self, key: &str) -> Result<Vec<Section<'a>>, FileError> {
+        let Some(value) = self.value(key) else { return Ok(Vec::new()) };
+        let refuse = |span| self.refuse(key, &span, format!("sections [[{}{key}]]", self.prefix));
+        let list = value.get_ref().as_array().ok_or_else(|| refuse(value.span()))?;
+        let of = |item: &'a Spanned<DeValue<'a>>| {
+            let table = item.get_ref().as_table().ok_or_else(|| refuse(item.span()))?;
+            let prefix = format!("{}{key}.", self.prefix);
+            Ok(Section { table, prefix, asked: RefCell::default(), ..*self })
+        };
+        list.iter().map(of).collect()
+    }
+
+    /// A list of pairs of finite numbers.
+    pub(super) fn pairs(&self, key: &str) -> Result<Option<Found<Vec<[f64; 2]>>>, FileError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let refuse = || self.refuse(key, &value.span(), "a list of pairs of numbers");
+        let mut pairs = Vec::new();
+        for pair in value.get_ref().as_array().ok_or_else(refuse)? {
+            let pair = pair.get_ref().as_array().filter(|pair| pair.len() == 2).ok_or_else(refuse)?;
+            let mut numbers = [0.0; 2];
+            for (number, value) in numbers.iter_mut().zip(pair.iter()) {
+                *number = self.plain_number(key, value)?;
+            }
+            pairs.push(numbers);
+        }
+        Ok(Some(self.found(key, &value.span(), pairs)))
+    }
+
+    /// An axis by its letter.
+    pub(super) fn axis(&self, key: &str) -> Result<Option<Found<Axis>>, FileError> {
+        let Some(found) = self.string(key)? else { return Ok(None) };
+        let letter = found.value.chars().next().filter(|_| found.value.len() == 1);
+        match letter.and_then(Axis::from_letter) {
+            Some(value) => Ok(Some(Found { value, line: found.line, key: found.key, text: found.text })),
+            None => Err(self.wrong(&found, "an axis, like \"X\"")),
+        }
+    }
+
+    /// The line of the section's first key, for what is wrong with all of it.
+    pub(super) fn first_line(&self) -> u32 {
+        self.table.keys().map(|key| self.line(&key.span())).min().unwrap_or(0)
+    }
+
     /// Refuses every key that was not asked for.
     pub(super) fn finish(self, needed: Option<&str>) -> Result<(), FileError> {
         let asked = self.asked.borrow();
@@ -177,6 +222,16 @@ impl<'a> Section<'a> {
     /// An error at a value.
     pub(super) fn wrong<T>(&self, at: &Found<T>, needed: impl Into<String>) -> FileError {
         self.origin.at(at.line, &at.key, &at.text, needed)
+    }
+
+    /// An error at a line.
+    pub(super) fn at(&self, line: u32, key: &str, found: &str, needed: impl Into<String>) -> FileError {
+        self.origin.at(line, &format!("{}{key}", self.prefix), found, needed)
+    }
+
+    /// An error because a key is missing in one of several sections of the same name: at its first line.
+    pub(super) fn missing_here(&self, key: &str, needed: &str) -> FileError {
+        self.at(self.first_line(), key, "nothing", needed)
     }
 
     /// An error because a key is missing.

@@ -30,6 +30,21 @@ pub struct DriveFigures {
     pub dead_time_s: f64,
 }
 
+impl DriveFigures {
+    /// A drive of these gains (1/s) and this reset time (s), all else at its default: no feed-forward, a current loop of
+    /// 0.25 ms, no dead time.
+    pub const fn with_defaults(position_gain_per_s: f64, velocity_gain_per_s: f64, reset_time_s: f64) -> DriveFigures {
+        DriveFigures {
+            position_gain_per_s,
+            velocity_gain_per_s,
+            reset_time_s,
+            velocity_feed_forward: 0.0,
+            current_loop_s: 2.5e-4,
+            dead_time_s: 0.0,
+        }
+    }
+}
+
 /// Friction of an axis, as the reversal feed-forward takes it. Forces are divided by the moved mass and by K_vp, so that
 /// they are velocities: what the velocity loop has to be off by until its integrator supplies them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,6 +64,21 @@ pub struct FrictionSettings {
     pub lead_s: f64,
 }
 
+impl FrictionSettings {
+    /// Coulomb friction F_c/K_vp (mm/s) and pre-sliding (mm), all else at its default: no Stribeck and no viscous part,
+    /// no lead.
+    pub const fn with_defaults(coulomb_per_s: f64, presliding: f64) -> FrictionSettings {
+        FrictionSettings {
+            coulomb_per_s,
+            stribeck_share: 0.0,
+            stribeck_velocity_per_s: 2.0,
+            presliding,
+            viscous: 0.0,
+            lead_s: 0.0,
+        }
+    }
+}
+
 /// What the step adds to an axis' command beside the correction of geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -64,19 +94,16 @@ pub struct DynamicSettings {
 }
 
 impl DynamicSettings {
-    /// The limits of an axis for which none are given: 50 µm, 5 mm/s, 5 m/s² (rotary 1000 µrad, 5 deg/s, 5000 deg/s²);
-    /// every part off.
-    pub fn with_defaults(axis: Axis) -> Self {
+    /// The stated defaults, which also hold where an axis has friction, cross-talk or feedback and no such section: limits
+    /// of 50 µm, 5 mm/s, 5 m/s² (rotary 1000 µrad, 5 deg/s, 5000 deg/s²), everything off.
+    pub fn with_defaults(axis: Axis) -> DynamicSettings {
         let magnitude = if axis.is_rotary() { 1000e-6_f64.to_degrees() } else { 0.05 };
-        let limits = Limits { magnitude, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };
-        DynamicSettings { limits, lag: false, acceleration: false, take_up: false }
-    }
-}
-
-impl Default for FeedbackSettings {
-    /// 0.3, 10/s, up to 10 m/min, watched from 10 µm on.
-    fn default() -> Self {
-        FeedbackSettings { proportional: 0.3, integral_per_s: 10.0, max_feed_per_s: 10_000.0 / 60.0, watch_mm: 0.01 }
+        DynamicSettings {
+            limits: Limits { magnitude, slope_per_s: 5.0, acceleration_per_s2: 5000.0 },
+            lag: false,
+            acceleration: false,
+            take_up: false,
+        }
     }
 }
 
@@ -105,6 +132,13 @@ pub struct FeedbackSettings {
     /// A contour error that changes its sign again and again, and each time by more than this, is an oscillation: the
     /// feedback is led out, mm.
     pub watch_mm: f64,
+}
+
+impl Default for FeedbackSettings {
+    /// K_p 0.3 and K_i 10/s, for position loops of about 110/s; up to 10 m/min; the watch looks for more than 10 µm.
+    fn default() -> Self {
+        FeedbackSettings { proportional: 0.3, integral_per_s: 10.0, max_feed_per_s: 1e4 / 60.0, watch_mm: 0.01 }
+    }
 }
 
 /// Acceleration cross-talk: the tip moves by k a in direction `tip` while axis `from` accelerates by a.

@@ -1,11 +1,15 @@
 //! Curves for the report's figures, gathered from the runs in memory of fixed size.
 
-use crate::report::{AxisReport, ContourSeries, OrientationSeries, PathPoint};
-use std::array::from_fn;
+mod circle;
+mod reversals;
+
+use crate::report::{AxisReport, CircleReport, ContourSeries, OrientationSeries, PathPoint, ReversalReport};
+use circle::CircleSeries;
+use reversals::Reversals;
 use trueaxis::machine::AxisSettings;
 use trueaxis_report::Thinner;
 use trueaxis_sim::Scenario;
-use trueaxis_sim::run::{Moment, Sample, Sink};
+use trueaxis_sim::run::{Kind, Moment, Sample, Sink};
 
 /// Buckets of a curve over the path or over time, and of the path itself: as many as its figure can show, or up to twice.
 const CURVE: usize = 1400;
@@ -30,17 +34,21 @@ struct AxisCurves {
     last: Option<f64>,
 }
 
-/// Gathers the curves of the three runs, in the order uncompensated, compensated, servo only.
+/// Gathers the curves of the runs of [`Kind::of`], in that order.
 #[derive(Debug)]
 pub struct Series {
     period_s: f64,
     five_axis: bool,
-    contour: [Curve; 3],
-    orientation: [Curve; 3],
+    contour: Vec<Curve>,
+    orientation: Vec<Curve>,
     /// Rotary axes: index among A, B, C, letter, position.
     rotary: Vec<(usize, char, Curve)>,
     axes: Vec<AxisCurves>,
     path: Thinner<PathPoint, 4>,
+    /// Of a program with a full circle.
+    circle: Option<CircleSeries>,
+    /// Of a machine with dynamic parts.
+    reversals: Option<Reversals>,
     /// Number of the cut, path length at which it began, and whether the cycle before was cutting.
     cut: u32,
     began: f64,
@@ -62,14 +70,18 @@ impl Series {
             })
             .collect();
         axes.sort_by_key(|a| a.settings.axis.index());
+        let kinds = Kind::of(&scenario.machine.settings);
+        let curves = || kinds.iter().map(|_| Thinner::new(CURVE)).collect();
         Series {
             period_s: scenario.period_s(),
             five_axis: scenario.five_axis,
-            contour: from_fn(|_| Thinner::new(CURVE)),
-            orientation: from_fn(|_| Thinner::new(CURVE)),
+            contour: curves(),
+            orientation: curves(),
             rotary: rotary.map(|a| (a.axis.index() - 3, a.axis.letter(), Thinner::new(CURVE))).collect(),
             axes,
             path: Thinner::new(PATH),
+            circle: CircleSeries::of(scenario, kinds.len()),
+            reversals: (kinds.len() == Kind::ALL.len()).then(|| Reversals::new(scenario)),
             cut: 0,
             began: f64::NEG_INFINITY,
             was_cutting: true,
@@ -107,12 +119,12 @@ impl Series {
 
     /// Contour error over the path; `program_lines` are left to whoever knows the program.
     pub fn contour(&self) -> ContourSeries {
-        let [uncompensated, compensated, servo_only] = self.contour.each_ref().map(points);
+        let [uncompensated, compensated, servo_only, full] = four(&self.contour);
         let mut breaks: Vec<f64> =
             self.contour.iter().flat_map(Thinner::items).map(|p| p.began).filter(|b| b.is_finite()).collect();
         breaks.sort_unstable_by(f64::total_cmp);
         breaks.dedup();
-        ContourSeries { uncompensated, compensated, servo_only, breaks, program_lines: Vec::new() }
+        ContourSeries { uncompensated, compensated, servo_only, full, breaks, program_lines: Vec::new() }
     }
 
     /// Tool direction over the path; empty for a program of X, Y, Z alone.
@@ -120,14 +132,24 @@ impl Series {
         if !self.five_axis {
             return OrientationSeries::default();
         }
-        let [uncompensated, compensated, servo_only] = self.orientation.each_ref().map(points);
+        let [uncompensated, compensated, servo_only, full] = four(&self.orientation);
         let rotary = self.rotary.iter().map(|(_, letter, curve)| (letter.to_string(), points(curve))).collect();
-        OrientationSeries { uncompensated, compensated, servo_only, rotary }
+        OrientationSeries { uncompensated, compensated, servo_only, full, rotary }
     }
 
     /// The programmed path and both tips' deviations.
     pub fn path(&self) -> Vec<PathPoint> {
         self.path.items()
+    }
+
+    /// The first full circle of the program.
+    pub fn circle(&self) -> Option<CircleReport> {
+        self.circle.as_ref().and_then(CircleSeries::report)
+    }
+
+    /// A reversal of every axis, with what was done against it.
+    pub fn reversals(&self) -> Vec<ReversalReport> {
+        self.reversals.as_ref().map(Reversals::report).unwrap_or_default()
     }
 
     /// Correction of every axis in the compensated run, with its limits.
@@ -151,6 +173,11 @@ impl Series {
     }
 }
 
+/// Of a curve for each run; no points for a run that there is not.
+fn four(curves: &[Curve]) -> [Vec<[f64; 2]>; 4] {
+    std::array::from_fn(|run| curves.get(run).map(points).unwrap_or_default())
+}
+
 fn points(curve: &Curve) -> Vec<[f64; 2]> {
     curve.items().into_iter().map(|point| point.at).collect()
 }
@@ -164,6 +191,12 @@ impl Sink for Series {
         self.was_cutting = moment.cutting;
         if moment.cutting {
             self.cutting(moment, runs);
+            if let Some(circle) = &mut self.circle {
+                circle.add(moment, runs);
+            }
+        }
+        if let Some(reversals) = &mut self.reversals {
+            reversals.add(moment, runs);
         }
         let [_, Some(compensated), ..] = runs else { return };
         for axis in &mut self.axes {

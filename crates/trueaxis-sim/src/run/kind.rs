@@ -1,0 +1,96 @@
+//! The machines of a run, and the plugin that each is driven by.
+
+use crate::error::Result;
+use std::borrow::Cow;
+use trueaxis::machine::{ErrorModel, MachineSettings};
+use trueaxis_tables::Machine;
+
+/// A machine of a run and how it is driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The machine as it is, the plugin disabled.
+    Uncompensated,
+    /// The plugin enabled, its dynamic parts off: geometry alone.
+    Compensated,
+    /// A machine with perfect geometry and no lost motion: the error of the servo alone.
+    ServoOnly,
+    /// Everything that the plugin has: the volumetric model where the chain permits it, friction, lag and acceleration
+    /// feed-forward, contour feedback and cross-talk as far as the machine states them.
+    Full,
+    /// The plugin enabled, exactly as the machine's settings say: what a controller with its tables does.
+    Configured,
+}
+
+/// Which parts of the plugin a machine is driven with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Parts {
+    Geometry,
+    All,
+    Configured,
+}
+
+impl Kind {
+    /// Those that every machine is simulated as, in the order of a report.
+    pub const BASIC: [Kind; 3] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly];
+    /// The same and [`Kind::Full`], for a machine that has dynamic parts.
+    pub const ALL: [Kind; 4] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly, Kind::Full];
+
+    /// [`Kind::ALL`] for a machine with friction, dynamic correction, contour feedback or cross-talk, else
+    /// [`Kind::BASIC`].
+    pub fn of(machine: &MachineSettings) -> &'static [Kind] {
+        if is_dynamic(machine) { &Kind::ALL } else { &Kind::BASIC }
+    }
+
+    pub(super) fn enables_the_plugin(self) -> bool {
+        matches!(self, Kind::Compensated | Kind::Full | Kind::Configured)
+    }
+
+    pub(super) fn parts(self) -> Parts {
+        match self {
+            Kind::Full => Parts::All,
+            Kind::Configured => Parts::Configured,
+            Kind::Uncompensated | Kind::Compensated | Kind::ServoOnly => Parts::Geometry,
+        }
+    }
+}
+
+impl Parts {
+    /// The machine whose tables the plugin is built from; that of the plant is the machine as it stands.
+    ///
+    /// # Errors
+    /// Tables that do not compile with the machine's own model.
+    pub(super) fn of(self, machine: &Machine) -> Result<Cow<'_, Machine>> {
+        match self {
+            Parts::Geometry if is_dynamic(&machine.settings) => Ok(Cow::Owned(without_dynamics(machine))),
+            Parts::All if machine.settings.compensation.model == ErrorModel::Nine => volumetric(machine),
+            _ => Ok(Cow::Borrowed(machine)),
+        }
+    }
+}
+
+/// Whether anything acts on the servo itself; figures of a drive alone do not.
+fn is_dynamic(machine: &MachineSettings) -> bool {
+    let acts = machine.axes.iter().any(|axis| axis.servo.friction.is_some() || axis.servo.dynamic.is_some());
+    acts || machine.contour.feedback.is_some() || !machine.crosstalk.is_empty()
+}
+
+fn without_dynamics(machine: &Machine) -> Machine {
+    let mut machine = machine.clone();
+    for axis in &mut machine.settings.axes {
+        (axis.servo.friction, axis.servo.dynamic) = (None, None);
+    }
+    machine.settings.contour.feedback = None;
+    machine.settings.crosstalk.clear();
+    machine
+}
+
+/// The volumetric model asks more of a machine than nine terms do: where it is refused, its own model stays.
+fn volumetric(machine: &Machine) -> Result<Cow<'_, Machine>> {
+    let mut wanted = machine.clone();
+    wanted.settings.compensation.model = ErrorModel::Volumetric;
+    if trueaxis_tables::compile(&wanted).is_ok() {
+        return Ok(Cow::Owned(wanted));
+    }
+    trueaxis_tables::compile(machine)?;
+    Ok(Cow::Borrowed(machine))
+}

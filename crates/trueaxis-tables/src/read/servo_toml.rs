@@ -1,0 +1,91 @@
+//! `[axis.*.drive]`, `[axis.*.friction]`, `[axis.*.dynamic]` and `[contour.feedback]` of `machine.toml`.
+
+use super::machine_toml::{degrees_from_urad, from_um, per_second, same};
+use super::section::Section;
+use crate::error::FileError;
+use trueaxis::machine::{Axis, AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings};
+
+/// Units of an axis in the names of its keys: positions, errors, and the errors to the unit of the core.
+struct Units {
+    unit: &'static str,
+    micro: &'static str,
+    small: fn(f64) -> f64,
+}
+
+impl Units {
+    fn of(axis: Axis) -> Units {
+        match axis.is_rotary() {
+            true => Units { unit: "deg", micro: "urad", small: degrees_from_urad },
+            false => Units { unit: "mm", micro: "um", small: from_um },
+        }
+    }
+}
+
+/// A number that has no default.
+fn required(section: &Section<'_>, key: &str, needed: &str) -> Result<f64, FileError> {
+    Ok(section.number(key)?.ok_or_else(|| section.missing(key, needed))?.value)
+}
+
+/// The sections of an axis that it has.
+pub(super) fn read_axis(section: &Section<'_>, axis: Axis) -> Result<AxisServo, FileError> {
+    let units = Units::of(axis);
+    let drive = section.section("drive")?.map(read_drive).transpose()?;
+    let friction = section.section("friction")?.map(|friction| read_friction(friction, &units)).transpose()?;
+    let dynamic = section.section("dynamic")?.map(|dynamic| read_dynamic(dynamic, axis, &units)).transpose()?;
+    Ok(AxisServo { drive, friction, dynamic })
+}
+
+fn read_drive(section: Section<'_>) -> Result<DriveFigures, FileError> {
+    let mut drive = DriveFigures::with_defaults(
+        required(&section, "position_gain_per_s", "the gain K_v of the position loop, 1/s")?,
+        required(&section, "velocity_gain_per_s", "the gain K_vp of the velocity loop, 1/s")?,
+        required(&section, "reset_time_s", "the reset time of the velocity loop, s")?,
+    );
+    section.store(&mut drive.velocity_feed_forward, "velocity_feed_forward", same)?;
+    section.store(&mut drive.current_loop_s, "current_loop_s", same)?;
+    section.store(&mut drive.dead_time_s, "dead_time_s", same)?;
+    section.finish(None)?;
+    Ok(drive)
+}
+
+fn read_friction(section: Section<'_>, units: &Units) -> Result<FrictionSettings, FileError> {
+    let Units { unit, micro, small } = units;
+    let coulomb = required(&section, &format!("coulomb_{unit}_per_s"), "Coulomb friction over K_vp")?;
+    let presliding =
+        required(&section, &format!("presliding_{micro}"), "the travel over which friction reverses by 63 %")?;
+    let mut friction = FrictionSettings::with_defaults(coulomb, small(presliding));
+    section.store(&mut friction.stribeck_share, "stribeck_share", same)?;
+    section.store(&mut friction.stribeck_velocity_per_s, &format!("stribeck_velocity_{unit}_per_s"), same)?;
+    section.store(&mut friction.viscous, "viscous", same)?;
+    section.store(&mut friction.lead_s, "lead_s", same)?;
+    section.finish(None)?;
+    Ok(friction)
+}
+
+fn read_dynamic(section: Section<'_>, axis: Axis, units: &Units) -> Result<DynamicSettings, FileError> {
+    let Units { unit, micro, small } = units;
+    let mut dynamic = DynamicSettings::with_defaults(axis);
+    let limits = &mut dynamic.limits;
+    section.store(&mut limits.magnitude, &format!("magnitude_{micro}"), small)?;
+    section.store(&mut limits.slope_per_s, &format!("slope_{unit}_per_s"), same)?;
+    section.store(&mut limits.acceleration_per_s2, &format!("acceleration_{unit}_per_s2"), same)?;
+    for (to, key) in
+        [(&mut dynamic.lag, "lag"), (&mut dynamic.acceleration, "acceleration"), (&mut dynamic.take_up, "take_up")]
+    {
+        *to = section.boolean(key)?.unwrap_or(*to);
+    }
+    section.finish(None)?;
+    Ok(dynamic)
+}
+
+/// `[contour.feedback]`; `None` where the file has none.
+pub(super) fn read_feedback(contour: &Section<'_>) -> Result<Option<FeedbackSettings>, FileError> {
+    let Some(section) = contour.section("feedback")? else { return Ok(None) };
+    let mut feedback = FeedbackSettings::default();
+    section.store(&mut feedback.proportional, "proportional", same)?;
+    section.store(&mut feedback.integral_per_s, "integral_per_s", same)?;
+    section.store(&mut feedback.max_feed_per_s, "max_feed_mm_per_min", per_second)?;
+    section.store(&mut feedback.watch_mm, "watch_um", from_um)?;
+    section.finish(None)?;
+    Ok(Some(feedback))
+}

@@ -1,0 +1,232 @@
+//! Drive, friction, dynamic correction, contour feedback and cross-talk in `machine.toml`: read, written, refused.
+
+use std::path::Path;
+use trueaxis::machine::{
+    Axis, CrosstalkSettings, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings, Limits,
+};
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::formats::machine_files;
+
+/// Every key with a value of its own.
+const MACHINE: &str = "\
+name = \"servo\"
+chain = \"w C' X' b Z t\"
+[axis.X]
+table = \"x.csv\"
+travel_mm = [0, 20]
+[axis.X.drive]
+position_gain_per_s = 110
+velocity_gain_per_s = 800
+reset_time_s = 0.006
+velocity_feed_forward = 0.93
+current_loop_s = 0.0003
+dead_time_s = 0.0005
+[axis.X.friction]
+coulomb_mm_per_s = 0.5
+presliding_um = 7.2
+stribeck_share = 0.3
+stribeck_velocity_mm_per_s = 2.5
+viscous = 0.004
+lead_s = 0.0002
+[axis.X.dynamic]
+magnitude_um = 40
+slope_mm_per_s = 0.8
+acceleration_mm_per_s2 = 150
+lag = true
+acceleration = true
+take_up = true
+[axis.C.drive]
+position_gain_per_s = 60
+velocity_gain_per_s = 400
+reset_time_s = 0.01
+[axis.C.friction]
+coulomb_deg_per_s = 0.2
+presliding_urad = 70
+stribeck_velocity_deg_per_s = 3
+[axis.C.dynamic]
+magnitude_urad = 900
+slope_deg_per_s = 2
+acceleration_deg_per_s2 = 250
+[axis.Z.drive]
+position_gain_per_s = 100
+velocity_gain_per_s = 700
+reset_time_s = 0.007
+[contour.feedback]
+proportional = 0.25
+integral_per_s = 8
+max_feed_mm_per_min = 9100
+watch_um = 12
+[[crosstalk]]
+tip = \"X\"
+from = \"Z\"
+k_um_per_m_per_s2 = 1.2
+[[crosstalk]]
+tip = \"Z\"
+from = \"C\"
+over = \"X\"
+table = [[0, 0.3], [10.5, 0.7]]
+";
+
+fn read(text: &str) -> Result<Machine, String> {
+    let files = Memory::new([("machine.toml", text), ("x.csv", "X_mm,EXX_um\n0,1\n20,2\n")]);
+    Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).map_err(|error| error.to_string())
+}
+
+#[test]
+fn every_key_arrives_in_its_unit() {
+    let machine = read(MACHINE).unwrap();
+    let axis = |axis| machine.settings.axis(axis).unwrap().servo;
+    let (x, c, z) = (axis(Axis::X), axis(Axis::C), axis(Axis::Z));
+    assert_eq!(
+        x.drive,
+        Some(DriveFigures {
+            position_gain_per_s: 110.0,
+            velocity_gain_per_s: 800.0,
+            reset_time_s: 0.006,
+            velocity_feed_forward: 0.93,
+            current_loop_s: 0.0003,
+            dead_time_s: 0.0005,
+        })
+    );
+    assert_eq!(
+        x.friction,
+        Some(FrictionSettings {
+            coulomb_per_s: 0.5,
+            stribeck_share: 0.3,
+            stribeck_velocity_per_s: 2.5,
+            presliding: 0.0072,
+            viscous: 0.004,
+            lead_s: 0.0002,
+        })
+    );
+    let limits = Limits { magnitude: 0.04, slope_per_s: 0.8, acceleration_per_s2: 150.0 };
+    assert_eq!(x.dynamic, Some(DynamicSettings { limits, lag: true, acceleration: true, take_up: true }));
+    // What is not given has its default.
+    let drive = z.drive.unwrap();
+    assert_eq!((drive.velocity_feed_forward, drive.current_loop_s, drive.dead_time_s), (0.0, 0.00025, 0.0));
+    assert_eq!((z.friction, z.dynamic), (None, None));
+    let friction = c.friction.unwrap();
+    assert_eq!((friction.coulomb_per_s, friction.presliding), (0.2, 70e-6_f64.to_degrees()));
+    assert_eq!((friction.stribeck_velocity_per_s, friction.stribeck_share, friction.lead_s), (3.0, 0.0, 0.0));
+    let limits = Limits { magnitude: 900e-6_f64.to_degrees(), slope_per_s: 2.0, acceleration_per_s2: 250.0 };
+    assert_eq!(c.dynamic, Some(DynamicSettings { limits, lag: false, acceleration: false, take_up: false }));
+    let max_feed_per_s = 9100.0 / 60.0;
+    assert_eq!(
+        machine.settings.contour.feedback,
+        Some(FeedbackSettings { proportional: 0.25, integral_per_s: 8.0, max_feed_per_s, watch_mm: 0.012 })
+    );
+    // 1 um per m/s2 is 1e-6 s2; 1 um per deg/s2 is 1e-3 mm per deg/s2.
+    let constant = [[0.0, 1.2e-6]].into_iter().collect();
+    let curve = [[0.0, 0.3e-3], [10.5, 0.7e-3]].into_iter().collect();
+    assert_eq!(
+        machine.settings.crosstalk.as_slice(),
+        [
+            CrosstalkSettings { tip: Axis::X, from: Axis::Z, over: Axis::Z, points: constant },
+            CrosstalkSettings { tip: Axis::Z, from: Axis::C, over: Axis::X, points: curve },
+        ]
+    );
+}
+
+#[test]
+fn defaults_are_those_stated() {
+    let text = MACHINE.replace("lag = true\nacceleration = true\ntake_up = true\n", "");
+    let (head, _) = text.split_once("magnitude_um").unwrap();
+    let (_, tail) = text.split_once("[axis.C.drive]").unwrap();
+    let (tail, crosstalk) = (tail.split_once("proportional").unwrap().0, "");
+    let tail = tail.replace("magnitude_urad = 900\nslope_deg_per_s = 2\nacceleration_deg_per_s2 = 250\n", "");
+    let machine = read(&format!("{head}[axis.C.drive]{tail}{crosstalk}")).unwrap();
+    let of = |axis| machine.settings.axis(axis).unwrap().servo.dynamic.unwrap();
+    let limits = |magnitude| Limits { magnitude, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };
+    let off =
+        |magnitude| DynamicSettings { limits: limits(magnitude), lag: false, acceleration: false, take_up: false };
+    assert_eq!(of(Axis::X), off(0.05));
+    assert_eq!(of(Axis::C), off(1000e-6_f64.to_degrees()));
+    let feedback =
+        FeedbackSettings { proportional: 0.3, integral_per_s: 10.0, max_feed_per_s: 10_000.0 / 60.0, watch_mm: 0.01 };
+    assert_eq!(machine.settings.contour.feedback, Some(feedback));
+}
+
+/// The machine again from what is written of it: bit for bit, but for angles that are written as µrad.
+#[test]
+fn what_is_written_is_read_back() {
+    let machine = read(MACHINE).unwrap();
+    let files = machine_files(&machine, "");
+    let files = Memory::new(files.iter().map(|(name, text)| (name, text.as_str())));
+    let mut again = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap();
+    let servo = |machine: &Machine| machine.settings.axis(Axis::C).unwrap().servo;
+    let angles = |machine: &Machine| {
+        let servo = servo(machine);
+        [servo.friction.unwrap().presliding, servo.dynamic.unwrap().limits.magnitude]
+    };
+    for (written, read) in angles(&machine).into_iter().zip(angles(&again)) {
+        assert!((read / written - 1.0).abs() < 1e-15, "{read} {written}");
+    }
+    again.settings.axes.last_mut().unwrap().servo = servo(&machine);
+    assert_eq!(again, machine);
+}
+
+/// What the reader refuses by itself.
+#[test]
+fn wrong_sections_are_refused_at_their_lines() {
+    let line = |text: &str, found: &str| 1 + text.lines().position(|line| line == found).unwrap();
+    for (old, new, at, expected) in [
+        ("reset_time_s = 0.006\n", "", "", "key axis.X.drive.reset_time_s: found nothing, needed the reset time"),
+        ("presliding_um = 7.2\n", "", "", "key axis.X.friction.presliding_um: found nothing, needed the travel"),
+        ("lag = true", "lag = 1", "lag = 1", "key axis.X.dynamic.lag: found 1, needed true or false"),
+        (
+            "watch_um = 12",
+            "watch_mm = 12",
+            "watch_mm = 12",
+            "key contour.feedback.watch_mm: found watch_mm, needed one of proportional, integral_per_s, \
+             max_feed_mm_per_min, watch_um",
+        ),
+        (
+            "presliding_urad = 70",
+            "presliding_um = 70",
+            "",
+            "key axis.C.friction.presliding_urad: found nothing, needed the travel over which friction reverses by 63 %",
+        ),
+        ("[[crosstalk]]\ntip = \"X\"", "[crosstalk]\ntip = \"X\"", "", ""),
+        (
+            "k_um_per_m_per_s2 = 1.2",
+            "",
+            "tip = \"X\"",
+            "key crosstalk.k_um_per_m_per_s2: found nothing, needed a number, or",
+        ),
+        ("from = \"Z\"", "from = \"U\"", "from = \"U\"", "key crosstalk.from: found \"U\", needed an axis, like"),
+        (
+            "over = \"X\"\n",
+            "",
+            "table = [[0, 0.3], [10.5, 0.7]]",
+            "key crosstalk.table: found [[0, 0.3], [10.5, 0.7]], needed the axis over",
+        ),
+        (
+            "[10.5, 0.7]",
+            "[10.5]",
+            "table = [[0, 0.3], [10.5]]",
+            "key crosstalk.table: found [[0, 0.3], [10.5]], needed a list of pairs of numbers",
+        ),
+        ("[[0, 0.3], [10.5, 0.7]]", "[]", "table = []", "key crosstalk.table: found [], needed 1 to 8 pairs"),
+        (
+            "k_um_per_m_per_s2 = 1.2",
+            "k_um_per_m_per_s2 = 1.2\nover = \"X\"",
+            "k_um_per_m_per_s2 = 1.2",
+            "key crosstalk.k_um_per_m_per_s2: found 1.2, needed either a constant, or over and table",
+        ),
+    ] {
+        let text = MACHINE.replacen(old, new, 1);
+        assert_ne!(text, MACHINE, "{old}");
+        let error = read(&text).expect_err(old);
+        let prefix =
+            if at.is_empty() { String::from("machine.toml") } else { format!("machine.toml:{}: ", line(&text, at)) };
+        assert!(error.starts_with(&prefix) && error.contains(expected), "{error}\n{prefix}{expected}");
+    }
+    let many = MACHINE.to_owned() + &"[[crosstalk]]\ntip = \"X\"\nfrom = \"Z\"\nk_um_per_m_per_s2 = 1\n".repeat(5);
+    let error = read(&many).unwrap_err();
+    let last = many.lines().count() - 2;
+    assert_eq!(
+        error,
+        format!("machine.toml:{last}: key crosstalk: found another section [[crosstalk]], needed at most 6")
+    );
+}

@@ -1,0 +1,276 @@
+//! A learned correction: three translations over the path length of one program, read in place from its file.
+//!
+//! Between two parts, the bench learns what is left of the contour error of a program that repeats (`trueaxis learn`). The
+//! host looks the correction up at the path length of its reference and hands it to the step as [`crate::Input::learned`];
+//! the step only adds and limits it.
+//!
+//! All numbers little-endian, all integers, so that nothing in the file can fail to be a number:
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | magic `TRUELRND` |
+//! | 2 | format version, 1 |
+//! | 2 | parts learned from, 1 and up |
+//! | 4 | machine id, as in the table file ([`crate::tcomp::machine_id`]) |
+//! | 4 | program id ([`ProgramId`]) |
+//! | 8 | path length of the program, nm |
+//! | 4 | spacing h of the nodes, nm: 1 to 10⁹ |
+//! | 4 | resolution, pm: 1 to 10⁶ |
+//! | 4 | number of nodes n: the path length over h, rounded up, and one |
+//! | 6 n | nodes: X, Y, Z as i16, in units of the resolution; node k stands at path length k h |
+//! | 4 | CRC-32/ISO-HDLC of everything before |
+//!
+//! Sixteen bits, because they resolve 50 µm, the largest correction that limits let pass by default, to 1.5 nm, below what
+//! any encoder does, in half the memory of single precision. Translations are in machine directions, as added to the
+//! command. Linear between nodes. The first and the last node are zero and so is everything beyond: the correction does
+//! not jump where a program begins or ends.
+
+#![deny(clippy::indexing_slicing)]
+
+mod error;
+mod program;
+
+pub use error::LearnedError;
+pub use program::{POINTS_EVERY_MM, ProgramId};
+
+use crate::real::Real;
+use crate::tcomp::checksum;
+use core::num::NonZeroU64;
+
+/// First eight bytes of the file.
+pub const MAGIC: [u8; 8] = *b"TRUELRND";
+/// Format version.
+pub const VERSION: u16 = 1;
+/// Bytes before the nodes.
+pub const HEADER_BYTES: usize = 40;
+/// Bytes of a node.
+pub const NODE_BYTES: usize = 6;
+/// Widest spacing of the nodes, nm.
+pub const WIDEST_SPACING_NM: u32 = 1_000_000_000;
+/// Coarsest resolution of the nodes, pm.
+pub const COARSEST_RESOLUTION_PM: u32 = 1_000_000;
+/// Path lengths of a program that differ by no more are the same, nm.
+pub const LENGTH_TOLERANCE_NM: u64 = 1_000;
+
+/// Everything of the file but its nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LearnedHeader {
+    /// Parts learned from.
+    pub parts: u16,
+    /// Id of the machine, [`crate::tcomp::machine_id`].
+    pub machine_id: u32,
+    /// Id of the program, [`ProgramId`].
+    pub program_id: u32,
+    /// Path length of the program, nm.
+    pub length_nm: u64,
+    /// Spacing of the nodes, nm.
+    pub spacing_nm: u32,
+    /// Correction that a node's 1 stands for, pm.
+    pub resolution_pm: u32,
+}
+
+impl LearnedHeader {
+    /// Number of nodes: the path length over the spacing, rounded up, and one. None for a spacing of zero.
+    pub fn nodes(&self) -> Option<u64> {
+        let spacing = NonZeroU64::new(self.spacing_nm.into())?;
+        Some(self.length_nm.div_ceil(spacing.get()).saturating_add(1))
+    }
+
+    /// The header's bytes in the file.
+    pub fn to_bytes(&self) -> [u8; HEADER_BYTES] {
+        let nodes = u32::try_from(self.nodes().unwrap_or(0)).unwrap_or(u32::MAX);
+        let mut bytes = [0; HEADER_BYTES];
+        let fields = MAGIC
+            .into_iter()
+            .chain(VERSION.to_le_bytes())
+            .chain(self.parts.to_le_bytes())
+            .chain(self.machine_id.to_le_bytes())
+            .chain(self.program_id.to_le_bytes())
+            .chain(self.length_nm.to_le_bytes())
+            .chain(self.spacing_nm.to_le_bytes())
+            .chain(self.resolution_pm.to_le_bytes())
+            .chain(nodes.to_le_bytes());
+        bytes.iter_mut().zip(fields).for_each(|(byte, field)| *byte = field);
+        bytes
+    }
+}
+
+/// A learned correction, checked; its nodes stay where the bytes are.
+///
+/// `R` is the scalar of the step that it goes to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Learned<'a, R> {
+    header: LearnedHeader,
+    spacing: NonZeroU64,
+    nodes: &'a [[u8; NODE_BYTES]],
+    crc: u32,
+    /// mm in a node's 1.
+    resolution_mm: R,
+    /// Nodes in a nanometre.
+    per_nm: R,
+}
+
+fn split<const N: usize>(bytes: &[u8]) -> Result<([u8; N], &[u8]), LearnedError> {
+    bytes.split_first_chunk().map(|(first, rest)| (*first, rest)).ok_or(LearnedError::TooShort)
+}
+
+fn counts(node: &[u8; NODE_BYTES]) -> [i16; 3] {
+    let [x, xx, y, yy, z, zz] = *node;
+    [i16::from_le_bytes([x, xx]), i16::from_le_bytes([y, yy]), i16::from_le_bytes([z, zz])]
+}
+
+impl<'a, R: Real> Learned<'a, R> {
+    /// Reads and checks a whole file: its form, its sum, its figures.
+    ///
+    /// Allocates nothing and never panics, whatever the bytes. Cost: linear in the file's length.
+    ///
+    /// # Errors
+    /// The first defect found.
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, LearnedError> {
+        let (magic, rest) = split::<8>(bytes)?;
+        if magic != MAGIC {
+            return Err(LearnedError::Magic);
+        }
+        let (version, rest) = split::<2>(rest)?;
+        if u16::from_le_bytes(version) != VERSION {
+            return Err(LearnedError::Version);
+        }
+        let (header, count, rest) = header(rest)?;
+        let length = usize::try_from(count).ok().and_then(|count| count.checked_mul(NODE_BYTES));
+        let (nodes, sum) = length.and_then(|length| rest.split_at_checked(length)).ok_or(LearnedError::TooShort)?;
+        let (sum, behind) = split::<4>(sum)?;
+        if !behind.is_empty() {
+            return Err(LearnedError::TooLong);
+        }
+        let crc = u32::from_le_bytes(sum);
+        if bytes.get(..bytes.len().saturating_sub(4)).map(checksum) != Some(crc) {
+            return Err(LearnedError::Checksum);
+        }
+        let spacing = NonZeroU64::new(header.spacing_nm.into()).ok_or(LearnedError::Spacing(0))?;
+        check(&header, count)?;
+        let nodes = nodes.as_chunks::<NODE_BYTES>().0;
+        if [nodes.first(), nodes.last()].into_iter().flatten().any(|node| counts(node) != [0; 3]) {
+            return Err(LearnedError::Ends);
+        }
+        Ok(Learned {
+            header,
+            spacing,
+            nodes,
+            crc,
+            resolution_mm: R::of(1e-9 * f64::from(header.resolution_pm)),
+            per_nm: R::of(1.0 / f64::from(header.spacing_nm)),
+        })
+    }
+
+    /// Refuses the correction for any program but the one that it was learned on: `id` as of [`ProgramId`], path length in
+    /// mm within [`LENGTH_TOLERANCE_NM`].
+    ///
+    /// # Errors
+    /// [`LearnedError::WrongProgram`], [`LearnedError::WrongLength`], with both figures.
+    pub fn expect_program(&self, id: u32, length_mm: f64) -> Result<(), LearnedError> {
+        if id != self.header.program_id {
+            return Err(LearnedError::WrongProgram { found: self.header.program_id, needed: id });
+        }
+        let needed = nanometres(length_mm);
+        if self.header.length_nm.abs_diff(needed) > LENGTH_TOLERANCE_NM {
+            return Err(LearnedError::WrongLength { found_nm: self.header.length_nm, needed_nm: needed });
+        }
+        Ok(())
+    }
+
+    /// Refuses the correction on any machine but the one with this id.
+    ///
+    /// # Errors
+    /// [`LearnedError::WrongMachine`], with both.
+    pub fn expect_machine(&self, id: u32) -> Result<(), LearnedError> {
+        let found = self.header.machine_id;
+        if found == id { Ok(()) } else { Err(LearnedError::WrongMachine { found, needed: id }) }
+    }
+
+    /// Correction in X, Y, Z at a path length in mm, mm; zero beyond the ends, and for what is no number.
+    ///
+    /// For hosts with double precision; [`Learned::at_nm`] computes in integers and `R` alone.
+    #[inline]
+    pub fn at(&self, length_mm: f64) -> [R; 3] {
+        self.at_nm(nanometres(length_mm))
+    }
+
+    /// Correction in X, Y, Z at a path length in nm, mm; zero beyond the end.
+    ///
+    /// One integer division, two nodes, linear between them. But for rounding never larger than the larger of the two; no panic.
+    #[inline]
+    pub fn at_nm(&self, length_nm: u64) -> [R; 3] {
+        let (cell, rest) = (length_nm / self.spacing, length_nm % self.spacing);
+        let cell = usize::try_from(cell).unwrap_or(usize::MAX);
+        let next = cell.saturating_add(1);
+        let (Some(here), Some(ahead)) = (self.nodes.get(cell), self.nodes.get(next)) else { return [R::ZERO; 3] };
+        // Below the widest spacing, which fits.
+        let share = R::of_i32(rest as i32) * self.per_nm;
+        let ([x, y, z], [xx, yy, zz]) = (counts(here), counts(ahead));
+        [(x, xx), (y, yy), (z, zz)].map(|(here, ahead)| {
+            let (here, ahead) = (R::of_i32(here.into()), R::of_i32(ahead.into()));
+            self.resolution_mm * (here + share * (ahead - here))
+        })
+    }
+
+    /// The nodes in order, mm.
+    pub fn nodes(&self) -> impl ExactSizeIterator<Item = [R; 3]> + '_ {
+        self.nodes.iter().map(|node| counts(node).map(|count| self.resolution_mm * R::of_i32(count.into())))
+    }
+
+    /// Everything but the nodes.
+    pub fn header(&self) -> &LearnedHeader {
+        &self.header
+    }
+
+    /// The sum at the end of the file.
+    pub fn crc(&self) -> u32 {
+        self.crc
+    }
+}
+
+/// Zero for what is negative or no number; saturates.
+#[inline]
+fn nanometres(length_mm: f64) -> u64 {
+    (length_mm * 1e6 + 0.5) as u64
+}
+
+fn header(bytes: &[u8]) -> Result<(LearnedHeader, u32, &[u8]), LearnedError> {
+    let (parts, rest) = split::<2>(bytes)?;
+    let (machine_id, rest) = split::<4>(rest)?;
+    let (program_id, rest) = split::<4>(rest)?;
+    let (length_nm, rest) = split::<8>(rest)?;
+    let (spacing_nm, rest) = split::<4>(rest)?;
+    let (resolution_pm, rest) = split::<4>(rest)?;
+    let (count, rest) = split::<4>(rest)?;
+    let header = LearnedHeader {
+        parts: u16::from_le_bytes(parts),
+        machine_id: u32::from_le_bytes(machine_id),
+        program_id: u32::from_le_bytes(program_id),
+        length_nm: u64::from_le_bytes(length_nm),
+        spacing_nm: u32::from_le_bytes(spacing_nm),
+        resolution_pm: u32::from_le_bytes(resolution_pm),
+    };
+    Ok((header, u32::from_le_bytes(count), rest))
+}
+
+fn check(header: &LearnedHeader, count: u32) -> Result<(), LearnedError> {
+    if !(1..=WIDEST_SPACING_NM).contains(&header.spacing_nm) {
+        return Err(LearnedError::Spacing(header.spacing_nm));
+    }
+    if !(1..=COARSEST_RESOLUTION_PM).contains(&header.resolution_pm) {
+        return Err(LearnedError::Resolution(header.resolution_pm));
+    }
+    if header.parts == 0 {
+        return Err(LearnedError::Parts);
+    }
+    let needed = header.nodes().unwrap_or(0);
+    // Two nodes at least: a path has a length.
+    if header.length_nm == 0 || u64::from(count) != needed {
+        return Err(LearnedError::Nodes { found: count, needed });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;
