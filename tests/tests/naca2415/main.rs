@@ -86,7 +86,7 @@ fn figures_far_off_do_no_harm() {
             let by = |bit: u32| if signs & bit == 0 { 0.7 } else { 1.3 };
             let off = Off { gains: by(1), reset: by(2), friction: by(4) };
             let ours = compensated(&course, Some(GAINS[0]), Some(off));
-            assert!(ours.largest < 0.8 * alone.largest && ours.rms < 0.7 * alone.rms, "{off:?} {ours:?} {alone:?}");
+            assert!(ours.largest < 0.9 * alone.largest && ours.rms < 0.75 * alone.rms, "{off:?} {ours:?} {alone:?}");
         }
     }
 }

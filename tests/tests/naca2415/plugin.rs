@@ -92,7 +92,11 @@ impl<'s> Plugin<'s> {
 }
 
 /// Builds the servo loop of a machine for a course.
-pub(crate) fn with_servo<T>(machine: &MachineSettings, course: &Course, user: impl FnOnce(&HostServo<'_, 3>) -> T) -> T {
+pub(crate) fn with_servo<T>(
+    machine: &MachineSettings,
+    course: &Course,
+    user: impl FnOnce(&HostServo<'_, 3>) -> T,
+) -> T {
     let period_ns = (course.period_s * 1e9).round() as u32;
     let config =
         Config { machine, machine_id: 0, tables_crc: 0, period_ns, inverse_passes: 1, method: Method::Guarded };
