@@ -13,7 +13,8 @@ use std::hint::black_box;
 use trueaxis::Output;
 use trueaxis_benches::adversarial::{self, Adversarial};
 use trueaxis_benches::step;
-use trueaxis_recording::adversary::CYCLES;
+use trueaxis_recording::adversary::{CYCLES, DYNAMIC_CYCLES};
+use trueaxis_recording::outputs::Wire;
 
 type Out = Output<f64, f64, 3>;
 
@@ -30,7 +31,10 @@ fn counted_adversarial(cycle: &mut adversarial::Cycle<'_, f64>, output: &mut Out
     black_box(output);
 }
 
-fn print_digests(scalar: &str, [bare, gauged, volumetric]: [u32; 3]) {
+fn print_digests<R: Wire>(scalar: &str) {
+    let all = Adversarial::<R>::default();
+    let ([bare, gauged, volumetric], dynamic) = (all.digests(CYCLES), all.dynamic_digest(DYNAMIC_CYCLES));
+    println!("{scalar} dynamic digest of {DYNAMIC_CYCLES} cycles: {dynamic:08x}");
     println!("{scalar} digests of {CYCLES} cycles: {bare:08x} {gauged:08x} {volumetric:08x}");
 }
 
@@ -59,8 +63,8 @@ fn main() {
             }
         }
         (Some("digest"), []) => {
-            print_digests("f32", Adversarial::<f32>::default().digests(CYCLES));
-            print_digests("f64", Adversarial::<f64>::default().digests(CYCLES));
+            print_digests::<f32>("f32");
+            print_digests::<f64>("f64");
         }
         (Some("replay"), &[number]) => {
             let all = Adversarial::<f64>::default();
