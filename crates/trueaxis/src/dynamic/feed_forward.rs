@@ -1,6 +1,6 @@
 //! Feed-forward of an axis: friction, lag and acceleration as the position offset that makes the drive supply them.
 //!
-//! With v the velocity of command and geometric correction, a the acceleration of the command, T the period and the drive figures of the axis, in velocities (a
+//! With v the velocity of command and geometric correction, a their acceleration, T the period and the drive figures of the axis, in velocities (a
 //! force divided by the moved mass and K_vp):
 //!
 //! ```text
@@ -121,11 +121,11 @@ impl<R: Real> FeedForward<R> {
         law
     }
 
-    /// The offset of a cycle in which the axis is to move by `way`; `change`: by how much its command moves on further than
-    /// in the cycle before. `anew`: what the force is now, the drive supplies already.
+    /// The offset of a cycle in which the axis is to move by `way`; `change`: by how much command and geometric correction move
+    /// on further than in the cycle before. `anew`: what the force is now, the drive supplies already.
     ///
-    /// The acceleration is that of the command alone: the geometric correction takes up lost motion in steps, and what a
-    /// limiter holds back of it comes back through this law with a gain above 1.
+    /// `change` does not know what the limiter of the axis holds back: that would come back through this law with a gain of
+    /// 1/(K_vp T), above 1.
     #[inline(always)]
     pub(super) fn offset(&self, state: &mut Drift<R>, (way, change): (R, R), parts: Dynamics, anew: bool) -> R {
         let ahead = way + change * self.lead;

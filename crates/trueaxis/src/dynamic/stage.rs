@@ -8,8 +8,8 @@ use super::feedback::Feedback;
 use super::watch::Watch;
 use super::{DynamicParts, DynamicState, Dynamics};
 use crate::error::ConfigError;
-use crate::limiter::Limiter;
-use crate::machine::{AxisOrder, DynamicSettings, MachineSettings};
+use crate::limiter::{Limiter, LimiterState};
+use crate::machine::{AxisOrder, AxisSettings, DynamicSettings, Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -19,6 +19,8 @@ use crate::sample::{Sample, Verdict};
 struct Act<R> {
     law: FeedForward<R>,
     limiter: Limiter<R>,
+    /// Leads the geometric correction in no faster than the feed-forward of the acceleration can follow.
+    lead: Limiter<R>,
     /// Lost motion is taken up from the reversal of the command.
     takes_up: bool,
     /// Moves the tip by the feedback.
@@ -35,10 +37,12 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
 
 /// What a cycle brings.
 pub(crate) struct Moment<'m, R, P, const N: usize> {
-    /// Command plus the geometric correction sent last.
+    /// Command plus the geometric correction that is led in.
     pub(crate) place: &'m [P; N],
     /// Change of the command since the last cycle.
     pub(crate) ways: &'m [R; N],
+    /// By how much the geometric correction moves on further than in the cycle before.
+    pub(crate) starts: &'m [R; N],
     /// Contour error of the tip in machine directions, where it can be acted on.
     pub(crate) error: Option<[R; 3]>,
     /// Axes that were limited in the last cycle.
@@ -61,7 +65,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let crosstalk = Crosstalk::new(order, machine, period_s)?;
         let mut any = feedback.is_some() || !machine.crosstalk.is_empty();
         let idle = Limiter::new(&DynamicSettings::with_defaults(crate::axis::Axis::X).limits, period_s)?;
-        let mut axes = [Act { law: FeedForward::none(), limiter: idle, takes_up: false, is_linear: false }; N];
+        let mut axes = [Act { law: FeedForward::none(), limiter: idle, lead: idle, takes_up: false, is_linear: false }; N];
         for (act, settings) in axes.iter_mut().zip(order.settings(machine)) {
             let Some(settings) = settings else { continue };
             let servo = &settings.servo;
@@ -69,11 +73,29 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             let dynamic = servo.dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
             let limiter = Limiter::new(&dynamic.limits, period_s).map_err(|error| error.on(settings.axis))?;
             let law = FeedForward::new(servo, &dynamic, period_s);
-            *act = Act { law, limiter, takes_up: dynamic.take_up, is_linear: !settings.axis.is_rotary() };
+            let own = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
+            // So slow that the scalar cannot hold it: as fast as the axis may.
+            let lead = Limiter::new(&lead_limits(settings, &dynamic), period_s).unwrap_or(own);
+            let is_linear = !settings.axis.is_rotary();
+            *act = Act { law, limiter, lead, takes_up: dynamic.take_up, is_linear };
         }
         let feedback = feedback.map(|settings| (Feedback::new(settings, period_s), Watch::new(settings, period_s)));
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
         Ok(any.then_some(DynamicStage { axes, feedback, crosstalk }))
+    }
+
+    /// Leads the geometric corrections in; a bit for every axis that is not there yet.
+    pub(crate) fn lead(&self, led: &mut [LimiterState<R>; N], wanted: &[R; N], verdict: Verdict) -> u8 {
+        let mut flags = 0;
+        for (slot, ((act, led), wanted)) in self.axes.iter().zip(led).zip(wanted).enumerate() {
+            match verdict {
+                Verdict::Active => flags |= u8::from(act.lead.follow(led, *wanted)) << (slot & 7),
+                Verdict::Inactive => flags |= u8::from(act.lead.follow(led, R::ZERO)) << (slot & 7),
+                Verdict::Freeze => act.lead.freeze(led),
+                Verdict::Hold | Verdict::Nowhere => act.lead.hold(led),
+            }
+        }
+        flags
     }
 
     /// Whether an axis takes up its lost motion from the reversal of the command.
@@ -134,9 +156,9 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         state.parts = sample.dynamics;
         let mut changes = [R::ZERO; N];
         let motion = state.drift.iter_mut().zip(&mut state.place).zip(moment.place);
-        let commands = state.trend.iter_mut().zip(moment.ways).zip(&mut changes);
+        let commands = state.trend.iter_mut().zip(moment.ways).zip(moment.starts.iter().zip(&mut changes));
         let laws = self.axes.iter().zip(&mut parts.feed_forward);
-        for ((((drift, before), place), ((trend, commanded), change)), (act, wanted)) in motion.zip(commands).zip(laws) {
+        for ((((drift, before), place), ((trend, commanded), (start, change))), (act, wanted)) in motion.zip(commands).zip(laws) {
             let was = drift.velocity();
             let way = if fresh {
                 R::ZERO
@@ -148,7 +170,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             };
             *before = *place;
             if !fresh && !moment.late {
-                *change = *commanded - *trend;
+                *change = *commanded - *trend + *start;
                 *trend = *commanded;
             }
             *wanted = act.law.offset(drift, (way, *change), sample.dynamics, anew);
@@ -197,5 +219,19 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             // Led out by the limiters, from this cycle on.
             state.integral = [R::ZERO; N];
         }
+    }
+}
+
+/// Limits of an axis' geometric correction where the acceleration is fed forward: it accelerates no more than friction
+/// brakes. Led in faster, the step in which lost motion is taken up overshoots, and the carriage on its way back takes up some
+/// of the play the other way, which no reading shows.
+fn lead_limits(settings: &AxisSettings, dynamic: &DynamicSettings) -> Limits {
+    match (&settings.servo.drive, &settings.servo.friction) {
+        (Some(drive), Some(friction)) if dynamic.acceleration => {
+            let braking = friction.coulomb_per_s * drive.velocity_gain_per_s;
+            let acceleration_per_s2 = settings.limits.acceleration_per_s2.min(braking);
+            Limits { acceleration_per_s2, ..settings.limits }
+        }
+        _ => settings.limits,
     }
 }

@@ -61,20 +61,31 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             *way = command.since_near(*last);
         }
         self.take_up(stage, state, sample, &ways);
-        let place = self.place(state, sample.command);
+        let mut starts = state.dynamic.led_mut().map(|led| -led.velocity());
+        let mut limited = 0;
+        if !sample.first {
+            limited = stage.lead(state.dynamic.led_mut(), geometric, sample.verdict);
+        }
+        let led = *state.dynamic.led_mut();
+        let mut place = *sample.command;
+        for ((place, start), led) in place.iter_mut().zip(&mut starts).zip(&led) {
+            *place = place.moved(P::offset(led.sent()));
+            *start += led.velocity();
+        }
         let usable = record.tip.flags == Flags::BRACKETED;
         let moment = Moment {
             place: &place,
             ways: &ways,
+            starts: &starts,
             error: usable.then(|| error.into()),
             limited: state.limited,
             late: sample.fault == Fault::LateCycle,
         };
         let before = *state.dynamic.limited();
-        let (mut parts, limited) = stage.act(&mut state.dynamic, sample, &moment);
+        let (mut parts, flags) = stage.act(&mut state.dynamic, sample, &moment);
+        limited |= flags;
         // A correction that is frozen goes on with the dynamic part, which knows the command.
-        let frozen = sample.verdict == Verdict::Freeze;
-        let mut wanted = if frozen { *state.dynamic.geometric() } else { *geometric };
+        let mut wanted = led.map(|led| led.sent());
         for (wanted, sent) in wanted.iter_mut().zip(&parts.sent) {
             *wanted += *sent;
         }
