@@ -7,6 +7,7 @@ use super::feed_forward::FeedForward;
 use super::feedback::Feedback;
 use super::watch::Watch;
 use super::{DynamicParts, DynamicState, Dynamics};
+use crate::check::of_dynamic;
 use crate::error::ConfigError;
 use crate::limiter::Limiter;
 use crate::machine::{AxisOrder, DynamicSettings, MachineSettings};
@@ -65,7 +66,8 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             let servo = &settings.servo;
             any |= servo.friction.is_some() || servo.dynamic.is_some();
             let dynamic = servo.dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
-            let limiter = Limiter::new(&dynamic.limits, period_s).map_err(|error| error.on(settings.axis))?;
+            let limiter =
+                Limiter::new(&dynamic.limits, period_s).map_err(|error| of_dynamic(error).on(settings.axis))?;
             let law = FeedForward::new(servo, &dynamic, period_s);
             *act = Act { law, limiter, takes_up: dynamic.take_up, is_linear: !settings.axis.is_rotary() };
         }
