@@ -56,19 +56,18 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         record: &mut Record<R, P, N>,
     ) -> Applied {
         self.take_up(stage, state, sample);
-        let place = self.place(state, sample.command);
+        // A correction that is frozen goes on with the dynamic part, which knows the command.
+        let frozen = sample.verdict == Verdict::Freeze;
+        let mut wanted = if frozen { *state.dynamic.geometric() } else { *geometric };
         let usable = record.tip.flags == Flags::BRACKETED;
         let moment = Moment {
-            place: &place,
+            geometric: &wanted,
             error: usable.then(|| error.into()),
             limited: state.limited,
             late: sample.fault == Fault::LateCycle,
         };
         let before = *state.dynamic.limited();
         let (mut parts, limited) = stage.act(&mut state.dynamic, sample, &moment);
-        // A correction that is frozen goes on with the dynamic part, which knows the command.
-        let frozen = sample.verdict == Verdict::Freeze;
-        let mut wanted = if frozen { *state.dynamic.geometric() } else { *geometric };
         for (wanted, sent) in wanted.iter_mut().zip(&parts.sent) {
             *wanted += *sent;
         }
