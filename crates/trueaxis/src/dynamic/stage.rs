@@ -7,6 +7,7 @@ use super::feed_forward::FeedForward;
 use super::feedback::Feedback;
 use super::watch::{Swing, Watch};
 use super::{DynamicParts, DynamicState, Dynamics};
+use crate::check::of_dynamic;
 use crate::error::ConfigError;
 use crate::limiter::{Limiter, LimiterState};
 use crate::machine::{AxisOrder, AxisSettings, DynamicSettings, Limits, MachineSettings};
@@ -69,7 +70,8 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             let servo = &settings.servo;
             any |= servo.friction.is_some() || servo.dynamic.is_some();
             let dynamic = servo.dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
-            let limiter = Limiter::new(&dynamic.limits, period_s).map_err(|error| error.on(settings.axis))?;
+            let limiter =
+                Limiter::new(&dynamic.limits, period_s).map_err(|error| of_dynamic(error).on(settings.axis))?;
             let law = FeedForward::new(servo, &dynamic, period_s);
             let own = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
             // So slow that the scalar cannot hold it: as fast as the axis may.
