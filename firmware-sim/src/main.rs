@@ -7,6 +7,7 @@ mod ball_test_text;
 mod bench_command;
 mod compare_command;
 mod console;
+mod friction;
 mod grind;
 mod grinding_text;
 mod learn;
@@ -74,6 +75,12 @@ enum Command {
     ///
     /// C turns a full circle, A a quarter, with three set-ups of the ball each. Linear axes are taken for perfect.
     Rtcp(rtcp::RtcpArgs),
+    /// Record circles, find the friction of X and Y in them, configure its feed-forward, record again, and show the spikes
+    /// at reversals before and after.
+    ///
+    /// Two feeds, each in both directions, with the encoders' subdivisional error, noise and counts. Geometry is corrected
+    /// in both records; of the dynamic parts only friction is on in the second.
+    Friction(friction::FrictionArgs),
     /// Record what the step is given in every cycle of a run, for the bare-metal image.
     ///
     /// Positions are rounded to 1e-6 mm. A machine file with [roundness] adds a workpiece that turns at three probes.
@@ -101,6 +108,7 @@ fn main() -> ExitCode {
         Some(Command::Grind(args)) => grind::grind(&args),
         Some(Command::Learn(args)) => learn::learn(&args),
         Some(Command::Rtcp(args)) => rtcp::rtcp(&args),
+        Some(Command::Friction(args)) => friction::friction(&args),
         Some(Command::Record(args)) => record::record(&args),
         Some(Command::Compare(args)) => match compare_command::compare(&args) {
             Ok(false) => return ExitCode::FAILURE,

@@ -8,6 +8,7 @@ mod compensate;
 mod contour;
 mod correct;
 mod csv_in;
+mod friction;
 mod helicoid;
 mod identify;
 mod kinematics;
@@ -68,6 +69,9 @@ enum Command {
     /// Six errors of a rotary axis from a ball measured under RTCP.
     #[command(after_help = identify::HELP)]
     Identify(identify::Arguments),
+    /// Friction of two axes, and their drives' figures, from recorded circles.
+    #[command(after_help = friction::HELP)]
+    Friction(friction::Arguments),
     /// Correction over path length for the next part of a program, from the contour error of the last.
     #[command(after_help = learn::HELP)]
     Learn(learn::Arguments),
@@ -85,6 +89,7 @@ fn main() -> ExitCode {
         Command::Kinematics(command) => kinematics::run(command),
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Friction(arguments) => friction::run(&arguments),
         Command::Learn(arguments) => learn::run(&arguments),
     };
     output::exit_code(result)

@@ -2,6 +2,7 @@
 //! inputs can be changed, has a script.
 
 pub(crate) mod circle;
+pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
 pub(crate) mod learn;

@@ -5,7 +5,7 @@
 use super::crosstalk::Crosstalk;
 use super::feed_forward::FeedForward;
 use super::feedback::Feedback;
-use super::watch::Watch;
+use super::watch::{Swing, Watch};
 use super::{DynamicParts, DynamicState, Dynamics};
 use crate::error::ConfigError;
 use crate::limiter::Limiter;
@@ -34,11 +34,9 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
 }
 
 /// What a cycle brings.
-pub(crate) struct Moment<'m, R, P, const N: usize> {
-    /// Command plus the geometric correction sent last.
-    pub(crate) place: &'m [P; N],
-    /// Change of the command since the last cycle.
-    pub(crate) ways: &'m [R; N],
+pub(crate) struct Moment<'m, R, const N: usize> {
+    /// The geometric correction that is wanted.
+    pub(crate) geometric: &'m [R; N],
     /// Contour error of the tip in machine directions, where it can be acted on.
     pub(crate) error: Option<[R; 3]>,
     /// Axes that were limited in the last cycle.
@@ -86,13 +84,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
-        moment: &Moment<'_, R, P, N>,
+        moment: &Moment<'_, R, N>,
     ) -> (DynamicParts<R, N>, u8) {
         let mut parts = DynamicParts::none();
         match sample.verdict {
             _ if sample.first => state.rest(),
-            Verdict::Active | Verdict::Freeze => self.want(state, sample, moment, &mut parts),
-            Verdict::Inactive => state.reset(),
+            Verdict::Active | Verdict::Freeze => self.want(state, sample, moment, sample.dynamics, &mut parts),
+            // Switched off, friction is followed all the same, for a part that is switched on in motion.
+            Verdict::Inactive => self.want(state, sample, moment, Dynamics::NONE, &mut parts),
             Verdict::Hold | Verdict::Nowhere => {
                 let limiters = self.axes.iter().zip(&mut state.limited);
                 limiters.for_each(|(act, limited)| act.limiter.hold(limited));
@@ -125,39 +124,40 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
-        moment: &Moment<'_, R, P, N>,
+        moment: &Moment<'_, R, N>,
+        on: Dynamics,
         parts: &mut DynamicParts<R, N>,
     ) {
         let fresh = core::mem::replace(&mut state.fresh, false);
         // What is switched on in motion, the drive supplies already.
-        let anew = fresh || state.parts != sample.dynamics;
-        state.parts = sample.dynamics;
+        let anew = fresh || state.parts != on;
+        state.parts = on;
         let mut changes = [R::ZERO; N];
-        let motion = state.drift.iter_mut().zip(&mut state.place).zip(moment.place);
-        let commands = state.trend.iter_mut().zip(moment.ways).zip(&mut changes);
+        let memory = state.drift.iter_mut().zip(&mut state.command).zip(&mut state.wanted);
+        let moved = sample.command.iter().zip(moment.geometric).zip(&mut changes);
         let laws = self.axes.iter().zip(&mut parts.feed_forward);
-        for ((((drift, before), place), ((trend, commanded), change)), (act, wanted)) in motion.zip(commands).zip(laws) {
+        for ((((drift, before), wanted_before), ((command, geometric), change)), (act, offset)) in
+            memory.zip(moved).zip(laws)
+        {
             let was = drift.velocity();
-            let way = if fresh {
-                R::ZERO
+            let (way, slide) = if fresh {
+                (R::ZERO, R::ZERO)
             } else if moment.late {
                 // Several periods in one: the axis goes on as it went.
-                was
+                (was, was)
             } else {
-                place.since_near(*before)
+                let way = command.since_near(*before);
+                (way, way + (*geometric - *wanted_before))
             };
-            *before = *place;
-            if !fresh && !moment.late {
-                *change = *commanded - *trend;
-                *trend = *commanded;
-            }
-            *wanted = act.law.offset(drift, (way, *change), sample.dynamics, anew);
+            (*before, *wanted_before) = (*command, *geometric);
+            *change = way - was;
+            *offset = act.law.offset(drift, way, slide, on, anew);
         }
-        self.feed_back(state, sample, moment, &mut parts.feedback);
-        if let (Some(crosstalk), true) = (&self.crosstalk, sample.dynamics.has(Dynamics::CROSSTALK)) {
-            crosstalk.subtract(&mut parts.crosstalk, &changes, moment.place);
+        self.feed_back(state, sample, moment, on, &mut parts.feedback);
+        if let (Some(crosstalk), true) = (&self.crosstalk, on.has(Dynamics::CROSSTALK)) {
+            crosstalk.subtract(&mut parts.crosstalk, &changes, sample.command);
         }
-        if sample.dynamics.has(Dynamics::LEARNED) {
+        if on.has(Dynamics::LEARNED) {
             for (wanted, learned) in parts.learned.iter_mut().zip(sample.learned) {
                 if learned.is_usable() {
                     *wanted = learned.since_near(P::default());
@@ -172,11 +172,15 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
-        moment: &Moment<'_, R, P, N>,
+        moment: &Moment<'_, R, N>,
+        on: Dynamics,
         wanted: &mut [R; N],
     ) {
         let Some((feedback, watch)) = &self.feedback else { return };
-        if state.out || !sample.dynamics.has(Dynamics::FEEDBACK) {
+        if !on.has(Dynamics::FEEDBACK) || sample.reset {
+            (state.swing, state.out) = ([Swing::default(); N], false);
+        }
+        if !on.has(Dynamics::FEEDBACK) || state.out {
             state.integral = [R::ZERO; N];
             return;
         }
@@ -184,9 +188,10 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
         let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active);
         let errors = error.unwrap_or_default();
+        // One axis that cannot follow throws the tool off in the directions of all: none of them learns from that.
+        let limited = moment.limited != 0;
         let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
-        for (slot, ((((act, integral), swing), wanted), e)) in axes.zip(errors).enumerate() {
-            let limited = (moment.limited >> (slot & 7)) & 1 == 1;
+        for ((((act, integral), swing), wanted), e) in axes.zip(errors) {
             *wanted = feedback.offset(integral, error.map(|_| e), limited, act.limiter.magnitude());
             if error.is_some() {
                 state.out |= watch.swings(swing, e);

@@ -22,8 +22,9 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) parts: Dynamics,
     /// The next cycle starts from rest: ways are counted from there.
     pub(super) fresh: bool,
-    /// Command plus geometric correction that the last way led to.
-    pub(super) place: [P; N],
+    /// Command that the last way led to, and the geometric correction that was wanted there.
+    pub(super) command: [P; N],
+    pub(super) wanted: [R; N],
     /// Change of the command in the last cycle.
     pub(super) trend: [R; N],
     /// Geometric correction sent last, mm (deg), as positions add it, and where it led.
@@ -45,7 +46,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             out: false,
             parts: Dynamics::NONE,
             fresh: true,
-            place: [P::default(); N],
+            command: [P::default(); N],
+            wanted: [R::ZERO; N],
             trend: [R::ZERO; N],
             geometric: [R::ZERO; N],
             offsets: [P::offset(R::ZERO); N],
@@ -93,14 +95,6 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.drift.iter_mut().for_each(Drift::stand);
     }
 
-    /// Switched off: whatever was learned of friction and error is forgotten.
-    pub(super) fn reset(&mut self) {
-        self.drift = [Drift::default(); N];
-        self.integral = [R::ZERO; N];
-        self.swing = [Swing::default(); N];
-        (self.out, self.fresh) = (false, true);
-    }
-
     /// The limiters.
     pub(crate) fn limited(&self) -> &[LimiterState<R>; N] {
         &self.limited
@@ -126,8 +120,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
 
     /// Changes of the commands in the last cycle.
     #[inline(always)]
-    pub(crate) fn trend(&self) -> &[R; N] {
-        &self.trend
+    pub(crate) fn trend_mut(&mut self) -> &mut [R; N] {
+        &mut self.trend
     }
 
     /// The watch has led the feedback out.

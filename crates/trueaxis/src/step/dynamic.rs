@@ -55,26 +55,19 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         (drive, feedback): (&mut [P; N], &mut [P; N]),
         record: &mut Record<R, P, N>,
     ) -> Applied {
-        let commanded = state.sample.commanded();
-        let mut ways = [R::ZERO; N];
-        for (way, (command, last)) in ways.iter_mut().zip(sample.command.iter().zip(&commanded)) {
-            *way = command.since_near(*last);
-        }
-        self.take_up(stage, state, sample, &ways);
-        let place = self.place(state, sample.command);
+        self.take_up(stage, state, sample);
+        // A correction that is frozen goes on with the dynamic part, which knows the command.
+        let frozen = sample.verdict == Verdict::Freeze;
+        let mut wanted = if frozen { *state.dynamic.geometric() } else { *geometric };
         let usable = record.tip.flags == Flags::BRACKETED;
         let moment = Moment {
-            place: &place,
-            ways: &ways,
+            geometric: &wanted,
             error: usable.then(|| error.into()),
             limited: state.limited,
             late: sample.fault == Fault::LateCycle,
         };
         let before = *state.dynamic.limited();
         let (mut parts, limited) = stage.act(&mut state.dynamic, sample, &moment);
-        // A correction that is frozen goes on with the dynamic part, which knows the command.
-        let frozen = sample.verdict == Verdict::Freeze;
-        let mut wanted = if frozen { *state.dynamic.geometric() } else { *geometric };
         for (wanted, sent) in wanted.iter_mut().zip(&parts.sent) {
             *wanted += *sent;
         }
@@ -96,23 +89,21 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Axes that take up their lost motion from the command turn where it does: with the second change in the new
     /// direction, so that a command that dithers where it stands turns nothing.
     #[inline(always)]
-    fn take_up(
-        &self,
-        stage: &DynamicStage<R, P, N>,
-        state: &mut State<R, P, N>,
-        sample: &Sample<P, N>,
-        ways: &[R; N],
-    ) {
+    fn take_up(&self, stage: &DynamicStage<R, P, N>, state: &mut State<R, P, N>, sample: &Sample<P, N>) {
         if sample.verdict != Verdict::Active || sample.first || !sample.dynamics.has(Dynamics::TAKE_UP) {
             return;
         }
+        let commanded = state.sample.commanded();
         let drives = *state.dynamic.drive();
         let drives = drives.iter().zip(&self.bands);
         let axes = stage.takes_up().into_iter().zip(&mut state.reversal).zip(drives);
-        for (((takes_up, reversal), (drive, band)), (way, before)) in axes.zip(ways.iter().zip(state.dynamic.trend())) {
+        let ways = sample.command.iter().zip(&commanded).zip(state.dynamic.trend_mut());
+        for (((takes_up, reversal), (drive, band)), ((command, last), trend)) in axes.zip(ways) {
+            let way: R = command.since_near(*last);
+            let goes = core::mem::replace(trend, way);
             let against = match reversal.direction() {
-                Direction::POSITIVE => *way < R::ZERO && *before < R::ZERO,
-                _ => *way > R::ZERO && *before > R::ZERO,
+                Direction::POSITIVE => way < R::ZERO && goes < R::ZERO,
+                _ => way > R::ZERO && goes > R::ZERO,
             };
             if takes_up && against {
                 reversal.turn(*drive, *band);
