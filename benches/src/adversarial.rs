@@ -2,10 +2,10 @@
 
 use std::path::Path;
 use trueaxis::machine::ErrorModel::{Nine, Volumetric};
+use trueaxis::machine::MachineSettings;
 use trueaxis::roundness::{Gauge, GaugeState};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Config, GaugeRide, Output, Real, ServoLoop, State};
-use trueaxis::machine::MachineSettings;
 use trueaxis_recording::adversary::{AXES, Adversary, COURSES, Course, Digest, Moment, SCENE, ServoParts, vary};
 use trueaxis_recording::outputs::Wire;
 use trueaxis_tables::Machine;

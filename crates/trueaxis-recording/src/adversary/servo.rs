@@ -22,10 +22,8 @@ impl ServoParts {
     pub fn configure(self, machine: &mut MachineSettings) {
         let all = self == ServoParts::All;
         for axis in &mut machine.axes {
-            axis.servo.drive = Some(DriveFigures {
-                velocity_feed_forward: 0.93,
-                ..DriveFigures::with_defaults(110.0, 800.0, 0.006)
-            });
+            axis.servo.drive =
+                Some(DriveFigures { velocity_feed_forward: 0.93, ..DriveFigures::with_defaults(110.0, 800.0, 0.006) });
             axis.servo.friction = Some(FrictionSettings {
                 stribeck_share: 0.3,
                 viscous: 0.0043,
