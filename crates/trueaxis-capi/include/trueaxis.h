@@ -182,6 +182,9 @@
 /// The reference was outside its span, and its nearer end was taken; not finite: not measured.
 #define TRUEAXIS_CONTOUR_REFERENCE 64
 
+/// Most axes of a machine.
+#define TRUEAXIS_AXES_MAX 6
+
 /// Bit of `dynamics_off`: friction at reversals.
 #define TRUEAXIS_DYNAMICS_FRICTION 1
 
@@ -205,9 +208,6 @@
 
 /// All bits of `dynamics_off`.
 #define TRUEAXIS_DYNAMICS_ALL 127
-
-/// Most axes of a machine.
-#define TRUEAXIS_AXES_MAX 6
 
 /// Bit of `record.status`: homed, enabled, readings valid: the correction follows the tables.
 #define TRUEAXIS_STATUS_ACTIVE 1

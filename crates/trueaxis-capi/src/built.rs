@@ -1,6 +1,7 @@
 //! Loops and states for every number of axes.
 
-use crate::cycle::{AXES_MAX, Input, Output};
+use crate::axes::AXES_MAX;
+use crate::cycle::{Input, Output};
 use crate::gauge_ride::Riding;
 use crate::plugin::{CorePosition, Servo, ServoState};
 use crate::result::{ERROR_AXES, ERROR_PERIOD, ERROR_STATE, ResultCode};

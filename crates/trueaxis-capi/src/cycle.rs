@@ -1,5 +1,6 @@
 //! Input and output of a servo cycle.
 
+use crate::axes::{AXES_MAX, padded_numbers};
 use crate::contour::Contour;
 use crate::dynamic::Dynamic;
 use crate::plugin::{CorePosition, from_core, to_core};
@@ -9,9 +10,6 @@ use crate::{Position, Real};
 use trueaxis::sample::Refusal;
 use trueaxis::telemetry::Record as CoreRecord;
 use trueaxis::{Dynamics, Fault};
-
-/// Most axes of a machine.
-pub const AXES_MAX: usize = 6;
 
 /// Command and readings of a servo cycle. Axes in the order of `trueaxis_tables_info_t.letters`; elements beyond the
 /// machine's axes are ignored.
@@ -119,15 +117,6 @@ fn padded<const N: usize>(axes: &[CorePosition; N]) -> [Position; AXES_MAX] {
         *position = from_core(*axis);
     }
     positions
-}
-
-#[inline(always)]
-pub(crate) fn padded_numbers<const N: usize>(axes: &[Real; N]) -> [Real; AXES_MAX] {
-    let mut numbers = [0.0; AXES_MAX];
-    for (number, axis) in numbers.iter_mut().zip(axes) {
-        *number = *axis;
-    }
-    numbers
 }
 
 /// Bit of `record.status`: homed, enabled, readings valid: the correction follows the tables.

@@ -1,7 +1,7 @@
 //! The dynamic correction of a cycle: its switches, and its parts in the record.
 
 use crate::Real;
-use crate::cycle::{AXES_MAX, padded_numbers};
+use crate::axes::{AXES_MAX, padded_numbers};
 use trueaxis::{DynamicParts, Dynamics};
 
 /// Bit of `dynamics_off`: friction at reversals.

@@ -1,7 +1,8 @@
 //! Telemetry on the wire.
 
+use crate::axes::AXES_MAX;
 use crate::contour::Contour;
-use crate::cycle::{AXES_MAX, Output};
+use crate::cycle::Output;
 use crate::dynamic::Dynamic;
 use crate::plugin::to_core;
 use crate::pointer::{Buffer, read_sized};

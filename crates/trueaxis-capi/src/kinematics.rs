@@ -1,8 +1,8 @@
 //! Kinematics of a machine, for tool paths and tool positions.
 
 use crate::Real;
+use crate::axes::AXES_MAX;
 use crate::built::Built;
-use crate::cycle::AXES_MAX;
 use crate::error::{Error, explained};
 use crate::opaque::{self, Storage};
 use crate::pointer::{check, slice, vector};

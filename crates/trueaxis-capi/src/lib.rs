@@ -13,6 +13,7 @@
 #[cfg(not(target_os = "none"))]
 extern crate std;
 
+mod axes;
 mod built;
 mod command_window;
 mod contour;
@@ -44,6 +45,7 @@ mod tables;
 mod text;
 mod version;
 
+pub use axes::*;
 pub use built::*;
 pub use command_window::*;
 pub use contour::*;

@@ -1,8 +1,9 @@
 //! Errors, corrections and feet without a state: for planners, displays and tests, outside the servo cycle.
 
+use crate::axes::AXES_MAX;
 use crate::built::{AnyServo, Built, Loop};
 use crate::contour::Contour;
-use crate::cycle::{AXES_MAX, first};
+use crate::cycle::first;
 use crate::opaque;
 use crate::path::Path;
 use crate::plugin::{CorePosition, Servo, to_core};

@@ -1,8 +1,8 @@
 //! Building a servo loop and starting it.
 
 use crate::Real;
+use crate::axes::AXES_MAX;
 use crate::built::{Built, Loop, State};
-use crate::cycle::AXES_MAX;
 use crate::error::{Error, Refusal, explained};
 use crate::opaque;
 use crate::pointer::{apart, memory, slice};

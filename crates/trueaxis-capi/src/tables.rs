@@ -1,7 +1,7 @@
 //! Contents of a compiled table file, and the memory that it takes.
 
 use crate::Real;
-use crate::cycle::AXES_MAX;
+use crate::axes::AXES_MAX;
 use crate::error::{Error, Refusal, explained};
 use crate::pointer::{Sized32, check_sized, slice};
 use crate::text::Text;

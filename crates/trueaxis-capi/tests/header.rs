@@ -22,6 +22,7 @@ const SOURCES: &[&str] = &[
     "built",
     "servo",
     "contour",
+    "axes",
     "dynamic",
     "cycle",
     "step",
