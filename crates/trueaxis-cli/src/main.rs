@@ -8,9 +8,11 @@ mod compensate;
 mod contour;
 mod correct;
 mod csv_in;
+mod friction;
 mod helicoid;
 mod identify;
 mod kinematics;
+mod learn;
 mod model;
 mod numbers;
 mod output;
@@ -67,6 +69,12 @@ enum Command {
     /// Six errors of a rotary axis from a ball measured under RTCP.
     #[command(after_help = identify::HELP)]
     Identify(identify::Arguments),
+    /// Friction of two axes, and their drives' figures, from recorded circles.
+    #[command(after_help = friction::HELP)]
+    Friction(friction::Arguments),
+    /// Correction over path length for the next part of a program, from the contour error of the last.
+    #[command(after_help = learn::HELP)]
+    Learn(learn::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -81,6 +89,8 @@ fn main() -> ExitCode {
         Command::Kinematics(command) => kinematics::run(command),
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Friction(arguments) => friction::run(&arguments),
+        Command::Learn(arguments) => learn::run(&arguments),
     };
     output::exit_code(result)
 }

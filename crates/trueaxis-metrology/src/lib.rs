@@ -3,7 +3,9 @@
 //! - [`identification`]: the six errors of a rotary axis from a measured ball. Without the feature `std` its part for one
 //!   angle needs neither allocator nor standard library and may run on the controller.
 //! - [`helicoid`]: involute helicoid, gear data, and the five axes that bring a tool onto its normal.
+//! - [`friction`]: friction of an axis and the figures of its drive from recorded circles.
 //! - [`accuracy`]: accuracy and repeatability of positioning after ISO 230-2.
+//! - [`learning`]: a correction over path length, learned from part to part.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
 //! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a
 //!   spindle over its revolutions; [`pair_search`]: which slots suit three probes best.
@@ -18,8 +20,12 @@ pub mod accuracy;
 #[cfg(feature = "std")]
 pub mod circles;
 pub mod error;
+#[cfg(feature = "std")]
+pub mod friction;
 pub mod helicoid;
 pub mod identification;
+#[cfg(feature = "std")]
+pub mod learning;
 #[cfg(feature = "std")]
 pub mod pair_search;
 #[cfg(feature = "separation")]

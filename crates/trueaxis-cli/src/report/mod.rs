@@ -2,8 +2,10 @@
 //! inputs can be changed, has a script.
 
 pub(crate) mod circle;
+pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
+pub(crate) mod learn;
 pub(crate) mod roundness;
 
 use anyhow::Result;

@@ -1,7 +1,7 @@
 //! Feed-forward of an axis: friction, lag and acceleration as the position offset that makes the drive supply them.
 //!
-//! With v the velocity of command and geometric correction, a their acceleration, T the period and the drive figures of the axis, in velocities (a
-//! force divided by the moved mass and K_vp):
+//! With v the velocity of the command and of the geometric correction that is led in, a its change, T the period and the drive
+//! figures of the axis, in velocities (a force divided by the moved mass and K_vp):
 //!
 //! ```text
 //! f  <- (f + v T/z) / (1 + |v| T/z)                      friction state, −1 … 1; Dahl, implicit: cannot overshoot
@@ -10,8 +10,9 @@
 //! u  <- k u + (h + (1 − k_ff) v) g                       k = e^(−K_v T/k_ff),  g = (1 − k)/K_v
 //! ```
 //!
-//! The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs that hold over a period; for k_ff = 0 it is
-//! u = (h + v)/K_v. Cost: two divisions and some 20 multiplications and additions an axis.
+//! What is sent of the geometric correction in the end does not enter: where a limit binds it depends on u itself, with a gain
+//! of 1/(K_vp T), above 1. The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs that hold over a period; for
+//! k_ff = 0 it is u = (h + v)/K_v. Cost: two divisions and some 20 multiplications and additions an axis.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -56,12 +57,6 @@ pub(super) struct Drift<R> {
 }
 
 impl<R: Real> Drift<R> {
-    /// Of an axis that moves by `velocity` a period; no friction is known.
-    #[inline(always)]
-    pub(super) fn at(velocity: R) -> Self {
-        Drift { velocity, ..Drift::default() }
-    }
-
     /// Standing from now on.
     #[inline(always)]
     pub(super) fn stand(&mut self) {
@@ -121,13 +116,11 @@ impl<R: Real> FeedForward<R> {
         law
     }
 
-    /// The offset of a cycle in which the axis is to move by `way`; `change`: by how much command and geometric correction move
-    /// on further than in the cycle before. `anew`: what the force is now, the drive supplies already.
-    ///
-    /// `change` does not know what the limiter of the axis holds back: that would come back through this law with a gain of
-    /// 1/(K_vp T), above 1.
+    /// The offset of a cycle in which command and geometric correction move by `way`. `anew`: what the force is now, the drive
+    /// supplies already.
     #[inline(always)]
-    pub(super) fn offset(&self, state: &mut Drift<R>, (way, change): (R, R), parts: Dynamics, anew: bool) -> R {
+    pub(super) fn offset(&self, state: &mut Drift<R>, way: R, parts: Dynamics, anew: bool) -> R {
+        let change = way - state.velocity;
         let ahead = way + change * self.lead;
         let travel = ahead * self.per_presliding;
         state.friction = (state.friction + travel) / (R::ONE + travel.abs());

@@ -5,10 +5,10 @@
 use super::crosstalk::Crosstalk;
 use super::feed_forward::FeedForward;
 use super::feedback::Feedback;
-use super::watch::Watch;
+use super::watch::{Swing, Watch};
 use super::{DynamicParts, DynamicState, Dynamics};
 use crate::error::ConfigError;
-use crate::limiter::{Limiter, LimiterState};
+use crate::limiter::Limiter;
 use crate::machine::{AxisOrder, AxisSettings, DynamicSettings, Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
@@ -19,7 +19,7 @@ use crate::sample::{Sample, Verdict};
 struct Act<R> {
     law: FeedForward<R>,
     limiter: Limiter<R>,
-    /// Leads the geometric correction in no faster than the feed-forward of the acceleration can follow.
+    /// Leads the geometric correction in no faster than the drive follows without overshoot.
     lead: Limiter<R>,
     /// Lost motion is taken up from the reversal of the command.
     takes_up: bool,
@@ -36,13 +36,9 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
 }
 
 /// What a cycle brings.
-pub(crate) struct Moment<'m, R, P, const N: usize> {
-    /// Command plus the geometric correction that is led in.
-    pub(crate) place: &'m [P; N],
-    /// Change of the command since the last cycle.
-    pub(crate) ways: &'m [R; N],
-    /// By how much the geometric correction moves on further than in the cycle before.
-    pub(crate) starts: &'m [R; N],
+pub(crate) struct Moment<'m, R, const N: usize> {
+    /// The geometric correction as it is led in.
+    pub(crate) geometric: &'m [R; N],
     /// Contour error of the tip in machine directions, where it can be acted on.
     pub(crate) error: Option<[R; 3]>,
     /// Axes that were limited in the last cycle.
@@ -65,7 +61,8 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let crosstalk = Crosstalk::new(order, machine, period_s)?;
         let mut any = feedback.is_some() || !machine.crosstalk.is_empty();
         let idle = Limiter::new(&DynamicSettings::with_defaults(crate::axis::Axis::X).limits, period_s)?;
-        let mut axes = [Act { law: FeedForward::none(), limiter: idle, lead: idle, takes_up: false, is_linear: false }; N];
+        let none = Act { law: FeedForward::none(), limiter: idle, lead: idle, takes_up: false, is_linear: false };
+        let mut axes = [none; N];
         for (act, settings) in axes.iter_mut().zip(order.settings(machine)) {
             let Some(settings) = settings else { continue };
             let servo = &settings.servo;
@@ -84,16 +81,24 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         Ok(any.then_some(DynamicStage { axes, feedback, crosstalk }))
     }
 
-    /// Leads the geometric corrections in; a bit for every axis that is not there yet.
-    pub(crate) fn lead(&self, led: &mut [LimiterState<R>; N], wanted: &[R; N], verdict: Verdict) -> u8 {
+    /// Leads the geometric correction in; a bit for every axis where it is not yet what is wanted.
+    pub(crate) fn lead(&self, state: &mut DynamicState<R, P, N>, wanted: &[R; N], sample: &Sample<P, N>) -> u8 {
         let mut flags = 0;
-        for (slot, ((act, led), wanted)) in self.axes.iter().zip(led).zip(wanted).enumerate() {
-            match verdict {
-                Verdict::Active => flags |= u8::from(act.lead.follow(led, *wanted)) << (slot & 7),
-                Verdict::Inactive => flags |= u8::from(act.lead.follow(led, R::ZERO)) << (slot & 7),
-                Verdict::Freeze => act.lead.freeze(led),
-                Verdict::Hold | Verdict::Nowhere => act.lead.hold(led),
-            }
+        for (slot, ((act, led), wanted)) in self.axes.iter().zip(&mut state.led).zip(wanted).enumerate() {
+            let behind = match sample.verdict {
+                _ if sample.first => false,
+                Verdict::Active => act.lead.follow(led, *wanted),
+                Verdict::Inactive => act.lead.follow(led, R::ZERO),
+                Verdict::Freeze => {
+                    act.lead.freeze(led);
+                    false
+                }
+                Verdict::Hold | Verdict::Nowhere => {
+                    act.lead.hold(led);
+                    false
+                }
+            };
+            flags |= u8::from(behind) << (slot & 7);
         }
         flags
     }
@@ -108,13 +113,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
-        moment: &Moment<'_, R, P, N>,
+        moment: &Moment<'_, R, N>,
     ) -> (DynamicParts<R, N>, u8) {
         let mut parts = DynamicParts::none();
         match sample.verdict {
             _ if sample.first => state.rest(),
-            Verdict::Active | Verdict::Freeze => self.want(state, sample, moment, &mut parts),
-            Verdict::Inactive => state.go_along(moment.place, moment.ways),
+            Verdict::Active | Verdict::Freeze => self.want(state, sample, moment, sample.dynamics, &mut parts),
+            // Switched off, friction is followed all the same, for a part that is switched on in motion.
+            Verdict::Inactive => self.want(state, sample, moment, Dynamics::NONE, &mut parts),
             Verdict::Hold | Verdict::Nowhere => {
                 let limiters = self.axes.iter().zip(&mut state.limited);
                 limiters.for_each(|(act, limited)| act.limiter.hold(limited));
@@ -147,18 +153,21 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
-        moment: &Moment<'_, R, P, N>,
+        moment: &Moment<'_, R, N>,
+        on: Dynamics,
         parts: &mut DynamicParts<R, N>,
     ) {
         let fresh = core::mem::replace(&mut state.fresh, false);
         // What is switched on in motion, the drive supplies already.
-        let anew = fresh || state.parts != sample.dynamics;
-        state.parts = sample.dynamics;
+        let anew = fresh || state.parts != on;
+        state.parts = on;
         let mut changes = [R::ZERO; N];
-        let motion = state.drift.iter_mut().zip(&mut state.place).zip(moment.place);
-        let commands = state.trend.iter_mut().zip(moment.ways).zip(moment.starts.iter().zip(&mut changes));
+        let memory = state.drift.iter_mut().zip(&mut state.command).zip(&mut state.before);
+        let moved = sample.command.iter().zip(moment.geometric).zip(&mut changes);
         let laws = self.axes.iter().zip(&mut parts.feed_forward);
-        for ((((drift, before), place), ((trend, commanded), (start, change))), (act, wanted)) in motion.zip(commands).zip(laws) {
+        for ((((drift, before), led_before), ((command, geometric), change)), (act, offset)) in
+            memory.zip(moved).zip(laws)
+        {
             let was = drift.velocity();
             let way = if fresh {
                 R::ZERO
@@ -166,20 +175,18 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 // Several periods in one: the axis goes on as it went.
                 was
             } else {
-                place.since_near(*before)
+                let commanded: R = command.since_near(*before);
+                commanded + (*geometric - *led_before)
             };
-            *before = *place;
-            if !fresh && !moment.late {
-                *change = *commanded - *trend + *start;
-                *trend = *commanded;
-            }
-            *wanted = act.law.offset(drift, (way, *change), sample.dynamics, anew);
+            (*before, *led_before) = (*command, *geometric);
+            *change = way - was;
+            *offset = act.law.offset(drift, way, on, anew);
         }
-        self.feed_back(state, sample, moment, &mut parts.feedback);
-        if let (Some(crosstalk), true) = (&self.crosstalk, sample.dynamics.has(Dynamics::CROSSTALK)) {
-            crosstalk.subtract(&mut parts.crosstalk, &changes, moment.place);
+        self.feed_back(state, sample, moment, on, &mut parts.feedback);
+        if let (Some(crosstalk), true) = (&self.crosstalk, on.has(Dynamics::CROSSTALK)) {
+            crosstalk.subtract(&mut parts.crosstalk, &changes, sample.command);
         }
-        if sample.dynamics.has(Dynamics::LEARNED) {
+        if on.has(Dynamics::LEARNED) {
             for (wanted, learned) in parts.learned.iter_mut().zip(sample.learned) {
                 if learned.is_usable() {
                     *wanted = learned.since_near(P::default());
@@ -194,11 +201,15 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
-        moment: &Moment<'_, R, P, N>,
+        moment: &Moment<'_, R, N>,
+        on: Dynamics,
         wanted: &mut [R; N],
     ) {
         let Some((feedback, watch)) = &self.feedback else { return };
-        if state.out || !sample.dynamics.has(Dynamics::FEEDBACK) {
+        if !on.has(Dynamics::FEEDBACK) || sample.reset {
+            (state.swing, state.out) = ([Swing::default(); N], false);
+        }
+        if !on.has(Dynamics::FEEDBACK) || state.out {
             state.integral = [R::ZERO; N];
             return;
         }
@@ -222,16 +233,19 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
     }
 }
 
-/// Limits of an axis' geometric correction where the acceleration is fed forward: it accelerates no more than friction
-/// brakes. Led in faster, the step in which lost motion is taken up overshoots, and the carriage on its way back takes up some
-/// of the play the other way, which no reading shows.
+/// Share of the slope of the dynamic correction that feeding the acceleration of the geometric one forward takes.
+const SHARE: f64 = 0.1;
+
+/// Limits of an axis' geometric correction where its acceleration a is fed forward: a/K_vp is a velocity, which the dynamic
+/// correction has to take at once. A step in which lost motion is taken up faster than that overshoots, and the carriage on its
+/// way back takes up some of the play the other way, which no reading shows.
 fn lead_limits(settings: &AxisSettings, dynamic: &DynamicSettings) -> Limits {
-    match (&settings.servo.drive, &settings.servo.friction) {
-        (Some(drive), Some(friction)) if dynamic.acceleration => {
-            let braking = friction.coulomb_per_s * drive.velocity_gain_per_s;
-            let acceleration_per_s2 = settings.limits.acceleration_per_s2.min(braking);
-            Limits { acceleration_per_s2, ..settings.limits }
+    let own = settings.limits;
+    match &settings.servo.drive {
+        Some(drive) if dynamic.acceleration => {
+            let followed = SHARE * dynamic.limits.slope_per_s * drive.velocity_gain_per_s;
+            Limits { acceleration_per_s2: own.acceleration_per_s2.min(followed), ..own }
         }
-        _ => settings.limits,
+        _ => own,
     }
 }

@@ -22,12 +22,13 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) parts: Dynamics,
     /// The next cycle starts from rest: ways are counted from there.
     pub(super) fresh: bool,
-    /// Command plus geometric correction that the last way led to.
-    pub(super) place: [P; N],
+    /// Command that the last way led to, and the geometric correction that was led in there.
+    pub(super) command: [P; N],
+    pub(super) before: [R; N],
+    /// Geometric correction as it is led in.
+    pub(super) led: [LimiterState<R>; N],
     /// Change of the command in the last cycle.
     pub(super) trend: [R; N],
-    /// Geometric correction as it is led in, before the limiter of the axis.
-    pub(super) led: [LimiterState<R>; N],
     /// Geometric correction sent last, mm (deg), as positions add it, and where it led.
     pub(super) geometric: [R; N],
     offsets: [P::Offset; N],
@@ -47,9 +48,10 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             out: false,
             parts: Dynamics::NONE,
             fresh: true,
-            place: [P::default(); N],
-            trend: [R::ZERO; N],
+            command: [P::default(); N],
+            before: [R::ZERO; N],
             led: [LimiterState::default(); N],
+            trend: [R::ZERO; N],
             geometric: [R::ZERO; N],
             offsets: [P::offset(R::ZERO); N],
             drive: [P::default(); N],
@@ -98,25 +100,15 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.drift.iter_mut().for_each(Drift::stand);
     }
 
-    /// Switched off: whatever was learned of friction and error is forgotten, the motion is followed, so that a part that is
-    /// switched on in motion sees no step of it.
-    pub(super) fn go_along(&mut self, place: &[P; N], ways: &[R; N]) {
-        self.drift = ways.map(Drift::at);
-        self.integral = [R::ZERO; N];
-        self.swing = [Swing::default(); N];
-        (self.place, self.trend) = (*place, *ways);
-        (self.out, self.fresh, self.parts) = (false, false, Dynamics::NONE);
-    }
-
     /// The limiters.
     pub(crate) fn limited(&self) -> &[LimiterState<R>; N] {
         &self.limited
     }
 
-    /// Geometric corrections as they are led in.
+    /// Geometric correction as it is led in.
     #[inline(always)]
-    pub(crate) fn led_mut(&mut self) -> &mut [LimiterState<R>; N] {
-        &mut self.led
+    pub(crate) fn led(&self) -> [R; N] {
+        self.led.map(|led| led.sent())
     }
 
     /// Geometric corrections sent last.
@@ -139,8 +131,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
 
     /// Changes of the commands in the last cycle.
     #[inline(always)]
-    pub(crate) fn trend(&self) -> &[R; N] {
-        &self.trend
+    pub(crate) fn trend_mut(&mut self) -> &mut [R; N] {
+        &mut self.trend
     }
 
     /// The watch has led the feedback out.

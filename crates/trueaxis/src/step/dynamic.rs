@@ -55,37 +55,18 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         (drive, feedback): (&mut [P; N], &mut [P; N]),
         record: &mut Record<R, P, N>,
     ) -> Applied {
-        let commanded = state.sample.commanded();
-        let mut ways = [R::ZERO; N];
-        for (way, (command, last)) in ways.iter_mut().zip(sample.command.iter().zip(&commanded)) {
-            *way = command.since_near(*last);
-        }
-        self.take_up(stage, state, sample, &ways);
-        let mut starts = state.dynamic.led_mut().map(|led| -led.velocity());
-        let mut limited = 0;
-        if !sample.first {
-            limited = stage.lead(state.dynamic.led_mut(), geometric, sample.verdict);
-        }
-        let led = *state.dynamic.led_mut();
-        let mut place = *sample.command;
-        for ((place, start), led) in place.iter_mut().zip(&mut starts).zip(&led) {
-            *place = place.moved(P::offset(led.sent()));
-            *start += led.velocity();
-        }
+        self.take_up(stage, state, sample);
+        let led = stage.lead(&mut state.dynamic, geometric, sample);
+        let mut wanted = state.dynamic.led();
         let usable = record.tip.flags == Flags::BRACKETED;
         let moment = Moment {
-            place: &place,
-            ways: &ways,
-            starts: &starts,
+            geometric: &wanted,
             error: usable.then(|| error.into()),
             limited: state.limited,
             late: sample.fault == Fault::LateCycle,
         };
         let before = *state.dynamic.limited();
-        let (mut parts, flags) = stage.act(&mut state.dynamic, sample, &moment);
-        limited |= flags;
-        // A correction that is frozen goes on with the dynamic part, which knows the command.
-        let mut wanted = led.map(|led| led.sent());
+        let (mut parts, limited) = stage.act(&mut state.dynamic, sample, &moment);
         for (wanted, sent) in wanted.iter_mut().zip(&parts.sent) {
             *wanted += *sent;
         }
@@ -96,7 +77,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             state.dynamic.take_back(&before);
             parts.sent = before.map(|limited| limited.sent());
         } else {
-            applied.limited |= limited;
+            applied.limited |= limited | led;
         }
         state.dynamic.settle(state.output.sent(), (!held).then_some(sample.command), state.sequence);
         record.correction = *state.dynamic.geometric();
@@ -107,23 +88,21 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Axes that take up their lost motion from the command turn where it does: with the second change in the new
     /// direction, so that a command that dithers where it stands turns nothing.
     #[inline(always)]
-    fn take_up(
-        &self,
-        stage: &DynamicStage<R, P, N>,
-        state: &mut State<R, P, N>,
-        sample: &Sample<P, N>,
-        ways: &[R; N],
-    ) {
+    fn take_up(&self, stage: &DynamicStage<R, P, N>, state: &mut State<R, P, N>, sample: &Sample<P, N>) {
         if sample.verdict != Verdict::Active || sample.first || !sample.dynamics.has(Dynamics::TAKE_UP) {
             return;
         }
+        let commanded = state.sample.commanded();
         let drives = *state.dynamic.drive();
         let drives = drives.iter().zip(&self.bands);
         let axes = stage.takes_up().into_iter().zip(&mut state.reversal).zip(drives);
-        for (((takes_up, reversal), (drive, band)), (way, before)) in axes.zip(ways.iter().zip(state.dynamic.trend())) {
+        let ways = sample.command.iter().zip(&commanded).zip(state.dynamic.trend_mut());
+        for (((takes_up, reversal), (drive, band)), ((command, last), trend)) in axes.zip(ways) {
+            let way: R = command.since_near(*last);
+            let goes = core::mem::replace(trend, way);
             let against = match reversal.direction() {
-                Direction::POSITIVE => *way < R::ZERO && *before < R::ZERO,
-                _ => *way > R::ZERO && *before > R::ZERO,
+                Direction::POSITIVE => way < R::ZERO && goes < R::ZERO,
+                _ => way > R::ZERO && goes > R::ZERO,
             };
             if takes_up && against {
                 reversal.turn(*drive, *band);

@@ -1,0 +1,124 @@
+//! `trueaxis friction`.
+
+pub(crate) mod document;
+mod recording;
+mod settings;
+
+use crate::model;
+use crate::output::{json, print, progress};
+use crate::report;
+use anyhow::{Result, anyhow, bail};
+use clap::Args;
+use document::Document;
+use recording::Recording;
+use std::path::{Path, PathBuf};
+use trueaxis::Axis;
+use trueaxis::machine::DriveFigures;
+use trueaxis_metrology::friction::identify;
+use trueaxis_tables::output::Outputs;
+
+pub(crate) const HELP: &str = "\
+RECORD.csv: t_s and for each axis what its drive was sent and what its encoder read, x_cmd_mm,x_mm,y_cmd_mm,y_mm, sampled
+together at an even 500 Hz or more. Circles of two radii or at two feeds, in both directions, whole turns; the record starts
+at rest and stops between the circles. Radii that are no multiple of the encoder's signal period do best.
+
+  r  = K_v (c − x) + k_ff c'                        F = F_c (1 + s/(1 + (v/v_s)²)) f
+  v' = K_vp (r − v + 1/τ ∫(r − v) dt) − F − d v     f' = (v − |v| f)/z
+
+The following error of this model along the recorded commands is fitted to the recorded one: F_c/K_vp, s, v_s, z, d/K_vp,
+and K_v, K_vp, τ, k_ff where --machine does not state them. A share, velocity or viscous friction that the record does not
+tell stays at 0, 2 mm/s, 0.
+
+-o: the sections [axis.X.friction] and, where they were found, [axis.X.drive] of a machine.toml, with standard errors.
+
+Example: trueaxis friction record.csv --axes X,Y --report out -o friction.toml";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Recorded circles.
+    #[arg(value_name = "RECORD.csv")]
+    record: PathBuf,
+    /// The two axes of the circles' plane, in its sense: X,Y, Z,X or Y,Z, or a pair the other way round.
+    #[arg(long, value_name = "X,Y", value_parser = pair)]
+    axes: [Axis; 2],
+    /// Machine whose drives' figures are taken.
+    #[arg(long, value_name = "M")]
+    machine: Option<PathBuf>,
+    /// Find the drives' figures even where the machine states them.
+    #[arg(long)]
+    find_drive: bool,
+    /// One JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write friction.html with the spikes before, predicted and after into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Write the settings found as a TOML file.
+    #[arg(short, long, value_name = "TOML")]
+    output: Option<PathBuf>,
+}
+
+/// Two different linear axes.
+fn pair(text: &str) -> Result<[Axis; 2], String> {
+    let needed = || format!("found {text:?}, needed two of X, Y and Z with a comma between");
+    let axis = |part: &str| match part.trim() {
+        "X" | "x" => Ok(Axis::X),
+        "Y" | "y" => Ok(Axis::Y),
+        "Z" | "z" => Ok(Axis::Z),
+        _ => Err(needed()),
+    };
+    let (first, second) = text.split_once(',').ok_or_else(needed)?;
+    let axes = [axis(first)?, axis(second)?];
+    if axes[0] == axes[1] { Err(needed()) } else { Ok(axes) }
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let given = match &arguments.machine {
+        Some(machine) => drives(machine, arguments.axes)?,
+        None => [None; 2],
+    };
+    let machine = arguments.machine.iter().flat_map(|machine| model::files(machine));
+    let mut outputs = Outputs::of(machine.chain([arguments.record.clone()]));
+    if let Some(output) = &arguments.output {
+        outputs.refuse_input(output)?;
+    }
+    let given = if arguments.find_drive { [None; 2] } else { given };
+    let recording = Recording::read(&arguments.record, arguments.axes)?;
+    let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
+    let found = identify(&recording.record, given, &mut |axis, step| {
+        bar.set_message(format!("fitting axis {}, step {step}", axis.letter()));
+        bar.tick();
+    });
+    bar.finish_and_clear();
+    let found = found.map_err(|refused| recording.refused(refused))?;
+    let document = Document::new(&recording.record, &found);
+    if let Some(directory) = &arguments.report {
+        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
+        report::write(&mut outputs, &report::friction::page(&source, &document, &found), directory, "friction.html")?;
+    }
+    if let Some(output) = &arguments.output {
+        outputs.put(output, settings::text(&arguments.record, &found).as_bytes())?;
+    }
+    outputs.commit()?;
+    if arguments.json { json(&document) } else { print(&document.table()?) }
+}
+
+/// The drives' figures that a machine states.
+fn drives(path: &Path, axes: [Axis; 2]) -> Result<[Option<DriveFigures>; 2]> {
+    let machine = model::machine(path)?;
+    let mut given = [None; 2];
+    for (figures, axis) in given.iter_mut().zip(axes) {
+        let Some(own) = machine.settings.axis(axis) else {
+            bail!("{}: found no axis {}, needed the axes that were recorded", path.display(), axis.letter());
+        };
+        *figures = own.servo.drive;
+    }
+    Ok(given)
+}
+
+impl Recording {
+    /// The error with its place in the file.
+    fn refused(&self, refused: trueaxis_metrology::friction::Refused) -> anyhow::Error {
+        anyhow!("{}: {refused}", self.file.display())
+    }
+}

@@ -1,0 +1,135 @@
+//! Spikes at reversals: as recorded, as the friction found gives them, and with its feed-forward.
+
+use super::drive::{feed_forward, positions};
+use super::parameters::{COULOMB, Problem, VISCOUS, Values};
+use super::record::Reversal;
+use std::vec::Vec;
+
+/// Before a reversal, s.
+const BEFORE_S: f64 = 0.02;
+/// Circles whose accelerations at the reversal agree within this share are one.
+const SAME: f64 = 0.05;
+
+/// Size of the spikes of all reversals.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Size {
+    /// Largest deviation, mm.
+    pub largest: f64,
+    /// Root mean square over the stretches at the reversals, mm.
+    pub rms: f64,
+}
+
+/// The mean spike of the circles of one size, positive against the new direction of travel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spike {
+    /// Acceleration at the reversal (feed²/radius), mm/s².
+    pub acceleration: f64,
+    /// Its reversals.
+    pub reversals: usize,
+    /// Time after the reversal, s.
+    pub time_s: Vec<f64>,
+    /// As recorded, mm.
+    pub before: Vec<f64>,
+    /// As the friction found gives it, mm.
+    pub predicted: Vec<f64>,
+    /// Recorded, less what the feed-forward takes away, mm.
+    pub after: Vec<f64>,
+}
+
+/// Spikes of an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Glitch {
+    /// As recorded.
+    pub before: Size,
+    /// Of the model alone.
+    pub predicted: Size,
+    /// To be expected with the feed-forward: what was recorded plus the model's response to it.
+    pub after: Size,
+    /// Share of the mean square of what was recorded that the model explains.
+    pub explained: f64,
+    /// Curves by size of circle, from slow to fast.
+    pub spikes: Vec<Spike>,
+}
+
+pub(super) fn glitch(problem: &Problem, values: &Values, turns: &[Reversal]) -> Glitch {
+    let axis = values.axis(&problem.given);
+    let mut smooth = *values;
+    (smooth.0[COULOMB], smooth.0[VISCOUS]) = (0.0, 0.0);
+    let calm = problem.model(&smooth);
+    let simulated = problem.model(values);
+    let offsets = feed_forward(&axis, &problem.command, problem.step_s);
+    let driven: Vec<f64> = problem.command.iter().zip(&offsets).map(|(command, offset)| command + offset).collect();
+    let corrected = problem.followed(values, &positions(&axis, &driven, problem.step_s));
+    let difference = |one: &[f64]| -> Vec<f64> { one.iter().zip(&calm).map(|(a, b)| a - b).collect() };
+    let [before, predicted] = [difference(&problem.error), difference(&simulated)];
+    let after: Vec<f64> = (0..before.len()).map(|k| before[k] + corrected[k] - simulated[k]).collect();
+
+    let windows: Vec<(usize, usize, f64)> = turns
+        .iter()
+        .filter_map(|turn| {
+            let [from, to] = window(problem, values, turn);
+            (from >= problem.skip && to <= before.len()).then_some((from, to, turn.acceleration))
+        })
+        .collect();
+    let mut unexplained = 0.0;
+    let mut all = 0.0;
+    for &(from, to, _) in &windows {
+        for k in from..to {
+            unexplained += (before[k] - predicted[k]).powi(2);
+            all += before[k].powi(2);
+        }
+    }
+    let size = |curve: &[f64]| size(curve, &windows);
+    Glitch {
+        before: size(&before),
+        predicted: size(&predicted),
+        after: size(&after),
+        explained: if all > 0.0 { 1.0 - unexplained / all } else { 0.0 },
+        spikes: spikes(problem, [&before, &predicted, &after], windows),
+    }
+}
+
+/// Samples from shortly before a reversal until the axis has left pre-sliding and the drive has settled.
+fn window(problem: &Problem, values: &Values, turn: &Reversal) -> [usize; 2] {
+    let friction = values.friction();
+    let drive = values.drive(&problem.given);
+    let sliding = (10.0 * friction.presliding / turn.acceleration.abs()).sqrt();
+    let settled = 8.0 * drive.reset_time_s.max(1.0 / drive.position_gain_per_s);
+    let samples = |seconds: f64| (seconds / problem.sample_s()).ceil() as usize;
+    [turn.index.saturating_sub(samples(BEFORE_S)), turn.index + samples((sliding + settled).min(0.5))]
+}
+
+fn size(curve: &[f64], windows: &[(usize, usize, f64)]) -> Size {
+    let [mut largest, mut sum, mut count]: [f64; 3] = [0.0; 3];
+    for &(from, to, _) in windows {
+        for value in &curve[from..to] {
+            largest = largest.max(value.abs());
+            sum += value * value;
+            count += 1.0;
+        }
+    }
+    Size { largest, rms: (sum / count.max(1.0)).sqrt() }
+}
+
+fn spikes(problem: &Problem, curves: [&[f64]; 3], mut windows: Vec<(usize, usize, f64)>) -> Vec<Spike> {
+    windows.sort_by(|one, other| one.2.abs().total_cmp(&other.2.abs()));
+    let groups = windows.chunk_by(|one, next| next.2.abs() <= (1.0 + SAME) * one.2.abs());
+    let spike = |group: &[(usize, usize, f64)]| {
+        let length = group.iter().map(|(from, to, _)| to - from).min().unwrap_or(0);
+        let count = group.len() as f64;
+        let mean = |curve: &[f64]| -> Vec<f64> {
+            let at = |k: usize| group.iter().map(|(from, _, a)| a.signum() * curve[from + k]).sum::<f64>() / count;
+            (0..length).map(at).collect()
+        };
+        let [before, predicted, after] = curves.map(mean);
+        Spike {
+            acceleration: group.iter().map(|(_, _, a)| a.abs()).sum::<f64>() / count,
+            reversals: group.len(),
+            time_s: (0..length).map(|k| k as f64 * problem.sample_s() - BEFORE_S).collect(),
+            before,
+            predicted,
+            after,
+        }
+    };
+    groups.map(spike).collect()
+}

@@ -1,0 +1,139 @@
+//! Nonlinear least squares after Levenberg and Marquardt, and what its result is worth.
+//!
+//! ```text
+//! (JᵀJ + λ diag JᵀJ) δ = −Jᵀr
+//! cov = H⁻¹ (Σ_c g_c g_cᵀ) H⁻¹ · C/(C − p),   H = JᵀJ,   g_c = Σ_{i in c} r_i J_i
+//! ```
+//!
+//! Residuals of neighbouring samples are not independent (subdivisional error of the encoder, ripple of the drive): the
+//! covariance takes one stretch around a reversal for one observation, C of them with p parameters.
+//!
+//! Source: K. Madsen, H. B. Nielsen, O. Tingleff, Methods for Non-Linear Least Squares Problems, 2004, section 3.2; H. White,
+//! 10.2307/1912934, for the covariance.
+
+use super::parameters::{COUNT, Problem, Values};
+use nalgebra::{DMatrix, DVector};
+use std::vec::Vec;
+
+/// Steps before a fit counts as unsettled.
+pub(super) const STEPS: usize = 60;
+/// Condition number of the scaled columns from which a combination counts as not excited.
+const CONDITION_LIMIT: f64 = 1e5;
+
+/// A fit that has settled.
+#[derive(Clone, Debug)]
+pub(super) struct Fit {
+    pub(super) values: Values,
+    /// Standard errors in the parameters' units; 0 for those held.
+    pub(super) errors: [f64; COUNT],
+    /// Root mean square of the residuals, mm.
+    pub(super) rms: f64,
+    pub(super) rank: usize,
+    pub(super) condition: f64,
+}
+
+struct Linear {
+    columns: Vec<Vec<f64>>,
+    normal: DMatrix<f64>,
+    gradient: DVector<f64>,
+}
+
+/// The fit over the parameters `free`; `tell` is called before every step; none where it does not settle.
+pub(super) fn fit(problem: &Problem, start: Values, free: &[usize], tell: &mut dyn FnMut()) -> Option<Fit> {
+    let mut values = start;
+    let mut residuals = problem.residuals(&values);
+    let mut cost = squares(&residuals);
+    let mut damping = 1e-2;
+    for _ in 0..STEPS {
+        tell();
+        let linear = linearised(problem, &values, &residuals, free);
+        let mut gain = None;
+        while gain.is_none() && damping < 1e9 {
+            let step = damped(&linear, damping)?;
+            let next = free.iter().zip(step.iter()).fold(values, |at, (&p, &by)| at.moved(p, by));
+            let tried = problem.residuals(&next);
+            let found = squares(&tried);
+            if found.is_finite() && found <= cost {
+                gain = Some(cost - found);
+                (values, residuals, cost) = (next, tried, found);
+                damping = (0.2 * damping).max(1e-9);
+            } else {
+                damping *= 6.0;
+            }
+        }
+        // No step gains anything, or next to nothing.
+        if gain.is_none_or(|gain| gain <= 1e-6 * cost) {
+            let linear = linearised(problem, &values, &residuals, free);
+            return Some(judged(problem, values, &residuals, cost, free, &linear));
+        }
+    }
+    None
+}
+
+fn squares(residuals: &[f64]) -> f64 {
+    residuals.iter().map(|r| r * r).sum()
+}
+
+fn linearised(problem: &Problem, values: &Values, residuals: &[f64], free: &[usize]) -> Linear {
+    let columns: Vec<Vec<f64>> = std::thread::scope(|scope| {
+        let jobs: Vec<_> = free
+            .iter()
+            .map(|&parameter| scope.spawn(move || problem.derivative(values, residuals, parameter)))
+            .collect();
+        jobs.into_iter().map(|job| job.join().unwrap_or_default()).collect()
+    });
+    let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+    let mut normal = DMatrix::zeros(free.len(), free.len());
+    for i in 0..free.len() {
+        for j in 0..=i {
+            normal[(i, j)] = dot(&columns[i], &columns[j]);
+            normal[(j, i)] = normal[(i, j)];
+        }
+    }
+    let gradient = DVector::from_iterator(free.len(), columns.iter().map(|column| dot(column, residuals)));
+    Linear { columns, normal, gradient }
+}
+
+fn damped(linear: &Linear, damping: f64) -> Option<DVector<f64>> {
+    let mut matrix = linear.normal.clone();
+    for i in 0..matrix.nrows() {
+        matrix[(i, i)] = matrix[(i, i)].max(f64::MIN_POSITIVE) * (1.0 + damping);
+    }
+    matrix.lu().solve(&-&linear.gradient)
+}
+
+fn judged(problem: &Problem, values: Values, residuals: &[f64], cost: f64, free: &[usize], linear: &Linear) -> Fit {
+    let size = free.len();
+    let lengths: Vec<f64> = (0..size).map(|i| linear.normal[(i, i)].sqrt().max(f64::MIN_POSITIVE)).collect();
+    let scaled = DMatrix::from_fn(size, size, |i, j| linear.normal[(i, j)] / (lengths[i] * lengths[j]));
+    let parts = scaled.symmetric_eigen();
+    let top = parts.eigenvalues.max();
+    let floor = top / (CONDITION_LIMIT * CONDITION_LIMIT);
+    let rank = parts.eigenvalues.iter().filter(|value| **value > floor).count();
+    let condition = (top / parts.eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
+    let inverted = parts.eigenvalues.map(|value| if value > floor { 1.0 / value } else { 0.0 });
+    let inverse = &parts.eigenvectors * DMatrix::from_diagonal(&inverted) * parts.eigenvectors.transpose();
+    let inverse = DMatrix::from_fn(size, size, |i, j| inverse[(i, j)] / (lengths[i] * lengths[j]));
+
+    let mut stretches: Vec<DVector<f64>> = Vec::new();
+    let mut from = problem.skip;
+    for &to in problem.borders.iter().chain([&residuals.len()]) {
+        if to > from {
+            let sum = |column: &Vec<f64>| (from..to).map(|k| residuals[k] * column[k]).sum::<f64>();
+            stretches.push(DVector::from_iterator(size, linear.columns.iter().map(sum)));
+            from = to;
+        }
+    }
+    let count = stretches.len() as f64;
+    let share = count / (count - size as f64).max(1.0);
+    let spread = stretches.iter().fold(DMatrix::zeros(size, size), |sum, g| sum + g * g.transpose());
+    let robust = &inverse * spread * &inverse * share;
+    let samples = (residuals.len() - problem.skip) as f64;
+    let plain = &inverse * (cost / (samples - size as f64).max(1.0));
+    let mut errors = [0.0; COUNT];
+    for (i, &parameter) in free.iter().enumerate() {
+        let variance = robust[(i, i)].max(plain[(i, i)]);
+        errors[parameter] = values.unscaled(parameter, variance.max(0.0).sqrt());
+    }
+    Fit { values, errors, rms: (cost / samples).sqrt(), rank, condition }
+}

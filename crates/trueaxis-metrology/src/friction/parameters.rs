@@ -1,0 +1,189 @@
+//! The parameters of a fit as one vector, and what it simulates and compares.
+
+use super::drive::{Axis, delayed, positions};
+use std::vec::Vec;
+use trueaxis::machine::{DriveFigures, FrictionSettings};
+
+/// Number of parameters.
+pub(super) const COUNT: usize = 12;
+pub(super) const POSITION_GAIN: usize = 0;
+pub(super) const RESET_TIME: usize = 1;
+pub(super) const FEED_FORWARD: usize = 2;
+pub(super) const VELOCITY_GAIN: usize = 3;
+pub(super) const READING_LAG: usize = 4;
+pub(super) const COULOMB: usize = 5;
+pub(super) const STRIBECK_SHARE: usize = 6;
+pub(super) const STRIBECK_VELOCITY: usize = 7;
+pub(super) const PRESLIDING: usize = 8;
+pub(super) const VISCOUS: usize = 9;
+pub(super) const REST: usize = 10;
+pub(super) const OFFSET: usize = 11;
+
+/// How a parameter is varied.
+struct Kind {
+    /// Varied as its logarithm: positive, and known to a share.
+    log: bool,
+    low: f64,
+    high: f64,
+    /// Step of the difference that stands for the derivative (of the logarithm, where that is varied).
+    step: f64,
+}
+
+const fn kind(log: bool, low: f64, high: f64, step: f64) -> Kind {
+    Kind { log, low, high, step }
+}
+
+/// In the order of the constants above; units s, mm.
+const KINDS: [Kind; COUNT] = [
+    kind(true, 1.0, 1000.0, 1e-4),
+    kind(true, 5e-4, 1.0, 1e-4),
+    kind(false, 0.0, 1.1, 1e-4),
+    kind(true, 20.0, 2e4, 1e-3),
+    kind(false, -0.02, 0.1, 1e-6),
+    kind(true, 1e-6, 1e3, 1e-4),
+    kind(false, -0.5, 10.0, 1e-3),
+    kind(true, 0.02, 200.0, 1e-3),
+    kind(true, 1e-5, 1.0, 1e-4),
+    kind(false, -0.2, 1.0, 1e-5),
+    kind(false, -1.0, 1.0, 1e-3),
+    kind(false, -1e4, 1e4, 1e-6),
+];
+
+/// Values of all parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Values(pub(super) [f64; COUNT]);
+
+impl Values {
+    pub(super) fn new(drive: &DriveFigures, friction: &FrictionSettings) -> Values {
+        Values([
+            drive.position_gain_per_s,
+            drive.reset_time_s,
+            drive.velocity_feed_forward,
+            drive.velocity_gain_per_s,
+            0.0,
+            friction.coulomb_per_s,
+            friction.stribeck_share,
+            friction.stribeck_velocity_per_s,
+            friction.presliding,
+            friction.viscous,
+            0.0,
+            0.0,
+        ])
+    }
+
+    /// The drive, its current loop and dead time as given.
+    pub(super) fn drive(&self, given: &DriveFigures) -> DriveFigures {
+        let v = &self.0;
+        DriveFigures {
+            position_gain_per_s: v[POSITION_GAIN],
+            velocity_gain_per_s: v[VELOCITY_GAIN],
+            reset_time_s: v[RESET_TIME],
+            velocity_feed_forward: v[FEED_FORWARD],
+            ..*given
+        }
+    }
+
+    pub(super) fn friction(&self) -> FrictionSettings {
+        let v = &self.0;
+        FrictionSettings {
+            coulomb_per_s: v[COULOMB],
+            stribeck_share: v[STRIBECK_SHARE],
+            stribeck_velocity_per_s: v[STRIBECK_VELOCITY],
+            presliding: v[PRESLIDING],
+            viscous: v[VISCOUS],
+            lead_s: 0.0,
+        }
+    }
+
+    pub(super) fn axis(&self, given: &DriveFigures) -> Axis {
+        Axis { drive: self.drive(given), friction: self.friction(), rest: self.0[REST] }
+    }
+
+    /// Moved by `by` in the scale in which the parameter is varied, within its range.
+    pub(super) fn moved(&self, parameter: usize, by: f64) -> Values {
+        let kind = &KINDS[parameter];
+        let mut next = *self;
+        let value = &mut next.0[parameter];
+        *value = if kind.log { *value * by.exp() } else { *value + by }.max(kind.low).min(kind.high);
+        next
+    }
+
+    /// Standard error in the parameter's unit from that in the scale in which it is varied.
+    pub(super) fn unscaled(&self, parameter: usize, error: f64) -> f64 {
+        if KINDS[parameter].log { error * self.0[parameter] } else { error }
+    }
+}
+
+/// What is fitted: commands and following errors of one axis on the model's own grid.
+#[derive(Clone, Debug)]
+pub(super) struct Problem {
+    /// Commands, mm; `fine` steps to a sample.
+    pub(super) command: Vec<f64>,
+    /// Following error c − x that was read, mm; one value a sample.
+    pub(super) error: Vec<f64>,
+    /// Model steps to a sample.
+    pub(super) fine: usize,
+    /// Model step, s.
+    pub(super) step_s: f64,
+    /// First samples that do not count: the state before them is not known.
+    pub(super) skip: usize,
+    /// Samples at which one reversal's stretch ends and the next begins.
+    pub(super) borders: Vec<usize>,
+    /// Current loop and dead time, and everything that is not fitted.
+    pub(super) given: DriveFigures,
+}
+
+impl Problem {
+    /// The same with a model step and a sample distance of about `step_s`, with the record's own period `period_s`.
+    pub(super) fn new(command: &[f64], reading: &[f64], period_s: f64, step_s: f64, given: DriveFigures) -> Problem {
+        let coarse = ((step_s / period_s) * (1.0 + 1e-9)).floor().max(1.0) as usize;
+        let fine = (period_s * coarse as f64 / step_s - 1e-9).ceil().max(1.0) as usize;
+        let picked: Vec<f64> = command.iter().copied().step_by(coarse).collect();
+        let error = picked.iter().zip(reading.iter().step_by(coarse)).map(|(c, x)| c - x).collect();
+        let mut dense = Vec::with_capacity(picked.len() * fine);
+        for pair in picked.windows(2) {
+            dense.extend((0..fine).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / fine as f64));
+        }
+        dense.extend(picked.last());
+        let step_s = period_s * coarse as f64 / fine as f64;
+        Problem { command: dense, error, fine, step_s, skip: 0, borders: Vec::new(), given }
+    }
+
+    /// Time between two samples, s.
+    pub(super) fn sample_s(&self) -> f64 {
+        self.step_s * self.fine as f64
+    }
+
+    /// Following error of the model, one value a sample, mm.
+    pub(super) fn model(&self, values: &Values) -> Vec<f64> {
+        self.followed(values, &positions(&values.axis(&self.given), &self.command, self.step_s))
+    }
+
+    /// Following error that positions on the fine grid give.
+    pub(super) fn followed(&self, values: &Values, positions: &[f64]) -> Vec<f64> {
+        let read = delayed(positions, values.0[READING_LAG] / self.step_s);
+        let pairs = self.command.iter().zip(&read).step_by(self.fine);
+        pairs.map(|(command, position)| command - position + values.0[OFFSET]).collect()
+    }
+
+    /// Model less reading; zero where a sample does not count.
+    pub(super) fn residuals(&self, values: &Values) -> Vec<f64> {
+        let mut residuals = self.model(values);
+        for (k, (residual, error)) in residuals.iter_mut().zip(&self.error).enumerate() {
+            *residual = if k < self.skip { 0.0 } else { *residual - error };
+        }
+        residuals
+    }
+
+    /// Derivatives of the residuals by a parameter, in the scale in which it is varied.
+    pub(super) fn derivative(&self, values: &Values, at: &[f64], parameter: usize) -> Vec<f64> {
+        if parameter == OFFSET {
+            return (0..at.len()).map(|k| if k < self.skip { 0.0 } else { 1.0 }).collect();
+        }
+        let kind = &KINDS[parameter];
+        // Away from the end of the range.
+        let step = if values.0[parameter] >= kind.high * 0.999 { -kind.step } else { kind.step };
+        let moved = self.residuals(&values.moved(parameter, step));
+        moved.iter().zip(at).map(|(moved, at)| (moved - at) / step).collect()
+    }
+}

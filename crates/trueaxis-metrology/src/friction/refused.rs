@@ -1,0 +1,215 @@
+//! Why a record cannot be evaluated.
+
+use std::fmt;
+use std::string::String;
+use trueaxis::Axis;
+
+/// Why a record cannot be evaluated, with the figures that were found.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refused {
+    /// A record with fewer samples than a fit needs.
+    TooFewSamples {
+        /// Samples found.
+        found: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// Time stamps that do not follow each other evenly: a gap, a repeated row, a wrong order.
+    Uneven {
+        /// Sample whose distance from the one before is wrong, from 0.
+        index: usize,
+        /// The distance, s.
+        found_s: f64,
+        /// The record's period, s.
+        period_s: f64,
+    },
+    /// A period too long for the drive's dynamics, or too short to be one in seconds.
+    Period {
+        /// The period, s.
+        found_s: f64,
+    },
+    /// A magnitude that no circle in millimetres and seconds has.
+    Unit {
+        /// Axis.
+        axis: Axis,
+        /// The quantity with its figure and unit.
+        found: String,
+        /// What it has to be.
+        needed: &'static str,
+    },
+    /// Too few reversals of an axis in motion.
+    Reversals {
+        /// Axis.
+        axis: Axis,
+        /// Reversals found.
+        found: usize,
+        /// Reversals needed.
+        needed: usize,
+    },
+    /// The circles were travelled in one direction only.
+    OneDirection {
+        /// Axis whose reversals show it.
+        axis: Axis,
+        /// Reversals of clockwise circles.
+        clockwise: usize,
+        /// Reversals of counterclockwise circles.
+        counterclockwise: usize,
+    },
+    /// One radius at one feed only.
+    OneSize {
+        /// Axis.
+        axis: Axis,
+        /// Smallest acceleration at a reversal, mm/s².
+        low_mm_per_s2: f64,
+        /// Largest, mm/s².
+        high_mm_per_s2: f64,
+    },
+    /// Readings that show no friction.
+    NoFriction {
+        /// Axis.
+        axis: Axis,
+        /// Friction found F_c/K_vp, mm/s.
+        found_mm_per_s: f64,
+        /// Its standard error, mm/s.
+        standard_error_mm_per_s: f64,
+    },
+    /// A figure that the record does not tell.
+    NotExcited {
+        /// Axis.
+        axis: Axis,
+        /// Name of the figure.
+        figure: &'static str,
+        /// Its standard error as a share of it.
+        relative_error: f64,
+        /// What would tell it.
+        needed: &'static str,
+    },
+    /// Position gain and reset time may change places: friction excites both alike.
+    GainOrResetTime {
+        /// Axis.
+        axis: Axis,
+        /// Position gain found, 1/s.
+        position_gain_per_s: f64,
+        /// Reset time found, s.
+        reset_time_s: f64,
+        /// Residual with them, µm.
+        residual_um: f64,
+        /// Residual with position gain and 1/reset time exchanged, µm.
+        exchanged_um: f64,
+    },
+    /// Parameters that the record cannot tell apart.
+    RankShort {
+        /// Axis.
+        axis: Axis,
+        /// Combinations that it tells.
+        rank: usize,
+        /// Parameters.
+        of: usize,
+        /// Condition number of the scaled columns.
+        condition: f64,
+    },
+    /// The model leaves too much of the following error unexplained.
+    NotExplained {
+        /// Axis.
+        axis: Axis,
+        /// Share of the glitches' mean square that the model explains.
+        share: f64,
+        /// Share needed.
+        needed: f64,
+    },
+    /// The fit did not settle.
+    NoConvergence {
+        /// Axis.
+        axis: Axis,
+        /// Steps tried.
+        steps: usize,
+    },
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refused::TooFewSamples { found, needed } => {
+                write!(f, "found {found} samples, needed at least {needed}: several circles at 500 Hz or more")
+            }
+            Refused::Uneven { index, found_s, period_s } => write!(
+                f,
+                "found {found_s:.6} s from sample {index} to sample {}, needed {period_s:.6} s as everywhere else: a \
+                 record without gaps at an even rate",
+                index + 1
+            ),
+            Refused::Period { found_s } => {
+                write!(f, "found a period of {found_s} s, needed 0.00001 to 0.002 s: t_s in seconds, at 500 Hz or more")
+            }
+            Refused::Unit { axis, found, needed } => {
+                write!(f, "axis {}: found {found}, needed {needed}", axis.letter())
+            }
+            Refused::Reversals { axis, found, needed } => write!(
+                f,
+                "axis {}: found {found} reversals in motion, needed at least {needed}: whole circles",
+                axis.letter()
+            ),
+            Refused::OneDirection { axis, clockwise, counterclockwise } => write!(
+                f,
+                "axis {}: found {clockwise} reversals clockwise and {counterclockwise} counterclockwise, needed at \
+                 least 2 of each: circles in both directions",
+                axis.letter()
+            ),
+            Refused::OneSize { axis, low_mm_per_s2, high_mm_per_s2 } => write!(
+                f,
+                "axis {}: found reversals at {low_mm_per_s2:.3} to {high_mm_per_s2:.3} mm/s², needed accelerations \
+                 that differ by 1.5 or more: circles of two radii or at two feeds",
+                axis.letter()
+            ),
+            Refused::NoFriction { axis, found_mm_per_s, standard_error_mm_per_s } => write!(
+                f,
+                "axis {}: found friction of {found_mm_per_s:.5} mm/s with a standard error of \
+                 {standard_error_mm_per_s:.5} mm/s, needed more than 3 standard errors: spikes at the reversals that \
+                 stand out of the readings",
+                axis.letter()
+            ),
+            Refused::NotExcited { axis, figure, relative_error, needed } => write!(
+                f,
+                "axis {}: found {figure} with a standard error of {:.0} % of it, needed {needed}",
+                axis.letter(),
+                100.0 * relative_error
+            ),
+            Refused::GainOrResetTime { axis, position_gain_per_s, reset_time_s, residual_um, exchanged_um } => write!(
+                f,
+                "axis {}: found position gain {position_gain_per_s:.1} 1/s and reset time {reset_time_s:.5} s no better \
+                 ({residual_um:.4} µm left) than position gain {:.1} 1/s and reset time {:.5} s ({exchanged_um:.4} µm): \
+                 friction excites both alike; needed a record that starts and stops, or the drive's figures \
+                 ([axis.{}.drive] of --machine)",
+                axis.letter(),
+                1.0 / reset_time_s,
+                1.0 / position_gain_per_s,
+                axis.letter()
+            ),
+            Refused::RankShort { axis, rank, of, condition } => write!(
+                f,
+                "axis {}: found {rank} of {of} parameters excited, condition number {condition:.2e}, needed all: circles \
+                 of other radii or feeds, or the drive's figures ([axis.{}.drive] of --machine)",
+                axis.letter(),
+                axis.letter()
+            ),
+            Refused::NotExplained { axis, share, needed } => write!(
+                f,
+                "axis {}: found a model that explains {:.0} % of the spikes at reversals, needed {:.0} %: other \
+                 disturbances outweigh friction, or commands and readings do not belong together",
+                axis.letter(),
+                100.0 * share,
+                100.0 * needed
+            ),
+            Refused::NoConvergence { axis, steps } => write!(
+                f,
+                "axis {}: found a fit that does not settle in {steps} steps, needed a record that the model of the drive fits \
+                 and that starts and stops, or the drive's figures ([axis.{}.drive] of --machine)",
+                axis.letter(),
+                axis.letter()
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Refused {}

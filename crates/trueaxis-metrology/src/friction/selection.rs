@@ -1,0 +1,133 @@
+//! Which parameters the record tells: the others are held, or the record is refused.
+
+use super::least_squares::{self, Fit, fit};
+use super::parameters::{
+    COULOMB, FEED_FORWARD, OFFSET, POSITION_GAIN, PRESLIDING, Problem, READING_LAG, RESET_TIME, REST, STRIBECK_SHARE,
+    STRIBECK_VELOCITY, VELOCITY_GAIN, VISCOUS, Values,
+};
+use super::refused::Refused;
+use std::vec::Vec;
+use trueaxis::Axis;
+
+/// A parameter is told by the record if it is this many standard errors from 0.
+const TOLD: f64 = 3.0;
+/// Largest standard error of a figure of the drive, as a share of it.
+const LOOSE: f64 = 0.2;
+/// What a drive that is found has to have been told.
+const DRIVE_FIGURES: [usize; 3] = [POSITION_GAIN, RESET_TIME, VELOCITY_GAIN];
+/// Residual with position gain and reset time exchanged over that of the fit, at least.
+const EXCHANGED: f64 = 1.02;
+
+/// The fit with the parameters that the record tells; the others hold values that do no harm.
+pub(super) fn reduced(
+    axis: Axis,
+    [coarse, problem]: [&Problem; 2],
+    start: Values,
+    (with_drive, rests): (bool, bool),
+    tell: &mut dyn FnMut(),
+) -> Result<(Fit, Vec<usize>), Refused> {
+    let unsettled = || Refused::NoConvergence { axis, steps: least_squares::STEPS };
+    let mut free = Vec::from([COULOMB, PRESLIDING, OFFSET]);
+    if with_drive {
+        free.extend([POSITION_GAIN, RESET_TIME, FEED_FORWARD, VELOCITY_GAIN]);
+    } else {
+        free.push(READING_LAG);
+    }
+    let rough = fit(coarse, start, &free, tell).ok_or_else(unsettled)?;
+    let mut values = rough.values;
+    if with_drive {
+        values = the_better_order(axis, coarse, &rough, &free, tell)?;
+        free.push(READING_LAG);
+    }
+    if rests {
+        free.push(REST);
+    }
+    free.extend([VISCOUS, STRIBECK_SHARE, STRIBECK_VELOCITY]);
+    loop {
+        let found = fit(problem, values, &free, tell).ok_or_else(unsettled)?;
+        let Some(held) = untold(&found, &free, with_drive) else { return Ok((found, free)) };
+        values = found.values;
+        for parameter in held {
+            free.retain(|p| p != parameter);
+            values.0[*parameter] = if *parameter == STRIBECK_VELOCITY { 2.0 } else { 0.0 };
+        }
+    }
+}
+
+/// Parameters that can be left out and that the fit does not tell: the least told first.
+///
+/// Viscous friction and velocity feed-forward act alike on a circle. Beside a drive that is fitted, viscous friction
+/// therefore stays free, however little it is told (held at 0 it would bend K_v), unless the drive is not told with it.
+fn untold(found: &Fit, free: &[usize], with_drive: bool) -> Option<&'static [usize]> {
+    let value = |parameter: usize| found.values.0[parameter];
+    let told = |parameter: usize| value(parameter).abs() / found.errors[parameter];
+    let loose = !with_drive || DRIVE_FIGURES.iter().any(|&p| !(found.errors[p] <= LOOSE * value(p)));
+    let is_told = |parameter: usize| match parameter {
+        READING_LAG => told(parameter) >= TOLD,
+        VISCOUS => value(parameter) > 0.0 && (told(parameter) >= TOLD || !loose),
+        _ => value(parameter) > 0.0 && told(parameter) >= TOLD,
+    };
+    let candidates: [(usize, &'static [usize]); 4] = [
+        (READING_LAG, &[READING_LAG]),
+        (STRIBECK_SHARE, &[STRIBECK_SHARE, STRIBECK_VELOCITY]),
+        (STRIBECK_VELOCITY, &[STRIBECK_VELOCITY]),
+        (VISCOUS, &[VISCOUS]),
+    ];
+    let untold = candidates.into_iter().find(|(parameter, _)| free.contains(parameter) && !is_told(*parameter));
+    untold.map(|(_, held)| held)
+}
+
+/// Of a fit and the one from position gain and 1/reset time exchanged, the better.
+fn the_better_order(
+    axis: Axis,
+    problem: &Problem,
+    found: &Fit,
+    free: &[usize],
+    tell: &mut dyn FnMut(),
+) -> Result<Values, Refused> {
+    let mut start = found.values;
+    let [gain, reset] = [start.0[POSITION_GAIN], start.0[RESET_TIME]];
+    start.0[POSITION_GAIN] = 1.0 / reset;
+    start.0[RESET_TIME] = 1.0 / gain;
+    start.0[FEED_FORWARD] = (1.0 - (1.0 - start.0[FEED_FORWARD]) / (gain * reset)).max(0.0);
+    let Some(other) = fit(problem, start, free, tell) else { return Ok(found.values) };
+    let [best, worse] = if found.rms <= other.rms { [found, &other] } else { [&other, found] };
+    let apart = |parameter: usize| (best.values.0[parameter] / worse.values.0[parameter]).ln().abs();
+    if apart(POSITION_GAIN).max(apart(RESET_TIME)) > 0.02 && worse.rms < EXCHANGED * best.rms {
+        return Err(Refused::GainOrResetTime {
+            axis,
+            position_gain_per_s: best.values.0[POSITION_GAIN],
+            reset_time_s: best.values.0[RESET_TIME],
+            residual_um: 1e3 * best.rms,
+            exchanged_um: 1e3 * worse.rms,
+        });
+    }
+    Ok(best.values)
+}
+
+pub(super) fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -> Result<(), Refused> {
+    if found.rank < free.len() {
+        return Err(Refused::RankShort { axis, rank: found.rank, of: free.len(), condition: found.condition });
+    }
+    let [value, error] = [found.values.0[COULOMB], found.errors[COULOMB]];
+    if !(value > TOLD * error) {
+        return Err(Refused::NoFriction { axis, found_mm_per_s: value, standard_error_mm_per_s: error });
+    }
+    let circles = "circles of another radius or at another feed";
+    let drive = "a record that starts and stops, or the drive's figures (--machine)";
+    let mut needed = Vec::from([(PRESLIDING, "pre-sliding", circles)]);
+    if with_drive {
+        needed.extend([
+            (POSITION_GAIN, "position gain", drive),
+            (RESET_TIME, "reset time", drive),
+            (VELOCITY_GAIN, "velocity gain", drive),
+        ]);
+    }
+    for (parameter, figure, needed) in needed {
+        let relative_error = found.errors[parameter] / found.values.0[parameter];
+        if !(relative_error <= LOOSE) {
+            return Err(Refused::NotExcited { axis, figure, relative_error, needed });
+        }
+    }
+    Ok(())
+}
