@@ -17,6 +17,7 @@
 pub mod bench;
 pub mod compare;
 pub mod latency;
+pub mod learning_record;
 pub mod outcome;
 pub mod pace;
 pub mod recorded;

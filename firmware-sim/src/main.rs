@@ -10,6 +10,7 @@ mod console;
 mod friction;
 mod grind;
 mod grinding_text;
+mod learn;
 mod machine_arg;
 mod program_args;
 mod record;
@@ -65,6 +66,11 @@ enum Command {
     /// The gauge works on one revolution while the next is sampled. When a revolution is shorter than the work, it skips
     /// whole revolutions: --skip chooses a speed at which that happens.
     Grind(grind::GrindArgs),
+    /// Make a program several times, each part with the correction learned from those before.
+    ///
+    /// Learned is the contour error that the step itself estimates, between two parts and over path length, as `trueaxis
+    /// learn` does from a record; every part has encoder noise of its own.
+    Learn(learn::LearnArgs),
     /// Measure a head's rotary axes with a ball under RTCP, identify their errors, correct them, and show what is left.
     ///
     /// C turns a full circle, A a quarter, with three set-ups of the ball each. Linear axes are taken for perfect.
@@ -100,6 +106,7 @@ fn main() -> ExitCode {
         Some(Command::Scenario(args)) => scenario_command::print(&args),
         Some(Command::Bench(args)) => bench_command::time(&args),
         Some(Command::Grind(args)) => grind::grind(&args),
+        Some(Command::Learn(args)) => learn::learn(&args),
         Some(Command::Rtcp(args)) => rtcp::rtcp(&args),
         Some(Command::Friction(args)) => friction::friction(&args),
         Some(Command::Record(args)) => record::record(&args),

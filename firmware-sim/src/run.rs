@@ -4,8 +4,9 @@ use crate::console::{progress_bar, put};
 use crate::machine_arg::outputs_of;
 use crate::program_args::{Document, noted};
 use crate::scenario_args::{ScenarioArgs, prepare};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
+use firmware_sim::learning_record::LearningRecord;
 use firmware_sim::outcome::{self, Outcome, Timing};
 use firmware_sim::report;
 use firmware_sim::series::Series;
@@ -14,6 +15,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use trueaxis_sim::Scenario;
+use trueaxis_sim::learning::{self, LearnedTable};
 use trueaxis_sim::run::{Kind, Run, Sink};
 use trueaxis_tables::output::Staged;
 
@@ -34,19 +36,29 @@ pub(crate) struct RunArgs {
     /// Write index.html and trace.csv into this folder, and trace-full.csv of a full run.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// Correction that was learned on this program, for the full run.
+    #[arg(long, value_name = "FILE.tlearn")]
+    learned: Option<PathBuf>,
+    /// Write the contour error of the full run over path length, for `trueaxis learn`.
+    #[arg(long, value_name = "FILE.csv")]
+    record: Option<PathBuf>,
     /// The traces keep every Nth cycle.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
     trace_every: u64,
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
-    let mut outputs = outputs_of([args.scenario.machine.as_path()], args.scenario.files());
+    let inputs = args.scenario.files().chain(args.learned.as_deref());
+    let mut outputs = outputs_of([args.scenario.machine.as_path()], inputs);
+    if let Some(record) = &args.record {
+        outputs.refuse_input(record)?;
+    }
     if let Some(dir) = &args.report {
         outputs.refuse_input(&dir.join("index.html"))?;
         outputs.refuse_input(&dir.join("trace.csv"))?;
         outputs.refuse_input(&dir.join("trace-full.csv"))?;
     }
-    let scenario = Arc::new(prepare(&args.scenario, &args.fault)?);
+    let scenario = Arc::new(with_learned(prepare(&args.scenario, &args.fault)?, args.learned.as_deref())?);
     let simulation = Run::new(Arc::clone(&scenario))?;
     let mut files = match &args.report {
         Some(dir) => {
@@ -55,6 +67,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         }
         None => None,
     };
+    let mut record = args.record.as_ref().map(|path| record_to(path, &scenario)).transpose()?;
     let timing = Timing { budget_ns: args.scenario.budget_ns(&scenario), paced: args.paced };
     let bar = progress_bar("simulating");
     let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
@@ -63,9 +76,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         sinks.extend(files.traces.iter_mut().map(|(_, trace)| trace as &mut dyn Sink));
         sinks.push(&mut files.series);
     }
+    sinks.extend(record.as_mut().map(|record| record as &mut dyn Sink));
     let outcome = outcome::simulate(simulation, &scenario, timing, sinks, &mut tell)?;
     bar.finish_and_clear();
-    let written = files.map(|files| files.finish(&outcome, &scenario)).transpose()?;
+    let mut written = files.map(|files| files.finish(&outcome, &scenario)).transpose()?;
+    if let (Some(record), Some(path)) = (record, &args.record) {
+        let staged = record.finish().and_then(|out| out.into_inner().map_err(|error| error.into_error()));
+        staged.and_then(Staged::commit).with_context(|| format!("cannot write {}", path.display()))?;
+        written.get_or_insert_default().push(path.clone());
+    }
     if args.json {
         let document = Document { run: outcome.json(&scenario), noted: &scenario.program.notes };
         put(&format!("{}\n", serde_json::to_string_pretty(&document)?))
@@ -73,6 +92,27 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         let files = written.iter().flatten().map(|file| format!("written  {}\n", file.display()));
         put(&(outcome.summary(&scenario).to_string() + &noted(&scenario.program) + &files.collect::<String>()))
     }
+}
+
+/// The scenario with a learned correction, from its file.
+pub(crate) fn with_learned(scenario: Scenario, file: Option<&Path>) -> Result<Scenario> {
+    let Some(file) = file else { return Ok(scenario) };
+    let bytes = std::fs::read(file).with_context(|| format!("--learned: cannot read {}", file.display()))?;
+    let of_file = || format!("--learned {}", file.display());
+    let table = LearnedTable::read(bytes).with_context(of_file)?;
+    scenario.with_learned(Arc::new(table)).with_context(of_file)
+}
+
+/// The record of the full run.
+fn record_to(path: &Path, scenario: &Scenario) -> Result<LearningRecord<BufWriter<Staged>>> {
+    let kinds = Kind::of(&scenario.machine.settings);
+    let Some(run) = kinds.iter().position(|kind| *kind == Kind::Full) else {
+        bail!("--record: found a machine without dynamic correction, needed [axis.X.dynamic] in its machine.toml");
+    };
+    let identity = learning::identity(scenario, &scenario.motion()?);
+    Staged::create(path)
+        .and_then(|file| LearningRecord::new(BufWriter::new(file), run, &identity))
+        .with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// Files that `run --report` writes.

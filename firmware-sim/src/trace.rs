@@ -45,7 +45,7 @@ impl<W: Write> Trace<W> {
         }
         for axis in &dynamic {
             let (a, unit) = (axis.letter().to_ascii_lowercase(), if axis.is_rotary() { "urad" } else { "um" });
-            for part in ["dynamic", "friction", "contour_feedback", "crosstalk"] {
+            for part in ["dynamic", "feed_forward", "contour_feedback", "crosstalk"] {
                 write!(out, ",{part}_{a}_{unit}")?;
             }
         }
@@ -92,9 +92,9 @@ impl<W: Write> Trace<W> {
         }
         for axis in &self.dynamic {
             let (i, d) = (axis.index(), &s.dynamic);
-            let [sent, friction] = [d.sent[i], d.friction[i]];
+            let [sent, forward] = [d.sent[i], d.feed_forward[i]];
             let [feedback, crosstalk] = [d.feedback[i], d.crosstalk[i]];
-            write!(self.out, ",{sent:.5},{friction:.5},{feedback:.5},{crosstalk:.5}")?;
+            write!(self.out, ",{sent:.5},{forward:.5},{feedback:.5},{crosstalk:.5}")?;
         }
         writeln!(self.out)
     }

@@ -267,7 +267,7 @@ fn degenerate_data_make_a_page_all_the_same() {
                         rotary: varied,
                         time_s: value,
                         sent: series.clone(),
-                        friction: series.clone(),
+                        feed_forward: series.clone(),
                         full_um: series.clone(),
                         ..ReversalReport::default()
                     }],

@@ -1,1 +1,3 @@
-//! End-to-end tests and cross-checks of trueaxis; the tests live in `tests/`.
+//! End-to-end tests and cross-checks of trueaxis; the tests live in `tests/`, here what several of them run on.
+
+pub mod course;

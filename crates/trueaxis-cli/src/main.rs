@@ -12,6 +12,7 @@ mod friction;
 mod helicoid;
 mod identify;
 mod kinematics;
+mod learn;
 mod model;
 mod numbers;
 mod output;
@@ -71,6 +72,9 @@ enum Command {
     /// Friction of two axes, and their drives' figures, from recorded circles.
     #[command(after_help = friction::HELP)]
     Friction(friction::Arguments),
+    /// Correction over path length for the next part of a program, from the contour error of the last.
+    #[command(after_help = learn::HELP)]
+    Learn(learn::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -86,6 +90,7 @@ fn main() -> ExitCode {
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Friction(arguments) => friction::run(&arguments),
+        Command::Learn(arguments) => learn::run(&arguments),
     };
     output::exit_code(result)
 }

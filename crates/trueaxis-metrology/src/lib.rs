@@ -5,6 +5,7 @@
 //! - [`helicoid`]: involute helicoid, gear data, and the five axes that bring a tool onto its normal.
 //! - [`friction`]: friction of an axis and the figures of its drive from recorded circles.
 //! - [`accuracy`]: accuracy and repeatability of positioning after ISO 230-2.
+//! - [`learning`]: a correction over path length, learned from part to part.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
 //! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a
 //!   spindle over its revolutions; [`pair_search`]: which slots suit three probes best.
@@ -23,6 +24,8 @@ pub mod error;
 pub mod friction;
 pub mod helicoid;
 pub mod identification;
+#[cfg(feature = "std")]
+pub mod learning;
 #[cfg(feature = "std")]
 pub mod pair_search;
 #[cfg(feature = "separation")]

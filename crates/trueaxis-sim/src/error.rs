@@ -5,9 +5,11 @@ use crate::plant::PlantError;
 use crate::program::ProgramError;
 use crate::settings::SettingError;
 use trueaxis::contour::PathError;
+use trueaxis::learned::LearnedError;
 use trueaxis::tcomp::TcompError;
 use trueaxis::{ConfigError, Fault};
 use trueaxis_metrology::identification::Refused;
+use trueaxis_metrology::learning::NotLearned;
 use trueaxis_tables::exact::GeometryError;
 
 /// A machine, a program or settings that cannot be simulated.
@@ -38,6 +40,12 @@ pub enum SimError {
     /// The tables as compiled.
     #[error("compiled tables: {0}")]
     Tables(#[from] TcompError),
+    /// A learned correction.
+    #[error("learned correction: {0}")]
+    Learned(#[from] LearnedError),
+    /// A record from which nothing can be learned.
+    #[error("learning: {0}")]
+    NotLearned(#[from] NotLearned),
     /// The program's motion.
     #[error("{program}: {error}")]
     Motion {

@@ -22,6 +22,8 @@
 pub mod ball_test;
 pub mod error;
 pub mod grinding;
+mod learned;
+pub mod learning;
 pub mod motion;
 pub mod path;
 pub mod placement;

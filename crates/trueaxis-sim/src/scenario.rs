@@ -1,10 +1,12 @@
 //! A machine, a program and settings, checked against one another.
 
 use crate::error::{Result, SimError};
+use crate::learned::LearnedTable;
 use crate::motion::{Motion, MotionSettings, Setpoint};
 use crate::placement::Placement;
 use crate::program::Program;
 use crate::settings::Settings;
+use std::sync::Arc;
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
@@ -26,6 +28,8 @@ pub struct Scenario {
     pub five_axis: bool,
     /// Kelvin above the reference temperature, as reported to the plugin.
     pub kelvin: f64,
+    /// Correction over path length in the full run ([`Scenario::with_learned`]).
+    pub learned: Option<Arc<LearnedTable>>,
 }
 
 impl Scenario {
@@ -44,6 +48,7 @@ impl Scenario {
             placement: Placement::new(&machine, origin_mm)?,
             kelvin: settings.temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c),
             origin_mm,
+            learned: None,
             machine,
             program,
             settings,

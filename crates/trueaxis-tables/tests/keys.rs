@@ -29,6 +29,26 @@ acceleration_mm_per_s2 = 100
 offset_um_per_k = 2
 expansion_um_per_m_k = 11.5
 datum_mm = 5
+[axis.X.drive]
+position_gain_per_s = 110
+velocity_gain_per_s = 800
+reset_time_s = 0.006
+velocity_feed_forward = 0.9
+current_loop_s = 0.0003
+dead_time_s = 0.0001
+[axis.X.friction]
+coulomb_mm_per_s = 0.5
+presliding_um = 7
+stribeck_share = 0.3
+stribeck_velocity_mm_per_s = 2
+viscous = 0.004
+lead_s = 0
+[axis.X.dynamic]
+magnitude_um = 40
+slope_mm_per_s = 1
+acceleration_mm_per_s2 = 90
+lag = true
+acceleration = true
 [axis.C]
 direction = 1
 travel_deg = [-400, 400]
@@ -47,6 +67,26 @@ acceleration_deg_per_s2 = 300
 offset_urad_per_k = 1
 expansion_urad_per_rad_k = 2
 datum_deg = 90
+[axis.C.drive]
+position_gain_per_s = 110
+velocity_gain_per_s = 800
+reset_time_s = 0.006
+velocity_feed_forward = 0.9
+current_loop_s = 0.0003
+dead_time_s = 0.0001
+[axis.C.friction]
+coulomb_deg_per_s = 0.5
+presliding_urad = 7
+stribeck_share = 0.3
+stribeck_velocity_deg_per_s = 2
+viscous = 0.004
+lead_s = 0
+[axis.C.dynamic]
+magnitude_urad = 40
+slope_deg_per_s = 1
+acceleration_deg_per_s2 = 90
+lag = true
+acceleration = true
 [location]
 A0Z_urad = 1
 B0Z_urad = 1
@@ -67,6 +107,11 @@ stuck_mm = 1
 stuck_deg = 1
 [contour]
 max_lag_mm = 2
+[contour.feedback]
+proportional = 0.2
+integral_per_s = 9
+max_feed_mm_per_min = 5000
+watch_um = 20
 [compensation]
 fade_deg = 3
 [kinematics]
@@ -105,6 +150,19 @@ contact_deg = 180
 drive_delay_s = 0
 limit_um = 20
 noise_gain_limit = 10
+[[crosstalk]]
+tip = "X"
+from = "X"
+k_um_per_m_per_s2 = 1
+[[crosstalk]]
+tip = "X"
+from = "C"
+k_um_per_deg_per_s2 = 2
+[[crosstalk]]
+tip = "X"
+from = "C"
+over = "X"
+table = [[0, 1], [10, 2]]
 "#;
 
 /// A value that the core, or the reader before it, refuses for each key.
@@ -160,6 +218,52 @@ const WRONG: &[(&str, &str)] = &[
     ("faults.stuck_mm", "0"),
     ("faults.stuck_deg", "0"),
     ("contour.max_lag_mm", "0"),
+    ("axis.X.drive.position_gain_per_s", "0"),
+    ("axis.X.drive.velocity_gain_per_s", "0"),
+    ("axis.X.drive.reset_time_s", "0"),
+    ("axis.X.drive.velocity_feed_forward", "1.1"),
+    ("axis.X.drive.current_loop_s", "0"),
+    ("axis.X.drive.dead_time_s", "-0.001"),
+    ("axis.X.friction.coulomb_mm_per_s", "-1"),
+    ("axis.X.friction.presliding_um", "0"),
+    ("axis.X.friction.stribeck_share", "-0.1"),
+    ("axis.X.friction.stribeck_velocity_mm_per_s", "0"),
+    ("axis.X.friction.viscous", "-0.1"),
+    ("axis.X.friction.lead_s", "-0.001"),
+    ("axis.X.dynamic.magnitude_um", "0"),
+    ("axis.X.dynamic.slope_mm_per_s", "0"),
+    ("axis.X.dynamic.acceleration_mm_per_s2", "0"),
+    ("axis.X.dynamic.lag", "1"),
+    ("axis.X.dynamic.acceleration", "0"),
+    ("axis.C.drive.position_gain_per_s", "0"),
+    ("axis.C.drive.velocity_gain_per_s", "0"),
+    ("axis.C.drive.reset_time_s", "0"),
+    ("axis.C.drive.velocity_feed_forward", "1.1"),
+    ("axis.C.drive.current_loop_s", "0"),
+    ("axis.C.drive.dead_time_s", "-0.001"),
+    ("axis.C.friction.coulomb_deg_per_s", "-1"),
+    ("axis.C.friction.presliding_urad", "0"),
+    ("axis.C.friction.stribeck_share", "-0.1"),
+    ("axis.C.friction.stribeck_velocity_deg_per_s", "0"),
+    ("axis.C.friction.viscous", "-0.1"),
+    ("axis.C.friction.lead_s", "-0.001"),
+    ("axis.C.dynamic.magnitude_urad", "0"),
+    ("axis.C.dynamic.slope_deg_per_s", "0"),
+    ("axis.C.dynamic.acceleration_deg_per_s2", "0"),
+    ("axis.C.dynamic.lag", "1"),
+    ("axis.C.dynamic.acceleration", "0"),
+    ("contour.feedback.proportional", "20"),
+    // Within its range, but with too little margin.
+    ("contour.feedback.proportional", "3"),
+    ("contour.feedback.integral_per_s", "-1"),
+    ("contour.feedback.max_feed_mm_per_min", "0"),
+    ("contour.feedback.watch_um", "0"),
+    ("crosstalk.tip", "\"C\""),
+    ("crosstalk.from", "\"Y\""),
+    ("crosstalk.over", "\"B\""),
+    ("crosstalk.table", "[[0, 1], [0, 2]]"),
+    ("crosstalk.k_um_per_m_per_s2", "2000"),
+    ("crosstalk.k_um_per_deg_per_s2", "2000"),
     ("compensation.fade_deg", "46"),
     ("kinematics.tool_axis", "[0, 0, 0]"),
     ("kinematics.singular_cone_deg", "46"),
@@ -210,11 +314,11 @@ fn read(machine: &str) -> Result<Machine, String> {
 fn edited(key: &str, new: &str) -> (String, usize) {
     let (mut section, mut line) = (String::new(), None);
     let edit = |(index, text): (usize, &'static str)| {
-        if let Some(header) = text.strip_prefix('[').and_then(|header| header.strip_suffix(']')) {
-            section = format!("{header}.");
+        if text.starts_with('[') {
+            section = format!("{}.", text.trim_matches(['[', ']']));
         }
         match text.split_once(" = ") {
-            Some((name, _)) if format!("{section}{name}") == key => {
+            Some((name, _)) if line.is_none() && format!("{section}{name}") == key => {
                 line = Some(index + 1);
                 format!("{new}\n")
             }
@@ -247,7 +351,9 @@ fn every_field_of_the_file_is_among_them() {
         for axis in [Axis::X, Axis::C] {
             let Some(key) = field.key(Some(axis)).map(|key| key.to_string()) else { continue };
             // Sections follow from the chain; only rotary axes have a sense and location errors; C has no table here.
-            let absent = ["axis.X", "axis.C", "axis.C.table", "axis.X.direction"].contains(&key.as_str());
+            let absent = ["axis.X", "axis.C", "axis.C.table", "axis.X.direction"].contains(&key.as_str())
+                || key.ends_with(".friction")
+                || key == "contour.feedback";
             let linear = key.starts_with("location.") && axis == Axis::X;
             assert!(absent || linear || tested.contains(key.as_str()), "{field:?} {key}");
         }
@@ -258,7 +364,7 @@ fn every_field_of_the_file_is_among_them() {
 #[test]
 fn a_default_is_refused_at_its_section() {
     let (machine, _) = edited("axis.X.limits.magnitude_um", "magnitude_um = 10");
-    let machine = machine.replace("limit_um = 20\n", "");
+    let machine = machine.replace("limit_um = 20\n", "").replace("magnitude_um = 40\n", "magnitude_um = 8\n");
     let line = 1 + machine.lines().position(|line| line == "[roundness.infeed]").unwrap();
     let expected = format!("machine.toml:{line}: key roundness.infeed.limit_um: found 20, the default, needed a limit");
     let error = read(&machine).unwrap_err();

@@ -230,3 +230,106 @@ fn wrong_sections_are_refused_at_their_lines() {
         format!("machine.toml:{last}: key crosstalk: found another section [[crosstalk]], needed at most 6")
     );
 }
+
+/// What the controller's checks refuse, at the line of the key.
+#[test]
+fn what_the_checks_refuse_is_told_at_its_line() {
+    let drive = "position_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
+                 velocity_feed_forward = 0.93\ncurrent_loop_s = 0.0003\ndead_time_s = 0.0005\n";
+    let without = MACHINE.replace(&format!("[axis.X.drive]\n{drive}"), "");
+    let no_friction = without.replace("[axis.X.friction]", "[axis.Z.friction]");
+    let no_lag = no_friction.replace("lag = true", "lag = false");
+    let no_acceleration = no_lag.replace("acceleration = true", "acceleration = false");
+    let unknown = MACHINE.replace("[axis.Z.drive]", "[axis.Z.dr]");
+    assert!(read(&unknown).unwrap_err().contains("key axis.Z.dr: found dr, needed one of"));
+    for (text, at, expected) in [
+        (
+            &without,
+            "[axis.X.friction]",
+            "key axis.X.friction: found this section, needed the figures of the axis' drive as well: [axis.X.drive]",
+        ),
+        (
+            &no_friction,
+            "lag = true",
+            "key axis.X.dynamic.lag: found true, needed the figures of the axis' drive as well: [axis.X.drive]",
+        ),
+        (
+            &no_lag,
+            "acceleration = true",
+            "key axis.X.dynamic.acceleration: found true, needed the figures of the axis' drive as well: [axis.X.drive]",
+        ),
+        (
+            &no_acceleration,
+            "[contour.feedback]",
+            "key contour.feedback: found this section, needed the figures of the axis' drive as well: [axis.X.drive]",
+        ),
+        (
+            &MACHINE.replace("reset_time_s = 0.006", "reset_time_s = 0"),
+            "reset_time_s = 0",
+            "key axis.X.drive.reset_time_s: found 0, needed a time of 0.00001 to 1000 s",
+        ),
+        (
+            &MACHINE.replace("reset_time_s = 0.006", "reset_time_s = 0.0002"),
+            "position_gain_per_s = 110",
+            "key axis.X.drive.position_gain_per_s: found 110, needed a gain at which the drive by itself is stable with its \
+             other figures",
+        ),
+        (
+            &MACHINE.replace("magnitude_um = 40", "magnitude_um = 140"),
+            "magnitude_um = 140",
+            "key axis.X.dynamic.magnitude_um: found 140, needed a magnitude within that of the axis' correction: 100",
+        ),
+        (
+            &MACHINE.replace("tip = \"Z\"", "tip = \"C\""),
+            "tip = \"C\"",
+            "key crosstalk.tip: found \"C\", needed a linear axis",
+        ),
+        (
+            &MACHINE.replace("over = \"X\"", "over = \"A\""),
+            "over = \"A\"",
+            "key crosstalk.over: found \"A\", needed an axis of the machine",
+        ),
+        (
+            &MACHINE.replace("[10.5, 0.7]", "[0, 0.7]"),
+            "table = [[0, 0.3], [0, 0.7]]",
+            "key crosstalk.table: found [[0, 0.3], [0, 0.7]], needed positions that increase by at least 0.001",
+        ),
+        (
+            &MACHINE.replace("k_um_per_m_per_s2 = 1.2", "k_um_per_m_per_s2 = 1200"),
+            "k_um_per_m_per_s2 = 1200",
+            "key crosstalk.k_um_per_m_per_s2: found 1200, needed -1000 to 1000 um per m/s2",
+        ),
+    ] {
+        let line = 1 + text.lines().position(|line| line == at).unwrap();
+        assert_eq!(read(text).unwrap_err(), format!("machine.toml:{line}: {expected}"));
+    }
+}
+
+/// Gains that leave too little margin are refused with the largest permitted ones, and those are accepted.
+#[test]
+fn gains_are_refused_with_the_largest_permitted_ones() {
+    for (section, key) in [
+        ("proportional = 4\nintegral_per_s = 120", "proportional"),
+        ("proportional = 0\nintegral_per_s = 400", "integral_per_s"),
+    ] {
+        let text = MACHINE.replace("proportional = 0.25\nintegral_per_s = 8", section);
+        let error = read(&text).unwrap_err();
+        let wrong = section.lines().find(|line| line.starts_with(key)).unwrap();
+        let line = 1 + text.lines().position(|line| line == wrong).unwrap();
+        assert!(error.starts_with(&format!("machine.toml:{line}: key contour.feedback.{key}: found ")), "{error}");
+        assert!(error.contains("needed 60 degrees of phase margin and 12 dB of gain margin; "), "{error}");
+        let (_, most) = error.split_once("may be at most ").unwrap();
+        let (most, axis) = most.split_once(", because of axis ").unwrap();
+        assert!(["X", "Z"].contains(&axis), "{error}");
+        let most: f64 = most.parse().unwrap();
+        let with = |most: f64| {
+            let gains = match key {
+                "proportional" => format!("proportional = {most:?}\nintegral_per_s = {:?}", most * 30.0),
+                _ => format!("proportional = 0\nintegral_per_s = {most:?}"),
+            };
+            read(&MACHINE.replace("proportional = 0.25\nintegral_per_s = 8", &gains))
+        };
+        with(most).unwrap();
+        assert!(with(most * 1.02).is_err(), "{error}");
+    }
+}

@@ -4,15 +4,22 @@
 
 mod bounds;
 mod inverse;
+mod margins;
+mod open_loop;
 mod reversal;
 mod scalars;
+mod servo;
 mod volumetric;
 
 pub use bounds::{contribution, reach, slopes, tilt};
 pub use inverse::{
     INVERSE_TOLERANCE_MM, MOST_PASSES, error_range, inverse_passes, jacobian_norm, joint_range, machine_passes,
 };
+pub use margins::Margins;
+pub use open_loop::Margin;
 pub use reversal::{HYSTERESIS_PER_STEP, lost_motion, reversal};
+pub(crate) use servo::of_dynamic;
+pub use servo::{GAIN_MARGIN_DB, PHASE_MARGIN_DEG, feedback, feedback_margins};
 pub use volumetric::{angular_tip_error, tip_rate};
 
 use crate::error::{ConfigError, Field};
@@ -49,6 +56,8 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     scalars::machine(machine)?;
     five_axes(machine)?;
     machine.axes.iter().try_for_each(axis_settings)?;
+    servo::settings(machine)?;
+    feedback(machine, 0.0)?;
     roundness(machine)
 }
 

@@ -138,6 +138,44 @@ pub const LAG: Range = Range::new(1e-3, 1e3, "a max_lag_mm of 0.001 to 1000 mm")
 pub const FADE: Range = Range::new(0.0, 45.0, "a fade_deg of 0 to 45 degrees");
 /// Cone round the singular pose: half of a right angle.
 pub const SINGULAR_CONE: Range = Range::new(0.0, 45.0, "a singular_cone_deg of 0 to 45 degrees");
+/// Gain of a position loop: large machines have 10/s, linear motors 500.
+pub const POSITION_GAIN: Range = Range::new(0.1, 1e4, "a gain of 0.1 to 10000 1/s");
+/// Gain of a velocity loop, acceleration per velocity.
+pub const VELOCITY_GAIN: Range = Range::new(1.0, 1e6, "a gain of 1 to 1e6 1/s");
+/// Reset time of a velocity loop; a long one where it has no integrator.
+pub const RESET_TIME: Range = Range::new(1e-5, 1e3, "a time of 0.00001 to 1000 s");
+/// Time constant of a current loop.
+pub const CURRENT_LOOP: Range = Range::new(1e-6, 0.1, "a time of 1e-6 to 0.1 s");
+/// Dead time of a drive, and the lead of a friction model.
+pub const DEAD_TIME: Range = Range::new(0.0, 0.1, "a time of 0 to 0.1 s");
+/// Share of a velocity that is fed forward.
+pub const SHARE: Range = Range::new(0.0, 1.0, "a share of 0 to 1");
+/// Coulomb friction over the gain of the velocity loop: a velocity.
+pub const COULOMB: ByKind =
+    ByKind::new(Range::new(0.0, 1e3, "0 to 1000 mm/s"), Range::new(0.0, 1e3, "0 to 1000 degrees/s"));
+/// Static friction above Coulomb friction, as a share of it.
+pub const STRIBECK_SHARE: Range = Range::new(0.0, 10.0, "a share of 0 to 10");
+/// Velocity at which half of it is left.
+pub const STRIBECK_VELOCITY: ByKind =
+    ByKind::new(Range::new(1e-3, 1e3, "0.001 to 1000 mm/s"), Range::new(1e-3, 1e3, "0.001 to 1000 degrees/s"));
+/// Travel over which friction reverses: micrometres; some hundred where a belt or a long screw gives.
+pub const PRESLIDING: ByKind = ByKind::new(
+    Range::new(1e-5, 1.0, "0.01 to 1000 um"),
+    Range::new(degrees(0.01), degrees(20_000.0), "0.01 to 20000 urad"),
+);
+/// Viscous friction over the gain of the velocity loop.
+pub const VISCOUS: Range = Range::new(0.0, 10.0, "0 to 10");
+/// Proportional gain of the contour feedback.
+pub const FEEDBACK_GAIN: Range = Range::new(0.0, 10.0, "a gain of 0 to 10");
+/// Integral gain of the contour feedback.
+pub const FEEDBACK_INTEGRAL: Range = Range::new(0.0, 1e4, "a gain of 0 to 10000 1/s");
+/// Contour error from which an oscillation is looked for: a nanometre to 10 mm.
+pub const WATCH: Range = Range::new(1e-6, 10.0, "0.001 to 10000 um (10 mm)");
+/// Cross-talk of a linear axis that accelerates, s², and of a rotary one, mm per degree/s². A slender column has some µm per m/s².
+pub const CROSSTALK: ByKind = ByKind::new(
+    Range::new(-1e-3, 1e-3, "-1000 to 1000 um per m/s2"),
+    Range::new(-1.0, 1.0, "-1000 to 1000 um per degree/s2"),
+);
 /// Components of the tool axis; its length is 1e-3 to 1e3.
 pub const TOOL_AXIS: Range = Range::new(-1e3, 1e3, "-1000 to 1000");
 

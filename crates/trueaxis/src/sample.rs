@@ -160,6 +160,8 @@ pub(crate) struct Sample<'s, P, const N: usize> {
     pub(crate) first: bool,
     /// The positions are machine positions.
     pub(crate) homed: bool,
+    /// A reset came in this cycle.
+    pub(crate) reset: bool,
     /// Parts of the dynamic correction that are wanted.
     pub(crate) dynamics: Dynamics,
     /// Learned correction.
@@ -178,6 +180,7 @@ impl<'s, P, const N: usize> Sample<'s, P, N> {
             axis: 0,
             first: false,
             homed: true,
+            reset: false,
             dynamics: input.dynamics,
             learned: &input.learned,
         }
@@ -402,7 +405,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         *believed = [input.command, state.feedback];
         let [command, feedback] = believed;
         let (dynamics, learned) = (input.dynamics, &input.learned);
-        Sample { command, feedback, verdict, fault, axis, first, homed: input.homed, dynamics, learned }
+        Sample { command, feedback, verdict, fault, axis, first, homed: input.homed, reset, dynamics, learned }
     }
 
     /// Periods that a cycle took, for what may have moved meanwhile: 1 in time, at most 16.
@@ -543,6 +546,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 axis: 0,
                 first,
                 homed: input.homed,
+                reset,
                 dynamics: input.dynamics,
                 learned: &input.learned,
             };
@@ -557,6 +561,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             axis: state.latched_axis,
             first,
             homed: input.homed,
+            reset,
             dynamics: input.dynamics,
             learned: &input.learned,
         }

@@ -122,7 +122,7 @@ pub struct ReversalReport {
     /// Dynamic correction sent.
     pub sent: Vec<[f64; 2]>,
     /// Wanted against friction, following error and the error of acceleration.
-    pub friction: Vec<[f64; 2]>,
+    pub feed_forward: Vec<[f64; 2]>,
     /// Wanted by the contour feedback.
     pub feedback: Vec<[f64; 2]>,
     /// Wanted against acceleration cross-talk.

@@ -33,7 +33,7 @@ fn parts(reversal: &ReversalReport) -> Figure {
     let unit = if reversal.rotary { "µrad" } else { "µm" };
     let curves = [
         ("sent", colour::NEUTRAL, &reversal.sent),
-        ("friction, lag, acceleration", colour::UNCOMPENSATED, &reversal.friction),
+        ("friction, lag, acceleration", colour::UNCOMPENSATED, &reversal.feed_forward),
         ("contour feedback", colour::SERVO, &reversal.feedback),
         ("cross-talk", colour::LIMIT, &reversal.crosstalk),
     ];

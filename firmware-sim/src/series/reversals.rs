@@ -155,7 +155,7 @@ fn report(axis: Axis, stretch: &Stretch) -> ReversalReport {
         line: stretch.line,
         time_s: stretch.turned_s,
         sent: at(&|now| now.dynamic.sent[i]),
-        friction: at(&|now| now.dynamic.friction[i]),
+        feed_forward: at(&|now| now.dynamic.feed_forward[i]),
         feedback: at(&|now| now.dynamic.feedback[i]),
         crosstalk: at(&|now| now.dynamic.crosstalk[i]),
         compensated_um: at(&|now| now.compensated_um),

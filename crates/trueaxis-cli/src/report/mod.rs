@@ -5,6 +5,7 @@ pub(crate) mod circle;
 pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
+pub(crate) mod learn;
 pub(crate) mod roundness;
 
 use anyhow::Result;

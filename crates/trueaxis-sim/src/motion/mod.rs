@@ -172,6 +172,27 @@ impl Motion {
         Setpoints::new(self, program)
     }
 
+    /// Hands X, Y, Z (mm) and A, B, C (degrees) of the program to `take`, at every `every_mm` of path length from 0 and at
+    /// its end.
+    pub fn points(&self, program: &Program, every_mm: f64, mut take: impl FnMut([f64; 3], [f64; 3])) {
+        let mut next = 0_u64;
+        for (element, start) in program.moves.iter().zip(&self.starts) {
+            let (table, polar, mut node) = (ArcLength::of(element), element.curve.polar(), 0);
+            let mut point = |along: f64| {
+                let u = table.parameter(along, &mut node);
+                take(element.curve.point_by(polar.as_ref(), u).into(), element.rotary(u));
+            };
+            while next as f64 * every_mm < start + table.length() {
+                point((next as f64 * every_mm - start).max(0.0));
+                next += 1;
+            }
+        }
+        if let Some(last) = program.moves.last() {
+            let u = last.curve.domain().1;
+            take(last.curve.point_by(last.curve.polar().as_ref(), u).into(), last.rotary(u));
+        }
+    }
+
     /// Number of setpoints, the cycles at rest included.
     pub fn cycles(&self) -> u64 {
         self.cycles

@@ -14,10 +14,11 @@ use crate::scenario::Scenario;
 use crate::truth::{self, Truth};
 use glam::DVec3;
 use trueaxis::compensation::ThermalLine;
-use trueaxis::contour::OrientationError;
+use trueaxis::contour::{Flags, OrientationError};
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis::sample::Refusal;
+use trueaxis::telemetry::Record;
 use trueaxis::{Axis, Fault, Input, OnToolPath, Output, ServoLoop, State};
 
 /// Cycles of a stopped run that are still simulated, to show that the output holds.
@@ -144,6 +145,7 @@ impl<const N: usize> Cell<N> {
             enable: self.kind.enables_the_plugin(),
             reset: false,
             refusal: Refusal::NONE,
+            learned: self.learned(commanded, shared.scenario),
             ..Input::at_rest(elapsed_ns)
         };
         let (path, tool_path) = (shared.path.view(), shared.path.tool_view());
@@ -168,6 +170,29 @@ impl<const N: usize> Cell<N> {
         self.feedback = feedback;
         self.elapsed_periods = readings.elapsed_periods;
         stepped
+    }
+
+    /// What the host hands in: the learned correction at the path length of the reference.
+    fn learned(&self, commanded: &Commanded<N>, scenario: &Scenario) -> [f64; 3] {
+        let table = scenario.learned.as_ref().filter(|_| self.kind.takes_what_was_learned());
+        table.map_or([0.0; 3], |table| table.table().at(commanded.moment.length_mm))
+    }
+
+    /// Contour error of the estimated tip in machine directions, µm.
+    fn contour(&self, record: &Record<f64, f64, N>) -> Option<[f32; 3]> {
+        let off = [Flags::NOT_FOUND, Flags::COLD, Flags::AT_END, Flags::REFERENCE];
+        if record.fault != Fault::None || off.iter().any(|flag| record.tip.flags.has(*flag)) {
+            return None;
+        }
+        let vector = record.tip.vector;
+        let in_machine = self.kinematics.as_ref().map_or(vector, |kinematics| {
+            let mut joints = [0.0; AXES];
+            for (axis, position) in self.axes.iter().zip(&record.feedback) {
+                joints[axis.index()] = *position;
+            }
+            kinematics.to_bed(&joints, vector)
+        });
+        Some((1e3 * in_machine).as_vec3().to_array())
     }
 
     /// Positions in the step's order as the plant counts them: by the machine's list of axes.
@@ -235,6 +260,7 @@ impl<const N: usize> Cell<N> {
             orientation_urad: (1e6 * measured.angle) as f32,
             estimated_orientation_urad: (orientation.angle * 1e6) as f32,
             estimated_um: (record.tip.error * 1e3) as f32,
+            contour_um: self.contour(record),
             encoder_um: record.encoder.error * 1e3,
             lag_um: record.tip.lag * 1e3,
             fault: record.fault as u8,
@@ -248,9 +274,15 @@ impl<const N: usize> Cell<N> {
             sample.command[i] = record.command[k];
             sample.drive[i] = output.drive[k];
             sample.feedback[i] = record.feedback[k];
-            let correction = record.correction[k];
-            sample.correction[i] =
-                if axis.is_rotary() { correction.to_radians() * 1e6 } else { correction * 1e3 } as f32;
+            // mm to µm, degrees to µrad.
+            let micro = |value: f64| if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 } as f32;
+            sample.correction[i] = micro(record.correction[k]);
+            if let Some(parts) = &record.dynamic {
+                sample.dynamic.sent[i] = micro(parts.sent[k]);
+                sample.dynamic.feed_forward[i] = micro(parts.feed_forward[k]);
+                sample.dynamic.feedback[i] = micro(parts.feedback[k]);
+                sample.dynamic.crosstalk[i] = micro(parts.crosstalk[k]);
+            }
         }
         sample
     }

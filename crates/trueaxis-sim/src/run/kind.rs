@@ -45,6 +45,11 @@ impl Kind {
         matches!(self, Kind::Compensated | Kind::Full | Kind::Configured)
     }
 
+    /// A learned correction belongs to all that the plugin has.
+    pub(super) fn takes_what_was_learned(self) -> bool {
+        matches!(self, Kind::Full | Kind::Configured)
+    }
+
     pub(super) fn parts(self) -> Parts {
         match self {
             Kind::Full => Parts::All,

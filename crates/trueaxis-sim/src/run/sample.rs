@@ -29,7 +29,7 @@ pub struct DynamicSample {
     /// Sent: the sum of the parts, limited.
     pub sent: [f32; AXES],
     /// Wanted against friction, following error and the error of acceleration.
-    pub friction: [f32; AXES],
+    pub feed_forward: [f32; AXES],
     /// Wanted by the contour feedback.
     pub feedback: [f32; AXES],
     /// Wanted against acceleration cross-talk.
@@ -47,6 +47,8 @@ pub struct Sample {
     pub estimated_orientation_urad: f32,
     /// Contour error that the plugin reports for the estimated tip, µm.
     pub estimated_um: f32,
+    /// The same as a vector, tip − foot, in machine directions; none while the foot is not known or the path has ended.
+    pub contour_um: Option<[f32; 3]>,
     /// Contour error that it reports for the plain encoder position, µm.
     pub encoder_um: f64,
     /// Arc length from the tip's foot to the reference, µm.

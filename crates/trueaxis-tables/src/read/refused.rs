@@ -54,20 +54,47 @@ pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigErro
     )
 }
 
+fn is_section(field: Field) -> bool {
+    matches!(field, Field::Friction | Field::Feedback)
+}
+
+/// What an error needs, with the section or the figure that it speaks of.
+fn needed(error: &ConfigError, bound: Option<f64>) -> String {
+    let letter = error.axis.map_or(' ', Axis::letter);
+    match (error.field, bound) {
+        (Field::Friction | Field::Feedback | Field::Lag | Field::AccelerationAhead, _) => {
+            format!("{}: [axis.{letter}.drive]", error.needed)
+        }
+        (Field::Proportional | Field::Integral, Some(bound)) => {
+            format!("{} {}, because of axis {letter}", error.needed, Figure(bound))
+        }
+        (Field::DynamicMagnitude, Some(bound)) => format!("{}: {}", error.needed, Figure(bound)),
+        _ => error.needed.to_owned(),
+    }
+}
+
 impl Description {
     /// An error of the settings at the line of its key; at that of the section where the key is left at its default.
     pub(super) fn located(&self, origin: &Origin, error: &ConfigError) -> FileError {
         let Some(key) = error.key() else {
             return origin.whole(format!("{:?} = {}", error.field, Figure(error.found)), error.needed);
         };
-        let found = key.in_its_unit(error.found);
+        let (found, bound) = (key.in_its_unit(error.found), error.bound.map(|bound| key.in_its_unit(bound)));
         let key = key.to_string();
-        match self.keys.get(&key) {
-            Some(written) if !written.text.is_empty() => origin.at(written.line, &key, &written.text, error.needed),
+        let needed = needed(error, bound);
+        // Of the sections of a list, the one with this number.
+        let place = match (key.split_once('.'), error.index) {
+            (Some(("crosstalk", rest)), Some(index)) => format!("crosstalk[{index}].{rest}"),
+            _ => key.clone(),
+        };
+        match self.keys.get(&place) {
+            Some(written) if !written.text.is_empty() => origin.at(written.line, &key, &written.text, needed),
+            // A section that is not wrong by itself.
+            Some(written) if is_section(error.field) => origin.at(written.line, &key, "this section", needed),
             // A default, or a whole section.
             _ => {
-                let line = self.keys.get(&key).map(|written| written.line).or_else(|| self.keys.section(&key));
-                origin.at(line.unwrap_or(0), &key, format!("{}, the default", Figure(found)), error.needed)
+                let line = self.keys.get(&place).map(|written| written.line).or_else(|| self.keys.section(&place));
+                origin.at(line.unwrap_or(0), &key, format!("{}, the default", Figure(found)), needed)
             }
         }
     }

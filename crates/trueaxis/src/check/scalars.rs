@@ -2,13 +2,15 @@
 
 use crate::error::{ConfigError, Field};
 use crate::machine::{
-    Axis, AxisSettings, CompensationSettings, ContourSettings, FaultSettings, KinematicsSettings, Limits,
-    LocationErrors, MachineSettings, ThermalGrowth,
+    Axis, AxisServo, AxisSettings, CompensationSettings, ContourSettings, CrosstalkSettings, DriveFigures,
+    DynamicSettings, FaultSettings, FeedbackSettings, FrictionSettings, KinematicsSettings, Limits, LocationErrors,
+    MachineSettings, ThermalGrowth,
 };
 use crate::range::{
-    ACCELERATION, BACKLASH, ENCODER_STEP, EXPANSION, FADE, FEED, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH,
-    MAGNITUDE, PLAUSIBLE, POSITION, ROTATION, SINGULAR_CONE, SLOPE, TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS,
-    TRANSLATION,
+    ACCELERATION, BACKLASH, COULOMB, CROSSTALK, CURRENT_LOOP, DEAD_TIME, ENCODER_STEP, EXPANSION, FADE, FEED,
+    FEEDBACK_GAIN, FEEDBACK_INTEGRAL, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH, MAGNITUDE, PLAUSIBLE, POSITION,
+    POSITION_GAIN, PRESLIDING, RESET_TIME, ROTATION, SHARE, SINGULAR_CONE, SLOPE, STRIBECK_SHARE, STRIBECK_VELOCITY,
+    TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS, TRANSLATION, VELOCITY_GAIN, VISCOUS, WATCH,
 };
 
 /// Every scalar of a machine, the gauge's by [`gauge`]. No field is left out: a new one does not compile before it is here.
@@ -20,12 +22,12 @@ pub(super) fn machine(machine: &MachineSettings) -> Result<(), ConfigError> {
         reference_temperature_c,
         location,
         faults,
-        contour: ContourSettings { max_lag_mm, feedback: _ },
+        contour: ContourSettings { max_lag_mm, feedback },
         compensation: CompensationSettings { model: _, orientation: _, fade_deg },
         kinematics: KinematicsSettings { tool_axis, singular_cone_deg },
         axes,
         roundness: _,
-        crosstalk: _,
+        crosstalk,
     } = machine;
     LENGTH.all(tool_mm, Field::Tool, None)?;
     TEMPERATURE.check(*reference_temperature_c, Field::ReferenceTemperature, None)?;
@@ -55,7 +57,9 @@ pub(super) fn machine(machine: &MachineSettings) -> Result<(), ConfigError> {
     FADE.check(*fade_deg, Field::Fade, None)?;
     TOOL_AXIS.all(tool_axis, Field::ToolAxis, None)?;
     SINGULAR_CONE.check(*singular_cone_deg, Field::SingularCone, None)?;
-    axes.iter().try_for_each(of_axis)
+    axes.iter().try_for_each(of_axis)?;
+    feedback.as_ref().map_or(Ok(()), of_feedback)?;
+    crosstalk.iter().enumerate().try_for_each(|(index, entry)| of_crosstalk(entry).map_err(|error| error.at(index)))
 }
 
 fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {
@@ -76,7 +80,7 @@ fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {
         encoder_resolution,
         limits: Limits { magnitude, slope_per_s, acceleration_per_s2 },
         thermal: ThermalGrowth { offset_per_k, expansion_per_k, datum },
-        servo: _,
+        servo,
     } = settings;
     let (axis, on) = (*axis, Some(*axis));
     POSITION.of(axis).all(travel, Field::Travel, on)?;
@@ -95,5 +99,59 @@ fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {
     }
     THERMAL_OFFSET.of(axis).check(*offset_per_k, Field::ThermalOffset, on)?;
     EXPANSION.check(*expansion_per_k, Field::ThermalExpansion, on)?;
-    POSITION.of(axis).check(*datum, Field::ThermalDatum, on)
+    POSITION.of(axis).check(*datum, Field::ThermalDatum, on)?;
+    of_servo(servo, axis)
+}
+
+fn of_servo(servo: &AxisServo, axis: Axis) -> Result<(), ConfigError> {
+    let (AxisServo { drive, friction, dynamic }, on) = (servo, Some(axis));
+    if let Some(drive) = drive {
+        let DriveFigures {
+            position_gain_per_s,
+            velocity_gain_per_s,
+            reset_time_s,
+            velocity_feed_forward,
+            current_loop_s,
+            dead_time_s,
+        } = drive;
+        POSITION_GAIN.check(*position_gain_per_s, Field::PositionGain, on)?;
+        VELOCITY_GAIN.check(*velocity_gain_per_s, Field::VelocityGain, on)?;
+        RESET_TIME.check(*reset_time_s, Field::ResetTime, on)?;
+        SHARE.check(*velocity_feed_forward, Field::VelocityAhead, on)?;
+        CURRENT_LOOP.check(*current_loop_s, Field::CurrentLoop, on)?;
+        DEAD_TIME.check(*dead_time_s, Field::DeadTime, on)?;
+    }
+    if let Some(friction) = friction {
+        let FrictionSettings { coulomb_per_s, stribeck_share, stribeck_velocity_per_s, presliding, viscous, lead_s } =
+            friction;
+        COULOMB.of(axis).check(*coulomb_per_s, Field::Coulomb, on)?;
+        STRIBECK_SHARE.check(*stribeck_share, Field::StribeckShare, on)?;
+        STRIBECK_VELOCITY.of(axis).check(*stribeck_velocity_per_s, Field::StribeckVelocity, on)?;
+        PRESLIDING.of(axis).check(*presliding, Field::Presliding, on)?;
+        VISCOUS.check(*viscous, Field::Viscous, on)?;
+        DEAD_TIME.check(*lead_s, Field::FrictionLead, on)?;
+    }
+    let Some(DynamicSettings { limits, lag: _, acceleration: _, take_up: _ }) = dynamic else { return Ok(()) };
+    let Limits { magnitude, slope_per_s, acceleration_per_s2 } = limits;
+    MAGNITUDE.of(axis).check(*magnitude, Field::DynamicMagnitude, on)?;
+    SLOPE.of(axis).check(*slope_per_s, Field::DynamicSlope, on)?;
+    ACCELERATION.of(axis).check(*acceleration_per_s2, Field::DynamicAcceleration, on)
+}
+
+fn of_feedback(feedback: &FeedbackSettings) -> Result<(), ConfigError> {
+    let FeedbackSettings { proportional, integral_per_s, max_feed_per_s, watch_mm } = feedback;
+    FEEDBACK_GAIN.check(*proportional, Field::Proportional, None)?;
+    FEEDBACK_INTEGRAL.check(*integral_per_s, Field::Integral, None)?;
+    FEED.linear.check(*max_feed_per_s, Field::FeedbackFeed, None)?;
+    WATCH.check(*watch_mm, Field::Watch, None)
+}
+
+fn of_crosstalk(entry: &CrosstalkSettings) -> Result<(), ConfigError> {
+    // Axes are checked where those of the machine are known.
+    let CrosstalkSettings { tip: _, from, over, points } = entry;
+    let field = if points.len() == 1 { Field::CrosstalkConstant } else { Field::CrosstalkTable };
+    points.iter().try_for_each(|[position, k]| {
+        POSITION.of(*over).check(*position, Field::CrosstalkTable, None)?;
+        CROSSTALK.of(*from).check(*k, field, Some(*from))
+    })
 }

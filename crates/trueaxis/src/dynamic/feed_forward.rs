@@ -1,7 +1,7 @@
 //! Feed-forward of an axis: friction, lag and acceleration as the position offset that makes the drive supply them.
 //!
-//! With v the velocity of command and geometric correction, T the period and the drive figures of the axis, in velocities (a
-//! force divided by the moved mass and K_vp):
+//! With v the velocity of command and geometric correction, a their acceleration, T the period and the drive figures of the
+//! axis, in velocities (a force divided by the moved mass and K_vp):
 //!
 //! ```text
 //! f  <- (f + v T/z) / (1 + |v| T/z)                      friction state, −1 … 1; Dahl, implicit: cannot overshoot
@@ -10,7 +10,9 @@
 //! u  <- k u + (h + (1 − k_ff) v) g                       k = e^(−K_v T/k_ff),  g = (1 − k)/K_v
 //! ```
 //!
-//! The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs that hold over a period; for k_ff = 0 it is
+//! The geometric correction counts as it is led in, before the limiter of the axis: what that holds back would come back
+//! through a, with a gain of 1/(K_vp T). The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs that hold over
+//! a period; for k_ff = 0 it is
 //! u = (h + v)/K_v. Cost: two divisions and some 20 multiplications and additions an axis.
 
 #![deny(clippy::indexing_slicing)]

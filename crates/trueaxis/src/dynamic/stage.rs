@@ -5,11 +5,12 @@
 use super::crosstalk::Crosstalk;
 use super::feed_forward::FeedForward;
 use super::feedback::Feedback;
-use super::watch::Watch;
+use super::watch::{Swing, Watch};
 use super::{DynamicParts, DynamicState, Dynamics};
+use crate::check::of_dynamic;
 use crate::error::ConfigError;
-use crate::limiter::Limiter;
-use crate::machine::{AxisOrder, DynamicSettings, MachineSettings};
+use crate::limiter::{Limiter, LimiterState};
+use crate::machine::{AxisOrder, AxisSettings, DynamicSettings, Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -19,6 +20,9 @@ use crate::sample::{Sample, Verdict};
 struct Act<R> {
     law: FeedForward<R>,
     limiter: Limiter<R>,
+    /// Lead the geometric correction in: within the limits of the axis; no faster than friction brakes, while the
+    /// acceleration is fed forward.
+    leads: [Limiter<R>; 2],
     /// Lost motion is taken up from the reversal of the command.
     takes_up: bool,
     /// Moves the tip by the feedback.
@@ -34,9 +38,9 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
 }
 
 /// What a cycle brings.
-pub(crate) struct Moment<'m, R, P, const N: usize> {
-    /// Command plus the geometric correction sent last.
-    pub(crate) place: &'m [P; N],
+pub(crate) struct Moment<'m, R, const N: usize> {
+    /// The geometric correction as it is led in.
+    pub(crate) geometric: &'m [R; N],
     /// Contour error of the tip in machine directions, where it can be acted on.
     pub(crate) error: Option<[R; 3]>,
     /// Axes that were limited in the last cycle.
@@ -59,19 +63,42 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let crosstalk = Crosstalk::new(order, machine, period_s)?;
         let mut any = feedback.is_some() || !machine.crosstalk.is_empty();
         let idle = Limiter::new(&DynamicSettings::with_defaults(crate::axis::Axis::X).limits, period_s)?;
-        let mut axes = [Act { law: FeedForward::none(), limiter: idle, takes_up: false, is_linear: false }; N];
+        let mut axes =
+            [Act { law: FeedForward::none(), limiter: idle, leads: [idle; 2], takes_up: false, is_linear: false }; N];
         for (act, settings) in axes.iter_mut().zip(order.settings(machine)) {
             let Some(settings) = settings else { continue };
             let servo = &settings.servo;
             any |= servo.friction.is_some() || servo.dynamic.is_some();
             let dynamic = servo.dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
-            let limiter = Limiter::new(&dynamic.limits, period_s).map_err(|error| error.on(settings.axis))?;
+            let limiter =
+                Limiter::new(&dynamic.limits, period_s).map_err(|error| of_dynamic(error).on(settings.axis))?;
             let law = FeedForward::new(servo, &dynamic, period_s);
-            *act = Act { law, limiter, takes_up: dynamic.take_up, is_linear: !settings.axis.is_rotary() };
+            let own = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
+            // So slow that the scalar cannot hold it: as fast as the axis may.
+            let slow = Limiter::new(&lead_limits(settings, &dynamic), period_s).unwrap_or(own);
+            let (takes_up, is_linear) = (dynamic.take_up, !settings.axis.is_rotary());
+            *act = Act { law, limiter, leads: [own, slow], takes_up, is_linear };
         }
         let feedback = feedback.map(|settings| (Feedback::new(settings, period_s), Watch::new(settings, period_s)));
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
         Ok(any.then_some(DynamicStage { axes, feedback, crosstalk }))
+    }
+
+    /// Leads the geometric corrections in; a bit for every axis that is not there yet.
+    pub(crate) fn lead(&self, led: &mut [LimiterState<R>; N], wanted: &[R; N], sample: &Sample<P, N>) -> u8 {
+        let mut flags = 0;
+        let slowly = sample.dynamics.has(Dynamics::ACCELERATION);
+        for (slot, ((act, led), wanted)) in self.axes.iter().zip(led).zip(wanted).enumerate() {
+            let [own, slow] = &act.leads;
+            let lead = if slowly { slow } else { own };
+            match sample.verdict {
+                Verdict::Active => flags |= u8::from(lead.follow(led, *wanted)) << (slot & 7),
+                Verdict::Inactive => flags |= u8::from(lead.follow(led, R::ZERO)) << (slot & 7),
+                Verdict::Freeze => lead.freeze(led),
+                Verdict::Hold | Verdict::Nowhere => lead.hold(led),
+            }
+        }
+        flags
     }
 
     /// Whether an axis takes up its lost motion from the reversal of the command.
@@ -84,13 +111,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
-        moment: &Moment<'_, R, P, N>,
+        moment: &Moment<'_, R, N>,
     ) -> (DynamicParts<R, N>, u8) {
         let mut parts = DynamicParts::none();
         match sample.verdict {
             _ if sample.first => state.rest(),
-            Verdict::Active | Verdict::Freeze => self.want(state, sample, moment, &mut parts),
-            Verdict::Inactive => state.reset(),
+            Verdict::Active | Verdict::Freeze => self.want(state, sample, moment, sample.dynamics, &mut parts),
+            // Switched off, friction is followed all the same, for a part that is switched on in motion.
+            Verdict::Inactive => self.want(state, sample, moment, Dynamics::NONE, &mut parts),
             Verdict::Hold | Verdict::Nowhere => {
                 let limiters = self.axes.iter().zip(&mut state.limited);
                 limiters.for_each(|(act, limited)| act.limiter.hold(limited));
@@ -123,17 +151,20 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
-        moment: &Moment<'_, R, P, N>,
+        moment: &Moment<'_, R, N>,
+        on: Dynamics,
         parts: &mut DynamicParts<R, N>,
     ) {
         let fresh = core::mem::replace(&mut state.fresh, false);
         // What is switched on in motion, the drive supplies already.
-        let anew = fresh || state.parts != sample.dynamics;
-        state.parts = sample.dynamics;
+        let anew = fresh || state.parts != on;
+        state.parts = on;
         let mut changes = [R::ZERO; N];
-        let motion = state.drift.iter_mut().zip(&mut state.place).zip(moment.place.iter().zip(&mut changes));
-        for (((drift, before), (place, change)), (act, wanted)) in
-            motion.zip(self.axes.iter().zip(&mut parts.feed_forward))
+        let memory = state.drift.iter_mut().zip(&mut state.command).zip(&mut state.geometric_before);
+        let moved = sample.command.iter().zip(moment.geometric).zip(&mut changes);
+        let laws = self.axes.iter().zip(&mut parts.feed_forward);
+        for ((((drift, before), led_before), ((command, geometric), change)), (act, offset)) in
+            memory.zip(moved).zip(laws)
         {
             let was = drift.velocity();
             let way = if fresh {
@@ -142,17 +173,17 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 // Several periods in one: the axis goes on as it went.
                 was
             } else {
-                place.since_near(*before)
+                command.since_near::<R>(*before) + (*geometric - *led_before)
             };
-            *before = *place;
+            (*before, *led_before) = (*command, *geometric);
             *change = way - was;
-            *wanted = act.law.offset(drift, way, sample.dynamics, anew);
+            *offset = act.law.offset(drift, way, on, anew);
         }
-        self.feed_back(state, sample, moment, &mut parts.feedback);
-        if let (Some(crosstalk), true) = (&self.crosstalk, sample.dynamics.has(Dynamics::CROSSTALK)) {
-            crosstalk.subtract(&mut parts.crosstalk, &changes, moment.place);
+        self.feed_back(state, sample, moment, on, &mut parts.feedback);
+        if let (Some(crosstalk), true) = (&self.crosstalk, on.has(Dynamics::CROSSTALK)) {
+            crosstalk.subtract(&mut parts.crosstalk, &changes, sample.command);
         }
-        if sample.dynamics.has(Dynamics::LEARNED) {
+        if on.has(Dynamics::LEARNED) {
             for (wanted, learned) in parts.learned.iter_mut().zip(sample.learned) {
                 if learned.is_usable() {
                     *wanted = learned.since_near(P::default());
@@ -167,11 +198,15 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
-        moment: &Moment<'_, R, P, N>,
+        moment: &Moment<'_, R, N>,
+        on: Dynamics,
         wanted: &mut [R; N],
     ) {
         let Some((feedback, watch)) = &self.feedback else { return };
-        if state.out || !sample.dynamics.has(Dynamics::FEEDBACK) {
+        if !on.has(Dynamics::FEEDBACK) || sample.reset {
+            (state.swing, state.out) = ([Swing::default(); N], false);
+        }
+        if !on.has(Dynamics::FEEDBACK) || state.out {
             state.integral = [R::ZERO; N];
             return;
         }
@@ -179,9 +214,10 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
         let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active);
         let errors = error.unwrap_or_default();
+        // One axis that cannot follow throws the tool off in the directions of all: none of them learns from that.
+        let limited = moment.limited != 0;
         let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
-        for (slot, ((((act, integral), swing), wanted), e)) in axes.zip(errors).enumerate() {
-            let limited = (moment.limited >> (slot & 7)) & 1 == 1;
+        for ((((act, integral), swing), wanted), e) in axes.zip(errors) {
             *wanted = feedback.offset(integral, error.map(|_| e), limited, act.limiter.magnitude());
             if error.is_some() {
                 state.out |= watch.swings(swing, e);
@@ -191,5 +227,18 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             // Led out by the limiters, from this cycle on.
             state.integral = [R::ZERO; N];
         }
+    }
+}
+
+/// Limits of an axis' geometric correction where the acceleration is fed forward: it accelerates no more than friction
+/// brakes. Led in faster, the step in which lost motion is taken up overshoots, and the carriage on its way back takes up some
+/// of the play the other way, which no reading shows.
+fn lead_limits(settings: &AxisSettings, dynamic: &DynamicSettings) -> Limits {
+    match (&settings.servo.drive, &settings.servo.friction) {
+        (Some(drive), Some(friction)) if dynamic.acceleration => {
+            let braking = friction.coulomb_per_s * drive.velocity_gain_per_s;
+            Limits { acceleration_per_s2: settings.limits.acceleration_per_s2.min(braking), ..settings.limits }
+        }
+        _ => settings.limits,
     }
 }

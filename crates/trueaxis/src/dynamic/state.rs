@@ -22,10 +22,13 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) parts: Dynamics,
     /// The next cycle starts from rest: ways are counted from there.
     pub(super) fresh: bool,
-    /// Command plus geometric correction that the last way led to.
-    pub(super) place: [P; N],
+    /// Command that the last way led to, and the geometric correction as it was led in there.
+    pub(super) command: [P; N],
+    pub(super) geometric_before: [R; N],
     /// Change of the command in the last cycle.
     pub(super) trend: [R; N],
+    /// Geometric correction as it is led in, before the limiter of the axis.
+    led: [LimiterState<R>; N],
     /// Geometric correction sent last, mm (deg), as positions add it, and where it led.
     pub(super) geometric: [R; N],
     offsets: [P::Offset; N],
@@ -45,8 +48,10 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             out: false,
             parts: Dynamics::NONE,
             fresh: true,
-            place: [P::default(); N],
+            command: [P::default(); N],
+            geometric_before: [R::ZERO; N],
             trend: [R::ZERO; N],
+            led: [LimiterState::default(); N],
             geometric: [R::ZERO; N],
             offsets: [P::offset(R::ZERO); N],
             drive: [P::default(); N],
@@ -63,7 +68,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     /// From nothing: all that is sent is geometric.
     #[cold]
     pub(crate) fn begin(&mut self, sent: [R; N], offsets: &[P::Offset; N], drive: &[P; N]) {
-        *self = DynamicState { geometric: sent, offsets: *offsets, drive: *drive, ..DynamicState::new() };
+        let led = sent.map(LimiterState::at_rest);
+        *self = DynamicState { led, geometric: sent, offsets: *offsets, drive: *drive, ..DynamicState::new() };
     }
 
     /// The cycle is done: what the limiter of the axis sends, less the dynamic part, is geometric.
@@ -82,6 +88,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     /// Nothing of this cycle was sent.
     #[cold]
     pub(crate) fn take_back(&mut self, before: &[LimiterState<R>; N]) {
+        self.led = self.geometric.map(LimiterState::at_rest);
         self.limited = before.map(|limited| LimiterState::at_rest(limited.sent()));
         self.rest();
     }
@@ -93,17 +100,15 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.drift.iter_mut().for_each(Drift::stand);
     }
 
-    /// Switched off: whatever was learned of friction and error is forgotten.
-    pub(super) fn reset(&mut self) {
-        self.drift = [Drift::default(); N];
-        self.integral = [R::ZERO; N];
-        self.swing = [Swing::default(); N];
-        (self.out, self.fresh) = (false, true);
-    }
-
     /// The limiters.
     pub(crate) fn limited(&self) -> &[LimiterState<R>; N] {
         &self.limited
+    }
+
+    /// Geometric corrections as they are led in.
+    #[inline(always)]
+    pub(crate) fn led_mut(&mut self) -> &mut [LimiterState<R>; N] {
+        &mut self.led
     }
 
     /// Geometric corrections sent last.

@@ -91,6 +91,42 @@ fields! {
     ThermalExpansion: "axis.*.thermal.expansion_um_per_m_k" | "axis.*.thermal.expansion_urad_per_rad_k";
     /// Datum of the thermal growth.
     ThermalDatum: "axis.*.thermal.datum_mm" | "axis.*.thermal.datum_deg";
+    /// Gain of the position loop.
+    PositionGain: "axis.*.drive.position_gain_per_s";
+    /// Gain of the velocity loop.
+    VelocityGain: "axis.*.drive.velocity_gain_per_s";
+    /// Reset time of the velocity loop.
+    ResetTime: "axis.*.drive.reset_time_s";
+    /// Share of the velocity that is fed forward.
+    VelocityAhead: "axis.*.drive.velocity_feed_forward";
+    /// Time constant of the current loop.
+    CurrentLoop: "axis.*.drive.current_loop_s";
+    /// Dead time of the drive.
+    DeadTime: "axis.*.drive.dead_time_s";
+    /// Friction as a whole.
+    Friction: "axis.*.friction";
+    /// Coulomb friction.
+    Coulomb: "axis.*.friction.coulomb_mm_per_s" | "axis.*.friction.coulomb_deg_per_s";
+    /// Pre-sliding.
+    Presliding: "axis.*.friction.presliding_um" | "axis.*.friction.presliding_urad";
+    /// Static friction above Coulomb friction.
+    StribeckShare: "axis.*.friction.stribeck_share";
+    /// Velocity at which half of that is left.
+    StribeckVelocity: "axis.*.friction.stribeck_velocity_mm_per_s" | "axis.*.friction.stribeck_velocity_deg_per_s";
+    /// Viscous friction.
+    Viscous: "axis.*.friction.viscous";
+    /// Lead of the friction model.
+    FrictionLead: "axis.*.friction.lead_s";
+    /// Magnitude limit of the dynamic correction.
+    DynamicMagnitude: "axis.*.dynamic.magnitude_um" | "axis.*.dynamic.magnitude_urad";
+    /// Slope limit of the dynamic correction.
+    DynamicSlope: "axis.*.dynamic.slope_mm_per_s" | "axis.*.dynamic.slope_deg_per_s";
+    /// Acceleration limit of the dynamic correction.
+    DynamicAcceleration: "axis.*.dynamic.acceleration_mm_per_s2" | "axis.*.dynamic.acceleration_deg_per_s2";
+    /// Following error made up for.
+    Lag: "axis.*.dynamic.lag";
+    /// Acceleration fed forward.
+    AccelerationAhead: "axis.*.dynamic.acceleration";
     /// Distance from the held position within which a linear axis resumes.
     ResumeMm: "faults.resume_mm";
     /// Distance from the held position within which a rotary axis resumes.
@@ -107,6 +143,26 @@ fields! {
     CommandJumpFactor: "faults.command_jump_factor";
     /// Largest lag of the contour search.
     MaxLag: "contour.max_lag_mm";
+    /// Contour feedback as a whole.
+    Feedback: "contour.feedback";
+    /// Proportional gain of the contour feedback.
+    Proportional: "contour.feedback.proportional";
+    /// Integral gain of the contour feedback.
+    Integral: "contour.feedback.integral_per_s";
+    /// Fastest motion with contour feedback.
+    FeedbackFeed: "contour.feedback.max_feed_mm_per_min";
+    /// Contour error from which an oscillation is looked for.
+    Watch: "contour.feedback.watch_um";
+    /// Axis along which cross-talk moves the tip.
+    CrosstalkTip: "crosstalk.tip";
+    /// Axis that accelerates.
+    CrosstalkFrom: "crosstalk.from";
+    /// Axis over whose position cross-talk is given.
+    CrosstalkOver: "crosstalk.over";
+    /// Points of a cross-talk.
+    CrosstalkTable: "crosstalk.table";
+    /// Cross-talk that is the same everywhere; of the axis that accelerates.
+    CrosstalkConstant: "crosstalk.k_um_per_m_per_s2" | "crosstalk.k_um_per_deg_per_s2";
     /// Fading of the correction of the tool's direction.
     Fade: "compensation.fade_deg";
     /// Direction of the tool.
@@ -216,8 +272,10 @@ impl Key {
         let is_of_axis = name.starts_with("axis.");
         let factor = if name.starts_with("roundness.") {
             1.0
-        } else if name.contains("expansion") {
+        } else if name.contains("expansion") || name.ends_with("_um_per_m_per_s2") {
             1e6
+        } else if name.ends_with("_um_per_deg_per_s2") {
+            1e3
         } else if name.ends_with("_um") {
             1e3
         } else if name.ends_with("_urad") {

@@ -69,6 +69,7 @@ impl<'m> Config<'m> {
         let compensation = Compensation::build_in(&order, self.machine, &rows, self.inverse_passes, memory)?;
         crate::check::reversal(self.machine, &rows)?;
         let period_s = f64::from(self.period_ns) * 1e-9;
+        crate::check::feedback(self.machine, period_s)?;
         let in_a_cycle = |per_s: fn(&AxisSettings) -> f64| {
             let squares = self.machine.axes.iter().map(|axis| per_s(axis) * period_s * per_s(axis) * period_s);
             libm::sqrt(squares.sum())

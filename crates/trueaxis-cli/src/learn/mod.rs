@@ -1,0 +1,99 @@
+//! `trueaxis learn`.
+
+pub(crate) mod document;
+mod record;
+
+use crate::output::{json, print};
+use crate::report;
+use anyhow::{Context, Result, anyhow};
+use clap::Args;
+use document::Document;
+use record::Record;
+use std::path::PathBuf;
+use trueaxis::learned::Learned;
+use trueaxis_metrology::learning::{DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Law, Lesson};
+use trueaxis_tables::output::Outputs;
+
+pub(crate) const HELP: &str = "\
+RECORD.csv: one part, cycle by cycle, three comments before the header:
+  # program_id = 1a2b3c4d      CRC-32 of the path, hexadecimal (docs/learning.md)
+  # machine_id = 5e6f7a8b      CRC-32 of name and chain, hexadecimal, as in a .tcomp
+  # length_mm = 1234.567890    path length of the program
+  s_mm,ex_um,ey_um,ez_um,measured
+s_mm: path length of the reference; ex_um…: contour error, tip − foot, machine directions; measured (may be left out): 1, or
+0 where there is none (rapid motion, search of the foot, fault).
+
+  u <- f u − L Q e      f --forget, L --gain, Q a Gaussian low-pass without phase, half at --cutoff-mm
+
+u: correction over path length for the next part, for which --table gives the part before. What is left of an error falls by
+|f − L Q P| a part, P the response of drives and contour feedback; below 1 for 0 < L P < 2.
+`predicted` takes P for 1.
+
+Example: trueaxis learn part2.csv --table part1.tlearn -o part2.tlearn";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Contour error of a part over path length.
+    #[arg(value_name = "RECORD.csv")]
+    record: PathBuf,
+    /// The correction that the part was made with [default: none].
+    #[arg(long, value_name = "OLD.tlearn")]
+    table: Option<PathBuf>,
+    /// Gain L, above 0 and below 2.
+    #[arg(long, value_name = "L", default_value_t = DEFAULT_GAIN, allow_negative_numbers = true)]
+    gain: f64,
+    /// Forgetting f, above 0 to 1.
+    #[arg(long, value_name = "F", default_value_t = DEFAULT_FORGET, allow_negative_numbers = true)]
+    forget: f64,
+    /// Wavelength along the path from which on errors are learned.
+    #[arg(long, value_name = "MM", default_value_t = DEFAULT_CUTOFF_MM, allow_negative_numbers = true)]
+    cutoff_mm: f64,
+    /// One JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write a page with plots: a folder (learn.html) or a file that ends in .html.
+    #[arg(long, value_name = "DIR|FILE")]
+    report: Option<PathBuf>,
+    /// The correction for the next part.
+    #[arg(short, long, value_name = "NEW.tlearn")]
+    output: PathBuf,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let Arguments { gain, forget, cutoff_mm, .. } = *arguments;
+    let law = Law { gain, forget, cutoff_mm };
+    law.check().map_err(|error| anyhow!("--{error}"))?;
+    let record = Record::read(&arguments.record)?;
+    let bytes = arguments
+        .table
+        .as_ref()
+        .map(|table| std::fs::read(table).with_context(|| format!("--table: cannot read {}", table.display())));
+    let bytes = bytes.transpose()?;
+    let old = arguments
+        .table
+        .iter()
+        .zip(&bytes)
+        .map(|(table, bytes)| belonging(bytes, &record).with_context(|| format!("--table {}", table.display())));
+    let old = old.last().transpose()?;
+    let lesson = Lesson::learn(&law, &record.identity, old.as_ref(), &record.rows)
+        .map_err(|refused| record.refused(&refused))?;
+    let file = lesson.to_bytes().map_err(|refused| record.refused(&refused))?;
+    let document = Document::new(&record, law, &lesson);
+    let mut outputs = Outputs::of([&arguments.record].into_iter().chain(&arguments.table));
+    if let Some(to) = &arguments.report {
+        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
+        let page = report::learn::page(&source, &document, &lesson);
+        report::write_to(&mut outputs, &page, to, "learn.html")?;
+    }
+    outputs.put(&arguments.output, &file)?;
+    outputs.commit()?;
+    if arguments.json { json(&document) } else { print(&document.table()?) }
+}
+
+/// A correction of the record's program and machine.
+fn belonging<'b>(bytes: &'b [u8], record: &Record) -> Result<Learned<'b, f64>> {
+    let learned = Learned::parse(bytes)?;
+    learned.expect_machine(record.identity.machine_id)?;
+    learned.expect_program(record.identity.program_id, record.identity.length_mm)?;
+    Ok(learned)
+}

@@ -1,0 +1,102 @@
+//! Margins of stability of the contour feedback.
+
+use super::open_loop::{Margin, OpenLoop};
+use super::servo::{GAIN_MARGIN_DB, PHASE_MARGIN_DEG, characteristic, stiffness};
+use crate::machine::{DriveFigures, FeedbackSettings, FrictionSettings};
+
+/// Margins of the contour feedback on one axis: the least over the loops that the axis may be.
+///
+/// The feedback C(s) = K_p + K_i/s closes a loop through the axis' drive and a dead time t_d: that of the drive figures and
+/// the step's own. Three forms of the drive are looked at, and the worst counts:
+///
+/// ```text
+/// L(s) = C(s) e^(−s t_d) · K_v/((s + K_v)(1 + s t_v)),  t_v = 1/K_vp + t_c                     gains alone
+/// L(s) = C(s) e^(−s t_d) · V(s) (K_v + k_ff s)/(s² + k + V(s) (s + K_v)),  V = K_vp (1 + 1/(τ s))/(1 + s t_c)
+///        k = 0: sliding;  k = F_c (1 + s)/z: held by pre-sliding friction
+/// ```
+///
+/// A correction is a change of the command, and so goes through the velocity feed-forward: with k_ff near 1 the drive
+/// answers it up to the bandwidth of its *velocity* loop, where the dead time costs the most phase, while the first form
+/// has the gain fall from K_v on. The first form alone is the safe one only where nothing is fed forward; with feed-forward
+/// it is off by up to 20 dB. It stays among the three as it is the worst for an integral gain alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margins {
+    /// Phase margin, degrees; `None`: the gain is below 1 everywhere.
+    pub phase: Option<Margin>,
+    /// Gain margin, dB; `None`: the phase never lags by 180°.
+    pub gain: Option<Margin>,
+    /// Both gains may grow by this factor until [`PHASE_MARGIN_DEG`] and [`GAIN_MARGIN_DB`] are left; below 1 they are too
+    /// large.
+    pub factor: f64,
+}
+
+/// The margins of a drive with this feedback and a delay beside its dead time, s.
+///
+/// Cost: some 3,000 values of a transfer function, at build only.
+pub(super) fn margins(
+    drive: &DriveFigures,
+    friction: Option<&FrictionSettings>,
+    feedback: &FeedbackSettings,
+    delay_s: f64,
+) -> Margins {
+    let none = Margins { phase: None, gain: None, factor: f64::INFINITY };
+    let held = friction.map(|friction| full(drive, stiffness(drive, friction)));
+    let forms = [Some(gains_alone(drive)), Some(full(drive, 0.0)), held];
+    let range = frequencies(drive, feedback);
+    forms.into_iter().flatten().fold(none, |worst, (numerator, denominator)| {
+        let closed = OpenLoop {
+            numerator: controlled(feedback, numerator),
+            denominator: integrated(denominator),
+            dead_time_s: drive.dead_time_s + delay_s,
+        };
+        let found = closed.margins(range, PHASE_MARGIN_DEG, GAIN_MARGIN_DB);
+        Margins {
+            phase: least(worst.phase, found.phase),
+            gain: least(worst.gain, found.gain),
+            factor: worst.factor.min(found.factor),
+        }
+    })
+}
+
+fn least(a: Option<Margin>, b: Option<Margin>) -> Option<Margin> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if b.value < a.value { b } else { a }),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Numerator and denominator of a drive, from the constant term on.
+type Drive = ([f64; 3], [f64; 5]);
+
+fn gains_alone(drive: &DriveFigures) -> Drive {
+    let (kv, lag) = (drive.position_gain_per_s, 1.0 / drive.velocity_gain_per_s + drive.current_loop_s);
+    ([kv, 0.0, 0.0], [kv, 1.0 + kv * lag, lag, 0.0, 0.0])
+}
+
+/// K_vp (τ s + 1)(K_v + k_ff s) over the characteristic polynomial.
+fn full(drive: &DriveFigures, stiffness: f64) -> Drive {
+    let DriveFigures { position_gain_per_s: kv, velocity_gain_per_s: kvp, reset_time_s: tau, .. } = *drive;
+    let ahead = drive.velocity_feed_forward;
+    ([kvp * kv, kvp * (ahead + tau * kv), kvp * tau * ahead], characteristic(drive, stiffness))
+}
+
+/// Times K_p s + K_i.
+fn controlled(feedback: &FeedbackSettings, [a, b, c]: [f64; 3]) -> [f64; 4] {
+    let (p, i) = (feedback.proportional, feedback.integral_per_s);
+    [i * a, p * a + i * b, p * b + i * c, p * c]
+}
+
+/// Times s.
+fn integrated([a, b, c, d, e]: [f64; 5]) -> [f64; 6] {
+    [0.0, a, b, c, d, e]
+}
+
+/// Angular frequencies between which the loop does all that it does: a thousandth of the slowest of its rates to a hundred
+/// times the fastest, 1/s. A dead time only adds lag where the gain has fallen already.
+fn frequencies(drive: &DriveFigures, feedback: &FeedbackSettings) -> [f64; 2] {
+    let DriveFigures { position_gain_per_s, velocity_gain_per_s, reset_time_s, current_loop_s, .. } = *drive;
+    let rates = [position_gain_per_s, velocity_gain_per_s, 1.0 / reset_time_s, 1.0 / current_loop_s];
+    let integral = Some(feedback.integral_per_s).filter(|rate| *rate > 0.0);
+    let of = |pick: fn(f64, f64) -> f64| rates.into_iter().chain(integral).fold(position_gain_per_s, pick);
+    [1e-3 * of(f64::min), 1e2 * of(f64::max)]
+}

@@ -1,0 +1,124 @@
+//! `firmware-sim learn`: its arguments and output.
+
+use crate::console::{progress_bar, put};
+use crate::machine_arg::outputs_of;
+use crate::run::with_learned;
+use crate::scenario_args::{ScenarioArgs, prepare};
+use anyhow::{Result, anyhow};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+use trueaxis_sim::learning::{self, DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Law, Part};
+
+/// Arguments of `learn`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  firmware-sim learn                                three parts of the default scenario
+  firmware-sim learn --program butterfly -o butterfly.tlearn
+  firmware-sim run --program butterfly --learned butterfly.tlearn
+
+The same by hand, part by part:
+  firmware-sim run --record 1.csv                   the contour error of the full run over path length
+  trueaxis learn 1.csv -o 1.tlearn
+  firmware-sim run --learned 1.tlearn --record 2.csv --seed 2")]
+pub(crate) struct LearnArgs {
+    #[command(flatten)]
+    scenario: ScenarioArgs,
+    /// Number of parts, 1 to 100.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    parts: u32,
+    /// Correction that the first part is made with [default: none].
+    #[arg(long, value_name = "FILE.tlearn")]
+    learned: Option<PathBuf>,
+    /// Gain of the law, above 0 and below 2.
+    #[arg(long, value_name = "L", default_value_t = DEFAULT_GAIN, allow_negative_numbers = true)]
+    gain: f64,
+    /// Forgetting of the law, above 0 to 1.
+    #[arg(long, value_name = "F", default_value_t = DEFAULT_FORGET, allow_negative_numbers = true)]
+    forget: f64,
+    /// Wavelength along the path from which on errors are learned.
+    #[arg(long, value_name = "MM", default_value_t = DEFAULT_CUTOFF_MM, allow_negative_numbers = true)]
+    cutoff_mm: f64,
+    /// Print one JSON document and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// Write the correction learned from all parts.
+    #[arg(short, long, value_name = "FILE.tlearn")]
+    output: Option<PathBuf>,
+}
+
+/// A part in JSON.
+#[derive(Serialize)]
+struct Made {
+    part: usize,
+    contour_error_um: Size,
+    estimated_um: Size,
+    stopped: bool,
+}
+
+#[derive(Serialize)]
+struct Size {
+    max: f64,
+    rms: f64,
+}
+
+#[derive(Serialize)]
+struct Document<'s> {
+    machine: &'s str,
+    program: &'s str,
+    gain: f64,
+    forget: f64,
+    cutoff_mm: f64,
+    parts: Vec<Made>,
+}
+
+pub(crate) fn learn(args: &LearnArgs) -> Result<()> {
+    let LearnArgs { gain, forget, cutoff_mm, .. } = *args;
+    let law = Law { gain, forget, cutoff_mm };
+    law.check().map_err(|error| anyhow!("--{error}"))?;
+    let inputs = args.scenario.files().chain(args.learned.as_deref());
+    let mut outputs = outputs_of([args.scenario.machine.as_path()], inputs);
+    if let Some(output) = &args.output {
+        outputs.refuse_input(output)?;
+    }
+    let scenario = with_learned(prepare(&args.scenario, &[])?, args.learned.as_deref())?;
+    let bar = progress_bar("learning");
+    let parts = learning::parts(&scenario, &law, args.parts, &mut |done| bar.set_position((1000.0 * done) as u64))?;
+    bar.finish_and_clear();
+    if let (Some(output), Some(last)) = (&args.output, parts.last()) {
+        outputs.put(output, last.table.bytes())?;
+        outputs.commit()?;
+    }
+    let (machine, program) = (scenario.machine.settings.name.as_str(), scenario.program.name.as_str());
+    if args.json {
+        let parts = (1..).zip(&parts).map(|(part, made)| Made::of(part, made)).collect();
+        let document = Document { machine, program, gain, forget, cutoff_mm, parts };
+        return put(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+    }
+    let written = args.output.iter().map(|file| format!("written  {}\n", file.display()));
+    put(&(table(machine, program, &law, &parts) + &written.collect::<String>()))
+}
+
+impl Made {
+    fn of(part: usize, made: &Part) -> Made {
+        let size = |size: trueaxis_sim::run::ErrorSize| Size { max: size.max_um, rms: size.rms_um };
+        Made { part, contour_error_um: size(made.error), estimated_um: size(made.estimated), stopped: made.stopped }
+    }
+}
+
+fn table(machine: &str, program: &str, law: &Law, parts: &[Part]) -> String {
+    let first = parts.first().map_or(1.0, |part| part.error.rms_um);
+    let row = |(number, part): (usize, &Part)| {
+        let (error, share) = (part.error, 1e2 * part.error.rms_um / first);
+        let stopped = if part.stopped { "  stopped" } else { "" };
+        format!("{number:>4} {:>12.4} {:>12.4} {share:>10.1} %{stopped}\n", error.max_um, error.rms_um)
+    };
+    format!(
+        "{program} on {machine}, full; gain {}, forgetting {}, cut-off {} mm\n\n\
+         part  largest, µm      RMS, µm   of the first\n{}",
+        law.gain,
+        law.forget,
+        law.cutoff_mm,
+        (1..).zip(parts).map(row).collect::<String>()
+    )
+}

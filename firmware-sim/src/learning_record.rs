@@ -1,0 +1,55 @@
+//! The contour error of a run over path length, as `trueaxis learn` reads it.
+
+use std::io::{self, Write};
+use trueaxis_sim::learning::{Identity, measured};
+use trueaxis_sim::run::{Moment, Sample, Sink};
+
+/// Writes a line every cycle, as they come.
+#[derive(Debug)]
+pub struct LearningRecord<W> {
+    out: W,
+    /// Index of the run.
+    run: usize,
+    failure: Option<io::Error>,
+}
+
+impl<W: Write> LearningRecord<W> {
+    /// Writes the head: of what program and machine it is.
+    ///
+    /// # Errors
+    /// Errors of the writer.
+    pub fn new(mut out: W, run: usize, identity: &Identity) -> io::Result<LearningRecord<W>> {
+        let Identity { machine_id, program_id, length_mm } = identity;
+        writeln!(
+            out,
+            "# program_id = {program_id:08x}\n# machine_id = {machine_id:08x}\n# length_mm = {length_mm:.6}"
+        )?;
+        writeln!(out, "s_mm,ex_um,ey_um,ez_um,measured")?;
+        Ok(LearningRecord { out, run, failure: None })
+    }
+
+    /// Hands back what was written to.
+    ///
+    /// # Errors
+    /// Something could not be written.
+    pub fn finish(mut self) -> io::Result<W> {
+        match self.failure.take() {
+            Some(error) => Err(error),
+            None => self.out.flush().map(|()| self.out),
+        }
+    }
+}
+
+impl<W: Write> Sink for LearningRecord<W> {
+    /// A failure to write is kept for [`LearningRecord::finish`].
+    fn cycle(&mut self, moment: &Moment, runs: &[Option<&Sample>]) {
+        if self.failure.is_none()
+            && let Some(Some(sample)) = runs.get(self.run)
+        {
+            let row = measured(moment, sample);
+            let [x, y, z] = row.error_mm.unwrap_or_default().map(|value| 1e3 * value);
+            let known = u8::from(row.error_mm.is_some());
+            self.failure = writeln!(self.out, "{:.6},{x:.5},{y:.5},{z:.5},{known}", row.length_mm).err();
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Contour feedback never grows an oscillation on a drive near its configured figures, and where the loop is unstable all
+//! the same the step's watch finds it.
+
+mod campaign;
+mod drive;
+mod margins;
+mod plugin;
+
+use campaign::{CYCLES, Shape, Track, drive, effects, errors, near};
+use margins::permitted;
+use plugin::{Plugin, WIDE, machine, servo};
+use trueaxis::machine::{DriveFigures, Limits, MachineSettings};
+use trueaxis_testing::machine::Machine;
+use trueaxis_testing::noise::Noise;
+
+/// Plants of the campaign.
+const PLANTS: usize = 10_000;
+/// Share by which every figure of a plant may be off.
+const OFF: f64 = 0.4;
+/// Below this an effect is none, µm: less than 1 % of what the push does at first.
+const NOISE_UM: f64 = 0.02;
+/// Servo period of the tracks, s.
+const PERIOD_S: f64 = 0.5e-3;
+/// Default level of the watch, mm.
+const WATCH_MM: f64 = 0.01;
+
+fn tracks() -> [Track; 2] {
+    [Shape::Line, Shape::Circle].map(|shape| Track::new(shape, &Machine::three_axis().settings()))
+}
+
+/// Figures and gains that the plugin takes and that leave the margins by the test's own reckoning; and its settings.
+fn permitted_case(random: &mut Noise, watch_mm: f64, limits: Option<Limits>) -> (DriveFigures, MachineSettings) {
+    loop {
+        let (configured, gains) = (drive(random), [1.5 * random.unit(), 150.0 * random.unit()]);
+        let machine = machine(configured, gains, watch_mm, limits);
+        if permitted(&configured, gains) && servo(&machine, PERIOD_S).is_ok() {
+            return (configured, machine);
+        }
+    }
+}
+
+#[test]
+fn no_plant_near_its_figures_is_made_to_oscillate() {
+    let tracks = tracks();
+    let mut random = Noise::new(15);
+    for number in 0..PLANTS {
+        let (configured, machine) = permitted_case(&mut random, WATCH_MM, Some(WIDE));
+        let plants = [(); 2].map(|()| near(&configured, OFF, &mut random));
+        let track = &tracks[number % 2];
+        let servo = servo(&machine, PERIOD_S).unwrap();
+        let case = || format!("plant {number}, {:?}: {:?} {plants:?}", track.shape, machine.contour.feedback);
+        let [alone, pushed] = [0.0, 1.0].map(|push| {
+            let mut plugin = Plugin::new(&servo, track);
+            let errors = errors(track, &plants, (CYCLES, push), |command, tip| plugin.drive(command, tip));
+            assert_eq!(plugin.out_since, None, "{}", case());
+            errors
+        });
+        let [first, before, after] = effects(&pushed, &alone);
+        // The integral creeps, by real poles; an oscillation that does not decay shows in both.
+        let calm = after < (1.05 * before).max(NOISE_UM) && after < 0.5 * first;
+        assert!(calm, "{first} {before} {after} {}", case());
+    }
+}
+
+/// The same with a watch that never speaks.
+fn unwatched(machine: &MachineSettings) -> MachineSettings {
+    let mut machine = machine.clone();
+    machine.contour.feedback.iter_mut().for_each(|feedback| feedback.watch_mm = 10.0);
+    machine
+}
+
+/// Late readings that nobody told the configuration of, and gains that it took for granted.
+#[test]
+fn an_unstable_loop_is_led_out() {
+    const LONG: usize = 4 * CYCLES;
+    let tracks = tracks();
+    let mut random = Noise::new(16);
+    let (mut unstable, mut drawn) = (0, 0);
+    while unstable < 100 {
+        drawn += 1;
+        assert!(drawn < 4000, "{unstable} of {drawn}");
+        let (configured, machine) = permitted_case(&mut random, WATCH_MM, None);
+        let late = DriveFigures { dead_time_s: random.range(0.005, 0.02), ..configured };
+        let track = &tracks[drawn % 2];
+        let run = |machine: &MachineSettings| {
+            let servo = servo(machine, PERIOD_S).unwrap();
+            let mut plugin = Plugin::new(&servo, track);
+            let errors = errors(track, &[late; 2], (LONG, 1.0), |command, tip| plugin.drive(command, tip));
+            (errors, plugin.out_since)
+        };
+        let without = errors(track, &[late; 2], (LONG, 1.0), |command, _| [command.at[0], command.at[1]]);
+        // What would come of it.
+        let (blind, _) = run(&unwatched(&machine));
+        let [_, _, grown] = effects(&blind, &without);
+        if grown < 30.0 {
+            continue;
+        }
+        unstable += 1;
+        let (watched, out_since) = run(&machine);
+        let case = || format!("{:?}: {:?} {late:?}", track.shape, machine.contour.feedback);
+        assert!(out_since.is_some(), "{grown} {}", case());
+        // Once it is out the axes do as without.
+        let [.., left] = effects(&watched, &without);
+        assert!(left < 0.1, "{out_since:?} {grown} {left} {}", case());
+    }
+}
