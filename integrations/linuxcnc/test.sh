@@ -4,7 +4,7 @@
 #   test.sh            all tests
 #   test.sh NAME...    some of them (names: tests/checks.py)
 #
-# Installs LinuxCNC 2.9 from Debian where root may; some five minutes. TRUEAXIS_KEEP=DIR keeps recordings there.
+# Installs LinuxCNC 2.9 from Debian where root may; some six minutes. TRUEAXIS_KEEP=DIR keeps recordings there.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
@@ -64,7 +64,7 @@ if [[ $(id -u) == 0 ]]; then
 fi
 (
     cd "$work"
-    timeout --kill-after=20 440 "${as_user[@]}" HOME="$work/runs" PATH=/usr/bin:/bin PYTHONDONTWRITEBYTECODE=1 \
+    timeout --kill-after=20 500 "${as_user[@]}" HOME="$work/runs" PATH=/usr/bin:/bin PYTHONDONTWRITEBYTECODE=1 \
         TRUEAXIS="$work/bin/trueaxis" TRUEAXIS_REPLAY="$work/bin/linuxcnc-recording" \
         /usr/bin/python3 "$work/repository/integrations/linuxcnc/tests/run.py" "$work/runs" "$@"
 )
