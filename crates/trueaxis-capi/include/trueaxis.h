@@ -30,7 +30,7 @@
 
 /* Version of this header: check it against the library's with trueaxis_check_abi(TRUEAXIS_ABI_VERSION). */
 #ifndef TRUEAXIS_ABI_MAJOR
-#define TRUEAXIS_ABI_MAJOR 2
+#define TRUEAXIS_ABI_MAJOR 3
 #endif
 #ifndef TRUEAXIS_ABI_MINOR
 #define TRUEAXIS_ABI_MINOR 0
@@ -143,22 +143,22 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 416
+#define TRUEAXIS_LOOP_WORDS 768
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 264
+#define TRUEAXIS_LOOP_WORDS 456
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 472
+#define TRUEAXIS_STATE_WORDS 584
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 248
+#define TRUEAXIS_STATE_WORDS 312
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.
@@ -182,6 +182,30 @@
 /// The reference was outside its span, and its nearer end was taken; not finite: not measured.
 #define TRUEAXIS_CONTOUR_REFERENCE 64
 
+/// Bit of `dynamics_off`: friction at reversals.
+#define TRUEAXIS_DYNAMICS_FRICTION 1
+
+/// Bit of `dynamics_off`: velocity that the drive does not feed forward itself.
+#define TRUEAXIS_DYNAMICS_LAG 2
+
+/// Bit of `dynamics_off`: acceleration that the velocity loop would have to be off for.
+#define TRUEAXIS_DYNAMICS_ACCELERATION 4
+
+/// Bit of `dynamics_off`: contour feedback. It acts only in a step with a measure.
+#define TRUEAXIS_DYNAMICS_FEEDBACK 8
+
+/// Bit of `dynamics_off`: acceleration cross-talk.
+#define TRUEAXIS_DYNAMICS_CROSSTALK 16
+
+/// Bit of `dynamics_off`: learned correction.
+#define TRUEAXIS_DYNAMICS_LEARNED 32
+
+/// Bit of `dynamics_off`: lost motion taken up from the reversal of the command.
+#define TRUEAXIS_DYNAMICS_TAKE_UP 64
+
+/// All bits of `dynamics_off`.
+#define TRUEAXIS_DYNAMICS_ALL 127
+
 /// Most axes of a machine.
 #define TRUEAXIS_AXES_MAX 6
 
@@ -199,6 +223,22 @@
 
 /// Bit of `record.status`: `drive` is not written (`TRUEAXIS_ERROR_NO_OUTPUT`).
 #define TRUEAXIS_STATUS_NO_OUTPUT 16
+
+/// Bit of `record.status`: the contour feedback oscillated and is led out, until `enable` falls or a reset comes.
+#define TRUEAXIS_STATUS_FEEDBACK_OUT 32
+
+/// Words of a `trueaxis_program_t`.
+#define TRUEAXIS_PROGRAM_WORDS 4
+
+#if !defined(TRUEAXIS_SINGLE)
+/// Words of a `trueaxis_learned_t`.
+#define TRUEAXIS_LEARNED_WORDS 12
+#endif
+
+#if defined(TRUEAXIS_SINGLE)
+/// Words of a `trueaxis_learned_t`.
+#define TRUEAXIS_LEARNED_WORDS 11
+#endif
 
 /// No fault.
 #define TRUEAXIS_FAULT_NONE 0
@@ -252,7 +292,7 @@
 #define TRUEAXIS_FAULT_ABI_MISMATCH 35
 
 /// Largest telemetry frame of a record, bytes.
-#define TRUEAXIS_FRAME_BYTES 256
+#define TRUEAXIS_FRAME_BYTES 384
 
 /// No index pulse yet, or none that agrees with the last.
 #define TRUEAXIS_GAUGE_NO_INDEX 1
@@ -344,7 +384,9 @@ typedef struct trueaxis_error_t {
     trueaxis_result_t result;
     /// Of a table file: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 wrong CRC-32, 6 settings or
     /// 7 table header not readable, 8 table or 9 payload too long, 10 machine id against the name, 11 contents out of
-    /// range (see `field`), 12 other machine. Else 0.
+    /// range (see `field`), 12 other machine. Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
+    /// 4 other format version, 5 wrong CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends,
+    /// 11 other program, 12 other path length, 13 other machine. Else 0.
     uint32_t code;
     /// Element from 0 (row of a table, knot of a spline); `UINT32_MAX` if it is no list.
     uint32_t index;
@@ -450,8 +492,14 @@ typedef struct trueaxis_input_t {
     uint8_t refusal;
     /// Axis of that fault.
     uint8_t refusal_axis;
+    /// `TRUEAXIS_DYNAMICS_…` bits of the parts of the dynamic correction that are switched off in this cycle; 0: all that
+    /// the tables configure act. Each is led in and out by the limiter.
+    uint8_t dynamics_off;
     /// Ignored.
-    uint8_t reserved[2];
+    uint8_t reserved;
+    /// Learned correction of X, Y, Z at this place of the program (`trueaxis_learned_at`), as positions counted from 0; 0
+    /// without one. What is no usable position counts as 0. No effect in a bypass.
+    trueaxis_position_t learned[3];
 } trueaxis_input_t;
 
 /// Angles, multipliers and limits of a gauge: immutable, may be copied and read from any thread.
@@ -515,6 +563,20 @@ typedef struct trueaxis_gauge_ride_t {
     trueaxis_real_t infeed;
 } trueaxis_gauge_ride_t;
 
+/// The dynamic correction of a cycle by axis, mm (rotary axes: degrees). `sent` is the sum of the others after its limiter.
+typedef struct trueaxis_dynamic_t {
+    /// Sent: `drive = command + correction + sent`.
+    trueaxis_real_t sent[TRUEAXIS_AXES_MAX];
+    /// Wanted for friction, lag and acceleration.
+    trueaxis_real_t feed_forward[TRUEAXIS_AXES_MAX];
+    /// Wanted by the contour feedback.
+    trueaxis_real_t feedback[TRUEAXIS_AXES_MAX];
+    /// Wanted against cross-talk.
+    trueaxis_real_t crosstalk[TRUEAXIS_AXES_MAX];
+    /// Wanted by the learned correction.
+    trueaxis_real_t learned[TRUEAXIS_AXES_MAX];
+} trueaxis_dynamic_t;
+
 /// Contour error; lengths in mm.
 typedef struct trueaxis_contour_t {
     /// Span on which the foot lies.
@@ -563,14 +625,18 @@ typedef struct trueaxis_record_t {
     uint8_t at_edge;
     /// `TRUEAXIS_CONTOUR_…` bits of the orientation error.
     uint8_t orientation_flags;
+    /// 1: the tables configure a dynamic correction, and `dynamic` is of this cycle. 0: it is all 0.
+    uint8_t has_dynamic;
     /// 0.
-    uint8_t reserved[6];
+    uint8_t reserved[5];
     /// Command in force: this cycle's, or the held one.
     trueaxis_position_t command[TRUEAXIS_AXES_MAX];
     /// Raw feedback; the last good one after a fault.
     trueaxis_position_t feedback[TRUEAXIS_AXES_MAX];
-    /// Correction sent: `drive − command` before rounding to a position.
+    /// Correction of geometry sent: `drive − command` before rounding to a position, less `dynamic.sent`.
     trueaxis_real_t correction[TRUEAXIS_AXES_MAX];
+    /// The dynamic correction sent beside it, and what asked for it.
+    struct trueaxis_dynamic_t dynamic;
     /// Contour error of the estimated tip.
     struct trueaxis_contour_t tip;
     /// Contour error of the encoder position.
@@ -592,6 +658,16 @@ typedef struct trueaxis_output_t {
     /// Telemetry of the cycle.
     struct trueaxis_record_t record;
 } trueaxis_output_t;
+
+/// The path of a program, on the way to its id.
+typedef struct trueaxis_program_t {
+    uint64_t words[TRUEAXIS_PROGRAM_WORDS];
+} trueaxis_program_t;
+
+/// A learned correction, read in place from the bytes of its file (`trueaxis learn`): immutable, may be copied.
+typedef struct trueaxis_learned_t {
+    uint64_t words[TRUEAXIS_LEARNED_WORDS];
+} trueaxis_learned_t;
 
 /// Error motion of the spindle in one direction, µm.
 typedef struct trueaxis_motion_t {
@@ -663,7 +739,7 @@ typedef struct trueaxis_gauge_state_512_t {
 /// Not a whole, undamaged `.tcomp` file of this format; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_TABLES 6
 
-/// The file, or the kinematics, are of another machine.
+/// The file, the kinematics or the learned correction are of another machine.
 #define TRUEAXIS_ERROR_MACHINE 7
 
 /// The settings cannot be run; see `trueaxis_error_t`.
@@ -702,6 +778,9 @@ typedef struct trueaxis_gauge_state_512_t {
 
 /// The kinematics have no such pose; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_POSE 19
+
+/// Not a whole, undamaged learned correction of this format, or of another program; see `trueaxis_error_t`.
+#define TRUEAXIS_ERROR_LEARNED 20
 
 #ifdef __cplusplus
 extern "C" {
@@ -976,6 +1055,43 @@ trueaxis_result_t trueaxis_set_thermal(const struct trueaxis_loop_t *loop,
                                        struct trueaxis_state_t *state,
                                        uint32_t axis,
                                        double kelvin);
+
+/// Starts the id of a program whose path is `length_mm` long. Not real-time. `_ARGUMENT` (not finite, negative).
+trueaxis_result_t trueaxis_program_start(struct trueaxis_program_t *program, size_t program_size, double length_mm);
+
+/// The next point of the path: those at every whole mm of path length from 0, then the end.
+///
+/// `coordinates`: X, Y, Z in mm, A, B, C in degrees as the program commands them, 0 for an axis that it does not have. Not
+/// real-time. `_ARGUMENT` (not finite).
+trueaxis_result_t trueaxis_program_point(struct trueaxis_program_t *program,
+                                         const double *coordinates);
+
+/// The id of the program whose points were given; another one can be started afterwards. Not real-time.
+trueaxis_result_t trueaxis_program_id(struct trueaxis_program_t *program, uint32_t *id);
+
+/// Checks a whole file with a learned correction, for this machine and program.
+///
+/// `file`, `length`: its bytes, read in place: they must outlive the correction and its copies, unchanged. `machine_id`:
+/// the machine that it must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `program_id`, `length_mm`: the program
+/// that is about to run; path lengths that differ by 1 µm are the same. Not real-time.
+///
+/// `_LEARNED` (see `error->code`), `_MACHINE`, `_ARGUMENT` (length not finite).
+trueaxis_result_t trueaxis_learned_build(struct trueaxis_learned_t *learned,
+                                         size_t learned_size,
+                                         const uint8_t *file,
+                                         size_t length,
+                                         uint32_t machine_id,
+                                         uint32_t program_id,
+                                         double length_mm,
+                                         struct trueaxis_error_t *error);
+
+/// The correction at a path length, for `trueaxis_input_t.learned`: linear between nodes; 0 beyond the ends, and for a
+/// length that is no number.
+///
+/// `correction`: three positions. Real-time safe: bounded time.
+trueaxis_result_t trueaxis_learned_at(const struct trueaxis_learned_t *learned,
+                                      double length_mm,
+                                      trueaxis_position_t *correction);
 
 /// Writes the telemetry frame of a record: postcard in COBS, ending in 0; the same bytes in every build and precision.
 ///

@@ -12,16 +12,16 @@ use trueaxis::{Bypass, ConfigError, Fault, Measure};
 
 /// Words of a `trueaxis_loop_t`.
 #[cfg(not(feature = "single"))]
-pub const LOOP_WORDS: usize = 416;
+pub const LOOP_WORDS: usize = 768;
 /// Words of a `trueaxis_loop_t`.
 #[cfg(feature = "single")]
-pub const LOOP_WORDS: usize = 264;
+pub const LOOP_WORDS: usize = 456;
 /// Words of a `trueaxis_state_t`.
 #[cfg(not(feature = "single"))]
-pub const STATE_WORDS: usize = 472;
+pub const STATE_WORDS: usize = 584;
 /// Words of a `trueaxis_state_t`.
 #[cfg(feature = "single")]
-pub const STATE_WORDS: usize = 248;
+pub const STATE_WORDS: usize = 312;
 
 /// Tables, limits and settings of a machine: immutable, may be copied and read from any thread.
 #[repr(C)]

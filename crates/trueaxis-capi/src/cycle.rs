@@ -1,13 +1,14 @@
 //! Input and output of a servo cycle.
 
 use crate::contour::Contour;
+use crate::dynamic::Dynamic;
 use crate::plugin::{CorePosition, from_core, to_core};
 use crate::pointer::{Sized32, read_sized};
 use crate::result::{ERROR_ARGUMENT, ERROR_NO_OUTPUT, ResultCode};
 use crate::{Position, Real};
-use trueaxis::Fault;
 use trueaxis::sample::Refusal;
 use trueaxis::telemetry::Record as CoreRecord;
+use trueaxis::{Dynamics, Fault};
 
 /// Most axes of a machine.
 pub const AXES_MAX: usize = 6;
@@ -38,8 +39,14 @@ pub struct Input {
     pub refusal: u8,
     /// Axis of that fault.
     pub refusal_axis: u8,
+    /// `TRUEAXIS_DYNAMICS_…` bits of the parts of the dynamic correction that are switched off in this cycle; 0: all that
+    /// the tables configure act. Each is led in and out by the limiter.
+    pub dynamics_off: u8,
     /// Ignored.
-    pub reserved: [u8; 2],
+    pub reserved: u8,
+    /// Learned correction of X, Y, Z at this place of the program (`trueaxis_learned_at`), as positions counted from 0; 0
+    /// without one. What is no usable position counts as 0. No effect in a bypass.
+    pub learned: [Position; 3],
 }
 
 // SAFETY: repr(C), `size` first, numbers only.
@@ -82,7 +89,8 @@ impl Input {
             enable: self.enable != 0,
             reset: self.reset != 0,
             refusal: Refusal { fault: Fault::try_from(self.refusal).unwrap_or(Fault::None), slot: self.refusal_axis },
-            ..trueaxis::Input::at_rest(self.elapsed_ns)
+            dynamics: Dynamics::ALL.without(Dynamics(self.dynamics_off)),
+            learned: self.learned.map(to_core),
         }
     }
 
@@ -113,6 +121,15 @@ fn padded<const N: usize>(axes: &[CorePosition; N]) -> [Position; AXES_MAX] {
     positions
 }
 
+#[inline(always)]
+pub(crate) fn padded_numbers<const N: usize>(axes: &[Real; N]) -> [Real; AXES_MAX] {
+    let mut numbers = [0.0; AXES_MAX];
+    for (number, axis) in numbers.iter_mut().zip(axes) {
+        *number = *axis;
+    }
+    numbers
+}
+
 /// Bit of `record.status`: homed, enabled, readings valid: the correction follows the tables.
 pub const STATUS_ACTIVE: u8 = 1;
 /// Bit of `record.status`: the correction is frozen after a faulty reading.
@@ -123,6 +140,8 @@ pub const STATUS_STOP_REQUEST: u8 = 4;
 pub const STATUS_CONTOUR: u8 = 8;
 /// Bit of `record.status`: `drive` is not written (`TRUEAXIS_ERROR_NO_OUTPUT`).
 pub const STATUS_NO_OUTPUT: u8 = 16;
+/// Bit of `record.status`: the contour feedback oscillated and is led out, until `enable` falls or a reset comes.
+pub const STATUS_FEEDBACK_OUT: u8 = 32;
 
 /// Telemetry of a cycle. Positions as `trueaxis_position_t`, else mm (rotary axes: degrees).
 #[repr(C)]
@@ -146,14 +165,18 @@ pub struct Record {
     pub at_edge: u8,
     /// `TRUEAXIS_CONTOUR_…` bits of the orientation error.
     pub orientation_flags: u8,
+    /// 1: the tables configure a dynamic correction, and `dynamic` is of this cycle. 0: it is all 0.
+    pub has_dynamic: u8,
     /// 0.
-    pub reserved: [u8; 6],
+    pub reserved: [u8; 5],
     /// Command in force: this cycle's, or the held one.
     pub command: [Position; AXES_MAX],
     /// Raw feedback; the last good one after a fault.
     pub feedback: [Position; AXES_MAX],
-    /// Correction sent: `drive − command` before rounding to a position.
+    /// Correction of geometry sent: `drive − command` before rounding to a position, less `dynamic.sent`.
     pub correction: [Real; AXES_MAX],
+    /// The dynamic correction sent beside it, and what asked for it.
+    pub dynamic: Dynamic,
     /// Contour error of the estimated tip.
     pub tip: Contour,
     /// Contour error of the encoder position.
@@ -207,10 +230,6 @@ impl Output {
     #[inline(always)]
     pub(crate) fn of<const N: usize>(output: &trueaxis::Output<Real, CorePosition, N>) -> Self {
         let record: &CoreRecord<Real, CorePosition, N> = &output.record;
-        let mut correction = [0.0; AXES_MAX];
-        for (to, from) in correction.iter_mut().zip(&record.correction) {
-            *to = *from;
-        }
         Output {
             size: size_of::<Output>() as u32,
             axes: N as u32,
@@ -226,10 +245,12 @@ impl Output {
                 limited: record.limited,
                 at_edge: record.at_edge,
                 orientation_flags: record.orientation_flags.bits(),
+                has_dynamic: record.dynamic.is_some().into(),
                 reserved: [0; _],
                 command: padded(&record.command),
                 feedback: padded(&record.feedback),
-                correction,
+                correction: padded_numbers(&record.correction),
+                dynamic: record.dynamic.as_ref().map_or(Dynamic::NONE, Dynamic::of),
                 tip: Contour::of(&record.tip),
                 encoder: Contour::of(&record.encoder),
                 orientation: record.orientation,

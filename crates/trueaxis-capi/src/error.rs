@@ -1,7 +1,9 @@
 //! Details of a refusal, for the operator's screen and the log.
 
 use crate::pointer::{Sized32, check_sized};
-use crate::result::{ERROR_CONFIG, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_POSE, ERROR_TABLES, ResultCode};
+use crate::result::{
+    ERROR_CONFIG, ERROR_LEARNED, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_POSE, ERROR_TABLES, ResultCode,
+};
 use crate::text::Text;
 use core::ffi::c_char;
 use core::fmt;
@@ -9,6 +11,7 @@ use trueaxis::ConfigError;
 use trueaxis::contour::PathError;
 use trueaxis::error::Field;
 use trueaxis::kinematics::InverseError;
+use trueaxis::learned::LearnedError;
 use trueaxis::tcomp::TcompError;
 
 /// Reason of a refusal, ready to print.
@@ -21,7 +24,9 @@ pub struct Error {
     pub result: ResultCode,
     /// Of a table file: 1 too short, 2 too long, 3 not a `.tcomp`, 4 other format version, 5 wrong CRC-32, 6 settings or
     /// 7 table header not readable, 8 table or 9 payload too long, 10 machine id against the name, 11 contents out of
-    /// range (see `field`), 12 other machine. Else 0.
+    /// range (see `field`), 12 other machine. Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
+    /// 4 other format version, 5 wrong CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends,
+    /// 11 other program, 12 other path length, 13 other machine. Else 0.
     pub code: u32,
     /// Element from 0 (row of a table, knot of a spline); `UINT32_MAX` if it is no list.
     pub index: u32,
@@ -55,6 +60,8 @@ pub(crate) enum Refusal {
     Path(PathError),
     /// A pose of the tool.
     Pose(InverseError),
+    /// A learned correction.
+    Learned(LearnedError),
 }
 
 impl From<ResultCode> for Refusal {
@@ -75,6 +82,12 @@ impl From<ConfigError> for Refusal {
     }
 }
 
+impl From<LearnedError> for Refusal {
+    fn from(error: LearnedError) -> Self {
+        Refusal::Learned(error)
+    }
+}
+
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -84,6 +97,7 @@ impl fmt::Display for Refusal {
             Refusal::Memory(lent, needed) => write!(f, "memory: found {lent} bytes, needed {needed} bytes"),
             Refusal::Path(error) => error.fmt(f),
             Refusal::Pose(error) => write!(f, "pose: {error}"),
+            Refusal::Learned(error) => write!(f, "learned correction: {error}"),
         }
     }
 }
@@ -98,6 +112,8 @@ impl Refusal {
             Refusal::Config(_) => ERROR_CONFIG,
             Refusal::Path(_) => ERROR_PATH,
             Refusal::Pose(_) => ERROR_POSE,
+            Refusal::Learned(LearnedError::WrongMachine { .. }) => ERROR_MACHINE,
+            Refusal::Learned(_) => ERROR_LEARNED,
         }
     }
 
@@ -122,6 +138,7 @@ impl Refusal {
                 }
             }
             Refusal::Config(config) => error.add(config),
+            Refusal::Learned(learned) => error.code = learned.code().into(),
             Refusal::Memory(lent, needed) => {
                 error.found = *lent as f64;
                 error.field = Text::of(&"Memory");

@@ -2,10 +2,11 @@
 
 use crate::contour::Contour;
 use crate::cycle::{AXES_MAX, Output};
+use crate::dynamic::Dynamic;
 use crate::plugin::to_core;
 use crate::pointer::{Buffer, read_sized};
 use crate::result::{self, ERROR_ARGUMENT, ResultCode};
-use trueaxis::telemetry::{self, AxisFrame, ContourFrame, Frame};
+use trueaxis::telemetry::{self, AxisFrame, ContourFrame, DynamicFrame, Frame};
 use trueaxis::{Fault, Position as _};
 
 /// Largest telemetry frame of a record, bytes.
@@ -40,7 +41,9 @@ pub unsafe extern "C" fn trueaxis_frame_encode(
 fn frame(output: &Output) -> Option<Frame> {
     let axes = usize::try_from(output.axes).ok().filter(|axes| (3..=AXES_MAX).contains(axes))?;
     let record = &output.record;
-    let positions = record.command.iter().zip(&record.feedback).zip(&record.correction).take(axes);
+    let corrections = record.correction.iter().zip(dynamics(&record.dynamic));
+    let positions = record.command.iter().zip(&record.feedback).zip(corrections).take(axes);
+    let has_dynamic = record.has_dynamic != 0;
     Some(Frame {
         version: telemetry::FRAME_VERSION,
         sequence: record.sequence,
@@ -52,17 +55,30 @@ fn frame(output: &Output) -> Option<Frame> {
         limited: record.limited,
         at_edge: record.at_edge,
         axes: positions
-            .map(|((command, feedback), correction)| AxisFrame {
+            .map(|((command, feedback), (correction, dynamic))| AxisFrame {
                 command: to_core(*command).to_f64(),
                 feedback: to_core(*feedback).to_f64(),
                 correction: single(*correction),
-                dynamic: None,
+                dynamic: has_dynamic.then_some(dynamic),
             })
             .collect(),
         tip: contour(&record.tip),
         encoder: contour(&record.encoder),
         orientation: single(record.orientation),
         orientation_flags: record.orientation_flags,
+    })
+}
+
+/// The dynamic correction of every axis.
+fn dynamics(parts: &Dynamic) -> impl Iterator<Item = DynamicFrame> + '_ {
+    let wanted = parts.feedback.iter().zip(&parts.crosstalk).zip(&parts.learned);
+    let axes = parts.sent.iter().zip(&parts.feed_forward).zip(wanted);
+    axes.map(|((sent, feed_forward), ((feedback, crosstalk), learned))| DynamicFrame {
+        sent: single(*sent),
+        feed_forward: single(*feed_forward),
+        feedback: single(*feedback),
+        crosstalk: single(*crosstalk),
+        learned: single(*learned),
     })
 }
 

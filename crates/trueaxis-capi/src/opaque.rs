@@ -85,7 +85,7 @@ pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BranchTracker, CommandWindow, Gauge, GaugeState, GaugeState512, Kinematics, Loop, Path, State};
+    use crate::{BranchTracker, CommandWindow, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path, Program, State};
 
     #[test]
     fn storage_is_not_much_larger_than_needed() {
@@ -105,5 +105,7 @@ mod tests {
         spare::<GaugeState512>("gauge state 512");
         spare::<Kinematics>("kinematics");
         spare::<BranchTracker>("branch tracker");
+        spare::<Learned>("learned");
+        spare::<Program>("program");
     }
 }

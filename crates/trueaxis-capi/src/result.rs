@@ -19,7 +19,7 @@ pub const ERROR_UNBUILT: ResultCode = 4;
 pub const ERROR_ABI: ResultCode = 5;
 /// Not a whole, undamaged `.tcomp` file of this format; see `trueaxis_error_t`.
 pub const ERROR_TABLES: ResultCode = 6;
-/// The file, or the kinematics, are of another machine.
+/// The file, the kinematics or the learned correction are of another machine.
 pub const ERROR_MACHINE: ResultCode = 7;
 /// The settings cannot be run; see `trueaxis_error_t`.
 pub const ERROR_CONFIG: ResultCode = 8;
@@ -46,6 +46,8 @@ pub const ERROR_NOT_YET: ResultCode = 17;
 pub const ERROR_NO_OUTPUT: ResultCode = 18;
 /// The kinematics have no such pose; see `trueaxis_error_t`.
 pub const ERROR_POSE: ResultCode = 19;
+/// Not a whole, undamaged learned correction of this format, or of another program; see `trueaxis_error_t`.
+pub const ERROR_LEARNED: ResultCode = 20;
 
 pub(crate) fn text(result: ResultCode) -> &'static CStr {
     match result {
@@ -56,7 +58,7 @@ pub(crate) fn text(result: ResultCode) -> &'static CStr {
         ERROR_UNBUILT => c"an object was never built or started, or is of another kind",
         ERROR_ABI => c"header and library differ in version or precision",
         ERROR_TABLES => c"the table file is refused: damaged, cut off, or not a .tcomp of this format",
-        ERROR_MACHINE => c"the table file or the kinematics are of another machine",
+        ERROR_MACHINE => c"the table file, the kinematics or the learned correction are of another machine",
         ERROR_CONFIG => c"the settings are refused",
         ERROR_MEMORY => c"the lent memory is too small",
         ERROR_PERIOD => c"the period is not the one that the loop was built for",
@@ -69,6 +71,7 @@ pub(crate) fn text(result: ResultCode) -> &'static CStr {
         ERROR_NOT_YET => c"there is no value yet",
         ERROR_NO_OUTPUT => c"no output: no valid command has come, and not every axis has been read",
         ERROR_POSE => c"the kinematics have no such pose",
+        ERROR_LEARNED => c"the learned correction is refused: damaged, cut off, not of this format, or of another program",
         _ => c"not a result of this library",
     }
 }

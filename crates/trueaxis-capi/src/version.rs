@@ -3,7 +3,7 @@
 use crate::result::{ERROR_ABI, OK, ResultCode};
 
 /// Changes when something that was there changes.
-pub const ABI_MAJOR: u32 = 2;
+pub const ABI_MAJOR: u32 = 3;
 /// Changes when something is added.
 pub const ABI_MINOR: u32 = 0;
 /// Set in the version of a single-precision library.

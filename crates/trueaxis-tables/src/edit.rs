@@ -84,7 +84,7 @@ impl Imported {
 }
 
 /// A text with the line ends and the byte order mark of the one before.
-fn as_before(mut text: String, before: &str) -> String {
+pub(crate) fn as_before(mut text: String, before: &str) -> String {
     if before.contains("\r\n") && !text.contains("\r\n") {
         text = text.replace('\n', "\r\n");
     }
@@ -199,7 +199,7 @@ fn section<'d>(document: &'d mut DocumentMut, axis: Axis, origin: &Origin) -> Re
 }
 
 /// Sets a key and keeps what stands around its value.
-fn set(section: &mut dyn TableLike, key: &str, mut value: Value) {
+pub(crate) fn set(section: &mut dyn TableLike, key: &str, mut value: Value) {
     match section.get_mut(key).and_then(Item::as_value_mut) {
         Some(old) => {
             if same(old, &value) {

@@ -8,6 +8,8 @@ pub mod exact;
 pub mod files;
 pub mod formats;
 mod lost_motion;
+mod margins;
+mod merge;
 mod origin;
 pub mod output;
 mod printable;
@@ -20,9 +22,14 @@ mod warning;
 pub use compile::{build, compile};
 pub use edit::Edited;
 pub use lost_motion::{LostMotion, lost_motion};
+pub use margins::{FeedbackMargins, feedback_margins};
+pub use merge::merge_sections;
 pub use output::write_atomically;
 pub use read::keys::{Keys, Written};
-pub use summary::{AxisSummary, ErrorSummary, Summary, TableSummary, summary};
+pub use summary::{
+    AxisSummary, CrosstalkSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary, ServoSummary,
+    Summary, TableSummary, summary,
+};
 pub use warning::{Warning, check};
 
 use trueaxis::machine::{AxisSettings, MachineSettings, Row};

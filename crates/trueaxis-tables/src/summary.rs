@@ -1,5 +1,9 @@
 //! Content of a compiled file, for people and for programs.
 
+mod servo;
+
+pub use servo::{CrosstalkSummary, DynamicSummary, FeedbackSummary, FrictionSummary, ServoSummary};
+
 use crate::text::short;
 use serde::Serialize;
 use std::fmt;
@@ -37,6 +41,12 @@ pub struct Summary {
     pub memory_scalars: usize,
     /// The axes.
     pub axes: Vec<AxisSummary>,
+    /// Contour feedback.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feedback: Option<FeedbackSummary>,
+    /// Acceleration cross-talk.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub crosstalk: Vec<CrosstalkSummary>,
     /// Gauge of three probes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roundness: Option<RoundnessSummary>,
@@ -100,6 +110,9 @@ pub struct AxisSummary {
     pub slope_per_s: f64,
     /// Largest acceleration of the correction per second².
     pub acceleration_per_s2: f64,
+    /// Drive, friction and dynamic correction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoSummary>,
     /// The table.
     pub table: Option<TableSummary>,
 }
@@ -155,6 +168,8 @@ pub fn summary(file: &Tcomp<'_>) -> Summary {
         inverse_passes: file.inverse_passes(),
         memory_scalars: file.requirement(),
         axes: file.axes().map(|(axis, table)| axis_summary(&settings.chain, axis, table)).collect(),
+        feedback: settings.contour.feedback.as_ref().map(servo::feedback),
+        crosstalk: settings.crosstalk.iter().map(servo::crosstalk).collect(),
         roundness: settings.roundness.as_ref().and_then(roundness_summary),
     }
 }
@@ -175,6 +190,7 @@ fn axis_summary(chain: &str, settings: &AxisSettings, table: Option<TableData<'_
         magnitude_micro: micro(settings.limits.magnitude),
         slope_per_s: settings.limits.slope_per_s,
         acceleration_per_s2: settings.limits.acceleration_per_s2,
+        servo: servo::servo(axis, &settings.servo),
         table: table.map(|table| table_summary(settings, &table)),
     }
 }
@@ -230,6 +246,8 @@ impl fmt::Display for Summary {
         let [double, single] = [8, 4].map(|bytes| (self.memory_scalars * bytes) as f64 / 1024.0);
         write!(f, "memory {} scalars: {double:.1} KiB in f64, {single:.1} KiB in f32", self.memory_scalars)?;
         self.axes.iter().try_for_each(|axis| axis.fmt(f))?;
+        self.feedback.iter().try_for_each(|feedback| feedback.fmt(f))?;
+        self.crosstalk.iter().try_for_each(|crosstalk| crosstalk.fmt(f))?;
         self.roundness.iter().try_for_each(|roundness| roundness.fmt(f))
     }
 }
@@ -269,6 +287,9 @@ impl fmt::Display for AxisSummary {
             short(self.slope_per_s),
             short(self.acceleration_per_s2)
         )?;
+        if let Some(servo) = &self.servo {
+            servo.lines(f, unit, micro)?;
+        }
         let Some(table) = &self.table else { return write!(f, "\n  no table") };
         let [low, high] = table.range.map(short);
         let directions = if table.bidirectional { ", bidirectional" } else { "" };

@@ -6,7 +6,9 @@ mod small_machine;
 
 use std::fs;
 use std::path::Path;
-use trueaxis::machine::{Axis, MachineSettings};
+use trueaxis::machine::{
+    Axis, CrosstalkSettings, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings, MachineSettings,
+};
 use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
 use trueaxis::tcomp::{MAGIC, Tcomp, TcompError, VERSION, checksum, machine_id};
 use trueaxis::{check, tcomp::HEADER_BYTES};
@@ -27,6 +29,14 @@ offset_mm = [0.0, 0.0, 0.0]
 measured_at_mm = [0.0, 0.0, 0.0]
 [axis.X.limits]
 [axis.X.thermal]
+[axis.X.drive]
+position_gain_per_s = 110
+velocity_gain_per_s = 800
+reset_time_s = 0.006
+[axis.X.friction]
+coulomb_mm_per_s = 0.5
+presliding_um = 7.0
+[axis.X.dynamic]
 [axis.Y]
 travel_mm = [-100.0, 100.0]
 joint_mm = [-101.0, 101.0]
@@ -34,6 +44,14 @@ offset_mm = [0.0, 0.0, 0.0]
 measured_at_mm = [0.0, 0.0, 0.0]
 [axis.Y.limits]
 [axis.Y.thermal]
+[axis.Y.drive]
+position_gain_per_s = 110
+velocity_gain_per_s = 800
+reset_time_s = 0.006
+[axis.Y.friction]
+coulomb_mm_per_s = 0.5
+presliding_um = 7.0
+[axis.Y.dynamic]
 [axis.Z]
 travel_mm = [-100.0, 100.0]
 joint_mm = [-101.0, 101.0]
@@ -41,6 +59,14 @@ offset_mm = [0.0, 0.0, 0.0]
 measured_at_mm = [0.0, 0.0, 0.0]
 [axis.Z.limits]
 [axis.Z.thermal]
+[axis.Z.drive]
+position_gain_per_s = 110
+velocity_gain_per_s = 800
+reset_time_s = 0.006
+[axis.Z.friction]
+coulomb_mm_per_s = 0.5
+presliding_um = 7.0
+[axis.Z.dynamic]
 [axis.C]
 travel_deg = [-100.0, 100.0]
 joint_deg = [-101.0, 101.0]
@@ -48,9 +74,18 @@ offset_mm = [0.0, 0.0, 0.0]
 measured_at_mm = [0.0, 0.0, 0.0]
 [axis.C.limits]
 [axis.C.thermal]
+[axis.C.drive]
+position_gain_per_s = 110
+velocity_gain_per_s = 800
+reset_time_s = 0.006
+[axis.C.friction]
+coulomb_deg_per_s = 0.5
+presliding_urad = 7.0
+[axis.C.dynamic]
 [location]
 [faults]
 [contour]
+[contour.feedback]
 [compensation]
 [kinematics]
 tool_axis = [0.0, 0.0, 1.0]
@@ -71,6 +106,10 @@ counts_per_revolution = 3600000
 [roundness.infeed]
 axis = \"X\"
 harmonics = [2, 50]
+[[crosstalk]]
+tip = \"X\"
+from = \"Y\"
+k_um_per_m_per_s2 = 1.0
 ";
 const TABLE: &str = "X_mm,EXX_um,ECX_urad\n-100,1,1\n100,2,1\n";
 
@@ -88,7 +127,10 @@ fn with(key: &str, element: usize, count: usize, value: &str) -> (String, u32) {
     let start = if section.is_empty() {
         0
     } else {
-        1 + lines.iter().position(|line| *line == format!("[{section}]")).unwrap_or_else(|| panic!("no [{section}]"))
+        1 + lines
+            .iter()
+            .position(|line| line.trim_matches(['[', ']']) == section)
+            .unwrap_or_else(|| panic!("no [{section}]"))
     };
     // One pair of angles only.
     if name == "probe_angles_deg" {
@@ -286,6 +328,15 @@ fn what_the_controller_refuses_the_bench_refuses() {
 
 fn gauged() -> Machine {
     let mut machine = small_machine::machine();
+    for axis in &mut machine.settings.axes {
+        axis.servo.drive = Some(DriveFigures::with_defaults(110.0, 800.0, 0.006));
+        axis.servo.friction = Some(FrictionSettings::with_defaults(0.5, 0.007));
+        axis.servo.dynamic = Some(DynamicSettings::with_defaults(axis.axis));
+    }
+    machine.settings.contour.feedback = Some(FeedbackSettings::default());
+    let points = [[0.0, 1e-6], [100.0, 2e-6]].into_iter().collect();
+    let crosstalk = CrosstalkSettings { tip: Axis::X, from: Axis::Z, over: Axis::X, points };
+    machine.settings.crosstalk.push(crosstalk).unwrap();
     let mut gauge = GaugeSettings::with_defaults(256, ProbeAngles::Degrees { phi2: 66.1, phi3: 234.5 }, 1 << 20);
     let lengths = Arm { crank_mm: 40.0, wheel_mm: 300.0, pin_mm: 20.0 };
     gauge.arm = Some(ArmSettings { lengths, counts: 1 << 20, direction: 1, tolerance_deg: 1.0 });

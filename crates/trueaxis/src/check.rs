@@ -18,6 +18,7 @@ pub use inverse::{
 pub use margins::Margins;
 pub use open_loop::Margin;
 pub use reversal::{HYSTERESIS_PER_STEP, lost_motion, reversal};
+pub(crate) use servo::of_dynamic;
 pub use servo::{GAIN_MARGIN_DB, PHASE_MARGIN_DEG, feedback, feedback_margins};
 pub use volumetric::{angular_tip_error, tip_rate};
 

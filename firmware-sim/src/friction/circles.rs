@@ -43,7 +43,7 @@ pub(super) struct Pass {
     pub(super) period_s: f64,
     /// Sent to the drives, mm.
     drive: [Vec<f64>; 2],
-    /// The same without the dynamic correction: where the axes should be, mm.
+    /// Command and correction of geometry, without the dynamic one: where the axes should be, mm.
     path: [Vec<f64>; 2],
     /// Read at the end of the cycle, mm.
     reading: [Vec<f64>; 2],
@@ -70,7 +70,7 @@ pub(super) fn record(
         let [Some(sample)] = machines else { return };
         for i in 0..2 {
             drive[i].push(sample.drive[i]);
-            path[i].push(sample.drive[i] - 1e-3 * f64::from(sample.dynamic.sent[i]));
+            path[i].push(sample.command[i] + 1e-3 * f64::from(sample.correction[i]));
             reading[i].push(sample.feedback[i]);
         }
     };

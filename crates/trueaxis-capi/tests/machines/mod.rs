@@ -107,7 +107,9 @@ pub(crate) fn input(command: [f64; AXES_MAX], feedback: [f64; AXES_MAX]) -> Inpu
         reset: 0,
         refusal: 0,
         refusal_axis: 0,
-        reserved: [0; 2],
+        dynamics_off: 0,
+        reserved: 0,
+        learned: [position(0.0); 3],
     }
 }
 

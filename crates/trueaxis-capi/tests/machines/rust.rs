@@ -3,7 +3,7 @@
 use super::PERIOD_NS;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{FRAME_BYTES as CORE_FRAME_BYTES, Frame};
-use trueaxis::{Position as _, ServoLoop};
+use trueaxis::{DynamicParts, Dynamics, Position as _, ServoLoop};
 use trueaxis_capi::*;
 
 #[cfg(not(feature = "single"))]
@@ -44,7 +44,20 @@ pub(crate) fn core_input<const N: usize>(c: &Input) -> trueaxis::Input<P, N> {
     }
     (input.homed, input.enable, input.reset) = (c.homed != 0, c.enable != 0, c.reset != 0);
     input.encoder_alarm = c.encoder_alarm;
+    input.dynamics = Dynamics(127 & !c.dynamics_off);
+    input.learned = c.learned.map(from_c);
     input
+}
+
+/// The parts of the dynamic correction, zero where there is none.
+fn same_dynamic<const N: usize>(c: &Record, core: Option<&DynamicParts<R, N>>, cycle: usize) {
+    assert_eq!(c.has_dynamic, u8::from(core.is_some()));
+    let c = [&c.dynamic.sent, &c.dynamic.feed_forward, &c.dynamic.feedback, &c.dynamic.crosstalk, &c.dynamic.learned];
+    let core = core.map(|core| [core.sent, core.feed_forward, core.feedback, core.crosstalk, core.learned]);
+    for (part, (c, core)) in c.into_iter().zip(core.unwrap_or([[0.0; N]; 5])).enumerate() {
+        assert_eq!(c[..N].iter().map(|x| x.to_bits()).collect::<Vec<_>>(), core.map(R::to_bits), "cycle {cycle}, {part}");
+        assert_eq!(c[N..], [0.0; AXES_MAX][N..], "cycle {cycle}, {part}");
+    }
 }
 
 /// Both outputs are the same in every bit, and so are their frames.
@@ -61,6 +74,7 @@ pub(crate) fn same<const N: usize>(c: &Output, rust: &trueaxis::Output<R, P, N>,
     assert_eq!((record.machine_id, record.tables_crc), (core.machine_id, core.tables_crc));
     assert_eq!((record.fault, record.fault_axis), (core.fault as u8, core.fault_axis), "cycle {cycle}");
     assert_eq!((record.status, record.limited, record.at_edge), (core.status.0, core.limited, core.at_edge));
+    same_dynamic(record, core.dynamic.as_ref(), cycle);
     assert_eq!(record.orientation.to_bits(), core.orientation.to_bits(), "cycle {cycle}");
     assert_eq!(record.orientation_flags, core.orientation_flags.bits(), "cycle {cycle}");
     for (c, core) in [(&record.tip, &core.tip), (&record.encoder, &core.encoder)] {

@@ -10,21 +10,27 @@ use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
-use trueaxis_tables::{LostMotion, Machine, build, lost_motion, summary};
+use trueaxis_tables::{LostMotion, Machine, build, feedback_margins, lost_motion, summary};
 
 pub(super) fn check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     let (machine, bytes) = compiled(path, rate_hz)?;
     let tables = parsed(&bytes, path)?;
     let warnings = trueaxis_tables::check(&machine, rate_hz);
     let lost = lost_motion(&machine);
+    let margins = feedback_margins(&machine, rate_hz);
     if as_json {
         let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         let lost: Vec<Value> = lost.iter().map(lost_motion_json).collect();
-        return json(&json!({ "ok": true, "warnings": warnings, "lost_motion": lost, "summary": summary(&tables) }));
+        return json(&json!({
+            "ok": true, "warnings": warnings, "lost_motion": lost, "feedback_margins": margins, "summary": summary(&tables)
+        }));
     }
     print(&format!("{}\n", summary(&tables)))?;
     for lost in &lost {
         print(&format!("{lost}\n"))?;
+    }
+    for margins in &margins {
+        print(&format!("{margins}\n"))?;
     }
     for warning in &warnings {
         tell(format_args!("warning: {warning}"));

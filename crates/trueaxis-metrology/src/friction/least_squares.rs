@@ -104,7 +104,7 @@ fn damped(linear: &Linear, damping: f64) -> Option<DVector<f64>> {
 
 fn judged(problem: &Problem, values: Values, residuals: &[f64], cost: f64, free: &[usize], linear: &Linear) -> Fit {
     let size = free.len();
-    let lengths: Vec<f64> = (0..size).map(|i| linear.normal[(i, i)].sqrt().max(f64::MIN_POSITIVE)).collect();
+    let lengths: Vec<f64> = (0..size).map(|i| linear.normal[(i, i)].sqrt().max(1e-100)).collect();
     let scaled = DMatrix::from_fn(size, size, |i, j| linear.normal[(i, j)] / (lengths[i] * lengths[j]));
     let parts = scaled.symmetric_eigen();
     let top = parts.eigenvalues.max();
@@ -128,7 +128,7 @@ fn judged(problem: &Problem, values: Values, residuals: &[f64], cost: f64, free:
     let share = count / (count - size as f64).max(1.0);
     let spread = stretches.iter().fold(DMatrix::zeros(size, size), |sum, g| sum + g * g.transpose());
     let robust = &inverse * spread * &inverse * share;
-    let samples = (residuals.len() - problem.skip) as f64;
+    let samples = (0..residuals.len()).filter(|k| problem.counts(*k)).count().max(1) as f64;
     let plain = &inverse * (cost / (samples - size as f64).max(1.0));
     let mut errors = [0.0; COUNT];
     for (i, &parameter) in free.iter().enumerate() {

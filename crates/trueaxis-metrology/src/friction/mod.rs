@@ -132,7 +132,7 @@ impl Identified {
     pub fn spikes(&self, record: &Record, index: usize) -> Result<Size, Refused> {
         let turns = record.reversals()?;
         let index = index.min(1);
-        let (problem, turns) = problem(record, &record.axes[index], &turns[index], self.drive, STEP_S);
+        let (problem, turns) = problem(record, &record.axes[index], &turns[index], Some(self.drive), STEP_S);
         Ok(glitch::glitch(&problem, &self.values, &turns).before)
     }
 }
@@ -161,11 +161,18 @@ fn problem(
     record: &Record,
     recorded: &Recorded,
     turns: &[Reversal],
-    given: DriveFigures,
+    given: Option<DriveFigures>,
     step_s: f64,
 ) -> (Problem, Vec<Reversal>) {
-    let mut problem = Problem::new(&recorded.command, &recorded.reading, record.period_s, step_s, given);
+    let figures = given.unwrap_or(start::DRIVE);
+    let mut problem = Problem::new(&recorded.command, &recorded.reading, record.period_s, step_s, figures);
     let sample_s = problem.sample_s();
+    if given.is_some() {
+        // Starts and stops tell the drive. Where its figures are given, what these are wrong by would bend the friction.
+        let even = record.even(turns);
+        let coarse = (sample_s / record.period_s).round().max(1.0) as usize;
+        problem.even = even.into_iter().step_by(coarse).collect();
+    }
     problem.skip = if record.rests(recorded) { 0 } else { (UNKNOWN_S / sample_s) as usize };
     let scale = record.period_s / sample_s;
     let place = |turn: &Reversal| Reversal { index: (turn.index as f64 * scale).round() as usize, ..*turn };
@@ -183,7 +190,7 @@ fn identify_axis(
 ) -> Result<Identified, Refused> {
     let axis = recorded.axis;
     let with_drive = given.is_none();
-    let problem = |step_s: f64| problem(record, recorded, turns, given.unwrap_or(start::DRIVE), step_s);
+    let problem = |step_s: f64| problem(record, recorded, turns, given, step_s);
     let start = start::start(&problem(COARSE_S).0, given.as_ref());
     let mut steps = 0;
     let mut tell = || {
@@ -192,7 +199,8 @@ fn identify_axis(
     };
     let rough = problem(ROUGH_S).0;
     let (problem, turns) = problem(STEP_S);
-    let rests = record.rests(recorded);
+    // Where starts do not count, neither does the state of friction before them.
+    let rests = with_drive && record.rests(recorded);
     let (found, free) = reduced(axis, [&rough, &problem], start, (with_drive, rests), &mut tell)?;
     judge(axis, &found, &free, with_drive)?;
     let glitch = glitch::glitch(&problem, &found.values, &turns);

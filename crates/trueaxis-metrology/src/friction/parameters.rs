@@ -127,6 +127,8 @@ pub(super) struct Problem {
     pub(super) step_s: f64,
     /// First samples that do not count: the state before them is not known.
     pub(super) skip: usize,
+    /// Further samples that do not count are false; all count where it is empty.
+    pub(super) even: Vec<bool>,
     /// Samples at which one reversal's stretch ends and the next begins.
     pub(super) borders: Vec<usize>,
     /// Current loop and dead time, and everything that is not fitted.
@@ -146,12 +148,17 @@ impl Problem {
         }
         dense.extend(picked.last());
         let step_s = period_s * coarse as f64 / fine as f64;
-        Problem { command: dense, error, fine, step_s, skip: 0, borders: Vec::new(), given }
+        Problem { command: dense, error, fine, step_s, skip: 0, even: Vec::new(), borders: Vec::new(), given }
     }
 
     /// Time between two samples, s.
     pub(super) fn sample_s(&self) -> f64 {
         self.step_s * self.fine as f64
+    }
+
+    /// Whether a sample counts.
+    pub(super) fn counts(&self, k: usize) -> bool {
+        k >= self.skip && self.even.get(k).copied().unwrap_or(true)
     }
 
     /// Following error of the model, one value a sample, mm.
@@ -170,7 +177,7 @@ impl Problem {
     pub(super) fn residuals(&self, values: &Values) -> Vec<f64> {
         let mut residuals = self.model(values);
         for (k, (residual, error)) in residuals.iter_mut().zip(&self.error).enumerate() {
-            *residual = if k < self.skip { 0.0 } else { *residual - error };
+            *residual = if self.counts(k) { *residual - error } else { 0.0 };
         }
         residuals
     }
@@ -178,7 +185,7 @@ impl Problem {
     /// Derivatives of the residuals by a parameter, in the scale in which it is varied.
     pub(super) fn derivative(&self, values: &Values, at: &[f64], parameter: usize) -> Vec<f64> {
         if parameter == OFFSET {
-            return (0..at.len()).map(|k| if k < self.skip { 0.0 } else { 1.0 }).collect();
+            return (0..at.len()).map(|k| if self.counts(k) { 1.0 } else { 0.0 }).collect();
         }
         let kind = &KINDS[parameter];
         // Away from the end of the range.

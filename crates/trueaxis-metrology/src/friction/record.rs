@@ -17,6 +17,10 @@ const MOVING: f64 = 0.01;
 const ONE_SIZE: f64 = 1.5;
 /// Speed of the other axis at a reversal, as a share of its fastest: less is a stop.
 const PASSING: f64 = 0.05;
+/// Speed along the path is even within this share, over so long, and what went before it is forgotten after so long, s.
+const EVEN: f64 = 0.01;
+const EVEN_OVER_S: f64 = 0.02;
+const SETTLED_S: f64 = 0.1;
 /// An axis stands that moves less than this share of its fastest for so long, s.
 const RESTING: f64 = 1e-4;
 const RESTING_S: f64 = 0.01;
@@ -155,6 +159,31 @@ impl Record {
             last = Some((k, velocity));
         }
         turns
+    }
+
+    /// Samples at which the path is travelled as evenly as at the nearest of the reversals, and has been for a while: no start,
+    /// no stop, no change of feed.
+    pub(super) fn even(&self, turns: &[Reversal]) -> Vec<bool> {
+        let [first, second] = &self.axes;
+        let count = first.command.len();
+        let half = ((EVEN_OVER_S / 2.0 / self.period_s) as usize).max(1);
+        let speed = |k: usize| {
+            let [from, to] = [k.saturating_sub(half), (k + half).min(count - 1)];
+            let way = |axis: &Recorded| axis.command[to] - axis.command[from];
+            way(first).hypot(way(second)) / (self.period_s * (to - from) as f64)
+        };
+        let settling = (SETTLED_S / self.period_s) as usize;
+        let mut even = Vec::with_capacity(count);
+        let [mut next, mut since] = [0, 0];
+        for k in 0..count {
+            while next + 1 < turns.len() && turns[next].index.abs_diff(k) > turns[next + 1].index.abs_diff(k) {
+                next += 1;
+            }
+            let nominal = turns.get(next).map_or(0.0, |turn| speed(turn.index));
+            since = if (speed(k) - nominal).abs() <= EVEN * nominal { since + 1 } else { 0 };
+            even.push(since > settling);
+        }
+        even
     }
 
     fn fastest(&self, recorded: &Recorded) -> f64 {

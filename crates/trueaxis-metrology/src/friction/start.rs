@@ -62,7 +62,7 @@ fn scaled(problem: &Problem, values: &Values, presliding: f64) -> (f64, Values) 
     let calm = problem.model(&none);
     let slipping = problem.model(&values);
     let [mut product, mut square] = [0.0; 2];
-    for k in problem.skip..calm.len() {
+    for k in (0..calm.len()).filter(|k| problem.counts(*k)) {
         let response = slipping[k] - calm[k];
         product += response * (problem.error[k] - calm[k]);
         square += response * response;
@@ -77,7 +77,10 @@ fn scaled(problem: &Problem, values: &Values, presliding: f64) -> (f64, Values) 
 fn lag(problem: &Problem) -> f64 {
     let samples: Vec<f64> = problem.command.iter().copied().step_by(problem.fine).collect();
     let [mut product, mut square] = [0.0; 2];
-    for (pair, error) in samples.windows(2).zip(&problem.error).skip(problem.skip) {
+    for (k, (pair, error)) in samples.windows(2).zip(&problem.error).enumerate() {
+        if !problem.counts(k) {
+            continue;
+        }
         let velocity = (pair[1] - pair[0]) / problem.sample_s();
         product += velocity * error;
         square += velocity * velocity;

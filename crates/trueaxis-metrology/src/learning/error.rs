@@ -52,6 +52,8 @@ pub enum NotLearned {
         index: usize,
         /// Largest component, mm.
         found_mm: f64,
+        /// The most, mm.
+        most_mm: f64,
     },
     /// The correction before has another number of nodes.
     Nodes {
@@ -104,11 +106,11 @@ impl fmt::Display for NotLearned {
                 f,
                 "found no row from {from_mm} to {to_mm} mm, needed a row at least every {widest_mm} mm (half the cut-off)"
             ),
-            NotLearned::TooLarge { found_mm, .. } => write!(
+            NotLearned::TooLarge { found_mm, most_mm, .. } => write!(
                 f,
                 "found an error of {} µm, needed at most {} µm (is the column in µm?)",
                 1e3 * found_mm,
-                1e3 * super::LARGEST_ERROR_MM
+                1e3 * most_mm
             ),
             NotLearned::Nodes { found, needed } => {
                 write!(f, "found a correction of {found} nodes, needed {needed} as the record has")

@@ -86,7 +86,7 @@ fn check(rows: &[MeasuredError], length_mm: f64, widest_gap_mm: f64) -> Result<(
         }
         let largest = row.error_mm.iter().flatten().fold(0.0, |largest: f64, e| largest.max(e.abs()));
         if row.error_mm.iter().flatten().any(|e| !e.is_finite()) || largest > LARGEST_ERROR_MM {
-            return Err(NotLearned::TooLarge { index, found_mm: largest });
+            return Err(NotLearned::TooLarge { index, found_mm: largest, most_mm: LARGEST_ERROR_MM });
         }
         let Some(before) = index.checked_sub(1).and_then(|before| rows.get(before)) else { continue };
         if found_mm < before.length_mm - ROUNDING_MM {

@@ -96,6 +96,12 @@ impl Machine {
     }
 }
 
+/// Refuses a `machine.toml` as [`Machine::read`] does, as far as it goes without the tables.
+pub(crate) fn text_is_sound(text: &str, origin: &Origin) -> Result<(), FileError> {
+    let description = machine_toml::read(text.strip_prefix('\u{feff}').unwrap_or(text), origin)?;
+    check::settings(&description.settings).map_err(|error| description.located(origin, &error))
+}
+
 /// A machine before an edit of its files.
 pub(crate) struct Standing<'f> {
     pub(crate) files: &'f dyn Source,

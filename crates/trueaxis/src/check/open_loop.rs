@@ -69,7 +69,9 @@ impl OpenLoop {
         let mut largest: [Option<[f64; 2]>; 2] = [None; 2];
         let mut phase: Option<Margin> = None;
         let above = |omega: f64| size(self.at(omega)) >= 1.0;
-        let mut before = low;
+        // The lag is followed from frequency to frequency, as it may be more than a turn.
+        let (mut before, mut last) = (low, self.at(low));
+        let mut angle = libm::atan2(last[1], last[0]);
         for point in 0..=POINTS {
             let omega = low * libm::pow(ratio, f64::from(point));
             let value = self.at(omega);
@@ -85,23 +87,18 @@ impl OpenLoop {
             if above(before) != above(omega) {
                 let was = above(before);
                 let omega = halved([before, omega], |omega| above(omega) != was);
-                let margin = Margin { value: self.phase_deg(omega), frequency_hz: hertz(omega) };
+                let value = 180.0 + (angle + turned(last, self.at(omega))).to_degrees();
+                let margin = Margin { value, frequency_hz: hertz(omega) };
                 phase = Some(phase.filter(|least| least.value <= margin.value).unwrap_or(margin));
             }
-            before = omega;
+            angle += turned(last, value);
+            (before, last) = (omega, value);
         }
         let [at_margin, at_half] = largest;
         let allowed = libm::exp10(-least_gain_db / 20.0);
         let of = |largest: Option<[f64; 2]>, allowed: f64| largest.map_or(f64::INFINITY, |[_, gain]| allowed / gain);
         let gain = at_half.map(|[omega, gain]| Margin { value: -decibels(gain), frequency_hz: hertz(omega) });
         Found { phase, gain, factor: of(at_margin, 1.0).min(of(at_half, allowed)) }
-    }
-
-    /// What is left of 180° at a frequency at which the gain is 1; below zero where the lag is more.
-    fn phase_deg(&self, omega: f64) -> f64 {
-        let [re, im] = self.at(omega);
-        let angle = libm::atan2(im, re).to_degrees();
-        if re < 0.0 && im >= 0.0 { angle - 180.0 } else { 180.0 - angle.abs() }
     }
 
     /// The largest gain between two frequencies, with its frequency, by the golden section.
@@ -118,6 +115,11 @@ impl OpenLoop {
         let omega = 0.5 * (low + high);
         [omega, size(self.at(omega))]
     }
+}
+
+/// Angle from one complex number to another, less than half a turn.
+fn turned([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
+    libm::atan2(a * d - b * c, a * c + b * d)
 }
 
 fn hertz(omega: f64) -> f64 {

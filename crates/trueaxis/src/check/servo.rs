@@ -51,6 +51,17 @@ fn axis(settings: &AxisSettings) -> Result<(), ConfigError> {
     need(found <= bound, ConfigError { bound: Some(bound), ..error })
 }
 
+/// A refusal of a limiter, at the key of the dynamic correction's limits.
+pub(crate) fn of_dynamic(error: ConfigError) -> ConfigError {
+    let field = match error.field {
+        Field::Magnitude => Field::DynamicMagnitude,
+        Field::Slope => Field::DynamicSlope,
+        Field::Acceleration => Field::DynamicAcceleration,
+        other => other,
+    };
+    ConfigError { field, ..error }
+}
+
 /// Stiffness of pre-sliding friction at rest over the moved mass, 1/s²: K_vp (F_c/K_vp) (1 + s)/z.
 pub(super) fn stiffness(drive: &DriveFigures, friction: &FrictionSettings) -> f64 {
     drive.velocity_gain_per_s * friction.coulomb_per_s * (1.0 + friction.stribeck_share) / friction.presliding

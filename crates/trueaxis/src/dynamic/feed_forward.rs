@@ -1,17 +1,18 @@
 //! Feed-forward of an axis: friction, lag and acceleration as the position offset that makes the drive supply them.
 //!
-//! With v the velocity of the command, w that of command and geometric correction, T the period and the drive figures of the
+//! With v the velocity of command and geometric correction, a their acceleration, T the period and the drive figures of the
 //! axis, in velocities (a force divided by the moved mass and K_vp):
 //!
 //! ```text
-//! f  <- (f + w T/z) / (1 + |w| T/z)                      friction state, −1 … 1; Dahl, implicit: cannot overshoot
-//! F   = F_c (1 + s/(1 + (w/v_s)²)) f + d v + a/K_vp      what the velocity loop has to be off by
+//! f  <- (f + v T/z) / (1 + |v| T/z)                      friction state, −1 … 1; Dahl, implicit: cannot overshoot
+//! F   = F_c (1 + s/(1 + (v/v_s)²)) f + d v + a/K_vp      what the velocity loop has to be off by
 //! h  <- (h + ΔF) e^(−T/τ)                                of it, what its integrator does not supply yet
 //! u  <- k u + (h + (1 − k_ff) v) g                       k = e^(−K_v T/k_ff),  g = (1 − k)/K_v
 //! ```
 //!
-//! The correction that the tables ask for moves the axis and so turns its friction; what is sent of it does not enter, since
-//! that depends on u itself where a limit binds. The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs that hold over a period; for k_ff = 0 it is
+//! The geometric correction counts as it is led in, before the limiter of the axis: what that holds back would come back
+//! through a, with a gain of 1/(K_vp T). The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs that hold over
+//! a period; for k_ff = 0 it is
 //! u = (h + v)/K_v. Cost: two divisions and some 20 multiplications and additions an axis.
 
 #![deny(clippy::indexing_slicing)]
@@ -116,12 +117,12 @@ impl<R: Real> FeedForward<R> {
         law
     }
 
-    /// The offset of a cycle in which the command moves by `way`, command and geometric correction by `slide`. `anew`: what
-    /// the force is now, the drive supplies already.
+    /// The offset of a cycle in which the axis is to move by `way`. `anew`: what the force is now, the drive supplies
+    /// already.
     #[inline(always)]
-    pub(super) fn offset(&self, state: &mut Drift<R>, way: R, slide: R, parts: Dynamics, anew: bool) -> R {
+    pub(super) fn offset(&self, state: &mut Drift<R>, way: R, parts: Dynamics, anew: bool) -> R {
         let change = way - state.velocity;
-        let ahead = slide + change * self.lead;
+        let ahead = way + change * self.lead;
         let travel = ahead * self.per_presliding;
         state.friction = (state.friction + travel) / (R::ONE + travel.abs());
         let mut force = R::ZERO;

@@ -7,9 +7,10 @@ use super::feed_forward::FeedForward;
 use super::feedback::Feedback;
 use super::watch::{Swing, Watch};
 use super::{DynamicParts, DynamicState, Dynamics};
+use crate::check::of_dynamic;
 use crate::error::ConfigError;
-use crate::limiter::Limiter;
-use crate::machine::{AxisOrder, DynamicSettings, MachineSettings};
+use crate::limiter::{Limiter, LimiterState};
+use crate::machine::{AxisOrder, AxisSettings, DynamicSettings, Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -19,6 +20,9 @@ use crate::sample::{Sample, Verdict};
 struct Act<R> {
     law: FeedForward<R>,
     limiter: Limiter<R>,
+    /// Lead the geometric correction in: within the limits of the axis; no faster than friction brakes, while the
+    /// acceleration is fed forward.
+    leads: [Limiter<R>; 2],
     /// Lost motion is taken up from the reversal of the command.
     takes_up: bool,
     /// Moves the tip by the feedback.
@@ -35,7 +39,7 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
 
 /// What a cycle brings.
 pub(crate) struct Moment<'m, R, const N: usize> {
-    /// The geometric correction that is wanted.
+    /// The geometric correction as it is led in.
     pub(crate) geometric: &'m [R; N],
     /// Contour error of the tip in machine directions, where it can be acted on.
     pub(crate) error: Option<[R; 3]>,
@@ -59,19 +63,42 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let crosstalk = Crosstalk::new(order, machine, period_s)?;
         let mut any = feedback.is_some() || !machine.crosstalk.is_empty();
         let idle = Limiter::new(&DynamicSettings::with_defaults(crate::axis::Axis::X).limits, period_s)?;
-        let mut axes = [Act { law: FeedForward::none(), limiter: idle, takes_up: false, is_linear: false }; N];
+        let mut axes =
+            [Act { law: FeedForward::none(), limiter: idle, leads: [idle; 2], takes_up: false, is_linear: false }; N];
         for (act, settings) in axes.iter_mut().zip(order.settings(machine)) {
             let Some(settings) = settings else { continue };
             let servo = &settings.servo;
             any |= servo.friction.is_some() || servo.dynamic.is_some();
             let dynamic = servo.dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
-            let limiter = Limiter::new(&dynamic.limits, period_s).map_err(|error| error.on(settings.axis))?;
+            let limiter =
+                Limiter::new(&dynamic.limits, period_s).map_err(|error| of_dynamic(error).on(settings.axis))?;
             let law = FeedForward::new(servo, &dynamic, period_s);
-            *act = Act { law, limiter, takes_up: dynamic.take_up, is_linear: !settings.axis.is_rotary() };
+            let own = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
+            // So slow that the scalar cannot hold it: as fast as the axis may.
+            let slow = Limiter::new(&lead_limits(settings, &dynamic), period_s).unwrap_or(own);
+            let (takes_up, is_linear) = (dynamic.take_up, !settings.axis.is_rotary());
+            *act = Act { law, limiter, leads: [own, slow], takes_up, is_linear };
         }
         let feedback = feedback.map(|settings| (Feedback::new(settings, period_s), Watch::new(settings, period_s)));
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
         Ok(any.then_some(DynamicStage { axes, feedback, crosstalk }))
+    }
+
+    /// Leads the geometric corrections in; a bit for every axis that is not there yet.
+    pub(crate) fn lead(&self, led: &mut [LimiterState<R>; N], wanted: &[R; N], sample: &Sample<P, N>) -> u8 {
+        let mut flags = 0;
+        let slowly = sample.dynamics.has(Dynamics::ACCELERATION);
+        for (slot, ((act, led), wanted)) in self.axes.iter().zip(led).zip(wanted).enumerate() {
+            let [own, slow] = &act.leads;
+            let lead = if slowly { slow } else { own };
+            match sample.verdict {
+                Verdict::Active => flags |= u8::from(lead.follow(led, *wanted)) << (slot & 7),
+                Verdict::Inactive => flags |= u8::from(lead.follow(led, R::ZERO)) << (slot & 7),
+                Verdict::Freeze => lead.freeze(led),
+                Verdict::Hold | Verdict::Nowhere => lead.hold(led),
+            }
+        }
+        flags
     }
 
     /// Whether an axis takes up its lost motion from the reversal of the command.
@@ -133,25 +160,24 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let anew = fresh || state.parts != on;
         state.parts = on;
         let mut changes = [R::ZERO; N];
-        let memory = state.drift.iter_mut().zip(&mut state.command).zip(&mut state.wanted);
+        let memory = state.drift.iter_mut().zip(&mut state.command).zip(&mut state.geometric_before);
         let moved = sample.command.iter().zip(moment.geometric).zip(&mut changes);
         let laws = self.axes.iter().zip(&mut parts.feed_forward);
-        for ((((drift, before), wanted_before), ((command, geometric), change)), (act, offset)) in
+        for ((((drift, before), led_before), ((command, geometric), change)), (act, offset)) in
             memory.zip(moved).zip(laws)
         {
             let was = drift.velocity();
-            let (way, slide) = if fresh {
-                (R::ZERO, R::ZERO)
+            let way = if fresh {
+                R::ZERO
             } else if moment.late {
                 // Several periods in one: the axis goes on as it went.
-                (was, was)
+                was
             } else {
-                let way = command.since_near(*before);
-                (way, way + (*geometric - *wanted_before))
+                command.since_near::<R>(*before) + (*geometric - *led_before)
             };
-            (*before, *wanted_before) = (*command, *geometric);
+            (*before, *led_before) = (*command, *geometric);
             *change = way - was;
-            *offset = act.law.offset(drift, way, slide, on, anew);
+            *offset = act.law.offset(drift, way, on, anew);
         }
         self.feed_back(state, sample, moment, on, &mut parts.feedback);
         if let (Some(crosstalk), true) = (&self.crosstalk, on.has(Dynamics::CROSSTALK)) {
@@ -201,5 +227,18 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             // Led out by the limiters, from this cycle on.
             state.integral = [R::ZERO; N];
         }
+    }
+}
+
+/// Limits of an axis' geometric correction where the acceleration is fed forward: it accelerates no more than friction
+/// brakes. Led in faster, the step in which lost motion is taken up overshoots, and the carriage on its way back takes up some
+/// of the play the other way, which no reading shows.
+fn lead_limits(settings: &AxisSettings, dynamic: &DynamicSettings) -> Limits {
+    match (&settings.servo.drive, &settings.servo.friction) {
+        (Some(drive), Some(friction)) if dynamic.acceleration => {
+            let braking = friction.coulomb_per_s * drive.velocity_gain_per_s;
+            Limits { acceleration_per_s2: settings.limits.acceleration_per_s2.min(braking), ..settings.limits }
+        }
+        _ => settings.limits,
     }
 }

@@ -22,11 +22,13 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) parts: Dynamics,
     /// The next cycle starts from rest: ways are counted from there.
     pub(super) fresh: bool,
-    /// Command that the last way led to, and the geometric correction that was wanted there.
+    /// Command that the last way led to, and the geometric correction as it was led in there.
     pub(super) command: [P; N],
-    pub(super) wanted: [R; N],
+    pub(super) geometric_before: [R; N],
     /// Change of the command in the last cycle.
     pub(super) trend: [R; N],
+    /// Geometric correction as it is led in, before the limiter of the axis.
+    led: [LimiterState<R>; N],
     /// Geometric correction sent last, mm (deg), as positions add it, and where it led.
     pub(super) geometric: [R; N],
     offsets: [P::Offset; N],
@@ -47,8 +49,9 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             parts: Dynamics::NONE,
             fresh: true,
             command: [P::default(); N],
-            wanted: [R::ZERO; N],
+            geometric_before: [R::ZERO; N],
             trend: [R::ZERO; N],
+            led: [LimiterState::default(); N],
             geometric: [R::ZERO; N],
             offsets: [P::offset(R::ZERO); N],
             drive: [P::default(); N],
@@ -65,7 +68,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     /// From nothing: all that is sent is geometric.
     #[cold]
     pub(crate) fn begin(&mut self, sent: [R; N], offsets: &[P::Offset; N], drive: &[P; N]) {
-        *self = DynamicState { geometric: sent, offsets: *offsets, drive: *drive, ..DynamicState::new() };
+        let led = sent.map(LimiterState::at_rest);
+        *self = DynamicState { led, geometric: sent, offsets: *offsets, drive: *drive, ..DynamicState::new() };
     }
 
     /// The cycle is done: what the limiter of the axis sends, less the dynamic part, is geometric.
@@ -84,6 +88,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     /// Nothing of this cycle was sent.
     #[cold]
     pub(crate) fn take_back(&mut self, before: &[LimiterState<R>; N]) {
+        self.led = self.geometric.map(LimiterState::at_rest);
         self.limited = before.map(|limited| LimiterState::at_rest(limited.sent()));
         self.rest();
     }
@@ -98,6 +103,12 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     /// The limiters.
     pub(crate) fn limited(&self) -> &[LimiterState<R>; N] {
         &self.limited
+    }
+
+    /// Geometric corrections as they are led in.
+    #[inline(always)]
+    pub(crate) fn led_mut(&mut self) -> &mut [LimiterState<R>; N] {
+        &mut self.led
     }
 
     /// Geometric corrections sent last.

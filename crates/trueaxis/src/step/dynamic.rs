@@ -56,9 +56,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         record: &mut Record<R, P, N>,
     ) -> Applied {
         self.take_up(stage, state, sample);
-        // A correction that is frozen goes on with the dynamic part, which knows the command.
-        let frozen = sample.verdict == Verdict::Freeze;
-        let mut wanted = if frozen { *state.dynamic.geometric() } else { *geometric };
+        let mut leading = 0;
+        if !sample.first {
+            leading = stage.lead(state.dynamic.led_mut(), geometric, sample);
+        }
+        let mut wanted = state.dynamic.led_mut().map(|led| led.sent());
         let usable = record.tip.flags == Flags::BRACKETED;
         let moment = Moment {
             geometric: &wanted,
@@ -78,7 +80,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             state.dynamic.take_back(&before);
             parts.sent = before.map(|limited| limited.sent());
         } else {
-            applied.limited |= limited;
+            applied.limited |= limited | leading;
         }
         state.dynamic.settle(state.output.sent(), (!held).then_some(sample.command), state.sequence);
         record.correction = *state.dynamic.geometric();

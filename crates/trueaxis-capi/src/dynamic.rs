@@ -1,0 +1,71 @@
+//! The dynamic correction of a cycle: its switches, and its parts in the record.
+
+use crate::Real;
+use crate::cycle::{AXES_MAX, padded_numbers};
+use trueaxis::{DynamicParts, Dynamics};
+
+/// Bit of `dynamics_off`: friction at reversals.
+pub const DYNAMICS_FRICTION: u8 = 1;
+/// Bit of `dynamics_off`: velocity that the drive does not feed forward itself.
+pub const DYNAMICS_LAG: u8 = 2;
+/// Bit of `dynamics_off`: acceleration that the velocity loop would have to be off for.
+pub const DYNAMICS_ACCELERATION: u8 = 4;
+/// Bit of `dynamics_off`: contour feedback. It acts only in a step with a measure.
+pub const DYNAMICS_FEEDBACK: u8 = 8;
+/// Bit of `dynamics_off`: acceleration cross-talk.
+pub const DYNAMICS_CROSSTALK: u8 = 16;
+/// Bit of `dynamics_off`: learned correction.
+pub const DYNAMICS_LEARNED: u8 = 32;
+/// Bit of `dynamics_off`: lost motion taken up from the reversal of the command.
+pub const DYNAMICS_TAKE_UP: u8 = 64;
+/// All bits of `dynamics_off`.
+pub const DYNAMICS_ALL: u8 = 127;
+
+const _: () = assert!(
+    DYNAMICS_FRICTION == Dynamics::FRICTION.0
+        && DYNAMICS_LAG == Dynamics::LAG.0
+        && DYNAMICS_ACCELERATION == Dynamics::ACCELERATION.0
+        && DYNAMICS_FEEDBACK == Dynamics::FEEDBACK.0
+        && DYNAMICS_CROSSTALK == Dynamics::CROSSTALK.0
+        && DYNAMICS_LEARNED == Dynamics::LEARNED.0
+        && DYNAMICS_TAKE_UP == Dynamics::TAKE_UP.0
+        && DYNAMICS_ALL == Dynamics::ALL.0
+);
+
+/// The dynamic correction of a cycle by axis, mm (rotary axes: degrees). `sent` is the sum of the others after its limiter.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Dynamic {
+    /// Sent: `drive = command + correction + sent`.
+    pub sent: [Real; AXES_MAX],
+    /// Wanted for friction, lag and acceleration.
+    pub feed_forward: [Real; AXES_MAX],
+    /// Wanted by the contour feedback.
+    pub feedback: [Real; AXES_MAX],
+    /// Wanted against cross-talk.
+    pub crosstalk: [Real; AXES_MAX],
+    /// Wanted by the learned correction.
+    pub learned: [Real; AXES_MAX],
+}
+
+impl Dynamic {
+    const ZERO: [Real; AXES_MAX] = [0.0; AXES_MAX];
+    pub(crate) const NONE: Dynamic = Dynamic {
+        sent: Self::ZERO,
+        feed_forward: Self::ZERO,
+        feedback: Self::ZERO,
+        crosstalk: Self::ZERO,
+        learned: Self::ZERO,
+    };
+
+    #[inline(always)]
+    pub(crate) fn of<const N: usize>(parts: &DynamicParts<Real, N>) -> Self {
+        Dynamic {
+            sent: padded_numbers(&parts.sent),
+            feed_forward: padded_numbers(&parts.feed_forward),
+            feedback: padded_numbers(&parts.feedback),
+            crosstalk: padded_numbers(&parts.crosstalk),
+            learned: padded_numbers(&parts.learned),
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! `trueaxis friction` as it is called. The record is made by an integration of its own.
+
+use serde_json::Value;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::sync::OnceLock;
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
+const PERIOD_S: f64 = 5e-4;
+const COULOMB: f64 = 0.5;
+const SHARE: f64 = 0.3;
+const PRESLIDING: f64 = 0.006;
+
+/// A machine whose drives the record is made with, and without anything else that concerns the servo.
+const MACHINE: &str = "name = \"m\"\nchain = \"w X' Y' b Z t\"\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [-100, 100]\n\
+    [axis.Y]\ntravel_mm = [-100, 100]\n";
+const DRIVES: &str = "[axis.X.drive]\nposition_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
+    velocity_feed_forward = 0.93\n\
+    [axis.Y.drive]\nposition_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
+    velocity_feed_forward = 0.93\n";
+
+/// Commands on circles of 15.004 mm from rest to rest: feeds in mm/s, positive counterclockwise.
+fn commands(feeds: &[f64]) -> [Vec<f64>; 2] {
+    let (radius, ramp, mut angle) = (15.004, 0.05, 0.4f64);
+    let mut command = [Vec::new(), Vec::new()];
+    for &feed in feeds {
+        let duration = 1.5 * TAU * radius / feed.abs() + ramp;
+        for k in 0..((duration + 0.1) / PERIOD_S) as usize {
+            let t = (k as f64 * PERIOD_S - 0.1).max(0.0);
+            let edge = (t.min(duration - t).max(0.0) / ramp).min(1.0);
+            angle += feed / radius * PERIOD_S * (0.25 * TAU * edge).sin().powi(2);
+            command[0].push(radius * angle.cos());
+            command[1].push(radius * angle.sin());
+        }
+    }
+    command
+}
+
+/// Readings of the drive above in whole steps of 10 nm; explicit steps of 20 µs, its command linear between samples.
+fn readings(command: &[f64]) -> Vec<f64> {
+    let (h, steps) = (2e-5, (PERIOD_S / 2e-5).round() as usize);
+    let [mut x, mut v, mut q, mut m, mut f] = [command[0], 0.0, 0.0, 0.0, 0.0];
+    let mut out = vec![x];
+    for pair in command.windows(2) {
+        let rate = (pair[1] - pair[0]) / PERIOD_S;
+        for i in 0..steps {
+            let r = 110.0 * (pair[0] + rate * h * (i as f64 + 0.5) - x) + 0.93 * rate;
+            q += h * (r - v) / 0.006;
+            m += h * (800.0 * (r - v + q) - m) / 2.5e-4;
+            f += h * (v - f64::abs(v) * f) / PRESLIDING;
+            v += h * (m - 800.0 * COULOMB * (1.0 + SHARE / (1.0 + v * v / 4.0)) * f);
+            x += h * v;
+        }
+        out.push((x / 1e-5).round() * 1e-5);
+    }
+    out
+}
+
+fn text(feeds: &[f64]) -> String {
+    let [x, y] = commands(feeds);
+    let [read_x, read_y] = [readings(&x), readings(&y)];
+    let mut text = String::from("t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm\n");
+    for k in 0..x.len() {
+        let t = k as f64 * PERIOD_S;
+        writeln!(text, "{t:.4},{:.7},{:.5},{:.7},{:.5}", x[k], read_x[k], y[k], read_y[k]).unwrap();
+    }
+    text
+}
+
+/// A record that is good.
+fn record() -> &'static str {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    TEXT.get_or_init(|| text(&[25.0, -25.0, 10.0, -10.0]))
+}
+
+fn folder(record: &str) -> Folder {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("record.csv", record);
+    folder.write("x.csv", "X_mm,EXX_um\n-100,0\n0,1\n100,0\n");
+    folder.write("machine.toml", &format!("{MACHINE}{DRIVES}"));
+    folder
+}
+
+const CALL: [&str; 6] = ["friction", "record.csv", "--axes", "X,Y", "--machine", "machine.toml"];
+
+fn near(value: &Value, truth: f64, tolerance: f64) {
+    let value = value.as_f64().unwrap();
+    assert!((value / truth - 1.0).abs() < tolerance, "{value} for {truth}");
+}
+
+#[test]
+fn friction_is_found_and_what_is_written_is_a_machine_s() {
+    let folder = folder(record());
+    let found = folder.json(&[&CALL[..], &["--json", "-o", "friction.toml", "--report", "out"]].concat());
+    assert_eq!(found["axes"].as_array().unwrap().len(), 2);
+    for axis in found["axes"].as_array().unwrap() {
+        near(&axis["friction"]["coulomb_mm_per_s"], COULOMB, 0.03);
+        near(&axis["friction"]["presliding_um"], 1e3 * PRESLIDING, 0.03);
+        near(&axis["friction"]["stribeck_share"], SHARE, 0.1);
+        assert_eq!(axis["drive_found"], false);
+        near(&axis["drive"]["position_gain_per_s"], 110.0, 1e-9);
+        assert!(axis["standard_errors"]["coulomb_mm_per_s"].as_f64().unwrap() < 0.05);
+        assert!(axis["standard_errors"]["position_gain_per_s"].is_null());
+        let size = |of: &str| axis["glitch_um"][of]["max"].as_f64().unwrap();
+        assert!(size("before") > 1.0 && size("after") < 0.15 * size("before"), "{}", axis["glitch_um"]);
+        assert!(axis["explained"].as_f64().unwrap() > 0.98);
+    }
+    let page = folder.read("out/friction.html");
+    assert!(page.contains("Spikes of axis Y") && page.contains("after, predicted"));
+    // Joined with the machine, the settings are ones that it takes.
+    let settings = folder.read("friction.toml");
+    assert!(settings.contains("[axis.X.friction]") && !settings.contains(".drive]"), "{settings}");
+    folder.write("joined.toml", &format!("{MACHINE}{DRIVES}{settings}"));
+    folder.good(&["tables", "check", "joined.toml"]);
+    let table = folder.good(&CALL);
+    assert!(table.contains("axis Y, ") && table.contains(" reversals\n"), "{table}");
+    assert!(table.contains("Coulomb friction F_c/K_vp, mm/s") && table.contains("the machine's"), "{table}");
+}
+
+#[test]
+fn the_drive_is_found_where_no_machine_states_it() {
+    let folder = folder(record());
+    let found = folder.json(&["friction", "record.csv", "--axes", "X,Y", "--json", "-o", "found.toml"]);
+    for axis in found["axes"].as_array().unwrap() {
+        assert_eq!(axis["drive_found"], true);
+        for (key, truth) in [("position_gain_per_s", 110.0), ("reset_time_s", 0.006), ("velocity_gain_per_s", 800.0)] {
+            let error = axis["standard_errors"][key].as_f64().unwrap();
+            let off = (axis["drive"][key].as_f64().unwrap() - truth).abs();
+            assert!(off < 4.0 * error || off < 0.05 * truth, "{key}: {axis}");
+        }
+    }
+    let settings = folder.read("found.toml");
+    assert!(settings.contains("[axis.X.drive]") && settings.contains("[axis.Y.friction]"), "{settings}");
+    folder.write("joined.toml", &format!("{MACHINE}{settings}"));
+    folder.good(&["tables", "check", "joined.toml"]);
+}
+
+#[test]
+fn records_that_tell_nothing_are_refused_and_nothing_is_written() {
+    let good = record();
+    let lines: Vec<&str> = good.lines().collect();
+    let without = |from: usize, to: usize| [&lines[..from], &lines[to..]].concat().join("\n");
+    let cases = [
+        (without(3000, 3100), "record.csv:3001: column t_s: found \"0.050500 s after the line before\""),
+        (text(&[25.0, -25.0]), "needed accelerations that differ by 1.5 or more"),
+        (without(1500, lines.len()), "needed at least 2000"),
+        (text(&[25.0, 10.0]), "needed at least 2 of each: circles in both directions"),
+        (good.replace("x_mm", "x_um"), "column x_um"),
+        (good.replace("t_s", "t_ms"), "column t_ms"),
+        (good.replace("\n0.0050,", "\n0.0o50,"), "column t_s: found \"0.0o50\""),
+    ];
+    for (record, needed) in cases {
+        let folder = folder(&record);
+        folder.bad(&[&CALL[..], &["-o", "friction.toml", "--report", "out"]].concat(), &[needed]);
+    }
+}
+
+#[test]
+fn options_that_do_not_fit_are_refused() {
+    let folder = folder(record());
+    folder.bad(&["friction", "record.csv", "--axes", "X,X"], &["needed two of X, Y and Z"]);
+    folder.bad(&["friction", "record.csv", "--axes", "X,C"], &["needed two of X, Y and Z"]);
+    folder.bad(&["friction", "record.csv", "--axes", "X,Z"], &["column z_cmd_mm"]);
+    folder.write("flat.toml", "name = \"m\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\n");
+    folder.bad(&["friction", "record.csv", "--axes", "X,Y", "--machine", "flat.toml"], &["found no axis Y"]);
+    let over_the_input = ["-o", "record.csv"];
+    folder.bad(&[&CALL[..], &over_the_input].concat(), &["an input is never written"]);
+}
