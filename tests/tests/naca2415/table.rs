@@ -3,7 +3,7 @@
 use super::course::{Nothing, Outcome, run};
 use super::cross_coupling::Estimate;
 use super::plugin::Off;
-use super::{CROSS_COUPLED, FEEDS, GAINS, compensated, course, cross_coupled};
+use super::{CROSS_COUPLED, FEEDS, GAINS, compensated, course, cross_coupled, learned};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -42,7 +42,9 @@ fn measured() -> String {
         add(&format!("trueaxis: feedback alone ({p}, {i}/s)"), &compensated(&course, Some(GAINS), None));
         add("trueaxis: feed-forward alone", &compensated(&course, None, Some(Off::BY_NOTHING)));
         add("**trueaxis: both**", &compensated(&course, Some(GAINS), Some(Off::BY_NOTHING)));
-        add("**the same, figures wrong**", &compensated(&course, Some(GAINS), Some(Off::AS_USUAL)));
+        let wrong = learned::parts(&course, feed, Some(Off::AS_USUAL), 4);
+        add("**the same, figures wrong**", &wrong[0]);
+        add("**figures wrong, learned from three parts**", &wrong[3]);
     }
     text + "\n"
 }
