@@ -3,6 +3,7 @@
 //! Everything here runs at build, in double precision, without allocation; its cost is a few look-ups per table line.
 
 mod bounds;
+mod drive;
 mod inverse;
 mod margins;
 mod open_loop;
@@ -15,11 +16,11 @@ pub use bounds::{contribution, reach, slopes, tilt};
 pub use inverse::{
     INVERSE_TOLERANCE_MM, MOST_PASSES, error_range, inverse_passes, jacobian_norm, joint_range, machine_passes,
 };
-pub use margins::Margins;
+pub use margins::{GAIN_MARGIN_DB, Margins, PHASE_MARGIN_DEG};
 pub use open_loop::Margin;
 pub use reversal::{HYSTERESIS_PER_STEP, lost_motion, reversal};
 pub(crate) use servo::of_dynamic;
-pub use servo::{GAIN_MARGIN_DB, PHASE_MARGIN_DEG, feedback, feedback_margins};
+pub use servo::{feedback, feedback_margins};
 pub use volumetric::{angular_tip_error, tip_rate};
 
 use crate::error::{ConfigError, Field};

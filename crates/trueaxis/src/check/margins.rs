@@ -1,8 +1,13 @@
 //! Margins of stability of the contour feedback.
 
+use super::drive::{characteristic, stiffness};
 use super::open_loop::{Margin, OpenLoop};
-use super::servo::{GAIN_MARGIN_DB, PHASE_MARGIN_DEG, characteristic, stiffness};
 use crate::machine::{DriveFigures, FeedbackSettings, FrictionSettings};
+
+/// Least phase margin of the contour feedback, degrees.
+pub const PHASE_MARGIN_DEG: f64 = 60.0;
+/// Least gain margin of the contour feedback, dB.
+pub const GAIN_MARGIN_DB: f64 = 12.0;
 
 /// Margins of the contour feedback on one axis: the least over the loops that the axis may be.
 ///
