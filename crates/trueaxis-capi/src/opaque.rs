@@ -85,7 +85,9 @@ pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BranchTracker, CommandWindow, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path, Program, State};
+    use crate::{
+        BranchTracker, CommandWindow, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path, Program, State,
+    };
 
     #[test]
     fn storage_is_not_much_larger_than_needed() {

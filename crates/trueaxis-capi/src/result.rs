@@ -71,7 +71,9 @@ pub(crate) fn text(result: ResultCode) -> &'static CStr {
         ERROR_NOT_YET => c"there is no value yet",
         ERROR_NO_OUTPUT => c"no output: no valid command has come, and not every axis has been read",
         ERROR_POSE => c"the kinematics have no such pose",
-        ERROR_LEARNED => c"the learned correction is refused: damaged, cut off, not of this format, or of another program",
+        ERROR_LEARNED => {
+            c"the learned correction is refused: damaged, cut off, not of this format, or of another program"
+        }
         _ => c"not a result of this library",
     }
 }

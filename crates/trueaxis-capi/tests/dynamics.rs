@@ -29,7 +29,8 @@ fn dynamic_mill() -> Vec<u8> {
         let dynamic = DynamicSettings::with_defaults(axis.axis);
         axis.servo.dynamic = Some(DynamicSettings { lag: true, acceleration: true, take_up: true, ..dynamic });
     }
-    machine.settings.contour.feedback = Some(FeedbackSettings { max_feed_per_s: 1000.0, ..FeedbackSettings::default() });
+    machine.settings.contour.feedback =
+        Some(FeedbackSettings { max_feed_per_s: 1000.0, ..FeedbackSettings::default() });
     let points = [[0.0, 1.2e-6]].into_iter().collect();
     let crosstalk = CrosstalkSettings { tip: Axis::X, from: Axis::Y, over: Axis::Y, points };
     machine.settings.crosstalk.push(crosstalk).unwrap();
@@ -136,7 +137,10 @@ fn every_part_is_switched_in_motion_without_a_jump() {
         ];
         for (part, largest) in parts {
             let is_off = off & part != 0;
-            assert!(if is_off { largest < 1e-8 } else { largest > 1e-6 }, "off {off:07b}, part {part:07b}: {largest} mm");
+            assert!(
+                if is_off { largest < 1e-8 } else { largest > 1e-6 },
+                "off {off:07b}, part {part:07b}: {largest} mm"
+            );
         }
         // 5 mm/s, in cycles of 100 µs; positions in single precision are whole nanometres.
         assert!(seen.step <= 0.5e-3 + 2e-6, "off {off:07b}: {} mm in a cycle", seen.step);

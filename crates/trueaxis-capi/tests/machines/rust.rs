@@ -55,7 +55,11 @@ fn same_dynamic<const N: usize>(c: &Record, core: Option<&DynamicParts<R, N>>, c
     let c = [&c.dynamic.sent, &c.dynamic.feed_forward, &c.dynamic.feedback, &c.dynamic.crosstalk, &c.dynamic.learned];
     let core = core.map(|core| [core.sent, core.feed_forward, core.feedback, core.crosstalk, core.learned]);
     for (part, (c, core)) in c.into_iter().zip(core.unwrap_or([[0.0; N]; 5])).enumerate() {
-        assert_eq!(c[..N].iter().map(|x| x.to_bits()).collect::<Vec<_>>(), core.map(R::to_bits), "cycle {cycle}, {part}");
+        assert_eq!(
+            c[..N].iter().map(|x| x.to_bits()).collect::<Vec<_>>(),
+            core.map(R::to_bits),
+            "cycle {cycle}, {part}"
+        );
         assert_eq!(c[N..], [0.0; AXES_MAX][N..], "cycle {cycle}, {part}");
     }
 }
