@@ -2,6 +2,7 @@
 import json
 import os
 import shutil
+import subprocess
 import time
 
 import hal
@@ -89,6 +90,45 @@ def switching(pilot):
     hal.set_p("ta.x.max-magnitude", "0.1")
     mark("limits accepted")
     time.sleep(0.6)
+    marks["running"] = int(pilot.running())
+    pilot.command.abort()
+    pilot.wait(lambda: not pilot.running(), "abort")
+    time.sleep(0.2)
+    pilot.save("run")
+    with open("marks.json", "w") as f:
+        json.dump(marks, f)
+
+
+def dynamics(pilot):
+    """Each part of the dynamic correction off and on again in motion, then all of them."""
+    pins = ("joint.%d.motor-pos-cmd", "ta.joint.%d.motor-pos-cmd-out", "ta.joint.%d.dynamic", "ta.joint.%d.feed-forward",
+            "ta.joint.%d.contour-feedback", "ta.joint.%d.crosstalk", "ta.joint.%d.learned")
+    pilot.record(joints(3, *pins) + ["ta.fault-code", "ta.feedback-out", "ta.sequence"])
+    pilot.on()
+    pilot.home()
+    pilot.mdi("G0 X-20 Y0 Z-20")
+    hal.set_p("ta.x.learned", "0.002")
+    hal.set_p("ta.y.learned", "-0.001")
+    pilot.start("dynamics.ngc")
+    time.sleep(1.5)
+    marks = {}
+
+    def switch(name, parts):
+        for value, mark in (("0", "off"), ("1", "on")):
+            marks["%s %s" % (name, mark)] = hal.get_value("ta.sequence")
+            for part in parts:
+                hal.set_p("ta.enable-" + part, value)
+            time.sleep(0.6)
+
+    feed_forward = ("friction", "lag", "acceleration")
+    switch("feed-forward", feed_forward)
+    for part in feed_forward + ("take-up",):
+        switch(part, (part,))
+    switch("contour-feedback", ("feedback",))
+    switch("crosstalk", ("crosstalk",))
+    switch("learned", ("learned",))
+    switch("all", feed_forward + ("feedback", "crosstalk", "learned", "take-up"))
+    pilot.poll()
     marks["running"] = int(pilot.running())
     pilot.command.abort()
     pilot.wait(lambda: not pilot.running(), "abort")
@@ -237,6 +277,20 @@ def contour(pilot):
     pilot.start("contour.ngc")
     pilot.finish()
     pilot.save("run")
+
+
+def friction(pilot):
+    """Circles recorded by record-circles.py, as a user calls it."""
+    pilot.on()
+    pilot.home()
+    script = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "record-circles.py")
+    words = [script, "--centre", "0,0", "--radius-mm", "10.0037", "--feeds", "1200,500", "--turns", "1", "-o", "record.csv",
+             "--no-evaluation"]
+    # Beyond the travel: refused, and HAL is as it was.
+    far = subprocess.run([*words, "--radius-mm", "400"], capture_output=True, text=True, timeout=60)
+    if far.returncode != 2 or os.path.exists("record.csv"):
+        raise RuntimeError("circles beyond the travel: exit code %d, %s" % (far.returncode, far.stderr))
+    subprocess.run(words, check=True, timeout=140)
 
 
 ALL = {name: value for name, value in globals().items() if callable(value) and name != "joints"}
