@@ -39,7 +39,7 @@ fn need(holds: bool, error: ConfigError) -> Result<(), ConfigError> {
 }
 
 /// Everything but the tables: every number in its physical range ([`crate::range`]), ranges ordered, chain well-formed, axes as in
-/// the chain.
+/// the chain. The margins of the contour feedback need the servo period: [`feedback`], called by [`crate::Config::build`].
 ///
 /// # Errors
 /// The first setting that is wrong.
@@ -58,7 +58,6 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     five_axes(machine)?;
     machine.axes.iter().try_for_each(axis_settings)?;
     servo::settings(machine)?;
-    feedback(machine, 0.0)?;
     roundness(machine)
 }
 

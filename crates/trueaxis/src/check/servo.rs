@@ -80,8 +80,8 @@ fn crosstalk(machine: &MachineSettings) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Margins of the contour feedback on every linear axis with drive figures, for a servo period, s; 0: not known yet, the
-/// step's own delay is left out. Nothing without contour feedback.
+/// Margins of the contour feedback on every linear axis with drive figures, for a servo period, s. Nothing without contour
+/// feedback.
 pub fn feedback_margins(machine: &MachineSettings, period_s: f64) -> impl Iterator<Item = (Axis, Margins)> {
     let linear = machine.axes.iter().filter(|axis| !axis.axis.is_rotary());
     linear.filter_map(move |axis| {
