@@ -50,7 +50,9 @@ fn the_report_has_the_circle_and_reversals_where_there_are_some() {
         directory.read("out/index.html")
     };
     let whole = page("mill-3axis");
-    for expected in ["Circle in polar coordinates", "circle of 20.0 mm in the plane XY", "full, zone", "X turns", "Y turns"] {
+    for expected in
+        ["Circle in polar coordinates", "circle of 20.0 mm in the plane XY", "full, zone", "X turns", "Y turns"]
+    {
         assert!(whole.contains(expected), "`{expected}` is missing");
     }
     let plain = page("plain");

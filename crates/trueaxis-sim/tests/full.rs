@@ -77,7 +77,8 @@ fn the_full_run_repeats_and_tells_its_parts_apart() {
         let mut largest = [[0.0_f32; 3]; 2];
         let mut sink = |_: &Moment, machines: &[Option<&Sample>]| {
             let [_, Some(compensated), _, Some(full)] = machines else { panic!("four machines") };
-            let parts = |s: &Sample| [s.dynamic.sent, s.dynamic.feed_forward, s.dynamic.feedback].map(|part| part[0].abs());
+            let parts =
+                |s: &Sample| [s.dynamic.sent, s.dynamic.feed_forward, s.dynamic.feedback].map(|part| part[0].abs());
             for (largest, sample) in largest.iter_mut().zip([compensated, full]) {
                 let both = largest.iter_mut().zip(parts(sample));
                 both.for_each(|(largest, part)| *largest = largest.max(part));
