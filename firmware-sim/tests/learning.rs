@@ -87,7 +87,7 @@ fn a_correction_of_another_program_machine_or_length_is_refused() {
     folder.good(&[&["run", "--rate-hz", "1000"], &own[..]].concat());
     refused(&["--program", "q.ngc", "--learned", "1.tlearn"], &["--learned 1.tlearn", "learned on the program"]);
     // The same path elsewhere on the machine.
-    refused(&[&own[..], &["--origin-mm", "1,0,0"]].concat(), &["learned on the program"]);
+    refused(&[&own[..], &["--origin-mm", "1,0,-200"]].concat(), &["learned on the program"]);
     refused(&[&own[..], &["--machine", "mill-5axis"]].concat(), &["--learned 1.tlearn"]);
     folder.write("2.tlearn", &table[..table.len() - 1]);
     refused(&["--program", "p.ngc", "--learned", "2.tlearn"], &["--learned 2.tlearn", "shorter"]);
