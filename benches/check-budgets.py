@@ -20,6 +20,8 @@ import tomllib
 HERE = pathlib.Path(__file__).resolve().parent
 FLAGS = {"base": "", "v3": "-Ctarget-cpu=x86-64-v3"}
 GROWTH = 1.005
+# Whole steps along the butterfly: geometry alone; with friction, with feedback, with all of the dynamic correction.
+WALKS = ["walk", "walk-friction", "walk-feedback", "walk-dynamic"]
 # The adversarial cycles that cost most on a Cortex-M7, which computes in the host's scalar.
 ADVERSARIAL = HERE.parent / "firmware-sim/cortex-m/adversarial.toml"
 
@@ -55,15 +57,17 @@ def steps(root, environment):
     command = ["cargo", "build", "-q", "--release", "-p", "trueaxis-benches", "--bin", "counted"]
     subprocess.run(command, env=environment, cwd=HERE.parent, check=True)
     program = root / "release/counted"
-    walk = each(program, "counted_walk", "walk")
+    walks = {name: each(program, "counted_walk", name) for name in WALKS}
     dearest = tomllib.loads(ADVERSARIAL.read_text())["m7"]["dearest"]
     hard = each(program, "counted_adversarial", "adversarial", *map(str, dearest))
-    return {
-        "walk.typical": int(statistics.median(walk)),
-        "walk.mean": int(statistics.mean(walk)),
-        "walk.worst": max(walk),
-        "adversarial.worst": max(hard),
-    }
+    counts = {"adversarial.worst": max(hard)}
+    for name, walk in walks.items():
+        counts |= {
+            f"{name}.typical": int(statistics.median(walk)),
+            f"{name}.mean": int(statistics.mean(walk)),
+            f"{name}.worst": max(walk),
+        }
+    return counts
 
 
 def each(program, function, *arguments):

@@ -1,11 +1,12 @@
 //! Adversarial cycles on the host, with the tables that the bare-metal image has.
 
 use std::path::Path;
-use trueaxis::machine::ErrorModel;
+use trueaxis::machine::ErrorModel::{Nine, Volumetric};
+use trueaxis::machine::MachineSettings;
 use trueaxis::roundness::{Gauge, GaugeState};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Config, GaugeRide, Output, Real, ServoLoop, State};
-use trueaxis_recording::adversary::{AXES, Adversary, COURSES, Course, Digest, Moment, SCENE};
+use trueaxis_recording::adversary::{AXES, Adversary, COURSES, Course, Digest, Moment, SCENE, ServoParts, vary};
 use trueaxis_recording::outputs::Wire;
 use trueaxis_tables::Machine;
 
@@ -24,6 +25,7 @@ const POINTS: usize = 1024;
 pub struct Adversarial<R: Wire> {
     servos: [Loop<R>; 2],
     all_terms: [Loop<R>; 2],
+    dynamic: [Loop<R>; 2],
     gauge: Box<Gauge<R, POINTS>>,
     courses: Vec<Course<R, R::Place>>,
 }
@@ -56,10 +58,10 @@ fn tables(file: &str) -> Tcomp<'static> {
     Tcomp::parse(bytes).expect("a compiled file")
 }
 
-fn servo<R: Wire>(tables: &Tcomp<'_>, model: ErrorModel) -> Loop<R> {
+fn servo<R: Wire>(tables: &Tcomp<'_>, change: impl FnOnce(&mut MachineSettings)) -> Loop<R> {
     let rows = |axis| tables.table(axis);
     let mut settings = tables.settings().clone();
-    settings.compensation.model = model;
+    change(&mut settings);
     let config = Config { machine: &settings, ..Config::of(tables, PERIOD_NS) };
     let memory = vec![<R as Real>::ZERO; config.requirement(rows)].leak();
     config.build(rows, memory).expect("a valid configuration")
@@ -70,8 +72,10 @@ impl<R: Wire> Default for Adversarial<R> {
         let [first, second] = MACHINES.map(tables);
         let settings = first.settings().roundness.expect("a machine with a gauge");
         Adversarial {
-            servos: [&first, &second].map(|tables| servo(tables, ErrorModel::Nine)),
-            all_terms: [&first, &second].map(|tables| servo(tables, ErrorModel::Volumetric)),
+            servos: [&first, &second].map(|tables| servo(tables, |settings| settings.compensation.model = Nine)),
+            all_terms: [&first, &second]
+                .map(|tables| servo(tables, |settings| settings.compensation.model = Volumetric)),
+            dynamic: [&first, &second].map(|tables| servo(tables, |settings| ServoParts::All.configure(settings))),
             gauge: Box::new(Gauge::build(&settings, PERIOD_NS).expect("a valid gauge")),
             courses: (0..COURSES).map(Course::new).collect(),
         }
@@ -131,6 +135,25 @@ impl<R: Wire> Adversarial<R> {
             digests.iter_mut().zip(&outputs).for_each(|(digest, output)| digest.add(output));
         }
         digests.map(Digest::value)
+    }
+}
+
+impl<R: Wire> Adversarial<R> {
+    /// Digest of the first `cycles` outputs with every part of the dynamic correction, switched in motion.
+    pub fn dynamic_digest(&self, cycles: u32) -> u32 {
+        let mut digest = Digest::default();
+        let mut state = self.dynamic[0].start();
+        for (number, mut moment) in (0..cycles).zip(self.draw(0, cycles)) {
+            if moment.cold {
+                state = self.dynamic[0].start();
+            }
+            set_thermal(&mut state, &moment);
+            vary(&mut moment.input, number);
+            let on = self.courses[moment.course].path().on(moment.reference);
+            let servo = &self.dynamic[usize::from(moment.exchanged)];
+            digest.add(&servo.step(&mut state, &moment.input, on, ()));
+        }
+        digest.value()
     }
 }
 

@@ -4,6 +4,7 @@ use crate::Random;
 use crate::contour::{Shape, Track};
 use crate::tables::{Grid, machine, memory, rows};
 use trueaxis::contour::{Method, Path, Reference};
+use trueaxis::machine::MachineSettings;
 use trueaxis::{Axis, Config, Input, Output, ServoLoop, State};
 
 /// Servo period, ns.
@@ -39,8 +40,19 @@ pub const STANDING: u32 = 2000;
 
 /// Walks the butterfly at 100 mm/s, to its end or for so many cycles, with readings that stray by ±5 µm; calls `seen`
 /// with the number of every cycle, the cycle as it was before it ran, and its output.
-pub fn walk(cycles: u32, mut seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>)) {
-    let machine = Box::leak(Box::new(machine()));
+pub fn walk(cycles: u32, seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>)) {
+    walk_with(|_| (), cycles, seen);
+}
+
+/// The same after a change of the machine.
+pub fn walk_with(
+    change: impl FnOnce(&mut MachineSettings),
+    cycles: u32,
+    mut seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>),
+) {
+    let mut machine = machine();
+    change(&mut machine);
+    let machine = Box::leak(Box::new(machine));
     let tables = [1, 2, 3].map(|seed| rows(Grid::Equidistant, seed));
     let config = Config {
         machine,

@@ -87,7 +87,8 @@ fi
 
 # The example of the README compiles.
 {
-    printf '#define AXES 3\n#include "trueaxis.h"\nvoid log_line(const char *);\n'
+    printf '#define AXES 3\n#include <string.h>\n#include "trueaxis.h"\nvoid log_line(const char *);\n'
+    printf 'void point_of_path(double, double *);\n'
     printf 'void read_machine(double *, double *, uint8_t *, uint8_t *);\nvoid write_drives(const double *);\n'
     printf 'void start(const uint8_t *, size_t);\nvoid servo_interrupt(void);\n'
     sed -n '/^```c$/,/^```$/{/^```/d;p}' README.md

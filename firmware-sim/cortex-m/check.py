@@ -18,7 +18,7 @@ SCALAR = {"m4f": "f32", "m7": "f64"}
 # Adversarial cycles that have to be met at least, of 100,000.
 MET = {"active": 50_000, "frozen": 2_000, "stopped": 1_000, "limited": 10_000, "bracketed": 5_000, "undisturbed": 50_000}
 # Lines that are no counts.
-NO_COUNTS = ("digests", "dearest", "replay")
+NO_COUNTS = ("digests", "dearest", "replay", "dynamic")
 
 
 def counts(target, path):
@@ -88,6 +88,13 @@ def differ(files, host):
             bad = True
         else:
             print(f"{target}: outputs of {image[0].split()[0]} adversarial cycles bit for bit as on the host, in all three forms")
+        beginning = f"{SCALAR[target]} dynamic digest of "
+        image, on_host = after(file, beginning), after(host, beginning)
+        if image != on_host or not image:
+            print(f"{target}: found digest of the dynamic outputs {image}, needed the host's: {on_host}")
+            bad = True
+        else:
+            print(f"{target}: outputs of {image[0].split()[0]} cycles with dynamic correction bit for bit as on the host")
     return bad
 
 

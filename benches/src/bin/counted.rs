@@ -2,6 +2,9 @@
 //!
 //! ```text
 //! counted walk                       cycles one cycle in twenty all along the butterfly
+//! counted walk-friction              the same with friction at reversals on three axes
+//! counted walk-feedback              with contour feedback besides
+//! counted walk-dynamic               with every part of the dynamic correction
 //! counted adversarial CYCLE...       adversarial cycles by number
 //! counted digest                     digests of all adversarial outputs, f32 and f64: what the bare-metal image prints
 //! counted replay CYCLE               inputs and output of an adversarial cycle
@@ -13,7 +16,8 @@ use std::hint::black_box;
 use trueaxis::Output;
 use trueaxis_benches::adversarial::{self, Adversarial};
 use trueaxis_benches::step;
-use trueaxis_recording::adversary::CYCLES;
+use trueaxis_recording::adversary::{CYCLES, DYNAMIC_CYCLES, ServoParts};
+use trueaxis_recording::outputs::Wire;
 
 type Out = Output<f64, f64, 3>;
 
@@ -30,15 +34,23 @@ fn counted_adversarial(cycle: &mut adversarial::Cycle<'_, f64>, output: &mut Out
     black_box(output);
 }
 
-fn print_digests(scalar: &str, [bare, gauged, volumetric]: [u32; 3]) {
+fn print_digests<R: Wire>(scalar: &str) {
+    let all = Adversarial::<R>::default();
+    let ([bare, gauged, volumetric], dynamic) = (all.digests(CYCLES), all.dynamic_digest(DYNAMIC_CYCLES));
+    println!("{scalar} dynamic digest of {DYNAMIC_CYCLES} cycles: {dynamic:08x}");
     println!("{scalar} digests of {CYCLES} cycles: {bare:08x} {gauged:08x} {volumetric:08x}");
 }
 
 /// One cycle in so many is counted.
 const SAMPLED: u32 = 20;
 
-fn walk() {
-    step::walk(u32::MAX, |number, cycle, output| {
+fn walk(parts: Option<ServoParts>) {
+    let configure = |machine: &mut _| {
+        if let Some(parts) = parts {
+            parts.configure(machine);
+        }
+    };
+    step::walk_with(configure, u32::MAX, |number, cycle, output| {
         if number >= step::STANDING && number % SAMPLED == 0 {
             counted_walk(black_box(&mut { *cycle }), black_box(&mut { *output }));
         }
@@ -49,7 +61,10 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let numbers: Vec<u32> = arguments.iter().skip(1).filter_map(|a| a.parse().ok()).collect();
     match (arguments.first().map(String::as_str), &numbers[..]) {
-        (Some("walk"), []) => walk(),
+        (Some("walk"), []) => walk(None),
+        (Some("walk-friction"), []) => walk(Some(ServoParts::Friction)),
+        (Some("walk-feedback"), []) => walk(Some(ServoParts::Feedback)),
+        (Some("walk-dynamic"), []) => walk(Some(ServoParts::All)),
         (Some("adversarial"), numbers) => {
             let all = Adversarial::<f64>::default();
             for number in numbers {
@@ -59,8 +74,8 @@ fn main() {
             }
         }
         (Some("digest"), []) => {
-            print_digests("f32", Adversarial::<f32>::default().digests(CYCLES));
-            print_digests("f64", Adversarial::<f64>::default().digests(CYCLES));
+            print_digests::<f32>("f32");
+            print_digests::<f64>("f64");
         }
         (Some("replay"), &[number]) => {
             let all = Adversarial::<f64>::default();
@@ -70,6 +85,8 @@ fn main() {
             cycle.run(&mut output);
             println!("{:#?}", output.record);
         }
-        _ => eprintln!("usage: counted walk | adversarial CYCLE... | digest | replay CYCLE"),
+        _ => eprintln!(
+            "usage: counted walk | walk-friction | walk-feedback | walk-dynamic | adversarial CYCLE... | digest | replay CYCLE"
+        ),
     }
 }

@@ -143,22 +143,22 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 768
+#define TRUEAXIS_LOOP_WORDS 880
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 456
+#define TRUEAXIS_LOOP_WORDS 508
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 584
+#define TRUEAXIS_STATE_WORDS 616
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 312
+#define TRUEAXIS_STATE_WORDS 328
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.

@@ -12,16 +12,16 @@ use trueaxis::{Bypass, ConfigError, Fault, Measure};
 
 /// Words of a `trueaxis_loop_t`.
 #[cfg(not(feature = "single"))]
-pub const LOOP_WORDS: usize = 768;
+pub const LOOP_WORDS: usize = 880;
 /// Words of a `trueaxis_loop_t`.
 #[cfg(feature = "single")]
-pub const LOOP_WORDS: usize = 456;
+pub const LOOP_WORDS: usize = 508;
 /// Words of a `trueaxis_state_t`.
 #[cfg(not(feature = "single"))]
-pub const STATE_WORDS: usize = 584;
+pub const STATE_WORDS: usize = 616;
 /// Words of a `trueaxis_state_t`.
 #[cfg(feature = "single")]
-pub const STATE_WORDS: usize = 312;
+pub const STATE_WORDS: usize = 328;
 
 /// Tables, limits and settings of a machine: immutable, may be copied and read from any thread.
 #[repr(C)]

@@ -140,7 +140,8 @@ pub const STATUS_STOP_REQUEST: u8 = 4;
 pub const STATUS_CONTOUR: u8 = 8;
 /// Bit of `record.status`: `drive` is not written (`TRUEAXIS_ERROR_NO_OUTPUT`).
 pub const STATUS_NO_OUTPUT: u8 = 16;
-/// Bit of `record.status`: the contour feedback oscillated and is led out, until `enable` falls or a reset comes.
+/// Bit of `record.status`: the contour feedback oscillated and is led out: until `enable` falls, a reset
+/// comes, or the feedback is switched off.
 pub const STATUS_FEEDBACK_OUT: u8 = 32;
 
 /// Telemetry of a cycle. Positions as `trueaxis_position_t`, else mm (rotary axes: degrees).

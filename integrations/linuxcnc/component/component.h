@@ -74,11 +74,14 @@ struct joint {
 
 struct joint_pins {
     hal_float_t *pos_cmd, *motor_cmd_in, *motor_cmd_out, *motor_fb_in, *motor_fb_out, *correction;
+    /* The dynamic part of the correction, and what asked for it. */
+    hal_float_t *dynamic, *feed_forward, *contour_feedback, *crosstalk, *learned;
     hal_bit_t *homed, *alarm;
 };
 
 struct axis_pins {
     hal_float_t *command, *corrected, *correction, *temperature_rise;
+    hal_float_t *learned; /* of X, Y, Z */
     hal_bit_t *limited, *at_edge;
     /* Limits of the tables in force, read only, and the largest that the integrator accepts; 0: any. */
     hal_float_t magnitude, slope, acceleration, travel_min, travel_max;
@@ -98,10 +101,14 @@ struct gauge_pins {
     hal_u32_t *evaluated, *skipped, *discarded, *flags, *revolution_flags;
 };
 
+/* Parts of the dynamic correction that can be switched off. */
+#define DYNAMIC_PARTS 7
+
 /* HAL shared memory: pins only. */
 struct pins {
     hal_bit_t *enable, *motion_enabled, *reset, *reload;
-    hal_bit_t *active, *frozen, *limited, *at_edge, *fault, *stop_request, *no_output;
+    hal_bit_t *enable_part[DYNAMIC_PARTS];
+    hal_bit_t *active, *frozen, *limited, *at_edge, *fault, *stop_request, *no_output, *feedback_out;
     hal_bit_t *tables_ok, *reload_busy, *reload_failed;
     hal_u32_t *fault_code, *reload_code, *reloads, *sequence, *machine_id, *tables_crc;
     hal_s32_t *fault_axis;
@@ -212,6 +219,10 @@ int tables_errno(uint32_t refused);
 int pins_export(struct instance *instance, int component);
 /* Shows the limits of the tables in force. */
 void pins_limits(struct instance *instance, const struct tables *tables);
+/* Every part of the dynamic correction is on, where its pin is not connected. */
+void pins_enable_parts(struct pins *pins);
+/* TRUEAXIS_DYNAMICS_... bits of the parts that are switched off. */
+uint8_t pins_parts_off(const struct pins *pins);
 /* Whether the limits of tables are within the largest that the integrator accepts. */
 bool pins_limits_accepted(const struct instance *instance, const struct tables *tables);
 

@@ -76,6 +76,22 @@ static void follow_readings(struct instance *instance)
     }
 }
 
+/* The dynamic part of a joint's correction on pins: that of its axis and, with tables of its own, theirs. */
+static void show_dynamic(struct joint_pins *p, const trueaxis_dynamic_t *of, int slot, double unit, bool more)
+{
+    *p->dynamic = of->sent[slot] / unit + (more ? *p->dynamic : 0.0);
+    *p->feed_forward = of->feed_forward[slot] / unit + (more ? *p->feed_forward : 0.0);
+    *p->contour_feedback = of->feedback[slot] / unit + (more ? *p->contour_feedback : 0.0);
+    *p->crosstalk = of->crosstalk[slot] / unit + (more ? *p->crosstalk : 0.0);
+    *p->learned = of->learned[slot] / unit + (more ? *p->learned : 0.0);
+}
+
+/* Whole correction of an axis. */
+static double correction(const trueaxis_record_t *record, int slot)
+{
+    return record->correction[slot] + record->dynamic.sent[slot];
+}
+
 /* Output to the drives: the motor's command plus its corrections, or the last one while a stop is requested. */
 static void drive(struct instance *instance, const trueaxis_output_t *axes, const trueaxis_output_t *joints)
 {
@@ -87,9 +103,13 @@ static void drive(struct instance *instance, const trueaxis_output_t *axes, cons
         if (servo->phase == PHASE_RUNNING) {
             int axis = setup->axis_of_joint[j], table = setup->table_of_joint[j];
             double unit = setup->mm_per_unit[axis];
-            if (table >= 0)
-                joint->own = joints[table].record.correction[servo->tables->joint_slot[table]] / unit;
-            joint->sent = axes->record.correction[axis] / unit + joint->own;
+            show_dynamic(p, &axes->record.dynamic, axis, unit, false);
+            if (table >= 0) {
+                int slot = servo->tables->joint_slot[table];
+                joint->own = correction(&joints[table].record, slot) / unit;
+                show_dynamic(p, &joints[table].record.dynamic, slot, unit, true);
+            }
+            joint->sent = correction(&axes->record, axis) / unit + joint->own;
             joint->drive = plus(*p->motor_cmd_in, joint->sent);
             joint->known = true;
         }
@@ -149,6 +169,7 @@ void cycle_update_output(void *arg, long period)
     /* Without power, motion's command follows the drives, with a jump of the following error: nothing to judge. */
     input.enable = *pins->enable && *pins->motion_enabled && permitted;
     input.reset = *pins->reset;
+    input.dynamics_off = pins_parts_off(pins);
     steps_gather(instance, &input);
 
     trueaxis_output_t axes = {.size = sizeof axes};

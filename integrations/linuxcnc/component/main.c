@@ -59,6 +59,7 @@ static int instance_export(struct instance *instance)
         *instance->pins->tables_ok = 1;
         /* As if motion were on, where the pin is not connected. */
         *instance->pins->motion_enabled = 1;
+        pins_enable_parts(instance->pins);
     }
     return refused;
 }

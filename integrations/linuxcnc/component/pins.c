@@ -24,9 +24,37 @@ static const char *small(char letter)
     }
 }
 
+/* Parts of the dynamic correction. */
+static const struct {
+    const char *name;
+    uint8_t bit;
+} parts[DYNAMIC_PARTS] = {
+    {"friction", TRUEAXIS_DYNAMICS_FRICTION},         {"lag", TRUEAXIS_DYNAMICS_LAG},
+    {"acceleration", TRUEAXIS_DYNAMICS_ACCELERATION}, {"feedback", TRUEAXIS_DYNAMICS_FEEDBACK},
+    {"crosstalk", TRUEAXIS_DYNAMICS_CROSSTALK},       {"learned", TRUEAXIS_DYNAMICS_LEARNED},
+    {"take-up", TRUEAXIS_DYNAMICS_TAKE_UP},
+};
+
+void pins_enable_parts(struct pins *pins)
+{
+    for (int k = 0; k < DYNAMIC_PARTS; k++)
+        *pins->enable_part[k] = 1;
+}
+
+uint8_t pins_parts_off(const struct pins *pins)
+{
+    uint8_t off = 0;
+    for (int k = 0; k < DYNAMIC_PARTS; k++)
+        if (!*pins->enable_part[k])
+            off |= parts[k].bit;
+    return off;
+}
+
 static int whole(struct pins *p, int id, const char *name)
 {
     TRY(hal_pin_bit_newf(HAL_IN, &p->enable, id, "%s.enable", name));
+    for (int k = 0; k < DYNAMIC_PARTS; k++)
+        TRY(hal_pin_bit_newf(HAL_IN, &p->enable_part[k], id, "%s.enable-%s", name, parts[k].name));
     TRY(hal_pin_bit_newf(HAL_IN, &p->motion_enabled, id, "%s.motion-enabled", name));
     TRY(hal_pin_bit_newf(HAL_IN, &p->reset, id, "%s.reset", name));
     TRY(hal_pin_bit_newf(HAL_IN, &p->reload, id, "%s.reload", name));
@@ -39,6 +67,7 @@ static int whole(struct pins *p, int id, const char *name)
     TRY(hal_pin_s32_newf(HAL_OUT, &p->fault_axis, id, "%s.fault-axis", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->stop_request, id, "%s.stop-request", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->no_output, id, "%s.no-output", name));
+    TRY(hal_pin_bit_newf(HAL_OUT, &p->feedback_out, id, "%s.feedback-out", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->tables_ok, id, "%s.tables-ok", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->reload_busy, id, "%s.reload-busy", name));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->reload_failed, id, "%s.reload-failed", name));
@@ -68,6 +97,11 @@ static int joint(struct joint_pins *p, int id, const char *name, int j)
     TRY(hal_pin_float_newf(HAL_IN, &p->motor_fb_in, id, "%s.joint.%d.motor-pos-fb-in", name, j));
     TRY(hal_pin_float_newf(HAL_OUT, &p->motor_fb_out, id, "%s.joint.%d.motor-pos-fb-out", name, j));
     TRY(hal_pin_float_newf(HAL_OUT, &p->correction, id, "%s.joint.%d.correction", name, j));
+    TRY(hal_pin_float_newf(HAL_OUT, &p->dynamic, id, "%s.joint.%d.dynamic", name, j));
+    TRY(hal_pin_float_newf(HAL_OUT, &p->feed_forward, id, "%s.joint.%d.feed-forward", name, j));
+    TRY(hal_pin_float_newf(HAL_OUT, &p->contour_feedback, id, "%s.joint.%d.contour-feedback", name, j));
+    TRY(hal_pin_float_newf(HAL_OUT, &p->crosstalk, id, "%s.joint.%d.crosstalk", name, j));
+    TRY(hal_pin_float_newf(HAL_OUT, &p->learned, id, "%s.joint.%d.learned", name, j));
     TRY(hal_pin_bit_newf(HAL_IN, &p->homed, id, "%s.joint.%d.homed", name, j));
     TRY(hal_pin_bit_newf(HAL_IN, &p->alarm, id, "%s.joint.%d.alarm", name, j));
     return 0;
@@ -81,6 +115,8 @@ static int axis(struct axis_pins *p, int id, const char *name, const char *lette
     TRY(hal_pin_bit_newf(HAL_OUT, &p->limited, id, "%s.%s.limited", name, letter));
     TRY(hal_pin_bit_newf(HAL_OUT, &p->at_edge, id, "%s.%s.at-edge", name, letter));
     TRY(hal_pin_float_newf(HAL_IN, &p->temperature_rise, id, "%s.%s.temperature-rise", name, letter));
+    if (letter[0] >= 'x')
+        TRY(hal_pin_float_newf(HAL_IN, &p->learned, id, "%s.%s.learned", name, letter));
     TRY(hal_param_float_newf(HAL_RO, &p->magnitude, id, "%s.%s.magnitude", name, letter));
     TRY(hal_param_float_newf(HAL_RO, &p->slope, id, "%s.%s.slope", name, letter));
     TRY(hal_param_float_newf(HAL_RO, &p->acceleration, id, "%s.%s.acceleration", name, letter));

@@ -21,7 +21,7 @@ static void show_axes(const struct instance *instance, const trueaxis_input_t *i
         *pins->command = input->command[a] / unit;
         if (instance->servo.phase != PHASE_BLIND)
             *pins->corrected = output->drive[a] / unit;
-        *pins->correction = record->correction[a] / unit;
+        *pins->correction = (record->correction[a] + record->dynamic.sent[a]) / unit;
         *pins->limited = record->limited >> a & 1;
         *pins->at_edge = record->at_edge >> a & 1;
     }
@@ -56,6 +56,7 @@ void show_cycle(const struct instance *instance, const trueaxis_input_t *input, 
     *pins->fault_code = fault;
     *pins->fault_axis = fault != TRUEAXIS_FAULT_NONE ? fault_axis : -1;
     *pins->stop_request = instance->servo.phase != PHASE_RUNNING;
+    *pins->feedback_out = (record->status & TRUEAXIS_STATUS_FEEDBACK_OUT) != 0;
     *pins->no_output = instance->servo.phase == PHASE_BLIND;
     *pins->sequence = record->sequence;
     *pins->machine_id = record->machine_id;

@@ -68,6 +68,8 @@ void steps_gather(const struct instance *instance, trueaxis_input_t *input)
         seen[a] = true;
         if (!isfinite(command) || !isfinite(*p->motor_cmd_in))
             input->command[a] = NAN;
+        if (a < 3)
+            input->learned[a] = *instance->pins->axis[a].learned * setup->mm_per_unit[a];
         double share = setup->mm_per_unit[a] / setup->joints_of_axis[a];
         input->feedback[a] += (joint->reading - joint->offset - joint->own) * share;
         if (*p->alarm)
@@ -87,6 +89,8 @@ static int step_joint(struct instance *instance, int t, const trueaxis_input_t *
     trueaxis_input_t input = *axes;
     memset(input.command, 0, sizeof input.command);
     memset(input.feedback, 0, sizeof input.feedback);
+    /* What was learned belongs to the axis. */
+    memset(input.learned, 0, sizeof input.learned);
     double unit = instance->setup.mm_per_unit[instance->setup.axis_of_joint[j]];
     /* A stop of the axes is a stop of the joint, by the same latch; and the other way round. */
     bool stopped_elsewhere = servo->phase != PHASE_RUNNING && !servo->stopped.joint[t];

@@ -76,7 +76,7 @@ net x-spoiled spoil-cmd.out => ta.joint.0.pos-cmd
 
 def faults(folder):
     """Bad readings freeze the correction and the path goes on; a command that is not a number stops the machine."""
-    mill(folder)
+    mill(folder, machines.geometry_alone)
     rig.copy(folder, rig.HERE, "shuttle.ngc")
     for key in ("FERROR", "MIN_FERROR"):
         rig.edit(folder, "mill-3axis.ini", lambda text: rig.with_ini(text, "JOINT_0", key, 2000))
@@ -159,7 +159,7 @@ net {0}-encoder drive-{0}.out => power-{0}.in0 ta.joint.{1}.motor-pos-fb-in
 
 def switched_off(folder):
     """Without power, LinuxCNC's command jumps to where the drives stand: no fault, and no stop that cannot be left."""
-    mill(folder)
+    mill(folder, machines.geometry_alone)
     rig.copy(folder, rig.HERE, "shuttle.ngc")
     for j in range(3):
         rig.edit(folder, "mill-3axis.ini", lambda text: rig.with_ini(text, "JOINT_%d" % j, "MIN_FERROR", 3))

@@ -99,6 +99,45 @@ def switching(pilot):
         json.dump(marks, f)
 
 
+def dynamics(pilot):
+    """Each part of the dynamic correction off and on again in motion, then all of them."""
+    pins = ("joint.%d.motor-pos-cmd", "ta.joint.%d.motor-pos-cmd-out", "ta.joint.%d.dynamic", "ta.joint.%d.feed-forward",
+            "ta.joint.%d.contour-feedback", "ta.joint.%d.crosstalk", "ta.joint.%d.learned")
+    pilot.record(joints(3, *pins) + ["ta.fault-code", "ta.feedback-out", "ta.sequence"])
+    pilot.on()
+    pilot.home()
+    pilot.mdi("G0 X-20 Y0 Z-20")
+    hal.set_p("ta.x.learned", "0.002")
+    hal.set_p("ta.y.learned", "-0.001")
+    pilot.start("dynamics.ngc")
+    time.sleep(1.5)
+    marks = {}
+
+    def switch(name, parts):
+        for value, mark in (("0", "off"), ("1", "on")):
+            marks["%s %s" % (name, mark)] = hal.get_value("ta.sequence")
+            for part in parts:
+                hal.set_p("ta.enable-" + part, value)
+            time.sleep(0.6)
+
+    feed_forward = ("friction", "lag", "acceleration")
+    switch("feed-forward", feed_forward)
+    for part in feed_forward + ("take-up",):
+        switch(part, (part,))
+    switch("contour-feedback", ("feedback",))
+    switch("crosstalk", ("crosstalk",))
+    switch("learned", ("learned",))
+    switch("all", feed_forward + ("feedback", "crosstalk", "learned", "take-up"))
+    pilot.poll()
+    marks["running"] = int(pilot.running())
+    pilot.command.abort()
+    pilot.wait(lambda: not pilot.running(), "abort")
+    time.sleep(0.2)
+    pilot.save("run")
+    with open("marks.json", "w") as f:
+        json.dump(marks, f)
+
+
 FAULTS = ["ta.joint.0.pos-cmd", "ta.active", "ta.frozen", "ta.fault-code", "ta.fault-axis", "ta.stop-request"]
 
 

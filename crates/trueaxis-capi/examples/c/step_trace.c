@@ -16,6 +16,7 @@
 #define PERIOD_NS 100000u
 #define CYCLES 8000
 #define REST 100 /* cycles before it moves */
+#define SWITCH_AT 2000
 #define EXCHANGE_AT 4000
 #define ALARM_AT 6000
 #define LAG_CYCLES 8
@@ -137,7 +138,7 @@ static int run(struct file first, struct file second) {
     double phasor[2] = { RADIUS_MM, 0 };
     trueaxis_position_t lag[LAG_CYCLES][AXES];
     uint64_t sum = UINT64_C(0xcbf29ce484222325), frames = sum;
-    double worst_um = 0;
+    double worst_um = 0, largest_um[AXES] = { 0 };
     uint32_t faults = 0, frame_bytes = 0;
     for (uint32_t cycle = 0; cycle < CYCLES; ++cycle) {
         const double at[AXES] = { center[0] + phasor[0], center[1] + phasor[1], center[2] };
@@ -158,6 +159,9 @@ static int run(struct file first, struct file second) {
         if (cycle == EXCHANGE_AT && refused == TRUEAXIS_FAULT_NONE) {
             active = &loops[1];
         }
+        /* Friction off for a while, and 1 um learned in X. */
+        input.dynamics_off = cycle >= SWITCH_AT && cycle < EXCHANGE_AT ? TRUEAXIS_DYNAMICS_FRICTION : 0;
+        input.learned[0] = position(cycle >= SWITCH_AT ? 1000 : 0);
         trueaxis_measure_t measure = { .size = sizeof measure, .kind = TRUEAXIS_MEASURE_PATH, .path = &path };
         trueaxis_result_t result = trueaxis_path_reference(&path, 0, moved / 8000.0, &measure.reference);
         if (result == TRUEAXIS_OK) {
@@ -184,6 +188,12 @@ static int run(struct file first, struct file second) {
             printf("cycle %" PRIu32 ": not passed as commanded, or without the reason\n", cycle);
             return 1;
         }
+        if (output.record.has_dynamic) {
+            for (int axis = 0; axis < AXES; ++axis) {
+                const double sent = output.record.dynamic.sent[axis] * 1e3;
+                largest_um[axis] = sent > largest_um[axis] ? sent : -sent > largest_um[axis] ? -sent : largest_um[axis];
+            }
+        }
         if (!(output.record.tip.flags & TRUEAXIS_CONTOUR_NOT_FOUND) &&
             output.record.tip.error * 1e3 > worst_um) {
             worst_um = output.record.tip.error * 1e3;
@@ -194,6 +204,9 @@ static int run(struct file first, struct file second) {
            faults, output.record.fault, output.record.tables_crc);
     for (int axis = 0; axis < AXES; ++axis) {
         printf("correction %c %.6f um\n", "XYZ"[axis], output.record.correction[axis] * 1e3);
+    }
+    for (int axis = 0; axis < AXES; ++axis) {
+        printf("largest dynamic %c %.6f um\n", "XYZ"[axis], largest_um[axis]);
     }
     printf("worst contour error %.6f um\n", worst_um);
     /* In halves: not every C library prints 64 bits. */

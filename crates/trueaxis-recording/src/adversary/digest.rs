@@ -14,10 +14,16 @@ impl Default for Digest {
 }
 
 impl Digest {
-    /// Adds an output: what [`crate::outputs`] has of it, and both contour errors whole.
+    /// Adds an output: what [`crate::outputs`] has of it, both contour errors whole, and the dynamic correction's parts.
     pub fn add<R: Wire, const N: usize>(&mut self, output: &Output<R, R::Place, N>) {
         let record = &output.record;
         self.bytes(&line(output, None));
+        if let Some(parts) = &record.dynamic {
+            let wanted = parts.feed_forward.iter().chain(&parts.feedback).chain(&parts.crosstalk).chain(&parts.learned);
+            for scalar in parts.sent.iter().chain(wanted) {
+                scalar.put(|bytes| self.bytes(bytes));
+            }
+        }
         for error in [&record.tip, &record.encoder] {
             let [x, y, z] = error.vector.into();
             let components = [error.normal, error.binormal, error.tangential];

@@ -6,11 +6,13 @@
 mod course;
 mod digest;
 mod random;
+mod servo;
 #[cfg(test)]
 mod tests;
 
 pub use course::{COURSES, Course};
 pub use digest::Digest;
+pub use servo::{ServoParts, vary};
 
 use core::fmt;
 use random::Random;
@@ -25,6 +27,8 @@ pub const AXES: usize = 3;
 pub const CYCLES: u32 = 100_000;
 /// Cycles of a scene, the first from a fresh state.
 pub const SCENE: u32 = 250;
+/// Cycles of these that are run with dynamic correction too, [`vary`]ing.
+pub const DYNAMIC_CYCLES: u32 = 10_000;
 /// Farthest that a command moves in a cycle, mm: within what is plausible at 200 mm/s and 1 ms.
 const FARTHEST: f64 = 0.3;
 /// Spans that a cycle passes at most.

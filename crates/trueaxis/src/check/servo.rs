@@ -149,7 +149,7 @@ pub fn feedback(machine: &MachineSettings, period_s: f64) -> Result<(), ConfigEr
 /// To three digits, towards zero.
 fn rounded_down(value: f64) -> f64 {
     let digits = 2.0 - libm::floor(libm::log10(value));
-    if !(digits.abs() < 200.0) {
+    if !digits.is_finite() || digits.abs() > 200.0 {
         return value;
     }
     let (up, down) = (libm::exp10(digits.max(0.0)), libm::exp10((-digits).max(0.0)));

@@ -274,9 +274,7 @@ impl Key {
             1.0
         } else if name.contains("expansion") || name.ends_with("_um_per_m_per_s2") {
             1e6
-        } else if name.ends_with("_um_per_deg_per_s2") {
-            1e3
-        } else if name.ends_with("_um") {
+        } else if name.ends_with("_um") || name.ends_with("_um_per_deg_per_s2") {
             1e3
         } else if name.ends_with("_urad") {
             if is_of_axis { 1e6_f64.to_radians() } else { 1e6 }

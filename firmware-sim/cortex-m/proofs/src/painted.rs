@@ -12,9 +12,12 @@ use trueaxis::contour::{CommandWindow, Method, Path, Reference, Segment, Span, T
 use trueaxis::exchange::Exchange;
 use trueaxis::glam::DVec3;
 use trueaxis::kinematics::{BranchTracker, Kinematics};
-use trueaxis::machine::{AxisSettings, ErrorModel, MachineSettings};
+use trueaxis::machine::{
+    AxisSettings, CrosstalkSettings, DriveFigures, DynamicSettings, ErrorModel, FeedbackSettings, FrictionSettings,
+    MachineSettings,
+};
 use trueaxis::roundness::{Gauge, GaugeSettings, GaugeState, ProbeAngles, Probes};
-use trueaxis::{Axis, Bypass, Config, Fault, Input, Position, Real, Row, ServoLoop};
+use trueaxis::{Axis, Bypass, Config, Dynamics, Fault, Input, Position, Real, Row, ServoLoop};
 
 #[path = "../../src/settings.rs"]
 mod shared;
@@ -61,6 +64,18 @@ fn settings(axes: &[Axis], model: ErrorModel) -> MachineSettings {
         ..AxisSettings::with_defaults(*axis, axis.is_rotary())
     };
     let mut machine = shared::machine([0.0, 0.0, -150.0], model, axes.iter().map(axis));
+    let servo = |axis: &mut AxisSettings| {
+        let drive = DriveFigures { velocity_feed_forward: 0.9, ..DriveFigures::with_defaults(110.0, 800.0, 0.006) };
+        axis.servo.drive = Some(drive);
+        axis.servo.friction = Some(FrictionSettings::with_defaults(0.5, 0.006));
+        let dynamic = DynamicSettings::with_defaults(axis.axis);
+        axis.servo.dynamic = Some(DynamicSettings { lag: true, acceleration: true, take_up: true, ..dynamic });
+    };
+    machine.axes.iter_mut().for_each(servo);
+    machine.contour.feedback = Some(FeedbackSettings::default());
+    let points = [[-300.0, 1e-6], [300.0, 2e-6]].into_iter().collect();
+    let crosstalk = CrosstalkSettings { tip: Axis::X, from: Axis::Y, over: Axis::Z, points };
+    machine.crosstalk.push(crosstalk).expect("room for it");
     machine.compensation.orientation = axes.len() == 5 && model == ErrorModel::Volumetric;
     machine
 }
@@ -112,6 +127,9 @@ fn input<const N: usize>(cycle: u32, command: [P; N]) -> Input<P, N> {
     if cycle % 900 == 899 {
         input.command[0] = input.command[0].plus(scalar(500.0));
     }
+    // The parts of the dynamic correction come and go.
+    input.dynamics = Dynamics::ALL.without(Dynamics(if cycle % 200 < 50 { (cycle / 200) as u8 } else { 0 }));
+    input.learned = [P::default().plus(scalar(1e-6 * f64::from(cycle % 100))); 3];
     input.reset = cycle % 900 > 10 && cycle % 900 < 100;
     input
 }

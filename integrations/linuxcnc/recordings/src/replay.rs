@@ -3,12 +3,12 @@
 use crate::recording::Recording;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
-use trueaxis::contour::{Path, Reference};
+use trueaxis::contour::CommandWindow;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, HostServo, Input};
 
 /// Difference between component and library.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub(crate) struct Agreement {
     /// Samples compared, of every joint.
     pub(crate) samples: usize,
@@ -20,7 +20,12 @@ pub(crate) struct Agreement {
     pub(crate) at: (usize, usize),
     /// Largest correction in the recording, mm (deg).
     pub(crate) largest_correction: f64,
+    /// Largest dynamic correction in it, mm (deg).
+    pub(crate) largest_dynamic: f64,
 }
+
+/// Spans of the window of the last commands, and the distance of its points, mm: as in the component.
+const WINDOW: (usize, f64) = (64, 0.005);
 
 /// Columns of one joint.
 struct Joint {
@@ -76,27 +81,32 @@ fn of<const N: usize>(
     let mut memory = vec![0.0; tables.requirement()];
     let servo = HostServo::<N>::load(tables, period_ns, &mut memory).map_err(|error| anyhow!("{error}"))?;
     let mut state = servo.start();
-    let no_path = Path::new(&[], 0, false);
-
-    let mut agreement =
-        Agreement { samples: 0, same_bits: 0, largest_difference: 0.0, at: (0, 0), largest_correction: 0.0 };
-    let mut before: Option<&[f64]> = None;
+    let window = CommandWindow::<f64, f64, { WINDOW.0 }>::new([0.0, 0.0, 1.0], WINDOW.1);
+    let mut window = window.map_err(|error| anyhow!("{error}"))?;
+    let mut agreement = Agreement::default();
+    let (mut before, mut was_homed): (Option<&[f64]>, bool) = (None, false);
     for (sample, row) in recording.rows().enumerate() {
         let mut input = Input::<f64, N>::at_rest(period_ns);
         input.homed = row[active] != 0.0;
         input.enable = true;
+        if input.homed && !was_homed {
+            window.restart();
+        }
+        was_homed = input.homed;
         let answered = before.unwrap_or(row);
         for joint in &joints {
             input.command[joint.place] = row[joint.pos_cmd];
             let offset = answered[joint.motor_cmd] - answered[joint.pos_cmd];
             input.feedback[joint.place] = answered[joint.drive] - offset;
         }
-        let output = servo.step(&mut state, &input, no_path.on(Reference { span: 0, t: 0.0 }), ());
+        let output = servo.step(&mut state, &input, &mut window, ());
         if output.stop_requested() {
             bail!("the library stops with {:?} at sample {}", output.record.fault, output.record.sequence);
         }
         for (place, joint) in joints.iter().enumerate() {
-            let correction = output.record.correction[joint.place];
+            let dynamic = output.record.dynamic.map_or(0.0, |parts| parts.sent[joint.place]);
+            let correction = output.record.correction[joint.place] + dynamic;
+            agreement.largest_dynamic = agreement.largest_dynamic.max(dynamic.abs());
             let expected = if correction == 0.0 { row[joint.motor_cmd] } else { row[joint.motor_cmd] + correction };
             agreement.samples += 1;
             agreement.same_bits += usize::from(expected.to_bits() == row[joint.drive].to_bits());

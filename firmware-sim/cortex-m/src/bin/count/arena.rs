@@ -2,7 +2,7 @@
 
 use core::mem::MaybeUninit;
 
-const BYTES: usize = 3 << 20;
+const BYTES: usize = 7 << 19;
 
 #[repr(align(16))]
 struct Memory {

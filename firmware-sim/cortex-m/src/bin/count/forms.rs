@@ -4,7 +4,7 @@ use crate::arena::Arena;
 use core::cell::RefCell;
 use core::hint::black_box;
 use trueaxis::contour::{Path, Reference};
-use trueaxis::machine::ErrorModel;
+use trueaxis::machine::{ErrorModel, MachineSettings};
 use trueaxis::roundness::{Gauge, GaugeState, Probes};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Axis, Config, GaugeRide, Input, Output, Real, ServoLoop, Stage, State};
@@ -27,7 +27,8 @@ pub const STAGES: [(Stage, &str); 5] = [
 pub const FORMS: usize = 3;
 
 type Form<R, P> = fn(&Cycle<'_, R, P>) -> u32;
-type Loop<R, P> = ServoLoop<'static, R, P, AXES>;
+/// A loop on tables in flash.
+pub type Loop<R, P> = ServoLoop<'static, R, P, AXES>;
 
 /// Everything that cycles run on: the tables in force from the start and those they are exchanged for.
 pub struct Machine<R: Real, P: Integer> {
@@ -66,15 +67,16 @@ pub struct Cycle<'a, R: Real, P: Integer> {
     pub probes: Probes<R>,
 }
 
-fn build<R: Real, P: Integer>(
+/// A loop on the tables of a file, after a change of its settings.
+pub fn build<R: Real, P: Integer>(
     file: &Tcomp<'_>,
-    model: ErrorModel,
+    change: impl FnOnce(&mut MachineSettings),
     period_ns: u32,
     arena: &mut Arena,
-) -> ServoLoop<'static, R, P, AXES> {
+) -> Loop<R, P> {
     let rows = |axis: Axis| file.table(axis);
     let mut settings = file.settings().clone();
-    settings.compensation.model = model;
+    change(&mut settings);
     let config = Config { machine: &settings, ..Config::of(file, period_ns) };
     let memory = arena.slice(config.requirement(rows), R::ZERO);
     match config.build(rows, memory) {
@@ -83,15 +85,22 @@ fn build<R: Real, P: Integer>(
     }
 }
 
+/// The table files in flash.
+pub fn files() -> [Tcomp<'static>; 2] {
+    [regions::tables_a(), regions::tables_b()].map(|bytes| match Tcomp::parse(bytes) {
+        Ok(file) => file,
+        Err(error) => panic!("tables: {}", error),
+    })
+}
+
 impl<R: Real, P: Integer> Machine<R, P> {
     /// Of the table files in flash.
     pub fn flashed(period_ns: u32, arena: &mut Arena) -> &'static Self {
-        let files = [regions::tables_a(), regions::tables_b()].map(|bytes| match Tcomp::parse(bytes) {
-            Ok(file) => file,
-            Err(error) => panic!("tables: {}", error),
-        });
-        let nine = [0, 1].map(|k| build::<R, P>(&files[k], ErrorModel::Nine, period_ns, arena));
-        let all_terms = [0, 1].map(|k| build::<R, P>(&files[k], ErrorModel::Volumetric, period_ns, arena));
+        let files = files();
+        let mut both = |model| {
+            [0, 1].map(|k| build::<R, P>(&files[k], |settings| settings.compensation.model = model, period_ns, arena))
+        };
+        let (nine, all_terms) = (both(ErrorModel::Nine), both(ErrorModel::Volumetric));
         let Some(settings) = files[0].settings().roundness else { panic!("tables without a gauge") };
         let gauge = match Gauge::build(&settings, period_ns) {
             Ok(gauge) => arena.keep(gauge),

@@ -10,6 +10,7 @@
 
 mod adversarial;
 mod arena;
+mod dynamic;
 mod forms;
 mod gauge;
 mod middle;
@@ -48,7 +49,9 @@ fn count<R: Wire<Place = P>, P: Integer>(scalar: &str, adversarial: bool) {
     things::all::<R, P>(scalar, &mut arena);
     let machine = Machine::flashed(recorded::recording().header().period_ns, &mut arena);
     recorded::all::<R, P>(scalar, machine, &mut arena);
+    dynamic::recorded::<R, P>(scalar, &mut arena);
     if adversarial {
+        dynamic::adversarial::<R, P>(scalar, &mut arena);
         adversarial::all::<R, P>(scalar, machine, &mut arena);
     }
 }

@@ -1,0 +1,104 @@
+//! The step with dynamic correction: instructions over the recording, and a digest over adversarial cycles.
+
+use crate::arena::Arena;
+use crate::forms::{AXES, Loop, build, files};
+use crate::middle::Middle;
+use crate::recorded::recording;
+use core::cell::RefCell;
+use core::hint::black_box;
+use cortex_m_semihosting::hprintln;
+use trueaxis::contour::{Path, Reference};
+use trueaxis::{Input, Output, Real, State};
+use trueaxis_cortex_m::timer::{Tally, timed};
+use trueaxis_recording::Integer;
+use trueaxis_recording::adversary::{Adversary, COURSES, Course, DYNAMIC_CYCLES, Digest, ServoParts, vary};
+use trueaxis_recording::outputs::Wire;
+
+/// What is configured, and its name in the counts: friction on three axes, with feedback, with everything.
+const CONFIGURED: [(ServoParts, &str); 3] = [
+    (ServoParts::Friction, "step_friction"),
+    (ServoParts::Feedback, "step_feedback"),
+    (ServoParts::All, "step_dynamic"),
+];
+
+/// A cycle about to run.
+struct Cycle<'a, R: Real, P: Integer> {
+    servo: &'a Loop<R, P>,
+    memory: RefCell<(State<R, P, AXES>, Output<R, P, AXES>)>,
+    path: Path<'a, R, P>,
+    reference: Reference<R>,
+    input: Input<P, AXES>,
+}
+
+#[inline(never)]
+fn nothing<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
+    let (_, output) = &mut *cycle.memory.borrow_mut();
+    black_box((output, cycle.servo));
+    0
+}
+
+#[inline(never)]
+fn step<R: Real, P: Integer>(cycle: &Cycle<'_, R, P>) -> u32 {
+    let (state, output) = &mut *cycle.memory.borrow_mut();
+    let on = cycle.path.on(cycle.reference);
+    cycle.servo.step_into(state, &cycle.input, on, (), output);
+    0
+}
+
+/// On the tables in force from the start and those they are exchanged for.
+fn loops<R: Real, P: Integer>(parts: ServoParts, arena: &mut Arena) -> &'static [Loop<R, P>; 2] {
+    let period_ns = recording().header().period_ns;
+    let loops = files().map(|file| build(&file, |settings| parts.configure(settings), period_ns, arena));
+    arena.keep(loops)
+}
+
+/// Counts the recording.
+pub fn recorded<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
+    let recording = recording();
+    let header = recording.header();
+    let spans: &[_] = arena.collect(recording.path::<R, P>());
+    for (parts, name) in CONFIGURED {
+        let loops = loops::<R, P>(parts, arena);
+        let (mut whole, mut middle) = (Tally::default(), Middle::new(arena));
+        let mut cycle = Cycle {
+            servo: &loops[0],
+            memory: RefCell::new((loops[0].start(), Output::none())),
+            path: Path::new(spans, 0, false),
+            reference: Reference { span: 0, t: R::ZERO },
+            input: Input::at_rest(header.period_ns),
+        };
+        let frame = timed(nothing, &cycle).0;
+        for number in 0..header.cycles {
+            let Some(recorded) = recording.cycle(number) else { break };
+            if header.exchange_at == Some(number) {
+                cycle.servo = &loops[1];
+            }
+            (cycle.input, cycle.reference) = (recorded.input(), recorded.place());
+            let taken = timed(step, &cycle).0 - frame;
+            whole.add(taken);
+            middle.add(taken, number);
+        }
+        hprintln!("{} {} typical {} {}", scalar, name, middle.value(), whole);
+    }
+}
+
+/// Digest of adversarial cycles with every part, switched in motion.
+pub fn adversarial<R: Wire<Place = P>, P: Integer>(scalar: &str, arena: &mut Arena) {
+    let loops = loops::<R, P>(ServoParts::All, arena);
+    let courses: &[_] = arena.collect((0..COURSES).map(Course::<R, P>::new));
+    let mut adversary = Adversary::new(courses, recording().header().period_ns);
+    let (mut state, mut digest) = (loops[0].start(), Digest::default());
+    for number in 0..DYNAMIC_CYCLES {
+        let mut moment = adversary.cycle(number);
+        if moment.cold {
+            state = loops[0].start();
+        }
+        if let Some((slot, line)) = moment.thermal {
+            state.set_thermal(slot, line);
+        }
+        vary(&mut moment.input, number);
+        let on = courses[moment.course].path().on(moment.reference);
+        digest.add(&loops[usize::from(moment.exchanged)].step(&mut state, &moment.input, on, ()));
+    }
+    hprintln!("{} dynamic digest of {} cycles: {:08x}", scalar, DYNAMIC_CYCLES, digest.value());
+}
