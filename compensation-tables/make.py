@@ -61,11 +61,15 @@ def exx_reversal(x):
 PLANT = {"position": 110, "velocity": 800, "coulomb": 420, "viscous": 4, "presliding": 6}
 OFF = {"gains": 1.05, "friction": 0.9, "presliding": 1.2}
 # Gains and friction of each axis over the common ones.
-VARIATION = {"X": (1, 1), "Y": (0.97, 1.12), "Z": (1.02, 1.25)}
+VARIATION = {"X": (1, 1), "Y": (0.97, 1.12), "Z": (1.02, 1.25), "A": (0.94, 0.9), "C": (1.01, 0.8)}
 
 
 def servo(axis):
-    """Sections of drive, friction and dynamic correction. Forces are given over the velocity gain, as velocities."""
+    """Sections of drive, friction and dynamic correction. Forces are given over the velocity gain, as velocities.
+
+    The plant of a rotary axis has the same figures in degrees.
+    """
+    unit, micro, scale = ("deg", "urad", math.radians(1000)) if axis in "ABC" else ("mm", "um", 1)
     gains, friction = VARIATION[axis]
     position, velocity = (PLANT[loop] * gains * OFF["gains"] for loop in ("position", "velocity"))
     coulomb = PLANT["coulomb"] * friction * OFF["friction"] / velocity
@@ -77,10 +81,10 @@ reset_time_s = 0.006
 velocity_feed_forward = 0.93
 
 [axis.{axis}.friction]
-coulomb_mm_per_s = {number(coulomb)}
-presliding_um = {number(PLANT["presliding"] * OFF["presliding"])}
+coulomb_{unit}_per_s = {number(coulomb)}
+presliding_{micro} = {number(PLANT["presliding"] * OFF["presliding"] * scale)}
 stribeck_share = 0.3
-stribeck_velocity_mm_per_s = 2
+stribeck_velocity_{unit}_per_s = 2
 viscous = {number(PLANT["viscous"] * OFF["friction"] / velocity, 5)}
 
 [axis.{axis}.dynamic]
@@ -90,6 +94,11 @@ take_up = true
 """
 
 
+OFF_BY = """
+# Drives, friction and what the step adds to the commands. A machine's figures are never known exactly: against the drives
+# of the simulator friction is 10 % too low, the gains are 5 % and pre-sliding is 20 % too high.
+"""
+
 FEEDBACK = """
 [contour.feedback]
 proportional = 0.3
@@ -97,9 +106,14 @@ integral_per_s = 10.0
 """
 
 
+def servos(axes):
+    """Everything of a machine that acts on the servo."""
+    return OFF_BY + "".join(servo(axis) for axis in axes) + FEEDBACK
+
+
 def mill_3axis():
     folder = HERE / "mill-3axis"
-    write_text(folder / "machine.toml", MILL_3AXIS + MILL_3AXIS_SERVO + servo("X") + servo("Y") + servo("Z") + FEEDBACK)
+    write_text(folder / "machine.toml", MILL_3AXIS + servos("XYZ"))
     write_table(
         folder / "x.csv",
         ["X of mill-3axis, laser interferometer and electronic level, line at Y 0, Z -200; zero at machine zero",
@@ -214,12 +228,6 @@ B0Z_urad = -36.0
 C0Y_urad = 38.0
 """
 
-MILL_3AXIS_SERVO = """
-# Drives, friction and what the step adds to the commands. A machine's figures are never known exactly: against the drives
-# of the simulator friction is 10 % too low, the gains are 5 % and pre-sliding is 20 % too high.
-"""
-
-
 # --- mill-5axis: trunnion A on Y, table C in the trunnion, spindle on Z on X ---------------------------------------
 
 
@@ -233,7 +241,7 @@ def total(*terms):
 
 def mill_5axis():
     folder = HERE / "mill-5axis"
-    write_text(folder / "machine.toml", MILL_5AXIS)
+    write_text(folder / "machine.toml", MILL_5AXIS + servos("XYZAC"))
     write_table(
         folder / "x.csv", ["X of mill-5axis, line at Y 0, Z 0"],
         ["X_mm", "EXX_um", "EYX_um", "EZX_um", "EAX_urad", "EBX_urad", "ECX_urad"],
@@ -377,7 +385,7 @@ def from_zero(curve):
 
 def head_5axis():
     folder = HERE / "head-5axis"
-    write_text(folder / "machine.toml", HEAD_5AXIS)
+    write_text(folder / "machine.toml", HEAD_5AXIS + servos("XYZAC"))
     write_table(
         folder / "x.csv", ["X of head-5axis (table), line at Y 0, Z 0; zero at machine zero"],
         ["X_mm", "EXX_um", "EYX_um", "EZX_um", "EAX_urad", "EBX_urad", "ECX_urad"],
@@ -570,7 +578,7 @@ limit_um = 20.0
 
 def mill_turn():
     folder = HERE / "mill-turn"
-    write_text(folder / "machine.toml", MILL_TURN)
+    write_text(folder / "machine.toml", MILL_TURN + servos("XYZAC"))
     write_table(
         folder / "x.csv", ["X of mill-turn, line at Y 0, Z 0"],
         ["X_mm", "EXX_um", "EYX_um", "EZX_um", "EAX_urad", "EBX_urad", "ECX_urad"],

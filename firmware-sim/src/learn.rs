@@ -2,7 +2,7 @@
 
 use crate::console::{progress_bar, put};
 use crate::machine_arg::outputs_of;
-use crate::run::with_learned;
+use crate::run::{MeasuredBy, with_learned};
 use crate::scenario_args::{ScenarioArgs, prepare};
 use anyhow::{Result, anyhow};
 use clap::Args;
@@ -30,6 +30,9 @@ pub(crate) struct LearnArgs {
     /// Correction that the first part is made with [default: none].
     #[arg(long, value_name = "FILE.tlearn")]
     learned: Option<PathBuf>,
+    /// What measures the contour error that is learned from.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = MeasuredBy::Estimate)]
+    measured_by: MeasuredBy,
     /// Gain of the law, above 0 and below 2.
     #[arg(long, value_name = "L", default_value_t = DEFAULT_GAIN, allow_negative_numbers = true)]
     gain: f64,
@@ -83,7 +86,10 @@ pub(crate) fn learn(args: &LearnArgs) -> Result<()> {
     }
     let scenario = with_learned(prepare(&args.scenario, &[])?, args.learned.as_deref())?;
     let bar = progress_bar("learning");
-    let parts = learning::parts(&scenario, &law, args.parts, &mut |done| bar.set_position((1000.0 * done) as u64))?;
+    let parts = {
+        let mut tell = |done: f64| bar.set_position((1000.0 * done) as u64);
+        learning::parts(&scenario, &law, args.measured_by.into(), args.parts, &mut tell)?
+    };
     bar.finish_and_clear();
     if let (Some(output), Some(last)) = (&args.output, parts.last()) {
         outputs.put(output, last.table.bytes())?;

@@ -1,7 +1,7 @@
 //! The contour error of a run over path length, as `trueaxis learn` reads it.
 
 use std::io::{self, Write};
-use trueaxis_sim::learning::{Identity, measured};
+use trueaxis_sim::learning::{Identity, Recorder};
 use trueaxis_sim::run::{Moment, Sample, Sink};
 
 /// Writes a line every cycle, as they come.
@@ -10,6 +10,7 @@ pub struct LearningRecord<W> {
     out: W,
     /// Index of the run.
     run: usize,
+    recorder: Recorder,
     failure: Option<io::Error>,
 }
 
@@ -18,14 +19,14 @@ impl<W: Write> LearningRecord<W> {
     ///
     /// # Errors
     /// Errors of the writer.
-    pub fn new(mut out: W, run: usize, identity: &Identity) -> io::Result<LearningRecord<W>> {
+    pub fn new(mut out: W, run: usize, identity: &Identity, recorder: Recorder) -> io::Result<LearningRecord<W>> {
         let Identity { machine_id, program_id, length_mm } = identity;
         writeln!(
             out,
             "# program_id = {program_id:08x}\n# machine_id = {machine_id:08x}\n# length_mm = {length_mm:.6}"
         )?;
         writeln!(out, "s_mm,ex_um,ey_um,ez_um,measured")?;
-        Ok(LearningRecord { out, run, failure: None })
+        Ok(LearningRecord { out, run, recorder, failure: None })
     }
 
     /// Hands back what was written to.
@@ -46,7 +47,7 @@ impl<W: Write> Sink for LearningRecord<W> {
         if self.failure.is_none()
             && let Some(Some(sample)) = runs.get(self.run)
         {
-            let row = measured(moment, sample);
+            let row = self.recorder.row(moment, sample);
             let [x, y, z] = row.error_mm.unwrap_or_default().map(|value| 1e3 * value);
             let known = u8::from(row.error_mm.is_some());
             self.failure = writeln!(self.out, "{:.6},{x:.5},{y:.5},{z:.5},{known}", row.length_mm).err();

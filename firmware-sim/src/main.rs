@@ -68,8 +68,8 @@ enum Command {
     Grind(grind::GrindArgs),
     /// Make a program several times, each part with the correction learned from those before.
     ///
-    /// Learned is the contour error that the step itself estimates, between two parts and over path length, as `trueaxis
-    /// learn` does from a record; every part has encoder noise of its own.
+    /// Learned is from the contour error that the step itself estimates, or that a grid encoder measures, between two parts
+    /// and over path length, as `trueaxis learn` does from a record; every part has encoder noise of its own.
     Learn(learn::LearnArgs),
     /// Measure a head's rotary axes with a ball under RTCP, identify their errors, correct them, and show what is left.
     ///

@@ -5,7 +5,7 @@ use crate::machine_arg::outputs_of;
 use crate::program_args::{Document, noted};
 use crate::scenario_args::{ScenarioArgs, prepare};
 use anyhow::{Context, Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use firmware_sim::learning_record::LearningRecord;
 use firmware_sim::outcome::{self, Outcome, Timing};
 use firmware_sim::report;
@@ -15,7 +15,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use trueaxis_sim::Scenario;
-use trueaxis_sim::learning::{self, LearnedTable};
+use trueaxis_sim::learning::{self, Instrument, LearnedTable, Recorder};
 use trueaxis_sim::run::{Kind, Run, Sink};
 use trueaxis_tables::output::Staged;
 
@@ -42,6 +42,9 @@ pub(crate) struct RunArgs {
     /// Write the contour error of the full run over path length, for `trueaxis learn`.
     #[arg(long, value_name = "FILE.csv")]
     record: Option<PathBuf>,
+    /// What measures the contour error of that record.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = MeasuredBy::Estimate)]
+    measured_by: MeasuredBy,
     /// The traces keep every Nth cycle.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
     trace_every: u64,
@@ -67,7 +70,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         }
         None => None,
     };
-    let mut record = args.record.as_ref().map(|path| record_to(path, &scenario)).transpose()?;
+    let mut record = args.record.as_ref().map(|path| record_to(path, &scenario, args.measured_by)).transpose()?;
     let timing = Timing { budget_ns: args.scenario.budget_ns(&scenario), paced: args.paced };
     let bar = progress_bar("simulating");
     let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
@@ -94,6 +97,24 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     }
 }
 
+/// What measures the contour error that is learned from.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MeasuredBy {
+    /// The step, from the encoders.
+    Estimate,
+    /// A grid encoder between table and spindle.
+    Grid,
+}
+
+impl From<MeasuredBy> for Instrument {
+    fn from(by: MeasuredBy) -> Instrument {
+        match by {
+            MeasuredBy::Estimate => Instrument::Estimate,
+            MeasuredBy::Grid => Instrument::Grid,
+        }
+    }
+}
+
 /// The scenario with a learned correction, from its file.
 pub(crate) fn with_learned(scenario: Scenario, file: Option<&Path>) -> Result<Scenario> {
     let Some(file) = file else { return Ok(scenario) };
@@ -104,14 +125,15 @@ pub(crate) fn with_learned(scenario: Scenario, file: Option<&Path>) -> Result<Sc
 }
 
 /// The record of the full run.
-fn record_to(path: &Path, scenario: &Scenario) -> Result<LearningRecord<BufWriter<Staged>>> {
+fn record_to(path: &Path, scenario: &Scenario, measured_by: MeasuredBy) -> Result<LearningRecord<BufWriter<Staged>>> {
     let kinds = Kind::of(&scenario.machine.settings);
     let Some(run) = kinds.iter().position(|kind| *kind == Kind::Full) else {
         bail!("--record: found a machine without dynamic correction, needed [axis.X.dynamic] in its machine.toml");
     };
     let identity = learning::identity(scenario, &scenario.motion()?);
+    let recorder = Recorder::new(scenario, measured_by.into())?;
     Staged::create(path)
-        .and_then(|file| LearningRecord::new(BufWriter::new(file), run, &identity))
+        .and_then(|file| LearningRecord::new(BufWriter::new(file), run, &identity, recorder))
         .with_context(|| format!("cannot write {}", path.display()))
 }
 

@@ -14,7 +14,7 @@ fn figures(axis: &Value, key: &str) -> [f64; 3] {
 #[test]
 fn spikes_are_gone_with_the_friction_and_the_drive_that_were_found() {
     let folder = Folder::new(SIMULATOR);
-    let found = folder.json(&[&CALL[..], &["--find-drive", "--record", "record.csv"]].concat());
+    let found = folder.json(&[&CALL[..], &["--record", "record.csv"]].concat());
     for axis in found["axes"].as_array().unwrap() {
         assert_eq!(axis["drive_found"], true);
         // The simulated position loop works in steps of a period and reads the encoder's errors: beside the standard error
@@ -53,7 +53,7 @@ fn spikes_fall(axis: &Value, share: f64) {
 /// The sample states gains that are 5 % too high: what is found with them still takes the spikes away.
 #[test]
 fn figures_of_a_drive_that_are_somewhat_wrong_do() {
-    let found = Folder::new(SIMULATOR).json(&CALL);
+    let found = Folder::new(SIMULATOR).json(&[&CALL[..], &["--given-drive"]].concat());
     for axis in found["axes"].as_array().unwrap() {
         assert_eq!(axis["drive_found"], false);
         assert!(axis["standard_errors"]["position_gain_per_s"].is_null());

@@ -19,7 +19,6 @@ import sys
 import tempfile
 import time
 
-import hal
 import linuxcnc
 
 START = 0.5  # rad: where the circles begin and end, no axis turns
@@ -80,7 +79,7 @@ class Sampler:
         try:
             halcmd("delf", "sampler.0", "servo-thread")
             time.sleep(0.3)
-            overruns = hal.get_value("sampler.0.overruns")
+            overruns = int(halcmd("getp", "sampler.0.overruns"))
         finally:
             self.program.terminate()
             self.program.wait(10)
@@ -102,6 +101,9 @@ class Machine:
         self.stat.poll()
         if self.stat.task_state != linuxcnc.STATE_ON:
             raise Refused("machine: found it off, needed it on")
+        # What was said before concerns others.
+        while self.errors.poll():
+            pass
         if not all(self.stat.homed[joint] for joint in joints):
             raise Refused("machine: found joints that are not homed, needed all")
         if self.stat.interp_state != linuxcnc.INTERP_IDLE:

@@ -4,7 +4,7 @@
 #   test.sh            all tests
 #   test.sh NAME...    some of them (names: tests/checks.py)
 #
-# Installs LinuxCNC 2.9 from Debian where root may; some five minutes. TRUEAXIS_KEEP=DIR keeps recordings there.
+# Installs LinuxCNC 2.9 from Debian where root may; some six minutes. TRUEAXIS_KEEP=DIR keeps recordings there.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
@@ -29,6 +29,7 @@ clean_up() {
     else
         ./install.sh --uninstall >/dev/null
     fi
+    rm -f "$(dirname "$module")/dahl.so"
     if [[ -n $user ]]; then
         timeout 20 runuser -u "$user" -- halrun -U >/dev/null 2>&1 || true
         userdel "$user" 2>/dev/null || true
@@ -38,12 +39,14 @@ clean_up() {
 trap clean_up EXIT
 if [[ -e $module ]]; then cp "$module" "$work/installed.so"; fi
 mkdir -p "$work/repository/integrations/linuxcnc" "$work/bin" "$work/runs"
-cp -r tests config machines "$work/repository/integrations/linuxcnc"
+cp -r tests config machines record-circles.py "$work/repository/integrations/linuxcnc"
 cp -r "$root/compensation-tables" "$work/repository"
 cp "$target/debug/trueaxis" "$target/debug/linuxcnc-recording" "$work/bin"
 chmod -R a+rX "$work"
 
 ./install.sh
+# The drive with friction of the tests.
+(cd "$work" && cp repository/integrations/linuxcnc/tests/dahl.comp . && halcompile --install dahl.comp >/dev/null)
 # The realtime part may call the library and copy memory, and nothing else: no allocation, no file, no print.
 own='(steps|gauge|show)_[a-z_]+|pins_parts_off'
 others=$(nm -u "$target/linuxcnc/"{cycle,steps,gauge,show}.o |
@@ -61,7 +64,7 @@ if [[ $(id -u) == 0 ]]; then
 fi
 (
     cd "$work"
-    timeout --kill-after=20 440 "${as_user[@]}" HOME="$work/runs" PATH=/usr/bin:/bin PYTHONDONTWRITEBYTECODE=1 \
+    timeout --kill-after=20 500 "${as_user[@]}" HOME="$work/runs" PATH=/usr/bin:/bin PYTHONDONTWRITEBYTECODE=1 \
         TRUEAXIS="$work/bin/trueaxis" TRUEAXIS_REPLAY="$work/bin/linuxcnc-recording" \
         /usr/bin/python3 "$work/repository/integrations/linuxcnc/tests/run.py" "$work/runs" "$@"
 )

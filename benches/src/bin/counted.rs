@@ -85,6 +85,8 @@ fn main() {
             cycle.run(&mut output);
             println!("{:#?}", output.record);
         }
-        _ => eprintln!("usage: counted walk | walk-friction | walk-feedback | walk-dynamic | adversarial CYCLE... | digest | replay CYCLE"),
+        _ => eprintln!(
+            "usage: counted walk | walk-friction | walk-feedback | walk-dynamic | adversarial CYCLE... | digest | replay CYCLE"
+        ),
     }
 }

@@ -359,6 +359,49 @@ fn help_teaches() {
     }
 }
 
+/// Margins and servo settings of the sample mill are shown; gains that leave too little margin at a servo rate are refused
+/// with the largest permitted ones, and nothing is written.
+#[test]
+fn margins_are_shown_and_gains_refused() {
+    let directory = Folder::new(TRUEAXIS);
+    for name in ["machine.toml", "x.csv", "y.csv", "z.csv"] {
+        directory.write(format!("m/{name}"), std::fs::read(samples().join("mill-3axis").join(name)).unwrap());
+    }
+    let text = directory.good(&["tables", "check", "m"]);
+    assert!(text.contains("contour feedback   K_p 0.3, K_i 10/s") && text.contains("  friction   0.45 mm/s"), "{text}");
+    assert!(text.contains("axis Z: contour feedback has ") && text.contains("dB of gain margin at "), "{text}");
+    let document: Value = serde_json::from_str(&directory.good(&["tables", "check", "m", "--json"])).unwrap();
+    let margins = document["feedback_margins"].as_array().unwrap();
+    assert_eq!(margins.len(), 3);
+    for margin in margins {
+        let figure = |key: &str| margin[key].as_f64().unwrap();
+        assert!(figure("phase_margin_deg") > 60.0 && figure("gain_margin_db") > 12.0, "{margin}");
+        assert!((figure("largest_integral_per_s") / figure("largest_proportional") - 10.0 / 0.3).abs() < 1e-9);
+    }
+    directory.good(&["tables", "compile", "m", "-o", "t.tcomp"]);
+    let shown: Value = serde_json::from_str(&directory.good(&["tables", "show", "t.tcomp", "--json"])).unwrap();
+    assert_eq!(shown["feedback"]["proportional"], 0.3);
+    assert_eq!(shown["axes"][1]["servo"]["drive"]["position_gain_per_s"], 112.0);
+    assert_eq!(shown["axes"][1]["servo"]["dynamic"]["take_up"], true);
+
+    let machine = std::fs::read_to_string(samples().join("mill-3axis/machine.toml")).unwrap();
+    let strong =
+        machine.replace("proportional = 0.3\nintegral_per_s = 10.0", "proportional = 0.9\nintegral_per_s = 30.0");
+    directory.write("m/machine.toml", &strong);
+    directory.good(&["tables", "check", "m"]);
+    let line = 1 + strong.lines().position(|line| line == "proportional = 0.9").unwrap();
+    let at =
+        format!("machine.toml:{line}: key contour.feedback.proportional: found 0.9, needed 60 degrees of phase margin");
+    let parts = [at.as_str(), "may be at most 0.", "because of axis", "(at 500 Hz)"];
+    directory.bad(&["tables", "check", "m", "--rate-hz", "500"], &parts);
+    directory.bad(&["tables", "compile", "m", "--rate-hz", "500", "-o", "slow.tcomp"], &parts);
+    assert!(!directory.has("slow.tcomp"));
+    // Gains without the figures of a drive.
+    let head = machine.split("[axis.Z.drive]").next().unwrap();
+    directory.write("m/machine.toml", format!("{head}[contour.feedback]\n"));
+    directory.bad(&["tables", "check", "m"], &["key contour.feedback: found this section, needed", "[axis.Z.drive]"]);
+}
+
 #[test]
 fn counts_and_numbers_read_as_people_write_them() {
     let directory = Folder::new(TRUEAXIS);

@@ -1,12 +1,15 @@
 //! Parts of one program after another, each with the correction learned from those before.
 //!
-//! What is learned is what a controller could learn: the contour error of the tip that the step itself estimates, from
-//! encoders with their noise, and never the plant's truth.
+//! Learned is from what the step itself estimates, by encoders with their noise and steps, or from what a grid encoder
+//! measures.
 
 use crate::error::{Result, SimError};
 use crate::motion::Motion;
 use crate::run::{ErrorSize, Kind, Moment, Run, Sample, Sink};
 use crate::scenario::Scenario;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
 use std::sync::Arc;
 use trueaxis::learned::{POINTS_EVERY_MM, ProgramId};
 use trueaxis::tcomp;
@@ -18,6 +21,8 @@ pub use trueaxis_metrology::learning::{
 
 /// Cycles between two looks at the progress.
 const STRETCH: u64 = 4096;
+/// Keeps the noise of the grid encoder apart from that of the others.
+const GRID_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// What a record or a correction of a scenario belongs to; the path is that of the program from its zero in machine
 /// coordinates.
@@ -59,34 +64,78 @@ impl Scenario {
     }
 }
 
-/// Keeps the contour error of one machine of a run over path length, as a controller would record it.
-#[derive(Clone, Debug, Default)]
-pub struct ErrorRecord {
-    /// Place of the machine in the run.
-    machine: usize,
-    /// Every cycle so far.
-    pub rows: Vec<MeasuredError>,
+/// What measures the contour error that is learned from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Instrument {
+    /// The step: the tip that it estimates from the encoders. It does not see what they do not, the errors between their
+    /// lines above all, and is left out while lost motion is being taken up ([`SETTLING_S`]).
+    #[default]
+    Estimate,
+    /// A grid encoder between table and spindle, read along with the encoders: the true tip with noise of [`GRID_NOISE_UM`].
+    Grid,
 }
 
-impl ErrorRecord {
-    /// Of the machine at this place in the run.
-    pub fn of(machine: usize) -> ErrorRecord {
-        ErrorRecord { machine, rows: Vec::new() }
+/// After an axis was limited, the estimate is not learned from for this long, s: while lost motion is led in, the model
+/// knows that the axis has turned, not how far its carriage has come.
+pub const SETTLING_S: f64 = 0.04;
+/// Noise of a grid encoder in each direction, RMS, µm.
+pub const GRID_NOISE_UM: f64 = 0.005;
+
+/// Turns the cycles of a run into rows of a record.
+#[derive(Clone, Debug)]
+pub struct Recorder {
+    instrument: Instrument,
+    noise: ChaCha8Rng,
+    settling: u64,
+    /// Cycles since an axis was limited.
+    settled: u64,
+}
+
+impl Recorder {
+    /// Of a scenario, measured by an instrument.
+    ///
+    /// # Errors
+    /// A grid encoder for a program with rotary axes, along which it cannot be set up.
+    pub fn new(scenario: &Scenario, instrument: Instrument) -> Result<Recorder> {
+        if instrument == Instrument::Grid && scenario.five_axis {
+            let (found, needed) = ("a program with rotary axes", "one of X, Y, Z alone");
+            return Err(SimError::unsuited("grid encoder", found, needed));
+        }
+        let settling = (SETTLING_S * scenario.rate_hz()).ceil() as u64;
+        let noise = ChaCha8Rng::seed_from_u64(scenario.settings.seed.wrapping_mul(GRID_SEED));
+        Ok(Recorder { instrument, noise, settling, settled: settling })
     }
+
+    /// The row of a cycle: nothing is measured in rapid motion.
+    pub fn row(&mut self, moment: &Moment, sample: &Sample) -> MeasuredError {
+        self.settled = if sample.limited == 0 { self.settled.saturating_add(1) } else { 0 };
+        let error_um = match self.instrument {
+            Instrument::Estimate => sample.contour_um.filter(|_| self.settled >= self.settling),
+            Instrument::Grid => Some(sample.deviation_um),
+        };
+        let error = error_um.filter(|_| moment.cutting).map(|error| error.map(|component| 1e-3 * f64::from(component)));
+        let error_mm = error.map(|error| match self.instrument {
+            Instrument::Estimate => error,
+            Instrument::Grid => error.map(|component| {
+                let noise: f64 = StandardNormal.sample(&mut self.noise);
+                component + 1e-3 * GRID_NOISE_UM * noise
+            }),
+        });
+        MeasuredError { length_mm: moment.length_mm, error_mm }
+    }
+}
+
+/// Keeps the rows of a run's only machine.
+struct ErrorRecord {
+    recorder: Recorder,
+    rows: Vec<MeasuredError>,
 }
 
 impl Sink for ErrorRecord {
     fn cycle(&mut self, moment: &Moment, machines: &[Option<&Sample>]) {
-        let sample = machines.get(self.machine).copied().flatten();
-        self.rows.extend(sample.map(|sample| measured(moment, sample)));
+        let samples = machines.iter().flatten();
+        self.rows.extend(samples.map(|sample| self.recorder.row(moment, sample)));
     }
-}
-
-/// A cycle as it is recorded: the error that the step reports, none in rapid motion.
-pub fn measured(moment: &Moment, sample: &Sample) -> MeasuredError {
-    let error = sample.contour_um.filter(|_| moment.cutting);
-    let error_mm = error.map(|error| error.map(|component| 1e-3 * f64::from(component)));
-    MeasuredError { length_mm: moment.length_mm, error_mm }
 }
 
 /// A part and what was learned from it.
@@ -107,7 +156,13 @@ pub struct Part {
 ///
 /// # Errors
 /// As [`Run::of`], [`Scenario::with_learned`] and [`Lesson::learn`].
-pub fn parts(scenario: &Scenario, law: &Law, parts: u32, progress: &mut dyn FnMut(f64)) -> Result<Vec<Part>> {
+pub fn parts(
+    scenario: &Scenario,
+    law: &Law,
+    instrument: Instrument,
+    parts: u32,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Vec<Part>> {
     takes_corrections(scenario)?;
     let identity = identity(scenario, &scenario.motion()?);
     let mut made: Vec<Part> = Vec::new();
@@ -116,8 +171,8 @@ pub fn parts(scenario: &Scenario, law: &Law, parts: u32, progress: &mut dyn FnMu
         this.settings.seed = scenario.settings.seed.wrapping_add(number.into()) & i64::MAX as u64;
         let before = made.last().map(|part| Arc::clone(&part.table)).or_else(|| scenario.learned.clone());
         this.learned = before.clone();
+        let mut record = ErrorRecord { recorder: Recorder::new(&this, instrument)?, rows: Vec::new() };
         let mut run = Run::of(this, &[Kind::Full])?;
-        let mut record = ErrorRecord::of(0);
         while run.advance(STRETCH, &mut record) {
             progress((f64::from(number) + run.cycle() as f64 / run.cycles() as f64) / f64::from(parts));
         }

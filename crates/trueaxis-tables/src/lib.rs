@@ -27,8 +27,8 @@ pub use merge::merge_sections;
 pub use output::write_atomically;
 pub use read::keys::{Keys, Written};
 pub use summary::{
-    AxisSummary, CrosstalkSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary, ServoSummary,
-    Summary, TableSummary, summary,
+    AxisSummary, CrosstalkSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary, RoundnessSummary,
+    ServoSummary, Summary, TableSummary, summary,
 };
 pub use warning::{Warning, check};
 

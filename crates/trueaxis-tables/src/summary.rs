@@ -1,7 +1,9 @@
 //! Content of a compiled file, for people and for programs.
 
+mod roundness;
 mod servo;
 
+pub use roundness::RoundnessSummary;
 pub use servo::{CrosstalkSummary, DynamicSummary, FeedbackSummary, FrictionSummary, ServoSummary};
 
 use crate::text::short;
@@ -9,7 +11,6 @@ use serde::Serialize;
 use std::fmt;
 use trueaxis::machine::carries_workpiece;
 use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup};
-use trueaxis::roundness::{Band, GaugeSettings};
 use trueaxis::tcomp::{TableData, Tcomp};
 
 /// A compiled file in figures.
@@ -50,39 +51,6 @@ pub struct Summary {
     /// Gauge of three probes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roundness: Option<RoundnessSummary>,
-}
-
-/// The gauge of three probes in a compiled file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RoundnessSummary {
-    /// Points of a revolution.
-    pub points: u16,
-    /// φ2 and φ3, degrees.
-    pub angles_deg: [f64; 2],
-    /// Lowest and highest harmonic.
-    pub harmonics: [u16; 2],
-    /// Worst noise gain among them.
-    pub worst_noise_gain: f64,
-    /// Crank throw, wheel radius, pin radius, mm.
-    pub arm_mm: Option<[f64; 3]>,
-    /// Cut-off of the Gaussian filter, UPR.
-    pub filter_upr: Option<u16>,
-    /// Axis of the infeed correction and its gain.
-    pub infeed: Option<(char, f64)>,
-}
-
-fn roundness_summary(settings: &GaugeSettings) -> Option<RoundnessSummary> {
-    let gain = settings.angles.resolve(usize::from(settings.points)).ok()?;
-    let Band { first, last } = settings.band;
-    Some(RoundnessSummary {
-        points: settings.points,
-        angles_deg: [gain.phi2(), gain.phi3()].map(f64::to_degrees),
-        harmonics: [first, last],
-        worst_noise_gain: 1.0 / gain.worst(settings.band),
-        arm_mm: settings.arm.map(|arm| [arm.lengths.crank_mm, arm.lengths.wheel_mm, arm.lengths.pin_mm]),
-        filter_upr: settings.filter,
-        infeed: settings.infeed.map(|infeed| (infeed.axis.letter(), infeed.gain)),
-    })
 }
 
 /// An axis of a compiled file. Positions and limits in the axis' unit.
@@ -170,7 +138,7 @@ pub fn summary(file: &Tcomp<'_>) -> Summary {
         axes: file.axes().map(|(axis, table)| axis_summary(&settings.chain, axis, table)).collect(),
         feedback: settings.contour.feedback.as_ref().map(servo::feedback),
         crosstalk: settings.crosstalk.iter().map(servo::crosstalk).collect(),
-        roundness: settings.roundness.as_ref().and_then(roundness_summary),
+        roundness: settings.roundness.as_ref().and_then(roundness::roundness),
     }
 }
 
@@ -249,24 +217,6 @@ impl fmt::Display for Summary {
         self.feedback.iter().try_for_each(|feedback| feedback.fmt(f))?;
         self.crosstalk.iter().try_for_each(|crosstalk| crosstalk.fmt(f))?;
         self.roundness.iter().try_for_each(|roundness| roundness.fmt(f))
-    }
-}
-
-impl fmt::Display for RoundnessSummary {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ([phi2, phi3], [first, last]) = (self.angles_deg, self.harmonics);
-        write!(f, "\n\nroundness   {} points, probes {phi2:.4}° and {phi3:.4}° on", self.points)?;
-        write!(f, ", harmonics {first} to {last}, noise gain up to {:.2}", self.worst_noise_gain)?;
-        if let Some([crank, wheel, pin]) = self.arm_mm.map(|arm| arm.map(short)) {
-            write!(f, "\n  arm        crank throw {crank}, wheel {wheel}, pin {pin} mm")?;
-        }
-        if let Some(cut_off) = self.filter_upr {
-            write!(f, "\n  filter     Gaussian, {cut_off} UPR")?;
-        }
-        if let Some((axis, gain)) = self.infeed {
-            write!(f, "\n  correction infeed on {axis}, gain {gain}")?;
-        }
-        Ok(())
     }
 }
 

@@ -253,8 +253,6 @@ const WRONG: &[(&str, &str)] = &[
     ("axis.C.dynamic.lag", "1"),
     ("axis.C.dynamic.acceleration", "0"),
     ("contour.feedback.proportional", "20"),
-    // Within its range, but with too little margin.
-    ("contour.feedback.proportional", "3"),
     ("contour.feedback.integral_per_s", "-1"),
     ("contour.feedback.max_feed_mm_per_min", "0"),
     ("contour.feedback.watch_um", "0"),

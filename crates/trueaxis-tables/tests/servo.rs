@@ -305,31 +305,35 @@ fn what_the_checks_refuse_is_told_at_its_line() {
     }
 }
 
-/// Gains that leave too little margin are refused with the largest permitted ones, and those are accepted.
+/// Gains that leave too little margin are refused with the largest permitted ones; those, and all below them at the same
+/// ratio, are accepted.
 #[test]
 fn gains_are_refused_with_the_largest_permitted_ones() {
-    for (section, key) in [
-        ("proportional = 4\nintegral_per_s = 120", "proportional"),
-        ("proportional = 0\nintegral_per_s = 400", "integral_per_s"),
-    ] {
-        let text = MACHINE.replace("proportional = 0.25\nintegral_per_s = 8", section);
-        let error = read(&text).unwrap_err();
-        let wrong = section.lines().find(|line| line.starts_with(key)).unwrap();
-        let line = 1 + text.lines().position(|line| line == wrong).unwrap();
-        assert!(error.starts_with(&format!("machine.toml:{line}: key contour.feedback.{key}: found ")), "{error}");
-        assert!(error.contains("needed 60 degrees of phase margin and 12 dB of gain margin; "), "{error}");
-        let (_, most) = error.split_once("may be at most ").unwrap();
-        let (most, axis) = most.split_once(", because of axis ").unwrap();
-        assert!(["X", "Z"].contains(&axis), "{error}");
-        let most: f64 = most.parse().unwrap();
-        let with = |most: f64| {
-            let gains = match key {
-                "proportional" => format!("proportional = {most:?}\nintegral_per_s = {:?}", most * 30.0),
-                _ => format!("proportional = 0\nintegral_per_s = {most:?}"),
+    let built = |text: &str, rate_hz: f64| {
+        let files = Memory::new([("machine.toml", text), ("x.csv", "X_mm,EXX_um\n0,1\n20,2\n")]);
+        let machine = read(text).unwrap();
+        let refused = |error| Machine::refusal(&files, Path::new("machine.toml"), &error).to_string();
+        trueaxis_tables::build(&machine, rate_hz).map_err(refused)
+    };
+    for (p, i) in [(4.0, 120.0), (0.0, 400.0), (9.0, 3.0), (3.0, 1000.0)] {
+        for rate_hz in [500.0, 1_000.0, 10_000.0] {
+            let with = |share: f64| {
+                let gains = format!("proportional = {:?}\nintegral_per_s = {:?}", p * share, i * share);
+                MACHINE.replace("proportional = 0.25\nintegral_per_s = 8", &gains)
             };
-            read(&MACHINE.replace("proportional = 0.25\nintegral_per_s = 8", &gains))
-        };
-        with(most).unwrap();
-        assert!(with(most * 1.02).is_err(), "{error}");
+            let (text, key) = (with(1.0), if p > 0.0 { "proportional" } else { "integral_per_s" });
+            let error = built(&text, rate_hz).unwrap_err();
+            let line = 1 + text.lines().position(|line| line.starts_with(key)).unwrap();
+            assert!(error.starts_with(&format!("machine.toml:{line}: key contour.feedback.{key}: found ")), "{error}");
+            assert!(error.contains("needed 60 degrees of phase margin and 12 dB of gain margin; "), "{error}");
+            let (_, most) = error.split_once("may be at most ").unwrap();
+            let (most, axis) = most.split_once(", because of axis ").unwrap();
+            assert!(["X", "Z"].contains(&axis), "{error}");
+            let most = most.parse::<f64>().unwrap() / if p > 0.0 { p } else { i };
+            assert!(built(&with(most * 1.02), rate_hz).is_err(), "{error}");
+            for share in [1.0, 0.99, 0.9, 0.75, 0.5] {
+                assert_eq!(built(&with(most * share), rate_hz), Ok(()), "{share} of {error}");
+            }
+        }
     }
 }

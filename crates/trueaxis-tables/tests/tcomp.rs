@@ -276,7 +276,8 @@ fn nonsense_with_a_good_sum_is_refused() {
     assert_eq!(wrapped(&payload[..settings]), TcompError::TableHeader);
     let header = |change: &[u8]| wrapped(&[&payload[..settings], change, &payload[settings + change.len()..]].concat());
     // A model and an orientation that are none: enum and bool beyond their variants.
-    let location = 8 * (3 + 1 + 3 + 18 + 7 + 1) + 1;
+    let feedback = if machine.settings.contour.feedback.is_some() { 1 + 8 * 4 } else { 1 };
+    let location = 8 * (3 + 1 + 3 + 18 + 7 + 1) + feedback;
     let compensation = 2 + machine.settings.name.len() + machine.settings.chain.len() + location;
     for place in [compensation, compensation + 1] {
         let mut payload = payload.to_vec();

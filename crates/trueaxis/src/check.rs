@@ -3,6 +3,7 @@
 //! Everything here runs at build, in double precision, without allocation; its cost is a few look-ups per table line.
 
 mod bounds;
+mod drive;
 mod inverse;
 mod margins;
 mod open_loop;
@@ -15,11 +16,11 @@ pub use bounds::{contribution, reach, slopes, tilt};
 pub use inverse::{
     INVERSE_TOLERANCE_MM, MOST_PASSES, error_range, inverse_passes, jacobian_norm, joint_range, machine_passes,
 };
-pub use margins::Margins;
+pub use margins::{GAIN_MARGIN_DB, Margins, PHASE_MARGIN_DEG};
 pub use open_loop::Margin;
 pub use reversal::{HYSTERESIS_PER_STEP, lost_motion, reversal};
 pub(crate) use servo::of_dynamic;
-pub use servo::{GAIN_MARGIN_DB, PHASE_MARGIN_DEG, feedback, feedback_margins};
+pub use servo::{feedback, feedback_margins};
 pub use volumetric::{angular_tip_error, tip_rate};
 
 use crate::error::{ConfigError, Field};
@@ -38,7 +39,7 @@ fn need(holds: bool, error: ConfigError) -> Result<(), ConfigError> {
 }
 
 /// Everything but the tables: every number in its physical range ([`crate::range`]), ranges ordered, chain well-formed, axes as in
-/// the chain.
+/// the chain. The margins of the contour feedback need the servo period: [`feedback`], called by [`crate::Config::build`].
 ///
 /// # Errors
 /// The first setting that is wrong.
@@ -57,7 +58,6 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     five_axes(machine)?;
     machine.axes.iter().try_for_each(axis_settings)?;
     servo::settings(machine)?;
-    feedback(machine, 0.0)?;
     roundness(machine)
 }
 

@@ -1,8 +1,10 @@
 //! The two kinds of error: an invalid configuration at build, a fault of a cycle at run time.
 
 mod field;
+mod key;
 
-pub use field::{Field, Key};
+pub use field::Field;
+pub use key::Key;
 
 use crate::axis::Axis;
 use core::fmt;

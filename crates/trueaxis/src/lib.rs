@@ -4,11 +4,11 @@
 //! position on the programmed path; it returns the drive commands and the distance of the tool from its path:
 //!
 //! ```text
-//! command ──► sample ──► compensation ──────────────► output ──► drives
-//! encoders ─►  finite,    nine-term look-up,           limiter,     │
-//!              plausible  exact inverse      contour   hold         ├► feedback for the host
-//!                │                             ▲                    │
-//!                └──── estimated tool tip ─────┘                    └► telemetry record
+//! command ──► sample ──► compensation ───────────────────────► output ──► drives
+//! encoders ─►  finite,    nine-term look-up,                    limiter,     │
+//!              plausible  exact inverse      contour ► dynamic   hold        ├► feedback for the host
+//!                │                             ▲                             │
+//!                └──── estimated tool tip ─────┘                             └► telemetry record
 //! ```
 //!
 //! - [`sample`]: validates commands and encoder readings: positions to work with, or a [`Fault`];

@@ -23,8 +23,8 @@ const AXES: [Axis; 2] = [Axis::X, Axis::Y];
 /// Arguments of `friction`.
 #[derive(Args)]
 #[command(after_help = "Examples:
-  firmware-sim friction                             the sample mill, its drives' figures as it states them
-  firmware-sim friction --find-drive --json         the drives' figures found in the record too
+  firmware-sim friction                             the sample mill: friction and the drives' figures
+  firmware-sim friction --given-drive --json        friction alone, with the figures that the machine states
   firmware-sim friction --record record.csv         the record too; then: trueaxis friction record.csv --axes X,Y")]
 pub(crate) struct FrictionArgs {
     /// Machine: a machine.toml, its folder, or the name of a sample (mill-3axis, mill-5axis, mill-turn).
@@ -40,9 +40,9 @@ pub(crate) struct FrictionArgs {
     /// Whole turns of every circle, 1 to 20.
     #[arg(long, value_name = "N", default_value_t = 1)]
     turns: u32,
-    /// Find the drives' figures even where the machine states them.
+    /// Take the drives' figures that the machine states, instead of finding them too.
     #[arg(long)]
-    find_drive: bool,
+    given_drive: bool,
     /// Write the first record, for `trueaxis friction`.
     #[arg(long, value_name = "RECORD.csv")]
     record: Option<PathBuf>,
@@ -62,7 +62,7 @@ pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
         outputs.refuse_input(file)?;
     }
     let stated = AXES.map(|axis| machine.settings.axis(axis).and_then(|own| own.servo.drive));
-    let given = if args.find_drive { [None; 2] } else { stated };
+    let given = if args.given_drive { stated } else { [None; 2] };
 
     let bar = progress_bar("recording");
     let mut told = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);

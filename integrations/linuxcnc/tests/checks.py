@@ -3,8 +3,17 @@ import check_cost
 import check_dynamics
 import check_faults
 import check_files
+import check_friction
 import check_machines
 import check_motion
 
-MODULES = (check_files, check_motion, check_dynamics, check_faults, check_machines, check_cost)
+MODULES = (
+    check_files,
+    check_motion,
+    check_dynamics,
+    check_faults,
+    check_machines,
+    check_friction,
+    check_cost,
+)
 ALL = {test.__name__: test for module in MODULES for test in module.TESTS}

@@ -2,6 +2,7 @@
 import json
 import os
 import shutil
+import subprocess
 import time
 
 import hal
@@ -276,6 +277,20 @@ def contour(pilot):
     pilot.start("contour.ngc")
     pilot.finish()
     pilot.save("run")
+
+
+def friction(pilot):
+    """Circles recorded by record-circles.py, as a user calls it."""
+    pilot.on()
+    pilot.home()
+    script = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "record-circles.py")
+    words = [script, "--centre", "0,0", "--radius-mm", "10.0037", "--feeds", "1200,500", "--turns", "1", "-o", "record.csv",
+             "--no-evaluation"]
+    # Beyond the travel: refused, and HAL is as it was.
+    far = subprocess.run([*words, "--radius-mm", "400"], capture_output=True, text=True, timeout=60)
+    if far.returncode != 2 or os.path.exists("record.csv"):
+        raise RuntimeError("circles beyond the travel: exit code %d, %s" % (far.returncode, far.stderr))
+    subprocess.run(words, check=True, timeout=140)
 
 
 ALL = {name: value for name, value in globals().items() if callable(value) and name != "joints"}

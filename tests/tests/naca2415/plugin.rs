@@ -2,11 +2,13 @@
 
 use super::course::Control;
 use super::plant::{Cascade, PUBLISHED};
-use trueaxis::contour::Method;
+use trueaxis::contour::{Flags, Method};
+use trueaxis::learned::Learned;
 use trueaxis::machine::{
     AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings, Limits, MachineSettings,
 };
 use trueaxis::{Config, HostServo, HostState, Row};
+use trueaxis_metrology::learning::MeasuredError;
 use trueaxis_testing::machine::Machine;
 use trueaxis_tests::course::Course;
 
@@ -83,11 +85,15 @@ pub(crate) fn machine(gains: Option<Gains>, feed_forward: Option<Off>) -> Machin
 pub(crate) struct Plugin<'s> {
     servo: &'s HostServo<'s, 3>,
     state: HostState<3>,
+    /// What earlier parts taught.
+    pub(crate) learned: Option<Learned<'s, f64>>,
+    /// Record of this one, for the next.
+    pub(crate) record: Vec<MeasuredError>,
 }
 
 impl<'s> Plugin<'s> {
     pub(crate) fn new(servo: &'s HostServo<'s, 3>) -> Plugin<'s> {
-        Plugin { servo, state: servo.start() }
+        Plugin { servo, state: servo.start(), learned: None, record: Vec::new() }
     }
 }
 
@@ -108,8 +114,14 @@ pub(crate) fn with_servo<T>(
 impl Control for Plugin<'_> {
     fn drive(&mut self, course: &Course, cycle: usize, tip: [f64; 2]) -> [f64; 2] {
         let command = &course.commands[cycle];
-        let input = self.servo.input(command.at, [tip[0], tip[1], command.at[2]]);
+        let mut input = self.servo.input(command.at, [tip[0], tip[1], command.at[2]]);
+        if let Some(learned) = &self.learned {
+            input.learned = learned.at(command.setpoint.length);
+        }
         let output = self.servo.step(&mut self.state, &input, course.path().on(command.reference), ());
+        let tip = &output.record.tip;
+        let error_mm = (command.cutting && tip.flags == Flags::BRACKETED).then(|| tip.vector.into());
+        self.record.push(MeasuredError { length_mm: command.setpoint.length, error_mm });
         [output.drive[0], output.drive[1]]
     }
 }

@@ -7,7 +7,7 @@ mod settings;
 use crate::model;
 use crate::output::{json, print, progress};
 use crate::report;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use document::Document;
 use recording::Recording;
@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::machine::DriveFigures;
 use trueaxis_metrology::friction::identify;
+use trueaxis_tables::merge_sections;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
@@ -29,9 +30,12 @@ The following error of this model along the recorded commands is fitted to the r
 and K_v, K_vp, τ, k_ff where --machine does not state them. A share, velocity or viscous friction that the record does not
 tell stays at 0, 2 mm/s, 0.
 
--o: the sections [axis.X.friction] and, where they were found, [axis.X.drive] of a machine.toml, with standard errors.
+-o: the sections [axis.X.friction] and, where they were found, [axis.X.drive] of a machine.toml, with standard errors; with
+--merge the machine's whole file with these sections in it, beside the old one.
 
-Example: trueaxis friction record.csv --axes X,Y --report out -o friction.toml";
+Examples:
+  trueaxis friction record.csv --axes X,Y --report out -o friction.toml
+  trueaxis friction record.csv --axes X,Y --machine mymill --merge -o mymill/friction.toml";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -56,6 +60,9 @@ pub(crate) struct Arguments {
     /// Write the settings found as a TOML file.
     #[arg(short, long, value_name = "TOML")]
     output: Option<PathBuf>,
+    /// The file written is the machine's own with the settings found in it, in the machine's folder under another name.
+    #[arg(long, requires = "machine", requires = "output")]
+    merge: bool,
 }
 
 /// Two different linear axes.
@@ -97,10 +104,29 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&mut outputs, &report::friction::page(&source, &document, &found), directory, "friction.html")?;
     }
     if let Some(output) = &arguments.output {
-        outputs.put(output, settings::text(&arguments.record, &found).as_bytes())?;
+        let settings = settings::text(&arguments.record, &found);
+        let text = match &arguments.machine {
+            Some(machine) if arguments.merge => merged(machine, output, &settings)?,
+            _ => settings,
+        };
+        outputs.put(output, text.as_bytes())?;
     }
     outputs.commit()?;
     if arguments.json { json(&document) } else { print(&document.table()?) }
+}
+
+/// The machine's file with the settings in it; `output` has to stand beside it, where its tables are found.
+fn merged(machine: &Path, output: &Path, settings: &str) -> Result<String> {
+    let file = if machine.is_dir() { machine.join("machine.toml") } else { machine.to_path_buf() };
+    let folder = |path: &Path| {
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        parent.canonicalize().ok()
+    };
+    if folder(output) != folder(&file) {
+        bail!("--merge: found {}, needed a file beside {}, whose tables it names", output.display(), file.display());
+    }
+    let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
+    merge_sections(&text, settings).map_err(|error| anyhow!("{}: {error}", file.display()))
 }
 
 /// The drives' figures that a machine states.

@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis_metrology::friction::{Record, Recorded, Refused};
 
+/// Columns that a record may have: time, then command and reading of X, Y and Z.
+const NAMES: [&str; 7] = ["t_s", "x_cmd_mm", "x_mm", "y_cmd_mm", "y_mm", "z_cmd_mm", "z_mm"];
+
 /// The record and where it comes from.
 pub(super) struct Recording {
     pub(super) file: PathBuf,
@@ -14,20 +17,18 @@ pub(super) struct Recording {
 
 impl Recording {
     pub(super) fn read(file: &Path, axes: [Axis; 2]) -> Result<Recording> {
-        let names = axes.map(names);
-        let needed = |name| Column { name, needed: true };
-        let [[command, reading], [other_command, other_reading]] = names;
-        let columns = ["t_s", command, reading, other_command, other_reading].map(needed);
+        let needed = |name: &str| axes.iter().any(|axis| name.starts_with(axis.letter().to_ascii_lowercase()));
+        let columns = NAMES.map(|name| Column { name, needed: name == "t_s" || needed(name) });
         let mut rows = Rows::open(file, &columns, "samples")?;
         let (mut lines, mut times) = (Vec::new(), Vec::new());
         let mut recorded = axes.map(|axis| Recorded { axis, command: Vec::new(), reading: Vec::new() });
         while let Some(row) = rows.next()? {
-            let [time, values @ ..] = row.values;
             lines.push(row.line);
-            times.push(time);
-            for (own, pair) in recorded.iter_mut().zip(values.chunks(2)) {
-                own.command.extend(pair.first());
-                own.reading.extend(pair.last());
+            times.push(row.values[0]);
+            for own in &mut recorded {
+                let place = 1 + 2 * own.axis.index();
+                own.command.extend(row.values.get(place));
+                own.reading.extend(row.values.get(place + 1));
             }
         }
         let record = Record::new(&times, recorded).map_err(|refused| match refused {
@@ -39,14 +40,5 @@ impl Recording {
             refused => anyhow!("{}: {refused}", file.display()),
         })?;
         Ok(Recording { file: file.into(), record })
-    }
-}
-
-/// Columns of an axis: command, reading.
-fn names(axis: Axis) -> [&'static str; 2] {
-    match axis {
-        Axis::X => ["x_cmd_mm", "x_mm"],
-        Axis::Y => ["y_cmd_mm", "y_mm"],
-        _ => ["z_cmd_mm", "z_mm"],
     }
 }

@@ -162,6 +162,15 @@ impl fmt::Display for Refused {
                  that differ by 1.5 or more: circles of two radii or at two feeds",
                 axis.letter()
             ),
+            _ => self.fmt_of_fit(f),
+        }
+    }
+}
+
+impl Refused {
+    /// What a fit has shown.
+    fn fmt_of_fit(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
             Refused::NoFriction { axis, found_mm_per_s, standard_error_mm_per_s } => write!(
                 f,
                 "axis {}: found friction of {found_mm_per_s:.5} mm/s with a standard error of \
@@ -208,6 +217,8 @@ impl fmt::Display for Refused {
                 axis.letter(),
                 axis.letter()
             ),
+            // All others are told before any fit.
+            _ => Ok(()),
         }
     }
 }

@@ -105,6 +105,7 @@ fn the_better_order(
     Ok(best.values)
 }
 
+/// Refuses a fit that leaves open what the feed-forward needs.
 pub(super) fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -> Result<(), Refused> {
     if found.rank < free.len() {
         return Err(Refused::RankShort { axis, rank: found.rank, of: free.len(), condition: found.condition });

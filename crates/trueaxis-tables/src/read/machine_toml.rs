@@ -2,6 +2,7 @@
 
 use super::keys::Keys;
 use super::section::{Found, Section};
+use super::units::{degrees_from_urad, from_um, from_urad, per_second, same};
 use crate::error::FileError;
 use crate::origin::Origin;
 use crate::text::line_at;
@@ -27,31 +28,6 @@ pub(super) struct Description {
     pub(super) keys: Keys,
     /// Keys of numbers that were asked for, with their count.
     pub(super) numbers: Vec<(String, usize)>,
-}
-
-/// µm to mm: a division, so that the result is the double nearest to the decimal.
-pub(super) fn from_um(value: f64) -> f64 {
-    value / 1e3
-}
-
-/// µrad to rad.
-fn from_urad(value: f64) -> f64 {
-    value / 1e6
-}
-
-/// µrad to degrees.
-pub(super) fn degrees_from_urad(value: f64) -> f64 {
-    (value / 1e6).to_degrees()
-}
-
-/// In the unit of the core already.
-pub(super) fn same(value: f64) -> f64 {
-    value
-}
-
-/// Per minute to per second.
-pub(super) fn per_second(value: f64) -> f64 {
-    value / 60.0
 }
 
 pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError> {

@@ -8,6 +8,7 @@ mod refused;
 mod roundness_toml;
 mod section;
 mod servo_toml;
+mod units;
 
 use crate::error::FileError;
 use crate::files::{Folder, Source, bytes};

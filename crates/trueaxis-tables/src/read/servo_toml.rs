@@ -1,7 +1,7 @@
 //! `[axis.*.drive]`, `[axis.*.friction]`, `[axis.*.dynamic]` and `[contour.feedback]` of `machine.toml`.
 
-use super::machine_toml::{degrees_from_urad, from_um, per_second, same};
 use super::section::Section;
+use super::units::{degrees_from_urad, from_um, per_second, same};
 use crate::error::FileError;
 use trueaxis::machine::{Axis, AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings};
 

@@ -1,8 +1,13 @@
 //! Margins of stability of the contour feedback.
 
+use super::drive::{characteristic, stiffness};
 use super::open_loop::{Margin, OpenLoop};
-use super::servo::{GAIN_MARGIN_DB, PHASE_MARGIN_DEG, characteristic, stiffness};
 use crate::machine::{DriveFigures, FeedbackSettings, FrictionSettings};
+
+/// Least phase margin of the contour feedback, degrees.
+pub const PHASE_MARGIN_DEG: f64 = 60.0;
+/// Least gain margin of the contour feedback, dB.
+pub const GAIN_MARGIN_DB: f64 = 12.0;
 
 /// Margins of the contour feedback on one axis: the least over the loops that the axis may be.
 ///
@@ -91,12 +96,14 @@ fn integrated([a, b, c, d, e]: [f64; 5]) -> [f64; 6] {
     [0.0, a, b, c, d, e]
 }
 
-/// Angular frequencies between which the loop does all that it does: a thousandth of the slowest of its rates to a hundred
-/// times the fastest, 1/s. A dead time only adds lag where the gain has fallen already.
+/// Angular frequencies between which the loop does all that it does: a ten-thousandth of the slowest of its rates to a
+/// hundred times the fastest, 1/s. They follow from the drive and the ratio of the gains, so that loops of one ratio are
+/// looked at in the same places, whatever their gains. A dead time only adds lag where the gain has fallen already.
 fn frequencies(drive: &DriveFigures, feedback: &FeedbackSettings) -> [f64; 2] {
     let DriveFigures { position_gain_per_s, velocity_gain_per_s, reset_time_s, current_loop_s, .. } = *drive;
     let rates = [position_gain_per_s, velocity_gain_per_s, 1.0 / reset_time_s, 1.0 / current_loop_s];
-    let integral = Some(feedback.integral_per_s).filter(|rate| *rate > 0.0);
-    let of = |pick: fn(f64, f64) -> f64| rates.into_iter().chain(integral).fold(position_gain_per_s, pick);
-    [1e-3 * of(f64::min), 1e2 * of(f64::max)]
+    let ratio = feedback.integral_per_s / feedback.proportional;
+    let ratio = Some(ratio).filter(|ratio| *ratio > 1e-3 && *ratio < 1e6);
+    let of = |pick: fn(f64, f64) -> f64| rates.into_iter().chain(ratio).fold(position_gain_per_s, pick);
+    [1e-4 * of(f64::min), 1e2 * of(f64::max)]
 }

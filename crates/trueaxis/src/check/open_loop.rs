@@ -1,7 +1,7 @@
 //! Margins of a loop that is given by its open-loop transfer function, a ratio of polynomials and a dead time.
 
 /// Frequencies at which the loop is looked at, evenly spaced in their logarithm.
-const POINTS: u16 = 256;
+const POINTS: u16 = 512;
 /// Halvings of an interval between two of them: to a part of 10⁹.
 const HALVINGS: u8 = 40;
 

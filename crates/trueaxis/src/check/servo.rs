@@ -1,14 +1,11 @@
 //! What drives, friction, dynamic correction, contour feedback and cross-talk have to keep to.
 
+use super::drive::{is_stable, stiffness};
 use super::margins::{Margins, margins};
 use super::need;
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, DriveFigures, FrictionSettings, MachineSettings};
+use crate::machine::{Axis, AxisSettings, MachineSettings};
 
-/// Least phase margin of the contour feedback, degrees.
-pub const PHASE_MARGIN_DEG: f64 = 60.0;
-/// Least gain margin of the contour feedback, dB.
-pub const GAIN_MARGIN_DB: f64 = 12.0;
 /// Delay of the step itself, in servo periods: one until a reading has become a command, half of one for the hold between
 /// two commands.
 const OWN_DELAY: f64 = 1.5;
@@ -62,31 +59,6 @@ pub(crate) fn of_dynamic(error: ConfigError) -> ConfigError {
     ConfigError { field, ..error }
 }
 
-/// Stiffness of pre-sliding friction at rest over the moved mass, 1/s²: K_vp (F_c/K_vp) (1 + s)/z.
-pub(super) fn stiffness(drive: &DriveFigures, friction: &FrictionSettings) -> f64 {
-    drive.velocity_gain_per_s * friction.coulomb_per_s * (1.0 + friction.stribeck_share) / friction.presliding
-}
-
-/// Characteristic polynomial of a drive with its position loop, velocity loop (proportional and integral), current loop
-/// and a mass on a spring of `stiffness`, from the constant term on, times τ:
-///
-/// ```text
-/// τ s (1 + s t_c)(s² + k) + K_vp (τ s + 1)(s + K_v)
-/// ```
-pub(super) fn characteristic(drive: &DriveFigures, stiffness: f64) -> [f64; 5] {
-    let DriveFigures {
-        position_gain_per_s: kv, velocity_gain_per_s: kvp, reset_time_s: tau, current_loop_s: tc, ..
-    } = *drive;
-    [kvp * kv, tau * stiffness + kvp * (1.0 + tau * kv), tau * (tc * stiffness + kvp), tau, tau * tc]
-}
-
-/// All roots of the characteristic polynomial to the left of the imaginary axis (Routh).
-fn is_stable(drive: &DriveFigures, stiffness: f64) -> bool {
-    let [a0, a1, a2, a3, a4] = characteristic(drive, stiffness);
-    let b = a2 * a3 - a4 * a1;
-    b > 0.0 && b * a1 > a3 * a3 * a0
-}
-
 fn crosstalk(machine: &MachineSettings) -> Result<(), ConfigError> {
     for (index, entry) in machine.crosstalk.iter().enumerate() {
         let wrong = |field, found, needed| ConfigError::new(field, found, needed).at(index);
@@ -108,8 +80,8 @@ fn crosstalk(machine: &MachineSettings) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Margins of the contour feedback on every linear axis with drive figures, for a servo period, s; 0: not known yet, the
-/// step's own delay is left out. Nothing without contour feedback.
+/// Margins of the contour feedback on every linear axis with drive figures, for a servo period, s. Nothing without contour
+/// feedback.
 pub fn feedback_margins(machine: &MachineSettings, period_s: f64) -> impl Iterator<Item = (Axis, Margins)> {
     let linear = machine.axes.iter().filter(|axis| !axis.axis.is_rotary());
     linear.filter_map(move |axis| {
@@ -118,7 +90,7 @@ pub fn feedback_margins(machine: &MachineSettings, period_s: f64) -> impl Iterat
     })
 }
 
-/// Refuses gains of the contour feedback that leave less than [`PHASE_MARGIN_DEG`] or [`GAIN_MARGIN_DB`] on an axis at
+/// Refuses gains of the contour feedback that leave less than [`super::PHASE_MARGIN_DEG`] or [`super::GAIN_MARGIN_DB`] on an axis at
 /// this servo period, s (0: not known yet). [`Margins`] says in which loops.
 ///
 /// # Errors
@@ -149,7 +121,7 @@ pub fn feedback(machine: &MachineSettings, period_s: f64) -> Result<(), ConfigEr
 /// To three digits, towards zero.
 fn rounded_down(value: f64) -> f64 {
     let digits = 2.0 - libm::floor(libm::log10(value));
-    if !(digits.abs() < 200.0) {
+    if !digits.is_finite() || digits.abs() > 200.0 {
         return value;
     }
     let (up, down) = (libm::exp10(digits.max(0.0)), libm::exp10((-digits).max(0.0)));

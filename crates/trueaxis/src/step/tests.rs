@@ -2,6 +2,7 @@
 
 mod cells;
 mod combinations;
+mod dynamic;
 mod finite;
 mod plausibility;
 mod rtcp;
@@ -36,7 +37,14 @@ pub(super) fn servo_loop_with<R: Real, P: Position>(
     scale: f64,
     change: impl Fn(&mut AxisSettings),
 ) -> &'static ServoLoop<'static, R, P, 3> {
-    let machine = machine(change);
+    loop_of(scale, machine(change))
+}
+
+/// The same of a whole machine.
+pub(super) fn loop_of<R: Real, P: Position>(
+    scale: f64,
+    machine: MachineSettings,
+) -> &'static ServoLoop<'static, R, P, 3> {
     let rows: Vec<Row> = (0..=10)
         .map(|i| {
             let e = scale * (0.006 + 0.0006 * f64::from(i));
@@ -58,7 +66,7 @@ pub(super) fn servo_loop_with<R: Real, P: Position>(
 }
 
 /// Three linear axes, without their tables.
-fn machine(change: impl Fn(&mut AxisSettings)) -> MachineSettings {
+pub(super) fn machine(change: impl Fn(&mut AxisSettings)) -> MachineSettings {
     let machine = Machine::three_axis().travel([-10.0, 110.0], 0.1);
     machine.each(|axis| axis.interpolation = Interpolation::Cubic).each(change).settings()
 }

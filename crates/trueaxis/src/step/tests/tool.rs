@@ -2,7 +2,7 @@
 
 use crate::contour::{Flags, Method, OrientationError, Path, Reference, Segment, Span, ToolPath, Turn, convert};
 use crate::kinematics::Kinematics;
-use crate::machine::{Axis, ErrorModel, MachineSettings, Row};
+use crate::machine::{Axis, DriveFigures, ErrorModel, FeedbackSettings, MachineSettings, Row};
 use crate::position::{Nanometres, Position};
 use crate::real::Real;
 use crate::telemetry::Status;
@@ -208,6 +208,50 @@ fn perfect_tracking_has_no_error() {
             },
         );
         assert!(count > 2900);
+    }
+}
+
+/// The tip's error is found in the workpiece, turned by A and C; the axes that take it out are in the machine.
+#[test]
+fn the_feedback_acts_in_machine_directions() {
+    for chain in [TABLES, HEADS] {
+        let mut machine = settings(chain);
+        let feedback = FeedbackSettings { integral_per_s: 0.0, max_feed_per_s: 1e4, ..FeedbackSettings::default() };
+        machine.contour.feedback = Some(feedback);
+        for axis in machine.axes.iter_mut().filter(|axis| !axis.axis.is_rotary()) {
+            axis.servo.drive = Some(DriveFigures {
+                position_gain_per_s: 100.0,
+                velocity_gain_per_s: 800.0,
+                reset_time_s: 0.006,
+                velocity_feed_forward: 0.9,
+                current_loop_s: 2.5e-4,
+                dead_time_s: 0.0,
+            });
+        }
+        let machine = Machine::<f64, f64>::of(chain, machine, |_| [0.0; 6]);
+        let stray = [0.004, -0.003, 0.002, 0.0, 0.0];
+        let along_path = sub(END, START).map(|x| x / norm(sub(END, START)));
+        let mut count = 0;
+        follow(
+            &machine,
+            |_| stray,
+            |u, feedback, out, _| {
+                let (tip, _) = tool_at(chain, feedback);
+                let off = sub(tip, self::along(u).0);
+                let across = sub(off, along_path.map(|x| x * dot(off, along_path)));
+                let [.., a, c] = feedback;
+                let in_machine = if chain == TABLES { turned_back(across, a, c) } else { across };
+                if out.record.tip.flags == Flags::BRACKETED {
+                    let found = out.record.dynamic.unwrap().feedback;
+                    for k in 0..3 {
+                        assert!((found[k] + 0.3 * in_machine[k]).abs() < 1e-8, "{chain} {u}: {found:?} {in_machine:?}");
+                    }
+                    assert_eq!([found[3], found[4]], [0.0; 2]);
+                    count += 1;
+                }
+            },
+        );
+        assert!(count > 2500, "{chain}: {count}");
     }
 }
 

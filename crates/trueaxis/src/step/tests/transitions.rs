@@ -260,7 +260,7 @@ fn a_jump_of_the_whole_range_of_integers_is_a_jump() {
 
 /// Action of a cycle in the random sequence.
 #[derive(Clone, Copy, Debug)]
-enum Do {
+pub(super) enum Do {
     /// Goes on at a speed, mm per cycle and axis.
     Go([f64; 3]),
     NoNumber,
@@ -276,7 +276,7 @@ enum Do {
     Reset(f64),
 }
 
-fn any_doing() -> impl Strategy<Value = (Do, u16)> {
+pub(super) fn any_doing() -> impl Strategy<Value = (Do, u16)> {
     let speed = || -0.09..0.09f64;
     prop_oneof![
         6 => ([speed(), speed(), speed()].prop_map(Do::Go), 1..400u16),

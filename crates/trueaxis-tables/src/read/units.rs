@@ -1,0 +1,26 @@
+//! From the units of `machine.toml` to those of the core.
+
+/// µm to mm: a division, so that the result is the double nearest to the decimal.
+pub(super) fn from_um(value: f64) -> f64 {
+    value / 1e3
+}
+
+/// µrad to rad.
+pub(super) fn from_urad(value: f64) -> f64 {
+    value / 1e6
+}
+
+/// µrad to degrees.
+pub(super) fn degrees_from_urad(value: f64) -> f64 {
+    (value / 1e6).to_degrees()
+}
+
+/// In the unit of the core already.
+pub(super) fn same(value: f64) -> f64 {
+    value
+}
+
+/// Per minute to per second.
+pub(super) fn per_second(value: f64) -> f64 {
+    value / 60.0
+}
