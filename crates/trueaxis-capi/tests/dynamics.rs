@@ -63,6 +63,7 @@ struct Seen {
     sent: f64,
 }
 
+#[allow(clippy::useless_conversion)] // not in single precision
 fn largest(numbers: &[Real]) -> f64 {
     numbers.iter().map(|x| f64::from(x.abs())).fold(0.0, f64::max)
 }

@@ -249,7 +249,9 @@ fn records_of_other_motions_are_refused_with_their_figures() {
 
 #[test]
 fn wrong_units_are_refused_with_their_figures() {
-    let cases: [(fn(f64, f64) -> [f64; 2], &str); 5] = [
+    /// A command and a reading as some other file has them.
+    type Slip = fn(f64, f64) -> [f64; 2];
+    let cases: [(Slip, &str); 5] = [
         (|c, x| [1e-3 * c, 1e-3 * x], "needed 0.5 to 20000 mm: positions in mm"),
         (|c, x| [c, 1e3 * x], "both in mm, of the same axis"),
         (|c, x| [1e3 * c, 1e3 * x], "0.5 to 20000 mm"),
