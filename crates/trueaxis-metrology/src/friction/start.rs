@@ -42,7 +42,7 @@ pub(super) fn start(problem: &Problem, given: Option<&DriveFigures>) -> Values {
                     let mut values = Values::new(&DRIVE, &TYPICAL);
                     values.0[POSITION_GAIN] = gain;
                     values.0[RESET_TIME] = reset;
-                    values.0[FEED_FORWARD] = (1.0 - gain * lag_s).max(0.0).min(1.0);
+                    values.0[FEED_FORWARD] = (1.0 - gain * lag_s).clamp(0.0, 1.0);
                     candidates.push(values);
                 }
             }
@@ -67,7 +67,7 @@ fn scaled(problem: &Problem, values: &Values, presliding: f64) -> (f64, Values) 
         product += response * (problem.error[k] - calm[k]);
         square += response * response;
     }
-    let factor = if square > 0.0 { (product / square).max(0.01).min(100.0) } else { 1.0 };
+    let factor = if square > 0.0 { (product / square).clamp(0.01, 100.0) } else { 1.0 };
     values.0[COULOMB] *= factor;
     let cost = problem.residuals(&values).iter().map(|r| r * r).sum();
     (cost, values)
