@@ -78,7 +78,7 @@ fn folder(record: &str) -> Folder {
     let folder = Folder::new(TRUEAXIS);
     folder.write("record.csv", record);
     folder.write("x.csv", "X_mm,EXX_um\n-100,0\n0,1\n100,0\n");
-    folder.write("machine.toml", &format!("{MACHINE}{DRIVES}"));
+    folder.write("machine.toml", format!("{MACHINE}{DRIVES}"));
     folder
 }
 
@@ -111,7 +111,7 @@ fn friction_is_found_and_what_is_written_is_a_machine_s() {
     // Joined with the machine, the settings are ones that it takes.
     let settings = folder.read("friction.toml");
     assert!(settings.contains("[axis.X.friction]") && !settings.contains(".drive]"), "{settings}");
-    folder.write("joined.toml", &format!("{MACHINE}{DRIVES}{settings}"));
+    folder.write("joined.toml", format!("{MACHINE}{DRIVES}{settings}"));
     folder.good(&["tables", "check", "joined.toml"]);
     let machine = folder.read("machine.toml");
     folder.good(&[&CALL[..], &["--merge", "-o", "with-friction.toml"]].concat());
@@ -138,7 +138,7 @@ fn the_drive_is_found_where_no_machine_states_it() {
     }
     let settings = folder.read("found.toml");
     assert!(settings.contains("[axis.X.drive]") && settings.contains("[axis.Y.friction]"), "{settings}");
-    folder.write("joined.toml", &format!("{MACHINE}{settings}"));
+    folder.write("joined.toml", format!("{MACHINE}{settings}"));
     folder.good(&["tables", "check", "joined.toml"]);
 }
 

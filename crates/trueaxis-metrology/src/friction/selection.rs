@@ -61,8 +61,7 @@ pub(super) fn reduced(
 fn untold(found: &Fit, free: &[usize], with_drive: bool) -> Option<&'static [usize]> {
     let value = |parameter: usize| found.values.0[parameter];
     let told = |parameter: usize| value(parameter).abs() / found.errors[parameter];
-    let loose =
-        !with_drive || DRIVE_FIGURES.iter().any(|&p| found.errors[p].is_nan() || found.errors[p] > LOOSE * value(p));
+    let loose = !with_drive || !DRIVE_FIGURES.iter().all(|&p| found.errors[p] <= LOOSE * value(p));
     let is_told = |parameter: usize| match parameter {
         READING_LAG => told(parameter) >= TOLD,
         VISCOUS => value(parameter) > 0.0 && (told(parameter) >= TOLD || !loose),
@@ -112,7 +111,8 @@ pub(super) fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -
         return Err(Refused::RankShort { axis, rank: found.rank, of: free.len(), condition: found.condition });
     }
     let [value, error] = [found.values.0[COULOMB], found.errors[COULOMB]];
-    if value.is_nan() || error.is_nan() || value <= TOLD * error {
+    let stands_out = value > TOLD * error;
+    if !stands_out {
         return Err(Refused::NoFriction { axis, found_mm_per_s: value, standard_error_mm_per_s: error });
     }
     let circles = "circles of another radius or at another feed";
@@ -127,7 +127,8 @@ pub(super) fn judge(axis: Axis, found: &Fit, free: &[usize], with_drive: bool) -
     }
     for (parameter, figure, needed) in needed {
         let relative_error = found.errors[parameter] / found.values.0[parameter];
-        if relative_error.is_nan() || relative_error > LOOSE {
+        let is_tight = relative_error <= LOOSE;
+        if !is_tight {
             return Err(Refused::NotExcited { axis, figure, relative_error, needed });
         }
     }
