@@ -224,7 +224,8 @@
 /// Bit of `record.status`: `drive` is not written (`TRUEAXIS_ERROR_NO_OUTPUT`).
 #define TRUEAXIS_STATUS_NO_OUTPUT 16
 
-/// Bit of `record.status`: the contour feedback oscillated and is led out, until `enable` falls or a reset comes.
+/// Bit of `record.status`: the contour feedback oscillated and is led out: until `enable` falls, a reset
+/// comes, or the feedback is switched off.
 #define TRUEAXIS_STATUS_FEEDBACK_OUT 32
 
 /// Words of a `trueaxis_program_t`.
