@@ -69,12 +69,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         .as_ref()
         .map(|table| std::fs::read(table).with_context(|| format!("--table: cannot read {}", table.display())));
     let bytes = bytes.transpose()?;
-    let old = arguments
-        .table
-        .iter()
-        .zip(&bytes)
-        .map(|(table, bytes)| belonging(bytes, &record).with_context(|| format!("--table {}", table.display())));
-    let old = old.last().transpose()?;
+    let old = match (&arguments.table, &bytes) {
+        (Some(table), Some(bytes)) => {
+            Some(belonging(bytes, &record).with_context(|| format!("--table {}", table.display()))?)
+        }
+        _ => None,
+    };
     let lesson = Lesson::learn(&law, &record.identity, old.as_ref(), &record.rows)
         .map_err(|refused| record.refused(&refused))?;
     let file = lesson.to_bytes().map_err(|refused| record.refused(&refused))?;
