@@ -1,3 +1,5 @@
+#![allow(clippy::indexing_slicing)]
+
 use super::*;
 use std::string::ToString;
 use std::vec::Vec;

@@ -128,7 +128,7 @@ fn friction_and_acceleration_follow_the_continuous_law() {
     let mut k = 0;
     let mut largest: f64 = 0.0;
     // Shortly after the reversals at half a turn, where friction goes over to the other side.
-    for end in [1.0, 6.28, 6.30, 6.33, 6.5] {
+    for end in [1.0, 6.27, 6.30, 6.33, 6.5] {
         while f64::from(k) * T < end {
             k += 1;
             out = cycle(servo, &mut state, &input([at(f64::from(k) * T), 0.0, 0.0]));
