@@ -1,6 +1,8 @@
 //! The dynamic correction through the C interface: bit for bit that of the Rust one, each part switched in motion.
 
 #![allow(unsafe_code)]
+// In single precision they are none.
+#![allow(clippy::useless_conversion)]
 
 mod machines;
 
@@ -68,7 +70,6 @@ fn largest(numbers: &[Real]) -> f64 {
     numbers.iter().map(|x| f64::from(x.abs())).fold(0.0, f64::max)
 }
 
-#[allow(clippy::useless_conversion)] // not in single precision
 fn run(file: &[u8], settings: &[u8]) -> Vec<Seen> {
     let (servo, core) = (built(file), rust_loop::<3>(file));
     let (mut state, mut core_state) = (started(&servo.servo), core.start());
