@@ -8,6 +8,7 @@ use crate::machine::{AxisOrder, Limits, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
+use crate::telemetry::Status;
 
 /// Limiters and joint ranges: immutable.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +68,8 @@ pub(crate) struct Applied {
     pub(crate) limited: u8,
     /// Slot of an axis that would leave its joint's range: the output holds, and the command was not accepted.
     pub(crate) outside: Option<u8>,
+    /// What there is to add to the state bits.
+    pub(crate) status: Status,
 }
 
 /// Limits of an axis that the machine does not have: it is never corrected, any positive numbers do.
@@ -114,7 +117,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         };
         *state = next;
         (*output.drive, *output.correction) = (next.drive, *wanted);
-        Applied { limited: 0, outside: None }
+        Applied { limited: 0, outside: None, status: Status(0) }
     }
 
     /// The state that sends the wanted corrections as they are, if nothing speaks against it.
@@ -188,7 +191,7 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
         state.locked = state.limited.iter().all(LimiterState::is_locked);
         *to_drive = state.drive;
         *correction = state.limited.map(|limited| limited.sent());
-        Applied { limited: flags, outside }
+        Applied { limited: flags, outside, status: Status(0) }
     }
 
     /// The corrections go on towards the wanted ones; a bit for every axis where there is a difference left.

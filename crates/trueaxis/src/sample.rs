@@ -160,12 +160,8 @@ pub(crate) struct Sample<'s, P, const N: usize> {
     pub(crate) first: bool,
     /// The positions are machine positions.
     pub(crate) homed: bool,
-    /// A reset came in this cycle.
-    pub(crate) reset: bool,
-    /// Parts of the dynamic correction that are wanted.
-    pub(crate) dynamics: Dynamics,
-    /// Learned correction.
-    pub(crate) learned: &'s [P; 3],
+    /// As it came, for what only one stage asks.
+    pub(crate) input: &'s Input<P, N>,
 }
 
 impl<'s, P, const N: usize> Sample<'s, P, N> {
@@ -180,9 +176,7 @@ impl<'s, P, const N: usize> Sample<'s, P, N> {
             axis: 0,
             first: false,
             homed: true,
-            reset: false,
-            dynamics: input.dynamics,
-            learned: &input.learned,
+            input,
         }
     }
 }
@@ -404,8 +398,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         state.calm = verdict == Verdict::Active && !input.reset;
         *believed = [input.command, state.feedback];
         let [command, feedback] = believed;
-        let (dynamics, learned) = (input.dynamics, &input.learned);
-        Sample { command, feedback, verdict, fault, axis, first, homed: input.homed, reset, dynamics, learned }
+        Sample { command, feedback, verdict, fault, axis, first, homed: input.homed, input }
     }
 
     /// Periods that a cycle took, for what may have moved meanwhile: 1 in time, at most 16.
@@ -546,9 +539,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 axis: 0,
                 first,
                 homed: input.homed,
-                reset,
-                dynamics: input.dynamics,
-                learned: &input.learned,
+                input,
             };
         }
         *believed = [held, state.feedback];
@@ -561,9 +552,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             axis: state.latched_axis,
             first,
             homed: input.homed,
-            reset,
-            dynamics: input.dynamics,
-            learned: &input.learned,
+            input,
         }
     }
 

@@ -29,10 +29,21 @@ struct Act<R> {
     is_linear: bool,
 }
 
+impl<R: Real> Act<R> {
+    /// The limiter that leads the geometric correction in.
+    #[inline(always)]
+    fn lead(&self, slowly: usize) -> &Limiter<R> {
+        let [own, slow] = &self.leads;
+        if slowly == 0 { own } else { slow }
+    }
+}
+
 /// The immutable half.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DynamicStage<R, P, const N: usize> {
     axes: [Act<R>; N],
+    /// Any axis does.
+    takes_up: bool,
     feedback: Option<(Feedback<R>, Watch<R>)>,
     crosstalk: Option<Crosstalk<R, P>>,
 }
@@ -81,54 +92,84 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         }
         let feedback = feedback.map(|settings| (Feedback::new(settings, period_s), Watch::new(settings, period_s)));
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
-        Ok(any.then_some(DynamicStage { axes, feedback, crosstalk }))
+        let takes_up = axes.iter().any(|act| act.takes_up);
+        Ok(any.then_some(DynamicStage { axes, takes_up, feedback, crosstalk }))
     }
 
     /// Leads the geometric corrections in; a bit for every axis that is not there yet.
+    #[inline(always)]
     pub(crate) fn lead(&self, led: &mut [LimiterState<R>; N], wanted: &[R; N], sample: &Sample<P, N>) -> u8 {
+        let which = usize::from(sample.input.dynamics.has(Dynamics::ACCELERATION));
         let mut flags = 0;
-        let slowly = sample.dynamics.has(Dynamics::ACCELERATION);
-        for (slot, ((act, led), wanted)) in self.axes.iter().zip(led).zip(wanted).enumerate() {
-            let [own, slow] = &act.leads;
-            let lead = if slowly { slow } else { own };
+        if sample.verdict == Verdict::Active {
+            for (slot, ((act, led), wanted)) in self.axes.iter().zip(led).zip(wanted).enumerate() {
+                flags |= u8::from(act.lead(which).follow(led, *wanted)) << (slot & 7);
+            }
+            return flags;
+        }
+        for (slot, (act, led)) in self.axes.iter().zip(led).enumerate() {
             match sample.verdict {
-                Verdict::Active => flags |= u8::from(lead.follow(led, *wanted)) << (slot & 7),
-                Verdict::Inactive => flags |= u8::from(lead.follow(led, R::ZERO)) << (slot & 7),
-                Verdict::Freeze => lead.freeze(led),
-                Verdict::Hold | Verdict::Nowhere => lead.hold(led),
+                Verdict::Freeze => act.lead(which).freeze(led),
+                Verdict::Hold | Verdict::Nowhere => act.lead(which).hold(led),
+                _ => flags |= u8::from(act.lead(which).follow(led, R::ZERO)) << (slot & 7),
             }
         }
         flags
     }
 
-    /// Whether an axis takes up its lost motion from the reversal of the command.
-    pub(crate) fn takes_up(&self) -> [bool; N] {
-        self.axes.map(|act| act.takes_up)
+    /// Whether any axis takes up its lost motion from the reversal of the command, and which.
+    #[inline(always)]
+    pub(crate) fn takes_up(&self) -> Option<[bool; N]> {
+        self.takes_up.then(|| self.axes.map(|act| act.takes_up))
     }
 
-    /// The correction of a cycle, and a bit for every axis where its limiter is not where it is wanted.
+    /// The correction of a cycle, into the record; a bit for every axis where its limiter is not where it is wanted.
+    #[inline(always)]
     pub(crate) fn act(
         &self,
         state: &mut DynamicState<R, P, N>,
         sample: &Sample<P, N>,
         moment: &Moment<'_, R, N>,
-    ) -> (DynamicParts<R, N>, u8) {
-        let mut parts = DynamicParts::none();
+        parts: &mut DynamicParts<R, N>,
+    ) -> u8 {
+        let none = [R::ZERO; N];
+        (parts.feedback, parts.crosstalk, parts.learned) = (none, none, none);
+        match sample.verdict {
+            Verdict::Active | Verdict::Freeze if !sample.first => {
+                self.want(state, sample, moment, sample.input.dynamics, parts);
+            }
+            _ => {
+                parts.feed_forward = none;
+                if self.stand(state, sample, moment, parts) {
+                    return 0;
+                }
+            }
+        }
+        self.follow(state, parts)
+    }
+
+    /// Cycles in which nothing is wanted; whether nothing moves either.
+    #[inline(never)]
+    fn stand(
+        &self,
+        state: &mut DynamicState<R, P, N>,
+        sample: &Sample<P, N>,
+        moment: &Moment<'_, R, N>,
+        parts: &mut DynamicParts<R, N>,
+    ) -> bool {
         match sample.verdict {
             _ if sample.first => state.rest(),
-            Verdict::Active | Verdict::Freeze => self.want(state, sample, moment, sample.dynamics, &mut parts),
-            // Switched off, friction is followed all the same, for a part that is switched on in motion.
-            Verdict::Inactive => self.want(state, sample, moment, Dynamics::NONE, &mut parts),
             Verdict::Hold | Verdict::Nowhere => {
                 let limiters = self.axes.iter().zip(&mut state.limited);
                 limiters.for_each(|(act, limited)| act.limiter.hold(limited));
                 state.rest();
                 parts.sent = state.limited.map(|limited| limited.sent());
-                return (parts, 0);
+                return true;
             }
+            // Switched off, friction is followed all the same, for a part that is switched on in motion.
+            _ => self.want(state, sample, moment, Dynamics::NONE, parts),
         }
-        let flags = self.follow(state, &mut parts);
-        (parts, flags)
+        false
     }
 
     /// The limiters follow the sum of the parts.
@@ -183,8 +224,8 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         if let (Some(crosstalk), true) = (&self.crosstalk, on.has(Dynamics::CROSSTALK)) {
             crosstalk.subtract(&mut parts.crosstalk, &changes, sample.command);
         }
-        if on.has(Dynamics::LEARNED) {
-            for (wanted, learned) in parts.learned.iter_mut().zip(sample.learned) {
+        if on.has(Dynamics::LEARNED) && sample.input.learned != [P::default(); 3] {
+            for (wanted, learned) in parts.learned.iter_mut().zip(&sample.input.learned) {
                 if learned.is_usable() {
                     *wanted = learned.since_near(P::default());
                 }
@@ -203,7 +244,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         wanted: &mut [R; N],
     ) {
         let Some((feedback, watch)) = &self.feedback else { return };
-        if !on.has(Dynamics::FEEDBACK) || sample.reset {
+        if !on.has(Dynamics::FEEDBACK) || sample.input.reset {
             (state.swing, state.out) = ([Swing::default(); N], false);
         }
         if !on.has(Dynamics::FEEDBACK) || state.out {

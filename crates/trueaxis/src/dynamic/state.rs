@@ -87,9 +87,9 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
 
     /// Nothing of this cycle was sent.
     #[cold]
-    pub(crate) fn take_back(&mut self, before: &[LimiterState<R>; N]) {
+    pub(crate) fn take_back(&mut self, sent: [R; N]) {
         self.led = self.geometric.map(LimiterState::at_rest);
-        self.limited = before.map(|limited| LimiterState::at_rest(limited.sent()));
+        self.limited = sent.map(LimiterState::at_rest);
         self.rest();
     }
 
@@ -100,9 +100,10 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.drift.iter_mut().for_each(Drift::stand);
     }
 
-    /// The limiters.
-    pub(crate) fn limited(&self) -> &[LimiterState<R>; N] {
-        &self.limited
+    /// Dynamic corrections sent last.
+    #[inline(always)]
+    pub(crate) fn sent(&self) -> [R; N] {
+        self.limited.map(|limited| limited.sent())
     }
 
     /// Geometric corrections as they are led in.

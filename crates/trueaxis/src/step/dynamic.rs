@@ -5,27 +5,22 @@
 use super::{ServoLoop, State};
 use crate::compensation::Direction;
 use crate::contour::Flags;
-use crate::dynamic::{DynamicStage, DynamicState, Dynamics, Moment};
+use crate::dynamic::{DynamicParts, DynamicStage, DynamicState, Dynamics, Moment};
 use crate::error::Fault;
 use crate::output::{Applied, Outlets, OutputState};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
-use crate::telemetry::Record;
+use crate::telemetry::{Record, Status};
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
-    /// After cycles without dynamic correction: all that is sent is geometric.
-    #[inline(always)]
-    pub(super) fn begin_dynamic(&self, state: &mut State<R, P, N>) {
-        if self.dynamic.is_some() && !state.dynamic.is_for(state.sequence) {
-            state.dynamic.begin(state.output.sent(), state.output.offsets(), state.output.drive());
-        }
-    }
-
     /// Command plus the geometric correction sent last.
     #[inline(always)]
     pub(super) fn place(&self, state: &State<R, P, N>, command: &[P; N]) -> [P; N] {
-        let offsets = if self.dynamic.is_some() { state.dynamic.offsets() } else { state.output.offsets() };
+        let offsets = match &self.dynamic {
+            None => state.output.offsets(),
+            Some(_) => state.geometric_offsets(),
+        };
         let mut place = *command;
         for (place, offset) in place.iter_mut().zip(offsets) {
             *place = place.moved(*offset);
@@ -36,11 +31,15 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// The same of the last cycle: where the drives were to go, but for the dynamic correction.
     #[inline(always)]
     pub(super) fn targets<'s>(
-        is_dynamic: bool,
+        &self,
         output: &'s OutputState<R, P, N>,
         dynamic: &'s DynamicState<R, P, N>,
+        cycle: u32,
     ) -> &'s [P; N] {
-        if is_dynamic { dynamic.drive() } else { output.drive() }
+        match &self.dynamic {
+            None => output.drive(),
+            Some(_) => geometric_targets(output, dynamic, cycle),
+        }
     }
 
     /// The output stage with the dynamic correction added to the wanted one.
@@ -55,6 +54,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         (drive, feedback): (&mut [P; N], &mut [P; N]),
         record: &mut Record<R, P, N>,
     ) -> Applied {
+        if !state.dynamic.is_for(state.sequence) {
+            state.dynamic.begin(state.output.sent(), state.output.offsets(), state.output.drive());
+        }
         self.take_up(stage, state, sample);
         let mut leading = 0;
         if !sample.first {
@@ -68,8 +70,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             limited: state.limited,
             late: sample.fault == Fault::LateCycle,
         };
-        let before = *state.dynamic.limited();
-        let (mut parts, limited) = stage.act(&mut state.dynamic, sample, &moment);
+        let before = state.dynamic.sent();
+        let parts = record.dynamic.get_or_insert_with(DynamicParts::none);
+        let limited = stage.act(&mut state.dynamic, sample, &moment, parts);
         for (wanted, sent) in wanted.iter_mut().zip(&parts.sent) {
             *wanted += *sent;
         }
@@ -77,14 +80,16 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let mut applied = self.output.apply(&mut state.output, sample, &wanted, false, outlets);
         let held = applied.outside.is_some() || (sample.verdict.holds() && !sample.first);
         if applied.outside.is_some() {
-            state.dynamic.take_back(&before);
-            parts.sent = before.map(|limited| limited.sent());
+            state.dynamic.take_back(before);
+            parts.sent = before;
         } else {
             applied.limited |= limited | leading;
         }
         state.dynamic.settle(state.output.sent(), (!held).then_some(sample.command), state.sequence);
         record.correction = *state.dynamic.geometric();
-        record.dynamic = Some(parts);
+        if state.dynamic.is_out() {
+            applied.status = Status::FEEDBACK_OUT;
+        }
         applied
     }
 
@@ -92,13 +97,14 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// direction, so that a command that dithers where it stands turns nothing.
     #[inline(always)]
     fn take_up(&self, stage: &DynamicStage<R, P, N>, state: &mut State<R, P, N>, sample: &Sample<P, N>) {
-        if sample.verdict != Verdict::Active || sample.first || !sample.dynamics.has(Dynamics::TAKE_UP) {
+        let Some(takes_up) = stage.takes_up() else { return };
+        if sample.verdict != Verdict::Active || sample.first || !sample.input.dynamics.has(Dynamics::TAKE_UP) {
             return;
         }
         let commanded = state.sample.commanded();
         let drives = *state.dynamic.drive();
         let drives = drives.iter().zip(&self.bands);
-        let axes = stage.takes_up().into_iter().zip(&mut state.reversal).zip(drives);
+        let axes = takes_up.into_iter().zip(&mut state.reversal).zip(drives);
         let ways = sample.command.iter().zip(&commanded).zip(state.dynamic.trend_mut());
         for (((takes_up, reversal), (drive, band)), ((command, last), trend)) in axes.zip(ways) {
             let way: R = command.since_near(*last);
@@ -112,4 +118,22 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             }
         }
     }
+}
+
+impl<R: Real, P: Position, const N: usize> State<R, P, N> {
+    /// Geometric corrections sent last. Out of line, so that a loop without dynamic correction pays a branch and no more.
+    #[inline(never)]
+    fn geometric_offsets(&self) -> &[P::Offset; N] {
+        if self.dynamic.is_for(self.sequence) { self.dynamic.offsets() } else { self.output.offsets() }
+    }
+}
+
+/// Where they led. After cycles of a loop without dynamic correction, all that was sent is geometric.
+#[inline(never)]
+fn geometric_targets<'s, R: Real, P: Position, const N: usize>(
+    output: &'s OutputState<R, P, N>,
+    dynamic: &'s DynamicState<R, P, N>,
+    cycle: u32,
+) -> &'s [P; N] {
+    if dynamic.is_for(cycle) { dynamic.drive() } else { output.drive() }
 }

@@ -206,7 +206,6 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         watch: &mut impl FnMut(Stage),
     ) {
         watch(Stage::Sample);
-        self.begin_dynamic(state);
         let mut modelled = self.model(state, sample, measure.needs_tilt());
         gauge::ride(gauge, sample, state.limited, &mut modelled.wanted);
         watch(Stage::Compensation);
@@ -267,8 +266,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             Some(slot) => (Fault::JointRange, slot, Verdict::Hold.status()),
             None => (sample.fault, sample.axis, sample.verdict.status()),
         };
-        let out = record.dynamic.is_some() && state.dynamic.is_out();
-        record.status = status.with(Status::CONTOUR, record.tip.is_measured()).with(Status::FEEDBACK_OUT, out);
+        let status = Status(status.0 | applied.status.0);
+        record.status = status.with(Status::CONTOUR, record.tip.is_measured());
         (record.limited, record.at_edge) = (applied.limited, at_edge);
         record.command = state.sample.commanded();
         record.feedback = *sample.feedback;

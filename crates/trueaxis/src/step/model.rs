@@ -60,7 +60,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// No drive has turned.
     #[inline(always)]
     fn all_go_on(&self, state: &mut State<R, P, N>) -> bool {
-        let drives = Self::targets(self.dynamic.is_some(), &state.output, &state.dynamic).iter().zip(&self.within);
+        let drives = self.targets(&state.output, &state.dynamic, state.sequence).iter().zip(&self.within);
         state.reversal.iter_mut().zip(drives).all(|(reversal, (drive, within))| reversal.goes_on(*drive, *within))
     }
 
@@ -176,14 +176,14 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let mut directions = [Direction::POSITIVE; N];
         if begins {
             let place = if sample.verdict == Verdict::Hold && !sample.first {
-                *Self::targets(self.dynamic.is_some(), &state.output, &state.dynamic)
+                *self.targets(&state.output, &state.dynamic, state.sequence)
             } else {
                 self.place(state, sample.command)
             };
             state.begin_travel(place);
             return directions;
         }
-        let drives = Self::targets(self.dynamic.is_some(), &state.output, &state.dynamic).iter().zip(&self.bands);
+        let drives = self.targets(&state.output, &state.dynamic, state.sequence).iter().zip(&self.bands);
         for ((direction, reversal), (drive, band)) in directions.iter_mut().zip(&mut state.reversal).zip(drives) {
             *direction = reversal.update(*drive, *band);
         }
