@@ -114,7 +114,7 @@ fn transition(axis: &Axis, step_s: f64) -> [[f64; SIZE]; STATES] {
     std::array::from_fn(|i| std::array::from_fn(|j| whole[(i, j)]))
 }
 
-/// Position offset u by which the friction of `command` is fed forward, METHODS' law for a drive with K_v, τ and k_ff:
+/// Position offset u by which the friction of `command` is fed forward, the law for a drive with K_v, τ and k_ff:
 ///
 /// ```text
 /// h <- (h + ΔF/K_vp) e^(−T/τ),   u <- u + T (h − K_v u)/k_ff      (k_ff = 0: u = h/K_v)
