@@ -42,7 +42,7 @@ fn a_run_leaves_its_report_and_nothing_else() {
     folder.good(&run("new/report"));
     let mut names: Vec<_> = fs::read_dir(folder.join("new/report")).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
-    assert_eq!(names, ["index.html", "trace.csv"]);
+    assert_eq!(names, ["index.html", "trace-full.csv", "trace.csv"]);
     // A folder stands where the page would: nothing of the run is left beside it.
     fs::create_dir_all(folder.join("taken/index.html")).unwrap();
     folder.bad(&run("taken"), &[]);

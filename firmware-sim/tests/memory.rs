@@ -58,11 +58,13 @@ fn a_run_keeps_nothing_per_cycle_and_little_per_line() {
     // Starts of the moves, their sections and speeds, their numbers in a figure.
     assert!(more < 18_000 * 150, "{} bytes a line: {short:?} {long:?}", more / 18_000);
 
-    // The same lines, ten times as slow: ten times the cycles, and not a byte.
-    let slow = run(scenario(&program(2_000).replace("F3000", "F300")));
-    let (more, cycles) = (slow.0.saturating_sub(short.0), slow.1 - short.1);
-    assert!(cycles > 30_000, "{cycles}");
-    assert!(more < 64 * 1024, "{more} bytes in {cycles} cycles: {short:?} {slow:?}");
+    // The same lines at a tenth of the feed fill every figure to its last bucket; five times as slow again: five times the
+    // cycles, and not a byte.
+    let [slow, slower] = ["F300", "F60"].map(|feed| run(scenario(&program(2_000).replace("F3000", feed))));
+    let (more, cycles) = (slower.0.saturating_sub(slow.0), slower.1 - slow.1);
+    assert!(cycles > 150_000, "{cycles}");
+    assert!(more < 64 * 1024, "{more} bytes in {cycles} cycles: {slow:?} {slower:?}");
+    assert!(slow.0.saturating_sub(short.0) < 512 * 1024, "{short:?} {slow:?}");
 }
 
 /// The part around the current position has the spans and the numbers of the whole path.

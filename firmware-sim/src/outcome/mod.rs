@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use trueaxis_sim::Scenario;
-use trueaxis_sim::run::{Kind, MOST_FAULT_SPANS, Run, Sink, Tallies};
+use trueaxis_sim::run::{Kind, MOST_FAULT_SPANS, Run, Sink, Tallies, feedback_refused};
 use trueaxis_tables::text::counted;
 
 /// Cycles between two looks at the progress.
@@ -33,6 +33,8 @@ pub struct Outcome {
     servo_only: Tallies,
     /// Of a machine with dynamic parts.
     full: Option<Tallies>,
+    /// Why the full run has no contour feedback though the machine has.
+    no_feedback: Option<String>,
     /// Cost of the compensated run's steps.
     latency: Latency,
     /// Report of the pacing, if it was asked for.
@@ -80,7 +82,19 @@ pub fn simulate(
         None => (stopwatch.latency, None),
     };
     let wall_s = 1e-9 * nanoseconds as f64;
-    Ok(Outcome { uncompensated, compensated, servo_only, full, latency, pace, cycles: run.cycles(), wall_s })
+    let refused = full.as_ref().and_then(|_| feedback_refused(&scenario.machine.settings, scenario.period_s()));
+    let no_feedback = refused.map(|error| error.to_string());
+    Ok(Outcome {
+        uncompensated,
+        compensated,
+        servo_only,
+        full,
+        no_feedback,
+        latency,
+        pace,
+        cycles: run.cycles(),
+        wall_s,
+    })
 }
 
 /// Runs the compensated machine alone at the real rate, for what its steps cost there.
@@ -132,6 +146,7 @@ impl Outcome {
         if self.compensated.stopped {
             notes.push("the compensated run was ended by a stop request".into());
         }
+        notes.extend(self.no_feedback.iter().map(|why| format!("the full run has no contour feedback: {why}")));
         notes.extend(self.full.as_ref().and_then(|full| note_of_full(full, &self.compensated)));
         if self.compensated.more_faults > 0 {
             notes.push(format!(

@@ -2,6 +2,8 @@
 
 use crate::error::Result;
 use std::borrow::Cow;
+use trueaxis::ConfigError;
+use trueaxis::check;
 use trueaxis::machine::{ErrorModel, MachineSettings};
 use trueaxis_tables::Machine;
 
@@ -64,13 +66,28 @@ impl Parts {
     ///
     /// # Errors
     /// Tables that do not compile with the machine's own model.
-    pub(super) fn of(self, machine: &Machine) -> Result<Cow<'_, Machine>> {
+    pub(super) fn of(self, machine: &Machine, period_s: f64) -> Result<Cow<'_, Machine>> {
         match self {
             Parts::Geometry if is_dynamic(&machine.settings) => Ok(Cow::Owned(without_dynamics(machine))),
-            Parts::All if machine.settings.compensation.model == ErrorModel::Nine => volumetric(machine),
+            Parts::All => {
+                let mut all = match machine.settings.compensation.model {
+                    ErrorModel::Nine => volumetric(machine)?,
+                    _ => Cow::Borrowed(machine),
+                };
+                if feedback_refused(&machine.settings, period_s).is_some() {
+                    all.to_mut().settings.contour.feedback = None;
+                }
+                Ok(all)
+            }
             _ => Ok(Cow::Borrowed(machine)),
         }
     }
+}
+
+/// Why [`Kind::Full`] does without the machine's contour feedback at a servo period: its gains leave too little margin
+/// there. A controller refuses them; a run at another rate than the machine's is to show the rest all the same.
+pub fn feedback_refused(machine: &MachineSettings, period_s: f64) -> Option<ConfigError> {
+    check::feedback(machine, period_s).err()
 }
 
 /// Whether anything acts on the servo itself; figures of a drive alone do not.

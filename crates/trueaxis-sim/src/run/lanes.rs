@@ -34,7 +34,7 @@ impl<S> Servos<S> {
         let mut servos: Vec<(Parts, S)> = Vec::new();
         for parts in kinds.iter().map(|kind| kind.parts()) {
             if servos.iter().all(|(built, _)| *built != parts) {
-                let machine = parts.of(&scenario.machine)?;
+                let machine = parts.of(&scenario.machine, scenario.period_s())?;
                 servos.push((parts, S::build(&machine, scenario.period_ns())?));
             }
         }

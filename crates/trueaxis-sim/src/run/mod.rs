@@ -13,7 +13,7 @@ use crate::{path, servo};
 use lanes::{Advance, Lanes};
 use std::sync::Arc;
 
-pub use kind::Kind;
+pub use kind::{Kind, feedback_refused};
 pub use sample::{DynamicSample, Given, Moment, Sample, Sink};
 pub use tally::{AngleSize, ErrorSize, FaultSpan, MOST_FAULT_SPANS, Tallies};
 
