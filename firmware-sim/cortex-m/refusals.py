@@ -125,12 +125,12 @@ def records(data):
     """Sequence number, tables, fault and status of every record, and whether all its corrections are zero."""
     for frame in filter(None, data.split(b"\0")):
         record = uncobs(frame)
-        assert record[0] == 2, f"found a record of version {record[0]}, needed 2"
+        assert record[0] == 3, f"found a record of version {record[0]}, needed 3"
         sequence, at = unsigned(record, 1)
         _, at = unsigned(record, at)
         crc, at = unsigned(record, at)
         fault, status, axes = record[at], record[at + 2], record[at + 5]
-        corrections = [record[at + 6 + 20 * axis + 16 :][:4] for axis in range(axes)]
+        corrections = [record[at + 6 + 21 * axis + 16 :][:4] for axis in range(axes)]
         yield sequence, crc, fault, status, not any(map(any, corrections))
 
 
