@@ -4,7 +4,7 @@ import os
 import re
 
 import rig
-from machines import SAMPLES, compile_tables, edited_tables
+from machines import SAMPLES, compile_tables, edited_tables, geometry_alone
 from rig import expect
 
 STREAM_HAL = """
@@ -288,7 +288,8 @@ getp ta.reloads
 
 def warm(folder):
     """An axis that grows by 11.5 um/(m K) is 10 K warmer; new tables are told, a broken sensor changes nothing."""
-    compile_tables(folder, os.path.join(SAMPLES, "mill-3axis", "machine.toml"), "mill.tcomp")
+    # The encoder stands whatever the drive does: contour feedback would run to its limit.
+    edited_tables(folder, os.path.join(SAMPLES, "mill-3axis"), "mill", geometry_alone, None)
     code, printed = rig.halrun(folder, WARM_HAL)
     values = [float(line) for line in printed.splitlines() if line.strip()[:1] in list("-0123456789")]
     expect(code == 0 and len(values) == 4 and values[3] == 1, "halrun", printed)

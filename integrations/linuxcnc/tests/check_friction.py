@@ -4,7 +4,7 @@ import os
 import subprocess
 
 import rig
-from machines import TRUEAXIS, mill
+from machines import TRUEAXIS, geometry_alone, mill
 from rig import expect
 
 # As tests/dahl.comp has them.
@@ -24,7 +24,8 @@ net z-drive ta.joint.2.motor-pos-cmd-out => ta.joint.2.motor-pos-fb-in
 
 def friction(folder):
     """record-circles.py on a running LinuxCNC: a whole record, and the friction and drives that the machine has."""
-    mill(folder)
+    # As it is before friction is known.
+    mill(folder, geometry_alone)
     with open(os.path.join(folder, "drives.hal"), "w") as f:
         f.write(DRIVES)
     rig.linuxcnc(folder, "mill-3axis.ini", "friction", 150)
