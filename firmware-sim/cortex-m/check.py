@@ -81,20 +81,16 @@ def differ(files, host):
     """Whether an image's digests of the adversarial outputs are other than the host's."""
     bad = False
     for target, file in files.items():
-        beginning = f"{SCALAR[target]} digests of "
-        image, on_host = after(file, beginning), after(host, beginning)
-        if image != on_host or not image:
-            print(f"{target}: found digests of the adversarial outputs {image}, needed the host's: {on_host}")
-            bad = True
-        else:
-            print(f"{target}: outputs of {image[0].split()[0]} adversarial cycles bit for bit as on the host, in all three forms")
-        beginning = f"{SCALAR[target]} dynamic digest of "
-        image, on_host = after(file, beginning), after(host, beginning)
-        if image != on_host or not image:
-            print(f"{target}: found digest of the dynamic outputs {image}, needed the host's: {on_host}")
-            bad = True
-        else:
-            print(f"{target}: outputs of {image[0].split()[0]} cycles with dynamic correction bit for bit as on the host")
+        for kind, what, done in (
+            ("digests of ", "digests of the adversarial outputs", "adversarial cycles bit for bit as on the host, in all three forms"),
+            ("dynamic digest of ", "digest of the dynamic outputs", "cycles with dynamic correction bit for bit as on the host"),
+        ):
+            image, on_host = (after(text, f"{SCALAR[target]} {kind}") for text in (file, host))
+            if image != on_host or not image:
+                print(f"{target}: found {what} {image}, needed the host's: {on_host}")
+                bad = True
+            else:
+                print(f"{target}: outputs of {image[0].split()[0]} {done}")
     return bad
 
 

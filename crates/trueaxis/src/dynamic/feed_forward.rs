@@ -12,8 +12,7 @@
 //!
 //! The geometric correction counts as it is led in, before the limiter of the axis: what that holds back would come back
 //! through a, with a gain of 1/(K_vp T). The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs that hold over
-//! a period; for k_ff = 0 it is
-//! u = (h + v)/K_v. Cost: two divisions and some 20 multiplications and additions an axis.
+//! a period; for k_ff = 0 it is u = (h + v)/K_v. Cost: two divisions and some 20 multiplications and additions an axis.
 
 #![deny(clippy::indexing_slicing)]
 
