@@ -43,6 +43,17 @@ def homing_offset(pilot):
     program(pilot)
 
 
+def break_off(pilot, marks):
+    """Ends a program that is to run still, and writes what was recorded and marked."""
+    marks["running"] = int(pilot.running())
+    pilot.command.abort()
+    pilot.wait(lambda: not pilot.running(), "abort")
+    time.sleep(0.2)
+    pilot.save("run")
+    with open("marks.json", "w") as f:
+        json.dump(marks, f)
+
+
 def switching(pilot):
     """Enable, disable, reloads of good, damaged and missing files, and limits of the integrator, all in motion."""
     pilot.record(joints(3, *STREAM[:3]) + ["ta.active", "ta.limited", "ta.fault-code", "ta.reload-failed", "ta.tables-ok",
@@ -90,13 +101,7 @@ def switching(pilot):
     hal.set_p("ta.x.max-magnitude", "0.1")
     mark("limits accepted")
     time.sleep(0.6)
-    marks["running"] = int(pilot.running())
-    pilot.command.abort()
-    pilot.wait(lambda: not pilot.running(), "abort")
-    time.sleep(0.2)
-    pilot.save("run")
-    with open("marks.json", "w") as f:
-        json.dump(marks, f)
+    break_off(pilot, marks)
 
 
 def dynamics(pilot):
@@ -129,13 +134,7 @@ def dynamics(pilot):
     switch("learned", ("learned",))
     switch("all", feed_forward + ("feedback", "crosstalk", "learned", "take-up"))
     pilot.poll()
-    marks["running"] = int(pilot.running())
-    pilot.command.abort()
-    pilot.wait(lambda: not pilot.running(), "abort")
-    time.sleep(0.2)
-    pilot.save("run")
-    with open("marks.json", "w") as f:
-        json.dump(marks, f)
+    break_off(pilot, marks)
 
 
 FAULTS = ["ta.joint.0.pos-cmd", "ta.active", "ta.frozen", "ta.fault-code", "ta.fault-axis", "ta.stop-request"]
