@@ -1,6 +1,6 @@
 //! `trueaxis circle`.
 
-use crate::csv_in::{Column, Rows};
+use crate::csv_in::{self, Column};
 use crate::output::{json, print};
 use crate::report;
 use anyhow::{Result, anyhow};
@@ -88,7 +88,7 @@ struct Document {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let mut rows = Rows::open(&arguments.points, &COLUMNS, "points")?;
+    let mut rows = csv_in::open(&arguments.points, &COLUMNS, "points")?;
     let (lines, points): (Vec<u32>, Vec<[f64; 2]>) = rows.all()?.iter().map(|row| (row.line, row.values)).unzip();
     // The circumscribed circle exists for all points that have any circle.
     let mcc = minimum_circumscribed(&points).map_err(|error| match error {

@@ -3,7 +3,7 @@
 mod exact;
 mod step;
 
-use crate::csv_in::{Column, Row, Rows};
+use crate::csv_in::{self, Column, Row, Rows};
 use crate::model::{self, by_axes};
 use crate::output::{Writer, tell};
 use anyhow::{Result, bail};
@@ -82,7 +82,7 @@ const COLUMNS: [Column; 6] = [
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut machine = model::machine(&arguments.machine)?;
-    let mut positions = Rows::open(&arguments.positions, &COLUMNS, "positions")?;
+    let mut positions = csv_in::open(&arguments.positions, &COLUMNS, "positions")?;
     for (column, present) in COLUMNS.iter().zip(positions.present).skip(3) {
         let letter = column.name.chars().next().map(|c| c.to_ascii_uppercase());
         if present && !machine.settings.axes.iter().any(|a| Some(a.axis.letter()) == letter) {

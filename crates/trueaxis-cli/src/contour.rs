@@ -1,6 +1,6 @@
 //! `trueaxis contour`.
 
-use crate::csv_in::{Column, Row, Rows};
+use crate::csv_in::{self, Column, Row};
 use crate::output::{Writer, tell};
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
@@ -216,7 +216,7 @@ const COLUMNS: [Column; 5] = [
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let path = read_path(&arguments.path)?;
-    let mut actual = Rows::open(&arguments.actual, &COLUMNS, "positions")?;
+    let mut actual = csv_in::open(&arguments.actual, &COLUMNS, "positions")?;
     let method = match arguments.method {
         Refinement::Guarded => Method::Guarded,
         Refinement::Bisection => Method::Bisection,

@@ -1,6 +1,6 @@
 //! A record of circles, read from CSV.
 
-use crate::csv_in::{Column, Rows};
+use crate::csv_in::{self, Column};
 use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
@@ -19,7 +19,7 @@ impl Recording {
     pub(super) fn read(file: &Path, axes: [Axis; 2]) -> Result<Recording> {
         let needed = |name: &str| axes.iter().any(|axis| name.starts_with(axis.letter().to_ascii_lowercase()));
         let columns = NAMES.map(|name| Column { name, needed: name == "t_s" || needed(name) });
-        let mut rows = Rows::open(file, &columns, "samples")?;
+        let mut rows = csv_in::open(file, &columns, "samples")?;
         let (mut lines, mut times) = (Vec::new(), Vec::new());
         let mut recorded = axes.map(|axis| Recorded { axis, command: Vec::new(), reading: Vec::new() });
         while let Some(row) = rows.next()? {

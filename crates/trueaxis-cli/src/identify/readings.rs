@@ -1,6 +1,6 @@
 //! MEASURED.csv as a ball test: every set-up at every angle.
 
-use crate::csv_in::{Column, Row, Rows};
+use crate::csv_in::{self, Column, Row, Rows};
 use anyhow::{Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
@@ -41,7 +41,7 @@ struct SetUp {
 impl Readings {
     /// Reads and checks a file; the rows of each set-up stand in increasing order of the angle.
     pub(super) fn read(file: &Path) -> Result<Readings> {
-        let mut rows = Rows::open(file, &COLUMNS, "readings")?;
+        let mut rows = csv_in::open(file, &COLUMNS, "readings")?;
         let set_ups = by_set_up(&mut rows)?;
         if set_ups.len() < 3 {
             let named: Vec<String> = set_ups.iter().map(|set_up| name(set_up.ball)).collect();

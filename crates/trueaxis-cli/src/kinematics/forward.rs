@@ -2,7 +2,7 @@
 
 use super::common::{AXIS_COLUMNS, Common, MARGIN, TOOL_COLUMNS, kinematics};
 use super::sheet::Sheet;
-use crate::csv_in::{Column, Row, Rows};
+use crate::csv_in::{self, Column, Row};
 use anyhow::{Result, bail};
 use trueaxis::Axis;
 use trueaxis::kinematics::Tool;
@@ -11,7 +11,7 @@ use trueaxis::machine::MachineSettings;
 pub(super) fn run(common: &Common, settings: &MachineSettings) -> Result<()> {
     let kinematics = kinematics(common, settings)?;
     let columns = AXIS_COLUMNS.map(|name| Column { name, needed: false });
-    let mut rows = Rows::open(&common.input, &columns, "positions")?;
+    let mut rows = csv_in::open(&common.input, &columns, "positions")?;
     for (axis, (column, present)) in Axis::ALL.into_iter().zip(AXIS_COLUMNS.iter().zip(rows.present)) {
         if present && !kinematics.has(axis) {
             bail!(

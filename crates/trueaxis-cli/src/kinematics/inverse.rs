@@ -3,7 +3,7 @@
 use super::common::{AXIS_COLUMNS, BRANCH, Common, MARGIN, TOOL_COLUMNS, kinematics};
 use super::sheet::Sheet;
 
-use crate::csv_in::{Column, Row, Rows};
+use crate::csv_in::{self, Column, Row};
 use crate::numbers::{Numbers, numbers};
 use crate::output::tell;
 use anyhow::{Result, anyhow, bail};
@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
     }
     let used: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| kinematics.has(*axis)).collect();
     let columns = COLUMNS.map(|name| Column { name, needed: TOOL_COLUMNS.contains(&name) });
-    let mut rows = Rows::open(&common.input, &columns, "tools")?;
+    let mut rows = csv_in::open(&common.input, &columns, "tools")?;
     let is_tool = |name: &String| TOOL_COLUMNS.contains(&name.as_str());
     let ignored: Vec<&str> = rows.header.iter().filter(|name| !is_tool(name)).map(String::as_str).collect();
     if !ignored.is_empty() {

@@ -1,6 +1,6 @@
 //! RECORD.csv: the contour error of one part over path length.
 
-use crate::csv_in::{Column, Row, Rows};
+use crate::csv_in::{self, Column, Row};
 use anyhow::{Context, Result, anyhow};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -41,7 +41,7 @@ impl Record {
         let program_id = id(file, KEYS[0], program_id)?;
         let machine_id = id(file, KEYS[1], machine_id)?;
         let length_mm = length(file, &said[2])?;
-        let mut sheet = Rows::open(file, &COLUMNS, "cycles")?;
+        let mut sheet = csv_in::open(file, &COLUMNS, "cycles")?;
         let has_flag = sheet.present[4];
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
         while let Some(Row { line, values }) = sheet.next()? {

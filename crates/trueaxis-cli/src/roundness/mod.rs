@@ -3,7 +3,7 @@
 pub(crate) mod evaluation;
 mod trace;
 
-use crate::csv_in::{Column, Row, Rows};
+use crate::csv_in::{self, Column, Row};
 use crate::numbers::triple;
 use crate::output::{Writer, json, progress, tell};
 use crate::probes::ProbeArguments;
@@ -140,7 +140,7 @@ fn separator(arguments: &Arguments, band: Band) -> Result<Separator> {
 
 /// The readings of each probe, all revolutions one after the other.
 fn read(arguments: &Arguments, points: usize, band: Band) -> Result<([Vec<f64>; 3], Option<Resampling>)> {
-    let mut rows = Rows::open(&arguments.readings, &COLUMNS, "readings")?;
+    let mut rows = csv_in::open(&arguments.readings, &COLUMNS, "readings")?;
     if rows.present[3] {
         let (probes, resampling) = trace::read(&mut rows, points, band)?;
         let InterpolationError { max, rms } = resampling.interpolation_error_um;

@@ -1,0 +1,1 @@
+//! Positioning accuracy and repeatability after ISO 230-2.

@@ -1,0 +1,1 @@
+//! Volumetric error over the working volume, before and after compensation.

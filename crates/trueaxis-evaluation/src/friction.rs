@@ -1,0 +1,1 @@
+//! Friction of two axes and their drives' figures from recorded circles.

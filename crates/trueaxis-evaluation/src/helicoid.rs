@@ -1,0 +1,1 @@
+//! Involute helicoids on five axes: inputs, grid, program.

@@ -1,0 +1,12 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+// print! and its like panic when the other end of a pipe is closed.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
+pub mod accuracy;
+pub mod field;
+pub mod friction;
+pub mod helicoid;
+pub mod probe_angles;
+pub mod roundness;
+pub mod rows;

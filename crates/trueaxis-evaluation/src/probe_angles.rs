@@ -1,0 +1,1 @@
+//! Angles of three probes: the best pairs and the noise gain of a given one.

@@ -1,0 +1,1 @@
+//! Roundness and spindle error from three probes.

@@ -1,0 +1,161 @@
+//! CSV with a header of known columns, row by row; every fault with its line and column.
+
+use anyhow::Result;
+use std::borrow::Cow;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use trueaxis_tables::error::FileError;
+use trueaxis_tables::sheet::Sheet;
+
+/// A column that a file may have.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// Name in the header.
+    pub name: &'static str,
+    /// Whether a file without it is refused.
+    pub needed: bool,
+}
+
+/// A row: its line, and the values in the order of the columns asked for (0 for absent ones).
+#[derive(Clone, Copy, Debug)]
+pub struct Row<const C: usize> {
+    /// Line of the file, from 1.
+    pub line: u32,
+    /// One value a column.
+    pub values: [f64; C],
+}
+
+/// The rows of a file, one after the other: memory does not grow with their number.
+pub struct Rows<'r, const C: usize> {
+    /// The file as errors name it.
+    pub file: PathBuf,
+    /// Which of the columns the file has.
+    pub present: [bool; C],
+    /// Header cells as they stand in the file.
+    pub header: Vec<String>,
+    /// Rows read so far.
+    pub count: usize,
+    sheet: Sheet<'r>,
+    /// Index among the columns asked for, by column of the file.
+    order: Vec<usize>,
+    reported: Option<&'static str>,
+    tell: Box<dyn FnMut(String) + 'r>,
+}
+
+/// Largest size of a value: a metre of deviation, 1e9 of anything else (degrees are counted over many turns).
+fn most(column: &str) -> f64 {
+    match column.rsplit_once('_') {
+        Some((_, "um" | "urad")) => 1e6,
+        _ => 1e9,
+    }
+}
+
+impl<'r, const C: usize> Rows<'r, C> {
+    /// Checks the header; `file` is only named in errors. `tell` is told once how a file is read that has other separators
+    /// or decimals than commas and decimal points.
+    ///
+    /// # Errors
+    /// A header with unknown or doubled columns, or without a needed one.
+    pub fn new(
+        input: impl Read + 'r,
+        file: &Path,
+        columns: &[Column; C],
+        tell: impl FnMut(String) + 'r,
+    ) -> Result<Rows<'r, C>> {
+        let sheet = Sheet::new(input, file)?;
+        let header = sheet.header().to_vec();
+        let names = || columns.iter().map(|c| c.name).collect::<Vec<_>>().join(", ");
+        let mut order = Vec::with_capacity(header.len());
+        for (i, cell) in header.iter().enumerate() {
+            let Some(slot) = columns.iter().position(|c| c.name == cell) else {
+                return Err(sheet.error(cell, cell, format!("one of {}", names())).into());
+            };
+            if header[..i].contains(cell) {
+                return Err(sheet.error(cell, "a second column of that name", "one").into());
+            }
+            order.push(slot);
+        }
+        let present: [bool; C] = std::array::from_fn(|slot| order.contains(&slot));
+        if let Some(missing) = columns.iter().zip(present).find(|(column, present)| column.needed && !present) {
+            let needed = format!("the column {}", missing.0.name);
+            return Err(sheet.error("", format!("columns {}", header.join(", ")), needed).into());
+        }
+        let tell = Box::new(tell);
+        let mut rows = Rows { file: file.into(), present, header, count: 0, sheet, order, reported: None, tell };
+        rows.tell_dialect();
+        Ok(rows)
+    }
+
+    /// The next row; none at the end of the file.
+    ///
+    /// # Errors
+    /// A row that cannot be read, or a file without any.
+    #[expect(clippy::should_implement_trait, reason = "a row may be an error, and none is no end of an iterator")]
+    pub fn next(&mut self) -> Result<Option<Row<C>>> {
+        if !self.sheet.next_row()? {
+            self.tell_dialect();
+            if self.count == 0 {
+                let file = self.file.clone();
+                let (found, needed) = ("no rows".into(), "at least one".into());
+                return Err(FileError { file, line: None, column: None, found, needed }.into());
+            }
+            return Ok(None);
+        }
+        self.count += 1;
+        let mut values = [0.0; C];
+        for (i, &slot) in self.order.iter().enumerate() {
+            let (value, name) = (self.sheet.number(i)?, &self.header[i]);
+            if value.abs() > most(name) {
+                return Err(self.sheet.error(name, self.sheet.field(i), format!("at most {:e}", most(name))).into());
+            }
+            values[slot] = value;
+        }
+        Ok(Some(Row { line: self.sheet.line(), values }))
+    }
+
+    /// All rows that are left: for evaluations that need them at once.
+    ///
+    /// # Errors
+    /// As [`Rows::next`].
+    pub fn all(&mut self) -> Result<Vec<Row<C>>> {
+        let mut rows = Vec::new();
+        while let Some(row) = self.next()? {
+            rows.push(row);
+        }
+        Ok(rows)
+    }
+
+    /// The cells of the last row as they stand in the file, but with decimal points, in the file's order.
+    pub fn cells(&self) -> impl Iterator<Item = Cow<'_, str>> + Clone {
+        (0..self.header.len()).map(|i| self.sheet.plain(i))
+    }
+
+    /// An error at a line of the file.
+    pub fn error(&self, line: u32, column: &str, found: impl ToString, needed: impl ToString) -> anyhow::Error {
+        FileError {
+            file: self.file.clone(),
+            line: Some(line),
+            column: Some(column.into()),
+            found: found.to_string(),
+            needed: needed.to_string(),
+        }
+        .into()
+    }
+
+    /// Says once how a file is read that has other separators or decimals.
+    fn tell_dialect(&mut self) {
+        let dialect = self.sheet.dialect();
+        if dialect != self.reported
+            && let Some(how) = dialect
+        {
+            (self.tell)(format!("{}: {how}", self.file.display()));
+        }
+        self.reported = dialect;
+    }
+}
+
+impl<const C: usize> std::fmt::Debug for Rows<'_, C> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Rows").field("file", &self.file).field("count", &self.count).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,1 @@
+//! Friction of two axes from recorded circles.

@@ -1,0 +1,1 @@
+//! Runs of a part program through the real step, in slices.
