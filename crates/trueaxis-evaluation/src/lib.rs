@@ -7,6 +7,7 @@ pub mod accuracy;
 pub mod field;
 pub mod friction;
 pub mod helicoid;
+pub mod model;
 pub mod probe_angles;
 pub mod roundness;
 pub mod rows;
