@@ -4,6 +4,8 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod accuracy;
+pub mod contributions;
+pub mod correct;
 pub mod field;
 pub mod friction;
 pub mod helicoid;

@@ -4,7 +4,8 @@ use anyhow::{Result, anyhow};
 use trueaxis::Axis;
 use trueaxis::check;
 use trueaxis::compensation::{Compensation, ThermalLine, requirement};
-use trueaxis_tables::Machine;
+use trueaxis::machine::{AxisSettings, ErrorModel};
+use trueaxis_tables::{Machine, Table};
 
 /// Builds the model that the machine's settings name and lends it out; `passes` of the exact inverse, 1 to 8.
 ///
@@ -55,4 +56,26 @@ pub fn thermal<const N: usize>(machine: &Machine, axes: &[Axis; N], kelvin: f64)
 /// Whether all axes' growth at `kelvin` above the reference temperature is one that the step takes: at most 10 mm and 1e-3.
 pub fn takes_rise(machine: &Machine, kelvin: f64) -> bool {
     machine.settings.axes.iter().all(|own| ThermalLine::<f64>::for_axis(&own.thermal, kelvin).is_some())
+}
+
+/// Range of an axis, mm or degrees: its declared travel, or that of its table where none is declared.
+pub fn range(own: &AxisSettings, table: Option<&Table>) -> [f64; 2] {
+    let rows = table.map(|table| table.rows.as_slice()).and_then(|rows| rows.first().zip(rows.last()));
+    match rows {
+        Some((first, last)) if !is_declared(own) => [first.position, last.position],
+        _ => own.travel,
+    }
+}
+
+/// Whether the machine's description states the travel of the axis.
+pub fn is_declared(own: &AxisSettings) -> bool {
+    own.travel != AxisSettings::with_defaults(own.axis, false).travel
+}
+
+/// The machine's error model as a description has it: `nine` or `volumetric`.
+pub fn name(model: ErrorModel) -> &'static str {
+    match model {
+        ErrorModel::Nine => "nine",
+        ErrorModel::Volumetric => "volumetric",
+    }
 }
