@@ -5,7 +5,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::check;
-use trueaxis::compensation::{Compensation, ThermalLine, requirement};
+use trueaxis::compensation::ThermalLine;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Folder;
@@ -41,31 +41,7 @@ pub(crate) fn parsed<'b>(bytes: &'b [u8], machine: &Path) -> Result<Tcomp<'b>> {
     Tcomp::parse(bytes).map_err(|error| anyhow!("{}: {error}", machine.display()))
 }
 
-/// Builds the model that the machine's settings name and lends it out.
-pub(crate) fn with_compensation<const N: usize, T>(
-    machine: &Machine,
-    passes: u8,
-    user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> Result<T>,
-) -> Result<T> {
-    let rows = |axis: Axis| machine.rows(axis);
-    let mut memory = vec![0.0; requirement(&machine.settings, rows)];
-    let compensation =
-        Compensation::build(&machine.settings, rows, passes, &mut memory).map_err(|error| anyhow!("{error}"))?;
-    user(&compensation)
-}
-
-/// Calls a function generic over the number of axes of the step with that number.
-macro_rules! by_axes {
-    ($count:expr, $($function:ident)::+ ($($argument:expr),*)) => {
-        match $count {
-            3 => $($function)::+::<3>($($argument),*),
-            4 => $($function)::+::<4>($($argument),*),
-            5 => $($function)::+::<5>($($argument),*),
-            _ => $($function)::+::<6>($($argument),*),
-        }
-    };
-}
-pub(crate) use by_axes;
+pub(crate) use trueaxis_evaluation::model::{by_axes, with_compensation};
 
 /// Look-ups of the exact inverse: those asked for, or as many as the machine needs.
 pub(crate) fn passes(machine: &Machine, asked: Option<u8>) -> Result<u8> {
