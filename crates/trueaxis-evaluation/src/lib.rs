@@ -5,6 +5,7 @@
 
 pub mod accuracy;
 pub mod check;
+pub mod curve;
 pub mod field;
 pub mod friction;
 pub mod helicoid;

@@ -14,6 +14,8 @@ pub mod helicoid;
 pub mod machine;
 pub mod panics;
 pub mod roundness;
+mod samples;
+mod shown;
 pub mod scope;
 
 use serde::Serialize;
