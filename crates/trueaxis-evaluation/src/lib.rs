@@ -4,9 +4,12 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod accuracy;
+pub mod contributions;
+pub mod correct;
 pub mod field;
 pub mod friction;
 pub mod helicoid;
+pub mod model;
 pub mod probe_angles;
 pub mod roundness;
 pub mod rows;
