@@ -1,6 +1,6 @@
 //! ISO 230-2 before and after compensation.
 
-use crate::model::{by_axes, with_compensation};
+use crate::model::{with_compensation};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use std::path::Path;

@@ -6,6 +6,8 @@
 pub mod accuracy;
 pub mod check;
 pub mod curve;
+pub mod contributions;
+pub mod correct;
 pub mod field;
 pub mod friction;
 pub mod helicoid;
