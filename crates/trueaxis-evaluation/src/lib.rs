@@ -4,9 +4,11 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod accuracy;
+pub mod circle;
 pub mod field;
 pub mod friction;
 pub mod helicoid;
 pub mod probe_angles;
+pub mod probes;
 pub mod roundness;
 pub mod rows;
