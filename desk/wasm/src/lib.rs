@@ -10,6 +10,7 @@
 pub mod field;
 mod files;
 pub mod friction;
+pub mod grinding;
 pub mod helicoid;
 pub mod machine;
 pub mod panics;

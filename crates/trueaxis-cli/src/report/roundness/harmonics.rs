@@ -1,6 +1,6 @@
 //! Harmonics of the profile: amplitude and noise gain.
 
-use crate::roundness::evaluation::Document;
+use trueaxis_evaluation::roundness::Document;
 use maud::{Markup, html};
 use trueaxis_report::{
     Figure, Scale, Stroke, colour,
