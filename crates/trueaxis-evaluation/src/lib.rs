@@ -5,10 +5,10 @@
 
 pub mod accuracy;
 pub mod check;
-pub mod curve;
+pub mod circle;
 pub mod contributions;
 pub mod correct;
-pub mod circle;
+pub mod curve;
 pub mod field;
 pub mod friction;
 pub mod helicoid;

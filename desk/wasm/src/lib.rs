@@ -16,8 +16,8 @@ pub mod machine;
 pub mod panics;
 pub mod roundness;
 mod samples;
-mod shown;
 pub mod scope;
+mod shown;
 
 use serde::Serialize;
 use wasm_bindgen::prelude::*;

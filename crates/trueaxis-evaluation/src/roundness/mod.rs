@@ -4,7 +4,9 @@ mod document;
 mod polar;
 mod trace;
 
-pub use document::{Centres, Circles, Document, Evaluation, HarmonicEntry, Revolution, Spindle, SpindleDirection, Zones};
+pub use document::{
+    Centres, Circles, Document, Evaluation, HarmonicEntry, Revolution, Spindle, SpindleDirection, Zones,
+};
 pub use polar::polar;
 pub use trace::{InterpolationError, Resampling};
 
