@@ -21,6 +21,7 @@
 
 pub mod ball_test;
 pub mod error;
+pub mod event;
 pub mod grinding;
 mod learned;
 pub mod learning;
