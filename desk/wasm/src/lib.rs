@@ -10,14 +10,23 @@
 pub mod field;
 mod files;
 pub mod friction;
+pub mod grinding;
 pub mod helicoid;
 pub mod machine;
 pub mod panics;
 pub mod roundness;
+mod samples;
 pub mod scope;
+mod shown;
 
 use serde::Serialize;
-use wasm_bindgen::JsError;
+use wasm_bindgen::prelude::*;
+
+/// Version of the crates.
+#[wasm_bindgen]
+pub fn version() -> String {
+    env!("CARGO_PKG_VERSION").to_owned()
+}
 
 /// A result as the page takes it: the error's text, with its causes.
 fn told<T>(result: anyhow::Result<T>) -> Result<T, JsError> {
