@@ -22,6 +22,7 @@ enum Field {
     Limited,
     Fault,
     Status,
+    AtEdge,
     Correction(usize),
     Sent(usize),
     FeedForward(usize),
@@ -39,6 +40,7 @@ impl Field {
             Field::Limited => sample.limited.into(),
             Field::Fault => sample.fault.into(),
             Field::Status => sample.status.into(),
+            Field::AtEdge => sample.at_edge.into(),
             Field::Correction(axis) => at(&sample.correction, axis),
             Field::Sent(axis) => at(&sample.dynamic.sent, axis),
             Field::FeedForward(axis) => at(&sample.dynamic.feed_forward, axis),
@@ -62,6 +64,7 @@ struct Row {
     cycle: u64,
     line: u32,
     cutting: bool,
+    length_mm: f64,
     nominal_mm: [f64; 3],
     rotary_deg: [f64; 3],
     values: [f32; MOST_COLUMNS],
@@ -96,6 +99,7 @@ impl Traces {
                 ("limited", Field::Limited),
                 ("fault", Field::Fault),
                 ("status", Field::Status),
+                ("at_edge", Field::AtEdge),
             ] {
                 add(machine, what.into(), field);
             }
@@ -123,7 +127,7 @@ impl Traces {
 
     /// Names of the columns.
     pub(super) fn names(&self) -> Vec<String> {
-        let own = ["time_s", "cycle", "line", "cutting", "x_mm", "y_mm", "z_mm"].map(String::from);
+        let own = ["time_s", "cycle", "line", "cutting", "length_mm", "x_mm", "y_mm", "z_mm"].map(String::from);
         let rotary = self.rotary.iter().map(|axis| format!("{}_deg", axis.letter().to_ascii_lowercase()));
         own.into_iter().chain(rotary).chain(self.columns.iter().map(|column| column.name.clone())).collect()
     }
@@ -133,7 +137,7 @@ impl Traces {
         let mut numbers = Vec::new();
         for row in self.rows.items() {
             let cutting = f64::from(u8::from(row.cutting));
-            numbers.extend([row.time_s, row.cycle as f64, row.line.into(), cutting]);
+            numbers.extend([row.time_s, row.cycle as f64, row.line.into(), cutting, row.length_mm]);
             numbers.extend(row.nominal_mm);
             numbers.extend(self.rotary.iter().filter_map(|axis| row.rotary_deg.get(axis.index() - AXES / 2)));
             numbers.extend(row.values.iter().take(self.columns.len()).map(|value| f64::from(*value)));
@@ -178,6 +182,7 @@ impl Sink for Traces {
             cycle: moment.cycle,
             line: moment.line,
             cutting: moment.cutting,
+            length_mm: moment.length_mm,
             nominal_mm: moment.nominal_mm,
             rotary_deg: moment.rotary_deg,
             values,
