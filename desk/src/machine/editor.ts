@@ -41,6 +41,11 @@ export class Editor {
     this.listeners.add(listener);
   }
 
+  /** Nothing waits for its turn: what the module said last holds. */
+  get settled(): boolean {
+    return this.waiting.size === 0;
+  }
+
   get undoable(): string | undefined {
     return this.back.at(-1)?.what;
   }

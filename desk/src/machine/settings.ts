@@ -17,18 +17,22 @@ type Bound = [Field, () => number | undefined];
 
 export class Settings {
   readonly root: HTMLElement;
+  /** Those of the axis that is chosen. */
+  readonly own = el("div");
   private readonly sliders = el("div", { class: "settings" });
-  private readonly own = el("div");
   private bound: Bound[] = [];
   private ownBound: Bound[] = [];
   private built = "";
   private builtOwn = "";
+  private readonly model: { root: HTMLElement; choice: { value: string } };
 
   constructor(
     private readonly editor: Editor,
     private readonly tables: Tables,
   ) {
-    this.root = section("Settings", this.sliders, this.own);
+    this.root = section("Settings of the machine", this.sliders);
+    const models = choice<string>("Of the machine", [["nine", "nine-term"], ["volumetric", "volumetric"]], "nine", (value) => this.set("compensation.model", value, ""));
+    this.model = { root: group("Error model", models.root), choice: models };
     editor.subscribe(() => this.render());
     tables.onChoice(() => this.render());
   }
@@ -39,19 +43,20 @@ export class Settings {
     if (letters !== this.built) {
       this.built = letters;
       this.bound = [];
-      this.sliders.replaceChildren(this.squareness(), this.backlash(axes), this.temperature());
+      this.sliders.replaceChildren(this.squareness(), this.backlash(axes), el("div", { class: "pair" }, this.temperature(), this.model.root));
     }
+    this.model.choice.value = this.editor.shown?.check.summary.model ?? "nine";
     const axis = this.tables.axis;
-    const model = this.editor.shown?.check.summary.model ?? "nine";
-    const key = `${axis?.axis} ${axis?.interpolation} ${model}`;
+    const key = `${axis?.axis} ${axis?.interpolation}`;
     if (axis && key !== this.builtOwn) {
       this.builtOwn = key;
       this.ownBound = [];
-      this.own.replaceChildren(this.ofAxis(axis, model));
+      this.own.replaceChildren(this.ofAxis(axis));
     }
     for (const [field, value] of [...this.bound, ...this.ownBound]) {
       const now = value();
-      if (now === undefined || document.activeElement === field.input) continue;
+      // What is being moved is ahead of the machine.
+      if (now === undefined || (!this.editor.settled && field.root.contains(document.activeElement))) continue;
       const shown = Number(now.toPrecision(12));
       if (field.value !== shown) field.value = shown;
     }
@@ -87,13 +92,13 @@ export class Settings {
   }
 
   private temperature(): HTMLElement {
-    const options = { label: "Axes at", unit: "°C", value: 20, min: 0, max: 50, step: 0.5, hint: "Only looked at: the growth in curve and field; no setting of the machine." };
+    const options = { label: "Axes at", unit: "°C", value: 20, min: 0, max: 50, step: 0.5, hint: "to look at; no setting of the machine" };
     const field = slider(options, (value) => look.set(value));
     this.bound.push([field, () => look.temperature_c ?? this.editor.shown?.reference_temperature_c]);
     return group("Temperature", field.root);
   }
 
-  private ofAxis(axis: Axis, model: string): HTMLElement {
+  private ofAxis(axis: Axis): HTMLElement {
     const { axis: letter, micro: small, unit } = axis;
     const summary = () => this.editor.shown?.check.summary.axes.find((one) => one.axis === letter);
     const number = (label: string, unit: string, key: string, value: () => number | undefined): Child => {
@@ -107,14 +112,13 @@ export class Settings {
       "div",
       { class: "settings" },
       group(
-        `Axis ${letter}`,
+        `Settings of ${letter}`,
         choice("Between the points", [["cubic", "cubic"], ["linear", "linear"]], axis.interpolation, (value) => this.set(`axis.${letter}.interpolation`, value, "")).root,
         number("Largest correction", micro(small), `limits.magnitude_${small}`, () => summary()?.magnitude_micro),
         number("Its slope", `${long}/s`, `limits.slope_${name}_per_s`, () => summary()?.slope_per_s),
         number("Its acceleration", `${long}/s²`, `limits.acceleration_${name}_per_s2`, () => summary()?.acceleration_per_s2),
         number("Top feed", `${long}/min`, `max_feed_${name}_per_min`, () => this.axis(letter)?.max_feed_per_min),
         number("Expansion", rotary ? "µrad/rad/K" : "µm/m/K", `thermal.expansion_${rotary ? "urad_per_rad_k" : "um_per_m_k"}`, () => this.axis(letter)?.expansion),
-        choice("Error model of the machine", [["nine", "nine-term"], ["volumetric", "volumetric"]], model, (value) => this.set("compensation.model", value, "")).root,
       ),
     );
   }

@@ -3,6 +3,7 @@
 import type { Desk } from "../core/desk";
 import { button, choice, el, group, section } from "../core/dom";
 import { Plot } from "../core/plot";
+import { onTheme } from "../core/theme";
 import { errorTitle, length, micro, type Axis, type Column } from "./document";
 import type { Editor } from "./editor";
 import { Handles } from "./handles";
@@ -49,6 +50,7 @@ export class Tables {
     );
     editor.subscribe(() => this.render());
     look.subscribe(() => void this.curve());
+    onTheme(() => void this.curve());
   }
 
   onChoice(listener: () => void): void {
@@ -156,6 +158,11 @@ export class Tables {
       const warm = growth.some((value) => value !== 0);
       const { plot, handles } = this.pair();
       plot.set([positions, forward, two ? reverse : none, warm ? forward.map((value, i) => value + (growth[i] ?? 0)) : none]);
+      // The legend names what is drawn.
+      [true, true, two, warm].forEach((drawn, i) => {
+        const line = plot.root.querySelectorAll<HTMLElement>(".u-legend .u-series")[i];
+        if (line) line.style.display = drawn ? "" : "none";
+      });
       handles.set(this.handles(axis));
     } catch (error) {
       this.desk.fail(error);

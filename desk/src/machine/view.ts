@@ -28,9 +28,9 @@ async function build(root: HTMLElement, desk: Desk): Promise<void> {
   root.append(
     await opening(root, desk, editor),
     identity(editor),
-    el("div", { class: "columns" }, tables.root, el("div", {}, settings.root, warnings(editor))),
+    el("div", { class: "columns" }, el("div", {}, tables.root, settings.own), el("div", {}, settings.root, warnings(editor), exporting(desk, editor))),
     limits(editor),
-    el("div", { class: "columns" }, accuracy(editor), exporting(desk, editor)),
+    accuracy(editor),
   );
   root.addEventListener("keydown", (event) => keys(event, editor));
   parts = { editor, tables };
