@@ -1,6 +1,7 @@
 //! ISO 230-2 before and after compensation.
 
-use crate::model::{by_axes, with_compensation};
+use crate::by_axes;
+use crate::model::with_compensation;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use std::path::Path;
@@ -102,7 +103,8 @@ pub fn of_table(machine: &Machine, axis: Axis) -> Option<Accuracy> {
     if !*table.given.get(own)? {
         return None;
     }
-    let (micro, backlash) = if axis.is_rotary() { (1e6, settings.backlash.to_radians()) } else { (1e3, settings.backlash) };
+    let (micro, backlash) =
+        if axis.is_rotary() { (1e6, settings.backlash.to_radians()) } else { (1e3, settings.backlash) };
     let mut approaches = Vec::new();
     for row in &table.rows {
         let (up, down) = (row.forward.get(own)? * micro, (row.reverse.get(own)? + backlash) * micro);

@@ -23,13 +23,7 @@ pub struct ErrorCurve {
 ///
 /// # Errors
 /// An axis without a table; a growth of more than 10 mm or 1e-3.
-pub fn curve(
-    machine: &Machine,
-    axis: Axis,
-    component: usize,
-    temperature_c: f64,
-    points: usize,
-) -> Result<ErrorCurve> {
+pub fn curve(machine: &Machine, axis: Axis, component: usize, temperature_c: f64, points: usize) -> Result<ErrorCurve> {
     let settings = machine.settings.axis(axis).context("the axis is not in the machine")?;
     let rows = machine.rows(axis).with_context(|| format!("found no table of axis {}, needed one", axis.letter()))?;
     let mut memory = vec![0.0; AxisTable::<f64, f64, 6>::requirement(settings, rows)];
@@ -47,7 +41,8 @@ pub fn curve(
         let (twist, _) = table.at(table.coordinate(position), direction);
         twist.get(component).copied().unwrap_or_default() * micro
     };
-    let mut curve = ErrorCurve { positions: positions(rows.iter().map(|row| row.position), points), ..Default::default() };
+    let mut curve =
+        ErrorCurve { positions: positions(rows.iter().map(|row| row.position), points), ..Default::default() };
     for &position in &curve.positions {
         curve.forward.push(at(position, Direction::POSITIVE));
         curve.reverse.push(at(position, Direction::NEGATIVE));

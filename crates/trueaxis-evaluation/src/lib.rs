@@ -5,11 +5,15 @@
 
 pub mod accuracy;
 pub mod check;
+pub mod circle;
+pub mod contributions;
+pub mod correct;
 pub mod curve;
 pub mod field;
 pub mod friction;
 pub mod helicoid;
 pub mod model;
 pub mod probe_angles;
+pub mod probes;
 pub mod roundness;
 pub mod rows;

@@ -149,7 +149,9 @@ fn row_line(table: &TableText, origin: &Origin, row: usize) -> Result<u32, FileE
 /// The text with another number in a field of a line.
 fn with_field(table: &TableText, text: &str, line: u32, index: usize, value: f64) -> String {
     let lines = (1..).zip(text.split_inclusive('\n'));
-    lines.map(|(number, old)| if number == line { replaced(table, old, index, value) } else { old.to_owned() }).collect()
+    lines
+        .map(|(number, old)| if number == line { replaced(table, old, index, value) } else { old.to_owned() })
+        .collect()
 }
 
 fn replaced(table: &TableText, line: &str, index: usize, value: f64) -> String {
@@ -206,7 +208,9 @@ fn inserted(table: &TableText, machine: &Machine, position: f64) -> String {
     match next.and_then(|row| table.lines.get(row)) {
         Some(before) => {
             let lines = (1..).zip(table.text.split_inclusive('\n'));
-            lines.map(|(number, old)| if number == *before { format!("{line}{end}{old}") } else { old.to_owned() }).collect()
+            lines
+                .map(|(number, old)| if number == *before { format!("{line}{end}{old}") } else { old.to_owned() })
+                .collect()
         }
         None if table.text.ends_with('\n') => format!("{}{line}{end}", table.text),
         None => format!("{}{end}{line}", table.text),

@@ -21,8 +21,8 @@ mod summary;
 pub mod text;
 mod warning;
 
-pub use compile::{build, compile};
 pub use change::{Change, Setting, change};
+pub use compile::{build, compile};
 pub use edit::Edited;
 pub use lost_motion::{LostMotion, lost_motion};
 pub use margins::{FeedbackMargins, feedback_margins};

@@ -7,7 +7,8 @@ use trueaxis_tables::{Change, Machine, Setting, change, table_texts};
 
 const DESCRIPTION: &str = "# The mill of hall 2.\nname = \"mill\"\nchain = \"w X' b C t\"  # table and spindle\n\n\
     [axis.X]\ntable = \"x.csv\"\ninterpolation = \"cubic\"\nbacklash_um = 1.5 # by dial gauge\n\n[axis.C]\ntable = \"c.csv\"\n";
-const X: &str = "# laser, 20 C\nX_mm, EXX_um ,EYX_fwd_um,EYX_rev_um\n0, 1.0 ,0,0.5\n\n# middle\n10,2.5,1,1.5\n20,-3,0,0.5\n";
+const X: &str =
+    "# laser, 20 C\nX_mm, EXX_um ,EYX_fwd_um,EYX_rev_um\n0, 1.0 ,0,0.5\n\n# middle\n10,2.5,1,1.5\n20,-3,0,0.5\n";
 const C: &str = "C_deg;EXC_um\r\n0;\"1,5\"\r\n180;2,25\r\n360;1,5\r\n";
 
 fn files() -> Memory {
@@ -70,7 +71,10 @@ fn what_the_controller_would_refuse_is_refused_with_its_line() {
         let told = refused(change);
         assert!(told.starts_with(with), "{told}");
     };
-    begins(&point(Axis::X, "X_mm", 1, 25.0), "x.csv:7: column X_mm: found 20, needed a position above that of the line before");
+    begins(
+        &point(Axis::X, "X_mm", 1, 25.0),
+        "x.csv:7: column X_mm: found 20, needed a position above that of the line before",
+    );
     begins(&point(Axis::X, "EXX_um", 1, f64::NAN), "x.csv:6: column EXX_um: found \"NaN\", needed a finite number");
     begins(&point(Axis::X, "EXX_um", 3, 1.0), "x.csv: found row 4, needed one of its 3 rows");
     let columns = "X_mm EXX_um EYX_fwd_um EYX_rev_um";

@@ -162,7 +162,9 @@ mod tests {
         let told = refused(&[("x.csv", b"X_mm,EXX_um\n0,1\n10,\xff\n")]);
         assert_eq!(told, "x.csv:3: found bytes that are not UTF-8, needed text in UTF-8");
         assert!(refused(&[("old.tcomp", b"TAXT")]).starts_with("old.tcomp: "));
-        assert!(refused(&[("notes.txt", b"hello")]).starts_with("notes.txt: found a file that is none of the machine's"));
+        assert!(
+            refused(&[("notes.txt", b"hello")]).starts_with("notes.txt: found a file that is none of the machine's")
+        );
         let taken = dropped(&mill, &[("more/y.csv", b"Y_mm,EYY_um\n-200,0\n200,1\n")]).unwrap();
         assert_eq!(taken.files["y.csv"], "Y_mm,EYY_um\n-200,0\n200,1\n");
     }
@@ -194,7 +196,10 @@ mod tests {
         assert_eq!(files.len(), before.len());
         assert_eq!(files["x.csv"], before["x.csv"]);
         let refused = after(json!({"change": "key", "key": "location.C0Y_urad", "value": 1e9})).unwrap_err();
-        assert!(refused.to_string().starts_with("machine.toml:44: key location.C0Y_urad: found 1000000000.0"), "{refused}");
+        assert!(
+            refused.to_string().starts_with("machine.toml:44: key location.C0Y_urad: found 1000000000.0"),
+            "{refused}"
+        );
     }
 
     #[test]
