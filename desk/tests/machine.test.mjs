@@ -127,6 +127,26 @@ test("a bad file is refused in the words of the command line, and the machine be
   await close();
 });
 
+test("a folder is opened with what belongs to it", async () => {
+  const { page, close } = await openDesk();
+  const panel = await panelOf(page);
+  const own = { ...sample("mill-5axis"), "notes.txt": "not for the machine" };
+  const place = folder(own);
+  await panel.getByLabel("Open a folder…").setInputFiles(place);
+  await panel.getByText("1 file left out that no machine needs").waitFor();
+  delete own["notes.txt"];
+  assert.deepEqual(await files(page), Object.fromEntries(Object.entries(own).map(([name, bytes]) => [name, bytes.toString()])));
+  assert.equal(await page.evaluate(() => globalThis.trueaxisDesk.machine.name), path.basename(place));
+  // A rotary table: both ends of the full circle are one point.
+  await panel.getByRole("button", { name: "C", exact: true }).click();
+  await panel.getByLabel("Error", { exact: true }).selectOption({ label: "EXC, straightness in X" });
+  const end = panel.getByRole("spinbutton", { name: "EXC_um at 360", exact: true });
+  await end.fill("3.5");
+  await end.press("Enter");
+  await until(page, (files) => files["c.csv"].includes("\n0,3.5,") && files["c.csv"].includes("\n360,3.5,"), "the circle stays closed");
+  await close();
+});
+
 test("separators of a dropped table are told", async () => {
   const { page, close } = await openDesk();
   const panel = await panelOf(page);

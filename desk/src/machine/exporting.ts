@@ -10,9 +10,9 @@ const BETWEEN_DOWNLOADS_MS = 300;
 
 export function exporting(desk: Desk, editor: Editor): HTMLElement {
   const files = el("div", { class: "row tight" });
-  const check = commandLine("As on the command line");
-  const compile = commandLine("Compiled");
-  const accuracy = commandLine("Accuracy");
+  const check = commandLine("As on the command line, with the files saved");
+  const compile = commandLine("compiled");
+  const accuracy = commandLine("accuracy");
   const one = (name: string) => save(name.replaceAll("../", "").replaceAll("/", "-"), desk.machine.files[name] ?? "", name.endsWith(".csv") ? "text/csv;charset=utf-8" : undefined);
 
   const tcomp = async () => {

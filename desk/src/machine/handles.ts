@@ -39,6 +39,8 @@ export class Handles {
     private readonly plot: Plot,
     private readonly move: (column: string, row: number, value: number, gesture: number) => void,
   ) {
+    // A picture has no parts; this one has.
+    plot.root.querySelector(".plot")?.setAttribute("role", "group");
     onTheme(() => this.place());
     new ResizeObserver(() => requestAnimationFrame(() => this.place())).observe(plot.root);
     this.layer.addEventListener("keydown", (event) => this.key(event));

@@ -159,10 +159,8 @@ export class Tables {
       const { plot, handles } = this.pair();
       plot.set([positions, forward, two ? reverse : none, warm ? forward.map((value, i) => value + (growth[i] ?? 0)) : none]);
       // The legend names what is drawn.
-      [true, true, two, warm].forEach((drawn, i) => {
-        const line = plot.root.querySelectorAll<HTMLElement>(".u-legend .u-series")[i];
-        if (line) line.style.display = drawn ? "" : "none";
-      });
+      const legend = [...plot.root.querySelectorAll<HTMLElement>(".u-legend .u-series")].slice(-3);
+      [true, two, warm].forEach((drawn, i) => legend[i] && (legend[i].style.display = drawn ? "" : "none"));
       handles.set(this.handles(axis));
     } catch (error) {
       this.desk.fail(error);
