@@ -139,7 +139,7 @@ test("a folder is opened with what belongs to it", async () => {
   assert.equal(await page.evaluate(() => globalThis.trueaxisDesk.machine.name), path.basename(place));
   // A rotary table: both ends of the full circle are one point.
   await panel.getByRole("button", { name: "C", exact: true }).click();
-  await panel.getByLabel("Error", { exact: true }).selectOption({ label: "EXC, straightness in X" });
+  await panel.getByLabel("Error", { exact: true }).selectOption({ label: "EXC, displacement in X" });
   const end = panel.getByRole("spinbutton", { name: "EXC_um at 360", exact: true });
   await end.fill("3.5");
   await end.press("Enter");
@@ -171,14 +171,17 @@ test("a point is dragged and typed, undone, and what is saved compiles to the sa
   await page.mouse.down();
   for (let i = 1; i <= 5; i += 1) await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2 - 8 * i);
   await page.mouse.up();
-  await until(page, (files) => files["x.csv"] !== before["x.csv"], "the drag changes the table");
-  await page.waitForTimeout(500);
-  const dragged = (await files(page))["x.csv"];
   const line = (text) => text.split("\n").find((line) => line.startsWith("-100,"));
-  const value = Number(line(dragged).split(",")[1]);
-  const was = Number(line(before["x.csv"]).split(",")[1]);
-  assert.ok(value > was + 3, `${was} to ${value}`);
-  assert.equal(dragged, before["x.csv"].replace(line(before["x.csv"]), line(before["x.csv"]).replace(String(was), String(value))));
+  const value_of = (files) => Number(line(files["x.csv"]).split(",")[1]);
+  const was = value_of(before);
+  // 40 of some 210 pixels on 40 µm.
+  await until(page, (files) => value_of(files) > was + 6, "the drag changes the table up to where it ends");
+  const dragged = (await files(page))["x.csv"];
+  const value = value_of({ "x.csv": dragged });
+  // Both directions by as much, and nothing else.
+  const [position, , reverse, ...others] = line(before["x.csv"]).split(",");
+  const moved = [position, value, Number((Number(reverse) + value - was).toFixed(3)), ...others].join(",");
+  assert.equal(dragged, before["x.csv"].replace(line(before["x.csv"]), moved));
   assert.equal(await panel.getByRole("spinbutton", { name: "EXX_fwd_um at -100", exact: true }).inputValue(), String(value));
 
   await panel.getByRole("spinbutton", { name: "EXX_rev_um at -300", exact: true }).fill("17.25");
@@ -222,11 +225,11 @@ test("all of it by the keyboard", async () => {
   await page.keyboard.press("ArrowUp");
   await page.keyboard.press("Alt+ArrowUp");
   await page.keyboard.press("Shift+ArrowDown");
-  // 14.499 + 0.1 + 0.01 − 1
-  await until(page, (files) => files["x.csv"].includes("\n-290,13.609,16.009,"), "arrow keys move the point");
+  // 14.499 + 0.1 + 0.01 − 1, and 16.009 with it
+  await until(page, (files) => files["x.csv"].includes("\n-290,13.609,15.119,"), "arrow keys move the point");
   assert.equal(await page.evaluate(() => document.activeElement.getAttribute("aria-label")), "EXX_fwd_um at -290 mm");
   await page.keyboard.press("Control+z");
-  await until(page, (files) => files["x.csv"].includes("\n-290,14.499,"), "undone");
+  await until(page, (files) => files["x.csv"].includes("\n-290,14.499,16.009,"), "undone");
 
   await panel.getByLabel("C0Y, Y to X / µrad").fill("12.5");
   await page.keyboard.press("Enter");
@@ -256,6 +259,15 @@ test("a refused edit is told and changes nothing", async () => {
   await page.getByRole("alert").filter({ hasText: /^x\.csv:6: column X_mm: found -280, needed a position above/ }).waitFor();
   assert.deepEqual(await files(page), before);
   assert.equal(await position.inputValue(), "-290");
+
+  // One direction alone by 5 µm is lost motion that the hysteresis of 0.1 µm does not cover.
+  await panel.getByLabel("Move both directions together").uncheck();
+  const point = panel.getByRole("slider", { name: "EXX_fwd_um at -300 mm" });
+  for (let i = 0; i < 5; i += 1) await point.press("Shift+ArrowUp");
+  await page.getByRole("alert").filter({ hasText: "key axis.X.hysteresis_um: found 0.1, needed more than its correction steps against the travel" }).waitFor();
+  await panel.getByLabel("Move both directions together").check();
+  await point.press("Shift+ArrowUp");
+  await page.getByRole("alert").waitFor({ state: "hidden" });
   await close();
 });
 

@@ -83,7 +83,7 @@ export interface Shown {
 
 /** A change as `machine_change` takes it. */
 export type Change =
-  | { change: "point"; axis: string; column: string; row: number; value: number }
+  | { change: "point"; axis: string; column: string; row: number; value: number; also?: [string, number][] }
   | { change: "insert"; axis: string; position: number }
   | { change: "remove"; axis: string; row: number }
   | { change: "key"; key: string; value: number | string };
@@ -96,10 +96,12 @@ export function errorName(axis: string, component: number): string {
   return `E${LETTERS[component]}${axis}`;
 }
 
-/** `EYX, in Y`. */
+/** `EYX, straightness in Y`. */
 export function errorTitle(axis: string, component: number): string {
-  const own = LETTERS[component] === axis ? "positioning" : component < 3 ? `straightness ${MOVES[component]}` : `rotation ${MOVES[component]}`;
-  return `${errorName(axis, component)}, ${own}`;
+  const rotary = LETTERS.indexOf(axis) >= 3;
+  const [shift, turn] = rotary ? ["displacement", "tilt"] : ["straightness", "rotation"];
+  const what = LETTERS[component] === axis ? "positioning" : `${component < 3 ? shift : turn} ${MOVES[component]}`;
+  return `${errorName(axis, component)}, ${what}`;
 }
 
 /** Unit of an error as people write it. */

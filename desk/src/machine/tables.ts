@@ -1,7 +1,7 @@
 // Error tables: an axis and one of its errors, plotted between the points as the step looks it up, and edited.
 
 import type { Desk } from "../core/desk";
-import { button, choice, el, group, section } from "../core/dom";
+import { button, choice, el, group, section, tick } from "../core/dom";
 import { Plot } from "../core/plot";
 import { onTheme } from "../core/theme";
 import { errorTitle, length, micro, type Axis, type Column } from "./document";
@@ -28,6 +28,7 @@ export class Tables {
   private readonly errors: ReturnType<typeof choice<string>>;
   private readonly undo: HTMLButtonElement;
   private readonly redo: HTMLButtonElement;
+  private readonly both = tick("Move both directions together", true, () => {});
   private readonly plots = new Map<string, { plot: Plot; handles: Handles }>();
   private drawn = 0;
   private listeners = new Set<() => void>();
@@ -42,7 +43,7 @@ export class Tables {
     this.points = new Points(editor);
     this.root = section(
       "Error tables",
-      el("div", { class: "row" }, group("Axis", this.axes), this.errors.root, this.undo, this.redo),
+      el("div", { class: "row" }, group("Axis", this.axes), this.errors.root, this.undo, this.redo, this.both.root),
       this.none,
       this.place,
       el("p", { class: "said" }, "Drag a point, or take it with Tab and move it with the arrow keys: ↑ ↓ by 0.1, with Alt 0.01, with Shift 1; ← → to its neighbours. Drag beside the points to zoom, double-click to see all."),
@@ -83,6 +84,7 @@ export class Tables {
     this.steps();
     this.none.hidden = components.length > 0;
     this.place.hidden = components.length === 0;
+    this.both.root.hidden = this.columns().length < 2;
     this.points.set(axis, this.columns());
     void this.curve();
   }
@@ -135,7 +137,18 @@ export class Tables {
 
   private move(column: string, row: number, value: number, gesture: number): void {
     const axis = this.chosen.axis;
-    void this.editor.apply({ change: "point", axis, column, row, value }, `${column}, row ${row + 1}: ${value} ${this.unit()}`, `${axis} ${column} ${row} ${gesture}`);
+    const also = this.both.input.checked ? this.beside(column, row, value) : [];
+    void this.editor.apply({ change: "point", axis, column, row, value, also }, `${column}, row ${row + 1}: ${value} ${this.unit()}`, `${axis} ${column} ${row} ${gesture}`);
+  }
+
+  /** The other direction, moved by as much. */
+  private beside(column: string, row: number, value: number): [string, number][] {
+    const table = this.axis?.table;
+    const at = (name: string) => table?.rows[row]?.[table.columns.findIndex((one) => one.name === name)] ?? 0;
+    const by = value - at(column);
+    return this.columns()
+      .filter(({ name }) => name !== column)
+      .map(({ name }) => [name, Number((at(name) + by).toFixed(3))]);
   }
 
   /** The curve from the module; of several that are under way the last counts. */
