@@ -5,6 +5,7 @@ import type { Desk, View } from "../core/desk";
 import { el } from "../core/dom";
 import { Editor } from "./editor";
 import { exporting } from "./exporting";
+import { fieldSection, type FieldSection } from "./field";
 import { accuracy, identity, limits, warnings } from "./figures";
 import { look } from "./look";
 import { opening } from "./opening";
@@ -17,9 +18,10 @@ interface State {
   temperature_c?: number | null;
   rate_hz?: number;
   feed_per_min?: number;
+  field?: unknown;
 }
 
-let parts: { editor: Editor; tables: Tables } | undefined;
+let parts: { editor: Editor; tables: Tables; field: FieldSection } | undefined;
 
 async function build(root: HTMLElement, desk: Desk): Promise<void> {
   const editor = new Editor(desk);
@@ -33,7 +35,8 @@ async function build(root: HTMLElement, desk: Desk): Promise<void> {
     accuracy(editor),
   );
   root.addEventListener("keydown", (event) => keys(event, editor));
-  parts = { editor, tables };
+  const field = fieldSection(root, desk);
+  parts = { editor, tables, field };
   await editor.refresh();
 }
 
@@ -50,19 +53,21 @@ function keys(event: KeyboardEvent, editor: Editor): void {
 
 function state(): State {
   if (!parts) return {};
-  const { editor, tables } = parts;
-  return { ...tables.chosen, temperature_c: look.temperature_c ?? null, rate_hz: editor.rate_hz, feed_per_min: editor.feed_per_min };
+  const { editor, tables, field } = parts;
+  const { rate_hz, feed_per_min } = editor;
+  return { ...tables.chosen, temperature_c: look.temperature_c ?? null, rate_hz, feed_per_min, field: field.state() };
 }
 
 async function open(kept: unknown): Promise<void> {
   if (!parts) return;
-  const { editor, tables } = parts;
-  const { axis, component, temperature_c, rate_hz, feed_per_min } = (kept ?? {}) as State;
+  const { editor, tables, field } = parts;
+  const { axis, component, temperature_c, rate_hz, feed_per_min, field: seen } = (kept ?? {}) as State;
   editor.rate_hz = rate_hz ?? editor.rate_hz;
   editor.feed_per_min = feed_per_min ?? editor.feed_per_min;
   look.set(temperature_c ?? undefined);
   await editor.refresh();
   tables.choose({ axis: axis ?? tables.chosen.axis, component: component ?? tables.chosen.component });
+  if (seen) field.open(seen);
 }
 
-export const view: View = { id: "machine", title: "Machine", build, state, open };
+export const view: View = { id: "machine", title: "Machine", build, shown: () => parts?.field.refresh(), state, open };
