@@ -15,6 +15,7 @@ pub mod machine;
 pub mod panics;
 pub mod roundness;
 pub mod scope;
+pub mod scope_settings;
 
 use serde::Serialize;
 use wasm_bindgen::JsError;
