@@ -18,7 +18,13 @@ pub mod scope;
 pub mod scope_settings;
 
 use serde::Serialize;
-use wasm_bindgen::JsError;
+use wasm_bindgen::prelude::*;
+
+/// Version of the crates.
+#[wasm_bindgen]
+pub fn version() -> String {
+    env!("CARGO_PKG_VERSION").to_owned()
+}
 
 /// A result as the page takes it: the error's text, with its causes.
 fn told<T>(result: anyhow::Result<T>) -> Result<T, JsError> {

@@ -25,3 +25,20 @@ fn opened(files: &str) -> anyhow::Result<String> {
 pub fn machine_open(files: &str) -> Result<String, JsError> {
     told(opened(files))
 }
+
+/// Files of a sample machine.
+#[wasm_bindgen]
+pub fn machine_sample(name: &str) -> Result<String, JsError> {
+    told(sample(name))
+}
+
+fn sample(name: &str) -> anyhow::Result<String> {
+    const FILES: [(&str, &str); 4] = [
+        ("machine.toml", include_str!("../../../compensation-tables/mill-3axis/machine.toml")),
+        ("x.csv", include_str!("../../../compensation-tables/mill-3axis/x.csv")),
+        ("y.csv", include_str!("../../../compensation-tables/mill-3axis/y.csv")),
+        ("z.csv", include_str!("../../../compensation-tables/mill-3axis/z.csv")),
+    ];
+    anyhow::ensure!(name == "mill-3axis", "found {name}, needed mill-3axis");
+    json(&std::collections::BTreeMap::from(FILES))
+}

@@ -1,0 +1,21 @@
+// Joins page, styles, scripts and module to one file: dist/desk.html.
+
+import { build } from "esbuild";
+import fs from "node:fs";
+import { gzipSync } from "node:zlib";
+
+const common = { bundle: true, minify: true, target: "es2022", write: false, legalComments: "none", define: { "import.meta.url": '"about:blank"' } };
+const page = await build({ ...common, entryPoints: ["src/main.ts"], format: "esm", outdir: "dist" });
+const worker = await build({ ...common, entryPoints: ["src/worker.ts"], format: "iife" });
+
+const output = (ending) => page.outputFiles.find((file) => file.path.endsWith(ending)).text;
+const script = (text) => text.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
+const module = gzipSync(fs.readFileSync("pkg/trueaxis_desk_bg.wasm"), { level: 9 }).toString("base64");
+const parts = { CSS: output(".css"), WASM: module, WORKER: script(worker.outputFiles[0].text), JS: script(output(".js")) };
+let html = fs.readFileSync("src/page.html", "utf8");
+for (const [name, text] of Object.entries(parts)) html = html.replace(`/*${name}*/`, () => text);
+fs.mkdirSync("dist", { recursive: true });
+fs.writeFileSync("dist/desk.html", html);
+
+const kB = (bytes) => `${Math.round(bytes / 1000)} kB`;
+console.log(`dist/desk.html: ${kB(html.length)}, gzipped ${kB(gzipSync(html, { level: 9 }).length)}`);

@@ -1,0 +1,93 @@
+// The module in a worker. Every export can be called by its name; a panic ends the worker and another is started.
+
+import type * as Module from "../../pkg/trueaxis_desk";
+
+type Exports = typeof Module;
+type Calls = {
+  [K in keyof Exports as Exports[K] extends (...arguments_: never[]) => unknown ? K : never]: Exports[K] extends (
+    ...arguments_: never[]
+  ) => unknown
+    ? Exports[K]
+    : never;
+};
+export type CallName = Exclude<keyof Calls, "default" | "initSync" | "start">;
+
+/** What the worker answers. */
+export type Answer =
+  | { kind: "ready" }
+  | { kind: "done"; id: number; value: unknown }
+  | { kind: "refused"; id: number; message: string }
+  | { kind: "panicked"; message: string };
+
+interface Waiting {
+  done: (value: never) => void;
+  failed: (error: Error) => void;
+}
+
+/** The module panicked: what was under way is lost, the worker has been started anew. */
+export class Restarted extends Error {}
+
+export class Bench {
+  private worker: Worker;
+  private readonly waiting = new Map<number, Waiting>();
+  private readonly restarts = new Set<(message: string) => void>();
+  private next = 0;
+  private ready: Promise<void>;
+
+  constructor(
+    private readonly module: WebAssembly.Module,
+    private readonly script: string,
+  ) {
+    [this.worker, this.ready] = this.start();
+  }
+
+  /** Calls an export of the module. */
+  async call<K extends CallName>(name: K, ...given: Parameters<Calls[K]>): Promise<ReturnType<Calls[K]>> {
+    await this.ready;
+    const id = this.next++;
+    return new Promise((done, failed) => {
+      this.waiting.set(id, { done, failed });
+      this.worker.postMessage({ id, name, given });
+    });
+  }
+
+  /** Told after each restart, with what the module said. */
+  onRestart(listener: (message: string) => void): void {
+    this.restarts.add(listener);
+  }
+
+  private start(): [Worker, Promise<void>] {
+    const url = URL.createObjectURL(new Blob([this.script], { type: "text/javascript" }));
+    const worker = new Worker(url);
+    const ready = new Promise<void>((done) => {
+      worker.addEventListener("message", ({ data }: MessageEvent<Answer>) => {
+        if (data.kind === "ready") done();
+        else if (data.kind === "panicked") this.restart(data.message);
+        else this.answer(data);
+      });
+    });
+    // Memory that cannot be had, or whatever else no panic reports.
+    worker.addEventListener("error", (event) => {
+      event.preventDefault();
+      this.restart(event.message || "the worker ended");
+    });
+    worker.postMessage({ module: this.module });
+    return [worker, ready];
+  }
+
+  private answer(answer: Extract<Answer, { id: number }>): void {
+    const waiting = this.waiting.get(answer.id);
+    this.waiting.delete(answer.id);
+    if (answer.kind === "done") waiting?.done(answer.value as never);
+    else waiting?.failed(new Error(answer.message));
+  }
+
+  private restart(message: string): void {
+    this.worker.terminate();
+    const lost = [...this.waiting.values()];
+    this.waiting.clear();
+    [this.worker, this.ready] = this.start();
+    for (const { failed } of lost) failed(new Restarted(message));
+    for (const listener of this.restarts) listener(message);
+  }
+}

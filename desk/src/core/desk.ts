@@ -1,0 +1,48 @@
+// What the views are given, and what they give.
+
+import type { Bench } from "./bench";
+import type { MachineStore } from "./machine";
+
+/** One page of the desk. */
+export interface View {
+  id: string;
+  title: string;
+  /** Builds the view once, when it is first shown. */
+  build(root: HTMLElement, desk: Desk): void | Promise<void>;
+  /** Called each time the view comes to the front. */
+  shown?(): void;
+  /** What a link or file has to keep to show the same again; JSON. */
+  state(): unknown;
+  /** Shows a kept state; called after `build`. */
+  open(state: unknown): Promise<void>;
+}
+
+/** A part program handed from one view to another. */
+export interface Program {
+  name: string;
+  text: string;
+}
+
+export interface Desk {
+  /** Short requests. */
+  bench: Bench;
+  /** Runs, in slices. */
+  runs: Bench;
+  machine: MachineStore;
+  /** Brings a view to the front. */
+  show(id: string): Promise<void>;
+  /** Opens a program in the scope and shows it. */
+  openProgram(program: Program): Promise<void>;
+  onProgram(take: (program: Program) => Promise<void>): void;
+  /** Says something in the status line. */
+  tell(text: string): void;
+  /** Shows an error, with what the module said. */
+  fail(error: unknown): void;
+  /** Takes the error away. */
+  clear(): void;
+}
+
+/** The text of whatever was thrown. */
+export function message(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}

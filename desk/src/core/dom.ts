@@ -1,0 +1,201 @@
+// Elements of the page: every control has a visible label and works by keyboard.
+
+export type Child = Node | string | null | undefined;
+type Attributes = Record<string, string | number | boolean | ((event: never) => void) | undefined>;
+
+/** An element with attributes, listeners (`onclick`), and children. */
+export function el<K extends keyof HTMLElementTagNameMap>(
+  name: K,
+  attributes: Attributes = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (value === undefined || value === false) continue;
+    if (typeof value === "function") element.addEventListener(key.replace(/^on/, ""), value as EventListener);
+    else element.setAttribute(key, value === true ? "" : String(value));
+  }
+  element.append(...children.filter((child): child is Node | string => child !== null && child !== undefined));
+  return element;
+}
+
+let count = 0;
+/** An id that no other element has. */
+export function unique(prefix: string): string {
+  count += 1;
+  return `${prefix}-${count}`;
+}
+
+export function button(text: string, onClick: () => void, attributes: Attributes = {}): HTMLButtonElement {
+  return el("button", { type: "button", onclick: onClick, ...attributes }, text);
+}
+
+/** An input with its label and unit. */
+export interface Field {
+  root: HTMLElement;
+  input: HTMLInputElement;
+  value: number;
+}
+
+export interface FieldOptions {
+  label: string;
+  unit?: string;
+  value: number;
+  min?: number;
+  max?: number;
+  step?: number;
+  /** Told under the input. */
+  hint?: string;
+}
+
+/** A number typed in. Text that is no number, or out of range, is marked and not reported. */
+export function numberField(options: FieldOptions, onChange: (value: number) => void): Field {
+  const id = unique("number");
+  const { min, max, step } = options;
+  const input = el("input", { id, type: "number", min, max, step: step ?? "any", value: options.value });
+  const label = options.unit ? `${options.label} / ${options.unit}` : options.label;
+  const root = el("div", { class: "field" }, el("label", { for: id }, label), input);
+  if (options.hint) root.append(el("small", {}, options.hint));
+  const take = () => {
+    const valid = input.value.trim() !== "" && input.checkValidity();
+    input.setAttribute("aria-invalid", String(!valid));
+    if (valid) onChange(input.valueAsNumber);
+  };
+  input.addEventListener("change", take);
+  return field(root, input);
+}
+
+/** A slider with a number input beside it, both of one value. */
+export function slider(options: FieldOptions & { min: number; max: number }, onChange: (value: number) => void): Field {
+  const numbers = numberField(options, (value) => {
+    range.value = String(value);
+    onChange(value);
+  });
+  const range = el("input", {
+    type: "range",
+    "aria-label": `${options.label}, slider`,
+    min: options.min,
+    max: options.max,
+    step: options.step ?? "any",
+    value: options.value,
+  });
+  range.addEventListener("input", () => {
+    numbers.input.value = String(range.valueAsNumber);
+    numbers.input.setAttribute("aria-invalid", "false");
+    onChange(range.valueAsNumber);
+  });
+  numbers.input.after(range);
+  numbers.root.classList.add("slider");
+  const both = field(numbers.root, numbers.input);
+  Object.defineProperty(both, "value", {
+    get: () => numbers.input.valueAsNumber,
+    set: (value: number) => {
+      numbers.input.value = String(value);
+      range.value = String(value);
+    },
+  });
+  return both;
+}
+
+function field(root: HTMLElement, input: HTMLInputElement): Field {
+  return {
+    root,
+    input,
+    get value() {
+      return input.valueAsNumber;
+    },
+    set value(value: number) {
+      input.value = String(value);
+    },
+  };
+}
+
+/** A choice of named options. */
+export function choice<T extends string>(
+  label: string,
+  options: ReadonlyArray<readonly [T, string]>,
+  value: T,
+  onChange: (value: T) => void,
+): { root: HTMLElement; select: HTMLSelectElement; value: T } {
+  const id = unique("choice");
+  const select = el("select", { id });
+  for (const [key, text] of options) select.append(el("option", { value: key, selected: key === value }, text));
+  select.addEventListener("change", () => onChange(select.value as T));
+  return {
+    root: el("div", { class: "field" }, el("label", { for: id }, label), select),
+    select,
+    get value() {
+      return select.value as T;
+    },
+    set value(value: T) {
+      select.value = value;
+    },
+  };
+}
+
+/** A box to tick. */
+export function tick(label: string, checked: boolean, onChange: (checked: boolean) => void): { root: HTMLElement; input: HTMLInputElement } {
+  const input = el("input", { type: "checkbox", checked });
+  input.addEventListener("change", () => onChange(input.checked));
+  return { root: el("label", { class: "tick" }, input, ` ${label}`), input };
+}
+
+/** A cell: text, or text with the number behind it, which `data-value` keeps whole. */
+export type Cell = string | { text: string; value: number };
+
+/** A table with a caption; the first cell of a row is its header. */
+export function table(caption: string, header: readonly string[], rows: ReadonlyArray<readonly Cell[]>): HTMLTableElement {
+  const root = el("table", {}, el("caption", {}, caption));
+  root.append(el("thead", {}, el("tr", {}, ...header.map((name) => el("th", { scope: "col" }, name)))));
+  const body = el("tbody");
+  for (const row of rows) {
+    const cells = row.map((cell, column) => {
+      const text = typeof cell === "string" ? cell : cell.text;
+      const whole = typeof cell === "string" ? {} : { "data-value": String(cell.value), class: "number" };
+      return column === 0 ? el("th", { scope: "row", ...whole }, text) : el("td", whole, text);
+    });
+    body.append(el("tr", {}, ...cells));
+  }
+  root.append(body);
+  return root;
+}
+
+/** A part of a view, with its heading. */
+export function section(title: string, ...children: Child[]): HTMLElement {
+  const id = unique("section");
+  return el("section", { "aria-labelledby": id }, el("h2", { id }, title), ...children);
+}
+
+/** Controls side by side. */
+export function group(legend: string, ...children: Child[]): HTMLFieldSetElement {
+  return el("fieldset", {}, el("legend", {}, legend), ...children);
+}
+
+/** A command line that gives the same, with a button that copies it. */
+export function commandLine(title: string): { root: HTMLElement; set(text: string): void; text(): string } {
+  const code = el("code");
+  const said = el("span", { role: "status", class: "said" });
+  const copy = button("Copy", () => {
+    void navigator.clipboard.writeText(code.textContent ?? "").then(
+      () => (said.textContent = "copied"),
+      () => (said.textContent = "not permitted here: select the text and copy it"),
+    );
+  });
+  return {
+    root: el("div", { class: "command" }, el("span", { class: "title" }, title), code, copy, said),
+    set: (text) => {
+      code.textContent = text;
+      said.textContent = "";
+    },
+    text: () => code.textContent ?? "",
+  };
+}
+
+/** Calls `action` once after the last of several requests. */
+export function debounce(delay_ms: number, action: () => void): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  return () => {
+    clearTimeout(timer);
+    timer = setTimeout(action, delay_ms);
+  };
+}

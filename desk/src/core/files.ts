@@ -1,0 +1,99 @@
+// Files dropped, picked and saved. Nothing leaves the page.
+
+/** A file that was given: its path within what was dropped, and its bytes. */
+export interface Given {
+  path: string;
+  bytes: Uint8Array;
+}
+
+/** The text of bytes, if they are UTF-8. */
+export function text(bytes: Uint8Array): string | undefined {
+  try {
+    return new TextDecoder("utf-8", { fatal: true }).decode(bytes);
+  } catch {
+    return undefined;
+  }
+}
+
+async function read(path: string, file: File): Promise<Given> {
+  return { path, bytes: new Uint8Array(await file.arrayBuffer()) };
+}
+
+async function walk(entry: FileSystemEntry, found: Given[]): Promise<void> {
+  if (entry.isFile) {
+    const file = await new Promise<File>((done, failed) => (entry as FileSystemFileEntry).file(done, failed));
+    found.push(await read(entry.fullPath.replace(/^\//, ""), file));
+    return;
+  }
+  const reader = (entry as FileSystemDirectoryEntry).createReader();
+  for (;;) {
+    const some = await new Promise<FileSystemEntry[]>((done, failed) => reader.readEntries(done, failed));
+    if (some.length === 0) return;
+    for (const child of some) await walk(child, found);
+  }
+}
+
+/** Reports the files dropped on an element, folders walked through. */
+export function onDrop(element: HTMLElement, take: (files: Given[]) => void, failed: (error: unknown) => void): void {
+  const over = (event: DragEvent) => {
+    if (!event.dataTransfer?.types.includes("Files")) return;
+    event.preventDefault();
+    element.classList.add("over");
+  };
+  element.addEventListener("dragenter", over);
+  element.addEventListener("dragover", over);
+  element.addEventListener("dragleave", () => element.classList.remove("over"));
+  element.addEventListener("drop", (event) => {
+    element.classList.remove("over");
+    if (!event.dataTransfer?.files.length) return;
+    event.preventDefault();
+    event.stopPropagation();
+    // Both lists end with the event: entries and files are taken before the first wait.
+    const entries = [...event.dataTransfer.items].map((item) => item.webkitGetAsEntry?.() ?? null);
+    const plain = [...event.dataTransfer.files];
+    const walked = async () => {
+      const found: Given[] = [];
+      if (entries.some((entry) => entry !== null)) {
+        for (const entry of entries) if (entry) await walk(entry, found);
+      } else {
+        for (const file of plain) found.push(await read(file.name, file));
+      }
+      take(found);
+    };
+    walked().catch(failed);
+  });
+}
+
+/** A button that opens files, or a folder. */
+export function picker(
+  label: string,
+  options: { accept?: string; folder?: boolean; several?: boolean },
+  take: (files: Given[]) => void,
+  failed: (error: unknown) => void,
+): HTMLElement {
+  const input = document.createElement("input");
+  input.type = "file";
+  input.multiple = options.several ?? false;
+  if (options.accept) input.accept = options.accept;
+  if (options.folder) input.webkitdirectory = true;
+  const root = document.createElement("label");
+  root.className = "picker";
+  root.append(label, input);
+  input.addEventListener("change", () => {
+    const files = [...(input.files ?? [])];
+    // The same file may be picked again after it was changed.
+    input.value = "";
+    Promise.all(files.map((file) => read(file.webkitRelativePath || file.name, file))).then(take, failed);
+  });
+  return root;
+}
+
+/** Hands a file to the reader of the page. */
+export function save(name: string, content: string | Uint8Array<ArrayBuffer>, type = "text/plain;charset=utf-8"): void {
+  const url = URL.createObjectURL(new Blob([content], { type }));
+  const link = document.createElement("a");
+  link.href = url;
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}

@@ -1,0 +1,50 @@
+// Everything that the page shows as one text, for a link or a file.
+
+import type { Files } from "./machine";
+
+/** What a link or a file keeps. */
+export interface Kept {
+  version: 1;
+  view: string;
+  machine: { name: string; files: Files };
+  /** By view. */
+  views: Record<string, unknown>;
+}
+
+async function through(bytes: Uint8Array<ArrayBuffer>, stream: ReadableWritablePair<Uint8Array<ArrayBuffer>, BufferSource>): Promise<Uint8Array<ArrayBuffer>> {
+  return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
+}
+
+/** The page's address with all of it behind the #. */
+export async function link(kept: Kept): Promise<string> {
+  const bytes = await through(new TextEncoder().encode(JSON.stringify(kept)), new CompressionStream("deflate-raw"));
+  let binary = "";
+  for (let at = 0; at < bytes.length; at += 8192) binary += String.fromCharCode(...bytes.subarray(at, at + 8192));
+  const text = btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
+  return `${location.href.split("#")[0]}#open=${text}`;
+}
+
+/** What a link's fragment keeps; none without one. */
+export async function fromLink(fragment: string): Promise<Kept | undefined> {
+  const text = /^#open=([\w-]+)$/.exec(fragment)?.[1];
+  if (!text) return undefined;
+  try {
+    const binary = atob(text.replaceAll("-", "+").replaceAll("_", "/"));
+    const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
+    return parse(new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw"))));
+  } catch (error) {
+    throw new Error(`the link is damaged or cut off (${error instanceof Error ? error.message : String(error)}); needed: a link that this page made`);
+  }
+}
+
+/** A kept state from its JSON. */
+export function parse(text: string): Kept {
+  const value = JSON.parse(text) as Partial<Kept>;
+  if (value.version !== 1) throw new Error(`found version ${String(value.version)}, needed a file of version 1`);
+  const { view, machine, views } = value;
+  const files = machine?.files;
+  const texts = typeof files === "object" && files !== null && Object.values(files).every((text) => typeof text === "string");
+  if (typeof view !== "string" || !texts || typeof views !== "object" || views === null)
+    throw new Error("found a file without view, machine and views, needed one that this page saved");
+  return { version: 1, view, machine: { name: String(machine?.name ?? "machine"), files: files as Files }, views };
+}

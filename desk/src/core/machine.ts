@@ -1,0 +1,23 @@
+// The one machine that every view shows: the texts of its files.
+
+export type Files = Record<string, string>;
+
+export class MachineStore {
+  private listeners = new Set<() => void>();
+  name = "";
+  files: Files = {};
+  /** The files as the module takes them. */
+  json = "{}";
+
+  /** Another machine, or the same after an edit; the files have been read by the module before. */
+  set(name: string, files: Files): void {
+    this.name = name;
+    this.files = files;
+    this.json = JSON.stringify(files);
+    for (const listener of this.listeners) listener();
+  }
+
+  subscribe(listener: () => void): void {
+    this.listeners.add(listener);
+  }
+}

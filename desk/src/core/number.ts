@@ -1,0 +1,25 @@
+// How numbers are written.
+
+/** So many significant digits, without an exponent between 1e-4 and 1e6. */
+export function significant(value: number, digits: number): string {
+  if (!Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size < 1e-4 || size >= 1e6) return value.toExponential(digits - 1).replace("-", "−").replace("e+", "e");
+  const places = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
+  return minus(value.toFixed(Math.min(places, 12)));
+}
+
+/** So many decimals. */
+export function fixed(value: number, decimals: number): string {
+  return Number.isFinite(value) ? minus(value.toFixed(decimals)) : "–";
+}
+
+/** A number that a table keeps whole behind its text. */
+export function cell(value: number | null | undefined, decimals = 3): { text: string; value: number } | string {
+  return value === null || value === undefined ? "–" : { text: fixed(value, decimals), value };
+}
+
+function minus(text: string): string {
+  return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
+}

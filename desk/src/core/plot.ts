@@ -1,0 +1,235 @@
+// Curves over a common axis: uPlot with a data table behind it, a cursor that the keyboard moves, and both themes.
+
+import uPlot from "uplot";
+import { button, el, unique } from "./dom";
+import { save } from "./files";
+import { significant } from "./number";
+import { colour, onTheme, type ColourName } from "./theme";
+
+export interface Series {
+  name: string;
+  colour: ColourName;
+  /** Dashes, in px, so that curves can be told apart without colour. */
+  dash?: number[];
+  /** Points instead of a line. */
+  points?: boolean;
+  width?: number;
+  /** Unit where it is not that of the axis. */
+  unit?: string;
+}
+
+export interface PlotOptions {
+  title: string;
+  x: string;
+  y: string;
+  series: Series[];
+  /** Plots of one key move their cursors together. */
+  sync?: string;
+  height?: number;
+  /** Told where the cursor stands; null away from the plot. */
+  onCursor?: (index: number | null) => void;
+  /** Significant digits of the readout. */
+  digits?: number;
+  /** Fixed ends of the vertical axis. */
+  range?: [number, number];
+}
+
+type Column = ArrayLike<number | null>;
+
+/** Rows of the table behind a plot; the CSV has them all. */
+const TABLE_ROWS = 500;
+
+export class Plot {
+  readonly root: HTMLElement;
+  private readonly area: HTMLElement;
+  private readonly readout: HTMLElement;
+  private readonly rows: HTMLElement;
+  private readonly details: HTMLDetailsElement;
+  private plot: uPlot | undefined;
+  private data: Column[] = [];
+  private marks: { x: number; text: string }[] = [];
+  private cursor: number | null = null;
+
+  constructor(
+    host: HTMLElement,
+    private readonly options: PlotOptions,
+  ) {
+    const id = unique("plot");
+    this.area = el("div", { class: "plot", tabindex: 0, role: "img", "aria-labelledby": id, onkeydown: (event: KeyboardEvent) => this.key(event) });
+    this.readout = el("output", { class: "readout", for: id });
+    this.rows = el("div", { class: "rows", tabindex: 0, role: "group", "aria-label": `${options.title}: numbers` });
+    this.details = el("details", { ontoggle: () => this.fill() }, el("summary", {}, "Table"), this.rows, button("Save CSV", () => this.csv()));
+    this.root = el("figure", {}, el("figcaption", { id }, options.title), this.area, this.readout, this.details);
+    host.append(this.root);
+    new ResizeObserver(() => this.resize()).observe(this.area);
+    onTheme(() => this.rebuild());
+  }
+
+  /** Columns: the horizontal axis first, then one a series; null leaves a gap. */
+  set(data: Column[]): void {
+    this.data = data;
+    if (this.plot) this.plot.setData(this.aligned());
+    else this.rebuild();
+    this.describe();
+    if (this.details.open) this.fill();
+  }
+
+  /** Vertical lines with a word each. */
+  mark(marks: { x: number; text: string }[]): void {
+    this.marks = marks;
+    this.plot?.redraw(false);
+  }
+
+  /** Moves the cursor to a point of the data. */
+  show(index: number | null): void {
+    this.cursor = index;
+    if (!this.plot || index === null) return;
+    const x = this.data[0]?.[index];
+    if (x === null || x === undefined) return;
+    this.plot.setCursor({ left: this.plot.valToPos(x, "x"), top: this.plot.over.clientHeight / 2 });
+  }
+
+  /** The uPlot behind it, for what only one view needs. */
+  get inner(): uPlot | undefined {
+    return this.plot;
+  }
+
+  private aligned(): uPlot.AlignedData {
+    return this.data as unknown as uPlot.AlignedData;
+  }
+
+  private width(): number {
+    return Math.max(200, this.area.clientWidth);
+  }
+
+  private resize(): void {
+    if (!this.plot) this.rebuild();
+    else if (this.area.clientWidth > 0 && Math.abs(this.width() - this.plot.width) > 1)
+      this.plot.setSize({ width: this.width(), height: this.options.height ?? 200 });
+  }
+
+  private rebuild(): void {
+    if (this.data.length === 0 || this.area.clientWidth === 0) return;
+    this.plot?.destroy();
+    const { options } = this;
+    const axis = (label: string, size: number): uPlot.Axis => ({
+      label,
+      size,
+      labelSize: 18,
+      stroke: colour("ink"),
+      grid: { stroke: colour("grid"), width: 1 },
+      ticks: { stroke: colour("grid"), width: 1 },
+      font: "12px system-ui, sans-serif",
+      labelFont: "12px system-ui, sans-serif",
+      values: (_plot, splits) => splits.map((value) => (value === null ? "" : String(Number(value.toPrecision(6))).replace("-", "−"))),
+    });
+    const config: uPlot.Options = {
+      width: this.width(),
+      height: options.height ?? 200,
+      cursor: { ...(options.sync ? { sync: { key: options.sync, setSeries: false } } : {}), drag: { x: true, y: false } },
+      legend: { show: true, live: false },
+      scales: { x: { time: false }, ...(options.range ? { y: { range: options.range } } : {}) },
+      axes: [axis(options.x, 36), axis(options.y, 56)],
+      series: [{ label: options.x }, ...options.series.map((one) => this.series(one))],
+      hooks: {
+        setCursor: [(plot) => this.moved(plot.cursor.idx ?? null)],
+        draw: [(plot) => this.drawMarks(plot)],
+      },
+    };
+    this.plot = new uPlot(config, this.aligned(), this.area);
+    this.describe();
+  }
+
+  private series(one: Series): uPlot.Series {
+    return {
+      label: one.name,
+      stroke: colour(one.colour),
+      width: one.points ? 0 : (one.width ?? 1.4),
+      ...(one.dash ? { dash: one.dash } : {}),
+      points: { show: one.points ?? false, size: 5, fill: colour(one.colour) },
+    };
+  }
+
+  private drawMarks(plot: uPlot): void {
+    const { ctx, bbox } = plot;
+    ctx.save();
+    ctx.strokeStyle = ctx.fillStyle = colour("ink");
+    ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+    ctx.setLineDash([2 * devicePixelRatio, 3 * devicePixelRatio]);
+    for (const { x, text } of this.marks) {
+      const at = plot.valToPos(x, "x", true);
+      if (at < bbox.left || at > bbox.left + bbox.width) continue;
+      ctx.beginPath();
+      ctx.moveTo(at, bbox.top);
+      ctx.lineTo(at, bbox.top + bbox.height);
+      ctx.stroke();
+      ctx.fillText(text, at + 3 * devicePixelRatio, bbox.top + 11 * devicePixelRatio);
+    }
+    ctx.restore();
+  }
+
+  private moved(index: number | null): void {
+    this.cursor = index;
+    this.readout.textContent = index === null ? "" : this.words(index);
+    this.options.onCursor?.(index);
+  }
+
+  /** What stands at a point, in words. */
+  private words(index: number): string {
+    const digits = this.options.digits ?? 4;
+    const number = (column: Column | undefined) => {
+      const value = column?.[index];
+      return value === null || value === undefined ? "–" : significant(value, digits);
+    };
+    const at = `${this.options.x}: ${number(this.data[0])}`;
+    return [at, ...this.options.series.map((one, i) => `${one.name} ${number(this.data[i + 1])}${one.unit ? ` ${one.unit}` : ""}`)].join("   ");
+  }
+
+  private key(event: KeyboardEvent): void {
+    const length = this.data[0]?.length ?? 0;
+    if (length === 0) return;
+    const now = this.cursor ?? (event.key === "ArrowLeft" ? length : -1);
+    const step = event.shiftKey ? Math.max(1, Math.round(length / 50)) : 1;
+    const to = { ArrowRight: now + step, ArrowLeft: now - step, Home: 0, End: length - 1 }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    this.show(Math.min(length - 1, Math.max(0, to)));
+  }
+
+  /** A summary for those who do not see the curves. */
+  private describe(): void {
+    const parts = this.options.series.map((one, i) => {
+      let [low, high] = [Infinity, -Infinity];
+      for (const value of Array.from(this.data[i + 1] ?? [])) {
+        if (value === null || !Number.isFinite(value)) continue;
+        [low, high] = [Math.min(low, value), Math.max(high, value)];
+      }
+      return low > high ? `${one.name}: none` : `${one.name}: ${significant(low, 4)} to ${significant(high, 4)}`;
+    });
+    this.area.setAttribute("aria-description", `${this.options.y} over ${this.options.x}. ${parts.join("; ")}. Arrow keys move the cursor.`);
+  }
+
+  private header(): string[] {
+    return [this.options.x, ...this.options.series.map((one) => one.name)];
+  }
+
+  private fill(): void {
+    if (!this.details.open) return;
+    const length = this.data[0]?.length ?? 0;
+    const every = Math.max(1, Math.ceil(length / TABLE_ROWS));
+    const head = el("tr", {}, ...this.header().map((name) => el("th", { scope: "col" }, name)));
+    const body = el("tbody");
+    for (let row = 0; row < length; row += every) {
+      const cells = this.data.map((column) => column[row]);
+      body.append(el("tr", {}, ...cells.map((value) => el("td", { class: "number" }, value === null || value === undefined ? "–" : significant(value, 6)))));
+    }
+    const caption = every > 1 ? `${this.options.title}: every ${every}th of ${length} rows` : this.options.title;
+    this.rows.replaceChildren(el("table", {}, el("caption", {}, caption), el("thead", {}, head), body));
+  }
+
+  private csv(): void {
+    const quoted = this.header().map((name) => `"${name.replaceAll('"', '""')}"`);
+    const lines = Array.from({ length: this.data[0]?.length ?? 0 }, (_, row) => this.data.map((column) => column[row] ?? "").join(","));
+    save(`${this.options.title.toLowerCase().replace(/[^a-z0-9]+/g, "-")}.csv`, [quoted.join(","), ...lines, ""].join("\n"), "text/csv");
+  }
+}

@@ -1,0 +1,380 @@
+// A picture in three dimensions: lines, points, arrows and surfaces in WebGL 2, turned by pointer and keys.
+
+import { el, unique } from "./dom";
+import { lookAt, multiply, perspective, type Matrix, type Vector } from "./space";
+import { onTheme, rgb, scale, type ColourName } from "./theme";
+
+const VERTEX = `#version 300 es
+in vec3 at; in vec3 tint; in vec3 normal;
+uniform mat4 view; uniform vec3 eye; uniform float size;
+out vec3 colour;
+void main() {
+  gl_Position = view * vec4(at, 1.0);
+  gl_PointSize = size;
+  float shade = dot(normal, normal) > 0.0 ? 0.55 + 0.45 * abs(dot(normalize(normal), normalize(eye - at))) : 1.0;
+  colour = tint * shade;
+}`;
+const FRAGMENT = `#version 300 es
+precision mediump float;
+in vec3 colour; out vec4 pixel;
+void main() { pixel = vec4(colour, 1.0); }`;
+
+/** What is drawn in one call: places, colours and normals, three numbers a corner. */
+interface Batch {
+  mode: "lines" | "points" | "triangles";
+  at: Float32Array;
+  tint: () => Float32Array;
+  normal?: Float32Array;
+  size?: number;
+  buffers?: { array: WebGLVertexArrayObject; held: WebGLBuffer[]; count: number };
+}
+
+export interface SceneOptions {
+  /** Read by a screen reader in place of the picture. */
+  label: string;
+  height?: number;
+}
+
+/** A letter or a number at a place. */
+interface Label {
+  at: Vector;
+  element: HTMLElement;
+}
+
+/** Sides of an arrow's cone. */
+const SIDES = 6;
+
+export class Scene {
+  readonly root: HTMLElement;
+  private readonly canvas: HTMLCanvasElement;
+  private readonly labels: HTMLElement;
+  private readonly gl: WebGL2RenderingContext | null;
+  private program: WebGLProgram | undefined;
+  private batches: Batch[] = [];
+  private written: Label[] = [];
+  private low: Vector = [0, 0, 0];
+  private high: Vector = [1, 1, 1];
+  private turn = -0.9;
+  private rise = 0.45;
+  private zoom = 1;
+  private asked = false;
+
+  constructor(host: HTMLElement, options: SceneOptions) {
+    const id = unique("scene");
+    this.canvas = el("canvas", { tabindex: 0, role: "img", "aria-label": `${options.label}. Arrow keys turn it, plus and minus bring it nearer or further.`, id });
+    this.labels = el("div", { class: "labels", "aria-hidden": "true" });
+    this.root = el("div", { class: "scene", style: `height:${options.height ?? 420}px` }, this.canvas, this.labels);
+    host.append(this.root);
+    this.gl = this.canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+    if (!this.gl) this.root.append(el("p", { role: "status" }, "This browser has no WebGL 2: the numbers are in the tables."));
+    this.pointer();
+    this.canvas.addEventListener("keydown", (event) => this.key(event));
+    new ResizeObserver(() => this.draw()).observe(this.root);
+    onTheme(() => {
+      for (const batch of this.batches) this.free(batch);
+      this.draw();
+    });
+  }
+
+  /** Takes everything away; the view stays. */
+  clear(): void {
+    for (const batch of this.batches) this.free(batch);
+    this.batches = [];
+    this.written = [];
+    this.labels.replaceChildren();
+  }
+
+  /** Sets what the picture shows, from corner to corner. */
+  fit(low: Vector, high: Vector): void {
+    [this.low, this.high] = [low, high];
+  }
+
+  /** Pairs of points, each pair a line. */
+  lines(at: Float32Array, name: ColourName): void {
+    this.batches.push({ mode: "lines", at, tint: () => repeated(rgb(name), at.length / 3) });
+  }
+
+  /** One line through all points; values from 0 to 1 colour it by the scale. */
+  polyline(points: Float32Array, name: ColourName, values?: ArrayLike<number>): void {
+    const count = Math.max(0, points.length / 3 - 1);
+    const at = new Float32Array(6 * count);
+    for (let i = 0; i < count; i++) at.set(points.subarray(3 * i, 3 * i + 6), 6 * i);
+    const own = () => {
+      const tint = new Float32Array(6 * count);
+      for (let i = 0; i < count; i++) for (const end of [0, 1]) tint.set(scale(values![i + end] ?? 0), 6 * i + 3 * end);
+      return tint;
+    };
+    this.batches.push({ mode: "lines", at, tint: values ? own : () => repeated(rgb(name), 2 * count) });
+  }
+
+  /** Points, `size` px wide. */
+  points(at: Float32Array, name: ColourName, size = 8): void {
+    this.batches.push({ mode: "points", at, tint: () => repeated(rgb(name), at.length / 3), size });
+  }
+
+  /** Cones from each place along its vector times `magnification`, coloured by values from 0 to 1. */
+  arrows(places: ArrayLike<number>, vectors: ArrayLike<number>, values: ArrayLike<number>, magnification: number, width: number): void {
+    const count = values.length;
+    const at = new Float32Array(count * SIDES * 9);
+    const normal = new Float32Array(at.length);
+    for (let i = 0; i < count; i++) {
+      const from: Vector = [places[3 * i]!, places[3 * i + 1]!, places[3 * i + 2]!];
+      const along: Vector = [vectors[3 * i]! * magnification, vectors[3 * i + 1]! * magnification, vectors[3 * i + 2]! * magnification];
+      cone(from, along, width, at, normal, i * SIDES * 9);
+    }
+    const tint = () => {
+      const all = new Float32Array(at.length);
+      for (let i = 0; i < count; i++) {
+        const own = scale(values[i]!);
+        for (let k = 0; k < SIDES * 3; k++) all.set(own, (i * SIDES * 3 + k) * 3);
+      }
+      return all;
+    };
+    this.batches.push({ mode: "triangles", at, normal, tint });
+  }
+
+  /** A surface over a grid of points, `rows` times `columns`; values from 0 to 1 colour it by the scale. */
+  mesh(points: ArrayLike<number>, rows: number, columns: number, name: ColourName, values?: ArrayLike<number>): void {
+    const corners: number[] = [];
+    for (let r = 0; r + 1 < rows; r++)
+      for (let c = 0; c + 1 < columns; c++) {
+        const [a, b] = [r * columns + c, (r + 1) * columns + c];
+        corners.push(a, b, a + 1, a + 1, b, b + 1);
+      }
+    const at = new Float32Array(3 * corners.length);
+    const normal = new Float32Array(at.length);
+    const place = (i: number): Vector => [points[3 * i]!, points[3 * i + 1]!, points[3 * i + 2]!];
+    for (let k = 0; k < corners.length; k += 3) {
+      const [p, q, r] = [place(corners[k]!), place(corners[k + 1]!), place(corners[k + 2]!)];
+      const across = cross(minus(q, p), minus(r, p));
+      for (const [j, one] of [p, q, r].entries()) {
+        at.set(one, 3 * (k + j));
+        normal.set(across, 3 * (k + j));
+      }
+    }
+    const own = () => {
+      const tint = new Float32Array(at.length);
+      for (const [k, corner] of corners.entries()) tint.set(scale(values![corner]!), 3 * k);
+      return tint;
+    };
+    this.batches.push({ mode: "triangles", at, normal, tint: values ? own : () => repeated(rgb(name), corners.length) });
+  }
+
+  /** A box from corner to corner, with the letters of its axes and the ends in mm. */
+  box([x0, y0, z0]: Vector, [x1, y1, z1]: Vector, letters: readonly [string, string, string] = ["X", "Y", "Z"]): void {
+    const edges: number[] = [];
+    for (const y of [y0, y1]) for (const z of [z0, z1]) edges.push(x0, y, z, x1, y, z);
+    for (const x of [x0, x1]) for (const z of [z0, z1]) edges.push(x, y0, z, x, y1, z);
+    for (const x of [x0, x1]) for (const y of [y0, y1]) edges.push(x, y, z0, x, y, z1);
+    this.lines(new Float32Array(edges), "servo");
+    const number = (value: number) => String(Number(value.toPrecision(6))).replace("-", "−");
+    const middle = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2] as const;
+    this.label([middle[0], y0, z0], `${letters[0]} ${number(x0)}…${number(x1)}`);
+    this.label([x1, middle[1], z0], `${letters[1]} ${number(y0)}…${number(y1)}`);
+    this.label([x0, y0, middle[2]], `${letters[2]} ${number(z0)}…${number(z1)}`);
+  }
+
+  /** A word at a place. */
+  label(at: Vector, text: string): void {
+    const element = el("span", {}, text);
+    this.labels.append(element);
+    this.written.push({ at, element });
+  }
+
+  /** Draws at the next frame, once however often it is asked. */
+  draw(): void {
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => {
+      this.asked = false;
+      this.render();
+    });
+  }
+
+  private render(): void {
+    const { gl, canvas } = this;
+    const { clientWidth: width, clientHeight: height } = this.root;
+    if (!gl || width === 0) return;
+    const ratio = Math.min(2, devicePixelRatio);
+    if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
+      canvas.width = Math.round(width * ratio);
+      canvas.height = Math.round(height * ratio);
+    }
+    this.program ??= build(gl);
+    const [view, eye] = this.camera(width / height);
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clearColor(...rgb("paper"), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    gl.useProgram(this.program);
+    gl.uniformMatrix4fv(gl.getUniformLocation(this.program, "view"), false, view);
+    gl.uniform3fv(gl.getUniformLocation(this.program, "eye"), eye);
+    for (const batch of this.batches) {
+      batch.buffers ??= upload(gl, this.program, batch);
+      gl.uniform1f(gl.getUniformLocation(this.program, "size"), (batch.size ?? 1) * ratio);
+      gl.bindVertexArray(batch.buffers.array);
+      gl.drawArrays({ lines: gl.LINES, points: gl.POINTS, triangles: gl.TRIANGLES }[batch.mode], 0, batch.buffers.count);
+    }
+    this.place(view, width, height);
+  }
+
+  private camera(aspect: number): [Matrix, Vector] {
+    const { low, high } = this;
+    const middle: Vector = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2];
+    const reach = Math.max(1e-6, Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2);
+    const distance = (reach * 3.1 * Math.max(1, 1.25 / aspect)) / this.zoom;
+    const eye: Vector = [
+      middle[0] + distance * Math.cos(this.rise) * Math.cos(this.turn),
+      middle[1] + distance * Math.cos(this.rise) * Math.sin(this.turn),
+      middle[2] + distance * Math.sin(this.rise),
+    ];
+    const lens = perspective(0.6, aspect, Math.max(reach * 0.01, distance - 3 * reach), distance + 3 * reach);
+    return [multiply(lens, lookAt(eye, middle)), eye];
+  }
+
+  private place(view: Matrix, width: number, height: number): void {
+    for (const { at, element } of this.written) {
+      const [x, y, , w] = [0, 1, 2, 3].map((k) => view[k]! * at[0] + view[4 + k]! * at[1] + view[8 + k]! * at[2] + view[12 + k]!) as [number, number, number, number];
+      element.style.transform = `translate(${((x / w + 1) / 2) * width}px, ${((1 - y / w) / 2) * height}px) translate(-50%, -50%)`;
+      element.hidden = w <= 0;
+    }
+  }
+
+  private free(batch: Batch): void {
+    if (!batch.buffers || !this.gl) return;
+    this.gl.deleteVertexArray(batch.buffers.array);
+    for (const buffer of batch.buffers.held) this.gl.deleteBuffer(buffer);
+    delete batch.buffers;
+  }
+
+  private pointer(): void {
+    const { canvas } = this;
+    canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+    canvas.addEventListener("pointermove", (event) => {
+      if (!canvas.hasPointerCapture(event.pointerId)) return;
+      this.orbit(-event.movementX * 0.008, event.movementY * 0.008);
+    });
+    canvas.addEventListener(
+      "wheel",
+      (event) => {
+        // Without Ctrl the page scrolls, as everywhere else.
+        if (!event.ctrlKey) return;
+        event.preventDefault();
+        this.nearer(Math.exp(-event.deltaY * 0.002));
+      },
+      { passive: false },
+    );
+  }
+
+  private key(event: KeyboardEvent): void {
+    const turns: Record<string, [number, number]> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
+    const turned = turns[event.key];
+    if (turned) this.orbit(...turned);
+    else if (event.key === "+" || event.key === "=") this.nearer(1.15);
+    else if (event.key === "-") this.nearer(1 / 1.15);
+    else return;
+    event.preventDefault();
+  }
+
+  private orbit(turn: number, rise: number): void {
+    this.turn += turn;
+    this.rise = Math.min(1.5, Math.max(-1.5, this.rise + rise));
+    this.draw();
+  }
+
+  private nearer(factor: number): void {
+    this.zoom = Math.min(20, Math.max(0.2, this.zoom * factor));
+    this.draw();
+  }
+}
+
+/** A bar that says which colour stands for which size. */
+export function colourBar(host: HTMLElement, label: string): (largest: string) => void {
+  const canvas = el("canvas", { width: 160, height: 12, role: "img", "aria-label": `Colours from 0 to the largest ${label}` });
+  const end = el("span");
+  host.append(el("div", { class: "colour-bar" }, el("span", {}, "0"), canvas, end));
+  const paint = () => {
+    const context = canvas.getContext("2d");
+    for (let x = 0; context && x < 160; x++) {
+      context.fillStyle = `rgb(${scale(x / 159).map((part) => Math.round(255 * part)).join(" ")})`;
+      context.fillRect(x, 0, 1, 12);
+    }
+  };
+  paint();
+  onTheme(paint);
+  return (largest) => {
+    end.textContent = largest;
+  };
+}
+
+function minus(p: Vector, q: Vector): Vector {
+  return [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+}
+
+function cross(p: Vector, q: Vector): Vector {
+  return [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
+}
+
+function repeated(one: readonly number[], count: number): Float32Array {
+  const all = new Float32Array(3 * count);
+  for (let i = 0; i < count; i++) all.set(one, 3 * i);
+  return all;
+}
+
+/** The sides of a cone from its base to its tip. */
+function cone(from: Vector, along: Vector, width: number, at: Float32Array, normal: Float32Array, offset: number): void {
+  const length = Math.hypot(...along) || 1e-9;
+  const unit: Vector = [along[0] / length, along[1] / length, along[2] / length];
+  const other: Vector = Math.abs(unit[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
+  const across = cross(unit, other);
+  const size = Math.hypot(...across);
+  const p: Vector = [across[0] / size, across[1] / size, across[2] / size];
+  const q = cross(unit, p);
+  const tip: Vector = [from[0] + along[0], from[1] + along[1], from[2] + along[2]];
+  const rim = (k: number): [Vector, Vector] => {
+    const [c, s] = [Math.cos((2 * Math.PI * k) / SIDES), Math.sin((2 * Math.PI * k) / SIDES)];
+    const out: Vector = [c * p[0] + s * q[0], c * p[1] + s * q[1], c * p[2] + s * q[2]];
+    return [[from[0] + width * out[0], from[1] + width * out[1], from[2] + width * out[2]], out];
+  };
+  for (let k = 0; k < SIDES; k++) {
+    const [[one, outward], [next, further]] = [rim(k), rim(k + 1)];
+    for (const [j, [place, direction]] of ([[one, outward], [next, further], [tip, outward]] as const).entries()) {
+      at.set(place, offset + 9 * k + 3 * j);
+      normal.set(direction, offset + 9 * k + 3 * j);
+    }
+  }
+}
+
+function build(gl: WebGL2RenderingContext): WebGLProgram {
+  const program = gl.createProgram();
+  for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]] as const) {
+    const shader = gl.createShader(kind)!;
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+  }
+  gl.linkProgram(program);
+  return program;
+}
+
+function upload(gl: WebGL2RenderingContext, program: WebGLProgram, batch: Batch): NonNullable<Batch["buffers"]> {
+  const array = gl.createVertexArray()!;
+  gl.bindVertexArray(array);
+  const held: WebGLBuffer[] = [];
+  const parts: [string, Float32Array | undefined][] = [["at", batch.at], ["tint", batch.tint()], ["normal", batch.normal]];
+  for (const [name, numbers] of parts) {
+    const place = gl.getAttribLocation(program, name);
+    if (place < 0) continue;
+    if (!numbers) {
+      gl.vertexAttrib3f(place, 0, 0, 0);
+      continue;
+    }
+    const buffer = gl.createBuffer()!;
+    held.push(buffer);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, numbers, gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(place);
+    gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 0, 0);
+  }
+  return { array, held, count: batch.at.length / 3 };
+}

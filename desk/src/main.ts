@@ -1,0 +1,187 @@
+// The page: starts the module, the views and what they share.
+
+import "uplot/dist/uPlot.min.css";
+import "./style.css";
+import { Bench } from "./core/bench";
+import { message, type Desk, type Program, type View } from "./core/desk";
+import { button, choice, el } from "./core/dom";
+import { picker, save, text } from "./core/files";
+import { fromLink, link, parse, type Kept } from "./core/link";
+import { MachineStore } from "./core/machine";
+import { setTheme, type Theme } from "./core/theme";
+import { views } from "./views";
+
+const part = (id: string) => document.getElementById(id) as HTMLElement;
+
+/** The module, from the page's own text: gzip in base64. */
+async function module(): Promise<WebAssembly.Module> {
+  const binary = atob(part("module").textContent.trim());
+  const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
+  const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compile(await new Response(unpacked).arrayBuffer());
+}
+
+/** A view with its place on the page. */
+class Shown {
+  readonly tab: HTMLButtonElement;
+  readonly panel: HTMLElement;
+  private built: Promise<void> | undefined;
+
+  constructor(
+    readonly view: View,
+    private readonly desk: Desk,
+  ) {
+    const { id, title } = view;
+    this.panel = el("div", { role: "tabpanel", id: `panel-${id}`, "aria-labelledby": `tab-${id}`, class: `view ${id}`, hidden: true });
+    this.tab = button(title, () => void desk.show(id), {
+      role: "tab",
+      id: `tab-${id}`,
+      "aria-controls": `panel-${id}`,
+      "aria-selected": "false",
+      tabindex: -1,
+    });
+  }
+
+  /** Builds the view if it has not been yet. */
+  build(): Promise<void> {
+    this.built ??= Promise.resolve(this.view.build(this.panel, this.desk));
+    return this.built;
+  }
+
+  get isBuilt(): boolean {
+    return this.built !== undefined;
+  }
+}
+
+async function start(): Promise<void> {
+  const compiled = await module();
+  const script = part("worker").textContent;
+  const [bench, runs] = [new Bench(compiled, script), new Bench(compiled, script)];
+  const machine = new MachineStore();
+  const error = part("error");
+  let takeProgram: ((program: Program) => Promise<void>) | undefined;
+
+  const desk: Desk = {
+    bench,
+    runs,
+    machine,
+    show,
+    openProgram: async (program) => {
+      await show("scope");
+      await takeProgram?.(program);
+    },
+    onProgram: (take) => (takeProgram = take),
+    tell: (said) => (part("status").textContent = said),
+    fail: (thrown) => {
+      error.replaceChildren(el("span", {}, message(thrown)), button("Close", () => desk.clear()));
+      error.hidden = false;
+    },
+    clear: () => {
+      error.hidden = true;
+      error.replaceChildren();
+    },
+  };
+  for (const worker of [bench, runs])
+    worker.onRestart((why) => desk.fail(new Error(`The computation stopped and was started anew: ${why}`)));
+
+  const shown = views.map((view) => new Shown(view, desk));
+  let front = shown[0]!;
+
+  async function show(id: string): Promise<void> {
+    const next = shown.find(({ view }) => view.id === id) ?? shown[0]!;
+    front = next;
+    for (const one of shown) {
+      const chosen = one === next;
+      one.panel.hidden = !chosen;
+      one.tab.setAttribute("aria-selected", String(chosen));
+      one.tab.tabIndex = chosen ? 0 : -1;
+    }
+    try {
+      await next.build();
+      next.view.shown?.();
+    } catch (thrown) {
+      desk.fail(thrown);
+    }
+  }
+
+  const tabs = part("tabs");
+  tabs.append(...shown.map(({ tab }) => tab));
+  part("main").append(...shown.map(({ panel }) => panel));
+  tabs.addEventListener("keydown", (event) => {
+    const now = shown.indexOf(front);
+    const to = { ArrowRight: now + 1, ArrowLeft: now - 1, Home: 0, End: shown.length - 1 }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    const next = shown[(to + shown.length) % shown.length]!;
+    void show(next.view.id);
+    next.tab.focus();
+  });
+
+  const kept = (): Kept => ({
+    version: 1,
+    view: front.view.id,
+    machine: { name: machine.name, files: machine.files },
+    views: Object.fromEntries(shown.filter((one) => one.isBuilt).map(({ view }) => [view.id, view.state()])),
+  });
+
+  async function open(state: Kept): Promise<void> {
+    // Refused files leave everything as it is.
+    await bench.call("machine_open", JSON.stringify(state.machine.files));
+    desk.clear();
+    machine.set(state.machine.name, state.machine.files);
+    for (const one of shown) {
+      if (!(one.view.id in state.views)) continue;
+      // A view is built while it is seen: plots need its width.
+      await show(one.view.id);
+      await one.view.open(state.views[one.view.id]);
+    }
+    await show(state.view);
+  }
+
+  tools(part("tools"), desk, kept, open);
+  part("version").textContent = `trueaxis ${await bench.call("version")}`;
+  const sample = JSON.parse(await bench.call("machine_sample", "mill-3axis")) as Record<string, string>;
+  machine.set("mill-3axis", sample);
+  const given = await fromLink(location.hash).catch(desk.fail);
+  if (given) await open(given).catch(desk.fail);
+  else await show(location.hash.slice(1) || front.view.id);
+  const root = document.documentElement.dataset;
+  root.readyMs = String(Math.round(performance.now()));
+  root.ready = "true";
+  // For a look behind the page in the browser's console.
+  Object.assign(globalThis, { trueaxisDesk: desk });
+}
+
+/** Link, file, print, theme. */
+function tools(root: HTMLElement, desk: Desk, kept: () => Kept, open: (state: Kept) => Promise<void>): void {
+  const opened = async (json: string | undefined, path: string) => {
+    if (json === undefined) throw new Error(`${path}: found bytes that are not UTF-8, needed a file that this page saved`);
+    try {
+      await open(parse(json));
+    } catch (error) {
+      throw new Error(`${path}: ${message(error)}`);
+    }
+  };
+  root.append(
+    button("Link", () => {
+      const made = async () => {
+        const address = await link(kept());
+        history.replaceState(null, "", address);
+        await navigator.clipboard.writeText(address).then(
+          () => desk.tell(`Link copied, ${address.length} characters; it opens the desk as it is now.`),
+          () => desk.tell(`The page's address is now the link, ${address.length} characters.`),
+        );
+      };
+      made().catch(desk.fail);
+    }),
+    button("Save", () => save("trueaxis.desk.json", JSON.stringify(kept(), null, 1), "application/json")),
+    picker("Open", { accept: ".json" }, ([file]) => file && opened(text(file.bytes), file.path).catch(desk.fail), desk.fail),
+    button("Print", () => print()),
+    choice<Theme>("Theme", [["system", "as the system"], ["light", "light"], ["dark", "dark"]], "system", setTheme).root,
+  );
+}
+
+start().catch((error: unknown) => {
+  part("error").textContent = `The desk cannot start: ${message(error)}. Needed: a browser with WebAssembly and DecompressionStream.`;
+  part("error").hidden = false;
+});

@@ -1,0 +1,51 @@
+// Runs the module apart from the page, so that drawing never starves it nor it the drawing.
+
+import * as module from "../pkg/trueaxis_desk";
+import type { Answer } from "./core/bench";
+
+interface Request {
+  id: number;
+  name: string;
+  given: unknown[];
+}
+
+const post = postMessage as (answer: Answer, transfer?: Transferable[]) => void;
+let ended = false;
+
+Object.assign(globalThis, {
+  /** Called by the module's panic hook, before it traps. */
+  trueaxisPanicked: (message: string) => {
+    ended = true;
+    post({ kind: "panicked", message });
+  },
+});
+
+function answer({ id, name, given }: Request): void {
+  const call = (module as unknown as Record<string, (...given: unknown[]) => unknown>)[name];
+  if (typeof call !== "function") {
+    post({ kind: "refused", id, message: `the module has no ${name}` });
+    return;
+  }
+  try {
+    const value = call(...given);
+    post({ kind: "done", id, value }, ArrayBuffer.isView(value) ? [value.buffer] : []);
+  } catch (error) {
+    if (ended) return;
+    // A trap that no panic announced, as of memory or stack at their ends, leaves the module unusable as well.
+    if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) {
+      ended = true;
+      post({ kind: "panicked", message: error.message });
+    } else {
+      post({ kind: "refused", id, message: error instanceof Error ? error.message : String(error) });
+    }
+  }
+}
+
+addEventListener("message", ({ data }: MessageEvent<Request | { module: WebAssembly.Module }>) => {
+  if ("module" in data) {
+    module.initSync({ module: data.module });
+    post({ kind: "ready" });
+  } else if (!ended) {
+    answer(data);
+  }
+});

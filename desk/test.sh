@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Builds the desk and drives it in Debian's Chromium: `desk/test.sh [TEST...]`, a test being the name of a view.
+#
+# Compares what it shows with the programs of this workspace; leaves pictures in desk/shots. Installs what is missing:
+# Chromium by apt-get, as root.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+exec </dev/null
+
+.ci/install chromium
+if [[ -z ${TRUEAXIS_DESK:-} ]]; then
+    desk/build.sh
+fi
+# Optimised: a simulation is compared with the page's.
+export TRUEAXIS_PROFILE=release
+cargo build --release -p trueaxis-cli -p firmware-sim
+
+tests=(desk/tests/*.test.mjs)
+if [[ $# != 0 ]]; then
+    tests=("${@/#/desk/tests/}")
+    tests=("${tests[@]/%/.test.mjs}")
+fi
+node --test --test-concurrency=1 --test-reporter=spec "${tests[@]}"

@@ -1,0 +1,121 @@
+// The desk in Debian's Chromium, and the command line to compare it with.
+
+import { execFile } from "node:child_process";
+import fs from "node:fs";
+import path from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const here = path.dirname(fileURLToPath(import.meta.url));
+export const root = path.resolve(here, "../..");
+const page_file = process.env.TRUEAXIS_DESK ?? path.join(root, "desk/dist/desk.html");
+const target = process.env.CARGO_TARGET_DIR ?? path.join(root, "target");
+/** Where `trueaxis` and `firmware-sim` were built. */
+const programs = path.join(target, process.env.TRUEAXIS_PROFILE ?? "debug");
+// WebGL 2 without a graphics card.
+const flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+
+let browser;
+
+/**
+ * A page with the desk, ready. `close()` fails if anything was logged as an error, unless `quiet` says that it may be.
+ */
+export async function openDesk({ hash = "", dark = false, quiet = [] } = {}) {
+  browser ??= await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: flags });
+  const context = await browser.newContext({
+    viewport: { width: 1400, height: 900 },
+    colorScheme: dark ? "dark" : "light",
+    acceptDownloads: true,
+  });
+  const page = await context.newPage();
+  const errors = [];
+  page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+  page.on("pageerror", (error) => errors.push(error.message));
+  page.on("request", (request) => /^(file|blob|data):/.test(request.url()) || errors.push(`request of ${request.url()}`));
+  await page.goto(pathToFileURL(page_file).href + hash);
+  await page.waitForSelector("html[data-ready]", { timeout: 60_000 });
+  const close = async () => {
+    await context.close();
+    const left = errors.filter((text) => !quiet.some((known) => text.includes(known)));
+    if (left.length > 0) throw new Error(`the page logged errors:\n${left.join("\n")}`);
+  };
+  return { page, context, close };
+}
+
+/** Ends the browser: called once after the tests of a file. */
+export async function closeBrowser() {
+  await browser?.close();
+  browser = undefined;
+}
+
+/** Opens a tab of the desk by its name. */
+export async function view(page, name) {
+  await page.getByRole("tab", { name }).click();
+  return page.getByRole("tabpanel", { name });
+}
+
+/** Runs one of the programs; gives its exit code and what it printed. */
+export function run(program, given, options = {}) {
+  return new Promise((done) => {
+    const settings = { cwd: root, maxBuffer: 1 << 28, ...options };
+    execFile(path.join(programs, program), given, settings, (error, stdout, stderr) => {
+      done({ code: error ? (error.code ?? 1) : 0, stdout, stderr });
+    });
+  });
+}
+
+/** The document that `trueaxis … --json` prints. */
+export async function cli(given, options) {
+  return json("trueaxis", given, options);
+}
+
+/** The document that `firmware-sim … --json` prints. */
+export async function sim(given, options) {
+  return json("firmware-sim", given, options);
+}
+
+async function json(program, given, options) {
+  const { code, stdout, stderr } = await run(program, given, options);
+  if (code !== 0) throw new Error(`${program} ${given.join(" ")}: exit code ${code}\n${stderr}`);
+  return JSON.parse(stdout);
+}
+
+/** Drops files, `{ name: text or Uint8Array }`, on an element. */
+export async function drop(locator, files) {
+  const given = Object.entries(files).map(([name, content]) => [name, Buffer.from(content).toString("base64")]);
+  const transfer = await locator.page().evaluateHandle((given) => {
+    const transfer = new DataTransfer();
+    for (const [name, base64] of given) {
+      const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+      transfer.items.add(new File([bytes], name));
+    }
+    return transfer;
+  }, given);
+  await locator.dispatchEvent("dragenter", { dataTransfer: transfer });
+  await locator.dispatchEvent("drop", { dataTransfer: transfer });
+}
+
+/** Numbers of a table, whole, by row header and column header. */
+export async function numbers(table) {
+  return table.evaluate((element) => {
+    const header = [...element.querySelectorAll("thead th")].map((cell) => cell.textContent);
+    const rows = [...element.querySelectorAll("tbody tr")].map((row) => {
+      const cells = [...row.children];
+      const values = cells.slice(1).map((cell, i) => [header[i + 1], cell.dataset.value === undefined ? cell.textContent : Number(cell.dataset.value)]);
+      return [cells[0].textContent, Object.fromEntries(values)];
+    });
+    return Object.fromEntries(rows);
+  });
+}
+
+/** What a click on `locator` saves: name and bytes. */
+export async function saved(page, locator) {
+  const [download] = await Promise.all([page.waitForEvent("download"), locator.click()]);
+  return { name: download.suggestedFilename(), bytes: fs.readFileSync(await download.path()) };
+}
+
+/** A picture for people to look at. */
+export async function shot(page, name) {
+  fs.mkdirSync(path.join(root, "desk/shots"), { recursive: true });
+  await page.screenshot({ path: path.join(root, "desk/shots", `${name}.png`) });
+}

@@ -1,0 +1,95 @@
+// What all views share: tabs, links, files, themes, the worker's restart, and that nothing is fetched.
+
+import assert from "node:assert/strict";
+import fs from "node:fs";
+import { gzipSync } from "node:zlib";
+import path from "node:path";
+import { after, test } from "node:test";
+import { closeBrowser, openDesk, root, saved, shot, view } from "./harness.mjs";
+
+after(closeBrowser);
+
+test("the page is one file within its size", () => {
+  const page = fs.readFileSync(process.env.TRUEAXIS_DESK ?? path.join(root, "desk/dist/desk.html"));
+  const size = gzipSync(page, { level: 9 }).length;
+  console.log(`page: ${page.length} bytes, ${size} gzipped`);
+  assert.ok(size <= 1_000_000, `found ${size} bytes gzipped, needed at most 1000000`);
+  assert.doesNotMatch(page.toString("latin1"), /(?:src|href)=["']?https?:/);
+});
+
+test("tabs go by the keyboard and show one view each", async () => {
+  const { page, close } = await openDesk();
+  const tabs = page.getByRole("tab");
+  await tabs.first().focus();
+  const names = await tabs.allTextContents();
+  assert.deepEqual(names, ["Machine", "Servo scope", "Helicoid and five axes", "Roundness", "Friction"]);
+  for (const name of names.slice(1)) {
+    await page.keyboard.press("ArrowRight");
+    await page.getByRole("tabpanel", { name }).waitFor();
+    assert.equal(await page.getByRole("tabpanel").count(), 1, name);
+  }
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await page.getByRole("tab", { selected: true }).textContent(), "Machine");
+  await close();
+});
+
+test("every control has a name", async () => {
+  const { page, close } = await openDesk();
+  for (const name of await page.getByRole("tab").allTextContents()) {
+    const panel = await view(page, name);
+    await page.waitForTimeout(300);
+    for (const line of (await panel.ariaSnapshot()).split("\n"))
+      assert.doesNotMatch(line, /^\s*- (?:button|textbox|spinbutton|combobox|slider|checkbox|radio|img)(?: \[.*\])?:?$/, `${name}: ${line}`);
+  }
+  await close();
+});
+
+test("a link and a file open the same view and machine", async () => {
+  const { page, close } = await openDesk();
+  await view(page, "Roundness");
+  await page.getByRole("button", { name: "Link" }).click();
+  await page.waitForFunction(() => location.hash.startsWith("#open="));
+  const hash = new URL(page.url()).hash;
+  const file = await saved(page, page.getByRole("button", { name: "Save", exact: true }));
+  await close();
+
+  const second = await openDesk({ hash });
+  assert.equal(await second.page.getByRole("tab", { selected: true }).textContent(), "Roundness");
+  const again = await saved(second.page, second.page.getByRole("button", { name: "Save", exact: true }));
+  assert.deepEqual(JSON.parse(again.bytes), JSON.parse(file.bytes));
+  await second.close();
+
+  const cut = await openDesk({ hash: hash.slice(0, -40) });
+  assert.match(await cut.page.getByRole("alert").first().textContent(), /damaged or cut off/);
+  await cut.close();
+});
+
+test("a panic of the module is told, and the page works on", async () => {
+  const { page, close } = await openDesk();
+  const message = await page.evaluate(() => globalThis.trueaxisDesk.bench.call("panic_on_purpose").then(() => "none", (error) => error.message));
+  assert.match(message, /asked for by the page's check of itself/);
+  assert.match(await page.getByRole("alert").first().textContent(), /stopped and was started anew/);
+  assert.match(await page.evaluate(() => globalThis.trueaxisDesk.bench.call("version")), /^\d+\.\d+\.\d+$/);
+  await close();
+});
+
+test("it is ready within a second of loading", async () => {
+  const { page, close } = await openDesk();
+  const ready = await page.evaluate(() => Number(document.documentElement.dataset.readyMs));
+  console.log(`ready ${ready} ms after loading`);
+  // Ten times the time on an idle machine: those that test are shared.
+  assert.ok(ready < 10_000, `${ready} ms`);
+  await close();
+});
+
+test("light and dark", async () => {
+  for (const dark of [false, true]) {
+    const { page, close } = await openDesk({ dark });
+    const paper = await page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor);
+    assert.equal(paper, dark ? "rgb(20, 23, 27)" : "rgb(255, 255, 255)");
+    await page.getByLabel("Theme").selectOption(dark ? "light" : "dark");
+    assert.notEqual(await page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor), paper);
+    await shot(page, dark ? "shell-dark" : "shell");
+    await close();
+  }
+});
