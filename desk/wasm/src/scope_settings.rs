@@ -37,6 +37,7 @@ fn settings(text: &str, file: &str) -> anyhow::Result<String> {
 struct Agreed {
     stated: bool,
     friction: bool,
+    reference_temperature_c: f64,
     drive: DriveSettings,
 }
 
@@ -44,7 +45,8 @@ fn agreed_drive(files: &str) -> anyhow::Result<String> {
     let settings = machine(files, &mut Vec::new())?.settings;
     let stated = settings.axes.iter().find(|own| own.servo.drive.is_some());
     let friction = stated.is_some_and(|own| own.servo.friction.is_some());
-    json(&Agreed { stated: stated.is_some(), friction, drive: agreed(&settings) })
+    let reference_temperature_c = settings.reference_temperature_c;
+    json(&Agreed { stated: stated.is_some(), friction, reference_temperature_c, drive: agreed(&settings) })
 }
 
 fn scaled(files: &str, share: f64) -> anyhow::Result<String> {
@@ -59,8 +61,8 @@ pub fn scope_settings(text: &str, file: &str) -> Result<String, JsError> {
     told(settings(text, file))
 }
 
-/// The simulated drive for which the plugin's figures are right: `{stated, friction, drive: {position_gain_per_s, …}}`; the
-/// defaults where the machine states none.
+/// The simulated drive for which the plugin's figures are right: `{stated, friction, reference_temperature_c, drive:
+/// {position_gain_per_s, …}}`; the defaults where the machine states none.
 #[wasm_bindgen]
 pub fn scope_agreed(files: &str) -> Result<String, JsError> {
     told(agreed_drive(files))

@@ -1,0 +1,36 @@
+// Machines whose tables a run is given in motion.
+
+import type { Bench } from "../core/bench";
+import type { Files, MachineStore } from "../core/machine";
+
+export class Exchanges {
+  /** Machines that were dropped or picked, by name. */
+  private readonly given = new Map<string, Files>();
+
+  constructor(
+    private readonly bench: Bench,
+    private readonly machine: MachineStore,
+  ) {}
+
+  give(name: string, files: Files): void {
+    this.given.set(name, files);
+  }
+
+  /** Files of a source of [`Acts`], and a name for them that no others of `known` have. */
+  async of(source: string, own: Files, known: Record<string, Files>): Promise<{ name: string; files: Files }> {
+    if (source === "edited") return named("edited", this.machine.files, known);
+    if (source === "half") return named("half-tables", JSON.parse(await this.bench.call("scope_scaled", JSON.stringify(own), 0.5)) as Files, known);
+    const name = source.replace(/^given:/, "");
+    const files = this.given.get(name);
+    if (!files) throw new Error(`exchange: found no machine ${name}, needed one that was opened`);
+    return named(name, files, known);
+  }
+}
+
+function named(wanted: string, files: Files, known: Record<string, Files>): { name: string; files: Files } {
+  const same = JSON.stringify(files);
+  const free = (name: string) => name !== "machine" && (!(name in known) || JSON.stringify(known[name]) === same);
+  let name = wanted;
+  for (let i = 2; !free(name); i++) name = `${wanted}-${i}`;
+  return { name, files };
+}
