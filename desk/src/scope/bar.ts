@@ -21,8 +21,8 @@ export class Bar {
   private readonly stale: HTMLElement;
 
   constructor(host: BarHost) {
-    const pace = choice<Pace>("Pace", [["fast", "as fast as it goes"], ["real", "real time"], ["slow", "a tenth of real time"]], "fast", (value) => host.pace(value));
-    const cycles = numberField({ label: "Step / cycles", value: 1000, min: 1, max: 1e6, step: 1 }, () => {});
+    const pace = choice<Pace>("Pace", [["fast", "unpaced"], ["real", "real time"], ["slow", "a tenth of it"]], "fast", (value) => host.pace(value));
+    const cycles = numberField({ label: "Cycles a step", value: 1000, min: 1, max: 1e6, step: 1 }, () => {});
     this.buttons = {
       run: button("Run", () => host.run(pace.value), { class: "primary" }),
       pause: button("Pause", () => host.pause()),
@@ -40,7 +40,7 @@ export class Bar {
     this.root = el(
       "div",
       { class: "bar" },
-      el("div", { class: "row" }, run, pause, end, restart, step, cycles.root, pace.root),
+      el("div", { class: "row inline" }, run, pause, end, restart, step, cycles.root, pace.root),
       el("div", { class: "meter" }, this.meter, this.said, this.stale),
     );
   }

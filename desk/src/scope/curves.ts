@@ -30,7 +30,8 @@ export type Mark = { x: number; text: string };
 
 export class Curves {
   readonly root: HTMLElement;
-  private readonly host = el("div", { class: "curves" });
+  private readonly above = el("div");
+  private readonly below = el("div");
   private readonly which;
   private readonly limits;
   private contour: Plot | undefined;
@@ -43,7 +44,7 @@ export class Curves {
   constructor(private readonly moved: (row: number | null) => void) {
     this.which = choice<Shown>("Corrections shown", SHOWN, "compensated.correction", () => this.again());
     this.limits = tick("magnitude limits in sight", true, () => this.again());
-    this.root = el("div", { class: "traces" }, this.host, el("div", { class: "row" }, this.which.root, this.limits.root));
+    this.root = el("div", { class: "traces" }, this.above, el("div", { class: "row choose" }, this.which.root, this.limits.root), this.below);
   }
 
   open(description: Description): void {
@@ -79,14 +80,14 @@ export class Curves {
   private build(): void {
     const { description } = this;
     if (!description) return;
-    this.host.replaceChildren();
+    this.above.replaceChildren();
+    this.below.replaceChildren();
     const series = description.kinds.map((kind): Series => ({ name: KINDS[kind].text, ...KINDS[kind] }));
     const common = { x: "time / s", sync: SYNC };
-    this.contour = new Plot(this.host, { ...common, title: "Contour error of the true tool tip", y: "error / µm", series, height: 236, onCursor: this.moved });
+    this.contour = new Plot(this.above, { ...common, title: "Contour error of the true tool tip", y: "error / µm", series, height: 186, onCursor: this.moved });
     const y = description.axes.some(({ rotary }) => rotary) ? "correction / µm, µrad" : "correction / µm";
-    const name = SHOWN.find(([key]) => key === this.which.value)?.[1] ?? "";
-    this.corrections = new Plot(this.host, { ...common, title: `Correction: ${name}`, y, series: this.corrected(), height: 190 });
-    this.strip = new Strip(this.host, `Flags of the step, ${KINDS[this.machine].text}`, SYNC);
+        this.corrections = new Plot(this.below, { ...common, title: "Correction of each axis", y, series: this.corrected(), height: 136 });
+    this.strip = new Strip(this.below, `Flags of the step, ${KINDS[this.machine].text}`, SYNC);
   }
 
   private corrected(): Series[] {
@@ -111,7 +112,8 @@ export class Curves {
 
   private fill(): void {
     const { rows, description } = this;
-    if (!rows || !description || !this.contour || !this.corrections) return;
+    // uPlot has no axes without a number.
+    if (!rows?.count || !description || !this.contour || !this.corrections) return;
     const time = rows.column("time_s");
     this.contour.set([time, ...description.kinds.map((kind) => rows.curve(`${kind}.error_um`))]);
     const own = description.axes.map(({ axis }) => rows.curve(`${this.which.value}.${axis}`));

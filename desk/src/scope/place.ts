@@ -23,12 +23,12 @@ export class Place {
 
   constructor() {
     const box = el("div");
-    this.scene = new Scene(box, { label: "Path of the tool in the machine, coloured by contour error", height: 268 });
-    this.which = choice<Kind>("Coloured by the contour error", [["compensated", KINDS.compensated.text]], "compensated", () => this.draw());
+    this.scene = new Scene(box, { label: "Path of the tool in the machine, coloured by contour error", height: 250 });
+    this.which = choice<Kind>("Coloured by", [["compensated", KINDS.compensated.text]], "compensated", () => this.draw());
     this.said = el("output", { class: "readout" });
     const bar = el("div");
     this.largest = colourBar(bar, "contour error");
-    this.root = el("div", { class: "place" }, box, el("div", { class: "row" }, this.which.root, bar), this.said);
+    this.root = el("div", { class: "place" }, box, el("div", { class: "row inline" }, this.which.root, bar), this.said);
   }
 
   /** Another run; the path in rows of x, y, z, line, cutting. */

@@ -85,12 +85,9 @@ export class Scope {
         "div",
         { class: "three" },
         el("div", {}, this.programs.root, section("Settings", this.controls.root)),
-        el("div", {}, section("Run", this.bar.root, this.curves.root)),
-        el("div", {}, section("Place", this.place.root), section("Figures", this.figures)),
+        el("div", {}, section("Run", this.bar.root, this.curves.root), section("Acts in motion", this.acts.root), this.beside.root),
+        el("div", {}, section("Place", this.place.root), section("Figures", this.figures), this.share.root),
       ),
-      section("Acts in motion", this.acts.root),
-      this.beside.root,
-      this.share.root,
     );
     onDrop(root, (files) => this.taken(files), desk.fail);
     desk.onProgram(async (program) => this.take({ ...this.controls.setup, program: { ...program } }));

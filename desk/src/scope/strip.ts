@@ -11,8 +11,8 @@ export interface Lane {
   values: ArrayLike<number>;
 }
 
-const LANE = 15;
-const AXIS = 34;
+const LANE = 13;
+const AXIS = 32;
 
 export class Strip {
   readonly root: HTMLElement;
