@@ -1,0 +1,93 @@
+//! Error and correction at one position, as the servo step computes them.
+
+use crate::contributions::{Source, shares};
+use crate::model::{passes, thermal, with_compensation};
+use anyhow::{Result, anyhow};
+use trueaxis::compensation::{Direction, PoseError, Query};
+use trueaxis::machine::{AXES, Axis, AxisOrder, ErrorModel};
+use trueaxis_tables::Machine;
+
+/// A query. Lists are in the order X, Y, Z, A, B, C.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// Commanded position, mm and degrees.
+    pub at: [f64; AXES],
+    /// Axes that travel in negative direction.
+    pub reverse: [bool; AXES],
+    /// Kelvin above the reference temperature.
+    pub kelvin: f64,
+}
+
+/// Error and correction at a position. Lists are in the order X, Y, Z, A, B, C.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Found {
+    /// Axes of the step.
+    pub axes: Vec<Axis>,
+    /// Commanded position, mm and degrees.
+    pub at: [f64; AXES],
+    /// Error of the tip, actual − ideal, mm.
+    pub tip: [f64; 3],
+    /// Of the tool, rad; only the volumetric model has it.
+    pub orientation: Option<[f64; 3]>,
+    /// Added to the command, mm and degrees.
+    pub correction: [f64; AXES],
+    /// Shares of the tip's error, mm: of each axis by its letter, of the location errors.
+    pub contributions: Vec<(String, [f64; 3])>,
+    /// Axes beyond the end of their table.
+    pub clamped: Vec<Axis>,
+    /// Axes outside their declared travel.
+    pub out_of_travel: Vec<Axis>,
+}
+
+/// Error and correction of the machine's own model at a position; `N` axes of the step.
+///
+/// # Errors
+/// More or fewer axes than `N`; what the model refuses.
+pub fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<Found> {
+    let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
+    let (whole, correction, clamped) = look_up(machine, &axes, asked, passes(machine, None)?)?;
+    let error = |without: &Machine| Ok(look_up(without, &axes, asked, 1)?.0.tip.into());
+    let (found, rest) = shares(machine, Source::axes(machine), whole.tip.into(), error)?;
+    let mut contributions: Vec<_> = found.into_iter().map(|(source, share)| (source.name(), share)).collect();
+    contributions.push((String::from("location errors"), rest));
+    let mut found = Found {
+        at: asked.at,
+        tip: whole.tip.into(),
+        orientation: (N > 3 && machine.settings.compensation.model == ErrorModel::Volumetric)
+            .then_some(whole.orientation.into()),
+        correction: [0.0; AXES],
+        contributions,
+        clamped: (0..N).filter(|slot| clamped >> slot & 1 == 1).map(|slot| axes[slot]).collect(),
+        out_of_travel: Vec::new(),
+        axes: axes.to_vec(),
+    };
+    for (axis, correction) in axes.into_iter().zip(correction) {
+        found.correction[axis.index()] = correction;
+    }
+    for own in &machine.settings.axes {
+        let (q, [low, high]) = (asked.at[own.axis.index()], own.travel);
+        if q < low || q > high {
+            found.out_of_travel.push(own.axis);
+        }
+    }
+    Ok(found)
+}
+
+/// Error, correction, and a bit for every axis beyond the end of its table.
+fn look_up<const N: usize>(
+    machine: &Machine,
+    axes: &[Axis; N],
+    asked: &Asked,
+    passes: u8,
+) -> Result<(PoseError<f64>, [f64; N], u8)> {
+    let thermal = thermal(machine, axes, asked.kelvin);
+    let directions = axes.map(|axis| Direction::of(asked.reverse[axis.index()]));
+    with_compensation::<N, _>(machine, passes, |compensation| {
+        let mut clamped = 0;
+        let at = compensation.coordinates(&axes.map(|axis| asked.at[axis.index()]));
+        let error = compensation.pose_error(&Query::at(&at, &directions, &thermal), &mut clamped);
+        let correction = compensation.correction(&Query::at(&at, &directions, &thermal), &mut 0);
+        Ok((error, correction, clamped))
+    })
+}

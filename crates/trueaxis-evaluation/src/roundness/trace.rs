@@ -1,0 +1,141 @@
+//! Readings with an angle of their own, brought to N equidistant angles a revolution.
+
+use crate::rows::{Row, Rows};
+use anyhow::Result;
+use serde::Serialize;
+use trueaxis::roundness::Band;
+use trueaxis_tables::error::FileError;
+
+/// Result of resampling a trace.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Resampling {
+    /// Rows of the file.
+    pub rows: usize,
+    /// Rows before or behind the whole revolutions.
+    pub unused_rows: usize,
+    /// Widest step between two rows.
+    pub largest_gap_deg: f64,
+    /// What interpolation adds.
+    pub interpolation_error_um: InterpolationError,
+}
+
+/// Difference between interpolation by six and by four readings: what the poorer of the two, which is not used, lacks.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InterpolationError {
+    /// Largest.
+    pub max: f64,
+    /// Root mean square.
+    pub rms: f64,
+}
+
+/// Readings on either side of an angle.
+const SIDE: usize = 3;
+
+/// A trace: angles without end and increasing, readings of the three probes.
+#[derive(Default)]
+struct Trace {
+    angles_deg: Vec<f64>,
+    probes: [Vec<f64>; 3],
+}
+
+/// Reads all rows and resamples them: the readings of each probe at 360°·i/N, whole revolutions one after the other.
+///
+/// # Errors
+/// Angles that do not increase, gaps that are too wide for the band, less than a revolution.
+pub(super) fn read(rows: &mut Rows<'_, 4>, points: usize, band: Band) -> Result<([Vec<f64>; 3], Resampling)> {
+    let widest = 180.0 / f64::from(band.last);
+    let mut trace = Trace::default();
+    let mut turns = 0.0;
+    let mut gap: f64 = 0.0;
+    while let Some(Row { line, values: [h1, h2, h3, angle] }) = rows.next()? {
+        if let Some(before) = trace.angles_deg.last().copied() {
+            // An angle that falls by more than half a turn has begun the next revolution.
+            if angle + turns < before - 180.0 {
+                turns += 360.0 * ((before - 180.0 - angle - turns) / 360.0).ceil();
+            }
+            let step = angle + turns - before;
+            if step <= 0.0 {
+                let needed = format!("more than {} of the row before", before - turns);
+                return Err(rows.error(line, "theta_deg", angle, needed));
+            }
+            if step > widest {
+                let found = format!("a gap of {step:.4} degrees before {angle}");
+                let needed = format!("at most {widest:.4}, half a wave of harmonic {}", band.last);
+                return Err(rows.error(line, "theta_deg", found, needed));
+            }
+            gap = gap.max(step);
+        }
+        trace.angles_deg.push(angle + turns);
+        for (probe, value) in trace.probes.iter_mut().zip([h1, h2, h3]) {
+            probe.push(value);
+        }
+    }
+    let count = trace.angles_deg.len();
+    let (first, last) = (trace.angles_deg[0], trace.angles_deg[count - 1]);
+    let step = 360.0 / points as f64;
+    let (begin, end) = ((first / step - 1e-9).ceil() as i64, ((last + gap) / step + 1e-9).floor() as i64);
+    let revolutions = usize::try_from(end - begin + 1).unwrap_or(0) / points;
+    if revolutions == 0 || last - first + widest < 360.0 {
+        return Err(FileError {
+            file: rows.file.clone(),
+            line: None,
+            column: Some("theta_deg".into()),
+            found: format!("{:.4} degrees in {count} rows", last - first),
+            needed: "a whole revolution".into(),
+        }
+        .into());
+    }
+    trace.close();
+    let mut readings = [const { Vec::new() }; 3];
+    readings.iter_mut().for_each(|probe| probe.resize(revolutions * points, 0.0));
+    let (mut max, mut sum) = (0.0_f64, 0.0);
+    for (turn, i) in (begin..).take(revolutions * points).enumerate() {
+        // A revolution may begin at any angle; each point stands at its own index.
+        let slot = turn / points * points + i.rem_euclid(points as i64) as usize;
+        let (six, four) = trace.at(i as f64 * step);
+        for ((readings, six), four) in readings.iter_mut().zip(six).zip(four) {
+            readings[slot] = six;
+            max = max.max((six - four).abs());
+            sum += (six - four).powi(2);
+        }
+    }
+    let used_to = (begin + (revolutions * points) as i64 - 1) as f64 * step;
+    let unused_rows = trace.angles_deg[SIDE..SIDE + count].iter().filter(|angle| **angle > used_to + gap).count();
+    let rms = (sum / (3 * revolutions * points) as f64).sqrt();
+    let interpolation_error_um = InterpolationError { max, rms };
+    Ok((readings, Resampling { rows: count, unused_rows, largest_gap_deg: gap, interpolation_error_um }))
+}
+
+impl Trace {
+    /// Puts readings of a turn later before the first and of a turn earlier behind the last.
+    fn close(&mut self) {
+        let (first, last) = (self.angles_deg[0], self.angles_deg[self.angles_deg.len() - 1]);
+        let before = self.angles_deg.partition_point(|angle| *angle < first + 360.0);
+        let behind = self.angles_deg.partition_point(|angle| *angle <= last - 360.0);
+        for (list, turn) in
+            [(&mut self.angles_deg, 360.0)].into_iter().chain(self.probes.iter_mut().map(|list| (list, 0.0)))
+        {
+            let head = list[before.saturating_sub(SIDE)..before].iter().map(|value| value - turn);
+            let tail = list[behind..].iter().take(SIDE).map(|value| value + turn);
+            *list = head.chain(list.iter().copied()).chain(tail).collect();
+        }
+    }
+
+    /// Readings at an angle by polynomials through the six and the four readings around it.
+    fn at(&self, angle: f64) -> ([f64; 3], [f64; 3]) {
+        let after = self.angles_deg.partition_point(|known| *known < angle).clamp(SIDE, self.angles_deg.len() - SIDE);
+        let by = |side: usize| {
+            let nodes = &self.angles_deg[after - side..after + side];
+            let mut sums = [0.0; 3];
+            for (i, node) in nodes.iter().enumerate() {
+                let others = nodes.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other);
+                let weight: f64 = others.map(|other| (angle - other) / (node - other)).product();
+                for (sum, probe) in sums.iter_mut().zip(&self.probes) {
+                    *sum += weight * probe[after - side + i];
+                }
+            }
+            sums
+        };
+        (by(SIDE), by(SIDE - 1))
+    }
+}
