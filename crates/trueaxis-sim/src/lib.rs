@@ -21,6 +21,7 @@
 
 pub mod ball_test;
 pub mod error;
+pub mod event;
 pub mod friction;
 pub mod grinding;
 mod learned;
