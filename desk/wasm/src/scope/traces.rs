@@ -62,6 +62,7 @@ struct Row {
     cycle: u64,
     line: u32,
     cutting: bool,
+    length_mm: f64,
     nominal_mm: [f64; 3],
     rotary_deg: [f64; 3],
     values: [f32; MOST_COLUMNS],
@@ -123,7 +124,7 @@ impl Traces {
 
     /// Names of the columns.
     pub(super) fn names(&self) -> Vec<String> {
-        let own = ["time_s", "cycle", "line", "cutting", "x_mm", "y_mm", "z_mm"].map(String::from);
+        let own = ["time_s", "cycle", "line", "cutting", "length_mm", "x_mm", "y_mm", "z_mm"].map(String::from);
         let rotary = self.rotary.iter().map(|axis| format!("{}_deg", axis.letter().to_ascii_lowercase()));
         own.into_iter().chain(rotary).chain(self.columns.iter().map(|column| column.name.clone())).collect()
     }
@@ -133,7 +134,7 @@ impl Traces {
         let mut numbers = Vec::new();
         for row in self.rows.items() {
             let cutting = f64::from(u8::from(row.cutting));
-            numbers.extend([row.time_s, row.cycle as f64, row.line.into(), cutting]);
+            numbers.extend([row.time_s, row.cycle as f64, row.line.into(), cutting, row.length_mm]);
             numbers.extend(row.nominal_mm);
             numbers.extend(self.rotary.iter().filter_map(|axis| row.rotary_deg.get(axis.index() - AXES / 2)));
             numbers.extend(row.values.iter().take(self.columns.len()).map(|value| f64::from(*value)));
@@ -178,6 +179,7 @@ impl Sink for Traces {
             cycle: moment.cycle,
             line: moment.line,
             cutting: moment.cutting,
+            length_mm: moment.length_mm,
             nominal_mm: moment.nominal_mm,
             rotary_deg: moment.rotary_deg,
             values,
