@@ -22,7 +22,7 @@ export class Bar {
 
   constructor(host: BarHost) {
     const pace = choice<Pace>("Pace", [["fast", "unpaced"], ["real", "real time"], ["slow", "a tenth of it"]], "fast", (value) => host.pace(value));
-    const cycles = numberField({ label: "Cycles a step", value: 1000, min: 1, max: 1e6, step: 1 }, () => {});
+    const cycles = numberField({ label: "Cycles", value: 1000, min: 1, max: 1e6, step: 1 }, () => {});
     this.buttons = {
       run: button("Run", () => host.run(pace.value), { class: "primary" }),
       pause: button("Pause", () => host.pause()),

@@ -42,8 +42,8 @@ export class Curves {
   private marks: Mark[] = [];
 
   constructor(private readonly moved: (row: number | null) => void) {
-    this.which = choice<Shown>("Corrections shown", SHOWN, "compensated.correction", () => this.again());
-    this.limits = tick("magnitude limits in sight", true, () => this.again());
+    this.which = choice<Shown>("Shown", SHOWN, "compensated.correction", () => this.again());
+    this.limits = tick("limits in sight", true, () => this.again());
     this.root = el("div", { class: "traces" }, this.above, el("div", { class: "row choose" }, this.which.root, this.limits.root), this.below);
   }
 

@@ -71,7 +71,7 @@ export class Place {
     const { scene, rows } = this;
     scene.clear();
     scene.box(this.low, this.high);
-    scene.polyline(this.path, "grid");
+    scene.polyline(this.path, "servo");
     if (rows && rows.count > 0) {
       const places = new Float32Array(3 * rows.count);
       for (const [k, name] of ["x_mm", "y_mm", "z_mm"].entries()) {

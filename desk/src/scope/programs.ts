@@ -8,30 +8,29 @@ import type { ProgramOf } from "./setup";
 
 const FILE = "file:";
 
+export interface ProgramsHost {
+  program(program: ProgramOf): void;
+  taken(files: Given[]): void;
+  failed(error: unknown): void;
+}
+
 export class Programs {
   readonly root: HTMLElement;
   readonly listing: Listing;
   private readonly which;
   private file: { name: string; text: string } | undefined;
 
-  constructor(
-    builtIn: readonly BuiltIn[],
-    chosen: (program: ProgramOf) => void,
-    chose: (line: number) => void,
-    taken: (files: Given[]) => void,
-    failed: (error: unknown) => void,
-  ) {
+  constructor(host: ProgramsHost, chose: (line: number) => void) {
     this.listing = new Listing(chose);
-    this.which = choice<string>(
-      "Program",
-      builtIn.map(({ name, description }) => [name, `${name}: ${description}`] as const),
-      builtIn[0]?.name ?? "",
-      (value) => chosen(value === FILE && this.file ? this.file : { builtin: value }),
-    );
-    const open = picker("Open program…", { accept: ".ngc,.nc,.gcode,.tap,.cnc,.txt" }, taken, failed);
-    const scenario = picker("Open settings…", { accept: ".toml" }, taken, failed);
-    const hint = el("p", { class: "note" }, "Programs, settings (TOML) and folders of machines may be dropped anywhere on this view.");
-    this.root = section("Part program", this.which.root, el("div", { class: "row" }, open, scenario), this.listing.root, hint);
+    this.which = choice<string>("Program", [], "", (value) => host.program(value === FILE && this.file ? this.file : { builtin: value }));
+    const open = picker("Open program or settings…", { accept: ".ngc,.nc,.gcode,.tap,.cnc,.txt,.toml" }, (files) => host.taken(files), (error) => host.failed(error));
+    const hint = el("p", { class: "note" }, "Programs, settings (TOML) and folders of machines may also be dropped anywhere on this view.");
+    this.root = section("Part program", this.which.root, el("div", { class: "row" }, open), this.listing.root, hint);
+  }
+
+  /** The programs that are built in. */
+  builtIn(programs: readonly BuiltIn[]): void {
+    this.which.select.prepend(...programs.map(({ name, description }) => el("option", { value: name }, `${name}: ${description}`)));
   }
 
   /** Shows which program is run, and its lines. */

@@ -1,102 +1,74 @@
-// The view: what is set up, the run, and everything that shows it.
+// The view's run: opened from what is set up, acted on, and handed on.
 
 import "./scope.css";
 import type { Desk } from "../core/desk";
-import { el, section } from "../core/dom";
 import { onDrop, picker, type Given } from "../core/files";
 import type { Files } from "../core/machine";
-import { Acts } from "./acts";
-import { Bar } from "./bar";
-import { Beside, type Kept } from "./beside";
 import { Controls } from "./controls";
-import { Curves, type Mark } from "./curves";
-import type { BuiltIn, Description } from "./documents";
+import type { BuiltIn } from "./documents";
 import { Exchanges } from "./exchanges";
-import { Place } from "./place";
-import { Programs, sort } from "./programs";
-import { results } from "./results";
-import { Runner, type Look } from "./runner";
+import { sort } from "./programs";
+import { Runner, type Look, type Pace } from "./runner";
+import { Screen } from "./screen";
 import { exchangeOf, FIRST, fromState, request, type Setup } from "./setup";
 import { Share } from "./share";
-import { time } from "./times";
-
-/** Between two pictures in three dimensions while a run goes on, ms. */
-const PLACE_MS = 400;
 
 export class Scope {
   private readonly runner: Runner;
   private readonly controls: Controls;
-  private readonly bar: Bar;
-  private readonly curves: Curves;
-  private readonly place = new Place();
-  private readonly acts: Acts;
-  private readonly beside: Beside;
+  private readonly screen: Screen;
   private readonly share: Share;
-  private readonly figures = el("div", { class: "figures" });
-  private programs!: Programs;
-  private description: Description | undefined;
-  private look: Look | undefined;
-  private cursor: number | null = null;
-  private placed = 0;
   private readonly exchanges: Exchanges;
+  private look: Look | undefined;
   /** The machine of the run. */
   private files: Files;
   /** The last request to open; those before it are stale. */
   private opening = 0;
 
   constructor(
-    private readonly root: HTMLElement,
+    root: HTMLElement,
     private readonly desk: Desk,
   ) {
     this.files = desk.machine.files;
     this.exchanges = new Exchanges(desk.bench, desk.machine);
     this.runner = new Runner(desk.runs, (look) => this.looked(look), desk.fail);
     this.controls = new Controls(desk.bench, FIRST, () => this.changed("settings"));
-    const act = <T>(of: Promise<T>) => void of.catch(desk.fail);
-    this.bar = new Bar({
-      run: (pace) => act(this.run(pace)),
-      pause: () => act(this.runner.pause().then(() => this.refresh())),
-      step: (cycles) => act(this.ready().then(() => this.runner.step(cycles))),
-      restart: () => act(this.reopen()),
-      pace: (pace) => (this.runner.pace = pace),
-    });
-    this.curves = new Curves((row) => this.moved(row));
-    const opener = picker("Folder…", { folder: true }, (files) => this.taken(files), desk.fail);
-    const host = {
-      act: (what: string, after: string, at: number | undefined) => act(this.act(`${what}@${at === undefined ? "now" : `${at}s`}${after}`)),
-      exchange: (source: string, at: number | undefined) => act(this.exchange(source, at)),
-      remove: (gone: string) => this.remove(gone),
-    };
-    this.acts = new Acts(host, opener);
-    this.beside = new Beside(() => this.kept(), () => this.refresh(), (setup) => this.take(structuredClone(setup)));
-    this.share = new Share(desk, async () => {
-      await this.ready();
-      return this.runner.scenario();
-    });
+    this.share = new Share(desk, () => this.ready().then(() => this.runner.scenario()));
+    const told = <T>(of: Promise<T>) => void of.catch(desk.fail);
+    const when = (at: number | undefined) => (at === undefined ? "now" : `${at}s`);
+    const taken = (files: Given[]) => this.taken(files);
+    this.screen = new Screen(
+      root,
+      {
+        run: (pace) => told(this.run(pace)),
+        pause: () => told(this.runner.pause().then(() => this.refresh())),
+        step: (cycles) => told(this.ready().then(() => this.runner.step(cycles))),
+        restart: () => told(this.reopen()),
+        pace: (pace) => (this.runner.pace = pace),
+        act: (what, after, at) => told(this.act(`${what}@${when(at)}${after}`)),
+        exchange: (source, at) => told(this.exchange(source, when(at))),
+        remove: (gone) => this.remove(gone),
+        program: (program) => this.take({ ...this.controls.setup, program }),
+        taken,
+        failed: desk.fail,
+        settings: (setup) => this.take(structuredClone(setup)),
+      },
+      { controls: this.controls.root, opener: picker("Folder…", { folder: true }, taken, desk.fail), share: this.share.root },
+    );
+    onDrop(root, taken, desk.fail);
   }
 
-  /** Builds the page and opens the first run. */
+  /** Opens the first run, and follows machine and module. */
   async start(): Promise<void> {
-    const { desk, root } = this;
-    const builtIn = JSON.parse(await desk.bench.call("scope_programs")) as BuiltIn[];
-    this.programs = new Programs(builtIn, (program) => this.take({ ...this.controls.setup, program }), (line) => this.toLine(line), (files) => this.taken(files), desk.fail);
-    root.append(
-      el(
-        "div",
-        { class: "three" },
-        el("div", {}, this.programs.root, section("Settings", this.controls.root)),
-        el("div", {}, section("Run", this.bar.root, this.curves.root), section("Acts in motion", this.acts.root), this.beside.root),
-        el("div", {}, section("Place", this.place.root), section("Figures", this.figures), this.share.root),
-      ),
-    );
-    onDrop(root, (files) => this.taken(files), desk.fail);
-    desk.onProgram(async (program) => this.take({ ...this.controls.setup, program: { ...program } }));
+    const { desk } = this;
+    this.screen.programs.builtIn(JSON.parse(await desk.bench.call("scope_programs")) as BuiltIn[]);
+    desk.onProgram(async ({ name, text }) => this.take({ ...this.controls.setup, program: { name, text } }));
     desk.machine.subscribe(() => {
       if (desk.machine.files === this.files) return;
-      if (this.look?.progress.cycle) this.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
+      if (this.look?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
       else void this.reopen().catch(desk.fail);
     });
-    desk.runs.onRestart(() => this.bar.changed("The run is lost: Run begins anew."));
+    desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run begins anew."));
     await this.reopen().catch(desk.fail);
   }
 
@@ -112,19 +84,24 @@ export class Scope {
     await this.reopen(machine ?? this.desk.machine.files);
   }
 
+  /** Shows the run as it was last seen. */
+  refresh(anew = false): void {
+    if (this.look) this.screen.show(this.look, this.controls.setup, this.runner.isGoing, anew);
+  }
+
   /** Another setup: opened at once, for its program and errors to be seen. */
   private take(setup: Setup): void {
     const before = this.controls.setup;
     this.controls.set(setup);
     this.reopen().catch((error: unknown) => {
       this.controls.set(before);
-      this.programs.set(before.program, this.description?.lines ?? []);
+      this.screen.programs.set(before.program, this.screen.description?.lines ?? []);
       this.desk.fail(error);
     });
   }
 
   private changed(what: string): void {
-    if (this.look?.progress.cycle) this.bar.changed(`The ${what} have changed: Restart runs them.`);
+    if (this.look?.progress.cycle) this.screen.bar.changed(`The ${what} have changed: Restart runs them.`);
     else void this.reopen().catch(this.desk.fail);
   }
 
@@ -137,13 +114,7 @@ export class Scope {
     const { description, path } = await this.runner.open(request(setup, files));
     if (ticket !== this.opening) return;
     this.files = files;
-    this.description = description;
-    this.cursor = null;
-    this.programs.set(setup.program, description.lines);
-    this.curves.open(description);
-    this.place.open(path, description.kinds);
-    this.acts.open(description.axes.map(({ axis }) => axis));
-    this.bar.changed("");
+    this.screen.open(description, path, setup);
     this.desk.clear();
     this.desk.tell(description.notes.join("; "));
     this.refresh(true);
@@ -155,7 +126,7 @@ export class Scope {
     if (!this.runner.isOpen) await this.reopen(this.files);
   }
 
-  private async run(pace: typeof this.runner.pace): Promise<void> {
+  private async run(pace: Pace): Promise<void> {
     await this.ready();
     this.runner.pace = pace;
     this.runner.start();
@@ -164,52 +135,7 @@ export class Scope {
 
   private looked(look: Look): void {
     this.look = look;
-    if (this.description) this.refresh();
-  }
-
-  /** Shows the run as it was last seen. */
-  refresh(anew = false): void {
-    const { look, description } = this;
-    if (!look || !description) return;
-    const { progress, figures, rows, rate } = look;
-    const going = this.runner.isGoing;
-    const { acts } = this.controls.setup;
-    this.bar.set(progress, description, rate, going);
-    this.acts.set(acts, progress.time_s);
-    this.figures.replaceChildren(results({ progress, figures }, this.beside.kept?.result));
-    if (this.root.hidden) return;
-    const marks = acts.map((act): Mark => ({ x: time(act), text: act.split("@")[0] ?? "" })).filter(({ x }) => x <= progress.time_s);
-    this.curves.set(rows, marks);
-    const row = this.cursor ?? rows.count - 1;
-    this.programs.listing.run(rows.at(row, "line") || 0);
-    if (anew || !going || performance.now() - this.placed > PLACE_MS) {
-      this.placed = performance.now();
-      this.place.set(rows, row);
-      const kept = this.kept();
-      if (kept) this.beside.set(kept);
-    }
-  }
-
-  private kept(): Kept | undefined {
-    const { look, description } = this;
-    return look && description && { setup: this.controls.setup, description, result: look, rows: look.rows };
-  }
-
-  /** The cursor of the plots stands at a row, or nowhere. */
-  private moved(row: number | null): void {
-    if (row === this.cursor || !this.look) return;
-    this.cursor = row;
-    const { rows } = this.look;
-    const at = Math.min(rows.count - 1, row ?? rows.count - 1);
-    this.programs.listing.run(rows.at(at, "line") || 0);
-    this.place.show(at);
-  }
-
-  /** Brings cursor and place to a program line. */
-  private toLine(line: number): void {
-    const row = this.look?.rows.ofLine(line);
-    if (row !== undefined) this.curves.show(row);
-    else this.place.line(line);
+    this.refresh();
   }
 
   private async act(text: string, files?: Files): Promise<void> {
@@ -217,14 +143,15 @@ export class Scope {
     const { act } = await this.runner.act(text, files);
     const { setup } = this.controls;
     const name = exchangeOf(act);
-    this.controls.setup = { ...setup, acts: [...setup.acts, act], exchanges: name && files ? { ...setup.exchanges, [name]: files } : setup.exchanges };
+    const exchanges = name && files ? { ...setup.exchanges, [name]: files } : setup.exchanges;
+    this.controls.setup = { ...setup, acts: [...setup.acts, act], exchanges };
     this.refresh();
     this.share.set(await this.runner.scenario());
   }
 
-  private async exchange(source: string, at: number | undefined): Promise<void> {
+  private async exchange(source: string, when: string): Promise<void> {
     const { name, files } = await this.exchanges.of(source, this.files, this.controls.setup.exchanges);
-    await this.act(`exchange:${name}@${at === undefined ? "now" : `${at}s`}`, files);
+    await this.act(`exchange:${name}@${when}`, files);
   }
 
   private remove(gone: string): void {
@@ -243,7 +170,7 @@ export class Scope {
       else if ("settings" in taken) void this.controls.scenario(taken.settings, taken.file).catch(desk.fail);
       else {
         this.exchanges.give(taken.name, taken.machine);
-        this.acts.offer(taken.name);
+        this.screen.acts.offer(taken.name);
         desk.tell(`${taken.name}: tables to exchange for, in "Acts in motion".`);
       }
     } catch (error) {

@@ -76,6 +76,7 @@ export class Strip {
           {
             ...look,
             // As wide as the axes of the plots above.
+            font: "10px system-ui, sans-serif",
             size: 74,
             splits: () => this.lanes.map((_, i) => count - i - 0.5),
             values: () => this.lanes.map((lane) => lane.name),
