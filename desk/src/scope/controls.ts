@@ -53,7 +53,7 @@ export class Controls {
       plain("temperature_c", { label: "Temperature", unit: "°C", value: 20, min: -10, max: 60, step: 0.5 }),
     );
     this.hint = el("small", { class: "wide" });
-    const drives = group("Drives against the plugin's figures", ...MISMATCH.map((one) => this.percent(one)), this.hint);
+    const drives = group("Drive mismatch", ...MISMATCH.map((one) => this.percent(one)), this.hint);
     this.model = choice<Model>("Error model", [["machine", "as the machine file says"], ["nine", "nine-term"], ["volumetric", "volumetric"]], "machine", (value) => this.take({ model: value }));
     this.orientation = choice<Direction>("Tool direction corrected", [["machine", "as the machine file says"], ["on", "on"], ["off", "off"]], "machine", (value) => this.take({ orientation: value }));
     const seed = this.number("seed", { label: "Seed of the noise", value: 1, min: 0, step: 1 });
@@ -69,7 +69,7 @@ export class Controls {
     this.defaults = (JSON.parse(read) as SettingsRead).settings;
     this.known = JSON.parse(known) as Known;
     this.hint.textContent = this.known.stated
-      ? `100 %: as ${this.known.friction ? "drive and friction" : "the drive"} of the machine file`
+      ? `100 %: the simulated drives as the machine file states ${this.known.friction ? "drive and friction" : "the drive"} to the plugin`
       : "The machine file states no drive: 100 % is the simulator's default.";
     this.show();
   }

@@ -40,7 +40,7 @@ export class Place {
     this.which.select.replaceChildren(...kinds.map((kind) => el("option", { value: kind }, KINDS[kind].text)));
     this.which.value = kinds.includes(now) ? now : "compensated";
     [this.low, this.high] = corners(this.path);
-    this.scene.fit(this.low, this.high);
+    this.scene.fit(...nearer(this.low, this.high));
     this.rows = undefined;
     this.draw();
   }
@@ -109,4 +109,10 @@ function corners(path: Float32Array): [Vector, Vector] {
   if (!Number.isFinite(low[0])) return [[0, 0, 0], [1, 1, 1]];
   const reach = 0.05 * Math.max(1, ...[0, 1, 2].map((k) => high[k]! - low[k]!));
   return [low.map((value, k) => Math.min(value, high[k]! - reach)) as Vector, high];
+}
+
+/** The picture's sphere is around the box: most paths are flat, and leave its top and bottom empty. */
+function nearer(low: Vector, high: Vector): [Vector, Vector] {
+  const toward = (share: number) => low.map((value, k) => value + share * (high[k]! - value)) as Vector;
+  return [toward(0.12), toward(0.88)];
 }
