@@ -47,29 +47,20 @@ export class Programs {
   }
 }
 
-/** What was dropped or picked: a program, settings, or the files of a machine. */
-export type Taken = { program: { name: string; text: string } } | { settings: string; file: string } | { machine: Record<string, string>; name: string };
+/** What was dropped or picked: a program, settings, or files of a machine. */
+export type Taken = { program: { name: string; text: string } } | { settings: string; file: string } | { machine: readonly Given[] };
 
 /** Sorts files by what they are. */
 export function sort(files: readonly Given[]): Taken {
-  const description = files.find(({ path }) => /(^|\/)machine\.toml$/.test(path));
-  if (description) {
-    const folder = description.path.slice(0, -"machine.toml".length);
-    const own = files.filter(({ path }) => path.startsWith(folder) && /\.(toml|csv|txt)$/i.test(path));
-    const machine = Object.fromEntries(own.map((file) => [file.path.slice(folder.length), decoded(file)]));
-    return { machine, name: folder.split("/").filter(Boolean).at(-1) ?? "given" };
-  }
   const [file] = files;
-  if (!file) throw new Error("found no file, needed a part program, settings (.toml) or the folder of a machine");
-  if (files.length > 1) throw new Error(`found ${files.length} files without a machine.toml, needed one part program, one .toml, or the folder of a machine`);
-  if (/\.toml$/i.test(file.path)) return { settings: decoded(file), file: file.path };
+  if (!file) throw new Error("found no file, needed a part program, settings (.toml), or the folder or compiled file of a machine");
+  const name = file.path.split("/").at(-1) ?? file.path;
+  if (files.length > 1 || name === "machine.toml" || /\.(tcomp|csv)$/i.test(name)) return { machine: files };
+  const decoded = text(file.bytes);
+  if (/\.toml$/i.test(name)) {
+    if (decoded === undefined) throw new Error(`${name}: found bytes that are not UTF-8, needed a text`);
+    return { settings: decoded, file: name };
+  }
   // Comments of a program may be in any encoding.
-  const name = file.path.split("/").at(-1) ?? "program.ngc";
-  return { program: { name, text: text(file.bytes) ?? new TextDecoder("latin1").decode(file.bytes) } };
-}
-
-function decoded(file: Given): string {
-  const found = text(file.bytes);
-  if (found === undefined) throw new Error(`${file.path}: found bytes that are not UTF-8, needed a text`);
-  return found;
+  return { program: { name, text: decoded ?? new TextDecoder("latin1").decode(file.bytes) } };
 }

@@ -168,13 +168,15 @@ export class Scope {
       const taken = sort(files);
       if ("program" in taken) this.take({ ...this.controls.setup, program: taken.program });
       else if ("settings" in taken) void this.controls.scenario(taken.settings, taken.file).catch(desk.fail);
-      else {
-        this.exchanges.give(taken.name, taken.machine);
-        this.screen.acts.offer(taken.name);
-        desk.tell(`${taken.name}: tables to exchange for, in "Acts in motion".`);
-      }
+      else void this.given(taken.machine).catch(desk.fail);
     } catch (error) {
       desk.fail(error);
     }
+  }
+
+  private async given(files: readonly Given[]): Promise<void> {
+    const name = await this.exchanges.give(files);
+    this.screen.acts.offer(name);
+    this.desk.tell(`${name}: tables to exchange for, in "Acts in motion".`);
   }
 }

@@ -13,7 +13,7 @@ import type { Look } from "./runner";
 import type { Setup } from "./setup";
 import { time } from "./times";
 
-/** Between two pictures in three dimensions while a run goes on, ms. */
+/** Between two pictures in three dimensions, and two tables of figures, while a run goes on, ms. */
 const PLACE_MS = 400;
 
 /** What is asked for on the screen. */
@@ -78,13 +78,14 @@ export class Screen {
     this.shown = { setup, description, result: look, rows };
     this.bar.set(progress, description, rate, going);
     this.acts.set(setup.acts, progress.time_s);
-    this.results();
+    const all = anew || !going || performance.now() - this.placed > PLACE_MS;
+    if (all) this.results();
     if (this.root.hidden) return;
     const marks = setup.acts.map((act): Mark => ({ x: time(act), text: act.split("@")[0] ?? "" })).filter(({ x }) => x <= progress.time_s);
     this.curves.set(rows, marks);
     const row = Math.min(this.cursor ?? Infinity, rows.count - 1);
     this.programs.listing.run(rows.at(row, "line") || 0);
-    if (anew || !going || performance.now() - this.placed > PLACE_MS) {
+    if (all) {
       this.placed = performance.now();
       this.place.set(rows, row);
       this.beside.set(this.shown);
