@@ -318,7 +318,7 @@ test("cursor, program line and place go together, by keys alone", async () => {
   await page.keyboard.press("Home");
   for (let i = 0; i < 5; i++) await page.keyboard.press("ArrowDown");
   await panel.getByText(/line 6$/).waitFor();
-  assert.equal(await panel.getByRole("option", { selected: true }).getAttribute("data-line"), "6");
+  assert.equal(await listing.getByRole("option", { selected: true }).getAttribute("data-line"), "6");
   await close();
 });
 

@@ -7,8 +7,13 @@ import { Rows } from "./rows";
 
 /** How long a slice takes, ms: what an act in motion waits for at most. */
 const SLICE_MS = 40;
-/** Between two looks at the traces, ms. */
+/** Between two looks at the traces, ms: at least, and at most where drawing takes long. */
 const LOOK_MS = 110;
+const LONGEST_LOOK_MS = 1500;
+/** Drawing gets a sixth of the time, so that a slow machine shows fewer pictures of the run and still answers. */
+const REST = 6;
+/** Two frames of a screen that has nothing to draw, ms. */
+const TWO_FRAMES_MS = 34;
 const FIRST_SLICE = 500;
 const MOST_CYCLES = 50_000;
 
@@ -39,6 +44,7 @@ export class Runner {
   private spent_ms = 0;
   private spent_cycles = 0;
   private period_s = 1e-4;
+  private rest_ms = LOOK_MS;
   pace: Pace = "fast";
 
   constructor(
@@ -125,7 +131,7 @@ export class Runner {
       if (this.pace === "fast") this.slice = Math.min(MOST_CYCLES, Math.max(50, Math.round((cycles * SLICE_MS) / Math.max(1, took))));
       else if (took < SLICE_MS) await new Promise((done) => setTimeout(done, SLICE_MS - took));
       if (this.progress.done) this.going = false;
-      if (this.progress.done || performance.now() - looked > LOOK_MS) {
+      if (this.progress.done || performance.now() - looked > this.rest_ms) {
         await this.look();
         looked = performance.now();
       }
@@ -138,7 +144,18 @@ export class Runner {
     if (handle === undefined) return;
     const figures = JSON.parse(await this.runs.call("scope_figures", handle)) as Figures;
     const rows = new Rows(this.columns, await this.runs.call("scope_traces", handle));
+    this.measure();
     this.looked({ progress: this.progress, figures, rows, rate: this.spent_ms > 0 ? (1e3 * this.spent_cycles) / this.spent_ms : 0 });
+  }
+
+  /** How long the page takes to draw what it was shown, and so how often it is shown something. */
+  private measure(): void {
+    const began = performance.now();
+    const drawn = () => {
+      const spent = performance.now() - began - TWO_FRAMES_MS;
+      this.rest_ms = Math.min(LONGEST_LOOK_MS, Math.max(LOOK_MS, REST * spent));
+    };
+    requestAnimationFrame(() => requestAnimationFrame(drawn));
   }
 
   private async close(): Promise<void> {
