@@ -37,8 +37,8 @@ export function showFound(host: HTMLElement, { document: { axes, warnings } }: F
   ]);
   const fit = axes.map((own): Cell[] => [
     own.axis,
-    shown(own.reversals, 6),
-    shown(own.fitted, 6),
+    { text: String(own.reversals), value: own.reversals },
+    { text: String(own.fitted), value: own.fitted },
     shown(own.residual_um, 3),
     shown(100 * own.explained, 4),
     shown(own.condition, 3),

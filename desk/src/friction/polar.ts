@@ -14,9 +14,9 @@ export interface PolarSeries {
 }
 
 const SIZE = 320;
-const RADIUS = 92;
+const RADIUS = 74;
 /** Deviation is drawn to at most this far from the circle. */
-const REACH = 44;
+const REACH = 62;
 /** Angles further apart than this are not joined, degrees. */
 const GAP = 5;
 
