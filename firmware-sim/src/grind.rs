@@ -3,13 +3,12 @@
 use crate::console::{progress_bar, put};
 use crate::grinding_text::{self, Summary};
 use crate::machine_arg::{outputs_of, read_machine};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::Args;
 use firmware_sim::latency::timed;
 use firmware_sim::report;
 use std::path::PathBuf;
-use trueaxis::roundness::gain_limit;
-use trueaxis_sim::grinding::{self, Grinding, Process};
+use trueaxis_sim::grinding::{self, Grinding, Process, Request};
 
 /// Arguments of `grind`.
 #[derive(Args)]
@@ -51,53 +50,10 @@ pub(crate) struct GrindArgs {
 }
 
 fn prepare(args: &GrindArgs) -> Result<Grinding> {
-    if !(100.0..=100_000.0).contains(&args.rate_hz) {
-        bail!("--rate-hz: found {}, needed 100 to 100000", args.rate_hz);
-    }
-    let needed = args.skip.map_or(40, |skip| skip.saturating_add(1).saturating_mul(20).clamp(40, 10_000));
-    let revolutions = args.revolutions.unwrap_or(needed);
-    if !(8..=10_000).contains(&revolutions) {
-        bail!("--revolutions: found {revolutions}, needed 8 to 10000");
-    }
-    if !(0.0..=5.0).contains(&args.feed_um) {
-        bail!("--feed-um: found {}, needed 0 to 5", args.feed_um);
-    }
-    let mut machine = read_machine("--machine", &args.machine)?;
-    if let (Some(gain), Some(infeed)) = (args.gain, machine.settings.roundness.as_mut().and_then(|g| g.infeed.as_mut()))
-    {
-        let most = 0.5 * gain_limit(infeed.delay_revolutions);
-        if !(gain > 0.0 && gain <= most) {
-            bail!(
-                "--gain: found {gain}, needed above 0 and at most {most:.4}, half the limit of stability at a delay of {} \
-                 revolutions",
-                infeed.delay_revolutions
-            );
-        }
-        infeed.gain = gain;
-    }
-    let mut grinding = Grinding {
-        machine,
-        rate_hz: args.rate_hz,
-        speed_rpm: args.speed_rpm,
-        revolutions,
-        seed: args.seed,
-        process: Process { feed_um: args.feed_um, ..Process::default() },
-        events: Vec::new(),
-    };
-    let gauge = *grinding.gauge()?;
-    if let Some(skip) = args.skip {
-        grinding.speed_rpm = grinding::speed_that_skips(&gauge, args.rate_hz, skip)?;
-    }
-    let fastest = grinding::fastest_rpm(&gauge, args.rate_hz);
-    if !(0.1..=fastest).contains(&grinding.speed_rpm) {
-        bail!(
-            "--speed-rpm: found {}, needed 0.1 to {fastest:.1}, where {} points a revolution pass at {} Hz",
-            grinding.speed_rpm,
-            gauge.points,
-            args.rate_hz
-        );
-    }
-    Ok(grinding)
+    let GrindArgs { revolutions, rate_hz, speed_rpm, gain, skip, feed_um, seed, .. } = *args;
+    let request = Request { revolutions, rate_hz, speed_rpm, gain, skip, feed_um, seed };
+    request.check()?;
+    Ok(request.grinding(read_machine("--machine", &args.machine)?)?)
 }
 
 pub(crate) fn grind(args: &GrindArgs) -> Result<()> {

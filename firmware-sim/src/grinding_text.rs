@@ -4,77 +4,14 @@ use anyhow::Result;
 use serde::Serialize;
 use std::fmt;
 use trueaxis::roundness::{ErrorMotion, GaugeFlags};
-use trueaxis_sim::grinding::{Grinding, Outcome, Run};
-
-#[derive(Serialize)]
-struct RevolutionJson {
-    imprint_um: f64,
-    roundness_um: f64,
-    gauge_imprint_um: Option<f64>,
-    gauge_roundness_um: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct RunJson {
-    imprint_um: f64,
-    roundness_um: f64,
-    evaluated: u32,
-    skipped: u32,
-    discarded: u32,
-    limited_cycles: u64,
-    per_revolution: Vec<RevolutionJson>,
-}
-
-#[derive(Serialize)]
-struct MotionJson {
-    x: ErrorMotion<f64>,
-    y: ErrorMotion<f64>,
-}
-
-#[derive(Serialize)]
-struct SpindleJson {
-    #[serde(rename = "true")]
-    truth: MotionJson,
-    gauge: Option<MotionJson>,
-}
+use trueaxis_sim::grinding::{Document, Grinding, Outcome};
 
 /// The document that `--json` prints.
 #[derive(Serialize)]
 pub(crate) struct Json {
-    machine: String,
-    revolutions: u32,
-    points: u16,
-    harmonics: [u16; 2],
-    servo_rate_hz: f64,
-    speed_rpm: f64,
-    gain: f64,
-    cycles: u64,
-    cycles_of_work: usize,
-    averaged_revolutions: usize,
-    uncorrected: RunJson,
-    corrected: RunJson,
-    imprint_ratio: f64,
-    spindle: SpindleJson,
-    limits_exceeded: u64,
+    #[serde(flatten)]
+    figures: Document,
     wall_s: f64,
-}
-
-fn of_run(run: &Run) -> RunJson {
-    let per_revolution = run.revolutions.iter().map(|r| RevolutionJson {
-        imprint_um: r.imprint_um,
-        roundness_um: r.roundness_um,
-        gauge_imprint_um: r.gauge_imprint_um,
-        gauge_roundness_um: r.gauge_roundness_um,
-    });
-    RunJson {
-        imprint_um: run.imprint_um,
-        roundness_um: run.roundness_um,
-        evaluated: run.counts.evaluated,
-        skipped: run.counts.skipped,
-        discarded: run.counts.discarded,
-        limited_cycles: run.limited_cycles,
-        per_revolution: per_revolution.collect(),
-    }
 }
 
 /// The outcome as one JSON document; `wall_s` is the time that both runs took.
@@ -82,28 +19,7 @@ fn of_run(run: &Run) -> RunJson {
 /// # Errors
 /// The machine has no gauge.
 pub(crate) fn json(outcome: &Outcome, grinding: &Grinding, wall_s: f64) -> Result<Json> {
-    let gauge = grinding.gauge()?;
-    let infeed = gauge.infeed.as_ref();
-    let [x, y] = outcome.motion;
-    let measured = outcome.corrected.evaluation.filter(|e| e.revolutions > 0);
-    Ok(Json {
-        machine: grinding.machine.settings.name.as_str().into(),
-        revolutions: grinding.revolutions,
-        points: gauge.points,
-        harmonics: infeed.map_or([0; 2], |infeed| [infeed.band.first, infeed.band.last]),
-        servo_rate_hz: grinding.rate_hz,
-        speed_rpm: grinding.speed_rpm,
-        gain: infeed.map_or(0.0, |infeed| infeed.gain),
-        cycles: outcome.corrected.cycles,
-        cycles_of_work: outcome.corrected.cycles_of_work,
-        averaged_revolutions: outcome.corrected.averaged,
-        uncorrected: of_run(&outcome.uncorrected),
-        corrected: of_run(&outcome.corrected),
-        imprint_ratio: outcome.imprint_ratio(),
-        spindle: SpindleJson { truth: MotionJson { x, y }, gauge: measured.map(|e| MotionJson { x: e.x, y: e.y }) },
-        limits_exceeded: outcome.limits_exceeded(),
-        wall_s,
-    })
+    Ok(Json { figures: Document::new(outcome, grinding)?, wall_s })
 }
 
 /// Prints the outcome in plain words.

@@ -1,17 +1,13 @@
 //! `trueaxis circle`.
 
-use crate::csv_in::{self, Column};
+use crate::csv_in;
 use crate::output::{json, print};
 use crate::report;
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use clap::Args;
-use serde::Serialize;
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_metrology::circles::{
-    NoCircle, ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
-};
+use trueaxis_evaluation::circle::{COLUMNS, Document, Evaluation};
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
@@ -41,87 +37,17 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
-const COLUMNS: [Column; 2] = [Column { name: "x_mm", needed: true }, Column { name: "y_mm", needed: true }];
-
-#[derive(Serialize)]
-struct Circle {
-    centre_mm: [f64; 2],
-    cx_mm: f64,
-    cy_mm: f64,
-    radius_mm: f64,
-    diameter_mm: f64,
-    inner_mm: f64,
-    outer_mm: f64,
-    zone_mm: f64,
-    zone_um: f64,
-    contacts: Vec<usize>,
-}
-
-impl From<ReferenceCircle> for Circle {
-    fn from(circle: ReferenceCircle) -> Self {
-        let [cx_mm, cy_mm] = circle.centre;
-        Self {
-            centre_mm: circle.centre,
-            cx_mm,
-            cy_mm,
-            radius_mm: circle.radius,
-            diameter_mm: 2.0 * circle.radius,
-            inner_mm: circle.inner,
-            outer_mm: circle.outer,
-            zone_mm: circle.zone,
-            zone_um: 1e3 * circle.zone,
-            contacts: circle.contacts,
-        }
-    }
-}
-
-#[derive(Serialize)]
-struct Document {
-    points: usize,
-    lsc: Option<Circle>,
-    mzc: Option<Circle>,
-    mic: Option<Circle>,
-    mcc: Option<Circle>,
-    /// Why a circle is null.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    refused: BTreeMap<&'static str, String>,
-}
-
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut rows = csv_in::open(&arguments.points, &COLUMNS, "points")?;
-    let (lines, points): (Vec<u32>, Vec<[f64; 2]>) = rows.all()?.iter().map(|row| (row.line, row.values)).unzip();
-    // The circumscribed circle exists for all points that have any circle.
-    let mcc = minimum_circumscribed(&points).map_err(|error| match error {
-        NoCircle::Straight => {
-            anyhow!(
-                "{}: found {} points on one straight line, needed three that are not",
-                rows.file.display(),
-                points.len()
-            )
-        }
-        error => anyhow!("{}: {error}", rows.file.display()),
-    })?;
-    let [lsc, mzc, mic] = [least_squares(&points), minimum_zone(&points), maximum_inscribed(&points)];
+    let found = Evaluation::read(&mut rows)?;
     if let Some(directory) = &arguments.report {
         let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
-        let circles = [lsc.as_ref(), mzc.as_ref(), Ok(&mcc), mic.as_ref()];
         let mut outputs = Outputs::of([&arguments.points]);
-        report::write(&mut outputs, &report::circle::page(&source, &points, circles), directory, "circle.html")?;
+        report::write(&mut outputs, &report::circle::page(&source, &found), directory, "circle.html")?;
         outputs.commit()?;
     }
-    let mut refused = BTreeMap::new();
-    let mut or_reason = |name, circle: Result<ReferenceCircle, NoCircle>| match circle {
-        Ok(circle) => Some(circle.into()),
-        Err(reason) => {
-            refused.insert(name, reason.to_string());
-            None
-        }
-    };
-    let lsc = or_reason("lsc", lsc);
-    let mzc = or_reason("mzc", mzc);
-    let mic = or_reason("mic", mic);
-    let document = Document { points: points.len(), lsc, mzc, mic, mcc: Some(mcc.into()), refused };
-    if arguments.json { json(&document) } else { print(&table(&document, &lines)?) }
+    let document = found.document();
+    if arguments.json { json(&document) } else { print(&table(&document, &found.lines)?) }
 }
 
 fn table(document: &Document, of: &[u32]) -> Result<String> {

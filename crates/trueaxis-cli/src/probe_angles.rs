@@ -2,13 +2,10 @@
 
 use crate::output::{json, print, progress};
 use crate::probes::ProbeArguments;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Args;
-use rayon::prelude::*;
-use serde::Serialize;
 use std::fmt::Write;
-use trueaxis::roundness::{Band, Gain, ProbeAngles};
-use trueaxis_metrology::pair_search::PairSearch;
+use trueaxis_evaluation::probe_angles::{Document, Pair, Request, USUAL_COUNT};
 
 pub(crate) const HELP: &str = "\
 All pairs of slots are searched. Worst gain: smallest |G(k)|/√(1 + k2² + k3²) in the band, 0 (blind) to √3; its inverse, the
@@ -27,117 +24,21 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     probes: ProbeArguments,
     /// Best pairs to list.
-    #[arg(long, value_name = "COUNT", default_value_t = 20)]
+    #[arg(long, value_name = "COUNT", default_value_t = USUAL_COUNT)]
     count: usize,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
 }
 
-#[derive(Serialize)]
-struct Document {
-    n: usize,
-    harmonics: [u16; 2],
-    best: Vec<Pair>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pair: Option<GivenPair>,
-}
-
-#[derive(Serialize)]
-struct Pair {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    p: Option<i64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    q: Option<i64>,
-    phi2_deg: f64,
-    phi3_deg: f64,
-    worst_gain: f64,
-    worst_noise_gain: f64,
-    worst_harmonic: u16,
-}
-
-#[derive(Serialize)]
-struct GivenPair {
-    #[serde(flatten)]
-    pair: Pair,
-    /// Worst gain against that of the best pair of slots.
-    share_of_best: f64,
-    noise_gains: Vec<NoiseGain>,
-    /// Harmonics outside the band, up to N/2 − 1, that the pair cannot see.
-    singular: Vec<u16>,
-}
-
-#[derive(Serialize)]
-struct NoiseGain {
-    k: u16,
-    noise_gain: f64,
-}
-
-impl Pair {
-    fn new(gain: &Gain, slots: Option<[i64; 2]>, band: Band) -> Pair {
-        let worst = band
-            .iter()
-            .map(|k| (k, gain.noise_gain(usize::from(k))))
-            .fold((band.first, 0.0), |worst, next| if next.1 > worst.1 { next } else { worst });
-        Pair {
-            p: slots.map(|[p, _]| p),
-            q: slots.map(|[_, q]| q),
-            phi2_deg: gain.phi2().to_degrees(),
-            phi3_deg: gain.phi3().to_degrees(),
-            worst_gain: 1.0 / worst.1,
-            worst_noise_gain: worst.1,
-            worst_harmonic: worst.0,
-        }
-    }
-}
-
-/// Most pairs that are listed.
-const MOST: usize = 10_000;
-
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let (points, band) = (arguments.probes.points()?, arguments.probes.band()?);
-    if !(1..=MOST).contains(&arguments.count) {
-        bail!("--count: found {}, needed 1 to {MOST}", arguments.count);
-    }
-    // A bad pair is refused before the search, not after.
-    let given = arguments.probes.has_angles().then(|| arguments.probes.gain()).transpose()?;
-    let best = search(points, band, arguments.count)?;
-    let pair = given.map(|gain| {
-        let pair = Pair::new(&gain, arguments.probes.slots(), band);
-        let everything = Band { first: 2, last: (points / 2 - 1) as u16 };
-        GivenPair {
-            share_of_best: best.first().map_or(1.0, |best| pair.worst_gain / best.worst_gain),
-            pair,
-            noise_gains: band.iter().map(|k| NoiseGain { k, noise_gain: gain.noise_gain(usize::from(k)) }).collect(),
-            singular: gain.singular(everything).collect(),
-        }
-    });
-    let document = Document { n: points, harmonics: [band.first, band.last], best, pair };
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
-}
-
-fn search(points: usize, band: Band, count: usize) -> Result<Vec<Pair>> {
-    let search = PairSearch::new(points, band, count)?;
-    let bound = search.bound();
-    let bar = progress(search.smallest_arcs().count() as u64, "arrangements of probes");
-    let found: Vec<_> = search
-        .smallest_arcs()
-        .into_par_iter()
-        .flat_map_iter(|smallest| {
-            let found = search.best_for(smallest, &bound);
-            bar.inc(1);
-            found
-        })
-        .collect();
+    let request = Request { probes: arguments.probes.asked(), count: arguments.count };
+    let search = request.search()?;
+    let bar = progress(search.steps() as u64, "arrangements of probes");
+    let document = search.run(|| bar.inc(1));
     bar.finish_and_clear();
-    search
-        .ranked(found)
-        .into_iter()
-        .map(|pair| {
-            let gain = ProbeAngles::Slots { p: pair.p, q: pair.q }.resolve(points)?;
-            Ok(Pair::new(&gain, Some([pair.p, pair.q].map(i64::from)), band))
-        })
-        .collect()
+    let document = document?;
+    if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 
 fn table(document: &Document) -> Result<String> {

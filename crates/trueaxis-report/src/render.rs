@@ -3,6 +3,14 @@
 use crate::{Figure, draw, figure::Layer, legend::legend};
 use maud::{Markup, Render, html};
 
+impl Figure {
+    /// The figure as HTML, for pages that are not a [`Page`](crate::Page).
+    #[must_use]
+    pub fn to_html(&self) -> String {
+        self.render().into_string()
+    }
+}
+
 impl Render for Figure {
     fn render(&self) -> Markup {
         let drawable = self.layers.iter().any(|layer| !matches!(layer, Layer::Text { .. }));

@@ -10,11 +10,14 @@
 pub mod field;
 mod files;
 pub mod friction;
+pub mod grinding;
 pub mod helicoid;
 pub mod machine;
 pub mod panics;
 pub mod roundness;
+mod samples;
 pub mod scope;
+mod shown;
 
 use serde::Serialize;
 use wasm_bindgen::prelude::*;

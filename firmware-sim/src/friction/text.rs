@@ -6,15 +6,15 @@ use trueaxis_sim::friction::{Figures, Outcome, Pair};
 
 fn rows<T: Copy>(figures: &Figures<T>) -> [T; 9] {
     [
-            figures.coulomb_mm_per_s,
-            figures.presliding_um,
-            figures.stribeck_share,
-            figures.stribeck_velocity_mm_per_s,
-            figures.viscous,
-            figures.position_gain_per_s,
-            figures.velocity_gain_per_s,
-            figures.reset_time_s,
-            figures.velocity_feed_forward,
+        figures.coulomb_mm_per_s,
+        figures.presliding_um,
+        figures.stribeck_share,
+        figures.stribeck_velocity_mm_per_s,
+        figures.viscous,
+        figures.position_gain_per_s,
+        figures.velocity_gain_per_s,
+        figures.reset_time_s,
+        figures.velocity_feed_forward,
     ]
 }
 

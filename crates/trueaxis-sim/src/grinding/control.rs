@@ -16,6 +16,8 @@ use trueaxis::{Fault, GaugeRide, Input, State};
 /// A run whose number of points is no longer part of its type.
 pub(super) trait Advance {
     fn advance(&mut self, cycles: u64, observe: &mut dyn FnMut(&Moment<'_>)) -> Result<bool>;
+    fn turns(&self) -> f64;
+    fn revolutions(&self) -> &[Revolution];
     fn finish(self: Box<Self>) -> Run;
 }
 
@@ -189,6 +191,14 @@ impl<const POINTS: usize> Advance for Control<POINTS> {
             self.cycle(observe, false)?;
         }
         Ok(self.cell.turns() < f64::from(revolutions))
+    }
+
+    fn turns(&self) -> f64 {
+        self.cell.turns()
+    }
+
+    fn revolutions(&self) -> &[Revolution] {
+        &self.run.revolutions
     }
 
     fn finish(mut self: Box<Self>) -> Run {

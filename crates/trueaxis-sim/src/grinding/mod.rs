@@ -24,18 +24,26 @@
 //! None of this uses the gauge's code: the gain of the correction is read from the simulated surface.
 
 mod cell;
+mod comparison;
 mod control;
+mod document;
 mod event;
 mod infeed_drive;
 mod outcome;
+mod readings;
+mod request;
 mod result;
 mod simulate;
 mod spindle;
 mod workpiece;
 
+pub use comparison::Comparison;
+pub use document::{Document, Motion, RevolutionFigures, RunFigures, SpindleFigures};
 pub use event::Event;
 pub use infeed_drive::InfeedDrive;
 pub use outcome::{Outcome, simulate};
+pub use readings::readings;
+pub use request::Request;
 pub use result::{Moment, Revolution, Run};
 pub use simulate::{Simulation, run};
 pub use spindle::{CentreMotion, Linkage, Noise, Term, Turning, counts, sum};

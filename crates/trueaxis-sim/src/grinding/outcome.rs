@@ -1,9 +1,8 @@
 //! Figures of both runs side by side.
 
 use super::result::Run;
-use super::simulate::run;
 use super::spindle::sum;
-use super::{Grinding, Linkage};
+use super::{Comparison, Grinding, Linkage};
 use crate::error::Result;
 use std::f64::consts::TAU;
 use trueaxis::roundness::ErrorMotion;
@@ -25,29 +24,17 @@ pub struct Outcome {
 /// Grinds twice with the same seed. `progress` gets the fraction done, 0 to 1.
 ///
 /// # Errors
-/// As [`run`].
+/// As [`Comparison::new`] and [`Comparison::advance`].
 pub fn simulate(grinding: &Grinding, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
-    let turns = f64::from(grinding.revolutions.max(1));
-    let mut cycles = 0u32;
-    let mut one = |corrected: bool| {
-        run(grinding, corrected, &mut |moment| {
-            cycles = cycles.wrapping_add(1);
-            if cycles.is_multiple_of(4096) {
-                progress(0.5 * ((moment.turns / turns).clamp(0.0, 1.0) + if corrected { 1.0 } else { 0.0 }));
-            }
-        })
-    };
-    let (uncorrected, corrected) = (one(false)?, one(true)?);
-    Ok(Outcome {
-        motion: true_motion(grinding, &corrected)?,
-        orbit: true_orbit(grinding, &corrected)?,
-        uncorrected,
-        corrected,
-    })
+    let mut both = Comparison::new(grinding.clone())?;
+    while both.advance(4096)? {
+        progress(both.share());
+    }
+    both.finish()
 }
 
 /// Spindle angle at an angle of the surface, by fixed-point iteration of θ = α + β(α).
-fn alpha_at(linkage: &Linkage, theta: f64) -> f64 {
+pub(super) fn alpha_at(linkage: &Linkage, theta: f64) -> f64 {
     (0..60).fold(theta, |alpha, _| theta - linkage.beta(alpha))
 }
 
@@ -115,6 +102,15 @@ fn true_motion(grinding: &Grinding, run: &Run) -> Result<[ErrorMotion<f64>; 2]> 
 }
 
 impl Outcome {
+    pub(super) fn new(grinding: &Grinding, uncorrected: Run, corrected: Run) -> Result<Outcome> {
+        Ok(Outcome {
+            motion: true_motion(grinding, &corrected)?,
+            orbit: true_orbit(grinding, &corrected)?,
+            uncorrected,
+            corrected,
+        })
+    }
+
     /// Synchronous imprint with correction over that without.
     pub fn imprint_ratio(&self) -> f64 {
         self.corrected.imprint_um / self.uncorrected.imprint_um

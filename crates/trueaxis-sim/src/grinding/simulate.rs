@@ -2,7 +2,7 @@
 
 use super::Grinding;
 use super::control::{Advance, Control};
-use super::result::{Moment, Run};
+use super::result::{Moment, Revolution, Run};
 use crate::error::{Result, SimError};
 use std::sync::Arc;
 use trueaxis::roundness::{Gauge, GaugeSettings};
@@ -67,6 +67,16 @@ impl Simulation {
     /// The step reports a fault, or the spindle does not get on.
     pub fn advance(&mut self, cycles: u64, observe: &mut dyn FnMut(&Moment<'_>)) -> Result<bool> {
         self.0.advance(cycles, observe)
+    }
+
+    /// Turns of the spindle since the first index pulse.
+    pub fn turns(&self) -> f64 {
+        self.0.turns()
+    }
+
+    /// The turns that are complete.
+    pub fn revolutions(&self) -> &[Revolution] {
+        self.0.revolutions()
     }
 
     /// Figures of the turns so far.

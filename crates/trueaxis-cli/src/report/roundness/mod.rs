@@ -1,14 +1,13 @@
 //! The page of `trueaxis roundness`.
 
 mod harmonics;
-mod profile;
 mod spindle;
 mod tables;
 
 use super::warnings;
-use crate::roundness::evaluation::Evaluation;
 use maud::html;
 use trueaxis::roundness::Gain;
+use trueaxis_evaluation::roundness::{Evaluation, polar};
 use trueaxis_report::{Page, number::shortest, summary};
 
 /// The whole page; `source` is the name of the readings' file.
@@ -25,7 +24,7 @@ pub(crate) fn page(source: &str, evaluation: &Evaluation, gain: &Gain, noise_gai
         ]))
         .top(warnings(&found.warnings))
         .top(html! { div.tables { (tables::zones(found)) (tables::spindle(found)) } })
-        .section("Profile", profile::figure(evaluation))
+        .section("Profile", polar(evaluation, [true; 4]))
         .section("Harmonics", harmonics::figures(found, noise_gain_limit))
         .section("Spindle", spindle::figures(evaluation))
         .section("Development over the revolutions", spindle::development(found))

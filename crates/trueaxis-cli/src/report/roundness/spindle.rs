@@ -1,7 +1,7 @@
 //! Error motion of the spindle: orbit, over the angle, and over the revolutions.
 
-use crate::roundness::evaluation::{Document, Evaluation, Revolution};
 use maud::{Markup, Render};
+use trueaxis_evaluation::roundness::{Document, Evaluation, Revolution};
 use trueaxis_report::{Figure, Scale, Stroke, colour, missing, side_by_side};
 
 /// Single revolutions drawn: the last ones. One in so many would hide what repeats every second one.

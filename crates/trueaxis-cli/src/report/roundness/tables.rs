@@ -1,7 +1,7 @@
 //! Zones of the profile and error motion of the spindle in numbers.
 
 use crate::report::range;
-use crate::roundness::evaluation::{Document, SpindleDirection, Zones};
+use trueaxis_evaluation::roundness::{Document, SpindleDirection, Zones};
 use trueaxis_report::{
     Row, Table,
     number::{shortest, significant},

@@ -9,93 +9,137 @@ use trueaxis_metrology::separation::{Harmonic, Separation, Separator};
 use trueaxis_metrology::spindle::{ErrorMotion, error_motion};
 
 /// The JSON document.
-#[derive(Serialize)]
-pub(crate) struct Document {
-    pub(crate) n: usize,
-    pub(crate) revolutions: usize,
+#[derive(Clone, Debug, Serialize)]
+pub struct Document {
+    /// Points of a revolution N.
+    pub n: usize,
+    /// Whole revolutions.
+    pub revolutions: usize,
     /// Cut-off of the filter before the zones.
-    pub(crate) upr: Option<u16>,
+    pub upr: Option<u16>,
     /// Of readings with an angle of their own.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) resampling: Option<Resampling>,
+    pub resampling: Option<Resampling>,
+    /// Of the mean profile behind the filter.
     #[serde(flatten)]
-    pub(crate) zones: Zones,
-    pub(crate) centres_um: Centres,
-    pub(crate) per_revolution: Vec<Revolution>,
-    pub(crate) harmonics: Vec<HarmonicEntry>,
-    pub(crate) spindle: Spindle,
-    pub(crate) warnings: Vec<String>,
+    pub zones: Zones,
+    /// Of the mean profile behind the filter.
+    pub centres_um: Centres,
+    /// Every revolution for itself.
+    pub per_revolution: Vec<Revolution>,
+    /// Of the mean profile before the filter.
+    pub harmonics: Vec<HarmonicEntry>,
+    /// Error motion of the spindle.
+    pub spindle: Spindle,
+    /// What is doubtful.
+    pub warnings: Vec<String>,
 }
 
 /// Peak-to-valley about the four reference circles.
-#[derive(Clone, Copy, Serialize)]
-pub(crate) struct Zones {
-    pub(crate) lsc_um: f64,
-    pub(crate) mzc_um: f64,
-    pub(crate) mic_um: f64,
-    pub(crate) mcc_um: f64,
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Zones {
+    /// Least squares.
+    pub lsc_um: f64,
+    /// Minimum zone.
+    pub mzc_um: f64,
+    /// Maximum inscribed.
+    pub mic_um: f64,
+    /// Minimum circumscribed.
+    pub mcc_um: f64,
 }
 
 /// Centres of the four reference circles.
-#[derive(Serialize)]
-pub(crate) struct Centres {
-    lsc: [f64; 2],
-    mzc: [f64; 2],
-    mic: [f64; 2],
-    mcc: [f64; 2],
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Centres {
+    /// Least squares, x and y.
+    pub lsc: [f64; 2],
+    /// Minimum zone, x and y.
+    pub mzc: [f64; 2],
+    /// Maximum inscribed, x and y.
+    pub mic: [f64; 2],
+    /// Minimum circumscribed, x and y.
+    pub mcc: [f64; 2],
 }
 
-#[derive(Serialize)]
-pub(crate) struct Revolution {
+/// One revolution.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Revolution {
     /// Counted from 1.
-    pub(crate) revolution: usize,
+    pub revolution: usize,
+    /// Of its profile behind the filter.
     #[serde(flatten)]
-    pub(crate) zones: Zones,
+    pub zones: Zones,
     /// Largest distance of this revolution's error motion from the mean contour.
-    pub(crate) x_from_mean_um: f64,
-    pub(crate) y_from_mean_um: f64,
+    pub x_from_mean_um: f64,
+    /// The same in Y.
+    pub y_from_mean_um: f64,
 }
 
-#[derive(Serialize)]
-pub(crate) struct HarmonicEntry {
-    pub(crate) k: u16,
-    pub(crate) amplitude_um: f64,
-    pub(crate) phase_deg: f64,
-    pub(crate) noise_gain: f64,
-    pub(crate) suppressed: bool,
+/// A harmonic, A cos(k θ + phase).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HarmonicEntry {
+    /// Undulations per revolution.
+    pub k: u16,
+    /// A; 0 where suppressed.
+    pub amplitude_um: f64,
+    /// −180 to 180.
+    pub phase_deg: f64,
+    /// Growth of the probes' noise.
+    pub noise_gain: f64,
+    /// Left out: its noise gain is above the limit.
+    pub suppressed: bool,
 }
 
-#[derive(Serialize)]
-pub(crate) struct Spindle {
-    pub(crate) x: SpindleDirection,
-    pub(crate) y: SpindleDirection,
+/// Error motion of the spindle after ISO 230-7.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Spindle {
+    /// Across the direction of probe 1.
+    pub x: SpindleDirection,
+    /// Along it.
+    pub y: SpindleDirection,
 }
 
-#[derive(Serialize)]
-pub(crate) struct SpindleDirection {
-    pub(crate) synchronous_um: f64,
-    pub(crate) asynchronous_um: Option<f64>,
-    pub(crate) once_per_revolution_um: f64,
-    pub(crate) once_per_revolution_phase_deg: f64,
-    pub(crate) total_um: f64,
+/// Error motion in one direction.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SpindleDirection {
+    /// Peak to valley of the mean contour, the once-per-revolution part taken out.
+    pub synchronous_um: f64,
+    /// Largest range over the revolutions at one angle; none of a single revolution.
+    pub asynchronous_um: Option<f64>,
+    /// Amplitude of the once-per-revolution part.
+    pub once_per_revolution_um: f64,
+    /// Its phase, −180 to 180.
+    pub once_per_revolution_phase_deg: f64,
+    /// Peak to valley of all revolutions, the once-per-revolution part taken out.
+    pub total_um: f64,
 }
 
 /// The four reference circles of a profile, limaçon approximation.
-pub(crate) struct Circles {
-    pub(crate) lsc: ReferenceCircle,
-    pub(crate) mzc: ReferenceCircle,
-    pub(crate) mic: ReferenceCircle,
-    pub(crate) mcc: ReferenceCircle,
+#[derive(Clone, Debug)]
+pub struct Circles {
+    /// Least squares.
+    pub lsc: ReferenceCircle,
+    /// Minimum zone.
+    pub mzc: ReferenceCircle,
+    /// Maximum inscribed.
+    pub mic: ReferenceCircle,
+    /// Minimum circumscribed.
+    pub mcc: ReferenceCircle,
 }
 
 /// The document and the curves behind it.
-pub(crate) struct Evaluation {
-    pub(crate) document: Document,
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// The document.
+    pub document: Document,
     /// Averaged over the revolutions, behind the filter.
-    pub(crate) profile: Vec<f64>,
-    pub(crate) circles: Circles,
-    pub(crate) x: ErrorMotion,
-    pub(crate) y: ErrorMotion,
+    pub profile: Vec<f64>,
+    /// Of that profile.
+    pub circles: Circles,
+    /// Across the direction of probe 1.
+    pub x: ErrorMotion,
+    /// Along it.
+    pub y: ErrorMotion,
 }
 
 impl Circles {
@@ -119,7 +163,7 @@ impl Circles {
 }
 
 impl Evaluation {
-    pub(crate) fn new(separator: &Separator, separations: &[Separation], upr: Option<u16>) -> Result<Evaluation> {
+    pub(super) fn new(separator: &Separator, separations: &[Separation], upr: Option<u16>) -> Result<Evaluation> {
         let points = separator.gain().points();
         let filtered = |profile: &[f64]| match upr {
             Some(cut_off) => separator.filtered(profile, cut_off),

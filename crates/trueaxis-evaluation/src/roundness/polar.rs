@@ -1,14 +1,16 @@
 //! The profile with its reference circles.
 
-use super::count;
-use crate::roundness::evaluation::Evaluation;
+use super::Evaluation;
+use crate::circle::Shown;
 use std::f64::consts::TAU;
-use trueaxis_report::{CIRCLES, Circle, Figure, polar};
+use trueaxis_report::{CIRCLES, Circle, Figure};
+use trueaxis_tables::text::counted;
 
 /// Points of a drawn circle.
 const FINE: usize = 360;
 
-pub(super) fn figure(evaluation: &Evaluation) -> Figure {
+/// Polar plot of the mean profile with the circles that are shown, as limaçons.
+pub fn polar(evaluation: &Evaluation, shown: Shown) -> Figure {
     let (profile, circles) = (&evaluation.profile, &evaluation.circles);
     let base = circles.lsc.radius;
     let turn = |i: usize, count: usize| TAU * i as f64 / count as f64;
@@ -20,7 +22,8 @@ pub(super) fn figure(evaluation: &Evaluation) -> Figure {
         (&circles.mcc, vec![0.0]),
         (&circles.mic, vec![0.0]),
     ];
-    let drawn = CIRCLES.into_iter().zip(found).map(|((name, colour), (circle, offsets))| {
+    let kept = CIRCLES.into_iter().zip(found).zip(shown).filter(|(_, shown)| *shown);
+    let drawn = kept.map(|(((name, colour), (circle, offsets)), _)| {
         let limacon = |offset: f64| {
             let departure = |i| {
                 let (sin, cos) = turn(i, FINE).sin_cos();
@@ -32,7 +35,7 @@ pub(super) fn figure(evaluation: &Evaluation) -> Figure {
     });
     let caption = format!(
         "Mean of {}. The circles are limaçons: the radius of the part is not known.",
-        count(evaluation.document.revolutions)
+        counted(evaluation.document.revolutions, "revolution")
     );
-    polar("profile", &measured.collect::<Vec<_>>(), &drawn.collect::<Vec<_>>(), &caption)
+    trueaxis_report::polar("profile", &measured.collect::<Vec<_>>(), &drawn.collect::<Vec<_>>(), &caption)
 }

@@ -1,6 +1,6 @@
 //! Readings with an angle of their own, brought to N equidistant angles a revolution.
 
-use crate::csv_in::{Row, Rows};
+use crate::rows::{Row, Rows};
 use anyhow::Result;
 use serde::Serialize;
 use trueaxis::roundness::Band;
@@ -8,20 +8,24 @@ use trueaxis_tables::error::FileError;
 
 /// Result of resampling a trace.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Resampling {
+pub struct Resampling {
     /// Rows of the file.
-    pub(crate) rows: usize,
+    pub rows: usize,
     /// Rows before or behind the whole revolutions.
-    pub(crate) unused_rows: usize,
-    pub(crate) largest_gap_deg: f64,
-    pub(crate) interpolation_error_um: InterpolationError,
+    pub unused_rows: usize,
+    /// Widest step between two rows.
+    pub largest_gap_deg: f64,
+    /// What interpolation adds.
+    pub interpolation_error_um: InterpolationError,
 }
 
 /// Difference between interpolation by six and by four readings: what the poorer of the two, which is not used, lacks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct InterpolationError {
-    pub(crate) max: f64,
-    pub(crate) rms: f64,
+pub struct InterpolationError {
+    /// Largest.
+    pub max: f64,
+    /// Root mean square.
+    pub rms: f64,
 }
 
 /// Readings on either side of an angle.
@@ -38,7 +42,7 @@ struct Trace {
 ///
 /// # Errors
 /// Angles that do not increase, gaps that are too wide for the band, less than a revolution.
-pub(super) fn read(rows: &mut Rows<4>, points: usize, band: Band) -> Result<([Vec<f64>; 3], Resampling)> {
+pub(super) fn read(rows: &mut Rows<'_, 4>, points: usize, band: Band) -> Result<([Vec<f64>; 3], Resampling)> {
     let widest = 180.0 / f64::from(band.last);
     let mut trace = Trace::default();
     let mut turns = 0.0;

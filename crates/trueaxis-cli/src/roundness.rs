@@ -1,0 +1,119 @@
+//! `trueaxis roundness`.
+
+use crate::csv_in;
+use crate::numbers::triple;
+use crate::output::{Writer, json, progress, tell};
+use crate::probes::ProbeArguments;
+use crate::report;
+use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
+use trueaxis_evaluation::roundness::{COLUMNS, Plan, Readings, Request};
+use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation};
+use trueaxis_tables::output::Outputs;
+
+pub(crate) const HELP: &str = "\
+PROBES.csv: h1_um,h2_um,h3_um, whole revolutions of N rows, equidistant in θ (the angle over the part's surface) from 0.
+    With a column theta_deg, any number of rows at any increasing angles: they are resampled to N a revolution, and the
+    interpolation error is stated (here and in JSON, resampling). The angle may begin anew every 360°.
+    h1 = r(θ) + RY cos β + RX sin β; probe 2 stands φ2, probe 3 φ2 + φ3 further in the sense of θ. β = 0 without --arm.
+OUT.csv: theta_deg,r_um,rx_um,ry_um, all revolutions: profile (high is above 0, before --upr), motion of the centre across
+    and along the direction of probe 1.
+Zones (peak to valley; LSC, MZC, MIC, MCC of ISO 12181-1) are of the profile averaged over the revolutions, after --upr.
+Harmonic k of the table: A cos(k θ + phase). Mean and first harmonic are motion of the centre and not in the profile.
+Spindle error motion after ISO 230-7, the once-per-revolution part apart.
+
+N = 1024, harmonics 2..100: the published angles (90°, 181.05°) and (60.82°, 240.12°) let noise grow 19 times in the worst
+harmonic, the slots p 188, q 667 (66.094°, 234.492°) 3.1 times; see `trueaxis probe-angles --help`.
+
+Example: trueaxis roundness probes.csv --n 1024 --p 188 --q 667 --arm 60,300,30 --upr 50 --report out -o r.csv";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Readings of the three probes, µm.
+    #[arg(value_name = "PROBES.csv")]
+    readings: PathBuf,
+    #[command(flatten)]
+    probes: ProbeArguments,
+    /// Crank throw, wheel radius and pin radius, mm, of an arm that follows the pin [default: it stands still].
+    #[arg(long, value_name = "R,RS,RW", value_parser = arm, allow_hyphen_values = true)]
+    arm: Option<Lengths>,
+    /// Cut-off of the Gaussian filter in undulations per revolution: 15, 50, 150 or 500 [default: no filter].
+    #[arg(long, value_name = "UPR")]
+    upr: Option<u16>,
+    /// Harmonics whose noise gain is above this are left out and marked.
+    #[arg(long, value_name = "GAIN", default_value_t = NOISE_GAIN_LIMIT, allow_negative_numbers = true)]
+    noise_gain_limit: f64,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+    /// Write roundness.html with figures into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Profile and motion of the centre [default: standard output, unless --json].
+    #[arg(short, long, value_name = "OUT.csv")]
+    output: Option<PathBuf>,
+}
+
+/// Crank throw, wheel radius, pin radius, mm.
+type Lengths = [f64; 3];
+
+fn arm(text: &str) -> Result<Lengths, String> {
+    triple(text).map_err(|_| "needed three lengths R,RS,RW in mm, as in 60,300,30".to_owned())
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let plan = arguments.asked().plan()?;
+    let mut rows = csv_in::open(&arguments.readings, &COLUMNS, "readings")?;
+    let readings = plan.read(&mut rows)?;
+    if let Some(note) = readings.note(plan.points()) {
+        tell(format_args!("note: {note}"));
+    }
+    let separations = separate(&plan, &readings)?;
+    for warning in plan.warnings() {
+        tell(format_args!("warning: {warning}"));
+    }
+    // Circles, harmonics and motion are nowhere but in the document and on the page.
+    let evaluation = (arguments.json || arguments.report.is_some())
+        .then(|| plan.evaluate(&separations, readings.resampling))
+        .transpose()?;
+    let mut outputs = Outputs::of([&arguments.readings]);
+    if let (Some(directory), Some(evaluation)) = (&arguments.report, &evaluation) {
+        let source = arguments.readings.file_name().unwrap_or_default().to_string_lossy();
+        let page = report::roundness::page(&source, evaluation, plan.gain(), arguments.noise_gain_limit);
+        report::write(&mut outputs, &page, directory, "roundness.html")?;
+    }
+    if arguments.output.is_some() || !arguments.json {
+        let writer = Writer::new(arguments.output.as_deref(), [arguments.readings.clone()])?;
+        write(&separations, plan.points(), writer)?;
+    }
+    outputs.commit()?;
+    match &evaluation {
+        Some(evaluation) if arguments.json => json(&evaluation.document),
+        _ => Ok(()),
+    }
+}
+
+impl Arguments {
+    fn asked(&self) -> Request {
+        let Arguments { arm, upr, noise_gain_limit, .. } = *self;
+        Request { probes: self.probes.asked(), arm, upr, noise_gain_limit }
+    }
+}
+
+fn separate(plan: &Plan, readings: &Readings) -> Result<Vec<Separation>> {
+    let bar = progress((readings.probes[0].len() / plan.points()) as u64, "revolutions");
+    let separations = plan.separate(readings, || bar.inc(1));
+    bar.finish_and_clear();
+    separations
+}
+
+fn write(separations: &[Separation], points: usize, mut out: Writer<'_>) -> Result<()> {
+    out.put(format_args!("theta_deg,r_um,rx_um,ry_um\n"))?;
+    for parts in separations {
+        for (i, ((r, x), y)) in parts.profile.iter().zip(&parts.x).zip(&parts.y).enumerate() {
+            out.put(format_args!("{},{r},{x},{y}\n", 360.0 * i as f64 / points as f64))?;
+        }
+    }
+    out.finish()
+}

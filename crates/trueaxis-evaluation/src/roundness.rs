@@ -1,1 +1,0 @@
-//! Roundness and spindle error from three probes.

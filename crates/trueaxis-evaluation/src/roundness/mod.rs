@@ -1,0 +1,227 @@
+//! Roundness and spindle error from three probes.
+
+mod document;
+mod polar;
+mod trace;
+
+pub use document::{
+    Centres, Circles, Document, Evaluation, HarmonicEntry, Revolution, Spindle, SpindleDirection, Zones,
+};
+pub use polar::polar;
+pub use trace::{InterpolationError, Resampling};
+
+use crate::probes::Probes;
+use crate::rows::{Column, Row, Rows};
+use anyhow::{Result, anyhow, bail};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use trueaxis::error::Field;
+use trueaxis::roundness::{Arm, Band, Gain, filter};
+use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation, Separator};
+use trueaxis_tables::error::FileError;
+use trueaxis_tables::text::counted;
+
+/// Columns of the readings.
+pub const COLUMNS: [Column; 4] = [
+    Column { name: "h1_um", needed: true },
+    Column { name: "h2_um", needed: true },
+    Column { name: "h3_um", needed: true },
+    Column { name: "theta_deg", needed: false },
+];
+
+/// What is asked of readings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    /// Points, band and angles.
+    pub probes: Probes,
+    /// Crank throw, wheel radius and pin radius of an arm that follows the pin, mm; left out, it stands still.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arm: Option<[f64; 3]>,
+    /// Cut-off of the Gaussian filter, 15, 50, 150 or 500 undulations per revolution; left out, no filter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub upr: Option<u16>,
+    /// Noise gain above which a harmonic is left out.
+    #[serde(default = "usual_limit")]
+    pub noise_gain_limit: f64,
+}
+
+fn usual_limit() -> f64 {
+    NOISE_GAIN_LIMIT
+}
+
+/// A checked request, its transforms planned.
+pub struct Plan {
+    separator: Separator,
+    points: usize,
+    band: Band,
+    upr: Option<u16>,
+    noise_gain_limit: f64,
+}
+
+/// The readings of each probe, all revolutions of N readings one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Readings {
+    /// Probes 1, 2, 3, µm.
+    pub probes: [Vec<f64>; 3],
+    /// Of readings with an angle of their own.
+    pub resampling: Option<Resampling>,
+}
+
+impl Request {
+    /// Checks the request and plans the transforms.
+    ///
+    /// # Errors
+    /// What is wrong, under the name of the command line's option.
+    pub fn plan(&self) -> Result<Plan> {
+        let (points, band) = (self.probes.points()?, self.probes.band()?);
+        let separator = self.separator(band)?;
+        if let Some(cut_off) = self.upr {
+            filter::check(cut_off).map_err(|error| anyhow!("--upr: found {cut_off}, needed {}", error.needed))?;
+        }
+        Ok(Plan { separator, points, band, upr: self.upr, noise_gain_limit: self.noise_gain_limit })
+    }
+
+    fn separator(&self, band: Band) -> Result<Separator> {
+        let ratio = match self.arm {
+            None => 0.0,
+            Some([crank_mm, wheel_mm, pin_mm]) => Arm { crank_mm, wheel_mm, pin_mm }.ratio().map_err(|error| {
+                let name = match error.field {
+                    Field::ArmWheel => "RS",
+                    Field::ArmPin => "RW",
+                    _ => "R",
+                };
+                anyhow!("--arm {name}: found {} mm, needed {}", error.found, error.needed)
+            })?,
+        };
+        let limit = self.noise_gain_limit;
+        if !(limit.is_finite() && limit > 0.0) {
+            bail!("--noise-gain-limit: found {limit}, needed a number above 0");
+        }
+        let separator = Separator::new(self.probes.gain()?, band, limit, ratio)?;
+        if separator.suppressed().count() == band.iter().count() {
+            bail!("--noise-gain-limit: found {limit}, which leaves out every harmonic, needed a limit that keeps some");
+        }
+        Ok(separator)
+    }
+}
+
+impl Plan {
+    /// Points of a revolution.
+    pub fn points(&self) -> usize {
+        self.points
+    }
+
+    /// The arrangement of the probes.
+    pub fn gain(&self) -> &Gain {
+        self.separator.gain()
+    }
+
+    /// Reads all rows of [`COLUMNS`]; those with angles are resampled.
+    ///
+    /// # Errors
+    /// A row that cannot be read, no whole revolutions, or angles that cannot be resampled.
+    pub fn read(&self, rows: &mut Rows<'_, 4>) -> Result<Readings> {
+        if rows.present[3] {
+            let (probes, resampling) = trace::read(rows, self.points, self.band)?;
+            return Ok(Readings { probes, resampling: Some(resampling) });
+        }
+        let mut probes = [const { Vec::new() }; 3];
+        let mut last = None;
+        while let Some(Row { line, values }) = rows.next()? {
+            for (probe, value) in probes.iter_mut().zip(values) {
+                probe.push(value);
+            }
+            last = Some(line);
+        }
+        let (points, count) = (self.points, rows.count);
+        if !count.is_multiple_of(points) {
+            return Err(FileError {
+                file: rows.file.clone(),
+                line: last,
+                column: None,
+                found: format!(
+                    "{} ({} and {})",
+                    counted(count, "row"),
+                    counted(count / points, "revolution"),
+                    counted(count % points, "row")
+                ),
+                needed: format!("whole revolutions of {points} rows, or a column theta_deg with the angle of each row"),
+            }
+            .into());
+        }
+        Ok(Readings { probes, resampling: None })
+    }
+
+    /// Takes every revolution apart, on all cores; `done` is called after each.
+    ///
+    /// # Errors
+    /// Readings that are no whole revolutions.
+    pub fn separate(&self, readings: &Readings, done: impl Fn() + Sync) -> Result<Vec<Separation>> {
+        let [h1, h2, h3] = &readings.probes;
+        h1.par_chunks(self.points)
+            .zip(h2.par_chunks(self.points))
+            .zip(h3.par_chunks(self.points))
+            .map_init(
+                || self.separator.workspace(),
+                |workspace, ((h1, h2), h3)| {
+                    done();
+                    Ok(self.separator.separate_in(workspace, [h1, h2, h3])?)
+                },
+            )
+            .collect()
+    }
+
+    /// What about the request is doubtful.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let suppressed: Vec<String> = self.separator.suppressed().map(|k| k.to_string()).collect();
+        if !suppressed.is_empty() {
+            warnings.push(format!(
+                "harmonics {} are left out: their noise gain is above {}",
+                suppressed.join(", "),
+                self.noise_gain_limit
+            ));
+        }
+        if let Some(cut_off) = self.upr {
+            let (points, last) = (self.points, self.band.last);
+            if !filter::has_enough_points(points, cut_off) {
+                let needed = 7 * u32::from(cut_off);
+                warnings
+                    .push(format!("{points} points are few for {cut_off} UPR: ISO 12181-2 asks for at least {needed}"));
+            }
+            if cut_off > last {
+                warnings.push(format!("the band ends at harmonic {last}, below the cut-off of {cut_off} UPR"));
+            }
+        }
+        warnings
+    }
+
+    /// Zones, harmonics and error motion of separated revolutions, with the warnings.
+    ///
+    /// # Errors
+    /// A profile without a reference circle.
+    pub fn evaluate(&self, separations: &[Separation], resampling: Option<Resampling>) -> Result<Evaluation> {
+        let mut evaluation = Evaluation::new(&self.separator, separations, self.upr)?;
+        evaluation.document.resampling = resampling;
+        evaluation.document.warnings = self.warnings();
+        Ok(evaluation)
+    }
+}
+
+impl Readings {
+    /// How readings with angles were resampled, in one line.
+    pub fn note(&self, points: usize) -> Option<String> {
+        let resampling = self.resampling.as_ref()?;
+        let InterpolationError { max, rms } = resampling.interpolation_error_um;
+        Some(format!(
+            "{} rows resampled to {} revolutions of {points}; interpolation error at most {max:.2e} µm, {rms:.2e} µm RMS{}",
+            resampling.rows,
+            self.probes[0].len() / points,
+            match resampling.unused_rows {
+                0 => String::new(),
+                unused => format!("; {unused} rows behind the last whole revolution are not used"),
+            }
+        ))
+    }
+}

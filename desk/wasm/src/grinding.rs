@@ -1,0 +1,131 @@
+//! A crankpin ground with and without infeed correction, in slices.
+
+use crate::files::machine;
+use crate::{json, told};
+use anyhow::{Context, Result};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use trueaxis::roundness::{GaugeSettings, ProbeAngles};
+use trueaxis_evaluation::probes::Probes;
+use trueaxis_sim::grinding::{Comparison, Document, Request};
+use trueaxis_tables::Machine;
+use wasm_bindgen::prelude::*;
+
+/// The sample machine with a gauge.
+const SAMPLE: [(&str, &str); 2] = [
+    ("machine.toml", include_str!("../../../compensation-tables/grinder/machine.toml")),
+    ("x.csv", include_str!("../../../compensation-tables/grinder/x.csv")),
+];
+
+thread_local! {
+    static COMPARISON: RefCell<Option<Comparison>> = const { RefCell::new(None) };
+}
+
+/// The sample grinder.
+pub(crate) fn sample() -> Result<Machine> {
+    machine(&grinding_machine(), &mut Vec::new())
+}
+
+/// Points, band and angles of a gauge as the bench commands take them.
+pub(crate) fn probes(gauge: &GaugeSettings) -> Probes {
+    let of = Probes {
+        n: usize::from(gauge.points),
+        harmonics: Some([gauge.band.first, gauge.band.last]),
+        ..Probes::default()
+    };
+    match gauge.angles {
+        ProbeAngles::Slots { p, q } => Probes { p: Some(p.into()), q: Some(q.into()), ..of },
+        ProbeAngles::Degrees { phi2, phi3 } => Probes { phi2_deg: Some(phi2), phi3_deg: Some(phi3), ..of },
+    }
+}
+
+/// Files of the sample grinder.
+#[wasm_bindgen]
+pub fn grinding_machine() -> String {
+    serde_json::json!(SAMPLE.into_iter().collect::<BTreeMap<_, _>>()).to_string()
+}
+
+fn open(files: &str, request: &str) -> Result<()> {
+    COMPARISON.set(None);
+    let request: Request = serde_json::from_str(request).context("what is asked of the run")?;
+    request.check()?;
+    COMPARISON.set(Some(Comparison::new(request.grinding(machine(files, &mut Vec::new())?)?)?));
+    Ok(())
+}
+
+/// Prepares grinding without and with correction, as `firmware-sim grind` does.
+#[wasm_bindgen]
+pub fn grinding_open(files: &str, request: &str) -> Result<(), JsError> {
+    told(open(files, request))
+}
+
+const NOT_OPEN: &str = "no grinding has been prepared";
+
+fn advance(cycles: u32) -> Result<f64> {
+    COMPARISON.with_borrow_mut(|comparison| {
+        let comparison = comparison.as_mut().context(NOT_OPEN)?;
+        let more = comparison.advance(cycles.into())?;
+        Ok(if more { comparison.share().min(0.999_999) } else { 1.0 })
+    })
+}
+
+/// At most so many further cycles; the share done, 1 once both runs have ended.
+#[wasm_bindgen]
+pub fn grinding_advance(cycles: u32) -> Result<f64, JsError> {
+    told(advance(cycles))
+}
+
+fn curve(corrected: bool, roundness: bool) -> Result<Vec<f64>> {
+    COMPARISON.with_borrow(|comparison| {
+        let runs = comparison.as_ref().context(NOT_OPEN)?.revolutions();
+        let turns = runs[usize::from(corrected)].iter();
+        Ok(turns.map(|turn| if roundness { turn.roundness_um } else { turn.imprint_um }).collect())
+    })
+}
+
+/// Figure of every turn so far, µm: roundness, or root mean square of the corrected band.
+#[wasm_bindgen]
+pub fn grinding_curve(corrected: bool, roundness: bool) -> Result<Vec<f64>, JsError> {
+    told(curve(corrected, roundness))
+}
+
+fn finish() -> Result<String> {
+    let comparison = COMPARISON.take().context(NOT_OPEN)?;
+    let grinding = comparison.grinding().clone();
+    json(&Document::new(&comparison.finish()?, &grinding)?)
+}
+
+/// The document of `firmware-sim grind --json`, without the time that it took.
+#[wasm_bindgen]
+pub fn grinding_finish() -> Result<String, JsError> {
+    told(finish())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    #[test]
+    fn slices_of_any_length_give_the_figures_of_one_run() {
+        let request = json!({"revolutions": 8, "rate_hz": 4000.0, "speed_rpm": 400.0, "seed": 11});
+        assert!(advance(1).is_err() && finish().is_err());
+        open(&grinding_machine(), &request.to_string()).unwrap();
+        while advance(777).unwrap() < 1.0 {}
+        assert_eq!(curve(true, true).unwrap().len(), 8);
+        let found: Value = serde_json::from_str(&finish().unwrap()).unwrap();
+        let request: Request = serde_json::from_value(request).unwrap();
+        let grinding = request.grinding(sample().unwrap()).unwrap();
+        let whole = trueaxis_sim::grinding::simulate(&grinding, &mut |_| {}).unwrap();
+        assert_eq!(found, serde_json::to_value(Document::new(&whole, &grinding).unwrap()).unwrap());
+        assert!(found["imprint_ratio"].as_f64().unwrap() < 1.0);
+    }
+
+    #[test]
+    fn what_does_not_suit_is_refused_as_on_the_command_line() {
+        let refused = |request: Value| open(&grinding_machine(), &request.to_string()).unwrap_err().to_string();
+        assert_eq!(refused(json!({"revolutions": 7})), "--revolutions: found 7, needed 8 to 10000");
+        assert!(refused(json!({"gain": 0.9})).starts_with("--gain: found 0.9, needed above 0 and at most "));
+        assert!(refused(json!({"speed_rpm": 5000.0})).starts_with("--speed-rpm: found 5000, needed 0.1 to "));
+    }
+}
