@@ -20,11 +20,14 @@ after(async () => {
   await closeBrowser();
 });
 
-/** As many digits as are shown: the drives' functions of the host and of the browser differ in the last of a double. */
-const DIGITS = 1e-6;
-function near(found, needed, what) {
-  if (needed === null) return;
-  assert.ok(Math.abs(found - needed) <= DIGITS * Math.max(Math.abs(needed), 1e-9), `${what}: found ${found}, the command line has ${needed}`);
+/**
+ * To the last printed digit, a tenth of it being left to the exponential function, whose last bit is another in the browser
+ * than on the host. `slack`: where the record is simulated, a count of an encoder may fall the other way for the same reason.
+ */
+function near(found, needed, digits, what, slack = 0) {
+  if (needed === null || needed === found) return;
+  const unit = 10 ** (Math.floor(Math.log10(Math.abs(needed))) + 1 - digits);
+  assert.ok(Math.abs(found - needed) <= Math.max(0.1 * unit, slack), `${what}: found ${found}, the command line has ${needed}`);
 }
 
 const ROWS = {
@@ -39,15 +42,15 @@ const ROWS = {
   "velocity feed-forward k_ff": "velocity_feed_forward",
 };
 
-/** The page's table against figures by axis. */
-async function figures(panel, axes, value) {
+/** The page's table against figures by axis; `share` of the standard error is left open. */
+async function figures(panel, axes, value, share = 0) {
   const shown = await numbers(panel.getByRole("table", { name: "Figures found" }));
   for (const [name, key] of Object.entries(ROWS))
     for (const own of axes) {
-      near(shown[name][own.axis], value(own, key), `${own.axis} ${key}`);
       const error = own.standard_errors[key];
+      near(shown[name][own.axis], value(own, key), 4, `${own.axis} ${key}`, share * error);
       if (error === null) assert.match(shown[name][`± ${own.axis}`], /held|the machine's/);
-      else near(shown[name][`± ${own.axis}`], error, `${own.axis} ${key}, standard error`);
+      else near(shown[name][`± ${own.axis}`], error, 2, `${own.axis} ${key}, standard error`);
     }
 }
 
@@ -78,25 +81,25 @@ test("the round in simulation has the figures of firmware-sim friction", async (
   await panel.getByRole("button", { name: "Find friction" }).click();
   await panel.getByText(/^Fitting axis X, step \d+$/).waitFor();
   await panel.getByText(/^Found\./).waitFor({ timeout: 300_000 });
-  await figures(panel, simulated.axes, (own, key) => own.identified[key]);
+  await figures(panel, simulated.axes, (own, key) => own.identified[key], 1e-3);
   const spikes = await numbers(panel.getByRole("table", { name: "Spikes at the reversals" }));
   for (const { axis, glitch_um } of simulated.axes) {
-    near(spikes[`${axis} before, recorded`]["largest / µm"], glitch_um.before.max, "before");
-    near(spikes[`${axis} after, expected`]["RMS / µm"], glitch_um.expected.rms, "expected");
+    near(spikes[`${axis} before, recorded`]["largest / µm"], glitch_um.before.max, 3, "before");
+    near(spikes[`${axis} after, expected`]["RMS / µm"], glitch_um.expected.rms, 3, "expected");
   }
 
   await panel.getByRole("button", { name: "Simulate with these figures" }).click();
   await panel.getByText("Simulated with the figures found.").waitFor({ timeout: 120_000 });
   const again = await numbers(panel.getByRole("table", { name: "Spikes, simulated again" }));
   for (const { axis, glitch_um } of simulated.axes) {
-    near(again[`${axis} before`]["largest / µm"], glitch_um.before.max, "before");
-    near(again[`${axis} after`]["largest / µm"], glitch_um.after.max, "after");
-    near(again[`${axis} after`]["RMS / µm"], glitch_um.after.rms, "after");
+    near(again[`${axis} before`]["largest / µm"], glitch_um.before.max, 3, "before");
+    near(again[`${axis} after`]["largest / µm"], glitch_um.after.max, 3, "after");
+    near(again[`${axis} after`]["RMS / µm"], glitch_um.after.rms, 3, "after");
     assert.ok(again[`${axis} after`]["largest / µm"] < 0.25 * again[`${axis} before`]["largest / µm"]);
   }
   const error = await numbers(panel.getByRole("table", { name: "Contour error of the tip" }));
-  near(error.before["largest / µm"], simulated.contour_error_um.before.max, "contour error before");
-  near(error.after["RMS / µm"], simulated.contour_error_um.after.rms, "contour error after");
+  near(error.before["largest / µm"], simulated.contour_error_um.before.max, 3, "contour error before");
+  near(error.after["RMS / µm"], simulated.contour_error_um.after.rms, 3, "contour error after");
 
   // Polar plots by the keyboard, with their numbers behind them.
   const polar = panel.getByRole("img", { name: /counterclockwise/ }).first();
@@ -132,9 +135,9 @@ test("a record that is dropped has the figures of trueaxis friction", async () =
   await figures(panel, document.axes, (own, key) => own.friction[key] ?? own.drive[key]);
   const fit = await numbers(panel.getByRole("table", { name: "Fit" }));
   for (const own of document.axes) {
-    near(fit[own.axis]["residual / µm"], own.residual_um, "residual");
-    near(fit[own.axis]["condition number"], own.condition, "condition");
-    near(fit[own.axis]["explained / %"], 100 * own.explained, "explained");
+    near(fit[own.axis]["residual / µm"], own.residual_um, 3, "residual");
+    near(fit[own.axis]["condition number"], own.condition, 3, "condition");
+    near(fit[own.axis]["explained / %"], 100 * own.explained, 4, "explained");
   }
   const settings = await saved(page, panel.getByRole("button", { name: "Save friction.toml" }));
   assert.equal(settings.bytes.toString(), fs.readFileSync(path.join(folder, "friction.toml"), "utf8"));
@@ -171,7 +174,7 @@ test("a record that cannot be used is refused in the command line's words", asyn
 test("a file opens the same circles again, in another plane", async () => {
   const { panel, page, close } = await opened();
   await circles(panel);
-  await panel.getByLabel("Plane").selectOption("ZX");
+  await panel.getByLabel("Plane", { exact: true }).selectOption("ZX");
   await panel.getByLabel("Coulomb friction / mm/s²").fill("600");
   await panel.getByLabel("Coulomb friction / mm/s²").press("Tab");
   await panel.getByRole("button", { name: "Simulate a record" }).focus();
@@ -189,7 +192,7 @@ test("a file opens the same circles again, in another plane", async () => {
   await second.page.getByLabel("Open", { exact: true }).setInputFiles({ name: "trueaxis.desk.json", mimeType: "application/json", buffer: kept.bytes });
   await second.panel.getByText("samples at 10000 Hz").waitFor({ timeout: 120_000 });
   await second.page.waitForFunction((command) => document.querySelector(".friction code").textContent === command, command);
-  assert.equal(await second.panel.getByLabel("Plane").inputValue(), "ZX");
+  assert.equal(await second.panel.getByLabel("Plane", { exact: true }).inputValue(), "ZX");
   assert.equal(await second.panel.getByLabel("Coulomb friction / mm/s²").inputValue(), "600");
   await second.close();
 });

@@ -13,7 +13,7 @@ export interface PolarSeries {
   value_um: number[];
 }
 
-const SIZE = 320;
+const SIZE = 340;
 const RADIUS = 74;
 /** Deviation is drawn to at most this far from the circle. */
 const REACH = 62;
