@@ -13,6 +13,8 @@ const post = postMessage as (answer: Answer, transfer?: Transferable[]) => void;
 let ended = false;
 
 Object.assign(globalThis, {
+  /** Called by the module within a long call. */
+  trueaxisProgress: (text: string) => post({ kind: "progress", text }),
   /** Called by the module's panic hook, before it traps. */
   trueaxisPanicked: (message: string) => {
     ended = true;

@@ -8,6 +8,7 @@ mod compensate;
 mod contour;
 mod correct;
 mod csv_in;
+mod desk;
 mod friction;
 mod helicoid;
 mod identify;
@@ -75,6 +76,9 @@ enum Command {
     /// Correction over path length for the next part of a program, from the contour error of the last.
     #[command(after_help = learn::HELP)]
     Learn(learn::Arguments),
+    /// The desk: machine, servo, helicoid, roundness and friction in a page that runs these same commands' code.
+    #[command(after_help = desk::HELP)]
+    Desk(desk::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -91,6 +95,7 @@ fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Friction(arguments) => friction::run(&arguments),
         Command::Learn(arguments) => learn::run(&arguments),
+        Command::Desk(arguments) => desk::run(&arguments),
     };
     output::exit_code(result)
 }

@@ -3,10 +3,10 @@
 use crate::output::tell;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
-use trueaxis::Axis;
-use trueaxis::check;
-use trueaxis::compensation::{Compensation, ThermalLine, requirement};
 use trueaxis::tcomp::Tcomp;
+pub(crate) use trueaxis_evaluation::by_axes;
+use trueaxis_evaluation::model::takes_rise;
+pub(crate) use trueaxis_evaluation::model::{passes, thermal, with_compensation};
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::text::read_text;
@@ -41,55 +41,13 @@ pub(crate) fn parsed<'b>(bytes: &'b [u8], machine: &Path) -> Result<Tcomp<'b>> {
     Tcomp::parse(bytes).map_err(|error| anyhow!("{}: {error}", machine.display()))
 }
 
-/// Builds the model that the machine's settings name and lends it out.
-pub(crate) fn with_compensation<const N: usize, T>(
-    machine: &Machine,
-    passes: u8,
-    user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> Result<T>,
-) -> Result<T> {
-    let rows = |axis: Axis| machine.rows(axis);
-    let mut memory = vec![0.0; requirement(&machine.settings, rows)];
-    let compensation =
-        Compensation::build(&machine.settings, rows, passes, &mut memory).map_err(|error| anyhow!("{error}"))?;
-    user(&compensation)
-}
-
-/// Calls a function generic over the number of axes of the step with that number.
-macro_rules! by_axes {
-    ($count:expr, $($function:ident)::+ ($($argument:expr),*)) => {
-        match $count {
-            3 => $($function)::+::<3>($($argument),*),
-            4 => $($function)::+::<4>($($argument),*),
-            5 => $($function)::+::<5>($($argument),*),
-            _ => $($function)::+::<6>($($argument),*),
-        }
-    };
-}
-pub(crate) use by_axes;
-
-/// Look-ups of the exact inverse: those asked for, or as many as the machine needs.
-pub(crate) fn passes(machine: &Machine, asked: Option<u8>) -> Result<u8> {
-    let needed = || check::machine_passes(&machine.settings, |axis| machine.rows(axis));
-    asked.map_or_else(needed, Ok).map_err(|error| anyhow!("{error}"))
-}
-
 /// Kelvin above the reference temperature of the machine; none without a temperature.
 pub(crate) fn rise(temperature_c: Option<f64>, machine: &Machine) -> Result<f64> {
     let kelvin = temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);
-    for settings in &machine.settings.axes {
-        if ThermalLine::<f64>::for_axis(&settings.thermal, kelvin).is_none() {
-            bail!("--temperature-c: found {kelvin} K above the reference, needed a growth of at most 10 mm and 1e-3");
-        }
+    if !takes_rise(machine, kelvin) {
+        bail!("--temperature-c: found {kelvin} K above the reference, needed a growth of at most 10 mm and 1e-3");
     }
     Ok(kelvin)
-}
-
-/// Thermal growth of the axes of the step.
-pub(crate) fn thermal<const N: usize>(machine: &Machine, axes: &[Axis; N], kelvin: f64) -> [ThermalLine<f64>; N] {
-    axes.map(|axis| {
-        let own = machine.settings.axis(axis);
-        own.and_then(|own| ThermalLine::for_axis(&own.thermal, kelvin)).unwrap_or_default()
-    })
 }
 
 /// A file of another program, whose comments may be in any encoding.

@@ -199,24 +199,81 @@ fn the_program_turns_the_head_above_the_part_only() {
     }
 }
 
+/// Six decimals as a page writes them: groups of three with narrow spaces, a true minus sign.
+fn as_on_a_page(value: f64) -> String {
+    let text = format!("{value:.6}");
+    if text.trim_start_matches(['-', '0', '.']).is_empty() { text.replace('-', "") } else { text.replace('-', "−") }
+}
+
+/// Rows of the table below a heading, cell by cell, without the spaces that group digits.
+fn table(page: &str, heading: &str) -> Vec<Vec<String>> {
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let tree = roxmltree::Document::parse_with_options(page, options).unwrap();
+    let all = |node: roxmltree::Node<'_, '_>| {
+        node.descendants()
+            .filter_map(|n| if n.is_text() { n.text() } else { None })
+            .collect::<String>()
+            .replace('\u{202f}', "")
+    };
+    let tables = tree.descendants().filter(|node| node.has_tag_name("table"));
+    let found =
+        tables.filter(|table| all(table.descendants().find(|node| node.has_tag_name("th")).unwrap()) == heading);
+    let found: Vec<_> = found.collect();
+    assert_eq!(found.len(), 1, "{heading}");
+    let rows = found[0].descendants().filter(|node| node.has_tag_name("tr")).skip(1);
+    rows.map(|row| row.children().filter(|node| node.is_element()).map(all).collect()).collect()
+}
+
 #[test]
-fn the_page_is_whole_and_carries_the_same_values() {
+fn the_page_is_whole_and_shows_the_same_values() {
     let directory = Folder::new(TRUEAXIS);
     for (path, file) in [("page.html", "page.html"), ("folder", "folder/helicoid.html")] {
         directory.good(&with(&[&GEAR, &GRID, &PIVOT], &["-o", "o.csv", "--report", path]));
         let page = directory.read(file);
-        for outside in ["src=", "http:", "https:", "@import", "url("] {
-            assert!(!page.contains(outside), "{outside}");
+        let addresses = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+        for outside in ["src=", "http:", "https:", "@import", "url(", "<script"] {
+            assert!(!addresses.contains(outside), "{outside}");
         }
-        let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
-        let tree = roxmltree::Document::parse_with_options(&page, options).unwrap();
-        let run = tree.descendants().find(|node| node.attribute("id") == Some("run")).unwrap();
-        let run: Value = serde_json::from_str(run.text().unwrap()).unwrap();
+        assert!(page.contains("trueaxis desk"));
         let csv = rows(&directory.read("o.csv"));
-        let carried: Vec<[f64; 7]> = serde_json::from_value(run["points"].clone()).unwrap();
-        assert_eq!(carried.len(), csv.len());
-        carried.iter().zip(&csv).for_each(|(carried, row)| same(carried, row));
-        assert_eq!(run["inputs"]["teeth"], 24);
+        let points = table(&page, "u, rad");
+        assert_eq!(points.len(), csv.len());
+        for (shown, row) in points.iter().zip(&csv) {
+            let [u, theta] = [0, 1].map(|i| shown[i].replace('−', "-").parse::<f64>().unwrap());
+            assert!((u - row[0]).abs() <= 5e-7 && (theta - row[1]).abs() <= 5e-7, "{shown:?} for {row:?}");
+            assert_eq!(shown[2..], row[2..].iter().map(|value| as_on_a_page(*value)).collect::<Vec<_>>());
+        }
+        for (i, (shown, name)) in table(&page, "travel").iter().zip(["X", "Y", "Z", "A", "C"]).enumerate() {
+            let of = || csv.iter().map(|row| row[2 + i]);
+            let [low, high] = [of().fold(f64::INFINITY, f64::min), of().fold(f64::NEG_INFINITY, f64::max)];
+            assert_eq!(shown[..4], [name.to_owned(), as_on_a_page(low), as_on_a_page(high), as_on_a_page(high - low)]);
+        }
+        let flank = table(&page, "flank");
+        let of = |name: &str| flank.iter().find(|row| row[0] == name).unwrap()[1].clone();
+        let sin = (6f64.sqrt() - 2f64.sqrt()) / 4.0;
+        assert_eq!(of("lead"), as_on_a_page(std::f64::consts::PI * 72.0 / sin));
+        assert!(table(&page, "set-up").contains(&vec!["pivot length L".into(), "150".into(), "mm".into()]));
+    }
+}
+
+/// Every curve of the five figures goes through the points of its u: as many curves as values of u, none beyond five.
+#[test]
+fn the_page_draws_five_displacements_for_several_u() {
+    let directory = Folder::new(TRUEAXIS);
+    for (grid, curves, along) in [
+        (["0.1:0.7:7", "0:1:21"], 5, "θ in rad"),
+        (["0.2:0.4:2", "0:1:3"], 2, "θ in rad"),
+        (["0.2:0.4:9", "1:1:1"], 1, "u in rad"),
+    ] {
+        let grid = ["--u-rad", grid[0], "--theta-rad", grid[1]];
+        directory.good(&with(&[&BASE, &grid, &PIVOT], &["-o", "o.csv", "--report", "p.html"]));
+        let page = directory.read("p.html");
+        for axis in ["X", "Y", "Z", "A", "C"] {
+            let figure =
+                page.split("<figure").find(|figure| figure.contains(&format!("Displacement of {axis} over {along}")));
+            let figure = figure.unwrap_or_else(|| panic!("no figure of {axis}"));
+            assert_eq!(figure.matches("class=\"key\"").count(), curves, "{axis} of {grid:?}");
+        }
     }
 }
 

@@ -1,1 +1,118 @@
-//! Positioning accuracy and repeatability after ISO 230-2.
+//! ISO 230-2 before and after compensation.
+
+use crate::by_axes;
+use crate::model::with_compensation;
+use anyhow::{Context, Result, anyhow, bail};
+use serde::Serialize;
+use std::path::Path;
+use trueaxis::Axis;
+use trueaxis::compensation::{Direction as Travel, Query, ThermalLine};
+use trueaxis::machine::{AxisOrder, ErrorModel};
+use trueaxis_metrology::accuracy::{
+    Accuracy, Approach, Direction, Measurement, evaluate as as_measured, evaluate_compensated,
+};
+use trueaxis_tables::Machine;
+use trueaxis_tables::formats::iso230_2::{MeasurementFile, read_measurement};
+
+/// Figures of a measured axis.
+#[derive(Clone, Debug, Serialize)]
+pub struct Document {
+    /// As measured.
+    pub measured: Accuracy,
+    /// With what a machine's tables would take off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compensated: Option<Accuracy>,
+}
+
+/// Reads a measurement; `file` is only named in errors. `tell` is told of other separators than commas.
+///
+/// # Errors
+/// As [`read_measurement`].
+pub fn read(text: &str, file: &Path, axis: Option<Axis>, tell: &mut dyn FnMut(String)) -> Result<Measurement> {
+    let MeasurementFile { measurement, dialect } = read_measurement(text, file, axis)?;
+    if let Some(how) = dialect {
+        tell(format!("{}: {how}", file.display()));
+    }
+    Ok(measurement)
+}
+
+/// Evaluates a measurement, and what the tables of a machine (with the name that errors give it) would leave of it.
+///
+/// # Errors
+/// A single run; a machine without a table of that axis.
+pub fn evaluate(measurement: &Measurement, file: &Path, machine: Option<(&Machine, &Path)>) -> Result<Document> {
+    let measured = as_measured(measurement).map_err(|error| anyhow!("{}: {error}", file.display()))?;
+    let compensated = match machine {
+        None => None,
+        Some((machine, path)) => {
+            let mut tables = machine.clone();
+            // A measurement along one axis knows no levers.
+            tables.settings.compensation.model = ErrorModel::Nine;
+            if tables.rows(measurement.axis).is_none() {
+                bail!("{}: found no table of axis {}, needed one", path.display(), measurement.axis.letter());
+            }
+            Some(by_axes!(tables.settings.step_axes().count(), after(&tables, measurement))?)
+        }
+    };
+    Ok(Document { measured, compensated })
+}
+
+/// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.
+fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<Accuracy> {
+    let axes = AxisOrder::<N>::of(&tables.settings).map_err(|error| anyhow!("{error}"))?.axes();
+    let slot = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
+    with_compensation::<N, _>(tables, 1, |compensation| {
+        let own = |position: f64, direction: Direction| {
+            let travel = if direction == Direction::Down { Travel::NEGATIVE } else { Travel::POSITIVE };
+            let error = |q: f64| {
+                let mut at = [0.0; N];
+                at[slot] = q;
+                let (at, thermal) = (compensation.coordinates(&at), [ThermalLine::default(); N]);
+                let mut directions = [Travel::POSITIVE; N];
+                directions[slot] = travel;
+                compensation.errors(&Query::at(&at, &directions, &thermal), &mut 0)[slot]
+            };
+            // The other axes stand still: what they add is the same everywhere.
+            let constant = {
+                let first = tables.rows(measurement.axis).and_then(<[_]>::first);
+                let own = first.map_or(0.0, |row| row.forward[measurement.axis.index()]);
+                let start = first.map_or(0.0, |row| row.position);
+                let mut at = [0.0; N];
+                at[slot] = start;
+                let forward = compensation.errors(
+                    &Query::at(&compensation.coordinates(&at), &[Travel::POSITIVE; N], &[ThermalLine::default(); N]),
+                    &mut 0,
+                )[slot];
+                let own = if measurement.axis.is_rotary() { own.to_degrees() } else { own };
+                forward - own
+            };
+            let value = error(position) - constant;
+            if measurement.axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 }
+        };
+        evaluate_compensated(measurement, own).map_err(|error| anyhow!("{error}"))
+    })
+}
+
+/// What the table of an axis says without a measurement: its own error at its lines, backlash included, in both directions.
+///
+/// A table has no scatter: E, M and B are its own, A equals E, and R is no more than the reversal. `None` without a table, or
+/// with one that does not give the own error.
+pub fn of_table(machine: &Machine, axis: Axis) -> Option<Accuracy> {
+    let (settings, table) = machine.axes().find(|(own, _)| own.axis == axis)?;
+    let (table, own) = (table?, axis.index());
+    if !*table.given.get(own)? {
+        return None;
+    }
+    let (micro, backlash) =
+        if axis.is_rotary() { (1e6, settings.backlash.to_radians()) } else { (1e3, settings.backlash) };
+    let mut approaches = Vec::new();
+    for row in &table.rows {
+        let (up, down) = (row.forward.get(own)? * micro, (row.reverse.get(own)? + backlash) * micro);
+        for run in [1, 2] {
+            for (direction, deviation) in [(Direction::Up, up), (Direction::Down, down)] {
+                approaches.push(Approach { position: row.position, run, direction, deviation });
+            }
+        }
+    }
+    as_measured(&Measurement::new(axis, approaches).ok()?).ok()
+}

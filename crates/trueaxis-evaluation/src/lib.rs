@@ -4,10 +4,15 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod accuracy;
+pub mod check;
 pub mod circle;
+pub mod contributions;
+pub mod correct;
+pub mod curve;
 pub mod field;
 pub mod friction;
 pub mod helicoid;
+pub mod model;
 pub mod probe_angles;
 pub mod probes;
 pub mod roundness;

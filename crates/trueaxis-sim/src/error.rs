@@ -102,6 +102,14 @@ pub enum SimError {
         /// Cycles run.
         cycles: u64,
     },
+    /// Recorded circles that tell nothing.
+    #[error("{of}: {error}")]
+    Friction {
+        /// The record.
+        of: &'static str,
+        /// The reason.
+        error: trueaxis_metrology::friction::Refused,
+    },
     /// Errors that cannot be identified from readings.
     #[error("{at}: {error}")]
     Identification {

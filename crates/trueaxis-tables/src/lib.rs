@@ -1,5 +1,6 @@
 //! Reading, checking, converting and compiling compensation tables.
 
+mod change;
 pub mod collapse;
 mod compile;
 mod edit;
@@ -13,19 +14,23 @@ mod merge;
 mod origin;
 pub mod output;
 mod printable;
+mod rates;
 mod read;
 pub mod sheet;
 mod summary;
 pub mod text;
 mod warning;
 
+pub use change::{Change, Setting, change};
 pub use compile::{build, compile};
 pub use edit::Edited;
 pub use lost_motion::{LostMotion, lost_motion};
 pub use margins::{FeedbackMargins, feedback_margins};
 pub use merge::merge_sections;
 pub use output::write_atomically;
+pub use rates::{DriveRate, rates};
 pub use read::keys::{Keys, Written};
+pub use read::table_text::{ColumnText, TableText, table_texts};
 pub use summary::{
     AxisSummary, CrosstalkSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary, RoundnessSummary,
     ServoSummary, Summary, TableSummary, summary,

@@ -2,6 +2,7 @@
 
 use crate::Machine;
 use crate::lost_motion::{LostMotion, SWIFT_S, lost_motion};
+use crate::rates::{DriveRate, drive_rate};
 use std::fmt;
 use trueaxis::check;
 use trueaxis::machine::Curve;
@@ -215,41 +216,8 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
 
 /// Rate of a drive's correction with all axes at top feed.
 fn slope(machine: &Machine, drive: &AxisSettings) -> Option<Warning> {
-    let links = trueaxis::machine::links(&machine.settings.chain).ok()?;
-    let component = drive.axis.index();
-    let volumetric = machine.settings.compensation.model == ErrorModel::Volumetric;
-    if volumetric && drive.axis.is_rotary() {
-        return None;
-    }
-    let parts = machine.axes().filter_map(|(moving, table)| {
-        if volumetric {
-            let rate = check::tip_rate(&machine.settings, |axis| machine.rows(axis), moving);
-            return Some((moving.axis, rate * moving.max_feed_per_s));
-        }
-        let slopes = table.map_or([0.0; 6], |table| check::slopes(moving, table.rows.as_slice()));
-        let slope = if drive.axis.is_rotary() {
-            if moving.axis != drive.axis {
-                return None;
-            }
-            slopes[component].to_degrees()
-        } else if trueaxis::machine::is_turned(&links, moving.axis) {
-            // Turned by a rotary axis the errors may point anywhere.
-            slopes[..3].iter().map(|slope| slope * slope).sum::<f64>().sqrt()
-        } else {
-            slopes[component] + check::tilt(&machine.settings, moving.axis, component).abs()
-        };
-        Some((moving.axis, slope * moving.max_feed_per_s))
-    });
-    let (mut rate, mut most) = (0.0, None::<(Axis, f64)>);
-    for (moving, part) in parts {
-        rate += part;
-        if most.is_none_or(|(_, largest)| part > largest) {
-            most = Some((moving, part));
-        }
-    }
-    let (moving, part) = most?;
-    let limit = drive.limits.slope_per_s;
-    (rate > limit).then_some(Warning::SlopeAboveLimit { axis: drive.axis, rate, limit, moving, part })
+    let DriveRate { axis, rate, limit, moving, part, .. } = drive_rate(machine, drive)?;
+    (rate > limit).then_some(Warning::SlopeAboveLimit { axis, rate, limit, moving, part })
 }
 
 /// Largest step of velocity that a linear table causes.

@@ -17,6 +17,7 @@ export type Answer =
   | { kind: "ready" }
   | { kind: "done"; id: number; value: unknown }
   | { kind: "refused"; id: number; message: string }
+  | { kind: "progress"; text: string }
   | { kind: "panicked"; message: string };
 
 interface Waiting {
@@ -30,6 +31,8 @@ export class Restarted extends Error {}
 export class Bench {
   private worker: Worker;
   private readonly waiting = new Map<number, Waiting>();
+  /** Told how far a long call has come. */
+  onProgress: ((text: string) => void) | undefined;
   private readonly restarts = new Set<(message: string) => void>();
   private next = 0;
   private ready: Promise<void>;
@@ -62,6 +65,7 @@ export class Bench {
     const ready = new Promise<void>((done) => {
       worker.addEventListener("message", ({ data }: MessageEvent<Answer>) => {
         if (data.kind === "ready") done();
+        else if (data.kind === "progress") this.onProgress?.(data.text);
         else if (data.kind === "panicked") this.restart(data.message);
         else this.answer(data);
       });

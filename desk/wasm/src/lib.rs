@@ -15,7 +15,9 @@ pub mod helicoid;
 pub mod machine;
 pub mod panics;
 pub mod roundness;
+mod samples;
 pub mod scope;
+mod shown;
 
 use serde::Serialize;
 use wasm_bindgen::prelude::*;

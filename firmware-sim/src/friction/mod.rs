@@ -1,24 +1,21 @@
 //! `firmware-sim friction`: record circles, identify, configure, record again.
 
-mod circles;
-mod outcome;
+mod text;
 
 use crate::console::{progress_bar, put};
 use crate::machine_arg::{outputs_of, read_machine};
 use crate::settings_args::SettingsArgs;
-use anyhow::{Context, Result, anyhow, bail};
-use circles::{Circles, Pass, record};
-use clap::Args;
-use outcome::Outcome;
+use anyhow::{Context, Result, anyhow};
+use clap::{Args, ValueEnum};
+use indicatif::ProgressBar;
 use std::path::PathBuf;
-use trueaxis::Axis;
-use trueaxis::machine::DynamicSettings;
-use trueaxis_metrology::friction::{Identified, identify};
+use trueaxis_metrology::friction::identify;
+use trueaxis_sim::SimError;
+use trueaxis_sim::friction::{Circles, Outcome, Pass, Recorder, configured};
 use trueaxis_sim::run::Kind;
-use trueaxis_tables::Machine;
 
-/// The axes of the circles' plane.
-const AXES: [Axis; 2] = [Axis::X, Axis::Y];
+/// Cycles between two looks at the progress.
+const STRETCH: u64 = 4096;
 
 /// Arguments of `friction`.
 #[derive(Args)]
@@ -37,6 +34,9 @@ pub(crate) struct FrictionArgs {
     /// The two feeds, mm/min, 10 to 20000.
     #[arg(long, value_name = "F,F", value_delimiter = ',', default_values_t = [1500.0, 600.0], allow_negative_numbers = true)]
     feeds: Vec<f64>,
+    /// Plane of the circles.
+    #[arg(long, value_enum, ignore_case = true, default_value_t = Plane::Xy)]
+    plane: Plane,
     /// Whole turns of every circle, 1 to 20.
     #[arg(long, value_name = "N", default_value_t = 1)]
     turns: u32,
@@ -53,6 +53,16 @@ pub(crate) struct FrictionArgs {
     settings: SettingsArgs,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum Plane {
+    #[value(name = "XY")]
+    Xy,
+    #[value(name = "ZX")]
+    Zx,
+    #[value(name = "YZ")]
+    Yz,
+}
+
 pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
     let circles = circles(args)?;
     let settings = args.settings.settings(&[])?;
@@ -61,12 +71,11 @@ pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
     if let Some(file) = &args.record {
         outputs.refuse_input(file)?;
     }
-    let stated = AXES.map(|axis| machine.settings.axis(axis).and_then(|own| own.servo.drive));
+    let stated = circles.axes().map(|axis| machine.settings.axis(axis).and_then(|own| own.servo.drive));
     let given = if args.given_drive { stated } else { [None; 2] };
 
     let bar = progress_bar("recording");
-    let mut told = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
-    let before = record(&circles, machine.clone(), settings.clone(), Kind::Compensated, &mut told)?;
+    let before = recorded(Recorder::new(&circles, machine.clone(), settings.clone(), Kind::Compensated)?, &bar);
     if let Some(file) = &args.record {
         outputs.put(file, before.csv().as_bytes())?;
         outputs.commit()?;
@@ -78,47 +87,31 @@ pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
     })
     .map_err(|refused| anyhow!("the recorded circles: {refused}"))?;
     bar.set_message("recording again");
-    let configured = configured(machine, &found);
-    let after = record(&circles, configured, settings.clone(), Kind::Configured, &mut told)
-        .context("with the friction that was found")?;
+    let again = Recorder::new(&circles, configured(machine, &found), settings.clone(), Kind::Configured);
+    let after = recorded(again.context("with the friction that was found")?, &bar);
     bar.finish_and_clear();
 
     let outcome = Outcome::new(&circles, &settings, [&before, &after], &found)?;
-    if args.json { put(&format!("{}\n", serde_json::to_string_pretty(&outcome)?)) } else { put(&outcome.to_string()) }
+    if args.json { put(&format!("{}\n", serde_json::to_string_pretty(&outcome)?)) } else { put(&text::text(&outcome)?) }
 }
 
 fn circles(args: &FrictionArgs) -> Result<Circles> {
-    if !(1.0..=1000.0).contains(&args.radius_mm) {
-        bail!("--radius-mm: found {}, needed 1 to 1000", args.radius_mm);
-    }
-    let Ok(feeds) = <[f64; 2]>::try_from(args.feeds.as_slice()) else {
-        bail!("--feeds: found {} feeds, needed two", args.feeds.len());
+    let plane = match args.plane {
+        Plane::Xy => trueaxis_sim::friction::Plane::Xy,
+        Plane::Zx => trueaxis_sim::friction::Plane::Zx,
+        Plane::Yz => trueaxis_sim::friction::Plane::Yz,
     };
-    if let Some(feed) = feeds.into_iter().find(|feed| !(10.0..=20_000.0).contains(feed)) {
-        bail!("--feeds: found {feed}, needed 10 to 20000 mm/min");
-    }
-    if !(1..=20).contains(&args.turns) {
-        bail!("--turns: found {}, needed 1 to 20", args.turns);
-    }
-    Ok(Circles { radius_mm: args.radius_mm, feeds_mm_per_min: feeds, turns: args.turns })
-}
-
-/// The machine with what was found, and nothing else that acts on the servo.
-fn configured(mut machine: Machine, found: &[Identified; 2]) -> Machine {
-    for own in &mut machine.settings.axes {
-        let identified = found.iter().find(|found| found.axis == own.axis);
-        own.servo.friction = identified.map(|found| found.friction);
-        if let Some(found) = identified {
-            own.servo.drive = Some(found.drive);
+    Circles::new(plane, args.radius_mm, &args.feeds, args.turns).map_err(|error| match error {
+        SimError::Unsuited { what, found, needed } => {
+            anyhow!("--{}: found {found}, needed {needed}", what.replace('_', "-"))
         }
-        let limits = own.servo.dynamic.unwrap_or(DynamicSettings::with_defaults(own.axis)).limits;
-        own.servo.dynamic =
-            identified.map(|_| DynamicSettings { limits, lag: false, acceleration: false, take_up: false });
-    }
-    machine.settings.contour.feedback = None;
-    machine.settings.crosstalk.clear();
-    machine
+        error => error.into(),
+    })
 }
 
-/// Two passes of the same circles.
-type Passes<'p> = [&'p Pass; 2];
+fn recorded(mut recorder: Recorder, bar: &ProgressBar) -> Pass {
+    while recorder.advance(STRETCH) {
+        bar.set_position((1000.0 * recorder.progress()) as u64);
+    }
+    recorder.finish()
+}

@@ -5,7 +5,9 @@ use crate::numbers::{Numbers, numbers};
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use std::path::PathBuf;
-use trueaxis::machine::{AXES, Axis, AxisSettings};
+use trueaxis::machine::{AXES, Axis};
+use trueaxis_evaluation::correct;
+use trueaxis_evaluation::model::range;
 use trueaxis_tables::Machine;
 use trueaxis_tables::text::counted;
 
@@ -29,27 +31,22 @@ pub(crate) struct Arguments {
     pub(super) json: bool,
 }
 
-/// A query, checked. Lists are in the order X, Y, Z, A, B, C.
+/// A query, checked.
 pub(super) struct Asked {
-    pub(super) at: [f64; AXES],
+    pub(super) query: correct::Asked,
     /// Whether the position is the default one.
     pub(super) is_middle: bool,
-    pub(super) reverse: [bool; AXES],
-    /// Kelvin above the reference temperature.
-    pub(super) kelvin: f64,
 }
 
 impl Asked {
     pub(super) fn new(arguments: &Arguments, machine: &Machine) -> Result<Asked> {
-        Ok(Asked {
-            at: match &arguments.at {
-                Some(given) => position(given, machine)?,
-                None => middle(machine),
-            },
-            is_middle: arguments.at.is_none(),
-            reverse: arguments.direction.as_deref().map_or(Ok([false; AXES]), |text| directions(text, machine))?,
-            kelvin: model::rise(arguments.temperature_c, machine)?,
-        })
+        let at = match &arguments.at {
+            Some(given) => position(given, machine)?,
+            None => middle(machine),
+        };
+        let reverse = arguments.direction.as_deref().map_or(Ok([false; AXES]), |text| directions(text, machine))?;
+        let kelvin = model::rise(arguments.temperature_c, machine)?;
+        Ok(Asked { query: correct::Asked { at, reverse, kelvin }, is_middle: arguments.at.is_none() })
     }
 }
 
@@ -78,13 +75,7 @@ fn position(found: &[f64], machine: &Machine) -> Result<[f64; AXES]> {
 fn middle(machine: &Machine) -> [f64; AXES] {
     let mut at = [0.0; AXES];
     for (own, table) in machine.axes() {
-        let rows = table.map(|table| table.rows.as_slice()).and_then(|rows| rows.first().zip(rows.last()));
-        let [low, high] = match rows {
-            Some((first, last)) if own.travel == AxisSettings::with_defaults(own.axis, false).travel => {
-                [first.position, last.position]
-            }
-            _ => own.travel,
-        };
+        let [low, high] = range(own, table);
         at[own.axis.index()] = 0.5 * (low + high);
     }
     at

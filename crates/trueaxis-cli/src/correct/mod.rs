@@ -1,7 +1,6 @@
 //! `trueaxis correct`: error and correction at one position.
 
 mod arguments;
-mod found;
 mod table;
 
 use crate::model::{self, by_axes};
@@ -9,8 +8,8 @@ use crate::output::{json, print, tell};
 use anyhow::Result;
 pub(crate) use arguments::Arguments;
 use arguments::Asked;
-use found::Found;
 use trueaxis::machine::Axis;
+use trueaxis_evaluation::correct::{self, Found};
 
 pub(crate) const HELP: &str = "\
 Evaluates the machine's own error model at one position, as the servo step does. Without --at the position is the middle of
@@ -32,7 +31,7 @@ Example: trueaxis correct compensation-tables/mill-3axis --at 120,-40,-200 --dir
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let machine = model::machine(&arguments.machine)?;
     let asked = Asked::new(arguments, &machine)?;
-    let found: Found = by_axes!(machine.settings.step_axes().count(), found::at(&machine, &asked))?;
+    let found: Found = by_axes!(machine.settings.step_axes().count(), correct::at(&machine, &asked.query))?;
     for (letters, what) in [
         (&found.clamped, "beyond the end of the table: its edge value is clamped"),
         (&found.out_of_travel, "outside the declared travel"),

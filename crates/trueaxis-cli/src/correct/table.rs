@@ -1,32 +1,24 @@
 //! The result for people and for programs.
 
 use super::arguments::Asked;
-use super::found::Found;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
-use trueaxis::machine::{Axis, ErrorModel};
+use trueaxis::machine::{AXES, Axis};
+use trueaxis_evaluation::correct::Found;
+use trueaxis_evaluation::model::name as model;
 use trueaxis_tables::Machine;
 use trueaxis_tables::text::{fixed, short};
 
-impl Found {
-    fn linear(values: &[f64; 6]) -> [f64; 3] {
-        [values[0], values[1], values[2]]
-    }
-
-    fn command(&self) -> [f64; 6] {
-        std::array::from_fn(|index| self.at[index] + self.correction[index])
-    }
-
-    fn rotary(&self) -> &[Axis] {
-        self.axes.get(3..).unwrap_or_default()
-    }
+fn linear(values: &[f64; AXES]) -> [f64; 3] {
+    [values[0], values[1], values[2]]
 }
 
-fn model(machine: &Machine) -> &'static str {
-    match machine.settings.compensation.model {
-        ErrorModel::Nine => "nine",
-        ErrorModel::Volumetric => "volumetric",
-    }
+fn command(found: &Found) -> [f64; AXES] {
+    std::array::from_fn(|index| found.at[index] + found.correction[index])
+}
+
+fn rotary_axes(found: &Found) -> &[Axis] {
+    found.axes.get(3..).unwrap_or_default()
 }
 
 pub(super) fn document(machine: &Machine, found: &Found) -> Value {
@@ -35,11 +27,11 @@ pub(super) fn document(machine: &Machine, found: &Found) -> Value {
     let contributions = found.contributions.iter();
     let mut document = json!({
         "machine": machine.settings.name.as_str(),
-        "model": model(machine),
-        "at_mm": Found::linear(&found.at),
+        "model": model(machine.settings.compensation.model),
+        "at_mm": linear(&found.at),
         "error_um": um(found.tip),
-        "correction_mm": Found::linear(&found.correction),
-        "command_mm": Found::linear(&found.command()),
+        "correction_mm": linear(&found.correction),
+        "command_mm": linear(&command(found)),
         "contributions": contributions
             .map(|(source, mm)| json!({ "source": source, "error_um": um(*mm) }))
             .collect::<Vec<_>>(),
@@ -49,11 +41,11 @@ pub(super) fn document(machine: &Machine, found: &Found) -> Value {
     if let Some(rad) = found.orientation {
         document["error_urad"] = json!(rad.map(|rad| rad * 1e6));
     }
-    if !found.rotary().is_empty() {
-        let values = [("at_deg", found.at), ("correction_deg", found.correction), ("command_deg", found.command())];
+    if !rotary_axes(found).is_empty() {
+        let values = [("at_deg", found.at), ("correction_deg", found.correction), ("command_deg", command(found))];
         for (key, values) in values {
             let by_letter: Map<String, Value> =
-                found.rotary().iter().map(|axis| (axis.letter().into(), json!(values[axis.index()]))).collect();
+                rotary_axes(found).iter().map(|axis| (axis.letter().into(), json!(values[axis.index()]))).collect();
             document[key] = by_letter.into();
         }
     }
@@ -62,17 +54,19 @@ pub(super) fn document(machine: &Machine, found: &Found) -> Value {
 
 pub(super) fn text(machine: &Machine, asked: &Asked, found: &Found) -> String {
     let settings = &machine.settings;
-    let mut text = format!("{}   {}, error model {}\n", settings.name, settings.chain, model(machine));
+    let mut text =
+        format!("{}   {}, error model {}\n", settings.name, settings.chain, model(machine.settings.compensation.model));
     let list =
         |axes: &[Axis], of: &dyn Fn(Axis) -> String| axes.iter().map(|axis| of(*axis)).collect::<Vec<_>>().join(", ");
     let at = |axes| list(axes, &|axis| format!("{} {}", axis.letter(), short(found.at[axis.index()])));
-    let linear = found.axes.get(..3).unwrap_or_default();
-    let rotary = if found.rotary().is_empty() { String::new() } else { format!("; {} degrees", at(found.rotary())) };
+    let slides = found.axes.get(..3).unwrap_or_default();
+    let rotary =
+        if rotary_axes(found).is_empty() { String::new() } else { format!("; {} degrees", at(rotary_axes(found))) };
     let middle = if asked.is_middle { " (middle of the travel)" } else { "" };
-    let _ = writeln!(text, "at {} mm{rotary}{middle}", at(linear));
-    let sign = |axis: Axis| if asked.reverse[axis.index()] { '-' } else { '+' };
+    let _ = writeln!(text, "at {} mm{rotary}{middle}", at(slides));
+    let sign = |axis: Axis| if asked.query.reverse[axis.index()] { '-' } else { '+' };
     let _ = write!(text, "travel {}", list(&found.axes, &|axis| format!("{}{}", sign(axis), axis.letter())));
-    let kelvin = if asked.kelvin == 0.0 { String::new() } else { format!(", {} K", short(asked.kelvin)) };
+    let kelvin = if asked.query.kelvin == 0.0 { String::new() } else { format!(", {} K", short(asked.query.kelvin)) };
     let _ = writeln!(text, "{}\n", kelvin.replacen(", ", "; above the reference temperature by ", 1));
 
     let _ = writeln!(text, "{:26}{:>12}{:>12}{:>12}", "", "X", "Y", "Z");
@@ -88,18 +82,18 @@ pub(super) fn text(machine: &Machine, asked: &Asked, found: &Found) -> String {
     if let Some(rad) = found.orientation {
         row("rotation of the tool, µrad", rad.map(|rad| rad * 1e6), 3);
     }
-    row("correction, mm", Found::linear(&found.correction), 6);
-    row("command, mm", Found::linear(&found.command()), 6);
-    if found.rotary().is_empty() {
+    row("correction, mm", linear(&found.correction), 6);
+    row("command, mm", linear(&command(found)), 6);
+    if rotary_axes(found).is_empty() {
         return text;
     }
     text.push('\n');
     let mut row = |name: &str, of: &dyn Fn(Axis) -> String| {
-        let cells: String = found.rotary().iter().map(|axis| format!("{:>12}", of(*axis))).collect();
+        let cells: String = rotary_axes(found).iter().map(|axis| format!("{:>12}", of(*axis))).collect();
         let _ = writeln!(text, "{name:26}{cells}");
     };
     row("", &|axis| axis.letter().to_string());
     row("correction, °", &|axis| fixed(found.correction[axis.index()], 6));
-    row("command, °", &|axis| fixed(found.command()[axis.index()], 6));
+    row("command, °", &|axis| fixed(command(found)[axis.index()], 6));
     text
 }

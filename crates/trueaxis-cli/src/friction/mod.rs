@@ -1,21 +1,15 @@
 //! `trueaxis friction`.
 
-pub(crate) mod document;
-mod recording;
-mod settings;
+mod table;
 
-use crate::model;
 use crate::output::{json, print, progress};
-use crate::report;
-use anyhow::{Context, Result, anyhow, bail};
+use crate::{csv_in, model, report};
+use anyhow::{Context, Result, bail};
 use clap::Args;
-use document::Document;
-use recording::Recording;
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::machine::DriveFigures;
-use trueaxis_metrology::friction::identify;
-use trueaxis_tables::merge_sections;
+use trueaxis_evaluation::friction::{self, Recording};
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
@@ -43,7 +37,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "RECORD.csv")]
     record: PathBuf,
     /// The two axes of the circles' plane, in its sense: X,Y, Z,X or Y,Z, or a pair the other way round.
-    #[arg(long, value_name = "X,Y", value_parser = pair)]
+    #[arg(long, value_name = "X,Y", value_parser = friction::pair)]
     axes: [Axis; 2],
     /// Machine whose drives' figures are taken.
     #[arg(long, value_name = "M")]
@@ -65,20 +59,6 @@ pub(crate) struct Arguments {
     merge: bool,
 }
 
-/// Two different linear axes.
-fn pair(text: &str) -> Result<[Axis; 2], String> {
-    let needed = || format!("found {text:?}, needed two of X, Y and Z with a comma between");
-    let axis = |part: &str| match part.trim() {
-        "X" | "x" => Ok(Axis::X),
-        "Y" | "y" => Ok(Axis::Y),
-        "Z" | "z" => Ok(Axis::Z),
-        _ => Err(needed()),
-    };
-    let (first, second) = text.split_once(',').ok_or_else(needed)?;
-    let axes = [axis(first)?, axis(second)?];
-    if axes[0] == axes[1] { Err(needed()) } else { Ok(axes) }
-}
-
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let given = match &arguments.machine {
         Some(machine) => drives(machine, arguments.axes)?,
@@ -90,21 +70,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         outputs.refuse_input(output)?;
     }
     let given = if arguments.find_drive { [None; 2] } else { given };
-    let recording = Recording::read(&arguments.record, arguments.axes)?;
+    let rows = csv_in::open(&arguments.record, &friction::columns(arguments.axes), "samples")?;
+    let recording = Recording::read(rows, arguments.axes)?;
     let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
-    let found = identify(&recording.record, given, &mut |axis, step| {
+    let fitted = friction::fit(&recording, given, &mut |axis, step| {
         bar.set_message(format!("fitting axis {}, step {step}", axis.letter()));
         bar.tick();
     });
     bar.finish_and_clear();
-    let found = found.map_err(|refused| recording.refused(refused))?;
-    let document = Document::new(&recording.record, &found);
+    let (found, document) = fitted?;
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         report::write(&mut outputs, &report::friction::page(&source, &document, &found), directory, "friction.html")?;
     }
     if let Some(output) = &arguments.output {
-        let settings = settings::text(&arguments.record, &found);
+        let settings = friction::sections(&arguments.record, &found);
         let text = match &arguments.machine {
             Some(machine) if arguments.merge => merged(machine, output, &settings)?,
             _ => settings,
@@ -112,7 +92,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         outputs.put(output, text.as_bytes())?;
     }
     outputs.commit()?;
-    if arguments.json { json(&document) } else { print(&document.table()?) }
+    if arguments.json { json(&document) } else { print(&table::table(&document)?) }
 }
 
 /// The machine's file with the settings in it; `output` has to stand beside it, where its tables are found.
@@ -126,25 +106,10 @@ fn merged(machine: &Path, output: &Path, settings: &str) -> Result<String> {
         bail!("--merge: found {}, needed a file beside {}, whose tables it names", output.display(), file.display());
     }
     let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
-    merge_sections(&text, settings).map_err(|error| anyhow!("{}: {error}", file.display()))
+    friction::merged(&text, &file, settings)
 }
 
 /// The drives' figures that a machine states.
 fn drives(path: &Path, axes: [Axis; 2]) -> Result<[Option<DriveFigures>; 2]> {
-    let machine = model::machine(path)?;
-    let mut given = [None; 2];
-    for (figures, axis) in given.iter_mut().zip(axes) {
-        let Some(own) = machine.settings.axis(axis) else {
-            bail!("{}: found no axis {}, needed the axes that were recorded", path.display(), axis.letter());
-        };
-        *figures = own.servo.drive;
-    }
-    Ok(given)
-}
-
-impl Recording {
-    /// The error with its place in the file.
-    fn refused(&self, refused: trueaxis_metrology::friction::Refused) -> anyhow::Error {
-        anyhow!("{}: {refused}", self.file.display())
-    }
+    friction::drives(&model::machine(path)?, &path.display().to_string(), axes)
 }

@@ -1,13 +1,10 @@
-//! Arguments of `trueaxis helicoid`, and those that do not go together.
+//! Arguments of `trueaxis helicoid`.
 
-use super::grid::Range;
-use super::job::Job;
 use crate::numbers::{number, sense, triple};
-use anyhow::{Error, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use trueaxis_metrology::error::{InputError, Quantity};
-use trueaxis_metrology::helicoid::{Branch, Flank, Form, Gear, HeadTable, Helicoid, MachineSettings, pivot_length};
+use trueaxis_evaluation::helicoid::{Passes, Range, Request};
+use trueaxis_metrology::helicoid::{Branch, Flank, Form};
 
 pub(crate) const HELP: &str = "\
 The surface, with φ = u + θ (gear's axis z, p positive for a right-hand helix):
@@ -85,21 +82,21 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     pub(super) gcode: Option<PathBuf>,
     /// Feed of the program.
-    #[arg(long, value_name = "F", value_parser = number, default_value = "500", allow_hyphen_values = true)]
+    #[arg(long, value_name = "F", value_parser = number, default_value_t = Request::FEED_MM_PER_MIN, allow_hyphen_values = true)]
     feed_mm_per_min: f64,
     /// Distance of the tool from the flank, and above it, before and after the program's passes.
-    #[arg(long, value_name = "D", value_parser = number, default_value = "50", allow_hyphen_values = true)]
+    #[arg(long, value_name = "D", value_parser = number, default_value_t = Request::CLEARANCE_MM, allow_hyphen_values = true)]
     clearance_mm: f64,
     /// Parameter along which the program's passes run.
-    #[arg(long, value_enum, default_value_t = Passes::Theta)]
-    pub(super) passes: Passes,
+    #[arg(long, value_enum, default_value_t = PassesName::Theta)]
+    passes: PassesName,
     /// Result [default: standard output].
     #[arg(short, long, value_name = "OUT.csv")]
     pub(super) output: Option<PathBuf>,
     /// Print one JSON document: inputs, gear data, points.
     #[arg(long)]
     pub(super) json: bool,
-    /// Write an interactive page: a file that ends in .html, or a folder for helicoid.html.
+    /// Write a page with figures: a file that ends in .html, or a folder for helicoid.html.
     #[arg(long, value_name = "FILE|DIR")]
     pub(super) report: Option<PathBuf>,
 }
@@ -118,7 +115,7 @@ enum FlankName {
 
 /// Parameter along which the passes run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Passes {
+enum PassesName {
     /// Along the helix.
     Theta,
     /// Along the involute.
@@ -126,126 +123,42 @@ pub(crate) enum Passes {
 }
 
 fn teeth(text: &str) -> Result<u32, String> {
-    text.trim().parse().map_err(|_| format!("found {text}, needed a whole number of teeth, 1 to 10000"))
-}
-
-/// The same error with the name of the option.
-pub(super) fn named(error: Error) -> Error {
-    match error.downcast_ref::<InputError>() {
-        Some(error) => by_option(*error),
-        None => error,
-    }
-}
-
-fn by_option(error: InputError) -> Error {
-    let option = match error.quantity {
-        Quantity::GearModule => "--module-mm",
-        Quantity::Teeth => "--teeth",
-        Quantity::PressureAngle => "--pressure-angle-deg",
-        Quantity::HelixAngle => "--helix-angle-deg",
-        Quantity::BaseRadius => "--base-radius-mm",
-        Quantity::LeadParameter => "--lead-parameter-mm-per-rad",
-        Quantity::RollAngle => "--u-rad",
-        Quantity::LeadAngle => "--theta-rad",
-        Quantity::Pivot => "--pivot-mm",
-        Quantity::EdgeFinder => "--edge-finder-mm",
-        Quantity::EdgeFinderRadius => "--edge-finder-radius-mm",
-        Quantity::WorkOffset => "--work-offset-mm",
-        Quantity::Flank => {
-            return anyhow!("--flank: found a lead parameter p of {} mm/rad, needed {}", error.found, error.needed);
-        }
-        _ => return error.into(),
-    };
-    anyhow!("{option}: found {}, needed {}", error.found, error.needed)
+    text.trim().parse().map_err(|_| format!("found {text}, needed {}", Request::TEETH))
 }
 
 impl Arguments {
-    pub(super) fn job(&self) -> Result<Job> {
-        let flank = if self.flank == FlankName::Right { Flank::Right } else { Flank::Left };
-        let (gear, surface) = self.surface(flank)?;
-        let (pivot_mm, edge_finder_mm) = self.pivot()?;
-        let settings = MachineSettings {
-            form: if self.form == FormName::Vertical { Form::Vertical } else { Form::Horizontal },
-            pivot_mm,
+    /// What is asked for, unchecked.
+    pub(super) fn request(&self) -> Request {
+        Request {
+            base_radius_mm: self.base_radius_mm,
+            lead_parameter_mm_per_rad: self.lead_parameter_mm_per_rad,
+            module_mm: self.module_mm,
+            teeth: self.teeth,
+            pressure_angle_deg: self.pressure_angle_deg,
+            helix_angle_deg: self.helix_angle_deg,
+            u_rad: self.u_rad,
+            theta_rad: self.theta_rad,
+            form: match self.form {
+                FormName::Vertical => Form::Vertical,
+                FormName::Horizontal => Form::Horizontal,
+            },
+            pivot_mm: self.pivot_mm,
+            edge_finder_mm: self.edge_finder_mm,
+            edge_finder_radius_mm: self.edge_finder_radius_mm,
+            branch: if self.branch == 1 { Branch::First } else { Branch::Second },
+            flank: match self.flank {
+                FlankName::Right => Flank::Right,
+                FlankName::Left => Flank::Left,
+            },
+            work_offset_mm: self.work_offset_mm,
             direction_a: self.direction_a,
             direction_c: self.direction_c,
-            work_offset_mm: self.work_offset_mm,
-        };
-        let machine = HeadTable::new(&settings).map_err(by_option)?;
-        let branch = if self.branch == 1 { Branch::First } else { Branch::Second };
-        let gear = gear.map(|gear| gear.data().map(|data| (gear, data))).transpose().map_err(by_option)?;
-        Ok(Job { gear, surface, settings, machine, edge_finder_mm, branch, u: self.u_rad, theta: self.theta_rad })
-    }
-
-    fn surface(&self, flank: Flank) -> Result<(Option<Gear>, Helicoid)> {
-        let of_base = [
-            ("--base-radius-mm", self.base_radius_mm.is_some()),
-            ("--lead-parameter-mm-per-rad", self.lead_parameter_mm_per_rad.is_some()),
-        ];
-        let of_gear = [
-            ("--module-mm", self.module_mm.is_some()),
-            ("--teeth", self.teeth.is_some()),
-            ("--pressure-angle-deg", self.pressure_angle_deg.is_some()),
-            ("--helix-angle-deg", self.helix_angle_deg.is_some()),
-        ];
-        let given = |of: &[(&'static str, bool)]| of.iter().find(|(_, given)| *given).map(|(name, _)| *name);
-        if let (Some(base), Some(gear)) = (given(&of_base), given(&of_gear)) {
-            bail!("found both {base} and {gear}, needed either base radius and lead parameter or a gear");
+            feed_mm_per_min: self.feed_mm_per_min,
+            clearance_mm: self.clearance_mm,
+            passes: match self.passes {
+                PassesName::Theta => Passes::Theta,
+                PassesName::U => Passes::U,
+            },
         }
-        let missing = |of: &[(&'static str, bool)]| {
-            of.iter().filter(|(_, given)| !given).map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
-        };
-        if let Some(given) = given(&of_base) {
-            let (Some(base_radius), Some(lead_parameter)) = (self.base_radius_mm, self.lead_parameter_mm_per_rad)
-            else {
-                bail!("found {given} alone, needed {} with it", missing(&of_base));
-            };
-            return Ok((None, Helicoid::new(base_radius, lead_parameter, flank).map_err(by_option)?));
-        }
-        let (Some(module_mm), Some(teeth), Some(pressure_angle_deg), Some(helix_angle_deg)) =
-            (self.module_mm, self.teeth, self.pressure_angle_deg, self.helix_angle_deg)
-        else {
-            let found = given(&of_gear).map_or("no surface".to_owned(), |name| format!("a gear's {name}"));
-            let base = if given(&of_gear).is_none() {
-                ", or --base-radius-mm and --lead-parameter-mm-per-rad"
-            } else {
-                " as well"
-            };
-            bail!("found {found}, needed {}{base}", missing(&of_gear));
-        };
-        let gear = Gear { module_mm, teeth, pressure_angle_deg, helix_angle_deg };
-        Ok((Some(gear), gear.helicoid(flank).map_err(by_option)?))
-    }
-
-    fn pivot(&self) -> Result<(f64, Option<[f64; 2]>)> {
-        match (self.pivot_mm, self.edge_finder_mm, self.edge_finder_radius_mm) {
-            (Some(pivot), None, None) => Ok((pivot, None)),
-            (None, Some(travel), Some(radius)) => {
-                Ok((pivot_length(travel, radius).map_err(by_option)?, Some([travel, radius])))
-            }
-            (Some(_), _, _) => bail!(
-                "found both --pivot-mm and an edge finder, needed either --pivot-mm or --edge-finder-mm with \
-                 --edge-finder-radius-mm"
-            ),
-            (None, None, None) => {
-                bail!("found no pivot length, needed --pivot-mm, or --edge-finder-mm and --edge-finder-radius-mm")
-            }
-            (None, Some(_), None) => bail!("found --edge-finder-mm alone, needed --edge-finder-radius-mm with it"),
-            (None, None, Some(_)) => bail!("found --edge-finder-radius-mm alone, needed --edge-finder-mm with it"),
-        }
-    }
-
-    pub(super) fn feed(&self) -> Result<f64> {
-        if !(self.feed_mm_per_min > 0.0 && self.feed_mm_per_min <= 1e6) {
-            bail!("--feed-mm-per-min: found {}, needed a feed above 0, at most 1e6 mm/min", self.feed_mm_per_min);
-        }
-        Ok(self.feed_mm_per_min)
-    }
-
-    pub(super) fn clearance(&self) -> Result<f64> {
-        if !(0.0..=1e6).contains(&self.clearance_mm) {
-            bail!("--clearance-mm: found {}, needed a distance from 0 to 1e6 mm", self.clearance_mm);
-        }
-        Ok(self.clearance_mm)
     }
 }

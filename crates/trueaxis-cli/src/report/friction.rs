@@ -1,8 +1,8 @@
 //! The page of `trueaxis friction`.
 
 use super::warnings;
-use crate::friction::document::{AxisFound, Document};
 use maud::{Markup, html};
+use trueaxis_evaluation::friction::{AxisFound, Document};
 use trueaxis_metrology::friction::{Identified, Spike};
 use trueaxis_report::{
     Figure, Page, Row, Scale, Stroke, Table, colour,

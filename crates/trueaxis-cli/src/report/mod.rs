@@ -1,5 +1,4 @@
-//! Reports: one self-contained HTML page each, no network. Figures are SVG inside the page; only the helicoid's page, whose
-//! inputs can be changed, has a script.
+//! Reports: one self-contained HTML page each, no network, no script. Figures are SVG inside the page.
 
 pub(crate) mod circle;
 pub(crate) mod friction;

@@ -1,85 +1,28 @@
 //! `trueaxis tables accuracy`: ISO 230-2 before and after compensation.
 
-use crate::model::{self, by_axes, with_compensation};
+use crate::model;
 use crate::output::{json, print, tell};
-use anyhow::{Context, Result, anyhow, bail};
-use serde::Serialize;
+use anyhow::Result;
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis::compensation::{Direction as Travel, Query, ThermalLine};
-use trueaxis::machine::{AxisOrder, ErrorModel};
-use trueaxis_metrology::accuracy::{Accuracy, Direction, Measurement, evaluate, evaluate_compensated};
-use trueaxis_tables::Machine;
-use trueaxis_tables::formats::iso230_2::{MeasurementFile, read_measurement};
+use trueaxis_evaluation::accuracy::{Document, evaluate, read};
+use trueaxis_metrology::accuracy::Accuracy;
 use trueaxis_tables::text::counted;
-
-#[derive(Serialize)]
-struct Document {
-    measured: Accuracy,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    compensated: Option<Accuracy>,
-}
 
 pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_json: bool) -> Result<()> {
     let text = model::text(file)?;
-    let MeasurementFile { measurement, dialect } = read_measurement(&text, file, axis)?;
-    if let Some(how) = dialect {
-        tell(format_args!("note: {}: {how}", file.display()));
-    }
-    let measured = evaluate(&measurement).map_err(|error| anyhow!("{}: {error}", file.display()))?;
+    let measurement = read(&text, file, axis, &mut |how| tell(format_args!("note: {how}")))?;
+    // What is wrong with the measurement is said before anything of the machine.
+    let Document { measured, .. } = evaluate(&measurement, file, None)?;
     let compensated = match machine {
         None => None,
-        Some(path) => {
-            let mut tables = model::machine(path)?;
-            // A measurement along one axis knows no levers.
-            tables.settings.compensation.model = ErrorModel::Nine;
-            if tables.rows(measurement.axis).is_none() {
-                bail!("{}: found no table of axis {}, needed one", path.display(), measurement.axis.letter());
-            }
-            Some(by_axes!(tables.settings.step_axes().count(), after(&tables, &measurement))?)
-        }
+        Some(path) => evaluate(&measurement, file, Some((&model::machine(path)?, path)))?.compensated,
     };
     if as_json {
         return json(&Document { measured, compensated });
     }
     print(&table(&measured, compensated.as_ref())?)
-}
-
-/// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.
-fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<Accuracy> {
-    let axes = AxisOrder::<N>::of(&tables.settings).map_err(|error| anyhow!("{error}"))?.axes();
-    let slot = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
-    with_compensation::<N, _>(tables, 1, |compensation| {
-        let own = |position: f64, direction: Direction| {
-            let travel = if direction == Direction::Down { Travel::NEGATIVE } else { Travel::POSITIVE };
-            let error = |q: f64| {
-                let mut at = [0.0; N];
-                at[slot] = q;
-                let (at, thermal) = (compensation.coordinates(&at), [ThermalLine::default(); N]);
-                let mut directions = [Travel::POSITIVE; N];
-                directions[slot] = travel;
-                compensation.errors(&Query::at(&at, &directions, &thermal), &mut 0)[slot]
-            };
-            // The other axes stand still: what they add is the same everywhere.
-            let constant = {
-                let first = tables.rows(measurement.axis).and_then(<[_]>::first);
-                let own = first.map_or(0.0, |row| row.forward[measurement.axis.index()]);
-                let start = first.map_or(0.0, |row| row.position);
-                let mut at = [0.0; N];
-                at[slot] = start;
-                let forward = compensation.errors(
-                    &Query::at(&compensation.coordinates(&at), &[Travel::POSITIVE; N], &[ThermalLine::default(); N]),
-                    &mut 0,
-                )[slot];
-                let own = if measurement.axis.is_rotary() { own.to_degrees() } else { own };
-                forward - own
-            };
-            let value = error(position) - constant;
-            if measurement.axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 }
-        };
-        evaluate_compensated(measurement, own).map_err(|error| anyhow!("{error}"))
-    })
 }
 
 fn table(measured: &Accuracy, compensated: Option<&Accuracy>) -> Result<String> {

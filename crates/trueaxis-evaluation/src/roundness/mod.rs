@@ -5,7 +5,9 @@ mod orbit;
 mod polar;
 mod trace;
 
-pub use document::{Centres, Circles, Document, Evaluation, HarmonicEntry, Revolution, Spindle, SpindleDirection, Zones};
+pub use document::{
+    Centres, Circles, Document, Evaluation, HarmonicEntry, Revolution, Spindle, SpindleDirection, Zones,
+};
 pub use orbit::{DRAWN_REVOLUTIONS, motion_scale, orbit};
 pub use polar::polar;
 pub use trace::{InterpolationError, Resampling};

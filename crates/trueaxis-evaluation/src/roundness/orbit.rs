@@ -18,7 +18,8 @@ pub fn orbit(evaluation: &Evaluation) -> Figure {
     let (x, y) = (&evaluation.x, &evaluation.y);
     let pairs = |x: &[f64], y: &[f64]| -> Vec<[f64; 2]> { x.iter().zip(y).map(|(x, y)| [*x, *y]).collect() };
     let description = "Orbit of the spindle's axis without position and once-per-revolution part";
-    let mut figure = Figure::square(description, motion_scale(evaluation, "X in µm"), motion_scale(evaluation, "Y in µm"));
+    let mut figure =
+        Figure::square(description, motion_scale(evaluation, "X in µm"), motion_scale(evaluation, "Y in µm"));
     let thin = Stroke::new(colour::GREY, 0.6).opacity(0.6);
     let points = x.mean_contour.len();
     for (x, y) in x.revolutions.chunks(points).zip(y.revolutions.chunks(points)).skip(skipped) {

@@ -51,7 +51,20 @@ pub struct Glitch {
     pub spikes: Vec<Spike>,
 }
 
-pub(super) fn glitch(problem: &Problem, values: &Values, turns: &[Reversal]) -> Glitch {
+/// How far an axis stands from where its drive would be without friction, sample by sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deviation {
+    /// Time between two samples, s; the first is the record's first.
+    pub sample_s: f64,
+    /// As recorded, mm; positive where the axis stands behind its command towards negative positions (c − x).
+    pub before: Vec<f64>,
+    /// As the friction found gives it, mm.
+    pub predicted: Vec<f64>,
+    /// Recorded, less what the feed-forward takes away, mm.
+    pub after: Vec<f64>,
+}
+
+pub(super) fn deviation(problem: &Problem, values: &Values) -> Deviation {
     let axis = values.axis(&problem.given);
     let mut smooth = *values;
     (smooth.0[COULOMB], smooth.0[VISCOUS]) = (0.0, 0.0);
@@ -63,7 +76,11 @@ pub(super) fn glitch(problem: &Problem, values: &Values, turns: &[Reversal]) -> 
     let difference = |one: &[f64]| -> Vec<f64> { one.iter().zip(&calm).map(|(a, b)| a - b).collect() };
     let [before, predicted] = [difference(&problem.error), difference(&simulated)];
     let after: Vec<f64> = (0..before.len()).map(|k| before[k] + corrected[k] - simulated[k]).collect();
+    Deviation { sample_s: problem.sample_s(), before, predicted, after }
+}
 
+pub(super) fn glitch(problem: &Problem, values: &Values, turns: &[Reversal]) -> Glitch {
+    let Deviation { before, predicted, after, .. } = deviation(problem, values);
     let windows: Vec<(usize, usize, f64)> = turns
         .iter()
         .filter_map(|turn| {

@@ -13,6 +13,7 @@
 
 use super::parameters::{COUNT, Problem, Values};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use std::vec::Vec;
 
 /// Steps before a fit counts as unsettled.
@@ -75,13 +76,8 @@ fn squares(residuals: &[f64]) -> f64 {
 }
 
 fn linearised(problem: &Problem, values: &Values, residuals: &[f64], free: &[usize]) -> Linear {
-    let columns: Vec<Vec<f64>> = std::thread::scope(|scope| {
-        let jobs: Vec<_> = free
-            .iter()
-            .map(|&parameter| scope.spawn(move || problem.derivative(values, residuals, parameter)))
-            .collect();
-        jobs.into_iter().map(|job| job.join().unwrap_or_default()).collect()
-    });
+    let derivative = |&parameter: &usize| problem.derivative(values, residuals, parameter);
+    let columns: Vec<Vec<f64>> = free.par_iter().map(derivative).collect();
     let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
     let mut normal = DMatrix::zeros(free.len(), free.len());
     for i in 0..free.len() {

@@ -31,6 +31,7 @@
 //! Source: P. R. Dahl, 10.2514/3.61511 (pre-sliding); B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit,
 //! 10.1016/0005-1098(94)90209-7 (Stribeck, identification).
 
+mod circles;
 mod drive;
 mod glitch;
 mod least_squares;
@@ -40,7 +41,8 @@ mod refused;
 mod selection;
 mod start;
 
-pub use glitch::{Glitch, Size, Spike};
+pub use circles::{Circle, circles};
+pub use glitch::{Deviation, Glitch, Size, Spike};
 pub use record::{Record, Recorded};
 pub use refused::Refused;
 
@@ -123,17 +125,38 @@ impl Identified {
         drive::feed_forward(&axis, path, period_s)
     }
 
-    /// Spikes of another record of this axis: how far its readings stand from where the drive found would be without
+    /// Spikes of another record of this axis, `before` in the first place: how far its readings stand from where the drive found would be without
     /// friction, at its reversals. `index` is the axis' place in the record, whose commands are the path: without what a
     /// feed-forward adds to them.
     ///
     /// # Errors
     /// A record that [`identify`] would refuse before any fit.
-    pub fn spikes(&self, record: &Record, index: usize) -> Result<Size, Refused> {
+    pub fn spikes(&self, record: &Record, index: usize) -> Result<Glitch, Refused> {
+        let (problem, turns) = self.problem(record, index)?;
+        Ok(glitch::glitch(&problem, &self.values, &turns))
+    }
+
+    /// How far this axis stands from where the drive found would be without friction, over a whole record: the one that was
+    /// fitted, or another as in [`Identified::spikes`].
+    ///
+    /// # Errors
+    /// A record that [`identify`] would refuse before any fit.
+    ///
+    /// Cost: three simulations of the record.
+    pub fn deviation(&self, record: &Record, index: usize) -> Result<Deviation, Refused> {
+        let (problem, _) = self.problem(record, index)?;
+        Ok(glitch::deviation(&problem, &self.values))
+    }
+
+    fn problem(&self, record: &Record, index: usize) -> Result<(Problem, Vec<Reversal>), Refused> {
         let turns = record.reversals()?;
         let index = index.min(1);
-        let (problem, turns) = problem(record, &record.axes[index], &turns[index], Some(self.drive), STEP_S);
-        Ok(glitch::glitch(&problem, &self.values, &turns).before)
+        let mut drive = self.drive;
+        if self.drive_errors.is_some() {
+            // What was found of it is in the reading's lag already.
+            drive.dead_time_s = start::DRIVE.dead_time_s;
+        }
+        Ok(problem(record, &record.axes[index], &turns[index], Some(drive), STEP_S))
     }
 }
 

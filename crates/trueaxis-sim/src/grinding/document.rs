@@ -140,10 +140,7 @@ impl Document {
             uncorrected: RunFigures::from(&outcome.uncorrected),
             corrected: RunFigures::from(&outcome.corrected),
             imprint_ratio: outcome.imprint_ratio(),
-            spindle: SpindleFigures {
-                truth: Motion { x, y },
-                gauge: measured.map(|e| Motion { x: e.x, y: e.y }),
-            },
+            spindle: SpindleFigures { truth: Motion { x, y }, gauge: measured.map(|e| Motion { x: e.x, y: e.y }) },
             limits_exceeded: outcome.limits_exceeded(),
         })
     }

@@ -77,10 +77,8 @@ impl Request {
         }
         let fastest = fastest_rpm(&gauge, self.rate_hz);
         if !(0.1..=fastest).contains(&grinding.speed_rpm) {
-            let needed = format!(
-                "0.1 to {fastest:.1}, where {} points a revolution pass at {} Hz",
-                gauge.points, self.rate_hz
-            );
+            let needed =
+                format!("0.1 to {fastest:.1}, where {} points a revolution pass at {} Hz", gauge.points, self.rate_hz);
             return Err(SimError::unsuited("--speed-rpm", grinding.speed_rpm.to_string(), needed));
         }
         Ok(grinding)

@@ -8,6 +8,7 @@ mod refused;
 mod roundness_toml;
 mod section;
 mod servo_toml;
+pub(crate) mod table_text;
 mod units;
 
 use crate::error::FileError;
@@ -128,7 +129,7 @@ pub(crate) struct StandingTable {
 impl<'f> Standing<'f> {
     pub(crate) fn read(files: &'f dyn Source, name: &Path) -> Result<Standing<'f>, FileError> {
         let (_, description) = described(files, name)?;
-        let text = String::from_utf8_lossy(&bytes(files, name)?).into_owned();
+        let text = text(files, name)?;
         let tables = description.tables.into_iter().map(|TableReference { axis, file, line, key }| {
             let at = beside(name, &file);
             let origin = Origin::new(&files.path(&at));
@@ -143,6 +144,11 @@ impl<'f> Standing<'f> {
 /// A file that a `machine.toml` names relative to itself.
 pub(crate) fn beside(machine_toml: &Path, file: &str) -> PathBuf {
     machine_toml.parent().unwrap_or(Path::new("")).join(file)
+}
+
+/// The text of a file as it is, byte order mark included.
+pub(crate) fn text(files: &dyn Source, name: &Path) -> Result<String, FileError> {
+    Ok(String::from_utf8_lossy(&bytes(files, name)?).into_owned())
 }
 
 /// A `machine.toml`, and where its errors are.

@@ -102,6 +102,16 @@ impl<'r> Sheet<'r> {
         })
     }
 
+    /// Character between the fields.
+    pub(crate) fn separator(&self) -> char {
+        char::from(self.separator.byte())
+    }
+
+    /// Whether a number read so far had its decimals behind a comma.
+    pub(crate) fn has_decimal_commas(&self) -> bool {
+        self.decimals == Decimals::Comma
+    }
+
     /// Goes on to the next row; false at the end of the file.
     ///
     /// # Errors

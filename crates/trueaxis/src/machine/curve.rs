@@ -95,6 +95,11 @@ impl<'r, T: Rows + ?Sized> Curve<'r, T> {
         slopes.fold((0.0, 0), |(most, at), (index, slope)| if slope <= most { (most, at) } else { (slope, index) })
     }
 
+    /// Largest |second derivative| over the whole table, exactly; `None` for a linear table, whose slope steps at its points.
+    pub fn most_bent(&self) -> Option<f64> {
+        self.cubic.then(|| self.cells().map(|cell| cell.most_bent()).fold(0.0, f64::max))
+    }
+
     /// Largest step of the slope between two intervals, the seam of a full circle included; 0 for a cubic table.
     pub fn slope_step(&self) -> f64 {
         if self.cubic {
@@ -181,6 +186,13 @@ impl Cell {
         let ends = m0.abs().max(m1.abs());
         let vertex = -linear / (2.0 * square);
         if vertex > 0.0 && vertex < 1.0 { ends.max((m0 + vertex * linear / 2.0).abs()) } else { ends }
+    }
+
+    /// The derivative of p' is linear: largest at an end.
+    fn most_bent(&self) -> f64 {
+        let [m0, m1] = self.slopes;
+        let (linear, square) = (2.0 * (3.0 * self.secant - 2.0 * m0 - m1), 3.0 * (m0 + m1 - 2.0 * self.secant));
+        linear.abs().max((linear + 2.0 * square).abs()) / self.width
     }
 
     fn at(&self, t: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Harmonics of the profile: amplitude and noise gain.
 
-use trueaxis_evaluation::roundness::Document;
 use maud::{Markup, html};
+use trueaxis_evaluation::roundness::Document;
 use trueaxis_report::{
     Figure, Scale, Stroke, colour,
     number::{shortest, significant},

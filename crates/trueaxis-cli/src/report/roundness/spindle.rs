@@ -1,7 +1,7 @@
 //! Error motion of the spindle: orbit, over the angle, and over the revolutions.
 
-use trueaxis_evaluation::roundness::{DRAWN_REVOLUTIONS, Document, Evaluation, Revolution, motion_scale, orbit};
 use maud::{Markup, Render};
+use trueaxis_evaluation::roundness::{DRAWN_REVOLUTIONS, Document, Evaluation, Revolution, motion_scale, orbit};
 use trueaxis_report::{Figure, Scale, Stroke, colour, missing, side_by_side};
 
 pub(super) fn figures(evaluation: &Evaluation) -> Markup {

@@ -1,25 +1,38 @@
 //! A record of circles, read from CSV.
 
-use crate::csv_in::{self, Column};
+use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use trueaxis::Axis;
 use trueaxis_metrology::friction::{Record, Recorded, Refused};
 
 /// Columns that a record may have: time, then command and reading of X, Y and Z.
 const NAMES: [&str; 7] = ["t_s", "x_cmd_mm", "x_mm", "y_cmd_mm", "y_mm", "z_cmd_mm", "z_mm"];
 
-/// The record and where it comes from.
-pub(super) struct Recording {
-    pub(super) file: PathBuf,
-    pub(super) record: Record,
+/// The columns of a record: the time and those of `axes` are needed, those of a third axis may be there.
+pub fn columns(axes: [Axis; 2]) -> [Column; 7] {
+    let needed = |name: &str| axes.iter().any(|axis| name.starts_with(axis.letter().to_ascii_lowercase()));
+    NAMES.map(|name| Column { name, needed: name == "t_s" || needed(name) })
+}
+
+/// A record and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// The file as errors name it.
+    pub file: PathBuf,
+    /// What it holds.
+    pub record: Record,
 }
 
 impl Recording {
-    pub(super) fn read(file: &Path, axes: [Axis; 2]) -> Result<Recording> {
-        let needed = |name: &str| axes.iter().any(|axis| name.starts_with(axis.letter().to_ascii_lowercase()));
-        let columns = NAMES.map(|name| Column { name, needed: name == "t_s" || needed(name) });
-        let mut rows = csv_in::open(file, &columns, "samples")?;
+    /// Reads the rows of a file opened with [`columns`].
+    ///
+    /// # Errors
+    /// A row that cannot be read; too few of them, or times that are not even, with the line.
+    ///
+    /// Cost: memory of 40 bytes a row.
+    pub fn read(mut rows: Rows<'_, 7>, axes: [Axis; 2]) -> Result<Recording> {
+        let file = rows.file.clone();
         let (mut lines, mut times) = (Vec::new(), Vec::new());
         let mut recorded = axes.map(|axis| Recorded { axis, command: Vec::new(), reading: Vec::new() });
         while let Some(row) = rows.next()? {
@@ -39,6 +52,6 @@ impl Recording {
             }
             refused => anyhow!("{}: {refused}", file.display()),
         })?;
-        Ok(Recording { file: file.into(), record })
+        Ok(Recording { file, record })
     }
 }

@@ -1,23 +1,28 @@
 //! The grid of surface parameters.
 
-use crate::numbers::number;
 use serde::Serialize;
 use std::f64::consts::PI;
 
 /// Most points of a grid.
-pub(crate) const MOST: usize = 1_000_000;
+pub const MOST: usize = 1_000_000;
 
 /// Equidistant values, both ends included.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Range {
-    pub(crate) start: f64,
-    pub(crate) stop: f64,
-    pub(crate) count: usize,
+pub struct Range {
+    /// First value, rad.
+    pub start: f64,
+    /// Last value, rad.
+    pub stop: f64,
+    /// Number of values, from 1; 1 is `start` alone.
+    pub count: usize,
 }
 
 impl Range {
     /// Reads START:STOP:COUNT; a COUNT of 1 is START alone.
-    pub(crate) fn parse(text: &str) -> Result<Range, String> {
+    ///
+    /// # Errors
+    /// Found and needed, without the option's name.
+    pub fn parse(text: &str) -> Result<Range, String> {
         let needed = "START:STOP:COUNT, two finite angles in rad and a whole number from 1";
         let wrong = || format!("found {text}, needed {needed}");
         let mut parts = text.split(':');
@@ -25,7 +30,7 @@ impl Range {
         else {
             return Err(wrong());
         };
-        let (Ok(start), Ok(stop)) = (number(start), number(stop)) else { return Err(wrong()) };
+        let (Some(start), Some(stop)) = (finite(start), finite(stop)) else { return Err(wrong()) };
         match count.trim().parse::<usize>() {
             Ok(count) if (1..=MOST).contains(&count) => Ok(Range { start, stop, count }),
             Ok(count) => Err(format!("found COUNT {count}, needed 1 to {MOST}")),
@@ -34,7 +39,7 @@ impl Range {
     }
 
     /// The values in their order; the last is STOP itself.
-    pub(crate) fn values(self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
+    pub fn values(self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
         let last = self.count.saturating_sub(1);
         (0..self.count).map(move |i| match i {
             0 => self.start,
@@ -44,9 +49,13 @@ impl Range {
     }
 }
 
+fn finite(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|value: &f64| value.is_finite())
+}
+
 /// Whether a step along a line of the grid turns the table by more than half a turn, so that a straight move between
 /// its points would leave the surface by far.
-pub(crate) fn is_coarse(range: Range) -> bool {
+pub fn is_coarse(range: Range) -> bool {
     range.count > 1 && (range.stop - range.start).abs() / (range.count - 1) as f64 > PI
 }
 

@@ -1,50 +1,55 @@
-//! The model at a position, as a whole and axis by axis.
+//! Error and correction at one position, as the servo step computes them.
 
-use super::arguments::Asked;
+use crate::contributions::{Source, shares};
 use crate::model::{passes, thermal, with_compensation};
 use anyhow::{Result, anyhow};
 use trueaxis::compensation::{Direction, PoseError, Query};
 use trueaxis::machine::{AXES, Axis, AxisOrder, ErrorModel};
 use trueaxis_tables::Machine;
 
-/// Error and correction at a position. Lists are in the order X, Y, Z, A, B, C.
-pub(super) struct Found {
-    /// Axes of the step.
-    pub(super) axes: Vec<Axis>,
-    pub(super) at: [f64; AXES],
-    /// Of the tip, mm.
-    pub(super) tip: [f64; 3],
-    /// Of the tool, rad; only the volumetric model has it.
-    pub(super) orientation: Option<[f64; 3]>,
-    /// mm, degrees.
-    pub(super) correction: [f64; AXES],
-    /// Shares of the tip's error, mm: of each axis by its letter, of the location errors.
-    pub(super) contributions: Vec<(String, [f64; 3])>,
-    /// Axes beyond the end of their table.
-    pub(super) clamped: Vec<Axis>,
-    pub(super) out_of_travel: Vec<Axis>,
+/// A query. Lists are in the order X, Y, Z, A, B, C.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// Commanded position, mm and degrees.
+    pub at: [f64; AXES],
+    /// Axes that travel in negative direction.
+    pub reverse: [bool; AXES],
+    /// Kelvin above the reference temperature.
+    pub kelvin: f64,
 }
 
-pub(super) fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<Found> {
+/// Error and correction at a position. Lists are in the order X, Y, Z, A, B, C.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Found {
+    /// Axes of the step.
+    pub axes: Vec<Axis>,
+    /// Commanded position, mm and degrees.
+    pub at: [f64; AXES],
+    /// Error of the tip, actual − ideal, mm.
+    pub tip: [f64; 3],
+    /// Of the tool, rad; only the volumetric model has it.
+    pub orientation: Option<[f64; 3]>,
+    /// Added to the command, mm and degrees.
+    pub correction: [f64; AXES],
+    /// Shares of the tip's error, mm: of each axis by its letter, of the location errors.
+    pub contributions: Vec<(String, [f64; 3])>,
+    /// Axes beyond the end of their table.
+    pub clamped: Vec<Axis>,
+    /// Axes outside their declared travel.
+    pub out_of_travel: Vec<Axis>,
+}
+
+/// Error and correction of the machine's own model at a position; `N` axes of the step.
+///
+/// # Errors
+/// More or fewer axes than `N`; what the model refuses.
+pub fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<Found> {
     let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
     let (whole, correction, clamped) = look_up(machine, &axes, asked, passes(machine, None)?)?;
-    let mut contributions = Vec::new();
-    let mut rest = whole.tip.to_array();
-    for (own, table) in machine.axes() {
-        let mut without = machine.clone();
-        let settings =
-            without.settings.axes.iter_mut().zip(&mut without.tables).find(|(other, _)| other.axis == own.axis);
-        if let Some((settings, table)) = settings {
-            (settings.backlash, settings.thermal, *table) = (0.0, Default::default(), None);
-        }
-        if without == *machine && table.is_none() {
-            continue;
-        }
-        let (others, ..) = look_up(&without, &axes, asked, 1)?;
-        let share = std::array::from_fn(|i| whole.tip[i] - others.tip[i]);
-        rest = std::array::from_fn(|i| rest[i] - share[i]);
-        contributions.push((own.axis.letter().to_string(), share));
-    }
+    let error = |without: &Machine| Ok(look_up(without, &axes, asked, 1)?.0.tip.into());
+    let (found, rest) = shares(machine, Source::axes(machine), whole.tip.into(), error)?;
+    let mut contributions: Vec<_> = found.into_iter().map(|(source, share)| (source.name(), share)).collect();
     contributions.push((String::from("location errors"), rest));
     let mut found = Found {
         at: asked.at,

@@ -1,19 +1,41 @@
 //! The G-code of a grid: one pass after the other, back and forth.
 
-use super::arguments::Passes;
-use super::job::Job;
+use super::job::{Job, named};
 use anyhow::Result;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
-use trueaxis_metrology::helicoid::Placement;
+use trueaxis_metrology::helicoid::{Branch, Placement};
 
-/// The program in LinuxCNC's dialect, straight moves of all five axes in machine positions.
-///
-/// Every point of the grid is the end of one G1. Before the first and after the last the tool stands back along its
-/// axis; A and C turn only where the pivot is so high that the tool, however it turns, stays above the whole grid.
-pub(super) fn write(job: &Job, feed_mm_per_min: f64, clearance_mm: f64, passes: Passes) -> Result<String> {
+/// Parameter along which the passes run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Passes {
+    /// Along the helix.
+    #[default]
+    Theta,
+    /// Along the involute.
+    U,
+}
+
+impl Job {
+    /// The program in LinuxCNC's dialect, straight moves of all five axes in machine positions.
+    ///
+    /// Every point of the grid is the end of one G1. Before the first and after the last the tool stands back along its
+    /// axis; A and C turn only where the pivot is so high that the tool, however it turns, stays above the whole grid.
+    ///
+    /// # Errors
+    /// u or θ beyond the flank, by the command line's option.
+    pub fn program(&self) -> Result<String> {
+        write(self).map_err(named)
+    }
+}
+
+fn write(job: &Job) -> Result<String> {
+    let passes = job.passes;
+    let clearance_mm = job.clearance_mm;
     let (u, theta): (Vec<f64>, Vec<f64>) = (job.u.values().collect(), job.theta.values().collect());
     let (rows, columns) = if passes == Passes::Theta { (&u, &theta) } else { (&theta, &u) };
-    let mut text = header(job, passes)?;
+    let mut text = header(job)?;
     let mut before: Option<Stand> = None;
     for (index, row) in rows.iter().enumerate() {
         let name = if passes == Passes::Theta { "u" } else { "theta" };
@@ -24,7 +46,7 @@ pub(super) fn write(job: &Job, feed_mm_per_min: f64, clearance_mm: f64, passes: 
             let stand = Stand::new(job, u, theta)?;
             let feed = if before.is_none() {
                 text.push_str(&approach(job, &stand, clearance_mm)?);
-                format!(" F{feed_mm_per_min}")
+                format!(" F{}", job.feed_mm_per_min)
             } else {
                 String::new()
             };
@@ -53,7 +75,7 @@ impl Stand {
     fn new(job: &Job, u: f64, theta: f64) -> Result<Stand> {
         let axes = job.machine.place(&job.surface, u, theta, job.branch)?;
         let (sin, cos) = job.surface.tilt().sin_cos();
-        let lean = if job.branch == trueaxis_metrology::helicoid::Branch::First { -sin } else { sin };
+        let lean = if job.branch == Branch::First { -sin } else { sin };
         Ok(Stand { axes, spindle: [0.0, lean, cos] })
     }
 
@@ -85,7 +107,7 @@ fn approach(job: &Job, first: &Stand, clearance: f64) -> Result<String> {
     Ok(text)
 }
 
-fn header(job: &Job, passes: Passes) -> Result<String> {
+fn header(job: &Job) -> Result<String> {
     let mut text = String::from("(trueaxis helicoid: tool along the outward normal of an involute helicoid)\n");
     if let Some((gear, _)) = &job.gear {
         writeln!(
@@ -117,7 +139,7 @@ fn header(job: &Job, passes: Passes) -> Result<String> {
     for (name, range) in [("u", job.u), ("theta", job.theta)] {
         writeln!(text, "({name}: {} to {} rad, {} values)", range.start, range.stop, range.count)?;
     }
-    let along = if passes == Passes::Theta { "theta" } else { "u" };
+    let along = if job.passes == Passes::Theta { "theta" } else { "u" };
     writeln!(text, "(passes along {along}, back and forth, mm and degrees, machine positions, no tool length offset)")?;
     text.push_str("G21 G90 G94\nG17 G40 G49 G80\n");
     Ok(text)

@@ -1,84 +1,46 @@
-//! The inputs of `trueaxis helicoid`, checked, and its result.
+//! The result as one document, and as a table.
 
 use super::grid::Range;
-use anyhow::Result;
+use super::job::Job;
 use serde::Serialize;
-use trueaxis_metrology::helicoid::{Branch, Flank, Form, Gear, GearData, HeadTable, Helicoid, MachineSettings};
-
-/// The checked request.
-pub(crate) struct Job {
-    /// The gear and what follows from it, where the surface was given so.
-    pub(crate) gear: Option<(Gear, GearData)>,
-    pub(crate) surface: Helicoid,
-    pub(crate) settings: MachineSettings,
-    pub(crate) machine: HeadTable,
-    /// Reading and ball radius of the edge finder that gave the pivot length.
-    pub(crate) edge_finder_mm: Option<[f64; 2]>,
-    pub(crate) branch: Branch,
-    pub(crate) u: Range,
-    pub(crate) theta: Range,
-}
-
-impl Job {
-    pub(crate) fn form_name(&self) -> &'static str {
-        if self.settings.form == Form::Vertical { "vertical" } else { "horizontal" }
-    }
-
-    pub(crate) fn flank_name(&self) -> &'static str {
-        if self.surface.flank() == Flank::Right { "right flank" } else { "left flank" }
-    }
-
-    pub(crate) fn branch_number(&self) -> u8 {
-        if self.branch == Branch::First { 1 } else { 2 }
-    }
-
-    /// The grid, u the slow parameter. C is proportional to φ = u + θ and never jumps along a line of it.
-    pub(super) fn points(&self) -> Result<Vec<Point>> {
-        let mut points: Vec<Point> = Vec::with_capacity(self.u.count * self.theta.count);
-        for u_rad in self.u.values() {
-            for theta_rad in self.theta.values() {
-                let axes = self.machine.place(&self.surface, u_rad, theta_rad, self.branch)?;
-                // Adding 0 turns a −0 into 0.
-                let [x_mm, y_mm, z_mm] = axes.linear_mm.map(|value| value + 0.0);
-                points.push(Point {
-                    u_rad,
-                    theta_rad,
-                    x_mm,
-                    y_mm,
-                    z_mm,
-                    a_deg: axes.a_deg + 0.0,
-                    c_deg: axes.c_deg + 0.0,
-                });
-            }
-        }
-        Ok(points)
-    }
-}
+use std::fmt::Write;
+use trueaxis_metrology::helicoid::{Flank, GearData};
 
 /// One row of the result.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Point {
-    pub(crate) u_rad: f64,
-    pub(crate) theta_rad: f64,
-    pub(crate) x_mm: f64,
-    pub(crate) y_mm: f64,
-    pub(crate) z_mm: f64,
-    pub(crate) a_deg: f64,
-    pub(crate) c_deg: f64,
+pub struct Point {
+    /// Roll angle u, rad.
+    pub u_rad: f64,
+    /// Angle θ, rad.
+    pub theta_rad: f64,
+    /// X, mm.
+    pub x_mm: f64,
+    /// Y, mm.
+    pub y_mm: f64,
+    /// Z, mm.
+    pub z_mm: f64,
+    /// A, degrees.
+    pub a_deg: f64,
+    /// C, degrees; counts on over full turns.
+    pub c_deg: f64,
 }
 
-/// The result as one document; the page carries the same.
-#[derive(Serialize)]
-pub(crate) struct Document {
-    pub(crate) inputs: Inputs,
-    pub(crate) surface: Surface,
+/// The result as one document.
+#[derive(Clone, Debug, Serialize)]
+pub struct Document {
+    /// What was asked for.
+    pub inputs: Inputs,
+    /// The flank.
+    pub surface: Surface,
     /// Null where the base cylinder was given.
-    pub(crate) gear: Option<DerivedGear>,
-    pub(crate) points: Vec<Point>,
+    pub gear: Option<DerivedGear>,
+    /// The grid, u the slow parameter.
+    pub points: Vec<Point>,
 }
 
-#[derive(Serialize)]
-pub(crate) struct Inputs {
+/// What was asked for, defaults included; null what was not given.
+#[derive(Clone, Debug, Serialize)]
+pub struct Inputs {
     form: &'static str,
     flank: &'static str,
     branch: u8,
@@ -96,8 +58,9 @@ pub(crate) struct Inputs {
     helix_angle_deg: Option<f64>,
 }
 
-#[derive(Serialize)]
-pub(crate) struct Surface {
+/// The flank by its base cylinder and lead.
+#[derive(Clone, Debug, Serialize)]
+pub struct Surface {
     base_radius_mm: f64,
     lead_parameter_mm_per_rad: f64,
     lead_mm: f64,
@@ -105,8 +68,9 @@ pub(crate) struct Surface {
     tilt_deg: f64,
 }
 
-#[derive(Serialize)]
-pub(crate) struct DerivedGear {
+/// What follows from a gear's data.
+#[derive(Clone, Debug, Serialize)]
+pub struct DerivedGear {
     transverse_module_mm: f64,
     transverse_pressure_angle_deg: f64,
     reference_radius_mm: f64,
@@ -133,7 +97,9 @@ impl From<&GearData> for DerivedGear {
 }
 
 impl Document {
-    pub(super) fn new(job: &Job, points: Vec<Point>) -> Document {
+    /// The document of a request and the points that were computed for it; without points for a window that asks for them
+    /// one by one.
+    pub fn new(job: &Job, points: Vec<Point>) -> Document {
         let gear = job.gear.as_ref();
         let inputs = Inputs {
             form: job.form_name(),
@@ -160,4 +126,14 @@ impl Document {
         };
         Document { inputs, surface, gear: gear.map(|(_, data)| data.into()), points }
     }
+}
+
+/// The table of the points, as the command line prints it.
+pub fn csv(points: &[Point]) -> String {
+    let mut text = String::from("u_rad,theta_rad,x_mm,y_mm,z_mm,a_deg,c_deg\n");
+    for Point { u_rad, theta_rad, x_mm, y_mm, z_mm, a_deg, c_deg } in points {
+        // Writing into a string never fails.
+        let _ = writeln!(text, "{u_rad},{theta_rad},{x_mm},{y_mm},{z_mm},{a_deg},{c_deg}");
+    }
+    text
 }

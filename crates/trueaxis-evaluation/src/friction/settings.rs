@@ -1,12 +1,15 @@
 //! What was found as sections of a `machine.toml`.
 
+use anyhow::{Result, anyhow};
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis_metrology::friction::{Figure, Identified};
 use trueaxis_report::number::significant;
+use trueaxis_tables::merge_sections;
 
-/// The text of the file.
-pub(super) fn text(record: &Path, found: &[Identified]) -> String {
+/// The sections `[axis.X.friction]` and, where they were found, `[axis.X.drive]`, as `machine.toml` has them, with the
+/// standard error behind each figure; `record` is named in the first line.
+pub fn sections(record: &Path, found: &[Identified]) -> String {
     let mut text = format!(
         "# Friction found in {} by `trueaxis friction`; behind ± the standard error, which is not read.\n",
         record.file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, " ")
@@ -35,6 +38,14 @@ pub(super) fn text(record: &Path, found: &[Identified]) -> String {
         put("viscous", axis.viscous, 1.0);
     }
     text
+}
+
+/// The text of a `machine.toml`, called `file` in the error, with [`sections`] in it; everything else stays as it is.
+///
+/// # Errors
+/// An axis that the machine has not got, figures that its tables' reader refuses.
+pub fn merged(machine_toml: &str, file: &Path, sections: &str) -> Result<String> {
+    merge_sections(machine_toml, sections).map_err(|error| anyhow!("{}: {error}", file.display()))
 }
 
 /// A key with its value to six digits, and what is known about it.

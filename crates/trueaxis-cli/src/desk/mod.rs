@@ -1,0 +1,55 @@
+//! `trueaxis desk`.
+
+#[cfg(feature = "desk")]
+mod page;
+#[cfg(feature = "desk")]
+mod server;
+
+use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
+
+pub(crate) const HELP: &str = "\
+The desk is one page that works without a network: it runs the code of these commands and of the simulator in the browser, on
+files that are dropped into it and stay on this computer. Its figures are those that the command line prints.
+
+  machine     tables plotted and edited, accuracy after ISO 230-2, volumetric error over the working volume
+  servo       a part program through the real step against simulated drives, settings and faults in motion
+  helicoid    the five axes of an involute flank, and the tool on it
+  roundness   three probes: profile, spindle, harmonics, probe angles
+  friction    friction and drives from recorded circles, the spikes before and after
+
+It is served to this computer alone (127.0.0.1) until Ctrl-C, or written as a file that a browser opens from the disk.
+
+Examples:
+  trueaxis desk                       open the address that it prints
+  trueaxis desk --port 9000           at that port or not at all
+  trueaxis desk --write desk.html     the page as a file, to keep or to pass on";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Port to serve at; 0 takes any free one [default: 8471, or any free one where that is taken].
+    #[arg(long, value_name = "P", conflicts_with = "write")]
+    port: Option<u16>,
+    /// Write the page into a file and serve nothing.
+    #[arg(long, value_name = "HTML")]
+    write: Option<PathBuf>,
+}
+
+/// Refused: how to get the page.
+#[cfg(not(feature = "desk"))]
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let Arguments { port: _, write: _ } = arguments;
+    anyhow::bail!(
+        "desk: found a trueaxis that was built without the page, needed one of `desk/build.sh` and then `cargo install --path \
+         crates/trueaxis-cli --features desk`"
+    )
+}
+
+#[cfg(feature = "desk")]
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let Some(file) = &arguments.write else { return server::serve(arguments.port) };
+    let mut outputs = trueaxis_tables::output::Outputs::of(std::env::current_exe());
+    outputs.put(file, &page::plain()?)?;
+    Ok(outputs.commit()?)
+}

@@ -1,0 +1,137 @@
+//! `trueaxis desk` as it is called.
+#![cfg(unix)]
+
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
+
+#[test]
+#[cfg(not(feature = "desk"))]
+fn without_the_page_it_says_how_to_get_it() {
+    for arguments in [&["desk"][..], &["desk", "--write", "desk.html"]] {
+        Folder::new(TRUEAXIS).bad(arguments, &["built without the page", "desk/build.sh", "--features desk"]);
+    }
+}
+
+#[test]
+fn a_port_has_no_meaning_for_a_file() {
+    Folder::new(TRUEAXIS).bad(&["desk", "--port", "9000", "--write", "desk.html"], &["cannot be used with"]);
+    Folder::new(TRUEAXIS).bad(&["desk", "--port", "70000"], &["70000"]);
+}
+
+#[cfg(feature = "desk")]
+mod served {
+    use super::{Folder, TRUEAXIS};
+    use std::fs;
+    use std::io::{BufRead, BufReader, Read, Write};
+    use std::net::{Ipv4Addr, TcpListener, TcpStream};
+    use std::process::{Child, Command, Stdio};
+
+    /// The page as it was given to the build.
+    fn page() -> Vec<u8> {
+        fs::read(env!("TRUEAXIS_DESK_PAGE")).unwrap()
+    }
+
+    /// A desk under way and its port.
+    struct Desk {
+        child: Child,
+        port: u16,
+    }
+
+    impl Desk {
+        fn open(arguments: &[&str]) -> Desk {
+            let folder = Folder::new(TRUEAXIS);
+            let mut command = folder.command(&[&["desk"], arguments].concat());
+            let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+            let mut line = String::new();
+            BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+            let port = line.trim().strip_prefix("http://127.0.0.1:").and_then(|rest| rest.strip_suffix('/'));
+            Desk { child, port: port.unwrap_or_else(|| panic!("{line}")).parse().unwrap() }
+        }
+
+        /// Status, headers in lower case, body.
+        fn ask(&self, method: &str, path: &str, headers: &str) -> (u16, String, Vec<u8>) {
+            let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).unwrap();
+            write!(stream, "{method} {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n").unwrap();
+            let mut answer = Vec::new();
+            stream.read_to_end(&mut answer).unwrap();
+            let end = answer.windows(4).position(|four| four == b"\r\n\r\n").unwrap();
+            let head = String::from_utf8(answer[..end].to_vec()).unwrap().to_lowercase();
+            let status = head.split(' ').nth(1).unwrap().parse().unwrap();
+            (status, head, answer[end + 4..].to_vec())
+        }
+
+        fn host(&self) -> String {
+            format!("Host: 127.0.0.1:{}\r\n", self.port)
+        }
+
+        fn interrupt(mut self) -> Option<i32> {
+            assert!(Command::new("kill").args(["-INT", &self.child.id().to_string()]).status().unwrap().success());
+            self.child.wait().unwrap().code()
+        }
+    }
+
+    impl Drop for Desk {
+        fn drop(&mut self) {
+            let _ = self.child.kill();
+        }
+    }
+
+    #[test]
+    fn the_page_is_served_with_strict_headers_until_it_is_interrupted() {
+        let desk = Desk::open(&["--port", "0"]);
+        let (status, head, body) = desk.ask("GET", "/", &desk.host());
+        assert_eq!((status, body == page()), (200, true), "{head}");
+        for line in [
+            "content-security-policy: default-src 'none';",
+            "x-content-type-options: nosniff",
+            "cache-control: no-store",
+            "content-type: text/html; charset=utf-8",
+        ] {
+            assert!(head.contains(line), "{line} in {head}");
+        }
+        assert!(!head.contains("content-encoding"), "{head}");
+
+        let (status, head, body) = desk.ask("GET", "/", &format!("{}Accept-Encoding: br, gzip\r\n", desk.host()));
+        assert_eq!((status, &body[..2]), (200, &[0x1f, 0x8b][..]), "{head}");
+        assert!(head.contains("content-encoding: gzip"), "{head}");
+        let refused = format!("{}Accept-Encoding: gzip;q=0\r\n", desk.host());
+        assert_eq!(desk.ask("GET", "/", &refused).2, page());
+        assert!(desk.ask("HEAD", "/", &desk.host()).2.is_empty());
+        assert_eq!(desk.interrupt(), Some(0));
+    }
+
+    #[test]
+    fn nothing_else_is_served_and_to_no_other_site() {
+        let desk = Desk::open(&["--port", "0"]);
+        for path in ["/index.html", "/desk.html", "/../Cargo.toml", "//", "/?x"] {
+            assert_eq!(desk.ask("GET", path, &desk.host()).0, 404, "{path}");
+        }
+        assert_eq!(desk.ask("POST", "/", &format!("{}Content-Length: 0\r\n", desk.host())).0, 405);
+        let own = desk.host();
+        for host in ["Host: example.org\r\n", "Host: 127.0.0.1\r\n", "Host: 127.0.0.1:1\r\n", "", &own.repeat(2)] {
+            let (status, head, body) = desk.ask("GET", "/", host);
+            assert_eq!(status, 421, "{host}");
+            assert!(head.contains("content-security-policy") && body != page(), "{host}");
+        }
+        assert_eq!(desk.ask("GET", "/", &format!("Host: localhost:{}\r\n", desk.port)).0, 200);
+    }
+
+    #[test]
+    fn a_port_that_is_taken_is_refused_where_it_was_asked_for() {
+        let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let port = taken.local_addr().unwrap().port().to_string();
+        Folder::new(TRUEAXIS).bad(&["desk", "--port", &port], &["--port: found", "which another program serves at"]);
+        // Two desks beside each other: the second finds the usual port taken.
+        let [one, other] = [Desk::open(&[]), Desk::open(&[])];
+        assert_ne!(one.port, other.port);
+    }
+
+    #[test]
+    fn the_page_is_written_as_it_is() {
+        let folder = Folder::new(TRUEAXIS);
+        assert_eq!(folder.good(&["desk", "--write", "out/desk.html"]), "");
+        assert_eq!(fs::read(folder.join("out/desk.html")).unwrap(), page());
+        folder.bad(&["desk", "--write", TRUEAXIS], &["an input is never written"]);
+    }
+}

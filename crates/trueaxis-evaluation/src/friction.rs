@@ -1,1 +1,0 @@
-//! Friction of two axes and their drives' figures from recorded circles.

@@ -1,0 +1,180 @@
+//! The result as a document.
+
+use serde::Serialize;
+use trueaxis_metrology::friction::{Figure, Identified, Record, Size};
+
+/// Friction and drives of a record.
+#[derive(Clone, Debug, Serialize)]
+pub struct Document {
+    /// Samples of the record.
+    pub samples: usize,
+    /// Time between two of them, s.
+    pub period_s: f64,
+    /// Both axes, in the order in which they were asked for.
+    pub axes: Vec<AxisFound>,
+    /// Figures that the record does not tell, and what they are held at.
+    pub warnings: Vec<String>,
+}
+
+/// One axis.
+#[derive(Clone, Debug, Serialize)]
+pub struct AxisFound {
+    /// Its letter.
+    pub axis: String,
+    /// Its friction.
+    pub friction: Friction<f64>,
+    /// Its drive.
+    pub drive: Drive<f64>,
+    /// Whether the drive's figures were found in the record; else they are the machine's.
+    pub drive_found: bool,
+    /// Null where a figure was held and not fitted.
+    pub standard_errors: Errors,
+    /// By how much the reading is later than the drive's own lag, s.
+    pub reading_lag_s: f64,
+    /// Spikes at the reversals, µm.
+    pub glitch_um: Glitch,
+    /// Share of the spikes' mean square that the model explains.
+    pub explained: f64,
+    /// Root mean square of what the fit leaves, µm.
+    pub residual_um: f64,
+    /// Parameters fitted.
+    pub fitted: usize,
+    /// Condition number of the fit.
+    pub condition: f64,
+    /// Reversals in motion.
+    pub reversals: usize,
+}
+
+/// Figures of friction; keys as in `machine.toml`.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Friction<T> {
+    /// F_c/K_vp, mm/s.
+    pub coulomb_mm_per_s: T,
+    /// z, µm.
+    pub presliding_um: T,
+    /// s.
+    pub stribeck_share: T,
+    /// v_s, mm/s.
+    pub stribeck_velocity_mm_per_s: T,
+    /// d/K_vp.
+    pub viscous: T,
+}
+
+/// Figures of a drive; keys as in `machine.toml`.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Drive<T> {
+    /// K_v, 1/s.
+    pub position_gain_per_s: T,
+    /// K_vp, 1/s.
+    pub velocity_gain_per_s: T,
+    /// τ, s.
+    pub reset_time_s: T,
+    /// k_ff.
+    pub velocity_feed_forward: T,
+    /// Between a command and the position loop, s.
+    pub dead_time_s: T,
+}
+
+/// Standard errors; none where a figure was held and not fitted.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Errors {
+    /// Those of friction.
+    #[serde(flatten)]
+    pub friction: Friction<Option<f64>>,
+    /// Those of the drive.
+    #[serde(flatten)]
+    pub drive: Drive<Option<f64>>,
+}
+
+/// Spikes at the reversals, µm.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Glitch {
+    /// As recorded.
+    pub before: Deviation,
+    /// As the model gives them.
+    pub predicted: Deviation,
+    /// As they are to be expected with the feed-forward.
+    pub after: Deviation,
+}
+
+/// Size of a deviation, µm.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Deviation {
+    /// Largest magnitude.
+    pub max: f64,
+    /// Root mean square.
+    pub rms: f64,
+}
+
+impl From<Size> for Deviation {
+    fn from(size: Size) -> Deviation {
+        Deviation { max: 1e3 * size.largest, rms: 1e3 * size.rms }
+    }
+}
+
+fn friction<T>(found: &Identified, of: impl Fn(Figure, f64) -> T) -> Friction<T> {
+    Friction {
+        coulomb_mm_per_s: of(found.coulomb_per_s, 1.0),
+        presliding_um: of(found.presliding, 1e3),
+        stribeck_share: of(found.stribeck_share, 1.0),
+        stribeck_velocity_mm_per_s: of(found.stribeck_velocity_per_s, 1.0),
+        viscous: of(found.viscous, 1.0),
+    }
+}
+
+fn axis(found: &Identified) -> AxisFound {
+    let drive = &found.drive;
+    let errors = found.drive_errors.map(|errors| errors.map(Some)).unwrap_or_default();
+    let [position_gain_per_s, velocity_gain_per_s, reset_time_s, velocity_feed_forward] = errors;
+    let lag = found.reading_lag_s;
+    let dead_time_s = lag.standard_error.filter(|_| found.drive_errors.is_some());
+    AxisFound {
+        axis: found.axis.letter().to_string(),
+        friction: friction(found, |figure, scale| scale * figure.value),
+        drive: Drive {
+            position_gain_per_s: drive.position_gain_per_s,
+            velocity_gain_per_s: drive.velocity_gain_per_s,
+            reset_time_s: drive.reset_time_s,
+            velocity_feed_forward: drive.velocity_feed_forward,
+            dead_time_s: drive.dead_time_s,
+        },
+        drive_found: found.drive_errors.is_some(),
+        standard_errors: Errors {
+            friction: friction(found, |figure, scale| figure.standard_error.map(|error| scale * error)),
+            drive: Drive { position_gain_per_s, velocity_gain_per_s, reset_time_s, velocity_feed_forward, dead_time_s },
+        },
+        reading_lag_s: lag.value,
+        glitch_um: Glitch {
+            before: found.glitch.before.into(),
+            predicted: found.glitch.predicted.into(),
+            after: found.glitch.after.into(),
+        },
+        explained: found.glitch.explained,
+        residual_um: 1e3 * found.residual_rms,
+        fitted: found.fitted,
+        condition: found.condition,
+        reversals: found.reversals,
+    }
+}
+
+impl Document {
+    /// The document of what was found in a record.
+    pub fn new(record: &Record, found: &[Identified]) -> Document {
+        let axes: Vec<AxisFound> = found.iter().map(axis).collect();
+        let mut warnings = Vec::new();
+        for own in &axes {
+            let letter = &own.axis;
+            for (held, name, value) in [
+                (own.standard_errors.friction.stribeck_share.is_none(), "Stribeck share", "0"),
+                (own.standard_errors.friction.stribeck_velocity_mm_per_s.is_none(), "Stribeck velocity", "2 mm/s"),
+                (own.standard_errors.friction.viscous.is_none(), "viscous friction", "0"),
+            ] {
+                if held {
+                    warnings
+                        .push(format!("axis {letter}: the record does not tell the {name}, which is held at {value}"));
+                }
+            }
+        }
+        Document { samples: record.axes[0].command.len(), period_s: record.period_s, axes, warnings }
+    }
+}

@@ -1,0 +1,97 @@
+//! Friction of two axes and their drives' figures from recorded circles.
+//!
+//! ```text
+//! CSV ─► Recording ─► fit ─► Document, sections of a machine.toml, merged machine.toml, curves
+//! ```
+//!
+//! The mathematics is [`trueaxis_metrology::friction`]; here are the texts around it: a record with its lines, what is
+//! reported, what is written.
+
+mod curves;
+mod document;
+mod recording;
+mod settings;
+
+pub use curves::{CircleCurves, SpikeCurves, Trace, circles, spikes};
+pub use document::{AxisFound, Deviation, Document, Drive, Errors, Friction, Glitch};
+pub use recording::{Recording, columns};
+pub use settings::{merged, sections};
+
+use anyhow::{Result, anyhow};
+use serde::{Deserialize, Deserializer};
+use trueaxis::Axis;
+use trueaxis::machine::DriveFigures;
+use trueaxis_metrology::friction::{Identified, Progress, identify};
+use trueaxis_tables::Machine;
+
+/// What is asked for beside the record and the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    /// The two axes of the circles' plane, in its sense; as text `"X,Y"`.
+    #[serde(deserialize_with = "axes")]
+    pub axes: [Axis; 2],
+    /// Whether the drives' figures are found even where the machine states them.
+    #[serde(default)]
+    pub find_drive: bool,
+}
+
+fn axes<'de, D: Deserializer<'de>>(from: D) -> Result<[Axis; 2], D::Error> {
+    pair(&String::deserialize(from)?).map_err(serde::de::Error::custom)
+}
+
+/// Two different linear axes from `X,Y`.
+///
+/// # Errors
+/// What was found and what is needed.
+///
+/// ```
+/// use trueaxis::Axis;
+/// assert_eq!(trueaxis_evaluation::friction::pair("Z, x"), Ok([Axis::Z, Axis::X]));
+/// assert!(trueaxis_evaluation::friction::pair("X,X").is_err());
+/// ```
+pub fn pair(text: &str) -> Result<[Axis; 2], String> {
+    let needed = || format!("found {text:?}, needed two of X, Y and Z with a comma between");
+    let axis = |part: &str| match part.trim() {
+        "X" | "x" => Ok(Axis::X),
+        "Y" | "y" => Ok(Axis::Y),
+        "Z" | "z" => Ok(Axis::Z),
+        _ => Err(needed()),
+    };
+    let (first, second) = text.split_once(',').ok_or_else(needed)?;
+    let axes = [axis(first)?, axis(second)?];
+    if axes[0] == axes[1] { Err(needed()) } else { Ok(axes) }
+}
+
+/// The drives' figures that a machine states for the recorded axes; `name` names the machine in the error.
+///
+/// # Errors
+/// An axis that the machine has not got.
+pub fn drives(machine: &Machine, name: &str, axes: [Axis; 2]) -> Result<[Option<DriveFigures>; 2]> {
+    let mut given = [None; 2];
+    for (figures, axis) in given.iter_mut().zip(axes) {
+        let Some(own) = machine.settings.axis(axis) else {
+            return Err(anyhow!("{name}: found no axis {}, needed the axes that were recorded", axis.letter()));
+        };
+        *figures = own.servo.drive;
+    }
+    Ok(given)
+}
+
+/// Friction, drives and the document of a record; `given` are the drives' figures where they are known, `progress` is told
+/// the axis and the number of steps of its fits so far.
+///
+/// # Errors
+/// A record that tells nothing ([`trueaxis_metrology::friction::Refused`]), with the name of its file.
+///
+/// Cost: [`identify`], some seconds for a minute of 10 kHz.
+pub fn fit(
+    recording: &Recording,
+    given: [Option<DriveFigures>; 2],
+    progress: &mut Progress<'_>,
+) -> Result<([Identified; 2], Document)> {
+    let found = identify(&recording.record, given, progress)
+        .map_err(|refused| anyhow!("{}: {refused}", recording.file.display()))?;
+    let document = Document::new(&recording.record, &found);
+    Ok((found, document))
+}

@@ -1,1 +1,0 @@
-//! Involute helicoids on five axes: inputs, grid, program.

@@ -1,0 +1,81 @@
+//! A machine's error model in memory.
+
+use anyhow::{Result, anyhow};
+use trueaxis::Axis;
+use trueaxis::check;
+use trueaxis::compensation::{Compensation, ThermalLine, requirement};
+use trueaxis::machine::{AxisSettings, ErrorModel};
+use trueaxis_tables::{Machine, Table};
+
+/// Builds the model that the machine's settings name and lends it out; `passes` of the exact inverse, 1 to 8.
+///
+/// # Errors
+/// What [`Compensation::build`] refuses, and what `user` does.
+pub fn with_compensation<const N: usize, T>(
+    machine: &Machine,
+    passes: u8,
+    user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> Result<T>,
+) -> Result<T> {
+    let rows = |axis: Axis| machine.rows(axis);
+    let mut memory = vec![0.0; requirement(&machine.settings, rows)];
+    let compensation =
+        Compensation::build(&machine.settings, rows, passes, &mut memory).map_err(|error| anyhow!("{error}"))?;
+    user(&compensation)
+}
+
+/// Calls a function generic over the number of axes of the step with that number.
+#[macro_export]
+macro_rules! by_axes {
+    ($count:expr, $($function:ident)::+ ($($argument:expr),*)) => {
+        match $count {
+            3 => $($function)::+::<3>($($argument),*),
+            4 => $($function)::+::<4>($($argument),*),
+            5 => $($function)::+::<5>($($argument),*),
+            _ => $($function)::+::<6>($($argument),*),
+        }
+    };
+}
+
+/// Look-ups of the exact inverse: those asked for, or as many as the machine needs.
+///
+/// # Errors
+/// The machine needs more than 8, or its errors are too steep for any number.
+pub fn passes(machine: &Machine, asked: Option<u8>) -> Result<u8> {
+    let needed = || check::machine_passes(&machine.settings, |axis| machine.rows(axis));
+    asked.map_or_else(needed, Ok).map_err(|error| anyhow!("{error}"))
+}
+
+/// Thermal growth of the axes of the step, `kelvin` above the machine's reference temperature.
+pub fn thermal<const N: usize>(machine: &Machine, axes: &[Axis; N], kelvin: f64) -> [ThermalLine<f64>; N] {
+    axes.map(|axis| {
+        let own = machine.settings.axis(axis);
+        own.and_then(|own| ThermalLine::for_axis(&own.thermal, kelvin)).unwrap_or_default()
+    })
+}
+
+/// Whether all axes' growth at `kelvin` above the reference temperature is one that the step takes: at most 10 mm and 1e-3.
+pub fn takes_rise(machine: &Machine, kelvin: f64) -> bool {
+    machine.settings.axes.iter().all(|own| ThermalLine::<f64>::for_axis(&own.thermal, kelvin).is_some())
+}
+
+/// Range of an axis, mm or degrees: its declared travel, or that of its table where none is declared.
+pub fn range(own: &AxisSettings, table: Option<&Table>) -> [f64; 2] {
+    let rows = table.map(|table| table.rows.as_slice()).and_then(|rows| rows.first().zip(rows.last()));
+    match rows {
+        Some((first, last)) if !is_declared(own) => [first.position, last.position],
+        _ => own.travel,
+    }
+}
+
+/// Whether the machine's description states the travel of the axis.
+pub fn is_declared(own: &AxisSettings) -> bool {
+    own.travel != AxisSettings::with_defaults(own.axis, false).travel
+}
+
+/// The machine's error model as a description has it: `nine` or `volumetric`.
+pub fn name(model: ErrorModel) -> &'static str {
+    match model {
+        ErrorModel::Nine => "nine",
+        ErrorModel::Volumetric => "volumetric",
+    }
+}

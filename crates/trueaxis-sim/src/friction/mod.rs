@@ -1,0 +1,42 @@
+//! Friction from circles, the whole round on the simulated machine: record, find, configure, record again.
+//!
+//! ```text
+//! Circles ─► Recorder ─► Pass ─► sent() ─► identify ─► configured() ─► Recorder ─► Pass ─► Outcome
+//! ```
+//!
+//! The search for the figures is [`trueaxis_metrology::friction::identify`], which knows nothing of the plant.
+
+mod circles;
+mod outcome;
+
+pub use circles::{Circles, Pass, Plane, Recorder};
+pub use outcome::{AxisOutcome, Deviation, Figures, Outcome, Pair, Spikes};
+
+use crate::error::SimError;
+use trueaxis::machine::DynamicSettings;
+use trueaxis_metrology::friction::{Identified, Refused};
+use trueaxis_tables::Machine;
+
+/// The machine with the friction and drives found, and nothing else that acts on the servo.
+pub fn configured(mut machine: Machine, found: &[Identified; 2]) -> Machine {
+    for own in &mut machine.settings.axes {
+        let identified = found.iter().find(|found| found.axis == own.axis);
+        own.servo.friction = identified.map(|found| found.friction);
+        if let Some(found) = identified {
+            own.servo.drive = Some(found.drive);
+        }
+        let limits = own.servo.dynamic.unwrap_or(DynamicSettings::with_defaults(own.axis)).limits;
+        own.servo.dynamic =
+            identified.map(|_| DynamicSettings { limits, lag: false, acceleration: false, take_up: false });
+    }
+    machine.settings.contour.feedback = None;
+    machine.settings.crosstalk.clear();
+    machine
+}
+
+impl SimError {
+    /// A record `of` something that is refused.
+    fn friction(of: &'static str) -> impl Fn(Refused) -> SimError {
+        move |error| SimError::Friction { of, error }
+    }
+}
