@@ -134,7 +134,7 @@ export class Plot {
       height: options.height ?? 200,
       cursor: { ...(options.sync ? { sync: { key: options.sync, setSeries: false } } : {}), drag: { x: true, y: false } },
       legend: { show: true, live: false },
-      scales: { x: { time: false }, ...(options.range ? { y: { range: options.range } } : {}), ...(options.logarithmic ? { y: { distr: 3 } } : {}) },
+      scales: { x: { time: false, ...(options.series.some((one) => one.bars) ? { range: (_plot, low, high) => [low - 0.6, high + 0.6] } : {}) }, ...(options.range ? { y: { range: options.range } } : {}), ...(options.logarithmic ? { y: { distr: 3 } } : {}) },
       axes: [axis(options.x, 36), axis(options.y, 56)],
       series: [{ label: options.x }, ...options.series.map((one) => this.series(one))],
       hooks: {

@@ -48,7 +48,7 @@ export class Angles {
       el("div", { class: "beside" }, this.picture, el("div", {}, this.controls.root, this.said, el("div", { class: "row" }, take, give))),
       place,
       el("div", { class: "row" }, this.count.root, this.start, this.progress),
-      el("p", { class: "said" }, "The search looks at all pairs of slots: at once up to N = 512, about a second for 1024, some ten for 2048, minutes for 4096."),
+      el("p", { class: "said" }, "The search looks at all pairs of slots: at once up to N = 1024, about a second for 4096, longer with a wide band. It can be stopped."),
       this.found,
       this.command.root,
     );

@@ -29,6 +29,7 @@ export class Infeed {
   private readonly figures = el("div", { class: "tables" });
   private readonly start: HTMLButtonElement;
   private readonly command = commandLine("The same on the command line:");
+  private readonly plots: HTMLElement;
   private run = 0;
   /** What the figures belong to, until something is changed. */
   private ground: string | undefined;
@@ -54,11 +55,12 @@ export class Infeed {
     const options = { x: "revolution", series, sync: "ground", height: 240 };
     this.roundness = new Plot(one, { ...options, title: "Roundness of the ground pin", y: "peak to valley / µm" });
     this.imprint = new Plot(other, { ...options, title: "Imprint of the spindle in the corrected band", y: "root mean square / µm" });
+    this.plots = el("div", { class: "pair", hidden: true }, one, other);
     this.root = section(
       "Infeed correction",
       el("p", {}, "A crankpin is ground twice from the same seed: the gauge of three probes measures while the servo step runs, and in the second run its infeed corrects what it saw in earlier revolutions."),
       group("Grinding", this.of.root, ...Object.values(this.fields).map((of) => of.root), this.start, this.progress),
-      el("div", { class: "pair" }, one, other),
+      this.plots,
       this.figures,
       this.command.root,
     );
@@ -103,6 +105,7 @@ export class Infeed {
       await runs.call("grinding_open", files, JSON.stringify(request));
       this.ground = this.command.text();
       this.figures.replaceChildren();
+      this.plots.hidden = false;
       let cycles = 2000;
       let share = 0;
       while (share < 1) {

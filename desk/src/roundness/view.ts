@@ -63,9 +63,9 @@ class Roundnesses {
       button("Save these readings", () => save(this.source.name, this.shownText, "text/csv")),
       el("span", { class: "said" }, "or drop a file here: h1_um,h2_um,h3_um of three probes, with or without theta_deg, or x_mm,y_mm of a trace"),
     );
-    const found = el("div", { class: "found" }, this.about, this.notes, this.results.tables, this.polar.ticks);
+    const found = el("div", { class: "found" }, this.about, this.notes, this.polar.ticks, this.results.tables);
     root.append(
-      section("Readings", bar, this.settings.root, el("div", { class: "columns" }, this.polar.root, found), this.command.root),
+      section("Readings", bar, el("div", { class: "desk" }, this.settings.root, this.polar.root, found), this.command.root),
       this.results.root,
       this.angles.root,
       this.infeed.root,
@@ -171,5 +171,9 @@ export const view: View = {
   },
   shown: () => void shown?.refresh(),
   state: () => shown?.state,
-  open: async (state) => shown?.open(state as State),
+  open: async (state) => {
+    const kept = state as Partial<State> | null;
+    if (!kept?.source || !kept.request || !kept.hidden || !kept.angles || !kept.infeed) throw new Error("roundness: found a state without readings and settings, needed one that this page saved");
+    await shown?.open(kept as State);
+  },
 };
