@@ -157,7 +157,10 @@ mod tests {
         for (rest, said) in [
             (r#""u_rad":"0:1:0","theta_rad":"0:1:2"}"#, "--u-rad: found COUNT 0, needed 1 to 1000000"),
             (r#""u_rad":"-1:1:3","theta_rad":"0:1:2"}"#, "--u-rad: found -1, needed u >= 0 on the right flank"),
-            (r#""u_rad":"0:1:3","theta_rad":"0:1:2","teeth":3}"#, "found both --base-radius-mm and --teeth, needed either base radius and lead parameter or a gear"),
+            (
+                r#""u_rad":"0:1:3","theta_rad":"0:1:2","teeth":3}"#,
+                "found both --base-radius-mm and --teeth, needed either base radius and lead parameter or a gear",
+            ),
         ] {
             assert_eq!(document(&format!("{BASE}{rest}")).unwrap_err().to_string(), said);
         }

@@ -59,8 +59,7 @@ pub fn flank(job: &Job, machine: &Machine, along: Passes, held: f64, count: usiz
     let fit = fit(job, &machine.settings);
     let positions = if fit.fits { own(job, &places)? } else { inverse(job, machine, &places)? };
     let travels = travels(&positions);
-    let corrections =
-        by_axes!(machine.settings.step_axes().count(), corrections(machine, &positions, &travels))?;
+    let corrections = by_axes!(machine.settings.step_axes().count(), corrections(machine, &positions, &travels))?;
     let geometry = Geometry::new(machine, 0.0).map_err(|error| anyhow!("{error}"))?;
     let mut flanked = Flanked {
         fit,
@@ -103,8 +102,10 @@ pub fn flank(job: &Job, machine: &Machine, along: Passes, held: f64, count: usiz
 
 impl Errors {
     fn push(&mut self, values: [f64; 3]) {
-        for ((list, largest), value) in
-            [&mut self.tip_um, &mut self.normal_um, &mut self.direction_urad].into_iter().zip(&mut self.largest).zip(values)
+        for ((list, largest), value) in [&mut self.tip_um, &mut self.normal_um, &mut self.direction_urad]
+            .into_iter()
+            .zip(&mut self.largest)
+            .zip(values)
         {
             list.push(value);
             *largest = largest.max(value.abs());

@@ -1,7 +1,7 @@
 //! The flank as points to draw, and displacements along a line of it.
 
-use super::job::{Job, five};
 use super::grid::Range;
+use super::job::{Job, five};
 use super::program::Passes;
 use anyhow::{Result, ensure};
 use std::f64::consts::TAU;

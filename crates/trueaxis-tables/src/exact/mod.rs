@@ -45,7 +45,7 @@ use crate::Machine;
 use carriage::{Carriage, unit};
 use chain::structural_code;
 pub use correction::CorrectionSettings;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use rotation::{rotation, rotation_vector};
 use thiserror::Error;
 use trueaxis::machine::AXES;
