@@ -48,7 +48,8 @@ fn circles_lie_in_their_plane() {
             assert!((radius - 8.0037).abs() < 0.03, "{radius} mm in cycle {k}, {plane:?}");
         }
         // Counterclockwise at first: from the first axis to the second.
-        let turn = |k: usize| (first[k] - a) * (second[k + 1] - second[k]) - (second[k] - b) * (first[k + 1] - first[k]);
+        let turn =
+            |k: usize| (first[k] - a) * (second[k + 1] - second[k]) - (second[k] - b) * (first[k + 1] - first[k]);
         let moving: Vec<f64> = (start..first.len() - 1).map(turn).filter(|area| area.abs() > 0.05).collect();
         assert!(moving[100] > 0.0 && *moving.last().unwrap() < 0.0, "{plane:?}");
     }
