@@ -2,8 +2,8 @@
 
 use crate::machine_arg::read_machine;
 use crate::program_args::ProgramArgs;
-use crate::settings_args::SettingsArgs;
-use anyhow::Result;
+use crate::settings_args::{ActArgs, SettingsArgs};
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use trueaxis::machine::ErrorModel;
@@ -66,13 +66,28 @@ impl ScenarioArgs {
     }
 }
 
+/// The scenario of a command under which nothing is switched or exchanged.
 pub(crate) fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
-    let mut settings = args.settings.settings(faults)?;
+    let scenario = prepare_with(args, &ActArgs::faults(faults))?;
+    match scenario.settings.events.events.first() {
+        Some(event) => bail!("--scenario: found the event \"{event}\", needed none for this command"),
+        None => Ok(scenario),
+    }
+}
+
+pub(crate) fn prepare_with(args: &ScenarioArgs, acts: &ActArgs) -> Result<Scenario> {
+    let mut settings = args.settings.settings(acts)?;
     let mut machine = read_machine("--machine", &args.machine)?;
     args.choose_model(&mut machine)?;
     let program = args.program.read()?;
     if args.program.offsets.is_some() {
         settings.origin_mm.get_or_insert([0.0; 3]);
     }
-    Ok(Scenario::new(machine, program, settings)?)
+    let exchanges = settings.events.exchanges().map(|name| {
+        let mut machine = read_machine("exchange", Path::new(name))?;
+        args.choose_model(&mut machine)?;
+        Ok((name.to_owned(), machine))
+    });
+    let exchanges = exchanges.collect::<Result<_>>()?;
+    Ok(Scenario::new(machine, program, settings)?.with_exchanges(exchanges))
 }

@@ -105,7 +105,7 @@ pub fn scope_close(scope: u32) {
     OPEN.with_borrow_mut(|open| open.sessions.remove(&scope));
 }
 
-/// The shipped programs: names and what they do.
+/// The shipped programs: names, what they do, texts.
 #[wasm_bindgen]
 pub fn scope_programs() -> Result<String, JsError> {
     told(json(&documents::programs()))

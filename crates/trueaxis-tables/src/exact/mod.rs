@@ -45,7 +45,7 @@ use crate::Machine;
 use carriage::{Carriage, unit};
 use chain::structural_code;
 pub use correction::CorrectionSettings;
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use rotation::{rotation, rotation_vector};
 use thiserror::Error;
 use trueaxis::machine::AXES;
@@ -201,7 +201,7 @@ fn side(carriages: &[Carriage], position: &[f64; AXES], reverse: &[f64; AXES]) -
         let (e, w) = carriage.errors(q, reverse[carriage.slot]);
         let error = DAffine3 { matrix3: rotation(w * carriage.sign), translation: e * carriage.sign };
         if carriage.rotary {
-            let turn = DMat3::from_axis_angle(carriage.along, (carriage.motion * q).to_radians());
+            let turn = rotation::about(carriage.along, (carriage.motion * q).to_radians());
             ideal.translation += ideal.matrix3 * carriage.offset;
             ideal.matrix3 *= turn;
             actual *= DAffine3 { matrix3: error.matrix3 * turn, translation: carriage.offset + error.translation };

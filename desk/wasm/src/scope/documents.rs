@@ -14,11 +14,15 @@ use trueaxis_sim::run::{CorrectionLimits, Kind};
 pub(super) struct Shipped {
     name: &'static str,
     description: &'static str,
+    text: &'static str,
 }
 
 /// The shipped programs, the default one first.
 pub(super) fn programs() -> Vec<Shipped> {
-    let shipped = |name| Some(Shipped { name, description: Program::builtin_description(name)? });
+    let shipped = |name| {
+        let (description, text) = (Program::builtin_description(name)?, Program::builtin_text(name)?);
+        Some(Shipped { name, description, text })
+    };
     BUILTIN_NAMES.into_iter().filter_map(shipped).collect()
 }
 

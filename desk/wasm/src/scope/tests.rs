@@ -73,8 +73,8 @@ fn what_is_done_by_hand_is_in_the_scenario_and_does_the_same_again() {
     let mut machine = request("rate_hz = 1000");
     machine["kinds"] = json!(["uncompensated", "compensated", "full"]);
     let mut warm = sample("mill-3axis");
-    let text = warm["machine.toml"].as_str().unwrap().replacen("c0y_urad = 15.0", "c0y_urad = 40.0", 1);
-    assert_ne!(Value::from(text.clone()), warm["machine.toml"]);
+    let text = warm["machine.toml"].as_str().unwrap().replacen("C0Y_urad = 38.0", "C0Y_urad = 60.0", 1);
+    assert!(Value::from(text.clone()) != warm["machine.toml"]);
     warm["machine.toml"] = text.into();
     let scope = open(&machine);
     with(scope, |session| {

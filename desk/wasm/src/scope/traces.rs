@@ -22,6 +22,7 @@ enum Field {
     Limited,
     Fault,
     Status,
+    AtEdge,
     Correction(usize),
     Sent(usize),
     FeedForward(usize),
@@ -39,6 +40,7 @@ impl Field {
             Field::Limited => sample.limited.into(),
             Field::Fault => sample.fault.into(),
             Field::Status => sample.status.into(),
+            Field::AtEdge => sample.at_edge.into(),
             Field::Correction(axis) => at(&sample.correction, axis),
             Field::Sent(axis) => at(&sample.dynamic.sent, axis),
             Field::FeedForward(axis) => at(&sample.dynamic.feed_forward, axis),
@@ -97,6 +99,7 @@ impl Traces {
                 ("limited", Field::Limited),
                 ("fault", Field::Fault),
                 ("status", Field::Status),
+                ("at_edge", Field::AtEdge),
             ] {
                 add(machine, what.into(), field);
             }
