@@ -64,6 +64,13 @@ export class Tables {
     for (const listener of this.listeners) listener();
   }
 
+  /** Another axis: of its errors the same, or its own after the own of another. */
+  private turn(axis: string): void {
+    const own = (letter: string) => "XYZABC".indexOf(letter);
+    const { component } = this.chosen;
+    this.choose({ axis, component: component === own(this.chosen.axis) ? own(axis) : component });
+  }
+
   get axis(): Axis | undefined {
     return this.editor.shown?.axes.find(({ axis }) => axis === this.chosen.axis);
   }
@@ -75,7 +82,7 @@ export class Tables {
     const letters = axes.map((one) => one.axis).join("");
     if (this.axes.dataset.letters !== letters) {
       this.axes.dataset.letters = letters;
-      this.axes.replaceChildren(...axes.map((one) => button(one.axis, () => this.choose({ ...this.chosen, axis: one.axis }), { "data-axis": one.axis })));
+      this.axes.replaceChildren(...axes.map((one) => button(one.axis, () => this.turn(one.axis), { "data-axis": one.axis })));
     }
     for (const one of this.axes.children) one.setAttribute("aria-pressed", String((one as HTMLElement).dataset.axis === this.chosen.axis));
     const components = [...new Set(axis?.table?.columns.map(({ component }) => component).filter((one): one is number => one !== null))].sort();
@@ -94,7 +101,8 @@ export class Tables {
       [this.undo, "Undo", this.editor.undoable],
       [this.redo, "Redo", this.editor.redoable],
     ] as const) {
-      control.disabled = what === undefined;
+      // Not `disabled`, which would take the keyboard's place away.
+      control.setAttribute("aria-disabled", String(what === undefined));
       control.title = what ? `${name}: ${what}` : `Nothing to ${name.toLowerCase()}`;
     }
   }
@@ -174,6 +182,8 @@ export class Tables {
       // The legend names what is drawn.
       const legend = [...plot.root.querySelectorAll<HTMLElement>(".u-legend .u-series")].slice(-3);
       [true, two, warm].forEach((drawn, i) => legend[i] && (legend[i].style.display = drawn ? "" : "none"));
+      const first = legend[0]?.querySelector(".u-label");
+      if (first) first.textContent = two ? "positive travel" : "both directions of travel";
       handles.set(this.handles(axis));
     } catch (error) {
       this.desk.fail(error);

@@ -34,7 +34,8 @@ async function build(root: HTMLElement, desk: Desk): Promise<void> {
     limits(editor),
     accuracy(editor),
   );
-  root.addEventListener("keydown", (event) => keys(event, editor));
+  // Of the whole page, wherever the keyboard stands while this view is shown.
+  document.addEventListener("keydown", (event) => root.hidden || keys(event, editor));
   const field = fieldSection(root, desk);
   look.subscribe((temperature) => {
     const reference = editor.shown?.reference_temperature_c ?? 20;
