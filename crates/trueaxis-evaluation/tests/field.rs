@@ -229,8 +229,7 @@ fn rows_and_figures_are_of_one_field() {
 fn reverse_columns_count_in_negative_travel_only() {
     let mut machine = made("w b X Y Z t");
     let errors = |_: f64, reverse: bool| [if reverse { 9e-3 } else { 4e-3 }, 0.0, 0.0, 0.0, 0.0, 0.0];
-    machine.tables[0] =
-        Some(Table { given: [true; 6], bidirectional: true, rows: rows_both_ways(TRAVEL, errors) });
+    machine.tables[0] = Some(Table { given: [true; 6], bidirectional: true, rows: rows_both_ways(TRAVEL, errors) });
     for (negative, wanted) in [("", 4.0), ("X", 9.0)] {
         let found = figures(&machine, &Settings { negative: negative.into(), ..every(2) }).unwrap();
         near(found.before.largest_um, wanted, 1e-9);

@@ -136,10 +136,7 @@ impl Case {
             rms_um: rms(&sizes),
             p95_um: percentile(sizes, 0.95),
             range_um,
-            orientation: Orientation {
-                largest_urad: turns.iter().copied().fold(0.0, f64::max),
-                rms_urad: rms(&turns),
-            },
+            orientation: Orientation { largest_urad: turns.iter().copied().fold(0.0, f64::max), rms_urad: rms(&turns) },
             slices,
             worst,
         }

@@ -1,5 +1,6 @@
 //! One axis' carriage: its motion and its errors.
 
+use super::rotation::about;
 use super::table::ErrorTable;
 use crate::Table;
 use glam::{DMat3, DVec3};
@@ -73,7 +74,7 @@ impl Carriage {
     /// Its own motion at `q`: the way from the carrier's origin, and of a rotary axis the turn.
     pub(super) fn nominal(&self, q: f64) -> (DVec3, Option<DMat3>) {
         if self.rotary {
-            (self.offset, Some(DMat3::from_axis_angle(self.along, (self.motion * q).to_radians())))
+            (self.offset, Some(about(self.along, (self.motion * q).to_radians())))
         } else {
             (self.offset + self.along * (self.motion * q), None)
         }
