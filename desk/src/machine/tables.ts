@@ -4,7 +4,8 @@ import type { Desk } from "../core/desk";
 import { button, choice, el, group, section, tick } from "../core/dom";
 import { Plot } from "../core/plot";
 import { onTheme } from "../core/theme";
-import { errorTitle, length, micro, type Axis, type Column } from "./document";
+import { columnsOf, pointsOf } from "./columns";
+import { errorTitle, length, type Axis, type Column } from "./document";
 import type { Editor } from "./editor";
 import { Handles } from "./handles";
 import { look } from "./look";
@@ -109,7 +110,7 @@ export class Tables {
 
   /** The columns of the error that is chosen. */
   private columns(): Column[] {
-    return this.axis?.table?.columns.filter(({ component }) => component === this.chosen.component) ?? [];
+    return columnsOf(this.axis, this.chosen.component);
   }
 
   private unit(): string {
@@ -184,23 +185,9 @@ export class Tables {
       [true, two, warm].forEach((drawn, i) => legend[i] && (legend[i].style.display = drawn ? "" : "none"));
       const first = legend[0]?.querySelector(".u-label");
       if (first) first.textContent = two ? "positive travel" : "both directions of travel";
-      handles.set(this.handles(axis));
+      handles.set(pointsOf(axis, component));
     } catch (error) {
       this.desk.fail(error);
     }
-  }
-
-  private handles(axis: Axis) {
-    const table = axis.table;
-    if (!table) return [];
-    const at = table.columns.findIndex(({ component }) => component === null);
-    const own = "XYZABC"[this.chosen.component] === axis.axis;
-    return this.columns().map((column) => {
-      const index = table.columns.indexOf(column);
-      const points = table.rows.map((row, number) => ({ row: number, position: row[at] ?? 0, value: row[index] ?? 0 }));
-      // Backlash is added to what the reverse column says.
-      const offset = own && !column.forward ? axis.backlash : 0;
-      return { column: column.name, direction: column.forward ? ("forward" as const) : ("reverse" as const), unit: micro(column.component !== null && column.component < 3 ? "um" : "urad"), positionUnit: length(axis.unit), points, offset };
-    });
   }
 }
