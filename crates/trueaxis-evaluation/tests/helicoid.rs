@@ -116,7 +116,10 @@ fn the_sample_is_made_into_any_set_up() {
         let read = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap();
         assert!(fit(&job, &read.settings).fits, "{settings}: {:?}", fit(&job, &read.settings).reasons);
         let found = flank(&job, &read, Passes::Theta, 0.3, 5).unwrap();
-        assert!(found.fit.fits && found.before.largest[0] > 5.0 && found.after.largest[0] < 0.1, "{settings}: {found:?}");
+        assert!(
+            found.fit.fits && found.before.largest[0] > 5.0 && found.after.largest[0] < 0.1,
+            "{settings}: {found:?}"
+        );
     }
     // Horizontal is the same machine with the head turned by 90 degrees: the same joints in the same places but for Y and Z.
     let turned = job(r#","pivot_mm":150"#);

@@ -9,8 +9,14 @@ type Names<T> = { [K in keyof Inputs]: Inputs[K] extends T ? K : never }[keyof I
 export function form(inputs: Inputs, changed: () => void): HTMLElement {
   const number = (name: Names<number>, label: string, unit?: string): HTMLElement =>
     numberField({ label, value: inputs[name], ...(unit ? { unit } : {}) }, (value) => set(name, value)).root;
-  const slide = (name: Names<number>, label: string, unit: string, min: number, max: number, step: number): HTMLElement =>
-    slider({ label, value: inputs[name], min, max, step, ...(unit ? { unit } : {}) }, (value) => set(name, value)).root;
+  const slide = (name: Names<number>, label: string, unit: string, min: number, max: number, step: number): HTMLElement => {
+    const { root, input } = slider({ label, value: inputs[name], min, max, step, ...(unit ? { unit } : {}) }, (value) => set(name, value));
+    // Any number may be typed: the module says what it refuses, as the command line does.
+    input.step = "any";
+    input.removeAttribute("min");
+    input.removeAttribute("max");
+    return root;
+  };
   const set = <K extends keyof Inputs>(name: K, value: Inputs[K]) => {
     inputs[name] = value;
     changed();

@@ -1,9 +1,9 @@
 //! The tip's error along a line of the flank, before and after a machine's own compensation.
 
-use super::job::{Job, five};
+use super::apart::{angle, apart};
+use super::job::{Job, by_option, five};
 use super::machine::{Fit, fit, six};
-use super::program::Passes;
-use super::tool::{angle, apart};
+use super::request::Passes;
 use crate::by_axes;
 use crate::model::{passes, with_compensation};
 use anyhow::{Result, anyhow};
@@ -59,8 +59,7 @@ pub fn flank(job: &Job, machine: &Machine, along: Passes, held: f64, count: usiz
     let fit = fit(job, &machine.settings);
     let positions = if fit.fits { own(job, &places)? } else { inverse(job, machine, &places)? };
     let travels = travels(&positions);
-    let corrections =
-        by_axes!(machine.settings.step_axes().count(), corrections(machine, &positions, &travels))?;
+    let corrections = by_axes!(machine.settings.step_axes().count(), corrections(machine, &positions, &travels))?;
     let geometry = Geometry::new(machine, 0.0).map_err(|error| anyhow!("{error}"))?;
     let mut flanked = Flanked {
         fit,
@@ -103,8 +102,10 @@ pub fn flank(job: &Job, machine: &Machine, along: Passes, held: f64, count: usiz
 
 impl Errors {
     fn push(&mut self, values: [f64; 3]) {
-        for ((list, largest), value) in
-            [&mut self.tip_um, &mut self.normal_um, &mut self.direction_urad].into_iter().zip(&mut self.largest).zip(values)
+        for ((list, largest), value) in [&mut self.tip_um, &mut self.normal_um, &mut self.direction_urad]
+            .into_iter()
+            .zip(&mut self.largest)
+            .zip(values)
         {
             list.push(value);
             *largest = largest.max(value.abs());
@@ -125,7 +126,7 @@ fn inverse(job: &Job, machine: &Machine, places: &[[f64; 2]]) -> Result<Vec<[f64
     let mut near = [0.0; AXES];
     let mut positions = Vec::with_capacity(places.len());
     for &[u, theta] in places {
-        job.surface.contains(u, theta).map_err(super::job::by_option)?;
+        job.surface.contains(u, theta).map_err(by_option)?;
         let (point, offset) = (job.surface.point(u, theta), job.settings.work_offset_mm);
         let tip = DVec3::from_array(std::array::from_fn(|i| point[i] + offset[i]));
         let tool = Tool { tip, axis: DVec3::from_array(job.surface.normal(u, theta)) };
