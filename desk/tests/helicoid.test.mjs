@@ -242,7 +242,8 @@ test("pictures to look at", async () => {
     const { page, panel, close } = await open({ dark });
     await panel.getByRole("button", { name: "Take a machine that fits" }).click();
     await table(panel, "Largest errors along the line").waitFor();
-    await page.setViewportSize({ width: 1400, height: 2000 });
+    await page.setViewportSize({ width: 1400, height: 1900 });
+    await page.evaluate(() => scrollTo(0, 0));
     await page.waitForTimeout(500);
     await shot(page, dark ? "helicoid-dark" : "helicoid");
     await close();

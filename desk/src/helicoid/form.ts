@@ -62,15 +62,21 @@ export function form(inputs: Inputs, changed: () => void): HTMLElement {
       pick("form", "Spindle at A = 0", [["vertical", "vertical, along +z"], ["horizontal", "horizontal, along +y"]]),
       pick("pivot", "Pivot length from", [["length", "a length"], ["finder", "an edge finder"]]),
       length, finder,
-      pick("direction_a", "Direction of A", senses, whole),
-      pick("direction_c", "Direction of C", senses, whole),
-      pick("branch", "Branch", [["1", "1"], ["2", "2"]], whole),
-      ...offset),
+      triple(
+        pick("direction_a", "Direction of A", senses, whole),
+        pick("direction_c", "Direction of C", senses, whole),
+        pick("branch", "Branch", [["1", "1"], ["2", "2"]], whole)),
+      triple(...offset)),
     group("Grid", span("u", inputs.u, changed), span("θ", inputs.theta, changed)),
     group("Program",
-      pick("passes", "Passes along", [["theta", "θ, the helix"], ["u", "u, the involute"]]),
-      number("feed_mm_per_min", "Feed", "mm/min"),
-      number("clearance_mm", "Clearance", "mm")));
+      triple(
+        pick("passes", "Passes along", [["theta", "θ"], ["u", "u"]]),
+        number("feed_mm_per_min", "Feed", "mm/min"),
+        number("clearance_mm", "Clearance", "mm"))));
+}
+
+function triple(...fields: HTMLElement[]): HTMLElement {
+  return el("div", { class: "triple" }, ...fields);
 }
 
 /** Start, stop and count of a parameter. */
@@ -80,5 +86,5 @@ function span(name: string, of: Span, changed: () => void): HTMLElement {
       of[key] = value;
       changed();
     });
-  return el("div", { class: "triple" }, part("start", "from", "rad").root, part("stop", "to", "rad").root, part("count", "values").root);
+  return triple(part("start", "from", "rad").root, part("stop", "to", "rad").root, part("count", "values").root);
 }
