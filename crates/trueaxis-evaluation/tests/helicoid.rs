@@ -131,9 +131,8 @@ fn the_sample_is_made_into_any_set_up() {
         }
     }
     let [upright, turned] = [job(UPRIGHT), job(r#","pivot_mm":150"#)];
-    let [straight, found] = [&upright, &turned].map(|job| {
-        flank(job, &adapted(job, sample.clone()).unwrap(), Passes::Theta, 0.3, 5).unwrap().before
-    });
+    let [straight, found] = [&upright, &turned]
+        .map(|job| flank(job, &adapted(job, sample.clone()).unwrap(), Passes::Theta, 0.3, 5).unwrap().before);
     for (one, other) in straight.tip_um.iter().zip(&found.tip_um) {
         assert!((one - other).abs() < 1e-6 && *one > 1.0, "{found:?} {straight:?}");
     }
