@@ -3,7 +3,8 @@
 use crate::console::{progress_bar, put};
 use crate::machine_arg::outputs_of;
 use crate::run::{MeasuredBy, with_learned};
-use crate::scenario_args::{ScenarioArgs, prepare};
+use crate::scenario_args::{ScenarioArgs, prepare_with};
+use crate::settings_args::ActArgs;
 use anyhow::{Result, anyhow};
 use clap::Args;
 use serde::Serialize;
@@ -84,7 +85,7 @@ pub(crate) fn learn(args: &LearnArgs) -> Result<()> {
     if let Some(output) = &args.output {
         outputs.refuse_input(output)?;
     }
-    let scenario = with_learned(prepare(&args.scenario, &[])?, args.learned.as_deref())?;
+    let scenario = with_learned(prepare_with(&args.scenario, &ActArgs::default())?, args.learned.as_deref())?;
     let bar = progress_bar("learning");
     let parts = {
         let mut tell = |done: f64| bar.set_position((1000.0 * done) as u64);

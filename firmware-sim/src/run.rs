@@ -3,7 +3,8 @@
 use crate::console::{progress_bar, put};
 use crate::machine_arg::outputs_of;
 use crate::program_args::{Document, noted};
-use crate::scenario_args::{ScenarioArgs, prepare};
+use crate::scenario_args::{ScenarioArgs, prepare_with};
+use crate::settings_args::ActArgs;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use firmware_sim::learning_record::LearningRecord;
@@ -23,10 +24,8 @@ use trueaxis_tables::output::Staged;
 pub(crate) struct RunArgs {
     #[command(flatten)]
     scenario: ScenarioArgs,
-    /// Inject a fault, e.g. dropout:X@1.25s+3, glitch:Y@0.5s+1=5mm, stuck:X@2s+500, late@3s+1=2.5, nan-command:X@2s+1,
-    /// jump-command:X@2s+1=3mm (may be given several times; time counts from the start of the program).
-    #[arg(long, value_name = "FAULT")]
-    fault: Vec<String>,
+    #[command(flatten)]
+    acts: ActArgs,
     /// Time the steps in a further compensated run at the real rate, with real-time scheduling where it is permitted.
     #[arg(long)]
     paced: bool,
@@ -51,8 +50,9 @@ pub(crate) struct RunArgs {
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
-    let inputs = args.scenario.files().chain(args.learned.as_deref());
-    let mut outputs = outputs_of([args.scenario.machine.as_path()], inputs);
+    let scenario = with_learned(prepare_with(&args.scenario, &args.acts)?, args.learned.as_deref())?;
+    let machines = scenario.exchanges.keys().map(Path::new).chain([args.scenario.machine.as_path()]);
+    let mut outputs = outputs_of(machines, args.scenario.files().chain(args.learned.as_deref()));
     if let Some(record) = &args.record {
         outputs.refuse_input(record)?;
     }
@@ -61,7 +61,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         outputs.refuse_input(&dir.join("trace.csv"))?;
         outputs.refuse_input(&dir.join("trace-full.csv"))?;
     }
-    let scenario = Arc::new(with_learned(prepare(&args.scenario, &args.fault)?, args.learned.as_deref())?);
+    let scenario = Arc::new(scenario);
     let simulation = Run::new(Arc::clone(&scenario))?;
     let mut files = match &args.report {
         Some(dir) => {

@@ -2,12 +2,13 @@
 
 use crate::machine_arg::read_machine;
 use crate::program_args::ProgramArgs;
-use crate::settings_args::SettingsArgs;
+use crate::settings_args::{ActArgs, SettingsArgs};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use trueaxis::machine::ErrorModel;
-use trueaxis_sim::Scenario;
+use trueaxis_sim::scenario::choose_model;
+use trueaxis_sim::{Scenario, SimError};
 use trueaxis_tables::Machine;
 
 #[derive(Args)]
@@ -51,36 +52,42 @@ impl ScenarioArgs {
         self.program.files().chain(self.settings.scenario.as_deref())
     }
 
+    fn choose_model(&self, machine: &mut Machine) -> Result<(), SimError> {
+        let model = self.model.map(|model| match model {
+            Model::Nine => ErrorModel::Nine,
+            Model::Volumetric => ErrorModel::Volumetric,
+        });
+        choose_model(machine, model, self.orientation.map(|switch| switch == Switch::On))
+    }
+
     /// Time a step may take, ns.
     pub(crate) fn budget_ns(&self, scenario: &Scenario) -> u64 {
         self.budget_ns.unwrap_or((1e8 / scenario.rate_hz()) as u64)
     }
 }
 
+/// The scenario of a command under which nothing is switched or exchanged.
 pub(crate) fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
-    let mut settings = args.settings.settings(faults)?;
+    let scenario = prepare_with(args, &ActArgs::faults(faults))?;
+    match scenario.settings.events.events.first() {
+        Some(event) => bail!("--scenario: found the event \"{event}\", needed none for this command"),
+        None => Ok(scenario),
+    }
+}
+
+pub(crate) fn prepare_with(args: &ScenarioArgs, acts: &ActArgs) -> Result<Scenario> {
+    let mut settings = args.settings.settings(acts)?;
     let mut machine = read_machine("--machine", &args.machine)?;
-    choose_model(&mut machine, args)?;
+    args.choose_model(&mut machine)?;
     let program = args.program.read()?;
     if args.program.offsets.is_some() {
         settings.origin_mm.get_or_insert([0.0; 3]);
     }
-    Ok(Scenario::new(machine, program, settings)?)
-}
-
-/// Options that take the place of the machine file's `[compensation]`.
-fn choose_model(machine: &mut Machine, args: &ScenarioArgs) -> Result<()> {
-    let settings = &mut machine.settings.compensation;
-    match args.model {
-        Some(Model::Nine) => (settings.model, settings.orientation) = (ErrorModel::Nine, false),
-        Some(Model::Volumetric) => settings.model = ErrorModel::Volumetric,
-        None => {}
-    }
-    if let Some(switch) = args.orientation {
-        settings.orientation = switch == Switch::On;
-    }
-    if settings.orientation && settings.model == ErrorModel::Nine {
-        bail!("--orientation: found on with the nine-term model, needed --model volumetric");
-    }
-    Ok(())
+    let exchanges = settings.events.exchanges().map(|name| {
+        let mut machine = read_machine("exchange", Path::new(name))?;
+        args.choose_model(&mut machine)?;
+        Ok((name.to_owned(), machine))
+    });
+    let exchanges = exchanges.collect::<Result<_>>()?;
+    Ok(Scenario::new(machine, program, settings)?.with_exchanges(exchanges))
 }

@@ -1,7 +1,7 @@
 //! `firmware-sim scenario`: prints the settings of a simulation.
 
 use crate::console::put;
-use crate::settings_args::SettingsArgs;
+use crate::settings_args::{ActArgs, SettingsArgs};
 use anyhow::Result;
 use clap::Args;
 
@@ -14,13 +14,12 @@ use clap::Args;
 pub(crate) struct PrintArgs {
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Inject a fault as in `run` (may be given several times).
-    #[arg(long, value_name = "FAULT")]
-    fault: Vec<String>,
+    #[command(flatten)]
+    acts: ActArgs,
 }
 
 pub(crate) fn print(args: &PrintArgs) -> Result<()> {
-    let settings = args.settings.settings(&args.fault)?;
+    let settings = args.settings.settings(&args.acts)?;
     put(&format!(
         "# Settings of a simulation: firmware-sim run --scenario FILE. Keys left out keep their defaults.\n\
          # Of rotary axes every mm reads degree.\n{}",

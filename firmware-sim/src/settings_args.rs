@@ -2,8 +2,9 @@
 
 use anyhow::{Context, Result, anyhow};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use trueaxis_sim::Settings;
+use trueaxis_sim::event::{EventKind, EventScript};
 use trueaxis_sim::plant::fault::FaultScript;
 
 #[derive(Args)]
@@ -59,14 +60,51 @@ pub(crate) struct SettingsArgs {
     resolution_um: Option<f64>,
 }
 
+/// What happens during a run.
+#[derive(Args, Default)]
+pub(crate) struct ActArgs {
+    /// Inject a fault, e.g. dropout:X@1.25s+3, glitch:Y@0.5s+1=5mm, stuck:X@2s+500, late@3s+1=2.5, nan-command:X@2s+1,
+    /// jump-command:X@2s+1=3mm (may be given several times; time counts from the start of the program).
+    #[arg(long, value_name = "FAULT")]
+    fault: Vec<String>,
+    /// Switch the plugin or a part of it off or on, or exchange its tables in motion, e.g. off:correction@2.5s,
+    /// on:correction@3s, off:friction@3s (lag, acceleration, feedback, crosstalk, learned, take-up), exchange:MACHINE@2s
+    /// (may be given several times). In a scenario file, MACHINE counts from the file's folder.
+    #[arg(long, value_name = "EVENT")]
+    event: Vec<String>,
+}
+
+impl ActArgs {
+    /// Faults alone.
+    pub(crate) fn faults(fault: &[String]) -> ActArgs {
+        ActArgs { fault: fault.to_vec(), event: Vec::new() }
+    }
+}
+
+/// Machines of a scenario file's events are named from its folder.
+fn from_folder_of(file: &Path, settings: &mut Settings) {
+    let Some(folder) = file.parent() else { return };
+    for event in &mut settings.events.events {
+        if let EventKind::Exchange(name) = &mut event.kind {
+            let beside = folder.join(&name);
+            // What is not there may be a sample.
+            if beside.exists() {
+                *name = beside.display().to_string();
+            }
+        }
+    }
+}
+
 impl SettingsArgs {
-    /// The defaults, then the file, the flags and --set, one over the other; `faults` join those of the file.
-    pub(crate) fn settings(&self, faults: &[String]) -> Result<Settings> {
+    /// The defaults, then the file, the flags and --set, one over the other; `acts` join those of the file.
+    pub(crate) fn settings(&self, acts: &ActArgs) -> Result<Settings> {
         let mut settings = match &self.scenario {
             Some(path) => {
                 let text = std::fs::read_to_string(path)
                     .with_context(|| format!("--scenario: cannot read {}", path.display()))?;
-                Settings::parse(&text, &path.display().to_string())?
+                let mut settings = Settings::parse(&text, &path.display().to_string())?;
+                from_folder_of(path, &mut settings);
+                settings
             }
             None => Settings::default(),
         };
@@ -86,7 +124,8 @@ impl SettingsArgs {
                 assignment.split_once('=').ok_or_else(|| anyhow!("--set: found {assignment}, needed KEY=VALUE"))?;
             settings.set(key.trim(), value.trim()).map_err(|e| anyhow!("--set {assignment}: {e}"))?;
         }
-        settings.faults.faults.extend(FaultScript::parse(faults).map_err(|e| anyhow!("--fault: {e}"))?.faults);
+        settings.faults.faults.extend(FaultScript::parse(&acts.fault).map_err(|e| anyhow!("--fault: {e}"))?.faults);
+        settings.events.events.extend(EventScript::parse(&acts.event).map_err(|e| anyhow!("--event: {e}"))?.events);
         Ok(settings)
     }
 

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::sync::OnceLock;
 use trueaxis::Axis;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
-use trueaxis_metrology::friction::{Figure, Identified, Record, Recorded, Refused, identify};
+use trueaxis_metrology::friction::{Figure, Identified, Record, Recorded, Refused, circles, identify};
 
 const DRIVE: DriveFigures = DriveFigures {
     position_gain_per_s: 110.0,
@@ -184,6 +184,47 @@ fn the_feed_forward_of_what_was_found_takes_the_spikes_away() {
     let largest = |read: &[f64]| read.iter().zip(&calm).skip(5000).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let [before, after] = [largest(&plain), largest(&corrected)];
     assert!(before > 1.5e-3 && after < 0.12 * before, "{before} mm before, {after} mm after");
+}
+
+/// The radius of the readings less that of a drive without Coulomb friction, by the angle of the command.
+#[test]
+fn circles_show_what_friction_adds_to_the_radius() {
+    let record = standard();
+    let found = found(record, Some(DRIVE)).unwrap();
+    let calm = FrictionSettings { coulomb_per_s: 0.0, viscous: 0.0, ..FRICTION };
+    let radius = |k: usize, axes: [&[f64]; 2]| axes[0][k].hypot(axes[1][k]);
+    let [x, y] = [0, 1].map(|i| readings(&record.axes[i].command, 1e-4, &DRIVE, &calm, 1 + i as u64));
+    let truth: Vec<[f64; 2]> = (0..x.len())
+        .map(|k| {
+            let [cx, cy] = [0, 1].map(|i| record.axes[i].command[k]);
+            let read = [&record.axes[0].reading[..], &record.axes[1].reading[..]];
+            [cy.atan2(cx).rem_euclid(TAU), radius(k, read) - radius(k, [&x, &y])]
+        })
+        .collect();
+    let circles = circles(record, &found).unwrap();
+    assert_eq!(circles.len(), CIRCLES.len());
+    let mut from = 0;
+    for (circle, (radius, feed, turns)) in circles.iter().zip(CIRCLES) {
+        let to = from + ((0.1 + TAU * radius * turns / feed.abs() + 0.05) * 1e4) as usize;
+        assert!((circle.radius - radius).abs() < 1e-3 * radius, "{}", circle.radius);
+        assert!((circle.feed_per_s - feed.abs()).abs() < 1e-2 * feed.abs(), "{}", circle.feed_per_s);
+        assert_eq!(circle.counterclockwise, feed > 0.0);
+        assert!((circle.turns - turns).abs() < 1e-2, "{}", circle.turns);
+        // Away from the start, where the turns' ends differ.
+        let inner = &truth[from + 3000..(to - 1000).min(truth.len())];
+        let mut largest: f64 = 0.0;
+        for (angle, before) in circle.angle.iter().zip(&circle.before) {
+            let near = inner.iter().filter(|[other, _]| (other - angle).abs() < 2e-3).map(|[_, value]| *value);
+            let (sum, count) = near.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+            let mean = sum / f64::from(count);
+            assert!((before - mean).abs() < 2.5e-4, "{before} mm at {angle}, true {mean} mm");
+            largest = largest.max(before.abs());
+        }
+        assert!(largest > 1e-3, "{largest}");
+        let size = |curve: &[f64]| curve.iter().fold(0.0, |top: f64, value| top.max(value.abs()));
+        assert!(size(&circle.after) < 0.25 * size(&circle.before), "{} mm after", size(&circle.after));
+        from = to;
+    }
 }
 
 #[test]

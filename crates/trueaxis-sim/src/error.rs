@@ -86,6 +86,14 @@ pub enum SimError {
         /// Accepted instead.
         needed: String,
     },
+    /// Tables that the plugin's are to be exchanged for.
+    #[error("exchange:{name}: {error}")]
+    Exchange {
+        /// Name of their machine in the event.
+        name: String,
+        /// The reason.
+        error: Box<SimError>,
+    },
     /// The step reports a fault where there must be none.
     #[error("the step reports {fault:?} after {turns:.2} turns")]
     Fault {

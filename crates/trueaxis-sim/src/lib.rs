@@ -12,7 +12,8 @@
 //! Plant and truth are written apart from the plugin; neither uses its code.
 //!
 //! [`run`] simulates a part program, [`grinding`] a crankpin under the three-probe gauge, [`ball_test`] the test of a
-//! five-axis head, [`friction`] circles from which friction is found. The same inputs and seed give the same results on every host, in a browser too.
+//! five-axis head, [`friction`] circles from which friction is found. The same inputs and seed give the same results on
+//! every host, in a browser too: angles and exponentials come from libm, not from the host.
 //!
 //! The crate's README shows a run from tables to figures.
 
@@ -21,6 +22,7 @@
 
 pub mod ball_test;
 pub mod error;
+pub mod event;
 pub mod friction;
 pub mod grinding;
 mod learned;

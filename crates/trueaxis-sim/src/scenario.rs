@@ -6,9 +6,10 @@ use crate::motion::{Motion, MotionSettings, Setpoint};
 use crate::placement::Placement;
 use crate::program::Program;
 use crate::settings::Settings;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use trueaxis::kinematics::Kinematics;
-use trueaxis::machine::AXES;
+use trueaxis::machine::{AXES, ErrorModel};
 use trueaxis_tables::Machine;
 
 /// One simulation.
@@ -28,6 +29,8 @@ pub struct Scenario {
     pub five_axis: bool,
     /// Kelvin above the reference temperature, as reported to the plugin.
     pub kelvin: f64,
+    /// Machines whose tables the events exchange the plugin's for, by their names there.
+    pub exchanges: BTreeMap<String, Machine>,
     /// Correction over path length in the full run ([`Scenario::with_learned`]).
     pub learned: Option<Arc<LearnedTable>>,
 }
@@ -48,6 +51,7 @@ impl Scenario {
             placement: Placement::new(&machine, origin_mm)?,
             kelvin: settings.temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c),
             origin_mm,
+            exchanges: BTreeMap::new(),
             learned: None,
             machine,
             program,
@@ -55,6 +59,12 @@ impl Scenario {
         };
         scenario.stays_in_travel()?;
         Ok(scenario)
+    }
+
+    /// The scenario with the machines that its events name.
+    #[must_use]
+    pub fn with_exchanges(self, exchanges: BTreeMap<String, Machine>) -> Scenario {
+        Scenario { exchanges, ..self }
     }
 
     /// The step's own transformation to workpiece coordinates, where the program needs it.
@@ -84,6 +94,11 @@ impl Scenario {
     /// Servo period, s.
     pub fn period_s(&self) -> f64 {
         1.0 / self.settings.rate_hz
+    }
+
+    /// Time of a cycle from the start of the program, s: what a fault or an event states that acts from there on.
+    pub fn time_s(&self, cycle: u64) -> f64 {
+        cycle as f64 / self.rate_hz()
     }
 
     /// Servo period, ns.
@@ -126,6 +141,27 @@ impl Scenario {
         }
         Ok(())
     }
+}
+
+/// Options that take the place of the machine file's `[compensation]`: the error model that the step corrects by, and
+/// whether the tool's direction is corrected too.
+///
+/// # Errors
+/// The direction with the nine-term model.
+pub fn choose_model(machine: &mut Machine, model: Option<ErrorModel>, orientation: Option<bool>) -> Result<()> {
+    let settings = &mut machine.settings.compensation;
+    match model {
+        Some(ErrorModel::Nine) => (settings.model, settings.orientation) = (ErrorModel::Nine, false),
+        Some(model) => settings.model = model,
+        None => {}
+    }
+    if let Some(orientation) = orientation {
+        settings.orientation = orientation;
+    }
+    if settings.orientation && settings.model == ErrorModel::Nine {
+        return Err(SimError::unsuited("--orientation", "on with the nine-term model", "--model volumetric"));
+    }
+    Ok(())
 }
 
 /// Middle of the declared travels of X, Y, Z, mm.

@@ -14,6 +14,7 @@ fn what_is_written_is_read_back() {
         ("temperature_c", "23.5"),
         ("origin_mm", "[1, -2.5, 3.0]"),
         ("faults", "[\"glitch:Y@0.5s+1=5mm\", \"late@3s+1=2.5\"]"),
+        ("events", "[\"off:correction@0.5s\", \"exchange:../warm@1.25s\", \"on:lag@3s\"]"),
         ("motion.feed_percent", "80"),
         ("drive.dead_time_s", "1e-3"),
         ("encoder.rotary.noise_rms_mm", "0.0"),
@@ -21,7 +22,7 @@ fn what_is_written_is_read_back() {
     ] {
         settings.set(key, value).unwrap();
     }
-    assert_eq!(settings.changes().len(), 9, "{:?}", settings.changes());
+    assert_eq!(settings.changes().len(), 10, "{:?}", settings.changes());
     assert!(settings.changes().contains(&("drive.dead_time_s".into(), "0.001".into(), "0.0".into())));
     assert_eq!(Settings::parse(&settings.to_toml(), "a.toml"), Ok(settings));
 }
@@ -38,7 +39,7 @@ fn a_text_changes_only_what_it_states() {
 #[test]
 fn refusals_name_file_line_key_and_what_is_needed() {
     for (text, expected) in [
-        ("seed = 1\ngain = 3\n", "a.toml:2: gain: found no such setting, needed one of axis, drive, encoder, faults"),
+        ("seed = 1\ngain = 3\n", "a.toml:2: gain: found no such setting, needed one of axis, drive, encoder, events"),
         ("[drive]\n\ngain = 3\n", "a.toml:3: drive.gain: found no such setting, needed one of coulomb_mm_per_s2"),
         ("[axis.U]\ngain_factor = 1\n", "a.toml:1: axis.U: found no such setting, needed one of A, B, C, X, Y, Z"),
         ("rate_hz = \"fast\"", "a.toml:1: rate_hz: found \"fast\", needed a number"),
@@ -53,6 +54,11 @@ fn refusals_name_file_line_key_and_what_is_needed() {
         ),
         ("drive.dead_time_s = -1e-3", "a.toml:1: drive.dead_time_s: found -0.001, needed 0 to 0.1 s"),
         ("faults = [\"vanish:X@1s+1\"]", "a.toml:1: faults: found"),
+        (
+            "faults = [\"late@3s+1=2.5\"]\n\nevents = [\"off:brakes@1s\"]",
+            "a.toml:3: events: found [\"off:brakes@1s\"], needed event \"off:brakes@1s\": found \"brakes\"",
+        ),
+        ("events = [1]", "a.toml:1: events: found [1], needed"),
         ("origin_mm = [1, 2]", "a.toml:1: origin_mm: found"),
         ("temperature_c = 900", "a.toml:1: temperature_c: found 900, needed -50 to 200 °C"),
         ("[drive\n", "a.toml:1: found"),

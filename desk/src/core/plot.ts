@@ -92,7 +92,9 @@ export class Plot {
     if (!this.plot || index === null) return;
     const x = this.data[0]?.[index];
     if (x === null || x === undefined) return;
-    this.plot.setCursor({ left: this.plot.valToPos(x, "x"), top: this.plot.over.clientHeight / 2 });
+    // The last tells the plots of the same key; uPlot's types leave it out.
+    const move = this.plot.setCursor as (at: { left: number; top: number }, fire: boolean, publish: boolean) => void;
+    move({ left: this.plot.valToPos(x, "x"), top: this.plot.over.clientHeight / 2 }, true, true);
   }
 
   /** The uPlot behind it, for what only one view needs. */

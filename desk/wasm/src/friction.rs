@@ -250,6 +250,12 @@ pub fn friction_read(name: &str, text: &str, axes: &str) -> Result<String, JsErr
     with(|bench| json(&bench.read(name, text, axes)?))
 }
 
+/// The simulator's settings unless others are given.
+#[wasm_bindgen]
+pub fn friction_settings() -> Result<String, JsError> {
+    told(json(&Settings::default()))
+}
+
 /// Begins to simulate circles on a machine; its record or the comparison without or with what was found.
 #[wasm_bindgen]
 pub fn friction_start(files: &str, request: &str) -> Result<(), JsError> {

@@ -1,1 +1,115 @@
-//! Runs of a part program through the real step, in slices.
+//! Runs of a part program through the real step, in slices; several side by side, each by its number.
+
+mod documents;
+mod request;
+mod session;
+mod traces;
+
+use crate::{json, told};
+use anyhow::{Context, Result};
+use session::Session;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use wasm_bindgen::prelude::*;
+
+/// The scopes that are open.
+#[derive(Default)]
+struct Open {
+    last: u32,
+    sessions: BTreeMap<u32, Session>,
+}
+
+thread_local! {
+    static OPEN: RefCell<Open> = RefCell::default();
+}
+
+fn opened(request: &str) -> Result<u32> {
+    let session = Session::open(request)?;
+    Ok(OPEN.with_borrow_mut(|open| {
+        open.last += 1;
+        open.sessions.insert(open.last, session);
+        open.last
+    }))
+}
+
+fn with<T>(scope: u32, ask: impl FnOnce(&mut Session) -> Result<T>) -> Result<T> {
+    OPEN.with_borrow_mut(|open| {
+        ask(open.sessions.get_mut(&scope).with_context(|| format!("scope {scope}: found closed, needed open"))?)
+    })
+}
+
+/// Opens a scope, ready to run: its number.
+///
+/// `request`: JSON of `machine` (texts of its files by name), `program` (`{"builtin": name}` or `{"name", "text"}`),
+/// `settings` (TOML as `firmware-sim scenario` prints, any part of it), and optionally `model` (`"nine"`, `"volumetric"`),
+/// `orientation`, `exchanges` (further machines by the name that an event gives) and `kinds` (names of the machines to run).
+#[wasm_bindgen]
+pub fn scope_open(request: &str) -> Result<u32, JsError> {
+    told(opened(request))
+}
+
+/// What the scope runs: machine, program with its lines, cycles, axes with the limits of their corrections, notes.
+#[wasm_bindgen]
+pub fn scope_describe(scope: u32) -> Result<String, JsError> {
+    told(with(scope, |session| json(&session.describe()?)))
+}
+
+/// The programmed path, a few thousand points: x, y, z in mm (machine coordinates; with rotary axes those of the workpiece),
+/// line, 1 where it cuts.
+#[wasm_bindgen]
+pub fn scope_path(scope: u32) -> Result<Vec<f32>, JsError> {
+    told(with(scope, |session| Ok(session.path())))
+}
+
+/// Runs at most `cycles` further cycles: cycle, cycles, time, whether it is done.
+#[wasm_bindgen]
+pub fn scope_advance(scope: u32, cycles: u32) -> Result<String, JsError> {
+    told(with(scope, |session| json(&session.advance(cycles))))
+}
+
+/// Names of the columns of [`scope_traces`].
+#[wasm_bindgen]
+pub fn scope_columns(scope: u32) -> Result<Vec<String>, JsError> {
+    told(with(scope, |session| Ok(session.traces.names())))
+}
+
+/// The run so far, row after row: a few thousand of its cycles, among them those at which an error, a fault, a limited
+/// correction or a correction is largest. NaN where a machine has stopped.
+#[wasm_bindgen]
+pub fn scope_traces(scope: u32) -> Result<Vec<f64>, JsError> {
+    told(with(scope, |session| Ok(session.traces.rows())))
+}
+
+/// Figures so far, as in `firmware-sim run --json`.
+#[wasm_bindgen]
+pub fn scope_figures(scope: u32) -> Result<String, JsError> {
+    told(with(scope, |session| json(&session.figures())))
+}
+
+/// Does something to the run before its next cycle, or later: a fault or an event as in a scenario, with `@now` or a time.
+/// `{"act", "files"}` gives the files of a machine whose tables are exchanged for. What was recorded: list, act, time.
+#[wasm_bindgen]
+pub fn scope_act(scope: u32, act: &str) -> Result<String, JsError> {
+    told(with(scope, |session| json(&session.act(act)?)))
+}
+
+/// The scenario with all that was done: TOML, the command line that runs it again, and the files that it names.
+#[wasm_bindgen]
+pub fn scope_scenario(scope: u32) -> Result<String, JsError> {
+    told(with(scope, |session| json(&session.reproduction()?)))
+}
+
+/// Closes a scope and frees its memory.
+#[wasm_bindgen]
+pub fn scope_close(scope: u32) {
+    OPEN.with_borrow_mut(|open| open.sessions.remove(&scope));
+}
+
+/// The shipped programs: names, what they do, texts.
+#[wasm_bindgen]
+pub fn scope_programs() -> Result<String, JsError> {
+    told(json(&documents::programs()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,7 @@ mod text;
 
 use crate::console::{progress_bar, put};
 use crate::machine_arg::{outputs_of, read_machine};
-use crate::settings_args::SettingsArgs;
+use crate::settings_args::{ActArgs, SettingsArgs};
 use anyhow::{Context, Result, anyhow};
 use clap::{Args, ValueEnum};
 use indicatif::ProgressBar;
@@ -65,7 +65,7 @@ enum Plane {
 
 pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
     let circles = circles(args)?;
-    let settings = args.settings.settings(&[])?;
+    let settings = args.settings.settings(&ActArgs::default())?;
     let machine = read_machine("--machine", &args.machine)?;
     let mut outputs = outputs_of([args.machine.as_path()], args.settings.scenario.as_deref());
     if let Some(file) = &args.record {

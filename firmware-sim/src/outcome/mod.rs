@@ -11,11 +11,10 @@ use crate::latency::{Latency, timed};
 use crate::pace::{self, Pace, PaceReport};
 use crate::stopwatch::Stopwatch;
 use anyhow::{Result, anyhow};
-use serde::Serialize;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use trueaxis_sim::Scenario;
-use trueaxis_sim::run::{Kind, MOST_FAULT_SPANS, Run, Sink, Tallies, feedback_refused};
+use trueaxis_sim::run::{Figures, Kind, MOST_FAULT_SPANS, ReportedFault, Run, Sink, Tallies, feedback_refused};
 use trueaxis_tables::text::counted;
 
 /// Cycles between two looks at the progress.
@@ -110,17 +109,6 @@ fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport
     Ok((stopwatch.latency, report))
 }
 
-/// A fault that the compensated run reported.
-#[derive(Serialize)]
-struct Reported {
-    time_s: f64,
-    fault: String,
-    code: u8,
-    axis: char,
-    line: u32,
-    cycles: u64,
-}
-
 /// What the full run met that the compensated one did not.
 fn note_of_full(full: &Tallies, compensated: &Tallies) -> Option<String> {
     if full.stopped && !compensated.stopped {
@@ -158,15 +146,16 @@ impl Outcome {
         notes
     }
 
+    /// Figures of the machines as documents have them.
+    pub(crate) fn figures(&self, scenario: &Scenario) -> Figures {
+        let Outcome { uncompensated, compensated, servo_only, full, .. } = self;
+        let runs = [uncompensated, compensated, servo_only].into_iter().chain(full);
+        let machines: Vec<_> = Kind::ALL.into_iter().zip(runs.cloned()).collect();
+        Figures::of(scenario, &machines)
+    }
+
     /// Faults of the compensated run.
-    fn faults<'o>(&'o self, scenario: &'o Scenario) -> impl Iterator<Item = Reported> + 'o {
-        self.compensated.faults.iter().map(|span| Reported {
-            time_s: span.cycle as f64 * scenario.period_s(),
-            fault: format!("{:?}", span.fault),
-            code: span.fault as u8,
-            axis: span.axis.letter(),
-            line: span.line,
-            cycles: span.cycles,
-        })
+    fn faults<'o>(&'o self, scenario: &'o Scenario) -> impl Iterator<Item = ReportedFault> + 'o {
+        self.compensated.reported_faults(scenario)
     }
 }

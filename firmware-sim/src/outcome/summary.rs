@@ -3,7 +3,7 @@
 use super::Outcome;
 use std::fmt;
 use trueaxis_sim::Scenario;
-use trueaxis_sim::run::Tallies;
+use trueaxis_sim::run::{Kind, Tallies};
 use trueaxis_tables::text::counted;
 
 impl Outcome {
@@ -116,6 +116,8 @@ impl Summary<'_> {
             self.outcome.wall_s,
             self.runs().count() as f64 * simulated / self.outcome.wall_s.max(1e-9)
         )?;
+        let digests = self.runs().zip(Kind::ALL).map(|((_, run), kind)| format!("{} {:08x}", kind.name(), run.digest));
+        writeln!(f, "  digest of every output: {}", digests.collect::<Vec<_>>().join(", "))?;
         writeln!(f)
     }
 

@@ -9,7 +9,7 @@ use reversals::Reversals;
 use trueaxis::machine::AxisSettings;
 use trueaxis_report::Thinner;
 use trueaxis_sim::Scenario;
-use trueaxis_sim::run::{Kind, Moment, Sample, Sink};
+use trueaxis_sim::run::{CorrectionLimits, Kind, Moment, Sample, Sink};
 
 /// Buckets of a curve over the path or over time, and of the path itself: as many as its figure can show, or up to twice.
 const CURVE: usize = 1400;
@@ -155,18 +155,16 @@ impl Series {
     /// Correction of every axis in the compensated run, with its limits.
     pub fn axes(&self) -> Vec<AxisReport> {
         let report = |axis: &AxisCurves| {
-            let (settings, limits) = (&axis.settings, &axis.settings.limits);
-            let rotary = settings.axis.is_rotary();
-            // mm to µm, mm/s, m/s²; degrees to µrad, mrad/s, rad/s².
-            let one = if rotary { 1e3_f64.to_radians() } else { 1.0 };
+            let limits = CorrectionLimits::of(&axis.settings);
+            let letter = axis.settings.axis;
             AxisReport {
-                name: settings.axis.letter().into(),
-                rotary,
+                name: letter.letter().into(),
+                rotary: letter.is_rotary(),
                 correction: axis.correction.items(),
                 slope: axis.slope.items(),
-                magnitude_limit: limits.magnitude * one * 1e3,
-                slope_limit: limits.slope_per_s * one,
-                acceleration_limit: limits.acceleration_per_s2 * one * 1e-3,
+                magnitude_limit: limits.magnitude,
+                slope_limit: limits.slope,
+                acceleration_limit: limits.acceleration,
             }
         };
         self.axes.iter().map(report).collect()

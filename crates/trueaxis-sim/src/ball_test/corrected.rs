@@ -42,7 +42,7 @@ fn less(from: Twist, what: Twist) -> Twist {
 
 /// A twist turned about Z.
 fn turned([x, y, z, a, b, c]: Twist, angle_rad: f64) -> Twist {
-    let (sin, cos) = angle_rad.sin_cos();
+    let (sin, cos) = libm::sincos(angle_rad);
     [x * cos - y * sin, x * sin + y * cos, z, a * cos - b * sin, a * sin + b * cos, c]
 }
 

@@ -55,7 +55,7 @@ impl Cycle {
 
     fn turned(&self, machine: &Machine, slot: usize, [x, y, z]: [f64; 3], angle_deg: f64) -> [f64; 3] {
         let direction = machine.settings.axes.get(slot).map_or(1.0, |settings| f64::from(settings.direction));
-        let (sin, cos) = (direction * angle_deg).to_radians().sin_cos();
+        let (sin, cos) = libm::sincos((direction * angle_deg).to_radians());
         match self.axis {
             Axis::C => [x * cos - y * sin, x * sin + y * cos, z],
             _ => [x, y * cos - z * sin, y * sin + z * cos],

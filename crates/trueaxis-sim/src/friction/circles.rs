@@ -93,7 +93,7 @@ impl Circles {
     pub fn program(&self) -> String {
         let (code, [i, j], across) = self.plane.words();
         let [first, second] = self.axes().map(Axis::letter);
-        let [x, y] = [self.radius_mm * START.cos(), self.radius_mm * START.sin()];
+        let [x, y] = [self.radius_mm * libm::cos(START), self.radius_mm * libm::sin(START)];
         let mut text = format!("{code} G21 G90 G94\nG0 {first}{x:.6} {second}{y:.6} {across}0\n");
         for feed in self.feeds_mm_per_min {
             for code in ["G3", "G2"] {

@@ -134,7 +134,7 @@ impl Cell {
     /// The wheel's edge at the contact, µm of the pin's radius.
     fn level(&self, at: &Instant) -> f64 {
         let toward = 1e3 * self.direction * (self.position() - self.datum);
-        GAP_UM - toward * at.beta.cos() - seen(at, self.contact)
+        GAP_UM - toward * libm::cos(at.beta) - seen(at, self.contact)
     }
 
     /// Readings of this instant and the commands of this cycle.
@@ -160,7 +160,7 @@ impl Cell {
             .arm
             .map_or(0, |arm| (beta / TAU * f64::from(arm.counts)).round() as i32 * i32::from(arm.direction));
         let mut command = self.others;
-        command[self.place] += self.direction * 1e-3 * self.fed() / beta.cos();
+        command[self.place] += self.direction * 1e-3 * self.fed() / libm::cos(beta);
         let mut feedback = self.others;
         feedback[self.place] = self.drive.position();
         Readings {
@@ -256,6 +256,6 @@ impl Cell {
 /// Motion of the centre toward a point at the angle φ from probe 1, µm: R_Y cos(φ + β) + R_X sin(φ + β).
 fn seen(at: &Instant, phi: f64) -> f64 {
     let [x, y] = at.centre;
-    let (sin, cos) = (phi + at.beta).sin_cos();
+    let (sin, cos) = libm::sincos(phi + at.beta);
     y * cos + x * sin
 }

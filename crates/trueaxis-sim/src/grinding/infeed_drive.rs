@@ -15,7 +15,7 @@ impl InfeedDrive {
     /// At rest at `position` (mm); a delay below one period is one period.
     pub fn new(position: f64, delay_s: f64, lag_s: f64, period_s: f64) -> InfeedDrive {
         let delay = (delay_s / period_s).max(1.0);
-        let share = if lag_s > 0.0 { -(-period_s / lag_s).exp_m1() } else { 1.0 };
+        let share = if lag_s > 0.0 { -libm::expm1(-period_s / lag_s) } else { 1.0 };
         // At the end of the period the latest command is one period old.
         InfeedDrive { delay: Delay::new(position, delay - 1.0), share, position }
     }

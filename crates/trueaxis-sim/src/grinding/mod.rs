@@ -131,7 +131,7 @@ impl Grinding {
     pub fn fed_um(&self, turns: f64) -> f64 {
         let turns = turns.max(0.0);
         let constant = f64::from(self.revolutions.max(1)) / 8.0;
-        self.process.roughing_um * -(-turns / constant).exp_m1() + self.process.feed_um * turns
+        self.process.roughing_um * -libm::expm1(-turns / constant) + self.process.feed_um * turns
     }
 }
 

@@ -51,7 +51,7 @@ fn true_orbit(grinding: &Grinding, run: &Run) -> Result<Vec<[f64; 2]>> {
     let [a, b] = run.average.get(1).copied().unwrap_or_default();
     let at = |n: usize| {
         let alpha = alpha_at(&linkage, TAU * n as f64 / MOTION_POINTS as f64);
-        let (sin, cos) = alpha.sin_cos();
+        let (sin, cos) = libm::sincos(alpha);
         let ground = [b * cos - a * sin, a * cos + b * sin];
         std::array::from_fn(|i| {
             ground[i] + sum(&motion.eccentricity[i..=i], alpha) + sum(&motion.synchronous[i], alpha)
@@ -73,7 +73,7 @@ fn true_motion(grinding: &Grinding, run: &Run) -> Result<[ErrorMotion<f64>; 2]> 
         let n = MOTION_POINTS as f64;
         let (mut mean, mut a, mut b) = (0.0, 0.0, 0.0);
         for (k, point) in orbit.iter().enumerate() {
-            let (sin, cos) = (TAU * k as f64 / n).sin_cos();
+            let (sin, cos) = libm::sincos(TAU * k as f64 / n);
             mean += point[i] / n;
             a += 2.0 * point[i] * cos / n;
             b += 2.0 * point[i] * sin / n;
@@ -81,7 +81,7 @@ fn true_motion(grinding: &Grinding, run: &Run) -> Result<[ErrorMotion<f64>; 2]> 
         let (mut left, mut widest, mut total) = (Vec::new(), 0.0_f64, [f64::INFINITY, f64::NEG_INFINITY]);
         for (k, point) in orbit.iter().enumerate() {
             let theta = TAU * k as f64 / n;
-            let (sin, cos) = theta.sin_cos();
+            let (sin, cos) = libm::sincos(theta);
             let rest = point[i] - mean - a * cos - b * sin;
             left.push(rest);
             let alpha = alpha_at(&linkage, theta);

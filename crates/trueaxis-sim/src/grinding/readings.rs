@@ -23,7 +23,7 @@ pub fn readings(grinding: &Grinding, revolutions: u32) -> Result<Vec<[f64; 3]>> 
         let alpha = alpha_at(&linkage, theta);
         let [x, y] = motion.at(alpha).map(|part| part + noise.next(motion.noise_um));
         phi.map(|phi| {
-            let (sin, cos) = (phi + theta - alpha).sin_cos();
+            let (sin, cos) = libm::sincos(phi + theta - alpha);
             pin.at(theta + phi) + y * cos + x * sin + probe_noise.next(grinding.process.probe_noise_um)
         })
     };

@@ -23,7 +23,7 @@ const fn term(order: f64, amplitude: f64, phase: f64) -> Term {
 
 /// Sum of terms at a spindle angle over all turns.
 pub fn sum(terms: &[Term], alpha: f64) -> f64 {
-    terms.iter().map(|t| t.amplitude * (t.order * alpha + t.phase).cos()).sum()
+    terms.iter().map(|t| t.amplitude * libm::cos(t.order * alpha + t.phase)).sum()
 }
 
 /// Motion of the pin's centre in machine directions: across probe 1 (X) and along it (Y) at β = 0.
@@ -108,7 +108,7 @@ impl Linkage {
 
     /// β at α, rad.
     pub fn beta(&self, alpha: f64) -> f64 {
-        (self.crank_mm * alpha.sin() / (self.wheel_mm + self.pin_mm)).asin()
+        libm::asin(self.crank_mm * libm::sin(alpha) / (self.wheel_mm + self.pin_mm))
     }
 }
 
@@ -147,7 +147,7 @@ impl Turning {
         let change = self.full / RAMP_S * self.period_s;
         let wanted = if go { self.full } else { 0.0 };
         self.speed += (wanted - self.speed).clamp(-change, change);
-        let ripple = 1.0 + 0.01 * self.alpha.cos() + 0.004 * (3.3 * self.alpha).cos();
+        let ripple = 1.0 + 0.01 * libm::cos(self.alpha) + 0.004 * libm::cos(3.3 * self.alpha);
         self.alpha += self.speed * ripple * self.period_s;
     }
 }

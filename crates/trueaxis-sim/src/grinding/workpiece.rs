@@ -36,9 +36,9 @@ impl Workpiece {
         let mut cells = vec![0.0; CELLS];
         if let Ok(phases) = Uniform::new(0.0, TAU) {
             for k in 2..=60 {
-                let (amplitude, phase) = (2.0 * (2.0 / f64::from(k)).powf(1.5), phases.sample(&mut random));
+                let (amplitude, phase) = (2.0 * libm::pow(2.0 / f64::from(k), 1.5), phases.sample(&mut random));
                 for (j, cell) in cells.iter_mut().enumerate() {
-                    *cell += amplitude * (f64::from(k) * TAU * j as f64 / CELLS as f64 + phase).cos();
+                    *cell += amplitude * libm::cos(f64::from(k) * TAU * j as f64 / CELLS as f64 + phase);
                 }
             }
         }
@@ -93,7 +93,7 @@ impl Workpiece {
 
     /// Harmonics 0 to `last` by direct summation; the mean is harmonic 0's cosine.
     pub fn harmonics(&self, last: usize) -> Vec<Harmonic> {
-        let table: Vec<(f64, f64)> = (0..CELLS).map(|j| (TAU * j as f64 / CELLS as f64).sin_cos()).collect();
+        let table: Vec<(f64, f64)> = (0..CELLS).map(|j| libm::sincos(TAU * j as f64 / CELLS as f64)).collect();
         let scale = |k: usize| if k == 0 { 1.0 } else { 2.0 } / CELLS as f64;
         let of = |k: usize| {
             let (mut cos, mut sin) = (0.0, 0.0);
@@ -118,7 +118,7 @@ impl Workpiece {
     pub fn about_the_circle(&self) -> Vec<f64> {
         let [[mean, _], [a, b]] = self.harmonics(1)[..] else { return Vec::new() };
         let circle = |j: usize| {
-            let (sin, cos) = (TAU * j as f64 / CELLS as f64).sin_cos();
+            let (sin, cos) = libm::sincos(TAU * j as f64 / CELLS as f64);
             mean + a * cos + b * sin
         };
         self.cells.iter().enumerate().map(|(j, cell)| cell - circle(j)).collect()

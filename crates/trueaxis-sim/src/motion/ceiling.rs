@@ -54,8 +54,8 @@ pub(super) fn add_sections(
         _ => sections.push(Section { length, ceiling, end_limit: f64::INFINITY }),
     };
     let level = |lowest: f64| {
-        let level = ((feed / lowest).ln() / LEVEL_RATIO.ln() - 1.0e-9).ceil().max(0.0);
-        feed / LEVEL_RATIO.powf(level)
+        let level = (libm::log(feed / lowest) / libm::log(LEVEL_RATIO) - 1.0e-9).ceil().max(0.0);
+        feed / libm::pow(LEVEL_RATIO, level)
     };
     if let Some(machine) = machine
         && element.turn.angle() > 0.0

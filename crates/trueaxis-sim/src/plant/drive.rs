@@ -210,7 +210,7 @@ impl Drive {
 
 /// Share of a change of force that the current loop has made after `dt`.
 fn current_share(dt: f64, settings: &DriveSettings) -> f64 {
-    1.0 - (-dt / settings.current_loop_s).exp()
+    1.0 - libm::exp(-dt / settings.current_loop_s)
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ impl Encoder {
     /// ```
     pub fn read(&mut self, position: f64) -> i64 {
         let s = &self.settings;
-        let (sin, cos) = (TAU * (position / s.signal_period_mm).fract()).sin_cos();
+        let (sin, cos) = libm::sincos(TAU * (position / s.signal_period_mm).fract());
         let sde = s.sde_first_mm * sin + s.sde_second_mm * 2.0 * sin * cos;
         let normal: f64 = StandardNormal.sample(&mut self.noise);
         ((position + sde + s.noise_rms_mm * normal) / s.resolution_mm).round() as i64

@@ -75,10 +75,20 @@ pub struct Fault {
 impl Fault {
     /// Whether the fault acts in cycle number `cycle` (0 is the first).
     pub fn acts_in(&self, cycle: u64, period_s: f64) -> bool {
-        // A hair below the quotient, or 0.3 s would be cycle 3001 of a 10 kHz servo.
-        let first = (self.at_s / period_s * (1.0 - 1e-12)).ceil() as u64;
-        cycle.checked_sub(first).is_some_and(|since| since < self.cycles)
+        cycle.checked_sub(first_cycle(self.at_s, period_s)).is_some_and(|since| since < self.cycles)
     }
+}
+
+/// The first cycle at or after a time.
+pub(crate) fn first_cycle(at_s: f64, period_s: f64) -> u64 {
+    // A hair below the quotient, or 0.3 s would be cycle 3001 of a 10 kHz servo.
+    (at_s / period_s * (1.0 - 1e-12)).ceil() as u64
+}
+
+/// A time such as `1.25s`, 0 to 1e6 s.
+pub(crate) fn seconds(text: &str) -> Option<f64> {
+    let seconds = text.trim().strip_suffix('s')?.parse().ok()?;
+    (0.0..=1e6).contains(&seconds).then_some(seconds)
 }
 
 impl FromStr for Fault {
@@ -91,12 +101,7 @@ impl FromStr for Fault {
         let (time, rest) = rest.split_once('+').ok_or_else(|| wrong(rest, "TIMEs+CYCLES after '@'"))?;
         let (cycles, value) = rest.split_once('=').map_or((rest, None), |(cycles, value)| (cycles, Some(value)));
 
-        let at_s = time
-            .trim()
-            .strip_suffix('s')
-            .and_then(|seconds| seconds.parse::<f64>().ok())
-            .filter(|seconds| (0.0..=1e6).contains(seconds))
-            .ok_or_else(|| wrong(time, "a time such as 1.25s, 0 to 1e6 s"))?;
+        let at_s = seconds(time).ok_or_else(|| wrong(time, "a time such as 1.25s, 0 to 1e6 s"))?;
         let cycles = cycles
             .trim()
             .parse::<u64>()

@@ -9,6 +9,7 @@
 //! The encoders see neither lost motion nor geometry, so that readings are the same, bit for bit, with a perfect and an
 //! imperfect machine.
 
+mod agreed;
 pub mod delay;
 pub mod drive;
 pub mod encoder;
@@ -18,8 +19,9 @@ pub mod variation;
 
 use drive::{Drive, DriveSettings};
 use encoder::{Encoder, EncoderSettings};
-use fault::{FaultKind, FaultScript};
+use fault::{Fault, FaultKind, FaultScript};
 
+pub use agreed::agreed;
 pub use lost_motion::LostMotion;
 
 use thiserror::Error;
@@ -153,19 +155,29 @@ impl Plant {
                 }
             })
             .collect();
-        let has = |axis: &Axis| stations.iter().any(|station| station.axis == *axis);
-        if let Some(axis) = settings.faults.faults.iter().filter_map(|fault| fault.kind.axis()).find(|a| !has(a)) {
-            return Err(PlantError::FaultAxis { axis: axis.letter() });
-        }
-        Ok(Plant {
+        let mut plant = Plant {
             stations,
             geometry,
             perfect_geometry,
-            faults: settings.faults,
+            faults: FaultScript::default(),
             faults_held: false,
             period_s,
             cycle: 0,
-        })
+        };
+        settings.faults.faults.into_iter().try_for_each(|fault| plant.inject(fault))?;
+        Ok(plant)
+    }
+
+    /// Adds a fault to the script; where it should have begun already, it acts as if it had.
+    ///
+    /// # Errors
+    /// It names an axis that the machine does not have.
+    pub fn inject(&mut self, fault: Fault) -> Result<(), PlantError> {
+        if let Some(axis) = fault.kind.axis().filter(|axis| self.stations.iter().all(|station| station.axis != *axis)) {
+            return Err(PlantError::FaultAxis { axis: axis.letter() });
+        }
+        self.faults.faults.push(fault);
+        Ok(())
     }
 
     /// Puts all axes to rest at `position` (mm, deg), last moved in positive direction; noise and fault script go on.

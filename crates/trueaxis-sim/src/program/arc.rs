@@ -113,7 +113,7 @@ impl ArcWords {
                 (None, true) => return self.refuse("one centre word with G90.1", "both centre words of the plane"),
             };
         }
-        let radius = |point: [f64; 3]| (point[a] - center[a]).hypot(point[b] - center[b]);
+        let radius = |point: [f64; 3]| libm::hypot(point[a] - center[a], point[b] - center[b]);
         let (first, last) = (radius(self.start), radius(self.end));
         if first < CHORD_TOLERANCE || last < CHORD_TOLERANCE {
             return self.refuse(format!("an arc of radius {:.4} mm", first.min(last)), "a centre away from the arc");
@@ -131,7 +131,7 @@ impl ArcWords {
     fn center_by_radius(&self, radius: f64) -> Result<[f64; 3], Refusal> {
         let [a, b, _] = self.plane.axes();
         let (da, db) = (self.end[a] - self.start[a], self.end[b] - self.start[b]);
-        let chord = da.hypot(db);
+        let chord = libm::hypot(da, db);
         if chord < CHORD_TOLERANCE {
             return self.refuse("R where start and end are the same", "a centre by I J K");
         }

@@ -6,6 +6,22 @@ use super::{Program, ProgramError};
 pub const BUILTIN_NAMES: [&str; 5] = ["circle-diamond-square", "butterfly", "pocket-3d", "cone-5axis", "short-tour"];
 
 impl Program {
+    /// What a shipped program does, in a line; `None` if there is none of that name.
+    pub fn builtin_description(name: &str) -> Option<&'static str> {
+        Some(match name {
+            "circle-diamond-square" => {
+                "circle, diamond, square and turned square in the manner of NAS 979 (ISO 10791-7)"
+            }
+            "butterfly" => "the butterfly of Hu et al. 2023, a rational spline of 51 control points",
+            "pocket-3d" => "a small pocket in space with a helical entry",
+            "cone-5axis" => "a tilted cone frustum in the manner of NAS 979 (ISO 10791-7), flank-milled on five axes",
+            "short-tour" => {
+                "lines with corners and reversals, arcs, a helix, a spline and a rapid in some fifteen seconds"
+            }
+            _ => return None,
+        })
+    }
+
     /// Text of a shipped program; `None` if there is none of that name (see [`BUILTIN_NAMES`]).
     pub fn builtin_text(name: &str) -> Option<&'static str> {
         Some(match name {

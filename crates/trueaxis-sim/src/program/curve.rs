@@ -100,7 +100,7 @@ impl Polar {
         let radius = from.length();
         let along = from.normalize_or_zero();
         let across = normal.cross(along);
-        let mut angle = to.dot(across).atan2(to.dot(along));
+        let mut angle = libm::atan2(to.dot(across), to.dot(along));
         // An angle of zero, within the rounding of coordinates, is a full turn.
         if angle < 1.0e-12 {
             angle += std::f64::consts::TAU;
@@ -119,7 +119,7 @@ impl Polar {
     }
 
     fn at(&self, u: f64) -> (DVec3, DVec3, DVec3) {
-        let (sine, cosine) = (u * self.angle).sin_cos();
+        let (sine, cosine) = libm::sincos(u * self.angle);
         let radial = cosine * self.along + sine * self.across;
         let tangent = cosine * self.across - sine * self.along;
         let radius = self.radius + u * self.radius_change;

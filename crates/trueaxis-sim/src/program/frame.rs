@@ -17,7 +17,7 @@ impl Frame {
         if degrees == 0.0 {
             return [x, y];
         }
-        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let (sine, cosine) = libm::sincos(degrees.to_radians());
         [cosine * x - sine * y, sine * x + cosine * y]
     }
 

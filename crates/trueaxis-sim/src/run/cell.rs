@@ -2,32 +2,28 @@
 
 use super::commanded::Commanded;
 use super::kind::Kind;
+use super::plugin::About;
 use super::sample::{Given, Sample, Sink};
 use super::tally::{Sums, Tallies};
-use crate::error::{Result, SimError};
+use crate::error::Result;
+use crate::event::Switch;
 use crate::motion::Setpoint;
 use crate::path::SlidingPath;
 use crate::placement::Place;
 use crate::plant::Plant;
-use crate::plant::fault::FaultScript;
+use crate::plant::fault::{Fault as PlantFault, FaultScript};
 use crate::scenario::Scenario;
 use crate::truth::{self, Truth};
 use glam::DVec3;
-use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::{Flags, OrientationError};
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis::sample::Refusal;
 use trueaxis::telemetry::Record;
-use trueaxis::{Axis, Fault, Input, OnToolPath, Output, ServoLoop, State};
+use trueaxis::{Axis, Dynamics, Fault, Input, OnToolPath, Output, ServoLoop, State};
 
 /// Cycles of a stopped run that are still simulated, to show that the output holds.
 const CYCLES_AFTER_STOP: u64 = 200;
-
-fn cold(axis: Axis, kelvin: f64) -> SimError {
-    let what = format!("thermal growth of axis {}", axis.letter());
-    SimError::unsuited(what, format!("{kelvin} K"), "a growth that the step can hold")
-}
 
 /// Everything that the machines of a run have in common in a cycle.
 pub(super) struct Shared<'r, const N: usize> {
@@ -60,6 +56,9 @@ pub(super) struct Cell<const N: usize> {
     truth: Truth,
     /// For programs with rotary axes.
     kinematics: Option<Kinematics<f64>>,
+    /// The plugin's switches; an uncompensated machine has it off whatever they say.
+    enabled: bool,
+    dynamics: Dynamics,
     feedback: [f64; N],
     elapsed_periods: f64,
     stopped_for: u64,
@@ -67,17 +66,14 @@ pub(super) struct Cell<const N: usize> {
 }
 
 impl<const N: usize> Cell<N> {
-    pub(super) fn new(scenario: &Scenario, kind: Kind, servo: &ServoLoop<'_, f64, f64, N>) -> Result<Self> {
-        let mut state = servo.start();
+    pub(super) fn new(
+        scenario: &Scenario,
+        kind: Kind,
+        servo: &ServoLoop<'_, f64, f64, N>,
+        about: &About<N>,
+    ) -> Result<Self> {
         let slots = AxisOrder::<N>::of(&scenario.machine.settings)?;
         let axes = slots.axes();
-        for (slot, axis) in axes.iter().enumerate() {
-            if let Some(settings) = scenario.machine.settings.axis(*axis) {
-                let line = ThermalLine::for_axis(&settings.thermal, scenario.kelvin)
-                    .ok_or_else(|| cold(*axis, scenario.kelvin))?;
-                state.set_thermal(slot, line);
-            }
-        }
         let perfect = kind == Kind::ServoOnly;
         let mut settings = scenario.settings.plant(scenario.kelvin);
         if perfect {
@@ -85,20 +81,52 @@ impl<const N: usize> Cell<N> {
         }
         let plant = Plant::new(&scenario.machine, settings, perfect, scenario.settings.seed, scenario.period_s())?;
         let order = scenario.machine.settings.axes.iter().map(|own| slots.slot(own.axis)).collect();
-        Ok(Cell {
-            state,
+        let mut cell = Cell {
+            state: servo.start(),
             plant,
             order,
             axes,
             kind,
             origin: DVec3::from(scenario.origin_mm),
             truth: Truth::default(),
-            kinematics: scenario.kinematics()?,
+            kinematics: None,
+            enabled: kind.enables_the_plugin(),
+            dynamics: Dynamics::ALL,
             feedback: [0.0; N],
             elapsed_periods: 1.0,
             stopped_for: 0,
             sums: Sums::default(),
-        })
+        };
+        cell.take_over(about);
+        Ok(cell)
+    }
+
+    /// What goes with a servo loop; the state goes on, and the limiter leads the correction over.
+    pub(super) fn take_over(&mut self, about: &About<N>) {
+        for (slot, line) in about.thermal.iter().enumerate() {
+            self.state.set_thermal(slot, *line);
+        }
+        self.kinematics = about.kinematics;
+    }
+
+    /// Switches the plugin or a part of it, where the machine is driven with it.
+    pub(super) fn switch(&mut self, what: Switch, on: bool) {
+        match what {
+            Switch::Correction => self.enabled = on && self.kind.enables_the_plugin(),
+            Switch::Part(part) if on => self.dynamics = Dynamics(self.dynamics.0 | part.0),
+            Switch::Part(part) => self.dynamics = self.dynamics.without(part),
+        }
+    }
+
+    /// A fault from now on, where the machine has any.
+    ///
+    /// # Errors
+    /// It names an axis that the machine does not have.
+    pub(super) fn inject(&mut self, fault: PlantFault) -> Result<()> {
+        match self.kind {
+            Kind::ServoOnly => Ok(()),
+            _ => Ok(self.plant.inject(fault)?),
+        }
     }
 
     pub(super) fn kind(&self) -> Kind {
@@ -142,9 +170,10 @@ impl<const N: usize> Cell<N> {
             encoder_alarm: 0,
             elapsed_ns,
             homed: true,
-            enable: self.kind.enables_the_plugin(),
+            enable: self.enabled,
             reset: false,
             refusal: Refusal::NONE,
+            dynamics: self.dynamics,
             learned: self.learned(commanded, shared.scenario),
             ..Input::at_rest(elapsed_ns)
         };
@@ -221,6 +250,7 @@ impl<const N: usize> Cell<N> {
     ) -> Sample {
         let running = self.stopped_for == 0;
         let stepped = self.exchange((number, false), commanded, shared, sink);
+        self.sums.digest.add(&stepped.output);
         let record = &stepped.output.record;
         if stepped.output.stop_requested() {
             self.sums.stopped = true;

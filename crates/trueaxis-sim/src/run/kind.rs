@@ -43,7 +43,19 @@ impl Kind {
         if is_dynamic(machine) { &Kind::ALL } else { &Kind::BASIC }
     }
 
-    pub(super) fn enables_the_plugin(self) -> bool {
+    /// As documents call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Uncompensated => "uncompensated",
+            Kind::Compensated => "compensated",
+            Kind::ServoOnly => "servo_only",
+            Kind::Full => "full",
+            Kind::Configured => "configured",
+        }
+    }
+
+    /// Whether the plugin acts on the machine.
+    pub fn enables_the_plugin(self) -> bool {
         matches!(self, Kind::Compensated | Kind::Full | Kind::Configured)
     }
 

@@ -2,14 +2,20 @@
 
 use super::cell::{Cell, Shared};
 use super::commanded::{Commanded, Commander};
-use super::kind::{Kind, Parts};
+use super::kind::Kind;
+use super::plugin::Plugin;
 use super::sample::{Sample, Sink};
 use super::tally::Tallies;
-use crate::error::Result;
+use crate::error::{Result, SimError};
+use crate::event::{Act, Event, EventKind, Switch};
 use crate::motion::Motion;
+use crate::plant::PlantError;
+use crate::plant::fault::first_cycle;
 use crate::scenario::Scenario;
 use crate::servo::Owned;
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use trueaxis_tables::Machine;
 
 /// Cycles that are commanded at a time, and then simulated machine by machine: enough that one after the other has the
 /// processor's caches for itself, little enough to stay in them.
@@ -21,35 +27,23 @@ pub(super) trait Advance {
     fn cycle(&self) -> u64;
     fn cycles(&self) -> u64;
     fn tallies(&self) -> Vec<Tallies>;
+    fn act(&mut self, act: &Act, machines: &BTreeMap<String, Machine>) -> Result<()>;
 }
 
-/// One servo loop for each set of parts that a machine is driven with.
-struct Servos<S>(Vec<(Parts, S)>);
-
-impl<S> Servos<S> {
-    fn build<const N: usize>(scenario: &Scenario, kinds: &[Kind]) -> Result<Servos<S>>
-    where
-        S: Owned<N>,
-    {
-        let mut servos: Vec<(Parts, S)> = Vec::new();
-        for parts in kinds.iter().map(|kind| kind.parts()) {
-            if servos.iter().all(|(built, _)| *built != parts) {
-                let machine = parts.of(&scenario.machine, scenario.period_s())?;
-                servos.push((parts, S::build(&machine, scenario.period_ns())?));
-            }
-        }
-        Ok(Servos(servos))
-    }
-
-    fn of(&self, kind: Kind) -> Option<&S> {
-        self.0.iter().find(|(parts, _)| *parts == kind.parts()).map(|(_, servo)| servo)
-    }
+/// What an event does, ready to be done.
+enum Deed<S, const N: usize> {
+    Switch(Switch, bool),
+    Exchange(Plugin<S, N>),
 }
 
 /// Machines that get the same commands.
 pub(super) struct Lanes<S, const N: usize> {
     scenario: Arc<Scenario>,
-    servos: Servos<S>,
+    /// Of the scenario's machine, and of the tables last exchanged for: those of the machines whose plugin is enabled.
+    plugin: Plugin<S, N>,
+    exchanged: Option<Plugin<S, N>>,
+    /// What is still to be done, each before a cycle, in order.
+    deeds: Vec<(u64, Deed<S, N>)>,
     commander: Commander<N>,
     cells: Vec<Cell<N>>,
     settled: bool,
@@ -60,19 +54,71 @@ pub(super) struct Lanes<S, const N: usize> {
 
 impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
     pub(super) fn boxed(scenario: Arc<Scenario>, motion: Motion, kinds: &[Kind]) -> Result<Box<dyn Advance + Send>> {
-        let servos = Servos::<S>::build(&scenario, kinds)?;
-        let with_servo = kinds.iter().filter_map(|kind| Some((kind, servos.of(*kind)?)));
-        let cells =
-            with_servo.map(|(kind, servo)| Cell::new(&scenario, *kind, servo.servo())).collect::<Result<_>>()?;
-        Ok(Box::new(Lanes {
+        let plugin = Plugin::<S, N>::of(&scenario, kinds)?;
+        let with_servo = kinds.iter().filter_map(|kind| Some((kind, plugin.servo(*kind)?)));
+        let cells = with_servo
+            .map(|(kind, servo)| Cell::new(&scenario, *kind, servo.servo(), plugin.about()))
+            .collect::<Result<_>>()?;
+        let mut lanes = Lanes {
             commander: Commander::new(&scenario, motion)?,
-            servos,
+            plugin,
+            exchanged: None,
+            deeds: Vec::new(),
             cells,
             settled: false,
             block: Vec::with_capacity(BLOCK),
             samples: kinds.iter().map(|_| Vec::with_capacity(BLOCK)).collect(),
-            scenario,
-        }))
+            scenario: Arc::clone(&scenario),
+        };
+        for event in &scenario.settings.events.events {
+            lanes.plan(event, &scenario.exchanges)?;
+        }
+        Ok(Box::new(lanes))
+    }
+
+    /// Puts an event in its place among those that are still to come, after those of the same cycle.
+    fn plan(&mut self, event: &Event, machines: &BTreeMap<String, Machine>) -> Result<()> {
+        let deed = match &event.kind {
+            EventKind::On(switch) => Deed::Switch(*switch, true),
+            EventKind::Off(switch) => Deed::Switch(*switch, false),
+            EventKind::Exchange(name) => {
+                let machine = machines.get(name).ok_or_else(|| {
+                    SimError::unsuited(
+                        format!("exchange:{name}"),
+                        "no machine of that name",
+                        "one given with the scenario",
+                    )
+                })?;
+                let kinds: Vec<Kind> = self.cells.iter().map(Cell::kind).collect();
+                Deed::Exchange(Plugin::exchanged(&self.scenario, name, machine, &kinds)?)
+            }
+        };
+        let cycle = first_cycle(event.at_s, self.scenario.period_s());
+        let place = self.deeds.partition_point(|(before, _)| *before <= cycle);
+        self.deeds.insert(place, (cycle, deed));
+        Ok(())
+    }
+
+    /// Does what is due before the next cycle.
+    fn do_what_is_due(&mut self) {
+        let due = self.deeds.partition_point(|(cycle, _)| *cycle <= self.commander.cycle);
+        for (_, deed) in self.deeds.drain(..due) {
+            match deed {
+                Deed::Switch(what, on) => self.cells.iter_mut().for_each(|cell| cell.switch(what, on)),
+                Deed::Exchange(plugin) => {
+                    let driven = self.cells.iter_mut().filter(|cell| plugin.servo(cell.kind()).is_some());
+                    driven
+                        .filter(|cell| cell.kind().enables_the_plugin())
+                        .for_each(|cell| cell.take_over(plugin.about()));
+                    self.exchanged = Some(plugin);
+                }
+            }
+        }
+    }
+
+    /// Cycles until something is to be done, at most `most`.
+    fn undisturbed(&self, most: u64) -> u64 {
+        self.deeds.first().map_or(most, |(cycle, _)| most.min(cycle - self.commander.cycle))
     }
 
     /// Leads the correction in, as a machine is switched on before it cuts.
@@ -80,7 +126,7 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
         self.settled = true;
         let Ok(Some(first)) = self.commander.first(&self.scenario) else { return };
         for (number, cell) in self.cells.iter_mut().enumerate() {
-            let Some(servo) = self.servos.of(cell.kind()) else { continue };
+            let Some(servo) = self.plugin.servo(cell.kind()) else { continue };
             let shared = Shared { scenario: &self.scenario, servo: servo.servo(), path: &self.commander.path };
             cell.settle(number, &first, &shared, sink);
         }
@@ -94,7 +140,8 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
     fn simulate_block(&mut self, sink: &mut dyn Sink) {
         for (number, (cell, samples)) in self.cells.iter_mut().zip(&mut self.samples).enumerate() {
             samples.clear();
-            let Some(servo) = self.servos.of(cell.kind()) else { continue };
+            let exchanged = self.exchanged.as_ref().filter(|_| cell.kind().enables_the_plugin());
+            let Some(servo) = exchanged.unwrap_or(&self.plugin).servo(cell.kind()) else { continue };
             let shared = Shared { scenario: &self.scenario, servo: servo.servo(), path: &self.commander.path };
             for commanded in &self.block {
                 if cell.has_ended() {
@@ -122,7 +169,8 @@ impl<S: Owned<N> + 'static, const N: usize> Advance for Lanes<S, N> {
         }
         let mut left = cycles;
         while left > 0 && !self.has_ended() {
-            let most = usize::try_from(left).unwrap_or(BLOCK).min(BLOCK);
+            self.do_what_is_due();
+            let most = self.undisturbed(left.min(BLOCK as u64)) as usize;
             // Every move was converted once when the run was made, with the same result.
             if self.commander.next_block(&self.scenario, &mut self.block, most).is_err() {
                 return false;
@@ -143,5 +191,30 @@ impl<S: Owned<N> + 'static, const N: usize> Advance for Lanes<S, N> {
 
     fn tallies(&self) -> Vec<Tallies> {
         self.cells.iter().map(Cell::tallies).collect()
+    }
+
+    fn act(&mut self, act: &Act, machines: &BTreeMap<String, Machine>) -> Result<()> {
+        let at_s = match act {
+            Act::Fault(fault) => fault.at_s,
+            Act::Event(event) => event.at_s,
+        };
+        let now = self.commander.cycle;
+        if first_cycle(at_s, self.scenario.period_s()) < now || self.has_ended() {
+            let (found, needed) = match self.has_ended() {
+                true => ("a run that has ended".to_owned(), "one under way".to_owned()),
+                false => (format!("{at_s} s"), format!("a time from {} s on", self.scenario.time_s(now))),
+            };
+            return Err(SimError::unsuited(act.to_string(), found, needed));
+        }
+        match act {
+            Act::Event(event) => self.plan(event, machines),
+            Act::Fault(fault) => {
+                let has = |axis| self.scenario.machine.settings.axis(axis).is_some();
+                if let Some(axis) = fault.kind.axis().filter(|axis| !has(*axis)) {
+                    return Err(PlantError::FaultAxis { axis: axis.letter() }.into());
+                }
+                self.cells.iter_mut().try_for_each(|cell| cell.inject(*fault))
+            }
+        }
     }
 }

@@ -2,18 +2,26 @@
 
 mod cell;
 mod commanded;
+mod figures;
 mod kind;
 mod lanes;
+mod limits;
+mod plugin;
 mod sample;
 mod tally;
 
 use crate::error::Result;
+use crate::event::Act;
 use crate::scenario::Scenario;
 use crate::{path, servo};
 use lanes::{Advance, Lanes};
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use trueaxis_tables::Machine;
 
+pub use figures::{ByKind, Figures, ReportedFault, Size};
 pub use kind::{Kind, feedback_refused};
+pub use limits::CorrectionLimits;
 pub use sample::{DynamicSample, Given, Moment, Sample, Sink};
 pub use tally::{AngleSize, ErrorSize, FaultSpan, MOST_FAULT_SPANS, Tallies};
 
@@ -37,8 +45,8 @@ impl Run {
     /// The scenario on the machines asked for, side by side.
     ///
     /// # Errors
-    /// The motion cannot be planned, a move is no path, the machine's tables do not build, or a fault names an axis that
-    /// it does not have.
+    /// The motion cannot be planned, a move is no path, the machine's tables do not build, a fault names an axis that it
+    /// does not have, or an event a machine that is not there or another one.
     pub fn of(scenario: impl Into<Arc<Scenario>>, kinds: &[Kind]) -> Result<Run> {
         let scenario = scenario.into();
         let motion = scenario.motion()?;
@@ -55,6 +63,18 @@ impl Run {
     /// every machine has stopped. Before the first cycle the machines settle at the first point.
     pub fn advance(&mut self, cycles: u64, sink: &mut dyn Sink) -> bool {
         self.0.advance(cycles, sink)
+    }
+
+    /// Does something to the run at its time, from the next cycle on: the same as if the scenario had stated it, after what
+    /// it states, in every bit. `machines`: those whose tables may be exchanged for, by the name in the event.
+    ///
+    /// The run's own time is that of the next cycle, [`Scenario::time_s`].
+    ///
+    /// # Errors
+    /// A time that is past, an end that is reached, an axis that the machine does not have, tables of another machine or
+    /// such as do not build. Nothing has changed then.
+    pub fn act(&mut self, act: &Act, machines: &BTreeMap<String, Machine>) -> Result<()> {
+        self.0.act(act, machines)
     }
 
     /// Cycles simulated so far.

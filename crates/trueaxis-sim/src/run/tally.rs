@@ -2,6 +2,7 @@
 
 use super::sample::Moment;
 use trueaxis::{Axis, Fault};
+use trueaxis_recording::adversary::Digest;
 
 /// Size of an error over a run, in µm.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -58,6 +59,8 @@ pub struct Tallies {
     pub limited_cycles: u64,
     /// Stopped by a stop request.
     pub stopped: bool,
+    /// Of every output of the step since the program began ([`Digest`]).
+    pub digest: u32,
 }
 
 /// Largest and root mean square of the values added.
@@ -97,6 +100,7 @@ pub(super) struct Sums {
     pub(super) estimated_orientation: Tally,
     pub(super) limited_cycles: u64,
     pub(super) stopped: bool,
+    pub(super) digest: Digest,
     faults: Vec<FaultSpan>,
     more_faults: u64,
 }
@@ -125,6 +129,7 @@ impl Sums {
             more_faults: self.more_faults,
             limited_cycles: self.limited_cycles,
             stopped: self.stopped,
+            digest: self.digest.value(),
         }
     }
 }

@@ -3,6 +3,7 @@
 //! ```toml
 //! rate_hz = 4000
 //! faults = ["dropout:X@1.25s+3"]
+//! events = ["off:correction@2.5s", "exchange:warm@3s"]
 //!
 //! [motion]
 //! feed_percent = 80
@@ -21,6 +22,7 @@
 
 mod overlay;
 
+use crate::event::EventScript;
 use crate::motion::MotionSettings;
 use crate::plant::PlantSettings;
 use crate::plant::drive::DriveSettings;
@@ -33,7 +35,7 @@ use trueaxis::machine::Axis;
 
 pub use overlay::SettingError;
 
-/// Rate, seed, surroundings, faults, motion, drives and encoders of a simulation.
+/// Rate, seed, surroundings, faults, events, motion, drives and encoders of a simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
@@ -49,6 +51,8 @@ pub struct Settings {
     pub origin_mm: Option<[f64; 3]>,
     /// Faults, in the form of [`crate::plant::fault`].
     pub faults: FaultScript,
+    /// Events, in the form of [`crate::event`].
+    pub events: EventScript,
     /// Motion along the path.
     pub motion: MotionSettings,
     /// Drives of all axes.
@@ -60,7 +64,7 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// 10 kHz, seed 1, no faults, and the defaults of motion, drives and encoders.
+    /// 10 kHz, seed 1, no faults or events, and the defaults of motion, drives and encoders.
     fn default() -> Settings {
         Settings {
             rate_hz: 10_000.0,
@@ -68,6 +72,7 @@ impl Default for Settings {
             temperature_c: None,
             origin_mm: None,
             faults: FaultScript::default(),
+            events: EventScript::default(),
             motion: MotionSettings::default(),
             drive: DriveSettings::default(),
             encoder: Encoders::default(),

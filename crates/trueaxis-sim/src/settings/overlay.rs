@@ -80,11 +80,15 @@ pub(super) fn overlay(settings: &mut Settings, text: &str) -> Result<(), Setting
             all.remove(key);
         }
     }
-    let faults = all.get("faults").map(Value::to_string).unwrap_or_default();
+    let lists = ["faults", "events", "origin_mm"].map(|key| (key, all.get(key).cloned()));
     let merged: Settings = Value::Table(all).try_into().map_err(|error: toml::de::Error| {
-        // Numbers have been checked: what is left are lists.
-        let key = if keys.get("faults").is_some() { "faults" } else { "origin_mm" };
-        let found = if key == "faults" { faults.clone() } else { "another list".into() };
+        // Numbers have been checked: what is left are lists, one of those given.
+        let bad = |(key, value): &&(&str, Option<Value>)| {
+            let alone = value.clone().map(|value| Table::from_iter([((*key).to_owned(), value)]));
+            alone.is_some_and(|alone| Value::Table(alone).try_into::<Settings>().is_err())
+        };
+        let (key, found) = lists.iter().find(bad).map_or(("", None), |(key, value)| (*key, value.as_ref()));
+        let found = found.map(Value::to_string).unwrap_or_default();
         wrong(line(key), key, found, error.message().replace('\n', " "))
     })?;
     check(&merged, line)?;

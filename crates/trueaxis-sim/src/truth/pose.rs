@@ -30,7 +30,7 @@ impl PoseDeviation {
     fn new(actual: &Place, nominal: &Place, standing: bool) -> PoseDeviation {
         let (a, b) = (actual.direction, nominal.direction);
         // acos would be blind below 1e-8 rad.
-        PoseDeviation { tip: actual.tip - nominal.tip, angle: a.cross(b).length().atan2(a.dot(b)), standing }
+        PoseDeviation { tip: actual.tip - nominal.tip, angle: libm::atan2(a.cross(b).length(), a.dot(b)), standing }
     }
 
     /// Square of both together, mm².

@@ -98,7 +98,7 @@ impl Geometry {
                 if carriage.rotary {
                     directions.rotary[carriage.own - 3] = Some((carriage.slot, along));
                     let angle = (carriage.motion * position[carriage.slot]).to_radians();
-                    carrier *= DMat3::from_axis_angle(carriage.along, angle);
+                    carrier *= super::rotation::about(carriage.along, angle);
                 } else {
                     directions.linear[carriage.own] = Some((carriage.slot, along));
                 }

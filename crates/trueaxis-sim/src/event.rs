@@ -1,0 +1,247 @@
+//! What is done to the plugin while a program runs: switched on and off, in whole or in parts, and given other tables.
+//!
+//! | specification | effect |
+//! |---|---|
+//! | `off:correction@2.5s` | from 2.5 s on the plugin is disabled: its correction goes back to zero |
+//! | `on:correction@3s` | it is enabled again |
+//! | `off:friction@3s` | the same for a part of the dynamic correction: `friction`, `lag`, `acceleration`, `feedback`, `crosstalk`, `learned` or `take-up` |
+//! | `exchange:FOLDER@2s` | its tables are exchanged for those of the machine in that folder |
+//!
+//! An event acts before the first cycle at or after its time; those of one cycle act in the order in which they are listed.
+//! The plant stays as it is, and so does a machine whose plugin is disabled ([`Kind::Uncompensated`], [`Kind::ServoOnly`]).
+//!
+//! [`Kind::Uncompensated`]: crate::run::Kind::Uncompensated
+//! [`Kind::ServoOnly`]: crate::run::Kind::ServoOnly
+
+use crate::plant::fault::{Fault, FaultSpecError, seconds};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+use trueaxis::Dynamics;
+
+/// An event specification that cannot be understood.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("event \"{spec}\": found {found}, needed {needed}")]
+pub struct EventSpecError {
+    /// The specification as given.
+    pub spec: String,
+    /// The part that is not understood.
+    pub found: String,
+    /// A form that is understood.
+    pub needed: &'static str,
+}
+
+/// What is switched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Switch {
+    /// The plugin.
+    Correction,
+    /// One part of its dynamic correction.
+    Part(Dynamics),
+}
+
+/// Names of what is switched.
+const SWITCHES: [(&str, Switch); 8] = [
+    ("correction", Switch::Correction),
+    ("friction", Switch::Part(Dynamics::FRICTION)),
+    ("lag", Switch::Part(Dynamics::LAG)),
+    ("acceleration", Switch::Part(Dynamics::ACCELERATION)),
+    ("feedback", Switch::Part(Dynamics::FEEDBACK)),
+    ("crosstalk", Switch::Part(Dynamics::CROSSTALK)),
+    ("learned", Switch::Part(Dynamics::LEARNED)),
+    ("take-up", Switch::Part(Dynamics::TAKE_UP)),
+];
+
+impl Switch {
+    /// Everything that can be switched.
+    pub const ALL: [Switch; 8] = {
+        let mut all = [Switch::Correction; 8];
+        let mut i = 0;
+        while i < all.len() {
+            all[i] = SWITCHES[i].1;
+            i += 1;
+        }
+        all
+    };
+
+    /// As it stands in a specification.
+    pub fn name(self) -> &'static str {
+        SWITCHES.iter().find(|(_, switch)| *switch == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// What an event does.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum EventKind {
+    /// Switches something on.
+    On(Switch),
+    /// Switches something off.
+    Off(Switch),
+    /// Exchanges the tables for those of the machine of this name: its folder, for a scenario in a file.
+    Exchange(String),
+}
+
+/// An event with its time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// What it does.
+    pub kind: EventKind,
+    /// Time, s from the start of the program.
+    pub at_s: f64,
+}
+
+impl FromStr for Event {
+    type Err = EventSpecError;
+
+    fn from_str(spec: &str) -> Result<Event, EventSpecError> {
+        let wrong =
+            |found: &str, needed| EventSpecError { spec: spec.to_owned(), found: format!("\"{found}\""), needed };
+        // A folder may have an @ in its name.
+        let (what, time) = spec.trim().rsplit_once('@').ok_or_else(|| wrong(spec, "EVENT:WHAT@TIMEs"))?;
+        let at_s = seconds(time).ok_or_else(|| wrong(time, "a time such as 1.25s, 0 to 1e6 s"))?;
+        let (name, of) = what.split_once(':').ok_or_else(|| wrong(what, "EVENT:WHAT, such as off:correction"))?;
+        let of = of.trim();
+        let switch = || {
+            let found = SWITCHES.iter().find(|(name, _)| *name == of).map(|(_, switch)| *switch);
+            found.ok_or_else(|| {
+                wrong(of, "correction, friction, lag, acceleration, feedback, crosstalk, learned or take-up")
+            })
+        };
+        let kind = match name.trim() {
+            "on" => EventKind::On(switch()?),
+            "off" => EventKind::Off(switch()?),
+            "exchange" if of.is_empty() => return Err(wrong(what, "a machine's folder after exchange:")),
+            "exchange" => EventKind::Exchange(of.to_owned()),
+            other => return Err(wrong(other, "on, off or exchange")),
+        };
+        Ok(Event { kind, at_s })
+    }
+}
+
+/// The specification that is read back as the same event.
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.kind {
+            EventKind::On(switch) => write!(f, "on:{}@{}s", switch.name(), self.at_s),
+            EventKind::Off(switch) => write!(f, "off:{}@{}s", switch.name(), self.at_s),
+            EventKind::Exchange(folder) => write!(f, "exchange:{folder}@{}s", self.at_s),
+        }
+    }
+}
+
+/// All events of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<String>", into = "Vec<String>")]
+pub struct EventScript {
+    /// The events.
+    pub events: Vec<Event>,
+}
+
+impl TryFrom<Vec<String>> for EventScript {
+    type Error = EventSpecError;
+
+    fn try_from(specs: Vec<String>) -> Result<EventScript, EventSpecError> {
+        EventScript::parse(specs)
+    }
+}
+
+impl From<EventScript> for Vec<String> {
+    fn from(script: EventScript) -> Vec<String> {
+        script.events.iter().map(Event::to_string).collect()
+    }
+}
+
+impl EventScript {
+    /// Reads one specification per item; the first bad one is the error.
+    pub fn parse<S: AsRef<str>>(specs: impl IntoIterator<Item = S>) -> Result<EventScript, EventSpecError> {
+        let events = specs.into_iter().map(|spec| spec.as_ref().parse()).collect::<Result<_, _>>()?;
+        Ok(EventScript { events })
+    }
+
+    /// Names of the machines whose tables are wanted.
+    pub fn exchanges(&self) -> impl Iterator<Item = &str> {
+        self.events.iter().filter_map(|event| match &event.kind {
+            EventKind::Exchange(name) => Some(name.as_str()),
+            EventKind::On(_) | EventKind::Off(_) => None,
+        })
+    }
+}
+
+/// What is done to a run: to its plant or to its plugin.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Act {
+    /// A fault of the plant, as in [`crate::plant::fault`].
+    Fault(Fault),
+    /// An event of the plugin.
+    Event(Event),
+}
+
+/// An act that cannot be understood.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ActSpecError {
+    /// As a fault.
+    #[error(transparent)]
+    Fault(#[from] FaultSpecError),
+    /// As an event.
+    #[error(transparent)]
+    Event(#[from] EventSpecError),
+}
+
+impl FromStr for Act {
+    type Err = ActSpecError;
+
+    fn from_str(spec: &str) -> Result<Act, ActSpecError> {
+        let name = spec.split(':').next().unwrap_or("").trim();
+        Ok(match name {
+            "on" | "off" | "exchange" => Act::Event(spec.parse()?),
+            _ => Act::Fault(spec.parse()?),
+        })
+    }
+}
+
+impl fmt::Display for Act {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Act::Fault(fault) => fault.fmt(f),
+            Act::Event(event) => event.fmt(f),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_is_read_and_written_back() {
+        let specs = ["off:correction@2.5s", "on:correction@3s", "exchange:a@b/mine@0.1s", "off:take-up@0s"];
+        let script = EventScript::parse(specs).unwrap();
+        assert_eq!(Vec::from(script.clone()), specs);
+        assert_eq!(script.events[0], Event { kind: EventKind::Off(Switch::Correction), at_s: 2.5 });
+        assert_eq!(script.exchanges().collect::<Vec<_>>(), ["a@b/mine"]);
+        for switch in Switch::ALL {
+            let event = Event { kind: EventKind::On(switch), at_s: 0.1 + 0.2 };
+            assert_eq!(event.to_string().parse(), Ok(event));
+        }
+        assert!(matches!("late@3s+1=2.5".parse(), Ok(Act::Fault(_))));
+        assert!(matches!(" off:lag @ 3s ".parse(), Ok(Act::Event(_))));
+    }
+
+    #[test]
+    fn bad_specifications_say_what_is_needed() {
+        for (spec, found, needed) in [
+            ("off:correction", "off:correction", "EVENT:WHAT@TIMEs"),
+            ("off:correction@2", "2", "a time such as 1.25s"),
+            ("off:correction@-1s", "-1s", "0 to 1e6 s"),
+            ("off@1s", "off", "EVENT:WHAT, such as off:correction"),
+            ("off:brakes@1s", "brakes", "correction, friction"),
+            ("exchange:@1s", "exchange:", "a machine's folder"),
+            ("swap:mine@1s", "swap", "on, off or exchange"),
+        ] {
+            let error = spec.parse::<Event>().unwrap_err();
+            assert_eq!(error.found, format!("\"{found}\""), "{spec}");
+            assert!(error.to_string().contains(needed), "{error}");
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Figures of the machines of a run side by side, as a document.
+
+use super::kind::Kind;
+use super::tally::{AngleSize, ErrorSize, Tallies};
+use crate::scenario::Scenario;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+/// Largest and root mean square.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Size {
+    /// Largest.
+    pub max: f64,
+    /// Root mean square.
+    pub rms: f64,
+}
+
+impl From<ErrorSize> for Size {
+    fn from(size: ErrorSize) -> Size {
+        Size { max: size.max_um, rms: size.rms_um }
+    }
+}
+
+impl From<AngleSize> for Size {
+    fn from(size: AngleSize) -> Size {
+        Size { max: size.max_urad, rms: size.rms_urad }
+    }
+}
+
+/// Something of every machine, an object by [`Kind::name`] in JSON.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ByKind<T>(pub Vec<(Kind, T)>);
+
+impl<T: Serialize> Serialize for ByKind<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (kind, value) in &self.0 {
+            map.serialize_entry(kind.name(), value)?;
+        }
+        map.end()
+    }
+}
+
+/// A fault that a machine reported over consecutive cycles.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReportedFault {
+    /// Time, s from the start of the program.
+    pub time_s: f64,
+    /// Name of the fault.
+    pub fault: String,
+    /// Its code.
+    pub code: u8,
+    /// On which axis.
+    pub axis: char,
+    /// Program line.
+    pub line: u32,
+    /// Number of cycles.
+    pub cycles: u64,
+}
+
+/// Figures of a run so far.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// True contour error of the tool tip while cutting, µm.
+    pub contour_error_um: ByKind<Size>,
+    /// True angle of the tool from the programmed direction, µrad; programs with rotary axes only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub orientation_error_urad: Option<ByKind<Size>>,
+    /// The same two as the step itself reports them; not of the perfect machine, for which it would report errors that
+    /// its tables have and that machine does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimated_contour_error_um: Option<ByKind<Size>>,
+    /// Angle as the step reports it, µrad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimated_orientation_error_urad: Option<ByKind<Size>>,
+    /// Faults of the compensated machine; without one, of the first whose plugin is enabled.
+    pub faults: Vec<ReportedFault>,
+    /// The same machine was stopped by a stop request.
+    pub stopped: bool,
+    /// Its cycles in which an axis' correction was limited.
+    pub limited_cycles: u64,
+    /// Of all outputs of the step while the program ran, settling left out: two runs with the same digest gave the same bits,
+    /// but for one chance in 2³². Eight hexadecimal digits.
+    pub digest: ByKind<String>,
+}
+
+impl Figures {
+    /// Of the machines of a run of `scenario`, with their tallies.
+    pub fn of(scenario: &Scenario, machines: &[(Kind, Tallies)]) -> Figures {
+        let sizes = |size: &dyn Fn(&Tallies) -> Size| ByKind(machines.iter().map(|(k, t)| (*k, size(t))).collect());
+        let estimates = |size: &dyn Fn(&Tallies) -> Size| {
+            let imperfect = machines.iter().filter(|(kind, _)| *kind != Kind::ServoOnly);
+            scenario.five_axis.then(|| ByKind(imperfect.map(|(k, t)| (*k, size(t))).collect()))
+        };
+        let driven = machines.iter().filter(|(kind, _)| kind.enables_the_plugin());
+        let chief = driven.min_by_key(|(kind, _)| *kind != Kind::Compensated).map(|(_, tallies)| tallies);
+        Figures {
+            contour_error_um: sizes(&|t| t.error.into()),
+            orientation_error_urad: scenario.five_axis.then(|| sizes(&|t| t.orientation.into())),
+            estimated_contour_error_um: estimates(&|t| t.estimated.into()),
+            estimated_orientation_error_urad: estimates(&|t| t.estimated_orientation.into()),
+            faults: chief.map(|tallies| tallies.reported_faults(scenario).collect()).unwrap_or_default(),
+            stopped: chief.is_some_and(|tallies| tallies.stopped),
+            limited_cycles: chief.map_or(0, |tallies| tallies.limited_cycles),
+            digest: ByKind(machines.iter().map(|(k, t)| (*k, format!("{:08x}", t.digest))).collect()),
+        }
+    }
+}
+
+impl Tallies {
+    /// The faults with their times.
+    pub fn reported_faults<'t>(&'t self, scenario: &'t Scenario) -> impl Iterator<Item = ReportedFault> + 't {
+        self.faults.iter().map(|span| ReportedFault {
+            time_s: span.cycle as f64 * scenario.period_s(),
+            fault: format!("{:?}", span.fault),
+            code: span.fault as u8,
+            axis: span.axis.letter(),
+            line: span.line,
+            cycles: span.cycles,
+        })
+    }
+}

@@ -1,0 +1,96 @@
+//! What the plugin knows of a machine: servo loops, thermal growth, kinematics. All of it is exchanged at once.
+
+use super::kind::{Kind, Parts};
+use crate::error::{Result, SimError};
+use crate::scenario::Scenario;
+use crate::servo::Owned;
+use trueaxis::compensation::ThermalLine;
+use trueaxis::kinematics::Kinematics;
+use trueaxis::machine::AxisOrder;
+use trueaxis_tables::Machine;
+
+/// Servo loops of a machine, one for each set of parts that a machine of the run is driven with, and what goes with them.
+pub(super) struct Plugin<S, const N: usize> {
+    loops: Vec<(Parts, S)>,
+    about: About<N>,
+}
+
+/// The rest of it.
+pub(super) struct About<const N: usize> {
+    /// Growth of each axis at the temperature of the scenario.
+    pub(super) thermal: [ThermalLine<f64>; N],
+    /// For programs with rotary axes.
+    pub(super) kinematics: Option<Kinematics<f64>>,
+}
+
+impl<S: Owned<N>, const N: usize> Plugin<S, N> {
+    /// Of the scenario's own machine.
+    pub(super) fn of(scenario: &Scenario, kinds: &[Kind]) -> Result<Self> {
+        Plugin::build(scenario, &scenario.machine, kinds)
+    }
+
+    /// Of another machine, for the machines of the run whose plugin is enabled.
+    ///
+    /// # Errors
+    /// It is another machine, or its tables do not build for this period.
+    pub(super) fn exchanged(scenario: &Scenario, name: &str, machine: &Machine, kinds: &[Kind]) -> Result<Self> {
+        let what = || format!("exchange:{name}");
+        for ((of, found), (_, needed)) in identity(machine).into_iter().zip(identity(&scenario.machine)) {
+            if found != needed {
+                return Err(SimError::unsuited(
+                    what(),
+                    format!("{of} {found}"),
+                    format!("{needed}, those of the machine"),
+                ));
+            }
+        }
+        let driven: Vec<Kind> = kinds.iter().copied().filter(|kind| kind.enables_the_plugin()).collect();
+        Plugin::build(scenario, machine, &driven)
+            .map_err(|error| SimError::Exchange { name: name.into(), error: Box::new(error) })
+    }
+
+    fn build(scenario: &Scenario, machine: &Machine, kinds: &[Kind]) -> Result<Self> {
+        let mut loops: Vec<(Parts, S)> = Vec::new();
+        for parts in kinds.iter().map(|kind| kind.parts()) {
+            if loops.iter().all(|(built, _)| *built != parts) {
+                let machine = parts.of(machine, scenario.period_s())?;
+                loops.push((parts, S::build(&machine, scenario.period_ns())?));
+            }
+        }
+        let warmer = scenario.machine.settings.reference_temperature_c - machine.settings.reference_temperature_c;
+        let kelvin = scenario.kelvin + warmer;
+        let mut thermal = [ThermalLine::default(); N];
+        for (line, axis) in thermal.iter_mut().zip(AxisOrder::<N>::of(&machine.settings)?.axes()) {
+            if let Some(settings) = machine.settings.axis(axis) {
+                *line = ThermalLine::for_axis(&settings.thermal, kelvin).ok_or_else(|| {
+                    let what = format!("thermal growth of axis {}", axis.letter());
+                    SimError::unsuited(what, format!("{kelvin} K"), "a growth that the step can hold")
+                })?;
+            }
+        }
+        let build = || Kinematics::new(&machine.settings).map_err(SimError::Kinematics);
+        let kinematics = scenario.five_axis.then(build).transpose()?;
+        Ok(Plugin { loops, about: About { thermal, kinematics } })
+    }
+
+    /// The loop that a machine is driven by; none where it was not built for.
+    pub(super) fn servo(&self, kind: Kind) -> Option<&S> {
+        self.loops.iter().find(|(parts, _)| *parts == kind.parts()).map(|(_, servo)| servo)
+    }
+
+    pub(super) fn about(&self) -> &About<N> {
+        &self.about
+    }
+}
+
+/// What tables of one machine have in common: state and path of a run belong to it.
+fn identity(machine: &Machine) -> [(&'static str, String); 3] {
+    let settings = &machine.settings;
+    let mut axes: Vec<_> = settings.step_axes().collect();
+    axes.sort_unstable();
+    [
+        ("axes", axes.into_iter().map(|axis| axis.letter()).collect()),
+        ("structural code", settings.chain.as_str().to_owned()),
+        ("name", settings.name.as_str().to_owned()),
+    ]
+}

@@ -1,0 +1,159 @@
+//! Acts by hand and acts of the scenario do the same, in every bit; tables are exchanged in motion.
+
+mod common;
+
+use common::{PROGRAM, machine};
+use std::collections::BTreeMap;
+use trueaxis_sim::event::Act;
+use trueaxis_sim::program::Program;
+use trueaxis_sim::run::{Kind, Moment, Run, Sample, Tallies};
+use trueaxis_sim::{Scenario, Settings, SimError};
+use trueaxis_tables::Machine;
+
+/// Every machine, those without the plugin among them.
+const KINDS: [Kind; 5] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly, Kind::Full, Kind::Configured];
+
+fn others() -> BTreeMap<String, Machine> {
+    let mut warm = machine();
+    warm.settings.location.c0y += 40e-6;
+    for axis in &mut warm.settings.axes {
+        axis.limits.slope_per_s = 1.0;
+    }
+    let mut turned = machine();
+    turned.settings.name = "another".try_into().unwrap();
+    let mut wild = machine();
+    wild.settings.axes[0].limits.magnitude = -1.0;
+    [("warm", warm), ("turned", turned), ("wild", wild)].map(|(name, machine)| (name.into(), machine)).into()
+}
+
+fn scenario(faults: &[String], events: &[String]) -> Scenario {
+    let mut settings = Settings { rate_hz: 1000.0, seed: 3, ..Settings::default() };
+    settings.set("faults", &format!("{faults:?}")).unwrap();
+    settings.set("events", &format!("{events:?}")).unwrap();
+    // What is written is what runs.
+    let settings = Settings::parse(&settings.to_toml(), "scenario.toml").unwrap();
+    let program = Program::parse("loop", PROGRAM, "loop.ngc").unwrap();
+    Scenario::new(machine(), program, settings).unwrap().with_exchanges(others())
+}
+
+fn finish(mut run: Run) -> Vec<Tallies> {
+    while run.advance(u64::MAX, &mut ()) {}
+    run.tallies()
+}
+
+fn plain() -> Vec<Tallies> {
+    finish(Run::of(scenario(&[], &[]), &KINDS).unwrap())
+}
+
+/// Whether the digest of each machine is another one than without acts.
+fn changed(after: &[Tallies]) -> Vec<bool> {
+    after.iter().zip(plain()).map(|(after, plain)| after.digest != plain.digest).collect()
+}
+
+/// Acts when the run has come to 0.7 s, 700 cycles, having been left there or elsewhere before.
+fn by_hand(acts: &[&str]) -> (Vec<Tallies>, Vec<String>) {
+    let scenario = scenario(&[], &[]);
+    let now = scenario.time_s(700);
+    let mut run = Run::of(scenario, &KINDS).unwrap();
+    assert!(run.advance(300, &mut ()) && run.advance(400, &mut ()));
+    let texts: Vec<String> = acts.iter().map(|act| act.replace("NOW", &format!("{now}s"))).collect();
+    for text in &texts {
+        let act: Act = text.parse().unwrap();
+        assert_eq!(act.to_string(), *text);
+        run.act(&act, &others()).unwrap();
+    }
+    (finish(run), texts)
+}
+
+#[test]
+fn every_act_does_by_hand_what_it_does_in_a_scenario() {
+    let driven = [false, true, false, true, true];
+    let full = [false, false, false, true, true];
+    for (acts, expected) in [
+        (&["off:correction@NOW"][..], driven),
+        (&["off:correction@NOW", "on:correction@0.9s"], driven),
+        (&["off:friction@NOW"], full),
+        (&["off:lag@NOW", "on:lag@0.8005s"], full),
+        (&["off:acceleration@NOW"], full),
+        (&["off:feedback@NOW"], full),
+        (&["off:take-up@NOW"], full),
+        // The machine has neither, but with every switch the feed-forward of the others begins anew.
+        (&["off:crosstalk@NOW", "off:learned@NOW"], full),
+        (&["exchange:warm@NOW"], driven),
+        (&["exchange:warm@NOW", "off:friction@NOW", "exchange:warm@0.95s"], driven),
+        (&["glitch:Y@NOW+1=5mm"], [true, true, false, true, true]),
+        (&["jump-command:X@0.75s+1=3mm", "off:correction@NOW"], [true, true, false, true, true]),
+    ] {
+        let (hand, texts) = by_hand(acts);
+        let is_event = |text: &&String| text.starts_with("o") || text.starts_with("exchange");
+        let (events, faults): (Vec<String>, Vec<String>) = texts.iter().cloned().partition(|text| is_event(&text));
+        let again = finish(Run::of(scenario(&faults, &events), &KINDS).unwrap());
+        assert_eq!(hand, again, "{acts:?}");
+        assert_eq!(changed(&hand), expected, "{acts:?}");
+    }
+}
+
+#[test]
+fn events_act_from_their_cycle_on() {
+    let events = ["off:correction@0.7s".to_owned(), "on:correction@0.9s".to_owned()];
+    let correction = |events: &[String]| {
+        let mut run = Run::of(scenario(&[], events), &[Kind::Compensated]).unwrap();
+        let mut corrections = Vec::new();
+        let mut sink = |_: &Moment, machines: &[Option<&Sample>]| {
+            corrections.extend(machines.iter().flatten().map(|sample| sample.correction));
+        };
+        while run.advance(97, &mut sink) {}
+        corrections
+    };
+    let (without, with) = (correction(&[]), correction(&events));
+    let first = without.iter().zip(&with).position(|(a, b)| a != b);
+    assert_eq!(first, Some(700));
+    // Led back to zero within its limits, and in again.
+    assert_eq!(with[899], [0.0; 6]);
+    assert!(without[899].iter().any(|c| c.abs() > 1.0));
+    let last = with.len() - 1;
+    assert_eq!(with[last], without[last]);
+}
+
+#[test]
+fn an_exchange_is_led_over_and_ends_where_the_other_tables_lead() {
+    let corrections = |scenario: Scenario| {
+        let mut run = Run::of(scenario, &[Kind::Compensated]).unwrap();
+        let mut corrections = Vec::new();
+        let mut sink = |_: &Moment, machines: &[Option<&Sample>]| {
+            corrections.extend(machines.iter().flatten().map(|sample| sample.correction));
+        };
+        while run.advance(u64::MAX, &mut sink) {}
+        corrections
+    };
+    let exchanged = corrections(scenario(&[], &["exchange:warm@0.7s".to_owned()]));
+    let mut warm = scenario(&[], &[]);
+    warm.machine = others().remove("warm").unwrap();
+    let own = corrections(warm);
+    let last = own.len() - 1;
+    assert_eq!(exchanged[last], own[last]);
+    let step = |at: usize| (0..3).map(|k| (exchanged[at][k] - exchanged[at - 1][k]).abs()).fold(0.0, f32::max);
+    // 1 mm/s, in µm a cycle of 1 ms, and what rounding adds to a difference of two.
+    let worst = (700..=last).map(step).fold(0.0, f32::max);
+    assert!(worst <= 1.0 + 1e-4 && worst > 0.5, "{worst}");
+}
+
+#[test]
+fn refused_acts_change_nothing() {
+    let mut run = Run::of(scenario(&[], &[]), &KINDS).unwrap();
+    run.advance(700, &mut ());
+    for (act, expected) in [
+        ("off:correction@0.699s", "off:correction@0.699s: found 0.699 s, needed a time from 0.7 s on"),
+        ("stuck:B@1s+3", "fault script: found axis B, needed one of the machine's axes"),
+        ("exchange:cold@1s", "exchange:cold: found no machine of that name, needed one given with the scenario"),
+        ("exchange:turned@1s", "exchange:turned: found name another, needed mill-3axis, those of the machine"),
+        ("exchange:wild@1s", "exchange:wild: "),
+    ] {
+        let error = run.act(&act.parse().unwrap(), &others()).unwrap_err().to_string();
+        assert!(error.starts_with(expected), "{error}");
+    }
+    assert_eq!(finish(run), plain());
+    let refused = |event: &str| Run::of(scenario(&[], &[event.to_owned()]), &KINDS).unwrap_err();
+    assert!(matches!(refused("exchange:wild@1s"), SimError::Exchange { .. }));
+    assert!(matches!(refused("exchange:cold@1s"), SimError::Unsuited { .. }));
+}

@@ -1,0 +1,148 @@
+//! What a scope is opened with.
+
+use crate::files::machine;
+use anyhow::{Context, Result, bail};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use trueaxis::machine::ErrorModel;
+use trueaxis_sim::program::{Program, ReadOptions};
+use trueaxis_sim::run::Kind;
+use trueaxis_sim::scenario::choose_model;
+use trueaxis_sim::{Scenario, Settings};
+use trueaxis_tables::Machine;
+
+/// Folder of the machine among the files of a scenario, and the scenario's own file.
+pub(super) const MACHINE_FOLDER: &str = "machine";
+pub(super) const SCENARIO_FILE: &str = "scenario.toml";
+
+/// Texts of a machine's files by their names.
+pub(super) type Files = BTreeMap<String, String>;
+
+/// The part program.
+#[derive(Clone, Deserialize)]
+#[serde(untagged, deny_unknown_fields)]
+pub(super) enum ProgramText {
+    Builtin { builtin: String },
+    File { name: String, text: String },
+}
+
+/// Error model in place of the machine file's.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Model {
+    Nine,
+    Volumetric,
+}
+
+/// A scenario in texts.
+#[derive(Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Request {
+    pub(super) machine: Files,
+    pub(super) program: ProgramText,
+    #[serde(default)]
+    pub(super) settings: String,
+    #[serde(default)]
+    pub(super) model: Option<Model>,
+    #[serde(default)]
+    pub(super) orientation: Option<bool>,
+    /// Machines whose tables may be exchanged for, by the name that an event gives.
+    #[serde(default)]
+    pub(super) exchanges: BTreeMap<String, Files>,
+    /// By [`Kind::name`]; left out, those of [`Kind::of`].
+    #[serde(default)]
+    kinds: Option<Vec<String>>,
+}
+
+impl ProgramText {
+    /// Name of the file, or of the shipped program; its text.
+    pub(super) fn parts(&self) -> Result<(&str, &str)> {
+        match self {
+            ProgramText::File { name, text } => {
+                plain("program", name)?;
+                Ok((name, text))
+            }
+            ProgramText::Builtin { builtin } => {
+                let text = Program::builtin_text(builtin);
+                Ok((builtin, text.with_context(|| format!("program: found no shipped program \"{builtin}\""))?))
+            }
+        }
+    }
+
+    fn read(&self) -> Result<Program> {
+        let (name, text) = self.parts()?;
+        let stem = match self {
+            ProgramText::File { .. } => {
+                name.rsplit_once('.').map_or(name, |(stem, _)| if stem.is_empty() { name } else { stem })
+            }
+            ProgramText::Builtin { .. } => name,
+        };
+        Ok(Program::read(stem, text.as_bytes(), name, &ReadOptions::default())?)
+    }
+}
+
+impl Request {
+    pub(super) fn parse(text: &str) -> Result<Request> {
+        let request: Request = serde_json::from_str(text).context("the scope's request")?;
+        request.exchanges.keys().try_for_each(|name| exchange_name(name))?;
+        Ok(request)
+    }
+
+    /// The scenario; how files were read goes to `notes`.
+    pub(super) fn scenario(&self, notes: &mut Vec<String>) -> Result<Scenario> {
+        let settings = Settings::parse(&self.settings, SCENARIO_FILE)?;
+        let own = self.machine(&self.machine, notes)?;
+        let exchanges = self.exchanges.iter().map(|(name, files)| {
+            let machine = self.machine(files, notes).with_context(|| format!("exchange:{name}"))?;
+            Ok((name.clone(), machine))
+        });
+        let exchanges = exchanges.collect::<Result<_>>()?;
+        let program = self.program.read()?;
+        notes.extend(program.notes.iter().map(|note| format!("program: {note}")));
+        Ok(Scenario::new(own, program, settings)?.with_exchanges(exchanges))
+    }
+
+    /// A machine with the error model asked for.
+    pub(super) fn machine(&self, files: &Files, notes: &mut Vec<String>) -> Result<Machine> {
+        let mut machine = machine(&serde_json::to_string(files)?, notes)?;
+        let model = self.model.map(|model| match model {
+            Model::Nine => ErrorModel::Nine,
+            Model::Volumetric => ErrorModel::Volumetric,
+        });
+        choose_model(&mut machine, model, self.orientation)?;
+        Ok(machine)
+    }
+
+    /// The machines to run, in the order of a report.
+    pub(super) fn kinds(&self, machine: &Machine) -> Result<Vec<Kind>> {
+        const ALL: [Kind; 5] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly, Kind::Full, Kind::Configured];
+        let Some(names) = &self.kinds else { return Ok(Kind::of(&machine.settings).to_vec()) };
+        let known = |name: &String| ALL.iter().any(|kind| kind.name() == name);
+        if let Some(unknown) = names.iter().find(|name| !known(name)) {
+            let needed = ALL.map(Kind::name).join(", ");
+            bail!("kinds: found \"{unknown}\", needed some of {needed}");
+        }
+        let kinds: Vec<Kind> = ALL.into_iter().filter(|kind| names.iter().any(|name| kind.name() == name)).collect();
+        if kinds.is_empty() {
+            bail!("kinds: found none, needed at least one");
+        }
+        Ok(kinds)
+    }
+}
+
+/// A name that becomes a folder beside the scenario's other files.
+pub(super) fn exchange_name(name: &str) -> Result<()> {
+    plain("exchange", name)?;
+    if name == MACHINE_FOLDER {
+        bail!("exchange: found \"{name}\", which is the machine's own folder, needed another name");
+    }
+    Ok(())
+}
+
+fn plain(what: &str, name: &str) -> Result<()> {
+    let bad = |c: char| c.is_control() || matches!(c, '/' | '\\' | ':');
+    if name.trim().is_empty() || name.starts_with(['.', '-']) || name.contains(bad) {
+        bail!("{what}: found \"{}\", needed a plain file name", name.escape_debug());
+    }
+    Ok(())
+}

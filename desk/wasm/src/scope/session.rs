@@ -1,0 +1,168 @@
+//! A scope that is open: a run with its curves, and what was done to it.
+
+use super::request::{Files, Request, exchange_name};
+use super::traces::Traces;
+use anyhow::{Context, Result, bail};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use trueaxis_report::thin;
+use trueaxis_sim::event::{Act, EventKind};
+use trueaxis_sim::path::drawn;
+use trueaxis_sim::run::{Figures, Kind, Run, feedback_refused};
+use trueaxis_sim::{Scenario, Settings};
+
+/// Stretches of a curved move, and of the whole path where that has more points.
+const PARTS_OF_A_MOVE: u32 = 64;
+const PARTS_OF_THE_PATH: usize = 700;
+
+/// A run under way.
+pub(super) struct Session {
+    pub(super) request: Request,
+    pub(super) scenario: Arc<Scenario>,
+    /// With all that was done since.
+    pub(super) settings: Settings,
+    pub(super) kinds: Vec<Kind>,
+    pub(super) notes: Vec<String>,
+    run: Run,
+    pub(super) traces: Traces,
+    done: bool,
+    /// The machine whose tables were exchanged for last.
+    pub(super) exchanged: Option<String>,
+}
+
+/// Where a run is.
+#[derive(Serialize)]
+pub(super) struct Progress {
+    cycle: u64,
+    cycles: u64,
+    time_s: f64,
+    done: bool,
+}
+
+/// Something done to a run.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Asked {
+    act: String,
+    /// Of the machine whose tables are exchanged for, where it is not known yet.
+    files: Option<Files>,
+}
+
+/// The same as it was recorded.
+#[derive(Serialize)]
+pub(super) struct Recorded {
+    /// `faults` or `events` of the scenario.
+    list: &'static str,
+    act: String,
+    time_s: f64,
+}
+
+impl Session {
+    pub(super) fn open(request: &str) -> Result<Session> {
+        let request = Request::parse(request)?;
+        let mut notes = Vec::new();
+        let scenario = Arc::new(request.scenario(&mut notes)?);
+        let kinds = request.kinds(&scenario.machine)?;
+        if kinds.contains(&Kind::Full)
+            && let Some(why) = feedback_refused(&scenario.machine.settings, scenario.period_s())
+        {
+            notes.push(format!("the full run has no contour feedback: {why}"));
+        }
+        Ok(Session {
+            run: Run::of(Arc::clone(&scenario), &kinds)?,
+            traces: Traces::new(&scenario, &kinds),
+            settings: scenario.settings.clone(),
+            done: false,
+            exchanged: None,
+            request,
+            scenario,
+            kinds,
+            notes,
+        })
+    }
+
+    /// At most `cycles` further cycles.
+    pub(super) fn advance(&mut self, cycles: u32) -> Progress {
+        self.done = !self.run.advance(cycles.into(), &mut self.traces);
+        self.progress()
+    }
+
+    pub(super) fn progress(&self) -> Progress {
+        let (cycle, cycles) = (self.run.cycle(), self.run.cycles());
+        Progress { cycle, cycles, time_s: self.scenario.time_s(cycle), done: self.done }
+    }
+
+    pub(super) fn cycles(&self) -> u64 {
+        self.run.cycles()
+    }
+
+    pub(super) fn figures(&self) -> Figures {
+        let machines: Vec<_> = self.kinds.iter().copied().zip(self.run.tallies()).collect();
+        Figures::of(&self.scenario, &machines)
+    }
+
+    /// The programmed path: x, y, z, line, cutting.
+    pub(super) fn path(&self) -> Vec<f32> {
+        let points = drawn(&self.scenario, PARTS_OF_A_MOVE);
+        let kept = thin(&points, PARTS_OF_THE_PATH, |point| point.position_mm);
+        let row = |point: &trueaxis_sim::path::DrawnPoint| {
+            let [x, y, z] = point.position_mm.map(|q| q as f32);
+            [x, y, z, point.line as f32, f32::from(u8::from(point.cutting))]
+        };
+        kept.iter().flat_map(row).collect()
+    }
+
+    /// Does something to the run: an act as in a scenario, whose time may be `now`, or JSON with it and a machine's files.
+    pub(super) fn act(&mut self, asked: &str) -> Result<Recorded> {
+        let asked = match asked.trim_start().starts_with('{') {
+            true => serde_json::from_str(asked).context("what is to be done to the run")?,
+            false => Asked { act: asked.to_owned(), files: None },
+        };
+        let now = self.scenario.time_s(self.run.cycle());
+        let act: Act = at_now(&asked.act, now).parse()?;
+        if let (Act::Event(event), Some(files)) = (&act, asked.files) {
+            let EventKind::Exchange(name) = &event.kind else { bail!("{act}: found files, needed none") };
+            self.know(name, files)?;
+        }
+        self.run.act(&act, &self.scenario.exchanges)?;
+        let act_text = act.to_string();
+        Ok(match act {
+            Act::Fault(fault) => {
+                self.settings.faults.faults.push(fault);
+                Recorded { list: "faults", act: act_text, time_s: fault.at_s }
+            }
+            Act::Event(event) => {
+                let time_s = event.at_s;
+                if let EventKind::Exchange(name) = &event.kind {
+                    self.exchanged = Some(name.clone());
+                }
+                self.settings.events.events.push(event);
+                Recorded { list: "events", act: act_text, time_s }
+            }
+        })
+    }
+
+    /// Takes in the files of another machine; a name stands for the same files all along.
+    fn know(&mut self, name: &str, files: Files) -> Result<()> {
+        exchange_name(name)?;
+        match self.request.exchanges.get(name) {
+            Some(known) if *known == files => return Ok(()),
+            Some(_) => bail!("exchange: found \"{name}\" with other files than before, needed another name"),
+            None => {}
+        }
+        let machine = self.request.machine(&files, &mut self.notes).with_context(|| format!("exchange:{name}"))?;
+        Arc::make_mut(&mut self.scenario).exchanges.insert(name.to_owned(), machine);
+        self.request.exchanges.insert(name.to_owned(), files);
+        Ok(())
+    }
+}
+
+/// The act with the time of the next cycle in place of `@now`.
+fn at_now(act: &str, now_s: f64) -> String {
+    match act.rsplit_once("@now") {
+        Some((what, rest)) if rest.trim().is_empty() || rest.trim_start().starts_with('+') => {
+            format!("{what}@{now_s}s{rest}")
+        }
+        _ => act.to_owned(),
+    }
+}
