@@ -11,10 +11,14 @@ fn main() -> ExitCode {
         eprintln!("usage: desk-bindgen MODULE.wasm FOLDER");
         return ExitCode::from(2);
     };
-    let written = Bindgen::new()
-        .input_path(module)
-        .web(true)
-        .and_then(|bindgen| bindgen.typescript(true).omit_default_module_path(true).generate(folder));
+    let written = Bindgen::new().input_path(module).web(true).and_then(|bindgen| {
+        bindgen
+            .typescript(true)
+            .omit_default_module_path(true)
+            .remove_name_section(true)
+            .remove_producers_section(true)
+            .generate(folder)
+    });
     match written {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
