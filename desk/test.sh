@@ -14,6 +14,8 @@ fi
 # Optimised: a simulation is compared with the page's.
 export TRUEAXIS_PROFILE=release
 cargo build --release -p trueaxis-cli -p firmware-sim
+# The page in the program: served to this computer alone, and written.
+cargo test --release -p trueaxis-cli --features desk --test desk
 
 tests=(desk/tests/*.test.mjs)
 if [[ $# != 0 ]]; then

@@ -12,8 +12,10 @@ const page_file = process.env.TRUEAXIS_DESK ?? path.join(root, "desk/dist/desk.h
 const target = process.env.CARGO_TARGET_DIR ?? path.join(root, "target");
 /** Where `trueaxis` and `firmware-sim` were built. */
 const programs = path.join(target, process.env.TRUEAXIS_PROFILE ?? "debug");
-// WebGL 2 without a graphics card.
-const flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+// WebGL 2 without a graphics card. The rest of the page is drawn as browsers do without one: by the processor, not by a
+// graphics card that the processor imitates.
+const drawing = ["--disable-gpu-rasterization", "--disable-accelerated-2d-canvas"];
+const flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...drawing];
 
 let browser;
 

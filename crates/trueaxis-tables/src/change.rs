@@ -29,6 +29,9 @@ pub enum Change {
         row: usize,
         /// mm or degrees in the column of the position, µm or µrad in the others.
         value: f64,
+        /// Other columns of the row that change with it, by name, with their values: the other direction of travel.
+        #[serde(default)]
+        also: Vec<(String, f64)>,
     },
     /// A row more, with the errors that the table has at its position, to 0.001 µm (µrad).
     Insert {
@@ -95,7 +98,13 @@ pub fn change(files: &dyn Source, name: &Path, change: &Change) -> Result<Edited
             })?;
             let file = Origin::new(&files.path(&table.path));
             let text = match change {
-                Change::Point { column, row, value, .. } => point(&table, &file, column, *row, *value)?,
+                Change::Point { column, row, value, also, .. } => {
+                    let all = std::iter::once((column.as_str(), *value));
+                    let others = also.iter().map(|(column, value)| (column.as_str(), *value));
+                    all.chain(others).try_fold(table.text.clone(), |text, (column, value)| {
+                        point(&table, &text, &file, column, *row, value)
+                    })?
+                }
                 Change::Insert { position, .. } => {
                     let machine = Machine::read_from(files, name, &mut |_| {})?;
                     inserted(&table, &machine, *position)
@@ -111,12 +120,19 @@ pub fn change(files: &dyn Source, name: &Path, change: &Change) -> Result<Edited
     Ok(Edited { files: vec![edited], notes: Vec::new() })
 }
 
-fn point(table: &TableText, origin: &Origin, column: &str, row: usize, value: f64) -> Result<String, FileError> {
+fn point(
+    table: &TableText,
+    text: &str,
+    origin: &Origin,
+    column: &str,
+    row: usize,
+    value: f64,
+) -> Result<String, FileError> {
     let names = || table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(" ");
     let index = table.columns.iter().position(|known| known.name == column);
     let index = index.ok_or_else(|| origin.whole(format!("no column {column:?}"), format!("one of {}", names())))?;
     let first = row_line(table, origin, row)?;
-    let mut text = with_field(table, &table.text, first, index, value);
+    let mut text = with_field(table, text, first, index, value);
     // Both ends of a full circle are one point.
     let last = table.rows.len() - 1;
     if let Some(position) = table.columns.iter().position(|column| column.component.is_none())

@@ -73,6 +73,15 @@ impl Machine {
         Machine { settings: file.settings().clone(), tables: tables.collect() }
     }
 
+    /// The machine with every entry of its tables times `share`: as after an exchange that trusts them only in part. Squareness,
+    /// backlash and everything else stay.
+    pub fn with_tables_scaled(mut self, share: f64) -> Machine {
+        for row in self.tables.iter_mut().flatten().flat_map(|table| &mut table.rows) {
+            row.forward.iter_mut().chain(&mut row.reverse).for_each(|error| *error *= share);
+        }
+        self
+    }
+
     /// The axes with their tables.
     pub fn axes(&self) -> impl Iterator<Item = (&AxisSettings, Option<&Table>)> {
         self.settings.axes.iter().zip(self.tables.iter().map(Option::as_ref))

@@ -27,7 +27,7 @@ fn refused(of: &Change) -> String {
 }
 
 fn point(axis: Axis, column: &str, row: usize, value: f64) -> Change {
-    Change::Point { axis, column: column.into(), row, value }
+    Change::Point { axis, column: column.into(), row, value, also: Vec::new() }
 }
 
 fn key(key: &str, value: Setting) -> Change {
@@ -40,6 +40,13 @@ fn a_point_changes_its_field_and_nothing_else() {
     assert_eq!(changed(&point(Axis::X, "EXX_um", 0, -1.25)), ("x.csv".into(), new));
     assert_eq!(changed(&point(Axis::X, "EYX_rev_um", 2, 7.0)).1, X.replace("20,-3,0,0.5", "20,-3,0,7"));
     assert_eq!(changed(&point(Axis::X, "X_mm", 1, 9.5)).1, X.replace("10,2.5", "9.5,2.5"));
+}
+
+#[test]
+fn both_directions_change_as_one() {
+    let also = vec![(String::from("EYX_rev_um"), -4.5)];
+    let both = Change::Point { axis: Axis::X, column: "EYX_fwd_um".into(), row: 1, value: -5.0, also };
+    assert_eq!(changed(&both).1, X.replace("10,2.5,1,1.5", "10,2.5,-5,-4.5"));
 }
 
 #[test]

@@ -13,6 +13,10 @@ export interface Series {
   dash?: number[];
   /** Points instead of a line. */
   points?: boolean;
+  /** A line with a point at every value. */
+  dots?: boolean;
+  /** Bars instead of a line; hatched ones are told apart without colour. */
+  bars?: "solid" | "hatched";
   width?: number;
   /** Unit where it is not that of the axis. */
   unit?: string;
@@ -32,6 +36,8 @@ export interface PlotOptions {
   digits?: number;
   /** Fixed ends of the vertical axis. */
   range?: [number, number];
+  /** A logarithmic vertical axis. */
+  logarithmic?: boolean;
 }
 
 type Column = ArrayLike<number | null>;
@@ -86,7 +92,9 @@ export class Plot {
     if (!this.plot || index === null) return;
     const x = this.data[0]?.[index];
     if (x === null || x === undefined) return;
-    this.plot.setCursor({ left: this.plot.valToPos(x, "x"), top: this.plot.over.clientHeight / 2 });
+    // The last tells the plots of the same key; uPlot's types leave it out.
+    const move = this.plot.setCursor as (at: { left: number; top: number }, fire: boolean, publish: boolean) => void;
+    move({ left: this.plot.valToPos(x, "x"), top: this.plot.over.clientHeight / 2 }, true, true);
   }
 
   /** The uPlot behind it, for what only one view needs. */
@@ -128,7 +136,7 @@ export class Plot {
       height: options.height ?? 200,
       cursor: { ...(options.sync ? { sync: { key: options.sync, setSeries: false } } : {}), drag: { x: true, y: false } },
       legend: { show: true, live: false },
-      scales: { x: { time: false }, ...(options.range ? { y: { range: options.range } } : {}) },
+      scales: { x: { time: false, ...(options.series.some((one) => one.bars) ? { range: (_plot, low, high) => [low - 0.6, high + 0.6] } : {}) }, ...(options.range ? { y: { range: options.range } } : {}), ...(options.logarithmic ? { y: { distr: 3 } } : {}) },
       axes: [axis(options.x, 36), axis(options.y, 56)],
       series: [{ label: options.x }, ...options.series.map((one) => this.series(one))],
       hooks: {
@@ -146,7 +154,8 @@ export class Plot {
       stroke: colour(one.colour),
       width: one.points ? 0 : (one.width ?? 1.4),
       ...(one.dash ? { dash: one.dash } : {}),
-      points: { show: one.points ?? false, size: 5, fill: colour(one.colour) },
+      points: { show: one.points ?? one.dots ?? false, size: 5, fill: colour(one.colour) },
+      ...(one.bars ? { paths: uPlot.paths.bars!({ size: [0.76, 40] }), width: one.bars === "hatched" ? 1 : 0, fill: one.bars === "hatched" ? hatching(colour(one.colour)) : colour(one.colour) } : {}),
     };
   }
 
@@ -155,6 +164,7 @@ export class Plot {
     ctx.save();
     ctx.strokeStyle = ctx.fillStyle = colour("ink");
     ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+    ctx.textAlign = "left";
     ctx.setLineDash([2 * devicePixelRatio, 3 * devicePixelRatio]);
     for (const { x, text } of this.marks) {
       const at = plot.valToPos(x, "x", true);
@@ -232,4 +242,21 @@ export class Plot {
     const lines = Array.from({ length: this.data[0]?.length ?? 0 }, (_, row) => this.data.map((column) => column[row] ?? "").join(","));
     save(`${this.options.title.toLowerCase().replace(/[^a-z0-9]+/g, "-")}.csv`, [quoted.join(","), ...lines, ""].join("\n"), "text/csv");
   }
+}
+
+/** Slanted lines to fill with. */
+function hatching(stroke: string): CanvasPattern | string {
+  const [tile, side] = [document.createElement("canvas"), 5 * devicePixelRatio];
+  tile.width = tile.height = side;
+  const context = tile.getContext("2d");
+  if (!context) return stroke;
+  context.strokeStyle = stroke;
+  context.lineWidth = 1.3 * devicePixelRatio;
+  context.beginPath();
+  for (const shift of [-side, 0, side]) {
+    context.moveTo(shift, side);
+    context.lineTo(shift + side, 0);
+  }
+  context.stroke();
+  return context.createPattern(tile, "repeat") ?? stroke;
 }

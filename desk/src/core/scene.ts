@@ -58,6 +58,8 @@ export class Scene {
   private rise = 0.45;
   private zoom = 1;
   private asked = false;
+  /** Pictures that are turned together, this one among them. */
+  private together: Scene[] = [this];
 
   constructor(host: HTMLElement, options: SceneOptions) {
     const id = unique("scene");
@@ -76,6 +78,13 @@ export class Scene {
     });
   }
 
+  /** Turns with another picture, and it with this one. */
+  follow(other: Scene): void {
+    this.together = other.together;
+    this.together.push(this);
+    this.orbit(0, 0);
+  }
+
   /** Takes everything away; the view stays. */
   clear(): void {
     for (const batch of this.batches) this.free(batch);
@@ -87,6 +96,11 @@ export class Scene {
   /** Sets what the picture shows, from corner to corner. */
   fit(low: Vector, high: Vector): void {
     [this.low, this.high] = [low, high];
+  }
+
+  /** Looks from this direction: turned about z and raised from the plane, rad. */
+  look(turn: number, rise: number): void {
+    [this.turn, this.rise] = [turn, rise];
   }
 
   /** Pairs of points, each pair a line. */
@@ -279,12 +293,19 @@ export class Scene {
   private orbit(turn: number, rise: number): void {
     this.turn += turn;
     this.rise = Math.min(1.5, Math.max(-1.5, this.rise + rise));
-    this.draw();
+    this.moved();
   }
 
   private nearer(factor: number): void {
     this.zoom = Math.min(20, Math.max(0.2, this.zoom * factor));
-    this.draw();
+    this.moved();
+  }
+
+  private moved(): void {
+    for (const scene of this.together) {
+      [scene.turn, scene.rise, scene.zoom] = [this.turn, this.rise, this.zoom];
+      scene.draw();
+    }
   }
 }
 

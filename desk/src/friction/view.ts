@@ -1,10 +1,20 @@
+// Recorded circles: what friction does at the reversals, what is found of it, and the same circles with it.
+
+import "./friction.css";
 import type { View } from "../core/desk";
-import { section } from "../core/dom";
+import { Friction, type Kept } from "./panel";
+import type { Settings } from "./source";
+
+let friction: Friction | undefined;
 
 export const view: View = {
   id: "friction",
   title: "Friction",
-  build: (root) => root.append(section("Friction")),
-  state: () => ({}),
-  open: async () => {},
+  build: async (root, desk) => {
+    const usual = JSON.parse(await desk.bench.call("friction_settings")) as Settings;
+    friction = new Friction(root, desk, usual);
+    friction.begin();
+  },
+  state: () => friction?.state(),
+  open: async (state) => friction?.open(state as Kept),
 };

@@ -1,10 +1,18 @@
-import type { View } from "../core/desk";
-import { section } from "../core/dom";
+// The servo scope: a part program through the real step against a simulated machine.
+
+import type { Desk, View } from "../core/desk";
+import { Scope } from "./scope";
+
+let scope: Scope | undefined;
 
 export const view: View = {
   id: "scope",
   title: "Servo scope",
-  build: (root) => root.append(section("Servo scope")),
-  state: () => ({}),
-  open: async () => {},
+  build: async (root: HTMLElement, desk: Desk) => {
+    scope = new Scope(root, desk);
+    await scope.start();
+  },
+  shown: () => scope?.refresh(true),
+  state: () => scope?.state() ?? {},
+  open: async (state) => scope?.show(state),
 };

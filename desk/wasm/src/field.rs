@@ -1,1 +1,31 @@
 //! Volumetric error over the working volume.
+
+use crate::files::machine;
+use crate::{json, told};
+use anyhow::Context;
+use trueaxis_evaluation::field::{self as fields, Settings};
+use wasm_bindgen::prelude::*;
+
+fn settings(request: &str) -> anyhow::Result<Settings> {
+    serde_json::from_str(request).context("the request of a field")
+}
+
+fn rows(files: &str, request: &str) -> anyhow::Result<Vec<f32>> {
+    fields::rows(&machine(files, &mut Vec::new())?, &settings(request)?)
+}
+
+fn figures(files: &str, request: &str) -> anyhow::Result<String> {
+    json(&fields::figures(&machine(files, &mut Vec::new())?, &settings(request)?)?)
+}
+
+/// The field as rows of nine: x, y, z, mm; error before; after, µm. `request`: [`Settings`] as JSON.
+#[wasm_bindgen]
+pub fn field(files: &str, request: &str) -> Result<Vec<f32>, JsError> {
+    told(rows(files, request))
+}
+
+/// Figures of the field before and after, under both models: [`fields::Figures`] as JSON.
+#[wasm_bindgen]
+pub fn field_figures(files: &str, request: &str) -> Result<String, JsError> {
+    told(figures(files, request))
+}

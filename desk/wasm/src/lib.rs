@@ -17,6 +17,7 @@ pub mod panics;
 pub mod roundness;
 mod samples;
 pub mod scope;
+pub mod scope_settings;
 mod shown;
 
 use serde::Serialize;

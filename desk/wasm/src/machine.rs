@@ -84,7 +84,8 @@ fn changed(files: &str, change_: &str) -> Result<Texts> {
 }
 
 /// The files after a change, one of
-/// `{"change": "point", "axis": "X", "column": "EXX_um", "row": 3, "value": 1.5}`,
+/// `{"change": "point", "axis": "X", "column": "EXX_um", "row": 3, "value": 1.5}`, with `"also": [["EXX_rev_um", 3.0]]` where
+/// other columns of the row change with it,
 /// `{"change": "insert", "axis": "X", "position": 12.5}`, `{"change": "remove", "axis": "X", "row": 3}`,
 /// `{"change": "key", "key": "axis.X.backlash_um", "value": 2.0}`.
 #[wasm_bindgen]

@@ -12,8 +12,6 @@ use trueaxis_evaluation::{circle, probe_angles, roundness};
 use trueaxis_sim::grinding;
 use wasm_bindgen::prelude::*;
 
-/// Single revolutions of the spindle's motion that a page draws: the last ones.
-const DRAWN_REVOLUTIONS: usize = 30;
 /// Revolutions of the readings to begin with.
 const SAMPLE_REVOLUTIONS: u32 = 8;
 
@@ -95,24 +93,32 @@ pub fn roundness_polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<Str
 fn curve(name: &str) -> Result<Vec<f64>> {
     EVALUATED.with_borrow(|evaluated| {
         let Evaluated::Readings(found) = evaluated else { anyhow::bail!("no readings have been evaluated") };
-        let points = found.document.n;
-        let last = |values: &[f64]| values[values.len().saturating_sub(DRAWN_REVOLUTIONS * points)..].to_vec();
         Ok(match name {
             "profile" => found.profile.clone(),
             "x" => found.x.mean_contour.clone(),
             "y" => found.y.mean_contour.clone(),
-            "x revolutions" => last(&found.x.revolutions),
-            "y revolutions" => last(&found.y.revolutions),
-            _ => anyhow::bail!("found the curve {name}, needed profile, x, y, x revolutions or y revolutions"),
+            _ => anyhow::bail!("found the curve {name}, needed profile, x or y"),
         })
     })
 }
 
-/// A curve of the readings evaluated last, µm: `profile`; mean contours `x`, `y`; single revolutions one after the other,
-/// the last 30, `x revolutions`, `y revolutions`.
+/// A curve of the readings evaluated last over θ, µm: `profile`, or the mean contours `x` and `y` of the spindle.
 #[wasm_bindgen]
 pub fn roundness_curve(name: &str) -> Result<Vec<f64>, JsError> {
     told(curve(name))
+}
+
+fn orbit() -> Result<String> {
+    EVALUATED.with_borrow(|evaluated| match evaluated {
+        Evaluated::Readings(found) => Ok(roundness::orbit(found).to_html()),
+        _ => anyhow::bail!("no readings have been evaluated"),
+    })
+}
+
+/// Orbit of the spindle's axis in the readings evaluated last, single revolutions and their mean, as HTML.
+#[wasm_bindgen]
+pub fn roundness_orbit() -> Result<String, JsError> {
+    told(orbit())
 }
 
 /// Readings to begin with, and what is asked of them.
@@ -198,12 +204,13 @@ mod tests {
             let amplitude = document["harmonics"][i]["amplitude_um"].as_f64().unwrap();
             assert!((amplitude - 2.0 * (2.0 / k).powf(1.5)).abs() < 0.01, "{k}: {amplitude}");
         }
-        assert_eq!(curve("x revolutions").unwrap().len(), 8 * 1024);
+        assert_eq!(curve("x").unwrap().len(), 1024);
+        assert!(orbit().unwrap().contains("<svg"));
         let svg = polar(true, false, false, false).unwrap();
         assert!(svg.contains("LSC") && !svg.contains("MZC") && svg.contains("Magnification"));
 
         let error = evaluate("probes.csv", &text.replacen("\n", "\nx", 1), &request).unwrap_err();
-        assert!(error.to_string().starts_with("probes.csv, line 2, column h1_um: found \"x"), "{error}");
+        assert!(error.to_string().starts_with("probes.csv:2: column h1_um: found \"x"), "{error}");
         assert!(polar(true, true, true, true).is_err() && curve("profile").is_err());
         let error = evaluate("probes.csv", text, &json!({"probes": {"n": 100}}).to_string()).unwrap_err();
         assert_eq!(error.to_string(), "--n: found 100, needed a power of two from 64 to 4096");

@@ -18,27 +18,10 @@ pub use recording::{Recording, columns};
 pub use settings::{merged, sections};
 
 use anyhow::{Result, anyhow};
-use serde::{Deserialize, Deserializer};
 use trueaxis::Axis;
 use trueaxis::machine::DriveFigures;
 use trueaxis_metrology::friction::{Identified, Progress, identify};
 use trueaxis_tables::Machine;
-
-/// What is asked for beside the record and the machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Request {
-    /// The two axes of the circles' plane, in its sense; as text `"X,Y"`.
-    #[serde(deserialize_with = "axes")]
-    pub axes: [Axis; 2],
-    /// Whether the drives' figures are found even where the machine states them.
-    #[serde(default)]
-    pub find_drive: bool,
-}
-
-fn axes<'de, D: Deserializer<'de>>(from: D) -> Result<[Axis; 2], D::Error> {
-    pair(&String::deserialize(from)?).map_err(serde::de::Error::custom)
-}
 
 /// Two different linear axes from `X,Y`.
 ///

@@ -1,12 +1,14 @@
 //! Roundness and spindle error from three probes.
 
 mod document;
+mod orbit;
 mod polar;
 mod trace;
 
 pub use document::{
     Centres, Circles, Document, Evaluation, HarmonicEntry, Revolution, Spindle, SpindleDirection, Zones,
 };
+pub use orbit::{DRAWN_REVOLUTIONS, motion_scale, orbit};
 pub use polar::polar;
 pub use trace::{InterpolationError, Resampling};
 

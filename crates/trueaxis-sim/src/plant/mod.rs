@@ -9,6 +9,7 @@
 //! The encoders see neither lost motion nor geometry, so that readings are the same, bit for bit, with a perfect and an
 //! imperfect machine.
 
+mod agreed;
 pub mod delay;
 pub mod drive;
 pub mod encoder;
@@ -20,6 +21,7 @@ use drive::{Drive, DriveSettings};
 use encoder::{Encoder, EncoderSettings};
 use fault::{Fault, FaultKind, FaultScript};
 
+pub use agreed::agreed;
 pub use lost_motion::LostMotion;
 
 use thiserror::Error;

@@ -1,8 +1,9 @@
 //! One axis' carriage: its motion and its errors.
 
+use super::rotation::about;
 use super::table::ErrorTable;
 use crate::Table;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use trueaxis::machine::{Axis, AxisSettings, LocationErrors, Twist};
 
 /// One axis' carriage.
@@ -68,6 +69,15 @@ impl Carriage {
         let slope = unit * rise_k * growth.expansion_per_k;
         self.per_position[self.own] += slope;
         self.constant[self.own] += unit * rise_k * growth.offset_per_k - slope * growth.datum;
+    }
+
+    /// Its own motion at `q`: the way from the carrier's origin, and of a rotary axis the turn.
+    pub(super) fn nominal(&self, q: f64) -> (DVec3, Option<DMat3>) {
+        if self.rotary {
+            (self.offset, Some(about(self.along, (self.motion * q).to_radians())))
+        } else {
+            (self.offset + self.along * (self.motion * q), None)
+        }
     }
 
     /// Translations (mm) and rotations (rad) at the axis frame's origin, tool relative to workpiece.

@@ -45,7 +45,7 @@ use crate::Machine;
 use carriage::{Carriage, unit};
 use chain::structural_code;
 pub use correction::CorrectionSettings;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use rotation::{rotation, rotation_vector};
 use thiserror::Error;
 use trueaxis::machine::AXES;
@@ -84,6 +84,17 @@ pub struct PoseError {
     /// Orientation of the tool: rotation vector of the turn from the ideal to the actual orientation relative to the
     /// workpiece, log(R_w ΔR R_wᵀ) with ΔR = R_wt,actual R_wt,idealᵀ, in bed directions, rad. To first order Σ R_i w_i.
     pub orientation: [f64; 3],
+}
+
+/// The ideal pose at a commanded position.
+#[derive(Clone, Copy, Debug)]
+pub struct Commanded {
+    /// Orientation of the workpiece's frame.
+    workpiece: DMat3,
+    /// Tool tip in that frame.
+    tip: DVec3,
+    /// Orientation of the tool in that frame.
+    orientation: DMat3,
 }
 
 /// Pose of the tool in the workpiece's frame.
@@ -158,15 +169,31 @@ impl Geometry {
     ///
     /// Rounding of the angles: below 1e-15 rad.
     pub fn pose_error(&self, position: &[f64; AXES], reverse: &[f64; AXES]) -> PoseError {
-        let (workpiece, workpiece_actual) = side(&self.workpiece, position, reverse);
-        let (tool, tool_actual) = side(&self.tool, position, reverse);
-        let ideal = workpiece.matrix3.transpose() * tool.matrix3;
-        let actual = workpiece_actual.matrix3.transpose() * tool_actual.matrix3;
+        self.pose_error_of(&self.commanded(position), position, reverse)
+    }
+
+    /// A command, for the errors with the axes sent to other positions: [`Geometry::pose_error_of`].
+    pub fn commanded(&self, position: &[f64; AXES]) -> Commanded {
+        let workpiece = ideal(&self.workpiece, position);
+        let tool = ideal(&self.tool, position);
+        let tip = into_frame(&workpiece, tool.transform_point3(self.tool_mm));
+        Commanded { workpiece: workpiece.matrix3, tip, orientation: workpiece.matrix3.transpose() * tool.matrix3 }
+    }
+
+    /// Error against a command while the axes stand at `sent`, say at the corrected command: actual pose at `sent` − ideal
+    /// pose at the command, in the directions of the machine as commanded.
+    ///
+    /// Rounding as of [`Geometry::tip_error`] and [`Geometry::pose_error`]. Cost: one product of the chain.
+    pub fn pose_error_of(&self, command: &Commanded, sent: &[f64; AXES], reverse: &[f64; AXES]) -> PoseError {
+        let (_, workpiece) = side(&self.workpiece, sent, reverse);
+        let (_, tool) = side(&self.tool, sent, reverse);
+        let tip = into_frame(&workpiece, tool.transform_point3(self.tool_mm));
+        let (ideal, actual) = (command.orientation, workpiece.matrix3.transpose() * tool.matrix3);
         let turn = actual * ideal.transpose();
         PoseError {
-            tip_mm: self.tip_error(position, reverse),
-            direction: (workpiece.matrix3 * (actual * self.tool_axis - ideal * self.tool_axis)).to_array(),
-            orientation: (workpiece.matrix3 * rotation_vector(turn)).to_array(),
+            tip_mm: (command.workpiece * (tip - command.tip)).to_array(),
+            direction: (command.workpiece * (actual * self.tool_axis - ideal * self.tool_axis)).to_array(),
+            orientation: (command.workpiece * rotation_vector(turn)).to_array(),
         }
     }
 
@@ -199,19 +226,31 @@ fn side(carriages: &[Carriage], position: &[f64; AXES], reverse: &[f64; AXES]) -
     for carriage in carriages {
         let q = position[carriage.slot];
         let (e, w) = carriage.errors(q, reverse[carriage.slot]);
-        let error = DAffine3 { matrix3: rotation(w * carriage.sign), translation: e * carriage.sign };
-        if carriage.rotary {
-            let turn = rotation::about(carriage.along, (carriage.motion * q).to_radians());
-            ideal.translation += ideal.matrix3 * carriage.offset;
-            ideal.matrix3 *= turn;
-            actual *= DAffine3 { matrix3: error.matrix3 * turn, translation: carriage.offset + error.translation };
-        } else {
-            let travel = carriage.offset + carriage.along * (carriage.motion * q);
-            ideal.translation += ideal.matrix3 * travel;
-            actual *= DAffine3 { matrix3: error.matrix3, translation: error.translation + travel };
-        }
+        let (travel, turn) = carriage.nominal(q);
+        moved(&mut ideal, travel, turn);
+        let tilt = rotation(w * carriage.sign);
+        let matrix3 = turn.map_or(tilt, |turn| tilt * turn);
+        actual *= DAffine3 { matrix3, translation: travel + e * carriage.sign };
     }
     (ideal, actual)
+}
+
+/// The ideal one alone.
+fn ideal(carriages: &[Carriage], position: &[f64; AXES]) -> DAffine3 {
+    let mut ideal = DAffine3::IDENTITY;
+    for carriage in carriages {
+        let (travel, turn) = carriage.nominal(position[carriage.slot]);
+        moved(&mut ideal, travel, turn);
+    }
+    ideal
+}
+
+/// A frame as the next carriage's own motion takes it.
+fn moved(frame: &mut DAffine3, travel: DVec3, turn: Option<DMat3>) {
+    frame.translation += frame.matrix3 * travel;
+    if let Some(turn) = turn {
+        frame.matrix3 *= turn;
+    }
 }
 
 /// A point of the bed in the coordinates of `frame`.

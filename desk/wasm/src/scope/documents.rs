@@ -5,8 +5,9 @@ use super::session::Session;
 use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use trueaxis::machine::{AxisSettings, DynamicSettings};
 use trueaxis_sim::program::{BUILTIN_NAMES, Program};
-use trueaxis_sim::run::CorrectionLimits;
+use trueaxis_sim::run::{CorrectionLimits, Kind};
 
 /// A shipped program.
 #[derive(Serialize)]
@@ -38,6 +39,8 @@ struct Axis {
     travel: [f64; 2],
     /// Of the correction by the tables now in force.
     limits: CorrectionLimits,
+    /// Of the dynamic correction, on a machine that has any.
+    dynamic_limits: Option<CorrectionLimits>,
 }
 
 /// A scenario as it was understood.
@@ -64,9 +67,12 @@ impl Session {
         let machine = &scenario.machine.settings;
         let exchanged = self.exchanged.as_ref().and_then(|name| scenario.exchanges.get(name));
         let in_force = exchanged.map_or(machine, |machine| &machine.settings);
-        let axis = |own: &trueaxis::machine::AxisSettings| {
+        let axis = |own: &AxisSettings| {
             let rotary = own.axis.is_rotary();
             let unit = |linear, angular| if rotary { angular } else { linear };
+            let now = in_force.axis(own.axis).unwrap_or(own);
+            let dynamic = now.servo.dynamic.unwrap_or_else(|| DynamicSettings::with_defaults(own.axis)).limits;
+            let dynamic = AxisSettings { limits: dynamic, ..now.clone() };
             Axis {
                 axis: own.axis.letter(),
                 rotary,
@@ -75,7 +81,8 @@ impl Session {
                 slope_unit: unit("mm/s", "mrad/s"),
                 acceleration_unit: unit("m/s²", "rad/s²"),
                 travel: own.travel,
-                limits: CorrectionLimits::of(in_force.axis(own.axis).unwrap_or(own)),
+                limits: CorrectionLimits::of(now),
+                dynamic_limits: self.kinds.contains(&Kind::Full).then(|| CorrectionLimits::of(&dynamic)),
             }
         };
         let mut axes: Vec<Axis> = machine.axes.iter().map(axis).collect();

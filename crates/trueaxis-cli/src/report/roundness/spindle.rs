@@ -1,44 +1,12 @@
 //! Error motion of the spindle: orbit, over the angle, and over the revolutions.
 
 use maud::{Markup, Render};
-use trueaxis_evaluation::roundness::{Document, Evaluation, Revolution};
+use trueaxis_evaluation::roundness::{DRAWN_REVOLUTIONS, Document, Evaluation, Revolution, motion_scale, orbit};
 use trueaxis_report::{Figure, Scale, Stroke, colour, missing, side_by_side};
-
-/// Single revolutions drawn: the last ones. One in so many would hide what repeats every second one.
-const DRAWN_REVOLUTIONS: usize = 30;
 
 pub(super) fn figures(evaluation: &Evaluation) -> Markup {
     let skipped = evaluation.document.revolutions.saturating_sub(DRAWN_REVOLUTIONS);
-    side_by_side([orbit(evaluation, skipped), over_theta(evaluation, skipped)])
-}
-
-fn scale(evaluation: &Evaluation, caption: &str) -> Scale {
-    let (x, y) = (&evaluation.x.revolutions, &evaluation.y.revolutions);
-    Scale::symmetric(caption, x.iter().chain(y).copied())
-}
-
-fn orbit(evaluation: &Evaluation, skipped: usize) -> Figure {
-    let (x, y) = (&evaluation.x, &evaluation.y);
-    let pairs = |x: &[f64], y: &[f64]| -> Vec<[f64; 2]> { x.iter().zip(y).map(|(x, y)| [*x, *y]).collect() };
-    let description = "Orbit of the spindle's axis without position and once-per-revolution part";
-    let mut figure = Figure::square(description, scale(evaluation, "X in µm"), scale(evaluation, "Y in µm"));
-    let thin = Stroke::new(colour::GREY, 0.6).opacity(0.6);
-    let points = x.mean_contour.len();
-    for (x, y) in x.revolutions.chunks(points).zip(y.revolutions.chunks(points)).skip(skipped) {
-        // Open: the end of a revolution is the start of the next, not its own.
-        figure.line(pairs(x, y), thin);
-    }
-    let mut mean = pairs(&x.mean_contour, &y.mean_contour);
-    mean.extend(mean.first().copied());
-    let shown = if skipped == 0 { "All".to_owned() } else { format!("The last {DRAWN_REVOLUTIONS}") };
-    figure
-        .bold(&mean, colour::COMPENSATED)
-        .key("mean of the revolutions (synchronous)", Stroke::new(colour::COMPENSATED, 2.2))
-        .key("single revolutions (asynchronous)", Stroke::new(colour::GREY, 0.6))
-        .caption(format!(
-            "{shown} of the revolutions; position and once-per-revolution part are taken out (ISO 230-7)."
-        ));
-    figure
+    side_by_side([orbit(evaluation), over_theta(evaluation, skipped)])
 }
 
 /// Mean contours of both directions over θ.
@@ -49,7 +17,7 @@ fn over_theta(evaluation: &Evaluation, skipped: usize) -> Figure {
         values.iter().enumerate().map(|(i, value)| [360.0 * i as f64 / points as f64, *value]).collect()
     };
     let theta = Scale::exact("θ in degrees", 0.0, 360.0);
-    let y_scale = scale(evaluation, "error motion in µm");
+    let y_scale = motion_scale(evaluation, "error motion in µm");
     let mut figure = Figure::square("Error motion of the spindle over the angle", theta, y_scale);
     let [blue, orange, _] = colour::AXES;
     for (motion, colour) in [(x, blue), (y, orange)] {

@@ -1,0 +1,62 @@
+//! How fast the corrections change at a feed, against differences of the looked-up curve.
+
+use std::path::Path;
+use trueaxis::machine::{Axis, Curve};
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::{Machine, rates};
+
+fn machine(interpolation: &str) -> Machine {
+    let text = format!(
+        "name = \"m\"\nchain = \"w b X Y t\"\n[axis.X]\ntable = \"x.csv\"\ninterpolation = \"{interpolation}\"\n\
+         max_feed_mm_per_min = 6000\n[axis.X.limits]\nslope_mm_per_s = 3\nacceleration_mm_per_s2 = 400\n"
+    );
+    let table = "X_mm,EXX_um,EYX_um\n0,0,1\n10,3,-2\n25,5,4\n30,12,4.5\n50,-3,0\n";
+    let files = Memory::new([("machine.toml", text.as_str()), ("x.csv", table)]);
+    Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap()
+}
+
+/// Largest first and second derivative of a column, by differences inside its intervals.
+fn differences(machine: &Machine, component: usize) -> (f64, f64) {
+    let rows = machine.rows(Axis::X).unwrap();
+    let curve = Curve::new(machine.settings.axis(Axis::X).unwrap(), rows, component, false);
+    let (mut slope, mut bent) = (0.0_f64, 0.0_f64);
+    for pair in rows.windows(2) {
+        let (low, high) = (pair[0].position, pair[1].position);
+        let h = (high - low) / 1000.0;
+        for part in 1..1000 {
+            let at = |k: f64| curve.at(low + (part as f64 + k) * h).unwrap();
+            slope = slope.max(((at(1.0) - at(-1.0)) / (2.0 * h)).abs());
+            bent = bent.max(((at(1.0) - 2.0 * at(0.0) + at(-1.0)) / (h * h)).abs());
+        }
+    }
+    (slope, bent)
+}
+
+#[test]
+fn rate_and_acceleration_are_those_of_the_curve_at_the_feed() {
+    let machine = machine("cubic");
+    for (index, component) in [(0, 0), (1, 1)] {
+        let (slope, bent) = differences(&machine, component);
+        for (feed, v) in [(None, 100.0), (Some(20.0), 20.0), (Some(1e9), 100.0)] {
+            let found = rates(&machine, feed)[index];
+            let near = |found: f64, needed: f64| assert!((found / needed - 1.0).abs() < 5e-3, "{found} {needed}");
+            near(found.rate, slope * v);
+            near(found.acceleration.unwrap(), bent * v * v);
+            assert_eq!(
+                (found.moving, found.limit, found.acceleration_limit),
+                match index {
+                    0 => (Axis::X, 3.0, 400.0),
+                    _ => (Axis::X, 5.0, 5000.0),
+                }
+            );
+        }
+    }
+}
+
+#[test]
+fn a_linear_table_steps_the_velocity() {
+    let found = rates(&machine("linear"), None);
+    assert_eq!(found.iter().map(|drive| drive.acceleration).collect::<Vec<_>>(), [None, None]);
+    // The steepest is 7 µm over 5 mm, at 100 mm/s.
+    assert!((found[0].rate - 0.14).abs() < 1e-12);
+}

@@ -1,0 +1,153 @@
+// Radial deviation over the angle, enlarged about the circle, as a ballbar shows it.
+
+import { button, el, table, unique, type Cell } from "../core/dom";
+import { save } from "../core/files";
+import { cell, fixed, significant } from "../core/number";
+import type { ColourName } from "../core/theme";
+
+export interface PolarSeries {
+  name: string;
+  colour: ColourName;
+  dash?: string;
+  angle_deg: number[];
+  value_um: number[];
+}
+
+const SIZE = 340;
+const RADIUS = 74;
+/** Deviation is drawn to at most this far from the circle. */
+const REACH = 62;
+/** Angles further apart than this are not joined, degrees. */
+const GAP = 5;
+
+/** An element of a drawing. */
+export function draw<K extends keyof SVGElementTagNameMap>(name: K, attributes: Record<string, string | number>, text = ""): SVGElementTagNameMap[K] {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
+  element.textContent = text;
+  return element;
+}
+
+/** 1, 2 or 5 times a power of ten, so that `most` takes two to four of it. */
+function step(most: number): number {
+  const power = 10 ** Math.floor(Math.log10(most / 2));
+  return [1, 2, 5].map((digit) => digit * power).findLast((size) => size <= most / 2) ?? power;
+}
+
+/** Largest deviation of some curves, µm. */
+export function largest(all: PolarSeries[]): number {
+  let most = 1e-3;
+  for (const { value_um } of all) for (const value of value_um) most = Math.max(most, Math.abs(value));
+  return most;
+}
+
+export class Polar {
+  private readonly cursor = draw("g", { class: "cursor", visibility: "hidden" });
+  private readonly readout: HTMLElement;
+  private readonly factor: number;
+  private at: number | null = null;
+
+  /** `most` is the deviation that reaches furthest: one scale for circles side by side. */
+  constructor(
+    host: HTMLElement,
+    private readonly title: string,
+    axes: readonly [string, string],
+    private readonly series: PolarSeries[],
+    most: number,
+  ) {
+    const id = unique("polar");
+    this.factor = REACH / most;
+    const picture = draw("svg", { viewBox: `${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`, "aria-hidden": "true" });
+    this.grid(picture, step(most), most, axes);
+    for (const one of series)
+      picture.append(draw("path", { d: this.path(one), fill: "none", stroke: `var(--${one.colour})`, "stroke-width": 1.5, "stroke-dasharray": one.dash ?? "none", "stroke-linejoin": "round" }));
+    picture.append(this.cursor);
+    const words = series.map(({ name, value_um }) => `${name}: ${significant(Math.min(...value_um), 3)} to ${significant(Math.max(...value_um), 3)} µm`).join("; ");
+    const area = el("div", { class: "polar", tabindex: 0, role: "img", "aria-labelledby": id, "aria-description": words, onkeydown: (event: KeyboardEvent) => this.key(event) });
+    area.append(picture);
+    this.readout = el("output", { class: "readout", for: id });
+    const details = el("details", { ontoggle: () => this.fill(details) }, el("summary", {}, "Table"));
+    host.append(el("figure", {}, el("figcaption", { id }, title), area, this.readout, details));
+  }
+
+  private place(angle_deg: number, value_um: number): [number, number] {
+    const [angle, radius] = [(angle_deg * Math.PI) / 180, RADIUS + this.factor * value_um];
+    return [radius * Math.cos(angle), -radius * Math.sin(angle)];
+  }
+
+  private path({ angle_deg, value_um }: PolarSeries): string {
+    const parts: string[] = [];
+    angle_deg.forEach((angle, i) => {
+      const [x, y] = this.place(angle, value_um[i]!);
+      const joined = i > 0 && angle - angle_deg[i - 1]! < GAP;
+      parts.push(`${joined ? "L" : "M"}${x.toFixed(2)} ${y.toFixed(2)}`);
+    });
+    const [first, last] = [angle_deg[0], angle_deg.at(-1)];
+    if (first !== undefined && last !== undefined && first + 360 - last < GAP) {
+      const [x, y] = this.place(first, value_um[0]!);
+      parts.push(`L${x.toFixed(2)} ${y.toFixed(2)}`);
+    }
+    return parts.join("");
+  }
+
+  private grid(picture: SVGElement, ring: number, most: number, [first, second]: readonly [string, string]): void {
+    const end = RADIUS + REACH + 8;
+    for (const [x, y] of [[1, 0], [0, 1]] as const)
+      picture.append(draw("line", { x1: -end * x, x2: end * x, y1: -end * y, y2: end * y, class: "ring" }));
+    for (let k = -4; k <= 4; k++) {
+      if (Math.abs(k * ring) > most * 1.02) continue;
+      picture.append(draw("circle", { r: RADIUS + this.factor * k * ring, class: k === 0 ? "nominal" : "ring" }));
+      const [x, y] = this.place(45, k * ring);
+      if (k !== 0) picture.append(draw("text", { x, y, class: "scale" }, `${k > 0 ? "+" : "−"}${significant(Math.abs(k * ring), 1)}`));
+    }
+    picture.append(
+      draw("text", { x: end + 3, y: 4 }, `+${first}`),
+      draw("text", { x: 0, y: -end - 4, "text-anchor": "middle" }, `+${second}`),
+      draw("text", { x: 0, y: 4, "text-anchor": "middle", class: "scale" }, `rings of ${significant(ring, 1)} µm`),
+    );
+  }
+
+  /** The value of a series nearest to an angle. */
+  private near({ angle_deg, value_um }: PolarSeries, angle: number): number | null {
+    let best = 0;
+    angle_deg.forEach((one, i) => {
+      if (Math.abs(one - angle) < Math.abs(angle_deg[best]! - angle)) best = i;
+    });
+    return Math.abs((angle_deg[best] ?? Infinity) - angle) < 1 ? value_um[best]! : null;
+  }
+
+  private key(event: KeyboardEvent): void {
+    const angles = this.series[0]?.angle_deg ?? [];
+    if (angles.length === 0) return;
+    const now = this.at ?? -1;
+    const by = event.shiftKey ? 20 : 1;
+    const to = { ArrowRight: now + by, ArrowLeft: now - by, Home: 0, End: angles.length - 1 }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    this.at = (to + angles.length) % angles.length;
+    const angle = angles[this.at]!;
+    this.cursor.setAttribute("visibility", "visible");
+    const [[x1, y1], [x2, y2]] = [this.place(angle, -REACH / this.factor), this.place(angle, REACH / this.factor)];
+    this.cursor.replaceChildren(draw("line", { x1, y1, x2, y2 }));
+    const values = this.series.map((one) => `${one.name} ${significant(this.near(one, angle) ?? NaN, 3)} µm`);
+    this.readout.textContent = [`${fixed(angle, 1)}°`, ...values].join("   ");
+  }
+
+  private rows(): Cell[][] {
+    const angles = this.series[0]?.angle_deg ?? [];
+    return angles.map((angle) => [cell(angle, 2), ...this.series.map((one) => cell(this.near(one, angle), 4))]);
+  }
+
+  private fill(details: HTMLDetailsElement): void {
+    if (!details.open || details.childElementCount > 1) return;
+    const header = ["angle / °", ...this.series.map(({ name }) => `${name} / µm`)];
+    const rows = this.rows();
+    const csv = () => {
+      const value = (one: Cell) => (typeof one === "string" ? "" : String(one.value));
+      const names = header.map((name) => name.replaceAll(",", ""));
+      save(`${this.title}.csv`, [names, ...rows.map((row) => row.map(value))].map((row) => row.join(",")).join("\n") + "\n", "text/csv");
+    };
+    const shown = el("div", { class: "rows", tabindex: 0, role: "group", "aria-label": `${this.title}: numbers` }, table(this.title, header, rows));
+    details.append(shown, button("Save CSV", csv));
+  }
+}

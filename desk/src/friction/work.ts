@@ -1,0 +1,77 @@
+// What the module is asked for, one request after the other.
+
+import type { Desk } from "../core/desk";
+import type { Closed, Found, RecordRead, Trace } from "./documents";
+import { request, type Axes, type Circles } from "./source";
+
+/** Cycles between two looks at the progress. */
+const SLICE = 20_000;
+/** Points of a drawn record. */
+const POINTS = 4000;
+
+export class Stopped extends Error {}
+
+export class Work {
+  private stopping = false;
+
+  constructor(private readonly desk: Desk) {}
+
+  /** Ends the simulation under way. */
+  stop(): void {
+    this.stopping = true;
+  }
+
+  async read(name: string, text: string, axes: Axes): Promise<[RecordRead, Trace]> {
+    const read = JSON.parse(await this.desk.runs.call("friction_read", name, text, axes)) as RecordRead;
+    return [read, await this.trace()];
+  }
+
+  private async trace(): Promise<Trace> {
+    return JSON.parse(await this.desk.runs.call("friction_trace", POINTS)) as Trace;
+  }
+
+  /** One pass of the circles; `told` gets the share that is done. */
+  async simulate(circles: Circles, pass: "record" | "before" | "after", told: (share: number) => void): Promise<void> {
+    const { runs, machine } = this.desk;
+    this.stopping = false;
+    await runs.call("friction_start", machine.json, request(circles, pass));
+    for (let share = 0; share < 1; ) {
+      if (this.stopping) throw new Stopped("stopped");
+      share = await runs.call("friction_advance", SLICE);
+      told(share);
+    }
+  }
+
+  async simulated(): Promise<[RecordRead, Trace]> {
+    return [JSON.parse(await this.desk.runs.call("friction_record")) as RecordRead, await this.trace()];
+  }
+
+  csv(): Promise<string> {
+    return this.desk.runs.call("friction_csv");
+  }
+
+  /** Friction and drives; `told` gets axis and step. */
+  async fit(findDrive: boolean, told: (text: string) => void): Promise<Found> {
+    const { runs, machine } = this.desk;
+    runs.onProgress = told;
+    try {
+      return JSON.parse(await runs.call("friction_fit", machine.json, findDrive)) as Found;
+    } finally {
+      runs.onProgress = undefined;
+    }
+  }
+
+  async closed(): Promise<Closed> {
+    return JSON.parse(await this.desk.runs.call("friction_closed")) as Closed;
+  }
+
+  /** Puts sections into the machine that all views share, once it has been read with them. */
+  async merge(settings: string): Promise<void> {
+    const { bench, machine } = this.desk;
+    const before = machine.files["machine.toml"];
+    if (before === undefined) throw new Error(`${machine.name}: found no machine.toml, needed a machine in source form`);
+    const files = { ...machine.files, "machine.toml": await bench.call("friction_merged", before, settings) };
+    await bench.call("machine_open", JSON.stringify(files));
+    machine.set(machine.name, files);
+  }
+}

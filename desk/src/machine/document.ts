@@ -1,0 +1,115 @@
+// What the module says about a machine: desk/wasm/src/shown.rs.
+
+export interface Column {
+  name: string;
+  /** 0 to 5 for EX to EC; null: the position. */
+  component: number | null;
+  forward: boolean;
+  reverse: boolean;
+}
+
+export interface Table {
+  file: string;
+  columns: Column[];
+  /** In the units of the file, in the order of the columns. */
+  rows: number[][];
+}
+
+export interface OneWay {
+  accuracy: number;
+  systematic: number;
+  repeatability: number;
+}
+
+/** Figures after ISO 230-2. */
+export interface Accuracy {
+  axis: string;
+  unit: "um" | "urad";
+  runs: number;
+  up: OneWay | null;
+  down: OneWay | null;
+  both: (OneWay & { mean_range: number; reversal: number; mean_reversal: number }) | null;
+}
+
+export interface Axis {
+  axis: string;
+  unit: "mm" | "deg";
+  micro: "um" | "urad";
+  backlash: number;
+  expansion: number;
+  interpolation: "linear" | "cubic";
+  max_feed_per_min: number;
+  table?: Table;
+  figures?: Accuracy;
+  correction?: { rate: number; rate_limit: number; moving: string; acceleration: number | null; acceleration_limit: number };
+}
+
+export interface Margins {
+  axis: string;
+  phase_margin_deg: number | null;
+  gain_margin_db: number | null;
+  largest_proportional: number | null;
+  largest_integral_per_s: number | null;
+}
+
+export interface AxisSummary {
+  axis: string;
+  unit: string;
+  magnitude_micro: number;
+  slope_per_s: number;
+  acceleration_per_s2: number;
+  table: { errors: { name: string; unit: string; max_abs: number }[] } | null;
+}
+
+export interface Summary {
+  name: string;
+  chain: string;
+  machine_id: number;
+  crc: number;
+  model: "nine" | "volumetric";
+  squareness_urad: [number, number, number];
+  inverse_passes: number;
+  memory_scalars: number;
+  axes: AxisSummary[];
+}
+
+export interface Shown {
+  notes: string[];
+  check: { warnings: string[]; lost_motion: Record<string, number | string>[]; feedback_margins: Margins[]; summary: Summary };
+  reference_temperature_c: number;
+  axes: Axis[];
+  measurements: { file: string; figures?: { measured: Accuracy; compensated?: Accuracy }; refused?: string }[];
+}
+
+/** A change as `machine_change` takes it. */
+export type Change =
+  | { change: "point"; axis: string; column: string; row: number; value: number; also?: [string, number][] }
+  | { change: "insert"; axis: string; position: number }
+  | { change: "remove"; axis: string; row: number }
+  | { change: "key"; key: string; value: number | string };
+
+const LETTERS = "XYZABC";
+const MOVES = ["in X", "in Y", "in Z", "about X", "about Y", "about Z"];
+
+/** `EYX`. */
+export function errorName(axis: string, component: number): string {
+  return `E${LETTERS[component]}${axis}`;
+}
+
+/** `EYX, straightness in Y`. */
+export function errorTitle(axis: string, component: number): string {
+  const rotary = LETTERS.indexOf(axis) >= 3;
+  const [shift, turn] = rotary ? ["displacement", "tilt"] : ["straightness", "rotation"];
+  const what = LETTERS[component] === axis ? "positioning" : `${component < 3 ? shift : turn} ${MOVES[component]}`;
+  return `${errorName(axis, component)}, ${what}`;
+}
+
+/** Unit of an error as people write it. */
+export function micro(unit: string): string {
+  return unit === "um" ? "µm" : "µrad";
+}
+
+/** Unit of a position as people write it. */
+export function length(unit: string): string {
+  return unit === "deg" ? "°" : unit;
+}

@@ -1,0 +1,165 @@
+// The machine being edited: its files, what the module says about them, and the way back.
+
+import type { Desk } from "../core/desk";
+import type { Files } from "../core/machine";
+import type { Change, Shown } from "./document";
+
+interface Step {
+  name: string;
+  files: Files;
+  what: string;
+}
+
+/** Changes of one gesture within this time are one step back, ms. */
+const GESTURE_MS = 1500;
+const MOST_STEPS = 200;
+
+export class Editor {
+  shown: Shown | undefined;
+  rate_hz = 10_000;
+  /** Of all axes per minute; 0: the top feed of each. */
+  feed_per_min = 0;
+  private readonly back: Step[] = [];
+  private readonly forth: Step[] = [];
+  private readonly listeners = new Set<() => void>();
+  private readonly waiting = new Map<string, () => Promise<void>>();
+  private last = { key: "", at: 0 };
+  private json = "";
+  private count = 0;
+  private busy: Promise<void> | undefined;
+
+  constructor(readonly desk: Desk) {
+    desk.machine.subscribe(() => {
+      if (desk.machine.json === this.json) return;
+      // Another view, a link or a file brought another machine.
+      this.back.length = this.forth.length = 0;
+      void this.refresh();
+    });
+  }
+
+  subscribe(listener: () => void): void {
+    this.listeners.add(listener);
+  }
+
+  /** Nothing waits for its turn: what the module said last holds. */
+  get settled(): boolean {
+    return this.waiting.size === 0;
+  }
+
+  get undoable(): string | undefined {
+    return this.back.at(-1)?.what;
+  }
+
+  get redoable(): string | undefined {
+    return this.forth.at(-1)?.what;
+  }
+
+  /** Looks at the machine again, after a change of rate or feed, or as it was given. */
+  refresh(): Promise<void> {
+    return this.queue("refresh", async () => {
+      const json = this.desk.machine.json;
+      const shown = await this.look(json);
+      this.json = json;
+      this.shown = shown;
+      this.tell();
+    });
+  }
+
+  /** Makes a change; of those with one key (none: "") only the last waits for its turn. A refused one changes nothing. */
+  apply(change: Change, what: string, key: string): Promise<void> {
+    return this.queue(key, async () => {
+      const { machine, bench } = this.desk;
+      const files = JSON.parse(await bench.call("machine_change", machine.json, JSON.stringify(change))) as Files;
+      await this.take(machine.name, files, what, key);
+    });
+  }
+
+  /** Another machine. */
+  load(name: string, files: Files, what: string): Promise<void> {
+    return this.queue("load", () => this.take(name, files, what, ""));
+  }
+
+  undo(): Promise<void> {
+    return this.queue("", () => this.exchange(this.back, this.forth, "undone"));
+  }
+
+  redo(): Promise<void> {
+    return this.queue("", () => this.exchange(this.forth, this.back, "done again"));
+  }
+
+  private async exchange(from: Step[], to: Step[], done: string): Promise<void> {
+    const step = from.at(-1);
+    if (!step) return;
+    const { machine } = this.desk;
+    const now = { name: machine.name, files: machine.files, what: step.what };
+    await this.put(step.name, step.files);
+    from.pop();
+    to.push(now);
+    this.last.key = "";
+    this.tell();
+    this.desk.tell(`${step.what}: ${done}`);
+  }
+
+  private async take(name: string, files: Files, what: string, key: string): Promise<void> {
+    const { machine } = this.desk;
+    const before = { name: machine.name, files: machine.files, what };
+    if (JSON.stringify(files) === machine.json && name === machine.name) {
+      this.tell();
+      return;
+    }
+    await this.put(name, files);
+    const now = performance.now();
+    const same = key !== "" && key === this.last.key && now - this.last.at < GESTURE_MS;
+    this.last = { key, at: now };
+    if (!same) this.back.push(before);
+    if (this.back.length > MOST_STEPS) this.back.shift();
+    this.forth.length = 0;
+    this.tell();
+    this.desk.tell(what);
+  }
+
+  /** The files become the machine of the desk, once the module has read them. */
+  private async put(name: string, files: Files): Promise<void> {
+    const json = JSON.stringify(files);
+    const shown = await this.look(json);
+    this.json = json;
+    this.shown = shown;
+    this.desk.machine.set(name, files);
+  }
+
+  private async look(json: string): Promise<Shown> {
+    const shown = await this.desk.bench.call("machine_show", json, this.rate_hz, this.feed_per_min);
+    this.desk.clear();
+    return JSON.parse(shown) as Shown;
+  }
+
+  private tell(): void {
+    for (const listener of this.listeners) listener();
+  }
+
+  /** One thing after the other. */
+  private queue(key: string, action: () => Promise<void>): Promise<void> {
+    this.count += 1;
+    const name = key === "" ? `once ${this.count}` : key;
+    this.waiting.delete(name);
+    this.waiting.set(name, action);
+    this.busy ??= this.work().finally(() => (this.busy = undefined));
+    return this.busy;
+  }
+
+  private async work(): Promise<void> {
+    for (;;) {
+      const next = this.waiting.entries().next();
+      if (next.done) return;
+      const [key, action] = next.value;
+      this.waiting.delete(key);
+      try {
+        await action();
+      } catch (error) {
+        this.desk.fail(error);
+        // Controls go back to what holds.
+        this.tell();
+      }
+    }
+  }
+}

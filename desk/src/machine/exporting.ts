@@ -1,0 +1,53 @@
+// The machine as files, and the command lines that do the same.
+
+import type { Desk } from "../core/desk";
+import { button, commandLine, el, section } from "../core/dom";
+import { save } from "../core/files";
+import type { Editor } from "./editor";
+
+/** Browsers drop downloads that follow one another too closely, ms. */
+const BETWEEN_DOWNLOADS_MS = 300;
+
+export function exporting(desk: Desk, editor: Editor): HTMLElement {
+  const files = el("div", { class: "row tight" });
+  const check = commandLine("As on the command line, with the files saved");
+  const compile = commandLine("compiled");
+  const accuracy = commandLine("accuracy");
+  const one = (name: string) => save(name.replaceAll("../", "").replaceAll("/", "-"), desk.machine.files[name] ?? "", name.endsWith(".csv") ? "text/csv;charset=utf-8" : undefined);
+
+  const tcomp = async () => {
+    const bytes = await desk.bench.call("machine_to_tcomp", desk.machine.json, editor.rate_hz);
+    save(`${desk.machine.name}.tcomp`, new Uint8Array(bytes), "application/octet-stream");
+  };
+  const all = async () => {
+    for (const name of Object.keys(desk.machine.files)) {
+      one(name);
+      await new Promise((done) => setTimeout(done, BETWEEN_DOWNLOADS_MS));
+    }
+  };
+  editor.subscribe(() => {
+    const { name } = desk.machine;
+    const folder = /^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`;
+    const rate = editor.rate_hz === 10_000 ? "" : ` --rate-hz ${editor.rate_hz}`;
+    files.replaceChildren(...Object.keys(desk.machine.files).map((file) => button(`Save ${file}`, () => one(file))));
+    check.set(`trueaxis tables check ${folder}${rate}`);
+    compile.set(`trueaxis tables compile ${folder}${rate} -o ${folder}.tcomp`);
+    const measured = editor.shown?.measurements.find(({ figures }) => figures);
+    accuracy.root.hidden = !measured;
+    accuracy.set(measured ? `trueaxis tables accuracy ${folder}/${measured.file} --machine ${folder}` : "");
+  });
+  return section(
+    "Take it along",
+    el(
+      "div",
+      { class: "row tight" },
+      button("Save .tcomp", () => void tcomp().catch(desk.fail), { class: "primary" }),
+      button("Save all files", () => void all()),
+      button("Run with these tables", () => void desk.show("scope")),
+    ),
+    files,
+    check.root,
+    compile.root,
+    accuracy.root,
+  );
+}

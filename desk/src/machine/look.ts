@@ -1,0 +1,20 @@
+// The temperature at which curves and field are looked at: no setting of the machine.
+
+type Listener = (temperature_c: number) => void;
+
+class Look {
+  private listeners = new Set<Listener>();
+  /** Of all axes, °C; undefined: the machine's reference. */
+  temperature_c: number | undefined;
+
+  set(temperature_c: number | undefined): void {
+    this.temperature_c = temperature_c;
+    for (const listener of this.listeners) listener(temperature_c ?? Number.NaN);
+  }
+
+  subscribe(listener: Listener): void {
+    this.listeners.add(listener);
+  }
+}
+
+export const look = new Look();

@@ -1,0 +1,133 @@
+// Documents of the module, as the command line prints them.
+
+export interface Probes {
+  n: number;
+  harmonics?: [number, number];
+  p?: number;
+  q?: number;
+  phi2_deg?: number;
+  phi3_deg?: number;
+}
+
+export interface Request {
+  probes: Probes;
+  arm?: [number, number, number];
+  upr?: number;
+  noise_gain_limit: number;
+}
+
+export const CIRCLES = ["lsc", "mzc", "mic", "mcc"] as const;
+export type CircleName = (typeof CIRCLES)[number];
+
+export const CIRCLE_WORDS: Record<CircleName, string> = {
+  lsc: "LSC, least squares",
+  mzc: "MZC, minimum zone",
+  mic: "MIC, maximum inscribed",
+  mcc: "MCC, minimum circumscribed",
+};
+
+export type Zones = Record<`${CircleName}_um`, number>;
+
+export interface SpindleDirection {
+  synchronous_um: number;
+  asynchronous_um: number | null;
+  once_per_revolution_um: number;
+  once_per_revolution_phase_deg: number;
+  total_um: number;
+}
+
+export interface Roundness extends Zones {
+  n: number;
+  revolutions: number;
+  upr: number | null;
+  centres_um: Record<CircleName, [number, number]>;
+  per_revolution: (Zones & { revolution: number; x_from_mean_um: number; y_from_mean_um: number })[];
+  harmonics: { k: number; amplitude_um: number; phase_deg: number; noise_gain: number; suppressed: boolean }[];
+  spindle: { x: SpindleDirection; y: SpindleDirection };
+  warnings: string[];
+}
+
+export interface Circle {
+  centre_mm: [number, number];
+  radius_mm: number;
+  zone_um: number;
+  contacts: number[];
+}
+
+export interface Trace extends Record<CircleName, Circle | null> {
+  points: number;
+  refused?: Partial<Record<CircleName, string>>;
+}
+
+/** A document with what the command line says beside it. */
+export interface Noted<D> {
+  document: D;
+  notes: string[];
+}
+
+export interface Pair {
+  p?: number;
+  q?: number;
+  phi2_deg: number;
+  phi3_deg: number;
+  worst_gain: number;
+  worst_noise_gain: number;
+  worst_harmonic: number;
+}
+
+export interface Curve {
+  n: number;
+  phi2_deg: number;
+  phi3_deg: number;
+  worst: Pair | null;
+  noise_gains: { k: number; noise_gain: number }[];
+  singular: number[];
+  blind: number[];
+}
+
+export interface Best {
+  best: Pair[];
+  pair?: Pair & { share_of_best: number };
+}
+
+export interface RunFigures {
+  imprint_um: number;
+  roundness_um: number;
+  evaluated: number;
+  skipped: number;
+  discarded: number;
+  limited_cycles: number;
+  per_revolution: { imprint_um: number; roundness_um: number }[];
+}
+
+export interface Ground {
+  machine: string;
+  harmonics: [number, number];
+  gain: number;
+  speed_rpm: number;
+  cycles: number;
+  averaged_revolutions: number;
+  uncorrected: RunFigures;
+  corrected: RunFigures;
+  imprint_ratio: number;
+  limits_exceeded: number;
+}
+
+/** A word of a command line. */
+export function quoted(word: string): string {
+  return /^[\w./:=,+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
+}
+
+/** Options of a command line for these probes. */
+export function probeOptions(probes: Probes): string[] {
+  const { n, harmonics, p, q, phi2_deg, phi3_deg } = probes;
+  const angles = p !== undefined ? ["--p", p, "--q", q] : phi2_deg !== undefined ? ["--phi2-deg", phi2_deg, "--phi3-deg", phi3_deg] : [];
+  const band = harmonics ? ["--harmonics", harmonics.join("..")] : [];
+  return ["--n", n, ...angles, ...band].map(String);
+}
+
+/** "4", "4 and 9", "4, 9 and 12". */
+export function listed(numbers: readonly number[]): string {
+  if (numbers.length < 2) return numbers.join("");
+  return `${numbers.slice(0, -1).join(", ")} and ${numbers[numbers.length - 1]}`;
+}

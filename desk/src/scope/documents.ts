@@ -1,0 +1,84 @@
+// What the module answers about a run.
+
+export interface BuiltIn {
+  name: string;
+  description: string;
+}
+
+export interface Limits {
+  /** µm, of rotary axes µrad. */
+  magnitude: number;
+}
+
+export interface Axis {
+  axis: string;
+  rotary: boolean;
+  unit: string;
+  limits: Limits;
+  dynamic_limits?: Limits | null;
+}
+
+export interface Description {
+  machine: string;
+  chain: string;
+  program: string;
+  cycles: number;
+  period_s: number;
+  /** The machines that run side by side. */
+  kinds: Kind[];
+  axes: Axis[];
+  lines: string[];
+  notes: string[];
+}
+
+export type Kind = "uncompensated" | "compensated" | "servo_only" | "full";
+
+export interface Progress {
+  cycle: number;
+  cycles: number;
+  time_s: number;
+  done: boolean;
+}
+
+export interface Size {
+  max: number;
+  rms: number;
+}
+
+export interface FaultSpan {
+  time_s: number;
+  fault: string;
+  axis: string;
+  line: number;
+  cycles: number;
+}
+
+/** Some of what `firmware-sim run --json` prints. */
+export interface Figures {
+  contour_error_um: Partial<Record<Kind, Size>>;
+  orientation_error_urad?: Partial<Record<Kind, Size>>;
+  faults: FaultSpan[];
+  limited_cycles: number;
+  stopped: boolean;
+  digest: Partial<Record<Kind, string>>;
+}
+
+export interface Recorded {
+  act: string;
+  time_s: number;
+}
+
+export interface Scenario {
+  toml: string;
+  command: string;
+  /** Everything that the command reads, by its path. */
+  files: Record<string, string>;
+}
+
+/** The machines by their names in the figures, as people call them. */
+export const KINDS: Record<Kind, { text: string; colour: "before" | "after" | "servo" | "full"; dash?: number[] }> = {
+  uncompensated: { text: "without correction", colour: "before" },
+  compensated: { text: "with correction", colour: "after" },
+  servo_only: { text: "servo alone", colour: "servo", dash: [6, 3] },
+  full: { text: "everything on", colour: "full" },
+};

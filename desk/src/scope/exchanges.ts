@@ -1,0 +1,48 @@
+// Machines whose tables a run is given in motion.
+
+import type { Bench } from "../core/bench";
+import type { Given } from "../core/files";
+import type { Files, MachineStore } from "../core/machine";
+
+export class Exchanges {
+  /** Machines that were dropped or picked, by name. */
+  private readonly given = new Map<string, Files>();
+
+  constructor(
+    private readonly bench: Bench,
+    private readonly machine: MachineStore,
+  ) {}
+
+  /** Reads files of a machine, joined to those that stand where they are only tables: the name they are known by. */
+  async give(given: readonly Given[]): Promise<string> {
+    const bytes = new Uint8Array(given.reduce((sum, file) => sum + file.bytes.length, 0));
+    let at = 0;
+    for (const file of given) {
+      bytes.set(file.bytes, at);
+      at += file.bytes.length;
+    }
+    const lengths = JSON.stringify(given.map((file) => [file.path, file.bytes.length]));
+    const taken = JSON.parse(await this.bench.call("machine_from_files", this.machine.json, lengths, bytes)) as { name: string; files: Files };
+    const name = taken.name.replace(/[^\w.-]+/g, "-").replace(/^[.-]+/, "") || "given";
+    this.given.set(name, taken.files);
+    return name;
+  }
+
+  /** Files of a source of [`Acts`], and a name for them that no others of `known` have. */
+  async of(source: string, own: Files, known: Record<string, Files>): Promise<{ name: string; files: Files }> {
+    if (source === "edited") return named("edited", this.machine.files, known);
+    if (source === "half") return named("half-tables", JSON.parse(await this.bench.call("scope_scaled", JSON.stringify(own), 0.5)) as Files, known);
+    const name = source.replace(/^given:/, "");
+    const files = this.given.get(name);
+    if (!files) throw new Error(`exchange: found no machine ${name}, needed one that was opened`);
+    return named(name, files, known);
+  }
+}
+
+function named(wanted: string, files: Files, known: Record<string, Files>): { name: string; files: Files } {
+  const same = JSON.stringify(files);
+  const free = (name: string) => name !== "machine" && (!(name in known) || JSON.stringify(known[name]) === same);
+  let name = wanted;
+  for (let i = 2; !free(name); i++) name = `${wanted}-${i}`;
+  return { name, files };
+}

@@ -1,0 +1,66 @@
+// The part program: one of those built in, or a file.
+
+import { choice, el, section } from "../core/dom";
+import { picker, text, type Given } from "../core/files";
+import type { BuiltIn } from "./documents";
+import { Listing } from "./listing";
+import type { ProgramOf } from "./setup";
+
+const FILE = "file:";
+
+export interface ProgramsHost {
+  program(program: ProgramOf): void;
+  taken(files: Given[]): void;
+  failed(error: unknown): void;
+}
+
+export class Programs {
+  readonly root: HTMLElement;
+  readonly listing: Listing;
+  private readonly which;
+  private file: { name: string; text: string } | undefined;
+
+  constructor(host: ProgramsHost, chose: (line: number) => void) {
+    this.listing = new Listing(chose);
+    this.which = choice<string>("Program", [], "", (value) => host.program(value === FILE && this.file ? this.file : { builtin: value }));
+    const open = picker("Open program or settings…", { accept: ".ngc,.nc,.gcode,.tap,.cnc,.txt,.toml" }, (files) => host.taken(files), (error) => host.failed(error));
+    const hint = el("p", { class: "note" }, "Programs, settings (TOML) and folders of machines may also be dropped anywhere on this view.");
+    this.root = section("Part program", this.which.root, el("div", { class: "row" }, open), this.listing.root, hint);
+  }
+
+  /** The programs that are built in. */
+  builtIn(programs: readonly BuiltIn[]): void {
+    this.which.select.prepend(...programs.map(({ name, description }) => el("option", { value: name }, `${name}: ${description}`)));
+  }
+
+  /** Shows which program is run, and its lines. */
+  set(program: ProgramOf, lines: readonly string[]): void {
+    if ("builtin" in program) this.which.value = program.builtin;
+    else {
+      this.file = program;
+      const option = this.which.select.querySelector<HTMLOptionElement>(`option[value="${FILE}"]`) ?? el("option", { value: FILE });
+      option.textContent = program.name;
+      this.which.select.append(option);
+      this.which.value = FILE;
+    }
+    this.listing.set(lines);
+  }
+}
+
+/** What was dropped or picked: a program, settings, or files of a machine. */
+export type Taken = { program: { name: string; text: string } } | { settings: string; file: string } | { machine: readonly Given[] };
+
+/** Sorts files by what they are. */
+export function sort(files: readonly Given[]): Taken {
+  const [file] = files;
+  if (!file) throw new Error("found no file, needed a part program, settings (.toml), or the folder or compiled file of a machine");
+  const name = file.path.split("/").at(-1) ?? file.path;
+  if (files.length > 1 || name === "machine.toml" || /\.(tcomp|csv)$/i.test(name)) return { machine: files };
+  const decoded = text(file.bytes);
+  if (/\.toml$/i.test(name)) {
+    if (decoded === undefined) throw new Error(`${name}: found bytes that are not UTF-8, needed a text`);
+    return { settings: decoded, file: name };
+  }
+  // Comments of a program may be in any encoding.
+  return { program: { name, text: decoded ?? new TextDecoder("latin1").decode(file.bytes) } };
+}

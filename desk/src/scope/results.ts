@@ -1,0 +1,69 @@
+// Figures of a run, and of a run that was kept beside it.
+
+import { el, table, type Cell } from "../core/dom";
+import { cell } from "../core/number";
+import { KINDS, type Figures, type Kind, type Progress, type Size } from "./documents";
+
+/** A run's figures and how far it is. */
+export interface Result {
+  progress: Progress;
+  figures: Figures;
+}
+
+const ALL = Object.keys(KINDS) as Kind[];
+
+/** Contour errors, digests, counts and faults; with a kept run both and their difference. */
+export function results(run: Result, kept: Result | undefined): HTMLElement {
+  const { figures } = run;
+  const root = el("div", { class: "results" });
+  root.append(sizes("Contour error of the true tip while cutting / µm", figures.contour_error_um, kept?.figures.contour_error_um));
+  if (figures.orientation_error_urad) root.append(sizes("Angle of the tool from its direction while cutting / µrad", figures.orientation_error_urad, kept?.figures.orientation_error_urad));
+  root.append(digests(run, kept), counts(run, kept));
+  if (figures.faults.length > 0) root.append(faults(figures));
+  return root;
+}
+
+type Sizes = Partial<Record<Kind, Size>>;
+
+function sizes(caption: string, own: Sizes, kept: Sizes | undefined): HTMLElement {
+  const kinds = ALL.filter((kind) => own[kind] ?? kept?.[kind]);
+  const both = (of: Sizes, kind: Kind): Cell[] => [cell(of[kind]?.max), cell(of[kind]?.rms)];
+  if (!kept) return table(caption, ["machine", "largest", "RMS"], kinds.map((kind) => [KINDS[kind].text, ...both(own, kind)]));
+  const less = (kind: Kind, part: keyof Size): Cell => (own[kind] && kept[kind] ? cell(own[kind][part] - kept[kind][part]) : "–");
+  const rows = kinds.map((kind): Cell[] => [KINDS[kind].text, ...both(kept, kind), ...both(own, kind), less(kind, "max"), less(kind, "rms")]);
+  return table(`${caption}, A beside B`, ["machine", "A largest", "A RMS", "B largest", "B RMS", "B − A largest", "B − A RMS"], rows);
+}
+
+function digests(run: Result, kept: Result | undefined): HTMLElement {
+  const all = kept ? [kept, run] : [run];
+  const kinds = ALL.filter((kind) => all.some(({ figures }) => figures.digest[kind]));
+  const names = kept ? ["A", "B"] : ["digest"];
+  const heads = all.map(({ progress }, i) => `${names[i]}${progress.done ? "" : " so far"}`);
+  const rows = kinds.map((kind) => {
+    const cells = all.map(({ figures }) => el("td", {}, el("code", {}, figures.digest[kind] ?? "–")));
+    return el("tr", {}, el("th", { scope: "row" }, KINDS[kind].text), ...cells);
+  });
+  return el(
+    "table",
+    {},
+    el("caption", {}, "Digest of the step: the same for the same bits in every cycle"),
+    el("thead", {}, el("tr", {}, ...["machine", ...heads].map((name) => el("th", { scope: "col" }, name)))),
+    el("tbody", {}, ...rows),
+  );
+}
+
+function counts(run: Result, kept: Result | undefined): HTMLElement {
+  const whole = (value: number): Cell => ({ text: value.toLocaleString("en"), value });
+  const all = kept ? [kept, run] : [run];
+  const rows: Cell[][] = [
+    ["cycles", ...all.map(({ progress }) => whole(progress.cycle))],
+    ["correction limited / cycles", ...all.map(({ figures }) => whole(figures.limited_cycles))],
+    ["stopped by the step", ...all.map(({ figures }) => (figures.stopped ? "yes" : "no"))],
+  ];
+  return table("The machine with correction", ["", ...(kept ? ["A", "B"] : ["run"])], rows);
+}
+
+function faults(figures: Figures): HTMLElement {
+  const rows = figures.faults.map((fault): Cell[] => [fault.time_s.toFixed(4), fault.fault, fault.axis, String(fault.line), String(fault.cycles)]);
+  return table("Faults that the step reported, with correction", ["time / s", "fault", "axis", "line", "cycles"], rows);
+}

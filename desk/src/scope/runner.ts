@@ -1,0 +1,172 @@
+// A run in the worker for long work, in slices, so that the page draws and answers in between.
+
+import { Restarted, type Bench } from "../core/bench";
+import type { Files } from "../core/machine";
+import type { Description, Figures, Progress, Recorded, Scenario } from "./documents";
+import { Rows } from "./rows";
+
+/** How long a slice takes, ms: what an act in motion waits for at most. */
+const SLICE_MS = 40;
+/** Between two looks at the traces, ms: at least, and at most where drawing takes long. */
+const LOOK_MS = 110;
+const LONGEST_LOOK_MS = 1500;
+/** Drawing gets a sixth of the time, so that a slow machine shows fewer pictures of the run and still answers. */
+const REST = 6;
+/** Two frames of a screen that has nothing to draw, ms. */
+const TWO_FRAMES_MS = 34;
+const FIRST_SLICE = 500;
+const MOST_CYCLES = 50_000;
+
+export type Pace = "fast" | "real" | "slow";
+/** Simulated seconds in one of the clock. */
+const SPEED: Record<Exclude<Pace, "fast">, number> = { real: 1, slow: 0.1 };
+
+export interface Look {
+  progress: Progress;
+  figures: Figures;
+  rows: Rows;
+  /** Cycles a second while the run went on. */
+  rate: number;
+}
+
+export interface Opened {
+  description: Description;
+  path: Float32Array;
+}
+
+export class Runner {
+  private handle: number | undefined;
+  private columns: string[] = [];
+  private progress: Progress = { cycle: 0, cycles: 0, time_s: 0, done: false };
+  private going = false;
+  private loop: Promise<void> = Promise.resolve();
+  private slice = FIRST_SLICE;
+  private spent_ms = 0;
+  private spent_cycles = 0;
+  private period_s = 1e-4;
+  private rest_ms = LOOK_MS;
+  pace: Pace = "fast";
+
+  constructor(
+    private readonly runs: Bench,
+    private readonly looked: (look: Look) => void,
+    private readonly failed: (error: unknown) => void,
+  ) {
+    runs.onRestart(() => this.lost());
+  }
+
+  get isOpen(): boolean {
+    return this.handle !== undefined;
+  }
+
+  get isGoing(): boolean {
+    return this.going;
+  }
+
+  /** Opens a run in place of the one before, which stays where this one is refused. */
+  async open(request: string): Promise<Opened> {
+    await this.pause();
+    const handle = await this.runs.call("scope_open", request);
+    await this.close();
+    this.handle = handle;
+    [this.slice, this.spent_ms, this.spent_cycles] = [FIRST_SLICE, 0, 0];
+    const description = JSON.parse(await this.runs.call("scope_describe", handle)) as Description;
+    this.columns = await this.runs.call("scope_columns", handle);
+    this.period_s = description.period_s;
+    this.progress = { cycle: 0, cycles: description.cycles, time_s: 0, done: false };
+    const path = await this.runs.call("scope_path", handle);
+    await this.look();
+    return { description, path };
+  }
+
+  /** Goes on until the end or a pause. */
+  start(): void {
+    if (this.going || this.handle === undefined) return;
+    this.going = true;
+    this.loop = this.run().catch((error: unknown) => {
+      this.going = false;
+      if (!(error instanceof Restarted)) this.failed(error);
+    });
+  }
+
+  /** Ends the slice that is under way. */
+  async pause(): Promise<void> {
+    this.going = false;
+    await this.loop;
+  }
+
+  /** So many cycles. */
+  async step(cycles: number): Promise<void> {
+    await this.pause();
+    if (this.handle === undefined) return;
+    await this.advance(this.handle, cycles);
+    await this.look();
+  }
+
+  private async advance(handle: number, cycles: number): Promise<void> {
+    this.progress = JSON.parse(await this.runs.call("scope_advance", handle, cycles)) as Progress;
+  }
+
+  /** An act in motion, at the next cycle where its time is `now`; as it stands in the scenario. */
+  async act(act: string, files?: Files): Promise<Recorded> {
+    if (this.handle === undefined) throw new Error("found no run, needed one that is open");
+    return JSON.parse(await this.runs.call("scope_act", this.handle, JSON.stringify({ act, files }))) as Recorded;
+  }
+
+  async scenario(): Promise<Scenario> {
+    if (this.handle === undefined) throw new Error("found no run, needed one that is open");
+    return JSON.parse(await this.runs.call("scope_scenario", this.handle)) as Scenario;
+  }
+
+  private async run(): Promise<void> {
+    let looked = performance.now();
+    while (this.going && this.handle !== undefined) {
+      const began = performance.now();
+      const cycles = this.pace === "fast" ? this.slice : Math.max(1, Math.round((SPEED[this.pace] * SLICE_MS) / 1e3 / this.period_s));
+      const from = this.progress.cycle;
+      await this.advance(this.handle, cycles);
+      const took = performance.now() - began;
+      this.spent_ms += took;
+      this.spent_cycles += this.progress.cycle - from;
+      if (this.pace === "fast") this.slice = Math.min(MOST_CYCLES, Math.max(50, Math.round((cycles * SLICE_MS) / Math.max(1, took))));
+      else if (took < SLICE_MS) await new Promise((done) => setTimeout(done, SLICE_MS - took));
+      if (this.progress.done) this.going = false;
+      if (this.progress.done || performance.now() - looked > this.rest_ms) {
+        await this.look();
+        looked = performance.now();
+      }
+    }
+    if (this.handle !== undefined) await this.look();
+  }
+
+  private async look(): Promise<void> {
+    const { handle } = this;
+    if (handle === undefined) return;
+    const figures = JSON.parse(await this.runs.call("scope_figures", handle)) as Figures;
+    const rows = new Rows(this.columns, await this.runs.call("scope_traces", handle));
+    this.measure();
+    this.looked({ progress: this.progress, figures, rows, rate: this.spent_ms > 0 ? (1e3 * this.spent_cycles) / this.spent_ms : 0 });
+  }
+
+  /** How long the page takes to draw what it was shown, and so how often it is shown something. */
+  private measure(): void {
+    const began = performance.now();
+    const drawn = () => {
+      const spent = performance.now() - began - TWO_FRAMES_MS;
+      this.rest_ms = Math.min(LONGEST_LOOK_MS, Math.max(LOOK_MS, REST * spent));
+    };
+    requestAnimationFrame(() => requestAnimationFrame(drawn));
+  }
+
+  private async close(): Promise<void> {
+    const { handle } = this;
+    this.handle = undefined;
+    if (handle !== undefined) await this.runs.call("scope_close", handle);
+  }
+
+  /** The module was started anew: what it held is gone. */
+  private lost(): void {
+    this.going = false;
+    this.handle = undefined;
+  }
+}

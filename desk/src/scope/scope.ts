@@ -1,0 +1,190 @@
+// The view's run: opened from what is set up, acted on, and handed on.
+
+import "./scope.css";
+import type { Desk } from "../core/desk";
+import { onDrop, picker, type Given } from "../core/files";
+import type { Files } from "../core/machine";
+import { Controls } from "./controls";
+import type { BuiltIn } from "./documents";
+import { Exchanges } from "./exchanges";
+import { sort } from "./programs";
+import { Runner, type Look, type Pace } from "./runner";
+import { Screen } from "./screen";
+import { exchangeOf, FIRST, fromState, request, type Setup } from "./setup";
+import { Share } from "./share";
+
+export class Scope {
+  private readonly runner: Runner;
+  private readonly controls: Controls;
+  private readonly screen: Screen;
+  private readonly share: Share;
+  private readonly exchanges: Exchanges;
+  private look: Look | undefined;
+  /** The machine of the run. */
+  private files: Files;
+  /** The last request to open; those before it are stale. */
+  private opening = 0;
+  private queue: Promise<void> = Promise.resolve();
+
+  constructor(
+    root: HTMLElement,
+    private readonly desk: Desk,
+  ) {
+    this.files = desk.machine.files;
+    this.exchanges = new Exchanges(desk.bench, desk.machine);
+    this.runner = new Runner(desk.runs, (look) => this.looked(look), desk.fail);
+    this.controls = new Controls(desk.bench, FIRST, () => this.changed("settings"));
+    this.share = new Share(desk, () => this.ready().then(() => this.runner.scenario()));
+    const told = <T>(of: Promise<T>) => void of.catch(desk.fail);
+    const when = (at: number | undefined) => (at === undefined ? "now" : `${at}s`);
+    const taken = (files: Given[]) => this.taken(files);
+    this.screen = new Screen(
+      root,
+      {
+        run: (pace) => told(this.run(pace)),
+        pause: () => told(this.runner.pause().then(() => this.refresh())),
+        step: (cycles) => told(this.ready().then(() => this.runner.step(cycles))),
+        restart: () => told(this.reopen()),
+        pace: (pace) => (this.runner.pace = pace),
+        act: (what, after, at) => told(this.act(`${what}@${when(at)}${after}`)),
+        exchange: (source, at) => told(this.exchange(source, when(at))),
+        remove: (gone) => this.remove(gone),
+        program: (program) => this.take({ ...this.controls.setup, program }),
+        taken,
+        failed: desk.fail,
+        settings: (setup) => this.take(structuredClone(setup)),
+      },
+      { controls: this.controls.root, opener: picker("Folder…", { folder: true }, taken, desk.fail), share: this.share.root },
+    );
+    onDrop(root, taken, desk.fail);
+  }
+
+  /** Opens the first run, and follows machine and module. */
+  async start(): Promise<void> {
+    const { desk } = this;
+    this.screen.programs.builtIn(JSON.parse(await desk.bench.call("scope_programs")) as BuiltIn[]);
+    desk.onProgram(async ({ name, text }) => this.take({ ...this.controls.setup, program: { name, text } }));
+    desk.machine.subscribe(() => {
+      if (desk.machine.files === this.files) return;
+      if (this.look?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
+      else void this.reopen().catch(desk.fail);
+    });
+    desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run begins anew."));
+    await this.reopen().catch(desk.fail);
+  }
+
+  state(): Setup & { machine?: Files } {
+    const own = this.files === this.desk.machine.files ? {} : { machine: this.files };
+    return { ...this.controls.setup, ...own };
+  }
+
+  /** Shows a kept state. */
+  async show(state: unknown): Promise<void> {
+    const { machine, ...setup } = state as Partial<Setup> & { machine?: Files };
+    this.controls.set(fromState(setup));
+    await this.reopen(machine ?? this.desk.machine.files);
+  }
+
+  /** Shows the run as it was last seen. */
+  refresh(anew = false): void {
+    if (this.look) this.screen.show(this.look, this.controls.setup, this.runner.isGoing, anew);
+  }
+
+  /** Another setup: opened at once, for its program and errors to be seen. */
+  private take(setup: Setup): void {
+    const before = this.controls.setup;
+    this.controls.set(setup);
+    this.reopen().catch((error: unknown) => {
+      this.controls.set(before);
+      this.screen.programs.set(before.program, this.screen.description?.lines ?? []);
+      this.desk.fail(error);
+    });
+  }
+
+  private changed(what: string): void {
+    if (this.look?.progress.cycle) this.screen.bar.changed(`The ${what} have changed: Restart runs them.`);
+    else void this.reopen().catch(this.desk.fail);
+  }
+
+  /** Opens the run of the present setup, at its beginning; one after the other, and those that are stale not at all. */
+  private reopen(files?: Files): Promise<void> {
+    const ticket = ++this.opening;
+    const stands = () => ticket === this.opening;
+    const next = this.queue.catch(() => undefined).then(() => (stands() ? this.opened(files ?? this.desk.machine.files, stands) : undefined));
+    this.queue = next;
+    return next;
+  }
+
+  private async opened(files: Files, stands: () => boolean): Promise<void> {
+    const { setup } = this.controls;
+    await this.controls.machine(files);
+    const { description, path } = await this.runner.open(request(setup, files));
+    if (!stands()) return;
+    this.files = files;
+    this.screen.open(description, path, setup);
+    this.desk.clear();
+    this.desk.tell(description.notes.join("; "));
+    this.refresh(true);
+    this.share.set(await this.runner.scenario());
+  }
+
+  /** A run is open, after a restart of the module too. */
+  private async ready(): Promise<void> {
+    await this.queue.catch(() => undefined);
+    if (!this.runner.isOpen) await this.reopen(this.files);
+  }
+
+  private async run(pace: Pace): Promise<void> {
+    await this.ready();
+    this.runner.pace = pace;
+    this.runner.start();
+    this.refresh();
+  }
+
+  private looked(look: Look): void {
+    this.look = look;
+    this.refresh();
+  }
+
+  private async act(text: string, files?: Files): Promise<void> {
+    await this.ready();
+    const { act } = await this.runner.act(text, files);
+    const { setup } = this.controls;
+    const name = exchangeOf(act);
+    const exchanges = name && files ? { ...setup.exchanges, [name]: files } : setup.exchanges;
+    this.controls.setup = { ...setup, acts: [...setup.acts, act], exchanges };
+    this.refresh();
+    this.share.set(await this.runner.scenario());
+  }
+
+  private async exchange(source: string, when: string): Promise<void> {
+    const { name, files } = await this.exchanges.of(source, this.files, this.controls.setup.exchanges);
+    await this.act(`exchange:${name}@${when}`, files);
+  }
+
+  private remove(gone: string): void {
+    const { setup } = this.controls;
+    this.controls.setup = { ...setup, acts: setup.acts.filter((act) => act !== gone) };
+    this.changed("acts");
+    this.refresh();
+  }
+
+  /** Takes files that were dropped or picked. */
+  private taken(files: Given[]): void {
+    const { desk } = this;
+    try {
+      const taken = sort(files);
+      if ("program" in taken) this.take({ ...this.controls.setup, program: taken.program });
+      else if ("settings" in taken) void this.controls.scenario(taken.settings, taken.file).catch(desk.fail);
+      else void this.given(taken.machine).catch(desk.fail);
+    } catch (error) {
+      desk.fail(error);
+    }
+  }
+
+  private async given(files: readonly Given[]): Promise<void> {
+    const name = await this.exchanges.give(files);
+    this.screen.acts.offer(name);
+    this.desk.tell(`${name}: tables to exchange for, in "Acts in motion".`);
+  }
+}

@@ -1,0 +1,115 @@
+// Everything that shows a run, with one cursor for traces, program and place.
+
+import { el, section } from "../core/dom";
+import { Acts, type ActsHost } from "./acts";
+import { Bar, type BarHost } from "./bar";
+import { Beside, type Kept } from "./beside";
+import { Curves, type Mark } from "./curves";
+import type { Description } from "./documents";
+import { Place } from "./place";
+import { Programs, type ProgramsHost } from "./programs";
+import { results } from "./results";
+import type { Look } from "./runner";
+import type { Setup } from "./setup";
+import { time } from "./times";
+
+/** Between two pictures in three dimensions, and two tables of figures, while a run goes on, ms. */
+const PLACE_MS = 400;
+
+/** What is asked for on the screen. */
+export interface ScreenHost extends ActsHost, BarHost, ProgramsHost {
+  settings(setup: Setup): void;
+}
+
+export class Screen {
+  readonly bar: Bar;
+  readonly acts: Acts;
+  readonly programs: Programs;
+  private readonly curves: Curves;
+  private readonly place = new Place();
+  private readonly beside: Beside;
+  private readonly figures = el("div", { class: "figures" });
+  private cursor: number | null = null;
+  private placed = 0;
+  private shown: Kept | undefined;
+  description: Description | undefined;
+
+  constructor(
+    private readonly root: HTMLElement,
+    host: ScreenHost,
+    parts: { controls: HTMLElement; opener: HTMLElement; share: HTMLElement },
+  ) {
+    this.bar = new Bar(host);
+    this.acts = new Acts(host, parts.opener);
+    this.programs = new Programs(host, (line) => this.toLine(line));
+    this.curves = new Curves((row) => this.moved(row));
+    this.beside = new Beside(
+      () => this.shown,
+      () => this.results(),
+      (setup) => host.settings(setup),
+    );
+    root.append(
+      el(
+        "div",
+        { class: "three" },
+        el("div", {}, this.programs.root, section("Settings", parts.controls)),
+        el("div", {}, section("Run", this.bar.root, this.curves.root), section("Acts in motion", this.acts.root), this.beside.root),
+        el("div", {}, section("Place", this.place.root), section("Figures", this.figures), parts.share),
+      ),
+    );
+  }
+
+  /** Another run, at its beginning. */
+  open(description: Description, path: Float32Array, setup: Setup): void {
+    this.description = description;
+    this.cursor = null;
+    this.programs.set(setup.program, description.lines);
+    this.curves.open(description);
+    this.place.open(path, description.kinds);
+    this.acts.open(description.axes.map(({ axis }) => axis));
+    this.bar.changed("");
+  }
+
+  /** The run as it was last seen; `anew` draws all of it at once. */
+  show(look: Look, setup: Setup, going: boolean, anew = false): void {
+    const { description } = this;
+    if (!description) return;
+    const { progress, rows, rate } = look;
+    this.shown = { setup, description, result: look, rows };
+    this.bar.set(progress, description, rate, going);
+    this.acts.set(setup.acts, progress.time_s);
+    const all = anew || !going || performance.now() - this.placed > PLACE_MS;
+    if (all) this.results();
+    if (this.root.hidden) return;
+    const marks = setup.acts.map((act): Mark => ({ x: time(act), text: act.split("@")[0] ?? "" })).filter(({ x }) => x <= progress.time_s);
+    this.curves.set(rows, marks);
+    const row = Math.min(this.cursor ?? Infinity, rows.count - 1);
+    this.programs.listing.run(rows.at(row, "line") || 0);
+    if (all) {
+      this.placed = performance.now();
+      this.place.set(rows, row);
+      this.beside.set(this.shown);
+    }
+  }
+
+  private results(): void {
+    if (this.shown) this.figures.replaceChildren(results(this.shown.result, this.beside.kept?.result));
+  }
+
+  /** The cursor of the plots stands at a row, or nowhere. */
+  private moved(row: number | null): void {
+    const rows = this.shown?.rows;
+    if (row === this.cursor || !rows) return;
+    this.cursor = row;
+    const at = Math.min(rows.count - 1, row ?? rows.count - 1);
+    this.programs.listing.run(rows.at(at, "line") || 0);
+    this.place.show(at);
+  }
+
+  /** Brings cursor and place to a program line. */
+  private toLine(line: number): void {
+    const row = this.shown?.rows.ofLine(line);
+    if (row !== undefined) this.curves.show(row);
+    else this.place.line(line);
+  }
+}

@@ -1,0 +1,6 @@
+// When an act begins.
+
+/** When an act begins, s. */
+export function time(act: string): number {
+  return Number(/@([^@]*?)s(\+|$)/.exec(act)?.[1] ?? NaN);
+}

@@ -1,0 +1,125 @@
+//! Settings of a run as the page's controls hold them, and machines to exchange for.
+
+use crate::files::machine;
+use crate::{json, told};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use trueaxis_sim::Settings;
+use trueaxis_sim::plant::agreed;
+use trueaxis_sim::plant::drive::DriveSettings;
+use trueaxis_tables::formats::machine_files;
+use wasm_bindgen::prelude::*;
+
+/// Settings that were read.
+#[derive(Serialize)]
+struct Read {
+    settings: Settings,
+    changes: Vec<Change>,
+}
+
+/// A setting that is not the default: values as they stand in TOML.
+#[derive(Serialize)]
+struct Change {
+    key: String,
+    value: String,
+    default: String,
+}
+
+fn settings(text: &str, file: &str) -> anyhow::Result<String> {
+    let settings = Settings::parse(text, file)?;
+    let changes = settings.changes().into_iter();
+    let changes = changes.map(|(key, value, default)| Change { key, value, default }).collect();
+    json(&Read { settings, changes })
+}
+
+/// What a machine's own figures ask of the simulated drives.
+#[derive(Serialize)]
+struct Agreed {
+    stated: bool,
+    friction: bool,
+    reference_temperature_c: f64,
+    drive: DriveSettings,
+}
+
+fn agreed_drive(files: &str) -> anyhow::Result<String> {
+    let settings = machine(files, &mut Vec::new())?.settings;
+    let stated = settings.axes.iter().find(|own| own.servo.drive.is_some());
+    let friction = stated.is_some_and(|own| own.servo.friction.is_some());
+    let reference_temperature_c = settings.reference_temperature_c;
+    json(&Agreed { stated: stated.is_some(), friction, reference_temperature_c, drive: agreed(&settings) })
+}
+
+fn scaled(files: &str, share: f64) -> anyhow::Result<String> {
+    let machine = machine(files, &mut Vec::new())?.with_tables_scaled(share);
+    let comment = format!("Every error table times {share}");
+    json(&machine_files(&machine, &comment).into_iter().collect::<BTreeMap<_, _>>())
+}
+
+/// Reads settings in TOML; `file` stands in errors: `{settings: {…}, changes: [{key, value, default}]}`.
+#[wasm_bindgen]
+pub fn scope_settings(text: &str, file: &str) -> Result<String, JsError> {
+    told(settings(text, file))
+}
+
+/// The simulated drive for which the plugin's figures are right: `{stated, friction, reference_temperature_c, drive:
+/// {position_gain_per_s, …}}`; the defaults where the machine states none.
+#[wasm_bindgen]
+pub fn scope_agreed(files: &str) -> Result<String, JsError> {
+    told(agreed_drive(files))
+}
+
+/// Files of the machine with every entry of its error tables times `share`.
+#[wasm_bindgen]
+pub fn scope_scaled(files: &str, share: f64) -> Result<String, JsError> {
+    told(scaled(files, share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+
+    fn sample() -> String {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/mill-3axis");
+        let text = |name: &str| std::fs::read_to_string(format!("{folder}/{name}")).unwrap();
+        let names = ["machine.toml", "x.csv", "y.csv", "z.csv"];
+        serde_json::to_string(&names.map(|name| (name, text(name))).into_iter().collect::<BTreeMap<_, _>>()).unwrap()
+    }
+
+    /// docs/commands.md says with which settings the figures of the samples are right.
+    #[test]
+    fn the_drive_of_the_sample_is_the_documented_one() {
+        let found: Value = serde_json::from_str(&agreed_drive(&sample()).unwrap()).unwrap();
+        let near = |key: &str, wanted: f64| {
+            let value = found["drive"][key].as_f64().unwrap();
+            assert!((value / wanted - 1.0).abs() < 2e-3, "{key}: found {value}, needed {wanted}");
+        };
+        near("coulomb_mm_per_s2", 378.0);
+        near("position_gain_per_s", 115.5);
+        near("velocity_gain_per_s", 840.0);
+        near("presliding_mm", 0.0072);
+        near("viscous_per_s", 3.6);
+    }
+
+    #[test]
+    fn a_wrong_setting_is_refused_with_its_line() {
+        let error = settings("rate_hz = 4000\ndrive.gain = 3\n", "mine.toml").unwrap_err().to_string();
+        assert!(error.starts_with("mine.toml:2: drive.gain: found no such setting, needed one of"), "{error}");
+    }
+
+    #[test]
+    fn half_the_tables_are_half_and_nothing_else_changes() {
+        let half = scaled(&sample(), 0.5).unwrap();
+        let mut notes = Vec::new();
+        let (whole, half) = (machine(&sample(), &mut notes).unwrap(), machine(&half, &mut notes).unwrap());
+        assert_eq!(half.settings.location, whole.settings.location);
+        let rows =
+            |of: &trueaxis_tables::Machine| of.tables.iter().flatten().flat_map(|t| t.rows.clone()).collect::<Vec<_>>();
+        for (whole, half) in rows(&whole).iter().zip(rows(&half)) {
+            assert_eq!(whole.position, half.position);
+            for (whole, half) in whole.forward.iter().zip(half.forward) {
+                assert!((0.5 * whole - half).abs() < 1e-12, "{whole} {half}");
+            }
+        }
+    }
+}
