@@ -174,7 +174,6 @@ impl<const N: usize> Cell<N> {
             refusal: Refusal::NONE,
             dynamics: self.dynamics,
             learned: self.learned(commanded, shared.scenario),
-            ..Input::at_rest(elapsed_ns)
         };
         let (path, tool_path) = (shared.path.view(), shared.path.tool_view());
         let reference = commanded.reference;
