@@ -33,7 +33,7 @@ pub(super) trait Advance {
 /// What an event does, ready to be done.
 enum Deed<S, const N: usize> {
     Switch(Switch, bool),
-    Exchange(Plugin<S, N>),
+    Exchange(Box<Plugin<S, N>>),
 }
 
 /// Machines that get the same commands.
@@ -90,7 +90,7 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
                     )
                 })?;
                 let kinds: Vec<Kind> = self.cells.iter().map(Cell::kind).collect();
-                Deed::Exchange(Plugin::exchanged(&self.scenario, name, machine, &kinds)?)
+                Deed::Exchange(Box::new(Plugin::exchanged(&self.scenario, name, machine, &kinds)?))
             }
         };
         let cycle = first_cycle(event.at_s, self.scenario.period_s());
@@ -110,7 +110,7 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
                     driven
                         .filter(|cell| cell.kind().enables_the_plugin())
                         .for_each(|cell| cell.take_over(plugin.about()));
-                    self.exchanged = Some(plugin);
+                    self.exchanged = Some(*plugin);
                 }
             }
         }

@@ -30,6 +30,9 @@ enum Field {
     Crosstalk(usize),
 }
 
+/// The number of an axis.
+type OfAxis = fn(usize) -> Field;
+
 impl Field {
     fn of(self, sample: &Sample) -> f32 {
         let at = |values: &[f32; AXES], axis: usize| values.get(axis).copied().unwrap_or(0.0);
@@ -103,7 +106,7 @@ impl Traces {
             ] {
                 add(machine, what.into(), field);
             }
-            let whole: [(&str, fn(usize) -> Field); 5] = [
+            let whole: [(&str, OfAxis); 5] = [
                 ("correction", Field::Correction),
                 ("sent", Field::Sent),
                 ("feed_forward", Field::FeedForward),
