@@ -15,11 +15,10 @@ use crate::plant::fault::{Fault as PlantFault, FaultScript};
 use crate::scenario::Scenario;
 use crate::truth::{self, Truth};
 use glam::DVec3;
-use trueaxis::contour::{Flags, OrientationError};
+use trueaxis::contour::OrientationError;
 use trueaxis::kinematics::Kinematics;
 use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis::sample::Refusal;
-use trueaxis::telemetry::Record;
 use trueaxis::{Axis, Dynamics, Fault, Input, OnToolPath, Output, ServoLoop, State};
 
 /// Cycles of a stopped run that are still simulated, to show that the output holds.
@@ -33,15 +32,15 @@ pub(super) struct Shared<'r, const N: usize> {
 }
 
 /// Outputs of the step.
-struct Stepped<const N: usize> {
-    output: Output<f64, f64, N>,
-    orientation: OrientationError<f64>,
+pub(super) struct Stepped<const N: usize> {
+    pub(super) output: Output<f64, f64, N>,
+    pub(super) orientation: OrientationError<f64>,
 }
 
 /// The true error of a cycle.
-struct Measured {
-    tip: DVec3,
-    angle: f64,
+pub(super) struct Measured {
+    pub(super) tip: DVec3,
+    pub(super) angle: f64,
 }
 
 /// State of one machine and of the plugin that drives it.
@@ -50,12 +49,12 @@ pub(super) struct Cell<const N: usize> {
     plant: Plant,
     /// Index in the step of each of the machine's axes.
     order: Vec<Option<usize>>,
-    axes: [Axis; N],
+    pub(super) axes: [Axis; N],
     kind: Kind,
     origin: DVec3,
     truth: Truth,
     /// For programs with rotary axes.
-    kinematics: Option<Kinematics<f64>>,
+    pub(super) kinematics: Option<Kinematics<f64>>,
     /// The plugin's switches; an uncompensated machine has it off whatever they say.
     enabled: bool,
     dynamics: Dynamics,
@@ -207,23 +206,6 @@ impl<const N: usize> Cell<N> {
         table.map_or([0.0; 3], |table| table.table().at(commanded.moment.length_mm))
     }
 
-    /// Contour error of the estimated tip in machine directions, µm.
-    fn contour(&self, record: &Record<f64, f64, N>) -> Option<[f32; 3]> {
-        let off = [Flags::NOT_FOUND, Flags::COLD, Flags::AT_END, Flags::REFERENCE];
-        if record.fault != Fault::None || off.iter().any(|flag| record.tip.flags.has(*flag)) {
-            return None;
-        }
-        let vector = record.tip.vector;
-        let in_machine = self.kinematics.as_ref().map_or(vector, |kinematics| {
-            let mut joints = [0.0; AXES];
-            for (axis, position) in self.axes.iter().zip(&record.feedback) {
-                joints[axis.index()] = *position;
-            }
-            kinematics.to_bed(&joints, vector)
-        });
-        Some((1e3 * in_machine).as_vec3().to_array())
-    }
-
     /// Positions in the step's order as the plant counts them: by the machine's list of axes.
     fn to_plant(&self, positions: &[f64; N]) -> [f64; AXES] {
         let mut plant = [0.0; AXES];
@@ -280,41 +262,6 @@ impl<const N: usize> Cell<N> {
         if orientation.is_measured() {
             self.sums.estimated_orientation.add(1e6 * orientation.angle);
         }
-    }
-
-    fn sample(&self, measured: &Measured, stepped: &Stepped<N>) -> Sample {
-        let Stepped { output, orientation } = stepped;
-        let record = &output.record;
-        let mut sample = Sample {
-            deviation_um: (1e3 * measured.tip).as_vec3().to_array(),
-            orientation_urad: (1e6 * measured.angle) as f32,
-            estimated_orientation_urad: (orientation.angle * 1e6) as f32,
-            estimated_um: (record.tip.error * 1e3) as f32,
-            contour_um: self.contour(record),
-            encoder_um: record.encoder.error * 1e3,
-            lag_um: record.tip.lag * 1e3,
-            fault: record.fault as u8,
-            status: record.status.0,
-            limited: record.limited,
-            at_edge: record.at_edge,
-            ..Sample::default()
-        };
-        for (k, axis) in self.axes.iter().enumerate() {
-            let i = axis.index();
-            sample.command[i] = record.command[k];
-            sample.drive[i] = output.drive[k];
-            sample.feedback[i] = record.feedback[k];
-            // mm to µm, degrees to µrad.
-            let micro = |value: f64| if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 } as f32;
-            sample.correction[i] = micro(record.correction[k]);
-            if let Some(parts) = &record.dynamic {
-                sample.dynamic.sent[i] = micro(parts.sent[k]);
-                sample.dynamic.feed_forward[i] = micro(parts.feed_forward[k]);
-                sample.dynamic.feedback[i] = micro(parts.feedback[k]);
-                sample.dynamic.crosstalk[i] = micro(parts.crosstalk[k]);
-            }
-        }
-        sample
     }
 
     /// The truth: three-axis programs in machine coordinates, the others in workpiece coordinates with the direction.

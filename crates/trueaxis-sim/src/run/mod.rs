@@ -8,6 +8,7 @@ mod lanes;
 mod limits;
 mod plugin;
 mod sample;
+mod sampled;
 mod tally;
 
 use crate::error::Result;
