@@ -72,7 +72,7 @@ impl Session {
             let unit = |linear, angular| if rotary { angular } else { linear };
             let now = in_force.axis(own.axis).unwrap_or(own);
             let dynamic = now.servo.dynamic.unwrap_or_else(|| DynamicSettings::with_defaults(own.axis)).limits;
-            let dynamic = AxisSettings { limits: dynamic, ..now.clone() };
+            let dynamic = AxisSettings { limits: dynamic, ..*now };
             Axis {
                 axis: own.axis.letter(),
                 rotary,
