@@ -34,6 +34,7 @@ export class Controls {
   private readonly orientation;
   private readonly text: HTMLTextAreaElement;
   private readonly refused: HTMLElement;
+  private files: Files | undefined;
   private defaults: Record<string, unknown> = {};
   private known: Known = { stated: false, friction: false, reference_temperature_c: 20, drive: {} };
   setup: Setup;
@@ -65,9 +66,12 @@ export class Controls {
 
   /** Reads the defaults once, and what the machine states of its drives. */
   async machine(files: Files): Promise<void> {
+    // Shown again it would take back what is being typed.
+    if (files === this.files) return;
     const [read, known] = await Promise.all([this.bench.call("scope_settings", "", "settings"), this.bench.call("scope_agreed", JSON.stringify(files))]);
     this.defaults = (JSON.parse(read) as SettingsRead).settings;
     this.known = JSON.parse(known) as Known;
+    this.files = files;
     this.hint.textContent = this.known.stated
       ? `100 %: the simulated drives as the machine file states ${this.known.friction ? "drive and friction" : "the drive"} to the plugin`
       : "The machine file states no drive: 100 % is the simulator's default.";

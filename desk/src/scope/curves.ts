@@ -84,7 +84,7 @@ export class Curves {
     this.below.replaceChildren();
     const series = description.kinds.map((kind): Series => ({ name: KINDS[kind].text, ...KINDS[kind] }));
     const common = { x: "time / s", sync: SYNC };
-    this.contour = new Plot(this.above, { ...common, title: "Contour error of the true tool tip", y: "error / µm", series, height: 186, onCursor: this.moved });
+    this.contour = new Plot(this.above, { ...common, title: "Contour error of the true tool tip", y: "error / µm", series, height: 186, digits: 3, onCursor: this.moved });
     const y = description.axes.some(({ rotary }) => rotary) ? "correction / µm, µrad" : "correction / µm";
         this.corrections = new Plot(this.below, { ...common, title: "Correction of each axis", y, series: this.corrected(), height: 160 });
     const words = this.all().map(({ axes, at }) => `${axes} ±${at}`);
