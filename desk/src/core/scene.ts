@@ -98,6 +98,11 @@ export class Scene {
     [this.low, this.high] = [low, high];
   }
 
+  /** Looks from this direction: turned about z and raised from the plane, rad. */
+  look(turn: number, rise: number): void {
+    [this.turn, this.rise] = [turn, rise];
+  }
+
   /** Pairs of points, each pair a line. */
   lines(at: Float32Array, name: ColourName): void {
     this.batches.push({ mode: "lines", at, tint: () => repeated(rgb(name), at.length / 3) });

@@ -9,8 +9,14 @@ type Names<T> = { [K in keyof Inputs]: Inputs[K] extends T ? K : never }[keyof I
 export function form(inputs: Inputs, changed: () => void): HTMLElement {
   const number = (name: Names<number>, label: string, unit?: string): HTMLElement =>
     numberField({ label, value: inputs[name], ...(unit ? { unit } : {}) }, (value) => set(name, value)).root;
-  const slide = (name: Names<number>, label: string, unit: string, min: number, max: number, step: number): HTMLElement =>
-    slider({ label, value: inputs[name], min, max, step, ...(unit ? { unit } : {}) }, (value) => set(name, value)).root;
+  const slide = (name: Names<number>, label: string, unit: string, min: number, max: number, step: number): HTMLElement => {
+    const { root, input } = slider({ label, value: inputs[name], min, max, step, ...(unit ? { unit } : {}) }, (value) => set(name, value));
+    // Any number may be typed: the module says what it refuses, as the command line does.
+    input.step = "any";
+    input.removeAttribute("min");
+    input.removeAttribute("max");
+    return root;
+  };
   const set = <K extends keyof Inputs>(name: K, value: Inputs[K]) => {
     inputs[name] = value;
     changed();
@@ -56,15 +62,21 @@ export function form(inputs: Inputs, changed: () => void): HTMLElement {
       pick("form", "Spindle at A = 0", [["vertical", "vertical, along +z"], ["horizontal", "horizontal, along +y"]]),
       pick("pivot", "Pivot length from", [["length", "a length"], ["finder", "an edge finder"]]),
       length, finder,
-      pick("direction_a", "Direction of A", senses, whole),
-      pick("direction_c", "Direction of C", senses, whole),
-      pick("branch", "Branch", [["1", "1"], ["2", "2"]], whole),
-      ...offset),
+      triple(
+        pick("direction_a", "Direction of A", senses, whole),
+        pick("direction_c", "Direction of C", senses, whole),
+        pick("branch", "Branch", [["1", "1"], ["2", "2"]], whole)),
+      triple(...offset)),
     group("Grid", span("u", inputs.u, changed), span("θ", inputs.theta, changed)),
     group("Program",
-      pick("passes", "Passes along", [["theta", "θ, the helix"], ["u", "u, the involute"]]),
-      number("feed_mm_per_min", "Feed", "mm/min"),
-      number("clearance_mm", "Clearance", "mm")));
+      triple(
+        pick("passes", "Passes along", [["theta", "θ"], ["u", "u"]]),
+        number("feed_mm_per_min", "Feed", "mm/min"),
+        number("clearance_mm", "Clearance", "mm"))));
+}
+
+function triple(...fields: HTMLElement[]): HTMLElement {
+  return el("div", { class: "triple" }, ...fields);
 }
 
 /** Start, stop and count of a parameter. */
@@ -74,5 +86,5 @@ function span(name: string, of: Span, changed: () => void): HTMLElement {
       of[key] = value;
       changed();
     });
-  return el("div", { class: "triple" }, part("start", "from", "rad").root, part("stop", "to", "rad").root, part("count", "values").root);
+  return triple(part("start", "from", "rad").root, part("stop", "to", "rad").root, part("count", "values").root);
 }

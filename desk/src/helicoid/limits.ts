@@ -14,7 +14,7 @@ export class Travel {
 
   constructor(private readonly changed: () => void) {
     this.source = choice("Travel limits", [["machine", "of the machine of the desk"], ["typed", "typed here"]] as const, "machine", () => this.reveal(true));
-    this.root = el("div", {}, this.source.root, this.said, this.fields);
+    this.root = el("div", { class: "limits" }, this.source.root, this.said, this.fields);
     this.build();
     this.reveal(false);
   }

@@ -24,8 +24,8 @@ export function displacements(tool: Tool, limits: Limits): HTMLElement {
     row("Z", "mm", first.z_mm, second.z_mm),
     row("A", "degrees", first.a_deg, second.a_deg),
     row("C", "degrees", first.c_deg, second.c_deg),
-    ["Tip off the flank / µm", small(first.off_surface_um), small(second.off_surface_um), "by the step's own", "forward transformation"],
-    ["Tool off the normal / µrad", small(first.off_normal_urad), small(second.off_normal_urad), "by the step's own", "forward transformation"],
+    ["Tip off the flank / µm", small(first.off_surface_um), small(second.off_surface_um), "by the step's forward transformation", ""],
+    ["Tool off the normal / µrad", small(first.off_normal_urad), small(second.off_normal_urad), "by the step's forward transformation", ""],
   ];
   return table("Displacements of the five axes", ["", "Branch 1", "Branch 2", "Travel", ""], rows);
 }

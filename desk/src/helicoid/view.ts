@@ -35,6 +35,7 @@ class Window {
   private readonly notes = el("p", { role: "status", class: "said" });
   private readonly sliders = el("div", { class: "place" });
   private readonly live = el("div");
+  private readonly data = el("div");
   private readonly tables = el("div", { class: "tables" });
   private readonly results = el("div");
   private readonly picture: Picture;
@@ -69,11 +70,11 @@ class Window {
       section("Tool on the flank", this.picture.root, this.sliders, this.live),
       section("Displacements", el("div", { class: "row" }, this.along.root), this.curves.root),
       section("Error along the flank", this.program.machine, this.flank.root),
-      section("Travel and data", this.travel.root, this.tables),
+      section("Travel", this.travel.root, this.tables),
     );
     root.append(
       el("div", { class: "bench" },
-        el("div", {}, section("Inputs", this.fields, this.refused, this.notes)),
+        el("div", {}, section("Inputs", this.fields, this.refused, this.notes), this.data),
         this.results),
       section("Program", this.program.root));
     desk.machine.subscribe(() => this.soon());
@@ -106,7 +107,8 @@ class Window {
     this.notes.textContent = outline.notes.join(" ");
     this.limits = this.travel.of(outline.fit);
     this.place();
-    this.tables.replaceChildren(derived(outline), ...outline.reach.map(travel));
+    this.data.replaceChildren(derived(outline));
+    this.tables.replaceChildren(...outline.reach.map(travel));
     this.program.set();
     try {
       await this.picture.surface(inputs);

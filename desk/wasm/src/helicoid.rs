@@ -45,7 +45,7 @@ fn document(request: &str) -> Result<String> {
     json(&Document::new(&job, points))
 }
 
-/// The command line's table, and its program.
+/// The command line's table.
 #[wasm_bindgen]
 pub fn helicoid_csv(request: &str) -> Result<String, JsError> {
     told(job(request).and_then(|job| Ok(csv(&job.points()?))))
@@ -104,10 +104,10 @@ pub fn helicoid_curve(request: &str, line: &str, held: f64, count: usize) -> Res
     told(job(request).and_then(|job| job.curve(along(line)?, held, count)))
 }
 
-/// Points of the flank, rows of θ with columns of u, in the gear's frame.
+/// Points of the flank, rows of θ with columns of u, in the gear's frame, lifted off it by so many mm.
 #[wasm_bindgen]
-pub fn helicoid_mesh(request: &str, rows: usize, columns: usize) -> Result<Vec<f32>, JsError> {
-    told(job(request).map(|job| job.mesh(rows, columns)))
+pub fn helicoid_mesh(request: &str, rows: usize, columns: usize, lift_mm: f64) -> Result<Vec<f32>, JsError> {
+    told(job(request).map(|job| job.mesh(rows, columns, lift_mm)))
 }
 
 /// Base circles, the other teeth and the gear's axis, as pairs of points.

@@ -1,7 +1,8 @@
 //! The result as one document, and as a table.
 
 use super::grid::Range;
-use super::job::Job;
+use super::job::{Job, five};
+use anyhow::Result;
 use serde::Serialize;
 use std::fmt::Write;
 use trueaxis_metrology::helicoid::{Flank, GearData};
@@ -23,6 +24,23 @@ pub struct Point {
     pub a_deg: f64,
     /// C, degrees; counts on over full turns.
     pub c_deg: f64,
+}
+
+impl Job {
+    /// The grid, u the slow parameter. C is proportional to φ = u + θ and never jumps along a line of it.
+    ///
+    /// # Errors
+    /// u or θ beyond the flank, by the command line's option.
+    pub fn points(&self) -> Result<Vec<Point>> {
+        let mut points: Vec<Point> = Vec::with_capacity(self.u.count * self.theta.count);
+        for u_rad in self.u.values() {
+            for theta_rad in self.theta.values() {
+                let [x_mm, y_mm, z_mm, a_deg, c_deg] = five(&self.place(u_rad, theta_rad, self.branch)?);
+                points.push(Point { u_rad, theta_rad, x_mm, y_mm, z_mm, a_deg, c_deg });
+            }
+        }
+        Ok(points)
+    }
 }
 
 /// The result as one document.

@@ -1,9 +1,9 @@
 //! The tip's error along a line of the flank, before and after a machine's own compensation.
 
-use super::job::{Job, five};
+use super::apart::{angle, apart};
+use super::job::{Job, by_option, five};
 use super::machine::{Fit, fit, six};
-use super::program::Passes;
-use super::tool::{angle, apart};
+use super::request::Passes;
 use crate::by_axes;
 use crate::model::{passes, with_compensation};
 use anyhow::{Result, anyhow};
@@ -126,7 +126,7 @@ fn inverse(job: &Job, machine: &Machine, places: &[[f64; 2]]) -> Result<Vec<[f64
     let mut near = [0.0; AXES];
     let mut positions = Vec::with_capacity(places.len());
     for &[u, theta] in places {
-        job.surface.contains(u, theta).map_err(super::job::by_option)?;
+        job.surface.contains(u, theta).map_err(by_option)?;
         let (point, offset) = (job.surface.point(u, theta), job.settings.work_offset_mm);
         let tip = DVec3::from_array(std::array::from_fn(|i| point[i] + offset[i]));
         let tool = Tool { tip, axis: DVec3::from_array(job.surface.normal(u, theta)) };

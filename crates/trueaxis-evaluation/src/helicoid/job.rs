@@ -1,9 +1,7 @@
 //! A request, checked; errors name the command line's options.
 
-use super::document::Point;
-use super::grid::{MOST, Range};
-use super::program::Passes;
-use super::request::Request;
+use super::grid::{MOST, Range, is_coarse};
+use super::request::{Passes, Request};
 use anyhow::{Error, Result, anyhow, bail};
 use trueaxis_metrology::error::{InputError, Quantity};
 use trueaxis_metrology::helicoid::{
@@ -135,29 +133,13 @@ impl Job {
         number(self.branch)
     }
 
-    /// The grid, u the slow parameter. C is proportional to φ = u + θ and never jumps along a line of it.
-    ///
-    /// # Errors
-    /// u or θ beyond the flank, by the command line's option.
-    pub fn points(&self) -> Result<Vec<Point>> {
-        let mut points: Vec<Point> = Vec::with_capacity(self.u.count * self.theta.count);
-        for u_rad in self.u.values() {
-            for theta_rad in self.theta.values() {
-                let [x_mm, y_mm, z_mm, a_deg, c_deg] = five(&self.place(u_rad, theta_rad, self.branch)?);
-                points.push(Point { u_rad, theta_rad, x_mm, y_mm, z_mm, a_deg, c_deg });
-            }
-        }
-        Ok(points)
-    }
-
     /// What a reader of the result should know: where the pivot length comes from, and a grid too coarse for straight moves.
     pub fn notes(&self) -> Vec<String> {
         let pivot = self.edge_finder_mm.map(|[travel, radius]| {
             format!("pivot length {} mm = travel {travel} mm + ball radius {radius} mm", self.settings.pivot_mm)
         });
-        let coarse = [("--u-rad", self.u), ("--theta-rad", self.theta)]
-            .into_iter()
-            .filter(|(_, range)| super::grid::is_coarse(*range));
+        let ranges = [("--u-rad", self.u), ("--theta-rad", self.theta)];
+        let coarse = ranges.into_iter().filter(|(_, range)| is_coarse(*range));
         let coarse = coarse.map(|(name, _)| {
             format!("{name}: C turns by more than half a turn between points, and a straight move leaves the surface")
         });

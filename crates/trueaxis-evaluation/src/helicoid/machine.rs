@@ -1,5 +1,6 @@
 //! Machines for a request: one made of its settings, whether a given one is of that kind, and a given one made so.
 
+use super::apart::apart;
 use super::job::Job;
 use super::travel::Limits;
 use anyhow::{Result, anyhow};
@@ -126,39 +127,38 @@ fn geometry(job: &Job, kinematics: &Kinematics<f64>) -> Vec<String> {
         let tip: [f64; 3] = std::array::from_fn(|i| needed.tip_mm[i] + offset[i]);
         (found.tip.to_array(), found.axis.to_array(), tip, needed.axis)
     };
-    let off = super::tool::apart;
     let said = |[x, y, z]: [f64; 3]| [x, y, z].map(|part| format!("{}", (part * 1e6).round() / 1e6 + 0.0)).join(", ");
     let (tip, axis, tip_needed, axis_needed) = at(0.0, 0.0);
-    if off(axis, axis_needed) > SAME {
+    if apart(axis, axis_needed) > SAME {
         let (form, axis, needed) = (job.form_name(), said(axis), said(axis_needed));
         return vec![format!("at A = 0: found the tool along [{axis}], needed [{needed}] ({form})")];
     }
     let mut reasons = Vec::new();
-    if off(tip, tip_needed) > SAME_MM {
+    if apart(tip, tip_needed) > SAME_MM {
         let (tip, needed) = (said(tip), said(tip_needed));
         reasons.push(format!("at all axes zero: found the tip at [{tip}] mm of the table, needed [{needed}] mm"));
     }
     let (turned, axis, turned_needed, axis_needed) = at(30.0, 0.0);
-    let is_a = off(axis, axis_needed) <= SAME;
+    let is_a = apart(axis, axis_needed) <= SAME;
     if !is_a {
         let needed = job.settings.direction_a;
         reasons.push(format!("direction of A: found {}, needed {needed}", -needed));
     }
     // The tip goes on a circle about the A axis: a chord of 30 degrees.
-    let pivot = |from, to| off(from, to) / (2.0 * 15f64.to_radians().sin());
+    let pivot = |from, to| apart(from, to) / (2.0 * 15f64.to_radians().sin());
     let [found, needed] = [pivot(tip, turned), pivot(tip_needed, turned_needed)];
     if (found - needed).abs() > SAME_MM {
         let rounded = (found * 1e6).round() / 1e6;
         reasons.push(format!("pivot length: found {rounded} mm, needed {} mm", job.settings.pivot_mm));
     }
     let (_, axis, _, axis_needed) = at(30.0, 40.0);
-    if is_a && off(axis, axis_needed) > SAME {
+    if is_a && apart(axis, axis_needed) > SAME {
         let needed = job.settings.direction_c;
         reasons.push(format!("direction of C: found {}, needed {needed}", -needed));
     }
     if reasons.is_empty() {
         let (tip, _, needed, _) = at(-50.0, 130.0);
-        if off(tip, needed) > SAME_MM {
+        if apart(tip, needed) > SAME_MM {
             reasons.push("found axes A and C whose offsets differ from the formula's".to_owned());
         }
     }

@@ -3,6 +3,7 @@
 //!
 //! The mathematics is that of [`trueaxis_metrology::helicoid`].
 
+mod apart;
 pub mod document;
 mod flank;
 mod grid;
@@ -19,7 +20,6 @@ pub use flank::{Errors, Flanked, flank};
 pub use grid::{MOST, Range, is_coarse};
 pub use job::Job;
 pub use machine::{Fit, adapted, fit};
-pub use program::Passes;
-pub use request::Request;
-pub use tool::{Beyond, Singular, Stand, Tool};
-pub use travel::{AxisReach, Limits, Reach};
+pub use request::{Passes, Request};
+pub use tool::{Singular, Stand, Tool};
+pub use travel::{AxisReach, Beyond, Limits, Reach};

@@ -1,21 +1,10 @@
 //! The G-code of a grid: one pass after the other, back and forth.
 
 use super::job::{Job, named};
+use super::request::Passes;
 use anyhow::Result;
-use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use trueaxis_metrology::helicoid::{Branch, Placement};
-
-/// Parameter along which the passes run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Passes {
-    /// Along the helix.
-    #[default]
-    Theta,
-    /// Along the involute.
-    U,
-}
 
 impl Job {
     /// The program in LinuxCNC's dialect, straight moves of all five axes in machine positions.

@@ -1,9 +1,8 @@
 //! What is asked for, as the command line's options and as a JSON object with the options' names.
 
 use super::grid::Range;
-use super::program::Passes;
 use serde::de::{Error, Unexpected};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 use trueaxis_metrology::helicoid::{Branch, Flank, Form};
 
 /// A request as given; nothing is checked before [`super::Job::new`].
@@ -73,6 +72,17 @@ pub struct Request {
     /// Parameter along which the program's passes run.
     #[serde(default)]
     pub passes: Passes,
+}
+
+/// Parameter along which the passes run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Passes {
+    /// Along the helix.
+    #[default]
+    Theta,
+    /// Along the involute.
+    U,
 }
 
 fn right() -> Flank {

@@ -2,7 +2,7 @@
 
 use super::grid::Range;
 use super::job::{Job, five};
-use super::program::Passes;
+use super::request::Passes;
 use anyhow::{Result, ensure};
 use std::f64::consts::TAU;
 use trueaxis_metrology::helicoid::Branch;
@@ -23,14 +23,16 @@ pub(super) fn over(range: Range, count: usize) -> Range {
 impl Job {
     /// Points of the flank over its grid's range, in the gear's frame, mm: `rows` of θ, each of `columns` of u, X Y Z a point.
     ///
-    /// One row or column where the range has but one value.
-    pub fn mesh(&self, rows: usize, columns: usize) -> Vec<f32> {
+    /// One row or column where the range has but one value. With a lift, so many mm outside the flank along its normal: lines
+    /// that are to be seen on it.
+    pub fn mesh(&self, rows: usize, columns: usize, lift_mm: f64) -> Vec<f32> {
         let us: Vec<f64> = over(self.u, columns).values().collect();
-        over(self.theta, rows)
-            .values()
-            .flat_map(|theta| us.iter().flat_map(move |u| self.surface.point(*u, theta)))
-            .map(|value| value as f32)
-            .collect()
+        let lifted = |u: f64, theta: f64| {
+            let (point, normal) = (self.surface.point(u, theta), self.surface.normal(u, theta));
+            [0, 1, 2].map(|i| (point[i] + lift_mm * normal[i]) as f32)
+        };
+        let thetas = over(self.theta, rows).values();
+        thetas.flat_map(|theta| us.iter().flat_map(move |u| lifted(*u, theta))).collect()
     }
 
     /// What stands around the flank, as pairs of points in the gear's frame, mm: base circles and the flanks of the other

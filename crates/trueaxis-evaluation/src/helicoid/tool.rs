@@ -1,8 +1,9 @@
 //! The tool at one place of the flank.
 
+use super::apart::{angle, apart};
 use super::job::{Job, five, number};
 use super::machine::{six, twin};
-use super::travel::Limits;
+use super::travel::{Beyond, Limits};
 use anyhow::Result;
 use serde::Serialize;
 use trueaxis::kinematics::Kinematics;
@@ -52,19 +53,6 @@ pub struct Stand {
     pub off_normal_urad: f64,
     /// Axes beyond their travel.
     pub beyond: Vec<Beyond>,
-}
-
-/// An axis beyond its travel.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Beyond {
-    /// Its letter.
-    pub axis: char,
-    /// Position, mm or degrees.
-    pub found: f64,
-    /// Low end of its travel.
-    pub low: f64,
-    /// High end of its travel.
-    pub high: f64,
 }
 
 /// How far the tool is from the axis of the table, where C may stand anywhere.
@@ -134,14 +122,4 @@ impl Job {
             beyond: limits.beyond(&positions),
         })
     }
-}
-
-/// Distance of two points.
-pub(super) fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.into_iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
-}
-
-/// Angle between two unit vectors by the distance of their ends, rad.
-pub(super) fn angle(apart: f64) -> f64 {
-    2.0 * (0.5 * apart).min(1.0).asin()
 }

@@ -1,7 +1,6 @@
 //! Travel that the axes have, and what of it a grid needs.
 
 use super::job::{Job, five, number};
-use super::tool::Beyond;
 use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
 use trueaxis::Axis;
@@ -62,6 +61,19 @@ impl Limits {
             })
             .collect()
     }
+}
+
+/// An axis beyond its travel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Beyond {
+    /// Its letter.
+    pub axis: char,
+    /// Position, mm or degrees.
+    pub found: f64,
+    /// Low end of its travel.
+    pub low: f64,
+    /// High end of its travel.
+    pub high: f64,
 }
 
 /// Travel of one axis over a grid.

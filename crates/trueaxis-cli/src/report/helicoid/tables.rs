@@ -13,8 +13,11 @@ const DECIMALS: i32 = 6;
 /// Most points in the table.
 const SHOWN: usize = 400;
 
+/// A value of a point.
+type Of = fn(&Point) -> f64;
+
 /// The five displacements by name, unit and value.
-pub(super) const AXES: [(&str, &str, fn(&Point) -> f64); 5] = [
+pub(super) const AXES: [(&str, &str, Of); 5] = [
     ("X", "mm", |point| point.x_mm),
     ("Y", "mm", |point| point.y_mm),
     ("Z", "mm", |point| point.z_mm),
