@@ -198,7 +198,7 @@ mod tests {
         assert_eq!(files["x.csv"], before["x.csv"]);
         let refused = after(json!({"change": "key", "key": "location.C0Y_urad", "value": 1e9})).unwrap_err();
         assert!(
-            refused.to_string().starts_with("machine.toml:44: key location.C0Y_urad: found 1000000000.0"),
+            refused.to_string().starts_with("machine.toml:49: key location.C0Y_urad: found 1000000000.0"),
             "{refused}"
         );
     }
