@@ -26,6 +26,17 @@ after(async () => {
   await closeBrowser();
 });
 
+/** Files of a sample machine. */
+function files(name) {
+  const at = path.join(root, "compensation-tables", name);
+  return Object.fromEntries(fs.readdirSync(at).map((file) => [file, fs.readFileSync(path.join(at, file), "utf8")]));
+}
+
+/** Gives the page another machine, as an edit of the tables does. */
+function set(page, name, files) {
+  return page.evaluate(([name, files]) => globalThis.trueaxisDesk.machine.set(name, files), [name, files]);
+}
+
 /** Points in the order of the field. */
 function grid(count) {
   const along = TRAVEL.map(([low, high]) => Array.from({ length: count }, (_, i) => (i === count - 1 ? high : low + ((high - low) * i) / (count - 1))));
@@ -65,7 +76,7 @@ async function open(options) {
   const panel = await view(page, "Machine");
   const field = panel.getByRole("region", { name: "Volumetric error" });
   await field.scrollIntoViewIfNeeded();
-  return { page, close, panel, field };
+  return { page, close, field };
 }
 
 /** The figures once they are of so many points. */
@@ -193,9 +204,40 @@ test("21 points along each axis are quick", async () => {
   await close();
 });
 
+test("an edited machine is followed, and one that is refused says why", async () => {
+  const { page, close, field } = await open();
+  const { before: first } = await shown(field, POINTS);
+  let value = first["largest / µm"];
+  const given = files("mill-3axis");
+  const [whole, took] = [given["machine.toml"], []];
+  for (const squareness of [100, 60, -20]) {
+    const text = whole.replace(/C0Y_urad = .*/, `C0Y_urad = ${squareness}.0`);
+    const start = Date.now();
+    await set(page, "mill-3axis", { ...given, "machine.toml": text });
+    await page.waitForFunction((value) => Number(document.querySelector(".field-section td.number").dataset.value) !== value, value, { polling: 10 });
+    took.push(Date.now() - start);
+    const edited = path.join(folder, "mill/machine.toml");
+    const kept = fs.readFileSync(edited, "utf8");
+    fs.writeFileSync(edited, kept.replace(/C0Y_urad = .*/, `C0Y_urad = ${squareness}.0`));
+    const wanted = figures((await compensated(grid(POINTS), "--model", "exact")).errors).largest;
+    fs.writeFileSync(edited, kept);
+    value = (await shown(field, POINTS)).before["largest / µm"];
+    assert.ok(Math.abs(value - wanted) < 1e-9, `C0Y ${squareness} µrad: ${value}, not ${wanted}`);
+  }
+  console.log(`edited to shown: ${took.join(", ")} ms`);
+  assert.ok(Math.min(...took) < 1000);
+  await set(page, "mill-3axis", { ...given, "x.csv": "X_mm,EXX_um\n0,1\n0,2\n" });
+  const alert = field.getByRole("alert");
+  await alert.waitFor();
+  assert.match(await alert.textContent(), /x\.csv:3/);
+  await set(page, "mill-3axis", given);
+  await alert.waitFor({ state: "hidden" });
+  await close();
+});
+
 test("a five-axis machine is turned into a pose", async () => {
-  const { page, close, panel, field } = await open();
-  await panel.getByLabel("Sample machine").selectOption("mill-5axis");
+  const { page, close, field } = await open();
+  await set(page, "mill-5axis", files("mill-5axis"));
   await field.getByText("mill-5axis").waitFor();
   await type(field, "Points along each axis", 5);
   await shown(field, 5);

@@ -176,6 +176,10 @@ test("a point is dragged and typed, undone, and what is saved compiles to the sa
   const was = value_of(before);
   // 40 of some 210 pixels on 40 µm.
   await until(page, (files) => value_of(files) > was + 6, "the drag changes the table up to where it ends");
+  for (let last = Number.NaN; last !== value_of(await files(page)); ) {
+    last = value_of(await files(page));
+    await page.waitForTimeout(1500);
+  }
   const dragged = (await files(page))["x.csv"];
   const value = value_of({ "x.csv": dragged });
   // Both directions by as much, and nothing else.

@@ -130,8 +130,8 @@ mod served {
     #[test]
     fn the_page_is_written_as_it_is() {
         let folder = Folder::new(TRUEAXIS);
-        assert_eq!(folder.good(&["desk", "--write", "out/desk.html"]), "");
-        assert_eq!(fs::read(folder.join("out/desk.html")).unwrap(), page());
+        assert_eq!(folder.good(&["desk", "--write", "desk.html"]), "");
+        assert_eq!(fs::read(folder.join("desk.html")).unwrap(), page());
         folder.bad(&["desk", "--write", TRUEAXIS], &["an input is never written"]);
     }
 }

@@ -96,6 +96,9 @@ impl Source {
     }
 }
 
+/// A source with its share, mm.
+pub type Share = (Source, [f64; 3]);
+
 /// Shares of the `sources` that the machine has in its error `whole`, and what none of them explains; mm.
 ///
 /// `error` computes the error of a machine, as it computed `whole` of this one. Cost: one call a source.
@@ -107,7 +110,7 @@ pub fn shares(
     sources: impl Iterator<Item = Source>,
     whole: [f64; 3],
     mut error: impl FnMut(&Machine) -> Result<[f64; 3]>,
-) -> Result<(Vec<(Source, [f64; 3])>, [f64; 3])> {
+) -> Result<(Vec<Share>, [f64; 3])> {
     let mut found = Vec::new();
     let mut rest = whole;
     for source in sources {

@@ -24,7 +24,7 @@ pub use figures::{Case, Figures, Left, Orientation, Slice};
 pub use grid::{MOST_POINTS, Points};
 pub use worst::{Cause, Table, Worst};
 
-use crate::model::takes_rise;
+use crate::model::{passes, takes_rise};
 use anyhow::{Result, anyhow, bail};
 use grid::Grid;
 use sample::{Pose, Sampler};
@@ -156,7 +156,7 @@ pub fn rows(machine: &Machine, settings: &Settings) -> Result<Vec<f32>> {
 
 fn rows_of<const N: usize>(asked: &Asked, corrected: &Machine) -> Result<Vec<f32>> {
     let mut rows = Vec::with_capacity(9 * asked.grid.count());
-    Sampler::<N>::new(asked)?.compensated(corrected, |sampler, compensation| {
+    Sampler::<N>::new(asked)?.compensated(corrected, passes(corrected, None)?, |sampler, compensation| {
         for index in 0..asked.grid.count() {
             let at = asked.at(index);
             let (before, command) = sampler.before(&at);
@@ -198,7 +198,8 @@ fn after<const N: usize>(sampler: &Sampler<'_, N>, model: Model) -> Result<(Case
     let machine = model.on(&asked.machine);
     let mut poses = Vec::with_capacity(asked.grid.count());
     let mut limited = 0;
-    sampler.compensated(&machine, |sampler, compensation| {
+    let passes = passes(&machine, None)?;
+    sampler.compensated(&machine, passes, |sampler, compensation| {
         for index in 0..asked.grid.count() {
             let at = asked.at(index);
             let after = sampler.after(compensation, &at, &sampler.geometry.commanded(&sampler.slots(&at)));
@@ -207,6 +208,6 @@ fn after<const N: usize>(sampler: &Sampler<'_, N>, model: Model) -> Result<(Case
         }
         Ok(())
     })?;
-    let worst = worst::after(sampler, &machine, &poses)?;
+    let worst = worst::after(sampler, &machine, passes, &poses)?;
     Ok((Case::new(&asked.grid, &poses, worst), limited))
 }

@@ -164,6 +164,7 @@ export class Plot {
     ctx.save();
     ctx.strokeStyle = ctx.fillStyle = colour("ink");
     ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+    ctx.textAlign = "left";
     ctx.setLineDash([2 * devicePixelRatio, 3 * devicePixelRatio]);
     for (const { x, text } of this.marks) {
       const at = plot.valToPos(x, "x", true);

@@ -16,12 +16,16 @@ export interface Stage<T> {
   value: (curves: T) => number[];
 }
 
-/** Accelerations, radii and feeds within this share are the same. */
+/** Radii and feeds within this share are the same. */
 const SAME = 0.05;
 const same = (one: number, other: number) => Math.abs(one - other) <= SAME * Math.max(one, other);
 
-const alikeSpike = (one: SpikeCurves) => (other: SpikeCurves) =>
-  other.axis === one.axis && same(other.acceleration_mm_per_s2, one.acceleration_mm_per_s2);
+/** The spike of the same axis with the nearest acceleration, which is an estimate; those of other circles differ by 1.5. */
+function alikeSpike(of: SpikeCurves[], { axis, acceleration_mm_per_s2 }: SpikeCurves): SpikeCurves | undefined {
+  const ratio = (one: SpikeCurves) => Math.abs(Math.log(one.acceleration_mm_per_s2 / acceleration_mm_per_s2));
+  const [nearest] = of.filter((one) => one.axis === axis).sort((one, other) => ratio(one) - ratio(other));
+  return nearest && ratio(nearest) < Math.log(1.4) ? nearest : undefined;
+}
 const alikeCircle = (one: CircleCurves) => (other: CircleCurves) =>
   other.counterclockwise === one.counterclockwise && same(other.radius_mm, one.radius_mm) && same(other.feed_mm_per_min, one.feed_mm_per_min);
 
@@ -53,7 +57,7 @@ export function showSpikes(host: HTMLElement, stages: Stage<SpikeCurves>[]): voi
   const cells = el("div", { class: "grid" });
   host.replaceChildren(legend(stages), cells);
   for (const spike of stages[0]?.of ?? []) {
-    const found = stages.map((stage) => ({ stage, curves: stage.of.find(alikeSpike(spike)) })).filter(({ curves }) => curves);
+    const found = stages.map((stage) => ({ stage, curves: alikeSpike(stage.of, spike) })).filter(({ curves }) => curves);
     const place = el("div");
     cells.append(place);
     const plot = new Plot(place, {

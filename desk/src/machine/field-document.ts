@@ -102,3 +102,8 @@ export class Rows {
 }
 
 export const modelName: Record<Model, string> = { nine: "nine terms", volumetric: "volumetric" };
+
+/** A place, mm, without zeros at its end. */
+export function millimetres(mm: number): string {
+  return String(Number(mm.toPrecision(6))).replace("-", "−");
+}

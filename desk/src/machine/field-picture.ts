@@ -44,13 +44,13 @@ export class Picture {
   ) {
     this.panels = (["before", "after"] as const).map((half) => this.panel(half));
     this.panels[1]!.scene.follow(this.panels[0]!.scene);
-    const show = (layout: Layout, text: string) => button(text, () => this.set(layout, this.ownScale), { "aria-pressed": layout === this.layout });
+    const show = (layout: Layout, text: string) => button(text, () => this.set(layout, this.ownScale), { "aria-pressed": String(layout === this.layout) });
     this.layouts = new Map([
       ["both", show("both", "Both")],
       ["before", show("before", "Before")],
       ["after", show("after", "After")],
     ]);
-    this.own = button("Own scale after", () => this.set(this.layout, !this.ownScale), { "aria-pressed": false });
+    this.own = button("Own scale after", () => this.set(this.layout, !this.ownScale), { "aria-pressed": "false" });
     const choices = el("div", { role: "group", "aria-label": "Pictures shown", class: "row" }, ...this.layouts.values(), this.own);
     host.append(choices, this.root);
   }
@@ -81,7 +81,7 @@ export class Picture {
     const legend = el("div", { class: "row" });
     const root = el("figure", {}, title);
     this.root.append(root);
-    const scene = new Scene(root, { label: `Error of the tip ${half} the correction over the working volume`, height: 400 });
+    const scene = new Scene(root, { label: `Error of the tip ${half} the correction over the working volume`, height: 440 });
     const bar = colourBar(legend, "error");
     root.append(legend);
     return { half, root, title, legend, scene, bar };
@@ -99,10 +99,11 @@ export class Picture {
     const spacing = Math.min(...figures.points.flatMap((count, axis) => (count > 1 ? [(high[axis]! - low[axis]!) / (count - 1)] : [])));
     const magnification = oneTwoFive((LONGEST * spacing) / (full * 1e-3));
     scene.clear();
-    scene.fit(low, high);
-    scene.box(low, high);
+    const room = Math.max(...high.map((end, axis) => end - low[axis]!)) * 0.05;
+    scene.fit(low.map((end) => end - room) as Vector, high.map((end) => end + room) as Vector);
+    scene.box(low, high, ["X / mm", "Y / mm", "Z / mm"]);
     const values = rows.sizesOf(half).map((size) => size / full);
-    scene.arrows(rows.columns(0), rows.columns(half === "before" ? 3 : 6), values, magnification * 1e-3, spacing * 0.11);
+    scene.arrows(rows.columns(0), rows.columns(half === "before" ? 3 : 6), values, magnification * 1e-3, spacing * 0.14);
     const worst = half === "before" ? figures.before.worst : figures[figures.model].after?.worst;
     if (worst) this.mark(scene, worst, magnification);
     scene.draw();

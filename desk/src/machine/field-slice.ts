@@ -4,7 +4,7 @@ import { choice, el, slider, type Field } from "../core/dom";
 import { significant } from "../core/number";
 import { Plot } from "../core/plot";
 import { onTheme, scale, colour } from "../core/theme";
-import type { Figures, Half, Rows } from "./field-document";
+import { millimetres, type Figures, type Half, type Rows } from "./field-document";
 
 const LETTERS = ["X", "Y", "Z"] as const;
 type Letter = (typeof LETTERS)[number];
@@ -109,7 +109,7 @@ export class Slice {
 
   private mark(): void {
     const at = this.figures?.before.slices[this.across]?.[this.index]?.at_mm;
-    if (at !== undefined) this.plot.mark([{ x: at, text: `${LETTERS[this.across]} ${significant(at, 4)}` }]);
+    if (at !== undefined) this.plot.mark([{ x: at, text: `${LETTERS[this.across]} ${millimetres(at)}` }]);
   }
 
   /** Axes along the horizontal and the vertical of a map. */
@@ -149,7 +149,7 @@ export class Slice {
     context.strokeStyle = colour("warning");
     context.lineWidth = 2;
     context.strokeRect(u * wide + 1, (lines - 1 - v) * high + 1, Math.max(3, wide - 2), Math.max(3, high - 2));
-    const said = (axis: number) => `${LETTERS[axis]} ${significant(range_mm[axis]![0], 4)} to ${significant(range_mm[axis]![1], 4)} mm`;
+    const said = (axis: number) => `${LETTERS[axis]} ${millimetres(range_mm[axis]![0])} to ${millimetres(range_mm[axis]![1])} mm`;
     const text = `Slice ${half}: ${said(horizontal)} to the right, ${said(vertical)} upward; at most ${significant(largest, 4)} µm`;
     canvas.setAttribute("aria-label", `${text}. Arrow keys move the point that is read.`);
     canvas.previousElementSibling!.textContent = text;
@@ -168,7 +168,8 @@ export class Slice {
     const numbers = rows.all.subarray(9 * row, 9 * row + 9);
     const three = (from: number) => Array.from(numbers.subarray(from, from + 3), (value) => significant(value, 4)).join(", ");
     const size = (half: Half) => significant(rows.sizesOf(half)[row]!, 4);
-    this.readout.textContent = `X, Y, Z ${three(0)} mm   before ${three(3)} µm, size ${size("before")} µm   after ${three(6)} µm, size ${size("after")} µm`;
+    const place = Array.from(numbers.subarray(0, 3), millimetres).join(", ");
+    this.readout.textContent = `X, Y, Z ${place} mm   before ${three(3)} µm, size ${size("before")} µm   after ${three(6)} µm, size ${size("after")} µm`;
   }
 
   private key(event: KeyboardEvent): void {

@@ -2,8 +2,8 @@
 
 import { button, el, table, type Cell } from "../core/dom";
 import { save } from "../core/files";
-import { cell, fixed, significant } from "../core/number";
-import { modelName, type Case, type Figures, type Left, type Model, type Rows, type Worst } from "./field-document";
+import { cell, fixed } from "../core/number";
+import { millimetres, modelName, type Case, type Figures, type Left, type Model, type Rows, type Worst } from "./field-document";
 
 /** Rows of the table of points; the CSV has them all. */
 const TABLE_ROWS = 300;
@@ -41,9 +41,9 @@ export function summary(figures: Figures): string {
 }
 
 function sentence(worst: Worst): string {
-  const at = worst.at_mm.map((mm, axis) => `${"XYZ"[axis]} ${significant(mm, 4)}`).join(", ");
+  const at = worst.at_mm.map((mm, axis) => `${"XYZ"[axis]} ${millimetres(mm)}`).join(", ");
   const [first] = worst.terms;
-  const cause = first && first.along_um > 0 ? `, most of it from ${first.term} (${fixed(first.along_um, 2)} µm)` : "";
+  const cause = first && first.along_um > 0 ? `, the largest share from ${first.term} (${fixed(first.along_um, 2)} µm)` : "";
   return `worst ${fixed(worst.size_um, 3)} µm at ${at} mm${cause}`;
 }
 
@@ -58,7 +58,7 @@ export function causes(title: string, worst: Worst): HTMLElement {
   const tables = worst.tables.map((one) => [one.source.length === 1 ? `table of ${one.source}` : one.source, ...numbers(one)]);
   const terms = worst.terms.map((one) => [one.term, ...numbers(one)]);
   const whole: Cell[] = ["whole error", ...worst.error_um.map((um) => cell(um)), cell(worst.size_um), cell(100, 1)];
-  const at = worst.at_mm.map((mm, axis) => `${"XYZ"[axis]} ${significant(mm, 4)}`).join(", ");
+  const at = worst.at_mm.map((mm, axis) => `${"XYZ"[axis]} ${millimetres(mm)}`).join(", ");
   return el(
     "div",
     {},

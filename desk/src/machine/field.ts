@@ -40,7 +40,7 @@ class FieldView implements FieldSection {
   private readonly refused = el("p", { class: "warning", role: "alert", hidden: true });
   private readonly words = el("p", {});
   private readonly figures = el("div", {});
-  private readonly causes = el("div", { class: "columns" });
+  private readonly causes = el("div", { class: "causes" });
   private readonly travel = group("Negative travel");
   private readonly pose = group("Pose of the rotary axes");
   private readonly points: Field;

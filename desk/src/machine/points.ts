@@ -92,6 +92,7 @@ export class Points {
       const position = table?.rows[row]?.[table.columns.findIndex(({ component }) => component === null)] ?? 0;
       input.setAttribute("aria-label", column.component === null ? `${column.name}, row ${row + 1}` : `${column.name} at ${position}`);
       input.dataset.value = String(value);
+      if (input.dataset.typed !== undefined) return;
       if (input.value !== String(value)) input.value = String(value);
       input.setAttribute("aria-invalid", "false");
     });
@@ -102,7 +103,10 @@ export class Points {
     const number = () => this.first + line.sectionRowIndex;
     const cells = all.map((column) => {
       const input = el("input", { type: "number", step: "any" });
+      // What is being typed is not written over by an answer to something before.
+      input.addEventListener("input", () => (input.dataset.typed = ""));
       input.addEventListener("change", () => {
+        delete input.dataset.typed;
         const valid = input.value !== "" && input.checkValidity();
         input.setAttribute("aria-invalid", String(!valid));
         const axis = this.axis?.axis;

@@ -4,7 +4,8 @@ import type { Desk } from "../core/desk";
 import { button, choice, el, group, section, tick } from "../core/dom";
 import { Plot } from "../core/plot";
 import { onTheme } from "../core/theme";
-import { errorTitle, length, micro, type Axis, type Column } from "./document";
+import { columnsOf, pointsOf } from "./columns";
+import { errorTitle, length, type Axis, type Column } from "./document";
 import type { Editor } from "./editor";
 import { Handles } from "./handles";
 import { look } from "./look";
@@ -64,6 +65,13 @@ export class Tables {
     for (const listener of this.listeners) listener();
   }
 
+  /** Another axis: of its errors the same, or its own after the own of another. */
+  private turn(axis: string): void {
+    const own = (letter: string) => "XYZABC".indexOf(letter);
+    const { component } = this.chosen;
+    this.choose({ axis, component: component === own(this.chosen.axis) ? own(axis) : component });
+  }
+
   get axis(): Axis | undefined {
     return this.editor.shown?.axes.find(({ axis }) => axis === this.chosen.axis);
   }
@@ -75,7 +83,7 @@ export class Tables {
     const letters = axes.map((one) => one.axis).join("");
     if (this.axes.dataset.letters !== letters) {
       this.axes.dataset.letters = letters;
-      this.axes.replaceChildren(...axes.map((one) => button(one.axis, () => this.choose({ ...this.chosen, axis: one.axis }), { "data-axis": one.axis })));
+      this.axes.replaceChildren(...axes.map((one) => button(one.axis, () => this.turn(one.axis), { "data-axis": one.axis })));
     }
     for (const one of this.axes.children) one.setAttribute("aria-pressed", String((one as HTMLElement).dataset.axis === this.chosen.axis));
     const components = [...new Set(axis?.table?.columns.map(({ component }) => component).filter((one): one is number => one !== null))].sort();
@@ -94,14 +102,15 @@ export class Tables {
       [this.undo, "Undo", this.editor.undoable],
       [this.redo, "Redo", this.editor.redoable],
     ] as const) {
-      control.disabled = what === undefined;
+      // Not `disabled`, which would take the keyboard's place away.
+      control.setAttribute("aria-disabled", String(what === undefined));
       control.title = what ? `${name}: ${what}` : `Nothing to ${name.toLowerCase()}`;
     }
   }
 
   /** The columns of the error that is chosen. */
   private columns(): Column[] {
-    return this.axis?.table?.columns.filter(({ component }) => component === this.chosen.component) ?? [];
+    return columnsOf(this.axis, this.chosen.component);
   }
 
   private unit(): string {
@@ -174,23 +183,11 @@ export class Tables {
       // The legend names what is drawn.
       const legend = [...plot.root.querySelectorAll<HTMLElement>(".u-legend .u-series")].slice(-3);
       [true, two, warm].forEach((drawn, i) => legend[i] && (legend[i].style.display = drawn ? "" : "none"));
-      handles.set(this.handles(axis));
+      const first = legend[0]?.querySelector(".u-label");
+      if (first) first.textContent = two ? "positive travel" : "both directions of travel";
+      handles.set(pointsOf(axis, component));
     } catch (error) {
       this.desk.fail(error);
     }
-  }
-
-  private handles(axis: Axis) {
-    const table = axis.table;
-    if (!table) return [];
-    const at = table.columns.findIndex(({ component }) => component === null);
-    const own = "XYZABC"[this.chosen.component] === axis.axis;
-    return this.columns().map((column) => {
-      const index = table.columns.indexOf(column);
-      const points = table.rows.map((row, number) => ({ row: number, position: row[at] ?? 0, value: row[index] ?? 0 }));
-      // Backlash is added to what the reverse column says.
-      const offset = own && !column.forward ? axis.backlash : 0;
-      return { column: column.name, direction: column.forward ? ("forward" as const) : ("reverse" as const), unit: micro(column.component !== null && column.component < 3 ? "um" : "urad"), positionUnit: length(axis.unit), points, offset };
-    });
   }
 }

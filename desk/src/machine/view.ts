@@ -34,8 +34,15 @@ async function build(root: HTMLElement, desk: Desk): Promise<void> {
     limits(editor),
     accuracy(editor),
   );
-  root.addEventListener("keydown", (event) => keys(event, editor));
+  // Of the whole page, wherever the keyboard stands while this view is shown.
+  document.addEventListener("keydown", (event) => root.hidden || keys(event, editor));
   const field = fieldSection(root, desk);
+  look.subscribe((temperature) => {
+    const reference = editor.shown?.reference_temperature_c ?? 20;
+    const seen = field.state() as { request: { kelvin: number } };
+    seen.request.kelvin = Number(((look.temperature_c === undefined ? reference : temperature) - reference).toPrecision(12));
+    field.open(seen);
+  });
   parts = { editor, tables, field };
   await editor.refresh();
 }

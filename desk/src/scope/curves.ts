@@ -17,12 +17,12 @@ const STATUS: readonly (readonly [bit: number, name: string])[] = [
 
 /** Corrections to look at: columns of the rows up to the axis. */
 const SHOWN = [
-  ["compensated.correction", "geometry, with correction"],
-  ["full.correction", "geometry, everything on"],
+  ["compensated.correction", "geometry"],
+  ["full.correction", "geometry, all on"],
   ["full.sent", "dynamic, sent"],
-  ["full.feed_forward", "dynamic, feed-forward wanted"],
-  ["full.feedback", "dynamic, contour feedback wanted"],
-  ["full.crosstalk", "dynamic, cross-talk wanted"],
+  ["full.feed_forward", "feed-forward wanted"],
+  ["full.feedback", "feedback wanted"],
+  ["full.crosstalk", "cross-talk wanted"],
 ] as const;
 type Shown = (typeof SHOWN)[number][0];
 
@@ -43,7 +43,7 @@ export class Curves {
 
   constructor(private readonly moved: (row: number | null) => void) {
     this.which = choice<Shown>("Shown", SHOWN, "compensated.correction", () => this.again());
-    this.limits = tick("limits in sight", true, () => this.again());
+    this.limits = tick("limits in sight", false, () => this.again());
     this.root = el("div", { class: "traces" }, this.above, el("div", { class: "row choose" }, this.which.root, this.limits.root), this.below);
   }
 
@@ -87,6 +87,8 @@ export class Curves {
     this.contour = new Plot(this.above, { ...common, title: "Contour error of the true tool tip", y: "error / µm", series, height: 186, onCursor: this.moved });
     const y = description.axes.some(({ rotary }) => rotary) ? "correction / µm, µrad" : "correction / µm";
         this.corrections = new Plot(this.below, { ...common, title: "Correction of each axis", y, series: this.corrected(), height: 160 });
+    const words = this.all().map(({ axes, at }) => `${axes} ±${at}`);
+    this.limits.root.lastChild!.textContent = ` limits in sight (${words.join("; ")} µm)`;
     this.strip = new Strip(this.below, `Flags of the step, ${KINDS[this.machine].text}`, SYNC);
   }
 
@@ -94,20 +96,25 @@ export class Curves {
     const axes = (this.description?.axes ?? []).map(({ axis, unit }): Series => ({ name: axis, colour: axis.toLowerCase() as ColourName, unit }));
     const limits = this.bounds().flatMap(({ axes, at }): Series[] => {
       const look = { colour: "warning" as const, dash: [7, 4], width: 1 };
-      return [{ name: `limit of ${axes}, ${at}`, ...look }, { name: `limit of ${axes}, −${at}`, ...look }];
+      return [{ name: `limit of ${axes}: +${at}`, ...look }, { name: `−${at}`, ...look }];
     });
     return [...axes, ...limits];
   }
 
   /** Magnitude limits, axes of the same one together. */
-  private bounds(): { axes: string; at: number }[] {
+  private all(): { axes: string; at: number }[] {
     const by = new Map<number, string[]>();
     const geometry = this.which.value.endsWith("correction");
-    for (const { axis, limits, dynamic_limits } of this.limits.input.checked ? (this.description?.axes ?? []) : []) {
+    for (const { axis, limits, dynamic_limits } of this.description?.axes ?? []) {
       const at = (geometry ? limits : dynamic_limits)?.magnitude;
       if (at !== undefined) by.set(at, [...(by.get(at) ?? []), axis]);
     }
     return [...by].map(([at, axes]) => ({ axes: axes.join(", "), at: Number(at.toPrecision(6)) }));
+  }
+
+  /** Those that are drawn. */
+  private bounds(): { axes: string; at: number }[] {
+    return this.limits.input.checked ? this.all() : [];
   }
 
   private fill(): void {

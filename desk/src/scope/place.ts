@@ -71,7 +71,9 @@ export class Place {
     const { scene, rows } = this;
     scene.clear();
     scene.box(this.low, this.high);
-    scene.polyline(this.path, "servo");
+    // What is still to come: under what has been run it would flicker.
+    const reached = rows && rows.count > 0 ? Math.max(0, this.lines.lastIndexOf(rows.at(rows.count - 1, "line"))) : 0;
+    scene.polyline(this.path.subarray(3 * reached), "servo");
     if (rows && rows.count > 0) {
       const places = new Float32Array(3 * rows.count);
       for (const [k, name] of ["x_mm", "y_mm", "z_mm"].entries()) {
@@ -94,7 +96,7 @@ export class Place {
     const height = 0.18 * Math.hypot(this.high[0] - this.low[0], this.high[1] - this.low[1]);
     this.scene.lines(new Float32Array([x, y, z, x, y, z + height]), "warning");
     this.scene.points(new Float32Array([x, y, z]), "warning", 9);
-    this.said.textContent = `tool at X ${fixed(x, 3)}  Y ${fixed(y, 3)}  Z ${fixed(z, 3)} mm, ${fixed(rows.at(this.row, "time_s"), 4)} s, line ${rows.at(this.row, "line")}`;
+    this.said.textContent = `X ${fixed(x, 3)}  Y ${fixed(y, 3)}  Z ${fixed(z, 3)} mm, ${fixed(rows.at(this.row, "time_s"), 4)} s, line ${rows.at(this.row, "line")}`;
   }
 }
 
@@ -114,5 +116,5 @@ function corners(path: Float32Array): [Vector, Vector] {
 /** The picture's sphere is around the box: most paths are flat, and leave its top and bottom empty. */
 function nearer(low: Vector, high: Vector): [Vector, Vector] {
   const toward = (share: number) => low.map((value, k) => value + share * (high[k]! - value)) as Vector;
-  return [toward(0.12), toward(0.88)];
+  return [toward(0.07), toward(0.93)];
 }

@@ -24,6 +24,7 @@ export class Scope {
   private files: Files;
   /** The last request to open; those before it are stale. */
   private opening = 0;
+  private queue: Promise<void> = Promise.resolve();
 
   constructor(
     root: HTMLElement,
@@ -105,14 +106,20 @@ export class Scope {
     else void this.reopen().catch(this.desk.fail);
   }
 
-  /** Opens the run of the present setup, at its beginning. */
-  private async reopen(files: Files = this.desk.machine.files): Promise<void> {
+  /** Opens the run of the present setup, at its beginning; one after the other, and those that are stale not at all. */
+  private reopen(files?: Files): Promise<void> {
     const ticket = ++this.opening;
+    const stands = () => ticket === this.opening;
+    const next = this.queue.catch(() => undefined).then(() => (stands() ? this.opened(files ?? this.desk.machine.files, stands) : undefined));
+    this.queue = next;
+    return next;
+  }
+
+  private async opened(files: Files, stands: () => boolean): Promise<void> {
     const { setup } = this.controls;
     await this.controls.machine(files);
-    if (ticket !== this.opening) return;
     const { description, path } = await this.runner.open(request(setup, files));
-    if (ticket !== this.opening) return;
+    if (!stands()) return;
     this.files = files;
     this.screen.open(description, path, setup);
     this.desk.clear();
@@ -123,6 +130,7 @@ export class Scope {
 
   /** A run is open, after a restart of the module too. */
   private async ready(): Promise<void> {
+    await this.queue.catch(() => undefined);
     if (!this.runner.isOpen) await this.reopen(this.files);
   }
 

@@ -1,7 +1,7 @@
 //! Error of the tool at a point, before and after.
 
 use super::Asked;
-use crate::model::{passes, thermal, with_compensation};
+use crate::model::{thermal, with_compensation};
 use anyhow::{Result, anyhow};
 use trueaxis::compensation::{Compensation, Direction, Query, ThermalLine};
 use trueaxis::machine::{AXES, Axis, AxisOrder, wraps};
@@ -69,13 +69,14 @@ impl<'a, const N: usize> Sampler<'a, N> {
         })
     }
 
-    /// Lends out the compensation of a machine with the same axes.
+    /// Lends out the compensation of a machine with the same axes; `passes` of its inverse.
     pub(super) fn compensated<T>(
         &self,
         machine: &Machine,
+        passes: u8,
         user: impl FnOnce(&Self, &Compensation<'_, f64, f64, N>) -> Result<T>,
     ) -> Result<T> {
-        with_compensation(machine, passes(machine, None)?, |compensation| user(self, compensation))
+        with_compensation(machine, passes, |compensation| user(self, compensation))
     }
 
     /// In the geometry's order.

@@ -68,10 +68,15 @@ pub(super) fn before<const N: usize>(sampler: &Sampler<'_, N>, poses: &[Pose]) -
     found(sampler, &sampler.asked.machine, poses, [0.0; AXES], error)
 }
 
-/// Of the errors that the compensation of `machine` leaves.
-pub(super) fn after<const N: usize>(sampler: &Sampler<'_, N>, machine: &Machine, poses: &[Pose]) -> Result<Worst> {
+/// Of the errors that the compensation of `machine` leaves. As many `passes` of the inverse are enough without a term, too.
+pub(super) fn after<const N: usize>(
+    sampler: &Sampler<'_, N>,
+    machine: &Machine,
+    passes: u8,
+    poses: &[Pose],
+) -> Result<Worst> {
     let left = |machine: &Machine, at: &[f64; AXES]| {
-        Sampler::<N>::of(sampler.asked, machine)?.compensated(machine, |sampler, compensation| {
+        Sampler::<N>::of(sampler.asked, machine)?.compensated(machine, passes, |sampler, compensation| {
             Ok(sampler.after(compensation, at, &sampler.geometry.commanded(&sampler.slots(at))))
         })
     };

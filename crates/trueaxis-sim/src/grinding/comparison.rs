@@ -74,3 +74,15 @@ impl Comparison {
         }
     }
 }
+
+/// Grinds twice with the same seed. `progress` gets the fraction done, 0 to 1.
+///
+/// # Errors
+/// As [`Comparison::new`] and [`Comparison::advance`].
+pub fn simulate(grinding: &Grinding, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
+    let mut both = Comparison::new(grinding.clone())?;
+    while both.advance(4096)? {
+        progress(both.share());
+    }
+    both.finish()
+}

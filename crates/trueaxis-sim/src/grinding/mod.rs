@@ -37,11 +37,11 @@ mod simulate;
 mod spindle;
 mod workpiece;
 
-pub use comparison::Comparison;
+pub use comparison::{Comparison, simulate};
 pub use document::{Document, Motion, RevolutionFigures, RunFigures, SpindleFigures};
 pub use event::Event;
 pub use infeed_drive::InfeedDrive;
-pub use outcome::{Outcome, simulate};
+pub use outcome::Outcome;
 pub use readings::readings;
 pub use request::Request;
 pub use result::{Moment, Revolution, Run};

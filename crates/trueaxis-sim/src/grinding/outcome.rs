@@ -2,7 +2,7 @@
 
 use super::result::Run;
 use super::spindle::sum;
-use super::{Comparison, Grinding, Linkage};
+use super::{Grinding, Linkage};
 use crate::error::Result;
 use std::f64::consts::TAU;
 use trueaxis::roundness::ErrorMotion;
@@ -19,18 +19,6 @@ pub struct Outcome {
     pub motion: [ErrorMotion<f64>; 2],
     /// Motion of that centre over θ in a mean revolution, [R_X, R_Y], µm.
     pub orbit: Vec<[f64; 2]>,
-}
-
-/// Grinds twice with the same seed. `progress` gets the fraction done, 0 to 1.
-///
-/// # Errors
-/// As [`Comparison::new`] and [`Comparison::advance`].
-pub fn simulate(grinding: &Grinding, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
-    let mut both = Comparison::new(grinding.clone())?;
-    while both.advance(4096)? {
-        progress(both.share());
-    }
-    both.finish()
 }
 
 /// Spindle angle at an angle of the surface, by fixed-point iteration of θ = α + β(α).

@@ -1,36 +1,24 @@
-//! Friction of two axes: a record, dropped or simulated, what is found in it, and the circles run again with it.
-//!
-//! A record and what was found stay in the module between the calls; a simulation goes on in slices.
+//! What the calls share: a record, what was found in it, and the simulation under way.
 
 use crate::files::machine;
-use crate::{json, told};
 use anyhow::{Result, anyhow, ensure};
 use serde::{Deserialize, Serialize};
-use std::cell::RefCell;
 use std::path::Path;
 use trueaxis_evaluation::friction::{
-    CircleCurves, Document, Recording, SpikeCurves, circles, columns, drives, fit, merged, pair, sections, spikes,
+    CircleCurves, Document, Recording, SpikeCurves, circles, columns, drives, fit, pair, sections, spikes,
 };
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_metrology::friction::{Identified, Record};
 use trueaxis_sim::Settings;
 use trueaxis_sim::friction::{Circles, Outcome, Pass, Plane, Recorder, configured};
 use trueaxis_sim::run::Kind;
-use wasm_bindgen::prelude::*;
 
 /// How the errors name a simulated record, as on the command line.
 const SIMULATED: &str = "the recorded circles";
 
-#[wasm_bindgen]
-extern "C" {
-    /// The worker's: told how far a call under way has come.
-    #[wasm_bindgen(js_name = trueaxisProgress)]
-    fn progress(what: &str);
-}
-
 /// What is kept between the calls.
 #[derive(Default)]
-struct Bench {
+pub(super) struct Bench {
     recording: Option<Recording>,
     found: Option<[Identified; 2]>,
     simulation: Option<Simulation>,
@@ -59,17 +47,9 @@ enum Which {
     After,
 }
 
-thread_local! {
-    static BENCH: RefCell<Bench> = RefCell::default();
-}
-
-fn with<T>(user: impl FnOnce(&mut Bench) -> Result<T>) -> Result<T, JsError> {
-    told(BENCH.with_borrow_mut(user))
-}
-
 /// A record that was read.
 #[derive(Serialize)]
-struct Read {
+pub(super) struct Read {
     samples: usize,
     period_s: f64,
     notes: Vec<String>,
@@ -77,7 +57,7 @@ struct Read {
 
 /// What was found.
 #[derive(Serialize)]
-struct Found {
+pub(super) struct Found {
     document: Document,
     spikes: Vec<SpikeCurves>,
     circles: Vec<CircleCurves>,
@@ -100,7 +80,7 @@ struct Simulated {
 
 /// The circles without and with what was found.
 #[derive(Serialize)]
-struct Closed {
+pub(super) struct Closed {
     /// Where the record is that of the simulation.
     outcome: Option<Outcome>,
     before: Curves,
@@ -114,7 +94,7 @@ struct Curves {
 }
 
 impl Bench {
-    fn read(&mut self, name: &str, text: &str, axes: &str) -> Result<Read> {
+    pub(super) fn read(&mut self, name: &str, text: &str, axes: &str) -> Result<Read> {
         let axes = pair(axes).map_err(|error| anyhow!("--axes: {error}"))?;
         let mut notes = Vec::new();
         let rows = Rows::new(text.as_bytes(), Path::new(name), &columns(axes), |note| notes.push(note))?;
@@ -124,7 +104,7 @@ impl Bench {
         Ok(Read { samples: record.axes[0].command.len(), period_s: record.period_s, notes })
     }
 
-    fn recording(&self) -> Result<&Recording> {
+    pub(super) fn recording(&self) -> Result<&Recording> {
         self.recording.as_ref().ok_or_else(|| anyhow!("found no record, needed one that is dropped or simulated"))
     }
 
@@ -136,7 +116,7 @@ impl Bench {
         self.found.as_ref().ok_or_else(|| anyhow!("found no fit, needed a record to which one was made"))
     }
 
-    fn fit(&mut self, files: &str, find_drive: bool, tell: &mut dyn FnMut(&str)) -> Result<Found> {
+    pub(super) fn fit(&mut self, files: &str, find_drive: bool, tell: &mut dyn FnMut(&str)) -> Result<Found> {
         let recording = self.recording()?;
         let mut given = [None; 2];
         if !find_drive {
@@ -152,7 +132,7 @@ impl Bench {
         Ok(Found { document, spikes, circles, settings })
     }
 
-    fn start(&mut self, files: &str, request: &str) -> Result<()> {
+    pub(super) fn start(&mut self, files: &str, request: &str) -> Result<()> {
         let request: Simulated = serde_json::from_str(request)?;
         let plane = Plane::named(&request.plane)
             .ok_or_else(|| anyhow!("plane: found {}, needed XY, ZX or YZ", request.plane))?;
@@ -182,7 +162,7 @@ impl Bench {
     }
 
     /// Share that has been simulated; at 1 the pass is kept.
-    fn advance(&mut self, cycles: f64) -> Result<f64> {
+    pub(super) fn advance(&mut self, cycles: f64) -> Result<f64> {
         let simulation = self.simulation.as_mut().ok_or_else(|| anyhow!("found no simulation, needed one begun"))?;
         if simulation.recorder.advance(cycles as u64) {
             return Ok(simulation.recorder.progress().min(1.0 - f64::EPSILON));
@@ -206,19 +186,19 @@ impl Bench {
         Ok(1.0)
     }
 
-    fn simulated_record(&self) -> Result<Read> {
+    pub(super) fn simulated_record(&self) -> Result<Read> {
         let record = self.record()?;
         Ok(Read { samples: record.axes[0].command.len(), period_s: record.period_s, notes: Vec::new() })
     }
 
-    fn csv(&self) -> Result<String> {
+    pub(super) fn csv(&self) -> Result<String> {
         match &self.before {
             Some((pass, ..)) if self.is_simulated => Ok(pass.csv()),
             _ => Err(anyhow!("found no simulated record, needed one")),
         }
     }
 
-    fn closed(&self) -> Result<Closed> {
+    pub(super) fn closed(&self) -> Result<Closed> {
         let found = self.found()?;
         let (Some((before, own_circles, settings)), Some(after)) = (&self.before, &self.after) else {
             return Err(anyhow!("found no simulation with the figures, needed one without them and one with them"));
@@ -242,65 +222,4 @@ impl Bench {
         };
         Ok(Closed { outcome, before: curves(before)?, after: curves(after)? })
     }
-}
-
-/// Reads a record of `axes` (`X,Y`): samples, period, notes. Found before is forgotten.
-#[wasm_bindgen]
-pub fn friction_read(name: &str, text: &str, axes: &str) -> Result<String, JsError> {
-    with(|bench| json(&bench.read(name, text, axes)?))
-}
-
-/// The simulator's settings unless others are given.
-#[wasm_bindgen]
-pub fn friction_settings() -> Result<String, JsError> {
-    told(json(&Settings::default()))
-}
-
-/// Begins to simulate circles on a machine; its record or the comparison without or with what was found.
-#[wasm_bindgen]
-pub fn friction_start(files: &str, request: &str) -> Result<(), JsError> {
-    with(|bench| bench.start(files, request))
-}
-
-/// Simulates some cycles further: the share that is done, 1 at the end.
-#[wasm_bindgen]
-pub fn friction_advance(cycles: f64) -> Result<f64, JsError> {
-    with(|bench| bench.advance(cycles))
-}
-
-/// The record at hand: samples, period.
-#[wasm_bindgen]
-pub fn friction_record() -> Result<String, JsError> {
-    with(|bench| json(&bench.simulated_record()?))
-}
-
-/// Following errors of the record for drawing.
-#[wasm_bindgen]
-pub fn friction_trace(points: usize) -> Result<String, JsError> {
-    with(|bench| json(&bench.recording()?.trace(points)))
-}
-
-/// The simulated record as CSV.
-#[wasm_bindgen]
-pub fn friction_csv() -> Result<String, JsError> {
-    with(|bench| bench.csv())
-}
-
-/// Finds friction, and the drives where the machine does not state them or `find_drive` asks for it: the command line's
-/// document, spikes, circles, settings as TOML.
-#[wasm_bindgen]
-pub fn friction_fit(files: &str, find_drive: bool) -> Result<String, JsError> {
-    with(|bench| json(&bench.fit(files, find_drive, &mut progress)?))
-}
-
-/// The simulated circles without and with what was found.
-#[wasm_bindgen]
-pub fn friction_closed() -> Result<String, JsError> {
-    with(|bench| json(&bench.closed()?))
-}
-
-/// A `machine.toml` with settings in it.
-#[wasm_bindgen]
-pub fn friction_merged(machine_toml: &str, settings: &str) -> Result<String, JsError> {
-    told(merged(machine_toml, Path::new("machine.toml"), settings))
 }

@@ -1,0 +1,89 @@
+//! A drive with friction and its encoder on circles, integrated independently of the crate.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+use trueaxis::machine::{DriveFigures, FrictionSettings};
+
+/// A circle: radius in mm, feed in mm/s, positive counterclockwise, turns.
+pub(crate) type Circle = (f64, f64, f64);
+
+/// Commands of circles about the origin, each from rest to rest with a sine-squared ramp of the feed over `ramp_s`.
+pub(crate) fn commands(circles: &[Circle], period_s: f64, ramp_s: f64) -> [Vec<f64>; 2] {
+    let mut angle = 0.3;
+    let mut command = [Vec::new(), Vec::new()];
+    let mut put = |angle: f64, radius: f64| {
+        command[0].push(radius * angle.cos());
+        command[1].push(radius * angle.sin());
+    };
+    for &(radius, feed, turns) in circles {
+        for _ in 0..(0.1 / period_s) as usize {
+            put(angle, radius);
+        }
+        let length = TAU * radius * turns;
+        let duration = length / feed.abs() + ramp_s;
+        for k in 0..(duration / period_s) as usize {
+            let t = k as f64 * period_s;
+            let edge = (t.min(duration - t) / ramp_s).min(1.0);
+            angle += feed / radius * period_s * (0.25 * TAU * edge).sin().powi(2);
+            put(angle, radius);
+        }
+    }
+    command
+}
+
+/// The encoder of the plant: subdivisional error, noise, counts.
+struct Encoder(ChaCha8Rng);
+
+impl Encoder {
+    fn read(&mut self, x: f64) -> f64 {
+        let phase = TAU * x / 0.02;
+        let noise: f64 = StandardNormal.sample(&mut self.0);
+        ((x + 30e-6 * phase.sin() + 15e-6 * (2.0 * phase).sin() + 5e-6 * noise) / 10e-6).round() * 10e-6
+    }
+}
+
+/// Readings of a drive with a digital position loop of that period; its inside is integrated by Heun's method in steps of
+/// at most 25 µs, friction by the differential equation.
+pub(crate) fn readings(
+    command: &[f64],
+    period_s: f64,
+    drive: &DriveFigures,
+    friction: &FrictionSettings,
+    seed: u64,
+) -> Vec<f64> {
+    let steps = (period_s / 25e-6).ceil() as usize;
+    let h = period_s / steps as f64;
+    let kvp = drive.velocity_gain_per_s;
+    let slope = |[_, v, q, m, f]: [f64; 5], r: f64| {
+        let ratio = v / friction.stribeck_velocity_per_s;
+        let level = kvp * friction.coulomb_per_s * (1.0 + friction.stribeck_share / (1.0 + ratio * ratio));
+        [
+            v,
+            m - level * f - kvp * friction.viscous * v,
+            (r - v) / drive.reset_time_s,
+            (kvp * (r - v + q) - m) / drive.current_loop_s,
+            (v - v.abs() * f) / friction.presliding,
+        ]
+    };
+    let mut encoder = Encoder(ChaCha8Rng::seed_from_u64(seed));
+    let mut state = [command[0], 0.0, 0.0, 0.0, 0.0];
+    let mut before = command[0];
+    let mut reading = command[0];
+    let mut out = Vec::new();
+    for &now in command {
+        let r =
+            drive.position_gain_per_s * (before - reading) + drive.velocity_feed_forward * (now - before) / period_s;
+        for _ in 0..steps {
+            let one = slope(state, r);
+            let there: [f64; 5] = std::array::from_fn(|i| state[i] + h * one[i]);
+            let two = slope(there, r);
+            state = std::array::from_fn(|i| state[i] + 0.5 * h * (one[i] + two[i]));
+        }
+        before = now;
+        reading = encoder.read(state[0]);
+        out.push(reading);
+    }
+    out
+}
