@@ -75,6 +75,8 @@ for (const { name, fields, line, at } of CASES)
     const given = ["helicoid", ...line.split(" ")];
     const document = await cli([...given, "--json"]);
 
+    // The number of points is what was typed last.
+    await settled(panel, "Flank and machine", "Points of the grid", document.points.length);
     const data = await settled(panel, "Flank and machine", "Lead parameter", document.surface.lead_parameter_mm_per_rad);
     assert.equal(data["Base radius / mm"].Value, document.surface.base_radius_mm);
     assert.equal(data["Lead / mm"].Value, document.surface.lead_mm);

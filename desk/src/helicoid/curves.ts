@@ -80,10 +80,11 @@ export class Curves {
       ...letters.map(([letter, colour]): Series => ({ name: `${letter}, branch 2`, colour, dash: [6, 4] })),
     ];
     this.root.replaceChildren();
-    const plot = (title: string, y: string, series: Series[]) =>
-      new Plot(this.root, { title, x, y, series, sync: SYNC, height: 190, digits: 8, onCursor: (index) => this.cursor(index) });
+    // One tells where the cursor is: those of the same key move with it.
+    const plot = (title: string, y: string, series: Series[], onCursor?: (index: number | null) => void) =>
+      new Plot(this.root, { title, x, y, series, sync: SYNC, height: 190, digits: 8, ...(onCursor ? { onCursor } : {}) });
     this.plots = [
-      plot(`Linear axes over ${line === "theta" ? "θ" : "u"}`, "position / mm", both([["X", "x"], ["Y", "y"], ["Z", "z"]])),
+      plot(`Linear axes over ${line === "theta" ? "θ" : "u"}`, "position / mm", both([["X", "x"], ["Y", "y"], ["Z", "z"]]), (index) => this.cursor(index)),
       plot(`Rotary axes over ${line === "theta" ? "θ" : "u"}`, "angle / degrees", both([["A", "a"], ["C", "c"]])),
     ];
     return this.plots;
