@@ -20,8 +20,11 @@ elif [[ $# != 0 ]]; then
 fi
 ../.ci/install rustup:target:wasm32-unknown-unknown
 command -v npm >/dev/null || ../.ci/install nodejs npm
+command -v xz >/dev/null || ../.ci/install xz-utils
 target=${CARGO_TARGET_DIR:-$PWD/../target}
 
+# Panics name their files: not where the packages lie on this machine.
+export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="--remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}/registry/src="
 cargo build -p trueaxis-desk --profile "$profile" --target wasm32-unknown-unknown
 CARGO_TARGET_DIR="$PWD/bindgen/target" cargo build --release --locked --manifest-path bindgen/Cargo.toml
 bindgen/target/release/desk-bindgen "$target/wasm32-unknown-unknown/$folder/trueaxis_desk.wasm" pkg

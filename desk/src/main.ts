@@ -1,5 +1,6 @@
 // The page: starts the module, the views and what they share.
 
+import { XzReadableStream } from "xz-decompress";
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
 import { Bench } from "./core/bench";
@@ -13,12 +14,11 @@ import { views } from "./views";
 
 const part = (id: string) => document.getElementById(id) as HTMLElement;
 
-/** The module, from the page's own text: gzip in base64. */
+/** The module, from the page's own text: xz in base64. */
 async function module(): Promise<WebAssembly.Module> {
   const binary = atob(part("module").textContent.trim());
   const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
-  const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(unpacked).arrayBuffer());
+  return WebAssembly.compile(await new Response(new XzReadableStream(new Blob([bytes]).stream())).arrayBuffer());
 }
 
 /** A view with its place on the page. */

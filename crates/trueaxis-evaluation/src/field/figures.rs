@@ -1,7 +1,7 @@
 //! Figures of a sampled field.
 
 use super::grid::Grid;
-use super::sample::Pose;
+use super::sample::{Pose, size};
 use super::{Asked, Model, Worst};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -96,11 +96,6 @@ pub struct Slice {
     pub at_mm: f64,
     /// Largest size of the tip's error, µm.
     pub largest_um: f64,
-}
-
-/// Euclidean length.
-pub(super) fn size([x, y, z]: [f64; 3]) -> f64 {
-    (x * x + y * y + z * z).sqrt()
 }
 
 fn rms(sizes: &[f64]) -> f64 {

@@ -133,3 +133,8 @@ impl<'a, const N: usize> Sampler<'a, N> {
         (0..self.asked.grid.count()).filter(is_beyond).count()
     }
 }
+
+/// Euclidean length.
+pub(super) fn size([x, y, z]: [f64; 3]) -> f64 {
+    (x * x + y * y + z * z).sqrt()
+}

@@ -1,7 +1,6 @@
 //! The worst point of a field, and which table and term cause it.
 
-use super::figures::size;
-use super::sample::{Pose, Sampler};
+use super::sample::{Pose, Sampler, size};
 use crate::contributions::{Source, shares};
 use anyhow::Result;
 use serde::Serialize;
@@ -119,8 +118,7 @@ fn found<const N: usize>(
         add(axis.letter().to_string(), &mut Source::terms(axis))?;
     }
     add(String::from("location errors"), &mut Source::locations(machine))?;
-    tables.sort_by(|a: &Table, b: &Table| b.along_um.total_cmp(&a.along_um));
-    terms.sort_by(|a: &Cause, b: &Cause| b.along_um.total_cmp(&a.along_um));
+    rank(&mut tables, &mut terms);
     Ok(Worst {
         at_mm: [Axis::X, Axis::Y, Axis::Z].map(|axis| at[axis.index()]),
         error_um: um(pose.tip),
@@ -135,4 +133,10 @@ fn found<const N: usize>(
 
 fn um(mm: [f64; 3]) -> [f64; 3] {
     mm.map(|mm| mm * 1e3)
+}
+
+/// Largest share of the error first. Apart from what is generic: sorting is long code.
+fn rank(tables: &mut [Table], terms: &mut [Cause]) {
+    tables.sort_by(|a, b| b.along_um.total_cmp(&a.along_um));
+    terms.sort_by(|a, b| b.along_um.total_cmp(&a.along_um));
 }
