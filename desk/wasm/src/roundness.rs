@@ -18,7 +18,7 @@ const SAMPLE_REVOLUTIONS: u32 = 8;
 enum Evaluated {
     Nothing,
     Readings(Box<roundness::Evaluation>),
-    Trace(circle::Evaluation),
+    Trace(Box<circle::Evaluation>),
 }
 
 thread_local! {
@@ -62,7 +62,7 @@ fn trace(name: &str, text: &str) -> Result<String> {
     let evaluation = circle::Evaluation::read(&mut rows)?;
     drop(rows);
     let told = json(&Noted { document: evaluation.document(), notes });
-    EVALUATED.set(Evaluated::Trace(evaluation));
+    EVALUATED.set(Evaluated::Trace(Box::new(evaluation)));
     told
 }
 
