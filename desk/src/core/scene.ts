@@ -1,33 +1,10 @@
 // A picture in three dimensions: lines, points, arrows and surfaces in WebGL 2, turned by pointer and keys.
 
 import { el, unique } from "./dom";
+import { build, upload, type Batch } from "./drawing";
+import { cones, repeated, SIDES, surface } from "./shapes";
 import { lookAt, multiply, perspective, type Matrix, type Vector } from "./space";
 import { onTheme, rgb, scale, type ColourName } from "./theme";
-
-const VERTEX = `#version 300 es
-in vec3 at; in vec3 tint; in vec3 normal;
-uniform mat4 view; uniform vec3 eye; uniform float size;
-out vec3 colour;
-void main() {
-  gl_Position = view * vec4(at, 1.0);
-  gl_PointSize = size;
-  float shade = dot(normal, normal) > 0.0 ? 0.55 + 0.45 * abs(dot(normalize(normal), normalize(eye - at))) : 1.0;
-  colour = tint * shade;
-}`;
-const FRAGMENT = `#version 300 es
-precision mediump float;
-in vec3 colour; out vec4 pixel;
-void main() { pixel = vec4(colour, 1.0); }`;
-
-/** What is drawn in one call: places, colours and normals, three numbers a corner. */
-interface Batch {
-  mode: "lines" | "points" | "triangles";
-  at: Float32Array;
-  tint: () => Float32Array;
-  normal?: Float32Array;
-  size?: number;
-  buffers?: { array: WebGLVertexArrayObject; held: WebGLBuffer[]; count: number };
-}
 
 export interface SceneOptions {
   /** Read by a screen reader in place of the picture. */
@@ -40,9 +17,6 @@ interface Label {
   at: Vector;
   element: HTMLElement;
 }
-
-/** Sides of an arrow's cone. */
-const SIDES = 6;
 
 export class Scene {
   readonly root: HTMLElement;
@@ -129,13 +103,7 @@ export class Scene {
   /** Cones from each place along its vector times `magnification`, coloured by values from 0 to 1. */
   arrows(places: ArrayLike<number>, vectors: ArrayLike<number>, values: ArrayLike<number>, magnification: number, width: number): void {
     const count = values.length;
-    const at = new Float32Array(count * SIDES * 9);
-    const normal = new Float32Array(at.length);
-    for (let i = 0; i < count; i++) {
-      const from: Vector = [places[3 * i]!, places[3 * i + 1]!, places[3 * i + 2]!];
-      const along: Vector = [vectors[3 * i]! * magnification, vectors[3 * i + 1]! * magnification, vectors[3 * i + 2]! * magnification];
-      cone(from, along, width, at, normal, i * SIDES * 9);
-    }
+    const { at, normal } = cones(places, vectors, count, magnification, width);
     const tint = () => {
       const all = new Float32Array(at.length);
       for (let i = 0; i < count; i++) {
@@ -149,23 +117,7 @@ export class Scene {
 
   /** A surface over a grid of points, `rows` times `columns`; values from 0 to 1 colour it by the scale. */
   mesh(points: ArrayLike<number>, rows: number, columns: number, name: ColourName, values?: ArrayLike<number>): void {
-    const corners: number[] = [];
-    for (let r = 0; r + 1 < rows; r++)
-      for (let c = 0; c + 1 < columns; c++) {
-        const [a, b] = [r * columns + c, (r + 1) * columns + c];
-        corners.push(a, b, a + 1, a + 1, b, b + 1);
-      }
-    const at = new Float32Array(3 * corners.length);
-    const normal = new Float32Array(at.length);
-    const place = (i: number): Vector => [points[3 * i]!, points[3 * i + 1]!, points[3 * i + 2]!];
-    for (let k = 0; k < corners.length; k += 3) {
-      const [p, q, r] = [place(corners[k]!), place(corners[k + 1]!), place(corners[k + 2]!)];
-      const across = cross(minus(q, p), minus(r, p));
-      for (const [j, one] of [p, q, r].entries()) {
-        at.set(one, 3 * (k + j));
-        normal.set(across, 3 * (k + j));
-      }
-    }
+    const { at, normal, corners } = surface(points, rows, columns);
     const own = () => {
       const tint = new Float32Array(at.length);
       for (const [k, corner] of corners.entries()) tint.set(scale(values![corner]!), 3 * k);
@@ -326,76 +278,4 @@ export function colourBar(host: HTMLElement, label: string): (largest: string) =
   return (largest) => {
     end.textContent = largest;
   };
-}
-
-function minus(p: Vector, q: Vector): Vector {
-  return [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-}
-
-function cross(p: Vector, q: Vector): Vector {
-  return [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-}
-
-function repeated(one: readonly number[], count: number): Float32Array {
-  const all = new Float32Array(3 * count);
-  for (let i = 0; i < count; i++) all.set(one, 3 * i);
-  return all;
-}
-
-/** The sides of a cone from its base to its tip. */
-function cone(from: Vector, along: Vector, width: number, at: Float32Array, normal: Float32Array, offset: number): void {
-  const length = Math.hypot(...along) || 1e-9;
-  const unit: Vector = [along[0] / length, along[1] / length, along[2] / length];
-  const other: Vector = Math.abs(unit[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
-  const across = cross(unit, other);
-  const size = Math.hypot(...across);
-  const p: Vector = [across[0] / size, across[1] / size, across[2] / size];
-  const q = cross(unit, p);
-  const tip: Vector = [from[0] + along[0], from[1] + along[1], from[2] + along[2]];
-  const rim = (k: number): [Vector, Vector] => {
-    const [c, s] = [Math.cos((2 * Math.PI * k) / SIDES), Math.sin((2 * Math.PI * k) / SIDES)];
-    const out: Vector = [c * p[0] + s * q[0], c * p[1] + s * q[1], c * p[2] + s * q[2]];
-    return [[from[0] + width * out[0], from[1] + width * out[1], from[2] + width * out[2]], out];
-  };
-  for (let k = 0; k < SIDES; k++) {
-    const [[one, outward], [next, further]] = [rim(k), rim(k + 1)];
-    for (const [j, [place, direction]] of ([[one, outward], [next, further], [tip, outward]] as const).entries()) {
-      at.set(place, offset + 9 * k + 3 * j);
-      normal.set(direction, offset + 9 * k + 3 * j);
-    }
-  }
-}
-
-function build(gl: WebGL2RenderingContext): WebGLProgram {
-  const program = gl.createProgram();
-  for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]] as const) {
-    const shader = gl.createShader(kind)!;
-    gl.shaderSource(shader, source);
-    gl.compileShader(shader);
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  return program;
-}
-
-function upload(gl: WebGL2RenderingContext, program: WebGLProgram, batch: Batch): NonNullable<Batch["buffers"]> {
-  const array = gl.createVertexArray()!;
-  gl.bindVertexArray(array);
-  const held: WebGLBuffer[] = [];
-  const parts: [string, Float32Array | undefined][] = [["at", batch.at], ["tint", batch.tint()], ["normal", batch.normal]];
-  for (const [name, numbers] of parts) {
-    const place = gl.getAttribLocation(program, name);
-    if (place < 0) continue;
-    if (!numbers) {
-      gl.vertexAttrib3f(place, 0, 0, 0);
-      continue;
-    }
-    const buffer = gl.createBuffer()!;
-    held.push(buffer);
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, numbers, gl.STATIC_DRAW);
-    gl.enableVertexAttribArray(place);
-    gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 0, 0);
-  }
-  return { array, held, count: batch.at.length / 3 };
 }

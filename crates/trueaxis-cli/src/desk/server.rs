@@ -98,7 +98,8 @@ fn refusal(status: u16, why: &str) -> Answer {
 }
 
 fn text(status: u16, body: &[u8]) -> Answer {
-    let answer = Response::from_data(body).with_status_code(status);
+    // In one piece: its length is known.
+    let answer = Response::from_data(body).with_status_code(status).with_chunked_threshold(usize::MAX);
     HEADERS.into_iter().fold(answer, |answer, (name, value)| header(answer, name, value))
 }
 
