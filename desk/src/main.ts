@@ -142,9 +142,15 @@ async function start(): Promise<void> {
   part("version").textContent = `trueaxis ${await bench.call("version")}`;
   const sample = JSON.parse(await bench.call("machine_sample", "mill-3axis")) as Record<string, string>;
   machine.set("mill-3axis", sample);
-  const given = await fromLink(location.hash).catch(desk.fail);
-  if (given) await open(given).catch(desk.fail);
-  else await show(location.hash.slice(1) || front.view.id);
+  try {
+    const given = await fromLink(location.hash);
+    if (given) await open(given);
+    else await show(location.hash.slice(1) || front.view.id);
+  } catch (thrown) {
+    // Behind the view, whose own beginning takes errors away.
+    await show(front.view.id);
+    desk.fail(thrown);
+  }
   const root = document.documentElement.dataset;
   root.readyMs = String(Math.round(performance.now()));
   root.ready = "true";

@@ -31,7 +31,7 @@ pub(crate) fn element(
     let inner = printable(&inner.replace('\n', ""));
     html! {
         svg class=[class] viewBox={ "0 0 " (width) " " (height) } role=[description.map(|_| "img")]
-            aria-label=[description.map(printable)] xmlns="http://www.w3.org/2000/svg" { (PreEscaped(inner)) }
+            aria-label=[description.map(printable)] aria-hidden=[description.is_none().then_some("true")] xmlns="http://www.w3.org/2000/svg" { (PreEscaped(inner)) }
     }
 }
 

@@ -45,6 +45,9 @@ type Column = ArrayLike<number | null>;
 /** Rows of the table behind a plot; the CSV has them all. */
 const TABLE_ROWS = 500;
 
+/** Plots whose cursors go together, by key. */
+const groups = new Map<string, Plot[]>();
+
 export class Plot {
   readonly root: HTMLElement;
   private readonly area: HTMLElement;
@@ -67,6 +70,7 @@ export class Plot {
     this.details = el("details", { ontoggle: () => this.fill() }, el("summary", {}, "Table"), this.rows, button("Save CSV", () => this.csv()));
     this.root = el("figure", {}, el("figcaption", { id }, options.title), this.area, this.readout, this.details);
     host.append(this.root);
+    if (options.sync) groups.set(options.sync, [...(groups.get(options.sync) ?? []).filter(({ root }) => root.isConnected), this]);
     new ResizeObserver(() => this.resize()).observe(this.area);
     onTheme(() => this.rebuild());
   }
@@ -88,13 +92,20 @@ export class Plot {
 
   /** Moves the cursor to a point of the data. */
   show(index: number | null): void {
-    this.cursor = index;
-    if (!this.plot || index === null) return;
-    const x = this.data[0]?.[index];
-    if (x === null || x === undefined) return;
-    // The last tells the plots of the same key; uPlot's types leave it out.
-    const move = this.plot.setCursor as (at: { left: number; top: number }, fire: boolean, publish: boolean) => void;
-    move({ left: this.plot.valToPos(x, "x"), top: this.plot.over.clientHeight / 2 }, true, true);
+    const together = groups.get(this.options.sync ?? "") ?? [this];
+    const length = this.data[0]?.length;
+    for (const plot of together) if (plot.root.isConnected && plot.data[0]?.length === length) plot.stand(index);
+  }
+
+  /** The cursor at a row, whichever the pixel next to it belongs to. */
+  private stand(index: number | null): void {
+    const x = index === null ? undefined : this.data[0]?.[index];
+    if (this.plot && x !== null && x !== undefined) {
+      // Not told further: uPlot's types leave the last parameter out.
+      const move = this.plot.setCursor as (at: { left: number; top: number }, fire: boolean, publish: boolean) => void;
+      move({ left: this.plot.valToPos(x, "x"), top: this.plot.over.clientHeight / 2 }, true, false);
+    }
+    if (this.cursor !== index) this.moved(index);
   }
 
   /** The uPlot behind it, for what only one view needs. */
@@ -187,12 +198,12 @@ export class Plot {
   /** What stands at a point, in words. */
   private words(index: number): string {
     const digits = this.options.digits ?? 4;
-    const number = (column: Column | undefined) => {
+    const number = (column: Column | undefined, digits: number) => {
       const value = column?.[index];
       return value === null || value === undefined ? "–" : significant(value, digits);
     };
-    const at = `${this.options.x}: ${number(this.data[0])}`;
-    return [at, ...this.options.series.map((one, i) => `${one.name} ${number(this.data[i + 1])}${one.unit ? ` ${one.unit}` : ""}`)].join("   ");
+    const at = `${this.options.x}: ${number(this.data[0], Math.max(5, digits))}`;
+    return [at, ...this.options.series.map((one, i) => `${one.name} ${number(this.data[i + 1], digits)}${one.unit ? ` ${one.unit}` : ""}`)].join("   ");
   }
 
   private key(event: KeyboardEvent): void {

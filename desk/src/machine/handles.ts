@@ -35,9 +35,12 @@ export class Handles {
   private at = { column: 0, row: 0 };
   private drag: { element: HTMLElement; column: PointsOf; point: Point; y: number; value: number; perPixel: number } | undefined;
 
+  /** What the keyboard has asked for and the machine not yet shown: the next press counts from there. */
+  private keyed: { column: string; row: number; value: number; settled: boolean } | undefined;
+
   constructor(
     private readonly plot: Plot,
-    private readonly move: (column: string, row: number, value: number, gesture: number) => void,
+    private readonly move: (column: string, row: number, value: number, gesture: number) => Promise<void>,
   ) {
     // A picture has no parts; this one has.
     plot.root.querySelector(".plot")?.setAttribute("role", "group");
@@ -53,6 +56,7 @@ export class Handles {
 
   set(columns: PointsOf[]): void {
     this.columns = columns;
+    if (this.keyed?.settled) this.keyed = undefined;
     this.place();
   }
 
@@ -125,7 +129,7 @@ export class Handles {
     drag.value = value;
     const plot = this.plot.inner;
     if (plot) drag.element.style.transform = `translate(${plot.valToPos(drag.point.position, "x")}px, ${plot.valToPos(value + drag.column.offset, "y")}px)`;
-    this.move(drag.column.column, drag.point.row, value, gestures);
+    void this.move(drag.column.column, drag.point.row, value, gestures);
   }
 
   private key(event: KeyboardEvent): void {
@@ -144,9 +148,11 @@ export class Handles {
     if (by === undefined) return;
     event.preventDefault();
     event.stopPropagation();
-    // Several presses may come before the answer to the first.
-    point.value = Number((point.value + by).toFixed(3));
-    this.move(column.column, point.row, point.value, -1);
+    const { keyed } = this;
+    const now = keyed && keyed.column === column.column && keyed.row === point.row ? keyed.value : point.value;
+    const asked = { column: column.column, row: point.row, value: Number((now + by).toFixed(3)), settled: false };
+    this.keyed = asked;
+    void this.move(asked.column, asked.row, asked.value, -1).finally(() => (asked.settled = true));
   }
 
   private focus(column: number, row: number | undefined): void {

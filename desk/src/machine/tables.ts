@@ -144,10 +144,10 @@ export class Tables {
     return pair;
   }
 
-  private move(column: string, row: number, value: number, gesture: number): void {
+  private move(column: string, row: number, value: number, gesture: number): Promise<void> {
     const axis = this.chosen.axis;
     const also = this.both.input.checked ? this.beside(column, row, value) : [];
-    void this.editor.apply({ change: "point", axis, column, row, value, also }, `${column}, row ${row + 1}: ${value} ${this.unit()}`, `${axis} ${column} ${row} ${gesture}`);
+    return this.editor.apply({ change: "point", axis, column, row, value, also }, `${column}, row ${row + 1}: ${value} ${this.unit()}`, `${axis} ${column} ${row} ${gesture}`);
   }
 
   /** The other direction, moved by as much. */

@@ -86,7 +86,7 @@ export class Curves {
     const common = { x: "time / s", sync: SYNC };
     this.contour = new Plot(this.above, { ...common, title: "Contour error of the true tool tip", y: "error / µm", series, height: 186, digits: 3, onCursor: this.moved });
     const y = description.axes.some(({ rotary }) => rotary) ? "correction / µm, µrad" : "correction / µm";
-        this.corrections = new Plot(this.below, { ...common, title: "Correction of each axis", y, series: this.corrected(), height: 160 });
+    this.corrections = new Plot(this.below, { ...common, title: "Correction of each axis", y, series: this.corrected(), height: 160 });
     const words = this.all().map(({ axes, at }) => `${axes} ±${at}`);
     this.limits.root.lastChild!.textContent = ` limits in sight (${words.join("; ")} µm)`;
     this.strip = new Strip(this.below, `Flags of the step, ${KINDS[this.machine].text}`, SYNC);
