@@ -108,16 +108,20 @@ mod tests {
 
     #[test]
     fn slices_of_any_length_give_the_figures_of_one_run() {
-        let request = json!({"revolutions": 8, "rate_hz": 4000.0, "speed_rpm": 300.0, "seed": 11});
+        let request = json!({"revolutions": 8, "rate_hz": 4000.0, "speed_rpm": 20.0, "seed": 11});
         assert!(advance(1).is_err() && finish().is_err());
         open(&grinding_machine(), &request.to_string()).unwrap();
         while advance(777).unwrap() < 1.0 {}
         assert_eq!(curve(true, true).unwrap().len(), 8);
-        let found: Value = serde_json::from_str(&finish().unwrap()).unwrap();
+        let found = finish().unwrap();
         let request: Request = serde_json::from_value(request).unwrap();
         let grinding = request.grinding(sample().unwrap()).unwrap();
         let whole = trueaxis_sim::grinding::simulate(&grinding, &mut |_| {}).unwrap();
-        assert_eq!(found, serde_json::to_value(Document::new(&whole, &grinding).unwrap()).unwrap());
+        let document = Document::new(&whole, &grinding).unwrap();
+        // As texts: numbers that are read back may differ in their last bit.
+        assert_eq!(found, serde_json::to_string(&document).unwrap());
+        let found: Value = serde_json::from_str(&found).unwrap();
+        assert!(found["corrected"]["evaluated"].as_u64().unwrap() > 0);
     }
 
     #[test]
