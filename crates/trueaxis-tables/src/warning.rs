@@ -31,6 +31,13 @@ pub enum Warning {
         /// Declared travel, mm.
         travel: [f64; 2],
     },
+    /// Backlash is corrected by way of the axis' table, and there is none.
+    BacklashWithoutTable {
+        /// The axis.
+        axis: Axis,
+        /// Its backlash, mm.
+        backlash: f64,
+    },
     /// At top feed of all axes the correction of a drive changes faster than its slope limit lets it.
     SlopeAboveLimit {
         /// The drive.
@@ -117,6 +124,13 @@ impl fmt::Display for Warning {
                      beyond its ends the edge value is clamped"
                 )
             }
+            Warning::BacklashWithoutTable { axis, backlash } => {
+                let (letter, value) = (axis.letter(), Length { axis, value: backlash });
+                write!(
+                    f,
+                    "axis {letter}: a backlash of {value} is not corrected without a table; one of zeros would do"
+                )
+            }
             Warning::SlopeAboveLimit { axis, rate, limit, moving, part } => {
                 let (letter, unit) = (axis.letter(), unit(axis));
                 write!(
@@ -192,6 +206,9 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
             && (low > settings.travel[0] || high < settings.travel[1])
         {
             warnings.push(Warning::TravelNotCovered { axis, table: [low, high], travel: settings.travel });
+        }
+        if settings.backlash != 0.0 && table.is_none() {
+            warnings.push(Warning::BacklashWithoutTable { axis, backlash: settings.backlash });
         }
         if let Some(warning) = slope(machine, settings) {
             warnings.push(warning);

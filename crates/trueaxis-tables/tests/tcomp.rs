@@ -480,6 +480,21 @@ fn the_summary_tells_the_figures() {
     }
 }
 
+/// The step adds backlash to the reverse side of a table.
+#[test]
+fn backlash_without_a_table_is_told() {
+    let mut machine = small_machine::machine();
+    let told = |machine: &Machine| {
+        check(machine, 1000.0).into_iter().any(|w| matches!(w, Warning::BacklashWithoutTable { axis: Axis::X, .. }))
+    };
+    machine.settings.axes[0].backlash = 0.002;
+    assert!(!told(&machine));
+    machine.tables[0] = None;
+    assert!(told(&machine));
+    machine.settings.axes[0].backlash = 0.0;
+    assert!(!told(&machine));
+}
+
 /// The small machine's warnings, worked out by hand.
 #[test]
 fn warnings_carry_their_numbers() {
