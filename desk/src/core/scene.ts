@@ -133,7 +133,8 @@ export class Scene {
     for (const x of [x0, x1]) for (const z of [z0, z1]) edges.push(x, y0, z, x, y1, z);
     for (const x of [x0, x1]) for (const y of [y0, y1]) edges.push(x, y, z0, x, y, z1);
     this.lines(new Float32Array(edges), "servo");
-    const number = (value: number) => String(Number(value.toPrecision(6))).replace("-", "−");
+    const least = 1e-6 * Math.max(x1 - x0, y1 - y0, z1 - z0);
+    const number = (value: number) => String(Math.abs(value) < least ? 0 : Number(value.toPrecision(6))).replace("-", "−");
     const middle = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2] as const;
     this.label([middle[0], y0, z0], `${letters[0]} ${number(x0)}…${number(x1)}`);
     this.label([x1, middle[1], z0], `${letters[1]} ${number(y0)}…${number(y1)}`);
