@@ -15,7 +15,7 @@ fi
 export TRUEAXIS_PROFILE=release
 cargo build --release -p trueaxis-cli -p firmware-sim
 # The page in the program: served to this computer alone, and written.
-cargo test --release -p trueaxis-cli --features desk --test desk
+cargo test -p trueaxis-cli --features desk --test desk
 
 tests=(desk/tests/*.test.mjs)
 if [[ $# != 0 ]]; then
