@@ -2,6 +2,7 @@
 
 import { build } from "esbuild";
 import { execFileSync } from "node:child_process";
+import { createHash } from "node:crypto";
 import fs from "node:fs";
 import { gzipSync } from "node:zlib";
 
@@ -14,8 +15,11 @@ const script = (text) => text.replaceAll("</script", "<\\/script").replaceAll("<
 // The step is there for three to six axes: near-copies, further apart than gzip looks back. xz takes a third less.
 const packed = execFileSync("xz", ["--format=xz", "--check=crc32", "--lzma2=preset=9e,dict=8MiB", "--stdout", "pkg/trueaxis_desk_bg.wasm"], { maxBuffer: 1 << 26 });
 const module = packed.toString("base64");
-const parts = { CSS: output(".css"), WASM: module, WORKER: script(worker.outputFiles[0].text), JS: script(output(".js")) };
-let html = fs.readFileSync("src/page.html", "utf8");
+const own = script(output(".js"));
+// The one script that the page's policy lets run.
+const hash = `'sha256-${createHash("sha256").update(own).digest("base64")}'`;
+const parts = { CSS: output(".css"), WASM: module, WORKER: script(worker.outputFiles[0].text), JS: own };
+let html = fs.readFileSync("src/page.html", "utf8").replace("'own-script'", hash);
 for (const [name, text] of Object.entries(parts)) html = html.replace(`/*${name}*/`, () => text);
 fs.mkdirSync("dist", { recursive: true });
 fs.writeFileSync("dist/desk.html", html);
