@@ -69,7 +69,7 @@ impl ScenarioArgs {
 /// The scenario of a command under which nothing is switched or exchanged.
 pub(crate) fn prepare(args: &ScenarioArgs, faults: &[String]) -> Result<Scenario> {
     let scenario = prepare_with(args, &ActArgs::faults(faults))?;
-    match scenario.settings.events.events.first() {
+    match scenario.settings.events.items.first() {
         Some(event) => bail!("--scenario: found the event \"{event}\", needed none for this command"),
         None => Ok(scenario),
     }

@@ -84,7 +84,7 @@ impl ActArgs {
 /// Machines of a scenario file's events are named from its folder.
 fn from_folder_of(file: &Path, settings: &mut Settings) {
     let Some(folder) = file.parent() else { return };
-    for event in &mut settings.events.events {
+    for event in &mut settings.events.items {
         if let EventKind::Exchange(name) = &mut event.kind {
             let beside = folder.join(&name);
             // What is not there may be a sample.
@@ -124,8 +124,8 @@ impl SettingsArgs {
                 assignment.split_once('=').ok_or_else(|| anyhow!("--set: found {assignment}, needed KEY=VALUE"))?;
             settings.set(key.trim(), value.trim()).map_err(|e| anyhow!("--set {assignment}: {e}"))?;
         }
-        settings.faults.faults.extend(FaultScript::parse(&acts.fault).map_err(|e| anyhow!("--fault: {e}"))?.faults);
-        settings.events.events.extend(EventScript::parse(&acts.event).map_err(|e| anyhow!("--event: {e}"))?.events);
+        settings.faults.items.extend(FaultScript::parse(&acts.fault).map_err(|e| anyhow!("--fault: {e}"))?.items);
+        settings.events.items.extend(EventScript::parse(&acts.event).map_err(|e| anyhow!("--event: {e}"))?.items);
         Ok(settings)
     }
 

@@ -14,7 +14,7 @@
 //! [`Kind::ServoOnly`]: crate::run::Kind::ServoOnly
 
 use crate::plant::fault::{Fault, FaultSpecError, seconds};
-use serde::{Deserialize, Serialize};
+use crate::script::Script;
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
@@ -131,37 +131,12 @@ impl fmt::Display for Event {
 }
 
 /// All events of a run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<String>", into = "Vec<String>")]
-pub struct EventScript {
-    /// The events.
-    pub events: Vec<Event>,
-}
-
-impl TryFrom<Vec<String>> for EventScript {
-    type Error = EventSpecError;
-
-    fn try_from(specs: Vec<String>) -> Result<EventScript, EventSpecError> {
-        EventScript::parse(specs)
-    }
-}
-
-impl From<EventScript> for Vec<String> {
-    fn from(script: EventScript) -> Vec<String> {
-        script.events.iter().map(Event::to_string).collect()
-    }
-}
+pub type EventScript = Script<Event>;
 
 impl EventScript {
-    /// Reads one specification per item; the first bad one is the error.
-    pub fn parse<S: AsRef<str>>(specs: impl IntoIterator<Item = S>) -> Result<EventScript, EventSpecError> {
-        let events = specs.into_iter().map(|spec| spec.as_ref().parse()).collect::<Result<_, _>>()?;
-        Ok(EventScript { events })
-    }
-
     /// Names of the machines whose tables are wanted.
     pub fn exchanges(&self) -> impl Iterator<Item = &str> {
-        self.events.iter().filter_map(|event| match &event.kind {
+        self.items.iter().filter_map(|event| match &event.kind {
             EventKind::Exchange(name) => Some(name.as_str()),
             EventKind::On(_) | EventKind::Off(_) => None,
         })
@@ -218,7 +193,7 @@ mod tests {
         let specs = ["off:correction@2.5s", "on:correction@3s", "exchange:a@b/mine@0.1s", "off:take-up@0s"];
         let script = EventScript::parse(specs).unwrap();
         assert_eq!(Vec::from(script.clone()), specs);
-        assert_eq!(script.events[0], Event { kind: EventKind::Off(Switch::Correction), at_s: 2.5 });
+        assert_eq!(script.items[0], Event { kind: EventKind::Off(Switch::Correction), at_s: 2.5 });
         assert_eq!(script.exchanges().collect::<Vec<_>>(), ["a@b/mine"]);
         for switch in Switch::ALL {
             let event = Event { kind: EventKind::On(switch), at_s: 0.1 + 0.2 };

@@ -35,6 +35,7 @@ pub mod program;
 mod range;
 pub mod run;
 pub mod scenario;
+pub mod script;
 pub mod servo;
 pub mod settings;
 pub mod truth;

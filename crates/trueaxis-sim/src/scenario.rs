@@ -72,7 +72,12 @@ impl Scenario {
     /// # Errors
     /// The machine has none: a linear axis missing, or more than two rotary ones.
     pub fn kinematics(&self) -> Result<Option<Kinematics<f64>>> {
-        let build = || Kinematics::new(&self.machine.settings).map_err(SimError::Kinematics);
+        self.kinematics_of(&self.machine)
+    }
+
+    /// The same by the tables of another machine.
+    pub(crate) fn kinematics_of(&self, machine: &Machine) -> Result<Option<Kinematics<f64>>> {
+        let build = || Kinematics::new(&machine.settings).map_err(SimError::Kinematics);
         self.five_axis.then(build).transpose()
     }
 

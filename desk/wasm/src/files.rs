@@ -28,7 +28,12 @@ pub(crate) fn memory(files: &str) -> Result<Memory> {
 
 /// The machine of these files; how their separators were recognised goes to `notes`.
 pub(crate) fn machine(files: &str, notes: &mut Vec<String>) -> Result<Machine> {
-    read(&memory(files)?, notes)
+    machine_of(&texts(files)?, notes)
+}
+
+/// The same of texts that were taken apart.
+pub(crate) fn machine_of(texts: &Texts, notes: &mut Vec<String>) -> Result<Machine> {
+    read(&Memory::new(texts.clone()), notes)
 }
 
 fn read(memory: &Memory, notes: &mut Vec<String>) -> Result<Machine> {

@@ -80,10 +80,7 @@ mod tests {
     use serde_json::Value;
 
     fn sample() -> String {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/mill-3axis");
-        let text = |name: &str| std::fs::read_to_string(format!("{folder}/{name}")).unwrap();
-        let names = ["machine.toml", "x.csv", "y.csv", "z.csv"];
-        serde_json::to_string(&names.map(|name| (name, text(name))).into_iter().collect::<BTreeMap<_, _>>()).unwrap()
+        serde_json::to_string(&crate::samples::sample("mill-3axis").unwrap()).unwrap()
     }
 
     /// docs/commands.md says with which settings the figures of the samples are right.

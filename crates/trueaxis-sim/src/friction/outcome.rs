@@ -3,9 +3,9 @@
 use super::{Circles, Pass};
 use crate::Settings;
 use crate::error::{Result, SimError};
-use crate::run::ErrorSize;
+use crate::run::Size;
 use serde::Serialize;
-use trueaxis_metrology::friction::{Identified, Size};
+use trueaxis_metrology::friction::{self, Identified};
 
 /// The whole round: recorded, found, configured, recorded again.
 #[derive(Clone, Debug, Serialize)]
@@ -72,42 +72,28 @@ pub struct Figures<T> {
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Spikes {
     /// As recorded.
-    pub before: Deviation,
+    pub before: Size,
     /// As the model gives them.
-    pub predicted: Deviation,
+    pub predicted: Size,
     /// As the model expects it with the feed-forward.
-    pub expected: Deviation,
+    pub expected: Size,
     /// As recorded again with the feed-forward.
-    pub after: Deviation,
+    pub after: Size,
 }
 
 /// Without and with the feed-forward, µm.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Pair {
     /// Without.
-    pub before: Deviation,
+    pub before: Size,
     /// With it.
-    pub after: Deviation,
+    pub after: Size,
 }
 
-/// Size of a deviation, µm.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Deviation {
-    /// Largest magnitude.
-    pub max: f64,
-    /// Root mean square.
-    pub rms: f64,
-}
-
-impl From<Size> for Deviation {
-    fn from(size: Size) -> Deviation {
-        Deviation { max: 1e3 * size.largest, rms: 1e3 * size.rms }
-    }
-}
-
-impl From<ErrorSize> for Deviation {
-    fn from(size: ErrorSize) -> Deviation {
-        Deviation { max: size.max_um, rms: size.rms_um }
+/// In µm.
+impl From<friction::Size> for Size {
+    fn from(size: friction::Size) -> Size {
+        Size { max: 1e3 * size.largest, rms: 1e3 * size.rms }
     }
 }
 

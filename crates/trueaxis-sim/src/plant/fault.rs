@@ -12,7 +12,7 @@
 //! Lengths are `mm`, or `deg` for rotary axes. Faults of readings happen between the drive and the control: the drive, which
 //! evaluates its encoder itself, is not disturbed by them.
 
-use serde::{Deserialize, Serialize};
+use crate::script::Script;
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
@@ -172,37 +172,12 @@ impl fmt::Display for Fault {
 }
 
 /// All faults of a run; where several act at once they act in this order.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<String>", into = "Vec<String>")]
-pub struct FaultScript {
-    /// The faults.
-    pub faults: Vec<Fault>,
-}
-
-impl TryFrom<Vec<String>> for FaultScript {
-    type Error = FaultSpecError;
-
-    fn try_from(specs: Vec<String>) -> Result<FaultScript, FaultSpecError> {
-        FaultScript::parse(specs)
-    }
-}
-
-impl From<FaultScript> for Vec<String> {
-    fn from(script: FaultScript) -> Vec<String> {
-        script.faults.iter().map(Fault::to_string).collect()
-    }
-}
+pub type FaultScript = Script<Fault>;
 
 impl FaultScript {
-    /// Reads one specification per item; the first bad one is the error.
-    pub fn parse<S: AsRef<str>>(specs: impl IntoIterator<Item = S>) -> Result<FaultScript, FaultSpecError> {
-        let faults = specs.into_iter().map(|spec| spec.as_ref().parse()).collect::<Result<_, _>>()?;
-        Ok(FaultScript { faults })
-    }
-
     /// The kinds that act in `cycle`.
     pub fn acting(&self, cycle: u64, period_s: f64) -> impl Iterator<Item = FaultKind> + '_ {
-        self.faults.iter().filter(move |fault| fault.acts_in(cycle, period_s)).map(|fault| fault.kind)
+        self.items.iter().filter(move |fault| fault.acts_in(cycle, period_s)).map(|fault| fault.kind)
     }
 }
 
@@ -221,7 +196,7 @@ mod tests {
             "jump-command:C@2s+1=-3deg",
         ])
         .unwrap();
-        let kinds: Vec<FaultKind> = script.faults.iter().map(|fault| fault.kind).collect();
+        let kinds: Vec<FaultKind> = script.items.iter().map(|fault| fault.kind).collect();
         assert_eq!(
             kinds,
             [
@@ -233,7 +208,7 @@ mod tests {
                 FaultKind::JumpCommand(Axis::C, -3.0),
             ]
         );
-        assert_eq!((script.faults[0].at_s, script.faults[0].cycles), (1.25, 3));
+        assert_eq!((script.items[0].at_s, script.items[0].cycles), (1.25, 3));
         assert_eq!(FaultScript::parse(Vec::from(script.clone())), Ok(script));
     }
 

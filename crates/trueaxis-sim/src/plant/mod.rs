@@ -164,7 +164,7 @@ impl Plant {
             period_s,
             cycle: 0,
         };
-        settings.faults.faults.into_iter().try_for_each(|fault| plant.inject(fault))?;
+        settings.faults.items.into_iter().try_for_each(|fault| plant.inject(fault))?;
         Ok(plant)
     }
 
@@ -176,7 +176,7 @@ impl Plant {
         if let Some(axis) = fault.kind.axis().filter(|axis| self.stations.iter().all(|station| station.axis != *axis)) {
             return Err(PlantError::FaultAxis { axis: axis.letter() });
         }
-        self.faults.faults.push(fault);
+        self.faults.items.push(fault);
         Ok(())
     }
 

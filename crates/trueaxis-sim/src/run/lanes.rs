@@ -70,7 +70,7 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
             samples: kinds.iter().map(|_| Vec::with_capacity(BLOCK)).collect(),
             scenario: Arc::clone(&scenario),
         };
-        for event in &scenario.settings.events.events {
+        for event in &scenario.settings.events.items {
             lanes.plan(event, &scenario.exchanges)?;
         }
         Ok(Box::new(lanes))

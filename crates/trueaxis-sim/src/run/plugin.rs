@@ -68,9 +68,7 @@ impl<S: Owned<N>, const N: usize> Plugin<S, N> {
                 })?;
             }
         }
-        let build = || Kinematics::new(&machine.settings).map_err(SimError::Kinematics);
-        let kinematics = scenario.five_axis.then(build).transpose()?;
-        Ok(Plugin { loops, about: About { thermal, kinematics } })
+        Ok(Plugin { loops, about: About { thermal, kinematics: scenario.kinematics_of(machine)? } })
     }
 
     /// The loop that a machine is driven by; none where it was not built for.

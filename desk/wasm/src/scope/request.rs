@@ -1,6 +1,6 @@
 //! What a scope is opened with.
 
-use crate::files::machine;
+use crate::files::{Texts, machine_of};
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -16,8 +16,6 @@ pub(super) const MACHINE_FOLDER: &str = "machine";
 pub(super) const SCENARIO_FILE: &str = "scenario.toml";
 
 /// Texts of a machine's files by their names.
-pub(super) type Files = BTreeMap<String, String>;
-
 /// The part program.
 #[derive(Clone, Deserialize)]
 #[serde(untagged, deny_unknown_fields)]
@@ -38,7 +36,7 @@ pub(super) enum Model {
 #[derive(Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Request {
-    pub(super) machine: Files,
+    pub(super) machine: Texts,
     pub(super) program: ProgramText,
     #[serde(default)]
     pub(super) settings: String,
@@ -48,7 +46,7 @@ pub(super) struct Request {
     pub(super) orientation: Option<bool>,
     /// Machines whose tables may be exchanged for, by the name that an event gives.
     #[serde(default)]
-    pub(super) exchanges: BTreeMap<String, Files>,
+    pub(super) exchanges: BTreeMap<String, Texts>,
     /// By [`Kind::name`]; left out, those of [`Kind::of`].
     #[serde(default)]
     kinds: Option<Vec<String>>,
@@ -103,8 +101,8 @@ impl Request {
     }
 
     /// A machine with the error model asked for.
-    pub(super) fn machine(&self, files: &Files, notes: &mut Vec<String>) -> Result<Machine> {
-        let mut machine = machine(&serde_json::to_string(files)?, notes)?;
+    pub(super) fn machine(&self, files: &Texts, notes: &mut Vec<String>) -> Result<Machine> {
+        let mut machine = machine_of(files, notes)?;
         let model = self.model.map(|model| match model {
             Model::Nine => ErrorModel::Nine,
             Model::Volumetric => ErrorModel::Volumetric,

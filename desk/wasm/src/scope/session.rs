@@ -1,7 +1,8 @@
 //! A scope that is open: a run with its curves, and what was done to it.
 
-use super::request::{Files, Request, exchange_name};
+use super::request::{Request, exchange_name};
 use super::traces::Traces;
+use crate::files::Texts;
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -45,7 +46,7 @@ pub(super) struct Progress {
 struct Asked {
     act: String,
     /// Of the machine whose tables are exchanged for, where it is not known yet.
-    files: Option<Files>,
+    files: Option<Texts>,
 }
 
 /// The same as it was recorded.
@@ -128,7 +129,7 @@ impl Session {
         let act_text = act.to_string();
         Ok(match act {
             Act::Fault(fault) => {
-                self.settings.faults.faults.push(fault);
+                self.settings.faults.items.push(fault);
                 Recorded { list: "faults", act: act_text, time_s: fault.at_s }
             }
             Act::Event(event) => {
@@ -136,14 +137,14 @@ impl Session {
                 if let EventKind::Exchange(name) = &event.kind {
                     self.exchanged = Some(name.clone());
                 }
-                self.settings.events.events.push(event);
+                self.settings.events.items.push(event);
                 Recorded { list: "events", act: act_text, time_s }
             }
         })
     }
 
     /// Takes in the files of another machine; a name stands for the same files all along.
-    fn know(&mut self, name: &str, files: Files) -> Result<()> {
+    fn know(&mut self, name: &str, files: Texts) -> Result<()> {
         exchange_name(name)?;
         match self.request.exchanges.get(name) {
             Some(known) if *known == files => return Ok(()),

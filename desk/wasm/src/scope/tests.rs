@@ -2,18 +2,10 @@
 
 use super::*;
 use serde_json::{Value, json};
-use std::fs;
-use std::path::Path;
 
 /// Files of a sample machine.
 fn sample(name: &str) -> Value {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables").join(name);
-    let files = fs::read_dir(folder).unwrap().filter_map(|entry| {
-        let path = entry.unwrap().path();
-        let text = fs::read_to_string(&path).ok()?;
-        Some((path.file_name()?.to_string_lossy().into_owned(), Value::from(text)))
-    });
-    Value::Object(files.collect())
+    serde_json::to_value(crate::samples::sample(name).unwrap()).unwrap()
 }
 
 const PROGRAM: &str = "G21 G90 F1500\nG1 X10\nG2 X10 Y-20 J-10\nG1 X0 Y0\nG0 Z5\n";
