@@ -46,7 +46,6 @@ function answer({ id, name, given }: Request): void {
 addEventListener("message", ({ data }: MessageEvent<Request | { module: WebAssembly.Module }>) => {
   if ("module" in data) {
     module.initSync({ module: data.module });
-    post({ kind: "ready" });
   } else if (!ended) {
     answer(data);
   }

@@ -14,7 +14,6 @@ export type CallName = Exclude<keyof Calls, "default" | "initSync" | "start">;
 
 /** What the worker answers. */
 export type Answer =
-  | { kind: "ready" }
   | { kind: "done"; id: number; value: unknown }
   | { kind: "refused"; id: number; message: string }
   | { kind: "progress"; text: string }
@@ -29,28 +28,26 @@ interface Waiting {
 export class Restarted extends Error {}
 
 export class Bench {
-  private worker: Worker;
+  /** Started with the first call, so that a page loads no more than what is shown. */
+  private worker: Worker | undefined;
   private readonly waiting = new Map<number, Waiting>();
   /** Told how far a long call has come. */
   onProgress: ((text: string) => void) | undefined;
   private readonly restarts = new Set<(message: string) => void>();
   private next = 0;
-  private ready: Promise<void>;
 
   constructor(
     private readonly module: WebAssembly.Module,
     private readonly script: string,
-  ) {
-    [this.worker, this.ready] = this.start();
-  }
+  ) {}
 
   /** Calls an export of the module. */
-  async call<K extends CallName>(name: K, ...given: Parameters<Calls[K]>): Promise<ReturnType<Calls[K]>> {
-    await this.ready;
+  call<K extends CallName>(name: K, ...given: Parameters<Calls[K]>): Promise<ReturnType<Calls[K]>> {
+    const worker = (this.worker ??= this.start());
     const id = this.next++;
     return new Promise((done, failed) => {
       this.waiting.set(id, { done, failed });
-      this.worker.postMessage({ id, name, given });
+      worker.postMessage({ id, name, given });
     });
   }
 
@@ -59,24 +56,22 @@ export class Bench {
     this.restarts.add(listener);
   }
 
-  private start(): [Worker, Promise<void>] {
+  private start(): Worker {
     const url = URL.createObjectURL(new Blob([this.script], { type: "text/javascript" }));
     const worker = new Worker(url);
-    const ready = new Promise<void>((done) => {
-      worker.addEventListener("message", ({ data }: MessageEvent<Answer>) => {
-        if (data.kind === "ready") done();
-        else if (data.kind === "progress") this.onProgress?.(data.text);
-        else if (data.kind === "panicked") this.restart(data.message);
-        else this.answer(data);
-      });
+    worker.addEventListener("message", ({ data }: MessageEvent<Answer>) => {
+      if (data.kind === "progress") this.onProgress?.(data.text);
+      else if (data.kind === "panicked") this.restart(data.message);
+      else this.answer(data);
     });
     // Memory that cannot be had, or whatever else no panic reports.
     worker.addEventListener("error", (event) => {
       event.preventDefault();
       this.restart(event.message || "the worker ended");
     });
+    // The first message; calls come after it.
     worker.postMessage({ module: this.module });
-    return [worker, ready];
+    return worker;
   }
 
   private answer(answer: Extract<Answer, { id: number }>): void {
@@ -87,10 +82,10 @@ export class Bench {
   }
 
   private restart(message: string): void {
-    this.worker.terminate();
+    this.worker?.terminate();
+    this.worker = undefined;
     const lost = [...this.waiting.values()];
     this.waiting.clear();
-    [this.worker, this.ready] = this.start();
     for (const { failed } of lost) failed(new Restarted(message));
     for (const listener of this.restarts) listener(message);
   }

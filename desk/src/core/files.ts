@@ -6,6 +6,17 @@ export interface Given {
   bytes: Uint8Array;
 }
 
+/** Files as the module takes them: paths and lengths, and the bytes one after the other. */
+export function packed(files: readonly Given[]): [names: string, bytes: Uint8Array] {
+  const bytes = new Uint8Array(files.reduce((sum, file) => sum + file.bytes.length, 0));
+  let at = 0;
+  for (const file of files) {
+    bytes.set(file.bytes, at);
+    at += file.bytes.length;
+  }
+  return [JSON.stringify(files.map((file) => [file.path, file.bytes.length])), bytes];
+}
+
 /** The text of bytes, if they are UTF-8. */
 export function text(bytes: Uint8Array): string | undefined {
   try {

@@ -1,5 +1,6 @@
 // Everything that the page shows as one text, for a link or a file.
 
+import { message } from "./desk";
 import type { Files } from "./machine";
 
 /** What a link or a file keeps. */
@@ -33,7 +34,7 @@ export async function fromLink(fragment: string): Promise<Kept | undefined> {
     const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
     return parse(new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw"))));
   } catch (error) {
-    throw new Error(`the link is damaged or cut off (${error instanceof Error ? error.message : String(error)}); needed: a link that this page made`);
+    throw new Error(`the link is damaged or cut off (${message(error)}); needed: a link that this page made`);
   }
 }
 

@@ -72,7 +72,7 @@ export class Plot {
     host.append(this.root);
     if (options.sync) groups.set(options.sync, [...(groups.get(options.sync) ?? []).filter(({ root }) => root.isConnected), this]);
     new ResizeObserver(() => this.resize()).observe(this.area);
-    onTheme(() => this.rebuild());
+    onTheme(this, (plot) => plot.rebuild());
   }
 
   /** Columns: the horizontal axis first, then one a series; null leaves a gap. */

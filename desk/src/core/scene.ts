@@ -46,9 +46,9 @@ export class Scene {
     this.pointer();
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.draw()).observe(this.root);
-    onTheme(() => {
-      for (const batch of this.batches) this.free(batch);
-      this.draw();
+    onTheme(this, (scene) => {
+      for (const batch of scene.batches) scene.free(batch);
+      scene.draw();
     });
   }
 
@@ -267,15 +267,15 @@ export function colourBar(host: HTMLElement, label: string): (largest: string) =
   const canvas = el("canvas", { width: 160, height: 12, role: "img", "aria-label": `Colours from 0 to the largest ${label}` });
   const end = el("span");
   host.append(el("div", { class: "colour-bar" }, el("span", {}, "0"), canvas, end));
-  const paint = () => {
+  const paint = (canvas: HTMLCanvasElement) => {
     const context = canvas.getContext("2d");
     for (let x = 0; context && x < 160; x++) {
       context.fillStyle = `rgb(${scale(x / 159).map((part) => Math.round(255 * part)).join(" ")})`;
       context.fillRect(x, 0, 1, 12);
     }
   };
-  paint();
-  onTheme(paint);
+  paint(canvas);
+  onTheme(canvas, paint);
   return (largest) => {
     end.textContent = largest;
   };

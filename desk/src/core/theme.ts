@@ -22,7 +22,8 @@ const COLOURS = {
 export type ColourName = keyof typeof COLOURS;
 
 const query = matchMedia("(prefers-color-scheme: dark)");
-const listeners = new Set<() => void>();
+/** Weakly held, so that a plot or picture that is gone is let go of. */
+const listeners = new Set<{ owner: WeakRef<object>; listener: (owner: never) => void }>();
 
 export type Theme = "system" | "light" | "dark";
 
@@ -42,16 +43,20 @@ export function rgb(name: ColourName): [number, number, number] {
   return [(value >> 16) / 255, ((value >> 8) & 255) / 255, (value & 255) / 255];
 }
 
-/** Called whenever the colours change. */
-export function onTheme(listener: () => void): void {
-  listeners.add(listener);
+/** Called whenever the colours change, as long as the owner is in use; `listener` must not hold it otherwise. */
+export function onTheme<T extends object>(owner: T, listener: (owner: T) => void): void {
+  listeners.add({ owner: new WeakRef(owner), listener });
 }
 
 function apply(): void {
   const style = document.documentElement.style;
   for (const name of Object.keys(COLOURS) as ColourName[]) style.setProperty(`--${name}`, colour(name));
   style.colorScheme = dark() ? "dark" : "light";
-  for (const listener of listeners) listener();
+  for (const one of listeners) {
+    const owner = one.owner.deref();
+    if (owner) one.listener(owner as never);
+    else listeners.delete(one);
+  }
 }
 
 /** Light, dark, or as the system has it. */

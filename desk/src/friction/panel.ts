@@ -4,10 +4,11 @@ import type { Desk } from "../core/desk";
 import { button, choice, commandLine, el, section } from "../core/dom";
 import { onDrop, save } from "../core/files";
 import { fixed, significant } from "../core/number";
+import { word } from "../core/shell";
 import { showTrace } from "./curves";
 import type { Found, RecordRead, Trace } from "./documents";
 import { Results } from "./results";
-import { AXES_OF, PLANE_OF, Source, simulator, word, type Axes, type Circles, type Settings } from "./source";
+import { AXES_OF, PLANE_OF, Source, simulator, type Axes, type Circles, type Settings } from "./source";
 import { Stopped, Work } from "./work";
 
 type Drives = "found" | "machine";

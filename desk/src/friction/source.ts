@@ -2,6 +2,7 @@
 
 import { button, choice, el, group, numberField, type Field } from "../core/dom";
 import { picker, text, type Given } from "../core/files";
+import { word } from "../core/shell";
 
 /** Circles and the simulated drives' true figures, by the keys of the simulator's settings. */
 export interface Circles {
@@ -139,11 +140,6 @@ export class Source {
 export function request(circles: Circles, pass: "record" | "before" | "after"): string {
   const { set, ...rest } = circles;
   return JSON.stringify({ ...rest, pass, set: Object.entries(set).map(([key, value]) => [key, String(value)]) });
-}
-
-/** A word of a command line. */
-export function word(text: string): string {
-  return /^[\w.,=/+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
 }
 
 /** The command line that simulates these circles. */

@@ -3,6 +3,7 @@
 import type { Desk } from "../core/desk";
 import { button, commandLine, el, section } from "../core/dom";
 import { save } from "../core/files";
+import { word } from "../core/shell";
 import type { Editor } from "./editor";
 
 /** Browsers drop downloads that follow one another too closely, ms. */
@@ -27,7 +28,7 @@ export function exporting(desk: Desk, editor: Editor): HTMLElement {
   };
   editor.subscribe(() => {
     const { name } = desk.machine;
-    const folder = /^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`;
+    const folder = word(name);
     const rate = editor.rate_hz === 10_000 ? "" : ` --rate-hz ${editor.rate_hz}`;
     files.replaceChildren(...Object.keys(desk.machine.files).map((file) => button(`Save ${file}`, () => one(file))));
     check.set(`trueaxis tables check ${folder}${rate}`);

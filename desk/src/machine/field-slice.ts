@@ -48,7 +48,7 @@ export class Slice {
       ],
       onCursor: (index) => index !== null && index !== this.index && this.move(index),
     });
-    onTheme(() => this.paint());
+    onTheme(this, (slice) => slice.paint());
   }
 
   state(): { across: number; index: number } {

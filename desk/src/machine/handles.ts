@@ -44,7 +44,7 @@ export class Handles {
   ) {
     // A picture has no parts; this one has.
     plot.root.querySelector(".plot")?.setAttribute("role", "group");
-    onTheme(() => this.place());
+    onTheme(this, (handles) => handles.place());
     new ResizeObserver(() => requestAnimationFrame(() => this.place())).observe(plot.root);
     this.layer.addEventListener("keydown", (event) => this.key(event));
     this.layer.addEventListener("pointerdown", (event) => this.grasp(event));

@@ -2,7 +2,7 @@
 
 import type { Desk } from "../core/desk";
 import { choice, el } from "../core/dom";
-import { onDrop, picker, type Given } from "../core/files";
+import { onDrop, packed, picker, type Given } from "../core/files";
 import type { Files } from "../core/machine";
 import type { Editor } from "./editor";
 
@@ -21,15 +21,8 @@ export async function opening(root: HTMLElement, desk: Desk, editor: Editor): Pr
   const notes = el("span", { class: "said", role: "status" });
 
   const take = async (given: Given[]) => {
-    const names = JSON.stringify(given.map(({ path, bytes }) => [path, bytes.length]));
-    const bytes = new Uint8Array(given.reduce((sum, one) => sum + one.bytes.length, 0));
-    let at = 0;
-    for (const one of given) {
-      bytes.set(one.bytes, at);
-      at += one.bytes.length;
-    }
     // Files alone join the machine that stands.
-    const taken = JSON.parse(await desk.bench.call("machine_from_files", desk.machine.json, names, bytes)) as Taken;
+    const taken = JSON.parse(await desk.bench.call("machine_from_files", desk.machine.json, ...packed(given))) as Taken;
     const joins = !given.some(({ path }) => /\.(toml|tcomp)$/i.test(path));
     await editor.load(joins ? desk.machine.name : taken.name, taken.files, `opened ${given.length === 1 ? given[0]?.path : taken.name}`);
     notes.textContent = taken.notes.join("; ");

@@ -52,7 +52,7 @@ export class Tables {
     );
     editor.subscribe(() => this.render());
     look.subscribe(() => void this.curve());
-    onTheme(() => void this.curve());
+    onTheme(this, (tables) => void tables.curve());
   }
 
   onChoice(listener: () => void): void {

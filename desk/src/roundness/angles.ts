@@ -1,6 +1,6 @@
 // Probe angles moved by hand, their noise gain, and the best pairs.
 
-import type { Desk } from "../core/desk";
+import { message, type Desk } from "../core/desk";
 import { button, commandLine, el, numberField, section, table, type Cell } from "../core/dom";
 import { cell, fixed, significant } from "../core/number";
 import { Plot } from "../core/plot";
@@ -93,7 +93,7 @@ export class Angles {
       this.plot.mark(curve.worst ? [{ x: curve.worst.worst_harmonic, text: `worst: ${curve.worst.worst_harmonic}` }] : curve.blind.map((k) => ({ x: k, text: `${k} blind` })));
       this.said.replaceChildren(...words(curve));
     } catch (error) {
-      this.said.replaceChildren(el("span", { class: "warning" }, error instanceof Error ? error.message : String(error)));
+      this.said.replaceChildren(el("span", { class: "warning" }, message(error)));
       this.plot.set([[], []]);
     }
   }

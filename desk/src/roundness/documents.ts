@@ -113,11 +113,6 @@ export interface Ground {
   limits_exceeded: number;
 }
 
-/** A word of a command line. */
-export function quoted(word: string): string {
-  return /^[\w./:=,+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
-}
-
 /** Options of a command line for these probes. */
 export function probeOptions(probes: Probes): string[] {
   const { n, harmonics, p, q, phi2_deg, phi3_deg } = probes;

@@ -4,7 +4,8 @@ import type { Desk } from "../core/desk";
 import { button, choice, commandLine, el, group, numberField, section, table, type Field } from "../core/dom";
 import { cell, fixed } from "../core/number";
 import { Plot } from "../core/plot";
-import { quoted, type Ground, type RunFigures } from "./documents";
+import { word } from "../core/shell";
+import type { Ground, RunFigures } from "./documents";
 
 /** What `firmware-sim grind` is asked for. */
 export interface GrindRequest {
@@ -82,7 +83,7 @@ export class Infeed {
     const { machine, request } = this.value;
     const options = Object.entries(request).flatMap(([key, value]) => [`--${key.replaceAll("_", "-")}`, value]);
     const name = machine === "sample" ? "grinder" : this.desk.machine.name;
-    const said = ["firmware-sim grind --machine", quoted(name), ...options, "--json"].join(" ");
+    const said = ["firmware-sim grind --machine", word(name), ...options, "--json"].join(" ");
     this.command.set(said);
     if (this.ground !== undefined && this.ground !== said) this.figures.replaceChildren(el("p", { class: "said" }, "The plots show the run before; grind again for these settings."));
   }

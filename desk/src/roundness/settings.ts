@@ -1,7 +1,8 @@
 // What is asked of readings: probes, arm, filter, limit.
 
 import { el, group, numberField, tick, unique } from "../core/dom";
-import { probeOptions, quoted, type Request } from "./documents";
+import { word } from "../core/shell";
+import { probeOptions, type Request } from "./documents";
 import { ProbeControls } from "./probes";
 
 /** Cut-offs of the filter in undulations per revolution, from none to the finest. */
@@ -71,7 +72,7 @@ export class Settings {
   command(file: string): string {
     const { probes, arm, upr, noise_gain_limit } = this.request;
     const options = [...probeOptions(probes), ...(arm ? ["--arm", arm.join(",")] : []), ...(upr ? ["--upr", upr] : [])];
-    return ["trueaxis roundness", quoted(file), ...options, "--noise-gain-limit", noise_gain_limit, "--json"].join(" ");
+    return ["trueaxis roundness", word(file), ...options, "--noise-gain-limit", noise_gain_limit, "--json"].join(" ");
   }
 
   private rearm(): void {

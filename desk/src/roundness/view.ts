@@ -4,8 +4,9 @@ import "./style.css";
 import type { Desk, View } from "../core/desk";
 import { button, commandLine, debounce, el, section } from "../core/dom";
 import { onDrop, picker, save, text, type Given } from "../core/files";
+import { word } from "../core/shell";
 import { Angles } from "./angles";
-import { quoted, type CircleName, type Noted, type Probes, type Request, type Roundness, type Trace } from "./documents";
+import type { CircleName, Noted, Probes, Request, Roundness, Trace } from "./documents";
 import { Infeed, type GrindRequest } from "./infeed";
 import { Polar } from "./polar";
 import { Results } from "./results";
@@ -119,7 +120,7 @@ class Roundnesses {
     this.shownText = text;
     // The header says which of the two it is.
     const trace = /\bx_mm\b/.test(text.slice(0, 4096));
-    this.command.set(trace ? `trueaxis circle ${quoted(name)} --json` : this.settings.command(name));
+    this.command.set(trace ? `trueaxis circle ${word(name)} --json` : this.settings.command(name));
     try {
       const said = trace
         ? await this.desk.bench.call("roundness_trace", name, text)

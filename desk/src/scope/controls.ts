@@ -1,6 +1,7 @@
 // The controls of a run's setup.
 
 import type { Bench } from "../core/bench";
+import { message } from "../core/desk";
 import { choice, debounce, el, group, numberField, slider, type Field, type FieldOptions } from "../core/dom";
 import type { Files } from "../core/machine";
 import { toml, withSettings, type Direction, type Model, type Setup, type SettingsRead } from "./setup";
@@ -110,7 +111,7 @@ export class Controls {
       this.set({ ...withSettings(this.setup, read), acts: this.setup.acts });
       this.changed();
     } catch (error) {
-      this.refused.textContent = error instanceof Error ? error.message : String(error);
+      this.refused.textContent = message(error);
     }
   }
 

@@ -1,7 +1,7 @@
 // Machines whose tables a run is given in motion.
 
 import type { Bench } from "../core/bench";
-import type { Given } from "../core/files";
+import { packed, type Given } from "../core/files";
 import type { Files, MachineStore } from "../core/machine";
 
 export class Exchanges {
@@ -15,14 +15,7 @@ export class Exchanges {
 
   /** Reads files of a machine, joined to those that stand where they are only tables: the name they are known by. */
   async give(given: readonly Given[]): Promise<string> {
-    const bytes = new Uint8Array(given.reduce((sum, file) => sum + file.bytes.length, 0));
-    let at = 0;
-    for (const file of given) {
-      bytes.set(file.bytes, at);
-      at += file.bytes.length;
-    }
-    const lengths = JSON.stringify(given.map((file) => [file.path, file.bytes.length]));
-    const taken = JSON.parse(await this.bench.call("machine_from_files", this.machine.json, lengths, bytes)) as { name: string; files: Files };
+    const taken = JSON.parse(await this.bench.call("machine_from_files", this.machine.json, ...packed(given))) as { name: string; files: Files };
     const name = taken.name.replace(/[^\w.-]+/g, "-").replace(/^[.-]+/, "") || "given";
     this.given.set(name, taken.files);
     return name;

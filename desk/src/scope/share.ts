@@ -1,10 +1,10 @@
 // A scenario for others: the command line that reproduces it, and its files.
 
+import { strToU8, zipSync } from "fflate";
 import type { Desk } from "../core/desk";
 import { button, commandLine, el, section } from "../core/dom";
 import { save } from "../core/files";
 import type { Scenario } from "./documents";
-import { zip } from "./zip";
 
 export class Share {
   readonly root: HTMLElement;
@@ -14,7 +14,7 @@ export class Share {
     const saving = (save: (scenario: Scenario) => void) => () => void scenario().then(save).catch(desk.fail);
     const files = button(
       "Save files (ZIP)",
-      saving(({ files, command }) => save("scenario.zip", zip({ ...files, "command.txt": `${command}\n` }), "application/zip")),
+      saving(({ files, command }) => save("scenario.zip", archive({ ...files, "command.txt": `${command}\n` }), "application/zip")),
     );
     const toml = button("Save settings (TOML)", saving((scenario) => save("scenario.toml", scenario.toml, "application/toml")));
     const hint = "Unpack the files and give the command in their folder: the same figures and the same digest. Link and Save, at the top of the page, keep machine, program, settings and acts for this page.";
@@ -24,4 +24,11 @@ export class Share {
   set(scenario: Scenario): void {
     this.command.set(scenario.command);
   }
+}
+
+/** The same files give the same archive: the earliest date that one can have. */
+const DATE = new Date(1980, 0, 1);
+
+function archive(files: Record<string, string>): Uint8Array<ArrayBuffer> {
+  return zipSync(Object.fromEntries(Object.entries(files).map(([path, text]) => [path, strToU8(text)])), { mtime: DATE });
 }

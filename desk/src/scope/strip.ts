@@ -1,7 +1,7 @@
 // Flags over time: a lane each, filled where it is raised.
 
 import uPlot from "uplot";
-import { el, unique } from "../core/dom";
+import { el, table, unique } from "../core/dom";
 import { colour, onTheme, type ColourName } from "../core/theme";
 
 export interface Lane {
@@ -35,7 +35,7 @@ export class Strip {
     this.root = el("figure", { class: "strip" }, el("figcaption", { id }, title), this.area, table);
     host.append(this.root);
     new ResizeObserver(() => this.build()).observe(this.area);
-    onTheme(() => this.build(true));
+    onTheme(this, (strip) => strip.build(true));
   }
 
   set(time: ArrayLike<number>, lanes: Lane[], marks: number[]): void {
@@ -128,10 +128,8 @@ export class Strip {
   }
 
   private fill(): void {
-    const head = el("tr", {}, ...["flag", "from / s", "to / s"].map((name) => el("th", { scope: "col" }, name)));
-    const rows = this.stretches().map((row) => el("tr", {}, ...row.map((cell) => el("td", {}, cell))));
-    const none = el("tr", {}, el("td", { colspan: 3 }, "none raised"));
-    this.words.replaceChildren(el("table", {}, el("caption", {}, "Flags, as thinned"), el("thead", {}, head), el("tbody", {}, ...(rows.length > 0 ? rows : [none]))));
+    const rows = this.stretches();
+    this.words.replaceChildren(table("Flags, as thinned", ["flag", "from / s", "to / s"], rows.length > 0 ? rows : [["none raised", "", ""]]));
   }
 }
 
