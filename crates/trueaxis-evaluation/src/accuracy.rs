@@ -24,7 +24,7 @@ pub struct Document {
     pub compensated: Option<Accuracy>,
 }
 
-/// Reads a measurement; `file` is only named in errors. `tell` is told of other separators than commas.
+/// Reads a measurement; `file` is only named in errors. `tell` hears of separators other than commas.
 ///
 /// # Errors
 /// As [`read_measurement`].
@@ -93,7 +93,7 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
     })
 }
 
-/// What the table of an axis says without a measurement: its own error at its lines, backlash included, in both directions.
+/// Figures of an axis' own table, without a measurement: its error at every line, backlash included, in both directions.
 ///
 /// A table has no scatter: E, M and B are its own, A equals E, and R is no more than the reversal. `None` without a table, or
 /// with one that does not give the own error.

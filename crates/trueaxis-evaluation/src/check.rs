@@ -32,7 +32,7 @@ pub fn compiled(machine: &Machine, files: &dyn Source, name: &Path, rate_hz: f64
     Ok(bytes)
 }
 
-/// What there is to say about a machine that was accepted.
+/// Remarks on a machine that was accepted.
 #[derive(Clone, Debug)]
 pub struct Findings {
     /// Doubtful settings.

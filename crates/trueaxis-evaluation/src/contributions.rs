@@ -1,4 +1,4 @@
-//! What of an error comes from where: from an axis, from one term of its table, from a location error.
+//! Shares of an error: of an axis, of one term of its table, of a location error.
 //!
 //! The share of a source is what would be gone if the machine were perfect there and in nothing else:
 //!
@@ -104,7 +104,7 @@ pub type Share = (Source, [f64; 3]);
 /// `error` computes the error of a machine, as it computed `whole` of this one. Cost: one call a source.
 ///
 /// # Errors
-/// What `error` refuses.
+/// Those of `error`.
 pub fn shares(
     machine: &Machine,
     sources: impl Iterator<Item = Source>,

@@ -11,7 +11,7 @@ use tiny_http::{Header, Method, Request, Response, Server};
 /// Where the desk is looked for: a bookmark stays good.
 const USUAL_PORT: u16 = 8471;
 
-/// What the page may do: run what is in it, its module and its workers; load and send nothing.
+/// The page may run its own script, module and workers; it may load and send nothing.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval' blob:; worker-src blob:; \
     style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 /// Headers of every answer.
@@ -84,7 +84,7 @@ fn values<'r>(request: &'r Request, name: &'static str) -> impl Iterator<Item = 
     request.headers().iter().filter(move |header| header.field.equiv(name)).map(|header| header.value.as_str())
 }
 
-/// Whether `gzip` is in an Accept-Encoding without the quality 0.
+/// Whether an `Accept-Encoding` header names gzip with a quality above 0.
 fn takes_gzip(value: &str) -> bool {
     value.split(',').any(|coding| {
         let (name, quality) = coding.split_once(';').unwrap_or((coding, ""));

@@ -127,7 +127,7 @@ fn teeth(text: &str) -> Result<u32, String> {
 }
 
 impl Arguments {
-    /// What is asked for, unchecked.
+    /// The request as given, not yet checked.
     pub(super) fn request(&self) -> Request {
         Request {
             base_radius_mm: self.base_radius_mm,

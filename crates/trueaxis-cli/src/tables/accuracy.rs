@@ -13,7 +13,7 @@ use trueaxis_tables::text::counted;
 pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_json: bool) -> Result<()> {
     let text = model::text(file)?;
     let measurement = read(&text, file, axis, &mut |how| tell(format_args!("note: {how}")))?;
-    // What is wrong with the measurement is said before anything of the machine.
+    // Errors in the measurement are reported before those in the machine.
     let Document { measured, .. } = evaluate(&measurement, file, None)?;
     let compensated = match machine {
         None => None,
