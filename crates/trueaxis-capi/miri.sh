@@ -6,11 +6,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
 
-if ! rustup component list --toolchain nightly --installed 2>/dev/null | grep -q '^miri'; then
-    rustup component add --toolchain nightly miri rust-src 2>/dev/null ||
-        rustup toolchain install nightly --profile minimal --component miri,rust-src
-fi
 root=$(cd ../.. && pwd)
+"$root/.ci/install" rustup:nightly:miri rustup:nightly:rust-src
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$root/target}/miri
 # 32-bit pointers, as on the Cortex-M; and no inline assembly in libm, which Miri cannot interpret. Test header reads
 # files and has no pointer of the interface in it. Tests leak what Rust loops borrow; the interface allocates nothing.

@@ -25,6 +25,7 @@ pub mod report;
 pub mod rs274;
 pub mod samples;
 pub mod series;
+pub mod soak;
 pub mod stopwatch;
 pub mod trace;
 

@@ -1,10 +1,11 @@
 //! Machines named on the command line, and the files that a command may not write over.
 
+use crate::console::tell;
 use anyhow::{Result, bail};
 use firmware_sim::samples::sample_machine;
 use std::path::Path;
 use trueaxis_tables::Machine;
-use trueaxis_tables::output::Outputs;
+use trueaxis_tables::output::{Outputs, left_notes};
 
 /// A machine.toml, its folder, or a sample's name.
 pub(crate) fn read_machine(option: &str, given: &Path) -> Result<Machine> {
@@ -14,6 +15,9 @@ pub(crate) fn read_machine(option: &str, given: &Path) -> Result<Machine> {
             "{option}: found no file or sample \"{}\", needed a machine.toml, its folder, or mill-3axis, mill-5axis, mill-turn, head-5axis or grinder",
             given.display()
         );
+    }
+    for note in Machine::files(&path).map(left_notes).unwrap_or_default() {
+        tell(format_args!("note: {note}"));
     }
     Ok(Machine::read(&path)?)
 }

@@ -19,6 +19,7 @@ mod run;
 mod scenario_args;
 mod scenario_command;
 mod settings_args;
+mod soak_command;
 
 use clap::{Parser, Subcommand};
 use console::{Closed, tell};
@@ -54,6 +55,9 @@ enum Command {
     Scenario(scenario_command::PrintArgs),
     /// Time the step alone, without the simulated machine.
     Bench(bench_command::BenchArgs),
+    /// Run a program over and over for a simulated day, several times side by side, and hold the runs against one another:
+    /// however busy the host is, all have the same bits.
+    Soak(soak_command::SoakArgs),
     /// Grind a crankpin twice: without and with the infeed correction of the three-probe gauge.
     ///
     /// Both runs have the same seed; the true surface is measured after every revolution.
@@ -92,6 +96,22 @@ enum Command {
     Compare(compare_command::CompareArgs),
 }
 
+/// What was held against one another is not the same; it has been said where.
+#[derive(Debug)]
+struct Disagreement;
+
+impl std::fmt::Display for Disagreement {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("the runs differ")
+    }
+}
+
+impl std::error::Error for Disagreement {}
+
+fn agreed(agreed: bool) -> anyhow::Result<()> {
+    if agreed { Ok(()) } else { Err(Disagreement.into()) }
+}
+
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         None => {
@@ -105,19 +125,18 @@ fn main() -> ExitCode {
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Scenario(args)) => scenario_command::print(&args),
         Some(Command::Bench(args)) => bench_command::time(&args),
+        Some(Command::Soak(args)) => soak_command::run(&args).and_then(agreed),
         Some(Command::Grind(args)) => grind::grind(&args),
         Some(Command::Learn(args)) => learn::learn(&args),
         Some(Command::Rtcp(args)) => rtcp::rtcp(&args),
         Some(Command::Friction(args)) => friction::friction(&args),
         Some(Command::Record(args)) => record::record(&args),
-        Some(Command::Compare(args)) => match compare_command::compare(&args) {
-            Ok(false) => return ExitCode::FAILURE,
-            other => other.map(|_| ()),
-        },
+        Some(Command::Compare(args)) => compare_command::compare(&args).and_then(agreed),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<Closed>() => ExitCode::SUCCESS,
+        Err(error) if error.is::<Disagreement>() => ExitCode::FAILURE,
         Err(error) => {
             tell(format_args!("error: {}", printable(&format!("{error:#}"))));
             ExitCode::from(2)

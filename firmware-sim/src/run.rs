@@ -18,7 +18,7 @@ use std::sync::Arc;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::learning::{self, Instrument, LearnedTable, Recorder};
 use trueaxis_sim::run::{Kind, Run, Sink};
-use trueaxis_tables::output::Staged;
+use trueaxis_tables::output::{Outputs, Staged};
 
 #[derive(Args)]
 pub(crate) struct RunArgs {
@@ -53,24 +53,20 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let scenario = with_learned(prepare_with(&args.scenario, &args.acts)?, args.learned.as_deref())?;
     let machines = scenario.exchanges.keys().map(Path::new).chain([args.scenario.machine.as_path()]);
     let mut outputs = outputs_of(machines, args.scenario.files().chain(args.learned.as_deref()));
-    if let Some(record) = &args.record {
-        outputs.refuse_input(record)?;
-    }
-    if let Some(dir) = &args.report {
-        outputs.refuse_input(&dir.join("index.html"))?;
-        outputs.refuse_input(&dir.join("trace.csv"))?;
-        outputs.refuse_input(&dir.join("trace-full.csv"))?;
+    for name in ["index.html", "trace.csv", "trace-full.csv"] {
+        args.report.iter().try_for_each(|dir| outputs.refuse_input(&dir.join(name)))?;
     }
     let scenario = Arc::new(scenario);
     let simulation = Run::new(Arc::clone(&scenario))?;
     let mut files = match &args.report {
         Some(dir) => {
             outputs.folder(dir)?;
-            Some(ReportFiles::create(dir, &scenario, args.trace_every)?)
+            Some(ReportFiles::create(dir, &scenario, args.trace_every, &mut outputs)?)
         }
         None => None,
     };
-    let mut record = args.record.as_ref().map(|path| record_to(path, &scenario, args.measured_by)).transpose()?;
+    let record = args.record.as_ref().map(|path| record_to(path, &scenario, args.measured_by, &mut outputs));
+    let mut record = record.transpose()?;
     let timing = Timing { budget_ns: args.scenario.budget_ns(&scenario), paced: args.paced };
     let bar = progress_bar("simulating");
     let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
@@ -82,12 +78,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     sinks.extend(record.as_mut().map(|record| record as &mut dyn Sink));
     let outcome = outcome::simulate(simulation, &scenario, timing, sinks, &mut tell)?;
     bar.finish_and_clear();
-    let mut written = files.map(|files| files.finish(&outcome, &scenario)).transpose()?;
+    let mut written = files.map(|files| files.finish(&outcome, &scenario, &mut outputs)).transpose()?;
     if let (Some(record), Some(path)) = (record, &args.record) {
-        let staged = record.finish().and_then(|out| out.into_inner().map_err(|error| error.into_error()));
-        staged.and_then(Staged::commit).with_context(|| format!("cannot write {}", path.display()))?;
+        outputs.add(path, complete(record.finish(), path)?);
         written.get_or_insert_default().push(path.clone());
     }
+    outputs.commit()?;
     if args.json {
         let document = Document { run: outcome.json(&scenario), noted: &scenario.program.notes };
         put(&format!("{}\n", serde_json::to_string_pretty(&document)?))
@@ -125,16 +121,29 @@ pub(crate) fn with_learned(scenario: Scenario, file: Option<&Path>) -> Result<Sc
 }
 
 /// The record of the full run.
-fn record_to(path: &Path, scenario: &Scenario, measured_by: MeasuredBy) -> Result<LearningRecord<BufWriter<Staged>>> {
+fn record_to(
+    path: &Path,
+    scenario: &Scenario,
+    measured_by: MeasuredBy,
+    outputs: &mut Outputs,
+) -> Result<LearningRecord<BufWriter<Staged>>> {
     let kinds = Kind::of(&scenario.machine.settings);
     let Some(run) = kinds.iter().position(|kind| *kind == Kind::Full) else {
         bail!("--record: found a machine without dynamic correction, needed [axis.X.dynamic] in its machine.toml");
     };
     let identity = learning::identity(scenario, &scenario.motion()?);
     let recorder = Recorder::new(scenario, measured_by.into())?;
-    Staged::create(path)
-        .and_then(|file| LearningRecord::new(BufWriter::new(file), run, &identity, recorder))
-        .with_context(|| format!("cannot write {}", path.display()))
+    let file = BufWriter::new(outputs.begin(path)?);
+    LearningRecord::new(file, run, &identity, recorder).with_context(|| cannot_write(path))
+}
+
+fn cannot_write(path: &Path) -> String {
+    format!("cannot write {}", path.display())
+}
+
+/// The file behind a writer, with all that was written.
+fn complete(written: std::io::Result<BufWriter<Staged>>, path: &Path) -> Result<Staged> {
+    written.and_then(|out| out.into_inner().map_err(|error| error.into_error())).with_context(|| cannot_write(path))
 }
 
 /// Files that `run --report` writes.
@@ -145,37 +154,29 @@ struct ReportFiles {
 }
 
 impl ReportFiles {
-    fn create(directory: &Path, scenario: &Scenario, trace_every: u64) -> Result<ReportFiles> {
+    fn create(directory: &Path, scenario: &Scenario, trace_every: u64, outputs: &mut Outputs) -> Result<ReportFiles> {
         let kinds = Kind::of(&scenario.machine.settings);
         let traced = [(Kind::Compensated, "trace.csv"), (Kind::Full, "trace-full.csv")];
-        let open = |(kind, name)| {
+        let mut open = |(kind, name)| -> Result<_> {
             let path = directory.join(name);
-            let trace = Staged::create(&path)
-                .and_then(|file| Trace::new(BufWriter::new(file), trace_every, kind, &scenario.machine.settings))
-                .with_context(|| format!("cannot write {}", path.display()))?;
-            Ok((path, trace))
+            let file = BufWriter::new(outputs.begin(&path)?);
+            let trace = Trace::new(file, trace_every, kind, &scenario.machine.settings);
+            Ok((path.clone(), trace.with_context(|| cannot_write(&path))?))
         };
-        let traces = traced.into_iter().filter(|(kind, _)| kinds.contains(kind)).map(open).collect::<Result<_>>()?;
+        let traces =
+            traced.into_iter().filter(|(kind, _)| kinds.contains(kind)).map(&mut open).collect::<Result<_>>()?;
         Ok(ReportFiles { directory: directory.into(), traces, series: Series::new(scenario) })
     }
 
-    /// Writes what is left to write; the files.
-    fn finish(self, outcome: &Outcome, scenario: &Scenario) -> Result<Vec<PathBuf>> {
-        let cannot_write = |path: &Path| format!("cannot write {}", path.display());
-        let mut staged = Vec::new();
+    /// Writes what is left to write; the files, which the commit puts into their places. The page comes last.
+    fn finish(self, outcome: &Outcome, scenario: &Scenario, outputs: &mut Outputs) -> Result<Vec<PathBuf>> {
+        let page = self.directory.join("index.html");
+        let mut written = vec![page.clone()];
         for (path, trace) in self.traces {
-            let file = trace.finish().with_context(|| cannot_write(&path))?;
-            let file = file.into_inner().map_err(|error| error.into_error()).with_context(|| cannot_write(&path))?;
-            staged.push((path, file));
-        }
-        let page = report::write(&outcome.report(scenario, &self.series), &self.directory)
-            .with_context(|| format!("cannot write into {}", self.directory.display()))?;
-        let mut written = vec![page];
-        // After the page: dropped where that is refused.
-        for (path, file) in staged {
-            file.commit().with_context(|| cannot_write(&path))?;
+            outputs.add(&path, complete(trace.finish(), &path)?);
             written.push(path);
         }
+        outputs.put(&page, report::render(&outcome.report(scenario, &self.series)).as_bytes())?;
         Ok(written)
     }
 }

@@ -28,6 +28,14 @@ if [[ ! -d $modules ]]; then
     exit 1
 fi
 
+# Puts a file into its place whole: beside it, flushed, renamed. LinuxCNC loads the old one or the new one.
+place() {
+    as_root install -D -m 0644 "$1" "$2.trueaxis-tmp"
+    as_root sync "$2.trueaxis-tmp"
+    as_root mv -f "$2.trueaxis-tmp" "$2"
+    as_root sync "$(dirname "$2")"
+}
+
 build() {
     local root target
     root=$(cd ../.. && pwd)
@@ -45,7 +53,7 @@ case ${1-} in
     echo "$modules/trueaxis.so"
     ;;
 --uninstall)
-    as_root rm -f "$modules/trueaxis.so" "$manual"
+    as_root rm -f "$modules/trueaxis.so" "$manual" "$modules/trueaxis.so.trueaxis-tmp" "$manual.trueaxis-tmp"
     echo "removed $modules/trueaxis.so"
     ;;
 --build)
@@ -54,12 +62,12 @@ case ${1-} in
     ;;
 '')
     build
-    as_root install -m 0644 "$build/trueaxis.so" "$modules/trueaxis.so"
-    as_root install -D -m 0644 trueaxis.9 "$manual"
+    place "$build/trueaxis.so" "$modules/trueaxis.so"
+    place trueaxis.9 "$manual"
     echo "installed $modules/trueaxis.so"
     ;;
 *)
-    sed -n '2,7s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]##*/}" >&2
     exit 2
     ;;
 esac

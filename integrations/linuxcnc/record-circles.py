@@ -12,6 +12,8 @@ RECORD.csv: t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm. A reading is taken at the start of 
 pair each command with the reading of the cycle after it. Exit code 0: done; 2: refused, with what was found and needed.
 """
 import argparse
+import fcntl
+import glob
 import math
 import os
 import subprocess
@@ -171,6 +173,7 @@ def record(options):
     for name, found in (("--feeds", feeds), ("--centre", centre), ("--joints", joints)):
         if len(found) != 2:
             raise Refused("%s: found %d values, needed two" % (name, len(found)))
+    refuse_inputs(options)
     machine = Machine()
     machine.ready(joints)
     pins = [pin for joint in joints for pin in pins_of(joint)]
@@ -194,8 +197,55 @@ def record(options):
         text += "".join(",".join(row) + "\n" for row in rows(raw, len(pins), period_s))
     finally:
         os.remove(raw)
-    with open(options.output, "w") as f:
-        f.write(text)
+    write(options.output, text)
+
+
+def write(output, text):
+    """The whole file or the old one, whatever happens: beside its place, flushed, renamed, the folder flushed."""
+    target = os.path.realpath(output)
+    if os.path.exists(target) and not os.path.isfile(target):
+        with open(target, "w") as device:
+            device.write(text)
+        return
+    folder = os.path.dirname(target)
+    sweep(target)
+    beside = "%s.%06d.trueaxis-tmp" % (target, os.getpid() % 1000000)
+    try:
+        with open(beside, "w") as f:
+            fcntl.flock(f, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            f.write(text)
+            f.flush()
+            os.fsync(f.fileno())
+        os.replace(beside, target)
+    except BaseException:
+        if os.path.exists(beside):
+            os.remove(beside)
+        raise
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def sweep(target):
+    """Removes what a command that was ended left beside the target: who still writes holds a lock."""
+    for left in glob.glob(glob.escape(target) + ".??????.trueaxis-tmp"):
+        try:
+            with open(left, "r+") as f:
+                fcntl.flock(f, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                os.remove(left)
+        except OSError:
+            pass
+
+
+def refuse_inputs(options):
+    """What the evaluation reads is never written."""
+    outputs = [options.output, options.friction]
+    for output in filter(None, outputs):
+        if options.machine and os.path.exists(output) and os.path.exists(options.machine):
+            if os.path.samefile(output, options.machine):
+                raise Refused("%s: found the input %s, needed another file" % (output, options.machine))
 
 
 def evaluate(options):

@@ -3,14 +3,14 @@
 mod exact;
 mod step;
 
-use crate::csv_in::{self, Column, Row, Rows};
+use crate::csv_in::{self, Rows};
 use crate::model::{self, by_axes};
 use crate::output::{Writer, tell};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use trueaxis::compensation::{Direction, Reversal};
-use trueaxis::machine::{AXES, Axis, ErrorModel};
+use trueaxis::machine::{Axis, ErrorModel};
+use trueaxis_evaluation::positions::COLUMNS;
 use trueaxis_tables::Machine;
 use trueaxis_tables::text::counted;
 
@@ -71,15 +71,6 @@ pub(crate) struct Arguments {
     output: Option<PathBuf>,
 }
 
-const COLUMNS: [Column; 6] = [
-    Column { name: "x_mm", needed: true },
-    Column { name: "y_mm", needed: true },
-    Column { name: "z_mm", needed: true },
-    Column { name: "a_deg", needed: false },
-    Column { name: "b_deg", needed: false },
-    Column { name: "c_deg", needed: false },
-];
-
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut machine = model::machine(&arguments.machine)?;
     let mut positions = csv_in::open(&arguments.positions, &COLUMNS, "positions")?;
@@ -131,73 +122,6 @@ struct Evaluated {
     corrected: [f64; 6],
     /// Beyond a table's end.
     clamped: bool,
-}
-
-/// Rounds in which a row's directions settle: an axis' own lost motion confirms a reversal, another axis' reversal may
-/// cause it.
-const MOST_REVERSALS: usize = AXES + 1;
-
-/// Directions of travel from row to row: of the drives, as in the servo step.
-struct Travel {
-    reversal: [Reversal<f64>; AXES],
-    band: [f64; AXES],
-    begun: bool,
-}
-
-impl Travel {
-    /// In the order of `axes`.
-    fn new(machine: &Machine, axes: impl Iterator<Item = Axis>) -> Self {
-        let mut band = [0.0; AXES];
-        for (band, axis) in band.iter_mut().zip(axes) {
-            let own = machine.settings.axis(axis);
-            *band = own.map_or(0.0, |own| own.hysteresis);
-        }
-        Travel { reversal: [Reversal::default(); AXES], band, begun: false }
-    }
-
-    /// Settles on the directions in which `correction` brings the drives to this command, from
-    /// where the row before has left them.
-    fn arrive<const N: usize, E>(
-        &mut self,
-        command: &[f64; N],
-        mut correction: impl FnMut(&[Direction; N]) -> Result<[f64; N], E>,
-    ) -> Result<[Direction; N], E> {
-        let mut directions = self.directions();
-        for _ in 0..MOST_REVERSALS {
-            let sent = correction(&directions)?;
-            for (slot, (command, sent)) in command.iter().zip(sent).enumerate() {
-                if !self.begun {
-                    self.reversal[slot] = Reversal::at(command + sent);
-                }
-                self.reversal[slot].update(command + sent, self.band[slot]);
-            }
-            self.begun = true;
-            let before = directions;
-            directions = self.directions();
-            if directions == before {
-                break;
-            }
-        }
-        Ok(directions)
-    }
-
-    fn directions<const N: usize>(&self) -> [Direction; N] {
-        std::array::from_fn(|slot| self.reversal[slot].direction())
-    }
-}
-
-/// The next position; one outside the declared travel is refused.
-fn next(machine: &Machine, positions: &mut Rows<6>) -> Result<Option<Row<6>>> {
-    let Some(row) = positions.next()? else { return Ok(None) };
-    for settings in &machine.settings.axes {
-        let index = settings.axis.index();
-        let (q, [low, high]) = (row.values[index], settings.travel);
-        if q < low || q > high {
-            let needed = format!("the declared travel, {low} to {high}");
-            return Err(positions.error(row.line, COLUMNS[index].name, q, needed));
-        }
-    }
-    Ok(Some(row))
 }
 
 /// The result on its way out.

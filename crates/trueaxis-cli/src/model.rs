@@ -23,7 +23,15 @@ pub(crate) fn machine(path: &Path) -> Result<Machine> {
 /// A machine in source form; separators other than commas and decimal commas are reported.
 pub(crate) fn source(path: &Path) -> Result<Machine> {
     let (folder, name) = Folder::of_machine(path);
+    tell_left(path);
     Ok(Machine::read_from(&folder, &name, &mut |how| tell(format_args!("note: {how}")))?)
+}
+
+/// Says where a command was ended while it wrote a file of this machine.
+pub(crate) fn tell_left(path: &Path) {
+    for note in trueaxis_tables::output::left_notes(files(path)) {
+        tell(format_args!("note: {note}"));
+    }
 }
 
 /// The files of a machine, whatever form it came in.

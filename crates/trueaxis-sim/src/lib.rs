@@ -27,6 +27,7 @@ pub mod friction;
 pub mod grinding;
 mod learned;
 pub mod learning;
+mod message;
 pub mod motion;
 pub mod path;
 pub mod placement;

@@ -55,6 +55,10 @@ fn refusals_name_file_line_key_and_what_is_needed() {
         ("drive.dead_time_s = -1e-3", "a.toml:1: drive.dead_time_s: found -0.001, needed 0 to 0.1 s"),
         ("faults = [\"vanish:X@1s+1\"]", "a.toml:1: faults: found"),
         (
+            "seed = 1\nevents = [\"\"\"ex\nch@1s\"\"\"]",
+            "a.toml:2: events: found [\"\"\"\\nex\\nch@1s\"\"\"], needed event",
+        ),
+        (
             "faults = [\"late@3s+1=2.5\"]\n\nevents = [\"off:brakes@1s\"]",
             "a.toml:3: events: found [\"off:brakes@1s\"], needed event \"off:brakes@1s\": found \"brakes\"",
         ),

@@ -8,3 +8,24 @@ pub fn printable(text: &str) -> String {
     }
     out
 }
+
+/// Text on one line, as a terminal may show it, of at most so many characters: what a message repeats of a file, which may
+/// have a megabyte without a line feed. Of a longer one the beginning, then `…`.
+pub fn one_line(text: &str, most: usize) -> String {
+    let (mut out, mut length) = (String::new(), 0);
+    for c in text.chars() {
+        if length >= most {
+            out.push('…');
+            break;
+        }
+        if c.is_control() {
+            let escaped = c.escape_default();
+            length += escaped.len();
+            out.extend(escaped);
+        } else {
+            length += 1;
+            out.push(c);
+        }
+    }
+    out
+}

@@ -545,3 +545,10 @@ fn warnings_carry_their_numbers() {
         );
     }
 }
+
+/// The refusal of another version names the one that is read.
+#[test]
+fn another_version_is_refused_with_the_one_that_is_needed() {
+    let text = TcompError::Version.to_string();
+    assert!(text.contains(&format!("version {} is needed", trueaxis::tcomp::VERSION)), "{text}");
+}

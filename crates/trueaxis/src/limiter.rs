@@ -94,8 +94,9 @@ impl<R: Real> Limiter<R> {
     /// Converts limits in seconds into limits per cycle.
     ///
     /// # Errors
-    /// A limit that is not positive and finite, or so far from the others that the scalar cannot hold it: a below
-    /// 1e-7 of C (f32; 1e-15 in f64) is lost in rounding.
+    /// A limit that is not positive and finite, or that the scalar cannot hold: one that it rounds to zero, above a
+    /// sixteenth of its largest number (2e37 in f32; sums of limits must not overflow), or a below 1e-7 of C (f32; 1e-15
+    /// in f64), which is lost in rounding.
     pub fn new(limits: &Limits, period_s: f64) -> Result<Self, ConfigError> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let refuse = |field, found, needed| Err(ConfigError::new(field, found, needed));
@@ -116,6 +117,12 @@ impl<R: Real> Limiter<R> {
         let resolution = R::EPSILON.to_f64() * c;
         if a <= resolution {
             return refuse(Field::Acceleration, a, "a change per cycle above the resolution of the correction");
+        }
+        let largest = R::MAX.to_f64() / 16.0;
+        for (field, limit) in [(Field::Magnitude, c), (Field::Slope, v), (Field::Acceleration, a)] {
+            if R::of(limit) <= R::ZERO || limit > largest {
+                return refuse(field, limit, "a limit that the scalar holds, up to a sixteenth of its largest number");
+            }
         }
         let limiter = Limiter {
             magnitude: R::of(c),

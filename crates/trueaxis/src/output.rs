@@ -88,7 +88,9 @@ impl<R: Real, P: Position, const N: usize> OutputStage<R, P, N> {
             if let Some(settings) = settings {
                 *limiter = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
                 *joint = settings.joint.map(P::nearest);
-                let ([low, high], [least, most]) = (settings.travel, settings.joint);
+                // As they are compared: integers may end before the travel does.
+                let ([low, high], [least, most]) =
+                    (settings.travel.map(|end| P::nearest(end).to_f64()), joint.map(P::to_f64));
                 let room = ROUNDING + limiter.open().to_f64();
                 stage.roomy &= low - room >= least && high + room <= most;
             }

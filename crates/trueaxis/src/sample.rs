@@ -517,8 +517,11 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             .zip(&input.command)
             .zip(&state.command)
             .all(|((axis, command), held)| command.is_usable() && command.apart(*held) <= axis.resume);
-        // A jump is measured from the held command, so near excuses it; out of travel stays a fault.
-        let acceptable = matches!(fault, Fault::None | Fault::CommandJump);
+        // A jump is measured from the held command, so near excuses it; out of travel stays a fault, on an axis behind the
+        // one that jumps too.
+        let inactive = !(input.homed && input.enable);
+        let within = inactive || self.within_travel(&input.command);
+        let acceptable = matches!(fault, Fault::None | Fault::CommandJump) && within;
         // Readings go on being believed or not, quietly: the stop is what is reported.
         let held = state.command;
         let _ = self.feedback_fault(state, input, &held, state.active && !first);

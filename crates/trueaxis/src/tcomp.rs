@@ -130,7 +130,7 @@ impl fmt::Display for TcompError {
             TcompError::TooShort => "the file is shorter than its header says",
             TcompError::TooLong => "the file is longer than its header says",
             TcompError::Magic => "not a compiled table file (it does not start with TRUEAXIS)",
-            TcompError::Version => "another version of the format (version 3 is needed)",
+            TcompError::Version => "another version of the format (version 4 is needed)",
             TcompError::Checksum => "the file is damaged (its CRC-32 is wrong)",
             TcompError::Settings => "the machine settings cannot be decoded",
             TcompError::TableHeader => "the header of a table cannot be decoded",

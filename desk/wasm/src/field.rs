@@ -1,7 +1,7 @@
 //! Volumetric error over the working volume.
 
 use crate::files::machine;
-use crate::{json, told};
+use crate::{Refused, json, told};
 use anyhow::Context;
 use trueaxis_evaluation::field::{self as fields, Settings};
 use wasm_bindgen::prelude::*;
@@ -20,12 +20,12 @@ fn figures(files: &str, request: &str) -> anyhow::Result<String> {
 
 /// The field as rows of nine: x, y, z, mm; error before; after, µm. `request`: [`Settings`] as JSON.
 #[wasm_bindgen]
-pub fn field(files: &str, request: &str) -> Result<Vec<f32>, JsError> {
+pub fn field(files: &str, request: &str) -> Result<Vec<f32>, Refused> {
     told(rows(files, request))
 }
 
 /// Figures of the field before and after, under both models: [`fields::Figures`] as JSON.
 #[wasm_bindgen]
-pub fn field_figures(files: &str, request: &str) -> Result<String, JsError> {
+pub fn field_figures(files: &str, request: &str) -> Result<String, Refused> {
     told(figures(files, request))
 }

@@ -1,7 +1,7 @@
 //! A crankpin ground with and without infeed correction, in slices.
 
 use crate::files::machine;
-use crate::{json, told};
+use crate::{Refused, json, told};
 use anyhow::{Context, Result};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -55,7 +55,7 @@ fn open(files: &str, request: &str) -> Result<()> {
 
 /// Prepares grinding without and with correction, as `firmware-sim grind` does.
 #[wasm_bindgen]
-pub fn grinding_open(files: &str, request: &str) -> Result<(), JsError> {
+pub fn grinding_open(files: &str, request: &str) -> Result<(), Refused> {
     told(open(files, request))
 }
 
@@ -71,7 +71,7 @@ fn advance(cycles: u32) -> Result<f64> {
 
 /// At most so many further cycles; the share done, 1 once both runs have ended.
 #[wasm_bindgen]
-pub fn grinding_advance(cycles: u32) -> Result<f64, JsError> {
+pub fn grinding_advance(cycles: u32) -> Result<f64, Refused> {
     told(advance(cycles))
 }
 
@@ -85,7 +85,7 @@ fn curve(corrected: bool, roundness: bool) -> Result<Vec<f64>> {
 
 /// Figure of every turn so far, µm: roundness, or root mean square of the corrected band.
 #[wasm_bindgen]
-pub fn grinding_curve(corrected: bool, roundness: bool) -> Result<Vec<f64>, JsError> {
+pub fn grinding_curve(corrected: bool, roundness: bool) -> Result<Vec<f64>, Refused> {
     told(curve(corrected, roundness))
 }
 
@@ -97,7 +97,7 @@ fn finish() -> Result<String> {
 
 /// The document of `firmware-sim grind --json`, without the time that it took.
 #[wasm_bindgen]
-pub fn grinding_finish() -> Result<String, JsError> {
+pub fn grinding_finish() -> Result<String, Refused> {
     told(finish())
 }
 

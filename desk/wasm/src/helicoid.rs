@@ -3,7 +3,7 @@
 //! A request is the JSON object of `trueaxis_evaluation::helicoid::Request`: the command line's options with underscores.
 
 use crate::files::machine;
-use crate::{json, told};
+use crate::{Refused, json, told};
 use anyhow::{Result, anyhow, bail};
 use serde::Serialize;
 use serde_json::Value;
@@ -35,7 +35,7 @@ fn along(name: &str) -> Result<Passes> {
 
 /// The document of the command line's `--json`.
 #[wasm_bindgen]
-pub fn helicoid_document(request: &str) -> Result<String, JsError> {
+pub fn helicoid_document(request: &str) -> Result<String, Refused> {
     told(document(request))
 }
 
@@ -47,13 +47,13 @@ fn document(request: &str) -> Result<String> {
 
 /// The command line's table.
 #[wasm_bindgen]
-pub fn helicoid_csv(request: &str) -> Result<String, JsError> {
+pub fn helicoid_csv(request: &str) -> Result<String, Refused> {
     told(job(request).and_then(|job| Ok(csv(&job.points()?))))
 }
 
 /// The text that `--gcode` writes.
 #[wasm_bindgen]
-pub fn helicoid_gcode(request: &str) -> Result<String, JsError> {
+pub fn helicoid_gcode(request: &str) -> Result<String, Refused> {
     told(job(request).and_then(|job| job.program()))
 }
 
@@ -74,7 +74,7 @@ struct Outline {
 ///
 /// `limits` is `{"X": [low, high], …}`; empty text: the machine's own, where it has A and C.
 #[wasm_bindgen]
-pub fn helicoid_outline(request: &str, limits: &str, files: &str) -> Result<String, JsError> {
+pub fn helicoid_outline(request: &str, limits: &str, files: &str) -> Result<String, Refused> {
     told(outline(request, limits, files))
 }
 
@@ -89,7 +89,7 @@ fn outline(request: &str, typed: &str, files: &str) -> Result<String> {
 
 /// The tool at (u, θ), rad: both branches with their travel, independent check of the pose, distance from the singular one.
 #[wasm_bindgen]
-pub fn helicoid_tool(request: &str, limits: &str, u: f64, theta: f64) -> Result<String, JsError> {
+pub fn helicoid_tool(request: &str, limits: &str, u: f64, theta: f64) -> Result<String, Refused> {
     told(tool(request, limits, u, theta))
 }
 
@@ -100,25 +100,25 @@ fn tool(request: &str, typed: &str, u: f64, theta: f64) -> Result<String> {
 /// Eleven columns: u or θ, then X, Y, Z, A and C of branch 1 and of branch 2, `count` values along `theta` or `u` with the
 /// other held.
 #[wasm_bindgen]
-pub fn helicoid_curve(request: &str, line: &str, held: f64, count: usize) -> Result<Vec<f64>, JsError> {
+pub fn helicoid_curve(request: &str, line: &str, held: f64, count: usize) -> Result<Vec<f64>, Refused> {
     told(job(request).and_then(|job| job.curve(along(line)?, held, count)))
 }
 
 /// Points of the flank, rows of θ with columns of u, in the gear's frame, lifted off it by so many mm.
 #[wasm_bindgen]
-pub fn helicoid_mesh(request: &str, rows: usize, columns: usize, lift_mm: f64) -> Result<Vec<f32>, JsError> {
+pub fn helicoid_mesh(request: &str, rows: usize, columns: usize, lift_mm: f64) -> Result<Vec<f32>, Refused> {
     told(job(request).map(|job| job.mesh(rows, columns, lift_mm)))
 }
 
 /// Base circles, the other teeth and the gear's axis, as pairs of points.
 #[wasm_bindgen]
-pub fn helicoid_surroundings(request: &str) -> Result<Vec<f32>, JsError> {
+pub fn helicoid_surroundings(request: &str) -> Result<Vec<f32>, Refused> {
     told(job(request).map(|job| job.surroundings()))
 }
 
 /// The tip's error along a line of the flank on the machine of these files, before and after its own compensation.
 #[wasm_bindgen]
-pub fn helicoid_flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Result<String, JsError> {
+pub fn helicoid_flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Result<String, Refused> {
     told(flank(request, files, line, held, count))
 }
 
@@ -128,7 +128,7 @@ fn flank(request: &str, files: &str, line: &str, held: f64, count: usize) -> Res
 
 /// A machine of the chain `w C' b X Y Z A t`, upright and of positive senses, made into the request's: its files.
 #[wasm_bindgen]
-pub fn helicoid_machine(request: &str, files: &str) -> Result<String, JsError> {
+pub fn helicoid_machine(request: &str, files: &str) -> Result<String, Refused> {
     told(adapted(request, files))
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Every export takes texts and numbers and gives a JSON document, a text or an array of numbers. Machines are the texts of
 //! their files as a JSON object, `{"machine.toml": "…", "x.csv": "…"}`. What the crates refuse is thrown as the text that the
-//! command line prints. The documents themselves come from `trueaxis-evaluation`, the runs from `trueaxis-sim`.
+//! command line prints ([`Refused`]). The documents themselves come from `trueaxis-evaluation`, the runs from `trueaxis-sim`.
 //!
 //! A panic is reported to the page ([`panics`]) and ends the module; the page starts another.
 #![forbid(unsafe_code)]
@@ -21,6 +21,8 @@ pub mod scope_settings;
 mod shown;
 
 use serde::Serialize;
+use std::fmt;
+use trueaxis_tables::text::printable;
 use wasm_bindgen::prelude::*;
 
 /// Version of the crates.
@@ -29,12 +31,40 @@ pub fn version() -> String {
     env!("CARGO_PKG_VERSION").to_owned()
 }
 
-/// A result as the page takes it: the error's text, with its causes.
-fn told<T>(result: anyhow::Result<T>) -> Result<T, JsError> {
-    result.map_err(|error| JsError::new(&format!("{error:#}")))
+/// Why an export refuses, thrown on the page as an `Error` with this text. A program that calls the exports without a page
+/// reads the text itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refused(String);
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Refused {}
+
+impl From<Refused> for JsValue {
+    fn from(refused: Refused) -> JsValue {
+        JsError::new(&refused.0).into()
+    }
+}
+
+/// A result as the page takes it: the error's text, with its causes, on one line even where it repeats a text of several.
+fn told<T>(result: anyhow::Result<T>) -> Result<T, Refused> {
+    result.map_err(|error| Refused(printable(&format!("{error:#}")).replace('\n', "\\n")))
 }
 
 /// A document as JSON.
 fn json(document: &impl Serialize) -> anyhow::Result<String> {
     Ok(serde_json::to_string(document)?)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_refusal_is_one_line_whatever_it_repeats() {
+        let refused = super::helicoid::helicoid_csv("{\"a\\nb\\u001b\": 1}").unwrap_err().to_string();
+        assert!(refused.starts_with("unknown field `a\\nb\\u{1b}`, expected one of"), "{refused}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::files::{DESCRIPTION, Taken, Texts, given, machine, memory, taken, texts};
 use crate::shown::shown;
-use crate::{json, samples, told};
+use crate::{Refused, json, samples, told};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::path::Path;
@@ -29,19 +29,19 @@ fn opened(files: &str) -> Result<String> {
 
 /// Reads and checks a machine: name, axes, notes.
 #[wasm_bindgen]
-pub fn machine_open(files: &str) -> Result<String, JsError> {
+pub fn machine_open(files: &str) -> Result<String, Refused> {
     told(opened(files))
 }
 
 /// The sample machines: `[{"name": "…", "description": "…"}, …]`.
 #[wasm_bindgen]
-pub fn machine_samples() -> Result<String, JsError> {
+pub fn machine_samples() -> Result<String, Refused> {
     told(json(&samples::samples()))
 }
 
 /// Files of a sample machine.
 #[wasm_bindgen]
-pub fn machine_sample(name: &str) -> Result<String, JsError> {
+pub fn machine_sample(name: &str) -> Result<String, Refused> {
     told(samples::sample(name).and_then(|files| json(&files)))
 }
 
@@ -52,7 +52,7 @@ fn from_files(standing: &str, names: &str, bytes: &[u8]) -> Result<Taken> {
 /// A machine from files as they are dropped, `{"name", "files", "notes"}`: a folder, a `.tcomp`, or files that replace or join
 /// those that stand. `names` are paths and lengths, `[["mill/x.csv", 1234], …]`, of files whose bytes follow one another.
 #[wasm_bindgen]
-pub fn machine_from_files(standing: &str, names: &str, bytes: &[u8]) -> Result<String, JsError> {
+pub fn machine_from_files(standing: &str, names: &str, bytes: &[u8]) -> Result<String, Refused> {
     told(from_files(standing, names, bytes).and_then(|taken| json(&taken)))
 }
 
@@ -63,14 +63,14 @@ fn to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>> {
 
 /// The compiled file, as `trueaxis tables compile` writes it.
 #[wasm_bindgen]
-pub fn machine_to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>, JsError> {
+pub fn machine_to_tcomp(files: &str, rate_hz: f64) -> Result<Vec<u8>, Refused> {
     told(to_tcomp(files, rate_hz))
 }
 
 /// Everything about a machine at a servo rate, as JSON. `feed_per_min`: of all axes, mm/min and degrees/min, for slopes and
 /// accelerations of the correction; zero for the top feed of each.
 #[wasm_bindgen]
-pub fn machine_show(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<String, JsError> {
+pub fn machine_show(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<String, Refused> {
     told(shown(files, rate_hz, feed_per_min).and_then(|shown| json(&shown)))
 }
 
@@ -89,7 +89,7 @@ fn changed(files: &str, change_: &str) -> Result<Texts> {
 /// `{"change": "insert", "axis": "X", "position": 12.5}`, `{"change": "remove", "axis": "X", "row": 3}`,
 /// `{"change": "key", "key": "axis.X.backlash_um", "value": 2.0}`.
 #[wasm_bindgen]
-pub fn machine_change(files: &str, change: &str) -> Result<String, JsError> {
+pub fn machine_change(files: &str, change: &str) -> Result<String, Refused> {
     told(changed(files, change).and_then(|files| json(&files)))
 }
 
@@ -108,7 +108,7 @@ pub fn machine_curve(
     component: usize,
     temperature_c: f64,
     points: usize,
-) -> Result<Vec<f64>, JsError> {
+) -> Result<Vec<f64>, Refused> {
     let ErrorCurve { positions, forward, reverse, growth } =
         told(curve_of(files, axis, component, temperature_c, points))?;
     Ok([positions, forward, reverse, growth].concat())

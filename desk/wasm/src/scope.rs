@@ -5,7 +5,7 @@ mod request;
 mod session;
 mod traces;
 
-use crate::{json, told};
+use crate::{Refused, json, told};
 use anyhow::{Context, Result};
 use session::Session;
 use std::cell::RefCell;
@@ -44,58 +44,58 @@ fn with<T>(scope: u32, ask: impl FnOnce(&mut Session) -> Result<T>) -> Result<T>
 /// `settings` (TOML as `firmware-sim scenario` prints, any part of it), and optionally `model` (`"nine"`, `"volumetric"`),
 /// `orientation`, `exchanges` (further machines by the name that an event gives) and `kinds` (names of the machines to run).
 #[wasm_bindgen]
-pub fn scope_open(request: &str) -> Result<u32, JsError> {
+pub fn scope_open(request: &str) -> Result<u32, Refused> {
     told(opened(request))
 }
 
 /// What the scope runs: machine, program with its lines, cycles, axes with the limits of their corrections, notes.
 #[wasm_bindgen]
-pub fn scope_describe(scope: u32) -> Result<String, JsError> {
+pub fn scope_describe(scope: u32) -> Result<String, Refused> {
     told(with(scope, |session| json(&session.describe()?)))
 }
 
 /// The programmed path, a few thousand points: x, y, z in mm (machine coordinates; with rotary axes those of the workpiece),
 /// line, 1 where it cuts.
 #[wasm_bindgen]
-pub fn scope_path(scope: u32) -> Result<Vec<f32>, JsError> {
+pub fn scope_path(scope: u32) -> Result<Vec<f32>, Refused> {
     told(with(scope, |session| Ok(session.path())))
 }
 
 /// Runs at most `cycles` further cycles: cycle, cycles, time, whether it is done.
 #[wasm_bindgen]
-pub fn scope_advance(scope: u32, cycles: u32) -> Result<String, JsError> {
+pub fn scope_advance(scope: u32, cycles: u32) -> Result<String, Refused> {
     told(with(scope, |session| json(&session.advance(cycles))))
 }
 
 /// Names of the columns of [`scope_traces`].
 #[wasm_bindgen]
-pub fn scope_columns(scope: u32) -> Result<Vec<String>, JsError> {
+pub fn scope_columns(scope: u32) -> Result<Vec<String>, Refused> {
     told(with(scope, |session| Ok(session.traces.names())))
 }
 
 /// The run so far, row after row: a few thousand of its cycles, among them those at which an error, a fault, a limited
 /// correction or a correction is largest. NaN where a machine has stopped.
 #[wasm_bindgen]
-pub fn scope_traces(scope: u32) -> Result<Vec<f64>, JsError> {
+pub fn scope_traces(scope: u32) -> Result<Vec<f64>, Refused> {
     told(with(scope, |session| Ok(session.traces.rows())))
 }
 
 /// Figures so far, as in `firmware-sim run --json`.
 #[wasm_bindgen]
-pub fn scope_figures(scope: u32) -> Result<String, JsError> {
+pub fn scope_figures(scope: u32) -> Result<String, Refused> {
     told(with(scope, |session| json(&session.figures())))
 }
 
 /// Does something to the run before its next cycle, or later: a fault or an event as in a scenario, with `@now` or a time.
 /// `{"act", "files"}` gives the files of a machine whose tables are exchanged for. What was recorded: list, act, time.
 #[wasm_bindgen]
-pub fn scope_act(scope: u32, act: &str) -> Result<String, JsError> {
+pub fn scope_act(scope: u32, act: &str) -> Result<String, Refused> {
     told(with(scope, |session| json(&session.act(act)?)))
 }
 
 /// The scenario with all that was done: TOML, the command line that runs it again, and the files that it names.
 #[wasm_bindgen]
-pub fn scope_scenario(scope: u32) -> Result<String, JsError> {
+pub fn scope_scenario(scope: u32) -> Result<String, Refused> {
     told(with(scope, |session| json(&session.reproduction()?)))
 }
 
@@ -107,7 +107,7 @@ pub fn scope_close(scope: u32) {
 
 /// The shipped programs: names, what they do, texts.
 #[wasm_bindgen]
-pub fn scope_programs() -> Result<String, JsError> {
+pub fn scope_programs() -> Result<String, Refused> {
     told(json(&documents::programs()))
 }
 

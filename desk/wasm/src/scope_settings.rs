@@ -1,7 +1,7 @@
 //! Settings of a run as the page's controls hold them, and machines to exchange for.
 
 use crate::files::machine;
-use crate::{json, told};
+use crate::{Refused, json, told};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use trueaxis_sim::Settings;
@@ -57,20 +57,20 @@ fn scaled(files: &str, share: f64) -> anyhow::Result<String> {
 
 /// Reads settings in TOML; `file` stands in errors: `{settings: {…}, changes: [{key, value, default}]}`.
 #[wasm_bindgen]
-pub fn scope_settings(text: &str, file: &str) -> Result<String, JsError> {
+pub fn scope_settings(text: &str, file: &str) -> Result<String, Refused> {
     told(settings(text, file))
 }
 
 /// The simulated drive for which the plugin's figures are right: `{stated, friction, reference_temperature_c, drive:
 /// {position_gain_per_s, …}}`; the defaults where the machine states none.
 #[wasm_bindgen]
-pub fn scope_agreed(files: &str) -> Result<String, JsError> {
+pub fn scope_agreed(files: &str) -> Result<String, Refused> {
     told(agreed_drive(files))
 }
 
 /// Files of the machine with every entry of its error tables times `share`.
 #[wasm_bindgen]
-pub fn scope_scaled(files: &str, share: f64) -> Result<String, JsError> {
+pub fn scope_scaled(files: &str, share: f64) -> Result<String, Refused> {
     told(scaled(files, share))
 }
 

@@ -4,6 +4,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+use trueaxis_tables::output::Outputs;
 
 /// Address and size of a region flashed apart from the image.
 const TABLES_A: (u64, u64) = (0x0010_0000, 0x4_0000);
@@ -75,11 +76,38 @@ const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Runs an image to its end; its output is in `folder` afterwards: frames.bin, outputs.bin and its log, defmt.bin.
 ///
+/// QEMU writes where nobody looks; what stands in `folder` is whole, also where the image failed.
+///
 /// # Errors
 /// QEMU is not there or fails, a file does not fit into its region, or the image does not come to a good end.
 pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent> {
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    let scratch = tempfile::tempdir().context("no place for scratch files")?;
+    let exit = emulated(core, elf, flash, scratch.path());
+    let mut outputs = Outputs::default();
+    outputs.folder(folder)?;
+    for name in FILES {
+        if let Ok(bytes) = std::fs::read(scratch.path().join(name)) {
+            outputs.put(&folder.join(name), &bytes)?;
+        }
+    }
+    outputs.commit()?;
+    let (exit, took) = exit?;
     let [frames, outputs, log] = FILES.map(|name| folder.join(name));
+    if exit != Some(0) {
+        let code = exit.map_or("none: ended by a signal".to_owned(), |code| code.to_string());
+        bail!(
+            "{}: found exit code {code}, needed 0; the image's log is {} (defmt-print -e ELF)",
+            elf.display(),
+            log.display()
+        );
+    }
+    let read = |path: &Path| std::fs::read(path).with_context(|| format!("cannot read {}", path.display()));
+    Ok(Sent { frames: read(&frames)?, outputs: read(&outputs)?, took })
+}
+
+/// Exit code and wall time of an image whose output QEMU writes into a folder.
+fn emulated(core: Core, elf: &Path, flash: &Flash, scratch: &Path) -> Result<(Option<i32>, Duration)> {
+    let [frames, outputs, log] = FILES.map(|name| scratch.join(name));
     let mut command = Command::new("qemu-system-arm");
     command.args(core.board()).args(["-nographic", "-monitor", "none"]);
     command.args(["-icount", "shift=7,align=off,sleep=off", "-semihosting-config", "enable=on,target=native"]);
@@ -106,9 +134,9 @@ pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent>
     let mut child = command.spawn().map_err(|error| {
         anyhow!("qemu-system-arm: {error}; needed QEMU with the Arm boards (Debian: apt-get install qemu-system-arm)")
     })?;
-    let exit = loop {
+    loop {
         if let Some(status) = child.try_wait()? {
-            break status.code();
+            return Ok((status.code(), started.elapsed()));
         }
         if started.elapsed() > PATIENCE {
             child.kill()?;
@@ -116,17 +144,7 @@ pub fn run(core: Core, elf: &Path, flash: &Flash, folder: &Path) -> Result<Sent>
             bail!("{}: found no end of the run after {} s", elf.display(), PATIENCE.as_secs());
         }
         std::thread::sleep(Duration::from_millis(20));
-    };
-    if exit != Some(0) {
-        let code = exit.map_or("none: ended by a signal".to_owned(), |code| code.to_string());
-        bail!(
-            "{}: found exit code {code}, needed 0; the image's log is {} (defmt-print -e ELF)",
-            elf.display(),
-            log.display()
-        );
     }
-    let read = |path: &Path| std::fs::read(path).with_context(|| format!("cannot read {}", path.display()));
-    Ok(Sent { frames: read(&frames)?, outputs: read(&outputs)?, took: started.elapsed() })
 }
 
 /// QEMU separates options by commas, and doubles those in names.

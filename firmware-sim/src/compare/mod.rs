@@ -19,7 +19,7 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{Frame, RoundnessFrame};
 use trueaxis_recording::Recording;
 use trueaxis_recording::outputs::Wire;
-use trueaxis_tables::write_atomically;
+use trueaxis_tables::output::Outputs;
 
 /// Inputs of a comparison.
 #[derive(Clone, Debug)]
@@ -49,14 +49,16 @@ impl Inputs {
     /// # Errors
     /// QEMU is not there, an image fails or refuses its tables, or a file does not fit.
     pub fn compare(&self, images: &[(Core, &Path)], folder: &Path) -> Result<Outcome> {
-        std::fs::create_dir_all(folder)?;
         let [tables, second, recording] = FLASH.map(|name| folder.join(name));
         let flash = Flash { tables, second: self.second.as_ref().map(|_| second), recording };
-        write_atomically(&flash.tables, &self.tables)?;
-        write_atomically(&flash.recording, &self.recording)?;
+        let mut outputs = Outputs::default();
+        outputs.folder(folder)?;
+        outputs.put(&flash.tables, &self.tables)?;
         if let (Some(file), Some(bytes)) = (&flash.second, &self.second) {
-            write_atomically(file, bytes)?;
+            outputs.put(file, bytes)?;
         }
+        outputs.put(&flash.recording, &self.recording)?;
+        outputs.commit()?;
         let header = Recording::<{ outputs::AXES }>::parse(&self.recording)
             .map_err(|e| anyhow!("recording: {e}"))?
             .header()

@@ -10,7 +10,7 @@ pub use summary::Summary;
 use crate::latency::{Latency, timed};
 use crate::pace::{self, Pace, PaceReport};
 use crate::stopwatch::Stopwatch;
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use trueaxis_sim::Scenario;
@@ -77,7 +77,11 @@ pub fn simulate(
     let [uncompensated, compensated, servo_only] =
         <[Tallies; 3]>::try_from(tallies).map_err(|found| anyhow!("{} runs in place of three", found.len()))?;
     let (latency, pace) = match timing.paced.then(|| pace(scenario, timing.budget_ns)).transpose()? {
-        Some((latency, report)) => (latency, Some(report)),
+        // The step has no clock: what the host was late by cannot show.
+        Some((_, _, tallies)) if tallies != compensated => {
+            bail!("--paced: found outputs that differ from those of the run, needed the same in every bit")
+        }
+        Some((latency, report, _)) => (latency, Some(report)),
         None => (stopwatch.latency, None),
     };
     let wall_s = 1e-9 * nanoseconds as f64;
@@ -96,8 +100,9 @@ pub fn simulate(
     })
 }
 
-/// Runs the compensated machine alone at the real rate, for what its steps cost there.
-fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport)> {
+/// Runs the compensated machine alone at the real rate, for what its steps cost there; its figures must be those of the
+/// run.
+fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport, Tallies)> {
     let mut run = Run::of(Arc::clone(scenario), &[Kind::Compensated])?;
     let mut stopwatch = Stopwatch::new(0, scenario, budget_ns);
     // Only settles.
@@ -106,7 +111,8 @@ fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport
         true => ControlFlow::Continue(()),
         false => ControlFlow::Break(()),
     });
-    Ok((stopwatch.latency, report))
+    let tallies = run.tallies().pop().ok_or_else(|| anyhow!("no machine in the paced run"))?;
+    Ok((stopwatch.latency, report, tallies))
 }
 
 /// What the full run met that the compensated one did not.
@@ -114,8 +120,7 @@ fn note_of_full(full: &Tallies, compensated: &Tallies) -> Option<String> {
     if full.stopped && !compensated.stopped {
         return Some("the full run was ended by a stop request".into());
     }
-    let cycles = |run: &Tallies| run.faults.iter().map(|span| span.cycles).sum::<u64>() + run.more_faults;
-    let (in_full, in_compensated) = (cycles(full), cycles(compensated));
+    let (in_full, in_compensated) = (full.fault_cycles(), compensated.fault_cycles());
     (in_full != in_compensated).then(|| {
         let counted = |cycles| counted(cycles as usize, "cycle");
         format!("faults in {} of the full run, in {} of the compensated one", counted(in_full), counted(in_compensated))

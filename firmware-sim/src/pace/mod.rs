@@ -187,6 +187,29 @@ mod tests {
         assert_eq!((report.late, report.skipped_periods, report.worst_wake_ns), (1, 2, 2_400));
     }
 
+    /// The kernel takes the processor away for 100 ms at 10 kHz, twice: a thousand periods are skipped each time and no
+    /// cycle is made up for; the next begins a period later, on the raster.
+    #[test]
+    fn a_stall_of_100_ms_is_followed_by_no_burst() {
+        const STALL_NS: u64 = 100_000_000;
+        let now = RefCell::new(0);
+        let host = Scripted { now_ns: &now, wake_late_ns: 0 };
+        let mut begun = Vec::new();
+        let report = run_here(host, &Pace::new(100_000), |k| {
+            begun.push(*now.borrow());
+            *now.borrow_mut() += if k == 5 || k == 20 { STALL_NS } else { 2_000 };
+            after(39)(k)
+        });
+        assert_eq!((report.cycles, report.late, report.skipped_periods), (40, 2, 2 * 999));
+        assert_eq!(report.worst_wake_ns, STALL_NS - 100_000);
+        let gaps: Vec<u64> = begun.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        for (k, gap) in gaps.iter().enumerate() {
+            let needed = if k == 5 || k == 20 { STALL_NS } else { 100_000 };
+            assert_eq!(*gap, needed, "after cycle {k}");
+        }
+        assert_eq!(begun.last().unwrap() % 100_000, 0, "the phase is kept");
+    }
+
     #[test]
     fn on_this_host_the_rate_is_kept_on_average() {
         let start = std::time::Instant::now();

@@ -1,11 +1,12 @@
 //! Exact transforms.
 
-use super::{Arguments, COLUMNS, Evaluated, Travel, Written, next};
+use super::{Arguments, Evaluated, Written};
 use crate::csv_in::Rows;
 use crate::model::rise;
 use anyhow::{Result, anyhow};
 use trueaxis::compensation::Direction;
 use trueaxis::machine::AXES;
+use trueaxis_evaluation::positions::{COLUMNS, Travel, next};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::{CorrectionSettings, Geometry};
 

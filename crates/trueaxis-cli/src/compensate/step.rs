@@ -1,6 +1,6 @@
 //! Nine terms and twists: the models of the servo step.
 
-use super::{Arguments, Evaluated, Travel, Written, next};
+use super::{Arguments, Evaluated, Written};
 use crate::csv_in::Rows;
 use crate::model::{passes, rise, thermal, with_compensation};
 use anyhow::{Result, anyhow};
@@ -8,6 +8,7 @@ use std::convert::Infallible;
 use trueaxis::compensation::Direction;
 use trueaxis::compensation::Query;
 use trueaxis::machine::AxisOrder;
+use trueaxis_evaluation::positions::{Travel, next};
 use trueaxis_tables::Machine;
 
 pub(super) fn evaluate<const N: usize>(

@@ -1,11 +1,11 @@
 //! The result for an identified axis, as printed.
 
-use super::readings::Readings;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::fmt::Write;
 use trueaxis::Axis;
 use trueaxis::machine::Twist;
+use trueaxis_evaluation::identify::Readings;
 use trueaxis_metrology::identification::{Identified, Location};
 use trueaxis_tables::text::counted;
 

@@ -1,6 +1,5 @@
 //! Contribution of the linear axes to the ball's deviation, predicted by a machine's tables.
 
-use super::readings::Readings;
 use crate::model::{by_axes, with_compensation};
 use anyhow::{Context, Result, anyhow};
 use std::path::Path;
@@ -9,6 +8,7 @@ use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine};
 use trueaxis::machine::ErrorModel;
 use trueaxis::machine::{AxisOrder, carries_workpiece};
+use trueaxis_evaluation::identify::Readings;
 use trueaxis_metrology::identification::{Ball, lever};
 use trueaxis_tables::Machine;
 

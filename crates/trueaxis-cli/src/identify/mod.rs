@@ -2,9 +2,8 @@
 
 pub(crate) mod document;
 mod linear_axes;
-mod readings;
-mod table;
 
+use crate::csv_in;
 use crate::model;
 use crate::numbers::triple;
 use crate::output::{json, print};
@@ -12,9 +11,9 @@ use crate::report;
 use anyhow::{Context, Result, anyhow};
 use clap::{Args, ValueEnum};
 use document::Document;
-use readings::Readings;
 use std::path::PathBuf;
 use trueaxis::Axis;
+use trueaxis_evaluation::identify::{self as evaluation, Readings};
 use trueaxis_metrology::identification::{Offsets, identify};
 use trueaxis_tables::formats::write_axis_csv;
 use trueaxis_tables::output::Outputs;
@@ -91,7 +90,7 @@ const DOUBTFUL_CONDITION: f64 = 100.0;
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let axis = Axis::from(arguments.axis);
-    let mut readings = Readings::read(&arguments.measured)?;
+    let mut readings = Readings::read(&mut csv_in::open(&arguments.measured, &evaluation::COLUMNS, "readings")?)?;
     let mut warnings = Vec::new();
     let mut direction = 1.0;
     if let Some(file) = &arguments.machine {
@@ -121,7 +120,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let found = identify(&readings.test(axis, direction), offsets)
         .map_err(|refused| anyhow!("{}: {refused}", arguments.measured.display()))?;
     let written = arguments.output.as_ref().map(|output| {
-        table::table(&readings.angles_deg, &found)
+        evaluation::table(&readings.angles_deg, &found)
             .map(|(table, note)| (output, write_axis_csv(&table, axis), note))
             .with_context(|| arguments.measured.display().to_string())
     });

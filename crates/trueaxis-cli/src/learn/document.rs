@@ -1,8 +1,8 @@
 //! What was learned, as printed.
 
-use super::record::Record;
 use serde::Serialize;
 use std::fmt::Write;
+use trueaxis_evaluation::learn::Record;
 use trueaxis_metrology::learning::{Law, Lesson};
 use trueaxis_tables::text::counted;
 

@@ -1,16 +1,17 @@
 //! `trueaxis learn`.
 
 pub(crate) mod document;
-mod record;
 
+use crate::csv_in;
 use crate::output::{json, print};
 use crate::report;
 use anyhow::{Context, Result, anyhow};
 use clap::Args;
 use document::Document;
-use record::Record;
+use std::fs::File;
 use std::path::PathBuf;
 use trueaxis::learned::Learned;
+use trueaxis_evaluation::learn::{COLUMNS, Record};
 use trueaxis_metrology::learning::{DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Law, Lesson};
 use trueaxis_tables::output::Outputs;
 
@@ -63,7 +64,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let Arguments { gain, forget, cutoff_mm, .. } = *arguments;
     let law = Law { gain, forget, cutoff_mm };
     law.check().map_err(|error| anyhow!("--{error}"))?;
-    let record = Record::read(&arguments.record)?;
+    let record = {
+        let file = &arguments.record;
+        let input = File::open(file).with_context(|| format!("cannot read {}", file.display()))?;
+        Record::read(input, file, || csv_in::open(file, &COLUMNS, "cycles"))?
+    };
     let bytes = arguments
         .table
         .as_ref()

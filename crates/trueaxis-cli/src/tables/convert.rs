@@ -50,6 +50,7 @@ pub(super) fn import(
         tell(format_args!("note: {}: {note}", file.display()));
     }
     let edited = if output.join("machine.toml").exists() {
+        model::tell_left(output);
         imported.edit(&Folder::new(output), Path::new("machine.toml"))?
     } else {
         Edited { files: new_machine(&imported, file, output)?, notes: Vec::new() }

@@ -31,6 +31,7 @@ pub fn maximum_inscribed(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircl
     let (x, y) = (range(|p| p.x), range(|p| p.y));
     let middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];
     let half = 0.5 * (x[1] - x[0]).max(y[1] - y[0]);
+    let local = local.without_twins();
     let mut search = {
         let [_, near] = local.sample(GROUPS);
         Search::new(&local, near)

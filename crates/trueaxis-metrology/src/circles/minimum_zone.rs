@@ -37,7 +37,7 @@ fn counted(points: &[[f64; 2]]) -> (Result<ReferenceCircle, NoCircle>, usize) {
     if let Err(error) = check(points) {
         return (Err(error), 0);
     }
-    let local = reference(points);
+    let local = reference(points).without_twins();
     let strip = smallest_width(points);
     let mut search = Search::new(&local, strip);
     let half = search.start(strip);
@@ -354,6 +354,26 @@ mod tests {
         let mut random = || 0.5 * noise.signed();
         let round = (0..4000).map(|i| (TAU * f64::from(i) / 4000.0, 10.0 + 2e-3 * random()));
         round.map(|(a, r)| [r * a.cos(), r * a.sin()]).chain(outliers.iter().copied()).collect()
+    }
+
+    /// A trace stands still at one of its points, as one that is sampled by time does: more than can be told apart.
+    #[test]
+    fn points_in_one_place_cost_no_more_than_one() {
+        for (round, twin) in [
+            (&[[1.0, 0.0], [0.0, 1.0], [0.1, 0.0], [0.1, 0.001]][..], 3),
+            (&[[1.0, 0.0], [0.0, 1.0], [-1.0, 0.001], [0.1, -1.0], [-0.6, 0.8]][..], 0),
+        ] {
+            let (once, few) = counted(round);
+            let copies = std::iter::repeat_n(round[twin], 14);
+            let (found, trials) = counted(&round.iter().copied().chain(copies).collect::<Vec<_>>());
+            std::println!("{trials} rectangles, {few} without copies: {found:?} {once:?}");
+            assert!(trials <= 4 * few + 200, "{trials} rectangles, {few} without copies");
+            let zone = |of: Result<ReferenceCircle, NoCircle>| of.map(|circle| (circle.zone, circle.contacts));
+            let (found, once) = (zone(found), zone(once));
+            assert_eq!(found.as_ref().map(|of| &of.1), once.as_ref().map(|of| &of.1));
+            let apart = found.iter().zip(&once).map(|(found, once)| (found.0 - once.0).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-14, "{apart}");
+        }
     }
 
     /// The work is counted, not timed: rectangles of centres.

@@ -27,7 +27,7 @@ pub use setpoints::{Setpoint, Setpoints, Walk};
 pub const DWELL_CYCLES: u64 = 200;
 
 /// Longest motion that is planned, in cycles (a day and more at 10 kHz).
-const MOST_CYCLES: f64 = 1.0e9;
+pub const MOST_CYCLES: f64 = 1.0e9;
 
 /// Limits of the motion along the path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

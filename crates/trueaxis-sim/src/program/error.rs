@@ -1,10 +1,10 @@
 //! Errors of a program, with their lines.
 
+use crate::message::LONGEST_FOUND;
+use trueaxis_tables::text::one_line;
+
 /// Hint where only a whole interpreter can read a word.
 pub(super) const THROUGH_LINUXCNC: &str = "with --interpreter rs274, where LinuxCNC is installed";
-
-/// Most characters of a program in a message.
-const LONGEST_FOUND: usize = 160;
 
 /// A program that cannot be executed: file, line, what was found there and what is needed instead.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -37,15 +37,16 @@ pub(super) struct Refusal {
 
 impl Refusal {
     pub(super) fn new(line: u32, found: impl Into<String>, needed: impl Into<String>) -> Self {
-        let mut found = found.into();
-        if let Some((end, _)) = found.char_indices().nth(LONGEST_FOUND) {
-            found.truncate(end);
-            found.push('…');
-        }
-        Refusal { line, found, needed: needed.into() }
+        Refusal { line, found: one_line(&found.into(), LONGEST_FOUND), needed: needed.into() }
     }
 
     pub(super) fn in_file(self, file: &str) -> ProgramError {
         ProgramError { file: file.to_owned(), line: self.line, found: self.found, needed: self.needed }
     }
+}
+
+#[test]
+fn what_was_found_stays_on_its_line() {
+    let error = ProgramError::new("offsets.toml", 3, "unknown field `a\nb`", "x_mm");
+    assert_eq!(error.to_string(), "offsets.toml:3: found unknown field `a\\nb`; needed: x_mm");
 }

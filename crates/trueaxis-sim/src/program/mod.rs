@@ -51,6 +51,7 @@ mod nurbs_block;
 mod offsets;
 mod options;
 mod places;
+mod repeated;
 mod text;
 mod tool_table;
 mod words;
@@ -66,6 +67,7 @@ pub use numbered::numbered;
 pub use nurbs::MAX_DEGREE;
 pub use offsets::{Offsets, System};
 pub use options::ReadOptions;
+pub use repeated::CannotRepeat;
 pub use tool_table::ToolTable;
 
 use error::Refusal;

@@ -63,6 +63,13 @@ pub struct Tallies {
     pub digest: u32,
 }
 
+impl Tallies {
+    /// Cycles with a fault, listed or not.
+    pub fn fault_cycles(&self) -> u64 {
+        self.faults.iter().map(|span| span.cycles).sum::<u64>() + self.more_faults
+    }
+}
+
 /// Largest and root mean square of the values added.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {

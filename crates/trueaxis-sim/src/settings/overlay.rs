@@ -1,12 +1,16 @@
 //! Settings from TOML: values given replace those present.
 
 use super::Settings;
+use crate::message::LONGEST_FOUND;
 use std::collections::BTreeMap;
 use std::fmt;
 use toml::de::DeTable;
 use toml::{Table, Value};
 use trueaxis_tables::Keys;
-use trueaxis_tables::text::line_at;
+use trueaxis_tables::text::{line_at, one_line};
+
+/// Most characters of what a file should say, which may list every setting.
+const LONGEST_NEEDED: usize = 1200;
 
 /// A setting that cannot be taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,7 +42,13 @@ impl fmt::Display for SettingError {
 impl std::error::Error for SettingError {}
 
 fn wrong(line: u32, key: &str, found: String, needed: String) -> SettingError {
-    SettingError { file: None, line, key: key.to_owned(), found, needed }
+    SettingError {
+        file: None,
+        line,
+        key: one_line(key, LONGEST_FOUND),
+        found: one_line(&found, LONGEST_FOUND),
+        needed: one_line(&needed, LONGEST_NEEDED),
+    }
 }
 
 /// Refuses the first setting out of its range; `line` finds the line of a key.

@@ -24,3 +24,33 @@ fn mixed(x: u64) -> u64 {
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ (x >> 31)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    /// Of single bits and of pairs of them, in either order, no two keys are the same, and half of their bits differ.
+    #[test]
+    fn words_that_differ_in_a_bit_have_keys_that_differ_in_half() {
+        let of = |words: [u64; 2]| {
+            let mut key = Key(0);
+            words.iter().for_each(|word| key.add(*word));
+            key.0
+        };
+        let mut seen = HashSet::new();
+        let (mut differ, mut pairs) = (0, 0);
+        for a in 0..64 {
+            for b in 0..64 {
+                let (one, other) = (of([1 << a, 1 << b]), of([1 << a, (1 << b) ^ 1 << ((b + 17) % 64)]));
+                assert!(seen.insert(one), "{a} {b}");
+                differ += (one ^ other).count_ones();
+                pairs += 1;
+            }
+        }
+        let mean = f64::from(differ) / f64::from(pairs);
+        assert!((mean - 32.0).abs() < 0.3, "{mean}");
+        // splitmix64 from 0, its published first number.
+        assert_eq!(mixed(0), 0xe220_a839_7b1d_cdaf);
+    }
+}

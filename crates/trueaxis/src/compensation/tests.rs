@@ -4,7 +4,10 @@ use crate::machine::{AxisSettings, Interpolation, LocationErrors, Lookup, Row};
 use crate::position::Nanometres;
 use crate::testing::machine::{self, Machine};
 use crate::testing::noise::Noise;
+use crate::testing::share::share;
 use std::{vec, vec::Vec};
+
+mod pieces;
 
 /// Lent memory that a test leaks: it needs no owner.
 fn lent<R: Real>(scalars: usize) -> &'static mut [R] {
@@ -201,7 +204,7 @@ fn verdicts_agree<R: Real, P: Position>(seed: u64) {
         let within = P::reach(band * (1.0 - 1e-6));
         let (mut q, mut turns) = (10.0, 0);
         let (mut long, mut short) = (Reversal::at(P::of(q)), Reversal::at(P::of(q)));
-        for _ in 0..100_000 {
+        for _ in 0..share(100_000) {
             // Whole and half bands, to hit their ends.
             let step = [0.0, band, 0.5 * band, 1e-3 * noise.signed(), 1e-6][noise.below(5)];
             q += if noise.unit() < 0.5 { step } else { -step };

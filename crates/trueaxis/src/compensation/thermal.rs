@@ -41,3 +41,18 @@ impl<R: Real> ThermalLine<R> {
         self.offset + self.slope * from_datum
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn growth_is_offset_and_expansion_times_kelvin() {
+        let growth = ThermalGrowth { offset_per_k: 2e-3, expansion_per_k: 11e-6, datum: 40.0 };
+        let line = ThermalLine::<f64>::for_axis(&growth, -3.0).unwrap();
+        assert!((line.at(0.0) + 6e-3).abs() < 1e-18 && (line.slope() + 33e-6).abs() < 1e-20);
+        // 11 µm per metre and kelvin: 3 K take 500 mm by 16.5 µm.
+        assert!((line.at(500.0) + 6e-3 + 16.5e-3).abs() < 1e-15);
+        assert!(ThermalLine::<f64>::for_axis(&growth, 91.0).is_none());
+    }
+}

@@ -243,7 +243,11 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         on: Dynamics,
         wanted: &mut [R; N],
     ) {
-        let Some((feedback, watch)) = &self.feedback else { return };
+        let Some((feedback, watch)) = &self.feedback else {
+            // Exchanged for a loop without feedback: there is nothing to be led out any more.
+            state.out = false;
+            return;
+        };
         if !on.has(Dynamics::FEEDBACK) || sample.input.reset {
             (state.swing, state.out) = ([Swing::default(); N], false);
         }

@@ -75,7 +75,7 @@ fn never_exceeds_a_limit_and_always_settles() {
     fn run<R: Real>(seed: u64, cycles: u32, relative: f64) {
         let mut random = Noise::new(seed);
         let mut done = 0;
-        while done < cycles {
+        while done < crate::testing::share::share(cycles as usize) as u32 {
             let limits = Limits {
                 magnitude: 0.005 + 0.2 * random.unit(),
                 slope_per_s: 10f64.powf(-1.0 + 1.5 * random.unit()),
@@ -171,6 +171,34 @@ fn refuses_limits_that_are_none() {
         assert!(Limiter::<f64>::new(&LIMITS, bad).is_err());
     }
     assert!(Limiter::<f32>::new(&Limits { acceleration_per_s2: 1e-6, ..LIMITS }, T).is_err());
+}
+
+/// Limits that overflow or vanish in the scalar are no limits: 1e39 is infinite in single precision, 1e-46 is zero.
+#[test]
+fn refuses_limits_that_the_scalar_cannot_hold() {
+    use crate::error::Field;
+    let large = |x: f64| Limits { magnitude: x, slope_per_s: x / T, acceleration_per_s2: x / T / T };
+    let small = Limits { magnitude: 1e-46, slope_per_s: 1e-46 / T, acceleration_per_s2: 1e-46 / T / T };
+    let cases = [
+        (Limits { acceleration_per_s2: 1e38 / T / T, ..large(1e39) }, Field::Magnitude),
+        (Limits { slope_per_s: 1e39 / T, ..large(1e37) }, Field::Slope),
+        (Limits { acceleration_per_s2: 1e39 / T / T, ..large(1e37) }, Field::Acceleration),
+        // Finite, but the sum of two limits would not be safe from overflow.
+        (large(3e37), Field::Magnitude),
+        (small, Field::Magnitude),
+        (Limits { slope_per_s: 1e-46 / T, ..LIMITS }, Field::Slope),
+    ];
+    for (limits, field) in cases {
+        let refused = Limiter::<f32>::new(&limits, T).unwrap_err();
+        assert_eq!(refused.field, field, "{limits:?}: {refused}");
+        assert!(Limiter::<f64>::new(&limits, T).is_ok(), "{limits:?}");
+    }
+    assert!(Limiter::<f32>::new(&large(2e37), T).is_ok());
+    // A product of limits and period that overflows.
+    assert!(Limiter::<f64>::new(&Limits { slope_per_s: 1e308, ..LIMITS }, 1e3).is_err());
+    let all = |x| Limits { magnitude: x, slope_per_s: x, acceleration_per_s2: x };
+    assert!(Limiter::<f64>::new(&all(1.1e307), 1.0).is_ok());
+    assert!(Limiter::<f64>::new(&all(1.2e307), 1.0).is_err());
 }
 
 proptest! {

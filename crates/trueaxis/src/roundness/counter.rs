@@ -305,6 +305,23 @@ mod tests {
         }
     }
 
+    /// Every count of every encoder up to 2048 a turn, and every power of two; larger ones by the bound of the two
+    /// roundings, half a unit and one.
+    #[test]
+    fn every_count_has_an_angle_of_its_own() {
+        for counts in (1..=2048).chain([1 << 12, 1 << 16]) {
+            let scale = Scale::new(counts);
+            let mut last = None;
+            for count in 0..counts {
+                let found = scale.angle(count);
+                let exact = (u64::from(count) << 32) / u64::from(counts);
+                assert!(u64::from(found).abs_diff(exact) <= 2, "{counts} {count}: {found} {exact}");
+                assert!(last.is_none_or(|last| last < found), "{counts} {count}");
+                last = Some(found);
+            }
+        }
+    }
+
     /// Turns at `step` counts a cycle with a pulse whenever `pulse(revolution)`; returns the flags of every cycle.
     fn turn(
         counter: &SpindleCounter,

@@ -336,3 +336,34 @@ impl<R: Real, const N: usize> Resampler<R, N> {
         state.readings = [before, *readings];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// From every point to every other, at the ends of both, for every number of points up to 512; of more at every 37th.
+    #[test]
+    fn every_angle_has_its_point_and_every_pair_its_distance() {
+        fn points<const N: usize>(stride: usize) {
+            let mut state = ResamplerState::<f32>::new();
+            let width = ((1u64 << 32) / N as u64) as u32;
+            for last in (0..N as u32).step_by(stride) {
+                for here in 0..N as u32 {
+                    let forward = (here.wrapping_sub(last) as usize) % N;
+                    for (from, to) in [(0, width - 1), (width - 1, 0)] {
+                        (state.theta, state.here) = ([0, last * width + from], here * width + to);
+                        assert_eq!(Resampler::<f32, N>::index(&state), here as usize);
+                        assert_eq!(Resampler::<f32, N>::passed(&state), forward, "{N}: {last} to {here}");
+                    }
+                }
+            }
+        }
+        points::<64>(1);
+        points::<128>(1);
+        points::<256>(1);
+        points::<512>(1);
+        points::<1024>(37);
+        points::<2048>(37);
+        points::<4096>(37);
+    }
+}

@@ -320,6 +320,9 @@ pub(crate) fn spectrum<R: Real, const N: usize>(z: &[R; N], circle: &[Complex<R>
 pub(crate) const AMPLITUDE_SCALE: f64 = 0.5;
 
 #[cfg(test)]
+mod index_maps;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use std::vec::Vec;

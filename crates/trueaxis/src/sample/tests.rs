@@ -2,6 +2,8 @@
 
 #![allow(clippy::indexing_slicing)]
 
+mod model;
+
 use super::*;
 use crate::position::Nanometres;
 use crate::testing::machine::Machine;

@@ -32,7 +32,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// | a rotary axis would step too far | [`Fault::CommandJump`], with the axis |
     ///
     /// In single precision the positions found carry the rounding of absolute coordinates, about 30 nm at 500 mm in every
-    /// linear command; doubles nothing. Bounded: one inverse a cycle.
+    /// linear command; doubles nothing. A position that lies beyond its travel by rounding, 64 units in the last place of
+    /// 360 more than itself (3 µm and 3 millidegrees in single precision, 6e-12 in double), stands at its end. Bounded:
+    /// one inverse a cycle.
     #[inline]
     pub fn rtcp(
         &self,

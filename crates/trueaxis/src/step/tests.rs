@@ -3,6 +3,7 @@
 mod cells;
 mod combinations;
 mod dynamic;
+mod faults;
 mod finite;
 mod plausibility;
 mod rtcp;
@@ -52,7 +53,14 @@ pub(super) fn loop_of<R: Real, P: Position>(
             Row { position: 10.0 * f64::from(i), forward, reverse: forward }
         })
         .collect();
-    let rows: &[Row] = rows.leak();
+    loop_on(rows.leak(), machine)
+}
+
+/// The same on tables of these rows, one for every axis.
+pub(super) fn loop_on<R: Real, P: Position>(
+    rows: &'static [Row],
+    machine: MachineSettings,
+) -> &'static ServoLoop<'static, R, P, 3> {
     let config = Config {
         machine: Box::leak(Box::new(machine)),
         machine_id: 7,
@@ -349,7 +357,7 @@ fn any_float() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 50_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(50_000) as u32, ..ProptestConfig::default() })]
 
     /// Fifty cycles of anything: no panic, nothing that is not finite, nothing beyond a limit, no jump while active.
     #[test]

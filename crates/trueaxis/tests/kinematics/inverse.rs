@@ -25,18 +25,18 @@ struct Worst {
     linear: f64,
 }
 
-/// The inverse of the forward over `POSES` poses of one kind; errors of the positions times sin(margin).
-fn round_trip(kind: usize) -> Worst {
+/// The inverse of the forward over so many poses of one kind; errors of the positions times sin(margin).
+fn round_trip(kind: usize, poses: usize) -> Worst {
     let (chain, tool_axis) = KINDS[kind];
     let mut random = Noise::new(77 + kind as u64);
     let mut worst = Worst { tip: 0.0, direction: 0.0, rotary: 0.0, linear: 0.0 };
     let mut in_cone = 0;
-    for _ in 0..POSES / 1000 {
+    for _ in 0..poses.div_ceil(1000) {
         let mut machine = machine(chain);
         disturb(&mut random, &mut machine);
         machine.kinematics.tool_axis = tool_axis;
         let kinematics = Kinematics::<f64>::new(&machine).unwrap();
-        for _ in 0..1000 {
+        for _ in 0..poses.min(1000) {
             let mut pose = random_pose(&mut random, 400.0);
             for axis in Axis::ALL.into_iter().filter(|axis| !kinematics.has(*axis)) {
                 pose[axis.index()] = 0.0;
@@ -66,8 +66,17 @@ fn round_trip(kind: usize) -> Worst {
             }
         }
     }
-    assert!(in_cone < POSES / 100, "{chain}");
+    assert!(in_cone <= poses / 100, "{chain}");
     worst
+}
+
+/// The same of a few, for those who wait: both branches keep to their definition and to the nearest turns.
+#[test]
+fn inverse_of_forward_over_a_few_poses_of_each_kind() {
+    for kind in 0..KINDS.len() {
+        let Worst { tip, direction, rotary, linear } = round_trip(kind, 200);
+        assert!(tip < 1e-10 && direction < 1e-10 && linear < 1e-10 && rotary < 1e-10, "{}", KINDS[kind].0);
+    }
 }
 
 #[test]
@@ -79,7 +88,7 @@ fn inverse_of_forward_over_a_million_poses_of_each_kind() {
                 loop {
                     let kind = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                     let Some((chain, _)) = KINDS.get(kind) else { break };
-                    let Worst { tip, direction, rotary, linear } = round_trip(kind);
+                    let Worst { tip, direction, rotary, linear } = round_trip(kind, POSES);
                     println!("{chain}: tip {tip:.1e} axis {direction:.1e} rotary {rotary:.1e} linear {linear:.1e}");
                     assert!(tip < 1e-10 && direction < 1e-10, "{chain}: {tip:e} mm, {direction:e}");
                     assert!(linear < 1e-10 && rotary < 1e-10, "{chain}: {linear:e} mm, {rotary:e} rad");

@@ -5,6 +5,7 @@ use trueaxis::machine::{AXES, Axis, AxisSettings, MachineSettings};
 use trueaxis_testing::machine::Machine;
 use trueaxis_testing::noise::Noise;
 
+mod edges;
 mod forward;
 mod inverse;
 mod published;

@@ -10,6 +10,8 @@
 #![no_main]
 
 mod controls;
+#[cfg(feature = "decoders")]
+mod decoders;
 mod host;
 #[cfg(feature = "painted")]
 mod painted;
@@ -40,4 +42,6 @@ fn main() -> ! {
 fn proved() {
     black_box(symbols::TABLE);
     black_box(controls::TABLE);
+    #[cfg(feature = "decoders")]
+    black_box(decoders::TABLE);
 }

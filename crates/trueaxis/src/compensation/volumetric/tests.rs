@@ -8,7 +8,10 @@ use crate::machine::{Interpolation, Row, links};
 use crate::position::Nanometres;
 use crate::testing::machine::{Machine, rows};
 use crate::testing::noise::Noise;
+use crate::testing::share::share;
 use std::{format, string::String, vec, vec::Vec};
+
+mod transforms;
 
 const REACH_MM: f64 = 250.0;
 
@@ -166,7 +169,7 @@ fn in_boxes<R: Real, P: Position, const N: usize>(random: &mut Noise, boxes: usi
 #[test]
 fn in_its_box_a_tangent_is_the_look_up() {
     let mut random = Noise::new(11);
-    for _ in 0..60 {
+    for _ in 0..share(60) {
         let [tip, turn] = in_boxes::<f64, f64, 3>(&mut random, 40);
         assert!(tip <= 0.7e-6 && turn <= 2e-9, "{tip:e} {turn:e}");
         let [tip, turn] = in_boxes::<f64, f64, 5>(&mut random, 40);
@@ -235,7 +238,7 @@ fn drive<const N: usize>(random: &mut Noise, case: &Case, passes: u8, most: f64)
 #[test]
 fn the_inverse_from_the_correction_sent_last_is_the_converged_one() {
     let mut random = Noise::new(12);
-    for _ in 0..12 {
+    for _ in 0..share(12) {
         let links = chain(&mut random, 0);
         let of_three = case(&mut random, &links, false);
         let (worst, back, locked) = drive::<3>(&mut random, &of_three, 1, 1e-4);
@@ -262,6 +265,14 @@ fn what_is_kept_is_forgotten_with_the_tables() {
     second.tables[1].1[7].reverse[4] += 1e-9;
     assert_ne!(second.with::<f64, f64, 3, _>(|model| model.key), keys[0]);
     second.tables[1].1[7].reverse[4] -= 1e-9;
+    let mut seen = std::collections::BTreeSet::new();
+    for [lookup, cross] in [[0, 0], [0, 1], [1, 0], [1, 1]] {
+        let of = |which: usize| [Lookup::Command, Lookup::Feedback][which];
+        (second.machine.axes[0].lookup, second.machine.axes[0].cross_lookup) = (of(lookup), of(cross));
+        seen.insert(second.with::<f64, f64, 3, _>(|model| model.key));
+    }
+    assert_eq!(seen.len(), 4);
+    second.machine.axes[0].clone_from(&first.machine.axes[0]);
     second.machine.tool_mm[2] += 1e-3;
     assert_ne!(second.with::<f64, f64, 3, _>(|model| model.key), keys[0]);
     assert_eq!(links(&second.machine.chain).unwrap().len(), 3);

@@ -5,14 +5,22 @@ use crate::contour::span::{Form, Span};
 use crate::position::Position;
 use crate::real::Real;
 
+/// Weights may differ by this factor: beyond it a light point hardly shapes the curve at all.
+const WEIGHTS: f64 = 1e6;
+/// Products of smaller weights underflow.
+const LEAST_WEIGHT: f64 = 1e-9;
+/// A shorter domain leaves the parameter too few numbers to be halved.
+const LEAST_DOMAIN: f64 = 1e-100;
 /// A spline is halved at most this often for its turn; a cusp is never turned by less.
 const HALVINGS: u32 = 24;
 /// A spline is halved at most this often for its reach: its parameter has no finer steps.
 const FINEST: u32 = 48;
 /// Speeds at a spline span's ends may differ from its mean by this factor, …
 const UNEVEN: f64 = 1.5;
-/// … for as many halvings: at a point without speed they always do.
+/// … for as many halvings: at a point without speed they always do. Between very different weights the curve runs through
+/// most of its length in a sliver of the parameter, which takes more halvings to reach.
 const EVENING: u32 = 8;
+const EVENING_WEIGHTS: u32 = 28;
 
 impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<'_, R, P, S> {
     pub(super) fn nurbs(
@@ -37,9 +45,16 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
         for (i, point) in points.iter().enumerate() {
             finite("points", *point).map_err(|error| PathError { index: Some(i), ..error })?;
         }
+        let heaviest = weights.iter().copied().fold(0.0, f64::max);
         for (i, weight) in weights.iter().enumerate() {
             if !(*weight > 0.0 && *weight < 1e9) {
                 return refuse("weights", Some(i), *weight, "positive finite weights");
+            }
+            if *weight < LEAST_WEIGHT {
+                return refuse("weights", Some(i), *weight, "weights of at least 1e-9");
+            }
+            if *weight * WEIGHTS < heaviest {
+                return refuse("weights", Some(i), *weight, "weights within a factor of 1e6 of one another");
             }
         }
         for (i, knot) in knots.iter().enumerate() {
@@ -48,8 +63,8 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
                 return refuse("knots", Some(i), *knot, "finite ascending knots");
             }
         }
-        if knots[points.len()] <= knots[degree] {
-            return refuse("knots", Some(points.len()), knots[points.len()], "a domain of positive length");
+        if knots[points.len()] - knots[degree] < LEAST_DOMAIN {
+            return refuse("knots", Some(points.len()), knots[points.len()], "a domain longer than 1e-100");
         }
         for i in degree..points.len() {
             // A knot within an inner run of more than `degree` breaks the curve.
@@ -90,7 +105,8 @@ impl<R: Real, P: Position, S: FnMut(Span<R, P>) -> Result<(), PathError>> Maker<
         if far > REACH && depth == FINEST {
             return refuse("points", None, far, "a spline whose speed is not concentrated in a single point");
         }
-        if far > REACH || (turn > TURN && depth < HALVINGS) || (uneven && depth < EVENING) {
+        let evening = if bezier.rational { EVENING_WEIGHTS } else { EVENING };
+        if far > REACH || (turn > TURN && depth < HALVINGS) || (uneven && depth < evening) {
             let [left, right] = bezier.halves();
             self.split(&left, depth + 1)?;
             return self.split(&right, depth + 1);

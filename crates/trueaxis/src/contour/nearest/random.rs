@@ -4,6 +4,7 @@ use crate::contour::{ContourSearch, Flags, Method, NearFoot, Path, Reference, Se
 use crate::position::{Nanometres, Position};
 use crate::real::Real;
 use crate::testing::noise::Noise;
+use crate::testing::share::share;
 use glam::DVec3;
 use std::{vec, vec::Vec};
 
@@ -123,7 +124,7 @@ fn truth(spans: &[Span<f64, f64>], point: [f64; 3]) -> f64 {
 fn ten_thousand_points_about_random_paths_have_no_nearer_one() {
     let mut random = Noise::new(1405);
     let mut far_off = 0;
-    for round in 0..1000 {
+    for round in 0..share(1000) {
         let spans = path(&mut random);
         let closed = round % 7 == 0;
         let path = Path::new(&spans, 3, closed);
@@ -188,7 +189,7 @@ fn a_foot_near_a_guess_is_the_nearest_from_a_millimetre_off_too() {
     let path = Path::new(&spans, 0, true);
     let search = ContourSearch::new(2.0, Method::Guarded).unwrap();
     let mut random = Noise::new(55);
-    for i in 0..10_000 {
+    for i in 0..share(10_000) {
         let number = ((random.unit() * spans.len() as f64) as usize).min(spans.len() - 1);
         let t = random.unit();
         let point = (DVec3::from(spans[number].position(t)) + anywhere(&mut random, 0.02)).to_array();

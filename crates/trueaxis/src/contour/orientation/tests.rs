@@ -272,7 +272,7 @@ fn a_path_without_turns_has_no_orientation_error() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(3000) as u32, ..ProptestConfig::default() })]
 
     /// Any turns, any direction, any tip, any order of spans: finite, bounded, and the tip search stays the nearest.
     #[test]

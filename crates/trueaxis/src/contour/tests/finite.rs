@@ -4,7 +4,7 @@ use super::*;
 use proptest::prelude::*;
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 20_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(20_000) as u32, ..ProptestConfig::default() })]
 
     /// No point, reference or state that floats can make gives a panic or a result that is not finite.
     #[test]

@@ -1,6 +1,7 @@
 //! A tool followed along whole paths.
 
 use super::*;
+use crate::testing::share::share;
 
 #[test]
 fn follows_the_butterfly_like_brute_force() {
@@ -57,7 +58,7 @@ fn a_million_queries_stay_within_eight_evaluations() {
     let mut reference = Reference { span: 0, t: 0.0 };
     let (mut most, mut lost) = (0, 0);
     let mut feed = 1e-3;
-    for n in 0..1_000_000 {
+    for n in 0..share(1_000_000) {
         if n % 500 == 0 {
             feed = 5e-3 * random.unit();
         }
@@ -89,7 +90,7 @@ fn short_pieces_at_high_feed_leave_the_search_warm() {
     assert!(shortest < 0.035, "{shortest}");
     let (mut cold, mut wrong, mut open, mut cycles, mut most) = (0, 0, 0, 0, 0);
     let mut random = Noise::new(5);
-    for round in 0..60 {
+    for round in 0..share(60) {
         let (feed, lag, height) = match round {
             0 => (0.038, 0.0, 0.0),
             _ => (0.030 + 0.02 * random.unit(), 0.03 * random.unit(), 0.02 * random.unit()),

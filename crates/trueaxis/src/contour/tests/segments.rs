@@ -125,7 +125,7 @@ fn no_span_reaches_farther_than_it_should() {
     let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
     let far = [[0.0; 3], [0.0, 1.0, 0.0], [2e6, 1.0, 0.0], [2e6, 0.0, 0.0]].map(DVec3::from_array);
     let near = [[0.0; 3], [1e3, 0.0, 0.0], [1e3, 1e3, 0.0], [0.0, 1e3, 5.0]].map(DVec3::from_array);
-    let heavy = [1.0, 1e7, 1e-7, 1.0];
+    let heavy = [1.0, 1e3, 1e-3, 1.0];
     let cases = [
         Segment::Nurbs { degree: 3, knots: &knots, points: &far, weights: &[] },
         Segment::Nurbs { degree: 3, knots: &knots, points: &near, weights: &heavy },
@@ -154,12 +154,75 @@ fn no_span_reaches_farther_than_it_should() {
     }
 }
 
-/// Too many spans are refused by their number, before any is made.
+#[test]
+fn weights_differ_by_no_more_than_a_million() {
+    let points = [[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [6.0, -2.0, 1.0]].map(DVec3::from);
+    let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    let made = |weights: [f64; 3]| {
+        let segment = Segment::Nurbs { degree: 2, knots: &knots, points: &points, weights: &weights };
+        let mut shortest = f64::INFINITY;
+        convert::<f64, f64>(&segment, 0, [0.0, 0.0, 1.0], |span| {
+            shortest = shortest.min(span.length());
+            Ok(())
+        })
+        .map(|()| shortest)
+    };
+    assert!(made([1e-9; 3]).unwrap() > 0.0);
+    assert!(made([1.0, 1.0, 1e-6]).unwrap() > 0.0 && made([1e8, 1e3, 1e2]).unwrap() > 0.0);
+    for (weights, which) in
+        [([1.0, 1.0, 0.99e-6], 2), ([1.0, 1.01e6, 1.01e6], 0), ([1.0, 7e-155, 1.0], 1), ([1e-10; 3], 0)]
+    {
+        let error = made(weights).unwrap_err();
+        assert_eq!((error.field, error.index, error.found), ("weights", Some(which), weights[which]));
+    }
+}
+
+#[test]
+fn a_domain_may_begin_anywhere_and_be_very_short() {
+    let points = [[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [6.0, -2.0, 1.0]].map(DVec3::from);
+    let made = |[first, last]: [f64; 2]| {
+        let knots = [first, first, first, last, last, last];
+        span_count(&Segment::Nurbs { degree: 2, knots: &knots, points: &points, weights: &[] })
+    };
+    for domain in [[0.0, 1e-100], [-1.0, 1.0], [-1.0, -0.5], [0.0, 1.0]] {
+        assert_eq!(made(domain), made([0.0, 1.0]), "{domain:?}");
+    }
+    for domain in [[0.0, 0.99e-100], [0.0, 0.0], [1.0, 1.0]] {
+        let error = made(domain).unwrap_err();
+        assert_eq!((error.field, error.index, error.found), ("knots", Some(3), domain[1]));
+    }
+}
+
+/// Arc length along a rational spline, whatever its weights, against the sum of short chords.
+#[test]
+fn the_arc_length_of_uneven_weights_is_that_of_the_curve() {
+    let points = [[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [6.0, -2.0, 1.0], [9.0, 5.0, 0.0], [0.0; 3]].map(DVec3::from);
+    let knots = [0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 1.0];
+    for weight in [1e-6, 5e-4, 0.03, 40.0, 1e4] {
+        let weights = [weight, 0.7, 1.0, 1.0, 1.0];
+        let segment = Segment::Nurbs { degree: 3, knots: &knots, points: &points, weights: &weights };
+        convert::<f64, f64>(&segment, 0, Z, |span| {
+            let (mut along, mut before) = (0.0, span.position(0.0));
+            for i in 1..=1024 {
+                let t = f64::from(i) / 1024.0;
+                let here = span.position(t);
+                along += norm(sub(here, before));
+                before = here;
+                let off = (span.arc_length(t) - along).abs();
+                assert!(off <= 5e-3 * span.length() + 1e-9, "weight {weight}, t = {t}: {off} mm of {}", span.length());
+            }
+            Ok(())
+        })
+        .unwrap();
+    }
+}
+
 #[test]
 fn segments_without_end_are_refused_before_a_span_is_made() {
     let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
     let far = [[0.0; 3], [9e8, 0.0, 0.0], [9e8, 9e8, 0.0]].map(DVec3::from_array);
     let peak = [[0.0; 3], [9e8, 0.0, 0.0], [1.0, 0.0, 0.0]].map(DVec3::from_array);
+    // Too many spans are refused by their number, before any is made.
     for segment in [
         Segment::Line { start: [0.0; 3].into(), end: DVec3::new(1e8, 0.0, 0.0) },
         Segment::Arc {

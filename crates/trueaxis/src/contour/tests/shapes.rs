@@ -1,6 +1,7 @@
 //! Corners, hairpins, ends, maxima.
 
 use super::*;
+use crate::testing::share::share;
 
 #[test]
 fn a_corner_is_the_answer_outside_and_has_two_minima_inside() {
@@ -159,7 +160,7 @@ fn a_maximum_is_never_taken() {
 #[test]
 fn offline_search_agrees_with_brute_force_on_random_splines_by_both_methods() {
     let mut random = Noise::new(21);
-    for round in 0..40 {
+    for round in 0..share(40) {
         let spline =
             if round == 0 { Spline::butterfly() } else { Spline::random(&mut random, 1 + round % 5, round % 3 != 0) };
         let all = spans::<f64, f64>(&[spline.segment()]);

@@ -194,6 +194,26 @@ fn nothing_is_learnt_while_nothing_is_fed_in_or_ground() {
     }
 }
 
+/// A stylus that sticks is a reading like any other. What comes of it is a wrong profile, and an infeed that keeps its bound.
+#[test]
+fn a_probe_that_stands_still_is_not_seen_and_the_infeed_keeps_its_bound() {
+    let grinding = Grinding::new(0.25);
+    let (mut run, truth) = grinding.run();
+    run.turn(&truth, 2.95, |_| TAU / 5000.0);
+    run.seen = GaugeFlags::default();
+    let (mut largest, end) = (0.0_f64, run.alpha + 40.0 * TAU);
+    while run.alpha < end {
+        let before = run.alpha;
+        run.alpha += TAU / 2000.0;
+        let mut stuck = probes(&truth, run.alpha, before);
+        stuck.readings[1] = 3.0;
+        largest = largest.max(run.cycle(&stuck).infeed.abs());
+    }
+    assert!(!run.seen.has(GaugeFlags::PROBE_RANGE), "it is within its range");
+    assert!(run.profile_error(&truth) > 0.5, "and the profile is wrong");
+    assert!(largest > 1e-3 && largest <= 5e-3 * (1.0 + 1e-9), "{largest} mm");
+}
+
 #[test]
 fn an_unsteady_size_is_not_learnt_from() {
     let grinding = Grinding::new(0.25);

@@ -1,5 +1,6 @@
 //! What the tests of the gauge share: a workpiece, its probes, a run.
 
+mod edges;
 mod faults;
 mod infeed;
 mod sampling;

@@ -76,7 +76,7 @@ impl Both {
 }
 
 proptest::proptest! {
-    #![proptest_config(ProptestConfig::with_cases(150))]
+    #![proptest_config(ProptestConfig::with_cases(crate::testing::share::share(150) as u32))]
 
     /// A glance does what a full look does, bit for bit: over random speeds, reversals, lost counts, missing pulses,
     /// readings outside their range, with arm and without.
@@ -132,7 +132,7 @@ proptest::proptest! {
 }
 
 proptest::proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(crate::testing::share::share(200) as u32))]
 
     /// Arbitrary readings and counts: never a panic, never an infeed beyond its bound.
     #[test]

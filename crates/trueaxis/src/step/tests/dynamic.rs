@@ -295,10 +295,17 @@ fn the_watch_leads_an_oscillation_out_and_says_so() {
     assert!(flagged(input(at)));
     assert!(!flagged(Input { dynamics: Dynamics::ALL.without(Dynamics::FEEDBACK), ..input(at) }));
     assert!(!flagged(input(at)));
+    // And in exchange for a loop without feedback.
+    let (_, mut state, servo) = along_x(true, swing, 10_000);
+    assert!(cycle(servo, &mut state, &input(at)).record.status.has(Status::FEEDBACK_OUT));
+    let (_, _, without) = along_x(false, swing, 1);
+    for servo in [without, servo] {
+        assert!(!cycle(servo, &mut state, &input(at)).record.status.has(Status::FEEDBACK_OUT));
+    }
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(300) as u32, ..ProptestConfig::default() })]
 
     /// Both corrections keep their limits and everything is finite, whatever comes after whatever: faults, holds, parts
     /// switched at random, loops with and without dynamic correction exchanged.

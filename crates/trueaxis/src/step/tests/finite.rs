@@ -129,7 +129,7 @@ static MIXED: Built<f32, f64> = Built::new(|| servo_loop_with(1.0, |_| ()));
 static SINGLE: Built<f32, Nanometres> = Built::new(|| servo_loop_with(1.0, |_| ()));
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 4_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(4_000) as u32, ..ProptestConfig::default() })]
 
     #[test]
     fn no_bits_make_a_number_that_is_none(cycles in prop::collection::vec(any_bits(), 1..60)) {

@@ -257,3 +257,18 @@ fn a_reset_is_heard_where_the_way_back_is_more_than_a_cycles() {
     assert!(!out.stop_requested());
     assert_eq!(out.record.command[0], 50.04);
 }
+
+/// One axis may be farther than a cycle's way from the held command; that excuses no other that is out of its travel.
+#[test]
+fn a_reset_is_not_heard_where_one_axis_jumps_and_another_is_out_of_travel() {
+    let servo = servo_loop_with(1.0, |axis| axis.max_feed_per_s = 100.0);
+    let mut bench = Bench::on(servo);
+    let at = |x, y| input([x, y, 50.0]);
+    bench.settle([50.0, 109.99, 50.0]);
+    let before = bench.cycle(&at(50.0, 109.99));
+    bench.cycle(&Input { feedback: [50.0, 109.99, 50.0], ..at(f64::NAN, 109.99) });
+    let out = bench.cycle(&Input { reset: true, ..at(50.04, 110.001) });
+    assert_eq!((out.record.fault, out.drive), (Fault::CommandNotFinite, before.drive));
+    bench.cycle(&at(50.0, 109.99));
+    assert!(!bench.cycle(&Input { reset: true, ..at(50.04, 110.0) }).stop_requested());
+}

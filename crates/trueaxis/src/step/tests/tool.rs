@@ -473,7 +473,7 @@ fn turns_of_a_rotary_axis_do_not_count() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(2000) as u32, ..ProptestConfig::default() })]
 
     /// Any floats as readings and commands: finite errors or none, bounded search.
     #[test]

@@ -258,6 +258,23 @@ fn a_jump_of_the_whole_range_of_integers_is_a_jump() {
     }
 }
 
+/// A travel declared beyond what integers can say: the joint ends where they do.
+#[test]
+fn integers_are_held_before_a_drive_saturates() {
+    use crate::position::Nanometres;
+    let wide = |axis: &mut AxisSettings| {
+        (axis.travel, axis.joint) = ([-36_000.0, 36_000.0], [-36_001.0, 36_001.0]);
+    };
+    let servo = servo_loop_with::<f32, Nanometres>(-1.0, wide);
+    let mut state = servo.start();
+    let last = [Nanometres(i32::MAX - 1), Nanometres(0), Nanometres(0)];
+    let input = servo.input(last, last);
+    let outs: Vec<_> = (0..500).map(|_| servo.step(&mut state, &input, (), ())).collect();
+    assert!(outs.iter().all(|out| out.drive.iter().all(|drive| drive.is_usable())));
+    let out = outs.last().unwrap();
+    assert_eq!((out.record.fault, out.record.fault_axis), (Fault::JointRange, 0));
+}
+
 /// Action of a cycle in the random sequence.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Do {
@@ -295,7 +312,7 @@ pub(super) fn any_doing() -> impl Strategy<Value = (Do, u16)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(2_000) as u32, ..ProptestConfig::default() })]
 
     /// `drive − command` keeps magnitude, slope and acceleration in every cycle, whatever comes after whatever; while the
     /// output holds, nothing moves at all.

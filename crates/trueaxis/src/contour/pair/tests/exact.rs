@@ -1,6 +1,7 @@
 //! Wherever both feet are trusted, their distances are right: against bisection of the same span.
 
 use super::*;
+use crate::testing::share::share;
 
 /// Paths of one kind.
 fn kind(random: &mut Noise, kind: usize) -> Vec<Span<f64, f64>> {
@@ -72,7 +73,7 @@ fn distances_of_both_feet_agree_with_bisection() {
     let mut singles = [Vec::new(), Vec::new()];
     let mut asked = [0; KINDS];
     let mut queries = 0;
-    while queries < QUERIES {
+    while queries < share(QUERIES) {
         let number = queries % KINDS;
         let double = kind(&mut random, number);
         let single: Vec<Span<f32, Nanometres>> = double.iter().map(Span::rounded).collect();

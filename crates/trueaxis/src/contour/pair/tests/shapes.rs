@@ -169,7 +169,7 @@ fn plain_bisection_measures_both() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 5_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(5_000) as u32, ..ProptestConfig::default() })]
 
     /// No points, reference or state that floats can make give a panic or a result that is not finite, and never more than
     /// eight evaluations.

@@ -1,12 +1,13 @@
 //! MEASURED.csv as a ball test: every set-up at every angle.
 
-use crate::csv_in::{self, Column, Row, Rows};
+use crate::rows::{Column, Row, Rows};
 use anyhow::{Result, anyhow};
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis_metrology::identification::{AngleReadings, Ball, BallTest};
 
-const COLUMNS: [Column; 6] = [
+/// Columns of the readings.
+pub const COLUMNS: [Column; 6] = [
     Column { name: "angle_deg", needed: true },
     Column { name: "l_mm", needed: true },
     Column { name: "h_mm", needed: true },
@@ -16,14 +17,17 @@ const COLUMNS: [Column; 6] = [
 ];
 
 /// Angles nearer than this are one, degrees: a hundredth of the finest rotary encoder's resolution.
-pub(super) const SAME_ANGLE_DEG: f64 = 1e-6;
+pub const SAME_ANGLE_DEG: f64 = 1e-6;
 
 /// A test as it stands in a file, angles in degrees.
-pub(super) struct Readings {
-    pub(super) angles_deg: Vec<f64>,
-    pub(super) balls: Vec<Ball>,
+#[derive(Clone, Debug, PartialEq)]
+pub struct Readings {
+    /// Positions of the axis, increasing.
+    pub angles_deg: Vec<f64>,
+    /// The set-ups.
+    pub balls: Vec<Ball>,
     /// By angle, then by set-up, mm.
-    pub(super) deviations_mm: Vec<Vec<[f64; 3]>>,
+    pub deviations_mm: Vec<Vec<[f64; 3]>>,
 }
 
 /// A row of one set-up.
@@ -39,10 +43,14 @@ struct SetUp {
 }
 
 impl Readings {
-    /// Reads and checks a file; the rows of each set-up stand in increasing order of the angle.
-    pub(super) fn read(file: &Path) -> Result<Readings> {
-        let mut rows = csv_in::open(file, &COLUMNS, "readings")?;
-        let set_ups = by_set_up(&mut rows)?;
+    /// Reads and checks all rows of [`COLUMNS`]; those of each set-up stand in increasing order of the angle.
+    ///
+    /// # Errors
+    /// A row that cannot be read, angles that do not increase or go beyond a full turn, fewer than three set-ups, a set-up
+    /// without a row at an angle of the others.
+    pub fn read(rows: &mut Rows<'_, 6>) -> Result<Readings> {
+        let file = rows.file.clone();
+        let set_ups = by_set_up(rows)?;
         if set_ups.len() < 3 {
             let named: Vec<String> = set_ups.iter().map(|set_up| name(set_up.ball)).collect();
             return Err(anyhow!(
@@ -55,16 +63,16 @@ impl Readings {
         let mut angles_deg: Vec<f64> = set_ups.iter().flat_map(|s| s.readings.iter().map(|r| r.angle_deg)).collect();
         angles_deg.sort_by(f64::total_cmp);
         angles_deg.dedup_by(|next, kept| same(*next, *kept));
-        within_a_circle(&rows, &set_ups, &angles_deg)?;
+        within_a_circle(rows, &set_ups, &angles_deg)?;
         let deviations_mm = angles_deg
             .iter()
-            .map(|&angle| set_ups.iter().map(|set_up| reading_at(file, set_up, angle)).collect())
+            .map(|&angle| set_ups.iter().map(|set_up| reading_at(&file, set_up, angle)).collect())
             .collect::<Result<_>>()?;
         Ok(Readings { angles_deg, balls: set_ups.iter().map(|set_up| set_up.ball).collect(), deviations_mm })
     }
 
     /// The test of an axis that turns by `direction` times its position.
-    pub(super) fn test(&self, axis: Axis, direction: f64) -> BallTest {
+    pub fn test(&self, axis: Axis, direction: f64) -> BallTest {
         let angles = self.angles_deg.iter().zip(&self.deviations_mm);
         let angles = angles
             .map(|(angle, deviations_mm)| AngleReadings {
@@ -77,7 +85,7 @@ impl Readings {
 }
 
 /// A set-up as it is named in messages.
-pub(super) fn name(ball: Ball) -> String {
+fn name(ball: Ball) -> String {
     format!("l_mm {}, h_mm {}", ball.vertical_mm, ball.horizontal_mm)
 }
 
@@ -85,7 +93,7 @@ fn same(one: f64, other: f64) -> bool {
     (one - other).abs() <= SAME_ANGLE_DEG
 }
 
-fn by_set_up(rows: &mut Rows<6>) -> Result<Vec<SetUp>> {
+fn by_set_up(rows: &mut Rows<'_, 6>) -> Result<Vec<SetUp>> {
     let mut set_ups: Vec<SetUp> = Vec::new();
     while let Some(Row { line, values }) = rows.next()? {
         let [angle_deg, vertical_mm, horizontal_mm, dx, dy, dz] = values;
@@ -110,7 +118,7 @@ fn by_set_up(rows: &mut Rows<6>) -> Result<Vec<SetUp>> {
 }
 
 /// No angle twice after a full turn, but for the one that closes the circle.
-fn within_a_circle(rows: &Rows<6>, set_ups: &[SetUp], angles_deg: &[f64]) -> Result<()> {
+fn within_a_circle(rows: &Rows<'_, 6>, set_ups: &[SetUp], angles_deg: &[f64]) -> Result<()> {
     let (Some(&first), Some(&last)) = (angles_deg.first(), angles_deg.last()) else { return Ok(()) };
     if last - first <= 360.0 + SAME_ANGLE_DEG {
         return Ok(());

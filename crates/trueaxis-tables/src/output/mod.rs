@@ -1,5 +1,13 @@
 //! Outputs of a command: written whole or not at all, and never over an input.
 //!
+//! Each file is written beside its place, flushed to the disk, renamed, and its folder flushed: a crash or a power failure
+//! at any moment leaves the old one or the new one, never a part. What has not been renamed by then stands as
+//! `NAME.XXXXXX.trueaxis-tmp` ([`UNFINISHED`]), is found by [`left_beside`] and removed by the next command that writes NAME.
+//!
+//! Several files of one command are all on the disk before the first is renamed, and renamed in the order in which they
+//! were put. A crash between two renames leaves the first ones new and the rest old, each with its unfinished file beside it:
+//! where files belong together, the one that names the others is put last.
+//!
 //! ```
 //! use trueaxis_tables::output::Outputs;
 //! let folder = tempfile::tempdir()?;
@@ -16,10 +24,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use std::fs::{self, File, OpenOptions};
+mod left;
+mod staged;
+
+pub use left::{UNFINISHED, left_beside, left_notes};
+pub use staged::{Staged, write_atomically};
+
+use staged::{flush_folder, folder_of};
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// Why an output is refused.
 #[derive(Debug, thiserror::Error)]
@@ -45,95 +59,17 @@ pub enum OutputError {
         #[source]
         error: io::Error,
     },
-}
-
-/// A file that replaces its target only when complete; dropped before [`Staged::commit`], it leaves nothing behind.
-#[derive(Debug)]
-pub struct Staged {
-    target: PathBuf,
-    to: To,
-}
-
-#[derive(Debug)]
-enum To {
-    /// Beside its target; renamed to it at the end.
-    File(NamedTempFile),
-    /// A device or a pipe takes the bytes directly: it must not be replaced by a file.
-    Device(File),
-}
-
-impl Staged {
-    /// Begins a file that will stand at `path`; behind a link, so that the link stays.
-    ///
-    /// # Errors
-    /// Those of the file system; the target is a folder.
-    pub fn create(path: &Path) -> io::Result<Staged> {
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-        let old = fs::metadata(&target).ok();
-        if old.as_ref().is_some_and(fs::Metadata::is_dir) {
-            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
-        }
-        if old.as_ref().is_some_and(|old| !old.is_file()) {
-            let device = OpenOptions::new().write(true).open(&target)?;
-            return Ok(Staged { target, to: To::Device(device) });
-        }
-        let name = target.file_name().ok_or(io::ErrorKind::InvalidInput)?;
-        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(name).suffix(".tmp");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // As any new file, less the mask; tempfile's own default is private.
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        let file = builder.tempfile_in(folder)?;
-        if let Some(old) = old {
-            file.as_file().set_permissions(old.permissions())?;
-        }
-        Ok(Staged { target, to: To::File(file) })
-    }
-
-    /// Moves the file to its target, which keeps its old content until then.
-    ///
-    /// # Errors
-    /// Those of the file system; the old content still stands.
-    pub fn commit(self) -> io::Result<()> {
-        match self.to {
-            To::File(file) => {
-                file.as_file().sync_all()?;
-                file.persist(&self.target).map_err(|error| error.error)?;
-                Ok(())
-            }
-            To::Device(mut device) => device.flush(),
-        }
-    }
-}
-
-impl Write for Staged {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match &mut self.to {
-            To::File(file) => file.write(bytes),
-            To::Device(device) => device.write(bytes),
-        }
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        match &mut self.to {
-            To::File(file) => file.flush(),
-            To::Device(device) => device.flush(),
-        }
-    }
-}
-
-/// Writes a file so that its old content stands until the new one is complete: a temporary file beside it, renamed.
-///
-/// # Errors
-/// Those of the file system; nothing is left behind.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = Staged::create(path)?;
-    file.write_all(bytes)?;
-    file.commit()
+    /// The file system refused when some of the files were in their places.
+    #[error("cannot write {}; new already: {}", .output.display(), list(.written))]
+    Between {
+        /// The first output that is as it was.
+        output: PathBuf,
+        /// Those before it.
+        written: Vec<PathBuf>,
+        /// The file system's answer.
+        #[source]
+        error: io::Error,
+    },
 }
 
 /// Folders made for outputs, the outermost first; those still empty are removed with it.
@@ -163,6 +99,8 @@ impl Drop for Folders {
 #[derive(Debug, Default)]
 pub struct Outputs {
     inputs: Vec<PathBuf>,
+    /// Places that are taken.
+    places: Vec<PathBuf>,
     // Before the folders: dropped in this order.
     ready: Vec<(PathBuf, Ready)>,
     folders: Folders,
@@ -207,13 +145,8 @@ impl Outputs {
     /// # Errors
     /// An input, a second output of that name, or a refusal of the file system.
     pub fn put(&mut self, output: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-        self.refuse_input(output)?;
-        let path = resolved(output);
-        let device = fs::metadata(&path).is_ok_and(|old| !old.is_file() && !old.is_dir());
-        if !device && self.ready.iter().any(|(other, _)| *other == path) {
-            return Err(OutputError::Twice(output.into()));
-        }
-        let ready = if device {
+        let path = self.reserve(output)?;
+        let ready = if is_device(&path) {
             Ready::Device(bytes.to_vec())
         } else {
             let written = Staged::create(output).and_then(|mut file| file.write_all(bytes).map(|()| file));
@@ -223,39 +156,73 @@ impl Outputs {
         Ok(())
     }
 
-    /// One file that is written bit by bit, beside its target until the commit; a device or a pipe takes it at once.
+    /// One file that is written bit by bit, beside its target until [`Outputs::add`] and the commit; a device or a pipe
+    /// takes it at once.
     ///
     /// # Errors
     /// As [`Outputs::put`].
-    pub fn stream(&mut self, output: &Path) -> Result<&mut Staged, OutputError> {
-        self.refuse_input(output)?;
-        let path = resolved(output);
-        if self.ready.iter().any(|(other, _)| *other == path) {
-            return Err(OutputError::Twice(output.into()));
-        }
-        let staged = Staged::create(output).map_err(|error| OutputError::Io { output: output.into(), error })?;
-        self.ready.push((path, Ready::Staged(staged)));
-        match self.ready.last_mut() {
-            Some((_, Ready::Staged(staged))) => Ok(staged),
-            _ => Err(OutputError::Twice(output.into())),
-        }
+    pub fn begin(&mut self, output: &Path) -> Result<Staged, OutputError> {
+        self.reserve(output)?;
+        Staged::create(output).map_err(|error| OutputError::Io { output: output.into(), error })
     }
 
-    /// Moves every file to its target, in the order of arrival.
+    /// Takes a file from [`Outputs::begin`] back, written.
+    pub fn add(&mut self, output: &Path, file: Staged) {
+        self.ready.push((resolved(output), Ready::Staged(file)));
+    }
+
+    /// A place that no input and no other output has.
+    fn reserve(&mut self, output: &Path) -> Result<PathBuf, OutputError> {
+        self.refuse_input(output)?;
+        let path = resolved(output);
+        if !is_device(&path) && self.places.contains(&path) {
+            return Err(OutputError::Twice(output.into()));
+        }
+        self.places.push(path.clone());
+        Ok(path)
+    }
+
+    /// Moves every file to its target, in the order of arrival, when all of them are on the disk.
     ///
     /// # Errors
-    /// Those of the file system: what could be refused was when it was put, so that one here is a disk that fails.
+    /// Those of the file system: what could be refused was when it was put, so that one here is a disk that fails. It says
+    /// which files are new, if any are.
     pub fn commit(self) -> Result<(), OutputError> {
-        let Outputs { ready, .. } = self;
+        let Outputs { mut ready, folders, .. } = self;
+        for (output, ready) in &mut ready {
+            if let Ready::Staged(file) = ready {
+                file.complete().map_err(|error| OutputError::Io { output: output.clone(), error })?;
+            }
+        }
+        let mut changed: Vec<PathBuf> = folders.0.iter().map(|made| folder_of(made).to_path_buf()).collect();
+        let mut written = Vec::new();
         for (output, ready) in ready {
             let done = match ready {
-                Ready::Staged(file) => file.commit(),
-                Ready::Device(bytes) => Staged::create(&output).and_then(|mut device| device.write_all(&bytes)),
+                Ready::Staged(file) => file.place(),
+                Ready::Device(bytes) => Staged::create(&output).and_then(|mut to| to.write_all(&bytes)).map(|()| None),
             };
-            done.map_err(|error| OutputError::Io { output, error })?;
+            match done {
+                Ok(folder) => changed.extend(folder),
+                Err(error) if written.is_empty() => return Err(OutputError::Io { output, error }),
+                Err(error) => return Err(OutputError::Between { output, written, error }),
+            }
+            written.push(output);
         }
-        Ok(())
+        changed.sort();
+        changed.dedup();
+        changed.iter().try_for_each(|folder| {
+            flush_folder(folder).map_err(|error| OutputError::Io { output: folder.clone(), error })
+        })
     }
+}
+
+fn list(files: &[PathBuf]) -> String {
+    files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// Neither a file nor a folder: it is written to, not replaced.
+fn is_device(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|old| !old.is_file() && !old.is_dir())
 }
 
 /// A name that is the same for the same file, whether it exists or its folder alone.
@@ -263,8 +230,7 @@ fn resolved(output: &Path) -> PathBuf {
     if let Ok(path) = fs::canonicalize(output) {
         return path;
     }
-    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match (fs::canonicalize(folder), output.file_name()) {
+    match (fs::canonicalize(folder_of(output)), output.file_name()) {
         (Ok(folder), Some(name)) => folder.join(name),
         _ => output.to_path_buf(),
     }

@@ -1,13 +1,13 @@
 //! RECORD.csv: the contour error of one part over path length.
 
-use crate::csv_in::{self, Column, Row};
+use crate::rows::{Column, Row, Rows};
 use anyhow::{Context, Result, anyhow};
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use trueaxis_metrology::learning::{Identity, MeasuredError, NotLearned};
 
-const COLUMNS: [Column; 5] = [
+/// Columns of a record.
+pub const COLUMNS: [Column; 5] = [
     Column { name: "s_mm", needed: true },
     Column { name: "ex_um", needed: true },
     Column { name: "ey_um", needed: true },
@@ -20,10 +20,13 @@ const COMMENTS: u64 = 1 << 16;
 const KEYS: [&str; 3] = ["program_id", "machine_id", "length_mm"];
 
 /// A part as it stands in a file.
-pub(crate) struct Record {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
     file: PathBuf,
-    pub(super) identity: Identity,
-    pub(super) rows: Vec<MeasuredError>,
+    /// Machine, program and its path length.
+    pub identity: Identity,
+    /// The rows, mm.
+    pub rows: Vec<MeasuredError>,
     lines: Vec<u32>,
 }
 
@@ -34,14 +37,18 @@ struct Said {
 }
 
 impl Record {
-    /// Reads a file; what only path and cut-off can tell is left to the resampling.
-    pub(super) fn read(file: &Path) -> Result<Record> {
-        let said = comments(file)?;
+    /// Reads a file: its comments from `comments`, its rows as `open` opens them; what only path and cut-off can tell is
+    /// left to the resampling.
+    ///
+    /// # Errors
+    /// A comment that is missing, there twice or out of range; a row that cannot be read.
+    pub fn read<'r>(comments: impl Read, file: &Path, open: impl FnOnce() -> Result<Rows<'r, 5>>) -> Result<Record> {
+        let said = self::comments(comments, file)?;
         let [program_id, machine_id] = [&said[0], &said[1]];
         let program_id = id(file, KEYS[0], program_id)?;
         let machine_id = id(file, KEYS[1], machine_id)?;
         let length_mm = length(file, &said[2])?;
-        let mut sheet = csv_in::open(file, &COLUMNS, "cycles")?;
+        let mut sheet = open()?;
         let has_flag = sheet.present[4];
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
         while let Some(Row { line, values }) = sheet.next()? {
@@ -58,7 +65,7 @@ impl Record {
     }
 
     /// A refusal of the mathematics with file and line.
-    pub(super) fn refused(&self, refused: &NotLearned) -> anyhow::Error {
+    pub fn refused(&self, refused: &NotLearned) -> anyhow::Error {
         let line = refused.row().and_then(|row| self.lines.get(row));
         let column = if matches!(refused, NotLearned::TooLarge { .. }) { "ex_um, ey_um, ez_um" } else { "s_mm" };
         match line {
@@ -69,8 +76,7 @@ impl Record {
 }
 
 /// The values of [`KEYS`], in their order.
-fn comments(file: &Path) -> Result<[Said; 3]> {
-    let input = File::open(file).with_context(|| format!("cannot read {}", file.display()))?;
+fn comments(input: impl Read, file: &Path) -> Result<[Said; 3]> {
     let mut said: [Option<Said>; 3] = [None, None, None];
     for (number, line) in (1..).zip(BufReader::new(input.take(COMMENTS)).split(b'\n')) {
         let line = line.with_context(|| format!("cannot read {}", file.display()))?;

@@ -13,7 +13,10 @@ const CLOSING_STEPS: f64 = 1.5;
 ///
 /// A table over exactly 360° wraps, and its ends must agree: a test that stops one step before is closed with its first
 /// line; one that has read the closing angle too gets the mean of both at either end.
-pub(super) fn table(angles_deg: &[f64], found: &Identified) -> Result<(Table, Option<String>)> {
+///
+/// # Errors
+/// Fewer than two angles.
+pub fn table(angles_deg: &[f64], found: &Identified) -> Result<(Table, Option<String>)> {
     let mut rows: Vec<Row> = angles_deg
         .iter()
         .zip(&found.angles)

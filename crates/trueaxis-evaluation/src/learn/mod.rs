@@ -1,0 +1,7 @@
+//! The contour error of one part, recorded over path length, from which the correction for the next is learned.
+//!
+//! The mathematics is [`trueaxis_metrology::learning`].
+
+mod record;
+
+pub use record::{COLUMNS, Record};

@@ -1,0 +1,145 @@
+//! One file on its way to its place.
+
+use super::left;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// A file that replaces its target only when complete; dropped before [`Staged::commit`], it leaves nothing behind.
+///
+/// Until then it stands beside its target as `NAME.XXXXXX.trueaxis-tmp`. A process that is killed leaves it there; the
+/// next that writes the same target removes it.
+#[derive(Debug)]
+pub struct Staged {
+    target: PathBuf,
+    to: To,
+}
+
+#[derive(Debug)]
+enum To {
+    /// Beside its target; renamed to it at the end.
+    File(NamedTempFile),
+    /// A device or a pipe takes the bytes directly: it must not be replaced by a file.
+    Device(File),
+}
+
+/// Other commands may take a new file for one that was left, before its lock is held: so often another is begun.
+const TRIES: usize = 8;
+
+impl Staged {
+    /// Begins a file that will stand at `path`; behind a link, so that the link stays.
+    ///
+    /// # Errors
+    /// Those of the file system; the target is a folder.
+    pub fn create(path: &Path) -> io::Result<Staged> {
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        let old = fs::metadata(&target).ok();
+        if old.as_ref().is_some_and(fs::Metadata::is_dir) {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+        }
+        if old.as_ref().is_some_and(|old| !old.is_file()) {
+            let device = OpenOptions::new().write(true).open(&target)?;
+            return Ok(Staged { target, to: To::Device(device) });
+        }
+        left::sweep(&target);
+        let file = beside(&target)?;
+        if let Some(old) = old {
+            file.as_file().set_permissions(old.permissions())?;
+        }
+        Ok(Staged { target, to: To::File(file) })
+    }
+
+    /// Moves the file to its target, which keeps its old content until then; the new one survives a power failure from
+    /// the return on.
+    ///
+    /// # Errors
+    /// Those of the file system; the old content still stands, unless it is the folder that cannot be flushed.
+    pub fn commit(mut self) -> io::Result<()> {
+        self.complete()?;
+        match self.place()? {
+            Some(folder) => flush_folder(&folder),
+            None => Ok(()),
+        }
+    }
+
+    /// Everything is on the disk, under the name of a file that is being written.
+    pub(super) fn complete(&mut self) -> io::Result<()> {
+        match &mut self.to {
+            To::File(file) => file.as_file().sync_all(),
+            To::Device(device) => device.flush(),
+        }
+    }
+
+    /// Takes the target's place; the folder whose entry has changed.
+    pub(super) fn place(self) -> io::Result<Option<PathBuf>> {
+        let To::File(file) = self.to else { return Ok(None) };
+        file.persist(&self.target).map_err(|error| error.error)?;
+        Ok(Some(folder_of(&self.target).to_path_buf()))
+    }
+}
+
+impl Write for Staged {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.to {
+            To::File(file) => file.write(bytes),
+            To::Device(device) => device.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.to {
+            To::File(file) => file.flush(),
+            To::Device(device) => device.flush(),
+        }
+    }
+}
+
+/// Writes a file so that its old content stands until the new one is complete: a temporary file beside it, renamed.
+///
+/// # Errors
+/// Those of the file system; nothing is left behind.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = Staged::create(path)?;
+    file.write_all(bytes)?;
+    file.commit()
+}
+
+/// The folder that a file stands in.
+pub(super) fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// The entries of a folder survive a power failure. Where a folder cannot be opened or flushed as such (other systems,
+/// no permission to read), that is the file system's business.
+pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    let Ok(open) = File::open(folder) else { return Ok(()) };
+    open.sync_all().or_else(|error| match error.kind() {
+        io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported => Ok(()),
+        _ => Err(error),
+    })
+}
+
+/// A new file of that name's kind beside its target, locked.
+fn beside(target: &Path) -> io::Result<NamedTempFile> {
+    let mut prefix = target.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_os_string();
+    prefix.push(".");
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).rand_bytes(left::LETTERS).suffix(left::UNFINISHED);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any new file, less the mask; tempfile's own default is private.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    for _ in 0..TRIES {
+        let file = builder.tempfile_in(folder_of(target))?;
+        if left::hold(file.as_file(), file.path()) {
+            return Ok(file);
+        }
+    }
+    Err(io::Error::new(io::ErrorKind::ResourceBusy, "other commands write the same file"))
+}

@@ -1,0 +1,356 @@
+//! The stage as its documentation tells it, in whole nanometres and without a shortcut: random cycles are decided by both.
+
+use super::*;
+use std::collections::BTreeMap;
+use std::string::String;
+
+/// 8 kHz; jumps of 0.1 mm (0.3°), readings 0.02 mm (0.05°) more.
+const PERIOD_NS: u32 = 125_000;
+const AXES: usize = 4;
+/// X, Y, Z in nm, C in 1e-6 deg.
+const TRAVEL: [i64; 2] = [-10_000_000, 90_000_000];
+const JUMP: [i64; AXES] = [100_000, 100_000, 100_000, 300_000];
+const READING_MORE: [i64; AXES] = [20_000, 20_000, 20_000, 50_000];
+const STUCK: [i64; AXES] = [200_000, 200_000, 200_000, 700_000];
+/// On C it is more than a jump.
+const RESUME: [i64; AXES] = [50_000, 50_000, 50_000, 400_000];
+
+fn machine() -> MachineSettings {
+    let mm = |[linear, rotary]: [i64; 2]| [linear as f64 * 1e-6, rotary as f64 * 1e-6];
+    let machine = Machine::new("w C' b X Y Z t").each(|axis| {
+        let place = if axis.axis.is_rotary() { 3 } else { 0 };
+        axis.travel = TRAVEL.map(|x| x as f64 * 1e-6);
+        axis.joint = axis.travel;
+        axis.max_feed_per_s = JUMP[place] as f64 * 1e-6 / 2.0 / (f64::from(PERIOD_NS) * 1e-9);
+    });
+    let faults = FaultSettings {
+        resume: mm([RESUME[0], RESUME[3]]),
+        command_jump_factor: 2.0,
+        feedback_jump: mm([READING_MORE[0], READING_MORE[3]]),
+        stuck: mm([STUCK[0], STUCK[3]]),
+    };
+    machine.with(|machine| machine.faults = faults).settings()
+}
+
+/// What came of a cycle.
+#[derive(Clone, Debug, PartialEq)]
+struct Decided {
+    verdict: Verdict,
+    fault: (Fault, u8),
+    first: bool,
+    command: [Nanometres; AXES],
+    feedback: [Nanometres; AXES],
+}
+
+#[derive(Default)]
+struct Model {
+    started: bool,
+    active: bool,
+    reset: bool,
+    latched: Option<(Fault, u8)>,
+    command: [i64; AXES],
+    feedback: [i64; AXES],
+    read: [bool; AXES],
+    missing: [i64; AXES],
+    unmoved: [i64; AXES],
+}
+
+fn usable(x: i64) -> bool {
+    x > i64::from(i32::MIN) && x < i64::from(i32::MAX)
+}
+
+impl Model {
+    /// Periods that a cycle took: 1 up to a quarter late, then what it was, at most 16.
+    fn periods(elapsed_ns: u32) -> f64 {
+        let periods = f64::from(elapsed_ns) / f64::from(PERIOD_NS);
+        if periods <= 1.25 { 1.0 } else { periods.min(16.0) }
+    }
+
+    fn command_fault(&self, input: &Input<Nanometres, AXES>) -> Option<(Fault, u8)> {
+        if input.refusal.fault != Fault::None {
+            return Some((input.refusal.fault, input.refusal.slot));
+        }
+        let active = input.homed && input.enable;
+        (0..AXES).find_map(|k| {
+            let command = i64::from(input.command[k].0);
+            let farthest = JUMP[k] as f64 * Model::periods(input.elapsed_ns);
+            let fault = if !usable(command) {
+                Fault::CommandNotFinite
+            } else if active && !(TRAVEL[0]..=TRAVEL[1]).contains(&command) {
+                Fault::CommandOutOfTravel
+            } else if active && self.started && self.active && (command - self.command[k]).abs() as f64 > farthest {
+                Fault::CommandJump
+            } else {
+                return None;
+            };
+            Some((fault, k as u8))
+        })
+    }
+
+    /// `toward`: the commands that readings are held against.
+    fn readings(&mut self, input: &Input<Nanometres, AXES>, toward: [i64; AXES], watched: bool) -> Option<(Fault, u8)> {
+        let mut worst = None;
+        for k in 0..AXES {
+            let reading = i64::from(input.feedback[k].0);
+            let farthest = JUMP[k] + READING_MORE[k];
+            let fault = if !usable(reading) {
+                Some(Fault::FeedbackNotFinite)
+            } else if input.encoder_alarm >> k & 1 == 1 {
+                Some(Fault::EncoderAlarm)
+            } else if watched && (reading - self.feedback[k]).abs() > farthest * (1 + self.missing[k]) {
+                Some(Fault::FeedbackJump)
+            } else if watched && reading == self.feedback[k] {
+                if self.active {
+                    self.unmoved[k] += (toward[k] - self.command[k]).abs();
+                }
+                (self.unmoved[k] > STUCK[k]).then_some(Fault::EncoderStuck)
+            } else {
+                self.unmoved[k] = 0;
+                None
+            };
+            if !watched {
+                self.unmoved[k] = 0;
+            }
+            match fault {
+                None => (self.feedback[k], self.missing[k]) = (reading, 0),
+                Some(_) if !self.started => self.feedback[k] = toward[k],
+                Some(_) => self.missing[k] += 1,
+            }
+            worst = worst.or(fault.map(|fault| (fault, k as u8)));
+        }
+        worst
+    }
+
+    fn cycle(&mut self, input: &Input<Nanometres, AXES>) -> Decided {
+        let command = input.command.map(|p| i64::from(p.0));
+        let (first, active) = (!self.started, input.homed && input.enable);
+        let late = f64::from(input.elapsed_ns) > 1.25 * f64::from(PERIOD_NS);
+        let bad = self.command_fault(input);
+        let rising = input.reset && !self.reset && input.refusal.fault == Fault::None;
+        self.reset = input.reset;
+        let was_latched = self.latched.is_some();
+        if !was_latched && bad.is_none() {
+            let found = self.readings(input, command, active && !first);
+            let late = (late && active && !first).then_some((Fault::LateCycle, 0));
+            let fault = found.or(late);
+            (self.started, self.active, self.command) = (true, active, command);
+            let verdict = match (active, fault) {
+                (false, _) => Verdict::Inactive,
+                (true, None) => Verdict::Active,
+                (true, Some(_)) => Verdict::Freeze,
+            };
+            return self.decided(verdict, fault, first);
+        }
+        self.latched = self.latched.or(bad);
+        // Before the first command the machine is held where it was read, once all of it has been.
+        if !self.started && !self.read.iter().all(|read| *read) {
+            for k in 0..AXES {
+                let reading = i64::from(input.feedback[k].0);
+                if usable(reading) && input.encoder_alarm >> k & 1 == 0 {
+                    (self.command[k], self.read[k]) = (reading, true);
+                }
+            }
+        }
+        let placed = self.started || self.read.iter().all(|read| *read);
+        let near = (0..AXES).all(|k| usable(command[k]) && (command[k] - self.command[k]).abs() <= RESUME[k]);
+        let inside = !active || command.iter().all(|x| (TRAVEL[0]..=TRAVEL[1]).contains(x));
+        let fits = bad.is_none_or(|(fault, _)| fault == Fault::CommandJump) && inside;
+        self.readings(input, self.command, self.active && !first);
+        if was_latched && rising && placed && near && fits {
+            (self.latched, self.started, self.active, self.unmoved) = (None, true, active, [0; AXES]);
+            self.command = command;
+            return self.decided(if active { Verdict::Active } else { Verdict::Inactive }, None, first);
+        }
+        self.decided(if placed { Verdict::Hold } else { Verdict::Nowhere }, self.latched, first)
+    }
+
+    fn decided(&self, verdict: Verdict, fault: Option<(Fault, u8)>, first: bool) -> Decided {
+        let positions = |x: [i64; AXES]| x.map(|x| Nanometres(x as i32));
+        Decided {
+            verdict,
+            fault: fault.unwrap_or((Fault::None, 0)),
+            first,
+            command: positions(self.command),
+            feedback: positions(self.feedback),
+        }
+    }
+}
+
+/// Steps to, at and just beyond every border; what cannot be meant now and then.
+fn next(random: &mut Noise, from: i64, borders: &[i64], wild: f64) -> Nanometres {
+    let border = borders[random.below(borders.len())] + [0, 1][random.below(2)];
+    let sign = if random.below(2) == 0 { 1 } else { -1 };
+    let x = match random.unit() {
+        x if x < wild => [i64::from(i32::MIN), i64::from(i32::MAX), TRAVEL[0] - 1, TRAVEL[1] + 1][random.below(4)],
+        x if x < 0.02 => from + sign * border,
+        x if x < 0.03 => TRAVEL[random.below(2)],
+        x if x < 0.3 => from,
+        _ => from + sign * 40_000,
+    };
+    Nanometres(x.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
+}
+
+/// How a stretch of cycles goes: `wild` the share of commands and readings that cannot be meant, `rare` that of everything
+/// else that is out of the ordinary, `stands` an axis whose reading seldom changes.
+struct Stretch {
+    wild: f64,
+    rare: f64,
+    stands: usize,
+}
+
+fn random_cycle(random: &mut Noise, model: &Model, stretch: &Stretch) -> Input<Nanometres, AXES> {
+    let Stretch { wild, rare, stands } = *stretch;
+    let command = std::array::from_fn(|k| {
+        // A multiple of the limit is rounded down: its exact border is left out.
+        let [two, sixteen] = [2, 16].map(|periods| periods * JUMP[k]);
+        let borders = [JUMP[k], two - 2, two + 1, sixteen - 2, sixteen + 1, RESUME[k]];
+        if model.latched.is_some() && random.below(3) > 0 {
+            return next(random, model.command[k], &[0, RESUME[k]], 0.0);
+        }
+        next(random, model.command[k], &borders, wild)
+    });
+    let feedback = std::array::from_fn(|k| {
+        let jump = (JUMP[k] + READING_MORE[k]) * (1 + model.missing[k]);
+        if k == stands && random.below(10) > 0 {
+            return Nanometres(model.feedback[k] as i32);
+        }
+        let borders = if model.missing[k] == 0 { [jump; 2] } else { [jump - 2, jump + 1] };
+        if random.below(2) == 0 { command[k] } else { next(random, model.feedback[k], &borders, wild) }
+    });
+    let mut rarely = |share: f64| random.unit() < share;
+    let switched = [!rarely(rare), !rarely(rare)];
+    let (alarm, refused, late) = (rarely(rare), rarely(rare), rarely(rare));
+    Input {
+        command,
+        feedback,
+        homed: switched[0],
+        enable: switched[1],
+        reset: rarely(0.3),
+        encoder_alarm: if alarm { random.below(16) as u8 } else { 0 },
+        refusal: if refused { Refusal { fault: Fault::ToolUnreachable, slot: 3 } } else { Refusal::NONE },
+        ..Input::at_rest(match late {
+            // In time to the last nanosecond, just late, as late as counts, and later.
+            true => [0, 156_250, 156_251, 250_000, 16 * PERIOD_NS, 17 * PERIOD_NS, u32::MAX][random.below(7)],
+            false => PERIOD_NS,
+        })
+    }
+}
+
+#[test]
+fn every_decision_is_the_models() {
+    let machine = machine();
+    let order = AxisOrder::<AXES>::of(&machine).unwrap();
+    let sampler = Sampler::<f64, Nanometres, AXES>::new(&order, &machine, PERIOD_NS);
+    let mut random = Noise::new(3);
+    let mut seen = BTreeMap::<String, u32>::new();
+    for round in 0..1500 {
+        let mut model = Model::default();
+        let mut state = SampleState::<Nanometres, AXES>::new();
+        for cycle in 0..100 {
+            let stretch = match (round % 4, cycle) {
+                (0, 0..4) => Stretch { wild: 0.3, rare: 0.1, stands: AXES },
+                (0, _) => Stretch { wild: 0.02, rare: 0.05, stands: AXES },
+                (1, _) => Stretch { wild: 0.0005, rare: 0.002, stands: round / 4 % AXES },
+                _ => Stretch { wild: 0.0005, rare: 0.002, stands: AXES },
+            };
+            let input = random_cycle(&mut random, &model, &stretch);
+            let expected = model.cycle(&input);
+            let mut believed = [[Nanometres(0); AXES]; 2];
+            let calm = sampler.glance(&mut state, &input);
+            let found = if calm { Sample::calm(&input) } else { sampler.look(&mut state, &input, &mut believed) };
+            let decided = Decided {
+                verdict: found.verdict,
+                fault: (found.fault, found.axis),
+                first: found.first,
+                command: *found.command,
+                feedback: *found.feedback,
+            };
+            assert_eq!(decided, expected, "round {round}, cycle {cycle}: {input:?}");
+            assert_eq!((found.homed, state.is_latched()), (input.homed, model.latched.is_some()));
+            *seen.entry(format!("{:?} {:?}", expected.verdict, expected.fault.0)).or_default() += 1;
+            if !expected.verdict.holds() {
+                state.accept(&expected.command);
+                // A later stage finds something now and then: the command was not accepted.
+                if random.below(500) == 0 {
+                    state.latch(Fault::JointRange, 2);
+                    model.latched = Some((Fault::JointRange, 2));
+                }
+            }
+            assert_eq!(state.commanded().map(|p| i64::from(p.0)), model.command);
+        }
+    }
+    let faults = ["CommandNotFinite", "CommandOutOfTravel", "CommandJump", "ToolUnreachable", "JointRange"];
+    let kinds = faults.iter().flat_map(|fault| [format!("Hold {fault}"), format!("Nowhere {fault}")]);
+    let freezes = ["FeedbackNotFinite", "EncoderAlarm", "FeedbackJump", "EncoderStuck", "LateCycle"];
+    let kinds = kinds.chain(freezes.map(|fault| format!("Freeze {fault}")));
+    let kinds = kinds.filter(|kind| kind != "Nowhere JointRange" && kind != "Nowhere CommandJump");
+    for kind in kinds.chain(["Active None", "Inactive None", "Inactive EncoderAlarm"].map(String::from)) {
+        assert!(seen.get(&kind).is_some_and(|count| *count > 10), "{kind}: {seen:?}");
+    }
+}
+
+#[test]
+fn a_late_cycle_excuses_as_many_periods_as_it_took() {
+    let machine = machine();
+    let order = AxisOrder::<AXES>::of(&machine).unwrap();
+    let sampler = Sampler::<f64, Nanometres, AXES>::new(&order, &machine, PERIOD_NS);
+    let late = [(0, 1.0), (156_250, 1.0), (250_000, 2.0), (1_000_000, 8.0), (2_000_000, 16.0), (u32::MAX, 16.0)];
+    for (elapsed_ns, periods) in late {
+        assert!((sampler.periods(elapsed_ns) - periods).abs() < 1e-12, "{elapsed_ns}");
+        assert!((Model::periods(elapsed_ns) - periods).abs() < 1e-12, "{elapsed_ns}");
+    }
+    // A quarter of the period late, and a nanosecond more.
+    assert!((sampler.periods(156_251) - 1.250_008).abs() < 1e-12);
+}
+
+#[test]
+fn travel_holds_to_its_ends_and_an_absent_axis_has_all_there_is() {
+    let machine = machine();
+    let order = AxisOrder::<AXES>::of(&machine).unwrap();
+    let sampler = Sampler::<f64, Nanometres, AXES>::new(&order, &machine, PERIOD_NS);
+    let [low, high] = TRAVEL.map(|x| x as i32);
+    for (x, within) in [(low, true), (low - 1, false), (high, true), (high + 1, false)] {
+        for k in 0..AXES {
+            let mut positions = [Nanometres(0); AXES];
+            positions[k] = Nanometres(x);
+            assert_eq!(sampler.within_travel(&positions), within, "{k} {x}");
+        }
+    }
+    // X, Y and C alone take the slot of Z with them: it may go anywhere, at any rate, and stand as long as it likes.
+    let two = Machine::new("w C' b X Y t").settings();
+    let order = AxisOrder::<4>::of(&two).unwrap();
+    let sampler = Sampler::<f64, f64, 4>::new(&order, &two, PERIOD_NS);
+    for (far, within) in [(1e9, true), (-1e9, true), (1.000_001e9, false), (-1.000_001e9, false)] {
+        assert_eq!(sampler.within_travel(&[0.0, 0.0, far, 0.0]), within, "{far}");
+    }
+    let mut state = SampleState::<f64, 4>::new();
+    for command in [0.0, 1e9, -1e9, 5.0] {
+        let input = Input { homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
+        let input = Input { command: [0.0, 0.0, command, 0.0], ..input };
+        let mut believed = [[0.0; 4]; 2];
+        let found = sampler.look(&mut state, &input, &mut believed);
+        assert_eq!((found.verdict, found.fault), (Verdict::Active, Fault::None), "{command}");
+        state.accept(&input.command);
+    }
+}
+
+#[test]
+fn a_resting_input_asks_for_nothing() {
+    let input = Input::<f64, 3>::at_rest(7);
+    assert_eq!((input.elapsed_ns, input.command, input.feedback, input.learned), (7, [0.0; 3], [0.0; 3], [0.0; 3]));
+    assert!(!(input.homed || input.enable || input.reset) && input.encoder_alarm == 0);
+    assert_eq!((input.refusal, input.dynamics), (Refusal::NONE, Dynamics::ALL));
+}
+
+#[test]
+fn encoder_scales_have_borders() {
+    for resolution in [1.0, -1.0, 1e-9] {
+        assert!(EncoderScale::<f64>::new(0.0, resolution).is_ok());
+    }
+    assert!(EncoderScale::<f64>::new(0.0, 1.0 + f64::EPSILON).is_err());
+    let error = EncoderScale::<f64>::new(2e9, 1.0).unwrap_err();
+    assert_eq!((error.field, error.found), (Field::Encoder, 2e9));
+    // Half a nanometre is rounded away from below and up.
+    let scale = EncoderScale::<Nanometres>::new(0.001, 0.5e-6).unwrap();
+    assert_eq!([1, 3, -1, -3].map(|counts| scale.nanometres(counts).0), [1001, 1002, 1000, 999]);
+}

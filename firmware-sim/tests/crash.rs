@@ -1,0 +1,101 @@
+//! A simulation that is ended at any moment, or finds no room, leaves its old files or the new ones.
+#![cfg(target_os = "linux")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+use trueaxis_testing::command::Folder;
+
+const SIMULATOR: &str = env!("CARGO_BIN_EXE_firmware-sim");
+const UNFINISHED: &str = ".trueaxis-tmp";
+const RUN: [&str; 10] =
+    ["run", "--program", "p.ngc", "--rate-hz", "1000", "--trace-every", "1", "--report", "out", "--json"];
+const NAMES: [&str; 3] = ["index.html", "trace-full.csv", "trace.csv"];
+
+fn folder() -> Folder {
+    let folder = Folder::new(SIMULATOR);
+    folder.write("p.ngc", "G21 G90 F3000\nG1 X10 Y4\nG1 X0 Y0\nM2\n");
+    folder
+}
+
+/// Whole files by name, and how many are unfinished.
+fn files(folder: &Path) -> (BTreeMap<String, Vec<u8>>, usize) {
+    let mut found = BTreeMap::new();
+    let mut left = 0;
+    for entry in fs::read_dir(folder).unwrap() {
+        let entry = entry.unwrap();
+        let name = entry.file_name().into_string().unwrap();
+        if name.ends_with(UNFINISHED) {
+            left += 1;
+        } else {
+            found.insert(name, fs::read(entry.path()).unwrap());
+        }
+    }
+    (found, left)
+}
+
+/// Killed, or interrupted by Ctrl-C, at many moments of a run and of its end.
+#[test]
+fn a_run_that_is_killed_or_interrupted_leaves_each_file_old_or_new() {
+    let folder = folder();
+    let started = Instant::now();
+    folder.good(&RUN);
+    let whole = started.elapsed();
+    let traces = |found: &BTreeMap<String, Vec<u8>>| [&NAMES[1], &NAMES[2]].map(|name| found[*name].clone());
+    let new = traces(&files(&folder.join("out")).0);
+    let mut seen = [0; 2];
+    for n in 0..60u32 {
+        for name in NAMES {
+            fs::write(folder.join("out").join(name), "old").unwrap();
+        }
+        let mut child = folder.command(&RUN).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(whole.mul_f64(1.3 * f64::from(n) / 60.0));
+        let signal = if n % 2 == 0 { "-KILL" } else { "-INT" };
+        Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+        let status = child.wait().unwrap();
+        assert!(status.success() || status.signal().is_some(), "{status}");
+        let (found, left) = files(&folder.join("out"));
+        assert_eq!(found.keys().map(String::as_str).collect::<Vec<_>>(), NAMES);
+        assert!(left <= NAMES.len(), "what the last one left is swept by the next: {left}");
+        for (trace, new) in traces(&found).iter().zip(&new) {
+            assert!(trace == b"old" || trace == new, "{} bytes of {}", trace.len(), new.len());
+            seen[usize::from(trace == new)] += 1;
+        }
+        let page = String::from_utf8(found[NAMES[0]].clone()).unwrap();
+        assert!(page == "old" || page.trim_end().ends_with("</html>"), "{} bytes", page.len());
+        // The page takes its place last: where it is new, all are.
+        assert!(page == "old" || traces(&found) == new);
+    }
+    assert!(seen[0] > 0 && seen[1] > 0, "old {}, new {}", seen[0], seen[1]);
+    folder.good(&RUN);
+    assert_eq!(files(&folder.join("out")).1, 0);
+}
+
+/// A disk that ends in the midst of a trace: refused with its name, all old files stand, nothing is beside them.
+#[test]
+fn a_disk_that_ends_in_the_midst_of_a_trace_is_told_and_the_old_files_stand() {
+    if !Command::new("prlimit").arg("--version").output().is_ok_and(|done| done.status.success()) {
+        return eprintln!("not tested: found no prlimit");
+    }
+    let folder = folder();
+    folder.good(&RUN);
+    let longest = files(&folder.join("out")).0.values().map(Vec::len).max().unwrap();
+    for name in NAMES {
+        fs::write(folder.join("out").join(name), "old").unwrap();
+    }
+    let before = folder.tree();
+    // Every so many blocks of 512 bytes, and the last byte.
+    let limits = (0..longest).step_by(512 * longest.div_ceil(512 * 24)).chain([longest - 1]);
+    for limit in limits {
+        // Without the signal, which ends a process silently.
+        let script = format!("trap '' XFSZ; exec prlimit --fsize={limit} {SIMULATOR} {}", RUN.join(" "));
+        let done = Command::new("sh").args(["-c", &script]).current_dir(folder.path()).output().unwrap();
+        let said = String::from_utf8(done.stderr).unwrap();
+        assert_eq!(done.status.code(), Some(2), "{limit}: {said}");
+        assert!(said.contains("cannot write out/") && said.contains("File too large"), "{said}");
+        assert_eq!(folder.tree(), before, "{limit}");
+    }
+}

@@ -1,0 +1,134 @@
+//! The seeded loop: the same target, seed and corpus give the same inputs in the same order, on every computer.
+
+use crate::execution::execute;
+use crate::finding::Finding;
+use crate::mutate::{Mutator, dictionary};
+use crate::{Target, corpus};
+use serde::Serialize;
+use std::collections::HashSet;
+use std::io;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// Most inputs that are kept beside seeds and corpus.
+const MOST_KEPT: usize = 4096;
+
+/// Where a loop ends, if nothing is found.
+#[derive(Clone, Copy, Debug)]
+pub enum Until {
+    /// After so many executions: repeats exactly.
+    Executions(u64),
+    /// After so much time.
+    Elapsed(Duration),
+}
+
+/// What a loop has done.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Tally {
+    /// Inputs run.
+    pub executions: u64,
+    /// Of these, accepted.
+    pub accepted: u64,
+    /// Different outcomes.
+    pub outcomes: u64,
+    /// Inputs to mutate: seeds, corpus, and those kept for a new outcome.
+    pub inputs: u64,
+    /// Time, s.
+    pub seconds: f64,
+}
+
+impl Tally {
+    /// Executions a second.
+    pub fn rate(&self) -> f64 {
+        if self.seconds > 0.0 { self.executions as f64 / self.seconds } else { 0.0 }
+    }
+}
+
+/// A loop over one target.
+pub struct Campaign<'t> {
+    target: &'t Target,
+    seed: u64,
+    mutator: Mutator,
+    inputs: Vec<Vec<u8>>,
+    given: usize,
+    outcomes: HashSet<u64>,
+    tally: Tally,
+    input: Vec<u8>,
+}
+
+impl<'t> Campaign<'t> {
+    /// Begins with the target's seeds and corpus.
+    ///
+    /// # Errors
+    /// A file of the corpus cannot be read.
+    pub fn new(target: &'t Target, seed: u64) -> io::Result<Campaign<'t>> {
+        let mutator = Mutator::new(seed, dictionary(target.dictionary), target.longest());
+        let mut inputs = corpus::inputs(target)?;
+        if inputs.is_empty() {
+            inputs.push(Vec::new());
+        }
+        let (given, outcomes, input) = (inputs.len(), HashSet::new(), Vec::new());
+        Ok(Campaign { target, seed, mutator, inputs, given, outcomes, tally: Tally::default(), input })
+    }
+
+    /// Runs to the end or to the first finding. `tell` hears of every execution before it begins, and may break off.
+    ///
+    /// # Errors
+    /// The finding.
+    pub fn run(
+        &mut self,
+        until: Until,
+        tell: &mut dyn FnMut(&Tally, &[u8]) -> ControlFlow<()>,
+    ) -> Result<Tally, Box<Finding>> {
+        let start = Instant::now();
+        loop {
+            let over = match until {
+                Until::Executions(most) => self.tally.executions >= most,
+                Until::Elapsed(most) => start.elapsed() >= most,
+            };
+            self.tally.seconds = start.elapsed().as_secs_f64();
+            if over {
+                return Ok(self.tally);
+            }
+            self.next_input();
+            if tell(&self.tally, &self.input).is_break() {
+                return Ok(self.tally);
+            }
+            self.execute()?;
+        }
+    }
+
+    /// The next input: first those given, as they are; then mutants, most of them repaired.
+    fn next_input(&mut self) {
+        let number = self.tally.executions as usize;
+        if number < self.given {
+            self.input.clone_from(&self.inputs[number]);
+            return;
+        }
+        let count = self.inputs.len();
+        let (one, other) = (self.mutator.below(count), self.mutator.below(count));
+        self.input.clone_from(&self.inputs[one]);
+        self.mutator.mutate(&mut self.input, &self.inputs[other]);
+        if !self.mutator.once_in(8) {
+            (self.target.repair)(&mut self.input);
+        }
+    }
+
+    fn execute(&mut self) -> Result<(), Box<Finding>> {
+        let ended = execute(self.target, &self.input);
+        let outcome = ended.map_err(|what| {
+            let (target, execution) = (self.target.name, self.tally.executions);
+            Box::new(Finding { target, seed: self.seed, execution, what, input: self.input.clone() })
+        })?;
+        let number = self.tally.executions as usize;
+        self.tally.executions += 1;
+        self.tally.accepted += u64::from(outcome.accepted);
+        let room = self.inputs.len() - self.given < MOST_KEPT;
+        if room && self.outcomes.insert(outcome.class) && number >= self.given {
+            self.inputs.push(self.input.clone());
+        }
+        self.tally.outcomes = self.outcomes.len() as u64;
+        self.tally.inputs = self.inputs.len() as u64;
+        Ok(())
+    }
+}

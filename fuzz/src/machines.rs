@@ -1,0 +1,174 @@
+//! Small machines of every kind, as files in memory: seeds for what reads, compiles and runs them.
+
+use std::path::Path;
+use std::sync::LazyLock;
+use trueaxis::machine::MachineSettings;
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::Memory;
+
+/// Names and texts of a machine's files, `machine.toml` first.
+pub type Files = &'static [(&'static str, &'static str)];
+
+/// Three axes with the nine terms, five with twists, a grinder with its gauge, one axis alone.
+pub const ALL: [Files; 4] = [THREE, FIVE, GRINDER, ONE];
+
+/// The machine of files that are known to be one.
+///
+/// # Panics
+/// They are not.
+pub fn read(files: Files) -> Machine {
+    let memory = Memory::new(files.iter().copied());
+    Machine::read_from(&memory, Path::new("machine.toml"), &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Settings of the one with five axes.
+pub fn five_axes() -> MachineSettings {
+    static FIVE_AXES: LazyLock<MachineSettings> = LazyLock::new(|| read(FIVE).settings);
+    FIVE_AXES.clone()
+}
+
+const ONE: Files = &[
+    ("machine.toml", "name = \"m\"\nchain = \"w X' b t\"\n[axis.X]\ntable = \"x.csv\"\n"),
+    ("x.csv", "X_mm;EXX_fwd_um;EXX_rev_um\n0;1,5;2\n10;2;4,25\n25;0;0\n"),
+];
+
+const THREE: Files = &[
+    (
+        "machine.toml",
+        r#"name = "mill"
+chain = "w X' Y' b Z t"
+tool_mm = [0.0, 0.0, 50.0]
+reference_temperature_c = 20.0
+[axis.X]
+table = "x.csv"
+interpolation = "cubic"
+travel_mm = [-100.0, 100.0]
+joint_mm = [-101.0, 101.0]
+measured_at_mm = [0.0, 0.0, -20.0]
+max_feed_mm_per_min = 15000.0
+encoder_resolution_um = 0.03
+hysteresis_um = 0.3
+backlash_um = 2.2
+[axis.X.limits]
+magnitude_um = 200.0
+slope_mm_per_s = 5.0
+acceleration_mm_per_s2 = 5000.0
+[axis.X.thermal]
+offset_um_per_k = 2.0
+expansion_um_per_m_k = 11.5
+[axis.X.drive]
+position_gain_per_s = 115.5
+velocity_gain_per_s = 840
+reset_time_s = 0.006
+velocity_feed_forward = 0.93
+[axis.X.friction]
+coulomb_mm_per_s = 0.45
+presliding_um = 7.2
+stribeck_share = 0.3
+stribeck_velocity_mm_per_s = 2
+viscous = 0.00429
+[axis.X.dynamic]
+lag = true
+acceleration = true
+take_up = true
+[axis.Y]
+table = "y.csv"
+travel_mm = [-50.0, 50.0]
+[axis.Y.drive]
+position_gain_per_s = 112
+velocity_gain_per_s = 814.8
+reset_time_s = 0.006
+velocity_feed_forward = 0.93
+[axis.Z]
+travel_mm = [-80.0, 0.0]
+[location]
+A0Z_urad = 32.0
+B0Z_urad = -36.0
+C0Y_urad = 38.0
+"#,
+    ),
+    (
+        "x.csv",
+        "# laser\nX_mm,EXX_fwd_um,EXX_rev_um,EYX_um,ECX_urad\n-100,14.5,16,6.2,-9\n-10,3,4.25,1,0\n0,0,1,0,0\n100,-7,-6,-3,11\n",
+    ),
+    ("y.csv", "Y_mm,EYY_um,EAY_urad\n-50,1,2\n0,0,0\n50,-2,4\n"),
+];
+
+const FIVE: Files = &[
+    (
+        "machine.toml",
+        r#"name = "five"
+chain = "w C' A' Y' b X Z t"
+[compensation]
+model = "volumetric"
+[axis.X]
+table = "x.csv"
+interpolation = "cubic"
+travel_mm = [-250.0, 250.0]
+[axis.Y]
+travel_mm = [-250.0, 250.0]
+[axis.Z]
+travel_mm = [-100.0, 400.0]
+[axis.A]
+direction = -1
+travel_deg = [-120.0, 30.0]
+offset_mm = [0.0, 10.0, 0.0]
+[axis.C]
+table = "c.csv"
+travel_deg = [-36000.0, 36000.0]
+backlash_urad = 12.0
+[location]
+EY0A_um = 11.0
+EA0C_urad = 18.0
+"#,
+    ),
+    (
+        "x.csv",
+        "X_mm,EXX_um,EYX_um,EZX_um,EAX_urad,EBX_urad,ECX_urad\n-250,-6,2,-3,-7,8,-8\n0,0,0,0,0,0,0\n250,4,-2,3,7,-6,5\n",
+    ),
+    ("c.csv", "C_deg,EXC_um,ECC_urad\n0,1,2\n120,-1,4\n240,0.5,-3\n360,1,2\n"),
+];
+
+const GRINDER: Files = &[
+    (
+        "machine.toml",
+        r#"name = "grinder"
+chain = "w b Z X t"
+[axis.X]
+table = "x.csv"
+travel_mm = [-60.0, 60.0]
+[axis.Z]
+travel_mm = [-400.0, 400.0]
+[roundness]
+points = 1024
+probe_slots = [188, 667]
+harmonics = [2, 100]
+filter_upr = 50
+revolutions = 8
+units_per_cycle = 1
+stop_s = 0.5
+spindle_counts_per_revolution = 3600000
+spindle_index = true
+spindle_index_tolerance_counts = 100
+probe_gain_um = [1.0, 1.0, 1.0]
+probe_low = [-500.0, -500.0, -500.0]
+probe_high = [500.0, 500.0, 500.0]
+[roundness.arm]
+crank_mm = 45.0
+wheel_mm = 300.0
+pin_mm = 27.5
+counts_per_revolution = 3600000
+tolerance_deg = 0.2
+[roundness.infeed]
+axis = "X"
+direction = -1
+harmonics = [2, 50]
+gain = 0.25
+delay_revolutions = 2
+contact_deg = 180.0
+drive_delay_s = 0.0025
+limit_um = 20.0
+"#,
+    ),
+    ("x.csv", "X_mm\tEXX_um\tEBX_urad\n-60\t-1.2\t-1.8\n0\t0\t0\n60\t2.5\t1\n"),
+];

@@ -1,0 +1,100 @@
+//! What became of an input: the loop sees no coverage, so it keeps an input whose outcome is new.
+
+use std::cell::Cell;
+use std::fmt::Display;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// What an execution came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Outcome {
+    /// Class of everything it told, in order; 0 where it told nothing.
+    pub class: u64,
+    /// Whether it was accepted ([`accepted`]).
+    pub accepted: bool,
+}
+
+thread_local! {
+    static OUTCOME: Cell<Outcome> = const { Cell::new(Outcome { class: 0, accepted: false }) };
+}
+
+/// Longest refusal, characters: more is a dump.
+const LONGEST_REFUSAL: usize = 2200;
+
+/// Tells that the target came through here: an input with a new sequence of these is kept. Few values, not one for every
+/// number.
+pub fn saw(what: impl Hash) {
+    let mut hasher = DefaultHasher::new();
+    let before = OUTCOME.get();
+    (before.class, what).hash(&mut hasher);
+    OUTCOME.set(Outcome { class: hasher.finish(), ..before });
+}
+
+/// Tells that the input was accepted.
+pub fn accepted() {
+    saw("accepted");
+    OUTCOME.set(Outcome { accepted: true, ..OUTCOME.get() });
+}
+
+/// Tells that the input was refused, and checks what was said: something, on one line, for people.
+///
+/// # Panics
+/// The message is empty, has more than one line, or is a dump of a value of the program.
+pub fn refused(error: impl Display) {
+    let message = error.to_string();
+    assert!(!message.trim().is_empty(), "a refusal without a word");
+    // Other control characters are written out where a program prints it.
+    assert!(!message.contains('\n'), "a refusal of more than a line: {message:?}");
+    let length = message.chars().count();
+    assert!(length <= LONGEST_REFUSAL, "a refusal of {length} characters: {message:?}");
+    for dump in ["Some(", "None)", "Ok(", "Err(", "Error {", " { kind:"] {
+        assert!(!outside_quotes(&message).contains(dump), "a refusal with a value of the program: {message:?}");
+    }
+    saw(shape(&message));
+}
+
+/// What a message says by itself, without what it quotes of the input.
+fn outside_quotes(message: &str) -> String {
+    message.split(['"', '`']).step_by(2).collect()
+}
+
+/// What a message needs, or all of it where it does not say, without figures: of what was found, every input has its own.
+fn shape(message: &str) -> String {
+    let said = message.rsplit_once("needed").map_or(message, |(_, needed)| needed);
+    outside_quotes(said)
+        .chars()
+        .filter(|c| !c.is_ascii_digit() && !matches!(c, '.' | '-' | '+' | 'e'))
+        .take(80)
+        .collect()
+}
+
+/// What was told since the last call.
+pub(crate) fn take() -> Outcome {
+    OUTCOME.take()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn class(tell: impl FnOnce()) -> u64 {
+        take();
+        tell();
+        take().class
+    }
+
+    #[test]
+    fn a_class_has_no_figures_and_no_quotations() {
+        let one = class(|| refused("x.csv:3: column EXX_um: found \"two\", needed a number"));
+        assert_eq!(one, class(|| refused("x.csv:14: column EXX_um: found \"-7,5\", needed a number")));
+        assert_ne!(one, class(|| refused("x.csv:3: column EXX_um: found \"two\", needed a finite number")));
+        assert_ne!(one, 0);
+    }
+
+    #[test]
+    fn what_says_nothing_or_too_much_is_no_refusal() {
+        for message in ["", " ", "two\nlines", "found Some(3)", "ParseError { kind: Eof }", &"x".repeat(2201)] {
+            assert!(std::panic::catch_unwind(|| refused(message)).is_err(), "{message}");
+        }
+        refused("found \"Some(3)\", needed a number");
+    }
+}

@@ -1,0 +1,311 @@
+//! Messages of the page to its module: exports with JSON, files and texts, several in a row.
+//!
+//! The input's lines that begin with `>` name an export; what follows up to the next is its arguments, with a line of `--`
+//! between two. Counts and sizes that the page sets by itself are small numbers here; texts are whatever they are.
+
+use crate::alone::alone;
+use crate::choice::one_in;
+use crate::{Target, no_repair, outcome, refusal};
+use serde_json::value::RawValue;
+use std::cell::RefCell;
+use trueaxis_desk as desk;
+use trueaxis_desk::Refused;
+
+/// See [`Target`].
+pub const TARGET: Target = Target {
+    name: "desk",
+    about: "messages of the page to the desk's module, several in a row",
+    run,
+    seeds,
+    repair: no_repair,
+    dictionary: include_str!("../../dictionaries/desk.dict"),
+};
+
+/// Messages of one input.
+const MOST: usize = 6;
+/// Longest argument.
+const LONGEST: usize = 4096;
+/// Of inputs that ask for something dear, one in so many is answered.
+const DEAR_ONE_IN: u64 = 64;
+
+thread_local! {
+    static SCOPES: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
+}
+
+fn run(bytes: &[u8]) {
+    // The page has nothing but texts.
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    alone(|| {
+        forget();
+        let dear = one_in(DEAR_ONE_IN, bytes);
+        for message in text.split("\n>").take(MOST) {
+            answer(message.strip_prefix('>').unwrap_or(message), dear);
+        }
+    });
+}
+
+/// Nothing is open, evaluated or under way: what a message finds is what those before it in the input have left.
+fn forget() {
+    SCOPES.take().into_iter().for_each(desk::scope::scope_close);
+    let _ = desk::roundness::roundness_trace("", "");
+    let _ = desk::roundness::probe_angles_finish();
+    let _ = desk::grinding::grinding_open("", "");
+}
+
+/// Arguments of a message.
+struct Arguments<'t>(std::str::Split<'t, &'static str>);
+
+impl<'t> Arguments<'t> {
+    fn text(&mut self) -> &'t str {
+        let text = self.0.next().unwrap_or_default();
+        let end = (0..=LONGEST.min(text.len())).rev().find(|end| text.is_char_boundary(*end));
+        &text[..end.unwrap_or(0)]
+    }
+
+    /// The name of a file.
+    fn name(&mut self) -> &'t str {
+        self.text().lines().next().unwrap_or_default()
+    }
+
+    /// A number as a control of the page gives one.
+    fn number(&mut self) -> f64 {
+        self.text().trim().parse().unwrap_or_default()
+    }
+
+    /// A count that the page has set.
+    fn count(&mut self) -> usize {
+        self.number() as usize % 64
+    }
+
+    fn switch(&mut self) -> bool {
+        self.text().len().is_multiple_of(2)
+    }
+}
+
+/// Answers one message as the worker does.
+fn answer(message: &str, dear: bool) {
+    let (name, rest) = message.split_once('\n').unwrap_or((message, ""));
+    let a = &mut Arguments(rest.split("\n--\n"));
+    let area = name.split_once('_').map_or(name, |(area, _)| area);
+    match area {
+        "machine" => machine(name, a),
+        "field" => fields(name, a, dear),
+        "roundness" | "probe" => roundness(name, a, dear),
+        "scope" => scope(name, a, dear),
+        "grinding" => grinding(name, a, dear),
+        "friction" => friction(name, a),
+        "helicoid" => helicoid(name, a, dear),
+        _ => {}
+    }
+}
+
+fn machine(name: &str, a: &mut Arguments<'_>) {
+    use desk::machine::*;
+    match name {
+        "machine_open" => json(machine_open(a.text())),
+        "machine_sample" => json(machine_sample(a.text())),
+        "machine_samples" => json(machine_samples()),
+        "machine_from_files" => json(machine_from_files(a.text(), a.text(), a.text().as_bytes())),
+        "machine_to_tcomp" => {
+            if let Some(bytes) = told(machine_to_tcomp(a.text(), a.number())) {
+                assert!(trueaxis::tcomp::Tcomp::parse(&bytes).is_ok(), "a compiled machine that is refused");
+            }
+        }
+        "machine_show" => json(machine_show(a.text(), a.number(), a.number())),
+        "machine_change" => {
+            // What a change leaves is a machine again.
+            if let Some(files) = told(machine_change(a.text(), a.text())) {
+                assert!(machine_open(&files).is_ok(), "{files}");
+            }
+        }
+        "machine_curve" => finite(machine_curve(a.text(), a.text(), a.count(), a.number(), a.count())),
+        _ => {}
+    }
+}
+
+fn fields(name: &str, a: &mut Arguments<'_>, dear: bool) {
+    use desk::field::*;
+    match name {
+        "field" if dear => drop(told(field(a.text(), a.text()))),
+        "field_figures" if dear => json(field_figures(a.text(), a.text())),
+        _ => {}
+    }
+}
+
+fn roundness(name: &str, a: &mut Arguments<'_>, dear: bool) {
+    use desk::roundness::*;
+    match name {
+        "roundness_evaluate" if dear => json(roundness_evaluate(a.name(), a.text(), a.text())),
+        "roundness_trace" => json(roundness_trace(a.name(), a.text())),
+        "roundness_polar" => html(roundness_polar(a.switch(), a.switch(), a.switch(), a.switch())),
+        "roundness_curve" => finite(roundness_curve(a.text())),
+        "roundness_orbit" => html(roundness_orbit()),
+        "probe_angles_curve" if dear => json(probe_angles_curve(a.text())),
+        "probe_angles_open" if dear => drop(told(probe_angles_open(a.text()))),
+        "probe_angles_advance" => drop(told(probe_angles_advance(a.count() as u32))),
+        "probe_angles_finish" => json(probe_angles_finish()),
+        _ => {}
+    }
+}
+
+fn scope(name: &str, a: &mut Arguments<'_>, dear: bool) {
+    use desk::scope::*;
+    use desk::scope_settings::*;
+    // The last that was opened, or none.
+    let number = SCOPES.with_borrow(|scopes| scopes.last().copied().unwrap_or(0));
+    match name {
+        "scope_open" if dear => {
+            if let Some(number) = told(scope_open(a.text())) {
+                SCOPES.with_borrow_mut(|scopes| scopes.push(number));
+            }
+        }
+        "scope_describe" => json(scope_describe(number)),
+        "scope_path" => drop(told(scope_path(number))),
+        "scope_advance" => json(scope_advance(number, a.count() as u32)),
+        "scope_columns" => drop(told(scope_columns(number))),
+        "scope_traces" => drop(told(scope_traces(number))),
+        "scope_figures" => json(scope_figures(number)),
+        "scope_act" => json(scope_act(number, a.text())),
+        "scope_scenario" => json(scope_scenario(number)),
+        "scope_settings" => json(scope_settings(a.text(), a.name())),
+        "scope_agreed" => json(scope_agreed(a.text())),
+        "scope_scaled" => json(scope_scaled(a.text(), a.number())),
+        _ => {}
+    }
+}
+
+fn grinding(name: &str, a: &mut Arguments<'_>, dear: bool) {
+    use desk::grinding::*;
+    match name {
+        "grinding_open" if dear => drop(told(grinding_open(a.text(), a.text()))),
+        "grinding_advance" => drop(told(grinding_advance(a.count() as u32))),
+        "grinding_curve" => finite(grinding_curve(a.switch(), a.switch())),
+        _ => {}
+    }
+}
+
+/// Without simulation and fits, which target `friction` does.
+fn friction(name: &str, a: &mut Arguments<'_>) {
+    use desk::friction::*;
+    match name {
+        "friction_read" => json(friction_read(a.name(), a.text(), a.text())),
+        "friction_settings" => json(friction_settings()),
+        "friction_advance" => drop(told(friction_advance(a.number()))),
+        "friction_record" => json(friction_record()),
+        "friction_trace" => json(friction_trace(a.count())),
+        "friction_csv" => drop(told(friction_csv())),
+        "friction_fit" => json(friction_fit(a.text(), a.switch())),
+        "friction_closed" => json(friction_closed()),
+        "friction_merged" => drop(told(friction_merged(a.text(), a.text()))),
+        _ => {}
+    }
+}
+
+fn helicoid(name: &str, a: &mut Arguments<'_>, dear: bool) {
+    use desk::helicoid::*;
+    match name {
+        "helicoid_document" if dear => json(helicoid_document(a.text())),
+        "helicoid_csv" if dear => drop(told(helicoid_csv(a.text()))),
+        "helicoid_gcode" if dear => drop(told(helicoid_gcode(a.text()))),
+        "helicoid_outline" if dear => json(helicoid_outline(a.text(), a.text(), a.text())),
+        "helicoid_tool" => json(helicoid_tool(a.text(), a.text(), a.number(), a.number())),
+        "helicoid_curve" => drop(told(helicoid_curve(a.text(), a.text(), a.number(), a.count()))),
+        "helicoid_mesh" => drop(told(helicoid_mesh(a.text(), a.count(), a.count(), a.number()))),
+        "helicoid_surroundings" => drop(told(helicoid_surroundings(a.text()))),
+        "helicoid_flank" => json(helicoid_flank(a.text(), a.text(), a.text(), a.number(), a.count())),
+        "helicoid_machine" => json(helicoid_machine(a.text(), a.text())),
+        _ => {}
+    }
+}
+
+/// What was answered; a refusal is words on one line.
+fn told<T>(answer: Result<T, Refused>) -> Option<T> {
+    match answer {
+        Ok(answer) => {
+            outcome::accepted();
+            Some(answer)
+        }
+        Err(refused) => {
+            refusal::in_words(&refused.to_string());
+            None
+        }
+    }
+}
+
+/// One JSON document.
+fn json(answer: Result<String, Refused>) {
+    if let Some(text) = told(answer) {
+        let document: Result<&RawValue, _> = serde_json::from_str(&text);
+        assert!(document.is_ok(), "{text}");
+    }
+}
+
+/// A figure, without what a page would run.
+fn html(answer: Result<String, Refused>) {
+    if let Some(text) = told(answer) {
+        assert!(text.contains("<svg") && !text.contains("<script"), "{text}");
+    }
+}
+
+/// A curve of numbers.
+fn finite(answer: Result<Vec<f64>, Refused>) {
+    if let Some(values) = told(answer) {
+        assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
+    }
+}
+
+const MACHINE: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\n", "x.csv": "X_mm,EXX_um\n0,1\n10,2\n"}"#;
+const HELICOID: &str = r#"{"base_radius_mm":36,"lead_parameter_mm_per_rad":130,"pivot_mm":150,"form":"vertical","u_rad":"0:1:3","theta_rad":"0:1:2"}"#;
+const PROBES: &str = r#"{"n": 64, "harmonics": [2, 15], "p": 11, "q": 14}"#;
+
+fn seeds() -> Vec<Vec<u8>> {
+    let message = |name: &str, arguments: &[&str]| format!(">{name}\n{}\n", arguments.join("\n--\n"));
+    let scope = format!(
+        r#"{{"machine": {MACHINE}, "program": {{"name": "p.ngc", "text": "G21 G90 F6000\nG1 X1\n"}}, "settings": "rate_hz = 200\n", "kinds": ["compensated"]}}"#
+    );
+    let change = |change: &str| message("machine_change", &[MACHINE, change]);
+    let (description, table) =
+        ("name = \"m\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\n", "X_mm,EXX_um\n0,1\n10,2\n");
+    let files = format!(r#"[["a/machine.toml", {}], ["a/x.csv", {}]]"#, description.len(), table.len());
+    let dropped = [description, table].concat();
+    let points = "x_mm,y_mm\n3,0\n0,3\n-3,0\n0,-3.002\n";
+    [
+        message("machine_open", &[MACHINE]),
+        message("machine_show", &[MACHINE, "1000", "0"]) + &message("machine_to_tcomp", &[MACHINE, "1000"]),
+        change(r#"{"change": "point", "axis": "X", "column": "EXX_um", "row": 1, "value": 1.5}"#),
+        change(r#"{"change": "insert", "axis": "X", "position": 5}"#)
+            + &change(r#"{"change": "remove", "axis": "X", "row": 1}"#),
+        change(r#"{"change": "key", "key": "axis.X.backlash_um", "value": 2.0}"#),
+        message("machine_curve", &[MACHINE, "X", "0", "25", "9"]) + &message("scope_scaled", &[MACHINE, "0.5"]),
+        message("machine_from_files", &["{}", &files, &dropped]),
+        message("roundness_trace", &["t.csv", points]) + &message("roundness_polar", &["", "", "", ""]),
+        message("machine_samples", &[])
+            + &message("probe_angles_curve", &[PROBES])
+            + &message("probe_angles_open", &[&format!(r#"{{"probes": {PROBES}, "count": 2}}"#)]),
+        message("machine_sample", &["grinder"])
+            + &message("scope_open", &[&scope])
+            + &message("scope_describe", &[])
+            + &message("scope_act", &["dropout:X@now+3"])
+            + &message("scope_advance", &["40"])
+            + &message("scope_figures", &[])
+            + &message("scope_scenario", &[]),
+        message("scope_settings", &["rate_hz = 4000\n[drive]\ndead_time_s = 0.001\n", "mine.toml"])
+            + &message("scope_agreed", &[MACHINE]),
+        message("friction_settings", &[])
+            + &message("friction_read", &["r.csv", "t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm\n0,1,1,2,2\n", "X,Y"])
+            + &message("friction_record", &[]),
+        message("friction_settings", &[])
+            + &message(
+                "friction_merged",
+                &[description, "[axis.X.friction]\ncoulomb_mm_per_s = 0.5\npresliding_um = 10.0\n"],
+            ),
+        message("helicoid_tool", &[HELICOID, r#"{"X": [-300, 300]}"#, "0.5", "0.5"])
+            + &message("helicoid_curve", &[HELICOID, "u", "0.5", "5"]),
+        message("helicoid_mesh", &[HELICOID, "3", "4", "0.1"]) + &message("helicoid_document", &[HELICOID]),
+        message("friction_settings", &[])
+            + &message("field_figures", &[MACHINE, "{}"])
+            + &message("grinding_open", &[MACHINE, "{}"]),
+    ]
+    .map(String::into_bytes)
+    .into()
+}

@@ -1,0 +1,127 @@
+//! NC programs with offsets and tools.
+
+use crate::outcome::{accepted, refused, saw};
+use crate::parts::{joined, split};
+use crate::{Target, machines, no_repair};
+use trueaxis_sim::program::limits::MOST_PIECES;
+use trueaxis_sim::program::{Curve, Move, Offsets, Program, ReadOptions, ToolTable};
+
+/// The program, and as further files its offsets (`offsets.toml` or `offsets.var`), its tools (`tool.tbl`) and the switch
+/// for block delete.
+pub const TARGET: Target = Target {
+    name: "gcode",
+    about: "NC programs with offsets, tools and canned cycles",
+    run,
+    seeds,
+    repair: no_repair,
+    dictionary: include_str!("../../dictionaries/gcode.dict"),
+};
+
+const CYCLES: &str = "%\nO100 (cycles)\nG21 G90 G17 G54 F300\nT1 M6 G43 H1\nG0 X1 Y2 Z10\nG99 G81 X5 Y5 Z-3 R2\n\
+    G98 G83 G91 X1 Y1 Z-6 R-2 Q1.5 L3\nG82 Z-1 R1 P0.5\nG73 Z-4 R1 Q1\nG85 Z-2 R1\nG89 Z-2 R1 P1\nG80 G90\n/G1 X0\nM30\n%\n";
+const OFFSETS: &str = "active = \"G55\"\n[G54]\nx_mm = 10.0\nrotation_deg = 30.0\n[G55]\ny_mm = -5.0\nc_deg = 10.0\n\
+    [G92]\nz_mm = 1.0\n[G28]\nz_mm = 100.0\n";
+const TOOLS: &str = "T1 P1 X0 Y0 Z50.5 D6 ;mill\nT2 P2 Z-20\n";
+const CURVES: &str = "G1 X10 F600\nG3 X0 Y10 I-10\nG2 X1 Y9 R5\nG18 G2 X5 Z0 I2 K0 P3\nG17 G91.1 G20\nG3 X0.2 Y0.1 R-0.5\nG21\n\
+    G90.1 G2 X5.08 Y-2.54 I0 J0\nG91 G1 A10 B-5 C20\nG93 G1 X1 F2\nG94 F100\nG61.1 G1 Y-3\nG4 P1\nM2\n";
+const NURBS: &str = "G0 X0 Y0\nF1000\nG5.2 P1 L3\nX0 Y1 P1\nX2 Y2 P2\nX2 Y0 P1\nX0 Y0 P2\nG5.3\nG43.4 H1\nG1 X5 A3 F200\nA0\nG49\n\
+    G92 X0 Y0\nG92.1\nG52 X1\nG10 L2 P1 X3 R45\nG53 G0 Z0\nG28 Z5\nG30.1\nG30\nG59.3\nM30\n";
+const PARAMETERS: &str = "5161\t1.5\n5210\t1\n5211\t2\n5220\t3\n5261\t-4\n5270\t15.000\n5390 0\n";
+
+fn seeds() -> Vec<Vec<u8>> {
+    vec![
+        joined(&[("offsets.toml", OFFSETS), ("tool.tbl", TOOLS), ("program.ngc", CYCLES)]),
+        CURVES.into(),
+        joined(&[("program.ngc", NURBS), ("offsets.var", PARAMETERS), ("tool.tbl", TOOLS), ("block delete", "")]),
+    ]
+}
+
+fn run(input: &[u8]) {
+    let mut options = ReadOptions::default();
+    let mut program = Vec::new();
+    for (name, bytes) in split(input, "program.ngc") {
+        let text = String::from_utf8_lossy(&bytes);
+        match name {
+            "offsets.toml" | "offsets.var" => match Offsets::parse(&text, name) {
+                Ok(offsets) => {
+                    written_and_read(&offsets);
+                    options.offsets = Some(offsets);
+                }
+                Err(error) => return refused(error),
+            },
+            "tool.tbl" => match ToolTable::parse(&text, name) {
+                Ok(tools) => options.tools = Some(tools),
+                Err(error) => return refused(error),
+            },
+            "block delete" => options.block_delete = true,
+            _ => program = bytes,
+        }
+    }
+    match Program::read("program", &program, "program.ngc", &options) {
+        Err(error) => refused(error),
+        Ok(program) => {
+            accepted();
+            sound(&program);
+        }
+    }
+}
+
+/// LinuxCNC's own form of the offsets says the same.
+fn written_and_read(offsets: &Offsets) {
+    let again = Offsets::parse(&offsets.parameters(1.0), "again.var").unwrap_or_else(|error| panic!("{error}"));
+    let numbers = |offsets: &Offsets| {
+        let systems = offsets.systems.iter().flat_map(|system| system.offset.into_iter().chain([system.rotation_deg]));
+        systems.chain(offsets.g92).chain(offsets.home.into_iter().flatten()).collect::<Vec<_>>()
+    };
+    for (one, other) in numbers(offsets).into_iter().zip(numbers(&again)) {
+        assert!((one - other).abs() <= 1e-14 + 1e-15 * one.abs(), "{one} is read again as {other}");
+    }
+    assert_eq!((again.active, again.g92_active), (offsets.active, offsets.g92_active));
+}
+
+/// Every position finite, each move where the last one ended, no more pieces than are allowed.
+fn sound(program: &Program) {
+    let mut pieces = 0.0;
+    let mut last: Option<&Move> = None;
+    for element in &program.moves {
+        let (first, end) = element.curve.domain();
+        assert!(first < end, "line {}: a curve from {first} to {end}", element.line);
+        for u in [first, 0.5 * (first + end), end] {
+            let at = element.curve.position(u);
+            assert!(at.iter().chain(&element.rotary(u)).all(|x| x.is_finite()), "line {}: {at:?} at {u}", element.line);
+            assert!(element.curve.speed(u).is_finite());
+        }
+        let length = element.length();
+        assert!(length.is_finite() && length > 0.0, "line {}: a length of {length}", element.line);
+        assert!(element.rapid || (element.planned_feed_per_min().is_finite() && element.feed_per_min > 0.0));
+        pieces += (element.curve.length() / 8.0).max(element.turn.angle() / 5.0).max(1.0);
+        if let Some(last) = last {
+            joined_to(last, element);
+        }
+        saw((element.rapid, element.tool_center, matches!(element.curve, Curve::Nurbs { .. })));
+        last = Some(element);
+    }
+    assert!(pieces <= 1.01 * MOST_PIECES as f64, "{pieces} pieces");
+    assert!(program.length().is_finite());
+    let machine = machines::five_axes();
+    match program.check_axes(&machine).and_then(|()| {
+        program.check_duration(1000.0, |m| if m.rapid { 100.0 } else { m.planned_feed_per_min() / 60.0 })
+    }) {
+        Ok(()) => saw("runs"),
+        Err(error) => refused(error),
+    }
+    program.notes.iter().for_each(|note| assert!(!note.to_string().is_empty()));
+}
+
+fn joined_to(last: &Move, element: &Move) {
+    if last.tool_center != element.tool_center {
+        return;
+    }
+    let from = last.curve.position(last.curve.domain().1);
+    let to = element.curve.position(element.curve.domain().0);
+    let scale = from.iter().fold(1.0_f64, |scale, x| scale.max(x.abs()));
+    let gap = from.iter().zip(to).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(gap <= 1e-9 * scale, "line {} begins {gap} mm from where line {} ends", element.line, last.line);
+    let turned = last.turn.end().iter().zip(element.turn.start).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(turned <= 1e-9 * scale.max(1e6), "line {} begins {turned} degrees off", element.line);
+}

@@ -1,0 +1,148 @@
+//! Compensation files of other controls, a target for each format.
+
+use crate::outcome::{accepted, refused, saw};
+use crate::{Target, no_repair};
+use std::path::Path;
+use trueaxis::Axis;
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::formats::linuxcnc::CompFileType;
+use trueaxis_tables::formats::{ExportOptions, Format, Imported, Loss, export, import};
+use trueaxis_tables::text::decode;
+
+const DICTIONARY: &str = include_str!("../../dictionaries/import.dict");
+
+/// The file with a line before it: the letter of the axis that it is said to be for, or none.
+const fn target(name: &'static str, about: &'static str, run: fn(&[u8]), seeds: fn() -> Vec<Vec<u8>>) -> Target {
+    Target { name, about, run, seeds, repair: no_repair, dictionary: DICTIONARY }
+}
+
+/// LinuxCNC's `COMP_FILE` of type 0.
+pub const LINUXCNC_0: Target = target(
+    "import_linuxcnc_0",
+    "LinuxCNC COMP_FILE, type 0",
+    |input| run(Format::LinuxCnc(CompFileType::Positions), input),
+    || {
+        vec![
+            b"X\n-1.000 -1.005 -0.995\n0.000 0.002 -0.003 # home\r\n1.000 1.003 0.998\n\n".to_vec(),
+            b"C\n0 0 0\n180 180.001 180.001\n360 360 360\n".to_vec(),
+        ]
+    },
+);
+
+/// LinuxCNC's `COMP_FILE` of type 1.
+pub const LINUXCNC_1: Target = target(
+    "import_linuxcnc_1",
+    "LinuxCNC COMP_FILE, type 1",
+    |input| run(Format::LinuxCnc(CompFileType::Trims), input),
+    || {
+        vec![
+            b"Y\n-1.000 0.005 -0.005\n0.000 -0.002 0.003\n1.000 -0.003 0.002\n".to_vec(),
+            b"A\n0 0 0\n180 -0.001 -0.0010\n360 0 0\n".to_vec(),
+        ]
+    },
+);
+
+/// `$AA_ENC_COMP` of Siemens.
+pub const SIEMENS: Target = target(
+    "import_siemens",
+    "Siemens $AA_ENC_COMP",
+    |input| run(Format::Siemens, input),
+    || {
+        let one = "\n%_N_AX_EEC_INI\nCHANDATA(1)\n$AA_ENC_COMP[0,0,X1]=0.012 ; point\nN20 $AA_ENC_COMP[0,1,X1]=-0.018\n\
+            $AA_ENC_COMP[0,2,X1]=0.0035\n$AA_ENC_COMP_STEP[0,X1]=50.0\n$AA_ENC_COMP_MIN[0,X1]=0.0\n\
+            $AA_ENC_COMP_MAX[0,X1]=100.0\n$AA_ENC_COMP_IS_MODULO[0,X1]=0\nM17\n";
+        let round = "C\n$AA_ENC_COMP[1,0,AX4]=0\n$AA_ENC_COMP[1,1,AX4]=0.001\n$AA_ENC_COMP[1,2,AX4]=0\n$AA_ENC_COMP_STEP[1,AX4]=180\n\
+            $AA_ENC_COMP_MIN[1,AX4]=0\n$AA_ENC_COMP_MAX[1,AX4]=360\n$AA_ENC_COMP_IS_MODULO[1,AX4]=1\n";
+        vec![one.into(), round.into()]
+    },
+);
+
+/// Volumetric CSV of ISG and Beckhoff.
+pub const ISG: Target = target(
+    "import_isg",
+    "volumetric compensation of ISG and Beckhoff",
+    |input| run(Format::Isg, input),
+    || {
+        let own = "\n// trueaxis chain: w C' X' b Z t\n// trueaxis model: volumetric\n// trueaxis tool_mm: 0 0 -250\n\
+            // trueaxis axis X travel_mm: -500 500\n// trueaxis axis C direction: -1\n// trueaxis axis C offset_mm: 0 1 0\n\
+            B0Z\tC0Y\tX0C\tB0C\n0.00002\t-0.000035\t0.012\t-0.000014\n#\nX\tEXX\tEYX\tECX\n0\t0.012\t0\t0\n\
+            50\t-0.018\t0\t0\n100\t0.0035\t0.004\t-0.000007\n#\nC\tEXC\tECC\n0\t0\t0\n180\t0.002\t0.000017453\n360\t0\t0\n";
+        let foreign = "\nA0Z B0Z C0Y\n2e-5, 0, 3e-5\n#\nY EXY EYY EZY EAY EBY ECY\n0 0.02 0.01 0.07 0 0.0042 0.003\n10;0;0;0;0;0;0\n";
+        vec![own.into(), foreign.into()]
+    },
+);
+
+/// Measured deviations in the layouts of ISO 230-2.
+pub const ISO230_2: Target = target(
+    "import_iso230_2",
+    "measured deviations, ISO 230-2",
+    |input| run(Format::Iso230_2, input),
+    || {
+        let list = "\n# laser\nC_deg,run,direction,deviation_urad\n0,1,+,0\n0,1,-,0\n180,1,+,17.453\n180,1,-,17.5\n360,1,+,0\n360,1,-,0\n";
+        let matrix =
+            "X\nposition_mm;fwd_1_um;rev_1_um;fwd_2_um;rev_2_um\n-10,5;1;2,5;1,25;2\n0;0;1;0;1\n10;-1;0,5;-1;0\n";
+        vec![list.into(), matrix.into()]
+    },
+);
+
+fn run(format: Format, input: &[u8]) {
+    let Some(end) = input.iter().position(|byte| *byte == b'\n') else { return refused("no line for the axis") };
+    let (head, rest) = input.split_at(end);
+    let axis = match head {
+        [letter] => Axis::from_letter(char::from(*letter)),
+        _ => None,
+    };
+    let file = Path::new("given");
+    // As the command line does: comments of other programs may be in any encoding.
+    let text = match decode(rest[1..].to_vec(), file, &['#', ';']) {
+        Ok(text) => text,
+        Err(error) => return refused(error),
+    };
+    match import(format, &text, file, axis) {
+        Err(error) => refused(error),
+        Ok(imported) => {
+            accepted();
+            used(format, axis, &imported);
+        }
+    }
+}
+
+/// The machine that comes of it is one, or is refused in words; in the same format again, it can be read.
+fn used(format: Format, axis: Option<Axis>, imported: &Imported) {
+    for (axis, table) in &imported.tables {
+        assert!(table.rows.len() >= 2 && table.given.contains(&true), "a table of {} without content", axis.letter());
+        let numbers = table.rows.iter().flat_map(|row| row.forward.iter().chain(&row.reverse).chain([&row.position]));
+        assert!(numbers.into_iter().all(|number| number.is_finite()));
+        assert!(table.rows.windows(2).all(|rows| rows[0].position < rows[1].position));
+    }
+    let files = Memory::new(imported.machine_files("imported"));
+    let machine = match Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}) {
+        Ok(machine) => machine,
+        Err(error) => return refused(error),
+    };
+    saw("machine");
+    for (axis, table) in &imported.tables {
+        let rows = machine.rows(*axis).unwrap_or_else(|| panic!("the table of {} is lost", axis.letter()));
+        assert_eq!(rows.len(), table.rows.len());
+        for (read, row) in rows.iter().zip(&table.rows) {
+            let pairs = read.forward.iter().zip(&row.forward).chain(read.reverse.iter().zip(&row.reverse));
+            let off = pairs.map(|(a, b)| (a - b).abs()).fold((read.position - row.position).abs(), f64::max);
+            assert!(off < 1e-9, "{axis:?}: written and read again a line is off by {off}");
+        }
+    }
+    let axis = axis.filter(|_| matches!(format, Format::LinuxCnc(_) | Format::Iso230_2));
+    let options = ExportOptions { loss: Loss::Drop, axis, ..ExportOptions::default() };
+    match export(format, &machine, &options) {
+        Err(error) => refused(error),
+        Ok(exported) => {
+            assert!(!exported.files.is_empty());
+            for (name, text) in &exported.files {
+                if let Err(error) = import(format, text, Path::new(name), axis) {
+                    // A grid finer than the digits of the format is the reader's to refuse.
+                    refused(error);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! `machine.toml` with its tables, as the command line reads, checks and compiles them.
+
+use crate::outcome::{accepted, refused, saw};
+use crate::parts::{joined, split};
+use crate::{Target, machines, no_repair};
+use std::path::Path;
+use trueaxis::tcomp::Tcomp;
+use trueaxis_evaluation::check::{compiled, findings};
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::Memory;
+
+/// All files of a machine in one text: the name of each on a line of its own between `==` and `==`.
+pub const TARGET: Target = Target {
+    name: "machine",
+    about: "machine.toml with axis tables in CSV: read, checked, compiled",
+    run,
+    seeds,
+    repair: no_repair,
+    dictionary: include_str!("../../dictionaries/machine.dict"),
+};
+
+const RATE_HZ: f64 = 10_000.0;
+
+fn seeds() -> Vec<Vec<u8>> {
+    machines::ALL.iter().map(|files| joined(files)).collect()
+}
+
+fn run(input: &[u8]) {
+    let files = Memory::new(split(input, "machine.toml"));
+    let name = Path::new("machine.toml");
+    let machine = match Machine::read_from(&files, name, &mut |_| saw("dialect")) {
+        Ok(machine) => machine,
+        Err(error) => return refused(error),
+    };
+    match compiled(&machine, &files, name, RATE_HZ) {
+        Err(error) => refused(error),
+        Ok(bytes) => {
+            accepted();
+            compiles(&machine, &bytes);
+        }
+    }
+}
+
+/// What was compiled is loaded, says what was read, and can be shown.
+fn compiles(machine: &Machine, bytes: &[u8]) {
+    let file = Tcomp::parse(bytes).unwrap_or_else(|error| panic!("compiled, but refused where it is loaded: {error}"));
+    let mut again = Machine::from_tcomp(&file);
+    for (again, settings) in again.settings.axes.iter_mut().zip(&machine.settings.axes) {
+        // The one thing that a compiled file does not say.
+        again.encoder_resolution = settings.encoder_resolution;
+    }
+    assert_eq!(again, *machine);
+    let found = findings(machine, &file, RATE_HZ);
+    let texts = found.warnings.iter().map(ToString::to_string).chain([found.summary.to_string()]);
+    for text in texts {
+        assert!(!text.is_empty() && !text.contains("NaN") && !text.contains("inf "), "{text}");
+    }
+    for warning in &found.warnings {
+        saw(std::mem::discriminant(warning));
+    }
+}

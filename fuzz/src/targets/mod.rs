@@ -1,0 +1,67 @@
+//! The untrusted inputs, one file each.
+
+pub mod c_calls;
+pub mod circle;
+pub mod convert;
+pub mod desk;
+pub mod friction;
+pub mod gcode;
+pub mod identify;
+pub mod import;
+pub mod learn;
+pub mod machine;
+pub mod path;
+pub mod positions;
+pub mod probes;
+pub mod recording;
+pub mod scenario;
+pub mod tcomp;
+pub mod telemetry;
+pub mod tlearn;
+
+use crate::Target;
+
+/// Gives the list of all targets to a macro, in the order of the report: `name: its constant`, for what is made once for each.
+#[macro_export]
+macro_rules! for_each_target {
+    ($make:ident) => {
+        $make! {
+            tcomp: $crate::targets::tcomp::TARGET,
+            machine: $crate::targets::machine::TARGET,
+            import_linuxcnc_0: $crate::targets::import::LINUXCNC_0,
+            import_linuxcnc_1: $crate::targets::import::LINUXCNC_1,
+            import_siemens: $crate::targets::import::SIEMENS,
+            import_isg: $crate::targets::import::ISG,
+            import_iso230_2: $crate::targets::import::ISO230_2,
+            gcode: $crate::targets::gcode::TARGET,
+            path: $crate::targets::path::TARGET,
+            convert: $crate::targets::convert::TARGET,
+            c_calls: $crate::targets::c_calls::TARGET,
+            circle: $crate::targets::circle::TARGET,
+            desk: $crate::targets::desk::TARGET,
+            friction: $crate::targets::friction::TARGET,
+            identify: $crate::targets::identify::TARGET,
+            learn: $crate::targets::learn::TARGET,
+            positions: $crate::targets::positions::TARGET,
+            probes: $crate::targets::probes::TARGET,
+            recording: $crate::targets::recording::TARGET,
+            scenario: $crate::targets::scenario::TARGET,
+            telemetry: $crate::targets::telemetry::TARGET,
+            tlearn: $crate::targets::tlearn::TARGET,
+        }
+    };
+}
+
+macro_rules! list {
+    ($($name:ident: $target:path,)*) => {
+        /// All of them.
+        pub const TARGETS: &[&Target] = &[$(&$target),*];
+    };
+}
+
+for_each_target!(list);
+
+/// The target of a name.
+pub fn named(name: &str) -> Option<&'static Target> {
+    TARGETS.iter().copied().find(|target| target.name == name)
+}

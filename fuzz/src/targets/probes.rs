@@ -1,0 +1,110 @@
+//! Readings of three probes: `trueaxis roundness` and the desk.
+
+use crate::alone::alone;
+use crate::{Target, no_repair, outcome, refusal};
+use anyhow::Result;
+use std::path::Path;
+use trueaxis_evaluation::probes::Probes;
+use trueaxis_evaluation::roundness::{COLUMNS, Evaluation, Plan, Request, Zones};
+use trueaxis_evaluation::rows::Rows;
+
+/// See [`Target`].
+pub const TARGET: Target = Target {
+    name: "probes",
+    about: "readings of three probes (CSV), with angles and without, through separation and evaluation",
+    run,
+    seeds,
+    repair: no_repair,
+    dictionary: include_str!("../../dictionaries/csv.dict"),
+};
+
+const FILE: &str = "probes.csv";
+/// Points of a revolution: the fewest that are taken.
+const POINTS: usize = 64;
+/// Rows beyond which evaluation is not worth its time here.
+const MOST_ROWS: usize = 3 * POINTS;
+
+/// What is asked, by the length of the input: without a filter, with one, with an arm.
+fn plans() -> [Plan; 3] {
+    let plain = Request {
+        probes: Probes { n: POINTS, harmonics: Some([2, 15]), p: Some(11), q: Some(14), ..Probes::default() },
+        arm: None,
+        upr: None,
+        noise_gain_limit: 10.0,
+    };
+    let filtered = Request { upr: Some(15), noise_gain_limit: 3.0, ..plain.clone() };
+    let arm = Request { arm: Some([40.0, 300.0, 30.0]), ..plain.clone() };
+    [plain, filtered, arm].map(|request| request.plan().expect("a good request"))
+}
+
+thread_local! {
+    static PLANS: [Plan; 3] = plans();
+}
+
+fn run(bytes: &[u8]) {
+    if bytes.iter().filter(|byte| matches!(byte, b'\n' | b'\r')).count() > MOST_ROWS {
+        return;
+    }
+    let evaluate = |plan: &Plan| -> Result<Evaluation> {
+        let mut rows = Rows::new(bytes, Path::new(FILE), &COLUMNS, |_| {})?;
+        let readings = plan.read(&mut rows)?;
+        drop(rows);
+        let lengths = readings.probes.each_ref().map(Vec::len);
+        assert!(lengths[0] > 0 && lengths[0].is_multiple_of(POINTS) && lengths == [lengths[0]; 3], "{lengths:?}");
+        readings.note(plan.points()).iter().for_each(outcome::refused);
+        let separations = plan.separate(&readings, || {})?;
+        plan.evaluate(&separations, readings.resampling)
+    };
+    let found = PLANS.with(|plans| alone(|| evaluate(&plans[bytes.len() % 3])));
+    match found {
+        Ok(found) => accepted(&found),
+        Err(error) => refusal::of_file(&format!("{error:#}"), FILE, bytes),
+    }
+}
+
+/// Finite figures, of which none contradicts another.
+fn accepted(found: &Evaluation) {
+    let document = &found.document;
+    assert_eq!(document.n, POINTS);
+    assert_eq!(document.per_revolution.len(), document.revolutions);
+    let json = serde_json::to_string(document).expect("a document");
+    // serde_json writes what is no number as null; here two things may be null.
+    let nulls = usize::from(document.upr.is_none()) + 2 * usize::from(document.spindle.x.asynchronous_um.is_none());
+    assert_eq!(json.matches(":null").count(), nulls, "{json}");
+    let mut curves = found.profile.iter().chain(&found.x.mean_contour).chain(&found.y.mean_contour);
+    assert!(curves.all(|value| value.is_finite()));
+    for Zones { lsc_um, mzc_um, mic_um, mcc_um } in
+        document.per_revolution.iter().map(|revolution| revolution.zones).chain([document.zones])
+    {
+        let rounding = 1e-9 * (1.0 + lsc_um);
+        for zone in [lsc_um, mic_um, mcc_um] {
+            assert!(0.0 <= mzc_um && mzc_um <= zone + rounding, "{json}");
+        }
+    }
+    assert!(
+        document
+            .harmonics
+            .iter()
+            .all(|harmonic| harmonic.amplitude_um >= 0.0 && !(harmonic.suppressed && harmonic.amplitude_um > 0.0))
+    );
+    outcome::accepted();
+    outcome::saw((document.revolutions, document.resampling.is_some()));
+    document.warnings.iter().for_each(outcome::refused);
+}
+
+fn seeds() -> Vec<Vec<u8>> {
+    let angle = |i: usize| std::f64::consts::TAU * i as f64 / POINTS as f64;
+    let reading = |i: usize, slot: usize| (2.0 * (3.0 * (angle(i) + angle(slot))).cos() + 10.0 * angle(i).sin()) as f32;
+    let row = |i: usize| [0, 11, 25].map(|slot| format!("{:.1}", reading(i, slot)));
+    let mut plain = String::from("h1_um,h2_um,h3_um\n");
+    let mut angles = String::from("theta_deg;h1_um;h2_um;h3_um\n");
+    for i in 0..POINTS {
+        plain += &(row(i).join(",") + "\n");
+        angles += &format!("{};{}\n", 5.625 * i as f64, row(i).join(";")).replace('.', ",");
+    }
+    for i in POINTS..POINTS + 4 {
+        angles += &format!("{};{}\n", 5.625 * (i - POINTS) as f64, row(i).join(";")).replace('.', ",");
+    }
+    let (more, most) = (plain.clone() + "#\n", plain.clone() + "# \n");
+    [plain, angles, more, most].map(String::into_bytes).into()
+}

@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# Runs the component under the sanitizers of addresses, leaks, undefined behaviour and threads, with the library built by
+# the same ones: in one process on a double of HAL (tests/sanitize), attacked at every input, its files exchanged and
+# damaged under way, calls of HAL failing one at a time. Each sanitizer has planted defects that it must report.
+#
+#   sanitize.sh
+#   sanitize.sh --quick    addresses, leaks and undefined behaviour; fewer cycles; Rust's standard library as it is
+#
+# Installs LinuxCNC's headers from Debian where root may.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+exec </dev/null
+
+bursts=100 every=5 quick=()
+case ${1-} in
+'') ;;
+--quick) bursts=10 every=29 quick=(--quick) ;;
+*) sed -n "6,7s/^# *//p" "${BASH_SOURCE[0]##*/}" >&2; exit 2 ;;
+esac
+root=$(cd ../.. && pwd)
+"$root/.ci/install" linuxcnc-uspace-dev gcc libc6-dev
+target=${CARGO_TARGET_DIR:-$root/target}
+out=$target/linuxcnc-sanitize
+mkdir -p "$out"
+library=$root/crates/trueaxis-capi/sanitize.sh
+# As test.sh builds it.
+(cd "$root" && cargo build --quiet --profile test --package trueaxis-cli)
+tables() { # name, machine
+    "$target/debug/trueaxis" tables compile "$2" -o "$out/$1.tcomp" >"$out/$1.txt" 2>&1
+}
+tables mill "$root/compensation-tables/mill-3axis/machine.toml"
+for name in stream gantry gauge trt; do tables "$name" "machines/$name/machine.toml"; done
+for name in left right; do tables "$name" "machines/gantry/$name.toml"; done
+# The same machine with larger errors, to be exchanged for.
+rm -rf "$out/other"
+cp -r machines/gantry "$out/other"
+sed -i 's/^C0Y_urad = .*/C0Y_urad = 30.0/' "$out/other/machine.toml"
+tables other "$out/other/machine.toml"
+
+export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:halt_on_error=1
+export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 TSAN_OPTIONS=halt_on_error=1
+build_library() { # sanitizer
+    built=$("$library" "${quick[@]}" --library "$1")
+}
+compile() { # sanitizer of the library that was built last, program, folder of the component
+    local flags=(-fsanitize="$1")
+    [[ $1 != address ]] || flags=(-fsanitize=address,undefined -fno-sanitize-recover=all)
+    # The flags of LinuxCNC's Makefile.modinc that change the code.
+    gcc -std=gnu11 -O1 -g -Wall -Wextra -Werror -fPIC -DRTAPI -DUSPACE -DSIM -D_GNU_SOURCE -Drealtime -D__MODULE__ \
+        -fno-fast-math -fno-builtin-sin -fno-builtin-cos -I/usr/include/linuxcnc -I"$root/crates/trueaxis-capi/include" \
+        "${flags[@]}" "$3"/*.c tests/sanitize/*.c "$built" -lpthread -ldl -lm -o "$out/$2"
+}
+drive() { # program, cycles, call of HAL that fails, words of loadrt, files to exchange
+    local program=$1 cycles=$2 fails=$3
+    shift 3
+    timeout 300 "$out/$program" "$cycles" 1 "$fails" 1000000 "$@"
+}
+gantry=(tables="$out/live.tcomp" joints=XYYZ joint_tables="1=$out/left.tcomp,2=$out/right.tcomp")
+exchanged=(-- "$out/gantry.tcomp" "$out/other.tcomp" "$out/mill.tcomp")
+put_gantry() {
+    rm -rf "$out/live.tcomp"
+    cp "$out/gantry.tcomp" "$out/live.tcomp"
+}
+run_gantry() { # program, cycles
+    put_gantry
+    drive "$1" "$2" 0 "${gantry[@]}" "${exchanged[@]}"
+}
+must_fail() { # name, sanitizer, words needed, file of the component, change of it
+    local name=$1 sanitizer=$2 words=$3 file=$4 change=$5
+    rm -rf "$out/$name.c"
+    cp -r component "$out/$name.c"
+    sed -i "$change" "$out/$name.c/"$file
+    if diff -rq component "$out/$name.c" >/dev/null; then
+        echo "sanitize.sh: found nothing to change by '$change' in $file, needed a planted defect" >&2
+        exit 1
+    fi
+    compile "$sanitizer" "$name" "$out/$name.c"
+    if run_gantry "$name" 4000 >"$out/$name.log" 2>&1 || ! grep -q "$words" "$out/$name.log"; then
+        echo "sanitize.sh: the planted defect '$name' was not found: needed '$words', see $out/$name.log" >&2
+        exit 1
+    fi
+    echo "planted defect found: $name, $words"
+}
+
+machines() { # sanitizer
+    local cycles=$((200 * bursts))
+    build_library "$1"
+    compile "$1" "$1" component
+    run_gantry "$1" "$cycles"
+    drive "$1" "$cycles" 0 names=left,right tables="$out/stream.tcomp,$out/gantry.tcomp" joints=XYZ,XYYZ \
+        joint_tables="right:1=$out/left.tcomp"
+    drive "$1" "$cycles" 0 tables="$out/gauge.tcomp" inch=1
+    drive "$1" "$cycles" 0 tables="$out/trt.tcomp"
+    # The thread has another period than was said.
+    drive "$1" 200 0 tables="$out/mill.tcomp" servo_period_nsec=500000
+}
+refused() { # words of loadrt
+    local result=0
+    drive address 200 0 "$@" >"$out/refused.txt" || result=$?
+    [[ $result == 3 ]] || { cat "$out/refused.txt"; echo "sanitize.sh: $*: found result $result, needed 3" >&2; exit 1; }
+}
+
+machines address
+head -c 3000 "$out/mill.tcomp" >"$out/cut.tcomp"
+refused count=5 tables=x
+refused tables="$out/cut.tcomp"
+refused tables="$out/none.tcomp"
+refused tables="$(printf '%01024d' 7)"
+refused names="$(printf '%022d' 7)" tables="$out/mill.tcomp"
+refused tables="$out/mill.tcomp" joints=XYZABCXYZA
+refused tables="$out/mill.tcomp" joints=XXYYZZABC
+refused tables="$out/mill.tcomp" joints=XYZ joint_tables="9=$out/left.tcomp"
+refused tables="$out/gantry.tcomp" joints=XYYZ joint_tables="1=$out/mill.tcomp"
+# The first seven calls of HAL and every so many of the others fail, one in each run.
+put_gantry
+calls=$(drive address 2000 0 "${gantry[@]}" | sed -n 's/ calls of HAL.*//p')
+for ((n = 1; n <= calls; n += n < 8 ? 1 : every)); do
+    result=0
+    drive address 200 "$n" "${gantry[@]}" >"$out/fails.txt" || result=$?
+    [[ $result == 3 ]] || { echo "sanitize.sh: call $n of HAL fails: found result $result, needed 3" >&2; exit 1; }
+done
+echo "of $calls calls of HAL the first seven and every ${every}th of the others failed, one in each run"
+must_fail short-memory address 'AddressSanitizer: heap-buffer-overflow' pins.c 's/hal_malloc(sizeof \*pins)/hal_malloc(sizeof pins)/'
+must_fail late-thread address 'AddressSanitizer: heap-use-after-free' reload.c '/pthread_join(thread, NULL);/d; /atomic_store(&ending, true);/d'
+must_fail wide-shift address 'shift exponent' show.c 's/record->limited >> a/record->limited >> (a + 31)/'
+[[ ${#quick[@]} == 0 ]] || exit 0
+machines thread
+must_fail loose-order thread 'ThreadSanitizer: data race' '*.c' 's/memory_order_\(release\|acquire\|acq_rel\)/memory_order_relaxed/'

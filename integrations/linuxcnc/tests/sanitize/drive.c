@@ -1,0 +1,230 @@
+/* Loads the component into the double of HAL, runs each instance in a servo thread of its own while its file is exchanged,
+ * and unloads it.
+ *
+ *   drive CYCLES SEED FAILS PERIOD WORD... [-- FILE...]
+ *
+ * FAILS: the call of HAL that fails (0: none); PERIOD of the threads, ns; WORD: as after `loadrt trueaxis`;
+ * FILE: tables of the first instance's machine, which take the place of its file in turn, some of them damaged.
+ * Prints how many cycles, exchanges and refusals there were. Results: 0; 1 where an output is not a number, something hangs,
+ * or nothing came to pass; 3 where the component refused to be loaded.
+ */
+#include "double.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define MAX_THREADS 4
+#define CYCLES_OF_A_BURST 200
+#define TRIES 4000
+
+extern int rtapi_app_main(void);
+extern void rtapi_app_exit(void);
+/* As `loadrt` finds the parameters. */
+#define PARAMETER(name) extern void *rtapi_info_address_##name;
+PARAMETER(count) PARAMETER(names) PARAMETER(tables) PARAMETER(joints) PARAMETER(joint_tables) PARAMETER(inch)
+PARAMETER(servo_period_nsec)
+extern int rtapi_info_size_names, rtapi_info_size_tables, rtapi_info_size_joints, rtapi_info_size_joint_tables,
+    rtapi_info_size_inch;
+
+struct servo_thread {
+    char instance[HAL_NAME_LEN + 1];
+    struct function *feedback, *output;
+    long cycles, period;
+    struct motion motion;
+    const char *path;
+    char **files;
+    int file_count;
+    long reloads, refused, active, stopped;
+    bool broken;
+};
+
+static int complained;
+static void hear(const char *line)
+{
+    (void)line;
+    __atomic_add_fetch(&complained, 1, __ATOMIC_RELAXED);
+}
+
+/* Pins of the component's other thread: HAL says nothing of their order, and the user reads them from another process. */
+__attribute__((no_sanitize("thread"), noinline)) static uint32_t seen(const struct pin *pin)
+{
+    return pin->type == HAL_BIT ? pin->value->b : pin->value->u;
+}
+
+static void text_parameter(void *address, int size, char *text)
+{
+    char **list = address, *rest = NULL;
+    int n = 0;
+    for (char *word = strtok_r(text, ",", &rest); word && n < size; word = strtok_r(NULL, ",", &rest))
+        list[n++] = word;
+}
+
+static void parameter(char *word)
+{
+    char *value = strchr(word, '=');
+    if (!value)
+        exit(2);
+    *value++ = '\0';
+    if (strcmp(word, "count") == 0)
+        *(int *)rtapi_info_address_count = atoi(value);
+    else if (strcmp(word, "servo_period_nsec") == 0)
+        *(long *)rtapi_info_address_servo_period_nsec = atol(value);
+    else if (strcmp(word, "inch") == 0)
+        *(int *)rtapi_info_address_inch = atoi(value);
+    else if (strcmp(word, "names") == 0)
+        text_parameter(rtapi_info_address_names, rtapi_info_size_names, value);
+    else if (strcmp(word, "tables") == 0)
+        text_parameter(rtapi_info_address_tables, rtapi_info_size_tables, value);
+    else if (strcmp(word, "joints") == 0)
+        text_parameter(rtapi_info_address_joints, rtapi_info_size_joints, value);
+    else if (strcmp(word, "joint_tables") == 0)
+        text_parameter(rtapi_info_address_joint_tables, rtapi_info_size_joint_tables, value);
+    else
+        exit(2);
+}
+
+/* Outputs that motion and the drives go by are numbers, whatever the inputs are. */
+static void look(struct servo_thread *thread)
+{
+    size_t length = strlen(thread->instance);
+    for (int i = 0; i < double_pin_count; i++) {
+        const struct pin *pin = &double_pins[i];
+        if (pin->type != HAL_FLOAT || strncmp(pin->name, thread->instance, length) != 0)
+            continue;
+        if ((strstr(pin->name, ".motor-pos-cmd-out") || strstr(pin->name, ".motor-pos-fb-out")) && !isfinite(pin->value->f)) {
+            fprintf(stderr, "drive: %s: found %g, needed a number\n", pin->name, pin->value->f);
+            thread->broken = true;
+        }
+    }
+}
+
+static void cycle(struct servo_thread *thread, enum inputs kind)
+{
+    inputs_set(thread->instance, &thread->motion, kind);
+    thread->feedback->call(thread->feedback->argument, thread->period);
+    thread->output->call(thread->output->argument, thread->period);
+    look(thread);
+    thread->active += double_pin(thread->instance, "active")->value->b;
+    thread->stopped += double_pin(thread->instance, "stop-request")->value->b;
+}
+
+/* Asks for an exchange and goes on until it has been answered. */
+static void reload(struct servo_thread *thread)
+{
+    const struct timespec pause = {0, 1000000};
+    const struct pin *reloads = double_pin(thread->instance, "reloads");
+    hal_bit_t *wanted = &double_pin(thread->instance, "reload")->value->b;
+    uint32_t before = seen(reloads);
+    files_change(thread->path, thread->files, thread->file_count, &thread->motion);
+    *wanted = 1;
+    int tries = 0;
+    while (seen(reloads) == before && tries++ < TRIES) {
+        cycle(thread, inputs_random(&thread->motion) & 1 ? ATTACK : SOUND);
+        nanosleep(&pause, NULL);
+    }
+    *wanted = 0;
+    cycle(thread, SOUND);
+    if (seen(reloads) == before) {
+        fprintf(stderr, "drive: no answer to reload\n");
+        thread->broken = true;
+    }
+    thread->reloads++;
+    thread->refused += seen(double_pin(thread->instance, "reload-failed"));
+}
+
+/* After an attack a stop stands: the machine is switched off, is where motion says, and is released by a reset. */
+static void release(struct servo_thread *thread)
+{
+    hal_bit_t *reset = &double_pin(thread->instance, "reset")->value->b;
+    for (int k = 0; k < 6; k++) {
+        inputs_set(thread->instance, &thread->motion, STANDING);
+        *reset = k == 3;
+        thread->feedback->call(thread->feedback->argument, thread->period);
+        thread->output->call(thread->output->argument, thread->period);
+        look(thread);
+    }
+    *reset = 0;
+}
+
+static void *run(void *argument)
+{
+    struct servo_thread *thread = argument;
+    for (long n = 0; n < thread->cycles && !thread->broken; n += CYCLES_OF_A_BURST) {
+        enum inputs kind = n > 0 && inputs_random(&thread->motion) & 1 ? ATTACK : SOUND;
+        for (int k = 0; k < CYCLES_OF_A_BURST && !thread->broken; k++)
+            cycle(thread, kind);
+        if (thread->file_count > 0)
+            reload(thread);
+        release(thread);
+    }
+    return NULL;
+}
+
+static int run_all(struct servo_thread threads[MAX_THREADS], int count)
+{
+    pthread_t ids[MAX_THREADS];
+    int broken = 0;
+    for (int i = 0; i < count; i++)
+        if (pthread_create(&ids[i], NULL, run, &threads[i]) != 0)
+            return 1;
+    for (int i = 0; i < count; i++) {
+        struct servo_thread *thread = &threads[i];
+        pthread_join(ids[i], NULL);
+        printf("%s: %ld cycles, active in %ld, stopped in %ld, %ld reloads of which %ld refused\n", thread->instance,
+               thread->cycles, thread->active, thread->stopped, thread->reloads, thread->refused);
+        /* Of either kind some, or it was no attack on a machine that runs. */
+        bool fits = *(long *)rtapi_info_address_servo_period_nsec == thread->period;
+        bool exchanged = thread->reloads > thread->refused && thread->refused > 0;
+        if (thread->broken || thread->stopped == 0 || fits != (thread->active > 0) ||
+            (thread->file_count > 0 && !exchanged))
+            broken = 1;
+    }
+    return broken;
+}
+
+int main(int argument_count, char **arguments)
+{
+    static struct servo_thread threads[MAX_THREADS];
+    if (argument_count < 6)
+        return 2;
+    long cycles = atol(arguments[1]), seed = atol(arguments[2]), period = atol(arguments[4]);
+    double_fails = atoi(arguments[3]);
+    double_hears = hear;
+    int n = 5;
+    for (; n < argument_count && strcmp(arguments[n], "--") != 0; n++)
+        parameter(arguments[n]);
+    n += n < argument_count;
+    int refused = rtapi_app_main();
+    if (refused) {
+        printf("refused: %d after %d calls of HAL\n", refused, double_calls);
+        return refused < 0 ? 3 : 1;
+    }
+    int count = double_function_count / 2;
+    for (int i = 0; i < count && i < MAX_THREADS; i++) {
+        struct servo_thread *thread = &threads[i];
+        thread->feedback = &double_functions[2 * i];
+        thread->output = &double_functions[2 * i + 1];
+        strcpy(thread->instance, thread->output->name);
+        *strrchr(thread->instance, '.') = '\0';
+        thread->cycles = cycles;
+        thread->period = period;
+        thread->motion.random = (uint64_t)(seed + i);
+        thread->motion.unit = ((int *)rtapi_info_address_inch)[i] ? 25.4 : 1.0;
+        if (i == 0 && n < argument_count) {
+            thread->path = ((char **)rtapi_info_address_tables)[0];
+            thread->files = arguments + n;
+            thread->file_count = argument_count - n;
+        }
+    }
+    int broken = run_all(threads, count);
+    printf("%d calls of HAL, %d lines\n", double_calls, __atomic_load_n(&complained, __ATOMIC_RELAXED));
+    rtapi_app_exit();
+    /* Whatever still runs reaches for memory that is gone. */
+    const struct timespec moment = {0, 30000000};
+    nanosleep(&moment, NULL);
+    return broken;
+}
