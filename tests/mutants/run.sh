@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Mutation of the core: all mutants in one build, each switched on for the tests that reach it. Survivors of an earlier
+# run are tried again, killed ones stay killed (--fresh forgets them). Options: run.sh --help.
+set -euo pipefail
+here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
+root="$(cd "$here/../.." && pwd)"
+target="${CARGO_TARGET_DIR:-$root/target}"
+tools="${TRUEAXIS_TOOLS:-$target/tools}"
+export PATH="$tools/bin:${CARGO_HOME:-$HOME/.cargo}/bin:$PATH"
+if ! command -v cargo-mutants >/dev/null; then
+    CARGO_TARGET_DIR="$tools/build" cargo install --quiet --locked --debug --root "$tools" cargo-mutants@27.1.0
+fi
+# Long tests run a part of their cases: what slips through is few, and every mutant runs them.
+export TRUEAXIS_TEST_SHARE="${TRUEAXIS_TEST_SHARE:-40}"
+CARGO_TARGET_DIR="$target/mutants/tool" cargo build --quiet --locked --manifest-path "$here/Cargo.toml"
+export CARGO_PROFILE_TEST_OPT_LEVEL="${CARGO_PROFILE_TEST_OPT_LEVEL:-1}"
+# The core's own tests, and those that hold its results to the last bit.
+killers=(--package trueaxis --package trueaxis-recording --tests=--lib)
+for test in bits kinematics direction tcomp digest; do killers+=(--tests=--test "--tests=$test"); done
+[[ " $* " == *" --tests="* ]] && killers=()
+exec "$target/mutants/tool/debug/trueaxis-mutants" "${killers[@]}" "$@"

@@ -1,0 +1,120 @@
+//! Mutants that are known to survive, each with its reason, and what the compiler has refused, from run to run.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde::Deserialize;
+
+use crate::list::Mutant;
+use crate::rewrite::Refused;
+
+#[derive(Deserialize)]
+struct File {
+    #[serde(default)]
+    mutant: Vec<Explained>,
+}
+
+/// Why a mutant survives.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Hash)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// No input tells it from the code.
+    #[default]
+    Equivalent,
+    /// Told apart only where two numbers are equal, and either answer keeps what is documented.
+    Border,
+    /// Results are those of the code, or as good within what is promised; what a cycle costs is not.
+    Cost,
+    /// It is not equivalent, and nothing has noticed it: the reason says what would.
+    Open,
+}
+
+/// Mutants that survive for the same reason.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Explained {
+    #[serde(default)]
+    pub kind: Kind,
+    /// Below `crates/trueaxis/src`.
+    pub file: String,
+    /// Without it, the whole file.
+    pub function: Option<String>,
+    /// As cargo-mutants says it, without the function: `replace < with <=`; without it, every one.
+    pub mutation: Option<Words>,
+    /// Part of the line of the source; without it, every such mutant of the function.
+    pub code: Option<Words>,
+    /// Which of several on the line, by the column that cargo-mutants gives.
+    pub column: Option<usize>,
+    /// For people.
+    pub reason: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+pub enum Words {
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Words {
+    fn any(&self, fits: impl Fn(&str) -> bool) -> bool {
+        match self {
+            Words::One(one) => fits(one),
+            Words::Several(all) => all.iter().any(|one| fits(one)),
+        }
+    }
+}
+
+impl Explained {
+    pub fn is(&self, mutant: &Mutant) -> bool {
+        let changes = |one: &str| {
+            mutant.change == one || mutant.change.strip_prefix(one).is_some_and(|rest| rest.starts_with(" in "))
+        };
+        mutant.file.strip_prefix(crate::list::SOURCE) == Some(self.file.as_str())
+            && self.function.as_ref().is_none_or(|function| mutant.function == *function)
+            && self.mutation.as_ref().is_none_or(|mutation| mutation.any(changes))
+            && self.code.as_ref().is_none_or(|code| code.any(|one| mutant.code.contains(one)))
+            && self.column.is_none_or(|column| mutant.column == column)
+    }
+}
+
+/// The first reason on the list for a mutant to survive.
+pub fn reason<'a>(list: &'a [Explained], mutant: &Mutant) -> Option<&'a Explained> {
+    list.iter().find(|one| one.is(mutant))
+}
+
+/// The list of reasons.
+pub fn explained(path: &Path) -> Result<Vec<Explained>> {
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    Ok(toml::from_str::<File>(&text).with_context(|| path.display().to_string())?.mutant)
+}
+
+/// Reads what was refused before; numbers follow the mutants of this run.
+pub fn refused(path: &Path, mutants: &[Mutant]) -> Refused {
+    let numbers: HashMap<String, usize> = mutants.iter().enumerate().map(|(n, m)| (m.key(), n)).collect();
+    let mut refused = Refused::default();
+    for line in std::fs::read_to_string(path).unwrap_or_default().lines() {
+        let Some((kind, rest)) = line.split_once('\t') else { continue };
+        let number = numbers.get(rest.split_once('\t').map_or(rest, |(key, _)| key)).copied();
+        match (kind, number) {
+            ("constant", _) => drop(refused.constant.insert(rest.to_string())),
+            ("mutant", Some(number)) => drop(refused.mutants.insert(number)),
+            ("place", Some(number)) => {
+                let forms = rest.split_once('\t').and_then(|(_, forms)| forms.parse().ok()).unwrap_or(1);
+                refused.places.insert(number, forms);
+            }
+            _ => {}
+        }
+    }
+    refused
+}
+
+/// Writes what was refused.
+pub fn keep(path: &Path, refused: &Refused, mutants: &[Mutant]) -> Result<()> {
+    let mut lines: Vec<String> = refused.constant.iter().map(|name| format!("constant\t{name}")).collect();
+    lines.extend(refused.mutants.iter().map(|&n| format!("mutant\t{}", mutants[n].key())));
+    lines.extend(refused.places.iter().map(|(&n, forms)| format!("place\t{}\t{forms}", mutants[n].key())));
+    lines.sort();
+    std::fs::write(path, lines.join("\n") + "\n").with_context(|| path.display().to_string())
+}

@@ -1,0 +1,136 @@
+//! The scratch copy of the workspace, with the core rewritten.
+
+use std::collections::{BTreeMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::list::Mutant;
+use crate::rewrite::{Refused, Rewritten, rewrite};
+
+/// Where things are.
+pub struct Scratch {
+    pub root: PathBuf,
+    pub workspace: PathBuf,
+    pub target: PathBuf,
+    /// Folder of the switch that the copy depends on. One for each copy: cargo tells packages by their place in the
+    /// workspace, and would take what was built of one copy for the other's.
+    switch: &'static str,
+}
+
+/// File → its rewritten form.
+pub type Files = BTreeMap<String, Rewritten>;
+
+impl Scratch {
+    /// Of all mutants, or of those on changed lines, which are rewritten in a copy of their own.
+    pub fn new(root: &Path, changed: bool) -> Self {
+        let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+        Scratch {
+            root: root.to_path_buf(),
+            workspace: target.join(if changed { "mutants/changed" } else { "mutants/workspace" }),
+            target,
+            switch: if changed { "switch-changed" } else { "switch" },
+        }
+    }
+
+    /// A file of the campaign beside the workspace.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.target.join("mutants").join(name)
+    }
+
+    /// Copies what git knows, and what is new; files that have not changed stay as they are.
+    pub fn copy(&self, rewritten: &Files) -> Result<()> {
+        let list = Command::new("git")
+            .current_dir(&self.root)
+            .args(["ls-files", "--cached", "--others", "--exclude-standard", "-z"])
+            .output()?;
+        if !list.status.success() {
+            bail!("git ls-files: {}", String::from_utf8_lossy(&list.stderr));
+        }
+        let list = String::from_utf8(list.stdout)?;
+        let names: HashSet<&str> = list.split('\0').filter(|name| !name.is_empty()).collect();
+        self.sweep(&self.workspace, &names)?;
+        for &name in &names {
+            if rewritten.contains_key(name) || name.starts_with("tests/mutants/") {
+                continue;
+            }
+            let Ok(content) = std::fs::read(self.root.join(name)) else { continue };
+            write(&self.workspace.join(name), &adapted(name, content, self.switch))?;
+        }
+        let switch = self.root.join("tests/mutants/switch");
+        for name in ["Cargo.toml", "src/lib.rs"] {
+            write(&self.file(self.switch).join(name), &std::fs::read(switch.join(name))?)?;
+        }
+        self.write(rewritten)
+    }
+
+    /// Takes away what is no longer there: a test that was moved would be built twice.
+    fn sweep(&self, folder: &Path, names: &HashSet<&str>) -> Result<()> {
+        let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
+        for entry in entries {
+            let path = entry?.path();
+            if path.is_dir() {
+                self.sweep(&path, names)?;
+                continue;
+            }
+            let name = path.strip_prefix(&self.workspace)?.to_string_lossy().into_owned();
+            if !names.contains(name.as_str()) || !self.root.join(&name).exists() {
+                std::fs::remove_file(&path)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the copy has these very files.
+    pub fn has(&self, rewritten: &Files) -> bool {
+        rewritten.iter().all(|(name, file)| {
+            std::fs::read(self.workspace.join(name)).is_ok_and(|there| there == file.text.as_bytes())
+        })
+    }
+
+    /// Writes the rewritten files.
+    pub fn write(&self, rewritten: &Files) -> Result<()> {
+        rewritten.iter().try_for_each(|(name, file)| write(&self.workspace.join(name), file.text.as_bytes()))
+    }
+
+    /// Rewrites every file that has a mutant.
+    pub fn rewrite(&self, mutants: &[Mutant], refused: &Refused) -> Result<Files> {
+        let mut by_file: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for (number, mutant) in mutants.iter().enumerate() {
+            by_file.entry(&mutant.file).or_default().push(number);
+        }
+        let mut site = 0;
+        let mut files = Files::new();
+        for (name, here) in by_file {
+            let text = std::fs::read_to_string(self.root.join(name))?;
+            let file = rewrite(&text, mutants, &here, refused, site).with_context(|| name.to_string())?;
+            site += file.sites;
+            files.insert(name.to_string(), file);
+        }
+        Ok(files)
+    }
+}
+
+/// The core depends on the switch, and does not warn of how its choices are written.
+fn adapted(name: &str, content: Vec<u8>, switch: &str) -> Vec<u8> {
+    let replace = |what: &str, with: &str| String::from_utf8_lossy(&content).replacen(what, with, 1).into_bytes();
+    match name {
+        "crates/trueaxis/Cargo.toml" => {
+            let dependency = format!("\n[dependencies]\nmutant-switch = {{ path = \"../../../{switch}\" }}\n");
+            replace("\n[dependencies]\n", &dependency)
+        }
+        "crates/trueaxis/src/lib.rs" => replace("#![no_std]\n", "#![no_std]\n#![allow(warnings)]\n"),
+        _ => content,
+    }
+}
+
+fn write(path: &Path, content: &[u8]) -> Result<()> {
+    if std::fs::read(path).is_ok_and(|there| there == content) {
+        return Ok(());
+    }
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    std::fs::write(path, content).with_context(|| path.display().to_string())
+}

@@ -1,0 +1,266 @@
+//! What the first stage has to make of an input: which commands and readings are believed, what stops, what freezes.
+
+use super::{Seen, Verdict, apart};
+use crate::walk::rule::{Broken, Rule, Tally};
+use crate::walk::scalar::{Place, Scalar};
+use trueaxis::Fault;
+use trueaxis::sample::Refusal;
+use trueaxis::telemetry::Status;
+
+/// A late cycle excuses no more periods than these.
+const LONGEST: f64 = 16.0;
+
+/// What commands and readings left behind.
+#[derive(Clone, Debug)]
+pub(super) struct Senses<P, const N: usize> {
+    /// A command was accepted.
+    pub(super) started: bool,
+    active: bool,
+    reset: bool,
+    pub(super) latched: Option<(Fault, u8)>,
+    known: u8,
+    /// The command in force.
+    pub(super) held: [P; N],
+    good: [P; N],
+    missing: [u16; N],
+    unmoved: [f64; N],
+}
+
+impl<P: Place, const N: usize> Default for Senses<P, N> {
+    fn default() -> Self {
+        let zero = [P::default(); N];
+        Senses {
+            started: false,
+            active: false,
+            reset: false,
+            latched: None,
+            known: 0,
+            held: zero,
+            good: zero,
+            missing: [0; N],
+            unmoved: [0.0; N],
+        }
+    }
+}
+
+/// A quantity against its limit: so near that rounding decides.
+#[derive(Clone, Copy, PartialEq)]
+enum Size {
+    Within,
+    Either,
+    Beyond,
+}
+
+fn size<P: Place>(value: f64, limit: f64) -> Size {
+    let grain = 2.0 * P::GRAIN + 1e-9 + 1e-6 * limit.min(1e3);
+    match value {
+        // Far beyond everything, also where the limit is infinite.
+        _ if limit == f64::INFINITY => Size::Within,
+        value if value <= limit - grain => Size::Within,
+        value if value <= limit + grain => Size::Either,
+        _ => Size::Beyond,
+    }
+}
+
+/// A limit as positions compare it, half a step above the last that is within.
+fn steps<P: Place>(limit: f64) -> f64 {
+    if P::GRAIN == 0.0 { limit } else { ((limit / P::GRAIN).round_ties_even() + 0.5) * P::GRAIN }
+}
+
+impl<P: Place, const N: usize> Senses<P, N> {
+    /// Takes an input; the verdict that has to follow. Where rounding decides, that of the output.
+    pub(super) fn expect<R: Scalar>(
+        &mut self,
+        tally: &mut Tally,
+        seen: &Seen<'_, '_, R, P, N>,
+    ) -> Result<Verdict, Broken> {
+        let (facts, input) = (seen.facts, &seen.moment.input);
+        let record = &seen.outcome.output.record;
+        let stops = record.status.has(Status::STOP_REQUEST);
+        let active = input.homed && input.enable;
+        let late = f64::from(input.elapsed_ns) > 1.25 * f64::from(facts.period_ns);
+        let told = (record.fault, record.fault_axis);
+        let due = self.command_faults(seen, active, late);
+        let any = due.iter().any(|fault| *fault != Fault::None) || input.refusal.fault != Fault::None;
+        let is_due = |(fault, axis): (Fault, u8)| match input.refusal {
+            Refusal::NONE => due.get(usize::from(axis)) == Some(&fault) && fault != Fault::None,
+            Refusal { fault: refused, slot } => (fault, axis) == (refused, slot),
+        };
+        let rising = input.reset && !self.reset && input.refusal == Refusal::NONE;
+        self.reset = input.reset;
+        let first = !self.started;
+        if self.latched.is_none() && !any {
+            let readings = self.readings(seen, &input.command, active && !first);
+            let joint = stops && told.0 == Fault::JointRange;
+            tally.that(Rule::StopsOnlyWhenDue, !stops || joint, || format!("{told:?} for {input:?}"))?;
+            (self.started, self.active) = (true, active);
+            let frozen = active && !first && late || readings.iter().any(|fault| *fault != Fault::None);
+            if !joint {
+                let fits = |(fault, axis): (Fault, u8)| {
+                    let late = fault == Fault::LateCycle && late && active && !first;
+                    late || fault != Fault::None && readings.get(usize::from(axis)) == Some(&fault)
+                };
+                if frozen {
+                    tally.that(Rule::Reading, fits(told), || format!("{told:?}, due {readings:?}, late: {late}"))?;
+                } else {
+                    tally
+                        .that(Rule::ReadingOnlyWhenDue, told.0 == Fault::None, || format!("{told:?} for {input:?}"))?;
+                }
+            }
+            return Ok(match (active, frozen) {
+                (false, _) => Verdict::Inactive,
+                (true, false) => Verdict::Active,
+                (true, true) => Verdict::Frozen,
+            });
+        }
+        let was_latched = self.latched;
+        if was_latched.is_none() {
+            tally.that(Rule::Stops, stops && is_due(told), || format!("{told:?}, due {due:?}, {input:?}"))?;
+            self.latched = Some(told);
+        }
+        let placed = self.started || self.placed(seen);
+        let near = self.near(seen);
+        let acceptable =
+            input.refusal == Refusal::NONE && due.iter().all(|fault| matches!(fault, Fault::None | Fault::CommandJump));
+        let held = self.held;
+        self.readings(seen, &held, self.active && !first);
+        let Some(latched) = was_latched else {
+            return Ok(if placed { Verdict::Held } else { Verdict::Nowhere });
+        };
+        let may = rising && placed && acceptable;
+        // Released, the range of a joint may be left at once again.
+        let goes_on = !stops || told.0 == Fault::JointRange;
+        let released = match near {
+            Size::Within if may => {
+                tally.that(Rule::ResetReleases, goes_on, || format!("{told:?}, {input:?}, held {held:?}"))?;
+                true
+            }
+            Size::Either if may => goes_on,
+            _ => {
+                let rule = if rising { Rule::ResetOnlyNear } else { Rule::Latches };
+                let found = || format!("{told:?} after {latched:?}, held {held:?}, due {due:?}, {input:?}");
+                tally.that(rule, stops && told == latched, found)?;
+                false
+            }
+        };
+        if released {
+            let quiet = stops || told.0 == Fault::None;
+            tally.that(Rule::ResetReleases, quiet, || format!("released with {told:?}"))?;
+            self.latched = None;
+            self.started = true;
+            self.unmoved = [0.0; N];
+            self.active = active;
+            return Ok(if active { Verdict::Active } else { Verdict::Inactive });
+        }
+        Ok(if placed { Verdict::Held } else { Verdict::Nowhere })
+    }
+
+    /// What is wrong with the command of each axis.
+    fn command_faults<R: Scalar>(&self, seen: &Seen<'_, '_, R, P, N>, active: bool, late: bool) -> [Fault; N] {
+        let (facts, input) = (seen.facts, &seen.moment.input);
+        let mut due = [Fault::None; N];
+        let periods = f64::from(input.elapsed_ns) / f64::from(facts.period_ns);
+        let periods = if late { periods.min(LONGEST) } else { 1.0 };
+        let record = &seen.outcome.output.record;
+        for k in 0..N {
+            let (axis, command) = (&facts.axes[k], input.command[k]);
+            if !command.is_usable() {
+                due[k] = Fault::CommandNotFinite;
+            } else if active && !command.is_within(&axis.travel) {
+                due[k] = Fault::CommandOutOfTravel;
+            } else if active && self.started && self.active {
+                due[k] = match size::<P>(apart(command, self.held[k]), axis.command_jump * periods) {
+                    Size::Beyond => Fault::CommandJump,
+                    Size::Either if (record.fault, usize::from(record.fault_axis)) == (Fault::CommandJump, k) => {
+                        Fault::CommandJump
+                    }
+                    _ => Fault::None,
+                };
+            }
+        }
+        due
+    }
+
+    /// Believes the readings that are plausible; what is wrong with each.
+    fn readings<R: Scalar>(&mut self, seen: &Seen<'_, '_, R, P, N>, command: &[P; N], watch: bool) -> [Fault; N] {
+        let input = &seen.moment.input;
+        let believed = &seen.outcome.output.record.feedback;
+        let mut faults = [Fault::None; N];
+        for k in 0..N {
+            let (axis, reading) = (&seen.facts.axes[k], input.feedback[k]);
+            let fault = if !reading.is_usable() {
+                Fault::FeedbackNotFinite
+            } else if input.encoder_alarm >> (k & 7) & 1 == 1 {
+                Fault::EncoderAlarm
+            } else if !watch {
+                Fault::None
+            } else {
+                // A reading that was missing may have gone on as long.
+                let limit = axis.feedback_jump * (1.0 + f64::from(self.missing[k]));
+                let jumps = size::<P>(apart(reading, self.good[k]), limit);
+                if jumps == Size::Beyond || jumps == Size::Either && believed[k] != reading {
+                    Fault::FeedbackJump
+                } else if reading != self.good[k] {
+                    self.unmoved[k] = 0.0;
+                    Fault::None
+                } else {
+                    if self.active {
+                        self.unmoved[k] += apart(command[k], self.held[k]);
+                    }
+                    // No output tells which axis it was of several: to the step.
+                    if self.unmoved[k] > steps::<P>(axis.stuck) { Fault::EncoderStuck } else { Fault::None }
+                }
+            };
+            match fault {
+                Fault::None => (self.good[k], self.missing[k]) = (reading, 0),
+                // Before the first command there is nothing to fall back on but the command.
+                _ if !self.started => self.good[k] = command[k],
+                _ => self.missing[k] = self.missing[k].saturating_add(1),
+            }
+            if !watch {
+                self.unmoved[k] = 0.0;
+            }
+            faults[k] = fault;
+        }
+        faults
+    }
+
+    /// Held before the first command: the machine stands where every axis was read last. Returns whether that is known.
+    fn placed<R: Scalar>(&mut self, seen: &Seen<'_, '_, R, P, N>) -> bool {
+        let all = ((1_u32 << N) - 1) as u8;
+        if self.known == all {
+            return true;
+        }
+        let input = &seen.moment.input;
+        for k in 0..N {
+            if input.feedback[k].is_usable() && input.encoder_alarm >> k & 1 == 0 {
+                self.held[k] = input.feedback[k];
+                self.known |= 1 << k;
+            }
+        }
+        self.known == all
+    }
+
+    /// The command is near the held one, on every axis.
+    fn near<R: Scalar>(&self, seen: &Seen<'_, '_, R, P, N>) -> Size {
+        let mut near = Size::Within;
+        for k in 0..N {
+            let command = seen.moment.input.command[k];
+            let here = match command.is_usable() {
+                true => size::<P>(apart(command, self.held[k]), seen.facts.axes[k].resume),
+                false => Size::Beyond,
+            };
+            match (here, near) {
+                (Size::Beyond, _) => near = Size::Beyond,
+                (Size::Either, Size::Within) => near = Size::Either,
+                _ => {}
+            }
+        }
+        near
+    }
+
+    /// The reading that the record has to show.
+    pub(super) fn believed(&self) -> &[P; N] {
+        &self.good
+    }
+}

@@ -1,0 +1,126 @@
+//! The gauge that rides along: its probes, the bound of its infeed, what it learns and what it must not.
+
+use super::{Contract, Seen, Verdict};
+use crate::walk::device::POINTS;
+use crate::walk::rule::{Broken, Rule};
+use crate::walk::scalar::{Place, Scalar};
+use trueaxis::roundness::GaugeFlags;
+
+/// Between two points of the infeed lies a cubic through four of them: its weights add up to no more.
+const BETWEEN: f64 = 1.26;
+
+/// What the gauge left behind.
+#[derive(Clone, Debug)]
+pub(super) struct GaugeMemory<R: Scalar> {
+    /// The infeed as it was after the last revolution.
+    correction: [R; POINTS],
+    sampled: u32,
+    /// Cycles since, and those in which the infeed was followed in part, and not at all.
+    cycles: u32,
+    limited: u32,
+    unheard: u32,
+    /// The axis of the infeed was limited in the last cycle.
+    was_limited: bool,
+    /// Revolutions that a new part has made nothing of.
+    lost: u32,
+    clearing: bool,
+    /// Nothing is known of what came before.
+    anew: bool,
+}
+
+impl<R: Scalar> Default for GaugeMemory<R> {
+    fn default() -> Self {
+        GaugeMemory {
+            correction: [R::ZERO; POINTS],
+            sampled: 0,
+            cycles: 0,
+            limited: 0,
+            unheard: 0,
+            was_limited: false,
+            lost: 0,
+            clearing: false,
+            anew: true,
+        }
+    }
+}
+
+impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
+    /// Of every cycle with a gauge.
+    pub(super) fn gauged(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict) -> Result<(), Broken> {
+        let Some(gauge) = &seen.ground.gauge else { return Ok(()) };
+        let (ride, state, probes) = (&seen.outcome.ride, &seen.device.gauge, &seen.moment.probes);
+        let good = probes.readings.iter().all(|reading| reading.to_f64().abs() <= 1000.0);
+        let told = ride.flags.has(GaugeFlags::PROBE_RANGE);
+        // Without an angle nobody asks the probes.
+        let holds = if good { !told } else { ride.flags.discards() };
+        self.tally.that(Rule::Probes, holds, || format!("{:?} for {:?}", ride.flags, probes.readings))?;
+        let limit = seen.ground.infeed_limit_um * 1e-3;
+        let infeed = ride.infeed.to_f64();
+        // Not so of what is not a number.
+        let bounded = infeed.abs() <= BETWEEN * limit * (1.0 + 1e-5);
+        self.tally.that(Rule::InfeedBound, bounded, || format!("{infeed} mm of {limit}"))?;
+
+        let memory = &mut self.gauge;
+        let counts = state.counts();
+        memory.cycles += 1;
+        let slot = gauge.infeed_slot().unwrap_or(N);
+        if verdict != Verdict::Active && seen.outcome.output.record.fault != trueaxis::Fault::JointRange || probes.idle
+        {
+            memory.unheard += 1;
+        } else if memory.was_limited {
+            memory.limited += 1;
+        }
+        memory.was_limited = seen.outcome.output.record.limited >> (slot & 7) & 1 == 1;
+        if counts.sampled != memory.sampled && !memory.anew {
+            let few = memory.cycles / 64 + 3;
+            let learns = gauge.infeed_slot().is_some();
+            if learns && (memory.limited > few || memory.unheard > few) {
+                let frozen = ride.flags.has(GaugeFlags::INFEED_FROZEN);
+                let found = || format!("{memory:?}, {:?}", ride.flags);
+                self.tally.that(Rule::InfeedFrozen, frozen, found)?;
+            }
+            (memory.cycles, memory.limited, memory.unheard) = (0, 0, 0);
+        }
+        if counts.sampled != memory.sampled || memory.anew {
+            (memory.cycles, memory.limited, memory.unheard) = (0, 0, 0);
+        }
+        (memory.sampled, memory.anew) = (counts.sampled, false);
+        let loose = counts.sampled.wrapping_sub(counts.evaluated).wrapping_sub(counts.skipped);
+        if probes.new_part {
+            (memory.lost, memory.clearing) = (loose, true);
+        }
+        memory.clearing &= !state.is_settled();
+        // Clearing away what was learned of the last part is work, but none on a revolution.
+        let in_work = u32::from(!state.is_settled() && !memory.clearing);
+        let done = loose.wrapping_sub(memory.lost);
+        self.tally.that(Rule::GaugeCounts, done == in_work, || format!("{counts:?}, in work: {in_work}"))?;
+        if ride.finished {
+            self.revolution(seen)?;
+        }
+        Ok(())
+    }
+
+    /// A revolution has been worked off.
+    fn revolution(&mut self, seen: &Seen<'_, '_, R, P, N>) -> Result<(), Broken> {
+        let state = &seen.device.gauge;
+        let Some(latest) = state.latest() else { return Ok(()) };
+        let correction = state.correction();
+        let limit = seen.ground.infeed_limit_um;
+        let bounded = correction.iter().all(|c| c.to_f64().abs() <= limit * (1.0 + 1e-5));
+        self.tally.that(Rule::InfeedBound, bounded, || format!("{correction:?} µm of {limit}"))?;
+        let motion = [latest.x, latest.y];
+        let numbers = motion.iter().flat_map(|motion| {
+            let [cosine, sine] = motion.once_per_revolution_um;
+            [motion.synchronous_um, motion.asynchronous_um, motion.total_um, cosine, sine]
+        });
+        let finite = latest.peak_to_valley_um.is_finite() && numbers.into_iter().all(|x| x.is_finite());
+        self.tally.that(Rule::Finite, finite, || format!("{latest:?}"))?;
+        if latest.flags.has(GaugeFlags::INFEED_FROZEN) && !latest.flags.has(GaugeFlags::INFEED_REDUCED) {
+            let same = correction == &self.gauge.correction || correction.iter().all(|c| *c == R::ZERO);
+            let found = || format!("{:?}: {correction:?} after {:?}", latest.flags, self.gauge.correction);
+            self.tally.that(Rule::InfeedFrozen, same, found)?;
+        }
+        self.gauge.correction = *correction;
+        Ok(())
+    }
+}

@@ -1,0 +1,159 @@
+//! Contour errors: told where they are measured, on the path, consistent; the window of commands.
+
+use super::{Contract, Seen, Verdict};
+use crate::walk::combination::Measured;
+use crate::walk::device::SPACING_MM;
+use crate::walk::rule::{Broken, Rule};
+use crate::walk::scalar::{Place, Scalar};
+use trueaxis::Fault;
+use trueaxis::contour::{ContourError, Flags, Path};
+use trueaxis::telemetry::{Record, Status};
+
+/// Evaluations of the path in a cycle at most.
+const EVALUATIONS: u8 = 8;
+/// Farther than this from the path, integers saturate and single precision says little, mm.
+const FAR_MM: f64 = 1000.0;
+
+/// What the window left behind.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct WindowMemory {
+    /// Number of its newest span.
+    newest: Option<u32>,
+}
+
+impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
+    /// Of every cycle.
+    pub(super) fn measured(
+        &mut self,
+        seen: &Seen<'_, '_, R, P, N>,
+        verdict: Verdict,
+        first: bool,
+    ) -> Result<(), Broken> {
+        let record = &seen.outcome.output.record;
+        let measured = seen.moment.measured;
+        let told = record.status.has(Status::CONTOUR) == record.tip.is_measured();
+        let believed = matches!(verdict, Verdict::Active | Verdict::Inactive) && measured != Measured::Nothing;
+        // The joint's range is looked at after the error was measured.
+        let may = believed || record.fault == Fault::JointRange && measured != Measured::Nothing;
+        let found = || format!("{:?}, {verdict:?}: {:?}, {:?}", record.status, record.tip, record.encoder);
+        let none = !record.tip.is_measured() && !record.encoder.is_measured();
+        self.tally.that(Rule::ContourTold, told && (may || none), found)?;
+        self.consistent(&record.tip)?;
+        self.consistent(&record.encoder)?;
+        self.orientation(seen)?;
+        match measured {
+            Measured::Path => self.on_path(seen, &seen.ground.path()),
+            Measured::Window => self.window(seen, verdict, first),
+            _ => Ok(()),
+        }
+    }
+
+    fn consistent(&mut self, error: &ContourError<R>) -> Result<(), Broken> {
+        let [x, y, z] = error.vector.into().map(R::to_f64);
+        let (length, told) = ((x * x + y * y + z * z).sqrt(), error.error.to_f64());
+        let near = (length - told).abs() <= 1e-9 + 4.0 * R::EPSILON.to_f64() * length;
+        let inside = error.t >= R::ZERO && error.t <= R::ONE;
+        let bounded = error.evaluations <= EVALUATIONS && error.width >= R::ZERO && told >= 0.0;
+        let empty = error.is_measured() || length == 0.0 && error.lag == R::ZERO;
+        let holds = near && inside && bounded && empty;
+        self.tally.that(Rule::ContourConsistent, holds, || format!("{error:?}"))
+    }
+
+    fn orientation(&mut self, seen: &Seen<'_, '_, R, P, N>) -> Result<(), Broken> {
+        let record = &seen.outcome.output.record;
+        let angle = record.orientation.to_f64();
+        let silent = record.orientation_flags == Flags::NOT_FOUND && angle == 0.0;
+        let sound = (0.0..=1.0001 * std::f64::consts::PI).contains(&angle);
+        let holds = sound && (silent || seen.moment.measured == Measured::ToolPath);
+        let found = || format!("{angle}, {:?}, {:?}", record.orientation_flags, seen.moment.measured);
+        self.tally.that(Rule::Orientation, holds, found)
+    }
+
+    /// The encoder's foot is where span and parameter say.
+    fn on_path(&mut self, seen: &Seen<'_, '_, R, P, N>, path: &Path<'_, R, P>) -> Result<(), Broken> {
+        let record = &seen.outcome.output.record;
+        let error = &record.encoder;
+        let Some(span) = path.span(error.span).filter(|_| error.is_measured()) else { return Ok(()) };
+        // The encoder's foot is found from the tip's: far off, single precision says little of it.
+        let size = error.error.to_f64() + record.tip.error.to_f64();
+        if size > FAR_MM {
+            return Ok(());
+        }
+        let foot = span.position(error.t);
+        let vector = error.vector.into().map(R::to_f64);
+        for k in 0..3 {
+            let (reading, foot) = (record.feedback[k].to_f64(), foot[k].to_f64());
+            let rounding = 1e-9 + 2.0 * P::GRAIN + R::EPSILON.to_f64() * (64.0 + 8.0 * size);
+            let off = reading - vector[k] - foot;
+            let rounding = rounding + 1e-15 * reading.abs();
+            self.tally.that(Rule::FootOnPath, off.abs() <= rounding, || format!("{off} mm along {k}: {error:?}"))?;
+        }
+        Ok(())
+    }
+
+    fn window(&mut self, seen: &Seen<'_, '_, R, P, N>, verdict: Verdict, first: bool) -> Result<(), Broken> {
+        let window = &seen.device.window;
+        let path = window.path();
+        if verdict.holds() || first {
+            self.window.newest = None;
+            return Ok(());
+        }
+        let at = window.reference();
+        let Some(newest) = path.span(at.span) else {
+            return self.tally.that(Rule::WindowEnds, false, || "no span after a command".into());
+        };
+        let (end, command) = (newest.position(at.t), &seen.moment.input.command);
+        let off = (0..3).map(|k| (end[k].to_f64() - command[k].to_f64()).abs()).fold(0.0, f64::max);
+        let size = command[..3].iter().map(|x| x.to_f64().abs()).fold(0.0, f64::max);
+        // Within a 250th of the spacing a command is where the last point is.
+        let near = off <= SPACING_MM / 200.0 + 4.0 * P::GRAIN + 64.0 * R::EPSILON.to_f64() + 1e-15 * size;
+        self.tally.that(Rule::WindowEnds, near, || format!("{off} mm from {command:?}"))?;
+        if let Some(before) = path.span(at.span.wrapping_sub(1)) {
+            let joint = before.position(R::ONE);
+            let start = newest.position(R::ZERO);
+            let off = (0..3).map(|k| (joint[k].to_f64() - start[k].to_f64()).abs()).fold(0.0, f64::max);
+            let near = off <= 4.0 * P::GRAIN + 64.0 * R::EPSILON.to_f64() + 1e-15 * size;
+            self.tally.that(Rule::WindowJoined, near, || format!("{off} mm at span {}", at.span))?;
+        }
+        // One further at most in a cycle; one back where a command comes back to the last point.
+        let number = at.span;
+        let ordered = self.window.newest.is_none_or(|last| number.wrapping_sub(last).wrapping_add(1) <= 3);
+        self.tally.that(Rule::WindowJoined, ordered, || format!("{number} after {:?}", self.window.newest))?;
+        self.window.newest = Some(number);
+        self.nearest(seen, &path, &end)?;
+        self.on_path(seen, &path)
+    }
+
+    /// The newest command is on the path, and nothing nearer is passed over.
+    fn nearest(&mut self, seen: &Seen<'_, '_, R, P, N>, path: &Path<'_, R, P>, end: &[P; 3]) -> Result<(), Broken> {
+        let record = &seen.outcome.output.record;
+        let error = &record.encoder;
+        if !error.is_measured() {
+            return Ok(());
+        }
+        let squares = (0..3).map(|k| {
+            let off = record.feedback[k].to_f64() - end[k].to_f64();
+            off * off
+        });
+        let distance = squares.sum::<f64>().sqrt();
+        if distance > FAR_MM {
+            return Ok(());
+        }
+        let rounding = 1e-5 + R::EPSILON.to_f64() * (64.0 + 16.0 * distance);
+        // Which of two spans is nearer, their chords decide, and of an arc that turns by 40 degrees its chord is off by a
+        // ninth; and they decide for the tip, from whose foot the encoder's is found.
+        let chord = path.span(error.span).map_or(0.0, |span| span.length().to_f64());
+        let allowed = distance + chord / 9.0 + 2.0 * apart(record, path) + rounding;
+        let holds = error.error.to_f64() <= allowed;
+        self.tally.that(Rule::WindowNearest, holds, || format!("{distance} mm to the newest command, {error:?}"))
+    }
+}
+
+/// Distance of the encoder's position from the tip's, mm.
+fn apart<R: Scalar, P: Place, const N: usize>(record: &Record<R, P, N>, path: &Path<'_, R, P>) -> f64 {
+    let tip = &record.tip;
+    let Some(span) = path.span(tip.span).filter(|_| tip.is_measured()) else { return 0.0 };
+    let (foot, vector) = (span.position(tip.t), tip.vector.into().map(R::to_f64));
+    let off = (0..3).map(|k| foot[k].to_f64() + vector[k] - record.feedback[k].to_f64());
+    off.map(|off| off * off).sum::<f64>().sqrt()
+}

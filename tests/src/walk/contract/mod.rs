@@ -1,0 +1,138 @@
+//! The contract of the step, as an oracle from outside: given the configuration, the cycle before, this input and this
+//! output, what must and may follow. Written from the documentation; it knows the tables' ends, but not their values.
+
+mod dynamic;
+mod expect;
+mod gauge;
+mod limits;
+mod measured;
+mod moving;
+mod record;
+
+use super::device::{Device, Ground, Moment, Outcome};
+use super::facts::Facts;
+use super::rule::{Broken, Tally};
+use super::scalar::{Place, Scalar};
+use dynamic::Parts;
+use expect::Senses;
+use gauge::GaugeMemory;
+use limits::Motion;
+use measured::WindowMemory;
+use trueaxis::{Fault, Position};
+
+/// How a cycle is to be treated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// Not homed or not enabled.
+    Inactive,
+    /// Corrected.
+    Active,
+    /// A reading is refused.
+    Frozen,
+    /// The output holds.
+    Held,
+    /// It would, but there is none.
+    Nowhere,
+}
+
+impl Verdict {
+    /// Nothing new goes to the drives.
+    pub(super) fn holds(self) -> bool {
+        matches!(self, Verdict::Held | Verdict::Nowhere)
+    }
+}
+
+/// A cycle and what came of it.
+#[derive(Debug)]
+pub(super) struct Seen<'c, 'a, R: Scalar, P: Place, const N: usize> {
+    /// What does not change.
+    pub ground: &'c Ground<'a, R, P, N>,
+    /// The configuration in force.
+    pub facts: &'c Facts<P, N>,
+    /// It was taken in this cycle.
+    pub exchanged: bool,
+    /// What the cycle was given.
+    pub moment: &'c Moment<R, P, N>,
+    /// What it gave.
+    pub outcome: &'c Outcome<R, P, N>,
+    /// What it left behind.
+    pub device: &'c Device<R, P, N>,
+}
+
+/// Memory of the contract from cycle to cycle.
+#[derive(Clone, Debug)]
+pub(super) struct Contract<R: Scalar, P: Place, const N: usize> {
+    /// How often each rule was tried.
+    pub tally: Tally,
+    senses: Senses<P, N>,
+    motion: Motion<R, P, N>,
+    parts: Parts<R, N>,
+    window: WindowMemory,
+    gauge: GaugeMemory<R>,
+    next: Option<u32>,
+    /// What thermal growth may add to a look-up, mm (deg), by slot.
+    grown: [f64; N],
+}
+
+impl<R: Scalar, P: Place, const N: usize> Default for Contract<R, P, N> {
+    fn default() -> Self {
+        Contract {
+            tally: Tally::default(),
+            senses: Senses::default(),
+            motion: Motion::default(),
+            parts: Parts::default(),
+            window: WindowMemory::default(),
+            gauge: GaugeMemory::default(),
+            next: None,
+            grown: [0.0; N],
+        }
+    }
+}
+
+impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
+    /// Checks a cycle against everything before.
+    ///
+    /// # Errors
+    /// The first rule that is broken.
+    pub(super) fn check(&mut self, seen: &Seen<'_, '_, R, P, N>) -> Result<Verdict, Broken> {
+        self.record(seen)?;
+        let first = !self.senses.started;
+        let mut verdict = self.senses.expect(&mut self.tally, seen)?;
+        let record = &seen.outcome.output.record;
+        if record.fault == Fault::JointRange && !verdict.holds() {
+            self.joint_range(seen, verdict, first)?;
+            self.senses.latched = Some((Fault::JointRange, record.fault_axis));
+            verdict = Verdict::Held;
+        }
+        self.told(seen, verdict)?;
+        self.follow(seen, verdict, first)?;
+        self.dynamic(seen, verdict, first)?;
+        self.measured(seen, verdict, first)?;
+        self.gauged(seen, verdict)?;
+        if !verdict.holds() {
+            self.senses.held = seen.moment.input.command;
+        }
+        Ok(verdict)
+    }
+
+    /// The gauge was made new.
+    pub(super) fn restart_gauge(&mut self) {
+        self.gauge = GaugeMemory::default();
+    }
+
+    /// All corrections have come to zero.
+    pub(super) fn is_at_zero(&self) -> bool {
+        self.motion.is_at_zero()
+    }
+
+    /// A stop is requested, and the command that is held.
+    pub(super) fn held(&self) -> (bool, [P; N]) {
+        (self.senses.latched.is_some(), self.senses.held)
+    }
+}
+
+/// Distance of two positions, mm (deg).
+#[inline(always)]
+fn apart<P: Position>(a: P, b: P) -> f64 {
+    (a.to_f64() - b.to_f64()).abs()
+}

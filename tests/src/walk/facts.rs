@@ -1,0 +1,180 @@
+//! A machine's configuration as the contract needs it: per axis, in doubles, per cycle.
+
+use super::drawn::Drawn;
+use trueaxis::machine::{AxisOrder, AxisSettings, DynamicSettings, Limits, wraps};
+use trueaxis::{Axis, Position};
+
+/// Magnitude, slope and acceleration in mm (deg) and cycles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    /// C.
+    pub c: f64,
+    /// V.
+    pub v: f64,
+    /// a.
+    pub a: f64,
+}
+
+impl Bounds {
+    /// Of limits in seconds.
+    pub(super) fn of(limits: &Limits, period_s: f64) -> Bounds {
+        Bounds {
+            c: limits.magnitude,
+            v: limits.slope_per_s * period_s,
+            a: limits.acceleration_per_s2 * period_s * period_s,
+        }
+    }
+}
+
+/// One axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AxisFacts<P> {
+    /// The machine has it, and it is no more than a letter of the step otherwise.
+    pub present: bool,
+    /// Of the correction.
+    pub sum: Bounds,
+    /// Of the dynamic correction.
+    pub dynamic: Bounds,
+    /// Acceleration with which the geometric correction is led in beside a dynamic one.
+    pub lead_a: f64,
+    /// Declared travel and range of the joint.
+    pub travel: [P; 2],
+    /// Range of the joint.
+    pub joint: [P; 2],
+    /// Largest plausible change of a command, of a reading; way without a change; distance of a reset.
+    pub command_jump: f64,
+    /// Of a reading.
+    pub feedback_jump: f64,
+    /// Commanded way of a reading that stands.
+    pub stuck: f64,
+    /// Distance of a reset from the held command.
+    pub resume: f64,
+    /// Ends of the table; none where there is no table or it is a whole turn.
+    pub table: Option<[f64; 2]>,
+    /// Highest feed, mm (deg) a cycle.
+    pub feed: f64,
+    /// Hysteresis of the direction of travel.
+    pub hysteresis: f64,
+    /// Something of the feed-forward is configured: it needs the drive's figures.
+    pub fed_forward: bool,
+    /// Cycles in which a feed-forward that is switched off dies away: 25 time constants of velocity and position loop.
+    pub dies_away: f64,
+    /// Cross-talk moves this axis.
+    pub crosstalked: bool,
+}
+
+/// One configuration.
+#[derive(Clone, Debug)]
+pub(super) struct Facts<P, const N: usize> {
+    /// Axes by slot.
+    pub axes: [AxisFacts<P>; N],
+    /// Letters by slot.
+    pub letters: [Axis; N],
+    /// Id of the machine.
+    pub machine_id: u32,
+    /// Sum of the tables.
+    pub tables_crc: u32,
+    /// Servo period.
+    pub period_ns: u32,
+    /// Any part of the dynamic correction is configured.
+    pub dynamic: bool,
+    /// Contour feedback is.
+    pub feedback: bool,
+    /// Errors are looked up at the feedback on some axis.
+    pub at_feedback: bool,
+}
+
+impl<P: Position, const N: usize> Facts<P, N> {
+    /// Of a machine.
+    pub(super) fn of(drawn: &Drawn, machine_id: u32, tables_crc: u32, period_ns: u32) -> Self {
+        let machine = &drawn.settings;
+        let order = AxisOrder::<N>::of(machine).expect("a machine of so many axes");
+        let period_s = f64::from(period_ns) * 1e-9;
+        let feedback = machine.contour.feedback.is_some();
+        let axes = order.slots(|axis| {
+            let Some(settings) = machine.axis(axis) else { return AxisFacts::absent(period_s) };
+            let rows = drawn.rows(axis);
+            let whole = rows.is_some_and(|rows| wraps(axis, rows));
+            let table = rows.filter(|_| !whole).map(|rows| [rows[0].position, rows[rows.len() - 1].position]);
+            let crosstalked = machine.crosstalk.iter().any(|entry| entry.tip == axis);
+            AxisFacts { table, crosstalked, ..AxisFacts::of(drawn, settings, period_s) }
+        });
+        let servo = machine.axes.iter().any(|axis| axis.servo.friction.is_some() || axis.servo.dynamic.is_some());
+        Facts {
+            axes,
+            letters: order.axes(),
+            machine_id,
+            tables_crc,
+            period_ns,
+            dynamic: servo || feedback || !machine.crosstalk.is_empty(),
+            feedback,
+            at_feedback: machine.axes.iter().any(|axis| {
+                use trueaxis::machine::Lookup::Feedback;
+                axis.lookup == Feedback || axis.cross_lookup == Feedback
+            }),
+        }
+    }
+}
+
+impl<P: Position> AxisFacts<P> {
+    fn of(drawn: &Drawn, settings: &AxisSettings, period_s: f64) -> Self {
+        let faults = &drawn.settings.faults;
+        let pick = |[linear, rotary]: [f64; 2]| if settings.axis.is_rotary() { rotary } else { linear };
+        let jump = faults.command_jump_factor * settings.max_feed_per_s * period_s;
+        let servo = &settings.servo;
+        let dynamic = servo.dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
+        // While the acceleration is fed forward, no faster than friction brakes (docs/dynamic.md).
+        let braking = match (&servo.drive, &servo.friction) {
+            (Some(drive), Some(friction)) if dynamic.acceleration => {
+                friction.coulomb_per_s * drive.velocity_gain_per_s * period_s * period_s
+            }
+            _ => f64::INFINITY,
+        };
+        let sum = Bounds::of(&settings.limits, period_s);
+        AxisFacts {
+            present: true,
+            sum,
+            dynamic: Bounds::of(&dynamic.limits, period_s),
+            lead_a: sum.a.min(braking),
+            travel: settings.travel.map(|end| P::nearest(end.clamp(-1e9, 1e9))),
+            joint: settings.joint.map(P::nearest),
+            command_jump: jump,
+            feedback_jump: jump + pick(faults.feedback_jump),
+            stuck: pick(faults.stuck),
+            resume: pick(faults.resume),
+            table: None,
+            feed: settings.max_feed_per_s * period_s,
+            hysteresis: settings.hysteresis,
+            fed_forward: servo.drive.is_some(),
+            dies_away: servo.drive.map_or(0.0, |drive| {
+                let position = drive.velocity_feed_forward / drive.position_gain_per_s;
+                25.0 * (drive.reset_time_s + position) / period_s
+            }),
+            crosstalked: false,
+        }
+    }
+
+    /// A letter that the machine does not have, believed in whatever it says. Only thermal growth that a host sets for it
+    /// is a correction of it, which moves no drive: within any limits.
+    fn absent(period_s: f64) -> Self {
+        let any = Bounds { c: 1.0, v: 1e-3, a: 1e-3 };
+        AxisFacts {
+            present: false,
+            sum: any,
+            dynamic: Bounds::of(&DynamicSettings::with_defaults(Axis::X).limits, period_s),
+            lead_a: 1e-3,
+            travel: [-1e9, 1e9].map(P::nearest),
+            joint: [f64::MIN, f64::MAX].map(P::nearest),
+            command_jump: f64::INFINITY,
+            feedback_jump: f64::INFINITY,
+            stuck: f64::INFINITY,
+            resume: f64::INFINITY,
+            table: None,
+            feed: 0.1,
+            hysteresis: 0.0,
+            fed_forward: false,
+            dies_away: 0.0,
+            crosstalked: false,
+        }
+    }
+}
