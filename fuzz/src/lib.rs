@@ -15,6 +15,8 @@ pub mod small;
 pub mod sum;
 pub mod targets;
 
+use std::time::Duration;
+
 /// One untrusted input.
 pub struct Target {
     /// Name on the command line, of its corpus and of its dictionary.
@@ -31,6 +33,9 @@ pub struct Target {
     pub repair: fn(&mut Vec<u8>),
     /// Words of the format, as libFuzzer's dictionaries have them.
     pub dictionary: &'static str,
+    /// An execution that takes longer is a finding; [`SLOWEST`](execution::SLOWEST) unless what is attacked is known to take
+    /// its time.
+    pub slowest: Duration,
 }
 
 /// For formats without a check sum.

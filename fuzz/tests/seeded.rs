@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use trueaxis_fuzz::campaign::{Campaign, Until};
-use trueaxis_fuzz::execution::execute;
+use trueaxis_fuzz::execution::{SLOWEST, execute};
 use trueaxis_fuzz::finding;
 use trueaxis_fuzz::targets::TARGETS;
 use trueaxis_fuzz::{Target, corpus, for_each_target, no_repair};
@@ -102,6 +102,7 @@ const PLANTED: Target = Target {
         }
     },
     dictionary: "\"feed \"\n\"NaN.\"\n",
+    slowest: SLOWEST,
 };
 
 #[test]
@@ -132,6 +133,7 @@ fn an_execution_that_takes_long_is_a_finding() {
         seeds: Vec::new,
         repair: no_repair,
         dictionary: "",
+        slowest: SLOWEST,
     };
     assert!(execute(&SLOW, b"").unwrap_err().starts_with("took 1.1 s"));
     assert!(finding::folder(&SLOW).ends_with(Path::new("findings/slow")));

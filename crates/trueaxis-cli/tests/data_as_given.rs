@@ -324,6 +324,7 @@ fn traces_with_angles_are_resampled_and_the_error_is_stated() {
     let head = "theta_deg,h1_um,h2_um,h3_um\n";
     refuse(&format!("{head}0,1,1,1\n1,1,1,1\n0.5,1,1,1\n"), &["trace.csv:4: column theta_deg", "0.5", "more than 1"]);
     refuse(&format!("{head}0,1,1,1\n90,1,1,1\n"), &["trace.csv:3: column theta_deg", "gap of 90", "harmonic 40"]);
+    refuse(&format!("{head}0,1,1,1\n1e-300,1,1,1\n"), &["trace.csv:3: column theta_deg", "more than 0", "by 1e-9"]);
     let short: String = (0..200).map(|i| format!("{i},1,1,1\n")).collect();
     refuse(&format!("{head}{short}"), &["trace.csv", "199.0000 degrees", "a whole revolution"]);
 }

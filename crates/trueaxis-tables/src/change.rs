@@ -159,7 +159,7 @@ fn full_circle(table: &TableText, position: usize) -> bool {
 /// Line of a row.
 fn row_line(table: &TableText, origin: &Origin, row: usize) -> Result<u32, FileError> {
     let needed = || format!("one of its {} rows", table.lines.len());
-    table.lines.get(row).copied().ok_or_else(|| origin.whole(format!("row {}", row + 1), needed()))
+    table.lines.get(row).copied().ok_or_else(|| origin.whole(format!("row {}", row.saturating_add(1)), needed()))
 }
 
 /// The text with another number in a field of a line.

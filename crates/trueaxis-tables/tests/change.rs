@@ -84,6 +84,8 @@ fn what_the_controller_would_refuse_is_refused_with_its_line() {
     );
     begins(&point(Axis::X, "EXX_um", 1, f64::NAN), "x.csv:6: column EXX_um: found \"NaN\", needed a finite number");
     begins(&point(Axis::X, "EXX_um", 3, 1.0), "x.csv: found row 4, needed one of its 3 rows");
+    let last = format!("x.csv: found row {}, needed one of its 3 rows", usize::MAX);
+    begins(&point(Axis::X, "EXX_um", usize::MAX, 1.0), &last);
     let columns = "X_mm EXX_um EYX_fwd_um EYX_rev_um";
     begins(&point(Axis::X, "EZX_um", 0, 1.0), &format!("x.csv: found no column \"EZX_um\", needed one of {columns}"));
     let backlash = key("axis.X.backlash_um", Setting::Number(1e9));

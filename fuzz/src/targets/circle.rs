@@ -1,5 +1,6 @@
 //! Points of a nominally round section: `trueaxis circle` and the desk.
 
+use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal};
 use std::path::Path;
 use trueaxis_evaluation::circle::{COLUMNS, Document, Evaluation};
@@ -13,6 +14,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/csv.dict"),
+    slowest: SLOWEST,
 };
 
 /// Points beyond which the exact circles are not worth their time here.
@@ -42,11 +44,12 @@ fn accepted(found: &Evaluation) {
         let numbers = [circle.centre[0], circle.centre[1], circle.radius, circle.zone, circle.outer, circle.inner];
         assert!(numbers.iter().all(|number| number.is_finite()), "{circle:?}");
         assert!(circle.contacts.iter().all(|contact| *contact < points.len()), "{circle:?}");
-        let scale = size.max(circle.radius) * 1e-9;
+        let size = size.max(circle.radius);
         assert!(circle.zone >= 0.0 && circle.inner >= 0.0 && circle.outer >= circle.inner, "{circle:?}");
         let distances = points.iter().map(|[x, y]| (x - circle.centre[0]).hypot(y - circle.centre[1]));
         for distance in distances {
-            let within = circle.inner - scale..=circle.outer + scale;
+            let rounding = rounding(size, distance);
+            let within = circle.inner - rounding..=circle.outer + rounding;
             assert!(within.contains(&distance), "{distance} outside {circle:?} of {points:?}");
         }
     }
@@ -64,9 +67,16 @@ fn narrowest(found: &Evaluation, size: f64) {
     let [lsc, mzc, mcc, mic] = &found.circles;
     let Ok(mzc) = mzc else { return };
     for other in [lsc, mcc, mic].into_iter().flatten() {
-        let rounding = 1e-9 * size.max(other.radius);
+        let rounding = rounding(size.max(other.radius), other.inner.min(mzc.inner));
         assert!(mzc.zone <= other.zone + rounding, "{mzc:?} wider than {other:?} of {:?}", found.points);
     }
+}
+
+/// Of a distance among points as far from their origin as `size`: squares of distances are what is compared, so that
+/// points a million radii away take their digits from the near ones.
+fn rounding(size: f64, distance: f64) -> f64 {
+    let square = 16.0 * f64::EPSILON * size * size;
+    1e-9 * size + square.sqrt().min(square / distance)
 }
 
 fn seeds() -> Vec<Vec<u8>> {

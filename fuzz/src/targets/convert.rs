@@ -1,5 +1,6 @@
 //! Segments of any numbers, cut into spans: refused, or exact.
 
+use crate::execution::SLOWEST;
 use crate::outcome::{accepted, refused, saw};
 use crate::{Target, no_repair};
 use trueaxis::contour::{ContourSearch, Method, Path, PathError, Reference, Segment, Span, convert, span_count};
@@ -13,6 +14,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/convert.dict"),
+    slowest: SLOWEST,
 };
 
 /// So many spans of a segment are made and looked at.

@@ -5,6 +5,7 @@
 
 use crate::alone::alone;
 use crate::choice::one_in;
+use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal};
 use serde_json::value::RawValue;
 use std::cell::RefCell;
@@ -19,6 +20,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/desk.dict"),
+    slowest: SLOWEST,
 };
 
 /// Messages of one input.

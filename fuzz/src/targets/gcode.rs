@@ -1,5 +1,6 @@
 //! NC programs with offsets and tools.
 
+use crate::execution::SLOWEST;
 use crate::outcome::{accepted, refused, saw};
 use crate::parts::{joined, split};
 use crate::{Target, machines, no_repair};
@@ -15,6 +16,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/gcode.dict"),
+    slowest: SLOWEST,
 };
 
 const CYCLES: &str = "%\nO100 (cycles)\nG21 G90 G17 G54 F300\nT1 M6 G43 H1\nG0 X1 Y2 Z10\nG99 G81 X5 Y5 Z-3 R2\n\

@@ -1,5 +1,6 @@
 //! Readings of a ball from which the errors of a rotary axis are found: `trueaxis identify`.
 
+use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal};
 use std::path::Path;
 use trueaxis::Axis;
@@ -15,6 +16,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/csv.dict"),
+    slowest: SLOWEST,
 };
 
 const FILE: &str = "measured.csv";

@@ -1,5 +1,6 @@
 //! Compensation files of other controls, a target for each format.
 
+use crate::execution::SLOWEST;
 use crate::outcome::{accepted, refused, saw};
 use crate::{Target, no_repair};
 use std::path::Path;
@@ -14,7 +15,7 @@ const DICTIONARY: &str = include_str!("../../dictionaries/import.dict");
 
 /// The file with a line before it: the letter of the axis that it is said to be for, or none.
 const fn target(name: &'static str, about: &'static str, run: fn(&[u8]), seeds: fn() -> Vec<Vec<u8>>) -> Target {
-    Target { name, about, run, seeds, repair: no_repair, dictionary: DICTIONARY }
+    Target { name, about, run, seeds, repair: no_repair, dictionary: DICTIONARY, slowest: SLOWEST }
 }
 
 /// LinuxCNC's `COMP_FILE` of type 0.

@@ -1,5 +1,6 @@
 //! The contour error of one part over path length: `trueaxis learn`.
 
+use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal};
 use std::path::Path;
 use trueaxis::learned::Learned;
@@ -15,6 +16,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/csv.dict"),
+    slowest: SLOWEST,
 };
 
 const FILE: &str = "record.csv";

@@ -1,5 +1,6 @@
 //! Programmed paths in JSON, as `trueaxis contour` reads them.
 
+use crate::execution::SLOWEST;
 use crate::outcome::{accepted, refused, saw};
 use crate::{Target, no_repair};
 use std::path::Path;
@@ -15,6 +16,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/path.dict"),
+    slowest: SLOWEST,
 };
 
 /// A path of more spans is read, but only seldom cut: that takes its time and shows nothing new.

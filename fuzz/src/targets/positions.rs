@@ -1,5 +1,6 @@
 //! Commanded positions: `trueaxis compensate`, and `trueaxis correct` at each of them.
 
+use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal, small};
 use anyhow::Result;
 use std::convert::Infallible;
@@ -21,6 +22,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/csv.dict"),
+    slowest: SLOWEST,
 };
 
 const FILE: &str = "positions.csv";

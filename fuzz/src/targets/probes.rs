@@ -1,6 +1,7 @@
 //! Readings of three probes: `trueaxis roundness` and the desk.
 
 use crate::alone::alone;
+use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal};
 use anyhow::Result;
 use std::path::Path;
@@ -16,6 +17,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/csv.dict"),
+    slowest: SLOWEST,
 };
 
 const FILE: &str = "probes.csv";

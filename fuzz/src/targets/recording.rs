@@ -1,5 +1,6 @@
 //! Recorded servo cycles, as a bare-metal image and the host read them.
 
+use crate::execution::SLOWEST;
 use crate::{Target, outcome, sum};
 use trueaxis::Nanometres;
 use trueaxis::contour::{Reference, Segment, Span, convert};
@@ -14,6 +15,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: |bytes| repair(bytes),
     dictionary: include_str!("../../dictionaries/recording.dict"),
+    slowest: SLOWEST,
 };
 
 /// Bytes before the content: magic, version, length.

@@ -1,6 +1,7 @@
 //! A simulation's scenario: settings with faults and events, and what is done to a run by hand.
 
 use crate::choice::one_in;
+use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal, small};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -18,6 +19,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/scenario.dict"),
+    slowest: SLOWEST,
 };
 
 const FILE: &str = "scenario.toml";

@@ -1,5 +1,6 @@
 //! Compiled table files: what is accepted is run, and keeps its limits.
 
+use crate::execution::SLOWEST;
 use crate::outcome::{accepted, refused, saw};
 use crate::{Target, machines};
 use rand_chacha::ChaCha8Rng;
@@ -18,6 +19,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: |bytes| repair(bytes),
     dictionary: include_str!("../../dictionaries/tcomp.dict"),
+    slowest: SLOWEST,
 };
 
 const CYCLES: usize = 200;

@@ -1,5 +1,6 @@
 //! Telemetry as a host receives it: frames on a line that loses, damages and repeats bytes.
 
+use crate::execution::SLOWEST;
 use crate::{Target, outcome};
 use trueaxis::telemetry::{
     AxisFrame, DynamicFrame, FRAME_BYTES, FRAME_VERSION, Frame, ROUNDNESS_FRAME_BYTES, ROUNDNESS_FRAME_VERSION,
@@ -14,6 +15,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair,
     dictionary: include_str!("../../dictionaries/telemetry.dict"),
+    slowest: SLOWEST,
 };
 
 fn run(bytes: &[u8]) {

@@ -1,5 +1,6 @@
 //! Files with a learned correction, as the controller reads them.
 
+use crate::execution::SLOWEST;
 use crate::{Target, outcome, sum};
 use trueaxis::learned::{HEADER_BYTES, Learned, LearnedHeader, MAGIC, NODE_BYTES};
 
@@ -11,6 +12,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair,
     dictionary: include_str!("../../dictionaries/tlearn.dict"),
+    slowest: SLOWEST,
 };
 
 fn run(bytes: &[u8]) {

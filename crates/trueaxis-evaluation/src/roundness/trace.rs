@@ -30,6 +30,9 @@ pub struct InterpolationError {
 
 /// Readings on either side of an angle.
 const SIDE: usize = 3;
+/// Angles nearer to each other are one angle written twice, degrees: no encoder tells them apart, and interpolation
+/// divides by their difference.
+const FINEST_DEG: f64 = 1e-9;
 
 /// A trace: angles without end and increasing, readings of the three probes.
 #[derive(Default)]
@@ -41,7 +44,7 @@ struct Trace {
 /// Reads all rows and resamples them: the readings of each probe at 360°·i/N, whole revolutions one after the other.
 ///
 /// # Errors
-/// Angles that do not increase, gaps that are too wide for the band, less than a revolution.
+/// Angles that do not increase by [`FINEST_DEG`], gaps that are too wide for the band, less than a revolution.
 pub(super) fn read(rows: &mut Rows<'_, 4>, points: usize, band: Band) -> Result<([Vec<f64>; 3], Resampling)> {
     let widest = 180.0 / f64::from(band.last);
     let mut trace = Trace::default();
@@ -54,8 +57,8 @@ pub(super) fn read(rows: &mut Rows<'_, 4>, points: usize, band: Band) -> Result<
                 turns += 360.0 * ((before - 180.0 - angle - turns) / 360.0).ceil();
             }
             let step = angle + turns - before;
-            if step <= 0.0 {
-                let needed = format!("more than {} of the row before", before - turns);
+            if step < FINEST_DEG {
+                let needed = format!("more than {} of the row before by {FINEST_DEG:e}", before - turns);
                 return Err(rows.error(line, "theta_deg", angle, needed));
             }
             if step > widest {
@@ -110,8 +113,8 @@ impl Trace {
     /// Puts readings of a turn later before the first and of a turn earlier behind the last.
     fn close(&mut self) {
         let (first, last) = (self.angles_deg[0], self.angles_deg[self.angles_deg.len() - 1]);
-        let before = self.angles_deg.partition_point(|angle| *angle < first + 360.0);
-        let behind = self.angles_deg.partition_point(|angle| *angle <= last - 360.0);
+        let before = self.angles_deg.partition_point(|angle| *angle <= first + 360.0 - FINEST_DEG);
+        let behind = self.angles_deg.partition_point(|angle| *angle < last - 360.0 + FINEST_DEG);
         for (list, turn) in
             [(&mut self.angles_deg, 360.0)].into_iter().chain(self.probes.iter_mut().map(|list| (list, 0.0)))
         {

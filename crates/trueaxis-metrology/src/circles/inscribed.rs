@@ -12,6 +12,9 @@ use std::vec::Vec;
 /// centres are kept while min |pᵢ − c| + √2 h exceeds the best radius, cut in four, and searched triple by triple once few points can be nearest
 /// in them. Radius: the circle's own, = inner.
 ///
+/// Squares of distances are compared. Where points stand as far off as S, a distance d is known to 16 ε S²/d, or to
+/// 4 √ε S where that is less (ε = 2.2e-16): nothing on round sections, 60 mm of a circle of 5 mm among points 10⁹ mm away.
+///
 /// Cost: linear in the points, for near-round ones below a microsecond each.
 ///
 /// # Errors

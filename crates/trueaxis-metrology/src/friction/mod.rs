@@ -26,7 +26,8 @@
 //! (radii that are no multiple of the signal period avoid it).
 //!
 //! Units: mm and s. F_c/K_vp is the friction as the velocity by which the velocity loop has to be off to supply it.
-//! Cost: some hundred simulations of the record, a few seconds for a minute at 10 kHz.
+//! Cost: some hundred simulations of the record, a few seconds for a minute at 10 kHz; of a record whose fits hardly settle,
+//! some thousand.
 //!
 //! Source: P. R. Dahl, 10.2514/3.61511 (pre-sliding); B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit,
 //! 10.1016/0005-1098(94)90209-7 (Stribeck, identification).

@@ -13,6 +13,7 @@ mod servo;
 mod step;
 mod world;
 
+use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome};
 use draw::Draw;
 use std::cell::RefCell;
@@ -26,6 +27,7 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../../dictionaries/c_calls.dict"),
+    slowest: SLOWEST,
 };
 
 /// Calls, or groups of cycles, of one input.
