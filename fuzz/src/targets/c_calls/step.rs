@@ -206,18 +206,19 @@ fn followed(built: Built, before: Running, input: &Input, output: &Output, resul
     let quiet = STATUS_FROZEN | STATUS_STOP_REQUEST | STATUS_NO_OUTPUT;
     let plain = record.fault == FAULT_NONE && record.status & quiet == 0;
     let mut after = Running { cycles: before.cycles + 1, plain: if plain { before.plain + 1 } else { 0 }, ..before };
+    // A loop without a dynamic part goes on with what was sent as its geometric correction: the sum keeps its limits.
+    let taken_over = record.dynamic.sent[..axes].iter().all(|sent| *sent == 0.0);
     for axis in 0..axes {
         after.bounds[axis] = before.bounds[axis].or(built.bounds[axis]);
         let dynamic = record.dynamic.sent[axis];
         let sum = record.correction[axis] + dynamic;
         after.sent[axis] = [sum, sum - before.sent[axis][0]];
         after.dynamic[axis] = [dynamic, dynamic - before.dynamic[axis][0]];
-        let clean = after.plain > 3 && before.cycles > 3;
-        for (now, past, limits, what) in [
-            (after.sent[axis], before.sent[axis], after.bounds[axis].sum, "sum"),
-            (after.dynamic[axis], before.dynamic[axis], after.bounds[axis].dynamic, "dynamic part"),
-        ] {
-            within(now, past, limits, before.cycles > 0, clean, what);
+        let (follows, clean) = (before.cycles > 0, after.plain > 3 && before.cycles > 3);
+        within(after.sent[axis], before.sent[axis], after.bounds[axis].sum, follows, clean, "sum");
+        if !taken_over {
+            let limits = after.bounds[axis].dynamic;
+            within(after.dynamic[axis], before.dynamic[axis], limits, follows, clean, "dynamic part");
         }
         if result == OK {
             let drive = output.drive[axis];

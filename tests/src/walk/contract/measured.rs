@@ -83,12 +83,15 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let vector = error.vector.into().map(R::to_f64);
         for k in 0..3 {
             let (reading, foot) = (record.feedback[k].to_f64(), foot[k].to_f64());
-            // The parameter is told to half a unit in the last place: so much of the span's length.
-            let length = span.length().to_f64();
-            let rounding = 1e-9 + 2.0 * P::GRAIN + R::EPSILON.to_f64() * (64.0 + 8.0 * size + length);
+            let rounding = 1e-9 + 2.0 * P::GRAIN + R::EPSILON.to_f64() * (64.0 + 8.0 * size);
+            // A foot past the end of the integers is told at their end.
+            if P::GRAIN > 0.0 && foot.abs() >= P::GRAIN * f64::from(i32::MAX) {
+                continue;
+            }
             let off = reading - vector[k] - foot;
             let rounding = rounding + 1e-15 * reading.abs();
-            self.tally.that(Rule::FootOnPath, off.abs() <= rounding, || format!("{off} mm along {k}: {error:?}"))?;
+            self.tally
+                .that(Rule::FootOnPath, off.abs() <= rounding, || format!("{off} mm along {k}: {error:?} {span:?}"))?;
         }
         Ok(())
     }
