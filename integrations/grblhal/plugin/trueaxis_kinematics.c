@@ -55,7 +55,7 @@ static volatile bool jog_cancelled;
 static struct {
     bool corrected, inside; /* this line was begun corrected; `present` has a stretch in work */
     uint32_t tick, ticks, stretch;
-    float length, feed_rate, rate_multiplier;
+    float length, rate_multiplier;
     coord_data_t start, change, last; /* machine coordinates: begin, end − begin, end of the line before */
     coord_data_t drive;               /* corrected, at `tick` */
     coord_data_t from, motor;         /* motors: where the planner stands, what it is handed */
@@ -165,21 +165,19 @@ static float steps_between(const coord_data_t *a, const coord_data_t *b) {
 }
 
 /* At the switch of a homed axis the tool stands beside the drive's position by the correction there, and with it beside the
-   limits. So much is allowed, or every line that leaves the axis where it is would be refused. */
+   limits. The largest correction of the tables is allowed, or every line that leaves the axis where it is would be refused. */
 static bool within_travel(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope) {
-    coord_data_t end, drive;
+    const trueaxis_tables_info_t *info = trueaxis_correction_tables();
+    coord_data_t end;
 
     memcpy(end.values, target, sizeof end.values);
-    drive = end;
-    if (correcting && is_cartesian) {
-        trueaxis_correction_forward(end.values, negative, drive.values);
-        for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
-            float slack = fabsf(drive.values[idx] - end.values[idx]) + 0.5f / settings.axis[idx].steps_per_mm;
-            if (end.values[idx] < envelope->min.values[idx] && end.values[idx] > envelope->min.values[idx] - slack) {
-                end.values[idx] = envelope->min.values[idx];
-            } else if (end.values[idx] > envelope->max.values[idx] && end.values[idx] < envelope->max.values[idx] + slack) {
-                end.values[idx] = envelope->max.values[idx];
-            }
+    for (unsigned slot = 0; correcting && is_cartesian && slot < info->axes; slot++) {
+        unsigned idx = trueaxis_correction_axis(slot);
+        float low = envelope->min.values[idx], high = envelope->max.values[idx], slack = (float)info->correction_limit[slot];
+        if (end.values[idx] < low && end.values[idx] >= low - slack) {
+            end.values[idx] = low;
+        } else if (end.values[idx] > high && end.values[idx] <= high + slack) {
+            end.values[idx] = high;
         }
     }
     return check_travel_limits(end.values, axes, is_cartesian, envelope);
@@ -208,7 +206,6 @@ static coord_data_t *begin(const coord_data_t *target, const coord_data_t *posit
     }
     line.last = *target;
     line.length = distance(&line.change, &nowhere);
-    line.feed_rate = pl_data->feed_rate;
     line.rate_multiplier = pl_data->rate_multiplier;
     line.tick = 0;
     line.ticks = TICKS * (pl_data->condition.rapid_motion ? 1 : 1 + (uint32_t)(line.length / TRUEAXIS_SEGMENT_MM));
@@ -282,11 +279,10 @@ static void next_stretch(plan_line_data_t *pl_data) {
     coord_data_t reached = line.drive;
 
     find_stretch();
-    pl_data->feed_rate = line.feed_rate;
-    pl_data->rate_multiplier = line.rate_multiplier;
-    if (pl_data->condition.inverse_time) {
-        float stretch = distance(&reached, &line.drive);
-        pl_data->feed_rate = stretch > 0.0f ? line.feed_rate * line.length / stretch : line.feed_rate;
+    pl_data->rate_multiplier = line.rate_multiplier; /* the feed itself the core sets back after every block */
+    float stretch = distance(&reached, &line.drive);
+    if (pl_data->condition.inverse_time && stretch > 0.0f) {
+        pl_data->feed_rate *= line.length / stretch;
     }
     coord_data_t target = line.drive;
     line.below = present.segment_line(&target, &line.from, pl_data, true);

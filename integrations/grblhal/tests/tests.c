@@ -118,10 +118,28 @@ static void position_lost(void) {
 }
 
 static void limits_and_feeds(void) {
+    unsigned turns = 0;
     CHECK(line_to(-300, -200, -400, rapid) && !soft_limit_alarm); /* to the very corner */
     CHECK(line_to(0, 0, 0, rapid) && !soft_limit_alarm);
-    CHECK(!line_to(0.05f, 0, 0, feed) && soft_limit_alarm);
-    CHECK(!line_to(-300.05f, 0, 0, feed) && soft_limit_alarm);
+    CHECK(!line_to(0.11f, 0, 0, feed) && soft_limit_alarm);
+    CHECK(!line_to(-300.11f, 0, 0, feed) && soft_limit_alarm);
+    /* From every corner where drives can stand after homing. */
+    for (int corner = 0; corner < 8; corner++) {
+        float p[N_AXIS];
+        for (int idx = 0; idx < N_AXIS; idx++) {
+            p[idx] = corner & 1 << idx ? settings.axis[idx].max_travel : 0.0f;
+        }
+        trueaxis_correction_inverse(p, 0, p);
+        CHECK(line_to(p[0], p[1], p[2], rapid) && !soft_limit_alarm);
+    }
+    /* Rounding to steps turns no drive: one axis moves on, the others take up nothing. */
+    CHECK(line_to(-290, -50, -20, rapid) && line_to(-280, -50, -20, feed));
+    for (int i = 1; i <= 100; i++) {
+        CHECK(line_to(-280 + 2.5f * (float)i, -50, -20, feed) && block_count <= 3);
+        turns += block_count - 2;
+    }
+    CHECK(turns <= 8); /* where the correction itself turns them */
+    CHECK(line_to(0, 0, 0, rapid));
     /* Rapids are not divided; feeds are, evenly, and never longer than 2 mm. */
     int32_t zero[N_AXIS];
     memcpy(zero, sys.position, sizeof zero);
@@ -156,29 +174,6 @@ static void jog_cancelled(void) {
     CHECK(!kinematics.segment_line((coord_data_t *)point, NULL, &pl_data, false));
     /* It did not get there; the next line starts from the planner's steps all the same. */
     CHECK(line_to(-100, -60, -20, feed) && block_count <= 12);
-}
-
-/* steps -> machine coordinates -> steps, over the whole travel. */
-static void there_and_back(float steps_per_mm) {
-    double worst = 0.0;
-    uint32_t random = 1;
-    power_up(steps_per_mm, NULL);
-    core_home(all, true);
-    for (int i = 0; i < 2000; i++) {
-        float p[N_AXIS], q[N_AXIS];
-        int32_t steps[N_AXIS];
-        for (int idx = 0; idx < N_AXIS; idx++) {
-            random = random * 1664525u + 1013904223u;
-            steps[idx] = (int32_t)((double)settings.axis[idx].max_travel * steps_per_mm * (random >> 8) / 16777216.0);
-        }
-        system_convert_array_steps_to_mpos(p, steps);
-        kinematics.transform_from_cartesian((coord_data_t *)q, (coord_data_t *)p);
-        for (int idx = 0; idx < N_AXIS; idx++) {
-            worst = fmax(worst, fabs((double)q[idx] * steps_per_mm - steps[idx]));
-        }
-    }
-    printf("there and back at %.0f steps/mm: worst %.4f steps\n", (double)steps_per_mm, worst);
-    CHECK(worst < (steps_per_mm > 1000.0f ? 2.0 : 0.04));
 }
 
 /* CoreXY below: motors a = x + y, b = x - y, their steps the same. */
@@ -248,6 +243,29 @@ static void around_corexy(void) {
 
 #endif
 
+/* steps -> machine coordinates -> steps, over the whole travel. */
+static void there_and_back(float steps_per_mm) {
+    double worst = 0.0;
+    uint32_t random = 1;
+    power_up(steps_per_mm, NULL);
+    core_home(all, true);
+    for (int i = 0; i < 2000; i++) {
+        float p[N_AXIS], q[N_AXIS];
+        int32_t steps[N_AXIS];
+        for (int idx = 0; idx < N_AXIS; idx++) {
+            random = random * 1664525u + 1013904223u;
+            steps[idx] = (int32_t)((double)settings.axis[idx].max_travel * steps_per_mm * (random >> 8) / 16777216.0);
+        }
+        system_convert_array_steps_to_mpos(p, steps);
+        kinematics.transform_from_cartesian((coord_data_t *)q, (coord_data_t *)p);
+        for (int idx = 0; idx < N_AXIS; idx++) {
+            worst = fmax(worst, fabs((double)q[idx] * steps_per_mm - steps[idx]));
+        }
+    }
+    printf("there and back at %.0f steps/mm: worst %.4f steps\n", (double)steps_per_mm, worst);
+    CHECK(worst < (steps_per_mm > 1000.0f ? 2.0 : 0.04));
+}
+
 /* Moves for the exact machine: lines of all directions, with reversals, near and far, and an arc of chords. */
 static void moves(void) {
     static const float points[][N_AXIS] = {
@@ -282,10 +300,10 @@ int main(void) {
     position_lost();
     limits_and_feeds();
     jog_cancelled();
-    there_and_back(COARSE);
-    there_and_back(FINE);
     around_corexy();
 #endif
+    there_and_back(COARSE);
+    there_and_back(FINE);
     moves();
     printf("passed\n");
     return 0;
