@@ -72,9 +72,11 @@ fn moving(test: impl FnOnce(&HostServo<AXES>, &mut Cycle, &mut Drives, &mut u32)
     let mut memory = vec![0.0; file.requirement()];
     let servo = HostServo::<AXES>::load(&file, PERIOD_NS, &mut memory).unwrap();
     let (mut cycle, mut drives, mut n) = (Cycle::new(&servo, COUNTS_PER_MM), Drives::new(), 0);
-    for _ in 0..10 {
+    for i in 0..10 {
         let before = drives.status;
-        let report = drives.cycle(&mut cycle, command(0), PERIOD_NS, false);
+        // Before they follow, it does not matter what is commanded.
+        let early = command(if i < 3 { 500 } else { 0 });
+        let report = drives.cycle(&mut cycle, early, PERIOD_NS, false);
         assert_eq!(report.stop, None);
         if before.iter().any(|status| *status != 0x27) {
             assert_eq!(drives.position, START, "nothing moves before all drives follow");
