@@ -27,7 +27,6 @@ row = next(csv.DictReader((out / "corrected.csv").open()))
 off = [1e3 * (value - float(row[f"c{axis}_mm"])) for value, axis in zip(drive, "xyz")]
 shift = [1e3 * (float(row[f"c{axis}_mm"]) - float(row[f"{axis}_mm"])) for axis in "xyz"]
 print("correction", *(f"{value:.3f}" for value in shift), "um; off it by", *(f"{value:.4f}" for value in off), "um")
-# Two look-ups at standstill, and the drives' feed-forward at rest.
-if max(map(abs, off)) > 0.02 or max(map(abs, shift)) < 5:
+if max(map(abs, off)) > 0.002 or max(map(abs, shift)) < 5:
     sys.exit("the filter's drive positions are not those of trueaxis compensate")
 PYTHON

@@ -18,7 +18,7 @@ namespace trueaxis {
 // ROS counts in metres and radians (REP 103), the tables in mm and degrees.
 class Filter {
 public:
-    // Loads a .tcomp, in on_configure: allocates and takes about 17 KiB of stack. False: `reason()` says why, and the filter
+    // Loads a .tcomp, in on_configure: allocates and takes about 60 KiB of stack. False: `reason()` says why, and the filter
     // passes commands uncompensated. `period_ns`: of the controller manager. `axes`: of the machine, 3 to 6.
     bool configure(const std::uint8_t *file, std::size_t length, std::uint32_t axes, std::uint32_t period_ns,
                    std::uint32_t machine_id = 0) {
