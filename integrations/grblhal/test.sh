@@ -14,11 +14,11 @@ out=$target/grblhal
 mkdir -p "$out"
 export CARGO_TARGET_DIR=$target
 
-# The folders are those of crates/trueaxis-capi/test.sh, which builds the same.
+# For the controllers of three axes, in folders of their own.
 cargo build --quiet --release -p trueaxis-capi -p trueaxis-cli
-CARGO_TARGET_DIR=$target/capi-m4f cargo build --quiet --release -p trueaxis-capi --target "$mcu" --features single
-CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' CARGO_TARGET_DIR=$target/capi-m7 \
-    cargo build --quiet --release -p trueaxis-capi --target "$mcu" --features fp64
+CARGO_TARGET_DIR=$target/grblhal-m4f cargo build --quiet --release -p trueaxis-capi --target "$mcu" --features single,three
+CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' CARGO_TARGET_DIR=$target/grblhal-m7 \
+    cargo build --quiet --release -p trueaxis-capi --target "$mcu" --features fp64,three
 trueaxis=$target/release/trueaxis
 
 # Tables of the tests: good ones, and some to be refused.
@@ -40,8 +40,8 @@ PYTHON
 
 board=$root/crates/trueaxis-capi/examples/c/cortex-m
 flags=(-std=c11 -O2 -Wall -Wextra -Werror -ffp-contract=off -ffunction-sections -fdata-sections
-    "-I$root/crates/trueaxis-capi/include" -Icorrection -Idouble)
-plugin=(correction/trueaxis_correction.c plugin/trueaxis_kinematics.c)
+    "-I$root/crates/trueaxis-capi/include" -Icorrection -Idouble -Iplugin)
+plugin=(correction/trueaxis_correction.c plugin/*.c)
 
 # for (host, m4f, m7), name, tables, sources and flags: leaves $out/NAME-FOR.elf
 build() {
@@ -57,7 +57,7 @@ build() {
     m7) all+=(-mcpu=cortex-m7 -mfpu=fpv5-d16) ;;
     esac
     arm-none-eabi-gcc "${all[@]}" -mthumb -mfloat-abi=hard '-DFIRST="/dev/null"' '-DSECOND="/dev/null"' "$board/startup.c" \
-        "$target/capi-$core/$mcu/release/libtrueaxis_capi.a" --specs=rdimon.specs -nostartfiles "-T$board/mps2.ld" \
+        "$target/grblhal-$core/$mcu/release/libtrueaxis_capi.a" --specs=rdimon.specs -nostartfiles "-T$board/mps2.ld" \
         -Wl,--gc-sections,-z,noexecstack,--no-warn-rwx-segments -lm -o "$out/$name-$core.elf"
 }
 run() { # for, name: its output to $out/NAME-FOR.txt
@@ -80,6 +80,8 @@ for core in host m4f m7; do
         grep -vE '^(steps|line|rapid|block) ' "$out/$tables-$core.txt" | sed "s/^/$tables, $core: /"
     done
 done
+build host fourth mill "${plugin[@]}" tests/tests.c -DN_AXIS=4
+run host fourth
 python3 tests/checks.py "$trueaxis" "$out/mill" "$out"/mill-{host,m4f,m7}.txt
 python3 tests/checks.py "$trueaxis" "$out/kinked" "$out"/kinked-{host,m4f,m7}.txt
 
@@ -99,7 +101,7 @@ for core in host m4f; do
     refused "$core" cut 'table file: the file is shorter than its header says' cut
     refused "$core" erased 'table file: not a compiled table file (it does not start with TRUEAXIS)' erased
     refused "$core" foreign 'table file: the file is made for another machine' mill -DTRUEAXIS_MACHINE_ID=0x12345678u
-    refused "$core" five 'the tables are for axes XYZAC, the controller has XYZ' five -DTRUEAXIS_MEMORY_BYTES=131072
+    refused "$core" five 'the tables are for axes XYZAC, the controller has XYZ' five
     refused "$core" small "memory: found 8192 bytes, needed $([[ $core == m4f ]] && echo 24336 || echo 48672) bytes" mill -DTRUEAXIS_MEMORY_BYTES=8192
     refused "$core" beside "the tables' travel of X has nothing in common with the machine's" beside
     refused "$core" header 'header and library differ in version or precision' mill -DTRUEAXIS_ABI_MAJOR=9

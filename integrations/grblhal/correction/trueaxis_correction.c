@@ -71,9 +71,7 @@ const char *trueaxis_correction_load(const uint8_t *file, size_t length, uint32_
     if (trueaxis_check_abi(TRUEAXIS_ABI_VERSION) != TRUEAXIS_OK) {
         return "header and library differ in version or precision";
     }
-    if (trueaxis_tables_info(file, length, &tables.info, &tables.error) != TRUEAXIS_OK ||
-        trueaxis_loop_build(&tables.loop, sizeof tables.loop, file, length, machine_id, PERIOD_NS, memory, sizeof memory,
-                            &tables.error) != TRUEAXIS_OK) {
+    if (trueaxis_tables_info(file, length, &tables.info, &tables.error) != TRUEAXIS_OK) {
         return tables.error.text;
     }
     for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
@@ -90,7 +88,9 @@ const char *trueaxis_correction_load(const uint8_t *file, size_t length, uint32_
         tables.high[slot] = to_position((float)tables.info.travel_high[slot]);
         tables.limit[slot] = (trueaxis_real_t)tables.info.correction_limit[slot];
     }
-    return NULL;
+    trueaxis_result_t built = trueaxis_loop_build(&tables.loop, sizeof tables.loop, file, length, machine_id, PERIOD_NS,
+                                                  memory, sizeof memory, &tables.error);
+    return built == TRUEAXIS_OK ? NULL : tables.error.text;
 }
 
 const trueaxis_tables_info_t *trueaxis_correction_tables(void) {

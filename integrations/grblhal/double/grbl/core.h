@@ -13,7 +13,9 @@
 
 #define Off 0
 #define On 1
+#ifndef N_AXIS
 #define N_AXIS 3
+#endif
 #define X_AXIS 0
 #define Y_AXIS 1
 #define Z_AXIS 2
