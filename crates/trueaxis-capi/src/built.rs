@@ -62,6 +62,7 @@ pub(crate) struct Built {
 
 /// A servo loop of any number of axes.
 #[allow(clippy::large_enum_variant)] // storage has the size of the largest anyway
+#[cfg_attr(feature = "three", allow(dead_code, reason = "more than three are never built"))]
 pub(crate) enum AnyServo {
     Three(Servo<3>),
     Four(Servo<4>),
@@ -139,9 +140,14 @@ impl Built {
     pub(crate) fn new(tables: &Tcomp<'_>, period_ns: u32, memory: &'static mut [Real]) -> Result<Self, ConfigError> {
         let servo = match crate::tables::axes_of(tables) {
             3 => AnyServo::Three(Servo::load(tables, period_ns, memory)?),
+            #[cfg(not(feature = "three"))]
             4 => AnyServo::Four(Servo::load(tables, period_ns, memory)?),
+            #[cfg(not(feature = "three"))]
             5 => AnyServo::Five(Servo::load(tables, period_ns, memory)?),
+            #[cfg(not(feature = "three"))]
             _ => AnyServo::Six(Servo::load(tables, period_ns, memory)?),
+            #[cfg(feature = "three")]
+            _ => AnyServo::Three(Servo::load(tables, period_ns, memory)?), // refuses the other axes
         };
         let mut growth = [ThermalGrowth::default(); AXES_MAX];
         for (growth, (_, settings)) in growth.iter_mut().zip(crate::tables::slots(tables)) {

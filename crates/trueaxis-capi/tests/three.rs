@@ -1,0 +1,36 @@
+//! The library for three axes only: takes a machine of three, refuses one of five.
+
+#![allow(unsafe_code)]
+
+mod machines;
+
+use machines::sample;
+use std::ptr::null_mut;
+use trueaxis_capi::*;
+
+fn build(machine: &str) -> ResultCode {
+    let file = sample(machine);
+    let mut memory = vec![0_u64; 1 << 17];
+    // SAFETY: storage of its own type; zero is how it comes.
+    let mut place: Box<Loop> = Box::new(unsafe { std::mem::zeroed() });
+    // SAFETY: pointers and sizes of what stands above.
+    unsafe {
+        trueaxis_loop_build(
+            &raw mut *place,
+            size_of::<Loop>(),
+            file.as_ptr(),
+            file.len(),
+            0,
+            1_000_000,
+            memory.as_mut_ptr().cast(),
+            memory.len() * 8,
+            null_mut(),
+        )
+    }
+}
+
+#[test]
+fn five_axes_are_refused() {
+    assert_eq!(build("mill-3axis"), OK);
+    assert_eq!(build("mill-5axis"), ERROR_CONFIG);
+}

@@ -1,0 +1,194 @@
+//! One cycle of drives in cyclic synchronous position mode (CiA 402) with the step of trueaxis in it.
+//!
+//! [`Cycle::run`] takes what a frame brought back and fills what the next one carries. It knows no main device: the example
+//! `servo` calls it with ethercrab, the tests with a process image of their own.
+//!
+//! | | then |
+//! |---|---|
+//! | a frame is lost, or its working counter is short | readings are old: the correction freezes, commands pass |
+//! | [`LOST_MAX`] frames in a row | quick stop, until [`Cycle::reset`] |
+//! | the cycle came late by more than a quarter, by the distributed clock | the correction freezes in it |
+//! | a drive reports a fault | quick stop of all |
+//! | a command is no number, jumps, leaves the travel | the step holds; quick stop of all |
+
+use trueaxis::tcomp::Tcomp;
+use trueaxis::{Bypass, Fault, HostServo, HostState, Output};
+
+/// Axes of the machine: X, Y, Z.
+pub const AXES: usize = 3;
+/// Cycle of the process image and of the distributed clock, ns.
+pub const PERIOD_NS: u32 = 1_000_000;
+/// Frames that may be lost in a row before the machine stops.
+pub const LOST_MAX: u32 = 3;
+/// Bytes of a drive's outputs: control word (0x6040, u16), target position (0x607A, i32); of its inputs: status word (0x6041,
+/// u16), position (0x6064, i32). Little-endian, in the order of the PDO mapping.
+pub const IMAGE_BYTES: usize = 6;
+
+const QUICK_STOP: u16 = 0x0002;
+
+/// What came back of a cycle's frame.
+#[derive(Clone, Copy, Debug)]
+pub enum Frame {
+    /// All inputs are fresh; time of the reference clock, ns.
+    Received { system_time_ns: u64 },
+    /// Nothing, or not from every drive: inputs are those of an earlier cycle.
+    Lost,
+}
+
+/// Why the machine stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// Too many frames lost in a row.
+    Frames,
+    /// A drive reports a fault (its number).
+    Drive(usize),
+    /// The step refused a command.
+    Command(Fault),
+}
+
+/// What a cycle did.
+#[derive(Debug)]
+pub struct Report {
+    /// All drives follow their targets.
+    pub running: bool,
+    /// Quick stop, latched.
+    pub stop: Option<Stop>,
+    /// Of the step: correction, status, fault.
+    pub output: Output<f64, f64, AXES>,
+}
+
+enum Step<'a> {
+    Corrected(&'a HostServo<'a, AXES>, Box<HostState<AXES>>),
+    Bypass(Bypass<f64, AXES>),
+}
+
+/// What one cycle hands to the next.
+pub struct Cycle<'a> {
+    step: Step<'a>,
+    counts_per_mm: f64,
+    time_ns: Option<u64>,
+    lost: u32,
+    position: [i32; AXES],
+    target: [i32; AXES],
+    running: bool,
+    stop: Option<Stop>,
+    reset: bool,
+}
+
+/// Checks the bytes of a `.tcomp` for this machine; else one line that says why it is refused.
+pub fn tables(file: &[u8]) -> Result<Tcomp<'_>, String> {
+    Tcomp::parse(file).map_err(|error| format!("trueaxis: {error}; running uncompensated"))
+}
+
+impl<'a> Cycle<'a> {
+    /// A cycle with the tables loaded.
+    pub fn new(servo: &'a HostServo<'a, AXES>, counts_per_mm: f64) -> Self {
+        Self::of(Step::Corrected(servo, Box::new(servo.start())), counts_per_mm)
+    }
+
+    /// A cycle that passes commands as they are, and says so in every record.
+    pub fn uncompensated(reason: Fault, counts_per_mm: f64) -> Self {
+        Self::of(Step::Bypass(Bypass::new(reason)), counts_per_mm)
+    }
+
+    fn of(step: Step<'a>, counts_per_mm: f64) -> Self {
+        Cycle {
+            step,
+            counts_per_mm,
+            time_ns: None,
+            lost: 0,
+            position: [0; AXES],
+            target: [0; AXES],
+            running: false,
+            stop: None,
+            reset: false,
+        }
+    }
+
+    /// Releases a stop in the next cycle; the command has to be where the machine stands.
+    pub fn reset(&mut self) {
+        self.stop = None;
+        self.reset = true;
+    }
+
+    /// Where the drives stand, mm: where commands begin.
+    pub fn position(&self) -> [f64; AXES] {
+        self.position.map(|counts| f64::from(counts) / self.counts_per_mm)
+    }
+
+    /// One cycle: `command` in mm; inputs and outputs of each drive as in [`IMAGE_BYTES`].
+    ///
+    /// Until all drives follow, targets are where they stand, and the command does not count.
+    pub fn run(
+        &mut self,
+        frame: Frame,
+        inputs: &[[u8; IMAGE_BYTES]; AXES],
+        command: [f64; AXES],
+        outputs: &mut [[u8; IMAGE_BYTES]; AXES],
+    ) -> Report {
+        let elapsed_ns = self.elapsed(frame);
+        let status: [u16; AXES] = inputs.map(|[low, high, ..]| u16::from_le_bytes([low, high]));
+        if self.lost == 0 {
+            self.position = inputs.map(|[_, _, a, b, c, d]| i32::from_le_bytes([a, b, c, d]));
+            self.running = status.iter().all(|status| status & 0x6f == 0x27);
+            if let Some(drive) = status.iter().position(|status| status & 0x4f == 0x08 || status & 0x4f == 0x0f) {
+                self.stop = self.stop.or(Some(Stop::Drive(drive)));
+            }
+        } else if self.lost >= LOST_MAX {
+            self.stop = self.stop.or(Some(Stop::Frames));
+        }
+
+        let follow = self.running && self.stop.is_none();
+        let feedback = self.position();
+        let mut input = trueaxis::Input::at_rest(PERIOD_NS);
+        input.command = if follow { command } else { feedback };
+        input.feedback = feedback;
+        input.encoder_alarm = if self.lost > 0 { 0b111 } else { 0 };
+        input.elapsed_ns = elapsed_ns;
+        input.homed = true; // absolute encoders
+        input.enable = follow;
+        input.reset = core::mem::take(&mut self.reset);
+        let output = match &mut self.step {
+            Step::Corrected(servo, state) => servo.step(state, &input, (), ()),
+            Step::Bypass(bypass) => bypass.step(&input),
+        };
+        if follow && output.stop_requested() {
+            self.stop = Some(Stop::Command(output.record.fault));
+        }
+
+        if follow && self.stop.is_none() && output.has_drive() {
+            self.target = output.drive.map(|mm| (mm * self.counts_per_mm).round() as i32);
+        } else if self.lost == 0 {
+            self.target = self.position;
+        }
+        for ((image, target), status) in outputs.iter_mut().zip(self.target).zip(status) {
+            let control = if self.stop.is_some() { QUICK_STOP } else { towards_operation(status) };
+            image[..2].copy_from_slice(&control.to_le_bytes());
+            image[2..].copy_from_slice(&target.to_le_bytes());
+        }
+        Report { running: follow, stop: self.stop, output }
+    }
+
+    /// Time since the last cycle, by the reference clock where it came back.
+    fn elapsed(&mut self, frame: Frame) -> u32 {
+        let Frame::Received { system_time_ns } = frame else {
+            self.lost += 1;
+            return PERIOD_NS;
+        };
+        // What lost frames took is not this cycle's.
+        let missed = u64::from(self.lost) * u64::from(PERIOD_NS);
+        let elapsed = self.time_ns.map(|before| system_time_ns.saturating_sub(before).saturating_sub(missed));
+        self.time_ns = Some(system_time_ns);
+        self.lost = 0;
+        elapsed.map_or(PERIOD_NS, |elapsed| u32::try_from(elapsed).unwrap_or(u32::MAX))
+    }
+}
+
+/// The control word that brings a drive a state nearer to operation (CiA 402).
+fn towards_operation(status: u16) -> u16 {
+    match status & 0x6f {
+        0x21 => 0x0007,        // ready: switch on
+        0x23 | 0x27 => 0x000f, // switched on: enable; and stay so
+        _ => 0x0006,           // shut down: to ready
+    }
+}

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Lints the example with ethercrab, runs the cycle against a process image of simulated drives, and tries a damaged table.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+exec </dev/null
+
+../../.ci/install gcc libc6-dev python3
+cargo fmt --check
+cargo clippy --quiet --all-targets -- -D warnings
+cargo test --quiet --test faults
+cargo build --quiet --example servo
+target=${CARGO_TARGET_DIR:-$PWD/target}
+python3 - ../../crates/trueaxis/tests/data/mill-3axis.tcomp "$target/damaged.tcomp" <<'PYTHON'
+import sys
+data = bytearray(open(sys.argv[1], "rb").read())
+data[len(data) // 2] ^= 1
+open(sys.argv[2], "wb").write(data)
+PYTHON
+# There is no such network: but the table is refused, and told, before one is touched.
+timeout 20 "$target/debug/examples/servo" no-such-interface "$target/damaged.tcomp" 2>"$target/refused.txt" && exit 1
+head -1 "$target/refused.txt"
+grep -qx 'trueaxis: the file is damaged (its CRC-32 is wrong); running uncompensated' "$target/refused.txt"

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+#include "trueaxis_correction.h"
+
+#include <math.h>
+#include <string.h>
+
+#define PERIOD_NS 1000000 /* of no effect on a correction at a position, but a loop has one */
+#define PASSES 8
+
+#ifdef TRUEAXIS_SINGLE
+#define TOLERANCE 1 /* nm */
+#else
+#define TOLERANCE 1e-6 /* mm */
+#endif
+
+static struct {
+    trueaxis_loop_t loop;
+    trueaxis_tables_info_t info;
+    trueaxis_error_t error;
+    trueaxis_position_t low[TRUEAXIS_AXES_MAX], high[TRUEAXIS_AXES_MAX];
+    trueaxis_real_t limit[TRUEAXIS_AXES_MAX];
+    uint8_t axis[TRUEAXIS_AXES_MAX];
+} tables;
+static uint64_t memory[TRUEAXIS_MEMORY_BYTES / sizeof(uint64_t)];
+
+static trueaxis_position_t clamp(trueaxis_position_t value, trueaxis_position_t low, trueaxis_position_t high) {
+    return value < low ? low : value > high ? high : value;
+}
+
+#ifdef TRUEAXIS_SINGLE
+#define RANGE_MM 2147.0f /* of an int32 in nm */
+
+/* What is out of range or no number becomes the end of the range, for a look-up only. */
+static trueaxis_position_t to_position(float mm) {
+    if (!(mm > -RANGE_MM)) {
+        return -2147000000;
+    }
+    if (mm > RANGE_MM) {
+        return 2147000000;
+    }
+    /* Whole millimetres apart: a product of the whole would be rounded to 24 bits. */
+    int32_t whole = (int32_t)mm;
+    return whole * 1000000 + (int32_t)lroundf((mm - (float)whole) * 1e6f);
+}
+static float from_position(trueaxis_position_t nm) {
+    int32_t whole = nm / 1000000;
+    return (float)whole + (float)(nm - whole * 1000000) * 1e-6f;
+}
+static trueaxis_position_t added(trueaxis_real_t mm) {
+    return (trueaxis_position_t)lroundf(mm * 1e6f);
+}
+#else
+#define RANGE_MM 1e9f
+
+static trueaxis_position_t to_position(float mm) {
+    return mm;
+}
+static float from_position(trueaxis_position_t mm) {
+    return (float)mm;
+}
+static trueaxis_position_t added(trueaxis_real_t mm) {
+    return mm;
+}
+#endif
+
+const char *trueaxis_correction_load(const uint8_t *file, size_t length, uint32_t machine_id, unsigned axes) {
+    static const char letters[] = "XYZABC";
+
+    tables.error = (trueaxis_error_t){ .size = sizeof tables.error };
+    tables.info = (trueaxis_tables_info_t){ .size = sizeof tables.info };
+    if (trueaxis_check_abi(TRUEAXIS_ABI_VERSION) != TRUEAXIS_OK) {
+        return "header and library differ in version or precision";
+    }
+    if (trueaxis_tables_info(file, length, &tables.info, &tables.error) != TRUEAXIS_OK) {
+        return tables.error.text;
+    }
+    for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
+        const char *letter = strchr(letters, tables.info.letters[slot]);
+        tables.axis[slot] = letter ? (uint8_t)(letter - letters) : UINT8_MAX;
+        if (tables.axis[slot] >= axes) {
+            strcpy(tables.error.text, "the tables are for axes ");
+            strcat(tables.error.text, tables.info.letters);
+            strcat(tables.error.text, ", the controller has ");
+            strncat(tables.error.text, letters, axes);
+            return tables.error.text;
+        }
+        tables.low[slot] = to_position((float)tables.info.travel_low[slot]);
+        tables.high[slot] = to_position((float)tables.info.travel_high[slot]);
+        tables.limit[slot] = (trueaxis_real_t)tables.info.correction_limit[slot];
+    }
+    trueaxis_result_t built = trueaxis_loop_build(&tables.loop, sizeof tables.loop, file, length, machine_id, PERIOD_NS,
+                                                  memory, sizeof memory, &tables.error);
+    return built == TRUEAXIS_OK ? NULL : tables.error.text;
+}
+
+const trueaxis_tables_info_t *trueaxis_correction_tables(void) {
+    return &tables.info;
+}
+
+unsigned trueaxis_correction_axis(unsigned slot) {
+    return tables.axis[slot];
+}
+
+uint8_t trueaxis_correction_axes(void) {
+    uint8_t bits = 0;
+    for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
+        bits |= (uint8_t)(1u << tables.axis[slot]);
+    }
+    return bits;
+}
+
+/* c at `from`, in the tables' order. */
+static void correction(const trueaxis_position_t *from, uint8_t negative, trueaxis_real_t *c) {
+    trueaxis_position_t inside[TRUEAXIS_AXES_MAX];
+    uint8_t directions = 0;
+
+    for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
+        inside[slot] = clamp(from[slot], tables.low[slot], tables.high[slot]);
+        directions |= (uint8_t)((negative >> tables.axis[slot] & 1) << slot);
+    }
+    /* Refuses positions outside the travel and without a number only: here never. */
+    if (trueaxis_correction_at(&tables.loop, inside, directions, NULL, c) != TRUEAXIS_OK) {
+        memset(c, 0, tables.info.axes * sizeof *c);
+    }
+    for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
+        if (c[slot] > tables.limit[slot]) {
+            c[slot] = tables.limit[slot];
+        } else if (c[slot] < -tables.limit[slot]) {
+            c[slot] = -tables.limit[slot];
+        }
+    }
+}
+
+/* Positions of the tables' axes, in their order. */
+static void gather(const float *positions, trueaxis_position_t *to) {
+    for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
+        to[slot] = to_position(positions[tables.axis[slot]]);
+    }
+}
+
+void trueaxis_correction_forward(const float *command, uint8_t negative, float *drive) {
+    trueaxis_position_t from[TRUEAXIS_AXES_MAX];
+    trueaxis_real_t c[TRUEAXIS_AXES_MAX];
+
+    gather(command, from);
+    correction(from, negative, c);
+    for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
+        unsigned axis = tables.axis[slot];
+        /* Far outside any travel, or no number: what the host would do, and the edge's correction. */
+        drive[axis] = fabsf(command[axis]) < RANGE_MM ? from_position(from[slot] + added(c[slot])) : command[axis] + c[slot];
+    }
+}
+
+void trueaxis_correction_inverse(const float *drive, uint8_t negative, float *command) {
+    trueaxis_position_t from[TRUEAXIS_AXES_MAX], found[TRUEAXIS_AXES_MAX];
+    trueaxis_real_t c[TRUEAXIS_AXES_MAX];
+    bool settled = false;
+
+    gather(drive, from);
+    memcpy(found, from, sizeof found);
+    for (int pass = 0; pass < PASSES && !settled; pass++) {
+        settled = true;
+        correction(found, negative, c);
+        for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
+            trueaxis_position_t next = from[slot] - added(c[slot]), change = next - found[slot];
+            settled = settled && change <= TOLERANCE && change >= -TOLERANCE;
+            found[slot] = next;
+        }
+    }
+    for (uint32_t slot = 0; slot < tables.info.axes; slot++) {
+        command[tables.axis[slot]] = from_position(found[slot]);
+    }
+}

@@ -1,0 +1,155 @@
+/*
+ * The part of grblHAL's interface that the plugin uses, for tests: types, hooks and functions by their documented names
+ * and meanings, in our own words and without the rest of their members. A controller is built with grblHAL's own headers.
+ *
+ * SPDX-License-Identifier: MIT OR Apache-2.0
+ */
+#ifndef DOUBLE_CORE_H
+#define DOUBLE_CORE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define Off 0
+#define On 1
+#ifndef N_AXIS
+#define N_AXIS 3
+#endif
+#define X_AXIS 0
+#define Y_AXIS 1
+#define Z_AXIS 2
+#define ASCII_EOL "\r\n"
+#define bit(n) (1UL << (n))
+
+typedef union {
+    float values[N_AXIS];
+    struct {
+        float x, y, z;
+    };
+} coord_data_t;
+
+typedef union {
+    int32_t values[N_AXIS];
+    struct {
+        int32_t x, y, z;
+    };
+} mpos_t;
+
+typedef union {
+    uint8_t mask;
+    uint8_t bits;
+    struct {
+        uint8_t x : 1, y : 1, z : 1;
+    };
+} axes_signals_t;
+
+/* States of the controller; idle is none of the others. */
+typedef uint_fast16_t sys_state_t;
+#define STATE_IDLE 0
+#define STATE_ALARM bit(0)
+#define STATE_HOMING bit(2)
+#define STATE_CYCLE bit(3)
+
+typedef enum { Status_OK = 0, Status_InvalidStatement = 3, Status_IdleError = 8 } status_code_t;
+typedef enum { Message_Plain = 0, Message_Info, Message_Warning } message_type_t;
+typedef enum { HomingMode_Seek = 0, HomingMode_Locate, HomingMode_Pulloff } homing_mode_t;
+
+/* A move on its way to the planner. */
+typedef struct {
+    float feed_rate; /* mm/min, with inverse_time 1/min */
+    float rate_multiplier;
+    struct {
+        uint32_t rapid_motion : 1, jog_motion : 1, inverse_time : 1, target_validated : 1, target_valid : 1;
+    } condition;
+} plan_line_data_t;
+
+typedef struct {
+    coord_data_t min, max;
+} work_envelope_t;
+
+typedef struct {
+    struct {
+        float steps_per_mm, max_travel; /* max_travel is stored negative */
+    } axis[N_AXIS];
+    struct {
+        axes_signals_t dir_mask; /* axes whose switch is at the negative end */
+        struct {
+            bool force_set_origin;
+        } flags;
+    } homing;
+} settings_t;
+extern settings_t settings;
+
+typedef struct {
+    axes_signals_t homed, soft_limits;
+    work_envelope_t work_envelope;
+    float home_position[N_AXIS];
+    int32_t position[N_AXIS]; /* of the motors, steps */
+} system_t;
+extern system_t sys;
+
+typedef struct {
+    float position[N_AXIS]; /* where the program stands, mm */
+} parser_state_t;
+extern parser_state_t gc_state;
+
+typedef void (*on_state_change_ptr)(sys_state_t state);
+typedef void (*on_homing_completed_ptr)(axes_signals_t cycle, bool success);
+typedef void (*on_jog_cancel_ptr)(sys_state_t state);
+typedef void (*on_report_options_ptr)(bool newopt);
+
+typedef struct {
+    on_state_change_ptr on_state_change;
+    on_homing_completed_ptr on_homing_completed;
+    on_jog_cancel_ptr on_jog_cancel;
+    on_report_options_ptr on_report_options;
+    bool (*check_travel_limits)(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope);
+} grbl_t;
+extern grbl_t grbl;
+
+typedef struct {
+    struct {
+        void (*write)(const char *text);
+    } stream;
+} grbl_hal_t;
+extern grbl_hal_t hal;
+
+typedef struct {
+    const char *command;
+    status_code_t (*execute)(sys_state_t state, char *args);
+    struct {
+        uint8_t noargs : 1, allow_blocking : 1, help_fn : 1;
+    } flags;
+    struct {
+        const char *str;
+    } help;
+} sys_command_t;
+
+typedef struct sys_commands {
+    uint8_t n_commands;
+    const sys_command_t *commands;
+    struct sys_commands *next;
+} sys_commands_t;
+
+typedef struct plan_block plan_block_t;
+typedef void (*foreground_task_ptr)(void *data);
+
+void system_register_commands(sys_commands_t *commands);
+void system_convert_array_steps_to_mpos(float *position, int32_t *steps);
+sys_state_t state_get(void);
+bool task_run_on_startup(foreground_task_ptr fn, void *data);
+void report_message(const char *text, message_type_t type);
+void report_plugin(const char *name, const char *version);
+char *ftoa(float value, uint8_t decimals);
+void limits_set_machine_positions(axes_signals_t cycle, bool add_pulloff);
+plan_block_t *plan_get_current_block(void);
+float *plan_get_position(void);
+void plan_sync_position(void);
+#define sync_position()                                                                                                \
+    do {                                                                                                               \
+        plan_sync_position();                                                                                          \
+        system_convert_array_steps_to_mpos(gc_state.position, sys.position);                                           \
+    } while (0)
+
+#endif

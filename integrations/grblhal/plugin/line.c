@@ -1,0 +1,192 @@
+/*
+ * A line in stretches whose ends are corrected.
+ *
+ * SPDX-License-Identifier: GPL-3.0-or-later
+ */
+#include <math.h>
+#include <string.h>
+
+#include "trueaxis_kinematics.h"
+
+#ifndef TRUEAXIS_SEGMENT_MM
+#define TRUEAXIS_SEGMENT_MM 2.0f /* longest stretch between two look-ups on a line */
+#endif
+#ifndef TRUEAXIS_CHORD_MM
+#define TRUEAXIS_CHORD_MM 0.0005f /* a stretch is halved while its middle lies further off */
+#endif
+#ifndef TRUEAXIS_HYSTERESIS_MM
+#define TRUEAXIS_HYSTERESIS_MM 0.0003f /* a drive that comes back by more has turned */
+#endif
+#define HALVINGS 4
+#define TICKS (1u << HALVINGS) /* of a longest stretch */
+
+static struct {
+    bool corrected, inside; /* this line was begun corrected; `present` has a stretch in work */
+    uint32_t tick, ticks, stretch;
+    float length, rate_multiplier;
+    coord_data_t start, change; /* machine coordinates: begin, end − begin */
+    coord_data_t drive;         /* corrected, at `tick` */
+    coord_data_t from, motor;   /* motors: where the planner stands, what it is handed */
+    coord_data_t *below;        /* of the stretch in `present` */
+    bool rapid, turned;         /* `turned`: lost motion was taken up at `tick` */
+} line;
+
+/* Corrected position after `tick` of the line; half ticks by doubling both. */
+static void drive_at(uint32_t tick, uint32_t ticks, coord_data_t *drive) {
+    for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+        drive->values[idx] = line.start.values[idx] + line.change.values[idx] * ((float)tick / (float)ticks);
+    }
+    trueaxis_correction_forward(drive->values, trueaxis_shared.negative, drive->values);
+}
+
+static float distance(const coord_data_t *a, const coord_data_t *b) {
+    float sum = 0.0f;
+    for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+        sum += (a->values[idx] - b->values[idx]) * (a->values[idx] - b->values[idx]);
+    }
+    return sqrtf(sum);
+}
+
+/* The largest of |a − b| and so on, in steps of each axis. */
+static float steps_between(const coord_data_t *a, const coord_data_t *b) {
+    float most = 0.0f;
+    for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+        most = fmaxf(most, fabsf(a->values[idx] - b->values[idx]) * settings.axis[idx].steps_per_mm);
+    }
+    return most;
+}
+
+/* Begins a line: its start from the planner's steps, the stretches. */
+static coord_data_t *begin(const coord_data_t *target, const coord_data_t *position, plan_line_data_t *pl_data) {
+    static const coord_data_t nowhere;
+    coord_data_t end;
+    mpos_t steps;
+
+    trueaxis_validate(target, pl_data);
+    line.from = *position;
+    for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+        steps.values[idx] = (int32_t)lroundf(position->values[idx] * settings.axis[idx].steps_per_mm);
+    }
+    trueaxis_shared.present.transform_steps_to_cartesian(&line.drive, &steps);
+    line.start = line.drive;
+    trueaxis_correction_inverse(line.start.values, trueaxis_shared.negative, line.start.values);
+    /* The end of the line before, where that is what the planner rounded to its steps: an axis that is not commanded then
+       does not move at all. */
+    if (steps_between(&line.start, &trueaxis_shared.last) < 1.5f) {
+        line.start = trueaxis_shared.last;
+    }
+    for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+        line.change.values[idx] = target->values[idx] - line.start.values[idx];
+    }
+    trueaxis_shared.last = *target;
+    line.length = distance(&line.change, &nowhere);
+    line.rate_multiplier = pl_data->rate_multiplier;
+    line.tick = 0;
+    line.ticks = TICKS * (pl_data->condition.rapid_motion ? 1 : 1 + (uint32_t)(line.length / TRUEAXIS_SEGMENT_MM));
+    line.stretch = TICKS;
+    line.rapid = pl_data->condition.rapid_motion;
+
+    line.inside = line.turned = false;
+    drive_at(0, line.ticks, &line.drive);
+    drive_at(line.ticks, line.ticks, &end);
+    return trueaxis_shared.present.transform_from_cartesian(&line.motor, &end);
+}
+
+/* Do drives turn on the way to `ahead`? Their bits change. A drive turns also where its axis is not commanded and only the
+   correction of the others' motion moves it. */
+static bool turn(const coord_data_t *ahead) {
+    bool turned = false;
+    for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+        float back = trueaxis_shared.furthest.values[idx] - ahead->values[idx];
+        if ((trueaxis_shared.negative & bit(idx) ? -back : back) > TRUEAXIS_HYSTERESIS_MM) {
+            trueaxis_shared.negative ^= (uint8_t)bit(idx);
+            trueaxis_shared.furthest.values[idx] = line.drive.values[idx];
+            turned = true;
+        }
+    }
+    return turned;
+}
+
+/* Finds the next stretch: `drive` becomes its end. */
+static void find_stretch(void) {
+    coord_data_t reached, middle, chord;
+
+    if (line.stretch < TICKS && line.tick % (2 * line.stretch) == 0) {
+        line.stretch *= 2;
+    }
+    coord_data_t ahead;
+    drive_at(line.tick + line.stretch, line.ticks, &ahead);
+    if (!line.turned && turn(&ahead)) {
+        /* Lost motion is taken up before the tool moves on. */
+        reached = line.drive;
+        drive_at(line.tick, line.ticks, &line.drive);
+        line.turned = true;
+        if (steps_between(&reached, &line.drive) > 0.5f) {
+            return;
+        }
+        drive_at(line.tick + line.stretch, line.ticks, &ahead);
+    }
+    while (!line.rapid && line.stretch > 1) {
+        drive_at(2 * line.tick + line.stretch, 2 * line.ticks, &middle);
+        for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+            chord.values[idx] = 0.5f * (line.drive.values[idx] + ahead.values[idx]);
+        }
+        if (distance(&middle, &chord) <= TRUEAXIS_CHORD_MM) {
+            break;
+        }
+        line.stretch /= 2;
+        ahead = middle;
+    }
+    line.turned = false;
+    line.drive = ahead;
+    line.tick += line.stretch;
+    for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+        bool further = trueaxis_shared.negative & bit(idx) ? ahead.values[idx] < trueaxis_shared.furthest.values[idx] : ahead.values[idx] > trueaxis_shared.furthest.values[idx];
+        if (further) {
+            trueaxis_shared.furthest.values[idx] = ahead.values[idx];
+        }
+    }
+}
+
+/* Hands the next stretch to the kinematics below. */
+static void next_stretch(plan_line_data_t *pl_data) {
+    coord_data_t reached = line.drive;
+
+    find_stretch();
+    pl_data->rate_multiplier = line.rate_multiplier; /* the feed itself the core sets back after every block */
+    float stretch = distance(&reached, &line.drive);
+    if (pl_data->condition.inverse_time && stretch > 0.0f) {
+        pl_data->feed_rate *= line.length / stretch;
+    }
+    coord_data_t target = line.drive;
+    line.below = trueaxis_shared.present.segment_line(&target, &line.from, pl_data, true);
+    line.inside = true;
+}
+
+coord_data_t *trueaxis_segment_line(coord_data_t *target, coord_data_t *position, plan_line_data_t *pl_data, bool init) {
+    if (init) {
+        line.corrected = trueaxis_shared.correcting;
+        trueaxis_shared.jog_cancelled = false;
+    }
+    if (!line.corrected) {
+        return trueaxis_shared.present.segment_line(target, position, pl_data, init);
+    }
+    if (init) {
+        return begin(target, position, pl_data);
+    }
+    while (!trueaxis_shared.jog_cancelled) {
+        if (line.inside) {
+            coord_data_t *point = trueaxis_shared.present.segment_line(line.below, NULL, pl_data, false);
+            if (point) {
+                line.motor = line.from = *point;
+                return &line.motor;
+            }
+            line.inside = false;
+        } else if (line.tick < line.ticks) {
+            next_stretch(pl_data);
+        } else {
+            break;
+        }
+    }
+    return NULL;
+}

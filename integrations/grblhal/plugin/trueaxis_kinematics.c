@@ -1,0 +1,236 @@
+/*
+ * trueaxis for grblHAL: geometric error compensation around the kinematics that are there.
+ *
+ * These files become part of a grblHAL firmware and use its interface, so they stand under grblHAL's licence.
+ * SPDX-License-Identifier: GPL-3.0-or-later
+ */
+#include <string.h>
+
+#include "trueaxis_kinematics.h"
+
+#ifndef TRUEAXIS_MACHINE_ID
+#define TRUEAXIS_MACHINE_ID 0 /* any; `trueaxis tables show` prints a machine's */
+#endif
+
+/* tables.S, or where else the .tcomp lies. */
+extern const uint8_t trueaxis_tables[], trueaxis_tables_end[];
+
+trueaxis_shared_t trueaxis_shared;
+
+static on_state_change_ptr on_state_change;
+static on_homing_completed_ptr on_homing_completed;
+static on_jog_cancel_ptr on_jog_cancel;
+static on_report_options_ptr on_report_options;
+static bool (*check_travel_limits)(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope);
+
+static bool loaded;        /* the tables hold for this machine */
+static bool wanted = true; /* by the operator */
+static const char *refusal = "not started";
+
+/* The corrected hooks. */
+
+static coord_data_t *from_steps(coord_data_t *position, mpos_t *steps) {
+    trueaxis_shared.present.transform_steps_to_cartesian(position, steps);
+    if (trueaxis_shared.correcting) {
+        trueaxis_correction_inverse(position->values, trueaxis_shared.negative, position->values);
+    }
+    return position;
+}
+
+static coord_data_t *to_motors(coord_data_t *target, coord_data_t *position) {
+    coord_data_t drive = *position;
+    if (trueaxis_shared.correcting) {
+        trueaxis_correction_forward(drive.values, trueaxis_shared.negative, drive.values);
+    }
+    return trueaxis_shared.present.transform_from_cartesian(target, &drive);
+}
+
+/* At the switch of a homed axis the tool stands beside the drive's position by the correction there, and with it beside the
+   limits. The largest correction of the tables is allowed, or every line that leaves the axis where it is would be refused. */
+static bool within_travel(float *target, axes_signals_t axes, bool is_cartesian, work_envelope_t *envelope) {
+    const trueaxis_tables_info_t *info = trueaxis_correction_tables();
+    coord_data_t end;
+
+    memcpy(end.values, target, sizeof end.values);
+    for (unsigned slot = 0; trueaxis_shared.correcting && is_cartesian && slot < info->axes; slot++) {
+        unsigned idx = trueaxis_correction_axis(slot);
+        float low = envelope->min.values[idx], high = envelope->max.values[idx], slack = (float)info->correction_limit[slot];
+        if (end.values[idx] < low && end.values[idx] >= low - slack) {
+            end.values[idx] = low;
+        } else if (end.values[idx] > high && end.values[idx] <= high + slack) {
+            end.values[idx] = high;
+        }
+    }
+    return check_travel_limits(end.values, axes, is_cartesian, envelope);
+}
+
+/* Switching: nothing moves, the program's position is taken over from the steps anew. */
+
+static void drives_at_steps(coord_data_t *drive) {
+    mpos_t steps;
+    memcpy(steps.values, sys.position, sizeof steps.values);
+    trueaxis_shared.present.transform_steps_to_cartesian(drive, &steps);
+}
+
+static void correct(bool on) {
+    if (trueaxis_shared.correcting != on) {
+        trueaxis_shared.correcting = on;
+        sync_position();
+        memcpy(trueaxis_shared.last.values, gc_state.position, sizeof trueaxis_shared.last.values);
+        drives_at_steps(&trueaxis_shared.furthest);
+    }
+}
+
+static bool homed(void) {
+    uint8_t needed = trueaxis_correction_axes();
+    return (sys.homed.mask & needed) == needed;
+}
+
+static void homing_completed(axes_signals_t cycle, bool success) {
+    if (success && loaded && wanted && homed()) {
+        trueaxis_shared.negative = (uint8_t)~settings.homing.dir_mask.mask; /* it came off the switch last */
+        correct(true);
+        report_message("trueaxis: correction on", Message_Info);
+    }
+    if (on_homing_completed) {
+        on_homing_completed(cycle, success);
+    }
+}
+
+/* Homing finds the drives' own zero, and without it no position is known. */
+static void state_changed(sys_state_t state) {
+    if (trueaxis_shared.correcting && (state == STATE_HOMING || ((state == STATE_IDLE || state == STATE_ALARM) && !homed()))) {
+        correct(false);
+        if (state != STATE_HOMING) {
+            report_message("trueaxis: position lost, running uncompensated until homed", Message_Warning);
+        }
+    }
+    if (on_state_change) {
+        on_state_change(state);
+    }
+}
+
+static void jog_cancel(sys_state_t state) {
+    trueaxis_shared.jog_cancelled = true;
+    if (on_jog_cancel) {
+        on_jog_cancel(state);
+    }
+}
+
+/* What is told. */
+
+static void tell_state(void) {
+    hal.stream.write(trueaxis_shared.correcting ? "[TRUEAXIS:on" : "[TRUEAXIS:uncompensated, ");
+    hal.stream.write(trueaxis_shared.correcting ? "" : !loaded ? refusal : !wanted ? "switched off" : "not homed");
+}
+
+static void report_options(bool newopt) {
+    on_report_options(newopt);
+    if (!newopt) {
+        report_plugin("trueaxis", "1");
+        tell_state();
+        hal.stream.write("]" ASCII_EOL);
+    }
+}
+
+/* $TRUEAXIS tells, $TRUEAXIS=1 and =0 switch. */
+static status_code_t command(sys_state_t state, char *args) {
+    if (args && *args) {
+        if ((*args != '0' && *args != '1') || args[1]) {
+            return Status_InvalidStatement;
+        }
+        if (state != STATE_IDLE || plan_get_current_block()) {
+            return Status_IdleError;
+        }
+        wanted = *args == '1';
+        correct(wanted && loaded && homed());
+    }
+    tell_state();
+    if (loaded) {
+        hal.stream.write("|");
+        hal.stream.write(trueaxis_correction_tables()->name);
+    }
+    if (trueaxis_shared.correcting) {
+        coord_data_t here, drive;
+        system_convert_array_steps_to_mpos(here.values, sys.position);
+        drive = here;
+        trueaxis_correction_forward(here.values, trueaxis_shared.negative, drive.values);
+        for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+            hal.stream.write(idx ? "," : "|C:");
+            hal.stream.write(ftoa(drive.values[idx] - here.values[idx], 4));
+        }
+    }
+    hal.stream.write("]" ASCII_EOL);
+    return Status_OK;
+}
+
+/* NULL, or an axis whose whole travel the tables know nothing of: measured in other coordinates, or on another machine. */
+static const char *beside_the_travel(void) {
+    static char text[] = "the tables' travel of ? has nothing in common with the machine's";
+    const trueaxis_tables_info_t *info = trueaxis_correction_tables();
+
+    for (unsigned slot = 0; slot < info->axes; slot++) {
+        unsigned idx = trueaxis_correction_axis(slot);
+        float travel = settings.axis[idx].max_travel; /* trueaxis_shared.negative */
+        bool up = settings.homing.flags.force_set_origin && (settings.homing.dir_mask.mask & bit(idx));
+        float low = up ? 0.0f : travel, high = up ? -travel : 0.0f;
+        if (travel < 0.0f && info->travel_low[slot] < info->travel_high[slot] &&
+            (high <= (float)info->travel_low[slot] || low >= (float)info->travel_high[slot])) {
+            *strchr(text, '?') = info->letters[slot];
+            return text;
+        }
+    }
+    return NULL;
+}
+
+/* After everything else has started, before a line is read: around the kinematics that are there by now. */
+static void start(void *data) {
+    static char text[320];
+    (void)data;
+
+    refusal = trueaxis_correction_load(trueaxis_tables, (size_t)(trueaxis_tables_end - trueaxis_tables), TRUEAXIS_MACHINE_ID,
+                                       N_AXIS);
+    if (!refusal) {
+        refusal = beside_the_travel();
+    }
+    loaded = !refusal;
+    strcpy(text, "trueaxis: ");
+    if (refusal) {
+        strncat(text, refusal, sizeof text - 48);
+        strcat(text, "; running uncompensated");
+        report_message(text, Message_Warning);
+        return;
+    }
+    strcat(text, trueaxis_correction_tables()->name);
+    strcat(text, ", uncompensated until homed");
+    report_message(text, Message_Info);
+
+    trueaxis_shared.present = kinematics;
+    kinematics.transform_steps_to_cartesian = from_steps;
+    kinematics.transform_from_cartesian = to_motors;
+    kinematics.segment_line = trueaxis_segment_line;
+    check_travel_limits = grbl.check_travel_limits;
+    grbl.check_travel_limits = within_travel;
+    on_state_change = grbl.on_state_change;
+    grbl.on_state_change = state_changed;
+    on_homing_completed = grbl.on_homing_completed;
+    grbl.on_homing_completed = homing_completed;
+    on_jog_cancel = grbl.on_jog_cancel;
+    grbl.on_jog_cancel = jog_cancel;
+}
+
+void my_plugin_init(void) {
+    static const sys_command_t commands[] = {
+        { "TRUEAXIS", command, { .allow_blocking = On }, { .str = "correction: state; =1 on, =0 off" } },
+    };
+    static sys_commands_t registered = { .n_commands = 1, .commands = commands };
+
+    /* The core calls the hooks before `start`; kinematics of its own come after this and overwrite them. */
+    if (!kinematics.segment_line) {
+        kinematics = trueaxis_cartesian();
+    }
+    on_report_options = grbl.on_report_options;
+    grbl.on_report_options = report_options;
+    system_register_commands(&registered);
+    task_run_on_startup(start, NULL);
+}

@@ -1,0 +1,26 @@
+/* The tests' controller: a mill of 300 x 200 x 400 mm in grblHAL's machine coordinates. SPDX-License-Identifier: MIT OR Apache-2.0 */
+#ifndef TESTS_MACHINE_H
+#define TESTS_MACHINE_H
+
+#include "core.h"
+
+static inline void machine(float steps_per_mm) {
+    static const float travel[N_AXIS] = { -300.0f, -200.0f, -400.0f };
+    for (int idx = 0; idx < N_AXIS; idx++) {
+        settings.axis[idx].steps_per_mm = steps_per_mm;
+        settings.axis[idx].max_travel = travel[idx];
+    }
+    settings.homing.dir_mask.mask = 7; /* switches at the negative ends */
+    sys.soft_limits.mask = 7;
+}
+
+static inline bool line_to(float x, float y, float z, plan_line_data_t pl_data) {
+    float target[N_AXIS] = { x, y, z };
+    block_count = 0;
+    if (!pl_data.feed_rate) {
+        pl_data.feed_rate = 600.0f;
+    }
+    return mc_line(target, &pl_data);
+}
+
+#endif

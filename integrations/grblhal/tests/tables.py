@@ -1,0 +1,36 @@
+"""Writes the machines of the tests: tables.py MILL OUT. SPDX-License-Identifier: MIT OR Apache-2.0
+
+OUT/mill: the sample mill MILL with levers and the usual hysteresis. OUT/kinked: lines that turn by 8 mm/m every 5 mm, the
+worst that a stretch of 2 mm can meet. OUT/beside: a mill measured from 0 upwards, whose controller counts from 0 down.
+"""
+
+import re
+import shutil
+import sys
+from pathlib import Path
+
+mill, out = map(Path, sys.argv[1:])
+
+shutil.rmtree(out / "mill", ignore_errors=True)
+shutil.copytree(mill, out / "mill")
+settings = out / "mill/machine.toml"
+text = re.sub(r"^(hysteresis_um|encoder_resolution_um).*\n", "", settings.read_text(), flags=re.M)
+settings.write_text(text + '\n[compensation]\nmodel = "volumetric"\n')
+
+
+def machine(name, travel, value):
+    folder = out / name
+    folder.mkdir(exist_ok=True)
+    lines = [f'name = "mill-3axis"\nchain = "w X\' Y\' b Z t"\n[compensation]\nmodel = "volumetric"\n']
+    for axis, (low, high) in zip("XYZ", travel):
+        lines.append(f"[axis.{axis}]\ntable = '{axis.lower()}.csv'\ninterpolation = 'linear'\ntravel_mm = [{low:.1f}, {high:.1f}]\n")
+        lines.append(f"max_feed_mm_per_min = 1000.0\n[axis.{axis}.limits]\nmagnitude_um = 100.0\n")
+        others = [other for other in "XYZ" if other != axis]
+        rows = [f"{axis}_mm,E{axis}{axis}_um," + ",".join(f"E{other}{axis}_um" for other in others)]
+        rows += [f"{at},{value(at)},{-value(at)},{0.5 * value(at)}" for at in range(low, high + 1, 5)]
+        (folder / f"{axis.lower()}.csv").write_text("\n".join(rows) + "\n")
+    (folder / "machine.toml").write_text("".join(lines))
+
+
+machine("kinked", [(-300, 0), (-200, 0), (-400, 0)], lambda at: 20 * (1 - at // 5 % 2))
+machine("beside", [(0, 300), (0, 200), (0, 400)], lambda at: 0.01 * at)

@@ -1,0 +1,118 @@
+// Geometric error compensation as a filter of a ros2_control update: one call between a controller's command and the
+// hardware's. A plain C++17 header on the C library; needs no ROS. Link libtrueaxis_capi.a.
+//
+// SPDX-License-Identifier: MIT OR Apache-2.0
+#ifndef TRUEAXIS_FILTER_HPP
+#define TRUEAXIS_FILTER_HPP
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "trueaxis.h"
+
+namespace trueaxis {
+
+// ROS counts in metres and radians (REP 103), the tables in mm and degrees.
+class Filter {
+public:
+    // Loads a .tcomp, in on_configure: allocates and takes about 60 KiB of stack. False: `reason()` says why, and the filter
+    // passes commands uncompensated. `period_ns`: of the controller manager. `axes`: of the machine, 3 to 6.
+    bool configure(const std::uint8_t *file, std::size_t length, std::uint32_t axes, std::uint32_t period_ns,
+                   std::uint32_t machine_id = 0) {
+        started_ = false;
+        axes_ = axes;
+        period_ns_ = period_ns;
+        std::uint8_t fault = TRUEAXIS_FAULT_ABI_MISMATCH;
+        reason_ = "header and library differ in version or precision";
+        if (trueaxis_check_abi(TRUEAXIS_ABI_VERSION) == TRUEAXIS_OK) {
+            fault = TRUEAXIS_FAULT_TABLES_REFUSED;
+            trueaxis_error_t error{};
+            error.size = sizeof error;
+            trueaxis_tables_info_t info{};
+            info.size = sizeof info;
+            if (trueaxis_tables_info(file, length, &info, &error) != TRUEAXIS_OK) {
+                reason_ = error.text;
+            } else if (info.axes != axes) {
+                reason_ = "the tables are for axes " + std::string(info.letters) + ", the machine has " + std::to_string(axes);
+            } else {
+                memory_.assign(static_cast<std::size_t>(info.memory_bytes + 7) / 8, 0);
+                bool built = trueaxis_loop_build(&loop_, sizeof loop_, file, length, machine_id, period_ns, memory_.data(),
+                                                 memory_.size() * 8, &error) == TRUEAXIS_OK;
+                reason_ = built ? "" : error.text;
+            }
+        }
+        if (!reason_.empty()) {
+            reason_ = "trueaxis: " + reason_ + "; running uncompensated";
+            if (trueaxis_loop_bypass(&loop_, sizeof loop_, axes, fault, period_ns) != TRUEAXIS_OK) {
+                axes_ = 0;  // no such number of axes, or period: update refuses
+            }
+        }
+        return reason_.empty();
+    }
+
+    // A fresh state, in on_activate: the first command passes, the correction is then led in by its limiter.
+    bool activate() {
+        started_ = axes_ != 0 && trueaxis_start(&loop_, &state_, sizeof state_, period_ns_) == TRUEAXIS_OK;
+        input_ = trueaxis_input_t{};
+        input_.size = sizeof input_;
+        output_ = trueaxis_output_t{};
+        output_.size = sizeof output_;
+        return started_;
+    }
+
+    // Releases a stop in the next update; the command has to be near the held position.
+    void reset() { input_.reset = 1; }
+
+    // One update, real-time safe. `command`, `position`: axes in the tables' order (X Y Z, then rotary), m and rad; a
+    // position that is not finite is a dropout. `elapsed_ns`: the period that the controller manager measured. `homed`: all
+    // axes are referenced. `drive`: what to send. False: nothing to send, `drive` is as it was.
+    bool update(const double *command, const double *position, std::uint32_t elapsed_ns, bool homed, bool enable,
+                double *drive) {
+        if (!started_) {
+            return false;
+        }
+        for (std::uint32_t i = 0; i < axes_; i++) {
+            input_.command[i] = command[i] * to_tables(i);
+            input_.feedback[i] = position[i] * to_tables(i);
+        }
+        input_.elapsed_ns = elapsed_ns;
+        input_.homed = homed;
+        input_.enable = enable;
+        trueaxis_result_t done = trueaxis_step(&loop_, &state_, &input_, nullptr, nullptr, &output_);
+        input_.reset = 0;
+        if (done != TRUEAXIS_OK) {
+            return false;
+        }
+        for (std::uint32_t i = 0; i < axes_; i++) {
+            drive[i] = output_.drive[i] / to_tables(i);
+        }
+        return true;
+    }
+
+    // The output is held: the hardware interface returns an error, or the controller stops the trajectory.
+    bool stop_requested() const { return (output_.record.status & TRUEAXIS_STATUS_STOP_REQUEST) != 0; }
+    // Position for the controller, less the correction: it sees no following error from it. m, rad.
+    double feedback(std::uint32_t axis) const { return output_.feedback[axis] / to_tables(axis); }
+    const trueaxis_record_t &record() const { return output_.record; }
+    // Empty, or why it runs uncompensated, in one line.
+    const std::string &reason() const { return reason_; }
+
+private:
+    static double to_tables(std::uint32_t axis) { return axis < 3 ? 1000.0 : 57.29577951308232; }
+
+    std::uint32_t axes_ = 0, period_ns_ = 0;
+    bool started_ = false;
+    std::string reason_ = "trueaxis: not configured";
+    std::vector<std::uint64_t> memory_;
+    trueaxis_loop_t loop_{};
+    trueaxis_state_t state_{};
+    trueaxis_input_t input_{};
+    trueaxis_output_t output_{};
+};
+
+}  // namespace trueaxis
+
+#endif
