@@ -8,6 +8,7 @@ use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::Path;
 use trueaxis_metrology::circles::{
     NoCircle, ReferenceCircle, least_squares, maximum_inscribed, minimum_circumscribed, minimum_zone,
 };
@@ -96,17 +97,25 @@ impl Evaluation {
     /// # Errors
     /// A row that cannot be read, or points that have no circumscribed circle: fewer than three, or on one line.
     pub fn read(rows: &mut Rows<'_, 2>) -> Result<Evaluation> {
-        let (lines, points): (Vec<u32>, Vec<[f64; 2]>) = rows.all()?.iter().map(|row| (row.line, row.values)).unzip();
+        let (lines, points) = rows.all()?.iter().map(|row| (row.line, row.values)).unzip();
+        Evaluation::of(points, lines, &rows.file)
+    }
+
+    /// Finds the circles of points, which stand on these lines of `file`: it is only named in errors.
+    ///
+    /// # Errors
+    /// Points that have no circumscribed circle.
+    pub fn of(points: Vec<[f64; 2]>, lines: Vec<u32>, file: &Path) -> Result<Evaluation> {
         // The circumscribed circle exists for all points that have any circle.
         let mcc = minimum_circumscribed(&points).map_err(|error| match error {
             NoCircle::Straight => {
                 anyhow!(
                     "{}: found {} points on one straight line, needed three that are not",
-                    rows.file.display(),
+                    file.display(),
                     points.len()
                 )
             }
-            error => anyhow!("{}: {error}", rows.file.display()),
+            error => anyhow!("{}: {error}", file.display()),
         })?;
         let circles = [least_squares(&points), minimum_zone(&points), Ok(mcc), maximum_inscribed(&points)];
         Ok(Evaluation { points, lines, circles })

@@ -1,0 +1,93 @@
+//! What the command line prints with `--json`, as dictionaries.
+
+use crate::{arrays, told};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Serialize;
+use std::path::Path;
+use trueaxis_evaluation::probes::Probes;
+use trueaxis_evaluation::{circle as circles, probe_angles as angles, roundness as separation};
+use trueaxis_metrology::separation::NOISE_GAIN_LIMIT;
+
+fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
+    let text = told(serde_json::to_string(document).map_err(Into::into))?;
+    py.import("json")?.call_method1("loads", (text,))
+}
+
+/// Reference circles of points of a section after ISO 12181-1: the document of `trueaxis circle --json`.
+///
+/// points: (n, 2), mm.
+#[pyfunction]
+pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let (_, values) = arrays::rows(points, "points", &[2])?;
+    let document = told(py.detach(|| {
+        let points = values.as_chunks::<2>().0.to_vec();
+        let lines = (0..points.len() as u32).collect();
+        Ok(circles::Evaluation::of(points, lines, Path::new("points"))?.document())
+    }))?;
+    dictionary(py, &document)
+}
+
+/// Roundness and spindle error from three probes: the document of `trueaxis roundness --json`, and the arrays profile_um,
+/// rx_um and ry_um (revolutions, n).
+///
+/// readings: (revolutions × n, 3), µm, equidistant in θ. Angles as slots p, q or as phi2_deg, phi3_deg.
+#[pyfunction]
+#[pyo3(signature = (readings, *, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None, arm = None,
+    upr = None, noise_gain_limit = NOISE_GAIN_LIMIT))]
+pub(crate) fn roundness<'py>(
+    py: Python<'py>,
+    readings: &Bound<'py, PyAny>,
+    n: usize,
+    harmonics: Option<[u16; 2]>,
+    p: Option<i64>,
+    q: Option<i64>,
+    phi2_deg: Option<f64>,
+    phi3_deg: Option<f64>,
+    arm: Option<[f64; 3]>,
+    upr: Option<u16>,
+    noise_gain_limit: f64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (_, values) = arrays::rows(readings, "readings", &[3])?;
+    let probes = Probes { n, harmonics, p, q, phi2_deg, phi3_deg };
+    let request = separation::Request { probes, arm, upr, noise_gain_limit };
+    let (document, separations) = told(py.detach(|| {
+        let plan = request.plan()?;
+        let rows = values.len() / 3;
+        anyhow::ensure!(rows.is_multiple_of(n), "readings: found {rows} rows, needed whole revolutions of {n} rows");
+        let probe = |probe| values.iter().skip(probe).step_by(3).copied().collect();
+        let readings = separation::Readings { probes: [0, 1, 2].map(probe), resampling: None };
+        let separations = plan.separate(&readings, || {})?;
+        Ok((plan.evaluate(&separations, None)?.document, separations))
+    }))?;
+    let found = dictionary(py, &document)?.cast_into::<PyDict>()?;
+    let array = |of: fn(&trueaxis_metrology::separation::Separation) -> &Vec<f64>| {
+        let all: Vec<f64> = separations.iter().flat_map(|parts| of(parts).iter().copied()).collect();
+        PyArray1::from_vec(py, all).reshape([separations.len(), n])
+    };
+    found.set_item("profile_um", array(|parts| &parts.profile)?)?;
+    found.set_item("rx_um", array(|parts| &parts.x)?)?;
+    found.set_item("ry_um", array(|parts| &parts.y)?)?;
+    Ok(found)
+}
+
+/// Where to set three probes: the document of `trueaxis probe-angles --json`, the `count` best pairs of slots and, where
+/// angles are given, that pair.
+#[pyfunction]
+#[pyo3(signature = (*, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None,
+    count = angles::USUAL_COUNT))]
+pub(crate) fn probe_angles<'py>(
+    py: Python<'py>,
+    n: usize,
+    harmonics: Option<[u16; 2]>,
+    p: Option<i64>,
+    q: Option<i64>,
+    phi2_deg: Option<f64>,
+    phi3_deg: Option<f64>,
+    count: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let request = angles::Request { probes: Probes { n, harmonics, p, q, phi2_deg, phi3_deg }, count };
+    let document = told(py.detach(|| request.search()?.run(|| {})))?;
+    dictionary(py, &document)
+}

@@ -1,0 +1,44 @@
+//! The Python module: arrays in, the crates' functions, arrays out. It holds no formula of its own.
+//!
+//! What is computed is computed without the interpreter's lock.
+
+mod arrays;
+mod documents;
+mod machine;
+mod path;
+
+use pyo3::create_exception;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+create_exception!(
+    trueaxis,
+    Error,
+    PyValueError,
+    "Input that was refused: where, what was found, what is needed, in the words of the command line."
+);
+
+/// An error of the crates as the exception of the module.
+fn told<T>(result: anyhow::Result<T>) -> PyResult<T> {
+    result.map_err(|error| Error::new_err(format!("{error:#}")))
+}
+
+/// What the command line says as a note, as a warning of Python.
+fn warn(py: Python<'_>, note: &str) -> PyResult<()> {
+    let text = std::ffi::CString::new(note.replace('\0', " "))?;
+    PyErr::warn(py, &py.get_type::<pyo3::exceptions::PyUserWarning>(), &text, 1)
+}
+
+/// Errors and corrections of machine tools over NumPy arrays: the numbers of the command line `trueaxis`.
+///
+/// Positions are mm and degrees, errors µm: actual − ideal, of the tool relative to the workpiece.
+#[pymodule(name = "trueaxis")]
+fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("Error", module.py().get_type::<Error>())?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<machine::Machine>()?;
+    module.add_class::<path::Path>()?;
+    module.add_function(wrap_pyfunction!(documents::circle, module)?)?;
+    module.add_function(wrap_pyfunction!(documents::roundness, module)?)?;
+    module.add_function(wrap_pyfunction!(documents::probe_angles, module)?)
+}

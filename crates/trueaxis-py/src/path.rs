@@ -1,0 +1,119 @@
+//! A programmed path and the contour error of positions near it.
+
+use crate::{Error, arrays, told, warn};
+use anyhow::anyhow;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::{Path as FilePath, PathBuf};
+use trueaxis::contour::{ContourSearch, Flags, Method};
+use trueaxis_evaluation::path::{PathFile, ProgrammedPath};
+use trueaxis_tables::text::read_text;
+
+/// A programmed path of lines, arcs and NURBS.
+#[pyclass(frozen, module = "trueaxis")]
+pub(crate) struct Path(ProgrammedPath);
+
+/// Feet and errors, row by row.
+#[derive(Default)]
+struct Feet {
+    segment: Vec<u32>,
+    u: Vec<f64>,
+    error_um: Vec<f64>,
+    vector_um: Vec<f64>,
+    evaluations: Vec<u32>,
+    bracketed: Vec<bool>,
+}
+
+#[pymethods]
+impl Path {
+    /// Reads a path: the PATH.json of `trueaxis contour`.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Path> {
+        Path::cut(py, || Ok(read_text(&path, &[])?), &path)
+    }
+
+    /// A path from the text of such a file.
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: String) -> PyResult<Path> {
+        Path::cut(py, || Ok(text), FilePath::new("path"))
+    }
+
+    /// Number of segments.
+    #[getter]
+    fn segments(&self) -> usize {
+        self.0.segments()
+    }
+
+    /// The nearest point of the path to every actual position, within max_lag_mm of path length around its reference.
+    ///
+    /// actual: (n, 3), mm; segment and u: (n,), where the reference is. Gives the columns of `trueaxis contour` as arrays:
+    /// segment and u of the foot, error_um (its distance), vector_um (n, 3; actual − foot), evaluations, bracketed.
+    #[pyo3(signature = (segment, u, actual, *, max_lag_mm = 1.0, method = "guarded"))]
+    fn contour_error<'py>(
+        &self,
+        py: Python<'py>,
+        segment: &Bound<'py, PyAny>,
+        u: &Bound<'py, PyAny>,
+        actual: &Bound<'py, PyAny>,
+        max_lag_mm: f64,
+        method: &str,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (_, actual) = arrays::rows(actual, "actual", &[3])?;
+        let count = actual.len() / 3;
+        let segment = arrays::column(segment, "segment", count, "actual")?;
+        let u = arrays::column(u, "u", count, "actual")?;
+        let method = match method {
+            "guarded" => Method::Guarded,
+            "bisection" => Method::Bisection,
+            found => {
+                return Err(Error::new_err(format!("method: found {found:?}, needed \"guarded\" or \"bisection\"")));
+            }
+        };
+        let feet = told(py.detach(|| {
+            let search = ContourSearch::new(max_lag_mm, method).map_err(|error| anyhow!("max_lag_mm: {error}"))?;
+            self.feet(&search, &segment, &u, &actual)
+        }))?;
+        let found = PyDict::new(py);
+        found.set_item("segment", PyArray1::from_vec(py, feet.segment))?;
+        found.set_item("u", PyArray1::from_vec(py, feet.u))?;
+        found.set_item("error_um", PyArray1::from_vec(py, feet.error_um))?;
+        found.set_item("vector_um", PyArray1::from_vec(py, feet.vector_um).reshape([count, 3])?)?;
+        found.set_item("evaluations", PyArray1::from_vec(py, feet.evaluations))?;
+        found.set_item("bracketed", PyArray1::from_vec(py, feet.bracketed))?;
+        Ok(found)
+    }
+}
+
+impl Path {
+    fn cut(py: Python<'_>, text: impl FnOnce() -> anyhow::Result<String> + Send, name: &FilePath) -> PyResult<Path> {
+        let mut notes = Vec::new();
+        let path = py.detach(|| PathFile::read(&text()?, name)?.cut(&mut |note| notes.push(note)));
+        for note in notes {
+            warn(py, &note)?;
+        }
+        told(path).map(Path)
+    }
+
+    fn feet(&self, search: &ContourSearch<f64>, segment: &[f64], u: &[f64], actual: &[f64]) -> anyhow::Result<Feet> {
+        let (path, view, last) = (&self.0, self.0.view(), self.0.segments() - 1);
+        let mut feet = Feet::default();
+        for (row, ((segment, u), position)) in segment.iter().zip(u).zip(actual.as_chunks::<3>().0).enumerate() {
+            if segment.fract() != 0.0 || *segment < 0.0 || *segment > last as f64 {
+                return Err(anyhow!("segment[{row}]: found {segment}, needed a whole number from 0 to {last}"));
+            }
+            let reference = path
+                .reference(*segment as usize, *u)
+                .map_err(|[low, high]| anyhow!("u[{row}]: found {u}, needed {low} to {high} on this segment"))?;
+            let found = search.nearest(&view, reference, *position);
+            let span = &path.spans()[found.span as usize];
+            feet.segment.push(span.segment());
+            feet.u.push(span.u_of(found.t));
+            feet.error_um.push(found.error * 1e3);
+            feet.vector_um.extend(found.vector.to_array().map(|mm| mm * 1e3));
+            feet.evaluations.push(found.evaluations.into());
+            feet.bracketed.push(found.flags.has(Flags::BRACKETED));
+        }
+        Ok(feet)
+    }
+}

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Builds the module and holds it against the command line: tests, type stubs, notebook; shows the speed.
+# Needs python3 with venv, and the package registries; all is installed under the target folder.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+root=$(cd ../.. && pwd)
+target="${CARGO_TARGET_DIR:-$root/target}"
+venv="$target/python"
+python="$venv/bin/python"
+export PYTHONDONTWRITEBYTECODE=1
+
+python3 -c 'import ensurepip, venv' 2>/dev/null || "$root/.ci/install" python3-venv
+[[ -x $python ]] || python3 -m venv "$venv"
+"$python" -m pip install --quiet --disable-pip-version-check -r requirements.txt
+
+cargo fmt --check
+rm -rf "$target/python-wheel"
+CARGO_TARGET_DIR="$target/python-module" "$venv/bin/maturin" build --quiet --locked --release \
+    --interpreter "$python" --out "$target/python-wheel"
+"$python" -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall "$target"/python-wheel/trueaxis-*-abi3-*.whl
+
+(cd "$root" && CARGO_TARGET_DIR="$target" cargo build --quiet -p trueaxis-cli)
+export TRUEAXIS_COMMAND="$target/debug/trueaxis"
+# Away from the sources: what is tested is what was installed.
+cd "$target/python-wheel"
+here="$root/crates/trueaxis-py"
+"$python" -m pytest -q -p no:cacheprovider "$here/tests"
+"$python" -m mypy.stubtest trueaxis --allowlist "$here/stubtest.txt"
+# Shown, and no gate: time is the computer's.
+"$python" "$here/speed.py"

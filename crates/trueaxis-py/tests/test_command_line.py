@@ -1,0 +1,259 @@
+"""The module's numbers against those that the command line prints, bit for bit, and what both refuse."""
+
+import json
+import math
+import os
+import shutil
+import subprocess
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import trueaxis
+
+ROOT = Path(__file__).resolve().parents[3]
+TABLES = ROOT / "compensation-tables"
+COMMAND = os.environ["TRUEAXIS_COMMAND"]
+RNG = np.random.default_rng(20)
+
+
+def command(*arguments):
+    run = subprocess.run([COMMAND, *map(str, arguments)], capture_output=True, text=True)
+    return run.returncode, run.stdout, run.stderr
+
+
+def written(file, header, rows):
+    lines = [header] + [",".join(repr(float(value)) for value in row) for row in rows]
+    file.write_text("\n".join(lines) + "\n")
+    return file
+
+
+def printed(*arguments):
+    code, out, err = command(*arguments)
+    assert code == 0, err
+    header, *rows = out.splitlines()
+    return dict(zip(header.split(","), np.array([row.split(",") for row in rows]).T))
+
+
+def columns(table, *names):
+    return np.column_stack([table[name].astype(float) for name in names])
+
+
+def positions(machine, count):
+    middle = {"mill-3axis": (0, 0, -200), "grinder": (100, 0, 0)}.get(machine.name, (0, 0, 0))
+    width = len(machine.columns)
+    spread = np.array([80.0, 80.0, 80.0] + [25.0] * (width - 3))
+    return RNG.uniform(-1, 1, (count, width)) * spread + np.array(list(middle) + [0.0] * (width - 3))
+
+
+CASES = [
+    ("mill-3axis", {}, []),
+    ("mill-3axis", {"reverse": True, "temperature_c": 26.5}, ["--reverse", "--temperature-c", "26.5"]),
+    ("mill-3axis", {"model": "volumetric"}, ["--model", "volumetric"]),
+    ("mill-5axis", {}, []),
+    ("mill-5axis", {"model": "nine"}, ["--model", "nine"]),
+    ("head-5axis", {}, []),
+    ("mill-turn", {"reverse": True}, ["--reverse"]),
+]
+
+
+@pytest.mark.parametrize("name, asked, options", CASES)
+@pytest.mark.filterwarnings("ignore:.*beyond a table's end")
+def test_error_and_correction_are_those_of_compensate(tmp_path, name, asked, options):
+    machine = trueaxis.Machine.load(TABLES / name)
+    at = positions(machine, 5000)
+    file = written(tmp_path / "p.csv", ",".join(machine.columns), at)
+    table = printed("compensate", TABLES / name, file, *options)
+    error = machine.error(at, **asked)
+    assert np.abs(error).max() > 1.0
+    assert np.array_equal(error, columns(table, "ex_um", "ey_um", "ez_um"))
+    corrected = at + machine.correction(at, **asked)
+    assert np.array_equal(corrected[:, :3], columns(table, "cx_mm", "cy_mm", "cz_mm"))
+
+
+def test_passes_and_compiled_tables(tmp_path):
+    compiled = tmp_path / "m.tcomp"
+    assert command("tables", "compile", TABLES / "mill-3axis", "-o", compiled)[0] == 0
+    machine = trueaxis.Machine.load(compiled)
+    at = positions(machine, 100)
+    file = written(tmp_path / "p.csv", "x_mm,y_mm,z_mm", at)
+    for passes in (1, 2):
+        table = printed("compensate", compiled, file, "--inverse-passes", passes)
+        corrected = at + machine.correction(at, inverse_passes=passes)
+        assert np.array_equal(corrected, columns(table, "cx_mm", "cy_mm", "cz_mm"))
+
+
+def test_contour_error_is_that_of_contour(tmp_path):
+    text = json.dumps({"segments": [
+        {"type": "line", "start": [0, 0, 0], "end": [10, 0, 0]},
+        {"type": "arc", "start": [10, 0, 0], "end": [10, 20, 0], "center": [10, 10, 0], "normal": [0, 0, 1]},
+    ]})
+    (tmp_path / "path.json").write_text(text)
+    path = trueaxis.Path.from_json(text)
+    u = np.linspace(0, 1, 200)
+    line = np.column_stack([10 * u, 0 * u, 0 * u])
+    turn = np.pi * (u - 0.5)
+    arc = np.column_stack([10 + 10 * np.cos(turn), 10 + 10 * np.sin(turn), 0 * u])
+    actual = np.concatenate([line, arc]) + RNG.normal(0, 0.01, (400, 3))
+    segment = np.repeat([0.0, 1.0], 200)
+    u = np.tile(u, 2)
+    rows = np.column_stack([segment, u, actual])
+    file = written(tmp_path / "actual.csv", "segment,u,x_mm,y_mm,z_mm", rows)
+    for method in ("guarded", "bisection"):
+        table = printed("contour", tmp_path / "path.json", file, "--method", method)
+        found = path.contour_error(segment, u, actual, method=method)
+        assert np.array_equal(found["vector_um"], columns(table, "ex_um", "ey_um", "ez_um"))
+        for name in ("segment", "u", "error_um", "evaluations"):
+            assert np.array_equal(found[name], table[name].astype(float)), name
+        assert np.array_equal(found["bracketed"], table["bracketed"] == "true")
+    # Truth: the distance from the arc, known in closed form, where the foot is well inside it.
+    x, y, z = actual[250:350].T
+    distance = np.hypot(np.hypot(x - 10, y - 10) - 10, z)
+    assert np.allclose(found["error_um"][250:350], 1e3 * distance, rtol=0, atol=1e-6)
+
+
+def test_circle_is_that_of_circle(tmp_path):
+    angle = RNG.uniform(0, 2 * np.pi, 60)
+    points = np.column_stack([3 + 10 * np.cos(angle), 10 * np.sin(angle)]) + RNG.normal(0, 0.01, (60, 2))
+    file = written(tmp_path / "points.csv", "x_mm,y_mm", points)
+    code, out, err = command("circle", file, "--json")
+    assert code == 0, err
+    assert trueaxis.circle(points) == json.loads(out)
+
+
+def test_roundness_is_that_of_roundness(tmp_path):
+    n, p, q = 256, 47, 167
+    theta = 2 * np.pi * np.arange(3 * n) / n
+    part = lambda at: 2.0 * np.cos(3 * at) + 0.5 * np.sin(7 * at)
+    rx, ry = 0.3 * np.sin(2 * theta), 0.2 * np.cos(5 * theta)
+    phi = 2 * np.pi / n * np.array([0, p, p + q])
+    readings = np.column_stack([part(theta + a) + ry * np.cos(a) + rx * np.sin(a) for a in phi])
+    file = written(tmp_path / "probes.csv", "h1_um,h2_um,h3_um", readings)
+    options = ["--n", n, "--p", p, "--q", q, "--upr", 15]
+    code, out, err = command("roundness", file, *options, "--json", "-o", tmp_path / "r.csv")
+    assert code == 0, err
+    found = trueaxis.roundness(readings, n=n, p=p, q=q, upr=15)
+    profile, x, y = (found.pop(name) for name in ("profile_um", "rx_um", "ry_um"))
+    assert found == json.loads(out)
+    table = np.loadtxt(tmp_path / "r.csv", delimiter=",", skiprows=1)
+    assert np.array_equal(np.column_stack([profile.ravel(), x.ravel(), y.ravel()]), table[:, 1:])
+    # Truth: the part that the readings were made of.
+    assert profile.shape == (3, n)
+    assert np.allclose(profile, part(theta).reshape(3, n), rtol=0, atol=1e-9)
+
+
+def test_probe_angles_are_those_of_probe_angles():
+    code, out, err = command("probe-angles", "--n", 128, "--phi2-deg", 90, "--phi3-deg", 181.05, "--count", 5, "--json")
+    assert code == 0, err
+    assert trueaxis.probe_angles(n=128, phi2_deg=90.0, phi3_deg=181.05, count=5) == json.loads(out)
+
+
+def refused(call):
+    with pytest.raises(trueaxis.Error) as caught:
+        call()
+    text = str(caught.value)
+    assert text and "\n" not in text
+    return text
+
+
+DAMAGES = [
+    ("x.csv", lambda text: text.replace("14.551", "two", 1)),
+    ("x.csv", lambda text: text.replace("14.551", "nan", 1)),
+    ("x.csv", lambda text: text.replace("14.551", "1e300", 1)),
+    ("x.csv", lambda text: text.rstrip().rsplit(",", 1)[0]),
+    ("x.csv", lambda text: "<html></html>\n"),
+    ("x.csv", lambda text: ""),
+    ("machine.toml", lambda text: text.replace("[axis.X]", "[axis.X", 1)),
+    ("machine.toml", lambda text: text + "\n[nonsense]\nkey = 1\n"),
+    ("machine.toml", None),
+]
+
+
+@pytest.mark.parametrize("file, damage", DAMAGES)
+def test_damaged_machines_are_refused_in_the_words_of_the_command_line(tmp_path, file, damage):
+    folder = tmp_path / "mill"
+    shutil.copytree(TABLES / "mill-3axis", folder)
+    if damage is None:
+        (folder / file).unlink()
+    else:
+        before = (folder / file).read_text()
+        (folder / file).write_text(damage(before))
+        assert (folder / file).read_text() != before
+    code, out, err = command("tables", "check", folder)
+    assert code == 2
+    assert refused(lambda: trueaxis.Machine.load(folder)) in err
+
+
+def test_damaged_compiled_files_are_refused_in_the_words_of_the_command_line(tmp_path):
+    compiled = tmp_path / "m.tcomp"
+    assert command("tables", "compile", TABLES / "mill-3axis", "-o", compiled)[0] == 0
+    whole = compiled.read_bytes()
+    middle = len(whole) // 2
+    for damaged in (whole[:-1], whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :], b"", b"\0" * 500):
+        compiled.write_bytes(damaged)
+        code, out, err = command("tables", "show", compiled)
+        assert code == 2
+        assert refused(lambda: trueaxis.Machine.load(compiled)) in err
+
+
+def test_wrong_arrays_are_named():
+    machine = trueaxis.Machine.load(TABLES / "mill-3axis")
+    good = np.array([[0.0, 0.0, -200.0]] * 3)
+    needed = "needed a numpy array of float64, shape (n, 3), n at least 1"
+    for of in (machine.error, machine.correction):
+        assert refused(lambda: of(good.tolist())) == f"positions: found list, {needed}"
+        assert refused(lambda: of(good.astype(np.float32))) == f"positions: found dtype float32, {needed}"
+        assert refused(lambda: of(good.astype(int))) == f"positions: found dtype int64, {needed}"
+        assert refused(lambda: of(good.astype(">f8"))).startswith("positions: found dtype >f8, ")
+        assert refused(lambda: of(good[:, :2])) == f"positions: found shape (3, 2), {needed}"
+        assert refused(lambda: of(good[0])) == f"positions: found shape (3,), {needed}"
+        assert refused(lambda: of(good[:0])) == f"positions: found shape (0, 3), {needed}"
+        for bad in (math.nan, math.inf, 1e10):
+            wrong = good.copy()
+            wrong[2, 1] = bad
+            assert refused(lambda: of(wrong)).startswith("positions[2, 1]: found ")
+        wrong[2, 1] = 900.0
+        assert "positions[2, 1]: found 900, needed the declared travel, " in refused(lambda: of(wrong))
+        assert refused(lambda: of(good, model="exact")).startswith('model: found "exact", needed')
+        assert "found 1e300 K above" in refused(lambda: of(good, temperature_c=1e300)).replace("1" + "0" * 300, "1e300")
+    assert refused(lambda: machine.correction(good, inverse_passes=9)) == "inverse_passes: found 9, needed 1 to 8"
+    assert "straight line" in refused(lambda: trueaxis.circle(np.array([[0.0, 0], [1, 1], [2, 2]])))
+    assert "whole revolutions of 64 rows" in refused(lambda: trueaxis.roundness(good, n=64, p=5, q=20))
+    assert refused(lambda: trueaxis.probe_angles(n=100)) == "--n: found 100, needed a power of two from 64 to 4096"
+    assert "segments: found none" in refused(lambda: trueaxis.Path.from_json('{"segments":[]}'))
+
+
+def test_views_and_orders_of_memory_do_not_matter():
+    machine = trueaxis.Machine.load(TABLES / "mill-3axis")
+    at = positions(machine, 50)
+    expected = machine.error(at)
+    assert np.array_equal(machine.error(np.asfortranarray(at)), expected)
+    assert np.array_equal(machine.error(np.repeat(at, 2, axis=0)[::2]), expected)
+    assert np.array_equal(machine.error(at[::-1]), expected[::-1])
+
+
+def test_clamped_positions_are_told():
+    machine = trueaxis.Machine.load(TABLES / "mill-turn")
+    at = np.zeros((3, len(machine.columns)))
+    assert machine.correction(at).shape == at.shape
+    assert np.array_equal(machine.error(at), machine.error(at[:, :3].copy()))
+
+
+def test_the_lock_is_released():
+    machine = trueaxis.Machine.load(TABLES / "mill-3axis")
+    at = positions(machine, 2_000_000)
+    ticks, ended = 0, threading.Event()
+
+    def work():
+        for _ in range(3):
+            machine.correction(at)
+        ended.set()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    while not ended.wait(0.001):
+        ticks += 1
+    thread.join()
+    assert ticks > 20

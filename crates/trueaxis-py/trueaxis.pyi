@@ -1,0 +1,100 @@
+from os import PathLike
+from typing import Any, Literal, TypedDict, final, type_check_only
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Error", "__version__", "Machine", "Path", "circle", "roundness", "probe_angles"]
+
+__version__: str
+
+class Error(ValueError):
+    """Input that was refused: where, what was found, what is needed, in the words of the command line."""
+
+@type_check_only
+class ContourError(TypedDict):
+    """Columns of `trueaxis contour`; vector_um is actual − foot, (n, 3)."""
+
+    segment: NDArray[np.uint32]
+    u: NDArray[np.float64]
+    error_um: NDArray[np.float64]
+    vector_um: NDArray[np.float64]
+    evaluations: NDArray[np.uint32]
+    bracketed: NDArray[np.bool_]
+
+@final
+class Machine:
+    """A machine with its tables, read and checked."""
+
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Machine: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def chain(self) -> str: ...
+    @property
+    def model(self) -> str: ...
+    @property
+    def columns(self) -> list[str]: ...
+    def error(
+        self,
+        positions: NDArray[np.float64],
+        *,
+        model: Literal["nine", "volumetric"] | None = None,
+        reverse: bool = False,
+        temperature_c: float | None = None,
+    ) -> NDArray[np.float64]: ...
+    def correction(
+        self,
+        positions: NDArray[np.float64],
+        *,
+        model: Literal["nine", "volumetric"] | None = None,
+        reverse: bool = False,
+        temperature_c: float | None = None,
+        inverse_passes: int | None = None,
+    ) -> NDArray[np.float64]: ...
+
+@final
+class Path:
+    """A programmed path of lines, arcs and NURBS."""
+
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Path: ...
+    @staticmethod
+    def from_json(text: str) -> Path: ...
+    @property
+    def segments(self) -> int: ...
+    def contour_error(
+        self,
+        segment: NDArray[np.float64],
+        u: NDArray[np.float64],
+        actual: NDArray[np.float64],
+        *,
+        max_lag_mm: float = 1.0,
+        method: Literal["guarded", "bisection"] = "guarded",
+    ) -> ContourError: ...
+
+def circle(points: NDArray[np.float64]) -> dict[str, Any]: ...
+def roundness(
+    readings: NDArray[np.float64],
+    *,
+    n: int,
+    harmonics: tuple[int, int] | None = None,
+    p: int | None = None,
+    q: int | None = None,
+    phi2_deg: float | None = None,
+    phi3_deg: float | None = None,
+    arm: tuple[float, float, float] | None = None,
+    upr: int | None = None,
+    noise_gain_limit: float = ...,
+) -> dict[str, Any]: ...
+def probe_angles(
+    *,
+    n: int,
+    harmonics: tuple[int, int] | None = None,
+    p: int | None = None,
+    q: int | None = None,
+    phi2_deg: float | None = None,
+    phi3_deg: float | None = None,
+    count: int = ...,
+) -> dict[str, Any]: ...
