@@ -5,8 +5,8 @@ use crate::output::{Writer, tell};
 use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use trueaxis::contour::{ContourSearch, Flags, Method};
-use trueaxis_evaluation::path::PathFile;
+use trueaxis::contour::{ContourSearch, Method};
+use trueaxis_evaluation::path::{Foot, PathFile};
 use trueaxis_tables::text::read_text;
 
 pub(crate) const HELP: &str = "\
@@ -65,28 +65,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         Refinement::Bisection => Method::Bisection,
     };
     let search = ContourSearch::new(arguments.max_lag_mm, method).map_err(|error| anyhow!("--max-lag-mm: {error}"))?;
-    let (view, segments) = (path.view(), path.segments());
     let inputs = [arguments.path.clone(), arguments.actual.clone()];
     let mut out = Writer::new(arguments.output.as_deref(), inputs)?;
     out.put(format_args!("segment,u,error_um,ex_um,ey_um,ez_um,evaluations,bracketed\n"))?;
     while let Some(Row { line, values: [segment, u, x, y, z] }) = actual.next()? {
-        if segment.fract() != 0.0 || segment < 0.0 || segment >= segments as f64 {
-            return Err(actual.error(line, "segment", segment, format!("a whole number from 0 to {}", segments - 1)));
-        }
-        let reference = path
-            .reference(segment as usize, u)
-            .map_err(|[low, high]| actual.error(line, "u", u, format!("{low} to {high} on this segment")))?;
-        let found = search.nearest(&view, reference, [x, y, z]);
-        let span = &path.spans()[found.span as usize];
-        let [ex, ey, ez] = found.vector.to_array().map(|e| e * 1e3);
-        out.put(format_args!(
-            "{},{},{},{ex},{ey},{ez},{},{}\n",
-            span.segment(),
-            span.u_of(found.t),
-            found.error * 1e3,
-            found.evaluations,
-            found.flags.has(Flags::BRACKETED)
-        ))?;
+        let Foot { segment, u, error_um, vector_um: [ex, ey, ez], evaluations, bracketed } = path
+            .foot(&search, [segment, u], [x, y, z])
+            .map_err(|wrong| actual.error(line, wrong.field, wrong.found, wrong.needed))?;
+        out.put(format_args!("{segment},{u},{error_um},{ex},{ey},{ez},{evaluations},{bracketed}\n"))?;
     }
     out.finish()
 }

@@ -12,7 +12,7 @@ use trueaxis_tables::Machine;
 /// Positions that one thread takes at a time.
 const CHUNK: usize = 4096;
 
-/// What holds for all positions.
+/// Settings shared by all positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
     /// Look-ups of the exact inverse, 1 to 8; none: as many as the machine needs.
@@ -29,7 +29,7 @@ pub struct Settings {
 /// cores. Cost: one look-up a position.
 ///
 /// # Errors
-/// What the model refuses, a growth that the step does not take.
+/// A machine that the model refuses, or a thermal growth beyond what the step takes.
 ///
 /// # Panics
 /// `errors` is not as long as `positions`.
@@ -77,7 +77,7 @@ fn corrections_of<const N: usize>(
     corrections: &mut [[f64; AXES]],
 ) -> Result<usize> {
     evaluate::<N, _>(machine, settings, positions, corrections, |compensation, slots, query, clamped| {
-        // Whether the position itself is beyond an end, not where the inverse looks next.
+        // Only the position itself counts as beyond an end, not the places where the inverse looks.
         compensation.pose_error(query, clamped);
         let found = compensation.correction(query, &mut 0);
         let mut correction = [0.0; AXES];

@@ -1,11 +1,61 @@
-//! A machine's error model in memory.
+//! A machine from its files, and its error model in memory.
 
-use anyhow::{Result, anyhow};
+use anyhow::{Context, Result, anyhow};
+use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::check;
 use trueaxis::compensation::{Compensation, ThermalLine, requirement};
 use trueaxis::machine::{AxisSettings, ErrorModel};
+use trueaxis::tcomp::Tcomp;
+use trueaxis_tables::files::Folder;
+use trueaxis_tables::output::left_notes;
 use trueaxis_tables::{Machine, Table};
+
+/// A machine from its machine.toml, its folder, or a compiled .tcomp; `note` hears what [`source`] tells it.
+///
+/// # Errors
+/// What cannot be read, with file, line, what was found and what is needed.
+pub fn machine(path: &Path, note: &mut dyn FnMut(String)) -> Result<Machine> {
+    if is_compiled(path) {
+        let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        return Ok(Machine::from_tcomp(&parsed(&bytes, path)?));
+    }
+    source(path, note)
+}
+
+/// A machine in source form; `note` hears of separators other than commas, of decimal commas, and of what a command left
+/// that was ended while it wrote.
+///
+/// # Errors
+/// As [`machine`].
+pub fn source(path: &Path, note: &mut dyn FnMut(String)) -> Result<Machine> {
+    left(path).into_iter().for_each(&mut *note);
+    let (folder, name) = Folder::of_machine(path);
+    Ok(Machine::read_from(&folder, &name, note)?)
+}
+
+/// A sentence on every file of this machine that a command was ended while it wrote.
+pub fn left(path: &Path) -> Vec<String> {
+    left_notes(files(path))
+}
+
+/// The files of a machine, whatever form it came in.
+pub fn files(path: &Path) -> Vec<PathBuf> {
+    let alone = || vec![path.to_path_buf()];
+    if is_compiled(path) { alone() } else { Machine::files(path).unwrap_or_else(|_| alone()) }
+}
+
+/// Parses compiled bytes; the error names the file they came from.
+///
+/// # Errors
+/// Those of [`Tcomp::parse`].
+pub fn parsed<'b>(bytes: &'b [u8], machine: &Path) -> Result<Tcomp<'b>> {
+    Tcomp::parse(bytes).map_err(|error| anyhow!("{}: {error}", machine.display()))
+}
+
+fn is_compiled(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "tcomp")
+}
 
 /// Builds the model that the machine's settings name and lends it out; `passes` of the exact inverse, 1 to 8.
 ///

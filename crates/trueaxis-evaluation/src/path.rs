@@ -1,5 +1,9 @@
 //! A programmed path from its JSON text, cut into spans.
 
+mod foot;
+
+pub use foot::{Foot, NotOnPath};
+
 use anyhow::{Result, anyhow, bail};
 use serde::Deserialize;
 use std::path::Path as FilePath;

@@ -1,22 +1,19 @@
 //! A machine: its errors and corrections.
 
 use crate::{Error, arrays, told, warn};
-use anyhow::{Context, anyhow};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use trueaxis::machine::{AXES, Axis, ErrorModel};
-use trueaxis::tcomp::Tcomp;
 use trueaxis_evaluation::batch::{self, Settings};
 use trueaxis_evaluation::model;
-use trueaxis_tables::files::Folder;
 use trueaxis_tables::text::counted;
 
 /// A machine with its tables, read and checked.
 #[pyclass(frozen, module = "trueaxis")]
 pub(crate) struct Machine(trueaxis_tables::Machine);
 
-/// What is asked for.
+/// Checked arguments of a look-up.
 struct Asked {
     machine: trueaxis_tables::Machine,
     settings: Settings,
@@ -33,15 +30,7 @@ impl Machine {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Machine> {
         let mut notes = Vec::new();
-        let machine = py.detach(|| {
-            if path.extension().is_some_and(|extension| extension == "tcomp") {
-                let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-                let file = Tcomp::parse(&bytes).map_err(|error| anyhow!("{}: {error}", path.display()))?;
-                return Ok(trueaxis_tables::Machine::from_tcomp(&file));
-            }
-            let (folder, name) = Folder::of_machine(&path);
-            Ok(trueaxis_tables::Machine::read_from(&folder, &name, &mut |note| notes.push(note))?)
-        });
+        let machine = py.detach(|| model::machine(&path, &mut |note| notes.push(note)));
         for note in notes {
             warn(py, &note)?;
         }

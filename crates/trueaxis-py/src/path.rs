@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path as FilePath, PathBuf};
-use trueaxis::contour::{ContourSearch, Flags, Method};
+use trueaxis::contour::{ContourSearch, Method};
 use trueaxis_evaluation::path::{PathFile, ProgrammedPath};
 use trueaxis_tables::text::read_text;
 
@@ -96,23 +96,18 @@ impl Path {
     }
 
     fn feet(&self, search: &ContourSearch<f64>, segment: &[f64], u: &[f64], actual: &[f64]) -> anyhow::Result<Feet> {
-        let (path, view, last) = (&self.0, self.0.view(), self.0.segments() - 1);
         let mut feet = Feet::default();
         for (row, ((segment, u), position)) in segment.iter().zip(u).zip(actual.as_chunks::<3>().0).enumerate() {
-            if segment.fract() != 0.0 || *segment < 0.0 || *segment > last as f64 {
-                return Err(anyhow!("segment[{row}]: found {segment}, needed a whole number from 0 to {last}"));
-            }
-            let reference = path
-                .reference(*segment as usize, *u)
-                .map_err(|[low, high]| anyhow!("u[{row}]: found {u}, needed {low} to {high} on this segment"))?;
-            let found = search.nearest(&view, reference, *position);
-            let span = &path.spans()[found.span as usize];
-            feet.segment.push(span.segment());
-            feet.u.push(span.u_of(found.t));
-            feet.error_um.push(found.error * 1e3);
-            feet.vector_um.extend(found.vector.to_array().map(|mm| mm * 1e3));
+            let found = self
+                .0
+                .foot(search, [*segment, *u], *position)
+                .map_err(|wrong| anyhow!("{}[{row}]: found {}, needed {}", wrong.field, wrong.found, wrong.needed))?;
+            feet.segment.push(found.segment);
+            feet.u.push(found.u);
+            feet.error_um.push(found.error_um);
+            feet.vector_um.extend(found.vector_um);
             feet.evaluations.push(found.evaluations.into());
-            feet.bracketed.push(found.flags.has(Flags::BRACKETED));
+            feet.bracketed.push(found.bracketed);
         }
         Ok(feet)
     }
