@@ -1,4 +1,4 @@
-//! What the command line prints with `--json`, as dictionaries.
+//! The JSON documents of the command line, as dictionaries.
 
 use crate::{arrays, told};
 use numpy::{PyArray1, PyArrayMethods};

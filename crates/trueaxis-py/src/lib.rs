@@ -1,6 +1,6 @@
 //! The Python module: arrays in, the crates' functions, arrays out. It holds no formula of its own.
 //!
-//! What is computed is computed without the interpreter's lock.
+//! The interpreter's lock is released during computation.
 
 mod arrays;
 mod documents;
@@ -23,7 +23,7 @@ fn told<T>(result: anyhow::Result<T>) -> PyResult<T> {
     result.map_err(|error| Error::new_err(format!("{error:#}")))
 }
 
-/// What the command line says as a note, as a warning of Python.
+/// Raises as a Python warning what the command line prints as a note.
 fn warn(py: Python<'_>, note: &str) -> PyResult<()> {
     let text = std::ffi::CString::new(note.replace('\0', " "))?;
     PyErr::warn(py, &py.get_type::<pyo3::exceptions::PyUserWarning>(), &text, 1)

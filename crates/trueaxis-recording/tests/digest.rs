@@ -14,7 +14,7 @@ const PERIOD_NS: u32 = 1_000_000;
 /// Sixteen scenes.
 const CYCLES: u32 = 4000;
 
-/// What one digest is of.
+/// The values that go into one digest.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     model: ErrorModel,

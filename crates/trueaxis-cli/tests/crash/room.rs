@@ -99,7 +99,7 @@ fn a_folder_that_cannot_be_written_is_told() {
     assert!(said.contains("cannot write disk/new: Read-only file system"), "{said}");
 }
 
-/// A device takes what it is given, and is told when it does not; it is never replaced by a file.
+/// A device is written to directly, never replaced by a file; a write that it refuses is reported.
 #[test]
 fn a_device_without_room_is_told() {
     let folder = machines();
