@@ -13,9 +13,10 @@ if [[ -z ${TRUEAXIS_DESK:-} ]]; then
 fi
 # Optimised: a simulation is compared with the page's.
 export TRUEAXIS_PROFILE=release
-cargo build --release -p trueaxis-cli -p firmware-sim
+.ci/commands
 # The page in the program: served to this computer alone, and written.
-cargo test -p trueaxis-cli --features desk --test desk
+# With the features that `cargo test --workspace` has built.
+cargo test --workspace --features trueaxis-cli/desk --test desk
 
 tests=(desk/tests/*.test.mjs)
 if [[ $# != 0 ]]; then

@@ -19,8 +19,8 @@ CARGO_TARGET_DIR="$target/python-module" "$venv/bin/maturin" build --quiet --loc
     --interpreter "$python" --out "$target/python-wheel"
 "$python" -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall "$target"/python-wheel/trueaxis-*-abi3-*.whl
 
-(cd "$root" && CARGO_TARGET_DIR="$target" cargo build --quiet -p trueaxis-cli)
-export TRUEAXIS_COMMAND="$target/debug/trueaxis"
+CARGO_TARGET_DIR=$target "$root/.ci/commands"
+export TRUEAXIS_COMMAND="$target/release/trueaxis"
 # Away from the sources: what is tested is what was installed.
 cd "$target/python-wheel"
 here="$root/crates/trueaxis-py"

@@ -19,7 +19,8 @@ mcu=thumbv7em-none-eabihf
 "$repository/.ci/install" "rustup:target:$mcu" qemu-system-arm
 
 # In the repository's folder: this one's configuration asks for the processor's target.
-(cd "$repository" && CARGO_TARGET_DIR="$on_host" cargo build --quiet --release -p firmware-sim -p trueaxis-cli -p trueaxis-benches)
+CARGO_TARGET_DIR=$on_host "$repository/.ci/commands"
+(cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --release -p trueaxis-benches --features counts --bin counted)
 inputs=$target/count
 mkdir -p "$inputs"
 "$on_host/release/trueaxis" tables compile machine -o "$inputs/a.tcomp" 2>"$inputs/compile.log"

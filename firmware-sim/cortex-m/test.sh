@@ -30,7 +30,7 @@ fi
 
 say 'host'
 # In the repository's folder: this one's configuration asks for the processor's target.
-(cd "$repository" && CARGO_TARGET_DIR="$on_host" cargo build --quiet --release -p firmware-sim -p trueaxis-cli)
+CARGO_TARGET_DIR=$on_host "$repository/.ci/commands"
 simulator=$on_host/release/firmware-sim
 trueaxis=$on_host/release/trueaxis
 

@@ -10,7 +10,7 @@ runs=$(mktemp -d)
 trap 'rm -rf "$runs"' EXIT
 TRUEAXIS_KEEP=$runs ./test.sh program switching contour
 mkdir -p plots
-draw() { "$target/debug/linuxcnc-recording" plot "$@"; }
+draw() { "$target/release/linuxcnc-recording" plot "$@"; }
 
 commands='mm; X command = joint.0.pos-cmd; Y = joint.1.pos-cmd; Z = joint.2.pos-cmd'
 corrections='µm*1000'

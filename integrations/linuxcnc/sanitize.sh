@@ -23,10 +23,9 @@ target=${CARGO_TARGET_DIR:-$root/target}
 out=$target/linuxcnc-sanitize
 mkdir -p "$out"
 library=$root/crates/trueaxis-capi/sanitize.sh
-# As test.sh builds it.
-(cd "$root" && cargo build --quiet --profile test --package trueaxis-cli)
+"$root/.ci/commands"
 tables() { # name, machine
-    "$target/debug/trueaxis" tables compile "$2" -o "$out/$1.tcomp" >"$out/$1.txt" 2>&1
+    "$target/release/trueaxis" tables compile "$2" -o "$out/$1.tcomp" >"$out/$1.txt" 2>&1
 }
 tables mill "$root/compensation-tables/mill-3axis/machine.toml"
 for name in stream gantry gauge trt; do tables "$name" "machines/$name/machine.toml"; done

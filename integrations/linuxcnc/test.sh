@@ -12,11 +12,10 @@ exec </dev/null
 root=$(cd ../.. && pwd)
 "$root/.ci/install" linuxcnc-uspace linuxcnc-uspace-dev gcc make
 target=${CARGO_TARGET_DIR:-$root/target}
-# As `cargo test` builds them: after it there is little left to do.
-(cd "$root" && cargo build --quiet --profile test --package trueaxis-cli --package trueaxis-linuxcnc)
+"$root/.ci/commands"
 # The simulator's G-code against LinuxCNC's own interpreter.
 if [[ $# == 0 ]]; then
-    (cd "$root" && TRUEAXIS_LINUXCNC=1 cargo test --quiet --package firmware-sim --test linuxcnc)
+    (cd "$root" && TRUEAXIS_LINUXCNC=1 cargo test --quiet --workspace --test linuxcnc)
 fi
 
 # The ordinary user cannot be expected to read this folder: it gets a copy of what it needs.
@@ -41,7 +40,7 @@ if [[ -e $module ]]; then cp "$module" "$work/installed.so"; fi
 mkdir -p "$work/repository/integrations/linuxcnc" "$work/bin" "$work/runs"
 cp -r tests config machines record-circles.py "$work/repository/integrations/linuxcnc"
 cp -r "$root/compensation-tables" "$work/repository"
-cp "$target/debug/trueaxis" "$target/debug/linuxcnc-recording" "$work/bin"
+cp "$target/release/trueaxis" "$target/release/linuxcnc-recording" "$work/bin"
 chmod -R a+rX "$work"
 
 ./install.sh
