@@ -10,7 +10,7 @@ use trueaxis_evaluation::probes::Probes;
 use trueaxis_evaluation::{circle as circles, probe_angles as angles, roundness as separation};
 use trueaxis_metrology::separation::NOISE_GAIN_LIMIT;
 
-fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = told(serde_json::to_string(document).map_err(Into::into))?;
     py.import("json")?.call_method1("loads", (text,))
 }
