@@ -15,12 +15,13 @@ python3 -c 'import ensurepip, venv' 2>/dev/null || "$root/.ci/install" python3-v
 
 cargo fmt --check
 rm -rf "$target/python-wheel"
-CARGO_TARGET_DIR="$target/python-module" "$venv/bin/maturin" build --quiet --locked --release \
+CARGO_TARGET_DIR="$target/python-module" "$venv/bin/maturin" build --quiet --locked --profile quick \
     --interpreter "$python" --out "$target/python-wheel"
 "$python" -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall "$target"/python-wheel/trueaxis-*-abi3-*.whl
 
-(cd "$root" && CARGO_TARGET_DIR="$target" cargo build --quiet -p trueaxis-cli)
-export TRUEAXIS_COMMAND="$target/debug/trueaxis"
+# As `cargo test --workspace` builds them, which finds or leaves them built.
+(cd "$root" && CARGO_TARGET_DIR="$target" cargo build --quiet --profile test --workspace --bin trueaxis --bin firmware-sim)
+export TRUEAXIS_COMMAND="$target/debug/trueaxis" TRUEAXIS_SIMULATOR="$target/debug/firmware-sim"
 # Away from the sources: what is tested is what was installed.
 cd "$target/python-wheel"
 here="$root/crates/trueaxis-py"

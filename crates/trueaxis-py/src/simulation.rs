@@ -165,7 +165,9 @@ pub(crate) fn simulate<'py>(
     trace_every: Option<u64>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut given: Vec<(String, Value)> = match settings {
-        Some(settings) => settings.iter().map(|(key, value)| Ok((key.extract()?, value.extract()?))).collect::<PyResult<_>>()?,
+        Some(settings) => {
+            settings.iter().map(|(key, value)| Ok((key.extract()?, value.extract()?))).collect::<PyResult<_>>()?
+        }
         None => Vec::new(),
     };
     given.extend(rate_hz.map(|value| ("rate_hz".to_owned(), Value::Number(value))));
@@ -196,8 +198,7 @@ pub(crate) fn simulate<'py>(
         };
         let exchanges = exchanges.iter().map(|(name, machine)| Ok((name.clone(), chosen(machine)?)));
         let exchanges = exchanges.collect::<anyhow::Result<_>>()?;
-        let mut scenario =
-            Scenario::new(chosen(&machine.0)?, program.program.clone(), all)?.with_exchanges(exchanges);
+        let mut scenario = Scenario::new(chosen(&machine.0)?, program.program.clone(), all)?.with_exchanges(exchanges);
         if let Some(file) = &learned {
             let bytes = std::fs::read(file).with_context(|| format!("learned: cannot read {}", file.display()))?;
             let of_file = || format!("learned {}", file.display());
@@ -240,7 +241,8 @@ pub(crate) fn simulate<'py>(
             let table = PyDict::new(py);
             for (column, values) in trace.columns.iter().zip(trace.values) {
                 match column.decimals {
-                    0 => table.set_item(&column.name, PyArray1::from_iter(py, values.iter().map(|value| *value as i64)))?,
+                    0 => table
+                        .set_item(&column.name, PyArray1::from_iter(py, values.iter().map(|value| *value as i64)))?,
                     _ => table.set_item(&column.name, PyArray1::from_vec(py, values))?,
                 }
             }

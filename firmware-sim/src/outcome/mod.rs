@@ -82,16 +82,7 @@ pub fn simulate(
         None => (stopwatch.latency, None),
     };
     let wall_s = 1e-9 * nanoseconds as f64;
-    Ok(Outcome {
-        uncompensated,
-        compensated,
-        servo_only,
-        full,
-        latency,
-        pace,
-        cycles: run.cycles(),
-        wall_s,
-    })
+    Ok(Outcome { uncompensated, compensated, servo_only, full, latency, pace, cycles: run.cycles(), wall_s })
 }
 
 /// Runs the compensated machine alone at the real rate, for what its steps cost there; its figures must be those of the
