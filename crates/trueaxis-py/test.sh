@@ -15,12 +15,12 @@ python3 -c 'import ensurepip, venv' 2>/dev/null || "$root/.ci/install" python3-v
 
 cargo fmt --check
 rm -rf "$target/python-wheel"
-CARGO_TARGET_DIR="$target/python-module" "$venv/bin/maturin" build --quiet --locked --release \
+CARGO_TARGET_DIR="$target/python-module" "$venv/bin/maturin" build --quiet --locked --profile quick \
     --interpreter "$python" --out "$target/python-wheel"
 "$python" -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall "$target"/python-wheel/trueaxis-*-abi3-*.whl
 
 CARGO_TARGET_DIR=$target "$root/.ci/commands"
-export TRUEAXIS_COMMAND="$target/release/trueaxis"
+export TRUEAXIS_COMMAND="$target/release/trueaxis" TRUEAXIS_SIMULATOR="$target/release/firmware-sim"
 # Away from the sources: what is tested is what was installed.
 cd "$target/python-wheel"
 here="$root/crates/trueaxis-py"

@@ -1,10 +1,11 @@
+from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, TypedDict, final, type_check_only
+from typing import Any, ClassVar, Literal, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Error", "__version__", "Machine", "Path", "circle", "roundness", "probe_angles"]
+__all__ = ["Error", "__version__", "Machine", "Path", "Program", "circle", "roundness", "probe_angles", "simulate"]
 
 __version__: str
 
@@ -74,6 +75,52 @@ class Path:
         method: Literal["guarded", "bisection"] = "guarded",
     ) -> ContourError: ...
 
+@final
+class Program:
+    """A part program, read and checked."""
+
+    SHIPPED: ClassVar[list[str]]
+    @staticmethod
+    def load(
+        path: str | PathLike[str],
+        *,
+        tool_table: str | PathLike[str] | None = None,
+        offsets: str | PathLike[str] | None = None,
+        block_delete: bool = False,
+    ) -> Program: ...
+    @staticmethod
+    def from_text(
+        text: str,
+        *,
+        name: str = "program",
+        tool_table: str | None = None,
+        offsets: str | None = None,
+        block_delete: bool = False,
+    ) -> Program: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def moves(self) -> int: ...
+
+def simulate(
+    machine: Machine,
+    program: Program,
+    *,
+    seed: int | None = None,
+    rate_hz: float | None = None,
+    temperature_c: float | None = None,
+    origin_mm: Sequence[float] | None = None,
+    scenario: str | None = None,
+    settings: Mapping[str, float | list[float] | list[str]] | None = None,
+    faults: Sequence[str] = ...,
+    events: Sequence[str] = ...,
+    exchanges: Mapping[str, Machine] = ...,
+    model: Literal["nine", "volumetric"] | None = None,
+    orientation: bool | None = None,
+    learned: str | PathLike[str] | None = None,
+    kinds: Sequence[Literal["uncompensated", "compensated", "servo_only", "full", "configured"]] | None = None,
+    trace_every: int | None = None,
+) -> dict[str, Any]: ...
 def circle(points: NDArray[np.float64]) -> dict[str, Any]: ...
 def roundness(
     readings: NDArray[np.float64],
@@ -87,6 +134,7 @@ def roundness(
     arm: tuple[float, float, float] | None = None,
     upr: int | None = None,
     noise_gain_limit: float = ...,
+    theta_deg: NDArray[np.float64] | None = None,
 ) -> dict[str, Any]: ...
 def probe_angles(
     *,

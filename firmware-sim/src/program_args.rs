@@ -1,11 +1,10 @@
 //! The program of a scenario: its arguments, reading, and notes.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use firmware_sim::rs274;
-use std::io::Read;
 use std::path::{Path, PathBuf};
-use trueaxis_sim::program::{Note, Offsets, Program, ProgramError, ReadOptions, ToolTable, limits};
+use trueaxis_sim::program::{Program, ReadOptions, Source};
 
 #[derive(Args)]
 pub(crate) struct ProgramArgs {
@@ -41,63 +40,14 @@ impl ProgramArgs {
     }
 
     pub(crate) fn read(&self) -> Result<Program> {
-        let options = ReadOptions {
-            tools: self.tool_table.as_deref().map(read_tools).transpose()?,
-            offsets: self.offsets.as_deref().map(read_offsets).transpose()?,
-            block_delete: self.block_delete,
-        };
+        let options = ReadOptions::from_files(self.tool_table.as_deref(), self.offsets.as_deref(), self.block_delete)?;
         let read = match self.interpreter {
             Interpreter::Own => Program::read,
             Interpreter::Rs274 => rs274::read,
         };
-        let file = self.file.display().to_string();
-        let name = self.file.to_string_lossy();
-        if !self.file.exists()
-            && let Some(text) = Program::builtin_text(&name)
-        {
-            return Ok(read(&name, text.as_bytes(), &file, &options)?);
-        }
-        let bytes = read_bounded(&self.file)?;
-        let stem = self.file.file_stem().map_or(name.clone(), |s| s.to_string_lossy());
-        Ok(read(&stem, &bytes, &file, &options)?)
+        let source = Source::read(&self.file)?;
+        Ok(read(&source.name, &source.bytes, &source.file, &options)?)
     }
-}
-
-/// A file of at most [`limits::MOST_BYTES`]; no more is read of a longer one.
-fn read_bounded(path: &Path) -> Result<Vec<u8>> {
-    let cannot = || format!("cannot read the program {}", path.display());
-    let mut bytes = Vec::new();
-    let file = std::fs::File::open(path).with_context(cannot)?;
-    file.take(limits::MOST_BYTES + 1).read_to_end(&mut bytes).with_context(cannot)?;
-    if bytes.len() as u64 > limits::MOST_BYTES {
-        let line = bytes.iter().filter(|byte| **byte == b'\n').count() as u32 + 1;
-        let found = format!("more than {} bytes", limits::MOST_BYTES);
-        return Err(ProgramError::new(&path.display().to_string(), line, found, "a shorter program").into());
-    }
-    Ok(bytes)
-}
-
-fn read_tools(path: &Path) -> Result<ToolTable, ProgramError> {
-    let file = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|e| ProgramError::new(&file, 1, format!("a file that cannot be read ({e})"), "a tool table"))?;
-    ToolTable::parse(&String::from_utf8_lossy(&bytes), &file)
-}
-
-fn read_offsets(path: &Path) -> Result<Offsets, ProgramError> {
-    let file = path.display().to_string();
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| ProgramError::new(&file, 1, format!("a file that cannot be read ({e})"), "a file of offsets"))?;
-    Offsets::parse(&text, &file)
-}
-
-/// The document that `run --json` prints.
-#[derive(serde::Serialize)]
-pub(crate) struct Document<'p, Run> {
-    #[serde(flatten)]
-    pub(crate) run: Run,
-    /// Words of the program without effect, once per kind.
-    pub(crate) noted: &'p [Note],
 }
 
 /// Words of the program without effect, once per kind.

@@ -2,7 +2,7 @@
 
 use crate::console::{progress_bar, put};
 use crate::machine_arg::outputs_of;
-use crate::program_args::{Document, noted};
+use crate::program_args::noted;
 use crate::scenario_args::{ScenarioArgs, prepare_with};
 use crate::settings_args::ActArgs;
 use anyhow::{Context, Result, bail};
@@ -85,8 +85,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     }
     outputs.commit()?;
     if args.json {
-        let document = Document { run: outcome.json(&scenario), noted: &scenario.program.notes };
-        put(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+        put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&scenario))?))
     } else {
         let files = written.iter().flatten().map(|file| format!("written  {}\n", file.display()));
         put(&(outcome.summary(&scenario).to_string() + &noted(&scenario.program) + &files.collect::<String>()))

@@ -10,7 +10,7 @@ use trueaxis_evaluation::probes::Probes;
 use trueaxis_evaluation::{circle as circles, probe_angles as angles, roundness as separation};
 use trueaxis_metrology::separation::NOISE_GAIN_LIMIT;
 
-fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = told(serde_json::to_string(document).map_err(Into::into))?;
     py.import("json")?.call_method1("loads", (text,))
 }
@@ -32,10 +32,11 @@ pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResu
 /// Roundness and spindle error from three probes: the document of `trueaxis roundness --json`, and the arrays profile_um,
 /// rx_um and ry_um (revolutions, n).
 ///
-/// readings: (revolutions × n, 3), µm, equidistant in θ. Angles as slots p, q or as phi2_deg, phi3_deg.
+/// readings: (revolutions × n, 3), µm, equidistant in θ; with theta_deg any number of rows at any increasing angles, which are
+/// resampled, with the interpolation error in `resampling`. Angles between the probes as slots p, q or as phi2_deg, phi3_deg.
 #[pyfunction]
 #[pyo3(signature = (readings, *, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None, arm = None,
-    upr = None, noise_gain_limit = NOISE_GAIN_LIMIT))]
+    upr = None, noise_gain_limit = NOISE_GAIN_LIMIT, theta_deg = None))]
 pub(crate) fn roundness<'py>(
     py: Python<'py>,
     readings: &Bound<'py, PyAny>,
@@ -48,18 +49,26 @@ pub(crate) fn roundness<'py>(
     arm: Option<[f64; 3]>,
     upr: Option<u16>,
     noise_gain_limit: f64,
+    theta_deg: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (_, values) = arrays::rows(readings, "readings", &[3])?;
+    let rows = values.len() / 3;
+    let theta_deg = theta_deg.map(|given| arrays::column(given, "theta_deg", rows, "readings")).transpose()?;
     let probes = Probes { n, harmonics, p, q, phi2_deg, phi3_deg };
     let request = separation::Request { probes, arm, upr, noise_gain_limit };
     let (document, separations) = told(py.detach(|| {
         let plan = request.plan()?;
-        let rows = values.len() / 3;
-        anyhow::ensure!(rows.is_multiple_of(n), "readings: found {rows} rows, needed whole revolutions of {n} rows");
-        let probe = |probe| values.iter().skip(probe).step_by(3).copied().collect();
-        let readings = separation::Readings { probes: [0, 1, 2].map(probe), resampling: None };
+        let probes = [0, 1, 2].map(|probe| values.iter().skip(probe).step_by(3).copied().collect::<Vec<f64>>());
+        let readings = match &theta_deg {
+            Some(angles) => plan.resample(probes.each_ref().map(Vec::as_slice), angles)?,
+            None => {
+                let whole = rows.is_multiple_of(n);
+                anyhow::ensure!(whole, "readings: found {rows} rows, needed whole revolutions of {n} rows");
+                separation::Readings { probes, resampling: None }
+            }
+        };
         let separations = plan.separate(&readings, || {})?;
-        Ok((plan.evaluate(&separations, None)?.document, separations))
+        Ok((plan.evaluate(&separations, readings.resampling)?.document, separations))
     }))?;
     let found = dictionary(py, &document)?.cast_into::<PyDict>()?;
     let array = |of: fn(&trueaxis_metrology::separation::Separation) -> &Vec<f64>| {

@@ -6,6 +6,7 @@ mod arrays;
 mod documents;
 mod machine;
 mod path;
+mod simulation;
 
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
@@ -38,6 +39,8 @@ fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<machine::Machine>()?;
     module.add_class::<path::Path>()?;
+    module.add_class::<simulation::Program>()?;
+    module.add_function(wrap_pyfunction!(simulation::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(documents::circle, module)?)?;
     module.add_function(wrap_pyfunction!(documents::roundness, module)?)?;
     module.add_function(wrap_pyfunction!(documents::probe_angles, module)?)

@@ -11,7 +11,7 @@ use trueaxis_tables::text::counted;
 
 /// A machine with its tables, read and checked.
 #[pyclass(frozen, module = "trueaxis")]
-pub(crate) struct Machine(trueaxis_tables::Machine);
+pub(crate) struct Machine(pub(crate) trueaxis_tables::Machine);
 
 /// Checked arguments of a look-up.
 struct Asked {
@@ -123,6 +123,16 @@ impl Machine {
     }
 }
 
+/// An error model by its name.
+pub(crate) fn model_of(name: Option<&str>) -> PyResult<Option<ErrorModel>> {
+    match name {
+        None => Ok(None),
+        Some("nine") => Ok(Some(ErrorModel::Nine)),
+        Some("volumetric") => Ok(Some(ErrorModel::Volumetric)),
+        Some(found) => Err(Error::new_err(format!("model: found {found:?}, needed \"nine\" or \"volumetric\""))),
+    }
+}
+
 /// X, Y, Z and the machine's rotary axes.
 fn columns(machine: &trueaxis_tables::Machine) -> impl Iterator<Item = Axis> {
     Axis::ALL.into_iter().filter(|axis| !axis.is_rotary() || machine.settings.axis(*axis).is_some())
@@ -139,14 +149,9 @@ impl Machine {
         let mut machine = self.0.clone();
         // As `trueaxis compensate` without --orientation.
         machine.settings.compensation.orientation = false;
-        machine.settings.compensation.model = match model {
-            None => machine.settings.compensation.model,
-            Some("nine") => ErrorModel::Nine,
-            Some("volumetric") => ErrorModel::Volumetric,
-            Some(found) => {
-                return Err(Error::new_err(format!("model: found {found:?}, needed \"nine\" or \"volumetric\"")));
-            }
-        };
+        if let Some(model) = model_of(model)? {
+            machine.settings.compensation.model = model;
+        }
         let kelvin = temperature_c.map_or(0.0, |celsius| celsius - machine.settings.reference_temperature_c);
         let mut columns: Vec<Axis> = columns(&machine).collect();
         let widths = if columns.len() == 3 { vec![3] } else { vec![3, columns.len()] };

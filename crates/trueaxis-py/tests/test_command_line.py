@@ -144,6 +144,26 @@ def test_roundness_is_that_of_roundness(tmp_path):
     assert np.allclose(profile, part(theta).reshape(3, n), rtol=0, atol=1e-9)
 
 
+def test_roundness_of_readings_with_angles_is_that_of_roundness(tmp_path):
+    n, p, q = 256, 47, 167
+    theta_deg = 100.0 + 3 * 360.0 * (np.arange(4000) + RNG.uniform(0, 0.7, 4000)) / 4000
+    theta = np.deg2rad(theta_deg)
+    part = lambda at: 2.0 * np.cos(3 * at) + 0.5 * np.sin(7 * at)
+    readings = np.column_stack([part(theta + 2 * np.pi / n * slot) for slot in (0, p, p + q)])
+    file = written(tmp_path / "probes.csv", "h1_um,h2_um,h3_um,theta_deg", np.column_stack([readings, theta_deg]))
+    code, out, err = command("roundness", file, "--n", n, "--p", p, "--q", q, "--json", "-o", tmp_path / "r.csv")
+    assert code == 0, err
+    found = trueaxis.roundness(readings, n=n, p=p, q=q, theta_deg=theta_deg)
+    profile, x, y = (found.pop(name) for name in ("profile_um", "rx_um", "ry_um"))
+    assert found == json.loads(out) and found["resampling"]["rows"] == 4000
+    table = np.loadtxt(tmp_path / "r.csv", delimiter=",", skiprows=1)
+    assert np.array_equal(np.column_stack([profile.ravel(), x.ravel(), y.ravel()]), table[:, 1:])
+    assert np.allclose(profile[1], part(2 * np.pi * np.arange(n) / n), rtol=0, atol=1e-3)
+    theta_deg[7] = theta_deg[6]
+    told = refused(lambda: trueaxis.roundness(readings, n=n, p=p, q=q, theta_deg=theta_deg))
+    assert told.startswith("theta_deg[7]: found ") and "of the row before by" in told
+
+
 def test_probe_angles_are_those_of_probe_angles():
     code, out, err = command("probe-angles", "--n", 128, "--phi2-deg", 90, "--phi3-deg", 181.05, "--count", 5, "--json")
     assert code == 0, err

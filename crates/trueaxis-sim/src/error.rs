@@ -19,6 +19,14 @@ pub enum SimError {
     /// The program, with its line.
     #[error(transparent)]
     Program(#[from] ProgramError),
+    /// A program's file.
+    #[error("cannot read the program {file}: {error}")]
+    Unread {
+        /// The file.
+        file: String,
+        /// The reason.
+        error: std::io::Error,
+    },
     /// The machine's structure.
     #[error(transparent)]
     Geometry(#[from] GeometryError),

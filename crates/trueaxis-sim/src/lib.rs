@@ -1,4 +1,5 @@
-//! Simulation of compensated servo cycles, as a library without a clock, a file or a thread.
+//! Simulation of compensated servo cycles, as a library without a clock or a thread; no file is opened but by
+//! [`program::Source`] and [`program::ReadOptions::from_files`].
 //!
 //! A G-code program is interpolated at the servo rate, every cycle goes through the plugin's `step` against a simulated
 //! machine, and the machine's *true* tool tip is compared with the programmed path:

@@ -2,8 +2,8 @@
 
 use super::Outcome;
 use serde::Serialize;
-use trueaxis_sim::run::Figures;
-use trueaxis_sim::{Scenario, Settings};
+use trueaxis_sim::Scenario;
+use trueaxis_sim::run::Document;
 
 #[derive(Serialize)]
 struct LatencyJson {
@@ -14,36 +14,20 @@ struct LatencyJson {
     max: u64,
 }
 
-/// The document that `--json` prints.
+/// What the steps cost.
 #[derive(Serialize)]
-pub struct Json {
-    machine: String,
-    program: String,
-    settings: Settings,
-    cycles: u64,
-    servo_rate_hz: f64,
-    #[serde(flatten)]
-    figures: Figures,
+pub struct Cost {
     latency_ns: LatencyJson,
     budget_ns: u64,
     over_budget: u64,
     missed_deadlines: u64,
-    simulated_s: f64,
-    wall_s: f64,
-    notes: Vec<String>,
 }
 
 impl Outcome {
-    /// The outcome as one JSON document.
-    pub fn json(&self, scenario: &Scenario) -> Json {
+    /// The document that `--json` prints.
+    pub fn json(&self, scenario: &Scenario) -> Document<Cost> {
         let latency = self.latency.summary();
-        Json {
-            machine: scenario.machine.settings.name.as_str().into(),
-            program: scenario.program.name.clone(),
-            settings: scenario.settings.clone(),
-            cycles: self.cycles,
-            servo_rate_hz: scenario.rate_hz(),
-            figures: self.figures(scenario),
+        let cost = Cost {
             latency_ns: LatencyJson {
                 min: latency.min_ns,
                 p50: latency.p50_ns,
@@ -54,9 +38,8 @@ impl Outcome {
             budget_ns: latency.budget_ns,
             over_budget: latency.over_budget,
             missed_deadlines: latency.missed_deadlines,
-            simulated_s: self.cycles as f64 * scenario.period_s(),
-            wall_s: self.wall_s,
-            notes: self.notes(),
-        }
+        };
+        let of_runs = Document::of(scenario, self.cycles, &self.machines());
+        Document { timing: Some(cost), wall_s: Some(self.wall_s), notes: self.notes(scenario), ..of_runs }
     }
 }

@@ -4,7 +4,7 @@ mod json;
 mod page;
 mod summary;
 
-pub use json::Json;
+pub use json::Cost;
 pub use summary::Summary;
 
 use crate::latency::{Latency, timed};
@@ -14,8 +14,7 @@ use anyhow::{Result, anyhow, bail};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use trueaxis_sim::Scenario;
-use trueaxis_sim::run::{Figures, Kind, MOST_FAULT_SPANS, ReportedFault, Run, Sink, Tallies, feedback_refused};
-use trueaxis_tables::text::counted;
+use trueaxis_sim::run::{self, Kind, ReportedFault, Run, Sink, Tallies};
 
 /// Cycles between two looks at the progress.
 const STRETCH: u64 = 4096;
@@ -32,8 +31,6 @@ pub struct Outcome {
     servo_only: Tallies,
     /// Of a machine with dynamic parts.
     full: Option<Tallies>,
-    /// Why the full run has no contour feedback though the machine has.
-    no_feedback: Option<String>,
     /// Cost of the compensated run's steps.
     latency: Latency,
     /// Report of the pacing, if it was asked for.
@@ -85,19 +82,7 @@ pub fn simulate(
         None => (stopwatch.latency, None),
     };
     let wall_s = 1e-9 * nanoseconds as f64;
-    let refused = full.as_ref().and_then(|_| feedback_refused(&scenario.machine.settings, scenario.period_s()));
-    let no_feedback = refused.map(|error| error.to_string());
-    Ok(Outcome {
-        uncompensated,
-        compensated,
-        servo_only,
-        full,
-        no_feedback,
-        latency,
-        pace,
-        cycles: run.cycles(),
-        wall_s,
-    })
+    Ok(Outcome { uncompensated, compensated, servo_only, full, latency, pace, cycles: run.cycles(), wall_s })
 }
 
 /// Runs the compensated machine alone at the real rate, for what its steps cost there; its figures must be those of the
@@ -115,48 +100,24 @@ fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport
     Ok((stopwatch.latency, report, tallies))
 }
 
-/// What the full run met that the compensated one did not.
-fn note_of_full(full: &Tallies, compensated: &Tallies) -> Option<String> {
-    if full.stopped && !compensated.stopped {
-        return Some("the full run was ended by a stop request".into());
-    }
-    let (in_full, in_compensated) = (full.fault_cycles(), compensated.fault_cycles());
-    (in_full != in_compensated).then(|| {
-        let counted = |cycles| counted(cycles as usize, "cycle");
-        format!("faults in {} of the full run, in {} of the compensated one", counted(in_full), counted(in_compensated))
-    })
-}
-
 impl Outcome {
     /// Remarks on how the runs went.
-    pub fn notes(&self) -> Vec<String> {
+    pub fn notes(&self, scenario: &Scenario) -> Vec<String> {
         let mut notes = self.pace.as_ref().map(PaceReport::notes).unwrap_or_default();
         let steps = self.latency.summary();
         let late = self.pace.as_ref().is_some_and(|pace| pace.late > 0 || pace.skipped_periods > 0);
         if late || steps.over_budget > 0 || steps.missed_deadlines > 0 {
             notes.push(BUSY_KERNEL.into());
         }
-        if self.compensated.stopped {
-            notes.push("the compensated run was ended by a stop request".into());
-        }
-        notes.extend(self.no_feedback.iter().map(|why| format!("the full run has no contour feedback: {why}")));
-        notes.extend(self.full.as_ref().and_then(|full| note_of_full(full, &self.compensated)));
-        if self.compensated.more_faults > 0 {
-            notes.push(format!(
-                "faults: the first {} are listed; there are faults in {} after them",
-                MOST_FAULT_SPANS,
-                counted(self.compensated.more_faults as usize, "cycle")
-            ));
-        }
+        notes.extend(run::notes(scenario, &self.machines()));
         notes
     }
 
-    /// Figures of the machines as documents have them.
-    pub(crate) fn figures(&self, scenario: &Scenario) -> Figures {
+    /// The machines with their tallies.
+    fn machines(&self) -> Vec<(Kind, Tallies)> {
         let Outcome { uncompensated, compensated, servo_only, full, .. } = self;
         let runs = [uncompensated, compensated, servo_only].into_iter().chain(full);
-        let machines: Vec<_> = Kind::ALL.into_iter().zip(runs.cloned()).collect();
-        Figures::of(scenario, &machines)
+        Kind::ALL.into_iter().zip(runs.cloned()).collect()
     }
 
     /// Faults of the compensated run.

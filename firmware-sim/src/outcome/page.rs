@@ -44,7 +44,7 @@ impl Outcome {
                     cycles: f.cycles,
                 })
                 .collect(),
-            notes: setting_notes(scenario).chain(self.notes()).collect(),
+            notes: setting_notes(scenario).chain(self.notes(scenario)).collect(),
         }
     }
 }

@@ -136,7 +136,7 @@ impl Summary<'_> {
                 counted(fault.cycles as usize, "cycle")
             )?;
         }
-        for note in self.outcome.notes() {
+        for note in self.outcome.notes(self.scenario) {
             writeln!(f, "note     {note}")?;
         }
         Ok(())

@@ -155,6 +155,16 @@ impl Plan {
         Ok(Readings { probes, resampling: None })
     }
 
+    /// Resamples readings, as many of each probe as there are angles, at least one; as [`Plan::read`] does with angles.
+    ///
+    /// # Errors
+    /// Angles that cannot be resampled; a row is called by its index.
+    pub fn resample(&self, readings: [&[f64]; 3], theta_deg: &[f64]) -> Result<Readings> {
+        let mut rows = trace::InMemory { readings, theta_deg, next: 0 };
+        let (probes, resampling) = trace::read(&mut rows, self.points, self.band)?;
+        Ok(Readings { probes, resampling: Some(resampling) })
+    }
+
     /// Takes every revolution apart, on all cores; `done` is called after each.
     ///
     /// # Errors

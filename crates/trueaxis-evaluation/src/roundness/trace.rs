@@ -1,7 +1,7 @@
 //! Readings with an angle of their own, brought to N equidistant angles a revolution.
 
 use crate::rows::{Row, Rows};
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use serde::Serialize;
 use trueaxis::roundness::Band;
 use trueaxis_tables::error::FileError;
@@ -41,11 +41,52 @@ struct Trace {
     probes: [Vec<f64>; 3],
 }
 
-/// Reads all rows and resamples them: the readings of each probe at 360°·i/N, whole revolutions one after the other.
+/// Rows of h1, h2, h3 (µm) and the angle (degrees), from a file or from memory.
+pub(super) trait Given {
+    /// The next row.
+    fn next(&mut self) -> Result<Option<Row<4>>>;
+
+    /// Refuses the angle of a row, or of all of them.
+    fn refused(&self, line: Option<u32>, found: String, needed: String) -> anyhow::Error;
+}
+
+impl Given for Rows<'_, 4> {
+    fn next(&mut self) -> Result<Option<Row<4>>> {
+        Rows::next(self)
+    }
+
+    fn refused(&self, line: Option<u32>, found: String, needed: String) -> anyhow::Error {
+        FileError { file: self.file.clone(), line, column: Some("theta_deg".into()), found, needed }.into()
+    }
+}
+
+/// Rows in memory; a row is called by its index.
+pub(super) struct InMemory<'r> {
+    pub(super) readings: [&'r [f64]; 3],
+    pub(super) theta_deg: &'r [f64],
+    pub(super) next: usize,
+}
+
+impl Given for InMemory<'_> {
+    fn next(&mut self) -> Result<Option<Row<4>>> {
+        let at = self.next;
+        let Some(angle) = self.theta_deg.get(at) else { return Ok(None) };
+        self.next += 1;
+        let [h1, h2, h3] = self.readings.map(|readings| readings[at]);
+        Ok(Some(Row { line: at as u32, values: [h1, h2, h3, *angle] }))
+    }
+
+    fn refused(&self, line: Option<u32>, found: String, needed: String) -> anyhow::Error {
+        let place = line.map(|line| format!("[{line}]")).unwrap_or_default();
+        anyhow!("theta_deg{place}: found {found}, needed {needed}")
+    }
+}
+
+/// Takes all rows and resamples them: the readings of each probe at 360°·i/N, whole revolutions one after the other.
 ///
 /// # Errors
 /// Angles that do not increase by [`FINEST_DEG`], gaps that are too wide for the band, less than a revolution.
-pub(super) fn read(rows: &mut Rows<'_, 4>, points: usize, band: Band) -> Result<([Vec<f64>; 3], Resampling)> {
+pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<([Vec<f64>; 3], Resampling)> {
     let widest = 180.0 / f64::from(band.last);
     let mut trace = Trace::default();
     let mut turns = 0.0;
@@ -59,12 +100,12 @@ pub(super) fn read(rows: &mut Rows<'_, 4>, points: usize, band: Band) -> Result<
             let step = angle + turns - before;
             if step < FINEST_DEG {
                 let needed = format!("more than {} of the row before by {FINEST_DEG:e}", before - turns);
-                return Err(rows.error(line, "theta_deg", angle, needed));
+                return Err(rows.refused(Some(line), angle.to_string(), needed));
             }
             if step > widest {
                 let found = format!("a gap of {step:.4} degrees before {angle}");
                 let needed = format!("at most {widest:.4}, half a wave of harmonic {}", band.last);
-                return Err(rows.error(line, "theta_deg", found, needed));
+                return Err(rows.refused(Some(line), found, needed));
             }
             gap = gap.max(step);
         }
@@ -79,14 +120,8 @@ pub(super) fn read(rows: &mut Rows<'_, 4>, points: usize, band: Band) -> Result<
     let (begin, end) = ((first / step - 1e-9).ceil() as i64, ((last + gap) / step + 1e-9).floor() as i64);
     let revolutions = usize::try_from(end - begin + 1).unwrap_or(0) / points;
     if revolutions == 0 || last - first + widest < 360.0 {
-        return Err(FileError {
-            file: rows.file.clone(),
-            line: None,
-            column: Some("theta_deg".into()),
-            found: format!("{:.4} degrees in {count} rows", last - first),
-            needed: "a whole revolution".into(),
-        }
-        .into());
+        let found = format!("{:.4} degrees in {count} rows", last - first);
+        return Err(rows.refused(None, found, "a whole revolution".into()));
     }
     trace.close();
     let mut readings = [const { Vec::new() }; 3];

@@ -1,6 +1,6 @@
 //! The machines of a run, and the plugin that each is driven by.
 
-use crate::error::Result;
+use crate::error::{Result, SimError};
 use std::borrow::Cow;
 use trueaxis::ConfigError;
 use trueaxis::check;
@@ -41,6 +41,25 @@ impl Kind {
     /// [`Kind::BASIC`].
     pub fn of(machine: &MachineSettings) -> &'static [Kind] {
         if is_dynamic(machine) { &Kind::ALL } else { &Kind::BASIC }
+    }
+
+    /// The machines of these names, in the order of a report.
+    ///
+    /// # Errors
+    /// A name that is none, or no name.
+    pub fn named(names: &[impl AsRef<str>]) -> Result<Vec<Kind>> {
+        const ALL: [Kind; 5] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly, Kind::Full, Kind::Configured];
+        let known = |name: &str| ALL.iter().any(|kind| kind.name() == name);
+        if let Some(unknown) = names.iter().map(AsRef::as_ref).find(|name| !known(name)) {
+            let needed = format!("some of {}", ALL.map(Kind::name).join(", "));
+            return Err(SimError::unsuited("kinds", format!("\"{unknown}\""), needed));
+        }
+        let kinds: Vec<Kind> =
+            ALL.into_iter().filter(|kind| names.iter().any(|name| kind.name() == name.as_ref())).collect();
+        if kinds.is_empty() {
+            return Err(SimError::unsuited("kinds", "none", "at least one"));
+        }
+        Ok(kinds)
     }
 
     /// As documents call it.

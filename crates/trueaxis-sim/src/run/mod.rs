@@ -1,7 +1,9 @@
 //! Runs of a part program: every servo cycle goes through the step against one or more simulated machines.
 
 mod cell;
+mod columns;
 mod commanded;
+mod document;
 mod figures;
 mod kind;
 mod lanes;
@@ -20,6 +22,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use trueaxis_tables::Machine;
 
+pub use columns::{Column, columns};
+pub use document::{Document, notes};
 pub use figures::{ByKind, Figures, ReportedFault, Size};
 pub use kind::{Kind, feedback_refused};
 pub use limits::CorrectionLimits;

@@ -113,18 +113,10 @@ impl Request {
 
     /// The machines to run, in the order of a report.
     pub(super) fn kinds(&self, machine: &Machine) -> Result<Vec<Kind>> {
-        const ALL: [Kind; 5] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly, Kind::Full, Kind::Configured];
-        let Some(names) = &self.kinds else { return Ok(Kind::of(&machine.settings).to_vec()) };
-        let known = |name: &String| ALL.iter().any(|kind| kind.name() == name);
-        if let Some(unknown) = names.iter().find(|name| !known(name)) {
-            let needed = ALL.map(Kind::name).join(", ");
-            bail!("kinds: found \"{unknown}\", needed some of {needed}");
-        }
-        let kinds: Vec<Kind> = ALL.into_iter().filter(|kind| names.iter().any(|name| kind.name() == name)).collect();
-        if kinds.is_empty() {
-            bail!("kinds: found none, needed at least one");
-        }
-        Ok(kinds)
+        Ok(match &self.kinds {
+            Some(names) => Kind::named(names)?,
+            None => Kind::of(&machine.settings).to_vec(),
+        })
     }
 }
 

@@ -1,0 +1,254 @@
+//! Simulation of a part program on a machine.
+
+use crate::machine::Machine;
+use crate::{Error, documents, told, warn};
+use anyhow::Context;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use trueaxis_sim::event::EventScript;
+use trueaxis_sim::learning::LearnedTable;
+use trueaxis_sim::plant::fault::FaultScript;
+use trueaxis_sim::program::{self, BUILTIN_NAMES, Offsets, ReadOptions, Source, ToolTable};
+use trueaxis_sim::run::{Column, Document, Kind, Moment, Run, Sample, columns};
+use trueaxis_sim::scenario::choose_model;
+use trueaxis_sim::{Scenario, Settings};
+
+/// Cycles between two looks at the keyboard.
+const STRETCH: u64 = 1 << 15;
+
+/// A part program, read and checked.
+#[pyclass(frozen, module = "trueaxis")]
+pub(crate) struct Program {
+    program: program::Program,
+    has_offsets: bool,
+}
+
+#[pymethods]
+impl Program {
+    /// Names of the shipped programs.
+    #[classattr]
+    const SHIPPED: [&'static str; 5] = BUILTIN_NAMES;
+
+    /// Reads a G-code file, or a shipped program by its name: `--program` of `firmware-sim run`.
+    ///
+    /// tool_table: LinuxCNC's; offsets: its parameter file, or a .toml; block_delete leaves out the lines that begin with `/`.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, tool_table = None, offsets = None, block_delete = false))]
+    fn load(
+        py: Python<'_>,
+        path: PathBuf,
+        tool_table: Option<PathBuf>,
+        offsets: Option<PathBuf>,
+        block_delete: bool,
+    ) -> PyResult<Program> {
+        told(py.detach(|| {
+            let options = ReadOptions::from_files(tool_table.as_deref(), offsets.as_deref(), block_delete)?;
+            Program::read(&Source::read(&path)?, &options)
+        }))
+    }
+
+    /// A program from its text; tool_table and offsets are texts too.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, name = "program", tool_table = None, offsets = None, block_delete = false))]
+    fn from_text(
+        py: Python<'_>,
+        text: String,
+        name: &str,
+        tool_table: Option<&str>,
+        offsets: Option<&str>,
+        block_delete: bool,
+    ) -> PyResult<Program> {
+        told(py.detach(|| {
+            let tools = tool_table.map(|text| ToolTable::parse(text, "tool_table")).transpose()?;
+            let offsets = offsets.map(|text| Offsets::parse(text, "offsets")).transpose()?;
+            let source = Source { name: name.to_owned(), bytes: text.into_bytes().into(), file: name.to_owned() };
+            Program::read(&source, &ReadOptions { tools, offsets, block_delete })
+        }))
+    }
+
+    /// Name of the program.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.program.name
+    }
+
+    /// Number of moves.
+    #[getter]
+    fn moves(&self) -> usize {
+        self.program.moves.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<trueaxis.Program {:?}, moves {}>", self.name(), self.moves())
+    }
+}
+
+impl Program {
+    fn read(source: &Source, options: &ReadOptions) -> anyhow::Result<Program> {
+        let program = program::Program::read(&source.name, &source.bytes, &source.file, options)?;
+        Ok(Program { program, has_offsets: options.offsets.is_some() })
+    }
+}
+
+/// A value of a setting as TOML writes it.
+#[derive(FromPyObject)]
+enum Value {
+    Whole(i64),
+    Number(f64),
+    Numbers(Vec<f64>),
+    Texts(Vec<String>),
+}
+
+impl Value {
+    fn toml(&self) -> String {
+        let number = |value: &f64| if value.is_nan() { "nan".into() } else { format!("{value:?}") };
+        match self {
+            Value::Whole(value) => value.to_string(),
+            Value::Number(value) => number(value),
+            Value::Numbers(values) => format!("[{}]", values.iter().map(number).collect::<Vec<_>>().join(", ")),
+            Value::Texts(values) => format!("{values:?}"),
+        }
+    }
+}
+
+/// Rows of one machine, column by column.
+struct Trace {
+    kind: Kind,
+    columns: Vec<Column>,
+    values: Vec<Vec<f64>>,
+}
+
+impl Trace {
+    fn row(&mut self, moment: &Moment, sample: &Sample) {
+        for (values, column) in self.values.iter_mut().zip(&self.columns) {
+            values.push(column.value(moment, sample));
+        }
+    }
+}
+
+/// Simulates a program on a machine: the document of `firmware-sim run --json` but for what a clock measures.
+///
+/// scenario: the text of a scenario file; settings: any of its keys over it, as `--set` ({"drive.dead_time_s": 0.001});
+/// rate_hz, seed, temperature_c, origin_mm: the same over those; faults and events join the scenario's, an event
+/// `exchange:NAME@2s` takes its machine from `exchanges`. learned: a .tlearn file. kinds: the machines to simulate side by
+/// side, some of uncompensated, compensated, servo_only, full, configured; left out, those of the command.
+///
+/// trace_every: keep every so many cycles; `trace` of the document then has, for every machine, the columns of trace.csv
+/// (trace-full.csv) as arrays, not rounded.
+///
+/// The same arguments give the same bits. The interpreter's lock is released; simulations in several threads run side by side.
+#[pyfunction]
+#[pyo3(signature = (machine, program, *, seed = None, rate_hz = None, temperature_c = None, origin_mm = None, scenario = None,
+    settings = None, faults = Vec::new(), events = Vec::new(), exchanges = BTreeMap::new(), model = None,
+    orientation = None, learned = None, kinds = None, trace_every = None))]
+pub(crate) fn simulate<'py>(
+    py: Python<'py>,
+    machine: Bound<'py, Machine>,
+    program: Bound<'py, Program>,
+    seed: Option<i64>,
+    rate_hz: Option<f64>,
+    temperature_c: Option<f64>,
+    origin_mm: Option<[f64; 3]>,
+    scenario: Option<&str>,
+    settings: Option<Bound<'py, PyDict>>,
+    faults: Vec<String>,
+    events: Vec<String>,
+    exchanges: BTreeMap<String, Py<Machine>>,
+    model: Option<&str>,
+    orientation: Option<bool>,
+    learned: Option<PathBuf>,
+    kinds: Option<Vec<String>>,
+    trace_every: Option<u64>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let mut given: Vec<(String, Value)> = match settings {
+        Some(settings) => {
+            settings.iter().map(|(key, value)| Ok((key.extract()?, value.extract()?))).collect::<PyResult<_>>()?
+        }
+        None => Vec::new(),
+    };
+    given.extend(rate_hz.map(|value| ("rate_hz".to_owned(), Value::Number(value))));
+    given.extend(seed.map(|value| ("seed".to_owned(), Value::Whole(value))));
+    given.extend(temperature_c.map(|value| ("temperature_c".to_owned(), Value::Number(value))));
+    given.extend(origin_mm.map(|value| ("origin_mm".to_owned(), Value::Numbers(value.to_vec()))));
+    let model = crate::machine::model_of(model)?;
+    if trace_every == Some(0) {
+        return Err(Error::new_err("trace_every: found 0, needed at least 1"));
+    }
+    let exchanges = exchanges.into_iter().map(|(name, machine)| (name, machine.get().0.clone()));
+    let exchanges: BTreeMap<_, _> = exchanges.collect();
+    let (machine, program) = (machine.get(), program.get());
+    let (scenario, kinds, mut run) = told(py.detach(|| {
+        let mut all = Settings::parse(scenario.unwrap_or_default(), "scenario")?;
+        for (key, value) in &given {
+            all.set(key, &value.toml())?;
+        }
+        all.faults.items.extend(FaultScript::parse(&faults)?.items);
+        all.events.items.extend(EventScript::parse(&events)?.items);
+        if program.has_offsets {
+            all.origin_mm.get_or_insert([0.0; 3]);
+        }
+        let chosen = |machine: &trueaxis_tables::Machine| {
+            let mut machine = machine.clone();
+            choose_model(&mut machine, model, orientation)?;
+            anyhow::Ok(machine)
+        };
+        let exchanges = exchanges.iter().map(|(name, machine)| Ok((name.clone(), chosen(machine)?)));
+        let exchanges = exchanges.collect::<anyhow::Result<_>>()?;
+        let mut scenario = Scenario::new(chosen(&machine.0)?, program.program.clone(), all)?.with_exchanges(exchanges);
+        if let Some(file) = &learned {
+            let bytes = std::fs::read(file).with_context(|| format!("learned: cannot read {}", file.display()))?;
+            let of_file = || format!("learned {}", file.display());
+            let table = LearnedTable::read(bytes).with_context(of_file)?;
+            scenario = scenario.with_learned(Arc::new(table)).with_context(of_file)?;
+        }
+        let scenario = Arc::new(scenario);
+        let kinds = match &kinds {
+            Some(names) => Kind::named(names)?,
+            None => Kind::of(&scenario.machine.settings).to_vec(),
+        };
+        let run = Run::of(Arc::clone(&scenario), &kinds)?;
+        Ok((scenario, kinds, run))
+    }))?;
+    let mut traces: Vec<Trace> = Vec::new();
+    if trace_every.is_some() {
+        traces.extend(kinds.iter().map(|kind| {
+            let columns = columns(*kind, &scenario.machine.settings);
+            Trace { kind: *kind, values: vec![Vec::new(); columns.len()], columns }
+        }));
+    }
+    let every = trace_every.unwrap_or(1);
+    let mut sink = |moment: &Moment, samples: &[Option<&Sample>]| {
+        if moment.cycle.is_multiple_of(every) {
+            for (trace, sample) in traces.iter_mut().zip(samples) {
+                sample.iter().for_each(|sample| trace.row(moment, sample));
+            }
+        }
+    };
+    while py.detach(|| run.advance(STRETCH, &mut sink)) {
+        py.check_signals()?;
+    }
+    let machines: Vec<_> = kinds.into_iter().zip(run.tallies()).collect();
+    let document = Document::<()>::of(&scenario, run.cycles(), &machines);
+    document.notes.iter().try_for_each(|note| warn(py, note))?;
+    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    if trace_every.is_some() {
+        let all = PyDict::new(py);
+        for trace in traces {
+            let table = PyDict::new(py);
+            for (column, values) in trace.columns.iter().zip(trace.values) {
+                match column.decimals {
+                    0 => table
+                        .set_item(&column.name, PyArray1::from_iter(py, values.iter().map(|value| *value as i64)))?,
+                    _ => table.set_item(&column.name, PyArray1::from_vec(py, values))?,
+                }
+            }
+            all.set_item(trace.kind.name(), table)?;
+        }
+        found.set_item("trace", all)?;
+    }
+    Ok(found)
+}

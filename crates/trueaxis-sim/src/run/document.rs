@@ -1,0 +1,91 @@
+//! A run as one document.
+
+use super::figures::Figures;
+use super::kind::{Kind, feedback_refused};
+use super::tally::{MOST_FAULT_SPANS, Tallies};
+use crate::program::Note;
+use crate::scenario::Scenario;
+use crate::settings::Settings;
+use serde::Serialize;
+use trueaxis_tables::text::counted;
+
+/// Figures of a run that has ended, with what it was a run of. `T`: what a host adds that has measured time.
+#[derive(Clone, Debug, Serialize)]
+pub struct Document<T> {
+    /// Name of the machine.
+    pub machine: String,
+    /// Name of the program.
+    pub program: String,
+    /// All settings.
+    pub settings: Settings,
+    /// Cycles of the program.
+    pub cycles: u64,
+    /// Servo rate, Hz.
+    pub servo_rate_hz: f64,
+    /// Figures of the machines side by side.
+    #[serde(flatten)]
+    pub figures: Figures,
+    /// Cost of the steps.
+    #[serde(flatten)]
+    pub timing: Option<T>,
+    /// Time of the program, s.
+    pub simulated_s: f64,
+    /// Time that the host took, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_s: Option<f64>,
+    /// Remarks on how the run went.
+    pub notes: Vec<String>,
+    /// Words of the program without effect.
+    pub noted: Vec<Note>,
+}
+
+impl<T> Document<T> {
+    /// Of a run of `cycles` of a scenario on these machines, with nothing of time.
+    pub fn of(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> Document<T> {
+        Document {
+            machine: scenario.machine.settings.name.as_str().into(),
+            program: scenario.program.name.clone(),
+            settings: scenario.settings.clone(),
+            cycles,
+            servo_rate_hz: scenario.rate_hz(),
+            figures: Figures::of(scenario, machines),
+            timing: None,
+            simulated_s: cycles as f64 * scenario.period_s(),
+            wall_s: None,
+            notes: notes(scenario, machines),
+            noted: scenario.program.notes.clone(),
+        }
+    }
+}
+
+/// Remarks on how the compensated and the full run went, as far as they are among the machines.
+pub fn notes(scenario: &Scenario, machines: &[(Kind, Tallies)]) -> Vec<String> {
+    let of = |kind| machines.iter().find(|(own, _)| *own == kind).map(|(_, tallies)| tallies);
+    let (compensated, full) = (of(Kind::Compensated), of(Kind::Full));
+    let mut notes = Vec::new();
+    if compensated.is_some_and(|compensated| compensated.stopped) {
+        notes.push("the compensated run was ended by a stop request".into());
+    }
+    let refused = full.and_then(|_| feedback_refused(&scenario.machine.settings, scenario.period_s()));
+    notes.extend(refused.map(|why| format!("the full run has no contour feedback: {why}")));
+    notes.extend(full.zip(compensated).and_then(|(full, compensated)| note_of_full(full, compensated)));
+    if let Some(more) = compensated.map(|compensated| compensated.more_faults).filter(|more| *more > 0) {
+        notes.push(format!(
+            "faults: the first {MOST_FAULT_SPANS} are listed; there are faults in {} after them",
+            counted(more as usize, "cycle")
+        ));
+    }
+    notes
+}
+
+/// What the full run met that the compensated one did not.
+fn note_of_full(full: &Tallies, compensated: &Tallies) -> Option<String> {
+    if full.stopped && !compensated.stopped {
+        return Some("the full run was ended by a stop request".into());
+    }
+    let (in_full, in_compensated) = (full.fault_cycles(), compensated.fault_cycles());
+    (in_full != in_compensated).then(|| {
+        let counted = |cycles| counted(cycles as usize, "cycle");
+        format!("faults in {} of the full run, in {} of the compensated one", counted(in_full), counted(in_compensated))
+    })
+}
