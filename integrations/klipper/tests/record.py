@@ -21,9 +21,9 @@ class Record:
         self.toolhead.trapq_append = recorded
 
     def sync(self):
-        steppers = [(s.get_oid(), s.get_mcu_position(), s.get_commanded_position(), s.get_step_dist())
+        steppers = [(s.get_name(), s.get_oid(), s.get_mcu_position(), s.get_commanded_position(), s.get_step_dist())
                     for s in self.toolhead.get_kinematics().get_steppers()]
-        json.dump({"on": self.printer.lookup_object("trueaxis").on, "steppers": steppers}, self.file)
+        json.dump({"on": self.printer.lookup_object("trueaxis").on, "kinematics": type(self.toolhead.get_kinematics()).__name__, "steppers": steppers}, self.file)
         self.file.write("\n")
         self.file.flush()
 

@@ -1,6 +1,6 @@
 """Holds every step of a program against the planned moves and `trueaxis compensate`: steps.py TRUEAXIS MACHINE RECORD DUMP.
 
-One program after one SET_KINEMATIC_POSITION, cartesian. SPDX-License-Identifier: GPL-3.0-or-later
+One program after one SET_KINEMATIC_POSITION. SPDX-License-Identifier: GPL-3.0-or-later
 """
 import bisect
 import csv
@@ -36,8 +36,13 @@ def at(time):
     return [s + k * way for s, k in zip(start, r)]
 
 
-steppers = {oid: dict(axis=i, n=mcu, offset=mcu * step - cmd, step=step, clock=0, up=1)
-            for i, (oid, mcu, cmd, step) in enumerate(sync["steppers"])}
+# What a motor stands at when the axes stand at x, y, z.
+if sync["kinematics"] == "CoreXYKinematics":
+    MOTORS = {"x": lambda p: p[0] + p[1], "y": lambda p: p[0] - p[1], "z": lambda p: p[2]}
+else:
+    MOTORS = {"x": lambda p: p[0], "y": lambda p: p[1], "z": lambda p: p[2]}
+steppers = {oid: dict(motor=MOTORS[name.split("_")[1][0]], n=mcu, offset=mcu * step - cmd, step=step, clock=0, up=1)
+            for name, oid, mcu, cmd, step in sync["steppers"]}
 # The commanded position of the host is a whole step off its label by less than half: the offset carries it.
 steps = []
 for line in open(dump):
@@ -55,10 +60,10 @@ for line in open(dump):
             s["clock"] += interval
             interval += int(words["add"])
             # The step is taken where the motor should be half-way.
-            steps.append((s["axis"], s["clock"] / FREQUENCY, (s["n"] + 0.5 * s["up"]) * s["step"] - s["offset"], s["step"]))
+            steps.append((s["motor"], s["clock"] / FREQUENCY, (s["n"] + 0.5 * s["up"]) * s["step"] - s["offset"], s["step"]))
             s["n"] += s["up"]
 points = [at(time) for _, time, _, _ in steps]
-finals = [(s["axis"], s["n"] * s["step"] - s["offset"], s["step"]) for s in steppers.values()]
+finals = [(s["motor"], s["n"] * s["step"] - s["offset"], s["step"]) for s in steppers.values()]
 points.append(at(1e9))
 with tempfile.TemporaryDirectory() as folder:
     given = Path(folder) / "p.csv"
@@ -66,13 +71,13 @@ with tempfile.TemporaryDirectory() as folder:
     found = []
     for way in ([], ["--reverse"]):
         out = Path(folder) / "q.csv"
-        subprocess.run([trueaxis, "compensate", machine, given, "--model", "volumetric", *way, "-o", out], check=True,
+        subprocess.run([trueaxis, "compensate", machine, given, *way, "-o", out], check=True,
                        capture_output=True)
         found.append([[float(r[f"c{a}_mm"]) for a in "xyz"] for r in csv.DictReader(out.open())])
 needed = [[(a + b) / 2 for a, b in zip(*both)] for both in zip(*found)]
-off = [abs(q - needed[i][axis]) / step for i, (axis, _, q, step) in enumerate(steps)]
-without = [abs(q - points[i][axis]) / step for i, (axis, _, q, step) in enumerate(steps)]
-net = [abs(q - needed[-1][axis]) / step for axis, q, step in finals]
+off = [abs(q - motor(needed[i])) / step for i, (motor, _, q, step) in enumerate(steps)]
+without = [abs(q - motor(points[i])) / step for i, (motor, _, q, step) in enumerate(steps)]
+net = [abs(q - motor(needed[-1])) / step for motor, q, step in finals]
 print("%d steps, off by at most %.3f microsteps when taken (%.1f against the uncorrected moves), net %.3f"
       % (len(steps), max(off), max(without), max(net)))
 sys.exit(0 if len(steps) > 1000 and max(off) < 0.5 and max(net) <= 0.501 else 1)
