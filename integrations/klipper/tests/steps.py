@@ -1,0 +1,83 @@
+"""Holds every step of a program against the planned moves and `trueaxis compensate`: steps.py TRUEAXIS MACHINE RECORD DUMP.
+
+One program after one SET_KINEMATIC_POSITION. SPDX-License-Identifier: GPL-3.0-or-later
+"""
+import bisect
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+trueaxis, machine, record, dump = sys.argv[1:]
+FREQUENCY = 20e6
+moves, sync = [], None
+for line in map(json.loads, open(record)):
+    if "move" in line:
+        moves.append(line["move"])
+    elif not moves:
+        sync = line
+assert sync["on"]
+phases = []
+for t, accel_t, cruise_t, decel_t, x, y, z, rx, ry, rz, start_v, cruise_v, accel in moves:
+    for length, v, a in ((accel_t, start_v, accel), (cruise_t, cruise_v, 0.0), (decel_t, cruise_v, -accel)):
+        if length:
+            phases.append((t, v, 0.5 * a, (x, y, z), (rx, ry, rz), length))
+            way = (v + 0.5 * a * length) * length
+            t, x, y, z = t + length, x + rx * way, y + ry * way, z + rz * way
+starts = [phase[0] for phase in phases]
+
+
+def at(time):
+    t, v, half_a, start, r, length = phases[max(0, bisect.bisect_right(starts, time) - 1)]
+    d = min(max(time - t, 0.0), length)
+    way = (v + half_a * d) * d
+    return [s + k * way for s, k in zip(start, r)]
+
+
+# What a motor stands at when the axes stand at x, y, z.
+if sync["kinematics"] == "CoreXYKinematics":
+    MOTORS = {"x": lambda p: p[0] + p[1], "y": lambda p: p[0] - p[1], "z": lambda p: p[2]}
+else:
+    MOTORS = {"x": lambda p: p[0], "y": lambda p: p[1], "z": lambda p: p[2]}
+steppers = {oid: dict(motor=MOTORS[name.split("_")[1][0]], n=mcu, offset=mcu * step - cmd, step=step, clock=0, up=1)
+            for name, oid, mcu, cmd, step in sync["steppers"]}
+# The commanded position of the host is a whole step off its label by less than half: the offset carries it.
+steps = []
+for line in open(dump):
+    words = dict(w.split("=") for w in line.split() if "=" in w)
+    s = steppers.get(int(words["oid"])) if "oid" in words else None
+    if s is None:
+        continue
+    if "reset_step_clock" in line:
+        s["clock"] = int(words["clock"])
+    elif "set_next_step_dir" in line:
+        s["up"] = 1 if words["dir"] == "1" else -1
+    elif "queue_step" in line:
+        interval = int(words["interval"])
+        for _ in range(int(words["count"])):
+            s["clock"] += interval
+            interval += int(words["add"])
+            # The step is taken where the motor should be half-way.
+            steps.append((s["motor"], s["clock"] / FREQUENCY, (s["n"] + 0.5 * s["up"]) * s["step"] - s["offset"], s["step"]))
+            s["n"] += s["up"]
+points = [at(time) for _, time, _, _ in steps]
+finals = [(s["motor"], s["n"] * s["step"] - s["offset"], s["step"]) for s in steppers.values()]
+points.append(at(1e9))
+with tempfile.TemporaryDirectory() as folder:
+    given = Path(folder) / "p.csv"
+    given.write_text("x_mm,y_mm,z_mm\n" + "".join("%.9f,%.9f,%.9f\n" % tuple(p) for p in points))
+    found = []
+    for way in ([], ["--reverse"]):
+        out = Path(folder) / "q.csv"
+        subprocess.run([trueaxis, "compensate", machine, given, *way, "-o", out], check=True,
+                       capture_output=True)
+        found.append([[float(r[f"c{a}_mm"]) for a in "xyz"] for r in csv.DictReader(out.open())])
+needed = [[(a + b) / 2 for a, b in zip(*both)] for both in zip(*found)]
+off = [abs(q - motor(needed[i])) / step for i, (motor, _, q, step) in enumerate(steps)]
+without = [abs(q - motor(points[i])) / step for i, (motor, _, q, step) in enumerate(steps)]
+net = [abs(q - motor(needed[-1])) / step for motor, q, step in finals]
+print("%d steps, off by at most %.3f microsteps when taken (%.1f against the uncorrected moves), net %.3f"
+      % (len(steps), max(off), max(without), max(net)))
+sys.exit(0 if len(steps) > 1000 and max(off) < 0.5 and max(net) <= 0.501 else 1)
