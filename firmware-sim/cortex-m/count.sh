@@ -20,6 +20,7 @@ mcu=thumbv7em-none-eabihf
 
 # In the repository's folder: this one's configuration asks for the processor's target.
 CARGO_TARGET_DIR=$on_host "$repository/.ci/commands"
+# As the budgets of the host have built it.
 (cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --release -p trueaxis-benches --features counts --bin counted)
 inputs=$target/count
 mkdir -p "$inputs"

@@ -128,6 +128,20 @@ impl Trace {
             values.push(column.value(moment, sample));
         }
     }
+
+    /// The columns as arrays, those of whole numbers as int64.
+    fn table(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let table = PyDict::new(py);
+        for (column, values) in self.columns.iter().zip(self.values) {
+            if column.decimals == 0 {
+                let whole = values.iter().map(|value| *value as i64);
+                table.set_item(&column.name, PyArray1::from_iter(py, whole))?;
+            } else {
+                table.set_item(&column.name, PyArray1::from_vec(py, values))?;
+            }
+        }
+        Ok(table)
+    }
 }
 
 /// Simulates a program on a machine: the document of `firmware-sim run --json` but for what a clock measures.
@@ -178,8 +192,8 @@ pub(crate) fn simulate<'py>(
     if trace_every == Some(0) {
         return Err(Error::new_err("trace_every: found 0, needed at least 1"));
     }
-    let exchanges = exchanges.into_iter().map(|(name, machine)| (name, machine.get().0.clone()));
-    let exchanges: BTreeMap<_, _> = exchanges.collect();
+    let exchanges: BTreeMap<_, _> =
+        exchanges.into_iter().map(|(name, machine)| (name, machine.get().0.clone())).collect();
     let (machine, program) = (machine.get(), program.get());
     let (scenario, kinds, mut run) = told(py.detach(|| {
         let mut all = Settings::parse(scenario.unwrap_or_default(), "scenario")?;
@@ -238,15 +252,7 @@ pub(crate) fn simulate<'py>(
     if trace_every.is_some() {
         let all = PyDict::new(py);
         for trace in traces {
-            let table = PyDict::new(py);
-            for (column, values) in trace.columns.iter().zip(trace.values) {
-                match column.decimals {
-                    0 => table
-                        .set_item(&column.name, PyArray1::from_iter(py, values.iter().map(|value| *value as i64)))?,
-                    _ => table.set_item(&column.name, PyArray1::from_vec(py, values))?,
-                }
-            }
-            all.set_item(trace.kind.name(), table)?;
+            all.set_item(trace.kind.name(), trace.table(py)?)?;
         }
         found.set_item("trace", all)?;
     }

@@ -5,13 +5,13 @@ import math
 import os
 import shutil
 import subprocess
-import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import trueaxis
+from shared import assert_lock_is_released, refused
 
 ROOT = Path(__file__).resolve().parents[3]
 TABLES = ROOT / "compensation-tables"
@@ -170,14 +170,6 @@ def test_probe_angles_are_those_of_probe_angles():
     assert trueaxis.probe_angles(n=128, phi2_deg=90.0, phi3_deg=181.05, count=5) == json.loads(out)
 
 
-def refused(call):
-    with pytest.raises(trueaxis.Error) as caught:
-        call()
-    text = str(caught.value)
-    assert text and "\n" not in text
-    return text
-
-
 DAMAGES = [
     ("x.csv", lambda text: text.replace("14.551", "two", 1)),
     ("x.csv", lambda text: text.replace("14.551", "nan", 1)),
@@ -264,16 +256,9 @@ def test_clamped_positions_are_told():
 def test_the_lock_is_released():
     machine = trueaxis.Machine.load(TABLES / "mill-3axis")
     at = positions(machine, 2_000_000)
-    ticks, ended = 0, threading.Event()
 
     def work():
         for _ in range(3):
             machine.correction(at)
-        ended.set()
 
-    thread = threading.Thread(target=work)
-    thread.start()
-    while not ended.wait(0.001):
-        ticks += 1
-    thread.join()
-    assert ticks > 20
+    assert_lock_is_released(work)

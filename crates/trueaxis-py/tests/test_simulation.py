@@ -3,7 +3,6 @@
 import json
 import os
 import subprocess
-import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 
 import trueaxis
+from shared import assert_lock_is_released, refused
 
 TABLES = Path(__file__).resolve().parents[3] / "compensation-tables"
 SIMULATOR = os.environ["TRUEAXIS_SIMULATOR"]
@@ -145,25 +145,7 @@ def test_simulations_run_side_by_side_with_the_same_bits():
 
 
 def test_the_lock_is_released():
-    ended, ticks = threading.Event(), 0
-
-    def work():
-        trueaxis.simulate(mill(), trueaxis.Program.load("pocket-3d"))
-        ended.set()
-
-    thread = threading.Thread(target=work)
-    thread.start()
-    while not ended.wait(0.001):
-        ticks += 1
-    thread.join()
-    assert ticks > 20
-
-
-def refused(call):
-    with pytest.raises(trueaxis.Error) as caught:
-        call()
-    assert "\n" not in str(caught.value)
-    return str(caught.value)
+    assert_lock_is_released(lambda: trueaxis.simulate(mill(), trueaxis.Program.load("pocket-3d")))
 
 
 REFUSALS = [

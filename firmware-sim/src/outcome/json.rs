@@ -14,7 +14,7 @@ struct LatencyJson {
     max: u64,
 }
 
-/// What the steps cost.
+/// Cost of the steps, ns, and how often it was above the budget.
 #[derive(Serialize)]
 pub struct Cost {
     latency_ns: LatencyJson,
@@ -39,7 +39,8 @@ impl Outcome {
             over_budget: latency.over_budget,
             missed_deadlines: latency.missed_deadlines,
         };
-        let of_runs = Document::of(scenario, self.cycles, &self.machines());
-        Document { timing: Some(cost), wall_s: Some(self.wall_s), notes: self.notes(scenario), ..of_runs }
+        let mut document = Document::of(scenario, self.cycles, &self.machines());
+        document.notes.splice(0..0, self.notes_on_time());
+        Document { timing: Some(cost), wall_s: Some(self.wall_s), ..document }
     }
 }

@@ -103,13 +103,17 @@ fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport
 impl Outcome {
     /// Remarks on how the runs went.
     pub fn notes(&self, scenario: &Scenario) -> Vec<String> {
+        [self.notes_on_time(), run::notes(scenario, &self.machines())].concat()
+    }
+
+    /// Those on what a clock has measured.
+    fn notes_on_time(&self) -> Vec<String> {
         let mut notes = self.pace.as_ref().map(PaceReport::notes).unwrap_or_default();
         let steps = self.latency.summary();
         let late = self.pace.as_ref().is_some_and(|pace| pace.late > 0 || pace.skipped_periods > 0);
         if late || steps.over_budget > 0 || steps.missed_deadlines > 0 {
             notes.push(BUSY_KERNEL.into());
         }
-        notes.extend(run::notes(scenario, &self.machines()));
         notes
     }
 

@@ -43,7 +43,7 @@ else:
     MOTORS = {"x": lambda p: p[0], "y": lambda p: p[1], "z": lambda p: p[2]}
 steppers = {oid: dict(motor=MOTORS[name.split("_")[1][0]], n=mcu, offset=mcu * step - cmd, step=step, clock=0, up=1)
             for name, oid, mcu, cmd, step in sync["steppers"]}
-# The commanded position of the host is a whole step off its label by less than half: the offset carries it.
+# A motor's count of steps, times a step, is its position but for a constant: the offset.
 steps = []
 for line in open(dump):
     words = dict(w.split("=") for w in line.split() if "=" in w)

@@ -78,7 +78,7 @@ pub fn notes(scenario: &Scenario, machines: &[(Kind, Tallies)]) -> Vec<String> {
     notes
 }
 
-/// What the full run met that the compensated one did not.
+/// A note where the full run was stopped and the compensated one was not, or where their faults differ.
 fn note_of_full(full: &Tallies, compensated: &Tallies) -> Option<String> {
     if full.stopped && !compensated.stopped {
         return Some("the full run was ended by a stop request".into());

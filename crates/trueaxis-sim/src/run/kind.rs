@@ -48,14 +48,13 @@ impl Kind {
     /// # Errors
     /// A name that is none, or no name.
     pub fn named(names: &[impl AsRef<str>]) -> Result<Vec<Kind>> {
-        const ALL: [Kind; 5] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly, Kind::Full, Kind::Configured];
-        let known = |name: &str| ALL.iter().any(|kind| kind.name() == name);
+        let all = || Kind::ALL.into_iter().chain([Kind::Configured]);
+        let known = |name: &str| all().any(|kind| kind.name() == name);
         if let Some(unknown) = names.iter().map(AsRef::as_ref).find(|name| !known(name)) {
-            let needed = format!("some of {}", ALL.map(Kind::name).join(", "));
+            let needed = format!("some of {}", all().map(Kind::name).collect::<Vec<_>>().join(", "));
             return Err(SimError::unsuited("kinds", format!("\"{unknown}\""), needed));
         }
-        let kinds: Vec<Kind> =
-            ALL.into_iter().filter(|kind| names.iter().any(|name| kind.name() == name.as_ref())).collect();
+        let kinds: Vec<Kind> = all().filter(|kind| names.iter().any(|name| kind.name() == name.as_ref())).collect();
         if kinds.is_empty() {
             return Err(SimError::unsuited("kinds", "none", "at least one"));
         }
