@@ -85,6 +85,11 @@ if [[ $(sed 's/.*: //' "$out/combinations.c" | sort -u | wc -l) != 8 ]]; then
     exit 1
 fi
 
+# The recording that every host replays: drive positions are the library's to the last bit.
+"$root/tests/hosts/recording.sh"
+cc -std=c99 "${strict[@]}" examples/c/replay.c "$host" -Wl,--gc-sections -lpthread -ldl -lm -o "$out/replay"
+timeout 60 "$out/replay" "$target/hosts/machine.tcomp" "$target/hosts/run.csv" | tee "$target/hosts/c.json"
+
 # The example of the README compiles.
 {
     printf '#define AXES 3\n#include <string.h>\n#include "trueaxis.h"\nvoid log_line(const char *);\n'

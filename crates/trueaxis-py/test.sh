@@ -19,8 +19,8 @@ CARGO_TARGET_DIR="$target/python-module" "$venv/bin/maturin" build --quiet --loc
     --interpreter "$python" --out "$target/python-wheel"
 "$python" -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall "$target"/python-wheel/trueaxis-*-abi3-*.whl
 
-CARGO_TARGET_DIR=$target "$root/.ci/commands"
-export TRUEAXIS_COMMAND="$target/release/trueaxis" TRUEAXIS_SIMULATOR="$target/release/firmware-sim"
+CARGO_TARGET_DIR=$target "$root/tests/hosts/recording.sh"
+export TRUEAXIS_HOSTS="$target/hosts" TRUEAXIS_COMMAND="$target/release/trueaxis" TRUEAXIS_SIMULATOR="$target/release/firmware-sim"
 # Away from the sources: what is tested is what was installed.
 cd "$target/python-wheel"
 here="$root/crates/trueaxis-py"

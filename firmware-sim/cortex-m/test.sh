@@ -30,7 +30,7 @@ fi
 
 say 'host'
 # In the repository's folder: this one's configuration asks for the processor's target.
-CARGO_TARGET_DIR=$on_host "$repository/.ci/commands"
+CARGO_TARGET_DIR=$on_host "$repository/tests/hosts/recording.sh"
 simulator=$on_host/release/firmware-sim
 trueaxis=$on_host/release/trueaxis
 
@@ -111,6 +111,34 @@ if not (dynamic["equal"] and dynamic["cycles"] >= 6000):
 print(f"{dynamic['core']}: {dynamic['cycles']} cycles with dynamic correction bit for bit as on the host")
 PYTHON
     python3 sizes.py sizes.toml "$core" "$(elf "$core")" "$work/first/$core/log.txt"
+done
+
+say 'the recording that every host replays'
+hosts=$repository/tests/hosts
+for core in "${cores[@]}"; do
+    timeout 300 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/hosts" \
+        --machine "$hosts/machine" --program "$hosts/path.ngc" --origin-mm 0,0,0 --rate-hz 1000 >"$work/hosts-$core.json"
+    cmp "$work/hosts/recording.rec" "$on_host/hosts/run.rec"
+    python3 - "$core" "$work/hosts-$core.json" "$on_host/hosts" <<'PYTHON'
+import json, sys
+from pathlib import Path
+
+core, found, results = sys.argv[1], json.load(open(sys.argv[2])), Path(sys.argv[3])
+[one] = found["cores"]
+samples = 3 * one["cycles"]
+
+
+def result(host, **more):
+    text = json.dumps({"host": host, "samples": samples, **more})
+    (results / f"{host}.json").write_text(text + "\n")
+    print(text)
+
+
+# A cycle that differs anywhere counts with all of its axes.
+result(core, same=samples - 3 * one["differing"], largest_mm=0.0)
+if core == "m4f":
+    result("m4f-double", same=0, largest_mm=1e-6 * one["against_double_nm"]["correction_max"])
+PYTHON
 done
 
 say 'bad input'

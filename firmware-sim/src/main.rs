@@ -14,6 +14,7 @@ mod learn;
 mod machine_arg;
 mod program_args;
 mod record;
+mod replay;
 mod rtcp;
 mod run;
 mod scenario_args;
@@ -89,6 +90,10 @@ enum Command {
     ///
     /// Positions are rounded to 1e-6 mm. A machine file with [roundness] adds a workpiece that turns at three probes.
     Record(record::RecordArgs),
+    /// Run a recording through the step on this host, and write what was given and what was sent, cycle by cycle.
+    ///
+    /// What a controller of your own is held against: other hosts of trueaxis are, by docs/hosts.md.
+    Replay(replay::ReplayArgs),
     /// Run the same recording on this host and in the bare-metal image under QEMU, and hold one against the other.
     ///
     /// Needs qemu-system-arm and, unless built images are given, the Rust target thumbv7em-none-eabihf. In the same scalar
@@ -131,6 +136,7 @@ fn main() -> ExitCode {
         Some(Command::Rtcp(args)) => rtcp::rtcp(&args),
         Some(Command::Friction(args)) => friction::friction(&args),
         Some(Command::Record(args)) => record::record(&args),
+        Some(Command::Replay(args)) => replay::replay(&args),
         Some(Command::Compare(args)) => compare_command::compare(&args).and_then(agreed),
     };
     match result {

@@ -15,7 +15,7 @@ mkdir -p "$out"
 export CARGO_TARGET_DIR=$target
 
 # For the controllers of three axes, where the tests of the C interface build theirs.
-"$root/.ci/commands"
+"$root/tests/hosts/recording.sh"
 cargo build --quiet --release -p trueaxis-capi
 CARGO_TARGET_DIR=$target/capi-m4f cargo build --quiet --release -p trueaxis-capi --target "$mcu" --features single,three
 CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' CARGO_TARGET_DIR=$target/capi-m7 \
@@ -85,6 +85,24 @@ build host fourth mill "${plugin[@]}" tests/tests.c -DN_AXIS=4
 run host fourth
 python3 tests/checks.py "$trueaxis" "$out/mill" "$out"/mill-{host,m4f,m7}.txt
 python3 tests/checks.py "$trueaxis" "$out/kinked" "$out"/kinked-{host,m4f,m7}.txt
+
+# The recording that every host replays: the motors' positions after rapids to every tenth command.
+cp "$target/hosts/machine.tcomp" "$out/hosts.tcomp"
+python3 - "$target/hosts/run.csv" "$out/points.csv" <<'PYTHON'
+import csv, sys
+
+with open(sys.argv[1]) as given, open(sys.argv[2], "w") as points:
+    for row in list(csv.DictReader(given))[::10]:
+        if row["limited"] == row["fault"] == "0":
+            points.write(",".join(row[f"{axis}_{of}_mm"] for of in ("cmd", "drive") for axis in "xyz") + "\n")
+PYTHON
+for core in host m4f m7; do
+    build "$core" replay hosts "${plugin[@]}" tests/replay.c "-DPOINTS=\"$out/points.csv\""
+    run "$core" replay
+    sed "s/^/replay, $core: positions, largest difference mm: /" "$out/replay-$core.txt"
+done
+cat "$out"/replay-{host,m4f,m7}.txt | awk '{ samples += $1; if ($2 > largest) largest = $2 }
+    END { printf "{\"host\": \"grblhal\", \"samples\": %d, \"same\": 0, \"largest_mm\": %g}\n", samples, largest }' >"$target/hosts/grblhal.json"
 
 # Refused before anything moves, in one line, and the machine runs as without the plugin.
 refused() { # core, name, what is told; tables and flags

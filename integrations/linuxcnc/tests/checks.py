@@ -4,6 +4,7 @@ import check_dynamics
 import check_faults
 import check_files
 import check_friction
+import check_hosts
 import check_machines
 import check_motion
 
@@ -14,6 +15,7 @@ MODULES = (
     check_faults,
     check_machines,
     check_friction,
+    check_hosts,
     check_cost,
 )
 ALL = {test.__name__: test for module in MODULES for test in module.TESTS}

@@ -1,0 +1,23 @@
+"""The recording that every host of trueaxis replays: corrections at its positions against what the library's step sent."""
+
+import csv
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trueaxis
+
+
+@pytest.mark.skipif("TRUEAXIS_HOSTS" not in os.environ, reason="TRUEAXIS_HOSTS: the folder of tests/hosts/recording.sh")
+def test_corrections_are_those_of_the_step():
+    results = Path(os.environ["TRUEAXIS_HOSTS"])
+    with (results / "run.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["limited"] == row["fault"] == "0"]
+    command, drive = (np.array([[float(row[f"{axis}_{of}mm"]) for axis in "xyz"] for row in rows]) for of in ("cmd_", "drive_"))
+    corrected = command + trueaxis.Machine.load(results / "machine.tcomp").correction(command)
+    off = np.abs(corrected - drive)
+    found = {"host": "python", "samples": off.size, "same": int((off == 0.0).sum()), "largest_mm": float(off.max())}
+    (results / "python.json").write_text(json.dumps(found) + "\n")
+    assert off.size > 10_000 and off.max() < 2e-6 and np.abs(drive - command).max() > 5e-3
