@@ -1,9 +1,9 @@
 //! NC programs with offsets and tools.
 
-use crate::execution::SLOWEST;
 use crate::outcome::{accepted, refused, saw};
 use crate::parts::{joined, split};
 use crate::{Target, machines, no_repair};
+use std::time::Duration;
 use trueaxis_sim::program::limits::MOST_PIECES;
 use trueaxis_sim::program::{Curve, Move, Offsets, Program, ReadOptions, ToolTable};
 
@@ -16,8 +16,11 @@ pub const TARGET: Target = Target {
     seeds,
     repair: no_repair,
     dictionary: include_str!("../../dictionaries/gcode.dict"),
-    slowest: SLOWEST,
+    slowest: READ,
 };
+
+/// One line of a canned cycle may say the two million moves that a program may have.
+const READ: Duration = Duration::from_secs(5);
 
 const CYCLES: &str = "%\nO100 (cycles)\nG21 G90 G17 G54 F300\nT1 M6 G43 H1\nG0 X1 Y2 Z10\nG99 G81 X5 Y5 Z-3 R2\n\
     G98 G83 G91 X1 Y1 Z-6 R-2 Q1.5 L3\nG82 Z-1 R1 P0.5\nG73 Z-4 R1 Q1\nG85 Z-2 R1\nG89 Z-2 R1 P1\nG80 G90\n/G1 X0\nM30\n%\n";
