@@ -66,7 +66,7 @@ fn rows<const N: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> 
         bail!("{file}: found a recording of another machine than {}, needed one of it", args.tables.display());
     }
     if header.gauge || header.exchange_at.is_some() {
-        bail!("{file}: found a gauge or other tables in motion, needed a recording without (`firmware-sim compare` has them)");
+        bail!("{file}: found a recording with a gauge or other tables in motion, needed one without (`firmware-sim compare` has them)");
     }
     let mut text = String::new();
     let letters: Vec<_> = tables.settings().step_axes().collect();

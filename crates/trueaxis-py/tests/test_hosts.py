@@ -14,7 +14,8 @@ import trueaxis
 def test_corrections_are_those_of_the_step():
     results = Path(os.environ["TRUEAXIS_HOSTS"])
     with (results / "run.csv").open() as file:
-        rows = [row for row in csv.DictReader(file) if row["limited"] == row["fault"] == "0"]
+        # The first cycle sends the command as it is.
+        rows = [row for row in list(csv.DictReader(file))[1:] if row["limited"] == row["fault"] == "0"]
     command, drive = (np.array([[float(row[f"{axis}_{of}mm"]) for axis in "xyz"] for row in rows]) for of in ("cmd_", "drive_"))
     corrected = command + trueaxis.Machine.load(results / "machine.tcomp").correction(command)
     off = np.abs(corrected - drive)

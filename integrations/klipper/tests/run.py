@@ -109,10 +109,13 @@ for kinematics in ("cartesian", "corexy"):
     off, _ = host(f"{kinematics}-off", kinematics, START + MOVES, own(tables) + "enable: False\n")
     same(f"{kinematics}, switched off", plain, off)
 
-# Through every tenth command of the recording that all hosts replay.
+# Through every tenth command of the recording that all hosts replay, from where all axes are well within their travel:
+# motors that stand at its end stand for a position beyond it.
 with (hosts / "run.csv").open() as file:
-    points = [[float(row[f"{axis}_cmd_mm"]) for axis in "xyz"] for row in csv.DictReader(file)][::10]
-words = [f"X={x} Y={y} Z={z}" for x, y, z in points[:1]] + [f"G1 X{x} Y{y} Z{z} F3000" for x, y, z in points[1:]]
+    points = [tuple(float(row[f"{axis}_cmd_mm"]) for axis in "xyz") for row in csv.DictReader(file)][::10]
+points = points[next(k for k, point in enumerate(points) if max(point) < -1.0):]
+# Without powers of ten, which would be read as an extruder's.
+words = ["X=%.9f Y=%.9f Z=%.9f" % points[0]] + ["G1 X%.9f Y%.9f Z%.9f F3000" % point for point in points[1:]]
 travel = {axis: f"position_min: {low}\nposition_max: 0\n" for axis, low in (("x", -300), ("y", -200), ("z", -400))}
 record = out / "hosts.jsonl"
 host("hosts", "cartesian", f"SET_KINEMATIC_POSITION {words[0]}\nG90\n" + "\n".join(words[1:]) + "\nM400\n",

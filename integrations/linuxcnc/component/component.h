@@ -4,6 +4,7 @@
  *   parameters.c  module parameters: instances, joints, files
  *   tables.c      a table file becomes a servo loop (never in realtime)
  *   reload.c      the thread that reads files while the machine moves
+ *   hal_compat.h  HAL as LinuxCNC 2.10 has it, on 2.9 too
  *   pins.c        HAL pins and parameters
  *   cycle.c       the two realtime functions
  *   steps.c       the library's steps in a cycle
@@ -20,8 +21,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "rtapi.h"
-#include "hal.h"
+#include "hal_compat.h"
 #include "trueaxis.h"
 
 #define MAX_INSTANCES 4
@@ -73,32 +73,32 @@ struct joint {
 };
 
 struct joint_pins {
-    hal_float_t *pos_cmd, *motor_cmd_in, *motor_cmd_out, *motor_fb_in, *motor_fb_out, *correction;
+    hal_real_t pos_cmd, motor_cmd_in, motor_cmd_out, motor_fb_in, motor_fb_out, correction;
     /* The dynamic part of the correction, and what asked for it. */
-    hal_float_t *dynamic, *feed_forward, *contour_feedback, *crosstalk, *learned;
-    hal_bit_t *homed, *alarm;
+    hal_real_t dynamic, feed_forward, contour_feedback, crosstalk, learned;
+    hal_bool_t homed, alarm;
 };
 
 struct axis_pins {
-    hal_float_t *command, *corrected, *correction, *temperature_rise;
-    hal_float_t *learned; /* of X, Y, Z */
-    hal_bit_t *limited, *at_edge;
+    hal_real_t command, corrected, correction, temperature_rise;
+    hal_real_t learned; /* of X, Y, Z */
+    hal_bool_t limited, at_edge;
     /* Limits of the tables in force, read only, and the largest that the integrator accepts; 0: any. */
-    hal_float_t magnitude, slope, acceleration, travel_min, travel_max;
-    hal_float_t max_magnitude, max_slope, max_acceleration;
+    hal_real_t magnitude, slope, acceleration, travel_min, travel_max;
+    hal_real_t max_magnitude, max_slope, max_acceleration;
 };
 
 struct contour_pins {
-    hal_float_t *error, *normal, *binormal, *lag;
-    hal_bit_t *found;
+    hal_real_t error, normal, binormal, lag;
+    hal_bool_t found;
 };
 
 struct gauge_pins {
-    hal_s32_t *spindle_counts, *index_counts, *arm_counts;
-    hal_bit_t *index, *new_part, *idle;
-    hal_float_t *probe[3];
-    hal_float_t *roundness, *infeed;
-    hal_u32_t *evaluated, *skipped, *discarded, *flags, *revolution_flags;
+    hal_sint_t spindle_counts, index_counts, arm_counts;
+    hal_bool_t index, new_part, idle;
+    hal_real_t probe[3];
+    hal_real_t roundness, infeed;
+    hal_uint_t evaluated, skipped, discarded, flags, revolution_flags;
 };
 
 /* Parts of the dynamic correction that can be switched off. */
@@ -106,12 +106,12 @@ struct gauge_pins {
 
 /* HAL shared memory: pins only. */
 struct pins {
-    hal_bit_t *enable, *motion_enabled, *reset, *reload;
-    hal_bit_t *enable_part[DYNAMIC_PARTS];
-    hal_bit_t *active, *frozen, *limited, *at_edge, *fault, *stop_request, *no_output, *feedback_out;
-    hal_bit_t *tables_ok, *reload_busy, *reload_failed;
-    hal_u32_t *fault_code, *reload_code, *reloads, *sequence, *machine_id, *tables_crc;
-    hal_s32_t *fault_axis;
+    hal_bool_t enable, motion_enabled, reset, reload;
+    hal_bool_t enable_part[DYNAMIC_PARTS];
+    hal_bool_t active, frozen, limited, at_edge, fault, stop_request, no_output, feedback_out;
+    hal_bool_t tables_ok, reload_busy, reload_failed;
+    hal_uint_t fault_code, reload_code, reloads, sequence, machine_id, tables_crc;
+    hal_sint_t fault_axis;
     struct contour_pins tip, encoder;
     struct joint_pins joint[MAX_JOINTS];
     struct axis_pins axis[MAX_AXES];
@@ -219,8 +219,6 @@ int tables_errno(uint32_t refused);
 int pins_export(struct instance *instance, int component);
 /* Shows the limits of the tables in force. */
 void pins_limits(struct instance *instance, const struct tables *tables);
-/* Every part of the dynamic correction is on, where its pin is not connected. */
-void pins_enable_parts(struct pins *pins);
 /* TRUEAXIS_DYNAMICS_... bits of the parts that are switched off. */
 uint8_t pins_parts_off(const struct pins *pins);
 /* Whether the limits of tables are within the largest that the integrator accepts. */

@@ -24,16 +24,16 @@ void cycle_update_feedback(void *arg, long period)
     for (int j = 0; j < instance->setup.joints; j++) {
         struct joint *joint = &instance->servo.joint[j];
         struct joint_pins *p = &pins->joint[j];
-        double reading = *p->motor_fb_in;
+        double reading = hal_get_real(p->motor_fb_in);
         /* Both pins still show the cycle before, which is the one that this reading answers. */
-        double offset = *p->motor_cmd_in - *p->pos_cmd;
+        double offset = hal_get_real(p->motor_cmd_in) - hal_get_real(p->pos_cmd);
         if (isfinite(offset))
             joint->offset = offset;
         joint->reading = reading;
         /* Motion must never see a NaN: it keeps the last reading, and LinuxCNC's own following error limit decides. */
         if (isfinite(reading))
             joint->passed = plus(reading, -joint->sent);
-        *p->motor_fb_out = joint->passed;
+        hal_set_real(p->motor_fb_out, joint->passed);
     }
 }
 
@@ -44,8 +44,8 @@ static bool standing(const struct instance *instance)
         const struct joint *joint = &instance->servo.joint[j];
         const struct joint_pins *p = &instance->pins->joint[j];
         double unit = instance->setup.mm_per_unit[instance->setup.axis_of_joint[j]];
-        double distance = fabs(*p->motor_cmd_in - joint->reading + joint->sent) * unit;
-        if (!(distance <= STANDING) || !isfinite(*p->pos_cmd))
+        double distance = fabs(hal_get_real(p->motor_cmd_in) - joint->reading + joint->sent) * unit;
+        if (!(distance <= STANDING) || !isfinite(hal_get_real(p->pos_cmd)))
             return false;
     }
     return true;
@@ -56,10 +56,10 @@ static bool standing(const struct instance *instance)
 static void release_without_power(struct instance *instance, uint32_t period_ns)
 {
     struct servo *servo = &instance->servo;
-    bool reset = *instance->pins->reset && !servo->last.reset;
-    servo->last.reset = *instance->pins->reset;
+    bool reset = hal_get_bool(instance->pins->reset) && !servo->last.reset;
+    servo->last.reset = hal_get_bool(instance->pins->reset);
     bool held = servo->phase == PHASE_HOLDING || servo->phase == PHASE_BLIND;
-    if (reset && held && !*instance->pins->motion_enabled && standing(instance))
+    if (reset && held && !hal_get_bool(instance->pins->motion_enabled) && standing(instance))
         steps_start(instance, period_ns);
 }
 
@@ -69,7 +69,7 @@ static void follow_readings(struct instance *instance)
 {
     for (int j = 0; j < instance->setup.joints; j++) {
         struct joint *joint = &instance->servo.joint[j];
-        if (!isfinite(joint->reading) || *instance->pins->joint[j].alarm)
+        if (!isfinite(joint->reading) || hal_get_bool(instance->pins->joint[j].alarm))
             continue;
         joint->drive = joint->reading;
         joint->known = true;
@@ -79,11 +79,11 @@ static void follow_readings(struct instance *instance)
 /* The dynamic part of a joint's correction on pins: that of its axis and, with tables of its own, theirs. */
 static void show_dynamic(struct joint_pins *p, const trueaxis_dynamic_t *of, int slot, double unit, bool more)
 {
-    *p->dynamic = of->sent[slot] / unit + (more ? *p->dynamic : 0.0);
-    *p->feed_forward = of->feed_forward[slot] / unit + (more ? *p->feed_forward : 0.0);
-    *p->contour_feedback = of->feedback[slot] / unit + (more ? *p->contour_feedback : 0.0);
-    *p->crosstalk = of->crosstalk[slot] / unit + (more ? *p->crosstalk : 0.0);
-    *p->learned = of->learned[slot] / unit + (more ? *p->learned : 0.0);
+    hal_set_real(p->dynamic, of->sent[slot] / unit + (more ? hal_get_real(p->dynamic) : 0.0));
+    hal_set_real(p->feed_forward, of->feed_forward[slot] / unit + (more ? hal_get_real(p->feed_forward) : 0.0));
+    hal_set_real(p->contour_feedback, of->feedback[slot] / unit + (more ? hal_get_real(p->contour_feedback) : 0.0));
+    hal_set_real(p->crosstalk, of->crosstalk[slot] / unit + (more ? hal_get_real(p->crosstalk) : 0.0));
+    hal_set_real(p->learned, of->learned[slot] / unit + (more ? hal_get_real(p->learned) : 0.0));
 }
 
 /* Whole correction of an axis. */
@@ -110,12 +110,12 @@ static void drive(struct instance *instance, const trueaxis_output_t *axes, cons
                 show_dynamic(p, &joints[table].record.dynamic, slot, unit, true);
             }
             joint->sent = correction(&axes->record, axis) / unit + joint->own;
-            joint->drive = plus(*p->motor_cmd_in, joint->sent);
+            joint->drive = plus(hal_get_real(p->motor_cmd_in), joint->sent);
             joint->known = true;
         }
         if (joint->known)
-            *p->motor_cmd_out = joint->drive;
-        *p->correction = joint->sent;
+            hal_set_real(p->motor_cmd_out, joint->drive);
+        hal_set_real(p->correction, joint->sent);
     }
 }
 
@@ -127,20 +127,20 @@ static void pass(struct instance *instance, uint32_t fault)
     bool known = true;
     for (int j = 0; j < instance->setup.joints; j++) {
         struct joint *joint = &instance->servo.joint[j];
-        double command = *pins->joint[j].motor_cmd_in;
+        double command = hal_get_real(pins->joint[j].motor_cmd_in);
         if (isfinite(command)) {
             joint->drive = plus(command, joint->sent);
             joint->known = true;
         }
         known &= joint->known;
         if (joint->known)
-            *pins->joint[j].motor_cmd_out = joint->drive;
+            hal_set_real(pins->joint[j].motor_cmd_out, joint->drive);
     }
-    *pins->no_output = !known;
-    *pins->active = 0;
-    *pins->fault = 1;
-    *pins->fault_code = fault;
-    *pins->stop_request = 1;
+    hal_set_bool(pins->no_output, !known);
+    hal_set_bool(pins->active, 0);
+    hal_set_bool(pins->fault, 1);
+    hal_set_ui32(pins->fault_code, fault);
+    hal_set_bool(pins->stop_request, 1);
 }
 
 void cycle_update_output(void *arg, long period)
@@ -158,17 +158,17 @@ void cycle_update_output(void *arg, long period)
         pass(instance, TRUEAXIS_FAULT_PERIOD_MISMATCH);
         return;
     }
-    if (*pins->reload && !servo->last.reload)
+    if (hal_get_bool(pins->reload) && !servo->last.reload)
         atomic_fetch_add_explicit(&instance->shared.reload_wanted, 1, memory_order_release);
-    servo->last.reload = *pins->reload;
+    servo->last.reload = hal_get_bool(pins->reload);
     steps_temperature(instance);
 
     /* Motion advances by the nominal period in every call, and so does the step. */
     trueaxis_input_t input = {.size = sizeof input, .elapsed_ns = period_ns, .homed = 1};
     bool permitted = atomic_load_explicit(&instance->shared.permitted, memory_order_acquire);
     /* Without power, motion's command follows the drives, with a jump of the following error: nothing to judge. */
-    input.enable = *pins->enable && *pins->motion_enabled && permitted;
-    input.reset = *pins->reset;
+    input.enable = hal_get_bool(pins->enable) && hal_get_bool(pins->motion_enabled) && permitted;
+    input.reset = hal_get_bool(pins->reset);
     input.dynamics_off = pins_parts_off(pins);
     steps_gather(instance, &input);
 

@@ -54,13 +54,8 @@ static int instance_export(struct instance *instance)
         refused = function_export(instance, "update-feedback", cycle_update_feedback);
     if (!refused)
         refused = function_export(instance, "update-output", cycle_update_output);
-    if (!refused) {
+    if (!refused)
         pins_limits(instance, instance->servo.tables);
-        *instance->pins->tables_ok = 1;
-        /* As if motion were on, where the pin is not connected. */
-        *instance->pins->motion_enabled = 1;
-        pins_enable_parts(instance->pins);
-    }
     return refused;
 }
 

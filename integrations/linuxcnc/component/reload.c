@@ -20,10 +20,10 @@ static void finish(struct instance *instance, uint32_t code)
 {
     struct pins *pins = instance->pins;
     instance->loader.offer = NULL;
-    *pins->reload_code = code;
-    *pins->reload_failed = code != 0;
-    *pins->reload_busy = 0;
-    *pins->reloads += 1;
+    hal_set_ui32(pins->reload_code, code);
+    hal_set_bool(pins->reload_failed, code != 0);
+    hal_set_bool(pins->reload_busy, 0);
+    hal_set_ui32(pins->reloads, hal_get_ui32(pins->reloads) + 1);
 }
 
 /* Reads into the memory that is not in force and offers it; the servo thread takes it between two cycles. */
@@ -33,7 +33,7 @@ static void begin(struct instance *instance)
     struct loader *loader = &instance->loader;
     struct tables *unused = now == &loader->slot[0] ? &loader->slot[1] : &loader->slot[0];
     char line[LINE_BYTES] = "";
-    *instance->pins->reload_busy = 1;
+    hal_set_bool(instance->pins->reload_busy, 1);
     uint32_t refused = tables_read(instance, now, unused, line);
     if (!refused && !pins_limits_accepted(instance, unused)) {
         rtapi_snprintf(line, sizeof line, "%s: found limits of an axis above its max-magnitude, max-slope or "
@@ -68,7 +68,7 @@ static void watch_limits(struct instance *instance)
     const struct tables *now = atomic_load_explicit(&instance->shared.in_force, memory_order_acquire);
     bool permitted = pins_limits_accepted(instance, now);
     atomic_store_explicit(&instance->shared.permitted, permitted, memory_order_release);
-    *instance->pins->tables_ok = permitted && !atomic_load(&instance->shared.refused);
+    hal_set_bool(instance->pins->tables_ok, permitted && !atomic_load(&instance->shared.refused));
 }
 
 /* A thread of another period stops the machine at once; the realtime functions cannot print why. */

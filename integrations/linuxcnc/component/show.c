@@ -3,11 +3,11 @@
 
 static void show_contour(struct contour_pins *pins, const trueaxis_contour_t *contour, double mm_per_unit)
 {
-    *pins->error = contour->error / mm_per_unit;
-    *pins->normal = contour->normal / mm_per_unit;
-    *pins->binormal = contour->binormal / mm_per_unit;
-    *pins->lag = contour->lag / mm_per_unit;
-    *pins->found = !(contour->flags & TRUEAXIS_CONTOUR_NOT_FOUND);
+    hal_set_real(pins->error, contour->error / mm_per_unit);
+    hal_set_real(pins->normal, contour->normal / mm_per_unit);
+    hal_set_real(pins->binormal, contour->binormal / mm_per_unit);
+    hal_set_real(pins->lag, contour->lag / mm_per_unit);
+    hal_set_bool(pins->found, !(contour->flags & TRUEAXIS_CONTOUR_NOT_FOUND));
 }
 
 static void show_axes(const struct instance *instance, const trueaxis_input_t *input, const trueaxis_output_t *output)
@@ -18,12 +18,12 @@ static void show_axes(const struct instance *instance, const trueaxis_input_t *i
             continue;
         struct axis_pins *pins = &instance->pins->axis[a];
         double unit = instance->setup.mm_per_unit[a];
-        *pins->command = input->command[a] / unit;
+        hal_set_real(pins->command, input->command[a] / unit);
         if (instance->servo.phase != PHASE_BLIND)
-            *pins->corrected = output->drive[a] / unit;
-        *pins->correction = (record->correction[a] + record->dynamic.sent[a]) / unit;
-        *pins->limited = record->limited >> a & 1;
-        *pins->at_edge = record->at_edge >> a & 1;
+            hal_set_real(pins->corrected, output->drive[a] / unit);
+        hal_set_real(pins->correction, (record->correction[a] + record->dynamic.sent[a]) / unit);
+        hal_set_bool(pins->limited, record->limited >> a & 1);
+        hal_set_bool(pins->at_edge, record->at_edge >> a & 1);
     }
 }
 
@@ -48,19 +48,19 @@ void show_cycle(const struct instance *instance, const trueaxis_input_t *input, 
         }
     }
     show_axes(instance, input, axes);
-    *pins->active = (record->status & TRUEAXIS_STATUS_ACTIVE) != 0;
-    *pins->frozen = frozen;
-    *pins->limited = limited;
-    *pins->at_edge = at_edge;
-    *pins->fault = fault != TRUEAXIS_FAULT_NONE;
-    *pins->fault_code = fault;
-    *pins->fault_axis = fault != TRUEAXIS_FAULT_NONE ? fault_axis : -1;
-    *pins->stop_request = instance->servo.phase != PHASE_RUNNING;
-    *pins->feedback_out = (record->status & TRUEAXIS_STATUS_FEEDBACK_OUT) != 0;
-    *pins->no_output = instance->servo.phase == PHASE_BLIND;
-    *pins->sequence = record->sequence;
-    *pins->machine_id = record->machine_id;
-    *pins->tables_crc = record->tables_crc;
+    hal_set_bool(pins->active, (record->status & TRUEAXIS_STATUS_ACTIVE) != 0);
+    hal_set_bool(pins->frozen, frozen);
+    hal_set_bool(pins->limited, limited);
+    hal_set_bool(pins->at_edge, at_edge);
+    hal_set_bool(pins->fault, fault != TRUEAXIS_FAULT_NONE);
+    hal_set_ui32(pins->fault_code, fault);
+    hal_set_si32(pins->fault_axis, fault != TRUEAXIS_FAULT_NONE ? fault_axis : -1);
+    hal_set_bool(pins->stop_request, instance->servo.phase != PHASE_RUNNING);
+    hal_set_bool(pins->feedback_out, (record->status & TRUEAXIS_STATUS_FEEDBACK_OUT) != 0);
+    hal_set_bool(pins->no_output, instance->servo.phase == PHASE_BLIND);
+    hal_set_ui32(pins->sequence, record->sequence);
+    hal_set_ui32(pins->machine_id, record->machine_id);
+    hal_set_ui32(pins->tables_crc, record->tables_crc);
     show_contour(&pins->tip, &record->tip, setup->mm_per_unit[0]);
     show_contour(&pins->encoder, &record->encoder, setup->mm_per_unit[0]);
 }

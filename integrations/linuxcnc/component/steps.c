@@ -44,7 +44,7 @@ void steps_temperature(struct instance *instance)
     for (int a = 0; a < instance->setup.axes; a++) {
         if (instance->setup.joints_of_axis[a] == 0)
             continue;
-        double rise = *instance->pins->axis[a].temperature_rise;
+        double rise = hal_get_real(instance->pins->axis[a].temperature_rise);
         if (isfinite(rise) && (rise != servo->temperature_rise[a] || !servo->growth_told)) {
             servo->temperature_rise[a] = rise;
             trueaxis_set_thermal(&servo->tables->axes, &servo->axes_state, (uint32_t)a, rise);
@@ -62,19 +62,19 @@ void steps_gather(const struct instance *instance, trueaxis_input_t *input)
         const struct joint *joint = &instance->servo.joint[j];
         const struct joint_pins *p = &instance->pins->joint[j];
         int a = setup->axis_of_joint[j];
-        double command = *p->pos_cmd;
+        double command = hal_get_real(p->pos_cmd);
         if (!seen[a])
             input->command[a] = command * setup->mm_per_unit[a];
         seen[a] = true;
-        if (!isfinite(command) || !isfinite(*p->motor_cmd_in))
+        if (!isfinite(command) || !isfinite(hal_get_real(p->motor_cmd_in)))
             input->command[a] = NAN;
         if (a < 3)
-            input->learned[a] = *instance->pins->axis[a].learned * setup->mm_per_unit[a];
+            input->learned[a] = hal_get_real(instance->pins->axis[a].learned) * setup->mm_per_unit[a];
         double share = setup->mm_per_unit[a] / setup->joints_of_axis[a];
         input->feedback[a] += (joint->reading - joint->offset - joint->own) * share;
-        if (*p->alarm)
+        if (hal_get_bool(p->alarm))
             input->encoder_alarm |= (uint8_t)(1u << a);
-        if (!*p->homed)
+        if (!hal_get_bool(p->homed))
             input->homed = 0;
     }
 }
@@ -95,9 +95,9 @@ static int step_joint(struct instance *instance, int t, const trueaxis_input_t *
     /* A stop of the axes is a stop of the joint, by the same latch; and the other way round. */
     bool stopped_elsewhere = servo->phase != PHASE_RUNNING && !servo->stopped.joint[t];
     int slot = servo->tables->joint_slot[t];
-    input.command[slot] = isfinite(*p->motor_cmd_in) && !stopped_elsewhere ? *p->pos_cmd * unit : NAN;
+    input.command[slot] = isfinite(hal_get_real(p->motor_cmd_in)) && !stopped_elsewhere ? hal_get_real(p->pos_cmd) * unit : NAN;
     input.feedback[slot] = (joint->reading - joint->offset - (joint->sent - joint->own)) * unit;
-    input.encoder_alarm = *p->alarm ? (uint8_t)(1u << slot) : 0;
+    input.encoder_alarm = hal_get_bool(p->alarm) ? (uint8_t)(1u << slot) : 0;
     return trueaxis_step(&servo->tables->joint[t], &servo->joint_state[t], &input, NULL, NULL, output);
 }
 

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define COMPONENT 7
-#define MAX_BLOCKS 16
+#define MAX_BLOCKS 512
 
 struct pin double_pins[MAX_PINS];
 int double_pin_count;
@@ -43,7 +43,7 @@ int hal_exit(int component)
 {
     must(component == COMPONENT, "hal_exit of another component", "");
     for (int i = 0; i < double_pin_count; i++)
-        if (!double_pins[i].parameter)
+        if (!double_pins[i].given)
             free(double_pins[i].value);
     for (int i = 0; i < block_count; i++)
         free(blocks[i]);
@@ -69,57 +69,82 @@ void *hal_malloc(long int size)
     return block;
 }
 
-static int add(hal_type_t type, bool input, void *parameter, void **place, int component, const char *format, va_list words)
+/* A pin or parameter of that name, and its place. 2.9's are no byte larger than the type. */
+static int add(hal_type_t type, bool input, bool parameter, void **place, int component, const char *name)
 {
-    if (fails())
-        return -ENOMEM;
-    must(double_pin_count < MAX_PINS, "too many pins", format);
-    struct pin *pin = &double_pins[double_pin_count];
-    int length = vsnprintf(pin->name, sizeof pin->name, format, words);
-    must(component == COMPONENT, "a pin of another component", pin->name);
-    must(length > 0 && length <= HAL_NAME_LEN, "a name that is too long", pin->name);
-    for (int i = 0; i < double_pin_count; i++)
-        must(strcmp(double_pins[i].name, pin->name) != 0, "a name twice", pin->name);
+#ifdef TRUEAXIS_HAL_HANDLES
+    static const size_t bytes[] = {[HAL_BIT] = 8, [HAL_FLOAT] = 8, [HAL_S32] = 8, [HAL_U32] = 8};
+#else
     static const size_t bytes[] = {[HAL_BIT] = sizeof(hal_bit_t), [HAL_FLOAT] = sizeof(real_t),
                                    [HAL_S32] = sizeof(hal_s32_t), [HAL_U32] = sizeof(hal_u32_t)};
+#endif
+    if (fails())
+        return -ENOMEM;
+    must(double_pin_count < MAX_PINS, "too many pins", name);
+    must(component == COMPONENT, "a pin of another component", name);
+    must(name[0] && strlen(name) <= HAL_NAME_LEN, "a name that is too long", name);
+    for (int i = 0; i < double_pin_count; i++)
+        must(strcmp(double_pins[i].name, name) != 0, "a name twice", name);
+    struct pin *pin = &double_pins[double_pin_count];
+    strcpy(pin->name, name);
     pin->type = type;
     pin->input = input;
-    pin->parameter = parameter != NULL;
-    /* No byte more than the type has. HAL zeroes a pin, and a parameter too. */
-    pin->value = parameter ? parameter : malloc(bytes[type]);
-    must(pin->value != NULL, "no memory", pin->name);
-    memset((void *)pin->value, 0, bytes[type]);
-    if (place)
-        *place = pin->value;
+    pin->parameter = parameter;
+    pin->given = *place != NULL;
+    if (!pin->given) {
+        *place = malloc(bytes[type]);
+        must(*place != NULL, "no memory", name);
+        /* HAL zeroes a pin, and not a parameter that it is given. */
+        memset(*place, 0, bytes[type]);
+    }
+    pin->value = *place;
     double_pin_count++;
     return 0;
 }
 
-#define PIN(kind, type, c)                                                                            \
-    int hal_pin_##kind##_newf(hal_pin_dir_t way, c **place, int component, const char *format, ...)   \
-    {                                                                                                 \
-        va_list words;                                                                                \
-        void *memory = NULL;                                                                          \
-        va_start(words, format);                                                                      \
-        int refused = add(type, way == HAL_IN, NULL, &memory, component, format, words);              \
-        va_end(words);                                                                                \
-        if (!refused)                                                                                 \
-            *place = memory;                                                                          \
-        return refused;                                                                               \
+#ifdef TRUEAXIS_HAL_HANDLES
+#define NEW(call, inputs, is_parameter, kind, type, handle, c)                                                  \
+    int hal_##call##_new_##kind(int component, hal_pdir_t way, handle *ref, c first, const char *format, ...)   \
+    {                                                                                                           \
+        char name[2 * HAL_NAME_LEN];                                                                            \
+        void *place = NULL;                                                                                     \
+        va_list words;                                                                                          \
+        va_start(words, format);                                                                                \
+        vsnprintf(name, sizeof name, format, words);                                                            \
+        va_end(words);                                                                                          \
+        int refused = add(type, way == inputs, is_parameter, &place, component, name);                          \
+        if (!refused) {                                                                                         \
+            *ref = place;                                                                                       \
+            hal_set_##kind(*ref, first);                                                                        \
+        }                                                                                                       \
+        return refused;                                                                                         \
     }
-PIN(bit, HAL_BIT, hal_bit_t)
-PIN(float, HAL_FLOAT, hal_float_t)
-PIN(u32, HAL_U32, hal_u32_t)
-PIN(s32, HAL_S32, hal_s32_t)
+NEW(pin, HAL_IN, false, bool, HAL_BIT, hal_bool_t, bool)
+NEW(pin, HAL_IN, false, real, HAL_FLOAT, hal_real_t, double)
+NEW(pin, HAL_IN, false, ui32, HAL_U32, hal_uint_t, uint32_t)
+NEW(pin, HAL_IN, false, si32, HAL_S32, hal_sint_t, int32_t)
+NEW(param, HAL_RW, true, real, HAL_FLOAT, hal_real_t, double)
+#else
+#define NEW(kind, type, c)                                                                 \
+    int hal_pin_##kind##_new(const char *name, hal_pin_dir_t way, c **place, int component) \
+    {                                                                                      \
+        void *memory = NULL;                                                               \
+        int refused = add(type, way == HAL_IN, false, &memory, component, name);           \
+        if (!refused)                                                                      \
+            *place = memory;                                                               \
+        return refused;                                                                    \
+    }
+NEW(bit, HAL_BIT, hal_bit_t)
+NEW(float, HAL_FLOAT, hal_float_t)
+NEW(u32, HAL_U32, hal_u32_t)
+NEW(s32, HAL_S32, hal_s32_t)
 
-int hal_param_float_newf(hal_param_dir_t way, hal_float_t *memory, int component, const char *format, ...)
+int hal_param_float_new(const char *name, hal_param_dir_t way, hal_float_t *memory, int component)
 {
-    va_list words;
-    va_start(words, format);
-    int refused = add(HAL_FLOAT, way == HAL_RW, (void *)memory, NULL, component, format, words);
-    va_end(words);
-    return refused;
+    void *place = (void *)memory;
+    return add(HAL_FLOAT, way == HAL_RW, true, &place, component, name);
 }
+#endif
 
 int hal_export_funct(const char *name, void (*call)(void *, long), void *argument, int floats, int reentrant, int component)
 {
@@ -165,4 +190,9 @@ int rtapi_snprintf(char *to, unsigned long size, const char *format, ...)
     int length = vsnprintf(to, size, format, words);
     va_end(words);
     return length;
+}
+
+int rtapi_vsnprintf(char *to, unsigned long size, const char *format, va_list words)
+{
+    return vsnprintf(to, size, format, words);
 }

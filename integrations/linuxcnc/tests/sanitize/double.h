@@ -14,8 +14,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "rtapi.h"
-#include "hal.h"
+#include "hal_compat.h"
 
 #define MAX_PINS 2048
 #define MAX_FUNCTIONS 8
@@ -23,7 +22,7 @@
 struct pin {
     char name[HAL_NAME_LEN + 1];
     hal_type_t type;
-    bool input, parameter;
+    bool input, parameter, given; /* given: in memory of the component's */
     hal_data_u *value; /* a pin's own memory */
 };
 

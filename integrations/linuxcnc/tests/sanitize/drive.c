@@ -39,6 +39,7 @@ struct servo_thread {
     char **files;
     int file_count;
     long reloads, refused, active, stopped;
+    uint64_t digest; /* of all outputs in all cycles */
     bool broken;
 };
 
@@ -87,13 +88,29 @@ static void parameter(char *word)
         exit(2);
 }
 
+/* FNV-1a over a pin's value. */
+static uint64_t add_to_digest(uint64_t digest, const struct pin *pin)
+{
+    uint64_t bits = pin->type == HAL_BIT ? pin->value->b : pin->value->u;
+    if (pin->type == HAL_FLOAT)
+        memcpy(&bits, (const void *)&pin->value->f, sizeof bits);
+    for (int k = 0; k < 8; k++)
+        digest = (digest ^ (bits >> 8 * k & 0xff)) * 0x100000001b3u;
+    return digest;
+}
+
 /* Outputs that motion and the drives go by are numbers, whatever the inputs are. */
 static void look(struct servo_thread *thread)
 {
     size_t length = strlen(thread->instance);
     for (int i = 0; i < double_pin_count; i++) {
         const struct pin *pin = &double_pins[i];
-        if (pin->type != HAL_FLOAT || strncmp(pin->name, thread->instance, length) != 0)
+        if (strncmp(pin->name, thread->instance, length) != 0 || pin->name[length] != '.')
+            continue;
+        /* Those of the component's other thread come when they come. */
+        if (!pin->input && !pin->parameter && !strstr(pin->name, ".reload") && !strstr(pin->name, ".tables-ok"))
+            thread->digest = add_to_digest(thread->digest, pin);
+        if (pin->type != HAL_FLOAT)
             continue;
         if ((strstr(pin->name, ".motor-pos-cmd-out") || strstr(pin->name, ".motor-pos-fb-out")) && !isfinite(pin->value->f)) {
             fprintf(stderr, "drive: %s: found %g, needed a number\n", pin->name, pin->value->f);
@@ -117,16 +134,16 @@ static void reload(struct servo_thread *thread)
 {
     const struct timespec pause = {0, 1000000};
     const struct pin *reloads = double_pin(thread->instance, "reloads");
-    hal_bit_t *wanted = &double_pin(thread->instance, "reload")->value->b;
+    hal_data_u *wanted = double_pin(thread->instance, "reload")->value;
     uint32_t before = seen(reloads);
     files_change(thread->path, thread->files, thread->file_count, &thread->motion);
-    *wanted = 1;
+    wanted->b = 1;
     int tries = 0;
     while (seen(reloads) == before && tries++ < TRIES) {
         cycle(thread, inputs_random(&thread->motion) & 1 ? ATTACK : SOUND);
         nanosleep(&pause, NULL);
     }
-    *wanted = 0;
+    wanted->b = 0;
     cycle(thread, SOUND);
     if (seen(reloads) == before) {
         fprintf(stderr, "drive: no answer to reload\n");
@@ -139,15 +156,15 @@ static void reload(struct servo_thread *thread)
 /* After an attack a stop stands: the machine is switched off, is where motion says, and is released by a reset. */
 static void release(struct servo_thread *thread)
 {
-    hal_bit_t *reset = &double_pin(thread->instance, "reset")->value->b;
+    hal_data_u *reset = double_pin(thread->instance, "reset")->value;
     for (int k = 0; k < 6; k++) {
         inputs_set(thread->instance, &thread->motion, STANDING);
-        *reset = k == 3;
+        reset->b = k == 3;
         thread->feedback->call(thread->feedback->argument, thread->period);
         thread->output->call(thread->output->argument, thread->period);
         look(thread);
     }
-    *reset = 0;
+    reset->b = 0;
 }
 
 static void *run(void *argument)
@@ -174,8 +191,9 @@ static int run_all(struct servo_thread threads[MAX_THREADS], int count)
     for (int i = 0; i < count; i++) {
         struct servo_thread *thread = &threads[i];
         pthread_join(ids[i], NULL);
-        printf("%s: %ld cycles, active in %ld, stopped in %ld, %ld reloads of which %ld refused\n", thread->instance,
-               thread->cycles, thread->active, thread->stopped, thread->reloads, thread->refused);
+        printf("%s: %ld cycles, active in %ld, stopped in %ld, %ld reloads of which %ld refused, digest %016llx\n",
+               thread->instance, thread->cycles, thread->active, thread->stopped, thread->reloads, thread->refused,
+               (unsigned long long)thread->digest);
         /* Of either kind some, or it was no attack on a machine that runs. */
         bool fits = *(long *)rtapi_info_address_servo_period_nsec == thread->period;
         bool exchanged = thread->reloads > thread->refused && thread->refused > 0;

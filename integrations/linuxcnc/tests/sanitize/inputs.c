@@ -73,7 +73,7 @@ static void sound_pin(const char *instance, const struct pin *pin, const struct 
             pin->value->f = motion->at;
         break;
     /* Counts of an encoder wrap. */
-    case HAL_S32: pin->value->s = (hal_s32_t)((uint32_t)pin->value->s + 8); break;
+    case HAL_S32: pin->value->s = (int32_t)((uint32_t)pin->value->s + 8); break;
     default: break;
     }
 }

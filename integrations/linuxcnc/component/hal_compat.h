@@ -1,0 +1,73 @@
+/* HAL as LinuxCNC 2.10 has it, on 2.9 too: handles (`hal_real_t` ...), read by `hal_get_...`, written by `hal_set_...`, made by
+ * `hal_pin_new_...` and `hal_param_new_...`. The component knows nothing else of either.
+ *
+ * 2.10 has all of that in its hal.h, and the Makefile then says so by TRUEAXIS_HAL_HANDLES: LinuxCNC tells no version. Pins
+ * and parameters have the same names, types (bit, float, u32, s32) and values on both.
+ *
+ * License: MIT OR Apache-2.0
+ */
+#ifndef TRUEAXIS_HAL_COMPAT_H
+#define TRUEAXIS_HAL_COMPAT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "rtapi.h"
+#include "hal.h"
+
+#ifndef TRUEAXIS_HAL_HANDLES
+#include <errno.h>
+#include <stdarg.h>
+
+typedef hal_bit_t *hal_bool_t;
+typedef hal_float_t *hal_real_t;
+typedef hal_s32_t *hal_sint_t;
+typedef hal_u32_t *hal_uint_t;
+
+/* kind: 2.10's word; handle and value: its types; old: 2.9's word. HAL itself refuses a name that is too long. */
+#define TRUEAXIS_HAL_KIND(kind, handle, value, old)                                                                          \
+    static inline value hal_get_##kind(const handle ref)                                                                     \
+    {                                                                                                                        \
+        return *ref;                                                                                                         \
+    }                                                                                                                        \
+    static inline void hal_set_##kind(handle ref, value to)                                                                  \
+    {                                                                                                                        \
+        *ref = to;                                                                                                           \
+    }                                                                                                                        \
+    __attribute__((format(printf, 5, 6), unused)) static int hal_pin_new_##kind(                                             \
+        int component, hal_pin_dir_t way, handle *ref, value first, const char *format, ...)                                 \
+    {                                                                                                                        \
+        char name[HAL_NAME_LEN + 2];                                                                                         \
+        va_list words;                                                                                                       \
+        va_start(words, format);                                                                                             \
+        rtapi_vsnprintf(name, sizeof name, format, words);                                                                   \
+        va_end(words);                                                                                                       \
+        int refused = hal_pin_##old##_new(name, way, ref, component);                                                        \
+        if (!refused)                                                                                                        \
+            **ref = first;                                                                                                   \
+        return refused;                                                                                                      \
+    }                                                                                                                        \
+    /* Its place is HAL's too, so that it is a handle as a pin's is. */                                                      \
+    __attribute__((format(printf, 5, 6), unused)) static int hal_param_new_##kind(                                           \
+        int component, hal_param_dir_t way, handle *ref, value first, const char *format, ...)                               \
+    {                                                                                                                        \
+        char name[HAL_NAME_LEN + 2];                                                                                         \
+        va_list words;                                                                                                       \
+        *ref = hal_malloc(sizeof **ref);                                                                                     \
+        if (!*ref)                                                                                                           \
+            return -ENOMEM;                                                                                                  \
+        **ref = first;                                                                                                       \
+        va_start(words, format);                                                                                             \
+        rtapi_vsnprintf(name, sizeof name, format, words);                                                                   \
+        va_end(words);                                                                                                       \
+        return hal_param_##old##_new(name, way, *ref, component);                                                            \
+    }
+
+TRUEAXIS_HAL_KIND(bool, hal_bool_t, bool, bit)
+TRUEAXIS_HAL_KIND(real, hal_real_t, double, float)
+TRUEAXIS_HAL_KIND(si32, hal_sint_t, int32_t, s32)
+TRUEAXIS_HAL_KIND(ui32, hal_uint_t, uint32_t, u32)
+#undef TRUEAXIS_HAL_KIND
+#endif
+
+#endif
