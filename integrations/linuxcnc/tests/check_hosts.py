@@ -8,11 +8,12 @@ from recording import Recording
 from rig import expect
 
 RECORDING = os.environ["TRUEAXIS_HOSTS"]
+# A queue holds one row less than its depth, and the streamer waits for ever where the thread does not run yet.
 REPLAY_HAL = """
 loadrt threads name1=servo-thread period1=1000000
-loadrt streamer depth=%(cycles)d cfg=ffffff
+loadrt streamer depth=%(depth)d cfg=ffffff
 loadrt trueaxis names=ta tables=machine.tcomp joints=XYZ
-loadrt sampler depth=%(cycles)d cfg=fff
+loadrt sampler depth=%(depth)d cfg=fff
 setp ta.enable 1
 %(nets)saddf streamer.0 servo-thread
 addf ta.update-feedback servo-thread
@@ -40,7 +41,7 @@ def one_proof(folder):
             f.write(" ".join([row[a + "_cmd_mm"] for a in "xyz"] + [row[a + "_mm"] for a in "xyz"]) + "\n")
     nets = "".join(NETS.format(j, axis, j + 3) for j, axis in enumerate("xyz"))
     collect = os.path.join(rig.HERE, "collect.py")
-    code, printed = rig.halrun(folder, REPLAY_HAL % {"cycles": len(rows), "nets": nets, "collect": collect}, 60)
+    code, printed = rig.halrun(folder, REPLAY_HAL % {"cycles": len(rows), "depth": len(rows) + 2, "nets": nets, "collect": collect}, 60)
     expect(code == 0, "halrun", printed)
     sent = Recording.load(os.path.join(folder, "run")).rows
     expect(len(sent) == len(rows), "%d samples of %d" % (len(sent), len(rows)))
