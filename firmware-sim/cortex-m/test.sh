@@ -117,7 +117,9 @@ say 'the recording that every host replays'
 hosts=$repository/tests/hosts
 for core in "${cores[@]}"; do
     timeout 300 "$simulator" compare --json --core "$core" "--image-$core" "$(elf "$core")" --folder "$work/hosts" \
-        --machine "$hosts/machine" --program "$hosts/path.ngc" --origin-mm 0,0,0 --rate-hz 1000 >"$work/hosts-$core.json"
+        --machine "$hosts/machine" --program "$hosts/path.ngc" --origin-mm 0,0,0 --rate-hz 1000 >"$work/hosts-$core.json" ||
+        # Bad may be the contour error alone: beside this path's corners single precision takes another foot.
+        [[ $? == 1 ]]
     cmp "$work/hosts/recording.rec" "$on_host/hosts/run.rec"
     python3 - "$core" "$work/hosts-$core.json" "$on_host/hosts" <<'PYTHON'
 import json, sys
@@ -126,6 +128,7 @@ from pathlib import Path
 core, found, results = sys.argv[1], json.load(open(sys.argv[2])), Path(sys.argv[3])
 [one] = found["cores"]
 samples = 3 * one["cycles"]
+assert one["equal"] and one["frames_damaged"] == one["frames_contradicting"] == 0, one
 
 
 def result(host, **more):
@@ -137,7 +140,7 @@ def result(host, **more):
 # A cycle that differs anywhere counts with all of its axes.
 result(core, same=samples - 3 * one["differing"], largest_mm=0.0)
 if core == "m4f":
-    result("m4f-double", same=0, largest_mm=1e-6 * one["against_double_nm"]["correction_max"])
+    result("m4f-double", same=None, largest_mm=1e-6 * one["against_double_nm"]["correction_max"])
 PYTHON
 done
 

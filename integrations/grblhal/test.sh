@@ -103,7 +103,7 @@ for core in host m4f m7; do
     sed "s/^/replay, $core: positions, largest difference mm: /" "$out/replay-$core.txt"
 done
 cat "$out"/replay-{host,m4f,m7}.txt | awk '{ samples += $1; if ($2 > largest) largest = $2 }
-    END { printf "{\"host\": \"grblhal\", \"samples\": %d, \"same\": 0, \"largest_mm\": %g}\n", samples, largest }' >"$target/hosts/grblhal.json"
+    END { printf "{\"host\": \"grblhal\", \"samples\": %d, \"same\": null, \"largest_mm\": %g}\n", samples, largest }' >"$target/hosts/grblhal.json"
 
 # Refused before anything moves, in one line, and the machine runs as without the plugin.
 refused() { # core, name, what is told; tables and flags

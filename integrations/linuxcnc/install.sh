@@ -6,7 +6,7 @@
 #   install.sh --where      print where the module is installed
 #   install.sh --uninstall
 #
-# Needs LinuxCNC 2.9 with its development files (linuxcnc-uspace, linuxcnc-uspace-dev), gcc, make and cargo.
+# Needs LinuxCNC 2.9 or 2.10 with its development files (linuxcnc-uspace, linuxcnc-uspace-dev), gcc, make and cargo.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null

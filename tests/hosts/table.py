@@ -2,7 +2,7 @@
 """Puts what the hosts' tests found over one recording into a table of docs/hosts.md: table.py [--check] RESULTS PAGE.
 
 RESULTS is target/hosts, where every host's test script has left HOST.json: drive positions compared (samples), how many are
-the library's to the last bit (same), and the largest difference (largest_mm). A host that is missing, or is further off than
+the library's to the last bit (same; null: not counted), and the largest difference (largest_mm). A host that is missing, or is further off than
 stated here, ends with exit code 1; --check writes nothing and wants the page to say what was found.
 SPDX-License-Identifier: MIT OR Apache-2.0
 """
@@ -42,7 +42,7 @@ for host, (name, what, bound_nm) in HOSTS.items():
     samples, same, largest_nm = found["samples"], found["same"], 1e6 * found["largest_mm"]
     if not samples or largest_nm > bound_nm or (bound_nm == 0.0 and same != samples):
         broken.append(f"{host}: found {same} of {samples} the same and {largest_nm:.3g} nm, needed at most {bound_nm:g} nm")
-    share = "all" if same == samples else f"{100 * same / samples:.0f} %" if same else "none"
+    share = "–" if same is None else "all" if same == samples else f"{same:,}"
     rows.append(f"| {name} | {what} | {samples:,} | {share} | {'none' if same == samples else f'{largest_nm:.2g} nm'} |")
 if broken:
     sys.exit("\n".join(broken))

@@ -82,5 +82,5 @@ print("%d steps, off by at most %.3f microsteps when taken (%.1f against the unc
       % (len(steps), max(off), max(without), max(net)))
 for file in result:
     largest = max(part * step for part, (*_, step) in zip(off, steps))
-    Path(file).write_text(json.dumps({"host": "klipper", "samples": len(steps), "same": 0, "largest_mm": largest}) + "\n")
+    Path(file).write_text(json.dumps({"host": "klipper", "samples": len(steps), "same": None, "largest_mm": largest}) + "\n")
 sys.exit(0 if len(steps) > 1000 and max(off) < 0.5 and max(net) <= 0.501 else 1)
