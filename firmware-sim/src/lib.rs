@@ -16,6 +16,7 @@
 
 pub mod bench;
 pub mod compare;
+pub mod figures;
 pub mod latency;
 pub mod learning_record;
 pub mod outcome;

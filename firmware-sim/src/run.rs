@@ -7,11 +7,12 @@ use crate::scenario_args::{ScenarioArgs, prepare_with};
 use crate::settings_args::ActArgs;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use firmware_sim::figures;
 use firmware_sim::learning_record::LearningRecord;
 use firmware_sim::outcome::{self, Outcome, Timing};
 use firmware_sim::report;
 use firmware_sim::series::Series;
-use firmware_sim::trace::Trace;
+use firmware_sim::trace::{ColumnTrace, Trace};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -35,6 +36,10 @@ pub(crate) struct RunArgs {
     /// Write index.html and trace.csv into this folder, and trace-full.csv of a full run.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// Write the traces (trace.parquet, trace-full.parquet) and the figures (result.parquet) into this folder, as columns
+    /// for DuckDB, Polars or pandas.
+    #[arg(long, value_name = "DIR")]
+    parquet: Option<PathBuf>,
     /// Correction that was learned on this program, for the full run.
     #[arg(long, value_name = "FILE.tlearn")]
     learned: Option<PathBuf>,
@@ -56,12 +61,22 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     for name in ["index.html", "trace.csv", "trace-full.csv"] {
         args.report.iter().try_for_each(|dir| outputs.refuse_input(&dir.join(name)))?;
     }
+    for name in ["result.parquet", "trace.parquet", "trace-full.parquet"] {
+        args.parquet.iter().try_for_each(|dir| outputs.refuse_input(&dir.join(name)))?;
+    }
     let scenario = Arc::new(scenario);
     let simulation = Run::new(Arc::clone(&scenario))?;
     let mut files = match &args.report {
         Some(dir) => {
             outputs.folder(dir)?;
             Some(ReportFiles::create(dir, &scenario, args.trace_every, &mut outputs)?)
+        }
+        None => None,
+    };
+    let mut columns = match &args.parquet {
+        Some(dir) => {
+            outputs.folder(dir)?;
+            Some(ColumnFiles::create(dir, &scenario, args.trace_every, &mut outputs)?)
         }
         None => None,
     };
@@ -75,10 +90,16 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         sinks.extend(files.traces.iter_mut().map(|(_, trace)| trace as &mut dyn Sink));
         sinks.push(&mut files.series);
     }
+    if let Some(columns) = &mut columns {
+        sinks.extend(columns.traces.iter_mut().map(|(_, trace)| trace as &mut dyn Sink));
+    }
     sinks.extend(record.as_mut().map(|record| record as &mut dyn Sink));
     let outcome = outcome::simulate(simulation, &scenario, timing, sinks, &mut tell)?;
     bar.finish_and_clear();
     let mut written = files.map(|files| files.finish(&outcome, &scenario, &mut outputs)).transpose()?;
+    if let Some(columns) = columns {
+        written.get_or_insert_default().extend(columns.finish(&outcome, &scenario, &mut outputs)?);
+    }
     if let (Some(record), Some(path)) = (record, &args.record) {
         outputs.add(path, complete(record.finish(), path)?);
         written.get_or_insert_default().push(path.clone());
@@ -145,6 +166,45 @@ fn complete(written: std::io::Result<BufWriter<Staged>>, path: &Path) -> Result<
     written.and_then(|out| out.into_inner().map_err(|error| error.into_error())).with_context(|| cannot_write(path))
 }
 
+/// Machines of which a run leaves a trace, and its name.
+fn traced(scenario: &Scenario) -> impl Iterator<Item = (Kind, &'static str)> {
+    let kinds = Kind::of(&scenario.machine.settings);
+    let all = [(Kind::Compensated, "trace"), (Kind::Full, "trace-full")];
+    all.into_iter().filter(move |(kind, _)| kinds.contains(kind))
+}
+
+/// Files that `run --parquet` writes.
+struct ColumnFiles {
+    directory: PathBuf,
+    traces: Vec<(PathBuf, ColumnTrace<BufWriter<Staged>>)>,
+}
+
+impl ColumnFiles {
+    fn create(directory: &Path, scenario: &Scenario, trace_every: u64, outputs: &mut Outputs) -> Result<ColumnFiles> {
+        let open = |(kind, name)| -> Result<_> {
+            let path = directory.join(name).with_extension("parquet");
+            let file = BufWriter::new(outputs.begin(&path)?);
+            let trace = ColumnTrace::new(file, trace_every, kind, &scenario.machine.settings);
+            Ok((path.clone(), trace.with_context(|| cannot_write(&path))?))
+        };
+        let traces = traced(scenario).map(open).collect::<Result<_>>()?;
+        Ok(ColumnFiles { directory: directory.into(), traces })
+    }
+
+    /// Writes what is left to write; the files, which the commit puts into their places.
+    fn finish(self, outcome: &Outcome, scenario: &Scenario, outputs: &mut Outputs) -> Result<Vec<PathBuf>> {
+        let result = self.directory.join("result.parquet");
+        let document = serde_json::to_value(outcome.json(scenario))?;
+        outputs.put(&result, &figures::table(&document).with_context(|| cannot_write(&result))?)?;
+        let mut written = vec![result];
+        for (path, trace) in self.traces {
+            outputs.add(&path, complete(trace.finish(), &path)?);
+            written.push(path);
+        }
+        Ok(written)
+    }
+}
+
 /// Files that `run --report` writes.
 struct ReportFiles {
     directory: PathBuf,
@@ -154,16 +214,13 @@ struct ReportFiles {
 
 impl ReportFiles {
     fn create(directory: &Path, scenario: &Scenario, trace_every: u64, outputs: &mut Outputs) -> Result<ReportFiles> {
-        let kinds = Kind::of(&scenario.machine.settings);
-        let traced = [(Kind::Compensated, "trace.csv"), (Kind::Full, "trace-full.csv")];
-        let mut open = |(kind, name)| -> Result<_> {
-            let path = directory.join(name);
+        let open = |(kind, name)| -> Result<_> {
+            let path = directory.join(name).with_extension("csv");
             let file = BufWriter::new(outputs.begin(&path)?);
             let trace = Trace::new(file, trace_every, kind, &scenario.machine.settings);
             Ok((path.clone(), trace.with_context(|| cannot_write(&path))?))
         };
-        let traces =
-            traced.into_iter().filter(|(kind, _)| kinds.contains(kind)).map(&mut open).collect::<Result<_>>()?;
+        let traces = traced(scenario).map(open).collect::<Result<_>>()?;
         Ok(ReportFiles { directory: directory.into(), traces, series: Series::new(scenario) })
     }
 

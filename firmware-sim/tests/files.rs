@@ -47,3 +47,28 @@ fn a_run_leaves_its_report_and_nothing_else() {
     fs::create_dir_all(folder.join("taken/index.html")).unwrap();
     folder.bad(&run("taken"), &[]);
 }
+
+/// The traces and figures as columns: each where it belongs, or none of them.
+#[test]
+fn a_run_leaves_its_columns_and_nothing_else() {
+    let folder = Folder::new(SIMULATOR);
+    folder.write("p.ngc", "G21 G90 F3000\nG1 X1\nM2\n");
+    let run = ["run", "--program", "p.ngc", "--rate-hz", "1000", "--parquet", "new/columns"];
+    folder.good(&run);
+    let files = folder.tree();
+    let mut names: Vec<_> = fs::read_dir(folder.join("new/columns")).unwrap().map(|e| e.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["result.parquet", "trace-full.parquet", "trace.parquet"]);
+    for name in names {
+        let bytes = fs::read(folder.join("new/columns").join(name)).unwrap();
+        assert_eq!((&bytes[..4], &bytes[bytes.len() - 4..]), (&b"PAR1"[..], &b"PAR1"[..]));
+    }
+    // Traces are the same bytes again; figures have what a clock says.
+    folder.good(&run);
+    for (path, bytes) in &files {
+        let same = fs::read(folder.join(path)).is_ok_and(|again| again == *bytes);
+        assert!(same || path.ends_with("result.parquet") || folder.join(path).is_dir(), "{}", path.display());
+    }
+    folder.write("trace.parquet", "G21 G90 F500\nG1 X1\nM2\n");
+    folder.bad(&["run", "--program", "trace.parquet", "--parquet", "."], &[NEVER]);
+}

@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
 use std::sync::OnceLock;
-use trueaxis_fuzz::Target;
+use trueaxis_fuzz::{Target, outcome};
 use trueaxis_fuzz::targets::named;
 
 fn target() -> &'static Target {
@@ -18,7 +18,10 @@ fn target() -> &'static Target {
     })
 }
 
-fuzz_target!(|input: &[u8]| (target().run)(input));
+fuzz_target!(|input: &[u8]| {
+    outcome::begin(input);
+    (target().run)(input);
+});
 
 // libFuzzer's own mutations, after most of them lengths and check sums made right.
 fuzz_mutator!(|data: &mut [u8], size: usize, most: usize, seed: u32| {

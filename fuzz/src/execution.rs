@@ -32,7 +32,7 @@ pub fn execute(target: &Target, input: &[u8]) -> Result<Outcome, String> {
 }
 
 fn timed(target: &Target, input: &[u8]) -> Result<(Outcome, Duration), String> {
-    outcome::take();
+    outcome::begin(input);
     let (start, busy) = (Instant::now(), processor());
     GUARDED.set(true);
     let ended = catch_unwind(AssertUnwindSafe(|| (target.run)(input)));

@@ -22,6 +22,7 @@ mod probes;
 mod report;
 mod roundness;
 mod tables;
+mod telemetry;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -76,6 +77,9 @@ enum Command {
     /// Correction over path length for the next part of a program, from the contour error of the last.
     #[command(after_help = learn::HELP)]
     Learn(learn::Arguments),
+    /// Telemetry of a controller as a table, Parquet or CSV.
+    #[command(after_help = telemetry::HELP)]
+    Telemetry(telemetry::Arguments),
     /// The desk: machine, servo, helicoid, roundness and friction in a page that runs these same commands' code.
     #[command(after_help = desk::HELP)]
     Desk(desk::Arguments),
@@ -95,6 +99,7 @@ fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Friction(arguments) => friction::run(&arguments),
         Command::Learn(arguments) => learn::run(&arguments),
+        Command::Telemetry(arguments) => telemetry::run(&arguments),
         Command::Desk(arguments) => desk::run(&arguments),
     };
     output::exit_code(result)

@@ -21,10 +21,14 @@ mod cycle;
 pub mod outputs;
 mod read;
 #[cfg(feature = "std")]
+mod received;
+#[cfg(feature = "std")]
 mod write;
 
 pub use cycle::{Cycle, Integer, Probe};
 pub use read::{Header, Recording, Refused};
+#[cfg(feature = "std")]
+pub use received::Received;
 #[cfg(feature = "std")]
 pub use write::Writer;
 

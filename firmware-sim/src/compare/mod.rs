@@ -16,8 +16,8 @@ use outputs::{Row, bytes, decode};
 use std::path::{Path, PathBuf};
 use trueaxis::Fault;
 use trueaxis::tcomp::Tcomp;
-use trueaxis::telemetry::{Frame, RoundnessFrame};
-use trueaxis_recording::Recording;
+use trueaxis::telemetry::Frame;
+use trueaxis_recording::{Received, Recording};
 use trueaxis_recording::outputs::Wire;
 use trueaxis_tables::output::Outputs;
 
@@ -124,27 +124,4 @@ fn contradicting(frames: &[Frame], rows: &[Row]) -> usize {
         })
     };
     frames.iter().filter(says).count()
-}
-
-struct Received {
-    frames: Vec<Frame>,
-    revolutions: Vec<RoundnessFrame>,
-    damaged: usize,
-}
-
-impl Received {
-    fn read(bytes: &[u8]) -> Received {
-        let mut received = Received { frames: Vec::new(), revolutions: Vec::new(), damaged: 0 };
-        for frame in bytes.split(|byte| *byte == 0).filter(|frame| !frame.is_empty()) {
-            let [mut first, mut second] = [frame.to_vec(), frame.to_vec()];
-            if let Ok(frame) = Frame::decode(&mut first) {
-                received.frames.push(frame);
-            } else if let Ok(revolution) = RoundnessFrame::decode(&mut second) {
-                received.revolutions.push(revolution);
-            } else {
-                received.damaged += 1;
-            }
-        }
-        received
-    }
 }

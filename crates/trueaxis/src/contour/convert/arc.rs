@@ -65,8 +65,9 @@ impl Spiral {
         let across = |p: DVec3| p + n * -p.dot(n);
         let (from, to) = (across(start - center), across(end - center));
         let (radius, end_radius) = (from.length(), to.length());
-        if radius < SAME_POINT {
-            return refuse("center", None, radius, "a radius above 1e-9 mm");
+        // Neither of a start nor of an end on the axis is there a direction.
+        if radius.min(end_radius) < SAME_POINT {
+            return refuse("center", None, radius.min(end_radius), "a radius above 1e-9 mm");
         }
         if (radius - end_radius).abs() > RADIUS_TOLERANCE + 1e-3 * radius.min(1.0) {
             return refuse("end", None, end_radius - radius, "the same radius at start and end, within 0.02 mm");

@@ -107,6 +107,8 @@ fn segments_that_are_no_path_are_refused() {
     let arc = |start, end, center, normal| Segment::Arc { start, end, center, normal, turns: 0 };
     assert_eq!(refused(arc([1.0, 0.0, 0.0].into(), [0.0, 1.1, 0.0].into(), o.into(), Z.into())).field, "end");
     assert_eq!(refused(arc(o.into(), [0.0, 1.0, 0.0].into(), o.into(), Z.into())).field, "center");
+    // An end on the axis has no direction either, though it is nearer than the tolerance of radii.
+    assert_eq!(refused(arc([1e-5, 0.0, 0.0].into(), [0.0, 0.0, 1.0].into(), o.into(), Z.into())).field, "center");
     assert_eq!(refused(arc([1.0, 0.0, 0.0].into(), [0.0, 1.0, 0.0].into(), o.into(), o.into())).field, "normal");
     let p = [o, [1.0, 0.0, 0.0], [2.0, 1.0, 0.0]].map(DVec3::from_array);
     let nurbs = |degree, knots, weights| Segment::Nurbs { degree, knots, points: &p, weights };

@@ -1,0 +1,160 @@
+//! Tables with named columns, written row by row as Apache Parquet or as CSV.
+//!
+//! ```
+//! use trueaxis_columns::{Column, Form, Kind, Value, Writer};
+//!
+//! let columns = [Column::new("axis", Kind::Text), Column::new("error_um", Kind::Number)];
+//! let mut table = Writer::new(Vec::new(), Form::Csv, &columns)?;
+//! table.row([Value::Text("X"), Value::Number(0.25)])?;
+//! assert_eq!(table.finish()?, b"axis,error_um\nX,0.25\n");
+//! # Ok::<(), std::io::Error>(())
+//! ```
+
+mod comma;
+mod parquet_file;
+
+use std::io::{self, Write};
+use std::path::Path;
+
+/// What a column holds. None has nulls: a figure that is not there is a NaN.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Real numbers, Parquet's `DOUBLE`.
+    Number,
+    /// Whole numbers, `INT64`.
+    Whole,
+    /// Text, `STRING`.
+    Text,
+}
+
+/// A column: its name, with the unit where there is one (`error_um`), and what it holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Name, unlike that of every other column.
+    pub name: String,
+    /// What it holds.
+    pub kind: Kind,
+}
+
+impl Column {
+    /// A column of that name.
+    pub fn new(name: impl Into<String>, kind: Kind) -> Column {
+        Column { name: name.into(), kind }
+    }
+}
+
+/// A value of a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value<'a> {
+    /// Of a column of numbers.
+    Number(f64),
+    /// Of a column of whole numbers.
+    Whole(i64),
+    /// Of a column of texts.
+    Text(&'a str),
+}
+
+impl Value<'_> {
+    fn kind(&self) -> Kind {
+        match self {
+            Value::Number(_) => Kind::Number,
+            Value::Whole(_) => Kind::Whole,
+            Value::Text(_) => Kind::Text,
+        }
+    }
+}
+
+/// How a table is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Apache Parquet, compressed with Snappy, 65,536 rows a group.
+    Parquet,
+    /// Comma-separated values under a header; numbers in the digits that say them exactly.
+    Csv,
+}
+
+impl Form {
+    /// The form that a file's ending asks for: `.parquet` or `.csv`.
+    pub fn of(path: &Path) -> Option<Form> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "parquet" => Some(Form::Parquet),
+            "csv" => Some(Form::Csv),
+            _ => None,
+        }
+    }
+}
+
+enum Out<W: Write + Send> {
+    Parquet(Box<parquet_file::File<W>>),
+    Csv(Box<comma::File<W>>),
+}
+
+/// Writes a table row by row. The same rows give the same bytes.
+pub struct Writer<W: Write + Send> {
+    out: Out<W>,
+    columns: Vec<Column>,
+}
+
+impl<W: Write + Send> Writer<W> {
+    /// A table of these columns.
+    ///
+    /// # Errors
+    /// Of the writer; [`io::ErrorKind::InvalidInput`] without a column, or where two have one name.
+    pub fn new(out: W, form: Form, columns: &[Column]) -> io::Result<Writer<W>> {
+        let twice = columns.iter().enumerate().find(|(k, column)| columns[..*k].iter().any(|of| of.name == column.name));
+        if let Some((_, column)) = twice {
+            return Err(refused(format!("found two columns {}, needed one", column.name)));
+        }
+        if columns.is_empty() {
+            return Err(refused("found no column, needed one".into()));
+        }
+        let out = match form {
+            Form::Parquet => Out::Parquet(Box::new(parquet_file::File::new(out, columns)?)),
+            Form::Csv => Out::Csv(Box::new(comma::File::new(out, columns)?)),
+        };
+        Ok(Writer { out, columns: columns.to_vec() })
+    }
+
+    /// Writes a row, a value for every column in their order.
+    ///
+    /// # Errors
+    /// Of the writer; [`io::ErrorKind::InvalidInput`] where there are more or fewer values, or one of another kind than its
+    /// column. The table is then not to be gone on with.
+    pub fn row<'v>(&mut self, values: impl IntoIterator<Item = Value<'v>>) -> io::Result<()> {
+        let mut values = values.into_iter();
+        for (at, column) in self.columns.iter().enumerate() {
+            let Some(value) = values.next() else {
+                return Err(refused(format!("found {at} values, needed {}", self.columns.len())));
+            };
+            if value.kind() != column.kind {
+                return Err(refused(format!("column {}: found {value:?}, needed {:?}", column.name, column.kind)));
+            }
+            match &mut self.out {
+                Out::Parquet(file) => file.put(at, value),
+                Out::Csv(file) => file.put(value)?,
+            }
+        }
+        if values.next().is_some() {
+            return Err(refused(format!("found more values than {}", self.columns.len())));
+        }
+        match &mut self.out {
+            Out::Parquet(file) => file.end_row(),
+            Out::Csv(file) => file.end_row(),
+        }
+    }
+
+    /// Writes what is left, and hands back what was written to.
+    ///
+    /// # Errors
+    /// Of the writer.
+    pub fn finish(self) -> io::Result<W> {
+        match self.out {
+            Out::Parquet(file) => file.finish(),
+            Out::Csv(file) => file.finish(),
+        }
+    }
+}
+
+fn refused(why: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, why)
+}

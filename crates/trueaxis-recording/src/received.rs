@@ -1,0 +1,33 @@
+//! Telemetry as it was received.
+
+use std::vec::Vec;
+use trueaxis::telemetry::{Frame, RoundnessFrame};
+
+/// Records of a stream of COBS frames, each kind in the order in which it came.
+#[derive(Clone, Debug, Default)]
+pub struct Received {
+    /// Records of cycles.
+    pub frames: Vec<Frame>,
+    /// Records of revolutions.
+    pub revolutions: Vec<RoundnessFrame>,
+    /// What stood between two zeros and was neither.
+    pub damaged: usize,
+}
+
+impl Received {
+    /// Takes a stream apart at its zeros. A last frame without a zero behind it is taken too, if it is whole.
+    pub fn read(bytes: &[u8]) -> Received {
+        let mut received = Received::default();
+        for frame in bytes.split(|byte| *byte == 0).filter(|frame| !frame.is_empty()) {
+            let [mut first, mut second] = [frame.to_vec(), frame.to_vec()];
+            if let Ok(frame) = Frame::decode(&mut first) {
+                received.frames.push(frame);
+            } else if let Ok(revolution) = RoundnessFrame::decode(&mut second) {
+                received.revolutions.push(revolution);
+            } else {
+                received.damaged += 1;
+            }
+        }
+        received
+    }
+}
