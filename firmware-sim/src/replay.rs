@@ -7,6 +7,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis::contour::{Path, Span};
 use trueaxis::tcomp::Tcomp;
+use trueaxis::telemetry::{FRAME_BYTES, Frame};
 use trueaxis::{HostServo, ServoLoop};
 use trueaxis_recording::{Cycle, Recording};
 use trueaxis_sim::servo::with_tables;
@@ -31,34 +32,44 @@ pub(crate) struct ReplayArgs {
     /// The CSV [default: standard output].
     #[arg(short, long, value_name = "OUT.csv")]
     output: Option<PathBuf>,
+    /// The step's records as a controller sends them, for `trueaxis telemetry`.
+    #[arg(long, value_name = "FRAMES")]
+    telemetry: Option<PathBuf>,
 }
 
 pub(crate) fn replay(args: &ReplayArgs) -> Result<()> {
     let mut outputs = Outputs::of([args.recording.clone(), args.tables.clone()]);
-    if let Some(output) = &args.output {
-        outputs.refuse_input(output)?;
-    }
+    args.output.iter().chain(&args.telemetry).try_for_each(|output| outputs.refuse_input(output))?;
     let read = |path: &PathBuf| std::fs::read(path).with_context(|| path.display().to_string());
     let (recording, bytes) = (read(&args.recording)?, read(&args.tables)?);
     let tables = Tcomp::parse(&bytes).map_err(|error| anyhow!("{}: {error}", args.tables.display()))?;
-    let rows = match tables.settings().step_axes().count() {
+    let sent = match tables.settings().step_axes().count() {
         3 => rows::<3>(args, &recording, &tables),
         4 => rows::<4>(args, &recording, &tables),
         5 => rows::<5>(args, &recording, &tables),
         _ => rows::<6>(args, &recording, &tables),
     }?;
-    match &args.output {
-        None => put(&rows),
-        Some(output) => {
-            outputs.put(output, rows.as_bytes())?;
-            outputs.commit()?;
-            tell(format_args!("written  {}  {}", output.display(), counted(rows.lines().count() - 1, "cycle")));
-            Ok(())
-        }
+    if let Some(output) = &args.output {
+        outputs.put(output, sent.rows.as_bytes())?;
     }
+    if let Some(output) = &args.telemetry {
+        outputs.put(output, &sent.frames)?;
+    }
+    outputs.commit()?;
+    for output in args.output.iter().chain(&args.telemetry) {
+        tell(format_args!("written  {}  {}", output.display(), counted(sent.rows.lines().count() - 1, "cycle")));
+    }
+    if args.output.is_none() { put(&sent.rows) } else { Ok(()) }
 }
 
-fn rows<const N: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> Result<String> {
+/// What the step was given and what it sent: rows of the CSV, and its records in frames.
+#[derive(Default)]
+struct Sent {
+    rows: String,
+    frames: Vec<u8>,
+}
+
+fn rows<const N: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> Result<Sent> {
     let file = args.recording.display();
     let recording = Recording::<N>::parse(bytes).map_err(|error| anyhow!("{file}: {error}"))?;
     let header = recording.header();
@@ -68,7 +79,8 @@ fn rows<const N: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> 
     if header.gauge || header.exchange_at.is_some() {
         bail!("{file}: found a recording with a gauge or other tables in motion, needed one without (`firmware-sim compare` has them)");
     }
-    let mut text = String::new();
+    let mut sent = Sent::default();
+    let text = &mut sent.rows;
     let letters: Vec<_> = tables.settings().step_axes().collect();
     for of in ["_cmd", "", "_drive"] {
         for axis in &letters {
@@ -77,14 +89,16 @@ fn rows<const N: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> 
         }
     }
     text.push_str("elapsed_ns,homed,enable,reset,encoder_alarm,limited,fault\n");
-    with_tables(tables, header.period_ns, |servo: &ServoLoop<'_, f64, f64, N>| run(&recording, servo, &mut text))?;
-    Ok(text)
+    with_tables(tables, header.period_ns, |servo: &ServoLoop<'_, f64, f64, N>| run(&recording, servo, &mut sent))?;
+    Ok(sent)
 }
 
-fn run<const N: usize>(recording: &Recording<'_, N>, servo: &HostServo<'_, N>, text: &mut String) -> Result<()> {
+fn run<const N: usize>(recording: &Recording<'_, N>, servo: &HostServo<'_, N>, sent: &mut Sent) -> Result<()> {
     let spans: Vec<Span<f64, f64>> = recording.path().collect();
     let path = Path::new(&spans, 0, false);
     let mut state = servo.start();
+    let mut buffer = [0; FRAME_BYTES];
+    let text = &mut sent.rows;
     for number in 0..recording.header().cycles {
         let Some(cycle) = recording.cycle(number) else { break };
         let input = cycle.input::<f64>();
@@ -92,6 +106,8 @@ fn run<const N: usize>(recording: &Recording<'_, N>, servo: &HostServo<'_, N>, t
         for value in input.command.iter().chain(&input.feedback).chain(&output.drive) {
             write!(text, "{value},")?;
         }
+        let frame = Frame::of(&output.record);
+        sent.frames.extend_from_slice(frame.encode(&mut buffer).context("a record that fits no frame")?);
         let Cycle { elapsed_ns, homed, enable, reset, encoder_alarm, .. } = cycle;
         let [homed, enable, reset] = [homed, enable, reset].map(u8::from);
         let (limited, fault) = (output.record.limited, u8::from(output.record.fault));

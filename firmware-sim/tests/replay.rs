@@ -51,6 +51,10 @@ fn what_was_given_and_sent_is_told_to_the_last_digit() {
     folder.good(&["replay", "run.rec", "screw.tcomp", "-o", "run.csv"]);
     let (_, written) = trueaxis_testing::command::csv(&folder.read("run.csv"));
     assert_eq!(written, rows);
+    folder.good(&["replay", "run.rec", "screw.tcomp", "-o", "run.csv", "--telemetry", "frames.bin"]);
+    // A frame ends with the only zero in it.
+    let frames = std::fs::read(folder.join("frames.bin")).unwrap();
+    assert_eq!(frames.iter().filter(|byte| **byte == 0).count(), rows.len());
 }
 
 #[test]

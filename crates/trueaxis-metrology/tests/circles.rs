@@ -429,3 +429,21 @@ fn nearly_straight_points_are_fitted_by_a_large_circle_or_refused() {
         Err(error) => assert!(matches!(error, NoCircle::Straight), "{error}"),
     }
 }
+
+/// What rounding at 10⁹ mm hides is told, in a second or less, and the other circles are found.
+#[test]
+fn outliers_at_several_distances_end() {
+    let points = [
+        [3.0, 0.0],
+        [0.0, 1.0],
+        [-6.0, 999_999_999.998],
+        [0.0, -3.003],
+        [53.0, 0.0],
+        [0.0, 2.0],
+        [-3.0, 0.0],
+        [0.0, -3.002],
+        [1e6, 2.0],
+    ];
+    assert_eq!(maximum_inscribed(&points), Err(NoCircle::Unresolved));
+    assert!(minimum_circumscribed(&points).is_ok() && least_squares(&points).is_ok());
+}

@@ -20,7 +20,8 @@ use std::vec::Vec;
 /// # Errors
 ///
 /// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`]; [`NoCircle::PartArc`] where the points leave half a turn
-/// or more open as seen from the least-squares centre, or where no circle is held on all sides.
+/// or more open as seen from the least-squares centre, or where no circle is held on all sides; [`NoCircle::Unresolved`]
+/// where half a million squares do not do: outliers 10⁶ and 10⁹ times farther away than the other points.
 pub fn maximum_inscribed(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     check(points)?;
     let (local, c) = least_squares::fit(points).map_err(|_| NoCircle::PartArc)?;
@@ -41,6 +42,9 @@ pub fn maximum_inscribed(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircl
     };
     search.inflate();
     search.narrow(middle, half);
+    if search.squares > SQUARES {
+        return Err(NoCircle::Unresolved);
+    }
     let (centre, contacts) = search.best.ok_or(NoCircle::PartArc)?;
     let circle = local.circle(centre, contacts);
     Ok(ReferenceCircle { radius: circle.inner, ..circle })
@@ -51,6 +55,9 @@ const GROUPS: usize = 24;
 
 /// Squares that may be tried on that sample before all points are asked.
 const TRIALS: usize = 10_000;
+
+/// Squares after which the search is given up.
+const SQUARES: usize = 500_000;
 
 /// Points that the first circle is made of at most, and exchanges of them that are tried.
 const MOST: usize = 24;
@@ -67,14 +74,16 @@ struct Search<'a> {
     sample: Vec<Point>,
     /// Zone about the least-squares centre.
     zone: f64,
+    /// Squares tried on the sample, and on all points.
     trials: usize,
+    squares: usize,
 }
 
 impl<'a> Search<'a> {
     fn new(local: &'a Local, sample: Vec<Point>) -> Self {
         let at = local.extremes([0.0; 2]);
         let zone = local.width(at.high, at.low, [0.0; 2]);
-        Self { local, square: f64::NEG_INFINITY, best: None, sample, zone, trials: 0 }
+        Self { local, square: f64::NEG_INFINITY, best: None, sample, zone, trials: 0, squares: 0 }
     }
 
     /// A first circle: the best one of a few points all round, with the nearest point added until none is inside. For
@@ -115,7 +124,7 @@ impl<'a> Search<'a> {
     /// nearest in it then.
     fn narrow(&mut self, m: [f64; 2], half: f64) {
         self.trials += 1;
-        if self.bound(&self.sample, m, half).0 <= self.square {
+        if self.squares > SQUARES || self.bound(&self.sample, m, half).0 <= self.square {
             return;
         }
         if half > 2.0 * self.zone && self.trials < TRIALS {
@@ -132,6 +141,10 @@ impl<'a> Search<'a> {
     }
 
     fn cut(&mut self, m: [f64; 2], half: f64, near: &[Point], (nearest, low): (Point, f64)) {
+        self.squares += 1;
+        if self.squares > SQUARES {
+            return;
+        }
         let noise = self.local.noise(m[0].hypot(m[1]) + half);
         let reach = |p: &Point| 2.0 * half * ((p.x - nearest.x).abs() + (p.y - nearest.y).abs()) + noise;
         let near: Vec<Point> = near.iter().filter(|p| p.f(m) - reach(p) <= low).copied().collect();
