@@ -25,7 +25,8 @@ pub fn table(document: &Json) -> io::Result<Vec<u8>> {
         Some(Json::Object(of)) => of.keys().map(String::as_str).collect(),
         _ => Vec::new(),
     };
-    let by_machine = |value: &Json| value.as_object().is_some_and(|of| of.keys().any(|key| kinds.contains(&key.as_str())));
+    let by_machine =
+        |value: &Json| value.as_object().is_some_and(|of| of.keys().any(|key| kinds.contains(&key.as_str())));
     let mut columns = vec![Column::new("kind", Kind::Text)];
     let mut rows: Vec<Vec<Figure>> = kinds.iter().map(|kind| vec![Figure::Text((*kind).to_owned())]).collect();
     for (name, value) in document {
@@ -88,7 +89,7 @@ fn figure_of(found: Option<&Figure>, kind: Kind) -> Figure {
         (Kind::Whole, Some(Figure::Whole(value))) => Figure::Whole(*value),
         (Kind::Number, Some(Figure::Number(value))) => Figure::Number(*value),
         (Kind::Number, Some(Figure::Whole(value))) => Figure::Number(*value as f64),
-                (Kind::Whole | Kind::Number, _) => Figure::Number(f64::NAN),
+        (Kind::Whole | Kind::Number, _) => Figure::Number(f64::NAN),
     }
 }
 

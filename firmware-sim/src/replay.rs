@@ -77,7 +77,9 @@ fn rows<const N: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> 
         bail!("{file}: found a recording of another machine than {}, needed one of it", args.tables.display());
     }
     if header.gauge || header.exchange_at.is_some() {
-        bail!("{file}: found a recording with a gauge or other tables in motion, needed one without (`firmware-sim compare` has them)");
+        bail!(
+            "{file}: found a recording with a gauge or other tables in motion, needed one without (`firmware-sim compare` has them)"
+        );
     }
     let mut sent = Sent::default();
     let text = &mut sent.rows;

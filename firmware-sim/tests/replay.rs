@@ -19,7 +19,19 @@ fn prepared() -> Folder {
     folder.write("path.ngc", PATH);
     let compiled = compile(&Machine::read(&folder.join("machine.toml")).unwrap()).unwrap();
     folder.write("screw.tcomp", compiled);
-    folder.good(&["record", "--machine", "machine.toml", "--program", "path.ngc", "--origin-mm", "0,0,0", "--rate-hz", "1000", "-o", "run.rec"]);
+    folder.good(&[
+        "record",
+        "--machine",
+        "machine.toml",
+        "--program",
+        "path.ngc",
+        "--origin-mm",
+        "0,0,0",
+        "--rate-hz",
+        "1000",
+        "-o",
+        "run.rec",
+    ]);
     folder
 }
 
@@ -76,6 +88,18 @@ fn what_cannot_be_replayed_is_refused() {
     let gauge = Path::new(env!("CARGO_MANIFEST_DIR")).join("cortex-m/machine/machine.toml");
     folder.write("gauge.tcomp", compile(&Machine::read(&gauge).unwrap()).unwrap());
     let gauge = gauge.to_string_lossy();
-    folder.good(&["record", "--machine", &gauge, "--program", "short-tour", "--cycles", "200", "--rate-hz", "1000", "-o", "gauge.rec"]);
+    folder.good(&[
+        "record",
+        "--machine",
+        &gauge,
+        "--program",
+        "short-tour",
+        "--cycles",
+        "200",
+        "--rate-hz",
+        "1000",
+        "-o",
+        "gauge.rec",
+    ]);
     folder.bad(&["replay", "gauge.rec", "gauge.tcomp"], &["gauge.rec", "with a gauge or", "firmware-sim compare"]);
 }

@@ -4,8 +4,8 @@
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
 use std::sync::OnceLock;
-use trueaxis_fuzz::{Target, outcome};
 use trueaxis_fuzz::targets::named;
+use trueaxis_fuzz::{Target, outcome};
 
 fn target() -> &'static Target {
     static TARGET: OnceLock<&Target> = OnceLock::new();

@@ -56,9 +56,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let several = all.len() > 1;
     let cycles = Cycles { dynamic: all.iter().any(|(_, of)| of.frames.iter().any(has_dynamic)), letters };
     let rows = all.iter().flat_map(|(file, of)| of.frames.iter().map(move |frame| (file.as_str(), frame)));
-    put(&mut outputs, &arguments.output, several, &cycles.columns(), rows.map(|(file, frame)| (file, cycles.row(frame))))?;
+    put(
+        &mut outputs,
+        &arguments.output,
+        several,
+        &cycles.columns(),
+        rows.map(|(file, frame)| (file, cycles.row(frame))),
+    )?;
     if let Some(file) = &arguments.revolutions {
-        let rows = all.iter().flat_map(|(file, of)| of.revolutions.iter().map(move |of| (file.as_str(), revolution(of))));
+        let rows =
+            all.iter().flat_map(|(file, of)| of.revolutions.iter().map(move |of| (file.as_str(), revolution(of))));
         put(&mut outputs, file, several, &REVOLUTION.map(|(name, kind)| Column::new(name, kind)), rows)?;
     }
     outputs.commit()?;
@@ -114,7 +121,8 @@ fn axes(given: Option<&str>, all: &[(String, Received)]) -> Result<Vec<Axis>> {
         None if count == 3 => "XYZ",
         None => bail!("--axes: found records of {count} axes, needed their letters, such as XYZAC"),
     };
-    let axes: Option<Vec<Axis>> = letters.chars().map(|letter| Axis::from_letter(letter.to_ascii_uppercase())).collect();
+    let axes: Option<Vec<Axis>> =
+        letters.chars().map(|letter| Axis::from_letter(letter.to_ascii_uppercase())).collect();
     let axes = axes.filter(|axes| axes.len() == count && axes.is_sorted_by(|a, b| a.index() < b.index()));
     axes.ok_or_else(|| anyhow!("--axes: found {letters:?}, needed {count} letters of XYZABC in that order"))
 }
@@ -164,7 +172,8 @@ impl Cycles {
         let mut columns = HEAD.map(|name| Column::new(name, Kind::Whole)).to_vec();
         for axis in &self.letters {
             let (letter, unit) = (axis.letter().to_ascii_lowercase(), if axis.is_rotary() { "deg" } else { "mm" });
-            let parts = ["command", "feedback", "correction"].into_iter().chain(DYNAMIC.into_iter().filter(|_| self.dynamic));
+            let parts =
+                ["command", "feedback", "correction"].into_iter().chain(DYNAMIC.into_iter().filter(|_| self.dynamic));
             columns.extend(parts.map(|part| Column::new(format!("{letter}_{part}_{unit}"), Kind::Number)));
         }
         for of in ["tip", "encoder"] {

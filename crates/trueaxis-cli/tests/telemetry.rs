@@ -12,7 +12,13 @@ fn frame(sequence: u32, axes: usize, dynamic: bool) -> Frame {
         command: 10.0 * at as f64 + 0.1,
         feedback: 10.0 * at as f64,
         correction: 0.125,
-        dynamic: dynamic.then_some(DynamicFrame { sent: 0.5, feed_forward: 1.5, feedback: 2.5, crosstalk: 3.5, learned: 4.5 }),
+        dynamic: dynamic.then_some(DynamicFrame {
+            sent: 0.5,
+            feed_forward: 1.5,
+            feedback: 2.5,
+            crosstalk: 3.5,
+            learned: 4.5,
+        }),
     };
     Frame {
         version: FRAME_VERSION,

@@ -101,7 +101,8 @@ impl<W: Write + Send> Writer<W> {
     /// # Errors
     /// Of the writer; [`io::ErrorKind::InvalidInput`] without a column, or where two have one name.
     pub fn new(out: W, form: Form, columns: &[Column]) -> io::Result<Writer<W>> {
-        let twice = columns.iter().enumerate().find(|(k, column)| columns[..*k].iter().any(|of| of.name == column.name));
+        let twice =
+            columns.iter().enumerate().find(|(k, column)| columns[..*k].iter().any(|of| of.name == column.name));
         if let Some((_, column)) = twice {
             return Err(refused(format!("found two columns {}, needed one", column.name)));
         }

@@ -17,7 +17,13 @@ fn parquet_says_the_same_bit_for_bit() {
     let write = || {
         let mut table = Writer::new(Vec::new(), Form::Parquet, &columns()).unwrap();
         for n in 0..70_000 {
-            table.row([Value::Text(if n % 2 == 0 { "X" } else { "Y, µm" }), Value::Whole(n - 3), Value::Number(number(n))]).unwrap();
+            table
+                .row([
+                    Value::Text(if n % 2 == 0 { "X" } else { "Y, µm" }),
+                    Value::Whole(n - 3),
+                    Value::Number(number(n)),
+                ])
+                .unwrap();
         }
         table.finish().unwrap()
     };
@@ -97,6 +103,9 @@ fn failures_of_the_file_stay_what_they_are() {
             table.finish()
         });
         let error = written.err().unwrap();
-        assert!(error.kind() == io::ErrorKind::StorageFull || error.to_string().contains("no storage space"), "{form:?} {error:?}");
+        assert!(
+            error.kind() == io::ErrorKind::StorageFull || error.to_string().contains("no storage space"),
+            "{form:?} {error:?}"
+        );
     }
 }

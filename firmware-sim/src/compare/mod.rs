@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 use trueaxis::Fault;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::Frame;
-use trueaxis_recording::{Received, Recording};
 use trueaxis_recording::outputs::Wire;
+use trueaxis_recording::{Received, Recording};
 use trueaxis_tables::output::Outputs;
 
 /// Inputs of a comparison.
