@@ -24,6 +24,8 @@ LIMITS = {
     "y": "position_min: 0\nposition_max: 200\n",
     "z": "position_min: -300\nposition_max: 0\n",
 }
+SHAPER = "[input_shaper]\nshaper_type: mzv\nshaper_freq_x: 40\nshaper_freq_y: 35\n"
+HOME = "G28\nG90\nG1 X10 Y10 Z-100 F3000\n"
 START = "SET_KINEMATIC_POSITION X=10 Y=10 Z=-100\nG90\n"
 # Lines with reversals of every axis, a slow one, and arcs.
 MOVES = """G1 X120 Y80 Z-50 F6000
@@ -70,6 +72,19 @@ def own(tables):
     return f"[trueaxis]\nshim: {out / 'trueaxis.so'}\ntables: {tables}\n"
 
 
+def net(steps):
+    """Steps forward less steps back, of every motor by its number."""
+    found, way = {}, {}
+    for line in steps:
+        words = dict(word.split("=") for word in line.split() if "=" in word)
+        motor = int(words["oid"])
+        if "set_next_step_dir" in line:
+            way[motor] = 1 if words["dir"] == "1" else -1
+        elif "queue_step" in line:
+            found[motor] = found.get(motor, 0) + way[motor] * int(words["count"])
+    return found
+
+
 def same(what, one, other):
     if one != other:
         at = next((i for i, (a, b) in enumerate(zip(one, other)) if a != b), min(len(one), len(other)))
@@ -82,6 +97,17 @@ for kinematics in ("cartesian", "corexy"):
     record = out / f"{kinematics}.jsonl"
     corrected, told = host(kinematics, kinematics, START + MOVES, own(tables) + f"[record]\nfile: {record}\n")
     subprocess.run([sys.executable, HERE / "steps.py", trueaxis, machine, record, out / f"{kinematics}.steps"], check=True)
+
+    # The same homed by switches, which are found uncorrected.
+    record = out / f"{kinematics}-homed.jsonl"
+    host(f"{kinematics}-homed", kinematics, HOME + MOVES, own(tables) + f"[record]\nfile: {record}\n")
+    subprocess.run([sys.executable, HERE / "steps.py", trueaxis, machine, record, out / f"{kinematics}-homed.steps"], check=True)
+
+    # Input shaping moves the same motors as far, at other times.
+    shaped, _ = host(f"{kinematics}-shaped", kinematics, START + MOVES, own(tables) + SHAPER)
+    if shaped == corrected or net(shaped) != net(corrected):
+        sys.exit(f"shaped: found net steps {net(shaped)}, needed {net(corrected)} at other times")
+    print(f"{kinematics}, input shaper: the same net steps, {net(shaped)}")
 
     # Switched and loaded anew at standstill: not a step.
     switched = "TRUEAXIS ENABLE=0\nTRUEAXIS ENABLE=1\n" * 3 + f"TRUEAXIS_LOAD FILE={tables}\nM400\n"

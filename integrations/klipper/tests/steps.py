@@ -1,6 +1,6 @@
 """Holds every step of a program against the planned moves and `trueaxis compensate`: steps.py TRUEAXIS MACHINE RECORD DUMP [RESULT.json].
 
-One program after one SET_KINEMATIC_POSITION. SPDX-License-Identifier: GPL-3.0-or-later
+A program after SET_KINEMATIC_POSITION or G28. SPDX-License-Identifier: GPL-3.0-or-later
 """
 import bisect
 import csv
@@ -12,12 +12,14 @@ from pathlib import Path
 
 trueaxis, machine, record, dump, *result = sys.argv[1:]
 FREQUENCY = 20e6
-moves, sync = [], None
+runs = []
 for line in map(json.loads, open(record)):
     if "move" in line:
-        moves.append(line["move"])
-    elif not moves:
-        sync = line
+        runs[-1][1].append(line["move"])
+    else:
+        runs.append((line, []))
+# Homing sets positions several times, and switching off at the end once more: what counts is the last between them.
+sync, moves = [run for run in runs if run[1]][-1]
 assert sync["on"]
 phases = []
 for t, accel_t, cruise_t, decel_t, x, y, z, rx, ry, rz, start_v, cruise_v, accel in moves:
@@ -59,6 +61,8 @@ for line in open(dump):
         for _ in range(int(words["count"])):
             s["clock"] += interval
             interval += int(words["add"])
+            if s["clock"] / FREQUENCY < starts[0]:
+                continue
             # The step is taken where the motor should be half-way.
             steps.append((s["motor"], s["clock"] / FREQUENCY, (s["n"] + 0.5 * s["up"]) * s["step"] - s["offset"], s["step"]))
             s["n"] += s["up"]
