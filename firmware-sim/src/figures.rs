@@ -5,6 +5,7 @@ use std::io;
 use trueaxis_columns::{Column, Form, Kind, Value, Writer};
 
 /// A value of the document, under the name of its column.
+#[derive(Clone)]
 enum Figure {
     Number(f64),
     Whole(i64),
@@ -27,40 +28,43 @@ pub fn table(document: &Json) -> io::Result<Vec<u8>> {
     };
     let by_machine =
         |value: &Json| value.as_object().is_some_and(|of| of.keys().any(|key| kinds.contains(&key.as_str())));
-    let mut columns = vec![Column::new("kind", Kind::Text)];
-    let mut rows: Vec<Vec<Figure>> = kinds.iter().map(|kind| vec![Figure::Text((*kind).to_owned())]).collect();
-    for (name, value) in document {
-        let mut found: Vec<Vec<(String, Figure)>> = Vec::new();
-        for kind in &kinds {
-            let of = if by_machine(value) { value.get(kind) } else { Some(value) };
-            let mut figures = Vec::new();
-            of.iter().for_each(|of| flat(name, of, &mut figures));
-            found.push(figures);
-        }
-        let mut names: Vec<(String, Kind)> = Vec::new();
-        for (name, figure) in found.iter().flatten() {
-            match names.iter_mut().find(|(of, _)| of == name) {
-                None => names.push((name.clone(), figure.kind())),
-                // Whole for one machine and nothing for another.
-                Some((_, kind)) if *kind != figure.kind() => *kind = Kind::Number,
-                Some(_) => {}
+    let rows: Vec<Vec<(String, Figure)>> = kinds
+        .iter()
+        .map(|kind| {
+            let mut row = vec![("kind".to_owned(), Figure::Text((*kind).to_owned()))];
+            for (name, value) in document {
+                let of = if by_machine(value) { value.get(kind) } else { Some(value) };
+                of.iter().for_each(|of| flat(name, of, &mut row));
             }
-        }
-        for (name, mut kind) in names {
-            if kind == Kind::Whole && !found.iter().all(|found| found.iter().any(|(of, _)| *of == name)) {
-                kind = Kind::Number;
-            }
-            for (row, found) in rows.iter_mut().zip(&found) {
-                row.push(figure_of(found.iter().find(|(of, _)| *of == name).map(|(_, figure)| figure), kind));
-            }
-            columns.push(Column { name, kind });
+            row
+        })
+        .collect();
+    let mut columns: Vec<Column> = Vec::new();
+    for (name, _) in rows.iter().flatten() {
+        if !columns.iter().any(|column| column.name == *name) {
+            columns.push(Column::new(name, kind_of(name, &rows)));
         }
     }
     let mut table = Writer::new(Vec::new(), Form::Parquet, &columns)?;
     for row in &rows {
-        table.row(row.iter().map(Figure::value))?;
+        table
+            .row(columns.iter().map(|column| figure(row, &column.name).map_or(NOTHING, |of| of.value(column.kind))))?;
     }
     table.finish()
+}
+
+/// What a machine has not.
+const NOTHING: Value<'static> = Value::Number(f64::NAN);
+
+fn figure<'r>(row: &'r [(String, Figure)], name: &str) -> Option<&'r Figure> {
+    row.iter().find(|(of, _)| of == name).map(|(_, figure)| figure)
+}
+
+/// What a column holds: numbers, where not every machine has one of another kind.
+fn kind_of(name: &str, rows: &[Vec<(String, Figure)>]) -> Kind {
+    let mut kinds = rows.iter().map(|row| figure(row, name).map_or(Kind::Number, Figure::kind));
+    let first = kinds.next().unwrap_or(Kind::Number);
+    if kinds.all(|kind| kind == first) { first } else { Kind::Number }
 }
 
 impl Figure {
@@ -72,24 +76,15 @@ impl Figure {
         }
     }
 
-    fn value(&self) -> Value<'_> {
-        match self {
-            Figure::Number(value) => Value::Number(*value),
-            Figure::Whole(value) => Value::Whole(*value),
-            Figure::Text(value) => Value::Text(value),
+    /// As a column of that kind holds it.
+    fn value(&self, kind: Kind) -> Value<'_> {
+        match (self, kind) {
+            (Figure::Number(value), Kind::Number) => Value::Number(*value),
+            (Figure::Whole(value), Kind::Number) => Value::Number(*value as f64),
+            (Figure::Whole(value), Kind::Whole) => Value::Whole(*value),
+            (Figure::Text(value), Kind::Text) => Value::Text(value),
+            _ => NOTHING,
         }
-    }
-}
-
-/// A figure as a column of that kind holds it.
-fn figure_of(found: Option<&Figure>, kind: Kind) -> Figure {
-    match (kind, found) {
-        (Kind::Text, Some(Figure::Text(text))) => Figure::Text(text.clone()),
-        (Kind::Text, _) => Figure::Text(String::new()),
-        (Kind::Whole, Some(Figure::Whole(value))) => Figure::Whole(*value),
-        (Kind::Number, Some(Figure::Number(value))) => Figure::Number(*value),
-        (Kind::Number, Some(Figure::Whole(value))) => Figure::Number(*value as f64),
-        (Kind::Whole | Kind::Number, _) => Figure::Number(f64::NAN),
     }
 }
 
@@ -104,4 +99,36 @@ fn flat(name: &str, value: &Json, into: &mut Vec<(String, Figure)>) {
         Json::Array(_) => Figure::Text(value.to_string()),
     };
     into.push((name.to_owned(), figure));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_for_every_machine_with_what_all_of_them_have() {
+        let document = serde_json::json!({
+            "machine": "mill", "cycles": 7, "faults": ["a"], "settings": {"drive": {"gain": 2.5}},
+            "contour_error_um": {"plain": {"max": 4.0}, "full": {"max": null}},
+            "digest": {"plain": "00ff", "full": "00fe"}, "reversals": {"full": {"X": 3}},
+        });
+        let row = |figures: &[(&str, Figure)]| -> Vec<(String, Figure)> {
+            figures.iter().map(|(name, figure)| ((*name).to_owned(), figure.clone())).collect()
+        };
+        let rows = [
+            row(&[
+                ("a", Figure::Whole(1)),
+                ("b", Figure::Text("x".into())),
+                ("c", Figure::Whole(2)),
+                ("d", Figure::Whole(3)),
+            ]),
+            row(&[("a", Figure::Whole(1)), ("b", Figure::Text("y".into())), ("d", Figure::Number(f64::NAN))]),
+        ];
+        assert_eq!(
+            ["a", "b", "c", "d"].map(|name| kind_of(name, &rows)),
+            [Kind::Whole, Kind::Text, Kind::Number, Kind::Number]
+        );
+        let bytes = table(&document).unwrap();
+        assert_eq!(&bytes[..4], b"PAR1");
+    }
 }
