@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal, TypedDict, final, type_check_only
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Error", "__version__", "Machine", "Path", "Program", "circle", "roundness", "probe_angles", "simulate"]
+__all__ = ["Error", "__version__", "Machine", "Path", "Program", "helicoid", "circle", "roundness", "probe_angles", "simulate"]
 
 __version__: str
 
@@ -54,6 +54,19 @@ class Machine:
         temperature_c: float | None = None,
         inverse_passes: int | None = None,
     ) -> NDArray[np.float64]: ...
+    def forward(
+        self, positions: NDArray[np.float64], *, tool_mm: Sequence[float] | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+    def inverse(
+        self,
+        tip: NDArray[np.float64],
+        tool: NDArray[np.float64],
+        *,
+        branch: Literal["nearest", "1", "2"] = "nearest",
+        start: Sequence[float] | None = None,
+        max_step_deg: float | None = None,
+        tool_mm: Sequence[float] | None = None,
+    ) -> tuple[NDArray[np.float64], NDArray[np.uint8], NDArray[np.float64]]: ...
 
 @final
 class Path:
@@ -121,6 +134,7 @@ def simulate(
     kinds: Sequence[Literal["uncompensated", "compensated", "servo_only", "full", "configured"]] | None = None,
     trace_every: int | None = None,
 ) -> dict[str, Any]: ...
+def helicoid(*, gcode: bool = False, **request: Any) -> dict[str, Any]: ...
 def circle(points: NDArray[np.float64]) -> dict[str, Any]: ...
 def roundness(
     readings: NDArray[np.float64],

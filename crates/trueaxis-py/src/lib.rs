@@ -4,6 +4,7 @@
 
 mod arrays;
 mod documents;
+mod kinematics;
 mod machine;
 mod path;
 mod simulation;
@@ -41,6 +42,7 @@ fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<path::Path>()?;
     module.add_class::<simulation::Program>()?;
     module.add_function(wrap_pyfunction!(simulation::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(kinematics::helicoid, module)?)?;
     module.add_function(wrap_pyfunction!(documents::circle, module)?)?;
     module.add_function(wrap_pyfunction!(documents::roundness, module)?)?;
     module.add_function(wrap_pyfunction!(documents::probe_angles, module)?)

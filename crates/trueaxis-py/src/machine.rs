@@ -14,10 +14,10 @@ use trueaxis_tables::text::counted;
 pub(crate) struct Machine(pub(crate) trueaxis_tables::Machine);
 
 /// Checked arguments of a look-up.
-struct Asked {
+pub(crate) struct Asked {
     machine: trueaxis_tables::Machine,
     settings: Settings,
-    positions: Vec<[f64; AXES]>,
+    pub(crate) positions: Vec<[f64; AXES]>,
     /// Axis of every column.
     columns: Vec<Axis>,
 }
@@ -134,12 +134,13 @@ pub(crate) fn model_of(name: Option<&str>) -> PyResult<Option<ErrorModel>> {
 }
 
 /// X, Y, Z and the machine's rotary axes.
-fn columns(machine: &trueaxis_tables::Machine) -> impl Iterator<Item = Axis> {
+pub(crate) fn columns(machine: &trueaxis_tables::Machine) -> impl Iterator<Item = Axis> {
     Axis::ALL.into_iter().filter(|axis| !axis.is_rotary() || machine.settings.axis(*axis).is_some())
 }
 
 impl Machine {
-    fn asked(
+    /// Positions of a call, checked against the declared travel.
+    pub(crate) fn asked(
         &self,
         positions: &Bound<'_, PyAny>,
         model: Option<&str>,

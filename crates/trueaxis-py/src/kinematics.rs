@@ -1,0 +1,169 @@
+//! Five-axis transformation and helicoids.
+
+use crate::machine::{Machine, columns};
+use crate::{Error, arrays, documents, told};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use trueaxis::glam::DVec3;
+use trueaxis::kinematics::{BranchTracker, Choice, InverseError, Kinematics, Solution, Tool};
+use trueaxis::machine::{AXES, Axis};
+use trueaxis_evaluation::helicoid as flank;
+
+/// Tips (n, 3), tool axes (n, 3) and margins (n,).
+type Tools<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
+/// Positions (n, columns), branches (n,) and margins (n,).
+type Poses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<f64>>);
+
+fn table<'py>(py: Python<'py>, values: Vec<f64>, width: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let rows = values.len() / width;
+    PyArray1::from_vec(py, values).reshape([rows, width])
+}
+
+#[pymethods]
+impl Machine {
+    /// The tool in workpiece coordinates where the axes stand: tip (n, 3), mm, tool axis (n, 3), a unit vector from the tip to
+    /// the spindle, and singularity margin (n,), degrees: the columns of `trueaxis kinematics forward`.
+    ///
+    /// positions: (n, 3) or the machine's columns. tool_mm: the tip from the last tool-side frame at all axes zero, in place
+    /// of the machine's.
+    #[pyo3(signature = (positions, *, tool_mm = None))]
+    fn forward<'py>(
+        &self,
+        py: Python<'py>,
+        positions: &Bound<'py, PyAny>,
+        tool_mm: Option<[f64; 3]>,
+    ) -> PyResult<Tools<'py>> {
+        let asked = self.asked(positions, None, false, None)?;
+        let kinematics = self.kinematics(tool_mm)?;
+        let (tips, tools, margins) = py.detach(|| {
+            let (mut tips, mut tools, mut margins) = (Vec::new(), Vec::new(), Vec::new());
+            for axes in &asked.positions {
+                let Tool { tip, axis } = kinematics.forward(axes);
+                tips.extend(tip.to_array());
+                tools.extend(axis.to_array());
+                margins.push(kinematics.singularity_margin_deg(axes));
+            }
+            (tips, tools, margins)
+        });
+        Ok((table(py, tips, 3)?, table(py, tools, 3)?, PyArray1::from_vec(py, margins)))
+    }
+
+    /// Where the axes stand for a tool: positions (n, columns), branch (n,), 1 or 2, and singularity margin (n,), degrees: the
+    /// columns of `trueaxis kinematics inverse`.
+    ///
+    /// tip, tool: (n, 3). branch: "nearest" to the row before (the first to `start`, angles of the rotary axes in the order A,
+    /// B, C), "1" or "2". max_step_deg: refuses a change of branch, and a larger step of a rotary axis from row to row.
+    #[pyo3(signature = (tip, tool, *, branch = "nearest", start = None, max_step_deg = None, tool_mm = None))]
+    fn inverse<'py>(
+        &self,
+        py: Python<'py>,
+        tip: &Bound<'py, PyAny>,
+        tool: &Bound<'py, PyAny>,
+        branch: &str,
+        start: Option<Vec<f64>>,
+        max_step_deg: Option<f64>,
+        tool_mm: Option<[f64; 3]>,
+    ) -> PyResult<Poses<'py>> {
+        let (_, tips) = arrays::rows(tip, "tip", &[3])?;
+        let (_, tools) = arrays::rows(tool, "tool", &[3])?;
+        if tips.len() != tools.len() {
+            let (found, needed) = (tools.len() / 3, tips.len() / 3);
+            return Err(Error::new_err(format!("tool: found {found} rows, needed {needed}, as tip has")));
+        }
+        let choice = match branch {
+            "nearest" => Choice::Nearest,
+            "1" => Choice::First,
+            "2" => Choice::Second,
+            found => {
+                return Err(Error::new_err(format!("branch: found {found:?}, needed \"nearest\", \"1\" or \"2\"")));
+            }
+        };
+        if let Some(step) = max_step_deg.filter(|step| step.is_nan() || *step <= 0.0) {
+            return Err(Error::new_err(format!("max_step_deg: found {step}, needed a positive number of degrees")));
+        }
+        let kinematics = self.kinematics(tool_mm)?;
+        let columns: Vec<Axis> = columns(&self.0).collect();
+        let mut near = [0.0; AXES];
+        if let Some(start) = start {
+            let rotary: Vec<Axis> = columns.iter().copied().filter(|axis| axis.is_rotary()).collect();
+            if start.len() != rotary.len() || start.iter().any(|angle| angle.is_nan() || angle.abs() > 1e6) {
+                let count = rotary.len();
+                return Err(Error::new_err(format!(
+                    "start: found {start:?}, needed an angle of at most 1e6 degrees for each of {count} rotary axes"
+                )));
+            }
+            rotary.iter().zip(start).for_each(|(axis, angle)| near[axis.index()] = angle);
+        }
+        let found = py.detach(|| {
+            let mut solutions: Vec<Solution<f64>> = Vec::with_capacity(tips.len() / 3);
+            let mut tracker: Option<BranchTracker<f64>> = None;
+            for (row, (tip, tool)) in tips.as_chunks::<3>().0.iter().zip(tools.as_chunks::<3>().0).enumerate() {
+                let tool = Tool { tip: DVec3::from_array(*tip), axis: DVec3::from_array(*tool) };
+                let solved = match &mut tracker {
+                    Some(tracker) => tracker.next(&kinematics, &tool),
+                    None => kinematics.solutions(&tool, &near).and_then(|both| both.choose(choice)),
+                };
+                let solution = solved.map_err(|error: InverseError| anyhow::anyhow!("row {row}: {error}"))?;
+                near = solution.axes;
+                if tracker.is_none() {
+                    tracker = max_step_deg.map(|step| BranchTracker::new(&solution, step));
+                }
+                solutions.push(solution);
+            }
+            Ok(solutions)
+        });
+        let found = told(found)?;
+        let positions = found.iter().flat_map(|of| columns.iter().map(|axis| of.axes[axis.index()])).collect();
+        let branches = found.iter().map(|of| of.branch as u8);
+        let margins = found.iter().map(|of| of.singularity_margin_deg);
+        let (branches, margins) = (PyArray1::from_iter(py, branches), PyArray1::from_iter(py, margins));
+        Ok((table(py, positions, columns.len())?, branches, margins))
+    }
+}
+
+impl Machine {
+    fn kinematics(&self, tool_mm: Option<[f64; 3]>) -> PyResult<Kinematics<f64>> {
+        let kinematics = told(Kinematics::<f64>::new(&self.0.settings).map_err(|error| anyhow::anyhow!("{error}")))?;
+        let Some(tool) = tool_mm else { return Ok(kinematics) };
+        if let Some(value) = tool.iter().find(|value| value.is_nan() || value.abs() > 1e6) {
+            return Err(Error::new_err(format!("tool_mm: found {value}, needed a finite number of at most 1e6 mm")));
+        }
+        Ok(kinematics.with_tool(DVec3::from(tool)))
+    }
+}
+
+/// Displacements of five axes that stand a tool normal to the flank of a helical gear: the document of
+/// `trueaxis helicoid --json`, and with gcode=True the program under `program`.
+///
+/// The arguments are the command's options with underscores; ranges are texts START:STOP:COUNT:
+/// helicoid(module_mm=4.0, teeth=20, pressure_angle_deg=20.0, helix_angle_deg=15.0, u_rad="0.2:0.6:9", theta_rad="0:0.3:7",
+/// form="vertical", pivot_mm=150.0).
+#[pyfunction]
+#[pyo3(signature = (*, gcode = false, **request))]
+pub(crate) fn helicoid<'py>(
+    py: Python<'py>,
+    gcode: bool,
+    request: Option<Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let request = request.unwrap_or_else(|| PyDict::new(py));
+    let text: String = py.import("json")?.call_method1("dumps", (request,))?.extract()?;
+    let (document, program, notes) = told(py.detach(|| {
+        let request: flank::Request = serde_json::from_str(&text).map_err(|error| {
+            // The place in a text that the caller has never seen.
+            let said = error.to_string();
+            anyhow::anyhow!("{}", said.split(" at line ").next().unwrap_or_default())
+        })?;
+        let job = flank::Job::new(&request)?;
+        let document = flank::Document::new(&job, job.points()?);
+        let program = if gcode { Some(job.program()?) } else { None };
+        let notes: Vec<String> = job.notes();
+        Ok((document, program, notes))
+    }))?;
+    notes.iter().try_for_each(|note| crate::warn(py, note))?;
+    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    if let Some(program) = program {
+        found.set_item("program", program)?;
+    }
+    Ok(found)
+}
