@@ -447,3 +447,11 @@ fn outliers_at_several_distances_end() {
     assert_eq!(maximum_inscribed(&points), Err(NoCircle::Unresolved));
     assert!(minimum_circumscribed(&points).is_ok() && least_squares(&points).is_ok());
 }
+
+/// Points within a micrometre of a line: the narrowest ring is 200 m away, and not wider than the one of least squares.
+#[test]
+fn the_narrowest_ring_of_nearly_straight_points_is_far_away() {
+    let points = [[10.0, 0.001], [25.0, 0.001], [0.1, 0.001], [0.1, 0.001], [0.2, 0.001], [31.0, 0.0]];
+    let (lsc, mzc) = (least_squares(&points).unwrap(), minimum_zone(&points).unwrap());
+    assert!(mzc.zone < lsc.zone * (1.0 + 1e-9) && mzc.zone < 5.27e-4, "{mzc:?} {lsc:?}");
+}

@@ -37,9 +37,14 @@ fn counted(points: &[[f64; 2]]) -> (Result<ReferenceCircle, NoCircle>, usize) {
     if let Err(error) = check(points) {
         return (Err(error), 0);
     }
-    let local = reference(points).without_twins();
+    let (local, mean) = reference(points);
+    let local = local.without_twins();
     let strip = smallest_width(points);
     let mut search = Search::new(&local, strip);
+    // Of nearly straight points it says how far away the centre may be.
+    if let Some([x, y]) = mean {
+        search.offer([x - local.origin[0], y - local.origin[1]], &[]);
+    }
     let half = search.start(strip);
     search.limit = half;
     search.narrow(Cell { m: [0.0; 2], half: [half; 2] });
@@ -53,17 +58,17 @@ fn counted(points: &[[f64; 2]]) -> (Result<ReferenceCircle, NoCircle>, usize) {
 /// A least-squares centre this many times farther away than the set is wide costs more digits than it saves.
 const FAR: f64 = 1e3;
 
-/// Points about the better of the least-squares and the circumscribed centre.
-fn reference(points: &[[f64; 2]]) -> Local {
+/// Points about the better of the least-squares and the circumscribed centre; and the least-squares centre.
+fn reference(points: &[[f64; 2]]) -> (Local, Option<[f64; 2]>) {
     let zone = |local: &Local| {
         let at = local.extremes([0.0; 2]);
         local.width(at.high, at.low, [0.0; 2])
     };
     let around = about(points);
-    match least_squares::fit(points) {
-        Ok((mean, _)) if mean.radius < FAR * around.radius && zone(&mean) <= zone(&around) => mean,
-        _ => around,
-    }
+    let Ok((mean, c)) = least_squares::fit(points) else { return (around, None) };
+    let centre = [mean.origin[0] + c[0], mean.origin[1] + c[1]];
+    let better = mean.radius < FAR * around.radius && zone(&mean) <= zone(&around);
+    (if better { mean } else { around }, Some(centre))
 }
 
 /// Groups of points, the extremes of which shrink the square of centres to the size of the zone.
@@ -163,10 +168,12 @@ impl<'a> Search<'a> {
 
     /// Half the side of a square about the origin outside which no zone is narrower than the best one.
     ///
-    /// At a distance ρ beyond the set's radius s the zone is at least strip − s²/ρ.
+    /// At a distance ρ beyond the set's radius s the zone is at least strip − s²/ρ. Where no circle is known that is better
+    /// than the strip, only those of at most 10⁴ times the set's size are looked for.
     fn start(&self, strip: f64) -> f64 {
         let size = self.local.points.iter().map(|p| p.x.hypot(p.y)).fold(0.0, f64::max);
-        size + (size * size / (strip - self.width).max(0.0)).min(1e4 * size)
+        let most = if self.width < strip { 1e8 } else { 1e4 };
+        size + (size * size / (strip - self.width).max(0.0)).min(most * size)
     }
 
     /// Halves a rectangle on a few points as long as it is large against the zone, because all points can still be
