@@ -52,7 +52,7 @@ fn every_field_of_a_record_is_a_column() {
     let folder = Folder::new(TRUEAXIS);
     folder.write("t.bin", stream([frame(4, 3, false), frame(5, 3, false)]));
     folder.good(&["telemetry", "t.bin", "-o", "t.csv"]);
-    let row = "4277009103,7,0,0,9,2,1,0.1,0,0.125,10.1,10,0.125,20.1,20,0.125,0.5,0.25,-1,3,1,1,0.5,-2,3,1,0,32\n";
+    let row = "4276993775,7,0,0,9,2,1,0.1,0,0.125,10.1,10,0.125,20.1,20,0.125,0.5,0.25,-1,3,1,1,0.5,-2,3,1,0,32\n";
     assert_eq!(
         folder.read("t.csv"),
         format!(
