@@ -58,7 +58,10 @@ pub fn refused(error: impl Display) {
     let length = message.chars().count();
     assert!(length <= LONGEST_REFUSAL, "a refusal of {length} characters: {message:?}");
     for (dump, given) in DUMPS.iter().zip(GIVEN.get()) {
-        assert!(given || !outside_quotes(&message).contains(dump), "a refusal with a value of the program: {message:?}");
+        assert!(
+            given || !outside_quotes(&message).contains(dump),
+            "a refusal with a value of the program: {message:?}"
+        );
     }
     saw(shape(&message));
 }
