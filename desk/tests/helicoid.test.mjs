@@ -95,7 +95,8 @@ for (const { name, fields, line, at } of CASES)
     for (const [point, there, [u, theta]] of [[first, opposite.points[0], at], [last, opposite.points.at(-1), [last.u_rad, last.theta_rad]]]) {
       await type(panel, { "Tool at u / rad": u, "Tool at θ / rad": theta });
       const branch = `Branch ${document.inputs.branch}`;
-      await table(panel, "Displacements of the five axes").locator(`[data-value="${point.y_mm}"]`).waitFor();
+      // C alone tells that both fields were taken: Y and A do not depend on θ.
+      await table(panel, "Displacements of the five axes").locator(`[data-value="${point.c_deg}"]`).first().waitFor();
       const rows = await numbers(table(panel, "Displacements of the five axes"));
       for (const [axis, key] of [["X / mm", "x_mm"], ["Y / mm", "y_mm"], ["Z / mm", "z_mm"], ["A / degrees", "a_deg"], ["C / degrees", "c_deg"]]) {
         assert.equal(rows[axis][branch], point[key], `${axis} on the branch asked for`);
