@@ -21,7 +21,7 @@ enum Figure {
 pub fn table(document: &Json) -> io::Result<Vec<u8>> {
     let empty = Map::new();
     let document = document.as_object().unwrap_or(&empty);
-    // What has a figure of each machine, and who they are.
+    // The machines, by the figure that each of them has.
     let kinds: Vec<&str> = match document.get("contour_error_um") {
         Some(Json::Object(of)) => of.keys().map(String::as_str).collect(),
         _ => Vec::new(),
@@ -53,7 +53,7 @@ pub fn table(document: &Json) -> io::Result<Vec<u8>> {
     table.finish()
 }
 
-/// What a machine has not.
+/// In place of a figure that a machine does not have.
 const NOTHING: Value<'static> = Value::Number(f64::NAN);
 
 fn figure<'r>(row: &'r [(String, Figure)], name: &str) -> Option<&'r Figure> {

@@ -9,13 +9,14 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use firmware_sim::figures;
 use firmware_sim::learning_record::LearningRecord;
-use firmware_sim::outcome::{self, Outcome, Timing};
+use firmware_sim::outcome::{self, Timing};
 use firmware_sim::report;
 use firmware_sim::series::Series;
-use firmware_sim::trace::{ColumnTrace, Trace};
+use firmware_sim::trace::Trace;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use trueaxis_columns::Form;
 use trueaxis_sim::Scenario;
 use trueaxis_sim::learning::{self, Instrument, LearnedTable, Recorder};
 use trueaxis_sim::run::{Kind, Run, Sink};
@@ -66,49 +67,48 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     }
     let scenario = Arc::new(scenario);
     let simulation = Run::new(Arc::clone(&scenario))?;
-    let mut files = match &args.report {
-        Some(dir) => {
-            outputs.folder(dir)?;
-            Some(ReportFiles::create(dir, &scenario, args.trace_every, &mut outputs)?)
+    let mut traces = Vec::new();
+    for (dir, form) in [(&args.report, Form::Csv), (&args.parquet, Form::Parquet)] {
+        if let Some(dir) = dir {
+            traces.extend(begin_traces(dir, form, &scenario, args.trace_every, &mut outputs)?);
         }
-        None => None,
-    };
-    let mut columns = match &args.parquet {
-        Some(dir) => {
-            outputs.folder(dir)?;
-            Some(ColumnFiles::create(dir, &scenario, args.trace_every, &mut outputs)?)
-        }
-        None => None,
-    };
+    }
+    let mut series = args.report.is_some().then(|| Series::new(&scenario));
     let record = args.record.as_ref().map(|path| record_to(path, &scenario, args.measured_by, &mut outputs));
     let mut record = record.transpose()?;
     let timing = Timing { budget_ns: args.scenario.budget_ns(&scenario), paced: args.paced };
     let bar = progress_bar("simulating");
     let mut tell = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
     let mut sinks: Vec<&mut dyn Sink> = Vec::new();
-    if let Some(files) = &mut files {
-        sinks.extend(files.traces.iter_mut().map(|(_, trace)| trace as &mut dyn Sink));
-        sinks.push(&mut files.series);
-    }
-    if let Some(columns) = &mut columns {
-        sinks.extend(columns.traces.iter_mut().map(|(_, trace)| trace as &mut dyn Sink));
-    }
+    sinks.extend(traces.iter_mut().map(|(_, trace)| trace as &mut dyn Sink));
+    sinks.extend(series.as_mut().map(|series| series as &mut dyn Sink));
     sinks.extend(record.as_mut().map(|record| record as &mut dyn Sink));
     let outcome = outcome::simulate(simulation, &scenario, timing, sinks, &mut tell)?;
     bar.finish_and_clear();
-    let mut written = files.map(|files| files.finish(&outcome, &scenario, &mut outputs)).transpose()?;
-    if let Some(columns) = columns {
-        written.get_or_insert_default().extend(columns.finish(&outcome, &scenario, &mut outputs)?);
+    // Named before the traces, in their places after them.
+    let traces = finish_traces(traces, &mut outputs)?;
+    let mut written = Vec::new();
+    if let (Some(series), Some(dir)) = (&series, &args.report) {
+        let page = dir.join("index.html");
+        outputs.put(&page, report::render(&outcome.report(&scenario, series)).as_bytes())?;
+        written.push(page);
     }
+    if let Some(dir) = &args.parquet {
+        let result = dir.join("result.parquet");
+        let document = serde_json::to_value(outcome.json(&scenario))?;
+        outputs.put(&result, &figures::table(&document).with_context(|| cannot_write(&result))?)?;
+        written.push(result);
+    }
+    written.extend(traces);
     if let (Some(record), Some(path)) = (record, &args.record) {
         outputs.add(path, complete(record.finish(), path)?);
-        written.get_or_insert_default().push(path.clone());
+        written.push(path.clone());
     }
     outputs.commit()?;
     if args.json {
         put(&format!("{}\n", serde_json::to_string_pretty(&outcome.json(&scenario))?))
     } else {
-        let files = written.iter().flatten().map(|file| format!("written  {}\n", file.display()));
+        let files = written.iter().map(|file| format!("written  {}\n", file.display()));
         put(&(outcome.summary(&scenario).to_string() + &noted(&scenario.program) + &files.collect::<String>()))
     }
 }
@@ -166,73 +166,36 @@ fn complete(written: std::io::Result<BufWriter<Staged>>, path: &Path) -> Result<
     written.and_then(|out| out.into_inner().map_err(|error| error.into_error())).with_context(|| cannot_write(path))
 }
 
-/// Machines of which a run leaves a trace, and its name.
-fn traced(scenario: &Scenario) -> impl Iterator<Item = (Kind, &'static str)> {
-    let kinds = Kind::of(&scenario.machine.settings);
-    let all = [(Kind::Compensated, "trace"), (Kind::Full, "trace-full")];
-    all.into_iter().filter(move |(kind, _)| kinds.contains(kind))
+/// A trace on its way to its file.
+type FileTrace = (PathBuf, Trace<BufWriter<Staged>>);
+
+/// Begins the traces that a run leaves in a folder.
+fn begin_traces(
+    directory: &Path,
+    form: Form,
+    scenario: &Scenario,
+    every: u64,
+    outputs: &mut Outputs,
+) -> Result<Vec<FileTrace>> {
+    outputs.folder(directory)?;
+    let extension = if form == Form::Csv { "csv" } else { "parquet" };
+    let settings = &scenario.machine.settings;
+    let kinds = Kind::of(settings);
+    let traced = [(Kind::Compensated, "trace"), (Kind::Full, "trace-full")];
+    let open = |(kind, name): (Kind, &str)| {
+        let path = directory.join(name).with_extension(extension);
+        let file = BufWriter::new(outputs.begin(&path)?);
+        let trace = Trace::new(file, form, every, kind, settings).with_context(|| cannot_write(&path))?;
+        Ok((path, trace))
+    };
+    traced.into_iter().filter(|(kind, _)| kinds.contains(kind)).map(open).collect()
 }
 
-/// Files that `run --parquet` writes.
-struct ColumnFiles {
-    directory: PathBuf,
-    traces: Vec<(PathBuf, ColumnTrace<BufWriter<Staged>>)>,
-}
-
-impl ColumnFiles {
-    fn create(directory: &Path, scenario: &Scenario, trace_every: u64, outputs: &mut Outputs) -> Result<ColumnFiles> {
-        let open = |(kind, name)| -> Result<_> {
-            let path = directory.join(name).with_extension("parquet");
-            let file = BufWriter::new(outputs.begin(&path)?);
-            let trace = ColumnTrace::new(file, trace_every, kind, &scenario.machine.settings);
-            Ok((path.clone(), trace.with_context(|| cannot_write(&path))?))
-        };
-        let traces = traced(scenario).map(open).collect::<Result<_>>()?;
-        Ok(ColumnFiles { directory: directory.into(), traces })
-    }
-
-    /// Writes what is left to write; the files, which the commit puts into their places.
-    fn finish(self, outcome: &Outcome, scenario: &Scenario, outputs: &mut Outputs) -> Result<Vec<PathBuf>> {
-        let result = self.directory.join("result.parquet");
-        let document = serde_json::to_value(outcome.json(scenario))?;
-        outputs.put(&result, &figures::table(&document).with_context(|| cannot_write(&result))?)?;
-        let mut written = vec![result];
-        for (path, trace) in self.traces {
-            outputs.add(&path, complete(trace.finish(), &path)?);
-            written.push(path);
-        }
-        Ok(written)
-    }
-}
-
-/// Files that `run --report` writes.
-struct ReportFiles {
-    directory: PathBuf,
-    traces: Vec<(PathBuf, Trace<BufWriter<Staged>>)>,
-    series: Series,
-}
-
-impl ReportFiles {
-    fn create(directory: &Path, scenario: &Scenario, trace_every: u64, outputs: &mut Outputs) -> Result<ReportFiles> {
-        let open = |(kind, name)| -> Result<_> {
-            let path = directory.join(name).with_extension("csv");
-            let file = BufWriter::new(outputs.begin(&path)?);
-            let trace = Trace::new(file, trace_every, kind, &scenario.machine.settings);
-            Ok((path.clone(), trace.with_context(|| cannot_write(&path))?))
-        };
-        let traces = traced(scenario).map(open).collect::<Result<_>>()?;
-        Ok(ReportFiles { directory: directory.into(), traces, series: Series::new(scenario) })
-    }
-
-    /// Writes what is left to write; the files, which the commit puts into their places. The page comes last.
-    fn finish(self, outcome: &Outcome, scenario: &Scenario, outputs: &mut Outputs) -> Result<Vec<PathBuf>> {
-        let page = self.directory.join("index.html");
-        let mut written = vec![page.clone()];
-        for (path, trace) in self.traces {
-            outputs.add(&path, complete(trace.finish(), &path)?);
-            written.push(path);
-        }
-        outputs.put(&page, report::render(&outcome.report(scenario, &self.series)).as_bytes())?;
-        Ok(written)
-    }
+/// Writes what is left of the traces; their files, which the commit puts into their places.
+fn finish_traces(traces: Vec<FileTrace>, outputs: &mut Outputs) -> Result<Vec<PathBuf>> {
+    let finish = |(path, trace): FileTrace| {
+        outputs.add(&path, complete(trace.finish(), &path)?);
+        Ok(path)
+    };
+    traces.into_iter().map(finish).collect()
 }

@@ -1,14 +1,13 @@
-//! Trace of a run, as CSV or as columns.
+//! Trace of a run: rounded as CSV, or as Apache Parquet.
 
 use std::io::{self, Write};
 use trueaxis::machine::MachineSettings;
 use trueaxis_columns::{Form, Value, Writer};
 use trueaxis_sim::run::{Column, Kind, Moment, Sample, Sink, columns};
 
-/// Writes a line every so many cycles, as they come.
-#[derive(Debug)]
-pub struct Trace<W> {
-    out: W,
+/// Writes a row every so many cycles, as they come.
+pub struct Trace<W: Write + Send> {
+    rows: Rows<W>,
     every: u64,
     /// Index of the run in [`Kind::ALL`].
     run: usize,
@@ -16,99 +15,70 @@ pub struct Trace<W> {
     failure: Option<io::Error>,
 }
 
-impl<W: Write> Trace<W> {
-    /// Writes the header. A line is written in every `every`th cycle of the run of that kind, with the columns of
-    /// [`columns`].
+enum Rows<W: Write + Send> {
+    /// Rounded to each column's decimals.
+    Csv(W),
+    /// Not rounded; columns of whole numbers as integers.
+    Parquet(Box<Writer<W>>),
+}
+
+impl<W: Write + Send> Trace<W> {
+    /// Begins the file. A row is written in every `every`th cycle of the run of that kind, with the columns of [`columns`].
     ///
     /// # Errors
     /// Errors of the writer.
-    pub fn new(mut out: W, every: u64, kind: Kind, machine: &MachineSettings) -> io::Result<Trace<W>> {
+    pub fn new(mut out: W, form: Form, every: u64, kind: Kind, machine: &MachineSettings) -> io::Result<Trace<W>> {
         let columns = columns(kind, machine);
-        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
-        writeln!(out, "{}", names.join(","))?;
-        Ok(Trace { out, every: every.max(1), run: place(kind), columns, failure: None })
+        let rows = match form {
+            Form::Csv => {
+                let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+                writeln!(out, "{}", names.join(","))?;
+                Rows::Csv(out)
+            }
+            Form::Parquet => Rows::Parquet(Box::new(Writer::new(out, form, &typed(&columns))?)),
+        };
+        let run = Kind::ALL.iter().position(|of| *of == kind).unwrap_or(Kind::ALL.len());
+        Ok(Trace { rows, every: every.max(1), run, columns, failure: None })
     }
 
     fn row(&mut self, moment: &Moment, sample: &Sample) -> io::Result<()> {
-        let mut between = "";
-        for column in &self.columns {
-            write!(self.out, "{between}{:.*}", column.decimals, column.value(moment, sample))?;
-            between = ",";
+        match &mut self.rows {
+            Rows::Csv(out) => {
+                let mut between = "";
+                for column in &self.columns {
+                    write!(out, "{between}{:.*}", column.decimals, column.value(moment, sample))?;
+                    between = ",";
+                }
+                writeln!(out)
+            }
+            Rows::Parquet(table) => table.row(self.columns.iter().map(|column| {
+                let value = column.value(moment, sample);
+                if column.decimals == 0 { Value::Whole(value as i64) } else { Value::Number(value) }
+            })),
         }
-        writeln!(self.out)
     }
 
     /// Hands back what was written to.
     ///
     /// # Errors
     /// Something could not be written.
-    pub fn finish(mut self) -> io::Result<W> {
-        match self.failure.take() {
-            Some(error) => Err(error),
-            None => self.out.flush().map(|()| self.out),
-        }
-    }
-}
-
-/// The same columns as Apache Parquet, not rounded; those of whole numbers as integers.
-pub struct ColumnTrace<W: Write + Send> {
-    out: Writer<W>,
-    every: u64,
-    run: usize,
-    columns: Vec<Column>,
-    failure: Option<io::Error>,
-}
-
-impl<W: Write + Send> ColumnTrace<W> {
-    /// Begins the file; else as [`Trace::new`].
-    ///
-    /// # Errors
-    /// Errors of the writer.
-    pub fn new(out: W, every: u64, kind: Kind, machine: &MachineSettings) -> io::Result<ColumnTrace<W>> {
-        let columns = columns(kind, machine);
-        let kinds = columns.iter().map(|column| {
-            let whole = column.decimals == 0;
-            let of = if whole { trueaxis_columns::Kind::Whole } else { trueaxis_columns::Kind::Number };
-            trueaxis_columns::Column::new(&column.name, of)
-        });
-        let out = Writer::new(out, Form::Parquet, &kinds.collect::<Vec<_>>())?;
-        Ok(ColumnTrace { out, every: every.max(1), run: place(kind), columns, failure: None })
-    }
-
-    /// Writes what is left, and hands back what was written to.
-    ///
-    /// # Errors
-    /// Something could not be written.
     pub fn finish(self) -> io::Result<W> {
-        match self.failure {
-            Some(error) => Err(error),
-            None => self.out.finish(),
+        match (self.failure, self.rows) {
+            (Some(error), _) => Err(error),
+            (None, Rows::Csv(mut out)) => out.flush().map(|()| out),
+            (None, Rows::Parquet(table)) => table.finish(),
         }
     }
 }
 
-impl<W: Write + Send> Sink for ColumnTrace<W> {
-    /// A failure to write is kept for [`ColumnTrace::finish`].
-    fn cycle(&mut self, moment: &Moment, runs: &[Option<&Sample>]) {
-        if moment.cycle.is_multiple_of(self.every)
-            && self.failure.is_none()
-            && let Some(Some(sample)) = runs.get(self.run)
-        {
-            let values = self.columns.iter().map(|column| match column.value(moment, sample) {
-                value if column.decimals == 0 => Value::Whole(value as i64),
-                value => Value::Number(value),
-            });
-            self.failure = self.out.row(values).err();
-        }
-    }
+/// The same columns as a typed table has them.
+fn typed(columns: &[Column]) -> Vec<trueaxis_columns::Column> {
+    use trueaxis_columns::{Column, Kind};
+    let kind = |decimals: usize| if decimals == 0 { Kind::Whole } else { Kind::Number };
+    columns.iter().map(|column| Column::new(&column.name, kind(column.decimals))).collect()
 }
 
-/// Index of a run in [`Kind::ALL`].
-fn place(kind: Kind) -> usize {
-    Kind::ALL.iter().position(|of| *of == kind).unwrap_or(Kind::ALL.len())
-}
-
-impl<W: Write> Sink for Trace<W> {
+impl<W: Write + Send> Sink for Trace<W> {
     /// A failure to write is kept for [`Trace::finish`].
     fn cycle(&mut self, moment: &Moment, runs: &[Option<&Sample>]) {
         if moment.cycle.is_multiple_of(self.every)

@@ -7,6 +7,7 @@ use firmware_sim::series::Series;
 use firmware_sim::trace::Trace;
 use std::fmt::Write;
 use std::sync::Arc;
+use trueaxis_columns::Form;
 use trueaxis_sim::path;
 use trueaxis_sim::program::{Curve, Program};
 use trueaxis_sim::run::{Kind, Run, Sink};
@@ -38,7 +39,8 @@ fn run(scenario: Scenario) -> (u64, u64) {
         let run = Run::new(Arc::clone(&scenario)).unwrap();
         cycles = run.cycles();
         let mut series = Series::new(&scenario);
-        let mut trace = Trace::new(std::io::sink(), 1, Kind::Compensated, &scenario.machine.settings).unwrap();
+        let mut trace =
+            Trace::new(std::io::sink(), Form::Csv, 1, Kind::Compensated, &scenario.machine.settings).unwrap();
         let sinks: Vec<&mut dyn Sink> = vec![&mut series, &mut trace];
         let outcome =
             outcome::simulate(run, &scenario, outcome::Timing { budget_ns: 100_000, paced: false }, sinks, &mut |_| {})

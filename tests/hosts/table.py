@@ -2,8 +2,8 @@
 """Puts what the hosts' tests found over one recording into a table of docs/hosts.md: table.py [--check] RESULTS PAGE.
 
 RESULTS is target/hosts, where every host's test script has left HOST.json: drive positions compared (samples), how many are
-the library's to the last bit (same; null: not counted), and the largest difference (largest_mm). A host that is missing, or is further off than
-stated here, ends with exit code 1; --check writes nothing and wants the page to say what was found.
+the library's to the last bit (same; null: not counted), and the largest difference (largest_mm). A host that is missing, or
+is further off than stated here, ends with exit code 1; --check writes nothing and wants the page to say what was found.
 SPDX-License-Identifier: MIT OR Apache-2.0
 """
 import argparse

@@ -17,8 +17,8 @@ FRAMES: what a controller sent, COBS frames as in docs/telemetry.md, one file or
 Columns are the record's fields: sequence, machine_id, tables_crc, fault (code), fault_axis, status, limited, at_edge; of
 every axis x_command_mm, x_feedback_mm, x_correction_mm and, where any record has it, its dynamic correction; of tip and
 encoder tip_error_mm, tip_normal_mm, tip_binormal_mm, tip_lag_mm, tip_flags; orientation_rad, orientation_flags. Rotary
-axes are in degrees. A row's file is told by the column file, where there are several.
-What is damaged is left out, and told with the records that the sequence says were lost.
+axes are in degrees. With several files the column `file` names the one that a row is from.
+Damaged frames are left out. How many there were is printed, and how many records are missing by the sequence.
 
 Examples:
   trueaxis telemetry frames.bin -o telemetry.parquet
@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What was lost on the way.
+/// Prints how many frames were damaged and how many records are missing.
 fn note(file: &Path, received: &Received) {
     if received.damaged > 0 {
         tell(format_args!("note: {}: {}, left out", file.display(), counted(received.damaged, "damaged frame")));
@@ -110,9 +110,9 @@ fn axes(given: Option<&str>, all: &[(String, Received)]) -> Result<Vec<Axis>> {
     for (other, frame) in frames {
         if frame.machine_id != machine || frame.axes.len() != count {
             bail!(
-                "{other}: found a record of machine {:08x} with {}, needed {machine:08x} with {count} as at the start of {file}",
+                "{other}: found a record of machine {:08x} with {} axes, needed machine {machine:08x} with {count} axes, as at the start of {file}",
                 frame.machine_id,
-                counted(frame.axes.len(), "axis")
+                frame.axes.len()
             );
         }
     }

@@ -16,7 +16,7 @@ mod parquet_file;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// What a column holds. None has nulls: a figure that is not there is a NaN.
+/// Type of a column. There are no nulls: a missing number is a NaN.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Real numbers, Parquet's `DOUBLE`.
@@ -27,12 +27,12 @@ pub enum Kind {
     Text,
 }
 
-/// A column: its name, with the unit where there is one (`error_um`), and what it holds.
+/// A column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Name, unlike that of every other column.
+    /// Name, with the unit if it has one (`error_um`); no two columns of a table have the same.
     pub name: String,
-    /// What it holds.
+    /// Type of its values.
     pub kind: Kind,
 }
 

@@ -83,7 +83,7 @@ fn rows_that_do_not_fit_are_refused() {
     assert_eq!(Form::of(Path::new("csv")), None);
 }
 
-/// A full disk is told as one.
+/// A full disk is reported as a full disk.
 #[test]
 fn failures_of_the_file_stay_what_they_are() {
     struct Full;

@@ -430,7 +430,7 @@ fn nearly_straight_points_are_fitted_by_a_large_circle_or_refused() {
     }
 }
 
-/// What rounding at 10⁹ mm hides is told, in a second or less, and the other circles are found.
+/// Where rounding at 10⁹ mm hides the inscribed circle, the search ends and says so; the other circles are found.
 #[test]
 fn outliers_at_several_distances_end() {
     let points = [

@@ -10,7 +10,7 @@ pub struct Received {
     pub frames: Vec<Frame>,
     /// Records of revolutions.
     pub revolutions: Vec<RoundnessFrame>,
-    /// What stood between two zeros and was neither.
+    /// Frames that are neither.
     pub damaged: usize,
 }
 
