@@ -256,7 +256,7 @@
 /// The encoder interface reports an alarm (dropout).
 #define TRUEAXIS_FAULT_ENCODER_ALARM 4
 
-/// `elapsed_ns` is off the period by more than a quarter.
+/// `elapsed_ns` is longer than the period by more than a quarter.
 #define TRUEAXIS_FAULT_LATE_CYCLE 5
 
 /// A command is not finite. From here to 31: the output holds, a stop is requested.
@@ -993,7 +993,7 @@ trueaxis_result_t trueaxis_gauge_set_wheel(const struct trueaxis_gauge_t *gauge,
 /// must outlive the loop and its copies, unchanged.
 ///
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
-/// the change smooth. Not real-time; about 17 KiB of stack. On refusal `memory` may have been written.
+/// the change smooth. Not real-time; 31 to 61 KiB of stack. On refusal `memory` may have been written.
 ///
 /// `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
 trueaxis_result_t trueaxis_loop_build(struct trueaxis_loop_t *loop,

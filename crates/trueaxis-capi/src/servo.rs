@@ -19,7 +19,7 @@ use trueaxis::tcomp::Tcomp;
 /// must outlive the loop and its copies, unchanged.
 ///
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
-/// the change smooth. Not real-time; about 17 KiB of stack. On refusal `memory` may have been written.
+/// the change smooth. Not real-time; 31 to 61 KiB of stack. On refusal `memory` may have been written.
 ///
 /// `_TABLES`, `_MACHINE`, `_CONFIG` (also the period), `_MEMORY`, `_ARGUMENT` (memory overlaps file or loop).
 ///

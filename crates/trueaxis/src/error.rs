@@ -113,7 +113,7 @@ pub enum Fault {
     EncoderStuck = 3,
     /// The encoder interface reports an alarm (dropout).
     EncoderAlarm = 4,
-    /// The cycle came late: its period is off by more than a quarter.
+    /// The cycle came late, by more than a quarter of its period.
     LateCycle = 5,
     /// A command is infinite or not a number.
     CommandNotFinite = 16,
