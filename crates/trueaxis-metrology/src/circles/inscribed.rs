@@ -21,7 +21,7 @@ use std::vec::Vec;
 ///
 /// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`]; [`NoCircle::PartArc`] where the points leave half a turn
 /// or more open as seen from the least-squares centre, or where no circle is held on all sides; [`NoCircle::Unresolved`]
-/// where half a million squares do not do: outliers 10⁶ and 10⁹ times farther away than the other points.
+/// where 150,000 squares do not do: outliers 10⁶ and 10⁹ times farther away than the other points.
 pub fn maximum_inscribed(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     check(points)?;
     let (local, c) = least_squares::fit(points).map_err(|_| NoCircle::PartArc)?;
@@ -57,7 +57,7 @@ const GROUPS: usize = 24;
 const TRIALS: usize = 10_000;
 
 /// Squares after which the search is given up.
-const SQUARES: usize = 500_000;
+const SQUARES: usize = 150_000;
 
 /// Points that the first circle is made of at most, and exchanges of them that are tried.
 const MOST: usize = 24;
