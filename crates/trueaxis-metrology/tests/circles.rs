@@ -455,3 +455,22 @@ fn the_narrowest_ring_of_nearly_straight_points_is_far_away() {
     let (lsc, mzc) = (least_squares(&points).unwrap(), minimum_zone(&points).unwrap());
     assert!(mzc.zone < lsc.zone * (1.0 + 1e-9) && mzc.zone < 5.27e-4, "{mzc:?} {lsc:?}");
 }
+
+/// Two points 10⁸ mm away on either side of a few in the middle: a valley of centres that is narrower than rounding.
+#[test]
+fn a_search_for_the_minimum_zone_ends() {
+    let points = [
+        [3.0, 0.0],
+        [0.0, 3.0],
+        [-3.0, 97_418_473.998],
+        [0.0, -0.01],
+        [63.0, 0.0],
+        [0.0, 0.0],
+        [0.0, -99_999_999.999],
+        [0.0, -3.002],
+        [23.0, 0.0],
+        [1e6, 2.0],
+    ];
+    assert_eq!(minimum_zone(&points), Err(NoCircle::Unresolved));
+    assert!(minimum_circumscribed(&points).is_ok() && least_squares(&points).is_ok());
+}

@@ -27,7 +27,8 @@ use std::vec::Vec;
 ///
 /// # Errors
 ///
-/// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`] (collinear, or no circle better than a strip).
+/// [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`] (collinear, or no circle better than a strip);
+/// [`NoCircle::Unresolved`] where 150,000 rectangles do not do: outliers 10⁶ and 10⁸ times farther away than the other points.
 pub fn minimum_zone(points: &[[f64; 2]]) -> Result<ReferenceCircle, NoCircle> {
     counted(points).0
 }
@@ -48,6 +49,9 @@ fn counted(points: &[[f64; 2]]) -> (Result<ReferenceCircle, NoCircle>, usize) {
     let half = search.start(strip);
     search.limit = half;
     search.narrow(Cell { m: [0.0; 2], half: [half; 2] });
+    if search.trials > RECTANGLES {
+        return (Err(NoCircle::Unresolved), search.trials);
+    }
     if search.width >= strip * (1.0 - 1e-9) {
         return (Err(NoCircle::Straight), search.trials);
     }
@@ -76,6 +80,9 @@ const GROUPS: usize = 24;
 
 /// Rectangles that may be tried on that sample before all points are asked.
 const TRIALS: usize = 10_000;
+
+/// Rectangles after which the search is given up.
+const RECTANGLES: usize = 150_000;
 
 /// A rectangle is searched centre by centre when no more points than this can decide in it, far and near together.
 const FEW: usize = 9;
@@ -236,6 +243,9 @@ impl<'a> Search<'a> {
 
     fn cut(&mut self, cell: Cell, far: &[Point], near: &[Point], at: Extremes) {
         self.trials += 1;
+        if self.trials > RECTANGLES {
+            return;
+        }
         let (local, m) = (self.local, self.place(cell.m));
         let noise = local.noise(m[0].hypot(m[1]) + cell.half[0] + cell.half[1]);
         // Where a is farthest in the middle, p can be farthest in the rectangle only if it overtakes a in a corner.

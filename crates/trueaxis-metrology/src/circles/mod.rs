@@ -71,7 +71,7 @@ pub enum NoCircle {
     /// All points lie on one straight line or in one place, or a straight strip holds them at least as closely as any
     /// circle does.
     Straight,
-    /// Some points stand so much farther away than others that rounding hides which circle is the largest.
+    /// Some points stand so much farther away than others that rounding hides which circle is the best.
     Unresolved,
     /// The points leave half a turn or more open: a circle could be moved out through the gap, and there is no extreme.
     PartArc,
@@ -91,7 +91,7 @@ impl core::fmt::Display for NoCircle {
             Self::NonFinite { index } => write!(f, "found a value that is not finite at index {index}"),
             Self::Straight => f.write_str("found points that fit a straight line as well as any circle"),
             Self::Unresolved => {
-                f.write_str("found points so much farther away than others that rounding hides the largest circle")
+                f.write_str("found points so much farther away than others that rounding hides the circle")
             }
             Self::PartArc => {
                 f.write_str("found a part arc that leaves half a turn or more open, needed points all round")
