@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal, TypedDict, final, type_check_only
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Error", "__version__", "Machine", "Path", "Program", "helicoid", "circle", "roundness", "probe_angles", "simulate"]
+__all__ = ["Error", "__version__", "Machine", "Path", "Program", "helicoid", "identify", "friction", "circle", "roundness", "probe_angles", "simulate"]
 
 __version__: str
 
@@ -135,6 +135,23 @@ def simulate(
     trace_every: int | None = None,
 ) -> dict[str, Any]: ...
 def helicoid(*, gcode: bool = False, **request: Any) -> dict[str, Any]: ...
+def identify(
+    readings: NDArray[np.float64] | str | PathLike[str],
+    *,
+    axis: Literal["A", "B", "C"],
+    machine: Machine | None = None,
+    start_mm: Sequence[float] | None = None,
+    free_offsets: bool = False,
+    table: bool = False,
+) -> dict[str, Any]: ...
+def friction(
+    record: NDArray[np.float64] | str | PathLike[str],
+    *,
+    axes: str,
+    machine: Machine | None = None,
+    find_drive: bool = False,
+    toml: bool = False,
+) -> dict[str, Any]: ...
 def circle(points: NDArray[np.float64]) -> dict[str, Any]: ...
 def roundness(
     readings: NDArray[np.float64],

@@ -4,6 +4,7 @@
 
 mod arrays;
 mod documents;
+mod identification;
 mod kinematics;
 mod machine;
 mod path;
@@ -43,6 +44,8 @@ fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<simulation::Program>()?;
     module.add_function(wrap_pyfunction!(simulation::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(kinematics::helicoid, module)?)?;
+    module.add_function(wrap_pyfunction!(identification::identify, module)?)?;
+    module.add_function(wrap_pyfunction!(identification::friction, module)?)?;
     module.add_function(wrap_pyfunction!(documents::circle, module)?)?;
     module.add_function(wrap_pyfunction!(documents::roundness, module)?)?;
     module.add_function(wrap_pyfunction!(documents::probe_angles, module)?)

@@ -1,20 +1,18 @@
 //! `trueaxis identify`.
 
-pub(crate) mod document;
-mod linear_axes;
+mod table;
 
 use crate::csv_in;
 use crate::model;
 use crate::numbers::triple;
 use crate::output::{json, print};
 use crate::report;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
-use document::Document;
 use std::path::PathBuf;
 use trueaxis::Axis;
-use trueaxis_evaluation::identify::{self as evaluation, Readings};
-use trueaxis_metrology::identification::{Offsets, identify};
+use trueaxis_evaluation::identify::{self, Known, Readings};
+use trueaxis_metrology::identification::Offsets;
 use trueaxis_tables::formats::write_axis_csv;
 use trueaxis_tables::output::Outputs;
 
@@ -85,64 +83,32 @@ impl From<Rotary> for Axis {
     }
 }
 
-/// Condition number from which the set-ups are called doubtful: a gauge of 0.2 µm then gives errors of 20 µm.
-const DOUBTFUL_CONDITION: f64 = 100.0;
-
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let axis = Axis::from(arguments.axis);
-    let mut readings = Readings::read(&mut csv_in::open(&arguments.measured, &evaluation::COLUMNS, "readings")?)?;
-    let mut warnings = Vec::new();
-    let mut direction = 1.0;
-    if let Some(file) = &arguments.machine {
-        let machine = model::source(file)?;
-        let settings = machine.settings.axes.iter().find(|settings| settings.axis == axis).ok_or_else(|| {
-            anyhow!("{}: found no axis {}, needed the axis that was measured", file.display(), axis.letter())
-        })?;
-        direction = f64::from(settings.direction);
-        let start_mm = arguments.start_mm.unwrap_or_default();
-        warnings.push(format!(
-            "the linear axes' own errors are removed, as {} predicts them from X {}, Y {}, Z {} mm at the start",
-            machine.settings.name, start_mm[0], start_mm[1], start_mm[2]
-        ));
-        if linear_axes::remove(&mut readings, &machine, file, axis, direction, start_mm)? {
-            warnings.push("RTCP takes a linear axis beyond its table, where the edge value is clamped".into());
-        }
-        let own = machine.settings.location.rotary.iter().zip([Axis::A, Axis::B, Axis::C]);
-        if !arguments.free_offsets && own.into_iter().any(|(errors, of)| of == axis && *errors != [0.0; 6]) {
-            let letter = axis.letter();
-            warnings.push(format!(
-                "{} has location errors of {letter}, which the errors found contain: set EX0{letter} to EC0{letter} to zero with this table",
-                machine.settings.name
-            ));
-        }
-    }
-    let offsets = if arguments.free_offsets { Offsets::Free } else { Offsets::Known };
-    let found = identify(&readings.test(axis, direction), offsets)
-        .map_err(|refused| anyhow!("{}: {refused}", arguments.measured.display()))?;
-    let written = arguments.output.as_ref().map(|output| {
-        evaluation::table(&readings.angles_deg, &found)
-            .map(|(table, note)| (output, write_axis_csv(&table, axis), note))
-            .with_context(|| arguments.measured.display().to_string())
+    let readings = Readings::read(&mut csv_in::open(&arguments.measured, &identify::COLUMNS, "readings")?)?;
+    let machine =
+        arguments.machine.as_deref().map(|file| anyhow::Ok((model::source(file)?, file.display().to_string())));
+    let machine = machine.transpose()?;
+    let known = machine.as_ref().map(|(machine, file)| Known {
+        machine,
+        file,
+        start_mm: arguments.start_mm.unwrap_or_default(),
     });
-    let written = written.transpose()?;
-    warnings.extend(written.as_ref().and_then(|(_, _, note)| note.clone()));
-    let worst = found.angles.iter().map(|angle| angle.condition).fold(0.0, f64::max);
-    if worst > DOUBTFUL_CONDITION {
-        warnings.push(format!(
-            "condition number {worst:.0}: the set-ups are nearly on one line, the errors come out that much worse than the gauges read"
-        ));
+    let offsets = if arguments.free_offsets { Offsets::Free } else { Offsets::Known };
+    let measured = arguments.measured.display().to_string();
+    let mut found = identify::identify(readings, &measured, axis, offsets, known)?;
+    let mut outputs = Outputs::of(
+        arguments.machine.iter().flat_map(|machine| model::files(machine)).chain([arguments.measured.clone()]),
+    );
+    if let Some(output) = &arguments.output {
+        let table = found.table().context(measured)?;
+        outputs.put(output, write_axis_csv(&table, axis).as_bytes())?;
     }
-    let document = Document::new(&readings, &found, warnings);
-    let machine = arguments.machine.iter().flat_map(|machine| model::files(machine));
-    let mut outputs = Outputs::of(machine.chain([arguments.measured.clone()]));
     if let Some(to) = &arguments.report {
         let source = arguments.measured.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::identify::page(&source, axis, &document);
+        let page = report::identify::page(&source, axis, &found.document);
         report::write_to(&mut outputs, &page, to, "identify.html")?;
     }
-    if let Some((output, text, _)) = &written {
-        outputs.put(output, text.as_bytes())?;
-    }
     outputs.commit()?;
-    if arguments.json { json(&document) } else { print(&document.table(axis)?) }
+    if arguments.json { json(&found.document) } else { print(&table::table(&found.document, axis)?) }
 }

@@ -1,9 +1,9 @@
 //! The page of `trueaxis identify`.
 
 use super::{range, warnings};
-use crate::identify::document::{Document, names};
 use maud::html;
 use trueaxis::Axis;
+use trueaxis_evaluation::identify::{Document, names};
 use trueaxis_report::{
     Figure, Page, Row, Scale, Table, error_bars,
     number::{quantity, significant},

@@ -1,9 +1,107 @@
-//! Errors of a rotary axis from a ball held in place: the measured file as a test, and what was found as the axis' table.
+//! Errors of a rotary axis from a ball held in place: the measured file as a test, and what was found as a document and as
+//! the axis' table.
+//!
+//! ```text
+//! MEASURED.csv ─► Readings ─► identify ─► Found: document, table
+//! ```
 //!
 //! The mathematics is [`trueaxis_metrology::identification`].
 
+mod document;
+mod linear_axes;
 mod readings;
 mod table;
 
+pub use document::{Angle, Document, SetUp, micro, names};
 pub use readings::{COLUMNS, Readings, SAME_ANGLE_DEG};
 pub use table::table;
+
+use anyhow::{Context, Result, anyhow};
+use trueaxis::Axis;
+use trueaxis_metrology::identification::{Identified, Offsets, identify as solve};
+use trueaxis_tables::{Machine, Table};
+
+/// Condition number from which the set-ups are called doubtful: a gauge of 0.2 µm then gives errors of 20 µm.
+const DOUBTFUL_CONDITION: f64 = 100.0;
+
+/// A machine that is known already: the sense of its axis is taken, and its linear axes' own errors are removed.
+#[derive(Clone, Copy, Debug)]
+pub struct Known<'m> {
+    /// The machine.
+    pub machine: &'m Machine,
+    /// What it is called in messages.
+    pub file: &'m str,
+    /// Where X, Y, Z stand in the first set-up at the first angle, mm; from there RTCP moves them.
+    pub start_mm: [f64; 3],
+}
+
+/// What was found.
+#[derive(Debug)]
+pub struct Found {
+    /// To be printed.
+    pub document: Document,
+    angles_deg: Vec<f64>,
+    errors: Identified,
+}
+
+/// The six errors of an axis at every angle of the readings; `name` stands before what is wrong with them.
+///
+/// Cost: [`solve`], a least-squares fit of six unknowns an angle.
+///
+/// # Errors
+/// A machine without that axis or with tables that the model refuses; readings that do not determine the errors.
+pub fn identify(
+    mut readings: Readings,
+    name: &str,
+    axis: Axis,
+    offsets: Offsets,
+    known: Option<Known<'_>>,
+) -> Result<Found> {
+    let mut warnings = Vec::new();
+    let mut direction = 1.0;
+    if let Some(Known { machine, file, start_mm }) = known {
+        let settings = machine
+            .settings
+            .axis(axis)
+            .ok_or_else(|| anyhow!("{file}: found no axis {}, needed the axis that was measured", axis.letter()))?;
+        direction = f64::from(settings.direction);
+        let [x, y, z] = start_mm;
+        warnings.push(format!(
+            "the linear axes' own errors are removed, as {} predicts them from X {x}, Y {y}, Z {z} mm at the start",
+            machine.settings.name
+        ));
+        let beyond = linear_axes::remove(&mut readings, machine, axis, direction, start_mm);
+        if beyond.with_context(|| file.to_owned())? {
+            warnings.push("RTCP takes a linear axis beyond its table, where the edge value is clamped".into());
+        }
+        let mut own = machine.settings.location.rotary.iter().zip([Axis::A, Axis::B, Axis::C]);
+        if offsets == Offsets::Known && own.any(|(errors, of)| of == axis && *errors != [0.0; 6]) {
+            let letter = axis.letter();
+            warnings.push(format!(
+                "{} has location errors of {letter}, which the errors found contain: set EX0{letter} to EC0{letter} to zero with this table",
+                machine.settings.name
+            ));
+        }
+    }
+    let errors = solve(&readings.test(axis, direction), offsets).map_err(|refused| anyhow!("{name}: {refused}"))?;
+    let worst = errors.angles.iter().map(|angle| angle.condition).fold(0.0, f64::max);
+    if worst > DOUBTFUL_CONDITION {
+        warnings.push(format!(
+            "condition number {worst:.0}: the set-ups are nearly on one line, the errors come out that much worse than the gauges read"
+        ));
+    }
+    let document = Document::new(&readings, &errors, warnings);
+    Ok(Found { document, angles_deg: readings.angles_deg, errors })
+}
+
+impl Found {
+    /// The errors as the axis' table; what is to be said of it is added to the document's warnings.
+    ///
+    /// # Errors
+    /// Angles that no table can be made of.
+    pub fn table(&mut self) -> Result<Table> {
+        let (table, note) = table::table(&self.angles_deg, &self.errors)?;
+        self.document.warnings.extend(note);
+        Ok(table)
+    }
+}

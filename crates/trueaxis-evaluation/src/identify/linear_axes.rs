@@ -1,14 +1,14 @@
 //! Contribution of the linear axes to the ball's deviation, predicted by a machine's tables.
 
-use crate::model::{by_axes, with_compensation};
-use anyhow::{Context, Result, anyhow};
-use std::path::Path;
+use super::Readings;
+use crate::by_axes;
+use crate::model::with_compensation;
+use anyhow::{Result, anyhow};
 use trueaxis::Axis;
 use trueaxis::compensation::Query;
 use trueaxis::compensation::{Compensation, Direction, ThermalLine};
 use trueaxis::machine::ErrorModel;
 use trueaxis::machine::{AxisOrder, carries_workpiece};
-use trueaxis_evaluation::identify::Readings;
 use trueaxis_metrology::identification::{Ball, lever};
 use trueaxis_tables::Machine;
 
@@ -20,7 +20,6 @@ use trueaxis_tables::Machine;
 pub(super) fn remove(
     readings: &mut Readings,
     machine: &Machine,
-    file: &Path,
     axis: Axis,
     direction: f64,
     start_mm: [f64; 3],
@@ -51,8 +50,7 @@ pub(super) fn remove(
             std::array::from_fn(|i| start_mm[i] + sense * (arm[i] - origin[i]))
         };
         let poses: Vec<([f64; 3], f64)> = readings.angles_deg.iter().map(|&angle| (stands(angle), angle)).collect();
-        let (errors, clamped) = by_axes!(known.settings.step_axes().count(), tip_errors(&known, axis, &poses))
-            .with_context(|| file.display().to_string())?;
+        let (errors, clamped) = by_axes!(known.settings.step_axes().count(), tip_errors(&known, axis, &poses))?;
         beyond |= clamped;
         for (deviations, error) in readings.deviations_mm.iter_mut().zip(errors) {
             if let Some(deviation) = deviations.get_mut(s) {

@@ -1,0 +1,154 @@
+//! Errors of rotary axes and friction, found from measurements.
+
+use crate::machine::Machine;
+use crate::{Error, arrays, documents, told, warn};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::fmt::Write;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use trueaxis::Axis;
+use trueaxis_evaluation::rows::{Column, Rows};
+use trueaxis_evaluation::{friction as circles, identify as ball};
+use trueaxis_metrology::identification::Offsets;
+use trueaxis_tables::formats::write_axis_csv;
+
+/// A file, or an array as the text of one: what reads it says the line of what is wrong.
+enum Measured {
+    File(PathBuf),
+    Text { name: &'static str, text: String },
+}
+
+impl Measured {
+    /// A path, or an array with these columns.
+    fn of(given: &Bound<'_, PyAny>, name: &'static str, columns: &[&str]) -> PyResult<Measured> {
+        if let Ok(path) = given.extract::<PathBuf>() {
+            return Ok(Measured::File(path));
+        }
+        let (width, values) = arrays::rows(given, name, &[columns.len()])?;
+        let mut text = columns.join(",");
+        for row in values.chunks_exact(width) {
+            for (i, value) in row.iter().enumerate() {
+                let _ = write!(text, "{}{value}", if i == 0 { '\n' } else { ',' });
+            }
+        }
+        Ok(Measured::Text { name, text })
+    }
+
+    fn name(&self) -> &Path {
+        match self {
+            Measured::File(path) => path,
+            Measured::Text { name, .. } => Path::new(name),
+        }
+    }
+
+    fn rows<'r, const C: usize>(
+        &'r self,
+        columns: &[Column; C],
+        notes: &'r mut Vec<String>,
+    ) -> anyhow::Result<Rows<'r, C>> {
+        let input: Box<dyn Read + 'r> = match self {
+            Measured::File(path) => {
+                Box::new(File::open(path).map_err(|error| anyhow::anyhow!("cannot read {}: {error}", path.display()))?)
+            }
+            Measured::Text { text, .. } => Box::new(text.as_bytes()),
+        };
+        Rows::new(input, self.name(), columns, |note| notes.push(note))
+    }
+}
+
+/// The six errors of a rotary axis from readings of a ball that RTCP holds in place: the document of
+/// `trueaxis identify --json`, and with table=True the axis' table as CSV text under `table`.
+///
+/// readings: (n, 6), columns angle_deg, l_mm, h_mm, dx_um, dy_um, dz_um, or a file of these; rows of an array count from line 2.
+/// axis: "A", "B" or "C". machine: its sense of the axis is taken and its linear axes' own errors are removed, with X, Y, Z at
+/// start_mm in the first set-up at the first angle. free_offsets: the gauges were zeroed in every set-up.
+#[pyfunction]
+#[pyo3(signature = (readings, *, axis, machine = None, start_mm = None, free_offsets = false, table = false))]
+pub(crate) fn identify<'py>(
+    py: Python<'py>,
+    readings: &Bound<'py, PyAny>,
+    axis: &str,
+    machine: Option<Bound<'py, Machine>>,
+    start_mm: Option<[f64; 3]>,
+    free_offsets: bool,
+    table: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let axis = match axis {
+        "A" => Axis::A,
+        "B" => Axis::B,
+        "C" => Axis::C,
+        found => return Err(Error::new_err(format!("axis: found {found:?}, needed \"A\", \"B\" or \"C\""))),
+    };
+    if start_mm.is_some() && machine.is_none() {
+        return Err(Error::new_err("start_mm: found no machine, needed the one that stands there"));
+    }
+    if let Some(value) = start_mm.iter().flatten().find(|value| value.is_nan() || value.abs() > 1e6) {
+        return Err(Error::new_err(format!("start_mm: found {value}, needed a finite number of at most 1e6 mm")));
+    }
+    let measured = Measured::of(readings, "readings", &ball::COLUMNS.map(|column| column.name))?;
+    let machine = machine.as_ref().map(Bound::get);
+    let offsets = if free_offsets { Offsets::Free } else { Offsets::Known };
+    let mut notes = Vec::new();
+    let found = py.detach(|| {
+        let readings = ball::Readings::read(&mut measured.rows(&ball::COLUMNS, &mut notes)?)?;
+        let known = machine.map(|Machine(machine)| ball::Known {
+            machine,
+            file: machine.settings.name.as_str(),
+            start_mm: start_mm.unwrap_or_default(),
+        });
+        let name = measured.name().display().to_string();
+        let mut found = ball::identify(readings, &name, axis, offsets, known)?;
+        let table = if table { Some(write_axis_csv(&found.table()?, axis)) } else { None };
+        Ok((found.document, table))
+    });
+    notes.iter().try_for_each(|note| warn(py, note))?;
+    let (document, table) = told(found)?;
+    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    if let Some(table) = table {
+        found.set_item("table", table)?;
+    }
+    Ok(found)
+}
+
+/// Friction of two axes and their drives' figures from recorded circles: the document of `trueaxis friction --json`, and with
+/// toml=True the sections of a machine.toml under `toml`.
+///
+/// record: (n, 5), time in s, then command and reading in mm of the first axis and of the second, or a file as the command
+/// reads; rows of an array count from line 2. axes: as "X,Y". machine: the figures of its drives are taken, unless find_drive.
+#[pyfunction]
+#[pyo3(signature = (record, *, axes, machine = None, find_drive = false, toml = false))]
+pub(crate) fn friction<'py>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    axes: &str,
+    machine: Option<Bound<'py, Machine>>,
+    find_drive: bool,
+    toml: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let axes = circles::pair(axes).map_err(|error| Error::new_err(format!("axes: {error}")))?;
+    let columns = circles::columns(axes);
+    let [first, second] = axes.map(|axis| 1 + 2 * axis.index());
+    let names = [0, first, first + 1, second, second + 1].map(|column| columns[column].name);
+    let measured = Measured::of(record, "record", &names)?;
+    let machine = machine.as_ref().map(Bound::get);
+    let mut notes = Vec::new();
+    let found = py.detach(|| {
+        let given = match machine.filter(|_| !find_drive) {
+            Some(Machine(machine)) => circles::drives(machine, machine.settings.name.as_str(), axes)?,
+            None => [None; 2],
+        };
+        let recording = circles::Recording::read(measured.rows(&columns, &mut notes)?, axes)?;
+        let (found, document) = circles::fit(&recording, given, &mut |_, _| {})?;
+        let sections = toml.then(|| circles::sections(measured.name(), &found));
+        Ok((document, sections))
+    });
+    notes.iter().try_for_each(|note| warn(py, note))?;
+    let (document, sections) = told(found)?;
+    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    if let Some(sections) = sections {
+        found.set_item("toml", sections)?;
+    }
+    Ok(found)
+}
