@@ -41,18 +41,30 @@ class Machine:
         self,
         positions: NDArray[np.float64],
         *,
-        model: Literal["nine", "volumetric"] | None = None,
+        model: Literal["nine", "volumetric", "exact"] | None = None,
         reverse: bool = False,
+        in_order: bool = False,
+        temperature_c: float | None = None,
+    ) -> NDArray[np.float64]: ...
+    def orientation_error(
+        self,
+        positions: NDArray[np.float64],
+        *,
+        model: Literal["volumetric", "exact"] | None = None,
+        reverse: bool = False,
+        in_order: bool = False,
         temperature_c: float | None = None,
     ) -> NDArray[np.float64]: ...
     def correction(
         self,
         positions: NDArray[np.float64],
         *,
-        model: Literal["nine", "volumetric"] | None = None,
+        model: Literal["nine", "volumetric", "exact"] | None = None,
         reverse: bool = False,
+        in_order: bool = False,
         temperature_c: float | None = None,
         inverse_passes: int | None = None,
+        orientation: bool = False,
     ) -> NDArray[np.float64]: ...
     def forward(
         self, positions: NDArray[np.float64], *, tool_mm: Sequence[float] | None = None

@@ -1,16 +1,14 @@
 //! `trueaxis compensate`.
 
-mod exact;
-mod step;
-
 use crate::csv_in::{self, Rows};
-use crate::model::{self, by_axes};
+use crate::model;
 use crate::output::{Writer, tell};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use trueaxis::machine::{Axis, ErrorModel};
-use trueaxis_evaluation::positions::COLUMNS;
+use trueaxis::machine::{AXES, Axis, ErrorModel};
+use trueaxis_evaluation::compensate::{Arrival, NoCorrection, PoseError, Settings, with_model};
+use trueaxis_evaluation::positions::{COLUMNS, next};
 use trueaxis_tables::Machine;
 use trueaxis_tables::text::counted;
 
@@ -95,33 +93,37 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let inputs = model::files(&arguments.machine).into_iter().chain([arguments.positions.clone()]);
     let mut result = Written { out: Writer::new(arguments.output.as_deref(), inputs)?, rotary: Vec::new(), clamped: 0 };
     match model {
-        Model::Exact => exact::evaluate(arguments, &machine, &mut positions, &mut result)?,
         Model::Nine if arguments.orientation => {
             let found = if arguments.model.is_some() { "--model nine" } else { "model nine of the machine" };
             bail!("--orientation: found {found}, which has no orientation, needed --model volumetric or --model exact")
         }
-        Model::Nine | Model::Volumetric => {
-            let nine = model == Model::Nine;
-            machine.settings.compensation.model = if nine { ErrorModel::Nine } else { ErrorModel::Volumetric };
-            by_axes!(
-                machine.settings.step_axes().count(),
-                step::evaluate(arguments, &machine, &mut positions, &mut result)
-            )?;
-        }
+        Model::Nine => machine.settings.compensation.model = ErrorModel::Nine,
+        Model::Volumetric => machine.settings.compensation.model = ErrorModel::Volumetric,
+        Model::Exact => {}
     }
+    let settings = Settings {
+        exact: model == Model::Exact,
+        passes: arguments.inverse_passes,
+        kelvin: model::rise(arguments.temperature_c, &machine)?,
+    };
+    let mut arrival = match (arguments.reverse, arguments.in_order) {
+        (_, true) => Arrival::in_order(&machine),
+        (true, _) => Arrival::Negative,
+        (false, false) => Arrival::Positive,
+    };
+    with_model(&machine, &settings, &mut |model| {
+        result.header(arguments, &machine, &positions)?;
+        while let Some(row) = next(&machine, &mut positions)? {
+            let refused =
+                |NoCorrection| positions.error(row.line, COLUMNS[0].name, NoCorrection::FOUND, NoCorrection::NEEDED);
+            let at = arrival.at(model, row.values).map_err(refused)?;
+            let correction = model.correction(&at).map_err(refused)?;
+            let corrected = std::array::from_fn(|axis| row.values[axis] + correction[axis]);
+            result.row(arguments, &positions, &model.error(&at), &corrected)?;
+        }
+        Ok(())
+    })?;
     result.finish(positions.count)
-}
-
-/// Error and corrected command at one position.
-struct Evaluated {
-    /// Tip error, mm.
-    error: [f64; 3],
-    /// Orientation error, rad.
-    orientation: [f64; 3],
-    /// Commands of X Y Z A B C, mm and degrees.
-    corrected: [f64; 6],
-    /// Beyond a table's end.
-    clamped: bool,
 }
 
 /// The result on its way out.
@@ -146,21 +148,27 @@ impl Written<'_> {
         self.out.put(format_args!("\n"))
     }
 
-    fn row(&mut self, arguments: &Arguments, positions: &Rows<6>, at: &Evaluated) -> Result<()> {
+    fn row(
+        &mut self,
+        arguments: &Arguments,
+        positions: &Rows<6>,
+        error: &PoseError,
+        corrected: &[f64; AXES],
+    ) -> Result<()> {
         for cell in positions.cells() {
             self.out.put(format_args!("{cell},"))?;
         }
-        let [ex, ey, ez] = at.error.map(|mm| mm * 1e3);
-        let [cx, cy, cz, ..] = at.corrected;
+        let [ex, ey, ez] = error.tip.map(|mm| mm * 1e3);
+        let [cx, cy, cz, ..] = *corrected;
         self.out.put(format_args!("{ex},{ey},{ez},{cx},{cy},{cz}"))?;
         if arguments.orientation {
-            let [ea, eb, ec] = at.orientation.map(|rad| rad * 1e6);
+            let [ea, eb, ec] = error.orientation.map(|rad| rad * 1e6);
             self.out.put(format_args!(",{ea},{eb},{ec}"))?;
             for axis in &self.rotary {
-                self.out.put(format_args!(",{}", at.corrected[axis.index()]))?;
+                self.out.put(format_args!(",{}", corrected[axis.index()]))?;
             }
         }
-        self.clamped += usize::from(at.clamped);
+        self.clamped += usize::from(error.clamped);
         self.out.put(format_args!("\n"))
     }
 

@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use std::path::Path;
 pub(crate) use trueaxis_evaluation::by_axes;
 use trueaxis_evaluation::model::{self, takes_rise};
-pub(crate) use trueaxis_evaluation::model::{files, parsed, passes, thermal, with_compensation};
+pub(crate) use trueaxis_evaluation::model::{files, parsed};
 use trueaxis_tables::Machine;
 use trueaxis_tables::text::read_text;
 

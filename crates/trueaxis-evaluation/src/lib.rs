@@ -7,6 +7,7 @@ pub mod accuracy;
 pub mod batch;
 pub mod check;
 pub mod circle;
+pub mod compensate;
 pub mod contributions;
 pub mod correct;
 pub mod curve;

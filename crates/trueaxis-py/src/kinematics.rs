@@ -34,7 +34,7 @@ impl Machine {
         positions: &Bound<'py, PyAny>,
         tool_mm: Option<[f64; 3]>,
     ) -> PyResult<Tools<'py>> {
-        let asked = self.asked(positions, None, false, None)?;
+        let asked = self.asked(positions, None, false, false, None)?;
         let kinematics = self.kinematics(tool_mm)?;
         let (tips, tools, margins) = py.detach(|| {
             let (mut tips, mut tools, mut margins) = (Vec::new(), Vec::new(), Vec::new());

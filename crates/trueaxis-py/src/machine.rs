@@ -5,7 +5,8 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use trueaxis::machine::{AXES, Axis, ErrorModel};
-use trueaxis_evaluation::batch::{self, Settings};
+use trueaxis_evaluation::batch;
+use trueaxis_evaluation::compensate::{Arrival, PoseError, Settings};
 use trueaxis_evaluation::model;
 use trueaxis_tables::text::counted;
 
@@ -17,6 +18,7 @@ pub(crate) struct Machine(pub(crate) trueaxis_tables::Machine);
 pub(crate) struct Asked {
     machine: trueaxis_tables::Machine,
     settings: Settings,
+    arrival: Arrival,
     pub(crate) positions: Vec<[f64; AXES]>,
     /// Axis of every column.
     columns: Vec<Axis>,
@@ -68,58 +70,67 @@ impl Machine {
 
     /// Error of the tool tip at commanded positions, actual − ideal, µm: an array (n, 3).
     ///
-    /// positions: (n, 3) or the machine's columns, mm and degrees; rotary axes left out stand at 0. Columns ex_um, ey_um,
-    /// ez_um of `trueaxis compensate`. Beyond a table's end its edge value is clamped, with a warning.
-    #[pyo3(signature = (positions, *, model = None, reverse = false, temperature_c = None))]
+    /// positions: (n, 3) or the machine's columns, mm and degrees; rotary axes left out stand at 0. model: "nine", "volumetric"
+    /// or "exact" (transforms). reverse: all axes in negative travel; in_order: as the drives come from row to row. Columns
+    /// ex_um, ey_um, ez_um of `trueaxis compensate`. Beyond a table's end its edge value is clamped, with a warning.
+    #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None))]
     fn error<'py>(
         &self,
         py: Python<'py>,
         positions: &Bound<'py, PyAny>,
         model: Option<&str>,
         reverse: bool,
+        in_order: bool,
         temperature_c: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let asked = self.asked(positions, model, reverse, temperature_c)?;
-        let found = py.detach(|| {
-            let mut errors = vec![[0.0; 3]; asked.positions.len()];
-            let clamped = batch::errors(&asked.machine, &asked.settings, &asked.positions, &mut errors)?;
-            let um = errors.as_flattened().iter().map(|mm| mm * 1e3).collect();
-            Ok((um, clamped))
-        });
-        let (um, clamped) = told(found)?;
-        asked.shaped(py, um, clamped, 3)
+        self.asked(positions, model, reverse, in_order, temperature_c)?.errors(py, |error| error.tip, 1e3)
+    }
+
+    /// Error of the tool's orientation at commanded positions, a small rotation, actual − ideal, µrad: an array (n, 3).
+    ///
+    /// Columns ea_urad, eb_urad, ec_urad of `trueaxis compensate --orientation`. The arguments are those of `error`; the
+    /// nine-term model has no orientation.
+    #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None))]
+    fn orientation_error<'py>(
+        &self,
+        py: Python<'py>,
+        positions: &Bound<'py, PyAny>,
+        model: Option<&str>,
+        reverse: bool,
+        in_order: bool,
+        temperature_c: Option<f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let asked = self.asked(positions, model, reverse, in_order, temperature_c)?.with_orientation()?;
+        asked.errors(py, |error| error.orientation, 1e6)
     }
 
     /// Corrections of commanded positions: an array of the shape of `positions`, mm and degrees, to be added to them.
     ///
     /// positions + correction is where the axes must be sent so that the tool stands at the position: columns cx_mm, cy_mm,
-    /// cz_mm of `trueaxis compensate`. The arguments are those of `error`.
-    #[pyo3(signature = (positions, *, model = None, reverse = false, temperature_c = None, inverse_passes = None))]
+    /// cz_mm of `trueaxis compensate`. orientation: the rotary axes correct the tool's direction, columns ca_deg, cb_deg,
+    /// cc_deg of `--orientation`. The other arguments are those of `error`.
+    #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None,
+        inverse_passes = None, orientation = false))]
     fn correction<'py>(
         &self,
         py: Python<'py>,
         positions: &Bound<'py, PyAny>,
         model: Option<&str>,
         reverse: bool,
+        in_order: bool,
         temperature_c: Option<f64>,
         inverse_passes: Option<u8>,
+        orientation: bool,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         if let Some(passes) = inverse_passes.filter(|passes| !(1..=8).contains(passes)) {
             return Err(Error::new_err(format!("inverse_passes: found {passes}, needed 1 to 8")));
         }
-        let mut asked = self.asked(positions, model, reverse, temperature_c)?;
+        let mut asked = self.asked(positions, model, reverse, in_order, temperature_c)?;
+        if orientation {
+            asked = asked.with_orientation()?;
+        }
         asked.settings.passes = inverse_passes;
-        let found = py.detach(|| {
-            let mut corrections = vec![[0.0; AXES]; asked.positions.len()];
-            let clamped = batch::corrections(&asked.machine, &asked.settings, &asked.positions, &mut corrections)?;
-            let mut values = Vec::with_capacity(corrections.len() * asked.columns.len());
-            for row in &corrections {
-                values.extend(asked.columns.iter().map(|axis| row[axis.index()]));
-            }
-            Ok((values, clamped))
-        });
-        let (values, clamped) = told(found)?;
-        asked.shaped(py, values, clamped, asked.columns.len())
+        asked.corrections(py)
     }
 }
 
@@ -145,14 +156,25 @@ impl Machine {
         positions: &Bound<'_, PyAny>,
         model: Option<&str>,
         reverse: bool,
+        in_order: bool,
         temperature_c: Option<f64>,
     ) -> PyResult<Asked> {
         let mut machine = self.0.clone();
         // As `trueaxis compensate` without --orientation.
         machine.settings.compensation.orientation = false;
-        if let Some(model) = model_of(model)? {
-            machine.settings.compensation.model = model;
+        let exact = model == Some("exact");
+        if let Some(model) = model.filter(|_| !exact) {
+            let own = model_of(Some(model)).map_err(|_| {
+                Error::new_err(format!("model: found {model:?}, needed \"nine\", \"volumetric\" or \"exact\""))
+            })?;
+            machine.settings.compensation.model = own.unwrap_or(machine.settings.compensation.model);
         }
+        let arrival = match (reverse, in_order) {
+            (true, true) => return Err(Error::new_err("reverse: found in_order too, needed one of both")),
+            (true, false) => Arrival::Negative,
+            (false, true) => Arrival::in_order(&machine),
+            (false, false) => Arrival::Positive,
+        };
         let kelvin = temperature_c.map_or(0.0, |celsius| celsius - machine.settings.reference_temperature_c);
         let mut columns: Vec<Axis> = columns(&machine).collect();
         let widths = if columns.len() == 3 { vec![3] } else { vec![3, columns.len()] };
@@ -171,11 +193,56 @@ impl Machine {
                 }
             }
         }
-        Ok(Asked { machine, settings: Settings { passes: None, reverse, kelvin }, positions: all, columns })
+        let settings = Settings { exact, passes: None, kelvin };
+        Ok(Asked { machine, settings, arrival, positions: all, columns })
     }
 }
 
 impl Asked {
+    /// The tool's orientation is corrected too.
+    fn with_orientation(mut self) -> PyResult<Asked> {
+        if !self.settings.exact && self.machine.settings.compensation.model == ErrorModel::Nine {
+            return Err(Error::new_err(
+                "model: found nine, which has no orientation, needed \"volumetric\" or \"exact\"",
+            ));
+        }
+        self.machine.settings.compensation.orientation = true;
+        Ok(self)
+    }
+
+    /// What `of` takes of the error, in units of which there are `units` in mm or rad.
+    fn errors<'py>(
+        self,
+        py: Python<'py>,
+        of: fn(&PoseError) -> [f64; 3],
+        units: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let found = py.detach(|| {
+            let mut errors = vec![[0.0; 3]; self.positions.len()];
+            let arrival = self.arrival.clone();
+            let clamped = batch::errors(&self.machine, &self.settings, arrival, &self.positions, of, &mut errors)?;
+            Ok((errors.as_flattened().iter().map(|value| value * units).collect(), clamped))
+        });
+        let (values, clamped) = told(found)?;
+        self.shaped(py, values, clamped, 3)
+    }
+
+    fn corrections<'py>(self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let found = py.detach(|| {
+            let mut corrections = vec![[0.0; AXES]; self.positions.len()];
+            let arrival = self.arrival.clone();
+            let clamped =
+                batch::corrections(&self.machine, &self.settings, arrival, &self.positions, &mut corrections)?;
+            let mut values = Vec::with_capacity(corrections.len() * self.columns.len());
+            for row in &corrections {
+                values.extend(self.columns.iter().map(|axis| row[axis.index()]));
+            }
+            Ok((values, clamped))
+        });
+        let (values, clamped) = told(found)?;
+        self.shaped(py, values, clamped, self.columns.len())
+    }
+
     fn shaped<'py>(
         &self,
         py: Python<'py>,

@@ -56,6 +56,10 @@ CASES = [
     ("mill-5axis", {"model": "nine"}, ["--model", "nine"]),
     ("head-5axis", {}, []),
     ("mill-turn", {"reverse": True}, ["--reverse"]),
+    ("mill-3axis", {"model": "exact", "reverse": True}, ["--model", "exact", "--reverse"]),
+    ("mill-3axis", {"in_order": True}, ["--in-order"]),
+    ("mill-5axis", {"model": "exact", "in_order": True}, ["--model", "exact", "--in-order"]),
+    ("head-5axis", {"model": "exact", "temperature_c": 24.0}, ["--model", "exact", "--temperature-c", "24"]),
 ]
 
 
@@ -71,6 +75,40 @@ def test_error_and_correction_are_those_of_compensate(tmp_path, name, asked, opt
     assert np.array_equal(error, columns(table, "ex_um", "ey_um", "ez_um"))
     corrected = at + machine.correction(at, **asked)
     assert np.array_equal(corrected[:, :3], columns(table, "cx_mm", "cy_mm", "cz_mm"))
+
+
+@pytest.mark.parametrize("model", ["volumetric", "exact"])
+@pytest.mark.parametrize("name", ["mill-5axis", "head-5axis"])
+@pytest.mark.filterwarnings("ignore:.*beyond a table's end")
+def test_orientation_is_that_of_compensate(tmp_path, name, model):
+    machine = trueaxis.Machine.load(TABLES / name)
+    at = positions(machine, 500)
+    file = written(tmp_path / "p.csv", ",".join(machine.columns), at)
+    table = printed("compensate", TABLES / name, file, "--model", model, "--orientation")
+    error = machine.orientation_error(at, model=model)
+    assert np.abs(error).max() > 1.0
+    assert np.array_equal(error, columns(table, "ea_urad", "eb_urad", "ec_urad"))
+    corrected = at + machine.correction(at, model=model, orientation=True)
+    assert np.array_equal(corrected, columns(table, *(f"c{column}" for column in machine.columns)))
+    assert np.any(corrected[:, 3:] != at[:, 3:])
+
+
+def test_nine_terms_have_no_orientation():
+    machine, at = trueaxis.Machine.load(TABLES / "mill-3axis"), np.array([[0.0, 0.0, -200.0]])
+    needed = 'model: found nine, which has no orientation, needed "volumetric" or "exact"'
+    assert refused(lambda: machine.orientation_error(at, model="nine")) == needed
+    assert refused(lambda: machine.correction(at, model="nine", orientation=True)) == needed
+
+
+def test_travel_in_order_matters():
+    machine = trueaxis.Machine.load(TABLES / "mill-3axis")
+    there = np.column_stack([np.linspace(-50, 50, 21), np.zeros(21), np.full(21, -200.0)])
+    both = np.vstack([there, there[::-1]])
+    back = machine.error(both, in_order=True)[21:][::-1]
+    assert np.array_equal(machine.error(both, in_order=True)[:21], machine.error(there))
+    # The turning point is reached in positive travel.
+    assert np.array_equal(back[:-1, 0], machine.error(there, reverse=True)[:-1, 0])
+    assert np.all(back[:-1, 0] != machine.error(there)[:-1, 0])
 
 
 def test_passes_and_compiled_tables(tmp_path):
@@ -228,7 +266,8 @@ def test_wrong_arrays_are_named():
             assert refused(lambda: of(wrong)).startswith("positions[2, 1]: found ")
         wrong[2, 1] = 900.0
         assert "positions[2, 1]: found 900, needed the declared travel, " in refused(lambda: of(wrong))
-        assert refused(lambda: of(good, model="exact")).startswith('model: found "exact", needed')
+        assert refused(lambda: of(good, model="twist")).startswith('model: found "twist", needed')
+        assert refused(lambda: of(good, reverse=True, in_order=True)).startswith("reverse: found in_order too")
         assert "found 1e300 K above" in refused(lambda: of(good, temperature_c=1e300)).replace("1" + "0" * 300, "1e300")
     assert refused(lambda: machine.correction(good, inverse_passes=9)) == "inverse_passes: found 9, needed 1 to 8"
     assert "straight line" in refused(lambda: trueaxis.circle(np.array([[0.0, 0], [1, 1], [2, 2]])))

@@ -1,0 +1,79 @@
+//! Exact transforms.
+
+use super::{Model, NoCorrection, Place, PoseError, Settings};
+use anyhow::{Result, anyhow};
+use trueaxis::compensation::Direction;
+use trueaxis::machine::{AXES, Axis};
+use trueaxis_tables::Machine;
+use trueaxis_tables::exact::{CorrectionSettings, Geometry};
+
+/// An axis of the machine.
+struct Own {
+    axis: Axis,
+    /// Ends of its table, where that does not wrap.
+    ends: Option<[f64; 2]>,
+}
+
+pub(super) struct Exact {
+    geometry: Geometry,
+    settings: CorrectionSettings,
+    /// In the order of the machine.
+    axes: Vec<Own>,
+}
+
+impl Exact {
+    pub(super) fn new(machine: &Machine, settings: &Settings) -> Result<Exact> {
+        let geometry =
+            Geometry::new(machine, settings.kelvin).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
+        let compensation = &machine.settings.compensation;
+        let axes = machine.axes().map(|(own, table)| {
+            let rows = table.map(|table| table.rows.as_slice());
+            let rows = rows.filter(|rows| !trueaxis::machine::wraps(own.axis, *rows));
+            let ends = rows.and_then(|rows| Some([rows.first()?.position, rows.last()?.position]));
+            Own { axis: own.axis, ends }
+        });
+        Ok(Exact {
+            geometry,
+            settings: CorrectionSettings {
+                passes: settings.passes,
+                fade_deg: compensation.orientation.then_some(compensation.fade_deg),
+            },
+            axes: axes.collect(),
+        })
+    }
+
+    /// Values by axis in the order of the machine.
+    fn in_order<T: Copy>(&self, values: &[T; AXES], of: impl Fn(T) -> f64) -> [f64; AXES] {
+        let mut ordered = [0.0; AXES];
+        for (ordered, own) in ordered.iter_mut().zip(&self.axes) {
+            *ordered = of(values[own.axis.index()]);
+        }
+        ordered
+    }
+
+    /// Positions, and 1 for negative travel, 0 for positive.
+    fn ordered(&self, at: &Place) -> [[f64; AXES]; 2] {
+        let reverse = |direction| if direction == Direction::POSITIVE { 0.0 } else { 1.0 };
+        [self.in_order(&at.command, |q| q), self.in_order(&at.directions, reverse)]
+    }
+}
+
+impl Model for Exact {
+    fn error(&self, at: &Place) -> PoseError {
+        let [position, reverse] = self.ordered(at);
+        let error = self.geometry.pose_error(&position, &reverse);
+        let beyond = |(own, q): (&Own, f64)| own.ends.is_some_and(|[low, high]| q < low || q > high);
+        let clamped = self.axes.iter().zip(position).any(beyond);
+        PoseError { tip: error.tip_mm, orientation: error.orientation, clamped }
+    }
+
+    fn correction(&self, at: &Place) -> Result<[f64; AXES], NoCorrection> {
+        let [position, reverse] = self.ordered(at);
+        let found = self.geometry.correction(&position, &reverse, self.settings).ok_or(NoCorrection)?;
+        let mut correction = [0.0; AXES];
+        for (own, found) in self.axes.iter().zip(found) {
+            correction[own.axis.index()] = found;
+        }
+        Ok(correction)
+    }
+}

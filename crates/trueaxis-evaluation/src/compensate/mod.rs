@@ -1,0 +1,134 @@
+//! Error and correction of a machine at positions, in the model that is asked for.
+//!
+//! ```text
+//! Machine ─► with_model ─► Model ─► error, correction at a Place
+//! ```
+
+mod exact;
+mod step;
+
+use crate::by_axes;
+use crate::model::takes_rise;
+use crate::positions::Travel;
+use anyhow::{Result, bail};
+use std::fmt;
+use trueaxis::compensation::Direction;
+use trueaxis::machine::{AXES, Axis};
+use trueaxis_tables::Machine;
+
+/// How a machine is looked up; its nine-term or volumetric model and whether it corrects the orientation are its own settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// Exact products of rigid transforms in place of the model of the servo step.
+    pub exact: bool,
+    /// Look-ups of the exact inverse, 1 to 8; none: as many as the machine needs, of exact transforms until it stands.
+    pub passes: Option<u8>,
+    /// Kelvin above the reference temperature.
+    pub kelvin: f64,
+}
+
+/// Where the axes are sent, and how they come there; lists are by the index of the axis, X, Y, Z, A, B, C.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Command, mm and degrees.
+    pub command: [f64; AXES],
+    /// Direction of travel of every axis.
+    pub directions: [Direction; AXES],
+}
+
+/// Error of the tool relative to the workpiece, actual − ideal, machine coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PoseError {
+    /// Of the tip, mm.
+    pub tip: [f64; 3],
+    /// Of the orientation, a small rotation, rad; 0 in the nine-term model.
+    pub orientation: [f64; 3],
+    /// An axis is beyond the end of its table.
+    pub clamped: bool,
+}
+
+/// A pose in which no motion of the linear axes takes the error away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoCorrection;
+
+impl NoCorrection {
+    /// What was found.
+    pub const FOUND: &str = "a pose in which the linear axes cannot take the error away";
+    /// What is needed.
+    pub const NEEDED: &str = "linear axes that span space";
+}
+
+impl fmt::Display for NoCorrection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "found {}, needed {}", Self::FOUND, Self::NEEDED)
+    }
+}
+
+impl std::error::Error for NoCorrection {}
+
+/// Error and correction of one machine at any place.
+pub trait Model: Sync {
+    /// Error of the uncorrected command. Cost: one look-up.
+    fn error(&self, at: &Place) -> PoseError;
+
+    /// What is added to the command of every axis, mm and degrees. Cost: as many look-ups as the inverse has passes.
+    ///
+    /// # Errors
+    /// A pose of exact transforms without a correction.
+    fn correction(&self, at: &Place) -> Result<[f64; AXES], NoCorrection>;
+}
+
+/// How the axes come to one position after the other.
+#[derive(Clone, Debug)]
+pub enum Arrival {
+    /// All in positive travel.
+    Positive,
+    /// All in negative travel, backlash included.
+    Negative,
+    /// As the drives, position and correction, have come from the positions before, beginning in positive travel.
+    InOrder(Travel),
+}
+
+impl Arrival {
+    /// In the order of the positions.
+    pub fn in_order(machine: &Machine) -> Arrival {
+        Arrival::InOrder(Travel::new(machine, Axis::ALL.into_iter()))
+    }
+
+    /// The next position. Cost: in order, a correction for every round in which directions settle, one as a rule.
+    ///
+    /// # Errors
+    /// In order: a pose without a correction.
+    pub fn at(&mut self, model: &dyn Model, command: [f64; AXES]) -> Result<Place, NoCorrection> {
+        let directions = match self {
+            Arrival::Positive => [Direction::POSITIVE; AXES],
+            Arrival::Negative => [Direction::of(true); AXES],
+            Arrival::InOrder(travel) => {
+                travel.arrive(&command, |&directions| model.correction(&Place { command, directions }))?
+            }
+        };
+        Ok(Place { command, directions })
+    }
+}
+
+/// Makes the model of a machine and lends it out.
+///
+/// # Errors
+/// A machine that the model refuses, one that needs more than 8 passes, a thermal growth that the step does not take; what
+/// `user` does.
+pub fn with_model(
+    machine: &Machine,
+    settings: &Settings,
+    user: &mut dyn FnMut(&dyn Model) -> Result<()>,
+) -> Result<()> {
+    if settings.exact {
+        return user(&exact::Exact::new(machine, settings)?);
+    }
+    if !takes_rise(machine, settings.kelvin) {
+        bail!(
+            "temperature: found {} K above the reference, needed a growth of at most 10 mm and 1e-3",
+            settings.kelvin
+        );
+    }
+    by_axes!(machine.settings.step_axes().count(), step::with(machine, settings, user))
+}

@@ -1,0 +1,50 @@
+//! Nine terms and twists: the models of the servo step.
+
+use super::{Model, NoCorrection, Place, PoseError, Settings};
+use crate::model::{passes, thermal, with_compensation};
+use anyhow::{Result, anyhow};
+use trueaxis::compensation::{Compensation, Query, ThermalLine};
+use trueaxis::machine::{AXES, AxisOrder};
+use trueaxis_tables::Machine;
+
+/// Lends the model of a machine with `N` axes of the step.
+pub(super) fn with<const N: usize>(
+    machine: &Machine,
+    settings: &Settings,
+    user: &mut dyn FnMut(&dyn Model) -> Result<()>,
+) -> Result<()> {
+    let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
+    let passes = passes(machine, settings.passes)?;
+    let thermal = thermal(machine, &axes, settings.kelvin);
+    with_compensation::<N, _>(machine, passes, |compensation| {
+        user(&Step { compensation, thermal, slots: axes.map(|axis| axis.index()) })
+    })
+}
+
+struct Step<'c, 'm, const N: usize> {
+    compensation: &'c Compensation<'m, f64, f64, N>,
+    thermal: [ThermalLine<f64>; N],
+    /// Index of every axis of the step.
+    slots: [usize; N],
+}
+
+impl<const N: usize> Model for Step<'_, '_, N> {
+    fn error(&self, at: &Place) -> PoseError {
+        let coordinates = self.compensation.coordinates(&self.slots.map(|slot| at.command[slot]));
+        let directions = self.slots.map(|slot| at.directions[slot]);
+        let mut clamped = 0;
+        let error = self.compensation.pose_error(&Query::at(&coordinates, &directions, &self.thermal), &mut clamped);
+        PoseError { tip: error.tip.into(), orientation: error.orientation.into(), clamped: clamped != 0 }
+    }
+
+    fn correction(&self, at: &Place) -> Result<[f64; AXES], NoCorrection> {
+        let coordinates = self.compensation.coordinates(&self.slots.map(|slot| at.command[slot]));
+        let directions = self.slots.map(|slot| at.directions[slot]);
+        let found = self.compensation.correction(&Query::at(&coordinates, &directions, &self.thermal), &mut 0);
+        let mut correction = [0.0; AXES];
+        for (slot, found) in self.slots.into_iter().zip(found) {
+            correction[slot] = found;
+        }
+        Ok(correction)
+    }
+}
