@@ -15,6 +15,7 @@ pub mod field;
 pub mod friction;
 pub mod helicoid;
 pub mod identify;
+pub mod inverse;
 pub mod learn;
 pub mod model;
 pub mod path;

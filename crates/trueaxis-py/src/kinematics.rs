@@ -2,13 +2,15 @@
 
 use crate::machine::{Machine, columns};
 use crate::{Error, arrays, documents, told};
+use anyhow::Context;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use trueaxis::glam::DVec3;
-use trueaxis::kinematics::{BranchTracker, Choice, InverseError, Kinematics, Solution, Tool};
-use trueaxis::machine::{AXES, Axis};
+use trueaxis::kinematics::{Choice, Kinematics, Tool};
+use trueaxis::machine::Axis;
 use trueaxis_evaluation::helicoid as flank;
+use trueaxis_evaluation::inverse::Walk;
 
 /// Tips (n, 3), tool axes (n, 3) and margins (n,).
 type Tools<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
@@ -79,39 +81,20 @@ impl Machine {
                 return Err(Error::new_err(format!("branch: found {found:?}, needed \"nearest\", \"1\" or \"2\"")));
             }
         };
-        if let Some(step) = max_step_deg.filter(|step| step.is_nan() || *step <= 0.0) {
-            return Err(Error::new_err(format!("max_step_deg: found {step}, needed a positive number of degrees")));
-        }
         let kinematics = self.kinematics(tool_mm)?;
         let columns: Vec<Axis> = columns(&self.0).collect();
-        let mut near = [0.0; AXES];
+        let mut walk = told(Walk::new(choice, max_step_deg).context("max_step_deg"))?;
         if let Some(start) = start {
-            let rotary: Vec<Axis> = columns.iter().copied().filter(|axis| axis.is_rotary()).collect();
-            if start.len() != rotary.len() || start.iter().any(|angle| angle.is_nan() || angle.abs() > 1e6) {
-                let count = rotary.len();
-                return Err(Error::new_err(format!(
-                    "start: found {start:?}, needed an angle of at most 1e6 degrees for each of {count} rotary axes"
-                )));
-            }
-            rotary.iter().zip(start).for_each(|(axis, angle)| near[axis.index()] = angle);
+            walk = told(walk.from_angles(&kinematics, &start).context("start"))?;
         }
         let found = py.detach(|| {
-            let mut solutions: Vec<Solution<f64>> = Vec::with_capacity(tips.len() / 3);
-            let mut tracker: Option<BranchTracker<f64>> = None;
-            for (row, (tip, tool)) in tips.as_chunks::<3>().0.iter().zip(tools.as_chunks::<3>().0).enumerate() {
-                let tool = Tool { tip: DVec3::from_array(*tip), axis: DVec3::from_array(*tool) };
-                let solved = match &mut tracker {
-                    Some(tracker) => tracker.next(&kinematics, &tool),
-                    None => kinematics.solutions(&tool, &near).and_then(|both| both.choose(choice)),
-                };
-                let solution = solved.map_err(|error: InverseError| anyhow::anyhow!("row {row}: {error}"))?;
-                near = solution.axes;
-                if tracker.is_none() {
-                    tracker = max_step_deg.map(|step| BranchTracker::new(&solution, step));
-                }
-                solutions.push(solution);
-            }
-            Ok(solutions)
+            let tools = tips.as_chunks::<3>().0.iter().zip(tools.as_chunks::<3>().0).enumerate();
+            tools
+                .map(|(row, (tip, axis))| {
+                    let tool = Tool { tip: DVec3::from_array(*tip), axis: DVec3::from_array(*axis) };
+                    Ok(walk.next(&kinematics, &tool).with_context(|| format!("row {row}"))?.chosen)
+                })
+                .collect::<anyhow::Result<Vec<_>>>()
         });
         let found = told(found)?;
         let positions = found.iter().flat_map(|of| columns.iter().map(|axis| of.axes[axis.index()])).collect();

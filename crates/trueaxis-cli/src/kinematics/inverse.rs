@@ -11,8 +11,9 @@ use clap::{Args, ValueEnum};
 use std::path::Path;
 use trueaxis::Axis;
 use trueaxis::glam::DVec3;
-use trueaxis::kinematics::{BranchTracker, Choice, InverseError, Kinematics, Solution, Tool};
-use trueaxis::machine::{AXES, MachineSettings};
+use trueaxis::kinematics::{Choice, InverseError, Tool};
+use trueaxis::machine::MachineSettings;
+use trueaxis_evaluation::inverse::Walk;
 use trueaxis_tables::text::counted;
 
 /// One of two poses of the rotary axes.
@@ -65,9 +66,17 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
         }
         kinematics = kinematics.with_singular_cone_deg(cone);
     }
-    if let Some(step) = arguments.max_step_deg.filter(|step| step.is_nan() || *step <= 0.0) {
-        bail!("--max-step-deg: found {step}, needed a positive number of degrees");
+    let choice = match arguments.branch {
+        BranchChoice::Nearest => Choice::Nearest,
+        BranchChoice::First => Choice::First,
+        BranchChoice::Second => Choice::Second,
+    };
+    let mut walk = Walk::new(choice, arguments.max_step_deg).map_err(|error| anyhow!("--max-step-deg: {error}"))?;
+    if let Some(start) = &arguments.start {
+        walk = walk.from_angles(&kinematics, start).map_err(|error| anyhow!("--start: {error}"))?;
     }
+    // Rows of which only one solution was given.
+    let mut left_out = 0;
     let used: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| kinematics.has(*axis)).collect();
     let columns = COLUMNS.map(|name| Column { name, needed: TOOL_COLUMNS.contains(&name) });
     let mut rows = csv_in::open(&common.input, &columns, "tools")?;
@@ -80,78 +89,29 @@ pub(super) fn run(arguments: &Arguments, settings: &MachineSettings) -> Result<(
     let names = rows.header.iter().filter(|name| is_tool(name)).cloned();
     let found = used.iter().map(|axis| AXIS_COLUMNS[axis.index()]).chain([BRANCH, MARGIN]).map(str::to_owned);
     let mut sheet = Sheet::new(common, settings, names.chain(found).collect())?;
-    let mut walk = Walk { near: start(arguments, &used)?, follow: None, left_out: 0 };
     while let Some(Row { line, values }) = rows.next()? {
         let [x, y, z, i, j, k, ..] = values;
         let tool = Tool { tip: DVec3::new(x, y, z), axis: DVec3::new(i, j, k) };
-        let found = walk.solve(arguments, &kinematics, &tool).map_err(|error| at_line(&common.input, line, error))?;
-        for solution in found {
+        let found = walk.next(&kinematics, &tool).map_err(|error| at_line(&common.input, line, error))?;
+        let solutions = match found.both.filter(|_| arguments.both) {
+            Some(both) => {
+                let both = [both.first, both.second];
+                left_out += usize::from(both.iter().any(|s| s.is_err_and(|error| error != InverseError::OneBranch)));
+                both.map(Result::ok)
+            }
+            None => [Some(found.chosen), None],
+        };
+        for solution in solutions.into_iter().flatten() {
             let positions = used.iter().map(|axis| solution.axes[axis.index()]);
             let more = [f64::from(solution.branch as u8), solution.singularity_margin_deg];
             let cells = rows.cells().zip(&kept).filter(|(_, kept)| **kept).map(|(cell, _)| cell);
             sheet.row(cells, positions.chain(more))?;
         }
     }
-    if walk.left_out > 0 {
-        tell(format_args!(
-            "note: {} with one solution only: the other leaves the travel",
-            counted(walk.left_out, "row")
-        ));
+    if left_out > 0 {
+        tell(format_args!("note: {} with one solution only: the other leaves the travel", counted(left_out, "row")));
     }
     sheet.finish()
-}
-
-/// Angles of the rotary axes before the first row.
-fn start(arguments: &Arguments, used: &[Axis]) -> Result<[f64; AXES]> {
-    let mut near = [0.0; AXES];
-    let Some(start) = &arguments.start else { return Ok(near) };
-    let rotary: Vec<Axis> = used.iter().copied().filter(|axis| axis.is_rotary()).collect();
-    if rotary.len() != start.len() {
-        let letters: String = rotary.iter().map(|axis| axis.letter()).collect();
-        bail!("--start: found {} angles, needed one for each rotary axis ({letters})", start.len());
-    }
-    for (axis, angle) in rotary.into_iter().zip(start) {
-        if angle.abs() > 1e6 {
-            bail!("--start: found {angle}, needed an angle of at most 1e6 degrees");
-        }
-        near[axis.index()] = *angle;
-    }
-    Ok(near)
-}
-
-/// Solutions from row to row.
-struct Walk {
-    near: [f64; AXES],
-    follow: Option<BranchTracker<f64>>,
-    /// Rows of which only one solution was given.
-    left_out: usize,
-}
-
-impl Walk {
-    fn solve(
-        &mut self,
-        arguments: &Arguments,
-        kinematics: &Kinematics<f64>,
-        tool: &Tool<f64>,
-    ) -> Result<Vec<Solution<f64>>, InverseError> {
-        if let Some(follow) = &mut self.follow {
-            return Ok(vec![follow.next(kinematics, tool)?]);
-        }
-        let solutions = kinematics.solutions(tool, &self.near)?;
-        let chosen = solutions.choose(match arguments.branch {
-            BranchChoice::Nearest => Choice::Nearest,
-            BranchChoice::First => Choice::First,
-            BranchChoice::Second => Choice::Second,
-        })?;
-        self.near = chosen.axes;
-        self.follow = arguments.max_step_deg.map(|step| BranchTracker::new(&chosen, step));
-        if !arguments.both {
-            return Ok(vec![chosen]);
-        }
-        let both = [solutions.first, solutions.second];
-        self.left_out += usize::from(both.iter().any(|s| s.is_err_and(|error| error != InverseError::OneBranch)));
-        Ok(both.into_iter().flatten().collect())
-    }
 }
 
 /// An error at its line of the file.
