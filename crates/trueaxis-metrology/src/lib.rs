@@ -5,6 +5,7 @@
 //! - [`helicoid`]: involute helicoid, gear data, and the five axes that bring a tool onto its normal.
 //! - [`friction`]: friction of an axis and the figures of its drive from recorded circles.
 //! - [`accuracy`]: accuracy and repeatability of positioning after ISO 230-2.
+//! - [`ballbar`]: a circular test after ISO 230-4, and its causes apart.
 //! - [`learning`]: a correction over path length, learned from part to part.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
 //! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a
@@ -17,6 +18,8 @@ extern crate std;
 
 #[cfg(feature = "std")]
 pub mod accuracy;
+#[cfg(feature = "std")]
+pub mod ballbar;
 #[cfg(feature = "std")]
 pub mod circles;
 pub mod error;
