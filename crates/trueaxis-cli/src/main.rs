@@ -3,6 +3,7 @@
 // print! and its like panic when the other end of a pipe is closed: see `output`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+mod ballbar;
 mod circle;
 mod compensate;
 mod contour;
@@ -62,6 +63,9 @@ enum Command {
     /// Least-squares, minimum zone, maximum inscribed and minimum circumscribed circle of points.
     #[command(after_help = circle::HELP)]
     Circle(circle::Arguments),
+    /// Circular test after ISO 230-4, and what causes its deviation.
+    #[command(after_help = ballbar::HELP)]
+    Ballbar(ballbar::Arguments),
     /// Axis positions to tool and back: five-axis transformation.
     #[command(subcommand)]
     Kinematics(kinematics::Command),
@@ -94,6 +98,7 @@ fn main() -> ExitCode {
         Command::Roundness(arguments) => roundness::run(&arguments),
         Command::ProbeAngles(arguments) => probe_angles::run(&arguments),
         Command::Circle(arguments) => circle::run(&arguments),
+        Command::Ballbar(arguments) => ballbar::run(&arguments),
         Command::Kinematics(command) => kinematics::run(command),
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),

@@ -4,6 +4,7 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod accuracy;
+pub mod ballbar;
 pub mod batch;
 pub mod check;
 pub mod circle;

@@ -1,0 +1,200 @@
+//! What a circular test tells, as a document.
+
+use super::Test;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+use trueaxis_metrology::ballbar::{Cause, Term};
+
+/// A value of X and one of Y.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Pair {
+    /// Of X.
+    pub x: Option<f64>,
+    /// Of Y.
+    pub y: Option<f64>,
+}
+
+/// A value counterclockwise and one clockwise; null where that direction was not recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Ways {
+    /// Counterclockwise.
+    pub ccw: Option<f64>,
+    /// Clockwise.
+    pub cw: Option<f64>,
+}
+
+/// A cause's share in the deviation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// Its name.
+    pub cause: String,
+    /// Root mean square of the deviation that it makes.
+    pub rms_um: f64,
+    /// Of the squares of all causes, 0 … 1.
+    pub share: f64,
+}
+
+/// The JSON document; null is what the record cannot tell.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Document {
+    /// Readings of the record.
+    pub readings: usize,
+    /// Nominal radius.
+    pub radius_mm: f64,
+    /// G(b): circular deviation of both directions together (ISO 230-4).
+    pub g_b_um: Option<f64>,
+    /// G: circular deviation.
+    pub g_um: Ways,
+    /// F: radial deviation of the largest size.
+    pub f_um: Ways,
+    /// F max.
+    pub f_max_um: Ways,
+    /// F min.
+    pub f_min_um: Ways,
+    /// H: circular hysteresis.
+    pub h_um: Option<f64>,
+    /// Mean deviation of the radius.
+    pub radius_deviation_um: f64,
+    /// Offset of the circle's centre.
+    pub centre_um: [f64; 2],
+    /// C0Y.
+    pub squareness_urad: f64,
+    /// Scale of X less that of Y.
+    pub scale_mismatch_ppm: f64,
+    /// Lag of X less that of Y.
+    pub servo_mismatch_um: Option<f64>,
+    /// Lost motion.
+    pub backlash_um: Pair,
+    /// Spikes after reversals, outwards.
+    pub reversal_um: Pair,
+    /// Width of the spikes.
+    pub reversal_width_deg: f64,
+    /// Sideways shift at reversals of an axis.
+    pub lateral_play_um: Pair,
+    /// Bow of an axis over the radius.
+    pub straightness_um: Pair,
+    /// Amplitude of periodic errors; null where there is none to be seen.
+    pub cyclic_um: Pair,
+    /// Their pitches.
+    pub pitch_mm: Pair,
+    /// Standard errors under the names of the values.
+    pub standard_errors: Map<String, Value>,
+    /// Causes but for radius and centre, the largest first.
+    pub shares: Vec<Share>,
+    /// Standard deviation of a reading, from what the causes leave.
+    pub sigma_um: f64,
+    /// Readings less parameters.
+    pub degrees_of_freedom: usize,
+    /// Condition number of the fit.
+    pub condition: f64,
+    /// What is to be known of the result.
+    pub warnings: Vec<String>,
+}
+
+/// Name of a cause in sentences.
+pub fn name(cause: Cause) -> String {
+    let axis = |axis: u8| if axis == 0 { "X" } else { "Y" };
+    match cause {
+        Cause::Radius => "radius".into(),
+        Cause::Centre(of) => format!("centre {}", axis(of)),
+        Cause::ScaleMismatch => "scale mismatch".into(),
+        Cause::Squareness => "squareness".into(),
+        Cause::ServoMismatch => "servo mismatch".into(),
+        Cause::Backlash(of) => format!("backlash {}", axis(of)),
+        Cause::LateralPlay(of) => format!("lateral play {}", axis(of)),
+        Cause::Straightness(of) => format!("straightness {}", axis(of)),
+        Cause::Reversal(of) => format!("reversal spikes {}", axis(of)),
+        Cause::Cyclic(of) => format!("cyclic error {}", axis(of)),
+        _ => "another cause".into(),
+    }
+}
+
+/// µm of mm, µrad of rad, ppm of 1.
+fn micro(cause: Cause, value: f64) -> f64 {
+    match cause {
+        Cause::Squareness | Cause::ScaleMismatch => 1e6 * value,
+        _ => 1e3 * value,
+    }
+}
+
+impl Test {
+    /// The document.
+    pub fn document(&self) -> Document {
+        let found = &self.found;
+        let of = |cause: Cause, take: fn(&Term) -> f64| found.term(cause).map(|term| micro(cause, take(term)));
+        let value = |cause| of(cause, |term| term.value);
+        let error = |cause| of(cause, |term| term.standard_error);
+        let pair = |cause: fn(u8) -> Cause| Pair { x: value(cause(0)), y: value(cause(1)) };
+        let errors = |cause: fn(u8) -> Cause| json!({ "x": error(cause(0)), "y": error(cause(1)) });
+        let um = |value: Option<f64>| value.map(|mm| 1e3 * mm);
+        let ways = |take: &dyn Fn([f64; 2]) -> f64| {
+            let [ccw, cw] = found.figures.f.map(|ends| um(ends.map(take)));
+            Ways { ccw, cw }
+        };
+        let standard_errors = [
+            ("radius_deviation_um", json!(error(Cause::Radius))),
+            ("centre_um", json!([error(Cause::Centre(0)), error(Cause::Centre(1))])),
+            ("squareness_urad", json!(error(Cause::Squareness))),
+            ("scale_mismatch_ppm", json!(error(Cause::ScaleMismatch))),
+            ("servo_mismatch_um", json!(error(Cause::ServoMismatch))),
+            ("backlash_um", errors(Cause::Backlash)),
+            ("reversal_um", errors(Cause::Reversal)),
+            ("lateral_play_um", errors(Cause::LateralPlay)),
+            ("straightness_um", errors(Cause::Straightness)),
+            ("cyclic_um", errors(Cause::Cyclic)),
+        ];
+        let centre = |axis| value(Cause::Centre(axis)).unwrap_or_default();
+        let mut warnings = Vec::new();
+        if !found.both_directions {
+            warnings.push(
+                "one direction only: G(b), hysteresis, servo mismatch and lateral play are not known, squareness contains \
+                 servo mismatch"
+                    .into(),
+            );
+        }
+        Document {
+            readings: self.readings.len(),
+            radius_mm: self.radius_mm,
+            g_b_um: um(found.figures.g_b),
+            g_um: Ways { ccw: um(found.figures.g[0]), cw: um(found.figures.g[1]) },
+            f_um: ways(&|[most, least]| if most >= -least { most } else { least }),
+            f_max_um: ways(&|ends| ends[0]),
+            f_min_um: ways(&|ends| ends[1]),
+            h_um: um(found.figures.h),
+            radius_deviation_um: value(Cause::Radius).unwrap_or_default(),
+            centre_um: [centre(0), centre(1)],
+            squareness_urad: value(Cause::Squareness).unwrap_or_default(),
+            scale_mismatch_ppm: value(Cause::ScaleMismatch).unwrap_or_default(),
+            servo_mismatch_um: value(Cause::ServoMismatch),
+            backlash_um: pair(Cause::Backlash),
+            reversal_um: pair(Cause::Reversal),
+            reversal_width_deg: found.spike_width_rad.to_degrees(),
+            lateral_play_um: pair(Cause::LateralPlay),
+            straightness_um: pair(Cause::Straightness),
+            cyclic_um: pair(Cause::Cyclic),
+            pitch_mm: Pair { x: found.pitches_mm[0], y: found.pitches_mm[1] },
+            standard_errors: standard_errors.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
+            shares: self.shares(),
+            sigma_um: 1e3 * found.sigma_mm,
+            degrees_of_freedom: found.degrees_of_freedom,
+            condition: found.condition,
+            warnings,
+        }
+    }
+
+    fn shares(&self) -> Vec<Share> {
+        let set_up = |cause| matches!(cause, Cause::Radius | Cause::Centre(_));
+        let causes: Vec<&Term> = self.found.terms.iter().filter(|term| !set_up(term.cause)).collect();
+        let all: f64 = causes.iter().map(|term| term.rms_mm * term.rms_mm).sum();
+        let mut shares: Vec<Share> = causes
+            .into_iter()
+            .map(|term| Share {
+                cause: name(term.cause),
+                rms_um: 1e3 * term.rms_mm,
+                share: if all > 0.0 { term.rms_mm * term.rms_mm / all } else { 0.0 },
+            })
+            .collect();
+        shares.sort_by(|one, other| other.share.total_cmp(&one.share));
+        shares
+    }
+}
