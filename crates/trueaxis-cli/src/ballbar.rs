@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::ballbar::{COLUMNS, Document, Test};
+use trueaxis_evaluation::ballbar::{COLUMNS, Document, Test, values};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 
@@ -69,34 +69,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 
-/// Every value by its name, with its standard error.
-pub(crate) fn values(document: &Document) -> Vec<(String, String, String)> {
-    let d = document;
-    let error = |key: &str, part: Option<&str>| {
-        let of = d.standard_errors.get(key);
-        part.map_or(of, |part| of.and_then(|of| of.get(part))).and_then(serde_json::Value::as_f64)
-    };
-    let mut values = Vec::new();
-    let mut put = |name: String, unit: &str, value: Option<f64>, error: Option<f64>| {
-        let value = value.map_or_else(|| "–".into(), |value| format!("{} {unit}", significant(value, 4)));
-        values.push((name, value, error.map_or_else(String::new, |error| format!("± {}", significant(error, 2)))));
-    };
-    put("squareness C0Y".into(), "µrad", Some(d.squareness_urad), error("squareness_urad", None));
-    put("scale mismatch X − Y".into(), "ppm", Some(d.scale_mismatch_ppm), error("scale_mismatch_ppm", None));
-    put("servo mismatch X − Y".into(), "µm", d.servo_mismatch_um, error("servo_mismatch_um", None));
-    for (name, key, pair) in [
-        ("backlash", "backlash_um", d.backlash_um),
-        ("reversal spikes", "reversal_um", d.reversal_um),
-        ("lateral play", "lateral_play_um", d.lateral_play_um),
-        ("straightness", "straightness_um", d.straightness_um),
-        ("cyclic error", "cyclic_um", d.cyclic_um),
-    ] {
-        put(format!("{name} X"), "µm", pair.x, error(key, Some("x")));
-        put(format!("{name} Y"), "µm", pair.y, error(key, Some("y")));
-    }
-    values
-}
-
 fn table(d: &Document) -> Result<String> {
     let mut text = format!("{} readings, radius {} mm; ISO 230-4\n\n", d.readings, d.radius_mm);
     let um = |value: Option<f64>| value.map_or_else(|| "–".into(), |um| significant(um, 4));
@@ -107,7 +79,7 @@ fn table(d: &Document) -> Result<String> {
     }
     let [x, y] = d.centre_um.map(|um| significant(um, 4));
     writeln!(text, "centre {x}, {y} µm   radius {} µm\n", significant(d.radius_deviation_um, 4))?;
-    for (name, value, error) in values(d) {
+    for [name, value, error] in values(d) {
         writeln!(text, "{name:<22} {value:>14} {error}")?;
     }
     writeln!(text, "\nshares")?;

@@ -1,7 +1,7 @@
 //! The page of `trueaxis ballbar`.
 
 use maud::html;
-use trueaxis_evaluation::ballbar::{Document, Test, left, polar};
+use trueaxis_evaluation::ballbar::{Document, Test, left, polar, values};
 use trueaxis_report::number::significant;
 use trueaxis_report::{Page, Row, Table, summary};
 
@@ -17,9 +17,8 @@ pub(crate) fn page(source: &str, test: &Test, document: &Document) -> String {
             Row::new("H, µm", [um(document.h_um), "".into(), "".into()]),
         ],
     );
-    let causes = crate::ballbar::values(document);
-    let causes =
-        Table::new(["cause", "value", "standard error"], causes.into_iter().map(|(name, v, e)| Row::new(name, [v, e])));
+    let causes = values(document).into_iter().map(|[name, value, error]| Row::new(name, [value, error]));
+    let causes = Table::new(["cause", "value", "standard error"], causes);
     let shares = document.shares.iter().map(|share| {
         let rms = format!("{} µm", significant(share.rms_um, 3));
         Row::new(share.cause.clone(), [format!("{:.1} %", 100.0 * share.share), rms])

@@ -4,9 +4,11 @@
 
 mod document;
 mod polar;
+mod values;
 
 pub use document::{Document, Pair, Share, Ways, name};
 pub use polar::{left, polar};
+pub use values::values;
 
 use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};

@@ -1,0 +1,32 @@
+//! The values of a circular test as one reads them.
+
+use super::Document;
+use trueaxis_report::number::significant;
+
+/// Every value as text: its name, the value with its unit (– where the record does not tell it), its standard error.
+pub fn values(document: &Document) -> Vec<[String; 3]> {
+    let d = document;
+    let error = |key: &str, part: Option<&str>| {
+        let of = d.standard_errors.get(key);
+        part.map_or(of, |part| of.and_then(|of| of.get(part))).and_then(serde_json::Value::as_f64)
+    };
+    let mut values = Vec::new();
+    let mut put = |name: String, unit: &str, value: Option<f64>, error: Option<f64>| {
+        let value = value.map_or_else(|| "–".into(), |value| format!("{} {unit}", significant(value, 4)));
+        values.push([name, value, error.map_or_else(String::new, |error| format!("± {}", significant(error, 2)))]);
+    };
+    put("squareness C0Y".into(), "µrad", Some(d.squareness_urad), error("squareness_urad", None));
+    put("scale mismatch X − Y".into(), "ppm", Some(d.scale_mismatch_ppm), error("scale_mismatch_ppm", None));
+    put("servo mismatch X − Y".into(), "µm", d.servo_mismatch_um, error("servo_mismatch_um", None));
+    for (name, key, pair) in [
+        ("backlash", "backlash_um", d.backlash_um),
+        ("reversal spikes", "reversal_um", d.reversal_um),
+        ("lateral play", "lateral_play_um", d.lateral_play_um),
+        ("straightness", "straightness_um", d.straightness_um),
+        ("cyclic error", "cyclic_um", d.cyclic_um),
+    ] {
+        put(format!("{name} X"), "µm", pair.x, error(key, Some("x")));
+        put(format!("{name} Y"), "µm", pair.y, error(key, Some("y")));
+    }
+    values
+}
