@@ -215,8 +215,15 @@ fn inserted(table: &TableText, machine: &Machine, position: f64) -> String {
         let error = Curve::new(settings, rows, component, reverse).at(position)?;
         Some((error * if component < 3 { 1e6 } else { 1e9 }).round() / 1e3)
     };
-    let cells = table.columns.iter().map(|column| {
-        let error = column.component.and_then(|component| value(component, !column.forward));
+    let cells = table.columns.iter().enumerate().map(|(index, column)| {
+        let error = match column.component {
+            // No less certain than the row beside it.
+            Some(_) if !column.forward && !column.reverse => {
+                let beside = next.unwrap_or(table.rows.len().saturating_sub(1));
+                table.rows.get(beside).and_then(|cells| cells.get(index)).copied()
+            }
+            component => component.and_then(|component| value(component, !column.forward)),
+        };
         written(table, error.unwrap_or(position), false)
     });
     let line = cells.collect::<Vec<_>>().join(&table.separator.to_string());

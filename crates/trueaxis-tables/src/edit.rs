@@ -42,6 +42,12 @@ impl Imported {
         for (axis, table) in &self.tables {
             let csv = table_name(*axis, &standing, &origin)?;
             edited.notes.push(change(*axis, table, &standing));
+            if standing.uncertainties.of(*axis).is_some_and(|own| own.columns.iter().any(Option::is_some)) {
+                let letter = axis.letter();
+                edited.notes.push(format!(
+                    "axis {letter}: [axis.{letter}.uncertainty] stays, though it was stated of the table before"
+                ));
+            }
             let section = section(&mut document, *axis, &origin)?;
             let is_new = section.is_empty();
             let mut settings = vec![(String::from("table"), Value::from(csv.as_str()))];

@@ -19,6 +19,7 @@ mod read;
 pub mod sheet;
 mod summary;
 pub mod text;
+pub mod uncertainty;
 mod warning;
 
 pub use change::{Change, Setting, change};

@@ -37,6 +37,7 @@ reset_time_s = 0.006
 coulomb_mm_per_s = 0.5
 presliding_um = 7.0
 [axis.X.dynamic]
+[axis.X.uncertainty]
 [axis.Y]
 travel_mm = [-100.0, 100.0]
 joint_mm = [-101.0, 101.0]
@@ -52,6 +53,7 @@ reset_time_s = 0.006
 coulomb_mm_per_s = 0.5
 presliding_um = 7.0
 [axis.Y.dynamic]
+[axis.Y.uncertainty]
 [axis.Z]
 travel_mm = [-100.0, 100.0]
 joint_mm = [-101.0, 101.0]
@@ -67,6 +69,7 @@ reset_time_s = 0.006
 coulomb_mm_per_s = 0.5
 presliding_um = 7.0
 [axis.Z.dynamic]
+[axis.Z.uncertainty]
 [axis.C]
 travel_deg = [-100.0, 100.0]
 joint_deg = [-101.0, 101.0]
@@ -82,7 +85,10 @@ reset_time_s = 0.006
 coulomb_deg_per_s = 0.5
 presliding_urad = 7.0
 [axis.C.dynamic]
+[axis.C.uncertainty]
 [location]
+[uncertainty]
+[uncertainty.location]
 [faults]
 [contour]
 [contour.feedback]
@@ -186,10 +192,17 @@ fn listed() -> Vec<(String, Option<f64>, Option<f64>)> {
 
 /// The name of a key in the README.
 fn general(key: &str) -> String {
-    if let Some(error) = key.strip_prefix("location.") {
-        return format!("location.*_{}", error.rsplit_once('_').unwrap().1);
+    let (section, last) = key.rsplit_once('.').unwrap_or(("", key));
+    let section =
+        ["Y", "Z"].iter().fold(section.to_owned(), |section, axis| section.replace(&format!("axis.{axis}"), "axis.X"));
+    let errors = section.ends_with("location") || (section.ends_with("uncertainty") && last.starts_with('E'));
+    match last.rsplit_once('_') {
+        Some((_, unit)) if errors && last.starts_with(|first: char| first.is_uppercase()) => {
+            format!("{section}.*_{unit}")
+        }
+        _ if section.is_empty() => last.to_owned(),
+        _ => format!("{section}.{last}"),
     }
-    ["Y", "Z"].iter().fold(key.to_owned(), |key, axis| key.replace(&format!("axis.{axis}."), "axis.X."))
 }
 
 #[test]
@@ -270,6 +283,16 @@ fn no_cell_of_a_table_is_absurd() {
     let error = read(WHOLE, "X_mm,EXX_um\n-100,3100\n100,3100\n").unwrap_err();
     assert!(
         error.to_string().ends_with("found 3100 um, needed -1000 to 1000 um (1 mm; is the unit right?)"),
+        "{error}"
+    );
+    // Uncertainties have no sign.
+    for (column, value) in [("EXX_u_um", "-0.001"), ("EXX_u_um", "1000.1"), ("EXX_u_um", "nan"), ("EXX_u_um", "")] {
+        let error = read(WHOLE, &format!("X_mm,EXX_um,{column}\n-100,1,{value}\n100,2,0\n")).expect_err(value);
+        assert_eq!((error.line, error.column.as_deref()), (Some(2), Some(column)), "{error}");
+    }
+    let error = read(WHOLE, "X_mm,EXX_um,EYX_u_um\n-100,1,1\n100,2,0\n").unwrap_err();
+    assert!(
+        error.to_string().ends_with("found an uncertainty without its error, needed a column EYX_um as well"),
         "{error}"
     );
     // Lines that no instrument can tell apart.

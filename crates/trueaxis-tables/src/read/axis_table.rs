@@ -1,5 +1,6 @@
 //! The CSV of one axis.
 
+use super::uncertainty_toml::{Bounds, UM, URAD};
 use crate::Table;
 use crate::error::FileError;
 use crate::origin::Origin;
@@ -11,6 +12,8 @@ pub(super) struct TableFile {
     pub(super) table: Table,
     pub(super) lines: Vec<u32>,
     pub(super) columns: Vec<Column>,
+    /// Standard uncertainties point by point, mm and rad, where they are given.
+    pub(super) uncertainty: [Option<Vec<f64>>; 6],
     /// Separators and decimals, where they are not the usual ones.
     pub(super) dialect: Option<&'static str>,
 }
@@ -21,6 +24,8 @@ enum Content {
     Position,
     /// Component, and the directions of travel: forward, reverse.
     Error(usize, [bool; 2]),
+    /// Component.
+    Uncertainty(usize),
 }
 
 /// A column by its name.
@@ -40,6 +45,16 @@ impl Column {
             _ => false,
         }
     }
+
+    /// The component whose standard uncertainty it holds.
+    pub(super) fn uncertainty(&self) -> Option<usize> {
+        if let Content::Uncertainty(component) = self.content { Some(component) } else { None }
+    }
+}
+
+/// Range of a standard uncertainty of a component.
+fn bounds(component: usize) -> &'static Bounds {
+    if component < 3 { &UM } else { &URAD }
 }
 
 /// Every name that a column may have, and its content.
@@ -53,6 +68,7 @@ fn known(axis: Axis) -> Vec<Column> {
             let content = Content::Error(component, directions);
             columns.push(Column { name: format!("{error}{travel}_{unit}"), content });
         }
+        columns.push(Column { name: format!("{error}_u_{unit}"), content: Content::Uncertainty(component) });
     }
     columns
 }
@@ -70,7 +86,7 @@ fn column(axis: Axis, name: &str, line: u32, origin: &Origin) -> Result<Column, 
         None => {
             let plain: Vec<&str> = known
                 .iter()
-                .filter(|column| !matches!(column.content, Content::Error(_, directions) if directions != [true; 2]))
+                .filter(|column| matches!(column.content, Content::Position | Content::Error(_, [true, true])))
                 .map(|column| column.name.as_str())
                 .collect();
             format!("one of {}, or a pair like {} and {}", plain.join(" "), known[2].name, known[3].name)
@@ -87,6 +103,7 @@ fn header(axis: Axis, names: &[String], line: u32, origin: &Origin) -> Result<Ve
             let clash = match (before.content, next.content) {
                 (Content::Position, Content::Position) => true,
                 (Content::Error(a, [af, ar]), Content::Error(b, [bf, br])) => a == b && (af && bf || ar && br),
+                (Content::Uncertainty(a), Content::Uncertainty(b)) => a == b,
                 _ => false,
             };
             if clash {
@@ -100,7 +117,7 @@ fn header(axis: Axis, names: &[String], line: u32, origin: &Origin) -> Result<Ve
         let needed = format!("a column {}", known(axis)[0].name);
         return Err(origin.at(line, "", "no column with the position", needed));
     }
-    if columns.len() < 2 {
+    if !columns.iter().any(|column| matches!(column.content, Content::Error(..))) {
         return Err(origin.at(
             line,
             "",
@@ -109,6 +126,17 @@ fn header(axis: Axis, names: &[String], line: u32, origin: &Origin) -> Result<Ve
         ));
     }
     for column in &columns {
+        if let Some(component) = column.uncertainty()
+            && !columns.iter().any(|other| other.holds(Some(component), false))
+        {
+            let error = column.name.replace("_u_", "_");
+            return Err(origin.at(
+                line,
+                &column.name,
+                "an uncertainty without its error",
+                format!("a column {error} as well"),
+            ));
+        }
         let Content::Error(component, directions) = column.content else { continue };
         for (reverse, given) in [(false, directions[0]), (true, directions[1])] {
             if !given && !columns.iter().any(|other| other.holds(Some(component), reverse)) {
@@ -137,12 +165,21 @@ pub(super) fn read(text: &[u8], origin: &Origin, axis: Axis) -> Result<TableFile
         }
     }
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
+    let mut uncertainty: [Option<Vec<f64>>; 6] = Default::default();
     while sheet.next_row()? {
         let mut row = Row { position: 0.0, forward: [0.0; 6], reverse: [0.0; 6] };
         for (index, column) in columns.iter().enumerate() {
             let value = sheet.number(index)?;
             match column.content {
                 Content::Position => row.position = value,
+                Content::Uncertainty(component) => {
+                    let bounds = bounds(component);
+                    if !bounds.contains(value) {
+                        return Err(origin.at(sheet.line(), &column.name, value, bounds.needed));
+                    }
+                    let value = value / if component < 3 { 1e3 } else { 1e6 };
+                    uncertainty[component].get_or_insert_default().push(value);
+                }
                 Content::Error(component, [forward, reverse]) => {
                     let value = value / if component < 3 { 1e3 } else { 1e6 };
                     if forward {
@@ -159,7 +196,8 @@ pub(super) fn read(text: &[u8], origin: &Origin, axis: Axis) -> Result<TableFile
     }
     let bidirectional = rows.iter().any(|row| row.forward != row.reverse);
     let dialect = sheet.dialect();
-    Ok(TableFile { table: Table { given, bidirectional, rows }, lines, columns, dialect })
+    let table = Table { given, bidirectional, rows };
+    Ok(TableFile { table, lines, columns, uncertainty, dialect })
 }
 
 fn example(axis: Axis) -> String {

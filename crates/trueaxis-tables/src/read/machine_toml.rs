@@ -6,6 +6,7 @@ use super::units::{degrees_from_urad, from_um, from_urad, per_second, same};
 use crate::error::FileError;
 use crate::origin::Origin;
 use crate::text::line_at;
+use crate::uncertainty::{AxisUncertainty, Uncertainties};
 use std::cell::RefCell;
 use toml::de::DeTable;
 use trueaxis::machine::{
@@ -26,6 +27,8 @@ pub(super) struct Description {
     pub(super) settings: MachineSettings,
     pub(super) tables: Vec<TableReference>,
     pub(super) keys: Keys,
+    /// Without those in the CSV of the axes.
+    pub(super) uncertainties: Uncertainties,
     /// Keys of numbers that were asked for, with their count.
     pub(super) numbers: Vec<(String, usize)>,
 }
@@ -61,14 +64,18 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
     root.store_all(&mut settings.tool_mm, "tool_mm")?;
     root.store(&mut settings.reference_temperature_c, "reference_temperature_c", same)?;
 
-    let mut tables = Vec::new();
+    let (mut tables, mut uncertain) = (Vec::new(), Vec::new());
     let sections = root.section("axis")?;
     for axis in Axis::ALL {
         let Some(link) = links.iter().find(|link| link.axis == axis) else { continue };
         let mut of_axis = AxisSettings::with_defaults(axis, link.carries_workpiece);
         let letter = axis.letter().to_string();
         if let Some(section) = sections.as_ref().map(|axes| axes.section(&letter)).transpose()?.flatten() {
-            tables.extend(read_axis(section, &mut of_axis)?);
+            let (table, own) = read_axis(section, &mut of_axis)?;
+            tables.extend(table);
+            uncertain.push(own);
+        } else {
+            uncertain.push(AxisUncertainty::unstated(axis));
         }
         // At most six letters, each once.
         let _ = settings.axes.push(of_axis);
@@ -107,11 +114,17 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
     }
     settings.roundness = super::roundness_toml::read(&root)?;
     settings.crosstalk = super::crosstalk_toml::read(&root)?;
+    let axes: Vec<Axis> = links.iter().map(|link| link.axis).collect();
+    let uncertainties = Uncertainties { axes: uncertain, ..super::uncertainty_toml::read(&root, &axes)? };
     root.finish(None)?;
-    Ok(Description { settings, tables, keys: Keys::new(text, document.get_ref()), numbers: numbers.into_inner() })
+    let keys = Keys::new(text, document.get_ref());
+    Ok(Description { settings, tables, keys, uncertainties, numbers: numbers.into_inner() })
 }
 
-fn read_axis(section: Section<'_>, settings: &mut AxisSettings) -> Result<Option<TableReference>, FileError> {
+fn read_axis(
+    section: Section<'_>,
+    settings: &mut AxisSettings,
+) -> Result<(Option<TableReference>, AxisUncertainty), FileError> {
     let axis = settings.axis;
     let rotary = axis.is_rotary();
     let unit = if rotary { "deg" } else { "mm" };
@@ -167,8 +180,10 @@ fn read_axis(section: Section<'_>, settings: &mut AxisSettings) -> Result<Option
         settings.joint = [low - settings.limits.magnitude, high + settings.limits.magnitude];
     }
     settings.servo = super::servo_toml::read_axis(&section, axis)?;
+    let uncertainty = super::uncertainty_toml::read_axis(&section, axis)?;
     section.finish(None)?;
-    Ok(table.map(|Found { value, line, key, .. }| TableReference { axis, file: value.to_owned(), line, key }))
+    let table = table.map(|Found { value, line, key, .. }| TableReference { axis, file: value.to_owned(), line, key });
+    Ok((table, uncertainty))
 }
 
 fn read_location(section: Section<'_>, settings: &mut MachineSettings) -> Result<(), FileError> {

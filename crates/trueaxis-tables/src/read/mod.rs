@@ -9,12 +9,14 @@ mod roundness_toml;
 mod section;
 mod servo_toml;
 pub(crate) mod table_text;
+mod uncertainty_toml;
 mod units;
 
 use crate::error::FileError;
 use crate::files::{Folder, Source, bytes};
 use crate::origin::Origin;
 use crate::text::decode;
+use crate::uncertainty::Uncertainties;
 use crate::{Machine, Table};
 use axis_table::TableFile;
 pub(crate) use crosstalk_toml::unit_of;
@@ -104,6 +106,21 @@ pub(crate) fn text_is_sound(text: &str, origin: &Origin) -> Result<(), FileError
     check::settings(&description.settings).map_err(|error| description.located(origin, &error))
 }
 
+/// What the files of a machine say of their uncertainty.
+pub(crate) fn uncertainties(files: &dyn Source, name: &Path) -> Result<Uncertainties, FileError> {
+    let (_, description) = described(files, name)?;
+    let mut found = description.uncertainties;
+    for reference in &description.tables {
+        let file = beside(name, &reference.file);
+        let origin = Origin::new(&files.path(&file));
+        let read = axis_table::read(&bytes(files, &file)?, &origin, reference.axis)?;
+        if let Some(own) = found.axes.iter_mut().find(|own| own.axis == reference.axis) {
+            own.points = read.uncertainty;
+        }
+    }
+    Ok(found)
+}
+
 /// A machine before an edit of its files.
 pub(crate) struct Standing<'f> {
     pub(crate) files: &'f dyn Source,
@@ -113,6 +130,8 @@ pub(crate) struct Standing<'f> {
     pub(crate) text: String,
     pub(crate) settings: MachineSettings,
     pub(crate) tables: Vec<StandingTable>,
+    /// Without those in the tables.
+    pub(crate) uncertainties: Uncertainties,
 }
 
 /// A table that `machine.toml` names.
@@ -137,7 +156,14 @@ impl<'f> Standing<'f> {
             StandingTable { axis, name: file, line, key, table: read.ok().map(|file| file.table) }
         });
         let tables = tables.collect();
-        Ok(Standing { files, name: name.into(), text, settings: description.settings, tables })
+        Ok(Standing {
+            files,
+            name: name.into(),
+            text,
+            settings: description.settings,
+            tables,
+            uncertainties: description.uncertainties,
+        })
     }
 }
 

@@ -15,7 +15,7 @@ pub struct ColumnText {
     pub name: String,
     /// 0 to 5 for EX to EC; `None`: the position.
     pub component: Option<usize>,
-    /// It holds for positive travel.
+    /// It holds for positive travel. A column that holds for neither is the standard uncertainty of its component.
     pub forward: bool,
     /// It holds for negative travel.
     pub reverse: bool,
@@ -57,7 +57,9 @@ pub fn table_texts(files: &dyn Source, name: &Path) -> Result<Vec<TableText>, Fi
         let read = axis_table::read(&bytes, &origin, reference.axis)?;
         let column = |column: &axis_table::Column| ColumnText {
             name: column.name.clone(),
-            component: (0..6).find(|of| column.holds(Some(*of), false) || column.holds(Some(*of), true)),
+            component: (0..6)
+                .find(|of| column.holds(Some(*of), false) || column.holds(Some(*of), true))
+                .or_else(|| column.uncertainty()),
             forward: (0..6).any(|of| column.holds(Some(of), false)),
             reverse: (0..6).any(|of| column.holds(Some(of), true)),
         };

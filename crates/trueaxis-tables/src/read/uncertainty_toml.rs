@@ -1,0 +1,124 @@
+//! `[uncertainty]`, `[uncertainty.location]` and `[axis.*.uncertainty]` of `machine.toml`.
+
+use super::section::Section;
+use super::units::{from_um, from_urad, same};
+use crate::error::FileError;
+use crate::uncertainty::{AxisUncertainty, Instrument, LocationUncertainty, Uncertainties};
+use trueaxis::machine::Axis;
+
+/// Largest standard uncertainties: those of the quantities themselves, in the units of the file.
+const MOST_UM: f64 = 1000.0;
+pub(super) const UM: Bounds = Bounds { most: MOST_UM, needed: "a standard uncertainty of 0 to 1000 um" };
+pub(super) const URAD: Bounds = Bounds { most: 10_000.0, needed: "a standard uncertainty of 0 to 10000 urad" };
+const MILLIONTHS: Bounds = Bounds { most: 1000.0, needed: "a standard uncertainty of 0 to 1000 millionths" };
+const MISALIGNMENT: Bounds = Bounds { most: 100.0, needed: "a standard uncertainty of 0 to 100 mm" };
+const KELVIN: Bounds = Bounds { most: 100.0, needed: "a standard uncertainty of 0 to 100 K" };
+
+/// Range of a standard uncertainty: from zero, since there are no negative ones.
+pub(super) struct Bounds {
+    pub(super) most: f64,
+    pub(super) needed: &'static str,
+}
+
+impl Bounds {
+    pub(super) fn contains(&self, value: f64) -> bool {
+        (0.0..=self.most).contains(&value)
+    }
+}
+
+fn stated(
+    section: &Section<'_>,
+    key: &str,
+    bounds: &Bounds,
+    convert: fn(f64) -> f64,
+) -> Result<Option<f64>, FileError> {
+    let Some(found) = section.number(key)? else { return Ok(None) };
+    if !bounds.contains(found.value) {
+        return Err(section.wrong(&found, bounds.needed));
+    }
+    Ok(Some(convert(found.value)))
+}
+
+fn millionths(value: f64) -> f64 {
+    value / 1e6
+}
+
+/// Degrees of freedom: a scatter of two readings has one.
+fn degrees_of_freedom(section: &Section<'_>) -> Result<Option<f64>, FileError> {
+    let Some(found) = section.number("degrees_of_freedom")? else { return Ok(None) };
+    if !(1.0..=1e9).contains(&found.value) {
+        return Err(section.wrong(&found, "1 to 1e9 degrees of freedom"));
+    }
+    Ok(Some(found.value))
+}
+
+/// Instrument and location errors of the machine with these axes; without what the sections of the axes say.
+pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, FileError> {
+    let mut found = Uncertainties::default();
+    let Some(section) = root.section("uncertainty")? else { return Ok(found) };
+    found.instrument = Instrument {
+        device_per_length: stated(&section, "device_um_per_m", &MILLIONTHS, millionths)?,
+        device: stated(&section, "device_um", &UM, from_um)?,
+        misalignment: stated(&section, "misalignment_mm", &MISALIGNMENT, same)?,
+        temperature_k: stated(&section, "temperature_k", &KELVIN, same)?,
+        temperature_difference_k: difference(&section)?,
+        expansion_per_k: stated(&section, "expansion_um_per_m_k", &MILLIONTHS, millionths)?,
+        eve: stated(&section, "eve_um", &UM, from_um)?,
+        degrees_of_freedom: degrees_of_freedom(&section)?,
+    };
+    if let Some(section) = section.section("location")? {
+        found.location = read_location(section, axes)?;
+    }
+    section.finish(None)?;
+    Ok(found)
+}
+
+/// No uncertainty: it has a sign.
+fn difference(section: &Section<'_>) -> Result<Option<f64>, FileError> {
+    let Some(found) = section.number("temperature_difference_k")? else { return Ok(None) };
+    if found.value.abs() > 100.0 {
+        return Err(section.wrong(&found, "-100 to 100 K from the reference temperature"));
+    }
+    Ok(Some(found.value))
+}
+
+fn read_location(section: Section<'_>, axes: &[Axis]) -> Result<LocationUncertainty, FileError> {
+    let mut found = LocationUncertainty::default();
+    for (to, key) in found.squareness.iter_mut().zip(["A0Z_urad", "B0Z_urad", "C0Y_urad"]) {
+        *to = stated(&section, key, &URAD, from_urad)?;
+    }
+    for (errors, axis) in found.rotary.iter_mut().zip([Axis::A, Axis::B, Axis::C]) {
+        if !axes.contains(&axis) {
+            continue;
+        }
+        for (to, moved) in errors.iter_mut().zip(Axis::ALL) {
+            let (unit, bounds, convert): (_, _, fn(f64) -> f64) =
+                if moved.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };
+            *to = stated(&section, &format!("E{}0{}_{unit}", moved.letter(), axis.letter()), bounds, convert)?;
+        }
+    }
+    found.degrees_of_freedom = degrees_of_freedom(&section)?;
+    section.finish(None)?;
+    Ok(found)
+}
+
+/// `[axis.*.uncertainty]`; nothing stated where the axis has none.
+pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty, FileError> {
+    let mut found = AxisUncertainty::unstated(of);
+    let Some(section) = axis.section("uncertainty")? else { return Ok(found) };
+    let (micro, bounds, convert): (_, _, fn(f64) -> f64) =
+        if of.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };
+    if !of.is_rotary() {
+        found.scale = stated(&section, "scale_ppm", &MILLIONTHS, millionths)?;
+    }
+    found.backlash = stated(&section, &format!("backlash_{micro}"), bounds, convert)?;
+    found.repeatability = stated(&section, &format!("repeatability_{micro}"), bounds, convert)?;
+    for (to, moved) in found.columns.iter_mut().zip(Axis::ALL) {
+        let (unit, bounds, convert): (_, _, fn(f64) -> f64) =
+            if moved.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };
+        *to = stated(&section, &format!("E{}{}_{unit}", moved.letter(), of.letter()), bounds, convert)?;
+    }
+    found.degrees_of_freedom = degrees_of_freedom(&section)?;
+    section.finish(None)?;
+    Ok(found)
+}

@@ -1,0 +1,121 @@
+//! How well the figures of a machine are known: standard uncertainties beside its tables.
+//!
+//! They stand in `[uncertainty]`, `[uncertainty.location]` and `[axis.X.uncertainty]` of `machine.toml`, and in columns like
+//! `EXX_u_um` of an axis' CSV. No controller is told of them: they are never compiled and change no correction.
+
+use crate::error::FileError;
+use crate::files::{Folder, Source};
+use crate::read::uncertainties;
+use std::path::Path;
+use trueaxis::machine::Axis;
+
+/// Instrument and set-up that the tables were measured with; standard uncertainties (k = 1). `None`: not stated.
+///
+/// The terms are those of ISO/TR 230-9 for linear positioning.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Instrument {
+    /// Calibration of the instrument by length, mm per mm; the same for all axes.
+    pub device_per_length: Option<f64>,
+    /// Calibration and resolution of the instrument at a single reading, mm.
+    pub device: Option<f64>,
+    /// Lateral misalignment of instrument and axis over the axis' travel, mm.
+    pub misalignment: Option<f64>,
+    /// Temperature of the machine's scales or screws while it was measured, K; the same for all axes.
+    pub temperature_k: Option<f64>,
+    /// How far the temperature stood from the reference, K: no uncertainty, but what `expansion_per_k` counts with.
+    pub temperature_difference_k: Option<f64>,
+    /// Coefficient of expansion, 1/K; the same for all axes.
+    pub expansion_per_k: Option<f64>,
+    /// Environmental variation error of a single reading, mm.
+    pub eve: Option<f64>,
+    /// Degrees of freedom of these figures; `None`: well known.
+    pub degrees_of_freedom: Option<f64>,
+}
+
+/// Location errors; standard uncertainties (k = 1), mm and rad. `None`: not stated.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LocationUncertainty {
+    /// A0Z, B0Z, C0Y.
+    pub squareness: [Option<f64>; 3],
+    /// For A, B, C in this order: `EX0r … EC0r`.
+    pub rotary: [[Option<f64>; 6]; 3],
+    /// Degrees of freedom of these figures; `None`: well known.
+    pub degrees_of_freedom: Option<f64>,
+}
+
+/// An axis; standard uncertainties (k = 1), mm and rad. `None`: not stated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisUncertainty {
+    /// The axis.
+    pub axis: Axis,
+    /// Of its scale, mm per mm; of linear axes only.
+    pub scale: Option<f64>,
+    /// Of its lost motion.
+    pub backlash: Option<f64>,
+    /// Scatter of a single approach.
+    pub repeatability: Option<f64>,
+    /// Of every point of a column, independent from point to point.
+    pub columns: [Option<f64>; 6],
+    /// The same point by point, from the columns `…_u_…` of the axis' CSV; they go before `columns`.
+    pub points: [Option<Vec<f64>>; 6],
+    /// Degrees of freedom of these figures; `None`: well known.
+    pub degrees_of_freedom: Option<f64>,
+}
+
+impl AxisUncertainty {
+    /// Nothing stated.
+    pub fn unstated(axis: Axis) -> AxisUncertainty {
+        AxisUncertainty {
+            axis,
+            scale: None,
+            backlash: None,
+            repeatability: None,
+            columns: [None; 6],
+            points: Default::default(),
+            degrees_of_freedom: None,
+        }
+    }
+
+    /// Of a point of a column, from 0; `None`: not stated.
+    pub fn of_point(&self, component: usize, point: usize) -> Option<f64> {
+        match self.points.get(component)? {
+            Some(points) => points.get(point).copied(),
+            None => self.columns.get(component).copied().flatten(),
+        }
+    }
+}
+
+/// All standard uncertainties that the files of a machine state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Uncertainties {
+    /// Instrument and set-up.
+    pub instrument: Instrument,
+    /// Squareness and location of rotary axes.
+    pub location: LocationUncertainty,
+    /// One entry an axis, in the order of the machine's list.
+    pub axes: Vec<AxisUncertainty>,
+}
+
+impl Uncertainties {
+    /// Those of a `machine.toml`, or the one in a folder, and of the tables that it names.
+    ///
+    /// # Errors
+    /// As [`crate::Machine::read`], as far as the files are wrong by themselves.
+    pub fn read(path: &Path) -> Result<Uncertainties, FileError> {
+        let (folder, name) = Folder::of_machine(path);
+        Uncertainties::read_from(&folder, &name)
+    }
+
+    /// [`Uncertainties::read`] from any source of files; `name` is that of the `machine.toml`.
+    ///
+    /// # Errors
+    /// As [`Uncertainties::read`].
+    pub fn read_from(files: &dyn Source, name: &Path) -> Result<Uncertainties, FileError> {
+        uncertainties(files, name)
+    }
+
+    /// Those of an axis.
+    pub fn of(&self, axis: Axis) -> Option<&AxisUncertainty> {
+        self.axes.iter().find(|own| own.axis == axis)
+    }
+}

@@ -1,0 +1,102 @@
+//! Standard uncertainties are read, compiled into nothing, and kept by edits.
+
+use std::path::Path;
+use trueaxis::machine::Axis;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::formats::{Format, import};
+use trueaxis_tables::uncertainty::Uncertainties;
+use trueaxis_tables::{Change, Machine, Setting, change, compile, table_texts};
+
+const PLAIN: &str =
+    "name = \"u\"\nchain = \"w X' b C t\"\n[axis.X]\ntable = \"x.csv\"\n[axis.C]\ntravel_deg = [-180, 180]\n";
+const STATED: &str = "
+[uncertainty] # of the laser
+device_um_per_m = 0.6
+misalignment_mm = 0.5
+temperature_difference_k = -1.5
+degrees_of_freedom = 20
+[uncertainty.location]
+C0Y_urad = 3
+EX0C_um = 2
+[axis.X.uncertainty]
+scale_ppm = 1
+EXX_um = 0.25
+EAX_urad = 4
+[axis.C.uncertainty]
+repeatability_urad = 5
+";
+const TABLE: &str = "X_mm,EXX_um,EYX_um\n0,1,2\n10,2,2\n";
+const WITH_POINTS: &str = "X_mm,EXX_um,EYX_um,EYX_u_um\n0,1,2,0.5\n10,2,2,0.75\n";
+
+fn files(machine: &str, table: &str) -> Memory {
+    Memory::new([(Path::new("machine.toml"), machine), (Path::new("x.csv"), table)])
+}
+
+fn read(files: &Memory) -> Uncertainties {
+    Uncertainties::read_from(files, Path::new("machine.toml")).unwrap()
+}
+
+#[test]
+fn what_is_stated_is_read_in_its_unit_and_nothing_else_is_taken_for_stated() {
+    let found = read(&files(&format!("{PLAIN}{STATED}"), WITH_POINTS));
+    assert_eq!(found.instrument.device_per_length, Some(0.6e-6));
+    assert_eq!((found.instrument.device, found.instrument.eve), (None, None));
+    assert_eq!(found.instrument.misalignment, Some(0.5));
+    assert_eq!(found.instrument.temperature_difference_k, Some(-1.5));
+    assert_eq!(found.instrument.degrees_of_freedom, Some(20.0));
+    assert_eq!(found.location.squareness, [None, None, Some(3e-6)]);
+    assert_eq!(found.location.rotary[2], [Some(2e-3), None, None, None, None, None]);
+    let x = found.of(Axis::X).unwrap();
+    assert_eq!((x.scale, x.columns[0], x.columns[3]), (Some(1e-6), Some(0.25e-3), Some(4e-6)));
+    assert_eq!(x.points[1].as_deref(), Some(&[0.5e-3, 0.75e-3][..]));
+    assert_eq!((x.of_point(0, 1), x.of_point(1, 1), x.of_point(2, 0)), (Some(0.25e-3), Some(0.75e-3), None));
+    assert_eq!(found.of(Axis::C).unwrap().repeatability, Some(5e-6));
+    assert!(found.of(Axis::Y).is_none());
+}
+
+#[test]
+fn nothing_of_it_is_compiled() {
+    let machine = |files: &Memory| Machine::read_from(files, Path::new("machine.toml"), &mut |_| {}).unwrap();
+    let (plain, stated) = (machine(&files(PLAIN, TABLE)), machine(&files(&format!("{PLAIN}{STATED}"), WITH_POINTS)));
+    assert_eq!(plain, stated);
+    assert_eq!(compile(&plain).unwrap(), compile(&stated).unwrap());
+}
+
+#[test]
+fn edits_keep_it() {
+    let text = format!("{PLAIN}{STATED}");
+    let before = files(&text, WITH_POINTS);
+    let key = Change::Key { key: "axis.X.uncertainty.EXX_um".into(), value: Some(Setting::Number(0.5)) };
+    let edited = change(&before, Path::new("machine.toml"), &key).unwrap();
+    assert_eq!(edited.files[0].1, text.replace("EXX_um = 0.25", "EXX_um = 0.5"));
+    // A new row is no less certain than the one behind it.
+    let insert = Change::Insert { axis: Axis::X, position: 5.0 };
+    let edited = change(&before, Path::new("machine.toml"), &insert).unwrap();
+    assert_eq!(edited.files[0].1, "X_mm,EXX_um,EYX_um,EYX_u_um\n0,1,2,0.5\n5,1.5,2,0.75\n10,2,2,0.75\n");
+    let column = &table_texts(&before, Path::new("machine.toml")).unwrap()[0].columns[3];
+    assert_eq!((column.component, column.forward, column.reverse), (Some(1), false, false));
+    // Another table: what was stated of the old one stays, and is told.
+    let imported = import(Format::from_name("isg").unwrap(), "X EXX\n0 0\n10 0.001\n", Path::new("f"), None).unwrap();
+    let edited = imported.edit(&before, Path::new("machine.toml")).unwrap();
+    assert!(edited.files.iter().all(|(name, new)| name != Path::new("machine.toml") || new.contains(STATED)));
+    assert!(edited.notes.iter().any(|note| note.contains("[axis.X.uncertainty] stays")), "{:?}", edited.notes);
+}
+
+#[test]
+fn what_is_wrong_is_refused_at_its_line() {
+    for (line, needed) in [
+        ("eve_um = -0.1", "0 to 1000 um"),
+        ("device_um = \"0.1\"", "a number"),
+        ("degrees_of_freedom = 0", "1 to 1e9"),
+        ("eve_mm = 1", "one of device_um_per_m, device_um"),
+    ] {
+        let files = files(&format!("{PLAIN}[uncertainty]\n{line}\n"), TABLE);
+        let error = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap_err();
+        assert_eq!(error.line, Some(8), "{error}");
+        assert!(error.needed.contains(needed) && error.column.is_some(), "{error}");
+    }
+    // A rotary axis has no scale in ppm.
+    let files = files(&format!("{PLAIN}[axis.C.uncertainty]\nscale_ppm = 1\n"), TABLE);
+    let error = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap_err();
+    assert_eq!(error.column.as_deref(), Some("axis.C.uncertainty.scale_ppm"));
+}
