@@ -1,45 +1,63 @@
 //! `trueaxis ballbar`.
 
-use crate::csv_in;
-use crate::output::{json, print};
+use crate::output::{json, print, tell};
 use crate::report;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::fmt::Write;
-use std::path::PathBuf;
-use trueaxis_evaluation::ballbar::{COLUMNS, Document, Test, values};
+use std::path::{Path, PathBuf};
+use trueaxis::Axis;
+use trueaxis::telemetry::Frame;
+use trueaxis_evaluation::ballbar::{Document, Options, Test, Ways, values};
+use trueaxis_evaluation::friction::pair;
+use trueaxis_metrology::ballbar::Position;
+use trueaxis_recording::Received;
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
-RECORD.csv: angle_deg,deviation_um,direction, one row a reading: angle of the command on its circle from +X towards +Y,
-actual less nominal radius, 1 counterclockwise or -1 clockwise. Whole circles, best in both directions.
+RECORD, whole circles about one centre, best in both directions, in one of four forms that are told apart by themselves:
+  a bar's CSV     angle_deg,deviation_um,direction: angle of the command on its circle from the first axis (--axes) towards
+                  the second, actual less nominal radius, 1 counterclockwise or -1 clockwise
+  positions       CSV x_cmd_mm,x_mm,y_cmd_mm,y_mm (z_cmd_mm,z_mm), as from a grid encoder or from record-circles.py
+  halsampler      LinuxCNC's lines without a header: command and position of the first axis, of the second (-t or not)
+  telemetry       what a controller sent, COBS frames: commands and readings of the encoders
+Of positions the way to the circle and from it is left out.
 
 G(b), G, F, H: circular, radial deviation and hysteresis after ISO 230-4, about the least-squares centre. One fit tells the
 causes apart, each with its standard error (d = +1 counterclockwise, -1 clockwise):
-  scale mismatch  (R/2)(s_x − s_y) cos 2θ         squareness      −(R/2) C0Y sin 2θ
+  scale mismatch  (R/2)(s_x − s_y) cos 2θ         squareness      −(R/2) C0Y sin 2θ (Y,Z: A0Z; Z,X: −B0Z)
   servo mismatch  (d/2)(l_x − l_y) sin 2θ         straightness    q_x cos²θ sin θ + q_y sin²θ cos θ
   backlash        (d/2)(b_x sgn(sin θ) cos θ − b_y sgn(cos θ) sin θ)
   lateral play    (d/2)(p_x |sin θ| − p_y |cos θ|)
   reversal        spikes of height h after an axis' reversals; cyclic: periodic errors, their pitch searched or given
 One direction cannot tell servo mismatch and lateral play; they are null then.
 
-Example: trueaxis ballbar record.csv --radius-mm 100 --report out";
+Examples:
+  trueaxis ballbar record.csv --radius-mm 100 --report out
+  trueaxis ballbar samples.txt --radius-mm 50 --axes Z,X
+  trueaxis ballbar frames.bin --radius-mm 50";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Recorded circles.
-    #[arg(value_name = "RECORD.csv")]
+    #[arg(value_name = "RECORD")]
     record: PathBuf,
     /// Nominal radius of the circle.
     #[arg(long, value_name = "R")]
     radius_mm: f64,
+    /// The two axes of the circles' plane, in its sense: X,Y, Z,X or Y,Z, or a pair the other way round.
+    #[arg(long, value_name = "X,Y", value_parser = pair, default_value = "X,Y")]
+    axes: [Axis; 2],
     /// Pitch of the periodic error of X, of its screw or encoder [default: searched].
     #[arg(long, value_name = "P")]
     pitch_x_mm: Option<f64>,
     /// Pitch of the periodic error of Y [default: searched].
     #[arg(long, value_name = "P")]
     pitch_y_mm: Option<f64>,
+    /// Pitch of the periodic error of Z [default: searched].
+    #[arg(long, value_name = "P")]
+    pitch_z_mm: Option<f64>,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -49,16 +67,17 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let pitches = [arguments.pitch_x_mm, arguments.pitch_y_mm];
-    let lengths =
-        [("--radius-mm", Some(arguments.radius_mm)), ("--pitch-x-mm", pitches[0]), ("--pitch-y-mm", pitches[1])];
+    let pitches = [arguments.pitch_x_mm, arguments.pitch_y_mm, arguments.pitch_z_mm];
+    let names = ["--pitch-x-mm", "--pitch-y-mm", "--pitch-z-mm"];
+    let lengths = names.into_iter().zip(pitches).chain([("--radius-mm", Some(arguments.radius_mm))]);
     for (name, value) in lengths {
         if let Some(value) = value.filter(|value| !(1e-3..=1e5).contains(value)) {
             bail!("{name}: found {value}, needed 0.001 to 100000 mm");
         }
     }
-    let mut rows = csv_in::open(&arguments.record, &COLUMNS, "readings")?;
-    let test = Test::read(&mut rows, arguments.radius_mm, pitches)?;
+    let pitches_mm = arguments.axes.map(|axis| pitches.get(axis.index()).copied().flatten());
+    let options = Options { radius_mm: arguments.radius_mm, axes: arguments.axes, pitches_mm };
+    let test = read(&arguments.record, &options)?;
     let document = test.document();
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
@@ -69,12 +88,32 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 
+fn read(file: &Path, options: &Options) -> Result<Test> {
+    let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
+    // No text holds a zero, and every COBS frame ends with one.
+    if !bytes.contains(&0) {
+        return Test::read(&bytes, file, options, |how| tell(format_args!("note: {how}")));
+    }
+    let received = Received::read(&bytes);
+    if received.frames.is_empty() {
+        bail!("{}: found no whole record of a cycle, needed text or telemetry as in docs/telemetry.md", file.display());
+    }
+    crate::telemetry::note(file, &received);
+    let position = |frame: &Frame| {
+        let own = options.axes.map(|axis| frame.axes.get(axis.index()));
+        let of = |take: fn(&trueaxis::telemetry::AxisFrame) -> f64| own.map(|axis| axis.map_or(f64::NAN, take));
+        Position { command: of(|axis| axis.command), actual: of(|axis| axis.feedback) }
+    };
+    let positions: Vec<Position> = received.frames.iter().map(position).collect();
+    Test::of_positions(&positions, file, options)
+}
+
 fn table(d: &Document) -> Result<String> {
-    let mut text = format!("{} readings, radius {} mm; ISO 230-4\n\n", d.readings, d.radius_mm);
+    let mut text = format!("{} readings, plane {}, radius {} mm; ISO 230-4\n\n", d.readings, d.plane, d.radius_mm);
     let um = |value: Option<f64>| value.map_or_else(|| "–".into(), |um| significant(um, 4));
     writeln!(text, "G(b) {} µm   H {} µm", um(d.g_b_um), um(d.h_um))?;
     for (name, take) in [("counterclockwise", 0), ("clockwise", 1)] {
-        let of = |ways: trueaxis_evaluation::ballbar::Ways| um(if take == 0 { ways.ccw } else { ways.cw });
+        let of = |ways: Ways| um(if take == 0 { ways.ccw } else { ways.cw });
         writeln!(text, "{name:<17} G {} µm   F max {} µm   F min {} µm", of(d.g_um), of(d.f_max_um), of(d.f_min_um))?;
     }
     let [x, y] = d.centre_um.map(|um| significant(um, 4));

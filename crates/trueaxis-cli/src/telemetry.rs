@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Prints how many frames were damaged and how many records are missing.
-fn note(file: &Path, received: &Received) {
+pub(crate) fn note(file: &Path, received: &Received) {
     if received.damaged > 0 {
         tell(format_args!("note: {}: {}, left out", file.display(), counted(received.damaged, "damaged frame")));
     }

@@ -1,6 +1,7 @@
 //! `trueaxis ballbar` as it is called; the circle is run by positions, not radii.
 
 use std::fmt::Write;
+use trueaxis::telemetry::{AxisFrame, ContourFrame, FRAME_BYTES, FRAME_VERSION, Frame, Status};
 use trueaxis_testing::command::Folder;
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
@@ -36,6 +37,94 @@ fn causes_are_found() {
     assert_eq!(found["shares"][0]["cause"], "squareness");
     let page = std::fs::read_to_string(folder.join("out/ballbar.html")).unwrap();
     assert!(page.contains("Circular test") && page.contains("squareness C0Y"));
+}
+
+/// Command and place on the circle of 40 mm about (7, −3), four places to a degree: the second axis lags by 5 µm and has
+/// 3 µm of lost motion, and moves the first by 30 µrad.
+fn places() -> Vec<[[f64; 2]; 2]> {
+    let turns = |d: f64| (0..=1440).map(move |k| (d, d * f64::from(k) * 0.25));
+    let all = turns(1.0).chain(turns(-1.0));
+    all.map(|(d, angle)| {
+        let (sin, cos) = (angle + 0.1).to_radians().sin_cos();
+        let (x, y) = (40.0 * cos, 40.0 * sin);
+        let moved = [x - 30e-6 * y, y - 0.005 * d * cos - 0.0015 * (d * cos).signum()];
+        [[7.0 + x, -3.0 + y], [7.0 + moved[0], -3.0 + moved[1]]]
+    })
+    .collect()
+}
+
+/// CSV, halsampler's lines and telemetry of one circle give one document, and in another plane the squareness its name.
+#[test]
+fn positions_come_in_three_forms() {
+    let folder = Folder::new(TRUEAXIS);
+    let (mut csv, mut zx) =
+        (String::from("t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm\n"), String::from("z_cmd_mm,z_mm,x_cmd_mm,x_mm\n"));
+    let (mut sampled, mut frames) = (String::new(), Vec::new());
+    for (k, [command, place]) in places().into_iter().enumerate() {
+        let row = format!("{},{},{},{}", command[0], place[0], command[1], place[1]);
+        writeln!(csv, "{},{row}", 1e-3 * k as f64).unwrap();
+        writeln!(zx, "{row}").unwrap();
+        writeln!(sampled, "{} {}", k + 70, row.replace(',', " ")).unwrap();
+        let axis = |i: usize| AxisFrame { command: command[i], feedback: place[i], correction: 0.0, dynamic: None };
+        let still = AxisFrame { command: 5.0, feedback: 5.0, correction: 0.0, dynamic: None };
+        let frame = Frame {
+            version: FRAME_VERSION,
+            sequence: k as u32,
+            machine_id: 1,
+            tables_crc: 7,
+            fault: trueaxis::Fault::None,
+            fault_axis: 0,
+            status: Status(0),
+            limited: 0,
+            at_edge: 0,
+            axes: [axis(0), axis(1), still].into_iter().collect(),
+            tip: ContourFrame::default(),
+            encoder: ContourFrame::default(),
+            orientation: 0.0,
+            orientation_flags: 0,
+        };
+        let mut buffer = [0; FRAME_BYTES];
+        frames.extend_from_slice(frame.encode(&mut buffer).unwrap());
+    }
+    folder.write("grid.csv", csv);
+    folder.write("samples.txt", sampled.clone());
+    folder.write(
+        "bare.txt",
+        sampled.lines().fold(String::new(), |text, line| text + line.split_once(' ').unwrap().1 + "\n"),
+    );
+    folder.write("frames.bin", frames);
+    folder.write("zx.csv", zx);
+    let of = |file: &str| folder.json(&["ballbar", file, "--radius-mm", "40", "--json"]);
+    let found = of("grid.csv");
+    let near = |found: &serde_json::Value, truth: f64, tolerance: f64| {
+        assert!((found.as_f64().unwrap() - truth).abs() < tolerance, "{found} for {truth}");
+    };
+    near(&found["squareness_urad"], 30.0, 0.1);
+    near(&found["servo_mismatch_um"], -5.0, 0.02);
+    near(&found["backlash_um"]["y"], 3.0, 0.05);
+    near(&found["backlash_um"]["x"], 0.0, 0.05);
+    assert!(found["warnings"][0].as_str().unwrap().starts_with("made of positions"));
+    for file in ["samples.txt", "bare.txt", "frames.bin"] {
+        assert_eq!(of(file), found, "{file}");
+    }
+    let other = folder.json(&["ballbar", "zx.csv", "--radius-mm", "40", "--axes", "Z,X", "--json"]);
+    assert_eq!((&other["plane"], &other["squareness"]), (&"ZX".into(), &"B0Z".into()));
+    near(&other["squareness_urad"], -30.0, 0.1);
+    assert_eq!(other["backlash_um"]["x"], found["backlash_um"]["y"]);
+    // What is wrong in them.
+    folder.write("gap.txt", sampled.replacen("\n75 ", "\n#", 1).replace('#', "76 "));
+    folder.write("lost.txt", sampled.replacen("\n80 ", "\noverrun\n80 ", 1));
+    folder.write("zeros.bin", [0; 40]);
+    for (file, told) in [
+        ("gap.txt", "gap.txt:6: found sample 76 after 74, needed every cycle, none lost"),
+        ("lost.txt", "lost.txt:11: found \"overrun\", needed command and position of the first axis"),
+        ("zeros.bin", "zeros.bin: found no whole record of a cycle, needed text or telemetry"),
+        ("zx.csv", "zx.csv: found columns z_cmd_mm, z_mm, x_cmd_mm, x_mm, needed the columns angle_deg, deviation_um"),
+    ] {
+        folder.bad(&["ballbar", file, "--radius-mm", "40"], &[told]);
+    }
+    let wrong = "found commands that turn with a radius of 40.0000 mm, needed circles of 45 mm about one centre";
+    folder.bad(&["ballbar", "samples.txt", "--radius-mm", "45"], &[wrong]);
 }
 
 #[test]

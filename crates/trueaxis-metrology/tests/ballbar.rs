@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use std::f64::consts::{E, PI, TAU};
-use trueaxis_metrology::ballbar::{Cause, Evaluation, Reading, Refused, evaluate};
+use trueaxis_metrology::ballbar::{Cause, Evaluation, Position, Reading, Refused, evaluate, readings};
 
 /// A machine's plane. Lengths in mm, spikes' width in rad.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,6 +26,12 @@ struct Plane {
 impl Plane {
     /// What a bar about the pivot reads where the machine is sent to an angle.
     fn reading(&self, angle: f64, counterclockwise: bool) -> f64 {
+        let tip = self.tip(angle, counterclockwise);
+        (tip[0] + self.centre[0]).hypot(tip[1] + self.centre[1]) - self.radius + self.bar
+    }
+
+    /// Where the tip stands that is sent to an angle.
+    fn tip(&self, angle: f64, counterclockwise: bool) -> [f64; 2] {
         let r = self.radius;
         let d = if counterclockwise { 1.0 } else { -1.0 };
         let at = [r * angle.cos(), r * angle.sin()];
@@ -45,7 +51,7 @@ impl Plane {
             tip[1] += spike * angle.sin();
         }
         tip[0] -= self.squareness * at[1];
-        (tip[0] + self.centre[0]).hypot(tip[1] + self.centre[1]) - r + self.bar
+        tip
     }
 
     fn record(&self, count: usize, directions: &[bool], mut noise: impl FnMut() -> f64) -> Vec<Reading> {
@@ -211,4 +217,71 @@ fn what_tells_nothing_is_refused() {
         }
         other => panic!("{other:?}"),
     }
+}
+
+/// From rest in the middle out to the circle, two turns in each direction with a stop between, and back; every tenth of a degree.
+fn positions(plane: &Plane, middle: [f64; 2]) -> Vec<Position> {
+    let at = |[x, y]: [f64; 2]| [middle[0] + x, middle[1] + y];
+    let out = |k: usize| plane.radius * k as f64 / 500.0;
+    let way = |k: usize| Position { command: at([out(k), 0.0]), actual: at([out(k), 0.002]) };
+    let turns = |counterclockwise: bool| {
+        (1..=7200).map(move |k| {
+            let angle = TAU * if counterclockwise { k as f64 } else { -(k as f64) } / 3600.0 + 1e-4;
+            let command = [plane.radius * angle.cos(), plane.radius * angle.sin()];
+            Position { command: at(command), actual: at(plane.tip(angle, counterclockwise)) }
+        })
+    };
+    let mut all: Vec<Position> = (0..=500).map(way).collect();
+    all.extend(turns(true));
+    all.extend(std::iter::repeat_n(all[all.len() - 1], 300));
+    all.extend(turns(false));
+    all.extend((0..=500).rev().map(way));
+    all
+}
+
+#[test]
+fn positions_read_as_a_bar_would() {
+    let plane = Plane {
+        radius: 60.0,
+        squareness: 70e-6,
+        backlash: [0.004, 0.001],
+        spike: [0.005, 0.0],
+        width: 0.04,
+        ..Plane::default()
+    };
+    let read = readings(60.0, &positions(&plane, [-130.0, 45.0])).unwrap();
+    for counterclockwise in [true, false] {
+        let count = read.iter().filter(|reading| reading.counterclockwise == counterclockwise).count();
+        assert!((7190..=7210).contains(&count), "{count}: two turns in tenths of a degree, without the way there");
+    }
+    // Where an axis turns, a stretch of a tenth of a degree holds both sides of the step.
+    let turns = |angle: f64| (angle.to_degrees() + 45.0).rem_euclid(90.0) - 45.0;
+    for reading in read.iter().filter(|reading| turns(reading.angle_rad).abs() > 0.1) {
+        let truth = plane.reading(reading.angle_rad, reading.counterclockwise);
+        let off = (reading.deviation_mm - truth).abs();
+        assert!(off < 2e-4, "{} for {truth} at {}°", reading.deviation_mm, reading.angle_rad.to_degrees());
+    }
+    let found = evaluate(60.0, &read, [None; 2]).unwrap();
+    assert!((value(&found, Cause::Squareness) - 70e-6).abs() < 5e-7);
+    assert!((value(&found, Cause::Backlash(0)) - 0.004).abs() < 3e-5);
+    assert!((value(&found, Cause::Reversal(0)) - 0.005).abs() < 1e-4);
+}
+
+#[test]
+fn positions_without_the_circle_are_refused() {
+    let plane = Plane { radius: 60.0, ..Plane::default() };
+    let all = positions(&plane, [0.0; 2]);
+    match readings(50.0, &all) {
+        Err(Refused::NoCircle { radius_mm: 50.0, found_mm: Some(found) }) => assert!((found - 60.0).abs() < 1e-6),
+        other => panic!("{other:?}"),
+    }
+    assert_eq!(readings(60.0, &all[..400]), Err(Refused::NoCircle { radius_mm: 60.0, found_mm: None }));
+    assert_eq!(readings(60.0, &[]), Err(Refused::NoCircle { radius_mm: 60.0, found_mm: None }));
+    let mut broken = all.clone();
+    broken[77].actual[1] = f64::INFINITY;
+    assert_eq!(readings(60.0, &broken), Err(Refused::NotAReading { index: 77 }));
+    // A quarter that is missing in one direction: the fit refuses it by its angles.
+    let part: Vec<Position> = all.iter().take(501 + 7200 + 300 + 2500).copied().collect();
+    let read = readings(60.0, &part).unwrap();
+    assert!(matches!(evaluate(60.0, &read, [None; 2]), Err(Refused::Gap { counterclockwise: false, .. })));
 }

@@ -24,7 +24,7 @@ pub(crate) fn page(source: &str, test: &Test, document: &Document) -> String {
         Row::new(share.cause.clone(), [format!("{:.1} %", 100.0 * share.share), rms])
     });
     let readings = format!("{} readings", document.readings);
-    let radius = format!("radius {} mm", document.radius_mm);
+    let radius = format!("plane {}, radius {} mm", document.plane, document.radius_mm);
     Page::new("Circular test")
         .top(summary([html! { (source) }, html! { (readings) }, html! { (radius) }]))
         .top(super::warnings(&document.warnings))

@@ -3,16 +3,12 @@
 use super::Test;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use trueaxis::Axis;
 use trueaxis_metrology::ballbar::{Cause, Term};
 
-/// A value of X and one of Y.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Pair {
-    /// Of X.
-    pub x: Option<f64>,
-    /// Of Y.
-    pub y: Option<f64>,
-}
+/// A value of either axis by its letter, `x`, `y` or `z`.
+pub type Pair = BTreeMap<char, Option<f64>>;
 
 /// A value counterclockwise and one clockwise; null where that direction was not recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -57,11 +53,15 @@ pub struct Document {
     pub radius_deviation_um: f64,
     /// Offset of the circle's centre.
     pub centre_um: [f64; 2],
-    /// C0Y.
+    /// The plane, such as `XY`.
+    pub plane: String,
+    /// C0Y, in the plane of Y and Z A0Z, in that of X and Z B0Z.
     pub squareness_urad: f64,
-    /// Scale of X less that of Y.
+    /// Name of that squareness.
+    pub squareness: &'static str,
+    /// Scale of the first axis less that of the second.
     pub scale_mismatch_ppm: f64,
-    /// Lag of X less that of Y.
+    /// Lag of the first axis less that of the second.
     pub servo_mismatch_um: Option<f64>,
     /// Lost motion.
     pub backlash_um: Pair,
@@ -92,8 +92,8 @@ pub struct Document {
 }
 
 /// Name of a cause in sentences.
-pub fn name(cause: Cause) -> String {
-    let axis = |axis: u8| if axis == 0 { "X" } else { "Y" };
+pub fn name(cause: Cause, axes: [Axis; 2]) -> String {
+    let axis = |axis: u8| axes[usize::from(axis != 0)].letter();
     match cause {
         Cause::Radius => "radius".into(),
         Cause::Centre(of) => format!("centre {}", axis(of)),
@@ -117,6 +117,18 @@ fn micro(cause: Cause, value: f64) -> f64 {
     }
 }
 
+/// The squareness of a plane after ISO 230-1, and the sense in which it is that of the fit: e(first) −= S · second, which a
+/// ball bar cannot tell from e(second) −= S · first. EXY −= C0Y y, EYZ −= A0Z z, but EXZ += B0Z z.
+fn squareness(axes: [Axis; 2]) -> (&'static str, f64) {
+    if !axes.contains(&Axis::Z) {
+        ("C0Y", 1.0)
+    } else if axes.contains(&Axis::Y) {
+        ("A0Z", 1.0)
+    } else {
+        ("B0Z", -1.0)
+    }
+}
+
 impl Test {
     /// The document.
     pub fn document(&self) -> Document {
@@ -124,8 +136,10 @@ impl Test {
         let of = |cause: Cause, take: fn(&Term) -> f64| found.term(cause).map(|term| micro(cause, take(term)));
         let value = |cause| of(cause, |term| term.value);
         let error = |cause| of(cause, |term| term.standard_error);
-        let pair = |cause: fn(u8) -> Cause| Pair { x: value(cause(0)), y: value(cause(1)) };
-        let errors = |cause: fn(u8) -> Cause| json!({ "x": error(cause(0)), "y": error(cause(1)) });
+        let letters = self.options.axes.map(|axis| axis.letter().to_ascii_lowercase());
+        let pair = |cause: fn(u8) -> Cause| Pair::from([0, 1].map(|i| (letters[i], value(cause(i as u8)))));
+        let errors = |cause: fn(u8) -> Cause| json!(Pair::from([0, 1].map(|i| (letters[i], error(cause(i as u8))))));
+        let (squareness, sense) = squareness(self.options.axes);
         let um = |value: Option<f64>| value.map(|mm| 1e3 * mm);
         let ways = |take: &dyn Fn([f64; 2]) -> f64| {
             let [ccw, cw] = found.figures.f.map(|ends| um(ends.map(take)));
@@ -145,6 +159,13 @@ impl Test {
         ];
         let centre = |axis| value(Cause::Centre(axis)).unwrap_or_default();
         let mut warnings = Vec::new();
+        if self.of_positions {
+            warnings.push(
+                "made of positions: an axis' own encoder does not see the squareness, the straightness and the scale error of \
+                 the machine, only what the drive makes of its command"
+                    .into(),
+            );
+        }
         if !found.both_directions {
             warnings.push(
                 "one direction only: G(b), hysteresis, servo mismatch and lateral play are not known, squareness contains \
@@ -154,7 +175,7 @@ impl Test {
         }
         Document {
             readings: self.readings.len(),
-            radius_mm: self.radius_mm,
+            radius_mm: self.options.radius_mm,
             g_b_um: um(found.figures.g_b),
             g_um: Ways { ccw: um(found.figures.g[0]), cw: um(found.figures.g[1]) },
             f_um: ways(&|[most, least]| if most >= -least { most } else { least }),
@@ -163,7 +184,9 @@ impl Test {
             h_um: um(found.figures.h),
             radius_deviation_um: value(Cause::Radius).unwrap_or_default(),
             centre_um: [centre(0), centre(1)],
-            squareness_urad: value(Cause::Squareness).unwrap_or_default(),
+            plane: self.options.axes.iter().map(|axis| axis.letter()).collect(),
+            squareness_urad: sense * value(Cause::Squareness).unwrap_or_default(),
+            squareness,
             scale_mismatch_ppm: value(Cause::ScaleMismatch).unwrap_or_default(),
             servo_mismatch_um: value(Cause::ServoMismatch),
             backlash_um: pair(Cause::Backlash),
@@ -172,7 +195,7 @@ impl Test {
             lateral_play_um: pair(Cause::LateralPlay),
             straightness_um: pair(Cause::Straightness),
             cyclic_um: pair(Cause::Cyclic),
-            pitch_mm: Pair { x: found.pitches_mm[0], y: found.pitches_mm[1] },
+            pitch_mm: Pair::from([0, 1].map(|i| (letters[i], found.pitches_mm[i]))),
             standard_errors: standard_errors.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
             shares: self.shares(),
             sigma_um: 1e3 * found.sigma_mm,
@@ -189,7 +212,7 @@ impl Test {
         let mut shares: Vec<Share> = causes
             .into_iter()
             .map(|term| Share {
-                cause: name(term.cause),
+                cause: name(term.cause, self.options.axes),
                 rms_um: 1e3 * term.rms_mm,
                 share: if all > 0.0 { term.rms_mm * term.rms_mm / all } else { 0.0 },
             })

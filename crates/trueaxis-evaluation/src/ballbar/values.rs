@@ -15,18 +15,23 @@ pub fn values(document: &Document) -> Vec<[String; 3]> {
         let value = value.map_or_else(|| "–".into(), |value| format!("{} {unit}", significant(value, 4)));
         values.push([name, value, error.map_or_else(String::new, |error| format!("± {}", significant(error, 2)))]);
     };
-    put("squareness C0Y".into(), "µrad", Some(d.squareness_urad), error("squareness_urad", None));
-    put("scale mismatch X − Y".into(), "ppm", Some(d.scale_mismatch_ppm), error("scale_mismatch_ppm", None));
-    put("servo mismatch X − Y".into(), "µm", d.servo_mismatch_um, error("servo_mismatch_um", None));
+    let letters: Vec<char> = d.plane.chars().collect();
+    let mismatch = letters.iter().map(char::to_string).collect::<Vec<_>>().join(" − ");
+    put(format!("squareness {}", d.squareness), "µrad", Some(d.squareness_urad), error("squareness_urad", None));
+    put(format!("scale mismatch {mismatch}"), "ppm", Some(d.scale_mismatch_ppm), error("scale_mismatch_ppm", None));
+    put(format!("servo mismatch {mismatch}"), "µm", d.servo_mismatch_um, error("servo_mismatch_um", None));
     for (name, key, pair) in [
-        ("backlash", "backlash_um", d.backlash_um),
-        ("reversal spikes", "reversal_um", d.reversal_um),
-        ("lateral play", "lateral_play_um", d.lateral_play_um),
-        ("straightness", "straightness_um", d.straightness_um),
-        ("cyclic error", "cyclic_um", d.cyclic_um),
+        ("backlash", "backlash_um", &d.backlash_um),
+        ("reversal spikes", "reversal_um", &d.reversal_um),
+        ("lateral play", "lateral_play_um", &d.lateral_play_um),
+        ("straightness", "straightness_um", &d.straightness_um),
+        ("cyclic error", "cyclic_um", &d.cyclic_um),
     ] {
-        put(format!("{name} X"), "µm", pair.x, error(key, Some("x")));
-        put(format!("{name} Y"), "µm", pair.y, error(key, Some("y")));
+        for letter in &letters {
+            let key_of = letter.to_ascii_lowercase();
+            let value = pair.get(&key_of).copied().flatten();
+            put(format!("{name} {letter}"), "µm", value, error(key, Some(&key_of.to_string())));
+        }
     }
     values
 }

@@ -20,9 +20,11 @@
 
 mod figures;
 mod fit;
+mod positions;
 
 pub use figures::Figures;
 pub use fit::evaluate;
+pub use positions::{Position, readings};
 
 use std::fmt;
 use std::vec::Vec;
@@ -132,6 +134,13 @@ pub enum Refused {
         /// How wide it is, degrees.
         width_deg: f64,
     },
+    /// Commands that hold no circle of the radius.
+    NoCircle {
+        /// The radius that was asked for, mm.
+        radius_mm: f64,
+        /// Radius of what the commands do hold, in the middle; none where they are straight.
+        found_mm: Option<f64>,
+    },
 }
 
 /// Readings that a fit needs at least.
@@ -145,6 +154,13 @@ impl fmt::Display for Refused {
             Self::TooFew { found } => write!(f, "found {found} readings, needed at least {LEAST}"),
             Self::NotAReading { index } => {
                 write!(f, "found a reading at index {index} that is not finite or as large as the radius")
+            }
+            Self::NoCircle { radius_mm, found_mm } => {
+                match found_mm {
+                    Some(found) => write!(f, "found commands that turn with a radius of {found:.4} mm")?,
+                    None => f.write_str("found commands that do not turn")?,
+                }
+                write!(f, ", needed circles of {radius_mm} mm about one centre")
             }
             Self::Gap { counterclockwise, from_deg, width_deg } => {
                 let way = if *counterclockwise { "counterclockwise" } else { "clockwise" };

@@ -1,0 +1,170 @@
+//! A record of circles, in the forms in which one comes.
+
+use super::{Options, Test};
+use crate::rows::{Column, Rows};
+use anyhow::{Result, anyhow};
+use std::path::Path;
+use trueaxis_metrology::ballbar::{Position, Reading, Refused, readings};
+use trueaxis_tables::error::FileError;
+
+/// Columns of a ballbar's record, then those of positions: time, command and reading of X, Y and Z.
+pub const COLUMNS: [Column; 10] = [
+    column("angle_deg"),
+    column("deviation_um"),
+    column("direction"),
+    column("t_s"),
+    column("x_cmd_mm"),
+    column("x_mm"),
+    column("y_cmd_mm"),
+    column("y_mm"),
+    column("z_cmd_mm"),
+    column("z_mm"),
+];
+
+const fn column(name: &'static str) -> Column {
+    Column { name, needed: false }
+}
+
+impl Test {
+    /// Reads a record and evaluates it: what a bar read (`angle_deg,deviation_um,direction`), commands and positions
+    /// (`x_cmd_mm,x_mm,y_cmd_mm,y_mm` and the like, `t_s` is not looked at), or the lines of LinuxCNC's `halsampler`, which
+    /// are recognised by having no header: command and position of the first axis, then of the second, with or without the
+    /// number of the sample before. `tell` is told how a file is read that is not of commas and points.
+    ///
+    /// # Errors
+    /// A row that cannot be read, a direction that is 0, columns of neither form, a record that tells nothing.
+    ///
+    /// Cost: 56 bytes a position, else that of [`trueaxis_metrology::ballbar::evaluate`].
+    pub fn read(bytes: &[u8], file: &Path, options: &Options, tell: impl FnMut(String)) -> Result<Test> {
+        if is_halsampler(bytes) {
+            let (positions, lines) = halsampler(bytes, file)?;
+            return positions_of(&positions, &lines, file, options);
+        }
+        let mut rows = Rows::new(bytes, file, &COLUMNS, tell)?;
+        let has = |name: &str| COLUMNS.iter().zip(rows.present).any(|(column, present)| present && column.name == name);
+        let bar = ["angle_deg", "deviation_um", "direction"];
+        let own = options.axes.map(|axis| axis.letter().to_ascii_lowercase());
+        let positions = own.map(|letter| [format!("{letter}_cmd_mm"), format!("{letter}_mm")]);
+        if bar.iter().all(|name| has(name)) {
+            of_bar(&mut rows, options)
+        } else if positions.iter().flatten().all(|name| has(name)) {
+            let slots = options.axes.map(|axis| 4 + 2 * axis.index());
+            of_positions(&mut rows, slots, options)
+        } else {
+            let needed = format!("the columns {}, or {}", bar.join(", "), positions.concat().join(", "));
+            Err(whole(file, format!("columns {}", rows.header.join(", ")), needed))
+        }
+    }
+
+    /// Evaluates commanded and actual positions; see [`readings`]. `file` is named in the error.
+    ///
+    /// # Errors
+    /// Positions that hold no circle, or one that tells nothing.
+    pub fn of_positions(positions: &[Position], file: &Path, options: &Options) -> Result<Test> {
+        positions_of(positions, &[], file, options)
+    }
+}
+
+fn of_bar(rows: &mut Rows<'_, 10>, options: &Options) -> Result<Test> {
+    let (mut lines, mut readings) = (Vec::new(), Vec::new());
+    while let Some(row) = rows.next()? {
+        let [angle_deg, deviation_um, direction, ..] = row.values;
+        if direction == 0.0 {
+            return Err(rows.error(row.line, "direction", 0, "1 counterclockwise or -1 clockwise"));
+        }
+        lines.push(row.line);
+        readings.push(Reading {
+            angle_rad: angle_deg.to_radians(),
+            deviation_mm: 1e-3 * deviation_um,
+            counterclockwise: direction > 0.0,
+        });
+    }
+    Test::of(readings, false, options).map_err(|refused| match refused {
+        Refused::NotAReading { index } => {
+            let line = lines.get(index).copied().unwrap_or(1);
+            rows.error(line, "deviation_um", "a deviation as large as the circle", "less than half the radius")
+        }
+        refused => anyhow!("{}: {refused}", rows.file.display()),
+    })
+}
+
+fn of_positions(rows: &mut Rows<'_, 10>, slots: [usize; 2], options: &Options) -> Result<Test> {
+    let (mut positions, mut lines) = (Vec::new(), Vec::new());
+    while let Some(row) = rows.next()? {
+        let at = |place: usize| slots.map(|slot| row.values.get(slot + place).copied().unwrap_or_default());
+        positions.push(Position { command: at(0), actual: at(1) });
+        lines.push(row.line);
+    }
+    positions_of(&positions, &lines, &rows.file, options)
+}
+
+fn positions_of(positions: &[Position], lines: &[u32], file: &Path, options: &Options) -> Result<Test> {
+    let of = |refused: Refused| match refused {
+        Refused::NotAReading { index } => {
+            let line = lines.get(index).map_or_else(String::new, |line| format!(":{line}"));
+            anyhow!("{}{line}: found a position that is not finite, needed numbers", file.display())
+        }
+        refused => anyhow!("{}: {refused}", file.display()),
+    };
+    let readings = readings(options.radius_mm, positions).map_err(of)?;
+    Test::of(readings, true, options).map_err(|refused| match refused {
+        Refused::NotAReading { .. } => {
+            let found = "a position farther from the circle than half its radius";
+            whole(file, found.into(), "actual positions of the commanded circle, in mm".into())
+        }
+        refused => anyhow!("{}: {refused}", file.display()),
+    })
+}
+
+/// Whether the first line is of numbers alone, with blanks between.
+fn is_halsampler(bytes: &[u8]) -> bool {
+    let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let first = lines.find(|line| !line.is_empty()).unwrap_or_default();
+    let words = first.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    let mut count = 0;
+    for word in words {
+        count += 1;
+        if std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok()).is_none() {
+            return false;
+        }
+    }
+    count > 1
+}
+
+/// The samples and their lines; a line that says `overrun` or has other columns is refused, and so is a gap in the numbers.
+fn halsampler(bytes: &[u8], file: &Path) -> Result<(Vec<Position>, Vec<u32>)> {
+    let (mut positions, mut lines) = (Vec::new(), Vec::new());
+    let mut last: Option<f64> = None;
+    for (number, line) in (1..).zip(bytes.split(|byte| *byte == b'\n')) {
+        let line = String::from_utf8_lossy(line);
+        let words: Vec<&str> = line.split_ascii_whitespace().collect();
+        let values: Option<Vec<f64>> = words.iter().map(|word| word.parse().ok()).collect();
+        let refused = |found: String, needed: &str| {
+            let (file, found) = (file.into(), found.chars().take(80).collect());
+            Err(FileError { file, line: Some(number), column: None, found, needed: needed.into() }.into())
+        };
+        match values.as_deref() {
+            Some([]) => continue,
+            Some(&[ref sample @ .., a_command, a, b_command, b]) if sample.len() <= 1 => {
+                if let (Some(last), Some(sample)) = (last, sample.first())
+                    && *sample != last + 1.0
+                {
+                    return refused(format!("sample {sample} after {last}"), "every cycle, none lost");
+                }
+                last = sample.first().copied();
+                positions.push(Position { command: [a_command, b_command], actual: [a, b] });
+                lines.push(number);
+            }
+            _ => {
+                let needed =
+                    "command and position of the first axis, of the second, or these behind the sample's number";
+                return refused(format!("{:?}", line.trim()), needed);
+            }
+        }
+    }
+    Ok((positions, lines))
+}
+
+fn whole(file: &Path, found: String, needed: String) -> anyhow::Error {
+    FileError { file: file.into(), line: None, column: None, found, needed }.into()
+}
