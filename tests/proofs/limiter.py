@@ -13,7 +13,7 @@ import re
 import sys
 import time
 
-from bitwuzla import Bitwuzla, Kind, Options, Result, TermManager
+from bitwuzla import Bitwuzla, Kind, Option, Options, Result, TermManager
 
 from ir import Machine, Module
 
@@ -168,9 +168,16 @@ FUNCTIONS = {
 NARROWER = {"follow": ["slope", "acceleration"], "freeze": ["acceleration"]}
 
 
+# Longest time for one claim, milliseconds; none without --minutes.
+LONGEST = {}
+
+
 def holds(cycle, moving, claim):
-    """Whether the claim follows, for all values."""
-    solver = Bitwuzla(cycle.terms, Options())
+    """Whether the claim follows, for all values; None where the solver has not ended in its time."""
+    options = Options()
+    for milliseconds in LONGEST.values():
+        options.set(Option.TIME_LIMIT_PER, milliseconds)
+    solver = Bitwuzla(cycle.terms, options)
     for premise in cycle.assumed(moving):
         solver.assert_formula(premise)
     # A premise that nothing fulfils would prove all.
@@ -179,7 +186,9 @@ def holds(cycle, moving, claim):
     solver.assert_formula(cycle.machine.of(Kind.NOT, claim))
     found = solver.check_sat()
     if found == Result.UNKNOWN:
-        sys.exit("limiter.py: the solver gave up")
+        if not LONGEST:
+            sys.exit("limiter.py: the solver gave up")
+        return None
     return found == Result.UNSAT
 
 
@@ -188,15 +197,11 @@ def chosen(function, full):
     return [(name, moving) for name, moving in FUNCTIONS[function][1] if full or function != "follow" or not moving]
 
 
-def kept(cycle, function, full, first):
-    """Names of the claims that do not hold, or of the `first` of them."""
-    broken = []
-    for name, moving in chosen(function, full):
-        if not holds(cycle, moving, getattr(cycle, name)()):
-            broken.append(name)
-            if first:
-                break
-    return broken
+def words(name, claim, moving, kept, seconds):
+    """Tells of a claim."""
+    said = {True: "proved", False: "FAILS ", None: "open  "}[kept]
+    of = getattr(Cycle, claim).__doc__ + (", of any velocity" if moving else "")
+    print(f"{name:12} {said} {of}  {seconds:.1f} s", flush=True)
 
 
 def cycle_of(module, sizes, name, exact):
@@ -208,6 +213,7 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--must-fail", action="store_true", help="every FUNCTION must break a claim")
     arguments.add_argument("--full", action="store_true", help="also what takes long: follow from any velocity")
+    arguments.add_argument("--minutes", type=float, help="longest time for a claim, which then stands as open")
     arguments.add_argument("--exact", action="store_true", help="sums bit for bit, instead of by the laws of rounding")
     arguments.add_argument("code")
     arguments.add_argument("sizes")
@@ -215,23 +221,32 @@ def main():
     arguments = arguments.parse_args()
     module, sizes = Module(open(arguments.code).read()), open(arguments.sizes).read()
     names = arguments.functions or [f"{kind}_{scalar}" for scalar in ("f32", "f64") for kind in FUNCTIONS]
+    if arguments.minutes:
+        LONGEST["claim"] = round(60_000 * arguments.minutes)
     failed = False
     for name in names:
-        begun = time.monotonic()
+        begun = time.process_time()
         kind, cycle = cycle_of(module, sizes, name, arguments.exact)
-        broken = kept(cycle, kind, arguments.full, arguments.must_fail)
-        seconds = time.monotonic() - begun
+        broken = []
+        for claim, moving in chosen(kind, arguments.full):
+            since = time.process_time()
+            kept = holds(cycle, moving, getattr(cycle, claim)())
+            if not arguments.must_fail:
+                words(name, claim, moving, kept, time.process_time() - since)
+            failed |= kept is None
+            broken += [claim] if kept is False else []
+            if broken and arguments.must_fail:
+                break
+        seconds = time.process_time() - begun
         if arguments.must_fail:
             print(f"{name:28} {'breaks ' + ', '.join(broken) if broken else 'HOLDS, and must not'}  {seconds:.1f} s")
             failed |= not broken
             continue
-        for claim, moving in chosen(kind, arguments.full):
-            words = getattr(Cycle, claim).__doc__ + (", of any velocity" if moving else "")
-            print(f"{name:12} {'FAILS ' if claim in broken else 'proved'} {words}")
-        narrow = [claim for claim in NARROWER.get(kind, []) if holds(cycle, False, getattr(cycle, claim)(narrower=True))]
+        tried = NARROWER.get(kind, [])
+        narrow = [claim for claim in tried if holds(cycle, False, getattr(cycle, claim)(narrower=True)) is not False]
         for claim in narrow:
-            print(f"{name:12} FAILS: {claim} holds with a narrower bound, too, and must not")
-        print(f"{name:12} {seconds:.1f} s; {len(NARROWER.get(kind, [])) - len(narrow)} narrower bounds refused")
+            print(f"{name:12} FAILS: {claim} is not refused with a narrower bound, and must be")
+        print(f"{name:12} {seconds:.1f} s; {len(tried) - len(narrow)} narrower bounds refused", flush=True)
         failed |= bool(broken or narrow)
     sys.exit(failed)
 

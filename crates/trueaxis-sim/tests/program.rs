@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use proptest::prelude::*;
-use trueaxis_sim::program::{BUILTIN_NAMES, Curve, Program, ProgramError};
+use trueaxis_sim::program::{BUILTIN_NAMES, Curve, Program, ProgramError, ReadOptions};
 
 fn parse(text: &str) -> Result<Program, ProgramError> {
     Program::parse("test", text, "part.ngc")
@@ -330,6 +330,22 @@ fn refusals_name_line_and_word() {
         assert!(error.needed.contains(needed), "{text}: {error}");
         assert!(error.to_string().starts_with(&format!("part.ngc:{line}: found ")), "{error}");
     }
+}
+
+#[test]
+fn strokes_of_cycles_count_whether_or_not_they_have_a_length() {
+    let read = |text: &str| Program::read_within("part", text.as_bytes(), "part.ngc", &ReadOptions::default(), 1000);
+    // Up and down by nothing, 300 times a line.
+    let standing = "F1 G81 X0 Y0 Z0 R0 L300\n";
+    assert!(read(&standing.repeat(3)).unwrap().moves.is_empty());
+    let error = read(&standing.repeat(4)).unwrap_err();
+    assert_eq!((error.line, error.found.as_str()), (4, "1200 strokes of canned cycles up to here"), "{error}");
+    let pecking = "F1 G83 X0 Y0 Z-0.00000001 R0 Q0.000000000001\n";
+    assert_eq!(read(pecking).unwrap_err().found, "10000 strokes of canned cycles up to here");
+    // 3 pieces each: up, across, down.
+    let drilled = "F1 G99 G81 G91 X1 Z-1 R0 L333\n";
+    assert!(read(drilled).unwrap().moves.len() > 900);
+    assert_eq!(read(&drilled.replace("333", "334")).unwrap_err().found, "a program of 1001 pieces up to here");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::curve::Curve;
 use super::error::Refusal;
-use super::limits::{self, MOST_PIECES};
+use super::limits;
 use super::notes::Notes;
 use super::{FirstWords, Move, Turn};
 
@@ -23,7 +23,7 @@ pub(super) enum Pace {
 }
 
 /// Moves so far, and where they have led.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Builder {
     /// X Y Z A B C of the machine, mm and degrees.
     pub(super) at: [f64; 6],
@@ -32,9 +32,25 @@ pub(super) struct Builder {
     pub(super) notes: Notes,
     pub(super) first: FirstWords,
     pieces: u64,
+    strokes: f64,
+    most_pieces: u64,
 }
 
 impl Builder {
+    /// Nothing yet, of at most so many pieces.
+    pub(super) fn new(most_pieces: u64) -> Builder {
+        Builder {
+            at: [0.0; 6],
+            tool_center: false,
+            moves: Vec::new(),
+            notes: Notes::default(),
+            first: FirstWords::default(),
+            pieces: 0,
+            strokes: 0.0,
+            most_pieces,
+        }
+    }
+
     /// X Y Z.
     pub(super) fn point(&self) -> [f64; 3] {
         let [x, y, z, ..] = self.at;
@@ -75,8 +91,8 @@ impl Builder {
             return Ok(false);
         }
         self.pieces += limits::pieces(&curve, &turn, length);
-        if self.pieces > MOST_PIECES {
-            let needed = format!("at most {MOST_PIECES} (8 mm or 30° of a curve, 5° of a rotary axis each)");
+        if self.pieces > self.most_pieces {
+            let needed = format!("at most {} (8 mm or 30° of a curve, 5° of a rotary axis each)", self.most_pieces);
             return Err(Refusal::new(line, format!("a program of {} pieces up to here", self.pieces), needed));
         }
         let [x, y, z] = match &curve {
@@ -101,6 +117,17 @@ impl Builder {
         let tool_center = self.tool_center;
         self.moves.push(Move { line, rapid, feed_per_min, plane_normal, curve, turn, tool_center, stop: false });
         Ok(true)
+    }
+
+    /// Counts the strokes into the work of a line of canned cycles, before one is made: those without length are no pieces
+    /// of path, and take their time.
+    pub(super) fn count_strokes(&mut self, line: u32, strokes: f64) -> Result<(), Refusal> {
+        self.strokes += strokes;
+        if self.strokes > self.most_pieces as f64 {
+            let needed = format!("at most {}", self.most_pieces);
+            return Err(Refusal::new(line, format!("{:.0} strokes of canned cycles up to here", self.strokes), needed));
+        }
+        Ok(())
     }
 
     /// The axes come to rest at the end of the last move.

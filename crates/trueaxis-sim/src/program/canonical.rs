@@ -12,7 +12,7 @@ use super::builder::{Builder, Pace};
 use super::curve::Curve;
 use super::error::Refusal;
 use super::frame::Frame;
-use super::limits::MOST_TURNS;
+use super::limits::{MOST_PIECES, MOST_TURNS};
 use super::{Program, ProgramError};
 
 const MM_PER_INCH: f64 = 25.4;
@@ -40,7 +40,7 @@ impl Canonical {
         Canonical {
             file: file.to_owned(),
             line: 1,
-            builder: Builder::default(),
+            builder: Builder::new(MOST_PIECES),
             frame: Frame::default(),
             mm_per_unit: 1.0,
             plane: Plane::default(),

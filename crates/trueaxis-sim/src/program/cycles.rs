@@ -73,10 +73,12 @@ impl Interpreter<'_> {
             return refuse(format!("R {r} below the depth {bottom}"), "R above it");
         }
         let peck = self.mm(peck.unwrap_or(0.0));
-        let moves = 3.0 * (if pecks { (r - bottom) / peck } else { 1.0 }) * times as f64;
+        let strokes = (if pecks { ((r - bottom) / peck).max(1.0) } else { 1.0 }) * times as f64;
+        let moves = 3.0 * strokes;
         if moves > MOST_PIECES as f64 {
             return refuse(format!("a line of {moves:.0} moves"), &format!("at most {MOST_PIECES} pieces of path"));
         }
+        self.builder.count_strokes(line, strokes)?;
         if began < r {
             let mut up = [x, y, z];
             up[normal] = r;

@@ -65,7 +65,7 @@ pub(super) struct Interpreter<'o> {
 }
 
 impl<'o> Interpreter<'o> {
-    pub(super) fn new(options: &'o ReadOptions) -> Self {
+    pub(super) fn new(options: &'o ReadOptions, most_pieces: u64) -> Self {
         let offsets = options.offsets.clone().unwrap_or_default();
         let system = offsets.systems[offsets.active];
         let frame = Frame {
@@ -76,7 +76,7 @@ impl<'o> Interpreter<'o> {
         };
         Interpreter {
             options,
-            builder: Builder::default(),
+            builder: Builder::new(most_pieces),
             frame,
             offsets,
             plane: Plane::default(),

@@ -203,7 +203,21 @@ impl Program {
     /// # Errors
     /// With its line, what is not understood, and a program beyond the [`limits`].
     pub fn read(name: &str, bytes: &[u8], file: &str, options: &ReadOptions) -> Result<Program, ProgramError> {
-        let builder = Program::interpret(bytes, options).map_err(|refusal| refusal.in_file(file))?;
+        Program::read_within(name, bytes, file, options, limits::MOST_PIECES)
+    }
+
+    /// As [`Program::read`], of a program of at most so many pieces ([`limits::MOST_PIECES`]).
+    ///
+    /// # Errors
+    /// As [`Program::read`].
+    pub fn read_within(
+        name: &str,
+        bytes: &[u8],
+        file: &str,
+        options: &ReadOptions,
+        most_pieces: u64,
+    ) -> Result<Program, ProgramError> {
+        let builder = Program::interpret(bytes, options, most_pieces).map_err(|refusal| refusal.in_file(file))?;
         Ok(Program::of(name, file, builder))
     }
 
@@ -212,9 +226,9 @@ impl Program {
         Program { name: name.to_owned(), file: file.to_owned(), moves: builder.moves, notes, first: builder.first }
     }
 
-    fn interpret(bytes: &[u8], options: &ReadOptions) -> Result<builder::Builder, Refusal> {
+    fn interpret(bytes: &[u8], options: &ReadOptions, most_pieces: u64) -> Result<builder::Builder, Refusal> {
         text::refuse_utf16(bytes)?;
-        let mut interpreter = interpreter::Interpreter::new(options);
+        let mut interpreter = interpreter::Interpreter::new(options, most_pieces);
         let mut last = 0;
         let mut text = String::new();
         for (line, bytes) in text::lines(bytes) {
