@@ -17,8 +17,10 @@ mkdir -p "$out"
 "$root/tests/hosts/recording.sh"
 (cd "$root" && cargo build --quiet --release -p trueaxis-capi)
 "$target/release/trueaxis" tables compile "$root/compensation-tables/mill-3axis" -o "$out/mill.tcomp" 2>"$out/compile.log"
+"$out/venv/bin/python" tests/printer.py "$out/printer"
+"$target/release/trueaxis" tables compile "$out/printer" -o "$out/printer.tcomp" 2>"$out/compile.log"
 klippy=$("$out/venv/bin/python" -c 'import klippy; print(klippy.__path__[0])')
 ./build.sh "$klippy" "$target/release/libtrueaxis_capi.a" "$out/trueaxis.so"
-cp extra/trueaxis.py tests/record.py tests/drain.py "$klippy/extras"
+cp extra/trueaxis.py tests/{record,drain,truth,bed,cost}.py "$klippy/extras"
 exec "$out/venv/bin/python" tests/run.py "$out/venv" "$out" "$target/release/trueaxis" "$root/compensation-tables/mill-3axis" "$out/mill.tcomp" \
     "$root/tests/hosts/machine" "$target/hosts"

@@ -152,14 +152,12 @@ bool mc_line(float *target, plan_line_data_t *pl_data) {
     return true;
 }
 
-void limits_set_machine_positions(axes_signals_t cycle, bool add_pulloff) {
-    (void)add_pulloff; /* none here */
-    for (int idx = 0; idx < N_AXIS; idx++) {
-        if (cycle.mask & bit(idx)) {
-            sys.home_position[idx] = settings.homing.dir_mask.mask & bit(idx) ? settings.axis[idx].max_travel : 0.0f;
-            sys.position[idx] = (int32_t)lroundf(sys.home_position[idx] * settings.axis[idx].steps_per_mm);
-        }
+coord_data_t *limits_homing_pulloff(coord_data_t *distance) {
+    static coord_data_t pulloff;
+    if (distance) {
+        pulloff = *distance;
     }
+    return &pulloff;
 }
 
 void core_home(axes_signals_t cycle, bool success) {

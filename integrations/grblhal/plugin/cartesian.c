@@ -3,6 +3,7 @@
  *
  * SPDX-License-Identifier: GPL-3.0-or-later
  */
+#include <math.h>
 #include <string.h>
 
 #include "trueaxis_kinematics.h"
@@ -48,8 +49,22 @@ static void cartesian_homing_start(uint_fast8_t idx) {
     sys.position[idx] = 0;
 }
 
+/* The core has a function for this, but not in a build with KINEMATICS_API. */
 static void cartesian_homed(axes_signals_t cycle) {
-    limits_set_machine_positions(cycle, true);
+    const coord_data_t *pulloff = limits_homing_pulloff(NULL);
+
+    for (uint_fast8_t idx = 0; idx < N_AXIS; idx++) {
+        if (!(cycle.mask & bit(idx))) {
+            continue;
+        }
+        float home = 0.0f;
+        if (!settings.homing.flags.force_set_origin) {
+            bool low = settings.homing.dir_mask.mask & bit(idx);
+            home = low ? settings.axis[idx].max_travel + pulloff->values[idx] : -pulloff->values[idx];
+        }
+        sys.home_position[idx] = home;
+        sys.position[idx] = (int32_t)lroundf(home * settings.axis[idx].steps_per_mm);
+    }
 }
 
 static bool cartesian_homing_valid(axes_signals_t cycle) {

@@ -14,6 +14,16 @@ static inline void machine(float steps_per_mm) {
     sys.soft_limits.mask = 7;
 }
 
+/* Homed at the switches, without coming off them. */
+static inline void at_switches(axes_signals_t cycle) {
+    for (int idx = 0; idx < N_AXIS; idx++) {
+        if (cycle.mask & bit(idx)) {
+            sys.home_position[idx] = settings.axis[idx].max_travel;
+            sys.position[idx] = (int32_t)(settings.axis[idx].max_travel * settings.axis[idx].steps_per_mm);
+        }
+    }
+}
+
 static inline bool line_to(float x, float y, float z, plan_line_data_t pl_data) {
     float target[N_AXIS] = { x, y, z };
     block_count = 0;

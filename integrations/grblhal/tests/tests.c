@@ -49,6 +49,24 @@ static void nothing_before_homing(void) {
     CHECK(line_to(-100, -50, -20, feed) && at(-40000, -20000, -8000));
 }
 
+static void homing_comes_off_the_switches(void) {
+    coord_data_t pulloff = { .x = 1.0f, .y = 2.0f, .z = 3.0f }, none = { 0 };
+    limits_homing_pulloff(&pulloff);
+    power_up(COARSE, NULL);
+    core_home(all, true);
+    CHECK(at(-299 * 400, -198 * 400, -397 * 400) && sys.home_position[1] == -198.0f);
+    power_up(COARSE, NULL);
+    settings.homing.dir_mask.mask = 2;
+    core_home(all, true);
+    CHECK(at(-400, -198 * 400, -1200));
+    power_up(COARSE, NULL);
+    settings.homing.flags.force_set_origin = true;
+    core_home(all, true);
+    CHECK(at(0, 0, 0));
+    settings.homing.flags.force_set_origin = false;
+    limits_homing_pulloff(&none);
+}
+
 static void homing_switches_on_without_a_move(void) {
     power_up(COARSE, NULL);
     told[0] = '\0';
@@ -200,9 +218,6 @@ static coord_data_t *corexy_line(coord_data_t *target, coord_data_t *position, p
     }
     return left-- > 0 ? &end : NULL;
 }
-static void corexy_homed(axes_signals_t cycle) {
-    limits_set_machine_positions(cycle, true);
-}
 static void corexy_target(uint_fast8_t idx) {
     sys.position[idx] = 0;
 }
@@ -211,7 +226,7 @@ static void corexy(void) {
                                  .transform_from_cartesian = corexy_motors,
                                  .segment_line = corexy_line,
                                  .limits_set_target_pos = corexy_target,
-                                 .limits_set_machine_positions = corexy_homed };
+                                 .limits_set_machine_positions = at_switches };
 }
 
 static void around_corexy(void) {
@@ -321,6 +336,7 @@ int main(void) {
 #endif
 #ifndef MOVES_ONLY /* of tables with lost motion */
     nothing_before_homing();
+    homing_comes_off_the_switches();
     homing_switches_on_without_a_move();
     switched_by_command();
     position_lost();

@@ -1,5 +1,5 @@
 /* A firmware without the plugin, to weigh the one with it. SPDX-License-Identifier: MIT OR Apache-2.0 */
-#include "core.h"
+#include "machine.h"
 
 static void nothing(void *data) {
     (void)data;
@@ -13,10 +13,6 @@ static coord_data_t *position(coord_data_t *to, mpos_t *steps) {
 static coord_data_t *line(coord_data_t *target, coord_data_t *from, plan_line_data_t *pl_data, bool init) {
     (void)from, (void)pl_data;
     return init ? target : NULL;
-}
-
-static void homed(axes_signals_t cycle) {
-    limits_set_machine_positions(cycle, true);
 }
 
 static void start_of(uint_fast8_t idx) {
@@ -33,6 +29,6 @@ void my_plugin_init(void) {
                                  .transform_from_cartesian = motors,
                                  .segment_line = line,
                                  .limits_set_target_pos = start_of,
-                                 .limits_set_machine_positions = homed };
+                                 .limits_set_machine_positions = at_switches };
     task_run_on_startup(nothing, NULL);
 }

@@ -48,7 +48,7 @@ class TrueAxis:
         self.max_correction = config.getfloat("max_correction", 1.0, above=0.0)
         self.max_slope = config.getfloat("max_slope", 0.01, above=0.0, below=0.1)
         self.wanted = config.getboolean("enable", True)
-        self.refused = None
+        self.refused = self.note = None  # a line each: why there are no tables; what to know of those there are
         self.shim = self.machine = self.tables = None
         self.on = self.homing = self.switching = False
         self.probed = None
@@ -73,10 +73,14 @@ class TrueAxis:
             self._open_shim()
             if getattr(self.kin, "dc_module", None) is not None:
                 raise Refused("one set of tables cannot serve two carriages")
-            self.tables = self._read(self.file)
         except Refused as e:
             self.refused = str(e)
             return
+        # Wrapped without tables too, which changes no step: others may be loaded later.
+        try:
+            self.tables, self.note = self._read(self.file)
+        except Refused as e:
+            self.refused = str(e)
         for stepper in self.kin.get_steppers():
             self._wrap(stepper)
         self.kin_calc_position, self.kin_set_position = self.kin.calc_position, self.kin.set_position
@@ -122,12 +126,17 @@ class TrueAxis:
         low, high = self.ffi.new("double[3]"), self.ffi.new("double[3]")
         self.shim.trueaxis_shim_travel(tables, low, high)
         status = self.kin.get_status(self.printer.get_reactor().monotonic())
+        short = []
         for i, axis in enumerate("XYZ"):
             mine = status["axis_minimum"][i], status["axis_maximum"][i]
-            if high[i] > low[i] and (high[i] <= mine[0] or low[i] >= mine[1]):
+            if high[i] <= low[i]:
+                continue
+            if high[i] <= mine[0] or low[i] >= mine[1]:
                 raise Refused(f"{path}: the tables' travel of {axis}, {low[i]:g} to {high[i]:g} mm, has nothing in common "
                               f"with the machine's, {mine[0]:g} to {mine[1]:g} mm")
-        return tables
+            if low[i] > mine[0] or high[i] < mine[1]:
+                short.append(f"{axis} {low[i]:g} to {high[i]:g} of {mine[0]:g} to {mine[1]:g} mm")
+        return tables, "the tables cover " + ", ".join(short) + "; beyond, their value at the end holds" if short else None
 
     def _ready(self):
         for stepper, flags, _, _ in self.wraps:
@@ -139,9 +148,15 @@ class TrueAxis:
             self.gcode.respond_raw("!! " + line)
         else:
             self.gcode.respond_info(f"trueaxis: {self._name()}, uncompensated until homed")
+            self._tell_note()
 
     def _name(self):
         return self.ffi.string(self.shim.trueaxis_shim_name(self.tables)).decode()
+
+    def _tell_note(self):
+        if self.note:
+            logging.info("trueaxis: %s", self.note)
+            self.gcode.respond_info(f"trueaxis: {self.note}")
 
     # Positions
     def _inverse(self, q):
@@ -151,6 +166,8 @@ class TrueAxis:
 
     def _calc_position(self, stepper_positions):
         q = list(self.kin_calc_position(stepper_positions))
+        if None in q[:3]:  # mainline Klipper, of an axis that has no motor
+            return q
         return self._inverse(q) + q[3:]
 
     def _set_position(self, newpos, homing_axes=""):
@@ -166,6 +183,7 @@ class TrueAxis:
             q = self.kin_calc_position({s.get_name(): s.get_commanded_position() for s in self.kin.get_steppers()})
             change()
             position = self.toolhead.get_position()
+            q = [there if at is None else at for at, there in zip(q, position)]
             self.toolhead.set_position(self._inverse(q) + position[3:])
         finally:
             self.switching = False
@@ -194,7 +212,7 @@ class TrueAxis:
         return set("xyz") <= set(status["homed_axes"])
 
     def _follow(self):
-        if self.wraps and not self.homing and not self.switching:
+        if self.tables and not self.homing and not self.switching:
             self._switch(self.wanted and self._homed())
 
     # Homing and probing
@@ -210,7 +228,9 @@ class TrueAxis:
             if rail.get_steppers()[0].is_active_axis("z"):
                 # A probe finds the tool, an endstop the drive.
                 by_probe = any(hasattr(endstop, "get_position_endstop") for endstop, _ in rail.get_endstops())
-                self.probed = self.toolhead.get_position()[:3] if by_probe else None
+                # The tool may have been lifted since.
+                touched = self.toolhead.get_position()[:2] + [rail.get_homing_info().position_endstop]
+                self.probed = touched if by_probe else None
         self.homing = False
         self._follow()
 
@@ -229,39 +249,41 @@ class TrueAxis:
             self._switch(False)
 
     # Commands
-    def _needed(self, gcmd):
-        if not self.wraps:
-            raise gcmd.error(f"trueaxis: {self.refused}; running uncompensated")
+    def _needed(self, gcmd, found):
+        if not found:
+            restart = "" if self.wraps else "; needed: a restart of the host"
+            raise gcmd.error(f"trueaxis: {self.refused}; running uncompensated{restart}")
 
     cmd_TRUEAXIS_help = "Switch the correction: ENABLE=0 or 1"
 
     def cmd_TRUEAXIS(self, gcmd):
-        self._needed(gcmd)
+        self._needed(gcmd, self.tables)
         self.wanted = bool(gcmd.get_int("ENABLE", minval=0, maxval=1))
         self._follow()
 
     cmd_TRUEAXIS_LOAD_help = "Load other tables: FILE=name.tcomp"
 
     def cmd_TRUEAXIS_LOAD(self, gcmd):
-        self._needed(gcmd)
+        self._needed(gcmd, self.wraps)
         path = gcmd.get("FILE")
         try:
-            tables = self._read(path)
+            tables, self.note = self._read(path)
         except Refused as e:
-            raise gcmd.error(f"trueaxis: {e}; the tables stay as they are")
-        self.file = path
-        self._switch(self.on, tables)
+            raise gcmd.error(f"trueaxis: {e}; " + ("the tables stay as they are" if self.tables else "running uncompensated"))
+        self.file, self.refused = path, None
+        self._switch(self.wanted and self._homed(), tables)
+        self._tell_note()
 
     cmd_TRUEAXIS_STATUS_help = "Tell the tables and the correction where the tool stands"
 
     def cmd_TRUEAXIS_STATUS(self, gcmd):
-        self._needed(gcmd)
+        self._needed(gcmd, self.tables)
         status = self.get_status(None)
         gcmd.respond_info("trueaxis: %s, %s, correction %s mm" % (
             status["tables"], "on" if self.on else "off", " ".join("%.5f" % c for c in status["correction"])))
 
     def get_status(self, eventtime):
-        if not self.wraps:
+        if not self.tables:
             return {"on": False, "enabled": self.wanted, "refused": self.refused}
         c = self.ffi.new("double[3]")
         self.shim.trueaxis_shim_correction(self.machine, self.toolhead.get_position()[:3], c)

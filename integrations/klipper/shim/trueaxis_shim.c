@@ -122,10 +122,17 @@ EXPORT void trueaxis_shim_hold(struct machine *m, const double *p) {
         correction(m, p, m->hold);
 }
 
+/* The correction of Z counts from where the drives stood, uncorrected, when the probe touched; NULL: from none. */
 EXPORT void trueaxis_shim_datum(struct machine *m, const struct tables *t, const double *probed) {
-    double c[3] = { 0 };
-    if (t && probed)
-        mean(t, probed, c);
+    double p[3], c[3] = { 0 };
+    if (t && probed) {
+        memcpy(p, probed, sizeof p);
+        for (int pass = 0; pass < PASSES; pass++) {
+            mean(t, p, c);
+            p[0] = probed[0] - c[0];
+            p[1] = probed[1] - c[1];
+        }
+    }
     m->datum_z = c[2];
 }
 

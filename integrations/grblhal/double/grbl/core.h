@@ -39,6 +39,7 @@ typedef union {
 typedef union {
     uint8_t mask;
     uint8_t bits;
+    uint8_t value;
     struct {
         uint8_t x : 1, y : 1, z : 1;
     };
@@ -59,8 +60,11 @@ typedef enum { HomingMode_Seek = 0, HomingMode_Locate, HomingMode_Pulloff } homi
 typedef struct {
     float feed_rate; /* mm/min, with inverse_time 1/min */
     float rate_multiplier;
-    struct {
-        uint32_t rapid_motion : 1, jog_motion : 1, inverse_time : 1, target_validated : 1, target_valid : 1;
+    union {
+        uint32_t value;
+        struct {
+            uint16_t rapid_motion : 1, jog_motion : 1, inverse_time : 1, target_valid : 1, target_validated : 1;
+        };
     } condition;
 } plan_line_data_t;
 
@@ -118,18 +122,22 @@ extern grbl_hal_t hal;
 typedef struct {
     const char *command;
     status_code_t (*execute)(sys_state_t state, char *args);
-    struct {
-        uint8_t noargs : 1, allow_blocking : 1, help_fn : 1;
+    union {
+        uint8_t flags;
+        struct {
+            uint8_t noargs : 1, allow_blocking : 1, help_fn : 1;
+        };
     } flags;
-    struct {
+    union {
         const char *str;
+        const char *(*fn)(const char *command);
     } help;
 } sys_command_t;
 
-typedef struct sys_commands {
-    uint8_t n_commands;
+typedef struct sys_commands_str {
+    const uint8_t n_commands;
     const sys_command_t *commands;
-    struct sys_commands *next;
+    struct sys_commands_str *next;
 } sys_commands_t;
 
 typedef struct plan_block plan_block_t;
@@ -142,7 +150,7 @@ bool task_run_on_startup(foreground_task_ptr fn, void *data);
 void report_message(const char *text, message_type_t type);
 void report_plugin(const char *name, const char *version);
 char *ftoa(float value, uint8_t decimals);
-void limits_set_machine_positions(axes_signals_t cycle, bool add_pulloff);
+coord_data_t *limits_homing_pulloff(coord_data_t *distance); /* NULL: only tells */
 plan_block_t *plan_get_current_block(void);
 float *plan_get_position(void);
 void plan_sync_position(void);
