@@ -375,6 +375,100 @@ EC0C_urad = 0.0
 """
 
 
+# --- router: gantry with a sagging cross rail, and a surface that was probed ---------------------------------------
+
+
+def write_grid(path, comments, columns, xs, ys, functions):
+    """A line for every node of a grid over X and Y."""
+    lines = [f"# {comment}" for comment in comments] + [",".join(columns)]
+    for x in xs:
+        for y in ys:
+            lines.append(",".join([number(x), number(y)] + [number(f(x, y), 2) for f in functions]))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+
+
+def router():
+    folder = HERE / "router"
+    write_text(folder / "machine.toml", ROUTER)
+    write_table(
+        folder / "x.csv", ["X of router (the carriage on the cross rail), rack and pinion"],
+        ["X_mm", "EXX_um"], grid(-400, 400, 40),
+        [lambda x: 0.06 * x + 9 * wave(x, 310, 0.4) + 3 * wave(x, 94, 1.1)])
+    write_table(
+        folder / "y.csv", ["Y of router (the gantry on both side rails), rack and pinion"],
+        ["Y_mm", "EYY_um"], grid(-300, 300, 40),
+        [lambda y: -0.05 * y + 8 * wave(y, 280, 1.2)])
+
+    def sag(x, y):
+        # The rail hangs between the sides, deeper where the side rails are soft, in the middle of their length.
+        return -70 * (1 - (x / 400) ** 2) * (1 + 0.35 * math.cos(math.pi * y / 600))
+
+    write_grid(
+        folder / "rail.csv", ["Cross rail of router over X and Y: sag, roll into the cut, racking of the gantry", "nodes 50 mm apart"],
+        ["X_mm", "Y_mm", "EX_um", "EY_um", "EZ_um"], grid(-400, 400, 50), grid(-300, 300, 50),
+        [lambda x, y: 0.00012 * x * y + 4 * wave(y, 500, 0.3),
+         lambda x, y: 14 * math.sin(x / 260) * (1 + y / 900),
+         sag])
+    write_grid(
+        folder / "surface.csv", ["Spoilboard of router as probed: where the surface is high, the tool stands low in it"],
+        ["X_mm", "Y_mm", "EZ_um"], grid(-400, 400, 80), grid(-300, 300, 75),
+        [lambda x, y: -35 * math.exp(-((x - 120) ** 2 + (y + 60) ** 2) / 180 ** 2) + 0.03 * x - 0.02 * y])
+
+
+ROUTER = """
+# Gantry router for wood and plastics: the gantry (Y) on side rails, the carriage (X) on the cross rail, the spindle on Z.
+# The rail sags and the spoilboard is not flat: no sum of one-axis tables holds either; figures: see README.md beside this folder.
+name = "router"
+chain = "w b Y X Z t"
+tool_mm = [0.0, 0.0, 0.0]
+reference_temperature_c = 20.0
+
+[axis.X]
+table = "x.csv"
+interpolation = "cubic"
+travel_mm = [-400.0, 400.0]
+max_feed_mm_per_min = 12000.0
+encoder_resolution_um = 0.1
+
+[axis.X.limits]
+magnitude_um = 300.0
+
+[axis.Y]
+table = "y.csv"
+interpolation = "cubic"
+travel_mm = [-300.0, 300.0]
+max_feed_mm_per_min = 12000.0
+encoder_resolution_um = 0.1
+
+[axis.Y.limits]
+magnitude_um = 300.0
+
+[axis.Z]
+travel_mm = [-400.0, 0.0]
+max_feed_mm_per_min = 6000.0
+encoder_resolution_um = 0.1
+
+[axis.Z.limits]
+magnitude_um = 300.0
+
+[location]
+A0Z_urad = 60.0
+B0Z_urad = -45.0
+C0Y_urad = 90.0
+
+# The sagging cross rail.
+[[grid]]
+axes = ["X", "Y"]
+table = "rail.csv"
+
+# The probed surface: it matters where the tool is in the material, and no more 60 mm above it.
+[[grid]]
+axes = ["X", "Y"]
+table = "surface.csv"
+fade_mm = [-210.0, -150.0]
+"""
+
+
 # --- head-5axis: fork head, A in C, C on the ram Z on the cross slide Y; the table X carries the workpiece ----------
 
 
@@ -713,3 +807,4 @@ if __name__ == "__main__":
     head_5axis()
     grinder()
     mill_turn()
+    router()

@@ -58,7 +58,7 @@ fn tables(file: &str) -> Tcomp<'static> {
     Tcomp::parse(bytes).expect("a compiled file")
 }
 
-fn servo<R: Wire>(tables: &Tcomp<'_>, change: impl FnOnce(&mut MachineSettings)) -> Loop<R> {
+fn servo<R: Wire>(tables: &Tcomp<'static>, change: impl FnOnce(&mut MachineSettings)) -> Loop<R> {
     let rows = |axis| tables.table(axis);
     let mut settings = tables.settings().clone();
     change(&mut settings);

@@ -4,7 +4,7 @@ use crate::Random;
 use crate::contour::{Shape, Track};
 use crate::tables::{Grid, machine, memory, rows};
 use trueaxis::contour::{Method, Path, Reference};
-use trueaxis::machine::MachineSettings;
+use trueaxis::machine::{GridData, MachineSettings};
 use trueaxis::{Axis, Config, Input, Output, ServoLoop, State};
 
 /// Servo period, ns.
@@ -48,6 +48,16 @@ pub fn walk(cycles: u32, seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>)) {
 pub fn walk_with(
     change: impl FnOnce(&mut MachineSettings),
     cycles: u32,
+    seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>),
+) {
+    walk_on(change, &[], cycles, seen);
+}
+
+/// The same with grids beside the tables.
+pub fn walk_on(
+    change: impl FnOnce(&mut MachineSettings),
+    grids: &'static [GridData<'static>],
+    cycles: u32,
     mut seen: impl FnMut(u32, &Cycle, &Output<f64, f64, 3>),
 ) {
     let mut machine = machine();
@@ -56,6 +66,7 @@ pub fn walk_with(
     let tables = [1, 2, 3].map(|seed| rows(Grid::Equidistant, seed));
     let config = Config {
         machine,
+        grids,
         machine_id: 1,
         tables_crc: 2,
         period_ns: PERIOD_NS,

@@ -2,8 +2,9 @@
 
 use crate::Random;
 use trueaxis::compensation::{NineTerms, Volumetric};
-use trueaxis::machine::{AxisOrder, AxisSettings, ErrorModel, MachineSettings};
+use trueaxis::machine::{AxisOrder, AxisSettings, ErrorModel, GridData, MachineSettings};
 use trueaxis::{Axis, Row};
+use trueaxis_tables::GridSource;
 use trueaxis_testing::machine::Machine;
 
 /// Points of each table.
@@ -97,6 +98,19 @@ pub fn volumetric<const N: usize>() -> Volumetric<'static, f64, f64, N> {
     let rows = |axis: Axis| tables.iter().find(|(a, _)| *a == axis).map(|(_, rows)| &rows[..]);
     let memory = vec![0.0; Volumetric::<f64, f64, N>::requirement(&machine, rows)].leak();
     Volumetric::build(&AxisOrder::of(&machine).expect("valid axes"), &machine, rows, memory).expect("valid tables")
+}
+
+/// A grid of translations over X and Y, or over all three axes: nodes 12.3 mm apart in X and Y, 61.5 mm in Z; leaked.
+pub fn grid(with_z: bool) -> &'static [GridData<'static>] {
+    let mut random = Random(23);
+    let along = |count: u32, pitch: f64| (0..count).map(|i| -290.0 + pitch * f64::from(i)).collect::<Vec<f64>>();
+    let nodes = [along(51, 12.3), along(51, 12.3), if with_z { along(11, 61.5) } else { Vec::new() }];
+    let count = nodes.iter().map(|nodes| nodes.len().max(1)).product();
+    let values = (0..count).map(|_| [0; 6].map(|_| 2e-3 * random.signed()));
+    let given = [true, true, true, false, false, false];
+    let source = GridSource { nodes, given, values: values.collect(), ..GridSource::default() };
+    let grid = Box::leak(Box::new(trueaxis_tables::Grid::new(source).expect("errors that 16 bits hold")));
+    vec![grid.data()].leak()
 }
 
 /// A position within the tables, mm.

@@ -82,6 +82,7 @@ pub fn typical() -> ToolCycle {
     let tables: Vec<Vec<Row>> = machine.axes.iter().zip(1..).map(|(axis, seed)| table(axis.axis, seed)).collect();
     let config = Config {
         machine,
+        grids: &[],
         machine_id: 1,
         tables_crc: 2,
         period_ns: PERIOD_NS,

@@ -9,8 +9,8 @@ use trueaxis_tables::files::Memory;
 /// Names and texts of a machine's files, `machine.toml` first.
 pub type Files = &'static [(&'static str, &'static str)];
 
-/// Three axes with the nine terms, five with twists, a grinder with its gauge, one axis alone.
-pub const ALL: [Files; 4] = [THREE, FIVE, GRINDER, ONE];
+/// Three axes with the nine terms, five with twists, a grinder with its gauge, one axis alone, grids of two and three axes.
+pub const ALL: [Files; 5] = [THREE, FIVE, GRINDER, ONE, GRIDS];
 
 /// The machine of files that are known to be one.
 ///
@@ -26,6 +26,20 @@ pub fn five_axes() -> MachineSettings {
     static FIVE_AXES: LazyLock<MachineSettings> = LazyLock::new(|| read(FIVE).settings);
     FIVE_AXES.clone()
 }
+
+const GRIDS: Files = &[
+    (
+        "machine.toml",
+        "name = \"g\"\nchain = \"w b Y X Z t\"\n[compensation]\nmodel = \"volumetric\"\n[axis.X]\ntravel_mm = [-50, 50]\n\
+         [[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"grid.csv\"\nfade_mm = [1.0, 10.0]\nresolution_um = 0.01\n\
+         [[grid]]\naxes = [\"X\", \"Y\", \"Z\"]\ntable = \"grid-2.csv\"\nresolution_urad = 0.01\n",
+    ),
+    ("grid.csv", "X_mm,Y_mm,EZ_um\n0,0,1.5\n0,20,-2\n30,0,0\n30,20,3\n10,0,1\n10,20,0\n"),
+    (
+        "grid-2.csv",
+        "Z_mm,X_mm,Y_mm,EX_um,EC_urad\n0,0,0,1,2\n0,0,9,2,1\n0,9,0,0,0\n0,9,9,1,1\n5,0,0,2,2\n5,0,9,1,-1\n5,9,0,0,4\n5,9,9,1,0\n",
+    ),
+];
 
 const ONE: Files = &[
     ("machine.toml", "name = \"m\"\nchain = \"w X' b t\"\n[axis.X]\ntable = \"x.csv\"\n"),

@@ -18,5 +18,5 @@ pub fn machine(chain: &str) -> Machine {
     let settings = settings.settings();
     let mut tables = vec![None; settings.axes.len()];
     tables[0] = Some(Table { given: [true; AXES], bidirectional: true, rows });
-    Machine { settings, tables }
+    Machine { settings, tables, grids: Vec::new() }
 }

@@ -42,7 +42,11 @@ impl Course {
     /// Program or settings are refused.
     pub fn new(program: &str, settings: Settings, machine: &MachineSettings) -> Course {
         let program = Program::parse("course", program, "course.ngc").unwrap();
-        let machine = Machine { settings: machine.clone(), tables: machine.axes.iter().map(|_| None).collect() };
+        let machine = Machine {
+            settings: machine.clone(),
+            tables: machine.axes.iter().map(|_| None).collect(),
+            grids: Vec::new(),
+        };
         let settings = Settings { origin_mm: Some([0.0; 3]), ..settings };
         let scenario = Scenario::new(machine, program.clone(), settings).unwrap();
         let path = PlannedPath::new(&program, [0.0; 3], &scenario.placement).unwrap();

@@ -40,7 +40,8 @@ fn compare<const N: usize>(name: &str, model: ErrorModel) {
     let geometry = Geometry::new(&machine, 0.0).unwrap();
     let rows = |axis: Axis| machine.rows(axis);
     let mut memory = vec![0.0; requirement(&machine.settings, rows)];
-    let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 2, &mut memory).unwrap();
+    let compensation =
+        Compensation::<f64, f64, N>::build(&machine.settings, rows, &machine.grids(), 2, &mut memory).unwrap();
     let axes = AxisOrder::<N>::of(&machine.settings).unwrap().axes();
 
     let mut random = Noise::new(17);

@@ -113,7 +113,7 @@ fn case(random: &mut Noise, rotary: usize, mm: f64, rad: f64) -> Case {
     settings.location = location;
     settings.compensation.model = ErrorModel::Volumetric;
     settings.kinematics.tool_axis = [0.0, 0.6, 0.8];
-    Case { machine: Machine { settings, tables } }
+    Case { machine: Machine { settings, tables, grids: Vec::new() } }
 }
 
 impl Case {
@@ -146,7 +146,7 @@ impl Case {
         check::settings(settings).unwrap();
         let rows = |axis: Axis| self.machine.rows(axis);
         let mut memory = vec![0.0; requirement(settings, rows)];
-        user(&Compensation::build(settings, rows, passes, &mut memory).unwrap())
+        user(&Compensation::build(settings, rows, &[], passes, &mut memory).unwrap())
     }
 
     fn thermal<const N: usize>(&self) -> [ThermalLine<f64>; N] {

@@ -5,6 +5,8 @@
 //! counted walk-friction              the same with friction at reversals on three axes
 //! counted walk-feedback              with contour feedback besides
 //! counted walk-dynamic               with every part of the dynamic correction
+//! counted walk-bilinear              with a grid over X and Y beside the tables
+//! counted walk-trilinear             with a grid over X, Y and Z
 //! counted adversarial CYCLE...       adversarial cycles by number
 //! counted digest                     digests of all adversarial outputs, f32 and f64: what the bare-metal image prints
 //! counted replay CYCLE               inputs and output of an adversarial cycle
@@ -14,8 +16,9 @@
 
 use std::hint::black_box;
 use trueaxis::Output;
+use trueaxis::machine::{GridData, MachineSettings};
 use trueaxis_benches::adversarial::{self, Adversarial};
-use trueaxis_benches::step;
+use trueaxis_benches::{step, tables};
 use trueaxis_recording::adversary::{CYCLES, DYNAMIC_CYCLES, ServoParts};
 use trueaxis_recording::outputs::Wire;
 
@@ -45,12 +48,16 @@ fn print_digests<R: Wire>(scalar: &str) {
 const SAMPLED: u32 = 20;
 
 fn walk(parts: Option<ServoParts>) {
-    let configure = |machine: &mut _| {
+    let configure = |machine: &mut MachineSettings| {
         if let Some(parts) = parts {
             parts.configure(machine);
         }
     };
-    step::walk_with(configure, u32::MAX, |number, cycle, output| {
+    walk_on(configure, &[]);
+}
+
+fn walk_on(configure: impl FnOnce(&mut MachineSettings), grids: &'static [GridData<'static>]) {
+    step::walk_on(configure, grids, u32::MAX, |number, cycle, output| {
         if number >= step::STANDING && number % SAMPLED == 0 {
             counted_walk(black_box(&mut { *cycle }), black_box(&mut { *output }));
         }
@@ -65,6 +72,8 @@ fn main() {
         (Some("walk-friction"), []) => walk(Some(ServoParts::Friction)),
         (Some("walk-feedback"), []) => walk(Some(ServoParts::Feedback)),
         (Some("walk-dynamic"), []) => walk(Some(ServoParts::All)),
+        (Some("walk-bilinear"), []) => walk_on(|_| (), tables::grid(false)),
+        (Some("walk-trilinear"), []) => walk_on(|_| (), tables::grid(true)),
         (Some("adversarial"), numbers) => {
             let all = Adversarial::<f64>::default();
             for number in numbers {
@@ -86,7 +95,8 @@ fn main() {
             println!("{:#?}", output.record);
         }
         _ => eprintln!(
-            "usage: counted walk | walk-friction | walk-feedback | walk-dynamic | adversarial CYCLE... | digest | replay CYCLE"
+            "usage: counted walk | walk-friction | walk-feedback | walk-dynamic | walk-bilinear | walk-trilinear | \
+             adversarial CYCLE... | digest | replay CYCLE"
         ),
     }
 }

@@ -143,22 +143,22 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 880
+#define TRUEAXIS_LOOP_WORDS 1088
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 508
+#define TRUEAXIS_LOOP_WORDS 648
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 616
+#define TRUEAXIS_STATE_WORDS 680
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 328
+#define TRUEAXIS_STATE_WORDS 360
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.
@@ -988,9 +988,9 @@ trueaxis_result_t trueaxis_gauge_set_wheel(const struct trueaxis_gauge_t *gauge,
 
 /// Builds a loop from a compiled table file of 3 to 6 axes.
 ///
-/// `file`, `length`: bytes of the `.tcomp`, not used afterwards. `machine_id`: the machine that the file must be for, 0:
-/// any. `period_ns`: 1,000 to 100,000,000. `memory`: at least `trueaxis_tables_info_t.memory_bytes`, 8-byte aligned; it
-/// must outlive the loop and its copies, unchanged.
+/// `file`, `length`: bytes of the `.tcomp`, not used afterwards: nodes of grids are copied into `memory`. `machine_id`:
+/// the machine that the file must be for, 0: any. `period_ns`: 1,000 to 100,000,000. `memory`: at least
+/// `trueaxis_tables_info_t.memory_bytes`, 8-byte aligned; it must outlive the loop and its copies, unchanged.
 ///
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
 /// the change smooth. Not real-time; 31 to 61 KiB of stack. On refusal `memory` may have been written.

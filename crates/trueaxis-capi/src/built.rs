@@ -7,22 +7,23 @@ use crate::plugin::{CorePosition, Servo, ServoState};
 use crate::result::{ERROR_AXES, ERROR_PERIOD, ERROR_STATE, ResultCode};
 use crate::{Real, opaque};
 use trueaxis::compensation::ThermalLine;
-use trueaxis::machine::ThermalGrowth;
+use trueaxis::contour::Method;
+use trueaxis::machine::{GridData, ThermalGrowth};
 use trueaxis::tcomp::Tcomp;
-use trueaxis::{Bypass, ConfigError, Fault, Measure};
+use trueaxis::{Bypass, Config, ConfigError, Fault, Measure};
 
 /// Words of a `trueaxis_loop_t`.
 #[cfg(not(feature = "single"))]
-pub const LOOP_WORDS: usize = 880;
+pub const LOOP_WORDS: usize = 1088;
 /// Words of a `trueaxis_loop_t`.
 #[cfg(feature = "single")]
-pub const LOOP_WORDS: usize = 508;
+pub const LOOP_WORDS: usize = 648;
 /// Words of a `trueaxis_state_t`.
 #[cfg(not(feature = "single"))]
-pub const STATE_WORDS: usize = 616;
+pub const STATE_WORDS: usize = 680;
 /// Words of a `trueaxis_state_t`.
 #[cfg(feature = "single")]
-pub const STATE_WORDS: usize = 328;
+pub const STATE_WORDS: usize = 360;
 
 /// Tables, limits and settings of a machine: immutable, may be copied and read from any thread.
 #[repr(C)]
@@ -137,17 +138,32 @@ impl Running {
 }
 
 impl Built {
-    pub(crate) fn new(tables: &Tcomp<'_>, period_ns: u32, memory: &'static mut [Real]) -> Result<Self, ConfigError> {
+    pub(crate) fn new(
+        tables: &Tcomp<'_>,
+        grids: &[GridData<'static>],
+        period_ns: u32,
+        memory: &'static mut [Real],
+    ) -> Result<Self, ConfigError> {
+        let config = Config {
+            machine: tables.settings(),
+            grids,
+            machine_id: tables.machine_id(),
+            tables_crc: tables.crc(),
+            period_ns,
+            inverse_passes: tables.inverse_passes(),
+            method: Method::Guarded,
+        };
+        let rows = |axis| tables.table(axis);
         let servo = match crate::tables::axes_of(tables) {
-            3 => AnyServo::Three(Servo::load(tables, period_ns, memory)?),
+            3 => AnyServo::Three(config.build(rows, memory)?),
             #[cfg(not(feature = "three"))]
-            4 => AnyServo::Four(Servo::load(tables, period_ns, memory)?),
+            4 => AnyServo::Four(config.build(rows, memory)?),
             #[cfg(not(feature = "three"))]
-            5 => AnyServo::Five(Servo::load(tables, period_ns, memory)?),
+            5 => AnyServo::Five(config.build(rows, memory)?),
             #[cfg(not(feature = "three"))]
-            _ => AnyServo::Six(Servo::load(tables, period_ns, memory)?),
+            _ => AnyServo::Six(config.build(rows, memory)?),
             #[cfg(feature = "three")]
-            _ => AnyServo::Three(Servo::load(tables, period_ns, memory)?), // refuses the other axes
+            _ => AnyServo::Three(config.build(rows, memory)?), // refuses the other axes
         };
         let mut growth = [ThermalGrowth::default(); AXES_MAX];
         for (growth, (_, settings)) in growth.iter_mut().zip(crate::tables::slots(tables)) {

@@ -7,16 +7,17 @@ use crate::error::{Error, Refusal, explained};
 use crate::opaque;
 use crate::pointer::{apart, memory, slice};
 use crate::result::{self, ERROR_ARGUMENT, ERROR_AXES, ResultCode};
-use crate::tables::memory_bytes;
+use crate::tables::{loop_bytes, memory_bytes};
 use core::ffi::c_void;
 use trueaxis::Fault;
+use trueaxis::machine::{GRIDS, GridData};
 use trueaxis::tcomp::Tcomp;
 
 /// Builds a loop from a compiled table file of 3 to 6 axes.
 ///
-/// `file`, `length`: bytes of the `.tcomp`, not used afterwards. `machine_id`: the machine that the file must be for, 0:
-/// any. `period_ns`: 1,000 to 100,000,000. `memory`: at least `trueaxis_tables_info_t.memory_bytes`, 8-byte aligned; it
-/// must outlive the loop and its copies, unchanged.
+/// `file`, `length`: bytes of the `.tcomp`, not used afterwards: nodes of grids are copied into `memory`. `machine_id`:
+/// the machine that the file must be for, 0: any. `period_ns`: 1,000 to 100,000,000. `memory`: at least
+/// `trueaxis_tables_info_t.memory_bytes`, 8-byte aligned; it must outlive the loop and its copies, unchanged.
 ///
 /// To exchange tables in motion, build a second loop in other memory and pass it to `trueaxis_step`; the limiter makes
 /// the change smooth. Not real-time; 31 to 61 KiB of stack. On refusal `memory` may have been written.
@@ -51,23 +52,46 @@ pub unsafe extern "C" fn trueaxis_loop_build(
             tables.expect_machine(machine_id)?;
         }
         let scalars = tables.requirement();
-        let bytes = memory_bytes(scalars);
+        let (numbers, bytes) = (memory_bytes(scalars), loop_bytes(&tables));
         if bytes > memory_size {
             return Err(Refusal::Memory(memory_size, bytes));
         }
         // SAFETY: as many bytes are lent, and ours alone by the caller's promise; after zeroing every one of them is part
         // of a number.
-        let lent = unsafe {
+        let (lent, behind) = unsafe {
             start.write_bytes(0, bytes);
-            core::slice::from_raw_parts_mut(start.cast::<Real>(), scalars)
+            let behind = start.cast::<u8>().add(numbers);
+            (
+                core::slice::from_raw_parts_mut(start.cast::<Real>(), scalars),
+                core::slice::from_raw_parts_mut(behind, bytes - numbers),
+            )
         };
-        let built = Built::new(&tables, period_ns, lent)?;
+        let grids = copied(tables.grids(), behind);
+        let grids = grids.get(..tables.grids().len()).unwrap_or_default();
+        let built = Built::new(&tables, grids, period_ns, lent)?;
         // SAFETY: storage of the size that the caller vouched for.
         unsafe { opaque::fill(place, built) };
         Ok(())
     };
     // SAFETY: the caller's promise.
     unsafe { explained(error, work) }
+}
+
+/// The grids in memory of the caller's, of the size that they have there.
+fn copied(grids: &[GridData<'_>], room: &'static mut [u8]) -> [GridData<'static>; GRIDS] {
+    let mut copies = [GridData::default(); GRIDS];
+    let mut rest = room;
+    for (place, grid) in copies.iter_mut().zip(grids) {
+        let [positions, nodes] = grid.stored_bytes();
+        let Some((own, behind)) = rest.split_at_mut_checked(grid.size()) else { break };
+        let stored = positions.iter().chain(nodes);
+        own.iter_mut().zip(stored).for_each(|(to, from)| *to = *from);
+        rest = behind;
+        if let Some((copy, _)) = GridData::new(*grid.header(), own) {
+            *place = copy;
+        }
+    }
+    copies
 }
 
 /// Builds a loop that passes every command uncorrected and reports why in every record: for going on without tables.

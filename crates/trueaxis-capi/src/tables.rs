@@ -6,7 +6,7 @@ use crate::error::{Error, Refusal, explained};
 use crate::pointer::{Sized32, check_sized, slice};
 use crate::text::Text;
 use core::ffi::c_char;
-use trueaxis::machine::{Axis, AxisSettings};
+use trueaxis::machine::{Axis, AxisSettings, GridData};
 use trueaxis::tcomp::Tcomp;
 
 /// Contents of a table file. Arrays have `axes` elements in the step's order; travel and limits of a linear axis that the
@@ -87,6 +87,11 @@ pub(crate) fn slots<'t>(tables: &'t Tcomp<'_>) -> impl Iterator<Item = (Axis, Op
     tables.settings().step_axes().map(|axis| (axis, tables.settings().axis(axis)))
 }
 
+/// Bytes of the memory that a loop takes: its scalars, and behind them the nodes of the grids, so that the file may go.
+pub(crate) fn loop_bytes(tables: &Tcomp<'_>) -> usize {
+    memory_bytes(tables.requirement()).saturating_add(tables.grids().iter().map(GridData::size).sum())
+}
+
 /// Bytes of as many scalars.
 pub(crate) fn memory_bytes(scalars: usize) -> usize {
     scalars.saturating_mul(size_of::<Real>())
@@ -103,7 +108,7 @@ impl TablesInfo {
             tables_crc: tables.crc(),
             inverse_passes: tables.inverse_passes().into(),
             gauge_points: settings.roundness.as_ref().map_or(0, |gauge| gauge.points.into()),
-            memory_bytes: memory_bytes(tables.requirement()) as u64,
+            memory_bytes: loop_bytes(tables) as u64,
             rows: [0; _],
             travel_low: [0.0; _],
             travel_high: [0.0; _],

@@ -68,8 +68,8 @@ pub fn with_compensation<const N: usize, T>(
 ) -> Result<T> {
     let rows = |axis: Axis| machine.rows(axis);
     let mut memory = vec![0.0; requirement(&machine.settings, rows)];
-    let compensation =
-        Compensation::build(&machine.settings, rows, passes, &mut memory).map_err(|error| anyhow!("{error}"))?;
+    let compensation = Compensation::build(&machine.settings, rows, &machine.grids(), passes, &mut memory)
+        .map_err(|error| anyhow!("{error}"))?;
     user(&compensation)
 }
 
@@ -91,7 +91,8 @@ macro_rules! by_axes {
 /// # Errors
 /// The machine needs more than 8, or its errors are too steep for any number.
 pub fn passes(machine: &Machine, asked: Option<u8>) -> Result<u8> {
-    let needed = || check::machine_passes(&machine.settings, |axis| machine.rows(axis));
+    let bounds = check::GridBounds::of(&machine.grids());
+    let needed = || check::machine_passes(&machine.settings, |axis| machine.rows(axis), &bounds);
     asked.map_or_else(needed, Ok).map_err(|error| anyhow!("{error}"))
 }
 

@@ -14,7 +14,7 @@ const TRAVEL: [f64; 2] = [-300.0, 500.0];
 fn made(chain: &str) -> Machine {
     let settings = Made::new(chain).travel(TRAVEL, 10.0).settings();
     let tables = vec![None; settings.axes.len()];
-    Machine { settings, tables }
+    Machine { settings, tables, grids: Vec::new() }
 }
 
 /// Gives an axis a table of two lines with these errors at every position, mm and rad.

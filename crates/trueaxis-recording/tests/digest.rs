@@ -66,7 +66,15 @@ impl Case {
         let (machine, rows) = (self.machine(), self.rows(second));
         let (machine_id, tables_crc) = (1, u32::from(second));
         let (inverse_passes, method) = (8, self.method);
-        let config = Config { machine: &machine, machine_id, tables_crc, period_ns: PERIOD_NS, inverse_passes, method };
+        let config = Config {
+            machine: &machine,
+            grids: &[],
+            machine_id,
+            tables_crc,
+            period_ns: PERIOD_NS,
+            inverse_passes,
+            method,
+        };
         let of = |axis: Axis| rows.get(axis.index()).map(|rows| &rows[..]);
         let memory = vec![<R as Real>::ZERO; config.requirement(of)].leak();
         config.build(of, memory).expect("a valid configuration")

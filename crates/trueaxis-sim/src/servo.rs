@@ -2,6 +2,7 @@
 
 use crate::error::{Result, SimError};
 use self_cell::{MutBorrow, self_cell};
+use trueaxis::compensation::requirement;
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Position, Real, ServoLoop};
 use trueaxis_tables::Machine;
@@ -34,12 +35,18 @@ pub fn with_tables<R: Real, P: Position, const N: usize, T, E: From<SimError>>(
     user(&servo)
 }
 
-/// A servo loop together with the memory that it is built in, so that a run can own both.
+/// A servo loop together with the file and the memory that it is built in, so that a run can own both.
 pub(crate) trait Owned<const N: usize>: Send + Sized {
     /// Compiles and builds the tables of a machine.
     fn build(machine: &Machine, period_ns: u32) -> Result<Self>;
     /// The loop.
     fn servo(&self) -> &ServoLoop<'_, f64, f64, N>;
+}
+
+/// What a loop reads in its cycles: the compiled file, where its grids stay, and the memory that it is built in.
+pub(crate) struct Lent {
+    bytes: Vec<u8>,
+    memory: MutBorrow<Vec<f64>>,
 }
 
 /// `self_cell` declares no generic cells: one for each number of axes.
@@ -52,7 +59,7 @@ macro_rules! owned {
 
             self_cell! {
                 pub(crate) struct Cell {
-                    owner: MutBorrow<Vec<f64>>,
+                    owner: Lent,
                     #[covariant]
                     dependent: Loop,
                 }
@@ -61,10 +68,10 @@ macro_rules! owned {
             impl Owned<$axes> for Cell {
                 fn build(machine: &Machine, period_ns: u32) -> Result<Self> {
                     let bytes = trueaxis_tables::compile(machine)?;
-                    let tcomp = Tcomp::parse(&bytes)?;
-                    let memory = vec![0.0; tcomp.requirement()];
-                    Cell::try_new(MutBorrow::new(memory), |memory| {
-                        ServoLoop::load(&tcomp, period_ns, memory.borrow_mut()).map_err(SimError::from)
+                    let memory = vec![0.0; requirement(&machine.settings, |axis| machine.rows(axis))];
+                    Cell::try_new(Lent { bytes, memory: MutBorrow::new(memory) }, |lent| {
+                        let tcomp = Tcomp::parse(&lent.bytes)?;
+                        ServoLoop::load(&tcomp, period_ns, lent.memory.borrow_mut()).map_err(SimError::from)
                     })
                 }
 

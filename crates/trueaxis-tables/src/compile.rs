@@ -6,7 +6,7 @@ use trueaxis::check;
 use trueaxis::contour::Method;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{Axis, Row};
-use trueaxis::tcomp::{MAGIC, TableHeader, VERSION, checksum, machine_id};
+use trueaxis::tcomp::{MAGIC, TableHeader, VERSION, VERSION_WITHOUT_GRIDS, checksum, machine_id};
 
 /// The compiled form of a machine, byte by byte as [`trueaxis::tcomp`] describes it. The same machine gives the same bytes.
 ///
@@ -18,7 +18,7 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
         let found = machine.tables.len() as f64;
         return Err(ConfigError::new(Field::Axes, found, "one entry of tables for each axis"));
     }
-    check::machine(&machine.settings, |axis| machine.rows(axis))?;
+    check::machine(&machine.settings, |axis| machine.rows(axis), &machine.grids())?;
     let unencodable = |_| ConfigError::new(Field::Name, 0.0, "settings that postcard can encode");
     let mut payload = postcard::to_stdvec(&machine.settings).map_err(unencodable)?;
     for (settings, table) in machine.axes() {
@@ -31,8 +31,17 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
             write_row(&mut payload, &header, row);
         }
     }
+    let version = if machine.grids.is_empty() { VERSION_WITHOUT_GRIDS } else { VERSION };
+    if version == VERSION {
+        // At most as many as the check lets pass.
+        payload.push(machine.grids.len() as u8);
+    }
+    for grid in &machine.grids {
+        payload.extend(postcard::to_stdvec(grid.header()).map_err(unencodable)?);
+        payload.extend(grid.bytes());
+    }
     let mut bytes = MAGIC.to_vec();
-    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend(version.to_le_bytes());
     bytes.extend(machine_id(&machine.settings.name, &machine.settings.chain).to_le_bytes());
     let length = u32::try_from(payload.len())
         .map_err(|_| ConfigError::new(Field::Table, payload.len() as f64, "at most 4 GiB of tables"))?;
@@ -79,9 +88,11 @@ fn write_row(payload: &mut Vec<u8>, header: &TableHeader, row: &Row) {
 /// # Errors
 /// All that [`check::machine`] or [`Config::build`] refuses.
 pub fn build(machine: &Machine, rate_hz: f64) -> Result<(), ConfigError> {
-    let inverse_passes = check::machine(&machine.settings, |axis| machine.rows(axis))?;
+    let grids = machine.grids();
+    let inverse_passes = check::machine(&machine.settings, |axis| machine.rows(axis), &grids)?;
     let config = Config {
         machine: &machine.settings,
+        grids: &grids,
         machine_id: machine_id(&machine.settings.name, &machine.settings.chain),
         tables_crc: 0,
         period_ns: (1e9 / rate_hz).round() as u32,
@@ -96,7 +107,7 @@ pub fn build(machine: &Machine, rate_hz: f64) -> Result<(), ConfigError> {
     }
 }
 
-fn build_with<const N: usize>(machine: &Machine, config: &Config<'_>) -> Result<(), ConfigError> {
+fn build_with<const N: usize>(machine: &Machine, config: &Config<'_, '_>) -> Result<(), ConfigError> {
     let rows = |axis| machine.rows(axis);
     let scalars = config.requirement(rows);
     config.build::<f32, f64, N, _>(rows, &mut vec![0.0; scalars])?;

@@ -2,10 +2,11 @@
 
 use crate::error::FileError;
 use crate::files::{Edit, Entry, Memory, Source};
-use crate::formats::{Imported, axis_csv_name, stated, write_axis_csv};
+use crate::formats::grid_csv::grid_section;
+use crate::formats::{Imported, axis_csv_name, grid_csv_name, stated, write_axis_csv, write_grid_csv};
 use crate::origin::Origin;
 use crate::read::{Standing, beside};
-use crate::{Machine, Table};
+use crate::{Grid, Machine, Table};
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 use trueaxis::machine::links;
@@ -61,6 +62,9 @@ impl Imported {
             }
             edited.files.push((beside(name, &csv), write_axis_csv(table, *axis)));
         }
+        for grid in &self.grids {
+            add_grid(grid, &standing, &mut document, &origin, &mut edited)?;
+        }
         location(self, &standing, &mut document, &origin, &mut edited.notes)?;
         if let Some(stated) = &self.settings {
             edited.notes.extend(left(stated, &standing.settings));
@@ -87,6 +91,39 @@ impl Imported {
         let stated = self.settings.as_ref().and_then(of_axis).unwrap_or_default();
         stated.into_iter().filter(|stated| !stands(stated)).collect()
     }
+}
+
+/// Adds a grid where the machine has none over the same axes: grids add up.
+fn add_grid(
+    grid: &Grid,
+    standing: &Standing<'_>,
+    document: &mut DocumentMut,
+    origin: &Origin,
+    edited: &mut Edited,
+) -> Result<(), FileError> {
+    let axes: Vec<Axis> = grid.header().letters().collect();
+    if let Some(old) = standing.grids.iter().find(|old| old.axes == axes) {
+        let needed = "a machine without a grid over these axes, as the two would add up: take the old one out of this file first";
+        return Err(origin.at(old.line, &old.key, format!("the grid {:?}", old.file), needed));
+    }
+    let free = |number: &usize| standing.files.entry(&beside(&standing.name, &grid_csv_name(*number))) == Entry::Absent;
+    let csv = grid_csv_name((0..).find(free).unwrap_or(0));
+    let mut text = String::new();
+    grid_section(&mut text, grid, &csv);
+    let no_section = || origin.whole("a grid that is no list of sections", "sections [[grid]]");
+    let new = text.parse::<DocumentMut>().map_err(|error| origin.whole(error.message().to_owned(), "a grid"))?;
+    let new = new.get("grid").and_then(Item::as_array_of_tables).and_then(|list| list.get(0)).ok_or_else(no_section)?;
+    let mut section = toml_edit::Table::new();
+    for (key, item) in new {
+        section.insert(key, item.clone());
+    }
+    let list = document.entry("grid").or_insert_with(|| Item::ArrayOfTables(toml_edit::ArrayOfTables::new()));
+    list.as_array_of_tables_mut().ok_or_else(no_section)?.push(section);
+    let letters: Vec<String> = axes.iter().map(|axis| axis.letter().to_string()).collect();
+    let count = grid.source().values.len();
+    edited.notes.push(format!("grid over {} added, {count} nodes", letters.join(" and ")));
+    edited.files.push((beside(&standing.name, &csv), write_grid_csv(grid)));
+    Ok(())
 }
 
 /// A text with the line ends and the byte order mark of the one before.

@@ -8,6 +8,7 @@ pub mod error;
 pub mod exact;
 pub mod files;
 pub mod formats;
+mod grid;
 mod lost_motion;
 mod margins;
 mod merge;
@@ -25,6 +26,7 @@ mod warning;
 pub use change::{Change, Setting, change};
 pub use compile::{build, compile};
 pub use edit::Edited;
+pub use grid::{Grid, GridSource, TooFine};
 pub use lost_motion::{LostMotion, lost_motion};
 pub use margins::{FeedbackMargins, feedback_margins};
 pub use merge::merge_sections;
@@ -33,12 +35,12 @@ pub use rates::{DriveRate, rates};
 pub use read::keys::{Keys, Written};
 pub use read::table_text::{ColumnText, TableText, table_texts};
 pub use summary::{
-    AxisSummary, CrosstalkSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary, RoundnessSummary,
-    ServoSummary, Summary, TableSummary, summary,
+    AxisSummary, CrosstalkSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary, GridAxisSummary,
+    GridErrorSummary, GridSummary, RoundnessSummary, ServoSummary, Summary, TableSummary, summary,
 };
 pub use warning::{Warning, check};
 
-use trueaxis::machine::{AxisSettings, MachineSettings, Row};
+use trueaxis::machine::{AxisSettings, GridData, MachineSettings, Row};
 use trueaxis::tcomp::Tcomp;
 
 /// An axis' error table in source form: mm and radians, positions in mm or degrees, strictly increasing.
@@ -59,10 +61,12 @@ pub struct Machine {
     pub settings: MachineSettings,
     /// One entry per axis of `settings.axes`, in the same order; an axis without a table has `None`.
     pub tables: Vec<Option<Table>>,
+    /// Errors over several axes, which add to those of the tables.
+    pub grids: Vec<Grid>,
 }
 
 impl Machine {
-    /// The machine of a compiled file: settings and every line of every table, bit for bit.
+    /// The machine of a compiled file: settings, every line of every table and every node of every grid, bit for bit.
     pub fn from_tcomp(file: &Tcomp<'_>) -> Machine {
         let tables = file.axes().map(|(_, table)| {
             table.map(|table| Table {
@@ -71,16 +75,23 @@ impl Machine {
                 rows: table.rows().collect(),
             })
         });
-        Machine { settings: file.settings().clone(), tables: tables.collect() }
+        let grids = file.grids().iter().map(Grid::from_data).collect();
+        Machine { settings: file.settings().clone(), tables: tables.collect(), grids }
     }
 
-    /// The machine with every entry of its tables times `share`: as after an exchange that trusts them only in part. Squareness,
+    /// The machine with every entry of its tables and grids times `share`: as after an exchange that trusts them only in part. Squareness,
     /// backlash and everything else stay.
     pub fn with_tables_scaled(mut self, share: f64) -> Machine {
         for row in self.tables.iter_mut().flatten().flat_map(|table| &mut table.rows) {
             row.forward.iter_mut().chain(&mut row.reverse).for_each(|error| *error *= share);
         }
+        self.grids.iter_mut().for_each(|grid| *grid = grid.scaled(share));
         self
+    }
+
+    /// The grids as the controller reads them.
+    pub fn grids(&self) -> Vec<GridData<'_>> {
+        self.grids.iter().map(Grid::data).collect()
     }
 
     /// The axes with their tables.

@@ -21,7 +21,7 @@ pub struct DriveRate {
     /// That part, mm/s.
     pub part: f64,
     /// Largest acceleration at a steady feed, mm/s², from the errors of the tables without their levers; `None` where one of
-    /// them is linear, which steps the velocity.
+    /// them is linear or a grid moves the drive: either steps the velocity.
     pub acceleration: Option<f64>,
     /// Its acceleration limit, mm/s².
     pub acceleration_limit: f64,
@@ -30,7 +30,7 @@ pub struct DriveRate {
 /// The drives whose corrections the tables move, with every axis at `feed_per_s` mm/s, or at its top feed where that is less
 /// or no feed is given.
 ///
-/// `rate = Σ max |dE/dq| · v`, `acceleration = Σ max |d²E/dq²| · v²` over the moving axes.
+/// Grids are in the rates. `rate = Σ max |dE/dq| · v`, `acceleration = Σ max |d²E/dq²| · v²` over the moving axes.
 pub fn rates(machine: &Machine, feed_per_s: Option<f64>) -> Vec<DriveRate> {
     let mut machine = machine.clone();
     for axis in &mut machine.settings.axes {
@@ -47,6 +47,7 @@ pub(crate) fn drive_rate(machine: &Machine, drive: &AxisSettings) -> Option<Driv
     if volumetric && drive.axis.is_rotary() {
         return None;
     }
+    let grids = check::GridBounds::of(&machine.grids());
     let (mut rate, mut most, mut acceleration) = (0.0, None::<(Axis, f64)>, Some(0.0));
     for (moving, table) in machine.axes() {
         // Turned by a rotary axis the errors may point anywhere.
@@ -55,15 +56,17 @@ pub(crate) fn drive_rate(machine: &Machine, drive: &AxisSettings) -> Option<Driv
             continue;
         }
         let slope = if volumetric {
-            check::tip_rate(&machine.settings, |axis| machine.rows(axis), moving)
+            check::tip_rate(&machine.settings, |axis| machine.rows(axis), &grids, moving)
         } else {
             let slopes = table.map_or([0.0; 6], |table| check::slopes(moving, table.rows.as_slice()));
             if drive.axis.is_rotary() {
                 slopes[component].to_degrees()
             } else if turned {
-                slopes[..3].iter().map(|slope| slope * slope).sum::<f64>().sqrt()
+                let anywhere = slopes[..3].iter().map(|slope| slope * slope).sum::<f64>().sqrt();
+                anywhere + grids.slope(moving.axis, component)
             } else {
-                slopes[component] + check::tilt(&machine.settings, moving.axis, component).abs()
+                let tilt = check::tilt(&machine.settings, moving.axis, component).abs();
+                slopes[component] + tilt + grids.slope(moving.axis, component)
             }
         };
         let part = slope * moving.max_feed_per_s;
@@ -72,6 +75,8 @@ pub(crate) fn drive_rate(machine: &Machine, drive: &AxisSettings) -> Option<Driv
             most = Some((moving.axis, part));
         }
         let bent = table.map_or(Some(0.0), |table| bent(moving, table, component, turned));
+        // Between the nodes of a grid the slope steps.
+        let bent = bent.filter(|_| drive.axis.is_rotary() || grids.slope(moving.axis, component) == 0.0);
         let own = bent.map(|bent| bent * moving.max_feed_per_s * moving.max_feed_per_s);
         acceleration = acceleration.zip(own).map(|(sum, own)| sum + own);
     }

@@ -1,8 +1,10 @@
 //! Content of a compiled file, for people and for programs.
 
+mod grid;
 mod roundness;
 mod servo;
 
+pub use grid::{GridAxisSummary, GridErrorSummary, GridSummary};
 pub use roundness::RoundnessSummary;
 pub use servo::{CrosstalkSummary, DynamicSummary, FeedbackSummary, FrictionSummary, ServoSummary};
 
@@ -42,6 +44,9 @@ pub struct Summary {
     pub memory_scalars: usize,
     /// The axes.
     pub axes: Vec<AxisSummary>,
+    /// The grids.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub grids: Vec<GridSummary>,
     /// Contour feedback.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub feedback: Option<FeedbackSummary>,
@@ -136,6 +141,7 @@ pub fn summary(file: &Tcomp<'_>) -> Summary {
         inverse_passes: file.inverse_passes(),
         memory_scalars: file.requirement(),
         axes: file.axes().map(|(axis, table)| axis_summary(&settings.chain, axis, table)).collect(),
+        grids: file.grids().iter().map(grid::grid).collect(),
         feedback: settings.contour.feedback.as_ref().map(servo::feedback),
         crosstalk: settings.crosstalk.iter().map(servo::crosstalk).collect(),
         roundness: settings.roundness.as_ref().and_then(roundness::roundness),
@@ -214,6 +220,7 @@ impl fmt::Display for Summary {
         let [double, single] = [8, 4].map(|bytes| (self.memory_scalars * bytes) as f64 / 1024.0);
         write!(f, "memory {} scalars: {double:.1} KiB in f64, {single:.1} KiB in f32", self.memory_scalars)?;
         self.axes.iter().try_for_each(|axis| axis.fmt(f))?;
+        self.grids.iter().try_for_each(|grid| grid.fmt(f))?;
         self.feedback.iter().try_for_each(|feedback| feedback.fmt(f))?;
         self.crosstalk.iter().try_for_each(|crosstalk| crosstalk.fmt(f))?;
         self.roundness.iter().try_for_each(|roundness| roundness.fmt(f))

@@ -1,8 +1,8 @@
 //! Doubtful settings: they work, but not as well as they should.
 
-use crate::Machine;
 use crate::lost_motion::{LostMotion, SWIFT_S, lost_motion};
 use crate::rates::{DriveRate, drive_rate};
+use crate::{Grid, Machine};
 use std::fmt;
 use trueaxis::check;
 use trueaxis::machine::Curve;
@@ -70,6 +70,30 @@ pub enum Warning {
         step: f64,
         /// Top feed, mm/s.
         feed: f64,
+    },
+    /// Along an axis the slope of a grid steps at its nodes, and with it the velocity of the command.
+    GridVelocitySteps {
+        /// Number of the grid, from 0.
+        grid: usize,
+        /// The moving axis.
+        axis: Axis,
+        /// Component with the largest step, 0 to 2.
+        component: usize,
+        /// Step at top feed, mm/s.
+        step: f64,
+        /// Top feed, mm/s.
+        feed: f64,
+    },
+    /// A grid ends inside the declared travel; beyond it the edge value is clamped.
+    GridNotCovering {
+        /// Number of the grid, from 0.
+        grid: usize,
+        /// The axis.
+        axis: Axis,
+        /// Its first and last node, mm.
+        nodes: [f64; 2],
+        /// Declared travel, mm.
+        travel: [f64; 2],
     },
     /// The limits lead the correction of lost motion in slowly.
     SlowLeadIn(LostMotion),
@@ -158,6 +182,24 @@ impl fmt::Display for Warning {
                      {step:.2} {micro} into the command at {feed} {unit}/s; interpolation = \"cubic\" has none"
                 )
             }
+            Warning::GridVelocitySteps { grid, axis, component, step, feed } => {
+                let (number, letter) = (grid + 1, axis.letter());
+                let direction = Axis::ALL.get(component).map_or('?', |axis| axis.letter());
+                write!(
+                    f,
+                    "grid {number}: where {letter} passes from cell to cell, E{direction} puts velocity steps of up to {:.2} µm/s \
+                     into the command at {feed} mm/s; more nodes there make them smaller",
+                    step * 1e3
+                )
+            }
+            Warning::GridNotCovering { grid, axis, nodes: [low, high], travel: [from, to] } => {
+                let (number, letter) = (grid + 1, axis.letter());
+                write!(
+                    f,
+                    "grid {number}: its nodes cover {low} to {high} mm of the travel of {letter}, {from} to {to} mm; beyond \
+                     them the edge value is clamped"
+                )
+            }
             Warning::SlowLeadIn(lost) => {
                 write!(f, "{lost}; higher limits of slope and acceleration would take less than {} ms", SWIFT_S * 1e3)
             }
@@ -188,8 +230,9 @@ impl fmt::Display for Warning {
 /// at once, every other axis wherever it is worst; temperature at its reference.
 pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
     let mut warnings = Vec::new();
+    let grids = check::GridBounds::of(&machine.grids());
     if machine.settings.compensation.model == ErrorModel::Nine {
-        let tip = check::angular_tip_error(&machine.settings, |axis| machine.rows(axis));
+        let tip = check::angular_tip_error(&machine.settings, |axis| machine.rows(axis), &grids);
         if tip > NEGLIGIBLE_MM {
             warnings.push(Warning::AnglesIgnored { tip });
         }
@@ -222,13 +265,36 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
             warnings.push(warning);
         }
         let own = check::reach(settings, machine.rows(axis));
-        let (least, most) = check::error_range(&machine.settings, |axis| machine.rows(axis), settings, own);
+        let (least, most) = check::error_range(&machine.settings, |axis| machine.rows(axis), &grids, settings, own);
         let (correction, limit) = (least.abs().max(most.abs()), settings.limits.magnitude);
         if correction > limit {
             warnings.push(Warning::MagnitudeAboveLimit { axis, correction, limit });
         }
     }
+    for (number, grid) in machine.grids.iter().enumerate() {
+        of_grid(machine, number, grid, &mut warnings);
+    }
     warnings
+}
+
+/// Steps of velocity that a grid causes, and the travel that it leaves uncovered, axis by axis.
+fn of_grid(machine: &Machine, number: usize, grid: &Grid, warnings: &mut Vec<Warning>) {
+    for axis in grid.header().letters() {
+        let Some(settings) = machine.settings.axis(axis) else { continue };
+        let nodes = grid.header().axes[axis.index()].ends;
+        let travel = settings.travel;
+        let declared = travel != AxisSettings::with_defaults(axis, false).travel;
+        if declared && (nodes[0] > travel[0] || nodes[1] < travel[1]) {
+            warnings.push(Warning::GridNotCovering { grid: number, axis, nodes, travel });
+        }
+        let steps = (0..3).map(|component| (component, grid.slope_step(axis.index(), component)));
+        let Some((component, step)) = steps.max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let (step, feed) = (step * settings.max_feed_per_s, settings.max_feed_per_s);
+        // Below a nanometre per second a step is the rounding of the decimals.
+        if step > 1e-6 {
+            warnings.push(Warning::GridVelocitySteps { grid: number, axis, component, step, feed });
+        }
+    }
 }
 
 /// Rate of a drive's correction with all axes at top feed.

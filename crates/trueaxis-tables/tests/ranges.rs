@@ -10,7 +10,7 @@ use trueaxis::machine::{
     Axis, CrosstalkSettings, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings, MachineSettings,
 };
 use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
-use trueaxis::tcomp::{MAGIC, Tcomp, TcompError, VERSION, checksum, machine_id};
+use trueaxis::tcomp::{MAGIC, Tcomp, TcompError, VERSION_WITHOUT_GRIDS, checksum, machine_id};
 use trueaxis::{check, tcomp::HEADER_BYTES};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::formats::{Format, import, iso230_2::read_measurement};
@@ -116,6 +116,11 @@ harmonics = [2, 50]
 tip = \"X\"
 from = \"Y\"
 k_um_per_m_per_s2 = 1.0
+[[grid]]
+axes = [\"X\", \"Y\"]
+table = \"grid.csv\"
+fade_mm = [1.0, 10.0]
+measured_at_mm = [0.0, 0.0, 5.0]
 ";
 const TABLE: &str = "X_mm,EXX_um,ECX_urad\n-100,1,1\n100,2,1\n";
 
@@ -123,6 +128,7 @@ fn read(machine: &str, table: &str) -> Result<Machine, FileError> {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("machine.toml"), machine).unwrap();
     fs::write(folder.path().join("x.csv"), table).unwrap();
+    fs::write(folder.path().join("grid.csv"), "X_mm,Y_mm,EZ_um\n0,0,0\n0,10,0\n10,0,0\n10,10,1\n").unwrap();
     Machine::read(folder.path())
 }
 
@@ -402,7 +408,7 @@ fn a_compiled_file_with_a_valid_sum_and_an_absurd_number_is_refused() {
     let forged = |settings: &[u8]| {
         let payload = [settings, &tables].concat();
         let mut bytes = MAGIC.to_vec();
-        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(VERSION_WITHOUT_GRIDS.to_le_bytes());
         bytes.extend(machine_id(&machine.settings.name, &machine.settings.chain).to_le_bytes());
         bytes.extend((payload.len() as u32).to_le_bytes());
         bytes.extend(payload);

@@ -223,7 +223,8 @@ fn every_bit_counts() {
             let error = Tcomp::parse(&bytes).unwrap_err();
             if place < 8 {
                 assert_eq!(error, TcompError::Magic);
-            } else if place < 10 {
+            } else if place < 10 && (place, bit) != (8, 0) {
+                // 4 becomes 5, the version with grids: the sum tells.
                 assert_eq!(error, TcompError::Version);
             } else if !(14..18).contains(&place) {
                 assert_eq!(error, TcompError::Checksum, "{place}");
@@ -425,8 +426,8 @@ fn numbers_pass_bit_for_bit() {
         }
         assert_eq!((table.row(3), Rows::len(table)), (None, 3));
         assert_eq!((file.table(Axis::Z), file.table(Axis::Y)), (None, None));
-        let norm = check::jacobian_norm(file.settings(), |axis| file.table(axis));
-        assert_eq!(norm, check::jacobian_norm(&machine.settings, |axis| machine.rows(axis)));
+        let norm = check::jacobian_norm(file.settings(), |axis| file.table(axis), &check::GridBounds::NONE);
+        assert_eq!(norm, check::jacobian_norm(&machine.settings, |axis| machine.rows(axis), &check::GridBounds::NONE));
     }
 }
 
@@ -450,7 +451,7 @@ proptest! {
         payload[place] = value;
         if let Ok(read) = Tcomp::parse(&file(id, &payload)) {
             // Another machine, but a possible one.
-            prop_assert!(check::machine(read.settings(), |axis| read.table(axis)).is_ok());
+            prop_assert!(check::machine(read.settings(), |axis| read.table(axis), read.grids()).is_ok());
         }
         payload[place] = old;
         let cut = cut % payload.len();

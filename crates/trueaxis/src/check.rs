@@ -4,6 +4,7 @@
 
 mod bounds;
 mod drive;
+mod grid;
 mod inverse;
 mod margins;
 mod open_loop;
@@ -13,6 +14,7 @@ mod servo;
 mod volumetric;
 
 pub use bounds::{contribution, reach, slopes, tilt};
+pub use grid::{GridBounds, grids};
 pub use inverse::{
     INVERSE_TOLERANCE_MM, MOST_PASSES, error_range, inverse_passes, jacobian_norm, joint_range, machine_passes,
 };
@@ -24,7 +26,9 @@ pub use servo::{feedback, feedback_margins};
 pub use volumetric::{angular_tip_error, tip_rate};
 
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, Curve, ErrorModel, Link, MachineSettings, Rows, links, nine_terms, wraps};
+use crate::machine::{
+    Axis, AxisSettings, Curve, ErrorModel, GridData, Link, MachineSettings, Rows, links, nine_terms, wraps,
+};
 use crate::range;
 
 /// Values at both ends of a full circle agree within this, mm.
@@ -253,14 +257,15 @@ pub fn rows(settings: &AxisSettings, rows: &(impl Rows + ?Sized)) -> Result<(), 
     })
 }
 
-/// A whole machine: [`settings`], [`rows`] of every table, at least one table, [`joint_range`], [`reversal`]; returns the look-ups that
-/// its exact inverse takes.
+/// A whole machine: [`settings`], [`rows`] of every table, at least one table or grid, [`grids`], [`joint_range`], [`reversal`]; returns the
+/// look-ups that its exact inverse takes.
 ///
 /// # Errors
 /// The first thing that is wrong.
 pub fn machine<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     tables: impl Fn(Axis) -> Option<&'r T>,
+    grids: &[GridData<'_>],
 ) -> Result<u8, ConfigError> {
     settings(machine)?;
     let mut count = 0;
@@ -270,10 +275,13 @@ pub fn machine<'r, T: Rows + ?Sized + 'r>(
             count += 1;
         }
     }
-    need(count > 0, ConfigError::new(Field::Table, 0.0, "at least one axis with a table"))?;
-    joint_range(machine, &tables)?;
-    reversal(machine, &tables)?;
-    machine_passes(machine, &tables)
+    let some = count > 0 || !grids.is_empty();
+    need(some, ConfigError::new(Field::Table, 0.0, "at least one axis with a table"))?;
+    self::grids(machine, grids)?;
+    let grids = GridBounds::of(grids);
+    joint_range(machine, &tables, &grids)?;
+    reversal(machine, &tables, &grids)?;
+    machine_passes(machine, &tables, &grids)
 }
 
 #[cfg(test)]

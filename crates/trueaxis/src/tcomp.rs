@@ -5,7 +5,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | magic `TRUEAXIS` |
-//! | 2 | format version, 4 |
+//! | 2 | format version, 5; 4 of a machine without grids |
 //! | 4 | machine id: CRC-32 of name, line feed, chain |
 //! | 4 | length n of the payload |
 //! | n | payload |
@@ -13,12 +13,14 @@
 //!
 //! CRC-32 is that of ISO-HDLC (Ethernet, zlib). The payload is [`MachineSettings`] in postcard, then for every axis, in
 //! their order, [`TableHeader`] in postcard and its lines as raw doubles: position (mm, degrees), the given forward errors
-//! (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if the table is bidirectional.
+//! (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if the table is bidirectional. In version 5 the number of grids
+//! follows as one byte, then for each [`GridHeader`] in postcard, the positions of free nodes as raw doubles and the nodes as
+//! 16-bit numbers ([`GridData`]), which stay there.
 
 use crate::check;
 use crate::error::ConfigError;
 use crate::machine::Rows;
-use crate::machine::{AXES, Axis, AxisSettings, MachineSettings, Row, Twist};
+use crate::machine::{AXES, Axis, AxisSettings, GRIDS, GridData, GridHeader, MachineSettings, Row, Twist};
 use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
@@ -26,8 +28,10 @@ use serde::{Deserialize, Serialize};
 
 /// First eight bytes of the file.
 pub const MAGIC: [u8; 8] = *b"TRUEAXIS";
-/// Format version.
-pub const VERSION: u16 = 4;
+/// Format version of a machine with grids.
+pub const VERSION: u16 = 5;
+/// Format version of a machine without: nothing has changed for it, and older controllers load it.
+pub const VERSION_WITHOUT_GRIDS: u16 = 4;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 18;
 
@@ -102,6 +106,10 @@ pub enum TcompError {
     Content(ConfigError) = 11,
     /// Made for another machine.
     WrongMachine = 12,
+    /// The header of a grid cannot be decoded, or there are none or too many.
+    GridHeader = 13,
+    /// A grid is longer than the payload.
+    GridTooLong = 14,
 }
 
 impl TcompError {
@@ -120,6 +128,8 @@ impl TcompError {
             TcompError::MachineId => 10,
             TcompError::Content(_) => 11,
             TcompError::WrongMachine => 12,
+            TcompError::GridHeader => 13,
+            TcompError::GridTooLong => 14,
         }
     }
 }
@@ -130,7 +140,7 @@ impl fmt::Display for TcompError {
             TcompError::TooShort => "the file is shorter than its header says",
             TcompError::TooLong => "the file is longer than its header says",
             TcompError::Magic => "not a compiled table file (it does not start with TRUEAXIS)",
-            TcompError::Version => "another version of the format (version 4 is needed)",
+            TcompError::Version => "another version of the format (version 5 is needed, or 4 without grids)",
             TcompError::Checksum => "the file is damaged (its CRC-32 is wrong)",
             TcompError::Settings => "the machine settings cannot be decoded",
             TcompError::TableHeader => "the header of a table cannot be decoded",
@@ -139,6 +149,8 @@ impl fmt::Display for TcompError {
             TcompError::MachineId => "the machine id does not belong to the machine's name and chain",
             TcompError::Content(error) => return error.fmt(f),
             TcompError::WrongMachine => "the file is made for another machine",
+            TcompError::GridHeader => "the header of a grid cannot be decoded",
+            TcompError::GridTooLong => "a grid is longer than the payload",
         };
         f.write_str(text)
     }
@@ -210,11 +222,12 @@ impl Rows for TableData<'_> {
     }
 }
 
-/// A compiled table file, checked; its tables stay where the bytes are.
+/// A compiled table file, checked; its tables and grids stay where the bytes are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tcomp<'a> {
     settings: MachineSettings,
     tables: Vec<Option<TableData<'a>>, AXES>,
+    grids: Vec<GridData<'a>, GRIDS>,
     machine_id: u32,
     crc: u32,
     inverse_passes: u8,
@@ -237,7 +250,8 @@ impl<'a> Tcomp<'a> {
             return Err(TcompError::Magic);
         }
         let (version, rest) = split::<2>(rest)?;
-        if u16::from_le_bytes(version) != VERSION {
+        let version = u16::from_le_bytes(version);
+        if !(VERSION_WITHOUT_GRIDS..=VERSION).contains(&version) {
             return Err(TcompError::Version);
         }
         let (id, rest) = split::<4>(rest)?;
@@ -261,6 +275,7 @@ impl<'a> Tcomp<'a> {
             // One table for each of at most as many axes.
             let _ = tables.push(table);
         }
+        let grids = if version == VERSION { grids(&mut rest)? } else { Vec::new() };
         if !rest.is_empty() {
             return Err(TcompError::PayloadTooLong);
         }
@@ -268,8 +283,9 @@ impl<'a> Tcomp<'a> {
         if u32::from_le_bytes(id) != machine_id {
             return Err(TcompError::MachineId);
         }
-        let mut file = Tcomp { settings, tables, machine_id, crc, inverse_passes: 0 };
-        file.inverse_passes = check::machine(&file.settings, |axis| file.table(axis)).map_err(TcompError::Content)?;
+        let mut file = Tcomp { settings, tables, grids, machine_id, crc, inverse_passes: 0 };
+        let passes = check::machine(&file.settings, |axis| file.table(axis), &file.grids);
+        file.inverse_passes = passes.map_err(TcompError::Content)?;
         Ok(file)
     }
 
@@ -311,6 +327,11 @@ impl<'a> Tcomp<'a> {
         self.settings.axes.iter().zip(self.tables.iter().copied())
     }
 
+    /// The grids.
+    pub fn grids(&self) -> &[GridData<'a>] {
+        &self.grids
+    }
+
     /// The table of an axis.
     pub fn table(&self, axis: Axis) -> Option<&TableData<'a>> {
         let place = self.settings.axes.iter().position(|settings| settings.axis == axis)?;
@@ -329,4 +350,21 @@ fn table(bytes: &[u8]) -> Result<(Option<TableData<'_>>, &[u8]), TcompError> {
     let length = (header.rows as usize).checked_mul(header.row_bytes()).ok_or(TcompError::TableTooLong)?;
     let (bytes, rest) = rest.split_at_checked(length).ok_or(TcompError::TableTooLong)?;
     Ok((Some(TableData { header, bytes }), rest))
+}
+
+/// The grids behind the tables: their number, at least one, then each.
+fn grids<'a>(rest: &mut &'a [u8]) -> Result<Vec<GridData<'a>, GRIDS>, TcompError> {
+    let ([count], mut behind) = rest.split_first_chunk().ok_or(TcompError::GridHeader)?;
+    let mut grids = Vec::new();
+    if *count == 0 {
+        return Err(TcompError::GridHeader);
+    }
+    for _ in 0..*count {
+        let (header, bytes) = postcard::take_from_bytes::<GridHeader>(behind).map_err(|_| TcompError::GridHeader)?;
+        let (grid, after) = GridData::new(header, bytes).ok_or(TcompError::GridTooLong)?;
+        grids.push(grid).map_err(|_| TcompError::GridHeader)?;
+        behind = after;
+    }
+    *rest = behind;
+    Ok(grids)
 }

@@ -28,6 +28,7 @@ fn servo(
 ) -> Result<ServoLoop<'static, f64, f64, 3>, trueaxis::ConfigError> {
     let config = Config {
         machine,
+        grids: &[],
         machine_id: 0,
         tables_crc: 0,
         period_ns: PERIOD_NS,

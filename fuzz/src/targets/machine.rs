@@ -13,7 +13,7 @@ use trueaxis_tables::files::Memory;
 /// All files of a machine in one text: the name of each on a line of its own between `==` and `==`.
 pub const TARGET: Target = Target {
     name: "machine",
-    about: "machine.toml with axis tables in CSV: read, checked, compiled",
+    about: "machine.toml with axis tables and grids in CSV: read, checked, compiled",
     run,
     seeds,
     repair: no_repair,
@@ -50,6 +50,11 @@ fn compiles(machine: &Machine, bytes: &[u8]) {
     for (again, settings) in again.settings.axes.iter_mut().zip(&machine.settings.axes) {
         // The one thing that a compiled file does not say.
         again.encoder_resolution = settings.encoder_resolution;
+    }
+    // A grid is compiled as it is rounded, and read back as that.
+    for (again, grid) in again.grids.iter_mut().zip(&machine.grids) {
+        assert_eq!(again.data(), grid.data());
+        *again = grid.clone();
     }
     assert_eq!(again, *machine);
     let found = findings(machine, &file, RATE_HZ);

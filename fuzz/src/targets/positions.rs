@@ -43,7 +43,7 @@ fn model() -> Model {
     let rows = |axis: Axis| machine.rows(axis);
     // Once a thread, for good.
     let memory = vec![0.0; requirement(&machine.settings, rows)].leak();
-    let compensation = Compensation::build(&machine.settings, rows, 2, memory).expect("a good machine");
+    let compensation = Compensation::build(&machine.settings, rows, &[], 2, memory).expect("a good machine");
     let axes = AxisOrder::<5>::of(&machine.settings).expect("five axes").axes();
     let geometry = Geometry::new(&machine, 0.0).expect("a good machine");
     Model { machine, axes, compensation, geometry }

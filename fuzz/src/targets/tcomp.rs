@@ -6,12 +6,12 @@ use crate::{Target, machines};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use trueaxis::machine::{AxisOrder, Limits};
-use trueaxis::tcomp::{HEADER_BYTES, MAGIC, Tcomp, checksum, machine_id};
+use trueaxis::tcomp::{HEADER_BYTES, MAGIC, Tcomp, VERSION, VERSION_WITHOUT_GRIDS, checksum, machine_id};
 use trueaxis::telemetry::{Frame, Status};
 use trueaxis::{Input, Nanometres, Position, Real, ServoLoop};
 use trueaxis_tables::{Machine, compile};
 
-/// Form, sum, settings, tables; then a servo loop of them and some hundred cycles.
+/// Form, sum, settings, tables, grids; then a servo loop of them and some hundred cycles.
 pub const TARGET: Target = Target {
     name: "tcomp",
     about: "compiled table files (.tcomp), loaded and run",
@@ -35,7 +35,9 @@ fn repair(bytes: &mut [u8]) {
     }
     let end = bytes.len() - 4;
     let length = (end - HEADER_BYTES) as u32;
-    bytes[8..10].copy_from_slice(&trueaxis::tcomp::VERSION.to_le_bytes());
+    if bytes[8..10] != VERSION.to_le_bytes() {
+        bytes[8..10].copy_from_slice(&VERSION_WITHOUT_GRIDS.to_le_bytes());
+    }
     bytes[14..18].copy_from_slice(&length.to_le_bytes());
     if let Some((name, chain)) = name_and_chain(&bytes[HEADER_BYTES..end]) {
         let id = machine_id(name, chain);

@@ -104,8 +104,15 @@ pub(crate) fn with_servo<T>(
     user: impl FnOnce(&HostServo<'_, 3>) -> T,
 ) -> T {
     let period_ns = (course.period_s * 1e9).round() as u32;
-    let config =
-        Config { machine, machine_id: 0, tables_crc: 0, period_ns, inverse_passes: 1, method: Method::Guarded };
+    let config = Config {
+        machine,
+        grids: &[],
+        machine_id: 0,
+        tables_crc: 0,
+        period_ns,
+        inverse_passes: 1,
+        method: Method::Guarded,
+    };
     let rows = |_| None::<&[Row]>;
     let mut memory = vec![0.0; config.requirement(rows)];
     user(&config.build(rows, &mut memory).unwrap())

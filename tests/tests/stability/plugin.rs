@@ -35,8 +35,15 @@ pub(crate) fn machine(
 /// Builds the servo loop.
 pub(crate) fn servo(machine: &MachineSettings, period_s: f64) -> Result<HostServo<'static, 3>, ConfigError> {
     let period_ns = (period_s * 1e9).round() as u32;
-    let config =
-        Config { machine, machine_id: 0, tables_crc: 0, period_ns, inverse_passes: 1, method: Method::Guarded };
+    let config = Config {
+        machine,
+        grids: &[],
+        machine_id: 0,
+        tables_crc: 0,
+        period_ns,
+        inverse_passes: 1,
+        method: Method::Guarded,
+    };
     config.build(|_| None::<&[Row]>, Default::default())
 }
 

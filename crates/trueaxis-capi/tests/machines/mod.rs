@@ -47,7 +47,7 @@ fn small_of(chain: &str) -> Machine {
     let settings = machine.travel([-400.0, 400.0], 1.0).settings();
     let mut tables = vec![None; settings.axes.len()];
     tables[0] = Some(table);
-    Machine { settings, tables }
+    Machine { settings, tables, grids: Vec::new() }
 }
 
 /// A sample machine of `compensation-tables`, compiled.

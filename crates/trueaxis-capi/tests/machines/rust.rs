@@ -29,9 +29,9 @@ pub(crate) fn from_c(x: Position) -> P {
     trueaxis::Nanometres(x)
 }
 
-/// A loop over memory that lives as long as the test.
+/// A loop over a file and memory that live as long as the test.
 pub(crate) fn rust_loop<const N: usize>(file: &[u8]) -> ServoLoop<'static, R, P, N> {
-    let tables = Tcomp::parse(file).unwrap();
+    let tables = Tcomp::parse(file.to_vec().leak()).unwrap();
     ServoLoop::load(&tables, PERIOD_NS, vec![0.0; tables.requirement()].leak()).unwrap()
 }
 

@@ -9,13 +9,14 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
-use trueaxis_tables::collapse::{CollapseError, CollapseOptions, Collapsed, Deviation, collapse};
+use trueaxis_tables::collapse::{CollapseError, CollapseOptions, Collapsed, Deviation, GridAdvice, collapse};
 use trueaxis_tables::formats::machine_files;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
 The tables are the least-squares ones over the working volume for one tool and one pose of the rotary axes; what they
-leave is evaluated by the controller's own nine-term model on a grid of its own.
+leave is evaluated by the controller's own nine-term model at points of its own. A grid of stated size is tried on what
+they leave, and the last line says whether one is needed; grids of the machine stay.
 
 Example: trueaxis tables collapse compensation-tables/mill-3axis -o mill-nine --volume -200:200,-150:150,-300:-50";
 
@@ -39,6 +40,9 @@ pub(crate) struct Arguments {
     /// Angles of the rotary axes, degrees [default: zero].
     #[arg(long, value_name = "A=..,C=..", value_parser = pose, allow_hyphen_values = true)]
     pose: Option<Pose>,
+    /// Nodes along X, Y, Z of the grid that is tried beside the tables; 0 or 1: not over that axis.
+    #[arg(long, value_name = "NX,NY,NZ", value_parser = nodes, default_value = "5,5,5")]
+    grid: [usize; 3],
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -50,6 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         reference_mm: arguments.reference_mm,
         volume_mm: arguments.volume.unwrap_or_default(),
         pose_deg: arguments.pose.clone().unwrap_or_default(),
+        grid: Some(arguments.grid),
     };
     let machine = model::machine(&arguments.machine)?;
     let collapsed = collapse(&machine, &options).map_err(|error| match error {
@@ -77,6 +82,13 @@ fn volume(text: &str) -> Result<Volume, String> {
     };
     let parts: Vec<_> = text.split(',').map(range).collect::<Result<_, _>>()?;
     parts.try_into().map_err(|_| format!("found \"{text}\", needed three ranges X0:X1,Y0:Y1,Z0:Z1"))
+}
+
+fn nodes(text: &str) -> Result<[usize; 3], String> {
+    let counts: Option<Vec<usize>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|count| *count <= 50)).collect();
+    let needed = || format!("found \"{text}\", needed three numbers of nodes from 0 to 50, like 9,7,0");
+    counts.and_then(|counts| counts.try_into().ok()).ok_or_else(needed)
 }
 
 fn pose(text: &str) -> Result<Pose, String> {
@@ -166,6 +178,20 @@ fn verdict(collapsed: &Collapsed) -> String {
     text
 }
 
+/// What a grid beside the tables would do.
+fn advice(collapsed: &Collapsed) -> Option<String> {
+    let GridAdvice { nodes, bytes, left, needed } = collapsed.grid?;
+    let over: Vec<String> =
+        ["X", "Y", "Z"].iter().zip(nodes).filter(|(_, n)| *n > 0).map(|(axis, n)| format!("{axis} {n}")).collect();
+    let verdict = if needed { "a grid is needed" } else { "no grid is needed" };
+    Some(format!(
+        "{verdict}: one of {} nodes ({bytes} bytes) beside the tables would leave {:.1} um at most, {:.1} um RMS",
+        over.join(", "),
+        left.max_mm * 1e3,
+        left.rms_mm * 1e3
+    ))
+}
+
 fn report(collapsed: &Collapsed) -> String {
     let mut text = format!("working volume {} mm\n", volume_text(collapsed));
     let [x, y, z] = collapsed.reference_mm;
@@ -186,6 +212,9 @@ fn report(collapsed: &Collapsed) -> String {
         );
     }
     let _ = writeln!(text, "\n{}", verdict(collapsed));
+    if let Some(advice) = advice(collapsed) {
+        let _ = writeln!(text, "{advice}");
+    }
     text
 }
 
@@ -215,6 +244,12 @@ fn document(collapsed: &Collapsed) -> Value {
         "original_tables": deviation(&collapsed.original),
         "collapsed_tables": deviation(&collapsed.after),
         "angular_errors_alone": causes,
+        "grid": collapsed.grid.map(|grid| json!({
+            "nodes": grid.nodes,
+            "bytes": grid.bytes,
+            "left": deviation(&grid.left),
+            "needed": grid.needed,
+        })),
         "verdict": verdict(collapsed),
     })
 }

@@ -18,7 +18,10 @@ Formats, and what they hold for an error E = actual − ideal:
   siemens     $AA_ENC_COMP, +E in one direction (mm, degrees); a file with AX1 needs --axis
   isg         ISG/Beckhoff volumetric CSV, all six errors (mm, rad; rotary arguments in degrees); chain and offsets as comments
   iso230-2    measured deviations (µm, µrad), one row per approach, or one per target with a column per run:
-              X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…";
+              X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…
+  bed-mesh    [bed_mesh NAME] of Klipper's printer.cfg, a grid over X and Y: EZ = −height of the bed; fade_start and fade_end
+              of [bed_mesh] become its fade. Read only
+  grid        X_mm,Y_mm[,Z_mm],EX_um,…,EC_urad, +E, a line for every node in any order. Read only";
 
 /// A format by its name on the command line.
 pub(super) fn format(option: &str, name: &str, comp_file_type: Option<u8>) -> Result<Format> {
@@ -26,7 +29,7 @@ pub(super) fn format(option: &str, name: &str, comp_file_type: Option<u8>) -> Re
         ("linuxcnc", None | Some(0)) => Format::LinuxCnc(CompFileType::Positions),
         ("linuxcnc", Some(_)) => Format::LinuxCnc(CompFileType::Trims),
         _ => Format::from_name(name).ok_or_else(|| {
-            anyhow!("{option}: found \"{name}\", needed linuxcnc, linuxcnc-0, linuxcnc-1, siemens, isg or iso230-2")
+            anyhow!("{option}: found \"{name}\", needed linuxcnc, linuxcnc-0, linuxcnc-1, siemens, isg, iso230-2, bed-mesh or grid")
         })?,
     };
     Ok(format)
@@ -129,5 +132,7 @@ fn meaning(format: Format) -> &'static str {
         Format::Siemens => "values = +E, mm or degrees, one direction",
         Format::Isg => "values = +E, mm and rad, rotary arguments in degrees",
         Format::Iso230_2 => "deviations = +E, µm or µrad",
+        Format::BedMesh => "heights = −EZ, mm: where the bed is high, the correction lifts the tool",
+        Format::Grid => "values = +E, µm and µrad",
     }
 }

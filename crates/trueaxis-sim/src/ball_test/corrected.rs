@@ -65,7 +65,7 @@ pub(super) fn tip_errors(cycle: &Cycle, plant: &Machine, known: &Machine, ball: 
     let rows = |axis: Axis| tcomp.table(axis);
     let mut memory = vec![0.0; requirement(tcomp.settings(), rows)];
     let compensation: Compensation<'_, f64, f64, N> =
-        Compensation::build(tcomp.settings(), rows, tcomp.inverse_passes(), &mut memory)?;
+        Compensation::build(tcomp.settings(), rows, tcomp.grids(), tcomp.inverse_passes(), &mut memory)?;
     let axes = AxisOrder::<N>::of(tcomp.settings())?.axes();
     let slots = axes.map(|axis| super::place(plant, axis));
 

@@ -7,7 +7,7 @@ use trueaxis_tables::{Machine, Table};
 pub(super) fn machine(chain: &str) -> Machine {
     let settings = trueaxis_testing::machine::Machine::new(chain).settings();
     let tables = vec![None; settings.axes.len()];
-    Machine { settings, tables }
+    Machine { settings, tables, grids: Vec::new() }
 }
 
 /// Gives `axis` a table from (position, errors) pairs.

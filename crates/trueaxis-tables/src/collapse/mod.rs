@@ -24,12 +24,17 @@
 //! hold for the whole volume. Backlash, thermal growth, limits and the rotary axes stay as they are. The nine-term form corrects a rotary axis'
 //! own angular error in its own position and its translations by its own table: the linear tables take what both leave. The angles are in positive travel.
 //!
+//! **Grids.** A machine's own grids stay, and the tables are fitted to what is left without them. Beside the tables a grid of a
+//! stated size is tried on what they leave, and told whether it is needed.
+//!
 //! The sum is the best *at the nodes*; between them the tables are interpolated as the axis' setting says. Beyond the volume the edge value holds.
 
 mod additive;
+mod grid;
 mod residual;
 mod volume;
 
+pub use grid::GridAdvice;
 pub use residual::{Cause, Deviation};
 
 use crate::exact::table::ErrorTable;
@@ -50,6 +55,8 @@ const FREE_NODES: usize = 11;
 const MOST_CELLS: usize = 4_000_000;
 /// Nodes per axis over which the means are formed beyond that.
 const THINNED: usize = 41;
+/// Nodes along each axis of the grid that is tried beside the tables.
+const GRID_NODES_TRIED: usize = 5;
 /// Steps in which tables are stored, 1e-7 µm: short decimals.
 const STEPS_PER_UM: f64 = 1e7;
 
@@ -64,6 +71,8 @@ pub struct CollapseOptions {
     pub volume_mm: [Option<[f64; 2]>; 3],
     /// Angles of the rotary axes, degrees; zero for an axis that is not named.
     pub pose_deg: Vec<(Axis, f64)>,
+    /// Nodes along X, Y, Z of the grid that is tried beside the tables; 5 each if `None`.
+    pub grid: Option<[usize; 3]>,
 }
 
 /// Why a machine is not collapsed.
@@ -109,6 +118,8 @@ pub struct Collapsed {
     pub original: Deviation,
     /// Share of each axis' angular errors in the rest that no nine tables can express, largest first.
     pub causes: Vec<Cause>,
+    /// What a grid beside the tables would leave, where one makes sense.
+    pub grid: Option<GridAdvice>,
 }
 
 /// The best nine tables over a working volume.
@@ -133,6 +144,7 @@ pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapse
     let geometry = Geometry::new(&target, 0.0)?;
 
     let mut collapsed = source.clone();
+    collapsed.grids.clear();
     collapsed.settings.compensation.model = ErrorModel::Nine;
     // The nine-term form has no correction of the direction.
     collapsed.settings.compensation.orientation = false;
@@ -145,7 +157,8 @@ pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapse
     let of_rotary_axes = with_nine_terms(&collapsed, |tip| tip(&volume.position([0.0; 3]), &[0.0; AXES]))
         .map_err(CollapseError::Config)?;
 
-    let without_backlash = without_backlash(&target, &volume);
+    let mut without_backlash = without_backlash(&target, &volume);
+    without_backlash.grids.clear();
     let fitted = Geometry::new(&without_backlash, 0.0)?;
     let error = |cell: [Level; 3]| {
         let at = volume.position(cell.map(|level| level.position));
@@ -153,6 +166,7 @@ pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapse
         std::array::from_fn(|c| d[c] - of_rotary_axes[c])
     };
     fill(&mut collapsed, &volume, &means(&volume, error));
+    collapsed.grids.clone_from(&source.grids);
     compile(&collapsed).map_err(CollapseError::Config)?;
 
     let mut as_it_is = source.clone();
@@ -160,6 +174,9 @@ pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapse
     as_it_is.settings.compensation.orientation = false;
     let deviations = residual::evaluate(&volume, &geometry, [&as_it_is, &collapsed]).map_err(CollapseError::Config)?;
     let causes = residual::causes(&volume, &without_backlash)?;
+    let nodes = options.grid.unwrap_or([GRID_NODES_TRIED; 3]);
+    let grid =
+        grid::advice(&volume, &geometry, &collapsed, &deviations.left[1], nodes).map_err(CollapseError::Config)?;
     Ok(Collapsed {
         machine: collapsed,
         volume_mm: volume.ends,
@@ -169,6 +186,7 @@ pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapse
         original: deviations.left[0],
         after: deviations.left[1],
         causes,
+        grid,
     })
 }
 

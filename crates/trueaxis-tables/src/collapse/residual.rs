@@ -88,7 +88,7 @@ fn with_step<const N: usize, T>(
 ) -> Result<T, ConfigError> {
     let rows = |axis: Axis| machine.rows(axis);
     let mut memory = vec![0.0; requirement(&machine.settings, rows)];
-    let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, 1, &mut memory)?;
+    let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, &machine.grids(), 1, &mut memory)?;
     // A step has X, Y and Z in any case, a machine need not.
     let slots: [Option<usize>; N] = AxisOrder::<N>::of(&machine.settings)?
         .axes()

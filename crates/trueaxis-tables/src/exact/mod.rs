@@ -29,11 +29,19 @@
 //! workpiece lies between its own frame and the tool). A machine with this one table alone reads exactly the table
 //! along that line. The offsets are no part of l: like the tool's length they are not travelled.
 //!
+//! **Grids.** A grid's twist (e, w) displaces the whole tool side in the bed, about the point p_m that a tool of length zero
+//! reaches with the grid's axes where they are, the other linear axes at its `measured_at_mm` and the rotary ones at zero:
+//!
+//! ```text
+//! T(p_m) · E(e, w) · T(−p_m) · (transforms of the tool side)
+//! ```
+//!
 //! Source: ISO 230-1:2012 (names and signs of errors), ISO 10791-6:2014 (structural code).
 
 mod carriage;
 mod chain;
 mod correction;
+mod grid;
 mod rotation;
 #[cfg(test)]
 mod sample;
@@ -46,9 +54,10 @@ use carriage::{Carriage, unit};
 use chain::structural_code;
 pub use correction::CorrectionSettings;
 use glam::{DAffine3, DMat3, DVec3};
+use grid::ErrorGrid;
 use rotation::{rotation, rotation_vector};
 use thiserror::Error;
-use trueaxis::machine::AXES;
+use trueaxis::machine::{AXES, Axis};
 
 /// Why a machine has no geometry.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -112,6 +121,7 @@ pub struct Geometry {
     /// Both sides from the bed outwards.
     workpiece: Vec<Carriage>,
     tool: Vec<Carriage>,
+    grids: Vec<ErrorGrid>,
     tool_mm: DVec3,
     tool_axis: DVec3,
 }
@@ -144,9 +154,12 @@ impl Geometry {
         // The code runs from the workpiece through the bed to the tool: only the first side has to be turned round.
         let workpiece = side(true).rev().collect();
         let tool = side(false).collect();
+        let on_tool: Vec<Axis> = links.iter().filter(|(_, on)| !on).map(|(axis, _)| *axis).collect();
+        let grids = machine.grids.iter().map(|grid| ErrorGrid::new(settings, grid, &on_tool)).collect();
         Ok(Geometry {
             workpiece,
             tool,
+            grids,
             tool_mm: DVec3::from_array(settings.tool_mm),
             tool_axis: DVec3::from_array(settings.kinematics.tool_axis).normalize_or(DVec3::Z),
         })
@@ -159,7 +172,7 @@ impl Geometry {
     /// Rounding: below 1e-12 mm at positions of a metre.
     pub fn tip_error(&self, position: &[f64; AXES], reverse: &[f64; AXES]) -> [f64; 3] {
         let (workpiece, workpiece_actual) = side(&self.workpiece, position, reverse);
-        let (tool, tool_actual) = side(&self.tool, position, reverse);
+        let (tool, tool_actual) = self.tool_side(position, reverse);
         let ideal = into_frame(&workpiece, tool.transform_point3(self.tool_mm));
         let actual = into_frame(&workpiece_actual, tool_actual.transform_point3(self.tool_mm));
         (workpiece.matrix3 * (actual - ideal)).to_array()
@@ -186,7 +199,7 @@ impl Geometry {
     /// Rounding as of [`Geometry::tip_error`] and [`Geometry::pose_error`]. Cost: one product of the chain.
     pub fn pose_error_of(&self, command: &Commanded, sent: &[f64; AXES], reverse: &[f64; AXES]) -> PoseError {
         let (_, workpiece) = side(&self.workpiece, sent, reverse);
-        let (_, tool) = side(&self.tool, sent, reverse);
+        let (_, tool) = self.tool_side(sent, reverse);
         let tip = into_frame(&workpiece, tool.transform_point3(self.tool_mm));
         let (ideal, actual) = (command.orientation, workpiece.matrix3.transpose() * tool.matrix3);
         let turn = actual * ideal.transpose();
@@ -200,7 +213,7 @@ impl Geometry {
     /// Pose of the real tool in the workpiece's frame; arguments as for [`Geometry::tip_error`].
     pub fn actual_pose(&self, position: &[f64; AXES], reverse: &[f64; AXES]) -> ToolPose {
         let (_, workpiece) = side(&self.workpiece, position, reverse);
-        let (_, tool) = side(&self.tool, position, reverse);
+        let (_, tool) = self.tool_side(position, reverse);
         self.pose(&workpiece, &tool)
     }
 
@@ -209,6 +222,13 @@ impl Geometry {
         let (workpiece, _) = side(&self.workpiece, position, &[0.0; AXES]);
         let (tool, _) = side(&self.tool, position, &[0.0; AXES]);
         self.pose(&workpiece, &tool)
+    }
+
+    /// Ideal and actual transform from the last frame of the tool's side to the bed.
+    fn tool_side(&self, position: &[f64; AXES], reverse: &[f64; AXES]) -> (DAffine3, DAffine3) {
+        let (ideal, actual) = side(&self.tool, position, reverse);
+        let displaced = self.grids.iter().fold(actual, |actual, grid| grid.displacement(position) * actual);
+        (ideal, displaced)
     }
 
     fn pose(&self, workpiece: &DAffine3, tool: &DAffine3) -> ToolPose {

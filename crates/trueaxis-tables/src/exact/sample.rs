@@ -12,7 +12,7 @@ pub(super) fn machine(chain: &str) -> Machine {
     let settings = trueaxis_testing::machine::Machine::three_axis().axes(&axes);
     let settings = settings.with(|machine| machine.chain = chain.parse().unwrap()).settings();
     let tables = vec![None; settings.axes.len()];
-    Machine { settings, tables }
+    Machine { settings, tables, grids: Vec::new() }
 }
 
 /// Index of `axis` among the machine's axes.

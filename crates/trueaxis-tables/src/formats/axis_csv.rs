@@ -1,6 +1,7 @@
 //! The crate's own files, written.
 
 use super::decimal::{shortest, toml_value};
+use super::grid_csv::{grid_csv_name, grid_section, write_grid_csv};
 use super::{Imported, own_comments, stated};
 use crate::Table;
 use std::fmt::Write;
@@ -63,18 +64,27 @@ pub(super) fn machine_files(imported: &Imported, name: &str) -> Vec<(String, Str
         Some(settings) => described(settings, imported, &name),
         None => undescribed(imported, &name),
     };
+    let mut grids = Vec::new();
+    for (number, grid) in imported.grids.iter().enumerate() {
+        let csv = grid_csv_name(number);
+        grid_section(&mut text, grid, &csv);
+        grids.push((csv, write_grid_csv(grid)));
+    }
     let location = location_lines(&imported.location);
     if !location.is_empty() {
         let _ = write!(text, "\n[location]\n{location}");
     }
     let mut files = vec![(String::from("machine.toml"), text)];
     files.extend(imported.tables.iter().map(|(axis, table)| (axis_csv_name(*axis), write_axis_csv(table, *axis))));
+    files.extend(grids);
     files
 }
 
 /// A machine of which only the tables are known.
 fn undescribed(imported: &Imported, name: &toml::Value) -> String {
-    let letters: String = imported.tables.iter().map(|(axis, _)| format!(" {}", axis.letter())).collect();
+    let of_grids = |axis: Axis| !imported.grids.is_empty() && !axis.is_rotary();
+    let used = |axis: &Axis| imported.tables.iter().any(|(own, _)| own == axis) || of_grids(*axis);
+    let letters: String = Axis::ALL.into_iter().filter(used).map(|axis| format!(" {}", axis.letter())).collect();
     let mut text = format!(
         "# Imported. The file does not say which axes carry the workpiece: set the chain of your machine.\n\
          name = {name}\nchain = \"w b{letters} t\"\n"

@@ -82,7 +82,13 @@ pub(super) fn import(
         lines.push((line, super::single(nominal, axis.index(), forward, reverse)));
     }
     let table = super::table(axis, super::only(axis.index()), lines, origin)?;
-    Ok(Imported { tables: vec![(axis, table)], location: LocationErrors::default(), settings: None, notes: Vec::new() })
+    Ok(Imported {
+        tables: vec![(axis, table)],
+        grids: Vec::new(),
+        location: LocationErrors::default(),
+        settings: None,
+        notes: Vec::new(),
+    })
 }
 
 /// Lines and their three numbers.

@@ -1,6 +1,7 @@
 //! A whole machine, written.
 
 use super::axis_csv::{axis_csv_name, location_lines, write_axis_csv};
+use super::grid_csv::{grid_csv_name, grid_section, write_grid_csv};
 use super::servo_toml;
 use super::toml_lines::{Lines, section};
 use crate::Machine;
@@ -73,6 +74,11 @@ pub fn machine_files(machine: &Machine, comment: &str) -> Vec<(String, String)> 
     }
     for crosstalk in &settings.crosstalk {
         servo_toml::crosstalk(&mut text, crosstalk);
+    }
+    for (number, grid) in machine.grids.iter().enumerate() {
+        let csv = grid_csv_name(number);
+        grid_section(&mut text, grid, &csv);
+        files.push((csv, write_grid_csv(grid)));
     }
     files.push((String::from("machine.toml"), text));
     files

@@ -10,12 +10,16 @@
 //! | [`siemens`] `$AA_ENC_COMP` | positioning, one direction, equidistant | +E (mm, degrees) |
 //! | [`isg`] volumetric CSV | all six errors, location errors; as comments chain, offsets, tool | +E (mm, rad) |
 //! | [`iso230_2`] measurement | deviations of single approaches | +E (µm, µrad) |
+//! | [`bed_mesh`] of Klipper, read only | a surface over X and Y | EZ = −height (mm) |
+//! | grid CSV, read only | errors over two or three linear axes | +E (µm, µrad) |
 //!
 //! Import refuses whatever it would have to ignore. Export refuses whatever the format cannot hold, unless asked to drop it
 //! ([`Loss::Drop`]); then it names what it dropped.
 
 mod axis_csv;
+pub mod bed_mesh;
 mod decimal;
+pub(crate) mod grid_csv;
 pub mod isg;
 mod isg_notes;
 pub mod iso230_2;
@@ -31,12 +35,13 @@ pub(crate) mod stated;
 mod toml_lines;
 
 pub use axis_csv::{axis_csv_name, write_axis_csv};
+pub use grid_csv::{grid_csv_name, write_grid_csv};
 pub use machine_toml::machine_files;
 
 use crate::error::FileError;
 use crate::origin::Origin;
 use crate::sheet::Sheet;
-use crate::{Machine, Table};
+use crate::{Grid, Machine, Table};
 use linuxcnc::CompFileType;
 use std::path::{Path, PathBuf};
 use trueaxis::error::Figure;
@@ -54,16 +59,22 @@ pub enum Format {
     Isg,
     /// Measured deviations as ISO 230-2 wants them, one axis a file.
     Iso230_2,
+    /// Bed mesh of Klipper, a surface over X and Y; only read.
+    BedMesh,
+    /// Grid CSV, `X_mm,Y_mm,EX_um,…`; only read.
+    Grid,
 }
 
 impl Format {
     /// Every format with the name it has on a command line.
-    pub const ALL: [(&'static str, Format); 5] = [
+    pub const ALL: [(&'static str, Format); 7] = [
         ("linuxcnc-0", Format::LinuxCnc(CompFileType::Positions)),
         ("linuxcnc-1", Format::LinuxCnc(CompFileType::Trims)),
         ("siemens", Format::Siemens),
         ("isg", Format::Isg),
         ("iso230-2", Format::Iso230_2),
+        ("bed-mesh", Format::BedMesh),
+        ("grid", Format::Grid),
     ];
 
     /// Its name in [`Format::ALL`].
@@ -82,6 +93,8 @@ impl Format {
 pub struct Imported {
     /// The tables in the order X Y Z A B C.
     pub tables: Vec<(Axis, Table)>,
+    /// Grids, which add to the tables.
+    pub grids: Vec<Grid>,
     /// Location errors (zero unless the file gives them).
     pub location: LocationErrors,
     /// Chain, offsets, tool and how the tables are used, from the comments of an [`isg`] file that this crate wrote; what the
@@ -174,6 +187,8 @@ pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Re
         Format::Siemens => siemens::import(text, &origin, axis),
         Format::Isg => isg::import(text, &origin, axis),
         Format::Iso230_2 => iso230_2::import(text, &origin, axis),
+        Format::BedMesh => bed_mesh::import(text, &origin),
+        Format::Grid => grid_csv::import(text, &origin),
     }
 }
 
@@ -198,6 +213,14 @@ pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Res
         Format::Siemens => siemens::export(machine, options, &origin, &mut exported)?,
         Format::Isg => isg::export(machine, options, &mut exported),
         Format::Iso230_2 => iso230_2::export(machine, options, &mut exported),
+        Format::BedMesh | Format::Grid => {
+            let needed = "a format that is written: linuxcnc, siemens, isg or iso230-2";
+            return Err(origin.whole(format!("the format {}, which is only read", format.name()), needed));
+        }
+    }
+    for grid in &machine.grids {
+        let letters: String = grid.header().letters().map(|axis| format!(" {}", axis.letter())).collect();
+        exported.dropped.push(format!("the grid over{letters}"));
     }
     if options.loss == Loss::Refuse && !exported.dropped.is_empty() {
         return Err(origin.whole(

@@ -1,5 +1,6 @@
 //! `machine.toml`: keys, units and defaults.
 
+use super::grid_toml::GridReference;
 use super::keys::Keys;
 use super::section::{Found, Section};
 use super::units::{degrees_from_urad, from_um, from_urad, per_second, same};
@@ -26,6 +27,7 @@ pub(super) struct TableReference {
 pub(super) struct Description {
     pub(super) settings: MachineSettings,
     pub(super) tables: Vec<TableReference>,
+    pub(super) grids: Vec<GridReference>,
     pub(super) keys: Keys,
     /// Without those in the CSV of the axes.
     pub(super) uncertainties: Uncertainties,
@@ -114,11 +116,12 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
     }
     settings.roundness = super::roundness_toml::read(&root)?;
     settings.crosstalk = super::crosstalk_toml::read(&root)?;
+    let grids = super::grid_toml::read(&root)?;
     let axes: Vec<Axis> = links.iter().map(|link| link.axis).collect();
     let uncertainties = Uncertainties { axes: uncertain, ..super::uncertainty_toml::read(&root, &axes)? };
     root.finish(None)?;
     let keys = Keys::new(text, document.get_ref());
-    Ok(Description { settings, tables, keys, uncertainties, numbers: numbers.into_inner() })
+    Ok(Description { settings, tables, grids, keys, uncertainties, numbers: numbers.into_inner() })
 }
 
 fn read_axis(

@@ -2,6 +2,8 @@
 
 mod axis_table;
 mod crosstalk_toml;
+pub(crate) mod grid_table;
+pub(crate) mod grid_toml;
 pub(crate) mod keys;
 mod machine_toml;
 mod refused;
@@ -17,9 +19,10 @@ use crate::files::{Folder, Source, bytes};
 use crate::origin::Origin;
 use crate::text::decode;
 use crate::uncertainty::Uncertainties;
-use crate::{Machine, Table};
+use crate::{Grid, Machine, Table};
 use axis_table::TableFile;
 pub(crate) use crosstalk_toml::unit_of;
+use grid_toml::GridReference;
 use machine_toml::{Description, TableReference};
 use std::path::{Path, PathBuf};
 use trueaxis::check;
@@ -53,14 +56,20 @@ impl Machine {
                 None => None,
             });
         }
-        let machine = Machine { settings: description.settings.clone(), tables };
-        if machine.tables.iter().all(Option::is_none) {
-            return Err(origin.whole("no axis with a table", "a table in at least one [axis.…] section"));
+        let mut grids = Vec::new();
+        for reference in &description.grids {
+            grids.push(read_grid(files, name, reference, &origin, tell)?);
+        }
+        let machine = Machine { settings: description.settings.clone(), tables, grids };
+        if machine.tables.iter().all(Option::is_none) && machine.grids.is_empty() {
+            return Err(origin.whole("no axis with a table", "a table in at least one [axis.…] section, or a [[grid]]"));
         }
         let rows = |axis| machine.rows(axis);
-        check::joint_range(&machine.settings, rows).map_err(|error| description.joint(&origin, &error))?;
-        check::reversal(&machine.settings, rows).map_err(|error| description.reversal(&origin, &error))?;
-        check::machine_passes(&machine.settings, rows)
+        check::grids(&machine.settings, &machine.grids()).map_err(|error| description.located(&origin, &error))?;
+        let bounds = check::GridBounds::of(&machine.grids());
+        check::joint_range(&machine.settings, rows, &bounds).map_err(|error| description.joint(&origin, &error))?;
+        check::reversal(&machine.settings, rows, &bounds).map_err(|error| description.reversal(&origin, &error))?;
+        check::machine_passes(&machine.settings, rows, &bounds)
             .map_err(|error| refused::contraction(&machine, &origin, &error))?;
         Ok(machine)
     }
@@ -81,8 +90,10 @@ impl Machine {
     pub fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
         let (folder, name) = Folder::of_machine(path);
         let (origin, description) = described(&folder, &name)?;
-        let tables = description.tables.iter().map(|table| folder.path(&beside(&name, &table.file)));
-        Ok(std::iter::once(origin.file().to_path_buf()).chain(tables).collect())
+        let tables = description.tables.iter().map(|table| &table.file);
+        let named = tables.chain(description.grids.iter().map(|grid| &grid.file));
+        let named = named.map(|file| folder.path(&beside(&name, file)));
+        Ok(std::iter::once(origin.file().to_path_buf()).chain(named).collect())
     }
 
     /// Every key with a number, or a list of so many, that a `machine.toml` with the sections of this one may have.
@@ -132,6 +143,7 @@ pub(crate) struct Standing<'f> {
     pub(crate) tables: Vec<StandingTable>,
     /// Without those in the tables.
     pub(crate) uncertainties: Uncertainties,
+    pub(crate) grids: Vec<GridReference>,
 }
 
 /// A table that `machine.toml` names.
@@ -163,6 +175,7 @@ impl<'f> Standing<'f> {
             settings: description.settings,
             tables,
             uncertainties: description.uncertainties,
+            grids: description.grids,
         })
     }
 }
@@ -184,6 +197,27 @@ fn described(files: &dyn Source, name: &Path) -> Result<(Origin, Description), F
     let origin = Origin::new(&path);
     let description = machine_toml::read(&text, &origin)?;
     Ok((origin, description))
+}
+
+fn read_grid(
+    files: &dyn Source,
+    machine_toml: &Path,
+    reference: &GridReference,
+    of_machine: &Origin,
+    tell: &mut dyn FnMut(String),
+) -> Result<Grid, FileError> {
+    let name = beside(machine_toml, &reference.file);
+    let path = files.path(&name);
+    if !files.entry(&name).is_file() {
+        let found = format!("{:?}, which is no file at {}", reference.file, path.display());
+        let needed = "the CSV of the grid, relative to this file";
+        return Err(of_machine.at(reference.line, &reference.key, found, needed));
+    }
+    let file = grid_table::read(&bytes(files, &name)?, &Origin::new(&path), reference)?;
+    if let Some(how) = file.dialect {
+        tell(format!("{}: {how}", path.display()));
+    }
+    Ok(file.grid)
 }
 
 fn read_table(

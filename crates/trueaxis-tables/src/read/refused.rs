@@ -84,7 +84,7 @@ impl Description {
         let needed = needed(error, bound);
         // Of the sections of a list, the one with this number.
         let place = match (key.split_once('.'), error.index) {
-            (Some(("crosstalk", rest)), Some(index)) => format!("crosstalk[{index}].{rest}"),
+            (Some((list @ ("crosstalk" | "grid"), rest)), Some(index)) => format!("{list}[{index}].{rest}"),
             _ => key.clone(),
         };
         match self.keys.get(&place) {

@@ -190,6 +190,18 @@ impl<'a> Section<'a> {
         Ok(Some(self.found(key, &value.span(), pairs)))
     }
 
+    /// A list of axes by their letters.
+    pub(super) fn axes(&self, key: &str) -> Result<Option<Found<Vec<Axis>>>, FileError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let refuse = || self.refuse(key, &value.span(), "a list of axes, like [\"X\", \"Y\"]");
+        let axis = |item: &Spanned<DeValue<'a>>| {
+            let mut letters = item.get_ref().as_str()?.chars();
+            letters.next().filter(|_| letters.next().is_none()).and_then(Axis::from_letter)
+        };
+        let axes: Option<Vec<Axis>> = value.get_ref().as_array().ok_or_else(refuse)?.iter().map(axis).collect();
+        Ok(Some(self.found(key, &value.span(), axes.ok_or_else(refuse)?)))
+    }
+
     /// An axis by its letter.
     pub(super) fn axis(&self, key: &str) -> Result<Option<Found<Axis>>, FileError> {
         let Some(found) = self.string(key)? else { return Ok(None) };

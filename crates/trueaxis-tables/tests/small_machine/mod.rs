@@ -41,5 +41,5 @@ pub(crate) fn machine() -> Machine {
             machine.location.rotary[2] = [0.012, 0.0, 0.0, 0.0, -1.4e-5, 0.0];
         })
         .settings();
-    Machine { settings, tables: vec![Some(x), None, Some(c)] }
+    Machine { settings, tables: vec![Some(x), None, Some(c)], grids: Vec::new() }
 }

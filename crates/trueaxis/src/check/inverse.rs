@@ -1,6 +1,7 @@
 //! Sums over the tables of all axes: contraction and length of the exact inverse, range of the correction.
 
 use super::bounds::{contribution, length, reach, sense, slopes, tilt};
+use super::grid::GridBounds;
 use super::volumetric;
 use crate::compensation::ThermalLine;
 use crate::error::{ConfigError, Field};
@@ -18,20 +19,21 @@ pub const INVERSE_TOLERANCE_MM: f64 = 1e-6;
 ///
 /// Of a machine with linear axes only, 3 by 3, squareness included. A rotary axis adds its column (mm per degree, with
 /// what its turning does to the errors of the axes it carries) and the slope of its own error (degree per degree): the
-/// norm is that of millimetres beside degrees. Thermal growth, writable at run time, is not in it.
+/// norm is that of millimetres beside degrees. Grids add their slopes. Thermal growth, writable at run time, is not in it.
 pub fn jacobian_norm<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
 ) -> f64 {
     if machine.compensation.model == ErrorModel::Volumetric {
-        return volumetric::contraction(machine, &rows).0;
+        return volumetric::contraction(machine, &rows, grids).0;
     }
     let links = links(&machine.chain).unwrap_or_default();
     let mut sum = 0.0;
     for settings in &machine.axes {
         let slopes = rows(settings.axis).map_or([0.0; 6], |rows| slopes(settings, rows));
         for (component, slope) in slopes.into_iter().enumerate().take(3) {
-            let slope = slope + tilt(machine, settings.axis, component).abs();
+            let slope = slope + tilt(machine, settings.axis, component).abs() + grids.slope(settings.axis, component);
             sum += slope * slope;
         }
         if settings.axis.is_rotary() {
@@ -55,15 +57,16 @@ fn swing<'r, T: Rows + ?Sized + 'r>(
 }
 
 /// Smallest and largest error that a drive corrects: the sum over all axes, the axis' own positions restricted to `own`,
-/// the others anywhere in their reach. mm; a rotary axis in degrees. Thermal growth is not in it.
+/// the others anywhere in their reach, grids wherever they are worst. mm; a rotary axis in degrees. Thermal growth is not in it.
 pub fn error_range<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
     drive: &AxisSettings,
     own: [f64; 2],
 ) -> (f64, f64) {
     if machine.compensation.model == ErrorModel::Volumetric {
-        return volumetric::error_range(machine, &rows, drive, own);
+        return volumetric::error_range(machine, &rows, grids, drive, own);
     }
     let axis = drive.axis;
     if axis.is_rotary() {
@@ -73,7 +76,8 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
         return (ends[0].min(ends[1]), ends[0].max(ends[1]));
     }
     let links = links(&machine.chain).unwrap_or_default();
-    let mut sum = (0.0, 0.0);
+    let [least, most] = grids.values(axis.index());
+    let mut sum = (least, most);
     for other in &machine.axes {
         let rows = rows(other.axis);
         let range = if other.axis == axis { own } else { reach(other, rows) };
@@ -101,12 +105,13 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
 pub fn joint_range<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
 ) -> Result<(), ConfigError> {
     for drive in &machine.axes {
         let magnitude = drive.limits.magnitude;
         let [low, high] = drive.travel;
-        let lowest = low - error_range(machine, &rows, drive, [low; 2]).1.min(magnitude).max(-magnitude);
-        let highest = high - error_range(machine, &rows, drive, [high; 2]).0.min(magnitude).max(-magnitude);
+        let lowest = low - error_range(machine, &rows, grids, drive, [low; 2]).1.min(magnitude).max(-magnitude);
+        let highest = high - error_range(machine, &rows, grids, drive, [high; 2]).0.min(magnitude).max(-magnitude);
         let [joint_low, joint_high] = drive.joint;
         let wrong = |found| Err(ConfigError::new(Field::Joint, found, "room for travel and correction").on(drive.axis));
         if lowest < joint_low {
@@ -151,13 +156,14 @@ pub fn inverse_passes(norm: f64, magnitude_mm: f64) -> Result<u8, ConfigError> {
 pub fn machine_passes<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
 ) -> Result<u8, ConfigError> {
     if machine.compensation.model == ErrorModel::Volumetric {
-        let (norm, magnitude) = volumetric::contraction(machine, &rows);
+        let (norm, magnitude) = volumetric::contraction(machine, &rows, grids);
         let thermal = ThermalLine::<f64>::SLOPE_LIMIT * volumetric::thermal_gain(machine);
         return inverse_passes(norm + thermal, magnitude);
     }
     let squares = machine.axes.iter().map(|axis| axis.limits.magnitude * axis.limits.magnitude);
-    let norm = jacobian_norm(machine, rows) + ThermalLine::<f64>::SLOPE_LIMIT;
+    let norm = jacobian_norm(machine, rows, grids) + ThermalLine::<f64>::SLOPE_LIMIT;
     inverse_passes(norm, libm::sqrt(squares.sum()))
 }

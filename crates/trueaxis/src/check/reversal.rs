@@ -1,6 +1,7 @@
 //! The hysteresis of a reversal: wider than the encoder's steps, and than what a correction steps against the travel.
 
 use super::bounds::{Step, sense, width};
+use super::grid::GridBounds;
 use super::inverse::jacobian_norm;
 use super::volumetric;
 use crate::error::{ConfigError, Field};
@@ -29,13 +30,14 @@ pub fn lost_motion<T: Rows + ?Sized>(settings: &AxisSettings, rows: Option<&T>) 
 /// direction of travel and confirms it. Negative lost motion steps it back; and where the reversal of one axis steps the
 /// correction of another, that may reverse too and step the first one back. Either goes on for ever if every step of such
 /// a round is wider than the hysteresis of the axis that it moves. The steps are upper bounds over all positions; thermal
-/// growth does not depend on the direction.
+/// growth and grids do not depend on the direction.
 ///
 /// # Errors
 /// [`Field::Hysteresis`] with the hysteresis found and, as bound, the least it has to be.
 pub fn reversal<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
 ) -> Result<(), ConfigError> {
     let mut steps = [[[0.0; 2]; AXES]; AXES];
     for (moving, steps) in machine.axes.iter().zip(&mut steps) {
@@ -45,7 +47,7 @@ pub fn reversal<'r, T: Rows + ?Sized + 'r>(
         return Ok(());
     }
     // The exact inverse looks up where it corrects to.
-    let gain = 1.0 / (1.0 - jacobian_norm(machine, &rows).min(0.999));
+    let gain = 1.0 / (1.0 - jacobian_norm(machine, &rows, grids).min(0.999));
     for (moving, steps) in machine.axes.iter().zip(&mut steps) {
         for step in steps.iter_mut() {
             *step = step.map(|step| step * gain);

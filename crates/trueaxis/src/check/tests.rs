@@ -104,7 +104,7 @@ fn the_norm_adds_up_all_slopes_and_squareness() {
     };
     let entries: [f64; 5] = [0.03, 0.02, 0.004 + 0.003, 0.001, 0.002];
     let truth = entries.iter().map(|e| e * e).sum::<f64>().sqrt();
-    assert!((jacobian_norm(&machine, tables) - truth).abs() < 1e-15);
+    assert!((jacobian_norm(&machine, tables, &GridBounds::NONE) - truth).abs() < 1e-15);
     // In cubic form the slope varies; compare with differences at most 1e-4 mm away (second derivative some 0.004/mm).
     machine.axes[0].interpolation = Interpolation::Cubic;
     let curve = Curve::new(&machine.axes[0], &x[..], 0, false);
@@ -122,7 +122,7 @@ fn rotary_errors_count_in_their_own_unit() {
     let machine = machine_of("w C' b X t");
     // EXC 1 µm and ECC 1 mrad per degree: 0.057 rad/rad.
     let c = rows_of(&[(0.0, [0.0; 6]), (1.0, [1e-3, 0.0, 0.0, 0.0, 0.0, 1e-3])]);
-    let norm = jacobian_norm(&machine, |axis| (axis == Axis::C).then_some(&c[..]));
+    let norm = jacobian_norm(&machine, |axis| (axis == Axis::C).then_some(&c[..]), &GridBounds::NONE);
     let own = 1e-3_f64.to_degrees();
     assert!((norm - (own * own + 1e-6_f64).sqrt()).abs() < 1e-15);
     assert!(rows(&machine.axes[1], &c[..]).is_ok());
@@ -189,12 +189,12 @@ fn the_joint_has_room_for_the_correction() {
         ([0.0101, 100.03], false),
     ] {
         machine.axes[0].joint = joint;
-        assert_eq!(joint_range(&machine, tables).is_ok(), good, "{joint:?}");
+        assert_eq!(joint_range(&machine, tables, &GridBounds::NONE).is_ok(), good, "{joint:?}");
     }
     // The magnitude limit cuts the correction.
     machine.axes[0].joint = [-1.0, 100.02001];
     machine.axes[0].limits.magnitude = 0.02;
-    assert!(joint_range(&machine, tables).is_ok());
+    assert!(joint_range(&machine, tables, &GridBounds::NONE).is_ok());
 }
 
 #[test]
@@ -203,7 +203,7 @@ fn defaults_of_any_chain_are_sound() {
         assert_eq!(settings(&machine_of(chain)), Ok(()));
     }
     let machine = machine_of("w b X Y t");
-    assert_eq!(super::machine(&machine, |_| None::<&[Row]>).unwrap_err().field, Field::Table);
+    assert_eq!(super::machine(&machine, |_| None::<&[Row]>, &[]).unwrap_err().field, Field::Table);
 }
 
 /// The step's own evaluation at random positions never leaves the range checked at build, and reaches most of it.
@@ -233,11 +233,14 @@ fn the_range_of_the_error_holds_what_the_step_computes() {
             find: impl Fn(Axis) -> Option<&'static [Row]>,
         ) -> Vec<f64> {
             let memory = vec![0.0; requirement(machine, &find)].leak();
-            let compensation = Compensation::<f64, f64, N>::build(machine, &find, 1, memory).unwrap();
+            let compensation = Compensation::<f64, f64, N>::build(machine, &find, &[], 1, memory).unwrap();
             let mut noise = Noise::new(1);
             let mut share = vec![0.0_f64; N];
-            let ranges: Vec<_> =
-                machine.axes.iter().map(|drive| error_range(machine, &find, drive, drive.travel)).collect();
+            let ranges: Vec<_> = machine
+                .axes
+                .iter()
+                .map(|drive| error_range(machine, &find, &GridBounds::NONE, drive, drive.travel))
+                .collect();
             for _ in 0..200_000 {
                 let q: [f64; N] = core::array::from_fn(|_| -100.0 + 250.0 * noise.unit());
                 let reverse =
@@ -290,7 +293,7 @@ fn lost_motion_between_the_lines_of_a_cubic_table_counts() {
 fn refused(steps: [[f64; 3]; 3]) -> Option<ConfigError> {
     let machine = machine_of("w b X Y Z t");
     let tables = steps.map(|[x, y, z]| lost([x * 1e-3, y * 1e-3, z * 1e-3, 0.0, 0.0, 0.0]));
-    let error = reversal(&machine, |axis| Some(tables[axis.index()].as_slice())).err();
+    let error = reversal(&machine, |axis| Some(tables[axis.index()].as_slice()), &GridBounds::NONE).err();
     error.inspect(|error| assert_eq!((error.field, error.found), (Field::Hysteresis, 0.3e-3)))
 }
 
@@ -329,12 +332,12 @@ fn the_hysteresis_spans_the_steps_of_the_encoder() {
     };
     let (own, none): (&'static [Row], &'static [Row]) = (own.leak(), none.leak());
     // Three steps are just enough, and nobody asks for the direction of Z.
-    assert_eq!(reversal(&machine, of(own, none)), Ok(()));
-    let error = reversal(&machine, of(own, own)).unwrap_err();
+    assert_eq!(reversal(&machine, of(own, none), &GridBounds::NONE), Ok(()));
+    let error = reversal(&machine, of(own, own), &GridBounds::NONE).unwrap_err();
     assert_eq!((error.field, error.axis, error.found), (Field::Hysteresis, Some(Axis::Z), 0.3e-3));
     assert!((error.bound.unwrap() - 0.6e-3).abs() < 1e-15);
     machine.axes[2].hysteresis = 0.6e-3;
-    assert_eq!(reversal(&machine, of(own, own)), Ok(()));
+    assert_eq!(reversal(&machine, of(own, own), &GridBounds::NONE), Ok(()));
     machine.axes[2].encoder_resolution = Some(0.0);
     assert_eq!(settings(&machine).unwrap_err().field, Field::EncoderResolution);
 }
@@ -347,13 +350,13 @@ fn angular_errors_step_the_tip_by_their_lever() {
     // 2 µrad about Y on a lever of 400 mm move the tip by 0.8 µm along X, in either direction.
     let x = lost([0.0, 0.0, 0.0, 0.0, 2e-6, 0.0]);
     let tables = |axis| (axis == Axis::X).then_some(x.as_slice());
-    assert_eq!(reversal(&machine, tables), Ok(()));
+    assert_eq!(reversal(&machine, tables, &GridBounds::NONE), Ok(()));
     machine.compensation.model = ErrorModel::Volumetric;
-    let error = reversal(&machine, tables).unwrap_err();
+    let error = reversal(&machine, tables, &GridBounds::NONE).unwrap_err();
     assert!(error.axis == Some(Axis::X) && (error.bound.unwrap() - 0.8e-3).abs() < 1e-8, "{error}");
     // Lost motion of 1 µm outweighs it.
     machine.axes[0].backlash = 1e-3;
-    assert_eq!(reversal(&machine, tables), Ok(()));
+    assert_eq!(reversal(&machine, tables, &GridBounds::NONE), Ok(()));
 }
 
 /// A rotary axis that turns against its convention has its own error in the other sense, its lost motion in its own.
@@ -362,12 +365,12 @@ fn lost_motion_of_a_rotary_axis_counts_in_its_own_sense() {
     let mut machine = machine_of("w C' b X Y Z t");
     let c = lost([0.0, 0.0, 0.0, 0.0, 0.0, 20e-6]);
     let tables = |axis| (axis == Axis::C).then_some(c.as_slice());
-    assert_eq!(reversal(&machine, tables), Ok(()));
+    assert_eq!(reversal(&machine, tables, &GridBounds::NONE), Ok(()));
     machine.axes[3].direction = 1;
-    let error = reversal(&machine, tables).unwrap_err();
+    let error = reversal(&machine, tables, &GridBounds::NONE).unwrap_err();
     assert!(error.axis == Some(Axis::C) && (error.bound.unwrap() - 20e-6_f64.to_degrees()).abs() < 1e-8, "{error}");
     machine.axes[3].backlash = 20e-6_f64.to_degrees();
-    assert_eq!(reversal(&machine, tables), Ok(()));
+    assert_eq!(reversal(&machine, tables, &GridBounds::NONE), Ok(()));
 }
 
 /// With the direction corrected, lost motion of the table alone turns the table alone; what an axis turns beside itself
@@ -384,8 +387,11 @@ fn lost_motion_of_a_rotary_axis_turns_no_other() {
             _ => None,
         }
     };
-    assert_eq!(reversal(&machine, of(a.leak(), c.leak())), Ok(()));
+    assert_eq!(reversal(&machine, of(a.leak(), c.leak()), &GridBounds::NONE), Ok(()));
     let beside = lost([0.0, 0.0, 0.0, 30e-6, 0.0, 2e-6]);
     let both = lost([0.0, 0.0, 0.0, 2e-6, 0.0, 30e-6]);
-    assert_eq!(reversal(&machine, of(beside.leak(), both.leak())).unwrap_err().field, Field::Hysteresis);
+    assert_eq!(
+        reversal(&machine, of(beside.leak(), both.leak()), &GridBounds::NONE).unwrap_err().field,
+        Field::Hysteresis
+    );
 }

@@ -1,6 +1,7 @@
 //! Bounds for the volumetric model: levers, largest errors, contraction of its inverse.
 
 use super::bounds::{Step, contribution, length, reach, sense, slopes, tilt, width};
+use super::grid::GridBounds;
 use crate::compensation::volumetric::{LEAST_DETERMINANT, LEAST_FADE};
 use crate::machine::{AXES, Axis, AxisSettings, Link, MachineSettings, Rows, is_turned, links};
 
@@ -123,12 +124,13 @@ fn swing(rotations: [f64; 3], lever: [f64; 3]) -> [f64; 3] {
 pub fn angular_tip_error<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
 ) -> f64 {
     let each = machine.axes.iter().map(|axis| {
         let table = rows(axis.axis);
         norm(&swing(rotations(machine, axis, table, reach(axis, table)), lever(machine, &rows, axis)))
     });
-    each.sum()
+    each.sum::<f64>() + norm(&grids.of_tip(machine, &rows).swing)
 }
 
 /// Sums over all axes and what the chain makes of them.
@@ -179,7 +181,11 @@ fn rotary_gain(machine: &MachineSettings, links: &[Link]) -> f64 {
     libm::sqrt(rotary_axes(links)) * 1.125 / fade
 }
 
-fn bounds<'r, T: Rows + ?Sized + 'r>(machine: &MachineSettings, rows: &impl Fn(Axis) -> Option<&'r T>) -> Bounds {
+fn bounds<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: &impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
+) -> Bounds {
     let links = links(&machine.chain).unwrap_or_default();
     let mut squares: f64 = 1.0;
     let mut bounds =
@@ -196,6 +202,10 @@ fn bounds<'r, T: Rows + ?Sized + 'r>(machine: &MachineSettings, rows: &impl Fn(A
         bounds.turn += norm(&rotations);
         bounds.tip += length(machine, axis, table, range) + norm(&swing(rotations, lever));
     }
+    let of_grids = grids.of_tip(machine, rows);
+    let largest = [0, 1, 2].map(|k| grids.values(k)).map(|[least, most]| least.abs().max(most.abs()));
+    bounds.turn += of_grids.turn;
+    bounds.tip += norm(&largest) + norm(&of_grids.swing);
     bounds.lever = libm::sqrt(squares);
     bounds
 }
@@ -205,8 +215,10 @@ fn bounds<'r, T: Rows + ?Sized + 'r>(machine: &MachineSettings, rows: &impl Fn(A
 fn rates<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
     settings: &AxisSettings,
 ) -> [f64; 2] {
+    let of_grids = grids.of_tip(machine, rows);
     let slopes = rows(settings.axis).map_or([0.0; 6], |rows| slopes(settings, rows));
     let [x, y, z, a, b, c] = slopes;
     let tilted: [f64; 3] =
@@ -242,9 +254,12 @@ fn rates<'r, T: Rows + ?Sized + 'r>(
         let location = rotations(machine, settings, rows(settings.axis), reach(settings, rows(settings.axis)));
         // Its own twist stands in its carrier's directions; on the tool side the lever to the tip turns with it.
         let under = if on_workpiece { 0.0 } else { norm(&location) * arm };
-        [own + (tip + under) * radian, norm(&[a, b, c]) + turn * radian]
+        // Grids turn the tool's side about a point that does not turn with it.
+        let swung = if on_workpiece { 0.0 } else { of_grids.turn * arm };
+        [own + (tip + under + swung) * radian, norm(&[a, b, c]) + turn * radian]
     } else {
-        [own + tip, norm(&[a, b, c])]
+        let [of_tip, of_turn] = of_grids.rates.get(settings.axis.index()).copied().unwrap_or_default();
+        [own + tip + of_tip, norm(&[a, b, c]) + of_turn]
     }
 }
 
@@ -252,10 +267,11 @@ fn rates<'r, T: Rows + ?Sized + 'r>(
 pub fn tip_rate<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
     settings: &AxisSettings,
 ) -> f64 {
-    let bounds = bounds(machine, &rows);
-    let [tip, _] = rates(machine, &rows, settings);
+    let bounds = bounds(machine, &rows, grids);
+    let [tip, _] = rates(machine, &rows, grids, settings);
     tip * bounds.slides
 }
 
@@ -266,12 +282,13 @@ pub fn tip_rate<'r, T: Rows + ?Sized + 'r>(
 pub(super) fn contraction<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
 ) -> (f64, f64) {
-    let all = bounds(machine, rows);
+    let all = bounds(machine, rows, grids);
     let orientation = machine.compensation.orientation;
     let (mut sum, mut magnitude) = (0.0, 0.0);
     for axis in &machine.axes {
-        let [tip, turn] = rates(machine, rows, axis);
+        let [tip, turn] = rates(machine, rows, grids, axis);
         let limit = axis.limits.magnitude;
         if axis.axis.is_rotary() {
             if orientation {
@@ -309,10 +326,11 @@ pub(super) fn thermal_gain(machine: &MachineSettings) -> f64 {
 pub(super) fn error_range<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: &impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
     drive: &AxisSettings,
     own: [f64; 2],
 ) -> (f64, f64) {
-    let all = bounds(machine, rows);
+    let all = bounds(machine, rows, grids);
     let orientation = machine.compensation.orientation;
     let turned_back = all.rotary * all.turn;
     if drive.axis.is_rotary() {
@@ -326,7 +344,9 @@ pub(super) fn error_range<'r, T: Rows + ?Sized + 'r>(
         return (-most, most);
     }
     let component = drive.axis.index();
-    let mut sum = (-carried, carried);
+    let [least, most] = grids.values(component);
+    let swung = grids.of_tip(machine, rows).swing.get(component).copied().unwrap_or(0.0);
+    let mut sum = (least - swung - carried, most + swung + carried);
     for other in &machine.axes {
         let table = rows(other.axis);
         let range = if other.axis == drive.axis { own } else { reach(other, table) };
@@ -369,7 +389,7 @@ pub(super) fn reversal_steps<'r, T: Rows + ?Sized + 'r>(
     // A rotary axis takes its own error back all by itself.
     let others = norm(&beside) * gain;
     // Turned back by the rotary axes, what is not the axis' own error moves the tip again.
-    let carried = if orientation { others * bounds(machine, rows).lever } else { 0.0 };
+    let carried = if orientation { others * bounds(machine, rows, &GridBounds::NONE).lever } else { 0.0 };
     let anywhere = is_turned(&links, moving.axis)
         || links.iter().any(|link| !link.axis.is_rotary() && is_turned(&links, link.axis));
     let mut steps = [[0.0; 2]; AXES];

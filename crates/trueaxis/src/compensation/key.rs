@@ -12,6 +12,13 @@ impl Key {
         self.add(number.to_bits());
     }
 
+    pub(super) fn add_bytes(&mut self, bytes: &[u8]) {
+        self.add(bytes.len() as u64);
+        let (words, rest) = bytes.as_chunks::<8>();
+        words.iter().for_each(|word| self.add(u64::from_le_bytes(*word)));
+        rest.iter().for_each(|byte| self.add(u64::from(*byte)));
+    }
+
     pub(super) fn add_all<'x>(&mut self, numbers: impl IntoIterator<Item = &'x f64>) {
         numbers.into_iter().for_each(|number| self.add_number(*number));
     }

@@ -1,9 +1,10 @@
 //! Geometric error compensation: what the tables say at a position, and the correction that makes up for it.
 //!
 //! Two models, chosen by the machine's settings: [`NineTerms`], axis-wise and without levers, and [`Volumetric`], the
-//! twist of every axis carried to the tool tip by its lever.
+//! twist of every axis carried to the tool tip by its lever. [Grids](grid) over several axes add to either.
 
 mod cells;
+mod grid;
 mod key;
 mod nine;
 mod query;
@@ -14,6 +15,7 @@ pub mod trig;
 pub(crate) mod volumetric;
 
 pub(crate) use cells::{Cells, Source, Tables};
+pub(crate) use grid::{Beside, Grids, NearGrids};
 pub use nine::NineTerms;
 pub use query::Query;
 pub use reversal::{Direction, Reversal};
@@ -22,9 +24,10 @@ pub use thermal::ThermalLine;
 pub use volumetric::Volumetric;
 
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisOrder, ErrorModel, MachineSettings, Rows};
+use crate::machine::{Axis, AxisOrder, ErrorModel, GridData, MachineSettings, Rows};
 use crate::position::Position;
 use crate::real::Real;
+use crate::vector::V3;
 
 /// Errors of all axes: the tip's dx, dy, dz in mm and the rotary axes' own errors in degrees, in the order of the axes.
 pub type Errors<R, const N: usize> = [R; N];
@@ -48,6 +51,7 @@ pub struct PoseError<R: Real> {
 #[derive(Clone, Copy, Debug)]
 pub struct Compensation<'a, R, P, const N: usize> {
     model: Model<'a, R, P, N>,
+    grids: Option<Grids<'a, R>>,
     passes: u8,
 }
 
@@ -72,7 +76,7 @@ pub fn requirement<'r, T: Rows + ?Sized + 'r>(
 
 impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// Builds the tables of a machine into lent memory of [`requirement`] scalars, which it keeps. `passes` of the exact
-    /// inverse: at least 1, at most 8.
+    /// inverse: at least 1, at most 8. Grids stay where their bytes are.
     ///
     /// # Errors
     /// A table with fewer than two points or not ascending, memory too small, a structural code that cannot be read,
@@ -80,10 +84,11 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     pub fn build<'r, T: Rows + ?Sized + 'r>(
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
+        grids: &[GridData<'a>],
         passes: u8,
         memory: &'a mut [R],
     ) -> Result<Self, ConfigError> {
-        Self::build_in(&AxisOrder::of(machine)?, machine, rows, passes, memory)
+        Self::build_in(&AxisOrder::of(machine)?, machine, rows, grids, passes, memory)
     }
 
     /// [`Compensation::build`] with the order of the axes found already.
@@ -91,6 +96,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         order: &AxisOrder<N>,
         machine: &MachineSettings,
         rows: impl Fn(Axis) -> Option<&'r T>,
+        grids: &[GridData<'a>],
         passes: u8,
         memory: &'a mut [R],
     ) -> Result<Self, ConfigError> {
@@ -102,7 +108,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             ErrorModel::Nine => Model::Nine(NineTerms::build(order, machine, rows, memory)?),
             ErrorModel::Volumetric => Model::Volumetric(Volumetric::build(order, machine, rows, memory)?),
         };
-        Ok(Compensation { model, passes })
+        Ok(Compensation { model, grids: Grids::build(machine, grids), passes })
     }
 
     /// Passes of the exact inverse.
@@ -126,6 +132,12 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         }
     }
 
+    /// Its grids.
+    #[inline(always)]
+    pub(crate) fn grids(&self) -> Option<&Grids<'a, R>> {
+        self.grids.as_ref()
+    }
+
     /// The positions as the tables count them.
     #[inline(always)]
     pub fn coordinates(&self, positions: &[P; N]) -> [R; N] {
@@ -141,7 +153,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// [`Compensation::pose_error`]. All look-ups at `at`; `clamped` gets a bit for every axis whose edge value is clamped.
     #[inline(always)]
     pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
-        match &self.model {
+        let mut errors = match &self.model {
             Model::Nine(nine) => nine.errors(query, clamped),
             Model::Volumetric(volumetric) => {
                 let mut errors = [R::ZERO; N];
@@ -151,13 +163,31 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
                 }
                 errors
             }
+        };
+        if let Some(grids) = &self.grids {
+            let (tip, _) = self.of_grids(grids, query.command, clamped);
+            for (error, tip) in errors.iter_mut().zip(tip.array()) {
+                *error += tip;
+            }
         }
+        errors
+    }
+
+    /// Errors of tip and direction that the grids add at a position in table coordinates.
+    #[inline(never)]
+    fn of_grids(&self, grids: &Grids<'_, R>, at: &[R; N], clamped: &mut u8) -> (V3<R>, V3<R>) {
+        let sum = match &self.model {
+            Model::Nine(nine) => grids.of_slides(&nine.slides(at)),
+            Model::Volumetric(volumetric) => volumetric.of_grids(grids, at),
+        };
+        *clamped |= sum.edge;
+        (sum.tip, sum.turn)
     }
 
     /// Error of the tool's pose at a position; arguments as for [`Compensation::errors`].
     #[inline]
     pub fn pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
-        match &self.model {
+        let pose = match &self.model {
             Model::Nine(nine) => {
                 let mut error_of_tip = [R::ZERO; 3];
                 for (tip, error) in error_of_tip.iter_mut().zip(nine.errors(query, clamped)) {
@@ -166,13 +196,19 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
                 PoseError { tip: error_of_tip.into(), ..PoseError::default() }
             }
             Model::Volumetric(volumetric) => volumetric.pose_error(query, clamped),
+        };
+        let Some(grids) = &self.grids else { return pose };
+        let (tip, turn) = self.of_grids(grids, query.command, clamped);
+        PoseError {
+            tip: (V3::from_glam(pose.tip) + tip).glam(),
+            orientation: (V3::from_glam(pose.orientation) + turn).glam(),
         }
     }
 
     /// The wanted correction `r`, so that the pose at `q + r`, errors included, is the ideal one at `q`.
     ///
     /// mm, rotary axes in degrees. Nine terms: `r ← −E(q + r)` from `r = 0`, [`NineTerms::correction`]; volumetric:
-    /// [`Volumetric::correction`]. What is looked up at the feedback needs no inverse and stays as it is read.
+    /// [`Volumetric::correction`]; grids included. What is looked up at the feedback needs no inverse and stays as it is read.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {
         self.correction_in(query, self.passes, clamped)
@@ -181,10 +217,28 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// The same in another number of passes.
     #[inline(always)]
     pub(crate) fn correction_in(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
-        match &self.model {
-            Model::Nine(nine) => nine.correction(query, passes, clamped),
-            Model::Volumetric(volumetric) => volumetric.correction(query, passes, clamped),
+        match (&self.model, &self.grids) {
+            (Model::Nine(nine), None) => nine.correction(query, passes, clamped),
+            (Model::Nine(_), Some(_)) => self.correction_with_grids(query, passes, clamped),
+            (Model::Volumetric(volumetric), grids) => {
+                volumetric.correction_with(query, grids.as_ref(), passes, clamped)
+            }
         }
+    }
+
+    /// [`NineTerms::correction`] of nine terms and grids.
+    #[inline(never)]
+    fn correction_with_grids(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
+        let mut at = *query.command;
+        let mut correction = [R::ZERO; N];
+        for _ in 0..passes & 15 {
+            let errors = self.errors(&Query { command: &at, ..*query }, clamped);
+            for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(query.command).zip(errors) {
+                *r = -error;
+                *at = *q - error;
+            }
+        }
+        correction
     }
 }
 

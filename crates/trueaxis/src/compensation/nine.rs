@@ -213,6 +213,16 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         at
     }
 
+    /// X, Y, Z from machine zero, mm, at table coordinates.
+    #[inline(always)]
+    pub(super) fn slides(&self, at: &[R; N]) -> [R; 3] {
+        let mut slides = [R::ZERO; 3];
+        for ((q, at), origin) in slides.iter_mut().zip(at).zip(&self.origins) {
+            *q = *at + *origin;
+        }
+        slides
+    }
+
     /// Error of the nine terms alone at table coordinates, plain tables: the inner loop of the step.
     ///
     /// `clamped` gets a bit for every axis whose edge value is clamped.

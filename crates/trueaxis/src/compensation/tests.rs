@@ -233,7 +233,7 @@ fn compensation<const N: usize>(
 ) -> Compensation<'static, f64, f64, N> {
     let find = |axis| tables.iter().find(|(a, _)| *a == axis).map(|(_, rows)| &rows[..]);
     let memory = lent(requirement(machine, find));
-    Compensation::build(machine, find, passes, memory).unwrap()
+    Compensation::build(machine, find, &[], passes, memory).unwrap()
 }
 
 const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];

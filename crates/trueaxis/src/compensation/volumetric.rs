@@ -34,6 +34,7 @@ mod slides;
 mod tangent;
 
 use super::PoseError;
+use super::grid::{Grids, Sum};
 use super::query::Query;
 use super::reversal::Direction;
 use super::table::{AxisTable, requirement_of_all};
@@ -241,6 +242,41 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
             *at = table.coordinate(*position);
         }
         at
+    }
+
+    /// X, Y, Z from machine zero, mm, at table coordinates.
+    #[inline(always)]
+    pub(crate) fn slides(&self, at: &[R; N]) -> [R; 3] {
+        let mut slides = [R::ZERO; 3];
+        for ((q, at), origin) in slides.iter_mut().zip(at).zip(&self.origins) {
+            *q = *at + *origin;
+        }
+        slides
+    }
+
+    /// What grids add at table coordinates.
+    #[inline(never)]
+    pub(super) fn of_grids(&self, grids: &Grids<'_, R>, at: &[R; N]) -> Sum<R> {
+        if grids.swings() { self.swung(grids, at, &self.chain.poses(at)) } else { grids.of_slides(&self.slides(at)) }
+    }
+
+    /// The same where rotary axes turn the levers, in their poses.
+    pub(super) fn swung(&self, grids: &Grids<'_, R>, at: &[R; N], poses: &Poses<R, N>) -> Sum<R> {
+        let mut tip = self.chain.tool;
+        for carriage in self.chain.tool_side() {
+            let q = at.get(carriage.slot).copied().unwrap_or(R::ZERO)
+                + self.origins.get(carriage.slot).copied().unwrap_or(R::ZERO);
+            match carriage.axis {
+                Axis::X => tip.x += q,
+                Axis::Y => tip.y += q,
+                Axis::Z => tip.z += q,
+                Axis::A | Axis::B | Axis::C => {
+                    let pose = poses.get(carriage.slot).copied().unwrap_or((R::ONE, R::ZERO));
+                    tip = tip.turned(about(carriage.axis), pose) + carriage.offset;
+                }
+            }
+        }
+        grids.at_tip(&self.slides(at), tip)
     }
 
     /// Whether every table is looked up at the command.

@@ -160,6 +160,16 @@ fields! {
     CrosstalkTable: "crosstalk.table";
     /// Cross-talk that is the same everywhere; of the axis that accelerates.
     CrosstalkConstant: "crosstalk.k_um_per_m_per_s2" | "crosstalk.k_um_per_deg_per_s2";
+    /// Errors on a grid.
+    GridTable: "grid.table";
+    /// Axes over which a grid stands.
+    GridAxes: "grid.axes";
+    /// Heights between which a grid fades.
+    GridFade: "grid.fade_mm";
+    /// Position of the other axes where a grid was measured.
+    GridMeasuredAt: "grid.measured_at_mm";
+    /// Resolution of a grid's errors.
+    GridResolution: "grid.resolution_um";
     /// Fading of the correction of the tool's direction.
     Fade: "compensation.fade_deg";
     /// Direction of the tool.

@@ -5,6 +5,7 @@
 
 mod chain;
 mod curve;
+mod grid;
 mod order;
 pub mod pchip;
 mod rows;
@@ -15,6 +16,7 @@ pub use chain::{Link, carries_workpiece, is_turned, links};
 pub(crate) use chain::{MOST_CARRIERS, nine_terms};
 pub(crate) use curve::lost;
 pub use curve::{Curve, wraps};
+pub use grid::{GRID_NODES, GRIDS, GridAxis, GridData, GridExtremes, GridHeader};
 pub use order::AxisOrder;
 pub use rows::Rows;
 pub use servo::{

@@ -4,11 +4,12 @@
 
 use super::ServoLoop;
 use crate::axis::{AXES, Axis};
+use crate::check::GridBounds;
 use crate::compensation::{self, Compensation, Tables};
 use crate::contour::{ContourSearch, Method};
 use crate::dynamic::DynamicStage;
 use crate::error::{ConfigError, Field};
-use crate::machine::{AxisOrder, AxisSettings, MachineSettings, Rows};
+use crate::machine::{AxisOrder, AxisSettings, GridData, MachineSettings, Rows};
 use crate::output::OutputStage;
 use crate::position::Position;
 use crate::real::Real;
@@ -20,9 +21,11 @@ const WITHIN: f64 = 1.0 - 1e-6;
 
 /// Settings of a servo loop, for a host that wants others than [`ServoLoop::load`] takes.
 #[derive(Clone, Copy, Debug)]
-pub struct Config<'m> {
+pub struct Config<'m, 'g> {
     /// The machine's settings.
     pub machine: &'m MachineSettings,
+    /// Its grids, up to [`GRIDS`](crate::machine::GRIDS); their nodes are read where they are as long as the loop is used.
+    pub grids: &'m [GridData<'g>],
     /// Identity of the machine ([`crate::tcomp::Tcomp::machine_id`]); goes into every record.
     pub machine_id: u32,
     /// CRC-32 of the table file; goes into every record.
@@ -35,11 +38,12 @@ pub struct Config<'m> {
     pub method: Method,
 }
 
-impl<'m> Config<'m> {
+impl<'m, 'g> Config<'m, 'g> {
     /// The configuration that a compiled table file describes, with guarded search and as many passes as it needs.
-    pub fn of(file: &'m Tcomp<'_>, period_ns: u32) -> Self {
+    pub fn of(file: &'m Tcomp<'g>, period_ns: u32) -> Self {
         Config {
             machine: file.settings(),
+            grids: file.grids(),
             machine_id: file.machine_id(),
             tables_crc: file.crc(),
             period_ns,
@@ -56,7 +60,10 @@ impl<'m> Config<'m> {
         &self,
         rows: impl Fn(Axis) -> Option<&'r T>,
         memory: &'a mut [R],
-    ) -> Result<ServoLoop<'a, R, P, N>, ConfigError> {
+    ) -> Result<ServoLoop<'a, R, P, N>, ConfigError>
+    where
+        'g: 'a,
+    {
         if !(3..=AXES).contains(&N) {
             return Err(ConfigError::new(Field::Axes, N as f64, "3 to 6 axes"));
         }
@@ -64,10 +71,13 @@ impl<'m> Config<'m> {
             return Err(ConfigError::new(Field::Period, f64::from(self.period_ns) * 1e-9, "1e-6 s to 0.1 s"));
         }
         crate::check::settings(self.machine)?;
+        crate::check::grids(self.machine, self.grids)?;
         let order = AxisOrder::of(self.machine)?;
         let bands = order.settings(self.machine).map(|settings| settings.map_or(0.0, |s| s.hysteresis));
-        let compensation = Compensation::build_in(&order, self.machine, &rows, self.inverse_passes, memory)?;
-        crate::check::reversal(self.machine, &rows)?;
+        let compensation =
+            Compensation::build_in(&order, self.machine, &rows, self.grids, self.inverse_passes, memory)?;
+        let bounds = GridBounds::of(self.grids);
+        crate::check::reversal(self.machine, &rows, &bounds)?;
         let period_s = f64::from(self.period_ns) * 1e-9;
         crate::check::feedback(self.machine, period_s)?;
         let in_a_cycle = |per_s: fn(&AxisSettings) -> f64| {
@@ -75,7 +85,7 @@ impl<'m> Config<'m> {
             libm::sqrt(squares.sum())
         };
         let motion = self.machine.faults.command_jump_factor * in_a_cycle(|axis| axis.max_feed_per_s);
-        let norm = crate::check::jacobian_norm(self.machine, &rows);
+        let norm = crate::check::jacobian_norm(self.machine, &rows, &bounds);
         let changes = [motion, in_a_cycle(|axis| axis.limits.slope_per_s)];
         let tables = Tables::new(compensation.nine_terms(), norm, changes, self.inverse_passes);
         Ok(ServoLoop {
@@ -103,12 +113,14 @@ impl<'m> Config<'m> {
 impl<'a, R: Real, P: Position, const N: usize> ServoLoop<'a, R, P, N> {
     /// The servo loop of a compiled table file at a servo period, in `memory` that is lent to it.
     ///
+    /// Where the machine has grids, their nodes stay where the file's bytes are and are read there in the cycles.
+    ///
     /// `memory` takes at least [`Tcomp::requirement`] scalars; `trueaxis tables show` prints the number. [`Config`] has the
     /// settings that this call chooses: guarded search, as many passes of the inverse as the tables need.
     ///
     /// # Errors
     /// As [`Config::build`].
-    pub fn load(tables: &Tcomp<'_>, period_ns: u32, memory: &'a mut [R]) -> Result<Self, ConfigError> {
+    pub fn load(tables: &Tcomp<'a>, period_ns: u32, memory: &'a mut [R]) -> Result<Self, ConfigError> {
         Config::of(tables, period_ns).build(|axis| tables.table(axis), memory)
     }
 }

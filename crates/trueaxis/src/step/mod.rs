@@ -20,7 +20,7 @@ pub use state::{Output, Stage, State};
 pub use stateless::Conditions;
 
 use crate::compensation::volumetric::Kept;
-use crate::compensation::{Cells, Compensation, Reversal, Tables, ThermalLine};
+use crate::compensation::{Cells, Compensation, NearGrids, Reversal, Tables, ThermalLine};
 use crate::contour::{ContourSearch, PairState};
 use crate::dynamic::{DynamicStage, DynamicState};
 use crate::error::Fault;
@@ -64,6 +64,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             thermal: [ThermalLine::default(); N],
             cells: Cells::none(),
             poses: Kept::nothing(),
+            grids: NearGrids::nowhere(),
             feet: PairState::default(),
             output: OutputState::new(),
             dynamic: DynamicState::new(),

@@ -4,7 +4,7 @@
 
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
-use crate::compensation::{Direction, NineTerms, Query, Reversal, Source};
+use crate::compensation::{Beside, Direction, Grids, NineTerms, Query, Reversal, Source};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -37,6 +37,18 @@ impl<R: Real, const N: usize> Modelled<R, N> {
         }
         modelled
     }
+
+    /// Errors of the tip where the drives stand and at the feedback, beside those that are there.
+    #[inline(always)]
+    fn add(&mut self, [at_drives, at_feedback]: [V3<R>; 2], edge: u8) {
+        for ((wanted, tip), (drive, feedback)) in
+            self.wanted.iter_mut().zip(&mut self.tip_error).zip(at_drives.array().into_iter().zip(at_feedback.array()))
+        {
+            *wanted += -drive;
+            *tip += feedback;
+        }
+        self.at_edge |= edge;
+    }
 }
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
@@ -52,9 +64,31 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             && let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
             && let Some(errors) = state.cells.errors(command, feedback, self.tables.is_cubic())
         {
-            return Modelled::of_errors(errors, state.cells.at_edge());
+            let modelled = Modelled::of_errors(errors, state.cells.at_edge());
+            return match self.compensation.grids() {
+                None => modelled,
+                Some(grids) => self.with_grids(state, sample, grids, modelled),
+            };
         }
         self.model_anew(state, sample, tool)
+    }
+
+    /// Grids beside what the cells of the tables say.
+    #[inline(always)]
+    fn with_grids(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        grids: &Grids<'_, R>,
+        mut modelled: Modelled<R, N>,
+    ) -> Modelled<R, N> {
+        let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
+        else {
+            return modelled;
+        };
+        let ([at_drives, at_feedback], edge) = state.grids.errors(grids, &command, &feedback);
+        modelled.add([at_drives, at_feedback], edge);
+        modelled
     }
 
     /// No drive has turned.
@@ -110,15 +144,31 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             source.fill_one(&mut state.cells, &at, sample.feedback);
             return None;
         }
+        let grids = self.compensation.grids().zip(first(&at)).zip(first(sample.feedback));
+        let about = grids.map(|((grids, command), feedback)| state.grids.about(grids, &command, &feedback));
+        let drives = at;
         let mut errors = source.at_command(&mut state.cells, &at);
         for _ in 1..state.cells.passes() & 15 {
-            for ((at, command), error) in at.iter_mut().zip(sample.command).zip(errors?) {
+            let mut error = errors?;
+            if let Some((steps, _)) = about {
+                // A pass moves the place by far less than what a box may go on beyond a node.
+                let beside = state.grids.of_command().at(since(&at, &drives, steps, P::STEP));
+                for (error, beside) in error.iter_mut().zip(beside.array()) {
+                    *error += beside;
+                }
+            }
+            for ((at, command), error) in at.iter_mut().zip(sample.command).zip(error) {
                 *at = command.moved(P::offset(-error));
             }
             errors = source.at_command(&mut state.cells, &at);
         }
         let tip = source.at_feedback(&mut state.cells, sample.feedback);
-        Some(Modelled::of_errors([errors?, tip?], state.cells.at_edge()))
+        let mut modelled = Modelled::of_errors([errors?, tip?], state.cells.at_edge());
+        if let Some((steps, back)) = about {
+            let at_drives = state.grids.of_command().at(since(&at, &drives, steps, P::STEP));
+            modelled.add([at_drives, state.grids.at_feedback(back)], state.grids.edge());
+        }
+        Some(modelled)
     }
 
     /// Any tables, looked up without cells. `near`: the correction sent last is near enough to look up where it leads.
@@ -136,7 +186,14 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             let drive = &self.place(state, command);
             let cycle = Cycle { command, drive, feedback, directions, thermal };
             let passes = self.compensation.passes();
-            let (wanted, (tip, tilt)) = volumetric.modelled(&mut state.poses, &cycle, passes, tool, &mut at_edge);
+            let grids = self
+                .compensation
+                .grids()
+                .and_then(|grids| Beside::new(grids, &mut state.grids, &first(drive)?, &first(feedback)?));
+            let (wanted, (tip, tilt)) = match &grids {
+                None => volumetric.modelled(&mut state.poses, &cycle, passes, tool, &mut at_edge),
+                Some(grids) => volumetric.modelled_beside(&mut state.poses, &cycle, passes, tool, grids, &mut at_edge),
+            };
             let mut tip_error = [R::ZERO; N];
             for (error, tip) in tip_error.iter_mut().zip(tip.array()) {
                 *error = tip;
@@ -155,8 +212,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let thermal = &state.thermal;
         let (mut tip_error, mut tilt) = ([R::ZERO; N], V3::ZERO);
         match self.compensation.volumetric() {
-            Some(volumetric) if tool => {
-                let pose = volumetric.pose_error(&Query::at(&feedback, directions, thermal), &mut 0);
+            Some(_) if tool => {
+                let pose = self.compensation.pose_error(&Query::at(&feedback, directions, thermal), &mut 0);
                 for (error, tip) in tip_error.iter_mut().zip(pose.tip.into()) {
                     *error = tip;
                 }
@@ -189,6 +246,15 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         }
         directions
     }
+}
+
+/// Steps from the corner of a box after `at` has moved away from `from`, which is `steps` from it.
+#[inline(always)]
+fn since<R: Real, P: Position, const N: usize>(at: &[P; N], from: &[P; N], mut steps: [R; 3], step: f64) -> [R; 3] {
+    for (steps, (at, from)) in steps.iter_mut().zip(at.iter().zip(from)) {
+        *steps += at.since_near::<R>(*from) * R::of(1.0 / step);
+    }
+    steps
 }
 
 /// The first three positions.

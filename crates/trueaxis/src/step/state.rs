@@ -3,7 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use crate::compensation::volumetric::Kept;
-use crate::compensation::{Cells, Reversal, ThermalLine};
+use crate::compensation::{Cells, NearGrids, Reversal, ThermalLine};
 use crate::contour::PairState;
 use crate::dynamic::DynamicState;
 use crate::output::OutputState;
@@ -23,6 +23,8 @@ pub struct State<R, P: Position, const N: usize> {
     pub(super) cells: Cells<R, P>,
     /// Tangents of the volumetric model.
     pub(super) poses: Kept<R, P, N>,
+    /// The machine's grids about command and feedback.
+    pub(super) grids: NearGrids<R, P>,
     pub(super) feet: PairState<R>,
     pub(super) output: OutputState<R, P, N>,
     pub(super) dynamic: DynamicState<R, P, N>,

@@ -63,6 +63,7 @@ pub(super) fn loop_on<R: Real, P: Position>(
 ) -> &'static ServoLoop<'static, R, P, 3> {
     let config = Config {
         machine: Box::leak(Box::new(machine)),
+        grids: &[],
         machine_id: 7,
         tables_crc: 9,
         period_ns: PERIOD_NS,

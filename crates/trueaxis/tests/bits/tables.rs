@@ -39,7 +39,8 @@ pub(crate) fn servo<'m, R: Real, P: Position, const N: usize>(
 ) -> Result<(ServoLoop<'m, R, P, N>, usize), ConfigError> {
     let of = |axis: Axis| tables.iter().find(|(of, _)| *of == axis).map(|(_, rows)| &rows[..]);
     let (machine_id, tables_crc, period_ns) = (1, 1, 1_000_000);
-    let config = Config { machine, machine_id, tables_crc, period_ns, inverse_passes: 8, method: Method::Guarded };
+    let config =
+        Config { machine, grids: &[], machine_id, tables_crc, period_ns, inverse_passes: 8, method: Method::Guarded };
     let requirement = config.requirement(of);
     Ok((config.build(of, vec![R::ZERO; requirement].leak())?, requirement))
 }

@@ -149,6 +149,7 @@ fn three_axes(worst: &mut [usize; 5], model: ErrorModel) {
     let machine = settings(&[Axis::X, Axis::Y, Axis::Z], model);
     let config = Config {
         machine: &machine,
+        grids: &[],
         machine_id: 1,
         tables_crc: 2,
         period_ns: PERIOD_NS,
@@ -224,6 +225,7 @@ fn five_axes(worst: &mut [usize; 2], model: ErrorModel) {
     let machine = settings(&[Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C], model);
     let config = Config {
         machine: &machine,
+        grids: &[],
         machine_id: 1,
         tables_crc: 2,
         period_ns: PERIOD_NS,

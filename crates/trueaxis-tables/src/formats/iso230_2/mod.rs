@@ -128,6 +128,7 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
     }
     let table = super::table(axis, super::only(axis.index()), lines, origin)?;
     Ok(Imported {
+        grids: Vec::new(),
         tables: vec![(axis, table)],
         location: LocationErrors::default(),
         settings: None,

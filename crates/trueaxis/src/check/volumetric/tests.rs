@@ -70,7 +70,7 @@ fn built<T, const N: usize>(
     user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> T,
 ) -> T {
     let mut memory = vec![0.0; requirement(machine, of(tables))];
-    user(&Compensation::build(machine, of(tables), 1, &mut memory).unwrap())
+    user(&Compensation::build(machine, of(tables), &[], 1, &mut memory).unwrap())
 }
 
 /// Travels up to `share` of what the axes reach; slides first, as the step's order is that of [`Axis::ALL`].
@@ -169,7 +169,8 @@ fn steepest<const N: usize>(chains: u64) {
             } else {
                 waves(&mut random, &machine, mm, 6e-6)
             };
-            let bounds: Vec<[f64; 2]> = machine.axes.iter().map(|axis| rates(&machine, &of(&tables), axis)).collect();
+            let bounds: Vec<[f64; 2]> =
+                machine.axes.iter().map(|axis| rates(&machine, &of(&tables), &GridBounds::NONE, axis)).collect();
             built::<_, N>(&machine, &tables, |compensation| {
                 for _ in 0..150 {
                     let q: [f64; N] = place(&mut random, 0.99);
@@ -213,10 +214,13 @@ fn contracts<const N: usize>(chains: u64, orientation: bool) {
         let mut machine = machine_of(&mut random, N - 3);
         machine.compensation.orientation = orientation;
         let tables = waves(&mut random, &machine, 2e-3, 2e-6);
-        let (norm_bound, _) = contraction(&machine, &of(&tables));
-        let weight = bounds(&machine, &of(&tables)).lever * 1f64.to_radians();
-        let ranges: Vec<(f64, f64)> =
-            machine.axes.iter().map(|drive| error_range(&machine, &of(&tables), drive, drive.travel)).collect();
+        let (norm_bound, _) = contraction(&machine, &of(&tables), &GridBounds::NONE);
+        let weight = bounds(&machine, &of(&tables), &GridBounds::NONE).lever * 1f64.to_radians();
+        let ranges: Vec<(f64, f64)> = machine
+            .axes
+            .iter()
+            .map(|drive| error_range(&machine, &of(&tables), &GridBounds::NONE, drive, drive.travel))
+            .collect();
         built::<_, N>(&machine, &tables, |compensation| {
             let volumetric = compensation.volumetric().unwrap();
             for _ in 0..150 {

@@ -4,7 +4,7 @@
 
 use super::Volumetric;
 use super::carriages::Poses;
-use crate::compensation::Query;
+use crate::compensation::{Grids, Query};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -51,8 +51,20 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// get none. An absent slide is not solved for.
     ///
     /// `passes` look-ups from `r = 0`; sines, rotary tables and directions once, unless rotary axes are corrected.
-    #[inline(never)]
+    #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
+        self.correction_with(query, None, passes, clamped)
+    }
+
+    /// [`Volumetric::correction`] with grids beside the tables.
+    #[inline(never)]
+    pub(crate) fn correction_with(
+        &self,
+        query: &Query<'_, R, N>,
+        grids: Option<&Grids<'_, R>>,
+        passes: u8,
+        clamped: &mut u8,
+    ) -> [R; N] {
         let mut twists = [[R::ZERO; 6]; N];
         let mut first = true;
         // At the command everything is looked up; after that, what a correction moves.
@@ -68,7 +80,14 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             }
             first = false;
             let error = self.carried(&query, poses, &twists);
-            (V3::from_glam(error.tip), V3::from_glam(error.orientation))
+            let (mut tip, mut turn) = (V3::from_glam(error.tip), V3::from_glam(error.orientation));
+            if let Some(grids) = grids {
+                let sum = self.of_grids(grids, at);
+                tip += sum.tip;
+                turn += sum.turn;
+                *clamped |= sum.edge;
+            }
+            (tip, turn)
         })
     }
 

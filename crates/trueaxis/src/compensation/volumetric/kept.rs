@@ -4,9 +4,9 @@
 
 use super::Volumetric;
 use super::tangent::{Pose, Tangent};
-use crate::compensation::Query;
 use crate::compensation::reversal::Direction;
 use crate::compensation::thermal::ThermalLine;
+use crate::compensation::{Beside, Query};
 use crate::position::Position;
 use crate::real::Real;
 use crate::vector::V3;
@@ -74,6 +74,44 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
             return (self.solved(first, &steps, cycle, passes, clamped), read(second, &steps_back, tool));
         }
         self.renewed(kept, cycle, passes, tool, clamped)
+    }
+
+    /// [`Volumetric::modelled`] with grids beside the tables.
+    #[inline(never)]
+    pub(crate) fn modelled_beside(
+        &self,
+        kept: &mut Kept<R, P, N>,
+        cycle: &Cycle<'_, R, P, N>,
+        passes: u8,
+        tool: bool,
+        grids: &Beside<'_, R, P>,
+        clamped: &mut u8,
+    ) -> ([R; N], Pose<R>) {
+        let (_, (tip, turn)) = self.modelled(kept, cycle, 1, tool, clamped);
+        *clamped |= grids.edge();
+        let [first, _] = &kept.tangents;
+        let (steps, sent) = (first.steps(cycle.drive).0, sent(cycle));
+        let direction = self.orientation.is_some();
+        let command = self.coordinates(cycle.command);
+        let wanted = self.inverse(&command, sent, passes, |at, correction, poses| {
+            let mut there = steps;
+            let mut moved = [R::ZERO; 3];
+            for ((there, correction), sent) in there.iter_mut().zip(correction).zip(&sent) {
+                *there += (*correction - *sent) * R::of(1.0 / P::STEP);
+            }
+            for ((moved, correction), sent) in moved.iter_mut().zip(correction).zip(&sent) {
+                *moved = *correction - *sent;
+            }
+            let (of_grids, turn) = grids.pose(grids.at_drives(moved), direction, || {
+                let sum = self.swung(grids.grids(), at, poses);
+                *clamped |= sum.edge;
+                sum
+            });
+            (first.tip(&there) + of_grids, first.turn(&there) + turn)
+        });
+        let (of_grids, more) =
+            grids.pose(grids.at_feedback(), tool, || self.of_grids(grids.grids(), &self.coordinates(cycle.feedback)));
+        (wanted, (tip + of_grids, turn + if tool { more } else { V3::ZERO }))
     }
 
     /// [`Volumetric::modelled`] where a position is in neither box.

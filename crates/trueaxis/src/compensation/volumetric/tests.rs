@@ -184,7 +184,7 @@ fn in_its_box_a_tangent_is_the_look_up() {
 
 /// A machine drives about at its highest speed; its limiter follows the wanted correction by `most` a cycle.
 fn drive<const N: usize>(random: &mut Noise, case: &Case, passes: u8, most: f64) -> (f64, f64, usize) {
-    let norm = check::jacobian_norm(&case.machine, |axis| case.rows(axis));
+    let norm = check::jacobian_norm(&case.machine, |axis| case.rows(axis), &check::GridBounds::NONE);
     case.with::<f64, f64, N, _>(|model| {
         let mut kept = Kept::nothing();
         let (mut command, mut sent) = (Case::place::<N>(random).map(|q| q * 0.9), [0.0; N]);

@@ -57,6 +57,7 @@ impl Tables {
     fn servo<R: Real, P: Position>(&self, period_ns: u32) -> &'static ServoLoop<'static, R, P, 3> {
         let config = Config {
             machine: &self.machine,
+            grids: &[],
             machine_id: 0,
             tables_crc: 0,
             period_ns,
@@ -305,7 +306,7 @@ fn at_the_velocity_limit(tables: &Tables, period_ns: u32) -> Inverse {
         axis.hysteresis = 0.1;
     }
     let rows = |axis: Axis| Some(&tables.rows[axis.index()][..]);
-    let norm = crate::check::jacobian_norm(&tables.machine, rows);
+    let norm = crate::check::jacobian_norm(&tables.machine, rows, &crate::check::GridBounds::NONE);
     let servo = tables.servo::<f64, f64>(period_ns);
     let truth = Truth { servo, directions: [Direction::default(); 3], thermal: Default::default() };
     let mut state = servo.start();

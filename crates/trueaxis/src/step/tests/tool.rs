@@ -93,6 +93,7 @@ impl<R: Real, P: Position> Machine<R, P> {
         let rows = |axis: Axis| machine.axes.iter().position(|a| a.axis == axis).map(|i| tables[i].as_slice());
         let config = Config {
             machine,
+            grids: &[],
             machine_id: 1,
             tables_crc: 2,
             period_ns: PERIOD_NS,

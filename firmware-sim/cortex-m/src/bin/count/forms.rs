@@ -69,7 +69,7 @@ pub struct Cycle<'a, R: Real, P: Integer> {
 
 /// A loop on the tables of a file, after a change of its settings.
 pub fn build<R: Real, P: Integer>(
-    file: &Tcomp<'_>,
+    file: &Tcomp<'static>,
     change: impl FnOnce(&mut MachineSettings),
     period_ns: u32,
     arena: &mut Arena,

@@ -1,0 +1,459 @@
+//! Grids over two or three axes: read, rounded, compiled, looked up and imported.
+
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+use trueaxis::compensation::{Compensation, Direction, Query, ThermalLine, requirement};
+use trueaxis::machine::{AXES, Axis, ErrorModel};
+use trueaxis::tcomp::{HEADER_BYTES, Tcomp, TcompError, checksum};
+use trueaxis_tables::collapse::{CollapseOptions, collapse};
+use trueaxis_tables::error::FileError;
+use trueaxis_tables::exact::Geometry;
+use trueaxis_tables::files::Folder;
+use trueaxis_tables::formats::{Format, import, machine_files};
+use trueaxis_tables::{Grid, GridSource, Machine, Warning, check, compile, summary};
+use trueaxis_testing::noise::Noise;
+
+const TOML: &str = "name = \"m\"\nchain = \"w b Y X Z t\"\ntool_mm = [12.0, -7.0, -90.0]\n\
+    [axis.X]\ntravel_mm = [-200.0, 200.0]\n[axis.Y]\ntravel_mm = [-100.0, 100.0]\n[axis.Z]\ntravel_mm = [-150.0, 0.0]\n";
+const GRID: &str = "[[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"grid.csv\"\n";
+const CSV: &str = "X_mm,Y_mm,EZ_um,EX_um\n100,-50,4,1.5\n-100,-50,1,0\n-100,50,2,0\n100,50,3,-0.001\n";
+
+fn folder(toml: &str, csv: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("machine.toml"), toml).unwrap();
+    fs::write(folder.path().join("grid.csv"), csv).unwrap();
+    folder
+}
+
+fn read(toml: &str, csv: &str) -> Result<Machine, FileError> {
+    Machine::read(folder(toml, csv).path())
+}
+
+fn small() -> Machine {
+    read(&format!("{TOML}{GRID}"), CSV).unwrap()
+}
+
+/// Rotations and three axes, free nodes, on a machine of the model and chain.
+fn random(noise: &mut Noise, chain: &str, model: &str, over: &[char], turns: f64) -> Machine {
+    let mut csv: String = over.iter().map(|axis| format!("{axis}_mm,")).collect();
+    csv += "EX_um,EY_um,EZ_um,EA_urad,EB_urad,EC_urad\n";
+    let mut places = vec![String::new()];
+    for _ in over {
+        let nodes: Vec<f64> =
+            (0..4).map(|i| (-180.0 + 120.0 * f64::from(i) + noise.range(-30.0, 30.0)).round()).collect();
+        places = places.iter().flat_map(|at| nodes.iter().map(move |node| format!("{at}{node},"))).collect();
+    }
+    for at in places {
+        let ([x, y, z], [a, b, c]) = (noise.vector(20.0), noise.vector(turns));
+        csv += &format!("{at}{x:.3},{y:.3},{z:.3},{a:.3},{b:.3},{c:.3}\n");
+    }
+    let letters: Vec<String> = over.iter().map(|axis| format!("\"{axis}\"")).collect();
+    let measured: Vec<&str> =
+        ['X', 'Y', 'Z'].iter().map(|axis| if over.contains(axis) { "0" } else { "-40.0" }).collect();
+    let toml = format!(
+        "name = \"m\"\nchain = \"{chain}\"\ntool_mm = [12.0, -7.0, -90.0]\n[compensation]\nmodel = \"{model}\"\n\
+         [[grid]]\naxes = [{}]\ntable = \"grid.csv\"\nmeasured_at_mm = [{}]\n",
+        letters.join(", "),
+        measured.join(", ")
+    );
+    read(&toml, &csv).unwrap()
+}
+
+#[test]
+fn lines_stand_in_any_order() {
+    let machine = small();
+    let source = machine.grids[0].source();
+    assert_eq!(source.nodes, [vec![-100.0, 100.0], vec![-50.0, 50.0], vec![]]);
+    let ez: Vec<f64> = source.values.iter().map(|value| value[2] * 1e3).collect();
+    assert_eq!(ez, [1.0, 2.0, 4.0, 3.0]);
+    assert_eq!(machine.grids[0].data().node([1, 1, 0]).unwrap(), [-1e-6, 0.0, 3e-3, 0.0, 0.0, 0.0]);
+    // What is written is read back as the same machine.
+    let again = TempDir::new().unwrap();
+    for (name, text) in machine_files(&machine, "again") {
+        fs::write(again.path().join(name), text).unwrap();
+    }
+    assert_eq!(Machine::read(again.path()).unwrap(), machine);
+}
+
+#[test]
+fn bad_grids_are_refused_with_their_place() {
+    let refused = |toml: &str, csv: &str| read(&format!("{TOML}{toml}"), csv).unwrap_err().to_string();
+    let line = |csv: &str, place: &str, words: &str| {
+        let error = refused(GRID, csv);
+        assert!(error.contains(place) && error.contains(words), "{error}");
+    };
+    line("X_mm,Y_mm,EZ\n", "grid.csv:1: column EZ:", "needed EZ_um (the unit is part of the name)");
+    line("X_mm,Y_mm,EZ_mm\n", "grid.csv:1: column EZ_mm:", "needed EZ_um");
+    line("X_mm,Y_mm,Z_mm,EZ_um\n", "grid.csv:1: column Z_mm:", "X and Y alone");
+    line("X_mm,EZ_um\n", "grid.csv:1:", "needed a column Y_mm");
+    line("X_mm,Y_mm\n", "grid.csv:1:", "at least one, like EZ_um");
+    line("X_mm,Y_mm,EZ_um,EZ_um\n", "grid.csv:1: column EZ_um:", "every column once");
+    line(&format!("{CSV}100,50,7,0\n"), "grid.csv:6:", "it stands in line 5 already");
+    line(&CSV.replace("100,50,3,-0.001\n", ""), "grid.csv:", "found 3 of 4 nodes, none at X 100, Y 50");
+    line(&CSV.replace("100,50,3", "100.0005,50,3"), "grid.csv:5: column X_mm:", "a node at least 0.001 mm from it");
+    line(&CSV.replace("100,-50,4", "100,-50,1000.1"), "grid.csv:2: column EZ_um:", "-1000 to 1000 um");
+    line(&CSV.replace("100,-50,4", "1e7,-50,4"), "grid.csv:2: column X_mm:", "-1e6 to 1e6 mm");
+    line(&CSV.replace("100,-50,4", "100,-50,x"), "grid.csv:2: column EZ_um:", "a number");
+    line("X_mm,Y_mm,EZ_um\n0,0,1\n0,9,1\n", "grid.csv: column X_mm:", "2 to 1000 nodes");
+    let error = refused(&format!("{GRID}resolution_um = 0.0001\n"), CSV);
+    assert!(
+        error.contains("column EZ_um") && error.contains("up to 4 um") && error.contains("resolution_um"),
+        "{error}"
+    );
+    for (toml, place, words) in [
+        ("[[grid]]\ntable = \"grid.csv\"\n", "machine.toml:11: key grid.axes", "two or three linear axes"),
+        ("[[grid]]\naxes = [\"X\"]\ntable = \"grid.csv\"\n", "machine.toml:11: key grid.axes", "two or three"),
+        ("[[grid]]\naxes = [\"X\", \"C\"]\ntable = \"grid.csv\"\n", "machine.toml:11: key grid.axes", "two or three"),
+        ("[[grid]]\naxes = \"XY\"\ntable = \"grid.csv\"\n", "machine.toml:11: key grid.axes", "a list of axes"),
+        ("[[grid]]\naxes = [\"X\", \"Y\"]\n", "machine.toml:11: key grid.table", "the CSV of the grid"),
+        ("[[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"no.csv\"\n", "machine.toml:12: key grid.table", "no file"),
+        (
+            "[[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"grid.csv\"\nfade = 1\n",
+            "machine.toml:13: key grid.fade",
+            "fade_mm",
+        ),
+        (
+            "[[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"grid.csv\"\nfade_mm = [9, 2]\n",
+            "machine.toml:13: key grid.fade_mm",
+            "above",
+        ),
+        (
+            "[[grid]]\naxes = [\"X\", \"Y\"]\ntable = \"grid.csv\"\nmeasured_at_mm = [1, 0, 0]\n",
+            "machine.toml:13: key grid.measured_at_mm",
+            "0 of an axis",
+        ),
+        (&format!("{}{}{}{}{}", GRID, GRID, GRID, GRID, GRID), "machine.toml:", "at most 4"),
+    ] {
+        let error = refused(toml, CSV);
+        assert!(error.contains(place) && error.contains(words), "{error}");
+    }
+    // Too steep: a millimetre in a millimetre.
+    let steep = "X_mm,Y_mm,EZ_um\n0,0,-400\n0,1,400\n1,0,-400\n1,1,400\n";
+    assert!(refused(GRID, steep).contains("a norm of 0.8"), "{}", refused(GRID, steep));
+}
+
+/// Every stored error is within half of the resolution, whatever it is.
+#[test]
+fn rounding_keeps_its_bound() {
+    let mut noise = Noise::new(3);
+    for case in 0..300 {
+        let size = 10f64.powf(noise.range(-7.0, 0.0));
+        let values = (0..6).map(|_| core::array::from_fn(|k| size * noise.signed() * if k < 3 { 1.0 } else { 1e-2 }));
+        let nodes = [vec![0.0, 7.0], vec![1.0, 2.0, 4.0], vec![]];
+        let source = GridSource { nodes, given: [true; 6], values: values.collect(), ..GridSource::default() };
+        let grid = Grid::new(source.clone()).unwrap();
+        let (data, scales) = (grid.data(), grid.header().scales);
+        for (index, value) in data.indices().zip(&source.values) {
+            let stored = data.node(index).unwrap();
+            for k in 0..6 {
+                assert!((stored[k] - value[k]).abs() <= 0.5000001 * scales[k], "{case} {k}");
+            }
+        }
+        // No coarser than needed: the next finer of 1, 2, 5 would not hold it.
+        for k in 0..6 {
+            let most = source.values.iter().fold(0.0f64, |most, value| most.max(value[k].abs()));
+            let floor = if k < 3 { 1e-6 } else { 1e-9 };
+            assert!(scales[k] <= floor * 1.0000001 || most > scales[k] / 2.5 * 32_767.0 * 0.999_999, "{case} {k}");
+        }
+    }
+}
+
+#[test]
+fn ten_thousand_nodes_are_sixty_thousand_bytes() {
+    let nodes = [(0..100).map(f64::from).collect(), (0..100).map(f64::from).collect(), vec![]];
+    let given = [true, true, true, false, false, false];
+    let values = (0..10_000).map(|i| [1e-6 * f64::from(i % 7), 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
+    let mut machine = small();
+    let without = Machine { grids: Vec::new(), ..machine.clone() };
+    machine.grids = vec![Grid::new(GridSource { nodes, given, values, ..GridSource::default() }).unwrap()];
+    let bytes = compile(&machine).unwrap();
+    assert_eq!(machine.grids[0].data().size(), 60_000);
+    let table = Machine { grids: vec![small().grids[0].clone()], ..without };
+    let smallest = compile(&table).unwrap().len() - small().grids[0].data().size();
+    assert!(bytes.len() - smallest == 60_000 && bytes.len() - 60_000 < 1500, "{}", bytes.len());
+    let file = Tcomp::parse(&bytes).unwrap();
+    assert_eq!((file.requirement(), file.grids().len()), (0, 1));
+}
+
+#[test]
+fn a_compiled_grid_comes_back_and_no_damage_passes() {
+    let machine = small();
+    let good = compile(&machine).unwrap();
+    assert_eq!(good[8..10], [5, 0]);
+    let file = Tcomp::parse(&good).unwrap();
+    assert_eq!(compile(&Machine::from_tcomp(&file)).unwrap(), good);
+    let mut bytes = good.clone();
+    for place in 0..bytes.len() {
+        for bit in 0..8 {
+            bytes[place] ^= 1 << bit;
+            assert!(Tcomp::parse(&bytes).is_err(), "{place} {bit}");
+            bytes[place] ^= 1 << bit;
+        }
+    }
+    for length in 0..good.len() {
+        assert!(Tcomp::parse(&good[..length]).is_err(), "{length}");
+    }
+    // With a sum that fits: the number of grids, a grid cut short or with something behind, nonsense in its header.
+    let payload = &good[HEADER_BYTES..good.len() - 4];
+    let forged = |payload: &[u8]| {
+        let mut bytes = good[..14].to_vec();
+        bytes.extend((payload.len() as u32).to_le_bytes());
+        bytes.extend(payload);
+        bytes.extend(checksum(&bytes).to_le_bytes());
+        Tcomp::parse(&bytes).map(|_| ()).err()
+    };
+    assert_eq!(forged(payload), None);
+    let grids = payload.len() - 1 - postcard::to_stdvec(machine.grids[0].header()).unwrap().len() - 16;
+    let with_count = |count: u8| [&payload[..grids], &[count], &payload[grids + 1..]].concat();
+    assert_eq!(forged(&with_count(0)), Some(TcompError::GridHeader));
+    assert_eq!(forged(&with_count(2)), Some(TcompError::GridHeader));
+    assert_eq!(forged(&payload[..payload.len() - 1]), Some(TcompError::GridTooLong));
+    assert_eq!(forged(&payload[..grids]), Some(TcompError::GridHeader));
+    assert_eq!(forged(&[payload, &[0]].concat()), Some(TcompError::PayloadTooLong));
+    let five: Vec<u8> = payload[grids + 1..].repeat(5);
+    assert_eq!(forged(&[&payload[..grids], &[5], &five].concat()), Some(TcompError::GridHeader));
+    for place in grids + 1..payload.len() {
+        for value in [0, 1, 0x7f, 0x80, 0xff] {
+            let mut other = payload.to_vec();
+            other[place] = value;
+            if forged(&other).is_none() {
+                // Accepted is only what a grid may be.
+                let mut bytes = good[..14].to_vec();
+                bytes.extend((other.len() as u32).to_le_bytes());
+                bytes.extend(&other);
+                bytes.extend(checksum(&bytes).to_le_bytes());
+                let file = Tcomp::parse(&bytes).unwrap();
+                assert!(trueaxis::check::grids(file.settings(), file.grids()).is_ok(), "{place} {value}");
+            }
+        }
+    }
+    // Without a grid nothing has changed: version 4.
+    let table =
+        Machine::read(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/mill-3axis"))).unwrap();
+    assert_eq!(compile(&table).unwrap()[8..10], [4, 0]);
+}
+
+/// Error of the tip by the step's model.
+fn modelled<const N: usize>(machine: &Machine, position: [f64; N]) -> ([f64; N], [f64; 3], [f64; 3]) {
+    let rows = |axis: Axis| machine.rows(axis);
+    let mut memory = vec![0.0; requirement(&machine.settings, rows)];
+    let grids = machine.grids();
+    let passes = trueaxis::check::machine(&machine.settings, rows, &grids).unwrap();
+    let model = Compensation::<f64, f64, N>::build(&machine.settings, rows, &grids, passes, &mut memory).unwrap();
+    let (directions, thermal) = ([Direction::POSITIVE; N], [ThermalLine::default(); N]);
+    let at = model.coordinates(&position);
+    let query = Query::at(&at, &directions, &thermal);
+    let pose = model.pose_error(&query, &mut 0);
+    (model.correction(&query, &mut 0), pose.tip.into(), pose.orientation.into())
+}
+
+fn all<const N: usize>(position: [f64; N]) -> [f64; AXES] {
+    let mut all = [0.0; AXES];
+    all[..N].copy_from_slice(&position);
+    all
+}
+
+/// The core's look-up of rounded nodes against the plant's of the given ones, translations alone.
+#[test]
+fn the_nine_terms_and_the_plant_agree_on_a_grid() {
+    let mut noise = Noise::new(5);
+    for over in [&['X', 'Y'][..], &['X', 'Z'], &['Y', 'Z'], &['X', 'Y', 'Z']] {
+        for chain in ["w b Y X Z t", "w X' Y' b Z t", "w X' b Y Z t"] {
+            let machine = random(&mut noise, chain, "nine", over, 0.0);
+            let geometry = Geometry::new(&machine, 0.0).unwrap();
+            for _ in 0..200 {
+                let at = noise.vector(250.0);
+                let (_, tip, _) = modelled::<3>(&machine, at);
+                let exact = geometry.tip_error(&all(at), &[0.0; AXES]);
+                for k in 0..3 {
+                    // Three decimals of µm are held as they are.
+                    assert!((tip[k] - exact[k]).abs() < 1e-12, "{chain} {over:?} {at:?}: {tip:?} {exact:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Rotations, with their levers on slides and on a head, to first order: the products of transforms differ by |w|² times the lever.
+#[test]
+fn the_volumetric_rotations_are_those_of_the_transforms() {
+    let mut noise = Noise::new(6);
+    let urad = 10.0;
+    for over in [&['X', 'Y'][..], &['X', 'Z'], &['X', 'Y', 'Z']] {
+        for chain in ["w b Y X Z t", "w X' Y' b Z t"] {
+            check_rotations::<3>(&random(&mut noise, chain, "volumetric", over, urad), &mut noise);
+        }
+        for chain in ["w C' A' Y' b X Z t", "w X' b Y Z C A t", "w C' b X Y Z A t"] {
+            let mut machine = random(&mut noise, chain, "volumetric", over, urad);
+            machine.settings.axes[3].offset_mm = [3.0, 40.0, -20.0];
+            machine.settings.axes[4].offset_mm = [-5.0, 0.0, 30.0];
+            check_rotations::<5>(&machine, &mut noise);
+        }
+    }
+}
+
+fn check_rotations<const N: usize>(machine: &Machine, noise: &mut Noise) {
+    assert_eq!(machine.settings.compensation.model, ErrorModel::Volumetric);
+    let geometry = Geometry::new(machine, 0.0).unwrap();
+    for _ in 0..100 {
+        let at: [f64; N] = core::array::from_fn(|k| noise.range(-200.0, 200.0) * if k < 3 { 1.0 } else { 0.4 });
+        let (correction, tip, turn) = modelled::<N>(machine, at);
+        let exact = geometry.pose_error(&all(at), &[0.0; AXES]);
+        for k in 0..3 {
+            let chain = &machine.settings.chain;
+            assert!((tip[k] - exact.tip_mm[k]).abs() < 2e-7, "{chain} {at:?}: {tip:?} {:?}", exact.tip_mm);
+            assert!((turn[k] - exact.orientation[k]).abs() < 1e-9, "{chain} {at:?}: {turn:?} {:?}", exact.orientation);
+        }
+        // Corrected, the tip is where it was commanded.
+        let sent: [f64; N] = core::array::from_fn(|k| at[k] + correction[k]);
+        let (ideal, actual) = (geometry.ideal_pose(&all(at)), geometry.actual_pose(&all(sent), &[0.0; AXES]));
+        let left: f64 = (0..3).map(|k| (ideal.tip_mm[k] - actual.tip_mm[k]).powi(2)).sum::<f64>().sqrt();
+        assert!(left < 1.5e-6, "{left}");
+    }
+}
+
+#[test]
+fn the_sample_router_is_described_and_warned_of() {
+    let router =
+        Machine::read(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/router"))).unwrap();
+    let bytes = compile(&router).unwrap();
+    let summary = summary(&Tcomp::parse(&bytes).unwrap());
+    let [rail, surface] = &summary.grids[..] else { panic!("{summary:?}") };
+    assert_eq!((rail.nodes, rail.bytes, rail.axes[1].nodes), (17 * 13, 17 * 13 * 6, 13));
+    assert_eq!(
+        (surface.bytes, surface.fade_mm, &surface.errors[0].name[..]),
+        (11 * 9 * 2, Some([-210.0, -150.0]), "EZ")
+    );
+    let text = summary.to_string();
+    assert!(text.contains("Grid over X Y   17 × 13 nodes, 1.3 KiB in flash"), "{text}");
+    assert!(text.contains("fades      from Z -210 to nothing at Z -150 mm"), "{text}");
+    let warnings = check(&router, 1000.0);
+    let steps = |w: &&Warning| matches!(w, Warning::GridVelocitySteps { grid: 0, component: 2, .. });
+    assert!(warnings.iter().any(|w| steps(&w)), "{warnings:?}");
+}
+
+/// 1, 2, 4, 3 µm: along X the slope of EZ is 3/200 and 1/200 mm/m, along Y 1/100 and −1/100.
+#[test]
+fn slopes_of_a_grid_are_in_the_rates() {
+    let machine = small();
+    let rates = trueaxis_tables::rates(&machine, Some(100.0));
+    let z = rates.iter().find(|drive| drive.axis == Axis::Z).unwrap();
+    assert!((z.rate - 100.0 * (3e-3 / 200.0 + 1e-3 / 100.0)).abs() < 1e-9, "{z:?}");
+    assert_eq!(z.acceleration, None);
+}
+
+const MESH: &str = "[bed_mesh]\nspeed: 100\nfade_start: 0.5\nfade_end = 8 # mm\n\n[printer]\nkinematics: cartesian\n\
+#*# <---------------------- SAVE_CONFIG ---------------------->\n#*# [bed_mesh default]\n#*# version = 1\n#*# points =\n\
+#*# \t  0.100000, 0.000000, -0.050000\n#*# \t  0.200000, 0.030000, 0.000000\n#*# x_count = 3\n#*# y_count = 2\n\
+#*# mesh_x_pps = 2\n#*# algo = lagrange\n#*# tension = 0.2\n#*# min_x = 20.0\n#*# max_x = 220.0\n#*# min_y = 30.0\n#*# max_y = 130.0\n";
+
+fn mesh(text: &str) -> Result<trueaxis_tables::formats::Imported, FileError> {
+    import(Format::BedMesh, text, Path::new("printer.cfg"), None)
+}
+
+/// Where the bed is high the nozzle is low above it: EZ = −height, and the correction lifts it.
+#[test]
+fn a_bed_mesh_becomes_a_surface() {
+    let imported = mesh(MESH).unwrap();
+    let source = imported.grids[0].source();
+    assert_eq!(source.nodes, [vec![20.0, 120.0, 220.0], vec![30.0, 130.0], vec![]]);
+    let ez: Vec<f64> = source.values.iter().map(|value| value[2]).collect();
+    assert_eq!(ez, [-0.1, -0.2, 0.0, -0.03, 0.05, 0.0]);
+    assert_eq!(source.fade_mm, Some([0.5, 8.0]));
+    // A machine of its own.
+    let alone = TempDir::new().unwrap();
+    for (name, text) in imported.machine_files("printer") {
+        fs::write(alone.path().join(name), text).unwrap();
+    }
+    let machine = Machine::read(alone.path()).unwrap();
+    let (correction, ..) = modelled::<3>(&machine, [20.0, 130.0, 0.0]);
+    assert!((correction[2] - 0.2).abs() < 1e-5, "{correction:?}");
+    // Into one that is there: added once, and never over another.
+    let there = folder(&format!("# mine\n{TOML}"), CSV);
+    let standing = Folder::new(there.path());
+    assert!(Machine::read(there.path()).is_err(), "no table yet");
+    let edited = imported.edit(&standing, Path::new("machine.toml")).unwrap();
+    // grid.csv is there already, although nobody names it.
+    assert_eq!(edited.files[0].0, Path::new("grid-2.csv"));
+    for (name, text) in &edited.files {
+        fs::write(there.path().join(name), text).unwrap();
+    }
+    let text = fs::read_to_string(there.path().join("machine.toml")).unwrap();
+    assert!(text.starts_with("# mine\n") && text.contains("[[grid]]\naxes = [\"X\", \"Y\"]\n"), "{text}");
+    assert_eq!(Machine::read(there.path()).unwrap().grids[0].source(), source);
+    let error = imported.edit(&Folder::new(there.path()), Path::new("machine.toml")).unwrap_err();
+    assert!(error.to_string().contains("take the old one out"), "{error}");
+}
+
+#[test]
+fn damaged_meshes_are_refused_with_their_line() {
+    for (from, to, place, words) in [
+        ("[bed_mesh default]", "[probe]", "printer.cfg:", "no [bed_mesh NAME]"),
+        ("x_count = 3", "x_count = 4", "printer.cfg:12: column points", "4, as x_count says"),
+        ("y_count = 2", "y_count = 3", "printer.cfg:11: column points", "3, as y_count says"),
+        ("x_count = 3", "x_count = 2.5", "printer.cfg:14: column x_count", "a whole number"),
+        ("x_count = 3", "x_count = 1e9", "printer.cfg:14: column x_count", "a whole number"),
+        ("0.030000", "soft", "printer.cfg:13: column points", "a number"),
+        ("0.030000", "30.0", "printer.cfg:13: column points", "-1000 to 1000 um"),
+        ("max_x = 220.0", "max_x = 20.0", "printer.cfg:20: column max_x", "more than min_x"),
+        ("#*# min_y = 30.0\n", "", "printer.cfg:9: column min_y", "a number in the section"),
+        ("fade_end = 8", "fade_end = 0.2", "printer.cfg:4: column fade_end", "more than fade_start"),
+    ] {
+        assert!(MESH.contains(from));
+        let error = mesh(&MESH.replace(from, to)).unwrap_err().to_string();
+        assert!(error.contains(place) && error.contains(words), "{error}");
+    }
+    for end in 0..MESH.len() {
+        let _ = mesh(&MESH[..end]);
+    }
+}
+
+#[test]
+fn a_grid_csv_is_imported() {
+    let imported = import(Format::Grid, CSV, Path::new("g.csv"), None).unwrap();
+    assert_eq!(imported.grids[0].source(), small().grids[0].source());
+    let error = import(Format::Grid, "X_mm,EX_um\n0,1\n", Path::new("g.csv"), None).unwrap_err();
+    assert!(error.to_string().contains("two or three of X_mm Y_mm Z_mm"), "{error}");
+}
+
+#[test]
+fn a_collapse_tells_whether_a_grid_is_needed() {
+    let pitch = |tail: &str| {
+        let folder = folder(
+            &format!(
+                "{}[axis.X]\ntable = \"x.csv\"\ntravel_mm = [-200, 200]\n{tail}",
+                &TOML[..TOML.find("[axis.X]").unwrap()]
+            ),
+            CSV,
+        );
+        fs::write(folder.path().join("x.csv"), "X_mm,EBX_urad,EXX_um\n-200,-200,1\n200,200,3\n").unwrap();
+        let rest = "[axis.Y]\ntravel_mm = [-100, 100]\n[axis.Z]\ntravel_mm = [0, 300]\n";
+        let text = fs::read_to_string(folder.path().join("machine.toml")).unwrap();
+        fs::write(folder.path().join("machine.toml"), format!("{text}{rest}")).unwrap();
+        Machine::read(folder.path()).unwrap()
+    };
+    let machine = pitch("");
+    let collapsed = collapse(&machine, &CollapseOptions::default()).unwrap();
+    let grid = collapsed.grid.unwrap();
+    // k x z is bilinear: the grid holds it but for rounding.
+    assert!(grid.needed && grid.left.max_mm < 0.02 * collapsed.after.max_mm, "{grid:?} {:?}", collapsed.after);
+    assert_eq!((grid.nodes, grid.bytes), ([5, 5, 5], 750));
+    let options = CollapseOptions { grid: Some([2, 0, 2]), ..CollapseOptions::default() };
+    assert_eq!(collapse(&machine, &options).unwrap().grid.map(|grid| (grid.bytes, grid.needed)), Some((24, true)));
+    let options = CollapseOptions { grid: Some([2, 0, 0]), ..CollapseOptions::default() };
+    assert_eq!(collapse(&machine, &options).unwrap().grid, None);
+    // Tables alone are enough for what they hold.
+    let mut straight = machine.clone();
+    straight.tables.iter_mut().flatten().flat_map(|table| &mut table.rows).for_each(|row| {
+        row.forward[4] = 0.0;
+        row.reverse[4] = 0.0;
+    });
+    assert!(!collapse(&straight, &CollapseOptions::default()).unwrap().grid.unwrap().needed);
+    // A machine's own grid stays, and what it holds is not fitted twice.
+    let mut with = straight;
+    with.grids = small().grids;
+    let collapsed = collapse(&with, &CollapseOptions::default()).unwrap();
+    assert_eq!(collapsed.machine.grids, with.grids);
+    assert!(collapsed.after.max_mm < 1e-7, "{:?}", collapsed.after);
+}
