@@ -8,7 +8,7 @@ use trueaxis_sim::program::{Program, ReadOptions, Source};
 
 #[derive(Args)]
 pub(crate) struct ProgramArgs {
-    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis, short-tour.
+    /// Program: a G-code file, or circle-diamond-square, butterfly, pocket-3d, cone-5axis, s-shape, short-tour.
     #[arg(long = "program", value_name = "P.ngc", default_value = "circle-diamond-square")]
     pub(crate) file: PathBuf,
     /// Tool table in LinuxCNC's form, for G43 [default: tools without length].

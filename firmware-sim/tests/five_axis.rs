@@ -228,6 +228,21 @@ fn a_cone_on_five_axes_is_left_with_what_the_servo_leaves() {
     assert!(rms(&nine, "contour_error_um", "compensated") > 2.0 * rms(&tip, "contour_error_um", "compensated"));
 }
 
+/// The S turns its flank over: A reverses, C sweeps 220 degrees. Every tool direction of the committed program is as long as its ruling
+/// says, and the compensated machine is left with what the servo leaves.
+#[test]
+fn an_s_shape_on_five_axes_is_left_with_what_the_servo_leaves() {
+    let run =
+        json(&["run", "--json", "--machine", "mill-5axis", "--program", "s-shape", "--rate-hz=2000", "--orientation"]);
+    let rms = |what: &str, which: &str| run[what][which]["rms"].as_f64().unwrap();
+    for (what, slack) in [("contour_error_um", 0.1), ("orientation_error_urad", 1.0)] {
+        let [before, after, servo] = ["uncompensated", "compensated", "servo_only"].map(|which| rms(what, which));
+        assert!(after < 0.3 * before, "{what}: {before} to {after}");
+        assert!(after < 1.2 * servo + slack, "{what}: {after}, servo {servo}");
+    }
+    assert_eq!(run["faults"], Value::Array(vec![]));
+}
+
 #[test]
 fn faults_of_rotary_axes_are_reported_and_what_cannot_run_is_refused() {
     let run = json(&[&CONE[..], &["--fault", "dropout:C@3s+2", "--fault", "nan-command:A@6s+1"]].concat());

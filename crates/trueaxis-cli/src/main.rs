@@ -10,6 +10,7 @@ mod contour;
 mod correct;
 mod csv_in;
 mod desk;
+mod evaluate;
 mod friction;
 mod helicoid;
 mod identify;
@@ -66,6 +67,9 @@ enum Command {
     /// Circular test after ISO 230-4, and what causes its deviation.
     #[command(after_help = ballbar::HELP)]
     Ballbar(ballbar::Arguments),
+    /// Records of tests with instruments, after ISO 230 and ISO 10791.
+    #[command(subcommand)]
+    Evaluate(evaluate::Command),
     /// Axis positions to tool and back: five-axis transformation.
     #[command(subcommand)]
     Kinematics(kinematics::Command),
@@ -99,6 +103,7 @@ fn main() -> ExitCode {
         Command::ProbeAngles(arguments) => probe_angles::run(&arguments),
         Command::Circle(arguments) => circle::run(&arguments),
         Command::Ballbar(arguments) => ballbar::run(&arguments),
+        Command::Evaluate(command) => evaluate::run(command),
         Command::Kinematics(command) => kinematics::run(command),
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),

@@ -6,6 +6,10 @@
 //! - [`friction`]: friction of an axis and the figures of its drive from recorded circles.
 //! - [`accuracy`]: accuracy and repeatability of positioning after ISO 230-2.
 //! - [`ballbar`]: a circular test after ISO 230-4, and its causes apart.
+//! - [`diagonal`]: diagonal and step-diagonal tests after ISO 230-6, squareness and scales.
+//! - [`drift`]: ranges of a drift over stated periods (ISO 230-3); [`sphere`]: the least-squares sphere.
+//! - [`linear_fit`]: least squares with rank and what cannot be told apart.
+//! - [`volumetric`]: the 21 errors of three axes from points measured all over the volume.
 //! - [`learning`]: a correction over path length, learned from part to part.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
 //! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a
@@ -22,6 +26,10 @@ pub mod accuracy;
 pub mod ballbar;
 #[cfg(feature = "std")]
 pub mod circles;
+#[cfg(feature = "std")]
+pub mod diagonal;
+#[cfg(feature = "std")]
+pub mod drift;
 pub mod error;
 #[cfg(feature = "std")]
 pub mod friction;
@@ -30,11 +38,17 @@ pub mod identification;
 #[cfg(feature = "std")]
 pub mod learning;
 #[cfg(feature = "std")]
+pub mod linear_fit;
+#[cfg(feature = "std")]
 pub mod pair_search;
 #[cfg(feature = "separation")]
 pub mod separation;
 #[cfg(feature = "std")]
+pub mod sphere;
+#[cfg(feature = "std")]
 pub mod spindle;
+#[cfg(feature = "std")]
+pub mod volumetric;
 
 /// The README's example.
 #[cfg(all(doctest, feature = "std"))]

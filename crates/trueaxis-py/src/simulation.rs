@@ -31,7 +31,7 @@ pub(crate) struct Program {
 impl Program {
     /// Names of the shipped programs.
     #[classattr]
-    const SHIPPED: [&'static str; 5] = BUILTIN_NAMES;
+    const SHIPPED: [&'static str; 6] = BUILTIN_NAMES;
 
     /// Reads a G-code file, or a shipped program by its name: `--program` of `firmware-sim run`.
     ///

@@ -8,6 +8,7 @@ pub mod friction;
 pub mod gcode;
 pub mod identify;
 pub mod import;
+pub mod instruments;
 pub mod learn;
 pub mod machine;
 pub mod path;
@@ -41,6 +42,7 @@ macro_rules! for_each_target {
             desk: $crate::targets::desk::TARGET,
             friction: $crate::targets::friction::TARGET,
             identify: $crate::targets::identify::TARGET,
+            instruments: $crate::targets::instruments::TARGET,
             learn: $crate::targets::learn::TARGET,
             positions: $crate::targets::positions::TARGET,
             probes: $crate::targets::probes::TARGET,

@@ -2,6 +2,7 @@
 
 pub(crate) mod ballbar;
 pub(crate) mod circle;
+pub(crate) mod evaluate;
 pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;

@@ -1,14 +1,10 @@
 //! Contribution of the linear axes to the ball's deviation, predicted by a machine's tables.
 
 use super::Readings;
-use crate::by_axes;
-use crate::model::with_compensation;
-use anyhow::{Result, anyhow};
+use crate::response::tip_errors;
+use anyhow::Result;
 use trueaxis::Axis;
-use trueaxis::compensation::Query;
-use trueaxis::compensation::{Compensation, Direction, ThermalLine};
-use trueaxis::machine::ErrorModel;
-use trueaxis::machine::{AxisOrder, carries_workpiece};
+use trueaxis::machine::{AXES, carries_workpiece};
 use trueaxis_metrology::identification::{Ball, lever};
 use trueaxis_tables::Machine;
 
@@ -26,7 +22,6 @@ pub(super) fn remove(
 ) -> Result<bool> {
     let on_workpiece = carries_workpiece(&machine.settings.chain, axis);
     let mut known = machine.clone();
-    known.settings.compensation.model = ErrorModel::Volumetric;
     known.settings.location.rotary = Default::default();
     for (settings, table) in known.settings.axes.iter_mut().zip(&mut known.tables) {
         settings.backlash = 0.0;
@@ -49,8 +44,17 @@ pub(super) fn remove(
             let arm = arm(ball, angle_deg);
             std::array::from_fn(|i| start_mm[i] + sense * (arm[i] - origin[i]))
         };
-        let poses: Vec<([f64; 3], f64)> = readings.angles_deg.iter().map(|&angle| (stands(angle), angle)).collect();
-        let (errors, clamped) = by_axes!(known.settings.step_axes().count(), tip_errors(&known, axis, &poses))?;
+        let places: Vec<[f64; AXES]> = readings
+            .angles_deg
+            .iter()
+            .map(|&angle| {
+                let [x, y, z] = stands(angle);
+                let mut place = [x, y, z, 0.0, 0.0, 0.0];
+                place[axis.index()] = angle;
+                place
+            })
+            .collect();
+        let (errors, clamped) = tip_errors(&known, &places)?;
         beyond |= clamped;
         for (deviations, error) in readings.deviations_mm.iter_mut().zip(errors) {
             if let Some(deviation) = deviations.get_mut(s) {
@@ -59,28 +63,4 @@ pub(super) fn remove(
         }
     }
     Ok(beyond)
-}
-
-/// Tip errors at poses of X, Y, Z and the turning axis, mm; whether an edge value was clamped.
-fn tip_errors<const N: usize>(
-    machine: &Machine,
-    axis: Axis,
-    poses: &[([f64; 3], f64)],
-) -> Result<(Vec<[f64; 3]>, bool)> {
-    let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
-    with_compensation::<N, _>(machine, 1, |compensation: &Compensation<'_, f64, f64, N>| {
-        let mut clamped = 0;
-        let errors = poses.iter().map(|(position, angle)| {
-            let command: [f64; N] = axes.map(|of| match of {
-                of if of == axis => *angle,
-                of => position.get(of.index()).copied().unwrap_or(0.0),
-            });
-            let at = compensation.coordinates(&command);
-            let error = compensation
-                .errors(&Query::at(&at, &[Direction::POSITIVE; N], &[ThermalLine::default(); N]), &mut clamped);
-            [error[0], error[1], error[2]]
-        });
-        let errors = errors.collect();
-        Ok((errors, clamped != 0))
-    })
 }

@@ -3,7 +3,8 @@
 use super::{Program, ProgramError};
 
 /// Names for [`Program::builtin`], the default one first.
-pub const BUILTIN_NAMES: [&str; 5] = ["circle-diamond-square", "butterfly", "pocket-3d", "cone-5axis", "short-tour"];
+pub const BUILTIN_NAMES: [&str; 6] =
+    ["circle-diamond-square", "butterfly", "pocket-3d", "cone-5axis", "s-shape", "short-tour"];
 
 impl Program {
     /// What a shipped program does, in a line; `None` if there is none of that name.
@@ -15,6 +16,9 @@ impl Program {
             "butterfly" => "the butterfly of Hu et al. 2023, a rational spline of 51 control points",
             "pocket-3d" => "a small pocket in space with a helical entry",
             "cone-5axis" => "a tilted cone frustum in the manner of NAS 979 (ISO 10791-7), flank-milled on five axes",
+            "s-shape" => {
+                "an S-shaped flank in the manner of ISO 10791-7:2020 (its control points are ours), flank-milled on five axes"
+            }
             "short-tour" => {
                 "lines with corners and reversals, arcs, a helix, a spline and a rapid in some fifteen seconds"
             }
@@ -29,6 +33,7 @@ impl Program {
             "butterfly" => include_str!("../../programs/butterfly.ngc"),
             "pocket-3d" => include_str!("../../programs/pocket-3d.ngc"),
             "cone-5axis" => include_str!("../../programs/cone-5axis.ngc"),
+            "s-shape" => include_str!("../../programs/s-shape.ngc"),
             "short-tour" => include_str!("../../programs/short-tour.ngc"),
             _ => return None,
         })

@@ -1,0 +1,65 @@
+//! Tables and location errors that an evaluation found, written into a machine.
+
+use crate::model;
+use crate::output::tell;
+use anyhow::{Result, bail};
+use std::path::{Path, PathBuf};
+use trueaxis_tables::files::Folder;
+use trueaxis_tables::formats::Imported;
+use trueaxis_tables::output::Outputs;
+
+/// Stages `machine` with what was found in it, in `output`: its own folder, or another one that has no machine.toml yet, which
+/// gets all of its files. What is there already stays: other settings, their order, comments. Returns what to tell when it is written.
+pub(super) fn write(outputs: &mut Outputs, machine: &Path, output: &Path, found: &Imported) -> Result<Vec<String>> {
+    let (folder, name) = Folder::of_machine(machine);
+    if machine.extension().is_some_and(|extension| extension == "tcomp") {
+        bail!("--machine: found {}, needed a machine.toml or its folder where one is written", machine.display());
+    }
+    let own = if machine.is_dir() { machine.to_path_buf() } else { machine.parent().unwrap_or(Path::new("")).into() };
+    let own = if own.as_os_str().is_empty() { PathBuf::from(".") } else { own };
+    let same = matches!((own.canonicalize(), output.canonicalize()), (Ok(own), Ok(output)) if own == output);
+    if !same && output.join("machine.toml").exists() {
+        bail!(
+            "--output: found a machine in {}, needed the folder of --machine or one without a machine",
+            output.display()
+        );
+    }
+    let edited = found.edit(&folder, &name)?;
+    let mut notes = edited.notes;
+    if !same {
+        outputs.folder(output)?;
+        for file in model::files(machine) {
+            let of = file.strip_prefix(&own).unwrap_or(&file);
+            if edited.files.iter().any(|(changed, _)| changed == of) {
+                continue;
+            }
+            let target = if of == name { Path::new("machine.toml") } else { of };
+            outputs.put(&output.join(target), &std::fs::read(&file)?)?;
+        }
+    }
+    for (file, text) in &edited.files {
+        let target = if !same && *file == name { Path::new("machine.toml") } else { file.as_path() };
+        outputs.put(&output.join(target), text.as_bytes())?;
+        notes.push(format!("written {}", output.join(target).display()));
+    }
+    Ok(notes)
+}
+
+/// Tells what was written.
+pub(super) fn tell_written(notes: &[String]) {
+    notes.iter().for_each(tell);
+}
+
+/// Stages a whole machine in a folder that has none yet. Returns what to tell when it is written.
+pub(super) fn whole(outputs: &mut Outputs, output: &Path, files: &[(String, String)]) -> Result<Vec<String>> {
+    if output.join("machine.toml").exists() {
+        bail!("--output: found a machine in {}, needed a folder without one", output.display());
+    }
+    outputs.folder(output)?;
+    let mut notes = Vec::new();
+    for (name, text) in files {
+        outputs.put(&output.join(name), text.as_bytes())?;
+        notes.push(format!("written {}", output.join(name).display()));
+    }
+    Ok(notes)
+}

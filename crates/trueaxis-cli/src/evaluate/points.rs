@@ -1,0 +1,129 @@
+//! `trueaxis evaluate points`.
+
+use crate::output::{json, print};
+use crate::{csv_in, model, report};
+use anyhow::{Result, bail};
+use clap::Args;
+use std::fmt::Write;
+use std::path::PathBuf;
+use trueaxis_evaluation::points::{COLUMNS, Document, Left, Options, Points, identify};
+use trueaxis_report::number::significant;
+use trueaxis_tables::formats::machine_files;
+use trueaxis_tables::output::Outputs;
+
+pub(crate) const HELP: &str = "\
+POINTS.csv: x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm[,u_um][,tool_x_mm,tool_y_mm,tool_z_mm], one row a point: the
+commanded position, the coordinates that a tracker, tracer or several of them found (instrument on the workpiece's side, in the
+machine's directions, within 2 mm), their standard uncertainty, and the reflector's offset from the last tool-side frame where
+it differs from the machine's tool_mm. Rotary axes stand at zero; points are approached in positive travel.
+
+One least-squares fit finds the 21 errors of X, Y, Z over nodes (the levels of the points, up to 41; else 11) together with where the
+instrument stands. A constant of an error and the slope of a straightness cannot be told from that: every error is zero at machine
+zero (or the nearest end), straightnesses have no slope, squareness stands apart. A rotation that these points see only as a
+translation of its own axis is left at zero and named: a second reflector offset shows it. Points that leave more than that open are
+refused with the names of what they cannot tell apart; --without leaves an angular error out. Second differences of the tables
+are held at zero with a thousandth of a reading's weight, which binds nodes without points and moves no other.
+One point in ten is held out of a first fit; what that leaves of them is the figure to trust.
+
+-o writes the machine of --machine with these tables and squarenesses, model volumetric, into a folder of its own:
+  trueaxis compensate MACHINE_DIR positions.csv --model volumetric
+gives the measured errors back, the instrument's placement taken out.
+
+Example: trueaxis evaluate points tracer.csv --machine mill -o mill-measured --report out";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Measured points.
+    #[arg(value_name = "POINTS.csv")]
+    points: PathBuf,
+    /// Machine whose chain, offsets, tool and `measured_at_mm` are taken.
+    #[arg(long, value_name = "M")]
+    machine: PathBuf,
+    /// Folder that the machine with the errors is written into.
+    #[arg(short, long, value_name = "MACHINE_DIR")]
+    output: Option<PathBuf>,
+    /// Nodes of the tables of X, Y, Z, evenly spaced [default: the levels of the points, else 11].
+    #[arg(long, value_name = "NX,NY,NZ", value_delimiter = ',', num_args = 3)]
+    nodes: Option<Vec<usize>>,
+    /// Angular errors left at zero.
+    #[arg(long, value_name = "EBX,…", value_delimiter = ',')]
+    without: Vec<String>,
+    /// One JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write points.html with plots into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let nodes = match arguments.nodes.as_deref() {
+        None => None,
+        Some(&[x, y, z]) if [x, y, z].iter().all(|count| (2..=101).contains(count)) => Some([x, y, z]),
+        Some(found) => bail!("--nodes: found {found:?}, needed three numbers of 2 to 101"),
+    };
+    let points = Points::read(&mut csv_in::open(&arguments.points, &COLUMNS, "points")?)?;
+    let machine = model::machine(&arguments.machine)?;
+    let options = Options { nodes, without: arguments.without.clone() };
+    let found =
+        identify(&points, &machine, &options).map_err(|error| error.context(arguments.points.display().to_string()))?;
+    let document = Document::new(&points, &found);
+    let mut outputs = Outputs::of(model::files(&arguments.machine).into_iter().chain([arguments.points.clone()]));
+    let mut written = Vec::new();
+    if let Some(output) = &arguments.output {
+        let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
+        let comment = format!(
+            "Measured: {} points of {source}; left {} um RMS, held out {} um RMS.",
+            document.points,
+            significant(document.left.rms_um, 3),
+            document.held_out.map_or_else(|| "-".into(), |left| significant(left.rms_um, 3))
+        );
+        written = super::machine::whole(&mut outputs, output, &machine_files(&found.machine, &comment))?;
+    }
+    if let Some(directory) = &arguments.report {
+        let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
+        let page = report::evaluate::points::page(&source, &points, &found, &document);
+        report::write(&mut outputs, &page, directory, "points.html")?;
+    }
+    outputs.commit()?;
+    super::machine::tell_written(&written);
+    if arguments.json { json(&document) } else { print(&table(&document)?) }
+}
+
+fn table(d: &Document) -> Result<String> {
+    let [x, y, z] = d.nodes;
+    let mut text = format!("{} points, {x} × {y} × {z} nodes\n\n", d.points);
+    writeln!(text, "{:<6}{:>11}{:>11}{:>12}{:>9}", "error", "from", "to", "std. err.", "")?;
+    for of in &d.functions {
+        let [low, high] = of.range.map(|value| significant(value, 4));
+        let error = significant(of.standard_error, 2);
+        writeln!(text, "{:<6}{low:>11}{high:>11}{error:>12} {}", of.name, if of.unit == "um" { "µm" } else { "µrad" })?;
+    }
+    for (name, of) in [("A0Z", d.squareness.a0z_urad), ("B0Z", d.squareness.b0z_urad), ("C0Y", d.squareness.c0y_urad)] {
+        let (value, error) = (significant(of.value, 4), significant(of.standard_error, 2));
+        writeln!(text, "{name:<6}{value:>22}{error:>12} µrad")?;
+    }
+    writeln!(text, "\n{:<12}{:>8}{:>11}{:>11}   largest in line", "um", "points", "largest", "RMS")?;
+    let rows: [(&str, Option<Left>); 3] =
+        [("measured", Some(d.before)), ("left", Some(d.left)), ("held out", d.held_out)];
+    for (name, of) in rows {
+        if let Some(of) = of {
+            let (max, rms) = (significant(of.max_um, 3), significant(of.rms_um, 3));
+            writeln!(text, "{name:<12}{:>8}{max:>11}{rms:>11}   {}", of.points, of.line)?;
+        }
+    }
+    writeln!(
+        text,
+        "\nsigma of a coordinate {} µm, {} degrees of freedom\nrank {} of {} unknowns with {} conventions, condition number {}",
+        significant(d.sigma_um, 3),
+        d.degrees_of_freedom,
+        d.rank,
+        d.unknowns,
+        d.conventions,
+        significant(d.condition, 3)
+    )?;
+    for note in &d.notes {
+        writeln!(text, "note: {note}")?;
+    }
+    Ok(text)
+}

@@ -1,0 +1,120 @@
+//! `trueaxis evaluate probing`.
+
+use crate::output::{json, print};
+use crate::{csv_in, report};
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use std::fmt::Write;
+use std::path::PathBuf;
+use trueaxis_evaluation::probing::{COLUMNS, Document, Feature, Record, Spread};
+use trueaxis_report::number::significant;
+use trueaxis_tables::output::Outputs;
+
+pub(crate) const HELP: &str = "\
+RECORD.csv: x_mm,y_mm,z_mm[,run][,spindle_deg], one row a point: where the centre of the stylus tip stood when the machine's probe
+triggered, the number of the measurement of the whole feature, the spindle's orientation (constant in a run).
+
+  --feature ring     P_FTU,2D: range of the points' distances from the least-squares circle's centre, for every run (36 points)
+  --feature sphere   P_FTU,3D: the same of a sphere (25 points over its half)
+  --feature point    repeatability: range and standard deviation of one point probed again and again (10 times)
+Runs together give the repeatability of the location (range of the centres); spindle orientations the offset e of the tip from the
+spindle's axis, centre(θ) = c + R(θ) e; the calibrated diameter D of the artefact the effective diameter of the tip: D − d in a ring,
+d − D on a sphere (d: diameter through the tip's centres). After ISO 230-10; check its edition for how many points and where.
+
+Example: trueaxis evaluate probing ring.csv --feature ring --diameter-mm 50.0012 --report out";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Points that the machine's probe found.
+    #[arg(value_name = "RECORD.csv")]
+    record: PathBuf,
+    /// What was probed.
+    #[arg(long, value_enum)]
+    feature: Of,
+    /// Calibrated diameter of the ring or sphere.
+    #[arg(long, value_name = "D")]
+    diameter_mm: Option<f64>,
+    /// One JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write probing.html with a plot into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Of {
+    /// A ring.
+    Ring,
+    /// A sphere.
+    Sphere,
+    /// A point of a surface.
+    Point,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    if let Some(mm) = arguments.diameter_mm.filter(|mm| !(0.1..=1e4).contains(mm)) {
+        bail!("--diameter-mm: found {mm}, needed 0.1 to 10000 mm");
+    }
+    let feature = match arguments.feature {
+        Of::Ring => Feature::Ring,
+        Of::Sphere => Feature::Sphere,
+        Of::Point => Feature::Point,
+    };
+    let record =
+        Record::read(&mut csv_in::open(&arguments.record, &COLUMNS, "points")?, feature, arguments.diameter_mm)?;
+    let document = Document::new(&record);
+    if let Some(directory) = &arguments.report {
+        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
+        let mut outputs = Outputs::of([&arguments.record]);
+        let page = report::evaluate::probing::page(&source, &record, &document, &figures(&document));
+        report::write(&mut outputs, &page, directory, "probing.html")?;
+        outputs.commit()?;
+    }
+    if arguments.json { json(&document) } else { print(&table(&document)?) }
+}
+
+fn table(d: &Document) -> Result<String> {
+    let mut text = format!("{}, {} runs; ISO 230-10\n\n", d.feature, d.runs.len());
+    for run in &d.runs {
+        let [x, y, z] = run.centre_mm;
+        write!(text, "run {:<4} {:>4} points   centre {x:.4}, {y:.4}, {z:.4} mm", run.run, run.points)?;
+        if let (Some(diameter), Some(form), Some(name)) = (run.diameter_mm, run.form_um, d.p_ftu_name) {
+            write!(text, "   diameter {diameter:.4} mm   {name} {} µm", significant(form, 3))?;
+        }
+        writeln!(text)?;
+    }
+    for (name, of) in figures(d) {
+        writeln!(text, "{name}: {of}")?;
+    }
+    for note in &d.notes {
+        writeln!(text, "note: {note}")?;
+    }
+    Ok(text)
+}
+
+/// The figures of all runs as one reads them.
+fn figures(d: &Document) -> Vec<(&'static str, String)> {
+    let um = |value: f64| significant(value, 3);
+    let three = |of: Spread| {
+        let [x, y, z] = of.range_um.map(um);
+        let deviation = of.standard_deviation_um.map_or_else(String::new, |s| {
+            let [x, y, z] = s.map(um);
+            format!(", standard deviation {x}, {y}, {z} µm")
+        });
+        format!("range {x}, {y}, {z} µm along X, Y, Z{deviation}")
+    };
+    let mut figures = Vec::new();
+    figures.extend(
+        d.p_ftu_um.zip(d.p_ftu_name).map(|(value, name)| (name, format!("{} µm, the largest of the runs", um(value)))),
+    );
+    figures.extend(d.point_repeatability.map(|of| ("repeatability of the point", three(of))));
+    figures.extend(d.location_repeatability.map(|of| ("repeatability of the location", three(of))));
+    figures.extend(d.tip_offset.map(|of| {
+        let [x, y] = [of.x_um, of.y_um].map(|v| format!("{} ± {}", um(v.value), significant(v.standard_error, 2)));
+        ("offset of the stylus tip", format!("X {x}, Y {y} µm, together {} µm", um(of.length_um)))
+    }));
+    figures.extend(d.effective_tip_diameter_mm.map(|mm| ("effective diameter of the tip", format!("{mm:.4} mm"))));
+    figures.extend(d.diameter_range_um.map(|of| ("range of the diameters", format!("{} µm", um(of)))));
+    figures
+}

@@ -1,0 +1,117 @@
+//! `trueaxis evaluate r-test`.
+
+use crate::numbers::triple;
+use crate::output::{json, print};
+use crate::{csv_in, model, report};
+use anyhow::Result;
+use clap::Args;
+use std::fmt::Write;
+use std::path::PathBuf;
+use trueaxis_evaluation::r_test::{COLUMNS, Document, Options, Record, identify};
+use trueaxis_report::number::significant;
+use trueaxis_tables::formats::Imported;
+use trueaxis_tables::output::Outputs;
+
+pub(crate) const HELP: &str = "\
+RECORD.csv: x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,dx_um,dy_um,dz_um[,ball], one row a pose (ISO 10791-6, tests BK): commanded position
+under RTCP, and how far the tool has moved from the ball on the table, actual − commanded, in machine directions. `ball` numbers the
+balls, where there are several.
+
+One least-squares fit finds the two offsets and two tilts across every rotary axis that turns (EY0A EZ0A EB0A EC0A, EX0B EZ0B EA0B
+EC0B, EX0C EY0C EA0C EB0C) together with where each ball was off its commanded place. What the machine's tables and its other errors make
+of the ball is taken out first. Poses that cannot tell some of them apart are refused with their names: turn the axis that carries them, or
+leave some as they are with --without (in a head the first axis' offsets are the ball's own place).
+--free-sensor: the nest was not calibrated to the spindle; its zero in the tool's frame is an unknown too.
+-o writes what was found into the machine: its own folder, or another one with a copy of it.
+
+Example: trueaxis evaluate r-test bk1.csv --machine mill-5axis -o mill-5axis-found";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Displacements at angles of the rotary axes.
+    #[arg(value_name = "RECORD.csv")]
+    record: PathBuf,
+    /// The machine that was measured.
+    #[arg(long, value_name = "M")]
+    machine: PathBuf,
+    /// Centre of the nest (or ball in the spindle) from the last tool-side frame [default: the machine's tool_mm].
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    tool_mm: Option<[f64; 3]>,
+    /// Location errors that keep the machine's values.
+    #[arg(long, value_name = "EX0C,…", value_delimiter = ',')]
+    without: Vec<String>,
+    /// Leave the zero of the nest open.
+    #[arg(long)]
+    free_sensor: bool,
+    /// Folder that the machine is written into: its own, or a new one.
+    #[arg(short, long, value_name = "MACHINE_DIR")]
+    output: Option<PathBuf>,
+    /// One JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write r-test.html with plots into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let record = Record::read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
+    let mut machine = model::machine(&arguments.machine)?;
+    machine.settings.tool_mm = arguments.tool_mm.unwrap_or(machine.settings.tool_mm);
+    let options = Options { without: arguments.without.clone(), free_sensor: arguments.free_sensor };
+    let found = identify(&record, &arguments.record.display().to_string(), &machine, &options)?;
+    let document = Document::new(&record, &found, &machine);
+    let mut outputs = Outputs::of(model::files(&arguments.machine).into_iter().chain([arguments.record.clone()]));
+    let mut written = Vec::new();
+    if let Some(output) = &arguments.output {
+        let changed = Imported { tables: Vec::new(), location: found.location, settings: None, notes: Vec::new() };
+        written = super::machine::write(&mut outputs, &arguments.machine, output, &changed)?;
+    }
+    if let Some(directory) = &arguments.report {
+        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
+        let page = report::evaluate::r_test::page(&source, &record, &found, &document);
+        report::write(&mut outputs, &page, directory, "r-test.html")?;
+    }
+    outputs.commit()?;
+    super::machine::tell_written(&written);
+    if arguments.json { json(&document) } else { print(&table(&document)?) }
+}
+
+fn table(d: &Document) -> Result<String> {
+    let [x, y, z] = d.range_um.map(|um| significant(um, 4));
+    let mut text = format!("{} readings, range {x}, {y}, {z} µm along X, Y, Z\n\n", d.readings);
+    writeln!(text, "{:<6}{:>11}{:>12}{:>14}", "error", "found", "std. err.", "machine has")?;
+    for of in &d.terms {
+        let [value, error, before] =
+            [significant(of.value, 4), significant(of.standard_error, 2), significant(of.before, 4)];
+        writeln!(
+            text,
+            "{:<6}{value:>11}{error:>12}{before:>14} {}",
+            of.name,
+            if of.unit == "um" { "µm" } else { "µrad" }
+        )?;
+    }
+    for (k, ball) in d.balls_um.iter().enumerate() {
+        let [x, y, z] = ball.map(|um| significant(um, 4));
+        writeln!(text, "ball {} off its place by {x}, {y}, {z} µm (workpiece's frame)", k + 1)?;
+    }
+    if let Some([x, y, z]) = d.sensor_um.map(|zero| zero.map(|um| significant(um, 4))) {
+        writeln!(text, "zero of the nest {x}, {y}, {z} µm (tool's frame)")?;
+    }
+    writeln!(
+        text,
+        "\nreadings {} µm RMS, left {} µm RMS, at most {} µm in line {}\nsigma of a coordinate {} µm, {} degrees of freedom, rank {}, condition number {}",
+        significant(d.rms_um, 3),
+        significant(d.left_rms_um, 3),
+        significant(d.left_max_um, 3),
+        d.left_max_line,
+        significant(d.sigma_um, 3),
+        d.degrees_of_freedom,
+        d.rank,
+        significant(d.condition, 3)
+    )?;
+    for note in &d.notes {
+        writeln!(text, "note: {note}")?;
+    }
+    Ok(text)
+}

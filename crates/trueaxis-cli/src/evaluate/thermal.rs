@@ -1,0 +1,113 @@
+//! `trueaxis evaluate thermal`.
+
+use crate::output::{json, print};
+use crate::{csv_in, report};
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use std::fmt::Write;
+use std::path::PathBuf;
+use trueaxis_evaluation::thermal_test::{COLUMNS, Document, read};
+use trueaxis_report::number::significant;
+use trueaxis_tables::output::Outputs;
+
+pub(crate) const HELP: &str = "\
+RECORD.csv: t_s[,position],x1_um,y1_um,z_um,x2_um,y2_um[,ambient_c,spindle_c,machine_c], one row a reading: time, the position of the
+axis that moves (--test axis: 1 for P1, 2 for P2), displacements of the tool from the workpiece, temperatures. Any of the five
+displacements may be missing: x1, y1, z look at the mandrel's tip, x2, y2 at a distance L above it, towards the spindle.
+
+  --test etve      environmental temperature variation error: nothing moves, 4 h at least
+  --test spindle   thermal distortion by the rotating spindle, warm-up and cooling
+  --test axis      thermal distortion by a moving linear axis, at every position
+For X1, Y1, Z, X2, Y2 and the tilts A = −(y2 − y1)/L, B = (x2 − x1)/L (--distance-mm L):
+  range    max − min over the whole test       first    the same in the first period (60 min in ISO 230-3)
+  worst    the largest within any period, and when it begins            end    last less first reading
+`trueaxis thermal` fits a model to such a record; this command gives the test's figures.
+
+Example: trueaxis evaluate thermal spindle.csv --test spindle --distance-mm 100 --report out";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Displacements and temperatures over time.
+    #[arg(value_name = "RECORD.csv")]
+    record: PathBuf,
+    /// The test of ISO 230-3.
+    #[arg(long, value_enum, default_value = "spindle")]
+    test: Kind,
+    /// The period.
+    #[arg(long, value_name = "T", default_value_t = 60.0)]
+    period_min: f64,
+    /// Distance of the probes at both heights.
+    #[arg(long, value_name = "L")]
+    distance_mm: Option<f64>,
+    /// One JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write thermal.html with plots into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Kind {
+    /// Environmental temperature variation error.
+    Etve,
+    /// Rotating spindle.
+    Spindle,
+    /// Moving linear axis.
+    Axis,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    if !(0.1..=1e5).contains(&arguments.period_min) {
+        bail!("--period-min: found {}, needed 0.1 to 100000 min", arguments.period_min);
+    }
+    if let Some(mm) = arguments.distance_mm.filter(|mm| !(1.0..=1e4).contains(mm)) {
+        bail!("--distance-mm: found {mm}, needed 1 to 10000 mm");
+    }
+    let name = match arguments.test {
+        Kind::Etve => "etve",
+        Kind::Spindle => "spindle",
+        Kind::Axis => "axis",
+    };
+    let test = read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
+    let document = Document::new(&test, name, arguments.period_min, arguments.distance_mm);
+    if let Some(directory) = &arguments.report {
+        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
+        let mut outputs = Outputs::of([&arguments.record]);
+        let page = report::evaluate::thermal::page(&source, &test, &document);
+        report::write(&mut outputs, &page, directory, "thermal.html")?;
+        outputs.commit()?;
+    }
+    if arguments.json { json(&document) } else { print(&table(&document)?) }
+}
+
+fn table(d: &Document) -> Result<String> {
+    let (duration, period) = (significant(d.duration_min, 4), significant(d.period_min, 4));
+    let mut text = format!("{} test, {duration} min, period {period} min; ISO 230-3\n", d.test);
+    for place in &d.positions {
+        writeln!(text)?;
+        if d.positions.len() > 1 {
+            writeln!(text, "position {}, {} readings", place.position, place.readings)?;
+        }
+        writeln!(text, "{:<8}{:>10}{:>10}{:>10}{:>12}{:>10}", "", "range", "first", "worst", "from min", "end")?;
+        for of in &place.channels {
+            let [range, first, worst, end] =
+                [of.range, of.first_period, of.worst_period, of.end].map(|v| significant(v, 4));
+            let unit = if of.unit == "um" { "µm" } else { "µrad" };
+            writeln!(
+                text,
+                "{:<8}{range:>10}{first:>10}{worst:>10}{:>12.1}{end:>10} {unit}",
+                of.name, of.worst_from_min
+            )?;
+        }
+    }
+    for of in &d.temperatures {
+        let [low, high] = of.range_c.map(|c| significant(c, 4));
+        let worst = significant(of.worst_period_k, 3);
+        writeln!(text, "{} {low} to {high} °C, at most {worst} K in a period", of.name)?;
+    }
+    for note in &d.notes {
+        writeln!(text, "note: {note}")?;
+    }
+    Ok(text)
+}

@@ -1,0 +1,186 @@
+//! `trueaxis evaluate` as it is called.
+
+use serde_json::Value;
+use std::fmt::Write;
+use std::path::Path;
+use trueaxis_testing::command::Folder;
+
+fn folder() -> Folder {
+    let folder = Folder::new(env!("CARGO_BIN_EXE_trueaxis"));
+    folder.copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-3axis"), "mill");
+    folder
+}
+
+/// A diagonal test of a machine out of square by C0Y = 50 µrad.
+fn diagonals() -> String {
+    let mut text = String::from("diagonal,direction,x_mm,y_mm,z_mm,deviation_um\n");
+    for (k, [sx, sy, sz]) in
+        [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]].into_iter().enumerate()
+    {
+        for direction in [1, -1] {
+            for step in 0..=5 {
+                let t = f64::from(if direction > 0 { step } else { 5 - step }) / 5.0;
+                let [x, y, z] = [300.0 * sx * t, 200.0 * sy * t, 100.0 * sz * t];
+                let length = 14.0_f64.sqrt() * 100.0;
+                let deviation = 1e3 * (-50e-6 * y) * 300.0 * sx / length;
+                writeln!(text, "{},{direction},{x},{y},{z},{deviation}", k + 1).unwrap();
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn step_diagonal_prints_writes_and_refuses() {
+    let folder = folder();
+    folder.write("record.csv", diagonals());
+    let found = folder.json(&["evaluate", "step-diagonal", "record.csv", "--json"]);
+    assert!((found["c0y_urad"]["value"].as_f64().unwrap() - 50.0).abs() < 1e-6, "{found}");
+    assert!(found["a0z_urad"]["value"].as_f64().unwrap().abs() < 1e-6);
+    assert_eq!(found["steps"], Value::Null);
+    let call = ["evaluate", "step-diagonal", "record.csv", "--machine", "mill", "-o", "squared", "--report", "out"];
+    let text = folder.good(&call);
+    assert!(text.contains("squareness C0Y      50.00 ±") && text.contains("ISO 230-6"), "{text}");
+    assert!(folder.read("squared/machine.toml").contains("C0Y_urad = 50"), "{}", folder.read("squared/machine.toml"));
+    assert_eq!(folder.read("squared/x.csv"), folder.read("mill/x.csv"));
+    roxmltree::Document::parse(&folder.read("out/step-diagonal.html").replace("<!DOCTYPE html>", "")).unwrap();
+    // Into its own folder, comments kept.
+    folder.good(&["evaluate", "step-diagonal", "record.csv", "--machine", "mill", "-o", "mill"]);
+    let own = folder.read("mill/machine.toml");
+    assert!(own.contains("C0Y_urad = 50") && own.contains("# Vertical machining centre"), "{own}");
+    folder.bad(
+        &["evaluate", "step-diagonal", "record.csv", "--machine", "mill", "-o", "squared"],
+        &["found a machine in squared"],
+    );
+    folder.write(
+        "three.csv",
+        diagonals().lines().filter(|l| !l.starts_with("4,")).map(|l| format!("{l}\n")).collect::<String>(),
+    );
+    folder.bad(
+        &["evaluate", "step-diagonal", "three.csv", "--report", "none"],
+        &["three.csv: found no reading of diagonal 4"],
+    );
+}
+
+/// Points of the sample mill as its own step sees them: what comes out compensates as the sample does.
+#[test]
+fn points_make_a_machine_that_compensate_agrees_with() {
+    let folder = folder();
+    let mut positions = String::from("x_mm,y_mm,z_mm\n");
+    for i in 0..9 {
+        for j in 0..9 {
+            for k in 0..9 {
+                writeln!(positions, "{},{},{}", -280 + 70 * i, -180 + 45 * j, -380 + 45 * k).unwrap();
+            }
+        }
+    }
+    folder.write("positions.csv", &positions);
+    let call = ["compensate", "mill", "positions.csv", "--model", "exact"];
+    let (_, rows) = folder.csv(&call);
+    let mut points = String::from("x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm,u_um\n");
+    // Only on the way there; the mill's Y has backlash, and every row but the first of a line goes in positive travel of Z.
+    for row in &rows {
+        let [x, y, z] = [row[0], row[1], row[2]];
+        writeln!(points, "{x},{y},{z},{},{},{},0.5", x + 1e-3 * row[3], y + 1e-3 * row[4], z + 1e-3 * row[5]).unwrap();
+    }
+    folder.write("points.csv", &points);
+    let call = ["evaluate", "points", "points.csv", "--machine", "mill", "-o", "measured", "--json", "--report", "out"];
+    let found = folder.json(&call);
+    assert!(found["before"]["max_um"].as_f64().unwrap() > 10.0, "{found}");
+    assert!(found["left"]["rms_um"].as_f64().unwrap() < 0.6, "{}", found["left"]);
+    roxmltree::Document::parse(&folder.read("out/points.html").replace("<!DOCTYPE html>", "")).unwrap();
+    folder.good(&["tables", "check", "measured"]);
+    // Through the command, the placement taken out of what was measured.
+    let (_, again) = folder.csv(&["compensate", "measured", "positions.csv", "--model", "volumetric"]);
+    let shift: Vec<f64> = found["shift_mm"].as_array().unwrap().iter().map(|v| 1e3 * v.as_f64().unwrap()).collect();
+    let turn: Vec<f64> = found["turn_urad"].as_array().unwrap().iter().map(|v| 1e-3 * v.as_f64().unwrap()).collect();
+    let mut squares = 0.0;
+    for (row, new) in rows.iter().zip(&again) {
+        let [x, y, z] = [row[0], row[1], row[2]];
+        let turned = [turn[1] * z - turn[2] * y, turn[2] * x - turn[0] * z, turn[0] * y - turn[1] * x];
+        for c in 0..3 {
+            squares += (row[3 + c] - shift[c] - turned[c] - new[3 + c]).powi(2);
+        }
+    }
+    let rms = (squares / again.len() as f64).sqrt();
+    assert!(rms < 0.6, "{rms} µm RMS between measured and compensated");
+    folder.bad(
+        &["evaluate", "points", "points.csv", "--machine", "mill", "-o", "measured"],
+        &["found a machine in measured"],
+    );
+    folder.write("bad.csv", points.replacen(",0.5", ",0", 1));
+    folder.bad(
+        &["evaluate", "points", "bad.csv", "--machine", "mill", "-o", "none"],
+        &["bad.csv:2: column u_um: found 0"],
+    );
+}
+
+#[test]
+fn r_test_thermal_and_probing_print_write_and_refuse() {
+    let folder = folder();
+    folder.copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-5axis"), "five");
+    // A trunnion without errors of its own but the sample's: a record of zeros, so that what is found is the sample's negative.
+    let mut record = String::from("x_mm,y_mm,z_mm,a_deg,c_deg,dx_um,dy_um,dz_um\n");
+    for a in [-90, -60, -30, 0, 20] {
+        for c in 0..8 {
+            let (sin_a, cos_a) = f64::from(a).to_radians().sin_cos();
+            let (sin_c, cos_c) = (45.0 * f64::from(c)).to_radians().sin_cos();
+            // Both turn by the negative angle: p = R_x(−A) R_z(−C) (60, 20, 80).
+            let [x, y, z] = [60.0 * cos_c + 20.0 * sin_c, 20.0 * cos_c - 60.0 * sin_c, 80.0];
+            let [y, z] = [y * cos_a + z * sin_a, z * cos_a - y * sin_a];
+            writeln!(record, "{x},{y},{z},{a},{},{},0.5,0", 45 * c, c % 3).unwrap();
+        }
+    }
+    folder.write("bk.csv", &record);
+    let call = ["evaluate", "r-test", "bk.csv", "--machine", "five", "-o", "found", "--json", "--report", "out"];
+    let found = folder.json(&call);
+    assert_eq!(found["terms"].as_array().unwrap().len(), 8, "{found}");
+    let ex0c = found["terms"].as_array().unwrap().iter().find(|term| term["name"] == "EX0C").unwrap();
+    assert_eq!(ex0c["before"].as_f64().unwrap(), 13.0);
+    let written = folder.read("found/machine.toml");
+    assert!(!written.contains("EX0C_um = 13.0") && written.contains("A0Z_urad = 12.0"), "{written}");
+    folder.good(&["tables", "check", "found"]);
+    roxmltree::Document::parse(&folder.read("out/r-test.html").replace("<!DOCTYPE html>", "")).unwrap();
+    folder.bad(
+        &["evaluate", "r-test", "bk.csv", "--machine", "five", "--without", "EXX", "-o", "none"],
+        &["bk.csv: --without EXX"],
+    );
+    folder.bad(&["evaluate", "r-test", "bk.csv", "--machine", "mill"], &["bk.csv:2: column a_deg: found an angle"]);
+
+    let mut drift = String::from("t_s,x1_um,z_um,x2_um,ambient_c\n");
+    for minute in 0..=120 {
+        let t = f64::from(minute);
+        writeln!(drift, "{},{},{},{},{}", 60 * minute, 0.05 * t, 0.2 * t, 0.07 * t, 20.0 + 0.01 * t).unwrap();
+    }
+    folder.write("drift.csv", &drift);
+    let text = folder.good(&["evaluate", "thermal", "drift.csv", "--distance-mm", "100", "--report", "out"]);
+    assert!(
+        text.contains("ISO 230-3")
+            && text.lines().any(|line| line.split_whitespace().take(4).eq(["Z", "24.00", "12.00", "12.00"])),
+        "{text}"
+    );
+    roxmltree::Document::parse(&folder.read("out/thermal.html").replace("<!DOCTYPE html>", "")).unwrap();
+    folder.bad(&["evaluate", "thermal", "drift.csv", "--period-min", "0"], &["--period-min: found 0"]);
+
+    let mut ring = String::from("x_mm,y_mm\n");
+    for k in 0..36 {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 36.0).sin_cos();
+        writeln!(ring, "{},{}", 22.0 * cos, 22.0 * sin).unwrap();
+    }
+    folder.write("ring.csv", &ring);
+    let text = folder.good(&[
+        "evaluate",
+        "probing",
+        "ring.csv",
+        "--feature",
+        "ring",
+        "--diameter-mm",
+        "50",
+        "--report",
+        "out",
+    ]);
+    assert!(text.contains("P_FTU,2D") && text.contains("effective diameter of the tip: 6.0000 mm"), "{text}");
+    roxmltree::Document::parse(&folder.read("out/probing.html").replace("<!DOCTYPE html>", "")).unwrap();
+    let call = ["evaluate", "probing", "ring.csv", "--feature", "ring", "--diameter-mm", "25", "--report", "none"];
+    folder.bad(&call, &["ring.csv: run 0: found a diameter of 44.000 mm"]);
+}

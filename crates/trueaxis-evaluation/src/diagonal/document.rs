@@ -1,0 +1,214 @@
+//! What a diagonal test tells, as a document.
+
+use serde::Serialize;
+use trueaxis_metrology::diagonal::{Term, Test, figures};
+
+/// A value with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Value {
+    /// The value.
+    pub value: f64,
+    /// Its standard error, same unit.
+    pub standard_error: f64,
+}
+
+/// Figures of one diagonal after ISO 230-6.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DiagonalFigures {
+    /// Its number.
+    pub diagonal: usize,
+    /// Unit vector from the first to the last target.
+    pub unit: [f64; 3],
+    /// Its length.
+    pub length_mm: f64,
+    /// Targets on it.
+    pub targets: usize,
+    /// E(D): systematic deviation of positioning.
+    pub e_um: f64,
+    /// B(D): reversal value; null with one direction.
+    pub b_um: Option<f64>,
+    /// M(D): range of the mean deviation.
+    pub m_um: f64,
+    /// R(D): repeatability; null with one run.
+    pub r_um: Option<f64>,
+    /// Slope of the deviation.
+    pub slope_ppm: Value,
+}
+
+/// Errors of an axis at a position, slopes removed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// Position of the axis.
+    pub position_mm: f64,
+    /// Errors along X, Y, Z.
+    pub error_um: [f64; 3],
+    /// Their standard errors.
+    pub standard_error_um: [f64; 3],
+}
+
+/// Shape of an axis' errors.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Shape {
+    /// The axis that moves.
+    pub axis: char,
+    /// By position.
+    pub points: Vec<Point>,
+}
+
+/// What the vector method adds.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Steps {
+    /// Scales of X, Y, Z where the mirror stood exactly square.
+    pub scales_if_aligned_ppm: [f64; 3],
+    /// Scales with the stated uncertainty of the alignment; null without.
+    pub scales_ppm: Option<[Value; 3]>,
+    /// Change of a scale for a mirror 10 µrad off on every diagonal.
+    pub scale_per_10_urad_ppm: [f64; 3],
+    /// EXX, EYX, EZX and so on, slopes removed.
+    pub shapes: Vec<Shape>,
+    /// Standard deviation of a step, from the equation that each has too many.
+    pub sigma_um: f64,
+    /// Those equations.
+    pub degrees_of_freedom: usize,
+    /// Condition number of the equations of a step.
+    pub condition: f64,
+    /// Largest way of a target beside its diagonal.
+    pub beside_mm: f64,
+}
+
+/// The JSON document.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Document {
+    /// Readings of the record.
+    pub readings: usize,
+    /// "diagonal" or "step-diagonal".
+    pub test: &'static str,
+    /// By diagonal.
+    pub diagonals: Vec<DiagonalFigures>,
+    /// E_d: largest E(D).
+    pub e_d_um: f64,
+    /// B_d: largest B(D).
+    pub b_d_um: Option<f64>,
+    /// M_d: largest M(D).
+    pub m_d_um: f64,
+    /// R_d: largest R(D).
+    pub r_d_um: Option<f64>,
+    /// A0Z.
+    #[serde(rename = "a0z_urad")]
+    pub a0z: Value,
+    /// B0Z.
+    #[serde(rename = "b0z_urad")]
+    pub b0z: Value,
+    /// C0Y.
+    #[serde(rename = "c0y_urad")]
+    pub c0y: Value,
+    /// Scale along a diagonal: Σ u_i² s_i.
+    #[serde(rename = "diagonal_scale_ppm")]
+    pub scale: Value,
+    /// Rank of the four slopes.
+    pub rank: usize,
+    /// Condition number of the four equations.
+    pub condition: f64,
+    /// Standard deviation of a reading from repeats; null without.
+    pub sigma_um: Option<f64>,
+    /// What the steps tell; null without steps.
+    pub steps: Option<Steps>,
+    /// What the method cannot tell, a sentence each.
+    pub limits: Vec<String>,
+}
+
+fn micro(term: Term) -> Value {
+    Value { value: 1e6 * term.value, standard_error: 1e6 * term.standard_error }
+}
+
+impl Document {
+    /// Of a test; `alignment_urad`: standard uncertainty of the mirror's alignment where it is known.
+    pub fn new(test: &Test, alignment_urad: Option<f64>) -> Document {
+        let volume = test.volume();
+        let diagonals: Vec<DiagonalFigures> = figures(test)
+            .into_iter()
+            .enumerate()
+            .map(|(k, of)| DiagonalFigures {
+                diagonal: k + 1,
+                unit: test.diagonals[k].unit,
+                length_mm: test.diagonals[k].length_mm,
+                targets: test.on(k).count(),
+                e_um: 1e3 * of.systematic,
+                b_um: of.reversal.map(|mm| 1e3 * mm),
+                m_um: 1e3 * of.mean_range,
+                r_um: of.repeatability.map(|mm| 1e3 * mm),
+                slope_ppm: micro(volume.slopes[k]),
+            })
+            .collect();
+        let steps = test.vector(alignment_urad.map(|urad| 1e-6 * urad)).map(|found| Steps {
+            scales_if_aligned_ppm: found.scales_if_aligned.map(|scale| 1e6 * scale),
+            scales_ppm: found.scales.map(|scales| scales.map(micro)),
+            scale_per_10_urad_ppm: found.scale_per_alignment.map(|share| 10.0 * share),
+            shapes: found.shapes.iter().map(shape).collect(),
+            sigma_um: 1e3 * found.sigma_mm,
+            degrees_of_freedom: found.degrees_of_freedom,
+            condition: found.condition,
+            beside_mm: found.beside_mm,
+        });
+        let largest = |of: &dyn Fn(&DiagonalFigures) -> Option<f64>| diagonals.iter().filter_map(of).reduce(f64::max);
+        let [a0z, b0z, c0y] = volume.squareness.map(micro);
+        Document {
+            readings: test.readings.len(),
+            test: if test.steps { "step-diagonal" } else { "diagonal" },
+            e_d_um: largest(&|d| Some(d.e_um)).unwrap_or(0.0),
+            b_d_um: largest(&|d| d.b_um),
+            m_d_um: largest(&|d| Some(d.m_um)).unwrap_or(0.0),
+            r_d_um: largest(&|d| d.r_um),
+            a0z,
+            b0z,
+            c0y,
+            scale: micro(volume.scale),
+            rank: volume.rank,
+            condition: volume.condition,
+            sigma_um: test.sigma_mm.map(|mm| 1e3 * mm),
+            limits: limits(test, steps.as_ref()),
+            diagonals,
+            steps,
+        }
+    }
+}
+
+fn shape(of: &trueaxis_metrology::diagonal::Shape) -> Shape {
+    let points = of.points.iter().map(|([position_mm, x, y, z], errors)| Point {
+        position_mm: *position_mm,
+        error_um: [*x, *y, *z].map(|mm| 1e3 * mm),
+        standard_error_um: errors.map(|mm| 1e3 * mm),
+    });
+    Shape { axis: ['X', 'Y', 'Z'][of.axis.min(2)], points: points.collect() }
+}
+
+fn limits(test: &Test, steps: Option<&Steps>) -> Vec<String> {
+    let mut limits = vec![
+        "slopes of straightness, and angular errors with their levers, are inside the squarenesses: along a body diagonal they \
+         cannot be told apart"
+            .to_owned(),
+    ];
+    match steps {
+        None if test.steps => limits.push(
+            "the steps are not evaluated: not every interval of every axis was measured on all four diagonals".into(),
+        ),
+        None => limits.push("four diagonals tell three squarenesses and one scale; those of X, Y, Z take steps".into()),
+        Some(steps) => {
+            let worst = steps.scale_per_10_urad_ppm.iter().copied().fold(0.0, f64::max);
+            limits.push(format!(
+                "a step carries the mirror up to {:.0} mm beside the beam: 10 µrad off square on every diagonal change a scale by \
+                 {worst:.1} ppm (Chapman 2003, Svoboda 2006)",
+                steps.beside_mm
+            ));
+            if steps.scales_ppm.is_none() {
+                limits.push(
+                    "scales of X, Y, Z are not known without the mirror's alignment (--alignment-urad); squarenesses and shapes \
+                     do not need it"
+                        .into(),
+                );
+            }
+            limits.push("angular errors enter the shapes by the way beside the beam (Soons 2005)".into());
+        }
+    }
+    limits
+}

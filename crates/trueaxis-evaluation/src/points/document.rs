@@ -1,0 +1,183 @@
+//! What points tell, as a document.
+
+use super::{Found, Points};
+use crate::diagonal::Value;
+use serde::Serialize;
+use trueaxis_metrology::volumetric::{AXES, COMPONENTS, SMOOTHING};
+
+/// One of the 21 errors.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Function {
+    /// Its name, `EXX`.
+    pub name: String,
+    /// `um` or `urad`.
+    pub unit: &'static str,
+    /// Smallest and largest value.
+    pub range: [f64; 2],
+    /// Root mean square of the standard errors of its nodes.
+    pub standard_error: f64,
+    /// Largest of them.
+    pub worst_standard_error: f64,
+}
+
+/// Squarenesses.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Squareness {
+    /// A0Z.
+    pub a0z_urad: Value,
+    /// B0Z.
+    pub b0z_urad: Value,
+    /// C0Y.
+    pub c0y_urad: Value,
+}
+
+/// Lengths of vectors over points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Left {
+    /// Points.
+    pub points: usize,
+    /// Largest.
+    pub max_um: f64,
+    /// Root mean square.
+    pub rms_um: f64,
+    /// Line of the largest.
+    pub line: u32,
+}
+
+/// The JSON document.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Document {
+    /// Points of the file.
+    pub points: usize,
+    /// Nodes of X, Y, Z.
+    pub nodes: [usize; 3],
+    /// Errors that stand in the tables.
+    pub functions: Vec<Function>,
+    /// Squareness.
+    pub squareness: Squareness,
+    /// Angular errors that the points do not see, left at zero.
+    pub unseen: Vec<String>,
+    /// Deviation of the points, the instrument's placement taken out.
+    pub before: Left,
+    /// What the machine with the errors leaves of all points, by its own model.
+    pub left: Left,
+    /// What a fit without them leaves of one point in ten; null with fewer than 60 points.
+    pub held_out: Option<Left>,
+    /// Shift of the instrument, mm.
+    pub shift_mm: [f64; 3],
+    /// Its turn.
+    pub turn_urad: [f64; 3],
+    /// What the reflectors' offsets are off, from the second.
+    pub offsets_um: Vec<[f64; 3]>,
+    /// Standard deviation of a coordinate (of one with the mean stated uncertainty), from what is left.
+    pub sigma_um: f64,
+    /// What is left over what the stated uncertainties allow; null where none are stated.
+    pub sigma_over_stated: Option<f64>,
+    /// Coordinates less unknowns.
+    pub degrees_of_freedom: usize,
+    /// Unknowns.
+    pub unknowns: usize,
+    /// Conditions that fix what no point can tell.
+    pub conventions: usize,
+    /// Rank of points and conditions.
+    pub rank: usize,
+    /// Condition number of the scaled columns.
+    pub condition: f64,
+    /// Weight of second differences of the tables against a reading.
+    pub smoothing: f64,
+    /// What is to be known of the result.
+    pub notes: Vec<String>,
+}
+
+fn left(of: impl Iterator<Item = (u32, [f64; 3])>) -> Left {
+    let mut found = Left { points: 0, max_um: 0.0, rms_um: 0.0, line: 0 };
+    for (line, [x, y, z]) in of {
+        let squared = 1e6 * (x * x + y * y + z * z);
+        found.points += 1;
+        found.rms_um += squared;
+        if squared.sqrt() >= found.max_um {
+            (found.max_um, found.line) = (squared.sqrt(), line);
+        }
+    }
+    found.rms_um = (found.rms_um / found.points.max(1) as f64).sqrt();
+    found
+}
+
+impl Document {
+    /// Of what was found of points.
+    pub fn new(points: &Points, found: &Found) -> Document {
+        let lines = || points.points.iter().map(|point| point.line);
+        let errors = &found.errors;
+        let mut functions = Vec::new();
+        for (axis, letter) in AXES.into_iter().enumerate() {
+            for (component, of) in COMPONENTS.into_iter().enumerate() {
+                if component >= 3 && !found.basis.seen[axis][component] {
+                    continue;
+                }
+                let (unit, scale) = if component < 3 { ("um", 1e3) } else { ("urad", 1e6) };
+                let values = errors.errors[axis][component].iter().map(|value| scale * value);
+                let range = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
+                let deviations = || errors.standard_errors[axis][component].iter().map(|value| scale * value);
+                let squares: f64 = deviations().map(|value| value * value).sum();
+                functions.push(Function {
+                    name: format!("E{of}{letter}"),
+                    unit,
+                    range,
+                    standard_error: (squares / deviations().count().max(1) as f64).sqrt(),
+                    worst_standard_error: deviations().fold(0.0, f64::max),
+                });
+            }
+        }
+        let value =
+            |k: usize| Value { value: 1e6 * errors.squareness[k], standard_error: 1e6 * errors.squareness_errors[k] };
+        let mean = (points.points.iter().map(|point| point.sigma_mm.powi(2)).sum::<f64>()
+            / points.points.len().max(1) as f64)
+            .sqrt();
+        let held_out = || found.held_out_mm.iter().map(|(index, left)| (points.points[*index].line, *left));
+        let [tx, ty, tz, a, b, c] = errors.placement;
+        Document {
+            points: points.points.len(),
+            nodes: [0, 1, 2].map(|axis| found.basis.nodes_mm[axis].len()),
+            functions,
+            squareness: Squareness { a0z_urad: value(0), b0z_urad: value(1), c0y_urad: value(2) },
+            unseen: found.unseen.clone(),
+            before: left(lines().zip(found.deviations_mm.iter().copied())),
+            left: left(lines().zip(found.left_mm.iter().copied())),
+            held_out: (!found.held_out_mm.is_empty()).then(|| left(held_out())),
+            shift_mm: [tx, ty, tz],
+            turn_urad: [a, b, c].map(|rad| 1e6 * rad),
+            offsets_um: errors.offsets_mm.iter().map(|offset| offset.map(|mm| 1e3 * mm)).collect(),
+            sigma_um: 1e3 * errors.sigma * mean,
+            sigma_over_stated: points.stated.then_some(errors.sigma),
+            degrees_of_freedom: errors.degrees_of_freedom,
+            unknowns: errors.unknowns,
+            conventions: errors.conventions,
+            rank: errors.rank,
+            condition: errors.condition,
+            smoothing: SMOOTHING,
+            notes: notes(points, found),
+        }
+    }
+}
+
+fn notes(points: &Points, found: &Found) -> Vec<String> {
+    let mut notes = vec![
+        "the instrument stands on the workpiece's side; its placement is taken out, errors are zero at the reference position, \
+         straightnesses have no slope"
+            .to_owned(),
+    ];
+    if !found.unseen.is_empty() {
+        notes.push(format!(
+            "{}: no lever in these points that tells them from translations of the same axis; left at zero, the tables hold for {}",
+            found.unseen.join(" "),
+            if points.tools_mm.len() > 1 { "these reflector offsets" } else { "this reflector offset" }
+        ));
+    }
+    if found.held_out_mm.is_empty() {
+        notes.push("nothing is held out: fewer than 60 points, or too few without one in ten".into());
+    }
+    if found.errors.sigma > 2.0 && points.stated {
+        notes.push(format!("what is left is {:.1} times what the stated uncertainties allow", found.errors.sigma));
+    }
+    notes
+}

@@ -1,0 +1,107 @@
+//! POINTS.csv.
+
+use crate::rows::{Column, Rows};
+use crate::stuck;
+use anyhow::Result;
+use std::collections::HashMap;
+
+/// Columns of the points.
+pub const COLUMNS: [Column; 10] = [
+    Column { name: "x_mm", needed: true },
+    Column { name: "y_mm", needed: true },
+    Column { name: "z_mm", needed: true },
+    Column { name: "actual_x_mm", needed: true },
+    Column { name: "actual_y_mm", needed: true },
+    Column { name: "actual_z_mm", needed: true },
+    Column { name: "u_um", needed: false },
+    Column { name: "tool_x_mm", needed: false },
+    Column { name: "tool_y_mm", needed: false },
+    Column { name: "tool_z_mm", needed: false },
+];
+
+/// Deviation from which a point is taken to be none, mm: coordinates in another frame, or a beam that was broken.
+const MOST_DEVIATION_MM: f64 = 2.0;
+/// Standard uncertainty where none is stated, mm: only its ratio to the others' counts.
+const UNIT_SIGMA_MM: f64 = 1e-3;
+
+/// A measured point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Line of the file.
+    pub line: u32,
+    /// Commanded position of X, Y, Z, mm.
+    pub command_mm: [f64; 3],
+    /// Actual less commanded, mm, the reflector's offset taken out.
+    pub deviation_mm: [f64; 3],
+    /// Its standard uncertainty, mm; 1 µm where none is stated.
+    pub sigma_mm: f64,
+    /// Index of its reflector offset.
+    pub tool: usize,
+}
+
+/// All points of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Points {
+    /// The points, in the order of the file.
+    pub points: Vec<Point>,
+    /// Reflector offsets from the last tool-side frame, mm; `None`: the file has none, the machine's tool is taken.
+    pub tools_mm: Vec<Option<[f64; 3]>>,
+    /// Whether uncertainties are stated.
+    pub stated: bool,
+}
+
+impl Points {
+    /// Reads all rows of [`COLUMNS`].
+    ///
+    /// # Errors
+    /// A row that cannot be read, a point a second time, an uncertainty that is none, a deviation of millimetres, coordinates that
+    /// stand still.
+    pub fn read(rows: &mut Rows<'_, 10>) -> Result<Points> {
+        let with_tool = rows.present[7..].iter().any(|present| *present);
+        let stated = rows.present[6];
+        let mut points: Vec<Point> = Vec::new();
+        let mut tools_mm: Vec<Option<[f64; 3]>> = Vec::new();
+        let mut lines = HashMap::new();
+        while let Some(row) = rows.next()? {
+            let [x, y, z, ax, ay, az, u_um, tx, ty, tz] = row.values;
+            if stated && !(1e-6..=1e4).contains(&u_um) {
+                return Err(rows.error(row.line, "u_um", u_um, "a standard uncertainty of 1e-6 to 10000 µm"));
+            }
+            let offset = with_tool.then_some([tx, ty, tz]);
+            let tool = tools_mm.iter().position(|known| *known == offset).unwrap_or_else(|| {
+                tools_mm.push(offset);
+                tools_mm.len() - 1
+            });
+            let key = [x, y, z, tool as f64].map(|value| (value + 0.0).to_bits());
+            if let Some(first) = lines.insert(key, row.line) {
+                let found = format!("a second row for this position, as in line {first}");
+                return Err(rows.error(row.line, "x_mm", found, "each position once for a reflector"));
+            }
+            let [tx, ty, tz] = offset.unwrap_or_default();
+            let deviation_mm = [ax - x - tx, ay - y - ty, az - z - tz];
+            for (deviation, name) in deviation_mm.into_iter().zip(["actual_x_mm", "actual_y_mm", "actual_z_mm"]) {
+                if deviation.abs() > MOST_DEVIATION_MM {
+                    let needed =
+                        format!("less than {MOST_DEVIATION_MM} mm, in the machine's directions from machine zero");
+                    return Err(rows.error(row.line, name, format!("{deviation} mm off the command"), needed));
+                }
+            }
+            let sigma_mm = if stated { 1e-3 * u_um } else { UNIT_SIGMA_MM };
+            points.push(Point { line: row.line, command_mm: [x, y, z], deviation_mm, sigma_mm, tool });
+        }
+        for (c, name) in ["actual_x_mm", "actual_y_mm", "actual_z_mm"].into_iter().enumerate() {
+            // A coordinate that follows its axis differs from point to point; an instrument that died repeats itself while the axis moves.
+            let actual: Vec<f64> = points.iter().map(|point| point.command_mm[c] + point.deviation_mm[c]).collect();
+            let moved = |stuck: &stuck::Stuck| {
+                let over = points[stuck.from..stuck.from + stuck.count].iter().map(|point| point.command_mm[c]);
+                let [low, high] = over.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], q| [l.min(q), h.max(q)]);
+                high > low
+            };
+            if let Some(stuck) = stuck::longest(&actual).filter(moved) {
+                let lines: Vec<u32> = points.iter().map(|point| point.line).collect();
+                return Err(stuck.error(rows, &lines, name, 1.0));
+            }
+        }
+        Ok(Points { points, tools_mm, stated })
+    }
+}

@@ -1,0 +1,147 @@
+//! RECORD.csv of a probing test.
+
+use crate::rows::{Column, Rows};
+use crate::stuck;
+use anyhow::{Result, anyhow};
+use std::collections::HashMap;
+use trueaxis_metrology::circles::least_squares;
+use trueaxis_metrology::sphere;
+
+/// Columns of a record.
+pub const COLUMNS: [Column; 5] = [
+    Column { name: "x_mm", needed: true },
+    Column { name: "y_mm", needed: true },
+    Column { name: "z_mm", needed: false },
+    Column { name: "run", needed: false },
+    Column { name: "spindle_deg", needed: false },
+];
+
+/// Fewest points of a ring: three make a circle that fits whatever they are.
+const LEAST_ON_RING: usize = 4;
+/// Largest part of the nominal diameter by which a measured one may differ.
+const MOST_OFF: f64 = 0.25;
+
+/// What was probed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// A ring, its points in X and Y.
+    Ring,
+    /// A sphere.
+    Sphere,
+    /// One point of a surface, again and again.
+    Point,
+}
+
+/// A run: the points of one measurement of the feature.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Measured {
+    pub(super) run: i64,
+    pub(super) spindle_deg: f64,
+    pub(super) points: Vec<[f64; 3]>,
+    pub(super) centre: [f64; 3],
+    pub(super) diameter: Option<f64>,
+    pub(super) form: Option<f64>,
+}
+
+/// A test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// What was probed.
+    pub feature: Feature,
+    /// Its calibrated diameter, mm, where known.
+    pub diameter_mm: Option<f64>,
+    pub(super) runs: Vec<Measured>,
+    /// Whether the spindle was oriented.
+    pub(super) oriented: bool,
+}
+
+impl Record {
+    /// Reads all rows of [`COLUMNS`]; `diameter_mm` of the ring or sphere.
+    ///
+    /// # Errors
+    /// A row that cannot be read, too few points, points that make no circle or sphere or one of another size, a point a second time, a
+    /// spindle that turns within a run.
+    pub fn read(rows: &mut Rows<'_, 5>, feature: Feature, diameter_mm: Option<f64>) -> Result<Record> {
+        if feature != Feature::Ring && !rows.present[2] {
+            return Err(rows.error(1, "z_mm", "no such column", "z_mm for a sphere or a point"));
+        }
+        let oriented = rows.present[4];
+        let mut runs: Vec<Measured> = Vec::new();
+        let mut seen = HashMap::new();
+        let (mut lines, mut readings) = (Vec::new(), Vec::new());
+        while let Some(row) = rows.next()? {
+            let [x, y, z, run, spindle_deg] = row.values;
+            if run.fract() != 0.0 {
+                return Err(rows.error(row.line, "run", run, "the number of a run"));
+            }
+            let key = [x, y, z, run].map(|value| (value + 0.0).to_bits());
+            if let Some(first) = seen.insert(key, row.line).filter(|_| feature != Feature::Point) {
+                let found = format!("the same point as in line {first}");
+                return Err(rows.error(row.line, "x_mm", found, "each point once a run"));
+            }
+            lines.push(row.line);
+            readings.push([x, y, z]);
+            match runs.iter_mut().find(|known| known.run == run as i64) {
+                Some(known) if known.spindle_deg != spindle_deg => {
+                    let needed = format!("{} as in the run's first line", known.spindle_deg);
+                    return Err(rows.error(row.line, "spindle_deg", spindle_deg, needed));
+                }
+                Some(known) => known.points.push([x, y, z]),
+                None => runs.push(Measured {
+                    run: run as i64,
+                    spindle_deg,
+                    points: vec![[x, y, z]],
+                    centre: [0.0; 3],
+                    diameter: None,
+                    form: None,
+                }),
+            }
+        }
+        if feature == Feature::Point {
+            let sums: Vec<f64> = readings.iter().map(|[x, y, z]| x + y + z).collect();
+            if let Some(stuck) = stuck::longest(&sums) {
+                return Err(stuck.error(rows, &lines, "x_mm", 1.0));
+            }
+        }
+        let file = rows.file.display().to_string();
+        for run in &mut runs {
+            solve(run, feature, diameter_mm).map_err(|why| anyhow!("{file}: run {}: {why}", run.run))?;
+        }
+        Ok(Record { feature, diameter_mm, runs, oriented })
+    }
+}
+
+fn solve(run: &mut Measured, feature: Feature, nominal: Option<f64>) -> Result<(), String> {
+    let count = run.points.len();
+    match feature {
+        Feature::Ring => {
+            if count < LEAST_ON_RING {
+                return Err(format!("found {count} points, needed {LEAST_ON_RING} (36 in ISO 230-10)"));
+            }
+            let flat: Vec<[f64; 2]> = run.points.iter().map(|[x, y, _]| [*x, *y]).collect();
+            let circle = least_squares(&flat).map_err(|error| {
+                format!("found points that make no circle ({error}), needed points all round a ring")
+            })?;
+            let heights = run.points.iter().map(|point| point[2]).sum::<f64>() / count as f64;
+            run.centre = [circle.centre[0], circle.centre[1], heights];
+            (run.diameter, run.form) = (Some(2.0 * circle.radius), Some(circle.zone));
+        }
+        Feature::Sphere => {
+            let sphere = sphere::least_squares(&run.points).map_err(|error| error.to_string())?;
+            run.centre = sphere.centre;
+            (run.diameter, run.form) = (Some(2.0 * sphere.radius), Some(sphere.zone));
+        }
+        Feature::Point => {
+            run.centre = [0, 1, 2].map(|c| run.points.iter().map(|point| point[c]).sum::<f64>() / count as f64);
+        }
+    }
+    if let (Some(found), Some(nominal)) = (run.diameter, nominal)
+        && (found / nominal - 1.0).abs() > MOST_OFF
+    {
+        return Err(format!(
+            "found a diameter of {found:.3} mm, needed within {:.0} % of {nominal} mm (the artefact, or its unit, is another)",
+            100.0 * MOST_OFF
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,216 @@
+//! Location errors from an R-test.
+
+use super::Record;
+use crate::response::{Unit, response, tip_errors, without_errors};
+use anyhow::{Result, bail};
+use trueaxis::Axis;
+use trueaxis::machine::{AXES, LocationErrors, links};
+use trueaxis_metrology::linear_fit::LinearFit;
+use trueaxis_tables::Machine;
+
+const ROTARY: [Axis; 3] = [Axis::A, Axis::B, Axis::C];
+/// Readings that a fit must have beyond its unknowns.
+const LEAST_FREEDOM: usize = 3;
+
+/// What to look for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Location errors that keep the machine's values, as `EX0C`.
+    pub without: Vec<String>,
+    /// Whether the nest's zero to the spindle is unknown.
+    pub free_sensor: bool,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The location errors that were sought, with value and standard error in mm or rad.
+    pub terms: Vec<((Axis, usize), f64, f64)>,
+    /// All location errors of the machine with those found.
+    pub location: LocationErrors,
+    /// Places of the balls off where they were commanded, workpiece's frame, mm.
+    pub balls_mm: Vec<[f64; 3]>,
+    /// Zero of the nest, tool's frame, mm.
+    pub sensor_mm: Option<[f64; 3]>,
+    /// What the machine's tables and its other errors make of every reading, mm.
+    pub known_mm: Vec<[f64; 3]>,
+    /// What is left of every reading, mm.
+    pub left_mm: Vec<[f64; 3]>,
+    /// Standard deviation of a coordinate, mm.
+    pub sigma_mm: f64,
+    /// Coordinates less unknowns.
+    pub degrees_of_freedom: usize,
+    /// Rank: all unknowns.
+    pub rank: usize,
+    /// Condition number of the scaled columns.
+    pub condition: f64,
+    /// Whether a linear axis stood beyond its table.
+    pub clamped: bool,
+}
+
+/// Name of a location error, `EX0C`.
+pub fn name((axis, component): (Axis, usize)) -> String {
+    format!("E{}0{}", Axis::ALL[component.min(5)].letter(), axis.letter())
+}
+
+/// The two offsets and two tilts across an axis.
+fn across(axis: Axis) -> [usize; 4] {
+    match axis {
+        Axis::A => [1, 2, 4, 5],
+        Axis::B => [0, 2, 3, 5],
+        _ => [0, 1, 3, 4],
+    }
+}
+
+/// Location errors of the machine's rotary axes; `file` is named in refusals.
+///
+/// Sought are the two offsets and two tilts across every rotary axis that turns in the record; the offset along an axis is the work's or
+/// the tool's, the error of its zero is a setting.
+///
+/// # Errors
+/// A machine without a rotary axis that turns, errors to leave out that are not sought, too few readings, errors that the poses cannot
+/// tell apart.
+pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Options) -> Result<Found> {
+    let turns = |axis: Axis| {
+        let at = |i: usize| record.readings[i].place[axis.index()];
+        record.readings.iter().any(|reading| (reading.place[axis.index()] - at(0)).abs() > 1e-6)
+    };
+    for axis in ROTARY.into_iter().filter(|axis| machine.settings.axis(*axis).is_none()) {
+        if let Some(reading) = record.readings.iter().find(|reading| reading.place[axis.index()] != 0.0) {
+            let letter = axis.letter().to_ascii_lowercase();
+            bail!("{file}:{}: column {letter}_deg: found an angle, needed an axis that the machine has", reading.line);
+        }
+    }
+    let moving: Vec<Axis> =
+        ROTARY.into_iter().filter(|axis| machine.settings.axis(*axis).is_some() && turns(*axis)).collect();
+    if moving.is_empty() {
+        bail!("{file}: found no rotary axis that turns, needed at least one");
+    }
+    let mut without = options.without.clone();
+    let mut sought: Vec<(Axis, usize)> = Vec::new();
+    for axis in moving {
+        for component in across(axis) {
+            let own = name((axis, component));
+            match without.iter().position(|asked| asked.eq_ignore_ascii_case(&own)) {
+                Some(at) => drop(without.remove(at)),
+                None => sought.push((axis, component)),
+            }
+        }
+    }
+    if let Some(unknown) = without.first() {
+        bail!("{file}: --without {unknown}: needed a location error that is sought, as EX0C of a C that turns");
+    }
+    let mut known = machine.clone();
+    for &(axis, component) in &sought {
+        known.settings.location.rotary[axis.index() - 3][component] = 0.0;
+    }
+    known.settings.axes.iter_mut().for_each(|own| own.backlash = 0.0);
+    let places: Vec<[f64; AXES]> = record.readings.iter().map(|reading| reading.place).collect();
+    let (known_mm, clamped) = tip_errors(&known, &places)?;
+    let bare = without_errors(machine);
+    let responses: Vec<Vec<[f64; 3]>> = sought
+        .iter()
+        .map(|&(axis, component)| response(&bare, Unit::Rotary(axis, component), &places))
+        .collect::<Result<_>>()?;
+    let first_ball = sought.len();
+    let first_sensor = first_ball + 3 * record.balls.len();
+    let unknowns = first_sensor + if options.free_sensor { 3 } else { 0 };
+    let coordinates = 3 * record.readings.len();
+    if coordinates < unknowns + LEAST_FREEDOM {
+        bail!(
+            "{file}: found {coordinates} coordinates for {unknowns} unknowns, needed {LEAST_FREEDOM} more than that at least"
+        );
+    }
+    // Angles come in as what they do at a typical lever, so that the rank does not depend on units: the columns are scaled.
+    let mut fit = LinearFit::new(unknowns);
+    let mut rows = Vec::new();
+    for (i, reading) in record.readings.iter().enumerate() {
+        let workpiece = turned(machine, &reading.place, true);
+        let tool = turned(machine, &reading.place, false);
+        for c in 0..3 {
+            let mut row = vec![0.0; unknowns];
+            for (k, of) in responses.iter().enumerate() {
+                row[k] = of[i][c];
+            }
+            for k in 0..3 {
+                row[first_ball + 3 * reading.ball + k] = -workpiece[c][k];
+                if options.free_sensor {
+                    row[first_sensor + k] = tool[c][k];
+                }
+            }
+            let value = reading.displacement_mm[c] - known_mm[i][c];
+            fit.add(&row, value, 1.0);
+            rows.push((row, value));
+        }
+    }
+    let solution = fit.solve();
+    if !solution.unseen.is_empty() {
+        let mut names: Vec<String> = Vec::new();
+        for &unknown in &solution.unseen {
+            let own = match unknown {
+                k if k < first_ball => name(sought[k]),
+                k if k < first_sensor => format!("the place of ball {}", record.balls[(k - first_ball) / 3]),
+                _ => "the zero of the nest".into(),
+            };
+            if !names.contains(&own) {
+                names.push(own);
+            }
+        }
+        bail!(
+            "{file}: found poses that cannot tell apart {} (rank {} of {unknowns}), needed other angles of the axes that carry these, or some of \
+             them left as they are (--without)",
+            names.join(", "),
+            solution.rank
+        );
+    }
+    let left: Vec<f64> = rows
+        .iter()
+        .map(|(row, value)| value - row.iter().zip(&solution.values).map(|(a, x)| a * x).sum::<f64>())
+        .collect();
+    let sigma_mm = solution.sigma();
+    let mut location = machine.settings.location;
+    let mut terms = Vec::new();
+    for (k, &(axis, component)) in sought.iter().enumerate() {
+        let value = solution.values[k];
+        location.rotary[axis.index() - 3][component] = value;
+        terms.push(((axis, component), value, sigma_mm * solution.error_factors[k]));
+    }
+    let three = |from: usize| [0, 1, 2].map(|k| solution.values[from + k]);
+    Ok(Found {
+        terms,
+        location,
+        balls_mm: (0..record.balls.len()).map(|ball| three(first_ball + 3 * ball)).collect(),
+        sensor_mm: options.free_sensor.then(|| three(first_sensor)),
+        known_mm,
+        left_mm: left.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+        sigma_mm,
+        degrees_of_freedom: solution.degrees_of_freedom(),
+        rank: solution.rank,
+        condition: solution.condition,
+        clamped,
+    })
+}
+
+/// Nominal orientation of the workpiece (or of the tool) at a pose, from the bed outwards.
+fn turned(machine: &Machine, place: &[f64; AXES], workpiece: bool) -> [[f64; 3]; 3] {
+    let mut at = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let Ok(chain) = links(&machine.settings.chain) else { return at };
+    let own: Vec<Axis> = chain.iter().filter(|l| l.carries_workpiece == workpiece).map(|l| l.axis).collect();
+    // The code runs from the workpiece through the bed to the tool.
+    let outwards: Vec<Axis> = if workpiece { own.into_iter().rev().collect() } else { own };
+    for axis in outwards.into_iter().filter(|axis| axis.is_rotary()) {
+        let direction = machine.settings.axis(axis).map_or(1.0, |own| f64::from(own.direction));
+        let (sin, cos) = (direction * place[axis.index()]).to_radians().sin_cos();
+        let (i, j) = match axis {
+            Axis::A => (1, 2),
+            Axis::B => (2, 0),
+            _ => (0, 1),
+        };
+        for row in &mut at {
+            let (a, b) = (row[i], row[j]);
+            row[i] = a * cos + b * sin;
+            row[j] = b * cos - a * sin;
+        }
+    }
+    at
+}

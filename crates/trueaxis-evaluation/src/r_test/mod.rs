@@ -1,0 +1,29 @@
+//! R-test: the displacement of a ball at angles of the rotary axes, and the location errors of these axes that it tells.
+//!
+//! ```text
+//! RECORD.csv ─► Record ─► identify ─► Found: document, location errors
+//! ```
+//!
+//! Under RTCP the control holds the tool at a ball on the table while rotary axes turn (ISO 10791-6, tests BK); a nest of three
+//! probes reads how far the tool has moved from it. With the location errors of the rotary axes, the ball's place b in the workpiece's
+//! frame and the nest's zero s in the tool's frame,
+//!
+//! ```text
+//! d(q) = known(q) + Σ EX0A … EB0C · r(q) − R_w(q) b + R_t(q) s
+//! ```
+//!
+//! r(q) is the machine's own volumetric model for a unit of the error, known(q) what its tables and the errors that are not sought make.
+//! b is always an unknown, s where the nest was not calibrated to the spindle.
+//!
+//! Sources: ISO 10791-6:2014, Annex A; ISO 230-7:2015 (names); S. Weikert, CIRP Annals 53 (2004) 429 (the R-test); B. Bringmann,
+//! W. Knapp, CIRP Annals 55 (2006) 531.
+
+mod document;
+mod found;
+mod plots;
+mod record;
+
+pub use document::{Document, Term};
+pub use found::{Found, Options, identify, name};
+pub use plots::{displacements, left};
+pub use record::{COLUMNS, Reading, Record};

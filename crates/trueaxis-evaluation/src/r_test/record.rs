@@ -1,0 +1,88 @@
+//! RECORD.csv of an R-test.
+
+use crate::rows::{Column, Rows};
+use crate::stuck;
+use anyhow::Result;
+use std::collections::HashMap;
+use trueaxis::machine::AXES;
+
+/// Columns of a record.
+pub const COLUMNS: [Column; 10] = [
+    Column { name: "x_mm", needed: true },
+    Column { name: "y_mm", needed: true },
+    Column { name: "z_mm", needed: true },
+    Column { name: "a_deg", needed: false },
+    Column { name: "b_deg", needed: false },
+    Column { name: "c_deg", needed: false },
+    Column { name: "dx_um", needed: true },
+    Column { name: "dy_um", needed: true },
+    Column { name: "dz_um", needed: true },
+    Column { name: "ball", needed: false },
+];
+
+/// Travel of the nest's probes, mm: what is farther off is no reading.
+const PROBE_TRAVEL_MM: f64 = 2.0;
+
+/// One reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// Line of the file.
+    pub line: u32,
+    /// Commanded position of X Y Z A B C, mm and degrees.
+    pub place: [f64; AXES],
+    /// Displacement of the tool from the ball, actual − commanded, machine directions, mm.
+    pub displacement_mm: [f64; 3],
+    /// Index of the ball.
+    pub ball: usize,
+}
+
+/// A test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// All readings.
+    pub readings: Vec<Reading>,
+    /// Numbers of the balls.
+    pub balls: Vec<i64>,
+}
+
+impl Record {
+    /// Reads all rows of [`COLUMNS`].
+    ///
+    /// # Errors
+    /// A row that cannot be read, a pose a second time with the same ball, a displacement beyond the probes' travel, a probe that stands
+    /// still.
+    pub fn read(rows: &mut Rows<'_, 10>) -> Result<Record> {
+        let (mut readings, mut balls, mut poses) = (Vec::new(), Vec::new(), HashMap::new());
+        while let Some(row) = rows.next()? {
+            let [x, y, z, a, b, c, dx, dy, dz, ball] = row.values;
+            if ball.fract() != 0.0 {
+                return Err(rows.error(row.line, "ball", ball, "the number of a ball"));
+            }
+            let key = [a, b, c, ball].map(|value| (value + 0.0).to_bits());
+            if let Some(first) = poses.insert(key, row.line) {
+                let found = format!("a second row for these angles and this ball, as in line {first}");
+                return Err(rows.error(row.line, "dx_um", found, "one row for every pose of a ball"));
+            }
+            let displacement_mm = [dx, dy, dz].map(|um| 1e-3 * um);
+            for (mm, name) in displacement_mm.into_iter().zip(["dx_um", "dy_um", "dz_um"]) {
+                if mm.abs() > PROBE_TRAVEL_MM {
+                    let needed = format!("at most {} um, the travel of a nest's probes", 1e3 * PROBE_TRAVEL_MM);
+                    return Err(rows.error(row.line, name, 1e3 * mm, needed));
+                }
+            }
+            let ball = balls.iter().position(|known| *known == ball as i64).unwrap_or_else(|| {
+                balls.push(ball as i64);
+                balls.len() - 1
+            });
+            readings.push(Reading { line: row.line, place: [x, y, z, a, b, c], displacement_mm, ball });
+        }
+        let lines: Vec<u32> = readings.iter().map(|reading: &Reading| reading.line).collect();
+        for (c, name) in ["dx_um", "dy_um", "dz_um"].into_iter().enumerate() {
+            let values: Vec<f64> = readings.iter().map(|reading| reading.displacement_mm[c]).collect();
+            if let Some(stuck) = stuck::longest(&values) {
+                return Err(stuck.error(rows, &lines, name, 1e3));
+            }
+        }
+        Ok(Record { readings, balls })
+    }
+}

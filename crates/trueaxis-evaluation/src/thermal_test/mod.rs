@@ -1,0 +1,142 @@
+//! Thermal tests after ISO 230-3: a record as a test, and its figures as a document. The mathematics is
+//! [`trueaxis_metrology::drift`].
+//!
+//! Five probes look at a mandrel: x1, y1, z at its tip and x2, y2 a distance L further up, towards the spindle. The tilts follow,
+//! right-handed about the machine's axes: A = −(y2 − y1)/L, B = (x2 − x1)/L.
+
+mod document;
+mod plots;
+
+pub use document::{Channel, Document, Place, Temperature};
+pub use plots::{distortions, temperatures};
+
+use crate::rows::{Column, Rows};
+use crate::stuck;
+use anyhow::Result;
+
+/// Displacements and temperatures of a record.
+pub const COLUMNS: [Column; 10] = [
+    Column { name: "t_s", needed: true },
+    Column { name: "position", needed: false },
+    Column { name: "x1_um", needed: false },
+    Column { name: "y1_um", needed: false },
+    Column { name: "z_um", needed: false },
+    Column { name: "x2_um", needed: false },
+    Column { name: "y2_um", needed: false },
+    Column { name: "ambient_c", needed: false },
+    Column { name: "spindle_c", needed: false },
+    Column { name: "machine_c", needed: false },
+];
+/// First displacement and first temperature among the columns.
+const DISPLACEMENTS: std::ops::Range<usize> = 2..7;
+const TEMPERATURES: std::ops::Range<usize> = 7..10;
+/// Fewest readings at a position.
+const LEAST: usize = 10;
+/// Temperature that no shop has, °C.
+const HOTTEST_C: f64 = 150.0;
+
+/// A test with one series a position; microns, degrees Celsius, seconds from the first reading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Test {
+    /// Positions of the moving axis, 0 where the record names none.
+    pub positions: Vec<i64>,
+    /// Times at every position.
+    pub times_s: Vec<Vec<f64>>,
+    /// x1, y1, z, x2, y2 at every position; empty where not recorded.
+    pub displacements_um: Vec<[Vec<f64>; 5]>,
+    /// Times of the temperatures: all rows.
+    pub all_times_s: Vec<f64>,
+    /// ambient, spindle, machine; empty where not recorded.
+    pub temperatures_c: [Vec<f64>; 3],
+    /// Longest time without a reading, and after which line.
+    pub gap_s: (f64, u32),
+}
+
+/// Reads all rows of [`COLUMNS`].
+///
+/// # Errors
+/// A row that cannot be read, a time that does not increase, no displacement at all, too few readings, a temperature that is none, a probe
+/// that stands still while another moves.
+pub fn read(rows: &mut Rows<'_, 10>) -> Result<Test> {
+    let present = rows.present;
+    let recorded: Vec<usize> = DISPLACEMENTS.filter(|&c| present[c]).collect();
+    if recorded.is_empty() {
+        return Err(rows.error(1, "x1_um", "no displacement", "at least one of x1_um, y1_um, z_um, x2_um, y2_um"));
+    }
+    let all = rows.all()?;
+    let mut before = f64::NEG_INFINITY;
+    for row in &all {
+        let [time, position, ..] = row.values;
+        if time <= before {
+            return Err(rows.error(row.line, "t_s", time, format!("more than {before} of the line before")));
+        }
+        before = time;
+        if position.fract() != 0.0 {
+            return Err(rows.error(row.line, "position", position, "the number of a position"));
+        }
+        for c in TEMPERATURES {
+            if row.values[c].abs() > HOTTEST_C {
+                let needed = format!("a temperature of at most {HOTTEST_C} °C");
+                return Err(rows.error(row.line, COLUMNS[c].name, row.values[c], needed));
+            }
+        }
+    }
+    let start = all.first().map_or(0.0, |row| row.values[0]);
+    let mut test = Test {
+        positions: Vec::new(),
+        times_s: Vec::new(),
+        displacements_um: Vec::new(),
+        all_times_s: all.iter().map(|row| row.values[0] - start).collect(),
+        temperatures_c: [7, 8, 9]
+            .map(|c| if present[c] { all.iter().map(|row| row.values[c]).collect() } else { Vec::new() }),
+        gap_s: (0.0, 1),
+    };
+    for pair in all.windows(2) {
+        let gap = pair[1].values[0] - pair[0].values[0];
+        if gap > test.gap_s.0 {
+            test.gap_s = (gap, pair[0].line);
+        }
+    }
+    for row in &all {
+        let number = row.values[1] as i64;
+        if !test.positions.contains(&number) {
+            test.positions.push(number);
+        }
+    }
+    test.positions.sort_unstable();
+    for &number in &test.positions {
+        let own: Vec<_> = all.iter().filter(|row| row.values[1] as i64 == number).collect();
+        if own.len() < LEAST {
+            let line = own.last().map_or(1, |row| row.line);
+            return Err(rows.error(
+                line,
+                "t_s",
+                format!("{} readings at position {number}", own.len()),
+                format!("at least {LEAST}"),
+            ));
+        }
+        let lines: Vec<u32> = own.iter().map(|row| row.line).collect();
+        let series = |c: usize| -> Vec<f64> { own.iter().map(|row| row.values[c]).collect() };
+        for &c in &recorded {
+            let values = series(c);
+            if let Some(stuck) = stuck::longest(&values)
+                && recorded
+                    .iter()
+                    .any(|&other| other != c && moves(&series(other)[stuck.from..stuck.from + stuck.count]))
+            {
+                return Err(stuck.error(rows, &lines, COLUMNS[c].name, 1.0));
+            }
+        }
+        test.times_s.push(own.iter().map(|row| row.values[0] - start).collect());
+        test.displacements_um.push([2, 3, 4, 5, 6].map(|c| if present[c] { series(c) } else { Vec::new() }));
+    }
+    Ok(test)
+}
+
+/// Whether another probe takes many values meanwhile: a machine at rest with a coarse probe does not.
+fn moves(values: &[f64]) -> bool {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    2 * sorted.len() > values.len()
+}

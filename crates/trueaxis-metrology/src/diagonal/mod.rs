@@ -1,0 +1,284 @@
+//! Diagonal and step-diagonal displacement tests after ISO 230-6.
+//!
+//! A laser looks along each of the four body diagonals of the working volume. In the *diagonal test* the axes move together
+//! and every target lies on the diagonal; in the *step-diagonal (vector) test* they move one after the other, and the
+//! displacement along the beam is read after every single step. Deviations x = actual − commanded displacement along the
+//! beam, from the diagonal's first target.
+//!
+//! **Figures** ([`figures`]), on the targets that lie on the diagonal D, in the terms of ISO 230-2:
+//!
+//! ```text
+//! B(D) = max |x̄_i↑ − x̄_i↓|                         reversal value of the diagonal
+//! E(D) = max(x̄_i↑, x̄_i↓) − min(x̄_i↑, x̄_i↓)         systematic deviation of positioning on it
+//! M(D) = max x̄_i − min x̄_i                          range of the mean deviation
+//! R(D) = max R_i                                     repeatability (two runs at least)
+//! E_d, B_d, R_d, M_d: the largest of the four
+//! ```
+//!
+//! **What they tell of the machine** ([`volume`]). With u the diagonal's unit vector and s the signs of its components, the
+//! slope of its deviation is to first order
+//!
+//! ```text
+//! m = u_x² s_x + u_y² s_y + u_z² s_z − u_x u_y C0Y + u_x u_z B0Z − u_y u_z A0Z        (s_i: scale of axis i)
+//! ```
+//!
+//! Four slopes give the three squarenesses and one weighted scale, whatever the mirror's alignment (second order).
+//!
+//! **What the steps add** ([`vector`]). A step of axis j along diagonal k reads u_k · δ_j: four equations for the three
+//! components of the step's error. But a flat mirror that stands τ off the normal of the diagonal reads D (τ·n_j) more on a
+//! step D of axis j, as the step carries it sideways; so does an error of the beam's direction. The four τ take the place of the
+//! scales: those and the slopes of the straightnesses come out only where the alignment is known (`alignment_rad`). The shapes that
+//! are left, slopes removed, do not depend on τ; angular errors with their levers do enter them.
+//!
+//! Sources: ISO 230-6:2002; C. Wang, Rev. Sci. Instrum. 71 (2000) 3933 (the vector method); M. A. V. Chapman, Precis. Eng. 27
+//! (2003) 401 and O. Svoboda, Precis. Eng. 30 (2006) 132 (its limits); J. A. Soons, Laser Metrology and Machine Performance VII
+//! (2005) 126 (analysis of the step-diagonal test); S. Ibaraki et al., Precis. Eng. 33 (2009) 104 (set-up errors of it).
+
+mod figures;
+mod steps;
+mod vector;
+mod volume;
+
+pub use figures::{Figures, figures};
+pub use vector::{Shape, Vector};
+pub use volume::{Term, Volume};
+
+use crate::accuracy::Direction;
+use core::fmt;
+use std::vec::Vec;
+
+/// A target that lies farther than this share of the diagonal beside it is a step, not a target of the diagonal.
+const BESIDE: f64 = 1e-4;
+/// Fewest targets of a diagonal.
+const LEAST: usize = 3;
+
+/// One reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// The diagonal, 0 … 3.
+    pub diagonal: usize,
+    /// Run, from 1.
+    pub run: u32,
+    /// Away from the diagonal's first target, or back.
+    pub direction: Direction,
+    /// Commanded position, mm.
+    pub position_mm: [f64; 3],
+    /// Actual less commanded displacement along the beam, mm.
+    pub deviation_mm: f64,
+}
+
+/// A target of a diagonal with the mean of its readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Commanded position, mm.
+    pub position_mm: [f64; 3],
+    /// Way along the diagonal, mm.
+    pub along_mm: f64,
+    /// Distance from it, mm.
+    pub beside_mm: f64,
+    /// Mean deviation away, back; mm.
+    pub mean_mm: [Option<f64>; 2],
+}
+
+impl Target {
+    /// Mean over the directions that there are, mm.
+    pub fn mean(&self) -> f64 {
+        let known = self.mean_mm.iter().flatten();
+        known.clone().sum::<f64>() / (known.count().max(1)) as f64
+    }
+}
+
+/// A diagonal with its targets in order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagonal {
+    /// Unit vector from the first to the last target.
+    pub unit: [f64; 3],
+    /// Its length, mm.
+    pub length_mm: f64,
+    /// Its targets, in the order of `along_mm`.
+    pub targets: Vec<Target>,
+}
+
+/// Four diagonals, and how much a reading scatters.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Test {
+    /// The diagonals 1 … 4.
+    pub diagonals: [Diagonal; 4],
+    /// Readings of every diagonal.
+    pub readings: Vec<Reading>,
+    /// Whether there are targets beside the diagonals.
+    pub steps: bool,
+    /// Standard deviation of a reading from repeated runs, mm; without repeats none.
+    pub sigma_mm: Option<f64>,
+}
+
+/// Why a test is refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refused {
+    /// A diagonal without a reading.
+    Missing {
+        /// Its number, 1 … 4.
+        diagonal: usize,
+    },
+    /// A target once more in the same run and direction.
+    Twice {
+        /// Index of the second reading.
+        index: usize,
+        /// Index of the first.
+        first: usize,
+    },
+    /// Too few targets.
+    TooFew {
+        /// Number of the diagonal, 1 … 4.
+        diagonal: usize,
+        /// Targets on it.
+        found: usize,
+    },
+    /// A line that is no body diagonal: an axis hardly moves on it.
+    NotABodyDiagonal {
+        /// Number of the diagonal, 1 … 4.
+        diagonal: usize,
+        /// Its travel, mm.
+        travel_mm: [f64; 3],
+    },
+    /// Diagonals of different boxes, or one of them twice.
+    NotOneBox {
+        /// Number of the diagonal, 1 … 4.
+        diagonal: usize,
+    },
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refused::Missing { diagonal } => {
+                write!(f, "found no reading of diagonal {diagonal}, needed diagonals 1 to 4")
+            }
+            Refused::Twice { .. } => write!(f, "found a target a second time, needed each once a run and direction"),
+            Refused::TooFew { diagonal, found } => {
+                write!(f, "diagonal {diagonal}: found {found} targets on it, needed at least {LEAST}")
+            }
+            Refused::NotABodyDiagonal { diagonal, travel_mm: [x, y, z] } => write!(
+                f,
+                "diagonal {diagonal}: found a travel of {x}, {y}, {z} mm, needed a body diagonal on which all of X, Y, Z move"
+            ),
+            Refused::NotOneBox { diagonal } => write!(
+                f,
+                "diagonal {diagonal}: found another box, or a diagonal that is there already, needed the four body diagonals of one"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for Refused {}
+
+impl Test {
+    /// Sorts readings into diagonals and targets.
+    ///
+    /// A diagonal's first target is the one where its first reading away from it was taken. Cost: n log n of the readings.
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn new(readings: Vec<Reading>) -> Result<Test, Refused> {
+        let mut diagonals = Vec::new();
+        let (mut squares, mut freedom) = (0.0, 0);
+        for number in 0..4 {
+            let own: Vec<(usize, &Reading)> =
+                readings.iter().enumerate().filter(|(_, reading)| reading.diagonal == number).collect();
+            let (diagonal, scatter) = diagonal(number + 1, &own)?;
+            squares += scatter.0;
+            freedom += scatter.1;
+            diagonals.push(diagonal);
+        }
+        for (k, one) in diagonals.iter().enumerate() {
+            let reference = diagonals[0].unit;
+            let same_box = (0..3).all(|c| (one.unit[c].abs() - reference[c].abs()).abs() < 1e-3);
+            let doubled = diagonals[..k].iter().any(|other| dot(other.unit, one.unit).abs() > 1.0 - 1e-9);
+            if !same_box || doubled || (one.length_mm / diagonals[0].length_mm - 1.0).abs() > 1e-3 {
+                return Err(Refused::NotOneBox { diagonal: k + 1 });
+            }
+        }
+        let diagonals: [Diagonal; 4] = diagonals.try_into().map_err(|_| Refused::Missing { diagonal: 4 })?;
+        let steps = diagonals
+            .iter()
+            .flat_map(|own| own.targets.iter().map(move |t| (own, t)))
+            .any(|(own, target)| target.beside_mm > BESIDE * own.length_mm);
+        let sigma_mm = (freedom > 0).then(|| (squares / freedom as f64).sqrt());
+        Ok(Test { diagonals, readings, steps, sigma_mm })
+    }
+
+    /// Squareness and scale from the slopes of the diagonals.
+    pub fn volume(&self) -> Volume {
+        volume::volume(self)
+    }
+
+    /// What the steps tell; `None` where there are none, or an interval of an axis that not all four diagonals have.
+    ///
+    /// `alignment_rad`: standard uncertainty of the mirror's alignment; without it the scales stay unknown.
+    pub fn vector(&self, alignment_rad: Option<f64>) -> Option<Vector> {
+        vector::vector(self, alignment_rad)
+    }
+
+    /// Targets that lie on a diagonal.
+    pub fn on(&self, diagonal: usize) -> impl Iterator<Item = &Target> {
+        let own = &self.diagonals[diagonal];
+        own.targets.iter().filter(|target| target.beside_mm <= BESIDE * own.length_mm)
+    }
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn less(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+type Scatter = (f64, usize);
+
+fn diagonal(number: usize, own: &[(usize, &Reading)]) -> Result<(Diagonal, Scatter), Refused> {
+    let away = own.iter().find(|(_, reading)| reading.direction == Direction::Up).or(own.last());
+    let Some((_, first)) = away else { return Err(Refused::Missing { diagonal: number }) };
+    let from = first.position_mm;
+    let far = own.iter().map(|(_, reading)| less(reading.position_mm, from));
+    let to = far.fold([0.0; 3], |best, way| if dot(way, way) > dot(best, best) { way } else { best });
+    let length_mm = dot(to, to).sqrt();
+    if !(to.iter().all(|part| part.abs() > 0.05 * length_mm) && length_mm > 0.0) {
+        return Err(Refused::NotABodyDiagonal { diagonal: number, travel_mm: to });
+    }
+    let unit = to.map(|part| part / length_mm);
+    let mut sorted: Vec<(usize, &Reading, f64)> =
+        own.iter().map(|&(index, reading)| (index, reading, dot(less(reading.position_mm, from), unit))).collect();
+    sorted.sort_by(|one, other| one.2.total_cmp(&other.2));
+    let mut targets: Vec<Target> = Vec::new();
+    let (mut squares, mut freedom) = (0.0, 0);
+    for group in sorted.chunk_by(|one, other| other.2 - one.2 < 1e-6 * length_mm) {
+        let mut mean_mm = [None; 2];
+        for (way, direction) in [Direction::Up, Direction::Down].into_iter().enumerate() {
+            let mut of: Vec<&(usize, &Reading, f64)> = group.iter().filter(|r| r.1.direction == direction).collect();
+            of.sort_by_key(|r| r.0);
+            for (i, second) in of.iter().enumerate() {
+                if let Some(first) = of[..i].iter().find(|first| first.1.run == second.1.run) {
+                    return Err(Refused::Twice { index: second.0, first: first.0 });
+                }
+            }
+            if !of.is_empty() {
+                let mean = of.iter().map(|r| r.1.deviation_mm).sum::<f64>() / of.len() as f64;
+                squares += of.iter().map(|r| (r.1.deviation_mm - mean).powi(2)).sum::<f64>();
+                freedom += of.len() - 1;
+                mean_mm[way] = Some(mean);
+            }
+        }
+        let (_, reading, along_mm) = group[0];
+        let way = less(reading.position_mm, from);
+        let beside_mm = (dot(way, way) - along_mm * along_mm).max(0.0).sqrt();
+        targets.push(Target { position_mm: reading.position_mm, along_mm, beside_mm, mean_mm });
+    }
+    let found = targets.iter().filter(|target| target.beside_mm <= BESIDE * length_mm).count();
+    if found < LEAST {
+        return Err(Refused::TooFew { diagonal: number, found });
+    }
+    Ok((Diagonal { unit, length_mm, targets }, (squares, freedom)))
+}

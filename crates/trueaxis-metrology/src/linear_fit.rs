@@ -1,0 +1,221 @@
+//! Linear least squares of many rows and some hundred unknowns, with rank, condition and what cannot be told apart.
+//!
+//! Rows w·(a·x) = w·y enter a triangle by Householder reflections, a block at a time: memory depends on the unknowns alone,
+//! and the normal equations are never formed. Columns are scaled to unit length; the singular values of the scaled triangle
+//! give rank and condition, and the vectors of the vanishing ones say which unknowns no row tells apart.
+//!
+//! Source: Golub, Van Loan, *Matrix Computations*, 5.3, 5.5 and 12.5 (updating a QR factorisation by rows).
+
+use nalgebra::{DMatrix, DVector};
+use std::vec;
+use std::vec::Vec;
+
+/// Singular values of the scaled columns below this share of the largest count as zero.
+pub const RANK_TOLERANCE: f64 = 1e-8;
+/// Share of an unknown in a direction that no row sees, from which it is named (of the square of its length).
+const NAMED: f64 = 0.01;
+/// Rows that are gathered before they are reflected into the triangle, as a multiple of the unknowns.
+const BLOCK: usize = 3;
+
+/// Rows of a fit, gathered.
+#[derive(Clone, Debug)]
+pub struct LinearFit {
+    unknowns: usize,
+    triangle: DMatrix<f64>,
+    /// Rows not yet in the triangle, one after the other, right-hand side last.
+    waiting: Vec<f64>,
+    rows: usize,
+}
+
+/// What a fit found.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Solution {
+    /// The unknowns.
+    pub values: Vec<f64>,
+    /// Standard errors for rows of unit standard deviation: roots of the diagonal of (AᵀW²A)⁻¹.
+    pub error_factors: Vec<f64>,
+    /// Number of unknowns that the rows determine.
+    pub rank: usize,
+    /// Condition number of the scaled columns.
+    pub condition: f64,
+    /// Sum of the squares of the weighted residuals.
+    pub squares: f64,
+    /// Rows that went in.
+    pub rows: usize,
+    /// Groups of unknowns that no row tells apart, each in ascending order; empty at full rank. The values are then those of
+    /// minimum norm in the scaled unknowns.
+    pub unseen: Vec<usize>,
+}
+
+impl Solution {
+    /// Rows less rank.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.rows.saturating_sub(self.rank)
+    }
+
+    /// Standard deviation of a row of unit weight; 0 without redundancy.
+    pub fn sigma(&self) -> f64 {
+        match self.degrees_of_freedom() {
+            0 => 0.0,
+            freedom => (self.squares / freedom as f64).sqrt(),
+        }
+    }
+}
+
+impl LinearFit {
+    /// A fit of so many unknowns, without a row.
+    pub fn new(unknowns: usize) -> LinearFit {
+        LinearFit { unknowns, triangle: DMatrix::zeros(unknowns + 1, unknowns + 1), waiting: Vec::new(), rows: 0 }
+    }
+
+    /// Adds weight·(a·x) = weight·value; weight = 1/standard deviation. `a` may be shorter than the unknowns (zeros follow).
+    pub fn add(&mut self, a: &[f64], value: f64, weight: f64) {
+        let given = a.iter().copied().chain(std::iter::repeat(0.0)).take(self.unknowns);
+        self.waiting.extend(given.chain([value]).map(|entry| weight * entry));
+        self.rows += 1;
+        if self.waiting.len() >= BLOCK * (self.unknowns + 1) * (self.unknowns + 1) {
+            self.reflect();
+        }
+    }
+
+    /// Works the waiting rows into the triangle.
+    fn reflect(&mut self) {
+        let size = self.unknowns + 1;
+        let waiting = std::mem::take(&mut self.waiting);
+        if waiting.is_empty() {
+            return;
+        }
+        let mut stack = DMatrix::zeros(size + waiting.len() / size, size);
+        stack.rows_mut(0, size).copy_from(&self.triangle);
+        for (i, row) in waiting.chunks_exact(size).enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                stack[(size + i, j)] = *value;
+            }
+        }
+        self.triangle = stack.qr().r();
+    }
+
+    /// Solves.
+    ///
+    /// Cost: one singular value decomposition of the triangle. Values that are not finite in any row make all values NaN and
+    /// the rank 0.
+    pub fn solve(mut self) -> Solution {
+        self.reflect();
+        let n = self.unknowns;
+        let mut factor = self.triangle.view((0, 0), (n, n)).into_owned();
+        let right: DVector<f64> = self.triangle.view((0, n), (n, 1)).column(0).into_owned();
+        let rest = self.triangle[(n, n)];
+        if !self.triangle.iter().all(|value| value.is_finite()) {
+            let nothing = vec![f64::NAN; n];
+            return Solution {
+                error_factors: nothing.clone(),
+                values: nothing,
+                rank: 0,
+                condition: f64::INFINITY,
+                squares: f64::NAN,
+                rows: self.rows,
+                unseen: (0..n).collect(),
+            };
+        }
+        let lengths: Vec<f64> = (0..n).map(|j| factor.column(j).norm()).collect();
+        let longest = lengths.iter().copied().fold(0.0, f64::max);
+        // A column of zeros, or of what rounding leaves, keeps its length: the rank tells.
+        let lengths: Vec<f64> = lengths
+            .into_iter()
+            .map(|length| if length > f64::EPSILON * longest { length } else { longest.max(f64::MIN_POSITIVE) })
+            .collect();
+        for (j, length) in lengths.iter().enumerate() {
+            factor.column_mut(j).scale_mut(1.0 / length);
+        }
+        let svd = factor.svd(true, true);
+        let (singular, u, v_t) = (&svd.singular_values, svd.u.as_ref(), svd.v_t.as_ref());
+        let largest = singular.iter().copied().fold(0.0, f64::max);
+        let seen = |value: f64| value > RANK_TOLERANCE * largest;
+        let mut values = vec![0.0; n];
+        let mut variances = vec![0.0; n];
+        let mut unseen = vec![0.0; n];
+        let mut squares = rest * rest;
+        if let (Some(u), Some(v_t)) = (u, v_t) {
+            for (k, &value) in singular.iter().enumerate() {
+                let along = u.column(k).dot(&right);
+                for j in 0..n {
+                    let part = v_t[(k, j)];
+                    if seen(value) {
+                        values[j] += part * along / value / lengths[j];
+                        variances[j] += (part / value / lengths[j]).powi(2);
+                    } else {
+                        unseen[j] += part * part;
+                    }
+                }
+                if !seen(value) {
+                    squares += along * along;
+                }
+            }
+        }
+        let smallest = singular.iter().copied().fold(f64::INFINITY, f64::min);
+        Solution {
+            values,
+            error_factors: variances.into_iter().map(f64::sqrt).collect(),
+            rank: singular.iter().filter(|value| seen(**value)).count(),
+            condition: if smallest > 0.0 { largest / smallest } else { f64::INFINITY },
+            squares,
+            rows: self.rows,
+            unseen: (0..n).filter(|&j| unseen[j] > NAMED).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line through four points: y = 1 + 2 t with residuals ±0.1, by hand.
+    #[test]
+    fn a_line_by_hand() {
+        let mut fit = LinearFit::new(2);
+        for (t, y) in [(0.0, 1.1), (1.0, 2.9), (2.0, 4.9), (3.0, 7.1)] {
+            fit.add(&[1.0, t], y, 1.0);
+        }
+        let found = fit.solve();
+        assert!((found.values[0] - 1.0).abs() < 1e-14 && (found.values[1] - 2.0).abs() < 1e-14, "{found:?}");
+        assert!((found.squares - 0.04).abs() < 1e-14 && found.rank == 2 && found.unseen.is_empty());
+        // Var(slope) = 1/Σ(t − t̄)² = 1/5, Var(intercept) = 1/4 + 1.5²/5.
+        assert!((found.error_factors[1] - 0.2_f64.sqrt()).abs() < 1e-14);
+        assert!((found.error_factors[0] - 0.7_f64.sqrt()).abs() < 1e-14);
+        assert!((found.sigma() - 0.02_f64.sqrt()).abs() < 1e-14);
+    }
+
+    /// Many blocks give what one gives, and weights count as repetitions.
+    #[test]
+    fn blocks_and_weights() {
+        let rows = |k: usize| [1.0, (k as f64 * 0.7).sin(), (k as f64 * 0.3).cos()];
+        let value = |k: usize| (k as f64 * 1.3).sin();
+        let (mut one, mut four) = (LinearFit::new(3), LinearFit::new(3));
+        for k in 0..200 {
+            one.add(&rows(k), value(k), 2.0);
+            for _ in 0..4 {
+                four.add(&rows(k), value(k), 1.0);
+            }
+        }
+        let (one, four) = (one.solve(), four.solve());
+        for j in 0..3 {
+            assert!((one.values[j] - four.values[j]).abs() < 1e-13);
+            assert!((one.error_factors[j] - four.error_factors[j]).abs() < 1e-13);
+        }
+    }
+
+    /// Two columns that are the same: rank one less, both named, the third not, values of minimum norm.
+    #[test]
+    fn what_cannot_be_told_apart_is_named() {
+        let mut fit = LinearFit::new(4);
+        for k in 0..10 {
+            let t = f64::from(k);
+            fit.add(&[1.0, t, 1.0, 0.0], 3.0 + t, 1.0);
+        }
+        let found = fit.solve();
+        assert_eq!((found.rank, found.unseen.as_slice()), (2, &[0, 2, 3][..]));
+        assert!((found.values[0] - 1.5).abs() < 1e-12 && (found.values[2] - 1.5).abs() < 1e-12);
+        assert!((found.values[1] - 1.0).abs() < 1e-12);
+    }
+}
