@@ -1,5 +1,6 @@
 //! The untrusted inputs, one file each.
 
+pub mod ballbar;
 pub mod c_calls;
 pub mod circle;
 pub mod convert;
@@ -37,6 +38,7 @@ macro_rules! for_each_target {
             gcode: $crate::targets::gcode::TARGET,
             path: $crate::targets::path::TARGET,
             convert: $crate::targets::convert::TARGET,
+            ballbar: $crate::targets::ballbar::TARGET,
             c_calls: $crate::targets::c_calls::TARGET,
             circle: $crate::targets::circle::TARGET,
             desk: $crate::targets::desk::TARGET,
