@@ -239,6 +239,14 @@ class Machine:
             result = self.fresh("whole")
             self.facts.append(self.of(Kind.NOT, self.of(Kind.FP_IS_NAN, result)))
             return result
+        # A Cortex-M passes the bits of a number to its square root as an integer, and has two integers back.
+        if word == "bitcast":
+            kind, a, to = read(r"(float|double|i32|i64) (\S+) to (float|double|i32|i64)", rest)
+            return value(a, kind)
+        if word == "extractvalue":
+            a, part = read(rf"{{ i32, i32 }} ({NAME}), (\d+)", rest)
+            if part == "0":
+                return values[a]
         raise SystemExit(f"ir.py: found the instruction {word} {rest!r}, needed one that it knows")
 
     def call(self, text, value, values, memory, reached):
