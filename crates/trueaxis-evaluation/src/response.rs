@@ -52,10 +52,11 @@ fn of<const N: usize>(machine: &Machine, places: &[[f64; AXES]]) -> Result<(Vec<
     })
 }
 
-/// The machine without any error: no tables, no location errors, no backlash.
+/// The machine without any error: no tables, no grids, no location errors, no backlash.
 pub fn without_errors(machine: &Machine) -> Machine {
     let mut bare = machine.clone();
     bare.settings.location = Default::default();
+    bare.grids.clear();
     for (own, table) in bare.settings.axes.iter_mut().zip(&mut bare.tables) {
         own.backlash = 0.0;
         *table = None;

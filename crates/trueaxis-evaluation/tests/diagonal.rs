@@ -38,7 +38,7 @@ fn machine(chain: &str, scales: [f64; 3], bow: f64, play: [f64; 3]) -> Machine {
         });
         tables.push(Some(Table { given: [true; 6], bidirectional: false, rows: table }));
     }
-    Machine { settings, tables }
+    Machine { settings, tables, grids: Vec::new() }
 }
 
 /// Positions along a diagonal, stepwise X, Y, Z or together.

@@ -48,7 +48,7 @@ fn machine(chain: &str, seed: u64, measured_at: [f64; 3]) -> Machine {
         });
         tables.push(Some(Table { given: [true; 6], bidirectional: false, rows: table }));
     }
-    Machine { settings, tables }
+    Machine { settings, tables, grids: Vec::new() }
 }
 
 /// A grid of points, or scattered ones; the instrument stands shifted and turned, the reflectors' offsets are off.

@@ -33,7 +33,7 @@ fn machine(chain: &str, seed: u64, of: &[Axis]) -> Machine {
         }
     }
     let tables = settings.axes.iter().map(|_| None).collect();
-    Machine { settings, tables }
+    Machine { settings, tables, grids: Vec::new() }
 }
 
 /// Poses at which the control holds the tool at a ball `ball` mm from the workpiece's zero, by the ideal machine's own kinematics: the

@@ -63,7 +63,7 @@ fn rotary(text: &[u8]) -> anyhow::Result<()> {
     let record = r_test::Record::read(&mut rows(text, &r_test::COLUMNS)?)?;
     outcome::accepted();
     let settings = Settings::new("w C' A' Y' b X Z t").settings();
-    let machine = Machine { tables: settings.axes.iter().map(|_| None).collect(), settings };
+    let machine = Machine { tables: settings.axes.iter().map(|_| None).collect(), grids: Vec::new(), settings };
     let found = r_test::identify(&record, FILE, &machine, &r_test::Options::default())?;
     let document = r_test::Document::new(&record, &found, &machine);
     finite(document.terms.iter().flat_map(|term| [term.value, term.standard_error]));
@@ -75,7 +75,7 @@ fn volume(text: &[u8]) -> anyhow::Result<()> {
     let points = points::Points::read(&mut rows(text, &points::COLUMNS)?)?;
     outcome::accepted();
     let settings = Settings::new("w X' b Y Z t").settings();
-    let machine = Machine { tables: settings.axes.iter().map(|_| None).collect(), settings };
+    let machine = Machine { tables: settings.axes.iter().map(|_| None).collect(), grids: Vec::new(), settings };
     let options = points::Options { nodes: Some([2; 3]), ..points::Options::default() };
     match points::identify(&points, &machine, &options) {
         Ok(found) => {

@@ -230,6 +230,8 @@ fn filled(machine: &Machine, basis: &Basis, errors: &Errors) -> Machine {
     // In micro and then / 1e3 or 1e6, as a file is read, so that it reads back as the same double; + 0 turns −0 into 0.
     let rounded = |value: f64, scale: f64| (value * scale * STEPS).round() / STEPS / scale + 0.0;
     machine.settings.compensation.model = ErrorModel::Volumetric;
+    // What the points show is the whole error: a grid on top would count it twice.
+    machine.grids.clear();
     let [a0z, b0z, c0y] = errors.squareness.map(|rad| rounded(rad, 1e6));
     let location = &mut machine.settings.location;
     (location.a0z, location.b0z, location.c0y) = (a0z, b0z, c0y);
