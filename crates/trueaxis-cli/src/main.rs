@@ -25,6 +25,7 @@ mod report;
 mod roundness;
 mod tables;
 mod telemetry;
+mod uncertainty;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -85,6 +86,9 @@ enum Command {
     /// Correction over path length for the next part of a program, from the contour error of the last.
     #[command(after_help = learn::HELP)]
     Learn(learn::Arguments),
+    /// Uncertainty of the corrected position, from how well the machine's figures are known.
+    #[command(after_help = uncertainty::HELP)]
+    Uncertainty(uncertainty::Arguments),
     /// Telemetry of a controller as a table, Parquet or CSV.
     #[command(after_help = telemetry::HELP)]
     Telemetry(telemetry::Arguments),
@@ -109,6 +113,7 @@ fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Friction(arguments) => friction::run(&arguments),
         Command::Learn(arguments) => learn::run(&arguments),
+        Command::Uncertainty(arguments) => uncertainty::run(&arguments),
         Command::Telemetry(arguments) => telemetry::run(&arguments),
         Command::Desk(arguments) => desk::run(&arguments),
     };

@@ -1,7 +1,7 @@
 //! `trueaxis tables …`.
 
 mod accuracy;
-mod collapse;
+pub(crate) mod collapse;
 mod compile;
 mod convert;
 
@@ -100,6 +100,8 @@ pub(crate) enum Command {
     /// Evaluate a measured axis after ISO 230-2: A, E, R, M, B.
     #[command(after_help = "MEASURED.csv: X_mm,run,direction,deviation_um; one row per approach, direction + or −.\n\
         Or a row per target and a column per run: X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,… (µm; of a rotary axis µrad).\n\n\
+        --instrument M: bands of the figures, from [uncertainty] of M: device_um_per_m, device_um, misalignment_mm,\n\
+        temperature_k, expansion_um_per_m_k, temperature_difference_k, eve_um (ISO/TR 230-9).\n\n\
         Example: trueaxis tables accuracy compensation-tables/mill-3axis/x-iso230-2.csv --machine compensation-tables/mill-3axis")]
     Accuracy {
         /// Measured deviations.
@@ -111,6 +113,15 @@ pub(crate) enum Command {
         /// Axis measured, where the file does not say so.
         #[arg(long, value_name = "AXIS")]
         axis: Option<String>,
+        /// Machine whose [uncertainty] states the instrument and the set-up: gives every figure its band.
+        #[arg(long, value_name = "M")]
+        instrument: Option<PathBuf>,
+        /// Largest permitted accuracy A: pass and fail only outside its band (ISO 14253-1).
+        #[arg(long, value_name = "UM", requires = "instrument")]
+        tolerance_um: Option<f64>,
+        /// Coverage of the bands, percent.
+        #[arg(long, value_name = "PERCENT", default_value_t = 95.0)]
+        confidence: f64,
         /// Print one JSON document.
         #[arg(long)]
         json: bool,
@@ -137,8 +148,9 @@ pub(crate) fn run(command: Command) -> Result<()> {
             };
             convert::export(convert::format("--to", &to, comp_file_type)?, &machine, &options, &output)
         }
-        Command::Accuracy { measured, machine, axis, json } => {
-            accuracy::run(&measured, axis_of(axis.as_deref())?, machine.as_deref(), json)
+        Command::Accuracy { measured, machine, axis, instrument, tolerance_um, confidence, json } => {
+            let bands = instrument.as_deref().map(|machine| accuracy::Bands { machine, tolerance_um, confidence });
+            accuracy::run(&measured, axis_of(axis.as_deref())?, machine.as_deref(), bands, json)
         }
     }
 }

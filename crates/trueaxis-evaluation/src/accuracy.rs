@@ -2,6 +2,7 @@
 
 use crate::by_axes;
 use crate::model::with_compensation;
+use crate::uncertainty::{per_length, reading};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use std::path::Path;
@@ -11,8 +12,10 @@ use trueaxis::machine::{AxisOrder, ErrorModel};
 use trueaxis_metrology::accuracy::{
     Accuracy, Approach, Direction, Measurement, evaluate as as_measured, evaluate_compensated,
 };
+use trueaxis_metrology::uncertainty::{Instrument, Positioning, Verdict, positioning, verdict};
 use trueaxis_tables::Machine;
 use trueaxis_tables::formats::iso230_2::{MeasurementFile, read_measurement};
+use trueaxis_tables::uncertainty::Uncertainties;
 
 /// Figures of a measured axis.
 #[derive(Clone, Debug, Serialize)]
@@ -22,6 +25,63 @@ pub struct Document {
     /// With what a machine's tables would take off.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compensated: Option<Accuracy>,
+    /// Bands of the figures as measured, where the instrument is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Positioning>,
+    /// What may be said of a tolerance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Judgement>,
+}
+
+/// A verdict on the bidirectional accuracy A (of a measurement in one direction: A↑ or A↓), uncertainty included.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Judgement {
+    /// The figure.
+    pub figure: &'static str,
+    /// Largest permitted value, µm.
+    pub tolerance_um: f64,
+    /// Pass or fail only outside the band (ISO 14253-1).
+    pub verdict: Verdict,
+}
+
+/// Draws behind a band: its ends are then known to some 3 % of it.
+const TRIALS: usize = 2_000;
+/// Of the draws.
+const SEED: u64 = 1;
+
+/// Bands of the figures of a linear axis, from what a machine states of the instrument and of its own expansion.
+///
+/// # Errors
+/// A rotary axis; an axis that the machine has not got; an instrument without an uncertainty.
+pub fn bands(
+    measurement: &Measurement,
+    machine: &Machine,
+    stated: &Uncertainties,
+    coverage: f64,
+) -> Result<Positioning> {
+    let (axis, name) = (measurement.axis, &machine.settings.name);
+    if axis.is_rotary() {
+        bail!("axis {}: found a rotary axis, needed a linear one for the terms of [uncertainty]", axis.letter());
+    }
+    let own = machine.settings.axis(axis);
+    let own = own.with_context(|| format!("{name}: found no axis {}, needed the one measured", axis.letter()))?;
+    let ends = measurement.positions.first().zip(measurement.positions.last());
+    let length = ends.map_or(0.0, |(first, last)| last - first).max(f64::MIN_POSITIVE);
+    // mm to µm; by length both are millionths of each other.
+    let instrument = Instrument {
+        per_length: 1e3 * per_length(&stated.instrument, own.thermal.expansion_per_k, length),
+        reading: 1e3 * reading(&stated.instrument),
+    };
+    if instrument.per_length == 0.0 && instrument.reading == 0.0 {
+        bail!("{name}: found no uncertainty of the instrument above zero, needed [uncertainty] in its machine.toml");
+    }
+    positioning(measurement, instrument, coverage, TRIALS, SEED).map_err(|error| anyhow!("{error}"))
+}
+
+/// The verdict on A.
+pub fn judge(bands: &Positioning, tolerance_um: f64) -> Option<Judgement> {
+    let band = ["A", "A_up", "A_down"].into_iter().find_map(|figure| bands.of(figure))?;
+    Some(Judgement { figure: band.figure, tolerance_um, verdict: verdict(band.interval, tolerance_um) })
 }
 
 /// Reads a measurement; `file` is only named in errors. `tell` hears of separators other than commas.
@@ -54,7 +114,7 @@ pub fn evaluate(measurement: &Measurement, file: &Path, machine: Option<(&Machin
             Some(by_axes!(tables.settings.step_axes().count(), after(&tables, measurement))?)
         }
     };
-    Ok(Document { measured, compensated })
+    Ok(Document { measured, compensated, uncertainty: None, verdict: None })
 }
 
 /// The deviations less what the machine's own look-up says of the axis alone, in the direction of the approach.

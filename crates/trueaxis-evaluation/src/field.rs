@@ -16,7 +16,7 @@
 //! of errors; and where a correction meets its limit or an axis is missing, what could not be sent.
 
 mod figures;
-mod grid;
+pub(crate) mod grid;
 mod sample;
 mod worst;
 

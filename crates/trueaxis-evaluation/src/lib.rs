@@ -32,3 +32,4 @@ pub mod roundness;
 pub mod rows;
 pub mod stuck;
 pub mod thermal_test;
+pub mod uncertainty;

@@ -267,30 +267,43 @@ pub fn evaluate_compensated(
     }
     let positions: Vec<AtPosition> =
         measurement.positions.iter().map(|&position| at_position(measurement, position, &error)).collect();
+    Ok(from_positions(measurement.axis, measurement.runs, positions))
+}
+
+/// The figures of an axis from those of its positions.
+pub(crate) fn from_positions(axis: Axis, runs: usize, positions: Vec<AtPosition>) -> Accuracy {
     let up = one_way(positions.iter().filter_map(|at| at.up));
     let down = one_way(positions.iter().filter_map(|at| at.down));
     let both = both_ways(&positions);
-    let axis = measurement.axis;
     let unit = if axis.is_rotary() { "urad" } else { "um" };
-    Ok(Accuracy { axis: axis.letter(), unit, runs: measurement.runs, positions, up, down, both })
+    Accuracy { axis: axis.letter(), unit, runs, positions, up, down, both }
 }
 
 fn at_position(measurement: &Measurement, position: f64, error: impl Fn(f64, Direction) -> f64) -> AtPosition {
-    let [up, down] = [Direction::Up, Direction::Down].map(|direction| {
+    let found = [Direction::Up, Direction::Down].map(|direction| {
         let predicted = error(position, direction);
         let mean = measurement.mean(position, direction)? - predicted;
         let squares =
             measurement.deviations(position, direction).map(|deviation| (deviation - predicted - mean).powi(2));
         let s = (squares.sum::<f64>() / (measurement.runs as f64 - 1.0)).sqrt();
-        Some(OneWayAtPosition { mean, s, repeatability: 4.0 * s })
+        Some((mean, s))
     });
-    let pair = up.zip(down);
-    let reversal = pair.map(|(up, down)| up.mean - down.mean);
-    let repeatability = pair.map(|(up, down)| {
-        let across = 2.0 * up.s + 2.0 * down.s + (up.mean - down.mean).abs();
-        across.max(up.repeatability).max(down.repeatability)
-    });
-    AtPosition { position, up, down, mean: pair.map(|(up, down)| 0.5 * (up.mean + down.mean)), reversal, repeatability }
+    AtPosition::of(position, found)
+}
+
+impl AtPosition {
+    /// From mean and standard deviation in positive and negative direction.
+    pub(crate) fn of(position: f64, found: [Option<(f64, f64)>; 2]) -> AtPosition {
+        let [up, down] = found.map(|found| found.map(|(mean, s)| OneWayAtPosition { mean, s, repeatability: 4.0 * s }));
+        let pair = up.zip(down);
+        let reversal = pair.map(|(up, down)| up.mean - down.mean);
+        let repeatability = pair.map(|(up, down)| {
+            let across = 2.0 * up.s + 2.0 * down.s + (up.mean - down.mean).abs();
+            across.max(up.repeatability).max(down.repeatability)
+        });
+        let mean = pair.map(|(up, down)| 0.5 * (up.mean + down.mean));
+        AtPosition { position, up, down, mean, reversal, repeatability }
+    }
 }
 
 fn one_way(results: impl Iterator<Item = OneWayAtPosition> + Clone) -> Option<OneWay> {

@@ -10,6 +10,7 @@
 //! - [`drift`]: ranges of a drift over stated periods (ISO 230-3); [`sphere`]: the least-squares sphere.
 //! - [`linear_fit`]: least squares with rank and what cannot be told apart.
 //! - [`volumetric`]: the 21 errors of three axes from points measured all over the volume.
+//! - [`uncertainty`]: of a point, of ISO 230-2 figures; factors, intervals, verdicts.
 //! - [`learning`]: a correction over path length, learned from part to part.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
 //! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a
@@ -47,6 +48,8 @@ pub mod separation;
 pub mod sphere;
 #[cfg(feature = "std")]
 pub mod spindle;
+#[cfg(feature = "std")]
+pub mod uncertainty;
 #[cfg(feature = "std")]
 pub mod volumetric;
 

@@ -53,7 +53,8 @@ impl Asked {
 /// Largest coordinate, mm or degrees.
 const MOST: f64 = 1e6;
 
-fn position(found: &[f64], machine: &Machine) -> Result<[f64; AXES]> {
+/// Positions in the order of the step, by [`Axis::index`].
+pub(crate) fn position(found: &[f64], machine: &Machine) -> Result<[f64; AXES]> {
     let axes: Vec<Axis> = machine.settings.step_axes().collect();
     if found.len() != 3 && found.len() != axes.len() {
         let rotary: String = axes.iter().skip(3).map(|axis| format!(",{}", axis.letter())).collect();

@@ -6,8 +6,8 @@ mod table;
 use crate::model::{self, by_axes};
 use crate::output::{json, print, tell};
 use anyhow::Result;
-pub(crate) use arguments::Arguments;
 use arguments::Asked;
+pub(crate) use arguments::{Arguments, position};
 use trueaxis::machine::Axis;
 use trueaxis_evaluation::correct::{self, Found};
 

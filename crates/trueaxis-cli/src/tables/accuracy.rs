@@ -2,30 +2,85 @@
 
 use crate::model;
 use crate::output::{json, print, tell};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis::Axis;
-use trueaxis_evaluation::accuracy::{Document, evaluate, read};
+use trueaxis_evaluation::accuracy::{Document, bands, evaluate, judge, read};
 use trueaxis_metrology::accuracy::Accuracy;
+use trueaxis_metrology::uncertainty::Verdict;
 use trueaxis_tables::text::counted;
+use trueaxis_tables::uncertainty::Uncertainties;
 
-pub(crate) fn run(file: &Path, axis: Option<Axis>, machine: Option<&Path>, as_json: bool) -> Result<()> {
+/// What is asked of the uncertainty.
+pub(crate) struct Bands<'m> {
+    /// Machine whose [uncertainty] states the instrument.
+    pub(crate) machine: &'m Path,
+    pub(crate) tolerance_um: Option<f64>,
+    /// Percent.
+    pub(crate) confidence: f64,
+}
+
+pub(crate) fn run(
+    file: &Path,
+    axis: Option<Axis>,
+    machine: Option<&Path>,
+    asked: Option<Bands<'_>>,
+    as_json: bool,
+) -> Result<()> {
     let text = model::text(file)?;
     let measurement = read(&text, file, axis, &mut |how| tell(format_args!("note: {how}")))?;
     // Errors in the measurement are reported before those in the machine.
-    let Document { measured, .. } = evaluate(&measurement, file, None)?;
-    let compensated = match machine {
-        None => None,
-        Some(path) => evaluate(&measurement, file, Some((&model::machine(path)?, path)))?.compensated,
-    };
-    if as_json {
-        return json(&Document { measured, compensated });
+    let mut document = evaluate(&measurement, file, None)?;
+    if let Some(path) = machine {
+        document.compensated = evaluate(&measurement, file, Some((&model::machine(path)?, path)))?.compensated;
     }
-    print(&table(&measured, compensated.as_ref())?)
+    if let Some(Bands { machine, tolerance_um, confidence }) = asked {
+        if !(50.0..=99.99).contains(&confidence) {
+            bail!("--confidence: found {confidence}, needed 50 to 99.99 %");
+        }
+        if let Some(tolerance) = tolerance_um.filter(|tolerance| !(0.0..=1e6).contains(tolerance)) {
+            bail!("--tolerance-um: found {tolerance}, needed 0 to 1e6 um");
+        }
+        let stated = Uncertainties::read(machine)?;
+        let bands = bands(&measurement, &model::source(machine)?, &stated, confidence / 100.0)?;
+        document.verdict = tolerance_um.and_then(|tolerance| judge(&bands, tolerance));
+        document.uncertainty = Some(bands);
+    }
+    if as_json { json(&document) } else { print(&table(&document)?) }
 }
 
-fn table(measured: &Accuracy, compensated: Option<&Accuracy>) -> Result<String> {
+/// Bands of the figures, and the verdict.
+fn bands_text(text: &mut String, document: &Document) -> std::fmt::Result {
+    let Some(bands) = &document.uncertainty else { return Ok(()) };
+    writeln!(text, "\n{:<10}{:>12}{:>10}   {} %", "", "measured", "± U", 100.0 * bands.coverage)?;
+    for band in &bands.figures {
+        let name = band.figure.replace("_up", "↑").replace("_down", "↓").replace("B_mean", "B̄");
+        writeln!(
+            text,
+            "{name:<10}{:>12.2}{:>10.2}   {:.2} … {:.2}",
+            band.value, band.expanded, band.interval.low, band.interval.high
+        )?;
+    }
+    if bands.drowned {
+        writeln!(
+            text,
+            "note: the readings scatter as the instrument alone would: the bands of A, R and B may be too narrow"
+        )?;
+    }
+    if let Some(judged) = &document.verdict {
+        let words = match judged.verdict {
+            Verdict::Pass => "kept, uncertainty included: pass",
+            Verdict::Fail => "exceeded, uncertainty included: fail",
+            Verdict::Undecided => "within the uncertainty: no verdict",
+        };
+        writeln!(text, "{} of at most {} µm: {words}", judged.figure, judged.tolerance_um)?;
+    }
+    Ok(())
+}
+
+fn table(document: &Document) -> Result<String> {
+    let (measured, compensated) = (&document.measured, document.compensated.as_ref());
     let unit = if measured.unit == "um" { "µm" } else { "µrad" };
     let mut text = format!(
         "axis {}, {}, {}; ISO 230-2:2014, values in {unit}\n\n",
@@ -53,6 +108,7 @@ fn table(measured: &Accuracy, compensated: Option<&Accuracy>) -> Result<String> 
     line("M    range of the mean bidirectional deviation", &|a| Some(a.both?.mean_range))?;
     line("B    reversal error", &|a| Some(a.both?.reversal))?;
     line("B̄    mean reversal error", &|a| Some(a.both?.mean_reversal))?;
+    bands_text(&mut text, document)?;
     if measured.runs < 5 {
         writeln!(text, "\nISO 230-2 asks for five runs in each direction.")?;
     }

@@ -67,11 +67,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Low and high end of X, Y and Z, where given.
-type Volume = [Option<[f64; 2]>; 3];
+pub(crate) type Volume = [Option<[f64; 2]>; 3];
 /// Rotary axes and their angles.
-type Pose = Vec<(Axis, f64)>;
+pub(crate) type Pose = Vec<(Axis, f64)>;
 
-fn volume(text: &str) -> Result<Volume, String> {
+pub(crate) fn volume(text: &str) -> Result<Volume, String> {
     let range = |part: &str| -> Result<Option<[f64; 2]>, String> {
         if part.trim().is_empty() {
             return Ok(None);
@@ -91,7 +91,7 @@ fn nodes(text: &str) -> Result<[usize; 3], String> {
     counts.and_then(|counts| counts.try_into().ok()).ok_or_else(needed)
 }
 
-fn pose(text: &str) -> Result<Pose, String> {
+pub(crate) fn pose(text: &str) -> Result<Pose, String> {
     let one = |part: &str| {
         let entry = part.split_once('=').and_then(|(letter, angle)| {
             let mut letters = letter.trim().chars();

@@ -26,15 +26,15 @@ impl Default for Points {
 }
 
 /// A grid over the working volume.
-pub(super) struct Grid {
-    pub(super) points: [usize; 3],
+pub(crate) struct Grid {
+    pub(crate) points: [usize; 3],
     /// Low and high end along X, Y, Z, mm.
-    pub(super) range: [[f64; 2]; 3],
+    pub(crate) range: [[f64; 2]; 3],
 }
 
 impl Grid {
     /// An axis that the machine does not have stands at zero.
-    pub(super) fn new(machine: &Machine, points: Points) -> Result<Grid> {
+    pub(crate) fn new(machine: &Machine, points: Points) -> Result<Grid> {
         let asked = match points {
             Points::Every(count) => [count; 3],
             Points::Each(counts) => counts,
@@ -55,23 +55,23 @@ impl Grid {
         Ok(grid)
     }
 
-    pub(super) fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.points.iter().product()
     }
 
     /// Indices along X, Y, Z of a point; X changes fastest.
-    pub(super) fn indices(&self, index: usize) -> [usize; 3] {
+    pub(crate) fn indices(&self, index: usize) -> [usize; 3] {
         let [nx, ny, _] = self.points;
         [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
     /// Position of an index along an axis, mm: both ends exactly.
-    pub(super) fn along(&self, axis: usize, index: usize) -> f64 {
+    pub(crate) fn along(&self, axis: usize, index: usize) -> f64 {
         let ([low, high], last) = (self.range[axis], self.points[axis] - 1);
         if index == last && last > 0 { high } else { low + (high - low) * index as f64 / last.max(1) as f64 }
     }
 
-    pub(super) fn at(&self, index: usize) -> [f64; 3] {
+    pub(crate) fn at(&self, index: usize) -> [f64; 3] {
         let indices = self.indices(index);
         std::array::from_fn(|axis| self.along(axis, indices[axis]))
     }

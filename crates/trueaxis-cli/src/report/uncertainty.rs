@@ -1,0 +1,100 @@
+//! The page of `trueaxis uncertainty`.
+
+use maud::{Markup, html};
+use trueaxis_evaluation::uncertainty::{AtPoint, Document, Spread};
+use trueaxis_report::number::significant;
+use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, heat_map, side_by_side, summary};
+
+/// Contributions that are drawn.
+const BARS: usize = 12;
+/// Points of a distribution.
+const STEPS: usize = 100;
+
+/// The whole page.
+pub(crate) fn page(document: &Document) -> String {
+    let rms = format!("{} µm RMS", significant(document.standard_rms_um, 3));
+    let coverage = format!("{} %", document.confidence_percent);
+    let points = format!("{} points", document.points);
+    Page::new("Uncertainty of the corrected position")
+        .top(summary([html! { (document.machine) }, html! { (coverage) }, html! { (points) }, html! { (rms) }]))
+        .top(super::warnings(&document.warnings))
+        .section("Worst point", html! { (document.worst.place()) (methods(&document.worst)) })
+        .section("Where", side_by_side([layer(document), distribution(document)]))
+        .section("What contributes", html! { (bars(document)) (contributions(document)) })
+        .section("Position asked for", asked(document))
+        .section("Not stated, taken as zero", html! { (document.not_stated.join(", ")) })
+        .document()
+}
+
+fn asked(document: &Document) -> Markup {
+    match &document.at {
+        Some(point) => html! { (point.place()) (methods(point)) },
+        None => html! { "none: --at" },
+    }
+}
+
+fn methods(point: &AtPoint) -> Table {
+    let row = |name: &str, spread: &Spread| {
+        let [x, y, z] = spread.expanded_um.map(|um| significant(um, 3));
+        Row::new(name, [x, y, z, significant(spread.radius_um, 3)])
+    };
+    let rows = [row("by derivatives", &point.jacobian), row("by machines drawn", &point.monte_carlo)];
+    Table::new(["expanded uncertainty, µm", "X", "Y", "Z", "radius"], rows)
+}
+
+fn contributions(document: &Document) -> Table {
+    let rows = document.contributions.iter().map(|share| {
+        let [rms, worst] = [share.rms_um, share.worst_um].map(|um| significant(um, 3));
+        Row::new(share.term.clone(), [format!("{:.1} %", 100.0 * share.share), rms, worst])
+    });
+    Table::new(["contribution", "share of the variance", "RMS over the volume, µm", "at the worst point, µm"], rows)
+}
+
+/// Radii in the plane of X and Y through the worst point.
+fn layer(document: &Document) -> Figure {
+    let [[x0, x1], [y0, y1], _] = document.ranges;
+    let (x, y) = (Scale::exact("X in mm", x0, x1), Scale::exact("Y in mm", y0, y1));
+    let mut figure = heat_map("Radius of the expanded uncertainty over X and Y", x, y, &document.layer, "µm");
+    figure.caption(format!(
+        "Radius within which the tip lies with {} %, in the plane of X and Y through the worst point.",
+        document.confidence_percent
+    ));
+    figure
+}
+
+/// Distance of the tip from where it should be, of the machines drawn, as a distribution.
+fn distribution(document: &Document) -> Figure {
+    let mut distances: Vec<f64> = document.drawn_um.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
+    distances.sort_by(f64::total_cmp);
+    let radius = document.worst.jacobian.radius_um;
+    let x = Scale::from_zero("distance in µm", distances.iter().copied().chain([radius]));
+    let mut figure = Figure::half("Distribution of the distance", 420, x, Scale::exact("share in %", 0.0, 100.0));
+    let curve = (0..=STEPS).filter_map(|step| {
+        let index = step * distances.len().saturating_sub(1) / STEPS;
+        Some([*distances.get(index)?, 100.0 * step as f64 / STEPS as f64])
+    });
+    let limit = Stroke::new(colour::LIMIT, 1.2).dashed();
+    figure
+        .curve("machines drawn", curve, Stroke::new(colour::COMPENSATED, 1.6))
+        .curve("radius by derivatives", [[radius, 0.0], [radius, 100.0]], limit)
+        .across(document.confidence_percent, colour::GREY)
+        .caption("Share of the machines drawn whose tip lies within a distance, at the worst point.");
+    figure
+}
+
+fn bars(document: &Document) -> Figure {
+    let largest: Vec<_> = document.contributions.iter().take(BARS).collect();
+    let x = Scale::exact("contributions in order of their share", 0.5, largest.len() as f64 + 0.5);
+    let y = Scale::from_zero("standard uncertainty in µm", largest.iter().flat_map(|own| [own.rms_um, own.worst_um]));
+    let mut figure = Figure::full("Contributions to the standard uncertainty", 280, x, y);
+    let points = |take: fn(&trueaxis_evaluation::uncertainty::Share) -> f64| -> Vec<[f64; 2]> {
+        (1..).zip(&largest).map(|(number, own)| [f64::from(number), take(own)]).collect()
+    };
+    figure
+        .columns(points(|own| own.rms_um), [-0.35, 0.0], colour::COMPENSATED)
+        .columns(points(|own| own.worst_um), [0.0, 0.35], colour::UNCOMPENSATED)
+        .labels_above((1..).zip(&largest).map(|(number, own)| (f64::from(number), own.term.clone())))
+        .area_key("RMS over the working volume", colour::COMPENSATED)
+        .area_key("at the worst point", colour::UNCOMPENSATED);
+    figure
+}

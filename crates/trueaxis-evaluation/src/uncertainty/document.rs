@@ -1,0 +1,174 @@
+//! What is known of the corrected position, as a document.
+
+use super::terms::Terms;
+use serde::Serialize;
+use serde_json::{Map, Value};
+use trueaxis::machine::{AXES, Axis};
+use trueaxis_metrology::uncertainty::{Contribution, Covariance, half_width};
+use trueaxis_tables::Machine;
+
+/// From which the two methods are said to differ: a share of the radius, and what no instrument tells, µm.
+const DIFFERENCE: f64 = 0.05;
+const NOTHING_UM: f64 = 0.01;
+
+/// The JSON document.
+#[derive(Clone, Debug, Serialize)]
+pub struct Document {
+    /// Name of the machine.
+    pub machine: String,
+    /// Coverage asked for.
+    pub confidence_percent: f64,
+    /// Tip from the last tool-side frame.
+    pub tool_mm: [f64; 3],
+    /// Ends of the working volume by letter.
+    pub volume_mm: Map<String, Value>,
+    /// Where the rotary axes stand over it.
+    pub pose_deg: Map<String, Value>,
+    /// Points of the grid over it.
+    pub points: usize,
+    /// Root mean square over them of the standard uncertainty of the position, √tr Σ.
+    pub standard_rms_um: f64,
+    /// Where the radius is largest.
+    pub worst: AtPoint,
+    /// The position asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<AtPoint>,
+    /// What contributes, the largest share first.
+    pub contributions: Vec<Share>,
+    /// Keys that are not stated and taken as zero.
+    pub not_stated: Vec<String>,
+    /// Machines drawn for the check.
+    pub trials: usize,
+    /// Of the draws.
+    pub seed: u64,
+    /// What is to be known of the result.
+    pub warnings: Vec<String>,
+    /// Radii in the plane of X and Y through the worst point, µm: rows along Y.
+    #[serde(skip)]
+    pub layer: Vec<Vec<f64>>,
+    /// Low and high end of X, Y, Z, mm.
+    #[serde(skip)]
+    pub ranges: [[f64; 2]; 3],
+    /// Coverage, 0 … 1.
+    #[serde(skip)]
+    pub coverage: f64,
+    /// Deviations drawn at the worst point, µm.
+    #[serde(skip)]
+    pub drawn_um: Vec<[f64; 3]>,
+}
+
+/// Uncertainty of the corrected position at a point, by both methods.
+#[derive(Clone, Debug, Serialize)]
+pub struct AtPoint {
+    /// Position by letter, mm and degrees.
+    pub at: Map<String, Value>,
+    /// First order, by the derivatives.
+    pub jacobian: Spread,
+    /// By machines drawn.
+    pub monte_carlo: Spread,
+    /// Radius by machines drawn over that of first order, less 1.
+    pub difference: f64,
+}
+
+/// Spread of the position along X, Y, Z in machine directions.
+#[derive(Clone, Debug, Serialize)]
+pub struct Spread {
+    /// Standard uncertainties.
+    pub standard_um: [f64; 3],
+    /// Coverage factors; null of what was drawn.
+    pub factor: Option<[f64; 3]>,
+    /// Effective degrees of freedom; null where well known.
+    pub degrees_of_freedom: Option<[Option<f64>; 3]>,
+    /// Expanded uncertainties: half-widths of intervals of the coverage asked for.
+    pub expanded_um: [f64; 3],
+    /// Radius of the sphere in which the position lies with that coverage.
+    pub radius_um: f64,
+}
+
+/// What a quantity contributes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// Its name.
+    pub term: String,
+    /// Root mean square over the working volume of what it contributes to the standard uncertainty.
+    pub rms_um: f64,
+    /// Of the variance over the working volume, 0 … 1.
+    pub share: f64,
+    /// What it contributes at the worst point.
+    pub worst_um: f64,
+}
+
+/// Positions by letter.
+pub(super) fn letters(machine: &Machine, at: &[f64; AXES], keep: impl Fn(Axis) -> bool) -> Map<String, Value> {
+    let axes = machine.settings.step_axes().filter(|axis| keep(*axis));
+    axes.map(|axis| (axis.letter().to_string(), Value::from(at[axis.index()]))).collect()
+}
+
+pub(super) fn at_point(
+    machine: &Machine,
+    at: &[f64; AXES],
+    covariance: &Covariance,
+    drawn: &[[f64; 3]],
+    coverage: f64,
+) -> AtPoint {
+    let (standard, factor) = (covariance.standard(), covariance.factors(coverage));
+    let jacobian = Spread {
+        standard_um: standard.map(|mm| 1e3 * mm),
+        factor: Some(factor),
+        degrees_of_freedom: Some(covariance.degrees_of_freedom.map(|nu| nu.is_finite().then_some(nu))),
+        expanded_um: std::array::from_fn(|i| 1e3 * factor[i] * standard[i]),
+        radius_um: 1e3 * covariance.radius(coverage),
+    };
+    let count = drawn.len().max(1) as f64;
+    let root = |i: usize| (drawn.iter().map(|d| d[i] * d[i]).sum::<f64>() / count).sqrt();
+    let monte_carlo = Spread {
+        standard_um: std::array::from_fn(|i| 1e3 * root(i)),
+        factor: None,
+        degrees_of_freedom: None,
+        expanded_um: std::array::from_fn(|i| 1e3 * half_width(drawn.iter().map(|d| d[i]), coverage)),
+        radius_um: 1e3 * half_width(drawn.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()), coverage),
+    };
+    let difference = monte_carlo.radius_um / jacobian.radius_um.max(f64::MIN_POSITIVE) - 1.0;
+    AtPoint { at: letters(machine, at, |_| true), jacobian, monte_carlo, difference }
+}
+
+impl AtPoint {
+    /// The position as text.
+    pub fn place(&self) -> String {
+        let parts = self.at.iter().map(|(letter, value)| format!("{letter} {value}"));
+        parts.collect::<Vec<_>>().join(", ")
+    }
+
+    /// A sentence where the two methods differ.
+    pub(super) fn disagreement(&self) -> Option<String> {
+        let [first, drawn] = [&self.jacobian, &self.monte_carlo].map(|spread| spread.radius_um);
+        let differs = (drawn - first).abs() > DIFFERENCE * first + NOTHING_UM;
+        differs.then(|| {
+            format!(
+                "at {} the methods differ: {first:.3} µm by derivatives, {drawn:.3} µm by machines drawn. Trust the second: \
+                 it takes few degrees of freedom, cosine errors and products of errors as they are",
+                self.place()
+            )
+        })
+    }
+}
+
+pub(super) fn shares(terms: &Terms, volume: &[Vec<Contribution>], worst: &[Contribution]) -> Vec<Share> {
+    let variance = |term: usize| volume.iter().filter_map(|all| all.get(term)).map(Contribution::variance).sum::<f64>();
+    let variances: Vec<f64> = (0..terms.all.len()).map(variance).collect();
+    let whole: f64 = variances.iter().sum();
+    let mut shares: Vec<Share> = terms
+        .all
+        .iter()
+        .zip(variances)
+        .zip(worst)
+        .map(|((term, variance), worst)| Share {
+            term: term.name.clone(),
+            rms_um: 1e3 * (variance / volume.len().max(1) as f64).sqrt(),
+            share: if whole > 0.0 { variance / whole } else { 0.0 },
+            worst_um: 1e3 * worst.variance().sqrt(),
+        })
+        .collect();
+    shares.sort_by(|one, other| other.share.total_cmp(&one.share));
+    shares
+}

@@ -1,0 +1,206 @@
+//! The quantities that are uncertain, and what they do.
+
+use crate::contributions::Source;
+use crate::model::range;
+use anyhow::{Result, bail};
+use trueaxis::machine::{Axis, AxisSettings};
+use trueaxis_tables::uncertainty::{AxisUncertainty, Instrument, Uncertainties};
+use trueaxis_tables::{Machine, Table};
+
+/// Standard uncertainty of ε in a cosine error, ε = m²/(2L²), m normal about zero: the root mean square of m² is √3 u².
+const SQUARED_NORMAL: f64 = 1.732_050_807_568_877_2;
+
+/// Error of an axis along itself: constant + per_length (q − datum), of unit variance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Along {
+    pub(super) axis: Axis,
+    /// mm or rad.
+    pub(super) constant: f64,
+    /// mm per mm.
+    pub(super) per_length: f64,
+    pub(super) datum: f64,
+}
+
+/// What a quantity does.
+#[derive(Clone, Debug)]
+pub(super) enum Effect {
+    /// Along one axis or, with one sign and size for all, several.
+    Along(Vec<Along>),
+    /// Misalignment m over a length L: always short, by m²/(2L²); `per_length` is its root mean square, the second number u(m)/L.
+    Cosine(Along, f64),
+    /// Points of a column, independent of each other: standard uncertainty of each, mm or rad.
+    Points { axis: Axis, component: usize, of: Vec<f64> },
+    /// A location error: standard uncertainty, mm or rad.
+    Location(Source, f64),
+}
+
+/// A quantity with its name and the degrees of freedom of its standard uncertainty.
+#[derive(Clone, Debug)]
+pub(super) struct Term {
+    pub(super) name: String,
+    pub(super) effect: Effect,
+    pub(super) degrees_of_freedom: f64,
+}
+
+/// All quantities of a machine.
+pub(super) struct Terms {
+    pub(super) all: Vec<Term>,
+    /// Keys without a value, taken as zero.
+    pub(super) not_stated: Vec<String>,
+    pub(super) warnings: Vec<String>,
+}
+
+/// Standard uncertainty of an instrument by length along an axis, mm per mm: calibration, temperature, expansion.
+///
+/// `expansion_per_k` is that of the machine; misalignment needs the length as well: `travel_mm`.
+pub fn per_length(instrument: &Instrument, expansion_per_k: f64, travel_mm: f64) -> f64 {
+    let misalignment = instrument.misalignment.map_or(0.0, |m| SQUARED_NORMAL * 0.5 * (m / travel_mm).powi(2));
+    let parts = [
+        instrument.device_per_length.unwrap_or(0.0),
+        expansion_per_k * instrument.temperature_k.unwrap_or(0.0),
+        instrument.temperature_difference_k.unwrap_or(0.0) * instrument.expansion_per_k.unwrap_or(0.0),
+        misalignment,
+    ];
+    parts.iter().map(|part| part * part).sum::<f64>().sqrt()
+}
+
+/// Standard uncertainty of a single reading, mm: resolution and environmental variation.
+pub fn reading(instrument: &Instrument) -> f64 {
+    instrument.device.unwrap_or(0.0).hypot(instrument.eve.unwrap_or(0.0))
+}
+
+impl Terms {
+    pub(super) fn new(machine: &Machine, stated: &Uncertainties) -> Result<Terms> {
+        let mut terms = Terms { all: Vec::new(), not_stated: Vec::new(), warnings: Vec::new() };
+        terms.instrument(machine, &stated.instrument);
+        let unstated: Vec<AxisUncertainty> =
+            machine.settings.axes.iter().map(|own| AxisUncertainty::unstated(own.axis)).collect();
+        for ((own, table), none) in machine.axes().zip(&unstated) {
+            terms.axis(own, table, stated.of(own.axis).unwrap_or(none));
+        }
+        let of = stated.location.degrees_of_freedom.unwrap_or(f64::INFINITY);
+        for source in Source::locations(machine) {
+            let value = match source {
+                Source::Squareness(which) => stated.location.squareness.get(which).copied().flatten(),
+                Source::Location(axis, component) => {
+                    let rotary = axis.index().checked_sub(Axis::A.index());
+                    let errors = rotary.and_then(|rotary| stated.location.rotary.get(rotary));
+                    errors.and_then(|errors| errors.get(component)).copied().flatten()
+                }
+                _ => None,
+            };
+            let key = format!("uncertainty.location.{}", source.name());
+            terms.put(key, source.name(), value, of, |u| Effect::Location(source, u));
+        }
+        if terms.all.is_empty() {
+            bail!(
+                "{}: found no standard uncertainty above zero, needed [uncertainty], [uncertainty.location] or \
+                 [axis.X.uncertainty] in machine.toml",
+                machine.settings.name
+            );
+        }
+        Ok(terms)
+    }
+
+    /// A quantity where it is stated, its key among those not stated otherwise. Zero is stated, but does nothing.
+    fn put(&mut self, key: String, name: String, value: Option<f64>, of: f64, effect: impl FnOnce(f64) -> Effect) {
+        match value {
+            None => self.not_stated.push(key),
+            Some(0.0) => {}
+            Some(value) => self.all.push(Term { name, effect: effect(value), degrees_of_freedom: of }),
+        }
+    }
+
+    fn instrument(&mut self, machine: &Machine, stated: &Instrument) {
+        let of = stated.degrees_of_freedom.unwrap_or(f64::INFINITY);
+        let linear: Vec<_> = machine.axes().filter(|(own, _)| !own.axis.is_rotary()).collect();
+        let by_length = |per_length: &dyn Fn(&AxisSettings) -> f64| {
+            let along = |(own, _): &(&AxisSettings, Option<&Table>)| scaled(own, per_length(own));
+            Effect::Along(linear.iter().map(along).collect())
+        };
+        let key = |key: &str| format!("uncertainty.{key}");
+        let name = |name: &str| name.to_owned();
+        self.put(key("device_um_per_m"), name("device, by length"), stated.device_per_length, of, |u| {
+            by_length(&|_| u)
+        });
+        self.put(key("temperature_k"), name("machine temperature"), stated.temperature_k, of, |u| {
+            by_length(&|own| own.thermal.expansion_per_k * u)
+        });
+        let without: Vec<String> = linear
+            .iter()
+            .filter(|(own, _)| own.thermal.expansion_per_k == 0.0)
+            .map(|(own, _)| own.axis.letter().to_string())
+            .collect();
+        if stated.temperature_k.is_some_and(|u| u > 0.0) && !without.is_empty() {
+            self.warnings.push(format!(
+                "no thermal.expansion_um_per_m_k of {}: the temperature counts as nothing there",
+                without.join(", ")
+            ));
+        }
+        let difference = stated.temperature_difference_k;
+        let expansion = stated.expansion_per_k.zip(difference).map(|(u, difference)| u * difference.abs());
+        let missing =
+            if stated.expansion_per_k.is_some() { "temperature_difference_k" } else { "expansion_um_per_m_k" };
+        self.put(key(missing), name("coefficient of expansion"), expansion, of, |u| by_length(&|_| u));
+        for (own, table) in &linear {
+            let letter = own.axis.letter();
+            let [low, high] = range(own, *table);
+            let inclined = stated.misalignment.map(|m| m / (high - low).max(f64::MIN_POSITIVE));
+            let key = format!("uncertainty.misalignment_mm ({letter})");
+            self.put(key, format!("misalignment {letter}"), inclined, of, |inclined| {
+                Effect::Cosine(scaled(own, SQUARED_NORMAL * 0.5 * inclined * inclined), inclined)
+            });
+            let Some(table) = table.filter(|table| table.given.get(own.axis.index()) == Some(&true)) else { continue };
+            for (key, name, u) in [("device_um", "device", stated.device), ("eve_um", "environment", stated.eve)] {
+                self.put(format!("uncertainty.{key} ({letter})"), format!("{name} {letter}"), u, of, |u| {
+                    Effect::Points { axis: own.axis, component: own.axis.index(), of: vec![u; table.rows.len()] }
+                });
+            }
+        }
+    }
+
+    fn axis(&mut self, own: &AxisSettings, table: Option<&Table>, stated: &AxisUncertainty) {
+        let (axis, letter) = (own.axis, own.axis.letter());
+        let of = stated.degrees_of_freedom.unwrap_or(f64::INFINITY);
+        let key = |key: &str| format!("axis.{letter}.uncertainty.{key}");
+        if !axis.is_rotary() {
+            self.put(key("scale_ppm"), format!("scale {letter}"), stated.scale, of, |u| {
+                Effect::Along(vec![scaled(own, u)])
+            });
+        }
+        let constant = |u: f64| Effect::Along(vec![Along { axis, constant: u, per_length: 0.0, datum: 0.0 }]);
+        self.put(key("backlash"), format!("backlash {letter}"), stated.backlash, of, constant);
+        self.put(key("repeatability"), format!("repeatability {letter}"), stated.repeatability, of, constant);
+        for (component, along) in Axis::ALL.into_iter().enumerate() {
+            let name = format!("E{}{letter}", along.letter());
+            let given = table.is_some_and(|table| table.given.get(component) == Some(&true));
+            let rows = table.map_or(0, |table| table.rows.len());
+            let points: Option<Vec<f64>> = (0..rows).map(|row| stated.of_point(component, row)).collect();
+            let said = stated.columns.get(component).is_some_and(Option::is_some);
+            match points.filter(|_| rows > 0) {
+                Some(of_points) if of_points.iter().any(|u| *u > 0.0) => {
+                    let effect = Effect::Points { axis, component, of: of_points };
+                    self.all.push(Term { name: format!("points {name}"), effect, degrees_of_freedom: of });
+                }
+                Some(_) => {}
+                None if said => {
+                    self.warnings
+                        .push(format!("axis {letter} has no table: the uncertainty of {name} counts as nothing"));
+                }
+                None if given => self.not_stated.push(key(&name)),
+                None => self.not_stated.push(format!("{} (not in the table either)", key(&name))),
+            }
+        }
+    }
+}
+
+fn scaled(own: &AxisSettings, per_length: f64) -> Along {
+    Along { axis: own.axis, constant: 0.0, per_length, datum: own.thermal.datum }
+}
+
+impl Along {
+    /// Of unit variance, at a position: mm or rad.
+    pub(super) fn at(&self, position: f64) -> f64 {
+        self.constant + self.per_length * (position - self.datum)
+    }
+}

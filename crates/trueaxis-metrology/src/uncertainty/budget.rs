@@ -1,0 +1,85 @@
+//! Contributions to the uncertainty of a point, and their sum.
+
+use super::{chi_squared_quantile, student_factor};
+
+/// What one independent quantity contributes to the uncertainty of a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contribution {
+    /// Derivative of the point with respect to the quantity, times its standard uncertainty, mm.
+    pub vector: [f64; 3],
+    /// Degrees of freedom of the standard uncertainty; infinite where it is well known.
+    pub degrees_of_freedom: f64,
+}
+
+impl Contribution {
+    /// Variance, summed over the directions, mm².
+    pub fn variance(&self) -> f64 {
+        self.vector.iter().map(|part| part * part).sum()
+    }
+}
+
+/// Covariance of a point, with the degrees of freedom behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Covariance {
+    /// Σ, mm².
+    pub matrix: [[f64; 3]; 3],
+    /// Effective degrees of freedom of each coordinate.
+    pub degrees_of_freedom: [f64; 3],
+    /// Effective degrees of freedom of the trace.
+    pub degrees_of_freedom_of_all: f64,
+}
+
+impl Covariance {
+    /// The sum of independent contributions; effective degrees of freedom after Welch and Satterthwaite (JCGM 100:2008, G.4.1).
+    pub fn of(contributions: &[Contribution]) -> Covariance {
+        let mut matrix = [[0.0; 3]; 3];
+        let (mut fourth, mut fourth_of_all) = ([0.0; 3], 0.0);
+        for one in contributions {
+            for (row, a) in matrix.iter_mut().zip(one.vector) {
+                for (cell, b) in row.iter_mut().zip(one.vector) {
+                    *cell += a * b;
+                }
+            }
+            for (sum, part) in fourth.iter_mut().zip(one.vector) {
+                *sum += part.powi(4) / one.degrees_of_freedom;
+            }
+            fourth_of_all += one.variance().powi(2) / one.degrees_of_freedom;
+        }
+        let variances: [f64; 3] = core::array::from_fn(|i| matrix[i][i]);
+        let effective =
+            |variance: f64, fourth: f64| if fourth > 0.0 { variance * variance / fourth } else { f64::INFINITY };
+        Covariance {
+            matrix,
+            degrees_of_freedom: core::array::from_fn(|i| effective(variances[i], fourth[i])),
+            degrees_of_freedom_of_all: effective(variances.iter().sum(), fourth_of_all),
+        }
+    }
+
+    /// Standard uncertainties of the coordinates, mm.
+    pub fn standard(&self) -> [f64; 3] {
+        core::array::from_fn(|i| self.matrix[i][i].sqrt())
+    }
+
+    /// Coverage factors of the coordinates for a coverage of `p`: Student's, with the effective degrees of freedom.
+    pub fn factors(&self, p: f64) -> [f64; 3] {
+        self.degrees_of_freedom.map(|nu| student_factor(p, nu))
+    }
+
+    /// Radius about the point within which it lies with coverage `p`, mm.
+    ///
+    /// ```text
+    /// |d|² ≈ g χ²_h      g = tr Σ²/tr Σ,  h = (tr Σ)²/tr Σ²,      radius = √(g χ²_h,p) · t_p(ν)/t_p(∞)
+    /// ```
+    ///
+    /// Mean and variance of |d|² are met; exact where Σ is of one direction or the same in all three. Source: F. E.
+    /// Satterthwaite, 10.2307/3002019; J. P. Imhof, 10.1093/biomet/48.3-4.419, section 4.
+    pub fn radius(&self, p: f64) -> f64 {
+        let trace: f64 = (0..3).map(|i| self.matrix[i][i]).sum();
+        let squared: f64 = self.matrix.iter().flatten().map(|cell| cell * cell).sum();
+        if trace <= 0.0 || squared <= 0.0 {
+            return 0.0;
+        }
+        let few = student_factor(p, self.degrees_of_freedom_of_all) / student_factor(p, f64::INFINITY);
+        (squared / trace * chi_squared_quantile(p, trace * trace / squared)).sqrt() * few
+    }
+}

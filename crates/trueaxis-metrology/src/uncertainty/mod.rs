@@ -1,0 +1,24 @@
+//! Uncertainty of measurement: propagation to a point, factors, intervals, and what may be said of a tolerance.
+//!
+//! ```text
+//! d = Σ_k s_k z_k        z_k of unit variance, independent; s_k the derivative times the standard uncertainty (vectors, mm)
+//! Σ = Σ_k s_k s_kᵀ       u_x = √Σ_xx
+//! U_x = t_p(ν_x) u_x     ν_x = u_x⁴ / Σ_k (s_kx⁴/ν_k)       Welch and Satterthwaite
+//! ```
+//!
+//! Sources: JCGM 100:2008 (GUM), 5.1.2 (law of propagation), G.3 and G.4 (Student's factor, effective degrees of freedom);
+//! JCGM 101:2008, clauses 5 to 7 (Monte Carlo); ISO 14253-1:2017 (decision rule).
+
+mod budget;
+mod coverage;
+mod decision;
+mod draws;
+mod factor;
+mod positioning;
+
+pub use budget::{Contribution, Covariance};
+pub use coverage::{Interval, half_width, quantile};
+pub use decision::{Verdict, verdict};
+pub use draws::Draws;
+pub use factor::{chi_squared_quantile, student_factor};
+pub use positioning::{Band, Instrument, Positioning, positioning};
