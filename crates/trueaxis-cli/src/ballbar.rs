@@ -25,7 +25,7 @@ RECORD, whole circles about one centre, best in both directions, in one of four 
 Of positions the way to the circle and from it is left out.
 
 G(b), G, F, H: circular, radial deviation and hysteresis after ISO 230-4, about the least-squares centre. One fit tells the
-causes apart, each with its standard error (d = +1 counterclockwise, -1 clockwise):
+causes apart, each with half of its interval of 95 % (d = +1 counterclockwise, -1 clockwise):
   scale mismatch  (R/2)(s_x − s_y) cos 2θ         squareness      −(R/2) C0Y sin 2θ (Y,Z: A0Z; Z,X: −B0Z)
   servo mismatch  (d/2)(l_x − l_y) sin 2θ         straightness    q_x cos²θ sin θ + q_y sin²θ cos θ
   backlash        (d/2)(b_x sgn(sin θ) cos θ − b_y sgn(cos θ) sin θ)

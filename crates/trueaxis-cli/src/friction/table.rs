@@ -8,9 +8,9 @@ use trueaxis_report::number::significant;
 pub(super) fn table(document: &Document) -> Result<String, Error> {
     let mut text = format!("{} samples at {} Hz\n", document.samples, significant(1.0 / document.period_s, 4));
     for own in &document.axes {
-        let (f, fe) = (&own.friction, &own.standard_errors.friction);
-        let (d, de) = (&own.drive, &own.standard_errors.drive);
-        writeln!(text, "\naxis {}, {} reversals", own.axis, own.reversals)?;
+        let (f, fe) = (&own.friction, &own.expanded_uncertainties.friction);
+        let (d, de) = (&own.drive, &own.expanded_uncertainties.drive);
+        writeln!(text, "\naxis {}, {} reversals; ± with 95 %", own.axis, own.reversals)?;
         let mut row = |name: &str, value: f64, error: Option<f64>, held: &str| {
             let error = error.map_or_else(|| held.to_owned(), |error| format!("± {}", significant(error, 2)));
             writeln!(text, "  {name:<36} {:>9}  {error}", significant(value, 4))

@@ -29,7 +29,12 @@ pub(super) fn table(document: &Document, axis: Axis) -> Result<String, Error> {
     for value in names(axis).iter().filter_map(|name| document.standard_errors.get(&name.to_lowercase())) {
         write!(text, " {:>9.3}", value.as_f64().unwrap_or(f64::NAN))?;
     }
-    writeln!(text, "   (root mean square over the angles)\n")?;
+    writeln!(text, "   (root mean square over the angles)")?;
+    write!(text, "{:>9}", "± 95 %")?;
+    for value in names(axis).iter().filter_map(|name| document.expanded_uncertainties.get(&name.to_lowercase())) {
+        write!(text, " {:>9.3}", value.as_f64().unwrap_or(f64::NAN))?;
+    }
+    writeln!(text, "   (Student's factor, {} degrees of freedom)\n", document.degrees_of_freedom)?;
     let worst = document.angles.iter().map(|angle| angle.condition).fold(0.0, f64::max);
     let rank = document.angles.iter().map(|angle| angle.rank).min().unwrap_or(0);
     writeln!(

@@ -18,7 +18,7 @@ pub(crate) fn page(source: &str, test: &Test, document: &Document) -> String {
         ],
     );
     let causes = values(document).into_iter().map(|[name, value, error]| Row::new(name, [value, error]));
-    let causes = Table::new(["cause", "value", "standard error"], causes);
+    let causes = Table::new(["cause", "value", "± with 95 %"], causes);
     let shares = document.shares.iter().map(|share| {
         let rms = format!("{} µm", significant(share.rms_um, 3));
         Row::new(share.cause.clone(), [format!("{:.1} %", 100.0 * share.share), rms])

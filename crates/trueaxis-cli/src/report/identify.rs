@@ -33,9 +33,11 @@ fn table(axis: Axis, found: &Document) -> Table {
     let row = |(i, name): (usize, &String)| {
         let [low, high] = range(found.angles.iter().map(|angle| angle.values[i]));
         let standard = found.standard_errors.get(&name.to_lowercase()).and_then(serde_json::Value::as_f64);
-        Row::new(name, [significant(low, 3), significant(high, 3), significant(standard.unwrap_or(f64::NAN), 2)])
+        let expanded = found.expanded_uncertainties.get(&name.to_lowercase()).and_then(serde_json::Value::as_f64);
+        let [standard, expanded] = [standard, expanded].map(|error| significant(error.unwrap_or(f64::NAN), 2));
+        Row::new(name, [significant(low, 3), significant(high, 3), standard, expanded])
     };
-    Table::new(["error", "from", "to", "standard error"], names(axis).iter().enumerate().map(row))
+    Table::new(["error", "from", "to", "standard error", "± with 95 %"], names(axis).iter().enumerate().map(row))
 }
 
 fn angle_scale(axis: Axis, found: &Document) -> Scale {

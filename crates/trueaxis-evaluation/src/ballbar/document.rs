@@ -1,6 +1,7 @@
 //! What a circular test tells, as a document.
 
 use super::Test;
+use crate::uncertainty::expanded;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -79,6 +80,8 @@ pub struct Document {
     pub pitch_mm: Pair,
     /// Standard errors under the names of the values.
     pub standard_errors: Map<String, Value>,
+    /// Half-widths of intervals of 95 %: standard errors times Student's factor.
+    pub expanded_uncertainties: Map<String, Value>,
     /// Causes but for radius and centre, the largest first.
     pub shares: Vec<Share>,
     /// Standard deviation of a reading, from what the causes leave.
@@ -157,6 +160,8 @@ impl Test {
             ("straightness_um", errors(Cause::Straightness)),
             ("cyclic_um", errors(Cause::Cyclic)),
         ];
+        let standard_errors: Map<String, Value> =
+            standard_errors.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
         let centre = |axis| value(Cause::Centre(axis)).unwrap_or_default();
         let mut warnings = Vec::new();
         if self.of_positions {
@@ -196,7 +201,8 @@ impl Test {
             straightness_um: pair(Cause::Straightness),
             cyclic_um: pair(Cause::Cyclic),
             pitch_mm: Pair::from([0, 1].map(|i| (letters[i], found.pitches_mm[i]))),
-            standard_errors: standard_errors.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
+            expanded_uncertainties: expanded(&standard_errors, found.degrees_of_freedom as f64),
+            standard_errors,
             shares: self.shares(),
             sigma_um: 1e3 * found.sigma_mm,
             degrees_of_freedom: found.degrees_of_freedom,

@@ -3,11 +3,11 @@
 use super::Document;
 use trueaxis_report::number::significant;
 
-/// Every value as text: its name, the value with its unit (– where the record does not tell it), its standard error.
+/// Every value as text: its name, the value with its unit (– where the record does not tell it), half of its interval of 95 %.
 pub fn values(document: &Document) -> Vec<[String; 3]> {
     let d = document;
     let error = |key: &str, part: Option<&str>| {
-        let of = d.standard_errors.get(key);
+        let of = d.expanded_uncertainties.get(key);
         part.map_or(of, |part| of.and_then(|of| of.get(part))).and_then(serde_json::Value::as_f64)
     };
     let mut values = Vec::new();

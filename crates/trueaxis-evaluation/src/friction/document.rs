@@ -1,5 +1,6 @@
 //! The result as a document.
 
+use crate::uncertainty::band_factor;
 use serde::Serialize;
 use trueaxis_metrology::friction::{Figure, Identified, Record, Size};
 
@@ -29,6 +30,8 @@ pub struct AxisFound {
     pub drive_found: bool,
     /// Null where a figure was held and not fitted.
     pub standard_errors: Errors,
+    /// Half-widths of intervals of 95 %: standard errors times Student's factor, one stretch round a reversal for one observation.
+    pub expanded_uncertainties: Errors,
     /// By how much the reading is later than the drive's own lag, s.
     pub reading_lag_s: f64,
     /// Spikes at the reversals, µm.
@@ -86,6 +89,29 @@ pub struct Errors {
     pub drive: Drive<Option<f64>>,
 }
 
+impl Errors {
+    fn times(&self, factor: f64) -> Errors {
+        let of = |error: Option<f64>| error.map(|error| factor * error);
+        let (f, d) = (&self.friction, &self.drive);
+        Errors {
+            friction: Friction {
+                coulomb_mm_per_s: of(f.coulomb_mm_per_s),
+                presliding_um: of(f.presliding_um),
+                stribeck_share: of(f.stribeck_share),
+                stribeck_velocity_mm_per_s: of(f.stribeck_velocity_mm_per_s),
+                viscous: of(f.viscous),
+            },
+            drive: Drive {
+                position_gain_per_s: of(d.position_gain_per_s),
+                velocity_gain_per_s: of(d.velocity_gain_per_s),
+                reset_time_s: of(d.reset_time_s),
+                velocity_feed_forward: of(d.velocity_feed_forward),
+                dead_time_s: of(d.dead_time_s),
+            },
+        }
+    }
+}
+
 /// Spikes at the reversals, µm.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Glitch {
@@ -128,6 +154,10 @@ fn axis(found: &Identified) -> AxisFound {
     let [position_gain_per_s, velocity_gain_per_s, reset_time_s, velocity_feed_forward] = errors;
     let lag = found.reading_lag_s;
     let dead_time_s = lag.standard_error.filter(|_| found.drive_errors.is_some());
+    let standard_errors = Errors {
+        friction: friction(found, |figure, scale| figure.standard_error.map(|error| scale * error)),
+        drive: Drive { position_gain_per_s, velocity_gain_per_s, reset_time_s, velocity_feed_forward, dead_time_s },
+    };
     AxisFound {
         axis: found.axis.letter().to_string(),
         friction: friction(found, |figure, scale| scale * figure.value),
@@ -139,10 +169,9 @@ fn axis(found: &Identified) -> AxisFound {
             dead_time_s: drive.dead_time_s,
         },
         drive_found: found.drive_errors.is_some(),
-        standard_errors: Errors {
-            friction: friction(found, |figure, scale| figure.standard_error.map(|error| scale * error)),
-            drive: Drive { position_gain_per_s, velocity_gain_per_s, reset_time_s, velocity_feed_forward, dead_time_s },
-        },
+        expanded_uncertainties: standard_errors
+            .times(band_factor(found.reversals.saturating_sub(found.fitted).max(1) as f64)),
+        standard_errors,
         reading_lag_s: lag.value,
         glitch_um: Glitch {
             before: found.glitch.before.into(),

@@ -1,6 +1,7 @@
 //! What was identified, as a document.
 
 use super::Readings;
+use crate::uncertainty::{band_factor, expanded};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use trueaxis::Axis;
@@ -20,6 +21,8 @@ pub struct Document {
     pub sigma_um: f64,
     /// Root mean square of the standard errors over the angles.
     pub standard_errors: Map<String, Value>,
+    /// Half-widths of intervals of 95 %: standard errors times Student's factor.
+    pub expanded_uncertainties: Map<String, Value>,
     /// Readings less what they determine.
     pub degrees_of_freedom: usize,
     /// Whether location errors are among the errors: "inside" or "removed".
@@ -56,6 +59,7 @@ pub struct Angle {
     /// Rank, 6 where all errors are determined.
     pub rank: u8,
     standard_errors: Map<String, Value>,
+    expanded_uncertainties: Map<String, Value>,
     /// The errors, µm and µrad.
     #[serde(skip)]
     pub values: [f64; 6],
@@ -85,6 +89,7 @@ fn named(axis: Axis, values: [f64; 6]) -> Map<String, Value> {
 impl Document {
     pub(super) fn new(readings: &Readings, found: &Identified, warnings: Vec<String>) -> Document {
         let count = found.angles.len().max(1) as f64;
+        let factor = band_factor(found.degrees_of_freedom as f64);
         let mean = std::array::from_fn(|i| {
             let squares = found.angles.iter().map(|angle| micro(&angle.standard_errors)[i].powi(2));
             (squares.sum::<f64>() / count).sqrt()
@@ -103,6 +108,7 @@ impl Document {
                 condition: angle.condition,
                 rank: angle.rank,
                 standard_errors: named(found.axis, deviations),
+                expanded_uncertainties: named(found.axis, deviations.map(|error| factor * error)),
                 values,
                 deviations,
             }
@@ -112,6 +118,7 @@ impl Document {
             set_ups: set_ups.collect(),
             angles: angles.collect(),
             sigma_um: 1e3 * found.sigma_mm,
+            expanded_uncertainties: expanded(&named(found.axis, mean), found.degrees_of_freedom as f64),
             standard_errors: named(found.axis, mean),
             degrees_of_freedom: found.degrees_of_freedom,
             location: match found.location {

@@ -6,12 +6,17 @@ use trueaxis_metrology::uncertainty::student_factor;
 /// Coverage of the bands.
 const COVERAGE: f64 = 0.95;
 
+/// Student's factor of a coverage of 95 %.
+pub fn band_factor(degrees_of_freedom: f64) -> f64 {
+    student_factor(COVERAGE, degrees_of_freedom)
+}
+
 /// Standard errors times Student's factor of a coverage of 95 %, under the same names; null stays.
 ///
 /// With ν degrees of freedom of the scatter the factor is t_ν, not 2 (JCGM 100:2008, G.3): with ν = 4 a band of ± 2 s holds
 /// 88 %, not 95.
-pub fn expanded(standard_errors: &Map<String, Value>, degrees_of_freedom: usize) -> Map<String, Value> {
-    let factor = student_factor(COVERAGE, degrees_of_freedom as f64);
+pub fn expanded(standard_errors: &Map<String, Value>, degrees_of_freedom: f64) -> Map<String, Value> {
+    let factor = band_factor(degrees_of_freedom);
     standard_errors.iter().map(|(name, value)| (name.clone(), times(value, factor))).collect()
 }
 

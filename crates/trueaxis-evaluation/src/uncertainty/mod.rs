@@ -23,7 +23,7 @@ mod options;
 mod sensitivity;
 mod terms;
 
-pub use bands::expanded;
+pub use bands::{band_factor, expanded};
 pub use document::{AtPoint, Document, Share, Spread};
 pub use options::Options;
 pub use terms::{per_length, reading};
