@@ -190,7 +190,7 @@ fn causes_of_a_circle() {
                 readings.push(Reading { angle_rad, deviation_mm, counterclockwise });
             }
         }
-        let found = circle(&readings, 100.0, [Some(10.0), Some(10.0)]).unwrap();
+        let found = circle(100.0, &readings, [Some(10.0), Some(10.0)]).unwrap();
         let factor = band_factor(found.degrees_of_freedom as f64);
         use trueaxis_metrology::ballbar::Cause;
         for (cause, truth) in [
