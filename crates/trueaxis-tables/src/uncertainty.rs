@@ -3,10 +3,6 @@
 //! They stand in `[uncertainty]`, `[uncertainty.location]` and `[axis.X.uncertainty]` of `machine.toml`, and in columns like
 //! `EXX_u_um` of an axis' CSV. No controller is told of them: they are never compiled and change no correction.
 
-use crate::error::FileError;
-use crate::files::{Folder, Source};
-use crate::read::uncertainties;
-use std::path::Path;
 use trueaxis::machine::Axis;
 
 /// Instrument and set-up that the tables were measured with; standard uncertainties (k = 1). `None`: not stated.
@@ -97,23 +93,6 @@ pub struct Uncertainties {
 }
 
 impl Uncertainties {
-    /// Those of a `machine.toml`, or the one in a folder, and of the tables that it names.
-    ///
-    /// # Errors
-    /// As [`crate::Machine::read`], as far as the files are wrong by themselves.
-    pub fn read(path: &Path) -> Result<Uncertainties, FileError> {
-        let (folder, name) = Folder::of_machine(path);
-        Uncertainties::read_from(&folder, &name)
-    }
-
-    /// [`Uncertainties::read`] from any source of files; `name` is that of the `machine.toml`.
-    ///
-    /// # Errors
-    /// As [`Uncertainties::read`].
-    pub fn read_from(files: &dyn Source, name: &Path) -> Result<Uncertainties, FileError> {
-        uncertainties(files, name)
-    }
-
     /// Those of an axis.
     pub fn of(&self, axis: Axis) -> Option<&AxisUncertainty> {
         self.axes.iter().find(|own| own.axis == axis)

@@ -117,19 +117,33 @@ pub(crate) fn text_is_sound(text: &str, origin: &Origin) -> Result<(), FileError
     check::settings(&description.settings).map_err(|error| description.located(origin, &error))
 }
 
-/// What the files of a machine say of their uncertainty.
-pub(crate) fn uncertainties(files: &dyn Source, name: &Path) -> Result<Uncertainties, FileError> {
-    let (_, description) = described(files, name)?;
-    let mut found = description.uncertainties;
-    for reference in &description.tables {
-        let file = beside(name, &reference.file);
-        let origin = Origin::new(&files.path(&file));
-        let read = axis_table::read(&bytes(files, &file)?, &origin, reference.axis)?;
-        if let Some(own) = found.axes.iter_mut().find(|own| own.axis == reference.axis) {
-            own.points = read.uncertainty;
-        }
+impl Uncertainties {
+    /// Those of a `machine.toml`, or the one in a folder, and of the tables that it names.
+    ///
+    /// # Errors
+    /// As [`Machine::read`], as far as the files are wrong by themselves.
+    pub fn read(path: &Path) -> Result<Uncertainties, FileError> {
+        let (folder, name) = Folder::of_machine(path);
+        Uncertainties::read_from(&folder, &name)
     }
-    Ok(found)
+
+    /// [`Uncertainties::read`] from any source of files; `name` is that of the `machine.toml`.
+    ///
+    /// # Errors
+    /// As [`Uncertainties::read`].
+    pub fn read_from(files: &dyn Source, name: &Path) -> Result<Uncertainties, FileError> {
+        let (_, description) = described(files, name)?;
+        let mut found = description.uncertainties;
+        for reference in &description.tables {
+            let file = beside(name, &reference.file);
+            let origin = Origin::new(&files.path(&file));
+            let read = axis_table::read(&bytes(files, &file)?, &origin, reference.axis)?;
+            if let Some(own) = found.axes.iter_mut().find(|own| own.axis == reference.axis) {
+                own.points = read.uncertainty;
+            }
+        }
+        Ok(found)
+    }
 }
 
 /// A machine before an edit of its files.
