@@ -77,6 +77,7 @@ fn with_one(machine: &Machine, source: Source) -> Machine {
     one.settings.compensation.model = ErrorModel::Volumetric;
     one.settings.location = Default::default();
     one.tables.iter_mut().for_each(|table| *table = None);
+    one.grids.clear();
     for own in &mut one.settings.axes {
         (own.backlash, own.thermal, own.interpolation) = (0.0, Default::default(), Interpolation::Linear);
     }
