@@ -64,7 +64,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut outputs = Outputs::of(model::files(&arguments.machine).into_iter().chain([arguments.record.clone()]));
     let mut written = Vec::new();
     if let Some(output) = &arguments.output {
-        let changed = Imported { tables: Vec::new(), location: found.location, settings: None, notes: Vec::new() };
+        let changed = Imported {
+            tables: Vec::new(),
+            location: found.location,
+            settings: None,
+            notes: Vec::new(),
+            grids: Vec::new(),
+        };
         written = super::machine::write(&mut outputs, &arguments.machine, output, &changed)?;
     }
     if let Some(directory) = &arguments.report {

@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         let mut location = model::source(machine)?.settings.location;
         let rad = |value: Value| 1e-6 * value.value;
         (location.a0z, location.b0z, location.c0y) = (rad(document.a0z), rad(document.b0z), rad(document.c0y));
-        let changed = Imported { tables: Vec::new(), location, settings: None, notes: Vec::new() };
+        let changed = Imported { tables: Vec::new(), location, settings: None, notes: Vec::new(), grids: Vec::new() };
         notes = super::machine::write(&mut outputs, machine, output, &changed)?;
     }
     if let Some(directory) = &arguments.report {
