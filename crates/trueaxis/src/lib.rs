@@ -19,7 +19,8 @@
 //! - [`roundness`]: three probes on a turning workpiece, worked off in slices ([`GaugeRide`]);
 //! - dynamic: reversal friction, following error and the contour error itself as corrections ([`Dynamics`]);
 //! - [`limiter`]: magnitude, slope and acceleration of the correction; nothing ever jumps;
-//! - [`telemetry`]: one fixed record per cycle.
+//! - [`telemetry`]: one fixed record per cycle;
+//! - [`temperature`]: growth from temperatures, in a slow task beside the step.
 //!
 //! A [`Config`] is checked once and built into an immutable [`ServoLoop`]; the [`State`] is separate, so that tables
 //! can be exchanged in motion ([`exchange`]). The step allocates nothing, cannot panic, and its cost is bounded.
@@ -58,6 +59,7 @@ pub mod sample;
 mod step;
 pub mod tcomp;
 pub mod telemetry;
+pub mod temperature;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)] // Public, and in use, in `trueaxis-testing`.
 mod testing;

@@ -1,0 +1,161 @@
+//! One sensor: whether to believe what it reads, and its lag.
+
+use super::ThermalError;
+use super::bytes::Bytes;
+use super::lag::{Decay, place};
+use super::{COLDEST_MK, KNOTS, LONGEST_MS, WARMEST_MK};
+
+/// What is wrong with a sensor. While anything is, its share of the growth stands still.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+#[non_exhaustive]
+pub enum SensorStatus {
+    /// Nothing.
+    #[default]
+    Good = 0,
+    /// It has no reading, or one that is no number.
+    Missing = 1,
+    /// It reads what no machine has.
+    OutOfRange = 2,
+    /// It has changed more than plausible, and has not come back since.
+    Jumped = 3,
+    /// It repeats one reading to the bit although the others move.
+    Stuck = 4,
+}
+
+/// Its settings, where they stand in the file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sensor<'a> {
+    lag_s: f64,
+    plausible: [f64; 2],
+    jump_k: f64,
+    rate_k_per_s: f64,
+    stuck_s: f64,
+    elsewhere_k: f64,
+    knots: &'a [[u8; 4]],
+}
+
+fn kelvin(mk: i32) -> f64 {
+    1e-3 * f64::from(mk)
+}
+
+impl<'a> Sensor<'a> {
+    /// Reads and checks the next one; `number` from 1 is for errors.
+    pub(super) fn read(bytes: &mut Bytes<'a>, number: u8) -> Result<Sensor<'a>, ThermalError> {
+        let lag = time(bytes.u32()?)?;
+        let [least, most] = [bytes.i32()?, bytes.i32()?];
+        let [jump, rate] = [bytes.u32()?, bytes.u32()?];
+        let (stuck, elsewhere) = (time(bytes.u32()?)?, bytes.u32()?);
+        if !(COLDEST_MK <= least && least < most && most <= WARMEST_MK) || jump == 0 {
+            return Err(ThermalError::Plausible(number));
+        }
+        let count = knots(bytes.u8()?)?;
+        let knots = bytes.pieces::<4>(count)?;
+        let mut before = COLDEST_MK.saturating_sub(1);
+        for knot in knots {
+            let knot = i32::from_le_bytes(*knot);
+            if knot <= before || knot > WARMEST_MK {
+                return Err(ThermalError::KnotOrder(knot));
+            }
+            before = knot;
+        }
+        Ok(Sensor {
+            lag_s: lag,
+            plausible: [kelvin(least), kelvin(most)],
+            jump_k: 1e-3 * f64::from(jump),
+            rate_k_per_s: 1e-3 * f64::from(rate) / 60.0,
+            stuck_s: stuck,
+            elsewhere_k: 1e-3 * f64::from(elsewhere),
+            knots,
+        })
+    }
+
+    /// Number of its knots.
+    pub(super) fn knots(&self) -> usize {
+        self.knots.len()
+    }
+
+    /// Where a temperature stands among them, see [`place`].
+    pub(super) fn place(&self, temperature: f64) -> (usize, f64, bool) {
+        place(self.knots.iter().map(|knot| kelvin(i32::from_le_bytes(*knot))), temperature)
+    }
+}
+
+pub(super) fn time(ms: u32) -> Result<f64, ThermalError> {
+    if ms > LONGEST_MS { Err(ThermalError::Time(ms)) } else { Ok(1e-3 * f64::from(ms)) }
+}
+
+pub(super) fn knots(count: u8) -> Result<usize, ThermalError> {
+    let size = usize::from(count);
+    if (2..=KNOTS).contains(&size) { Ok(size) } else { Err(ThermalError::Knots(count)) }
+}
+
+/// What a sensor carries from one update to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct SensorState {
+    /// The last reading believed, °C.
+    pub(super) good: Option<f64>,
+    /// Since then, s.
+    since_s: f64,
+    /// The last reading at all that is a number, °C, and for how long it has been the same, s.
+    last: f64,
+    unchanged_s: f64,
+    /// Mean of the others when it changed last, °C; none while no other has been read.
+    others: Option<f64>,
+    /// It has jumped and not come back.
+    jumped: bool,
+    /// The next reading is to be believed.
+    trusted: bool,
+    /// Temperature behind the lag, °C.
+    pub(super) lagged: f64,
+    pub(super) status: SensorStatus,
+}
+
+impl SensorState {
+    /// Judges a reading and, where it is believed, lets the lag follow it; `others`: mean of the other sensors, °C.
+    pub(super) fn update(&mut self, of: &Sensor<'_>, dt_s: f64, reading: Option<f64>, others: Option<f64>) {
+        self.since_s += dt_s;
+        self.status = self.judge(of, dt_s, reading, others);
+        let Some(reading) = reading.filter(|_| self.status == SensorStatus::Good) else { return };
+        self.lagged = match self.good {
+            None => reading,
+            Some(before) => Decay::new(dt_s, of.lag_s).respond(self.lagged, before, reading),
+        };
+        self.good = Some(reading);
+        self.since_s = 0.0;
+        (self.jumped, self.trusted) = (false, false);
+    }
+
+    fn judge(&mut self, of: &Sensor<'_>, dt_s: f64, reading: Option<f64>, others: Option<f64>) -> SensorStatus {
+        let Some(reading) = reading.filter(|reading| reading.is_finite()) else { return SensorStatus::Missing };
+        let [least, most] = of.plausible;
+        if !(least <= reading && reading <= most) {
+            return SensorStatus::OutOfRange;
+        }
+        if self.good.is_some() && reading == self.last {
+            self.unchanged_s += dt_s;
+        } else {
+            (self.last, self.unchanged_s, self.others) = (reading, 0.0, others);
+        }
+        self.others = self.others.or(others);
+        let Some(good) = self.good else { return SensorStatus::Good };
+        // What has jumped may be a sensor that has come off: time does not make it plausible.
+        let passed_s = if self.jumped { 0.0 } else { self.since_s };
+        if !self.trusted && (reading - good).abs() > of.jump_k + of.rate_k_per_s * passed_s {
+            self.jumped = true;
+            return SensorStatus::Jumped;
+        }
+        let moved = others.zip(self.others).map_or(0.0, |(now, then)| (now - then).abs());
+        if of.stuck_s > 0.0 && self.unchanged_s >= of.stuck_s && moved >= of.elsewhere_k {
+            return SensorStatus::Stuck;
+        }
+        SensorStatus::Good
+    }
+
+    /// Believes the next reading whatever it is; the lag goes on from where it stands.
+    pub(super) fn believe(&mut self) {
+        self.trusted = true;
+        self.unchanged_s = 0.0;
+    }
+}
