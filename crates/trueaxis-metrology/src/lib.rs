@@ -10,6 +10,7 @@
 //! - [`drift`]: ranges of a drift over stated periods (ISO 230-3); [`sphere`]: the least-squares sphere.
 //! - [`linear_fit`]: least squares with rank and what cannot be told apart.
 //! - [`volumetric`]: the 21 errors of three axes from points measured all over the volume.
+//! - [`thermal`]: growth of the axes from a recorded warm-up after ISO 230-3.
 //! - [`uncertainty`]: of a point, of ISO 230-2 figures; factors, intervals, verdicts.
 //! - [`learning`]: a correction over path length, learned from part to part.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
@@ -48,6 +49,8 @@ pub mod separation;
 pub mod sphere;
 #[cfg(feature = "std")]
 pub mod spindle;
+#[cfg(feature = "std")]
+pub mod thermal;
 #[cfg(feature = "std")]
 pub mod uncertainty;
 #[cfg(feature = "std")]

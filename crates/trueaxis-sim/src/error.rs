@@ -54,6 +54,9 @@ pub enum SimError {
     /// A record from which nothing can be learned.
     #[error("learning: {0}")]
     NotLearned(#[from] NotLearned),
+    /// A record from which no thermal growth is found.
+    #[error("thermal growth: {0}")]
+    Thermal(#[from] trueaxis_metrology::thermal::Refused),
     /// The program's motion.
     #[error("{program}: {error}")]
     Motion {

@@ -13,7 +13,7 @@
 //! Plant and truth are written apart from the plugin; neither uses its code.
 //!
 //! [`run`] simulates a part program, [`grinding`] a crankpin under the three-probe gauge, [`ball_test`] the test of a
-//! five-axis head, [`friction`] circles from which friction is found. The same inputs and seed give the same results on
+//! five-axis head, [`friction`] circles from which friction is found, [`warming`] shifts over which a machine grows. The same inputs and seed give the same results on
 //! every host, in a browser too: angles and exponentials come from libm, not from the host.
 //!
 //! The crate's README shows a run from tables to figures.
@@ -41,6 +41,7 @@ pub mod script;
 pub mod servo;
 pub mod settings;
 pub mod truth;
+pub mod warming;
 
 pub use error::SimError;
 pub use scenario::Scenario;

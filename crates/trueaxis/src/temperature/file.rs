@@ -83,7 +83,8 @@ impl<'a> Thermal<'a> {
                 return Err(ThermalError::Axis(axis.axis as u8));
             }
             before = Some(axis.axis);
-            if let Some([_, slope]) = axis.curves.iter().map(pair).find(|[_, slope]| slope.unsigned_abs() > STEEPEST as u32)
+            if let Some([_, slope]) =
+                axis.curves.iter().map(pair).find(|[_, slope]| slope.unsigned_abs() > STEEPEST as u32)
             {
                 return Err(ThermalError::Slope(slope));
             }

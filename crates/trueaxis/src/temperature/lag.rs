@@ -21,7 +21,7 @@ impl Decay {
     pub fn new(dt_s: f64, lag_s: f64) -> Decay {
         let intervals = dt_s / lag_s;
         // Also without a lag, and for what is no number.
-        if !(intervals < 700.0) {
+        if intervals.is_nan() || intervals >= 700.0 {
             return Decay { e: 0.0, g: 0.0 };
         }
         // Below, the quotient loses its digits; the first two terms of the series do not.
@@ -46,7 +46,7 @@ pub fn place(knots: impl Iterator<Item = f64>, value: f64) -> (usize, f64, bool)
     let mut found = (0, 0.0, false);
     for (k, knot) in knots.enumerate() {
         let Some(from) = before.replace(knot) else {
-            found.2 = !(value >= knot);
+            found.2 = value.is_nan() || value < knot;
             continue;
         };
         // Cells ascend: the last one that begins at or below the value holds it.

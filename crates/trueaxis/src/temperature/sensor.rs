@@ -130,7 +130,7 @@ impl SensorState {
     fn judge(&mut self, of: &Sensor<'_>, dt_s: f64, reading: Option<f64>, others: Option<f64>) -> SensorStatus {
         let Some(reading) = reading.filter(|reading| reading.is_finite()) else { return SensorStatus::Missing };
         let [least, most] = of.plausible;
-        if !(least <= reading && reading <= most) {
+        if !(least..=most).contains(&reading) {
             return SensorStatus::OutOfRange;
         }
         if self.good.is_some() && reading == self.last {

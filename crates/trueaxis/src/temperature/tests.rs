@@ -1,3 +1,5 @@
+#![allow(clippy::indexing_slicing)]
+
 use super::*;
 use crate::axis::Axis;
 use crate::tcomp::checksum;
@@ -205,7 +207,9 @@ fn a_stuck_sensor_is_one_that_repeats_itself_while_the_others_move() {
     let thermal = Thermal::parse(&bytes).unwrap();
     let run = |other: fn(f64) -> f64| {
         let mut state = ThermalState::new();
-        (0..40).map(|k| thermal.update(&mut state, 60.0, &at(&[Some(25.0), Some(other(f64::from(k)))], 0.0))).collect::<Vec<_>>()
+        (0..40)
+            .map(|k| thermal.update(&mut state, 60.0, &at(&[Some(25.0), Some(other(f64::from(k)))], 0.0)))
+            .collect::<Vec<_>>()
     };
     // At rest for 40 minutes with two quantised sensors: nothing is wrong.
     assert!(run(|_| 22.0).iter().all(|growth| growth.sensors[0] == SensorStatus::Good));

@@ -1,0 +1,322 @@
+//! Records that tell nothing, or tell it with a broken sensor.
+
+use super::{COLLINEAR, LEAST_CYCLES, LEAST_RANGE_K, LEAST_ROWS, LONGEST_GAP_S, REST_S, Record, span};
+use core::fmt;
+use std::string::String;
+use std::vec::Vec;
+use trueaxis::temperature::SENSORS;
+
+/// Change of a reading from one row to the next that no machine makes: K at once, and K a second.
+const JUMP_K: f64 = 5.0;
+const JUMP_K_PER_S: f64 = 0.05;
+/// A sensor is stuck that repeats a reading for so long, s, and so many times longer than ever else, in so many rows, while
+/// the others move so far, K.
+const STUCK_S: f64 = 1_800.0;
+const STUCK_TIMES: f64 = 4.0;
+const STUCK_ROWS: usize = 12;
+const STUCK_ELSEWHERE_K: f64 = 3.0;
+
+/// Why a record is refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refused {
+    /// Too few cycles.
+    Cycles {
+        /// In the record.
+        found: usize,
+    },
+    /// A cycle to be held out that the record has not got, or too few are left.
+    HeldOut {
+        /// Number of the cycle.
+        cycle: u32,
+    },
+    /// A cycle with too few rows.
+    Rows {
+        /// Number of the cycle.
+        cycle: u32,
+        /// Its rows.
+        found: usize,
+    },
+    /// No sensor, or more than the task has room for.
+    Sensors {
+        /// In the record.
+        found: usize,
+    },
+    /// No axis has a recorded drift.
+    NoAxis,
+    /// A figure that is no finite number, or times that do not ascend.
+    Row {
+        /// Index of the row.
+        index: usize,
+    },
+    /// A pause that is neither short nor a rest.
+    Gap {
+        /// Index of the row behind it.
+        index: usize,
+        /// Its length, s.
+        found_s: f64,
+    },
+    /// A cycle that is interrupted by another.
+    Mixed {
+        /// Index of the row at which it comes back.
+        index: usize,
+        /// Its number.
+        cycle: u32,
+    },
+    /// A sensor that jumps.
+    Jump {
+        /// Its name.
+        sensor: String,
+        /// Index of the row.
+        index: usize,
+        /// By how much, K.
+        found_k: f64,
+        /// What was plausible, K.
+        most_k: f64,
+    },
+    /// A sensor that repeats one reading while the others move.
+    Stuck {
+        /// Its name.
+        sensor: String,
+        /// Index of the row from which on it does.
+        index: usize,
+        /// For how long, s.
+        found_s: f64,
+        /// How far the mean of the others moved meanwhile, K.
+        elsewhere_k: f64,
+    },
+    /// Nothing changes enough to tell a cause.
+    NoExcitation {
+        /// Range of the warmest sensor, K.
+        found_k: f64,
+    },
+    /// Two sensors run together.
+    Collinear {
+        /// Their names.
+        sensors: [String; 2],
+        /// Their correlation.
+        found: f64,
+    },
+    /// No sensor predicts anything.
+    NothingFound,
+    /// The causes found cannot be told apart.
+    Condition {
+        /// Condition number of the scaled columns.
+        found: f64,
+    },
+    /// The curves found do not fit the file.
+    Encoding(super::NotEncoded),
+}
+
+impl Refused {
+    /// The row that it speaks of.
+    pub fn row(&self) -> Option<usize> {
+        match self {
+            Self::Row { index }
+            | Self::Gap { index, .. }
+            | Self::Mixed { index, .. }
+            | Self::Jump { index, .. }
+            | Self::Stuck { index, .. } => Some(*index),
+            _ => None,
+        }
+    }
+
+    /// The sensor that it speaks of.
+    pub fn sensor(&self) -> Option<&str> {
+        match self {
+            Self::Jump { sensor, .. } | Self::Stuck { sensor, .. } => Some(sensor),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cycles { found } => write!(
+                f,
+                "found {found} cycles, needed at least {LEAST_CYCLES}: one is held out, the others predict each other"
+            ),
+            Self::HeldOut { cycle } => {
+                write!(f, "found no cycle {cycle} to hold out, or fewer than two left for the fit")
+            }
+            Self::Rows { cycle, found } => write!(f, "cycle {cycle}: found {found} rows, needed at least {LEAST_ROWS}"),
+            Self::Sensors { found } => write!(f, "found {found} sensors, needed 1 to {SENSORS}"),
+            Self::NoAxis => f.write_str("found no drift of any axis, needed ex_um, ey_um or ez_um"),
+            Self::Row { .. } => f.write_str("found a figure that is not finite or a time that does not ascend"),
+            Self::Gap { found_s, .. } => write!(
+                f,
+                "found a pause of {found_s:.0} s, needed at most {LONGEST_GAP_S} s, or a rest of {REST_S} s after which \
+                 the machine is in equilibrium"
+            ),
+            Self::Mixed { cycle, .. } => write!(f, "found cycle {cycle} again, needed each cycle in one piece"),
+            Self::Jump { sensor, found_k, most_k, .. } => {
+                write!(f, "found {sensor} {found_k:.3} K away from the row before, needed at most {most_k:.3} K")
+            }
+            Self::Stuck { sensor, found_s, elsewhere_k, .. } => write!(
+                f,
+                "found {sensor} at one reading for {found_s:.0} s while the others moved {elsewhere_k:.1} K, needed a \
+                 sensor that follows the machine"
+            ),
+            Self::NoExcitation { found_k } => write!(
+                f,
+                "found sensors that move by {found_k:.2} K at most and one speed of the spindle, needed {LEAST_RANGE_K} K \
+                 or a change of speed"
+            ),
+            Self::Collinear { sensors: [one, other], found } => write!(
+                f,
+                "found {one} and {other} running together (correlation {found:.5}), needed sensors that differ: nothing \
+                 tells their shares apart, leave one out"
+            ),
+            Self::NothingFound => f.write_str(
+                "found no sensor from which one cycle is predicted by the others, needed one near where the machine grows",
+            ),
+            Self::Condition { found } => write!(
+                f,
+                "found causes that cannot be told apart (condition {found:.1e}), needed cycles in which they differ"
+            ),
+            Self::Encoding(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for Refused {}
+
+pub(super) fn check(record: &Record) -> Result<(), Refused> {
+    let sensors = record.sensors.len();
+    if !(1..=SENSORS).contains(&sensors) {
+        return Err(Refused::Sensors { found: sensors });
+    }
+    if record.axes.is_empty() {
+        return Err(Refused::NoAxis);
+    }
+    rows(record)?;
+    let cycles = record.cycles();
+    if cycles.len() < LEAST_CYCLES {
+        return Err(Refused::Cycles { found: cycles.len() });
+    }
+    for cycle in cycles {
+        let found = record.samples.iter().filter(|sample| sample.cycle == cycle).count();
+        if found < LEAST_ROWS {
+            return Err(Refused::Rows { cycle, found });
+        }
+    }
+    for sensor in 0..sensors {
+        jumps(record, sensor)?;
+        stuck(record, sensor)?;
+    }
+    let ranges = (0..sensors).map(|sensor| span(record.readings(sensor)));
+    let found_k = ranges.map(|[low, high]| high - low).fold(0.0, f64::max);
+    let [slow, fast] = span(record.samples.iter().map(|sample| sample.spindle_rpm.abs()));
+    if found_k < LEAST_RANGE_K && slow == fast {
+        return Err(Refused::NoExcitation { found_k });
+    }
+    collinear(record)
+}
+
+fn rows(record: &Record) -> Result<(), Refused> {
+    let (sensors, axes) = (record.sensors.len(), record.axes.len());
+    let mut known: Vec<u32> = Vec::new();
+    for (index, sample) in record.samples.iter().enumerate() {
+        let figures = sample.temperatures_c.iter().chain(&sample.error_mm).chain(&sample.position_mm);
+        let sound = figures.chain([&sample.t_s, &sample.spindle_rpm, &sample.tool_mm]).all(|figure| figure.is_finite());
+        let before = index.checked_sub(1).map(|before| &record.samples[before]);
+        let step = before.map_or(1.0, |before| sample.t_s - before.t_s);
+        if !sound || step < 0.0 || sample.temperatures_c.len() != sensors || sample.error_mm.len() != axes {
+            return Err(Refused::Row { index });
+        }
+        if step > LONGEST_GAP_S && step < REST_S {
+            return Err(Refused::Gap { index, found_s: step });
+        }
+        if before.is_none_or(|before| before.cycle != sample.cycle) {
+            if known.contains(&sample.cycle) {
+                return Err(Refused::Mixed { index, cycle: sample.cycle });
+            }
+            known.push(sample.cycle);
+        }
+    }
+    Ok(())
+}
+
+fn jumps(record: &Record, sensor: usize) -> Result<(), Refused> {
+    let mut before: Option<[f64; 2]> = None;
+    for (index, (sample, reading)) in record.samples.iter().zip(record.readings(sensor)).enumerate() {
+        if let Some([t_s, last]) = before.filter(|_| !record.begins(index)) {
+            let (found_k, most_k) = ((reading - last).abs(), JUMP_K + JUMP_K_PER_S * (sample.t_s - t_s));
+            if found_k > most_k {
+                return Err(Refused::Jump { sensor: record.sensors[sensor].clone(), index, found_k, most_k });
+            }
+        }
+        before = Some([sample.t_s, reading]);
+    }
+    Ok(())
+}
+
+/// Mean of the other sensors at a row; the speed's thousands where there is no other.
+fn others(record: &Record, sensor: usize, row: usize) -> f64 {
+    let sample = &record.samples[row];
+    let others = sample.temperatures_c.iter().enumerate().filter(|(other, _)| *other != sensor);
+    let (sum, count) = others.fold((0.0, 0.0), |(sum, count), (_, reading)| (sum + reading, count + 1.0));
+    if count > 0.0 { sum / count } else { 1e-3 * sample.spindle_rpm.abs() }
+}
+
+fn stuck(record: &Record, sensor: usize) -> Result<(), Refused> {
+    let runs = runs(record, sensor);
+    let seconds = |run: &[usize; 2]| record.samples[run[1] - 1].t_s - record.samples[run[0]].t_s;
+    let Some((longest, run)) = runs.iter().enumerate().max_by(|one, other| seconds(one.1).total_cmp(&seconds(other.1)))
+    else {
+        return Ok(());
+    };
+    // What it repeats elsewhere is its resolution: a slow place stands for a while.
+    let usual = runs.iter().enumerate().filter(|(k, _)| *k != longest).map(|(_, run)| seconds(run)).fold(0.0, f64::max);
+    let found_s = seconds(run);
+    let [low, high] = span((run[0]..run[1]).map(|row| others(record, sensor, row)));
+    let elsewhere_k = high - low;
+    if found_s >= STUCK_S.max(STUCK_TIMES * usual) && run[1] - run[0] >= STUCK_ROWS && elsewhere_k >= STUCK_ELSEWHERE_K
+    {
+        return Err(Refused::Stuck { sensor: record.sensors[sensor].clone(), index: run[0], found_s, elsewhere_k });
+    }
+    Ok(())
+}
+
+/// First row and end of every stretch over which a sensor repeats one reading.
+fn runs(record: &Record, sensor: usize) -> Vec<[usize; 2]> {
+    let readings: Vec<f64> = record.readings(sensor).collect();
+    let (mut runs, mut from) = (Vec::new(), 0);
+    for row in 1..=readings.len() {
+        if row == readings.len() || readings[row] != readings[from] || record.begins(row) {
+            runs.push([from, row]);
+            from = row;
+        }
+    }
+    runs
+}
+
+/// Longest time over which a sensor repeats one reading, s.
+pub(super) fn longest_run_s(record: &Record, sensor: usize) -> f64 {
+    let seconds = |[from, to]: [usize; 2]| record.samples[to - 1].t_s - record.samples[from].t_s;
+    runs(record, sensor).into_iter().map(seconds).fold(0.0, f64::max)
+}
+
+fn collinear(record: &Record) -> Result<(), Refused> {
+    let centred: Vec<Vec<f64>> = (0..record.sensors.len())
+        .map(|sensor| {
+            let mean = record.readings(sensor).sum::<f64>() / record.samples.len() as f64;
+            record.readings(sensor).map(|reading| reading - mean).collect()
+        })
+        .collect();
+    let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+    for one in 0..centred.len() {
+        for other in 0..one {
+            let norms = dot(&centred[one], &centred[one]) * dot(&centred[other], &centred[other]);
+            let found = dot(&centred[one], &centred[other]) / norms.sqrt().max(f64::MIN_POSITIVE);
+            // Of sensors that move at all.
+            let moves = |sensor| span(record.readings(sensor)).into_iter().rev().reduce(|high, low| high - low);
+            if found.abs() > COLLINEAR && moves(one) >= Some(LEAST_RANGE_K) && moves(other) >= Some(LEAST_RANGE_K) {
+                let sensors = [other, one].map(|sensor| record.sensors[sensor].clone());
+                return Err(Refused::Collinear { sensors, found });
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,266 @@
+//! The fit: causes and lags by search, curves by least squares, and the model for the task.
+
+use super::basis::{Cause, Chosen, Problem, slot};
+use super::check::{check, longest_run_s};
+use super::linear::solve;
+use super::model::{AxisCurves, Model, SensorCurve, Spindle};
+use super::search::{Parts, Search};
+use super::{Record, Refused, Settings, span};
+use std::string::String;
+use std::vec;
+use std::vec::Vec;
+use trueaxis::Axis;
+
+/// Condition number from which causes count as not told apart.
+const CONDITION_LIMIT: f64 = 1e4;
+/// Curves go on straight beyond what was recorded by this share of the range.
+const BEYOND: f64 = 0.25;
+/// A sensor is stuck that repeats a reading so many times longer than it ever did in the record, at least so long, s.
+const STUCK_TIMES: f64 = 4.0;
+const STUCK_LEAST_S: f64 = 600.0;
+
+/// A value of a curve at a knot, with its standard errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coefficient {
+    /// Offset or growth, mm; slope or tilt.
+    pub value: [f64; 2],
+    /// Their standard errors; 0 for what is no part of the curve.
+    pub standard_error: [f64; 2],
+}
+
+/// What was found on one axis.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct OfAxis {
+    /// The axis.
+    pub axis: Axis,
+    /// Values at the knots of every sensor of the model.
+    pub sensors: Vec<Vec<Coefficient>>,
+    /// Values at the speeds.
+    pub spindle: Vec<Coefficient>,
+    /// Root mean square of what the fit leaves of the cycles that it was made from, mm.
+    pub rms_mm: f64,
+    /// Condition number of the fit.
+    pub condition: f64,
+}
+
+/// A sensor, or the spindle, that is no part of the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Its name.
+    pub name: String,
+    /// Its range over the record, K or rpm.
+    pub range: f64,
+    /// It moves too little to tell; otherwise it predicts nothing that others do not.
+    pub still: bool,
+}
+
+/// A model, and what it is worth.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Fit {
+    /// For the task.
+    pub model: Model,
+    /// Which sensor of the record each of the model's is, from 0.
+    pub sensors: Vec<usize>,
+    /// Values with their standard errors.
+    pub axes: Vec<OfAxis>,
+    /// What is no part of it.
+    pub left_out: Vec<LeftOut>,
+    /// Root mean square of the drift over all axes, mm, and of what is left when every cycle is predicted from the others.
+    pub predicted_mm: [f64; 2],
+    /// Cycles that took no part.
+    pub held_out: Vec<u32>,
+}
+
+/// Finds lags and curves; `tell` is called with the name of every cause that comes in.
+///
+/// Cost: some seconds for a thousand rows and ten sensors.
+///
+/// # Errors
+/// [`Refused`].
+pub fn fit(record: &Record, settings: &Settings, tell: &mut dyn FnMut(&str)) -> Result<Fit, Refused> {
+    check(record)?;
+    let held_out = held_out(record, settings)?;
+    let problem = Problem::new(record, settings);
+    let rows: Vec<usize> =
+        (0..record.samples.len()).filter(|row| !held_out.contains(&record.samples[*row].cycle)).collect();
+    let search = Search::new(&problem, &rows);
+    let name = |cause: Cause| match cause {
+        Cause::Sensor(sensor) => record.sensors[sensor].clone(),
+        Cause::Spindle => "spindle".into(),
+    };
+    let (mut causes, left) = search.causes(&mut |cause| tell(&name(cause)));
+    if causes.is_empty() {
+        return Err(Refused::NothingFound);
+    }
+    // Sensors in the order of the record, the spindle last.
+    causes.sort_by_key(|chosen| match chosen.cause {
+        Cause::Sensor(sensor) => sensor,
+        Cause::Spindle => usize::MAX,
+    });
+    let count = (rows.len() * record.axes.len()).max(1) as f64 / search.share();
+    let predicted_mm = left.map(|squares| (squares / count).sqrt());
+
+    let sensors: Vec<usize> = causes.iter().filter_map(|chosen| sensor(chosen.cause)).collect();
+    let mut axes = Vec::new();
+    for axis in 0..record.axes.len() {
+        let parts = search.parts(axis, &causes);
+        axes.push(of_axis(&problem, &rows, axis, &causes, &parts)?);
+    }
+    let curves = |of: &OfAxis| AxisCurves {
+        axis: of.axis,
+        datum: settings.datum_mm[slot(of.axis)],
+        sensors: of.sensors.iter().map(|curve| curve.iter().map(|at| at.value).collect()).collect(),
+        spindle: of.spindle.iter().map(|at| at.value).collect(),
+    };
+    let spindle = causes.iter().find(|chosen| chosen.cause == Cause::Spindle);
+    let model = Model {
+        sensors: causes.iter().filter_map(|chosen| curve(record, chosen)).collect(),
+        spindle: spindle.map(|chosen| Spindle { lag_s: chosen.lag_s, knots_rpm: problem.speeds_rpm.clone() }),
+        axes: axes.iter().map(curves).collect(),
+    };
+    model.encode(0).map_err(Refused::Encoding)?;
+    Ok(Fit { left_out: left_out(record, &problem, &causes), model, sensors, axes, predicted_mm, held_out })
+}
+
+fn held_out(record: &Record, settings: &Settings) -> Result<Vec<u32>, Refused> {
+    let cycles = record.cycles();
+    let named = if settings.held_out.is_empty() {
+        cycles.last().copied().into_iter().collect()
+    } else {
+        settings.held_out.clone()
+    };
+    for &cycle in &named {
+        if !cycles.contains(&cycle) || cycles.len() < named.len() + 2 {
+            return Err(Refused::HeldOut { cycle });
+        }
+    }
+    Ok(named)
+}
+
+fn sensor(cause: Cause) -> Option<usize> {
+    match cause {
+        Cause::Sensor(sensor) => Some(sensor),
+        Cause::Spindle => None,
+    }
+}
+
+/// Knots of a sensor's curves: beyond both ends of what was recorded, and where they bend.
+fn knots(record: &Record, sensor: usize, bends: &[f64]) -> Vec<f64> {
+    let [low, high] = span(record.readings(sensor));
+    let beyond = BEYOND * (high - low);
+    let millis = |value: f64| (1e3 * value).round() / 1e3;
+    core::iter::once(low - beyond).chain(bends.iter().copied()).chain([high + beyond]).map(millis).collect()
+}
+
+fn curve(record: &Record, chosen: &Chosen) -> Option<SensorCurve> {
+    let sensor = sensor(chosen.cause)?;
+    let lag_s = (10.0 * chosen.lag_s).round() / 10.0;
+    let stuck_s = (STUCK_TIMES * longest_run_s(record, sensor)).max(STUCK_LEAST_S).round();
+    let knots = knots(record, sensor, &chosen.bends_c);
+    Some(SensorCurve { stuck_s, ..SensorCurve::new(&record.sensors[sensor], lag_s, knots) })
+}
+
+fn of_axis(
+    problem: &Problem<'_>,
+    rows: &[usize],
+    axis: usize,
+    causes: &[Chosen],
+    parts: &[Parts],
+) -> Result<OfAxis, Refused> {
+    let record = problem.record;
+    let name = record.axes[axis];
+    let (mut columns, mut places) = (Vec::new(), Vec::new());
+    for (which, chosen) in causes.iter().enumerate() {
+        for (k, response) in problem.responses(chosen).iter().enumerate() {
+            for part in [0, 1].into_iter().filter(|part| parts[which][*part]) {
+                let lever = |row| if part == 0 { 1.0 } else { problem.lever(name, chosen.cause, row) };
+                columns.push(problem.centred(rows, |row| response[row] * lever(row)));
+                places.push((which, k, part));
+            }
+        }
+    }
+    let right = problem.centred(rows, |row| record.samples[row].error_mm[axis]);
+    let zeros: Vec<usize> = rows.iter().map(|row| problem.groups[*row]).collect();
+    let (lost, step) = zeros_lost(&zeros);
+    let (values, covariance, condition, rms_mm) = match solve(&columns, &right, lost, step) {
+        Some(solved) if solved.condition <= CONDITION_LIMIT => {
+            (solved.values, solved.covariance, solved.condition, solved.rms)
+        }
+        Some(solved) => return Err(Refused::Condition { found: solved.condition }),
+        // No cause predicts this axis.
+        None => {
+            let rms = (right.iter().map(|x| x * x).sum::<f64>() / right.len().max(1) as f64).sqrt();
+            (nalgebra::DVector::zeros(0), nalgebra::DMatrix::zeros(0, 0), 1.0, rms)
+        }
+    };
+    // A value at a knot is the sum of what the parts have there.
+    let at = |which: usize, shares: &[f64]| {
+        let mut found = Coefficient { value: [0.0; 2], standard_error: [0.0; 2] };
+        for part in [0, 1] {
+            let own = |i: usize| {
+                let (cause, k, of) = places[i];
+                if cause == which && of == part { shares.get(k).copied().unwrap_or(0.0) } else { 0.0 }
+            };
+            let weights: Vec<f64> = (0..places.len()).map(own).collect();
+            found.value[part] = weights.iter().zip(values.iter()).map(|(weight, value)| weight * value).sum();
+            let mut variance = 0.0;
+            for (i, one) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+                variance += weights.iter().enumerate().map(|(j, other)| one * other * covariance[(i, j)]).sum::<f64>();
+            }
+            found.standard_error[part] = variance.max(0.0).sqrt();
+        }
+        found
+    };
+    let reference = problem.settings.reference_c;
+    let mut found = OfAxis { axis: name, sensors: Vec::new(), spindle: Vec::new(), rms_mm, condition };
+    for (which, chosen) in causes.iter().enumerate() {
+        match chosen.cause {
+            Cause::Sensor(sensor) => {
+                let bends = &chosen.bends_c;
+                let curve = knots(record, sensor, bends).into_iter().map(|knot| {
+                    let bent = bends.iter().map(|bend| (knot - bend).max(0.0) - (reference - bend).max(0.0));
+                    at(which, &core::iter::once(knot - reference).chain(bent).collect::<Vec<f64>>())
+                });
+                found.sensors.push(curve.collect());
+            }
+            Cause::Spindle => {
+                let speeds = problem.speeds_rpm.len();
+                let unit = |knot: usize| (1..speeds).map(|k| if k == knot { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
+                found.spindle = (0..speeds).map(|knot| at(which, &unit(knot))).collect();
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Number of zeros among the rows, and how many measuring points a moment has.
+fn zeros_lost(groups: &[usize]) -> (usize, usize) {
+    let mut known: Vec<usize> = Vec::new();
+    for group in groups {
+        if !known.contains(group) {
+            known.push(*group);
+        }
+    }
+    let first = groups.first();
+    let step = groups.iter().skip(1).position(|group| Some(group) == first).map_or(1, |k| k + 1);
+    (known.len(), step)
+}
+
+fn left_out(record: &Record, problem: &Problem<'_>, causes: &[Chosen]) -> Vec<LeftOut> {
+    let known = |cause: Cause| causes.iter().any(|chosen| chosen.cause == cause);
+    let able = problem.causes();
+    let mut left_out = vec![];
+    for sensor in (0..record.sensors.len()).filter(|sensor| !known(Cause::Sensor(*sensor))) {
+        let [low, high] = span(record.readings(sensor));
+        let still = !able.contains(&Cause::Sensor(sensor));
+        left_out.push(LeftOut { name: record.sensors[sensor].clone(), range: high - low, still });
+    }
+    if !known(Cause::Spindle) {
+        let [low, high] = span(record.samples.iter().map(|sample| sample.spindle_rpm.abs()));
+        let still = !able.contains(&Cause::Spindle);
+        left_out.push(LeftOut { name: "spindle".into(), range: high - low, still });
+    }
+    left_out
+}

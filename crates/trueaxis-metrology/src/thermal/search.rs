@@ -1,0 +1,207 @@
+//! Which causes, with which lags: forward, each cycle predicted from the others.
+
+use super::LONGEST_LAG_S;
+use super::basis::{Cause, Chosen, Problem};
+use super::linear::predicted;
+use rayon::prelude::*;
+use std::vec;
+use std::vec::Vec;
+use trueaxis::Axis;
+
+/// A cause comes in when it takes this share of the squares that are left, a bend or a part on one axis too.
+const GAIN: f64 = 0.05;
+/// Lags of the grid, s; 0 and 30 s to [`LONGEST_LAG_S`], evenly by their logarithm.
+const LAGS: usize = 12;
+const SHORTEST_LAG_S: f64 = 30.0;
+/// Steps of the golden section between two lags of the grid, to 2 %.
+const STEPS: usize = 8;
+/// Rounds over all lags once the causes stand.
+const ROUNDS: usize = 2;
+/// Rows that the search looks at, at most.
+const MOST_ROWS: usize = 1_500;
+
+/// What a search goes by.
+pub(super) struct Search<'p, 'r> {
+    problem: &'p Problem<'r>,
+    rows: Vec<usize>,
+    /// Ends of the cycles among the rows.
+    cycles: Vec<usize>,
+    /// Drift of each axis.
+    right: Vec<Vec<f64>>,
+    share: f64,
+}
+
+/// Parts of a cause on an axis: what does not depend on the lever, and what does.
+pub(super) type Parts = [bool; 2];
+
+impl<'p, 'r> Search<'p, 'r> {
+    /// Over these rows, thinned where they are many.
+    pub(super) fn new(problem: &'p Problem<'r>, rows: &[usize]) -> Self {
+        // Every so many of each measuring point in each cycle.
+        let samples = &problem.record.samples;
+        let every = rows.len().div_ceil(MOST_ROWS);
+        let mut seen = vec![0_usize; problem.groups.len()];
+        let kept = rows.iter().copied().filter(|&row| {
+            let count = &mut seen[problem.groups[row]];
+            *count += 1;
+            (*count - 1).is_multiple_of(every)
+        });
+        let kept: Vec<usize> = kept.collect();
+        let share = rows.len() as f64 / kept.len().max(1) as f64;
+        let rows = kept;
+        let mut cycles = Vec::new();
+        for k in 1..rows.len() {
+            if samples[rows[k]].cycle != samples[rows[k - 1]].cycle {
+                cycles.push(k);
+            }
+        }
+        cycles.push(rows.len());
+        let axes = 0..problem.record.axes.len();
+        let right = axes.map(|axis| problem.centred(&rows, |row| samples[row].error_mm[axis])).collect();
+        Search { problem, rows, cycles, right, share }
+    }
+
+    /// Rows given for one that the search looks at.
+    pub(super) fn share(&self) -> f64 {
+        self.share
+    }
+
+    fn columns(&self, axis: Axis, chosen: &Chosen, parts: Parts) -> Vec<Vec<f64>> {
+        let responses = self.problem.responses(chosen);
+        let mut columns = Vec::new();
+        for response in &responses {
+            if parts[0] {
+                columns.push(self.problem.centred(&self.rows, |row| response[row]));
+            }
+            if parts[1] && self.problem.levers(axis, chosen.cause) {
+                let lever = |row| response[row] * self.problem.lever(axis, chosen.cause, row);
+                columns.push(self.problem.centred(&self.rows, lever));
+            }
+        }
+        columns
+    }
+
+    /// Squares left of one axis.
+    fn left_of(&self, axis: usize, all: &[Chosen], parts: &[Parts]) -> f64 {
+        let name = self.problem.record.axes[axis];
+        let columns: Vec<Vec<f64>> =
+            all.iter().zip(parts).flat_map(|(chosen, parts)| self.columns(name, chosen, *parts)).collect();
+        predicted(&columns, &self.right[axis], &self.cycles)
+    }
+
+    /// Squares left of all axes.
+    fn left(&self, all: &[Chosen]) -> f64 {
+        let parts = vec![[true; 2]; all.len()];
+        (0..self.right.len()).map(|axis| self.left_of(axis, all, &parts)).sum()
+    }
+
+    /// The lag at which the last cause of the list does best, and what is left then.
+    fn best_lag(&self, all: &[Chosen], which: usize, between: Option<[f64; 2]>) -> (f64, f64) {
+        let at = |lag_s: f64| {
+            let mut all = all.to_vec();
+            all[which].lag_s = lag_s;
+            self.left(&all)
+        };
+        let ratio = (LONGEST_LAG_S / SHORTEST_LAG_S).powf(1.0 / (LAGS - 1) as f64);
+        let Some([mut low, mut high]) = between else {
+            let grid = core::iter::once(0.0).chain((0..LAGS).map(|k| SHORTEST_LAG_S * ratio.powi(k as i32)));
+            return grid
+                .map(|lag| (lag, at(lag)))
+                .fold((0.0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
+        };
+        let inner = |low: f64, high: f64| [high / (high / low).powf(0.618_034), low * (high / low).powf(0.618_034)];
+        let mut tried = inner(low, high).map(|lag| (lag, at(lag)));
+        for _ in 0..STEPS {
+            if tried[0].1 < tried[1].1 {
+                high = tried[1].0;
+                let lag = inner(low, high)[0];
+                tried = [(lag, at(lag)), tried[0]];
+            } else {
+                low = tried[0].0;
+                let lag = inner(low, high)[1];
+                tried = [tried[1], (lag, at(lag))];
+            }
+        }
+        if tried[0].1 < tried[1].1 { tried[0] } else { tried[1] }
+    }
+
+    /// The causes that predict, in the order in which they came in, and squares before and after; `tell` is called with
+    /// every one.
+    pub(super) fn causes(&self, tell: &mut dyn FnMut(Cause)) -> (Vec<Chosen>, [f64; 2]) {
+        let nothing = self.left(&[]);
+        let (mut all, mut left) = (Vec::<Chosen>::new(), nothing);
+        loop {
+            let missing: Vec<Cause> = self
+                .problem
+                .causes()
+                .into_iter()
+                .filter(|cause| all.iter().all(|known| known.cause != *cause))
+                .collect();
+            let tried = missing.par_iter().map(|cause| {
+                let mut all = all.clone();
+                all.push(Chosen { cause: *cause, lag_s: 0.0, bends_c: Vec::new() });
+                let (lag_s, left) = self.best_lag(&all, all.len() - 1, None);
+                (Chosen { lag_s, cause: *cause, bends_c: Vec::new() }, left)
+            });
+            let best = tried.min_by(|one, other| one.1.total_cmp(&other.1));
+            let Some((chosen, found)) = best.filter(|(_, found)| *found < (1.0 - GAIN) * left) else { break };
+            tell(chosen.cause);
+            all.push(chosen);
+            left = found;
+            left = self.refine(&mut all, left);
+        }
+        for _ in 1..ROUNDS {
+            left = self.refine(&mut all, left);
+        }
+        left = self.bend(&mut all, left);
+        (all, [nothing, left])
+    }
+
+    /// Every lag, one at a time, between its neighbours of the grid; what is left then.
+    fn refine(&self, all: &mut [Chosen], mut left: f64) -> f64 {
+        for which in 0..all.len() {
+            let lag = all[which].lag_s.max(10.0);
+            let (lag_s, found) = self.best_lag(all, which, Some([lag / 2.0, (2.0 * lag).min(LONGEST_LAG_S)]));
+            if found < left {
+                all[which].lag_s = lag_s;
+                left = found;
+            }
+        }
+        left
+    }
+
+    /// Bends in the middle of each sensor's range, where that predicts better.
+    fn bend(&self, all: &mut [Chosen], mut left: f64) -> f64 {
+        for which in 0..all.len() {
+            let Cause::Sensor(sensor) = all[which].cause else { continue };
+            let [low, high] = super::span(self.problem.record.readings(sensor));
+            let mut bent = all.to_vec();
+            bent[which].bends_c = vec![0.5 * (low + high)];
+            let found = self.left(&bent);
+            if found < (1.0 - GAIN) * left {
+                all[which] = bent[which].clone();
+                left = found;
+            }
+        }
+        left
+    }
+
+    /// What of each cause an axis has: what predicts no better is left out, the least useful first.
+    pub(super) fn parts(&self, axis: usize, all: &[Chosen]) -> Vec<Parts> {
+        let name = self.problem.record.axes[axis];
+        let mut parts: Vec<Parts> = all.iter().map(|chosen| [true, self.problem.levers(name, chosen.cause)]).collect();
+        let mut left = self.left_of(axis, all, &parts);
+        loop {
+            let one = (0..all.len()).flat_map(|which| [(which, 0), (which, 1)]);
+            let tried = one.filter(|(which, part)| parts[*which][*part]).map(|(which, part)| {
+                let mut fewer = parts.clone();
+                fewer[which][part] = false;
+                (self.left_of(axis, all, &fewer), fewer)
+            });
+            let best = tried.min_by(|one, other| one.0.total_cmp(&other.0));
+            let Some((found, fewer)) = best.filter(|(found, _)| *found <= left * (1.0 + 0.2 * GAIN)) else { break };
+            (left, parts) = (left.min(found), fewer);
+        }
+        parts
+    }
+}

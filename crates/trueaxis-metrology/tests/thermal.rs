@@ -1,0 +1,166 @@
+//! Thermal growth found in warm-ups whose truth is known: temperatures and responses integrated in steps of a second, with no
+//! line of the code under test.
+
+use trueaxis::Axis;
+use trueaxis::temperature::Thermal;
+use trueaxis_metrology::thermal::{Record, Refused, Sample, Settings, fit, held_out};
+use trueaxis_testing::noise::Noise;
+
+/// Lags of the truth, s: spindle sensor, ambient, and the spindle's own response.
+const LAGS: [f64; 3] = [900.0, 5400.0, 1500.0];
+/// Z per kelvin of the first, µm; X per metre and kelvin of the second; Z at 6,000 rpm, µm; Y per mm of tool at 6,000 rpm, µm.
+const Z_PER_K: f64 = 1.8;
+const X_PER_M_K: f64 = 11.0;
+const Z_AT_SPEED: f64 = 9.0;
+const Y_PER_MM_AT_SPEED: f64 = 0.03;
+
+/// Speeds of the four cycles in spells of 40 minutes, in thousands.
+const DUTY: [[u32; 6]; 4] = [[6, 6, 0, 3, 3, 0], [0, 6, 0, 6, 6, 6], [3, 0, 6, 6, 0, 3], [6, 3, 0, 0, 6, 3]];
+
+fn record(noise_um: f64) -> Record {
+    let mut noise = Noise::new(7);
+    let mut samples = Vec::new();
+    let (mut t, mut nose, mut lagged, mut response) = (0.0_f64, 21.0, [21.0, 20.0], 0.0);
+    let air = |t: f64| 20.0 + 3.0 * (t / 13_000.0).sin() + 1.5 * (t / 4_100.0).sin();
+    for (cycle, duty) in (1..).zip(DUTY) {
+        for second in 0..14_400_u32 {
+            let rpm = 1e3 * f64::from(duty[(second / 2400) as usize]);
+            // A heater of its own, besides the speed, so that the two differ.
+            let heat = 14.0 * (rpm / 6000.0).powi(2) + 4.0 * (t / 2_900.0).sin();
+            nose += (air(t) + heat - nose) / 700.0;
+            lagged[0] += (nose - lagged[0]) / LAGS[0];
+            lagged[1] += (air(t) - lagged[1]) / LAGS[1];
+            response += (rpm / 6000.0 - response) / LAGS[2];
+            t += 1.0;
+            if second % 120 != 119 {
+                continue;
+            }
+            for (x, tool) in [(0.0, 40.0), (400.0, 40.0), (0.0, 240.0)] {
+                let truth = [
+                    1e-3 * X_PER_M_K * (lagged[1] - 20.0) * x,
+                    Y_PER_MM_AT_SPEED * response * tool,
+                    Z_PER_K * (lagged[0] - 20.0) + Z_AT_SPEED * response,
+                ];
+                samples.push(Sample {
+                    t_s: t,
+                    temperatures_c: vec![nose, air(t), 20.0 + 2.0 * (t / 1_777.0).cos()],
+                    spindle_rpm: rpm,
+                    cycle,
+                    position_mm: [x, 0.0, 0.0],
+                    tool_mm: tool,
+                    error_mm: truth.iter().map(|um| 1e-3 * (um + noise_um * 3.0_f64.sqrt() * noise.signed())).collect(),
+                });
+            }
+        }
+    }
+    let sensors = ["nose", "air", "clock"].map(String::from).to_vec();
+    Record { sensors, axes: vec![Axis::X, Axis::Y, Axis::Z], samples }
+}
+
+fn settings() -> Settings {
+    Settings { reference_c: 20.0, datum_mm: [0.0; 3], held_out: vec![] }
+}
+
+#[test]
+fn lags_and_curves_of_a_known_machine_are_found_and_the_clock_is_left_out() {
+    let record = record(0.3);
+    let found = fit(&record, &settings(), &mut |_| ()).unwrap();
+    let names: Vec<&str> = found.model.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+    assert_eq!((names, found.held_out.as_slice()), (vec!["nose", "air"], &[4][..]));
+    assert!(found.left_out.iter().any(|out| out.name == "clock" && !out.still), "{:?}", found.left_out);
+    let spindle = found.model.spindle.as_ref().unwrap();
+    let lags = [found.model.sensors[0].lag_s, found.model.sensors[1].lag_s, spindle.lag_s];
+    for (found, truth) in lags.into_iter().zip(LAGS) {
+        assert!((found / truth - 1.0).abs() < 0.08, "{found} s for {truth} s");
+    }
+    assert_eq!(spindle.knots_rpm, [0.0, 3000.0, 6000.0]);
+
+    let per_k = |axis: usize, sensor: usize, part: usize| {
+        let (knots, curve) = (&found.model.sensors[sensor].knots_c, &found.axes[axis].sensors[sensor]);
+        let [first, last] = [curve.first().unwrap(), curve.last().unwrap()];
+        let range = knots.last().unwrap() - knots[0];
+        let error = first.standard_error[part].hypot(last.standard_error[part]) / range;
+        ((last.value[part] - first.value[part]) / range, error)
+    };
+    let near = |(found, error): (f64, f64), truth: f64, tolerance: f64, what: &str| {
+        assert!((found - truth).abs() < tolerance, "{what}: {found} ± {error} for {truth}");
+        assert!(error > 0.0 && error < tolerance, "{what}: standard error {error}");
+    };
+    near(per_k(2, 0, 0), 1e-3 * Z_PER_K, 4e-5, "Z with the nose");
+    near(per_k(0, 1, 1), 1e-6 * X_PER_M_K, 3e-7, "X with the air");
+    let last = *found.axes[2].spindle.last().unwrap();
+    near((last.value[0], last.standard_error[0]), 1e-3 * Z_AT_SPEED, 4e-4, "Z at speed");
+    let last = *found.axes[1].spindle.last().unwrap();
+    near((last.value[1], last.standard_error[1]), 1e-3 * Y_PER_MM_AT_SPEED, 1e-6, "Y at speed");
+
+    let bytes = found.model.encode(9).unwrap();
+    assert!(Thermal::parse(&bytes).unwrap().expect_machine(9).is_ok());
+    let (figures, series) = held_out(&record, &found, &bytes);
+    assert_eq!((figures.len(), series.len()), (12, 36));
+    for own in figures.iter().filter(|own| own.held_out) {
+        // Two readings of 0.3 µm, each at its worst in 360.
+        assert!(own.left_mm < 2.2e-3 && own.left_rms_mm < 0.7e-3 && own.drift_mm > 5e-3, "{own:?}");
+    }
+}
+
+#[test]
+fn without_a_second_position_there_is_no_slope_and_without_a_second_tool_no_tilt() {
+    let mut record = record(0.1);
+    record.samples.retain(|sample| sample.position_mm[0] == 0.0 && sample.tool_mm == 40.0);
+    let found = fit(&record, &settings(), &mut |_| ()).unwrap();
+    let slopes = found.axes.iter().flat_map(|axis| axis.sensors.iter().flatten()).map(|at| at.value[1]);
+    let tilts = found.axes.iter().flat_map(|axis| &axis.spindle).map(|at| at.value[1]);
+    assert!(slopes.chain(tilts).all(|value| value == 0.0));
+    let growth = found.axes[1].spindle.last().unwrap().value[0];
+    assert!((growth - 1e-3 * 40.0 * Y_PER_MM_AT_SPEED).abs() < 1e-4, "the tool's tilt is growth then: {growth}");
+}
+
+/// The record, broken by `change`, and why it is refused.
+fn refused(change: impl Fn(&mut Record)) -> Refused {
+    let mut record = record(0.1);
+    record.samples.retain(|sample| sample.tool_mm == 40.0 && sample.position_mm[0] == 0.0);
+    change(&mut record);
+    fit(&record, &settings(), &mut |_| ()).unwrap_err()
+}
+
+#[test]
+fn sensors_that_fail_half_way_are_told_with_their_row_and_figure() {
+    let jump =
+        refused(|record| record.samples.iter_mut().skip(200).for_each(|sample| sample.temperatures_c[0] += 30.0));
+    assert!(
+        matches!(&jump, Refused::Jump { sensor, index: 200, found_k, .. } if sensor == "nose" && (found_k - 30.0).abs() < 3.0)
+    );
+    let stuck = refused(|record| {
+        let last = record.samples[250].temperatures_c[1];
+        record.samples.iter_mut().skip(250).for_each(|sample| sample.temperatures_c[1] = last);
+    });
+    assert!(matches!(&stuck, Refused::Stuck { sensor, index: 250, .. } if sensor == "air"), "{stuck}");
+    let missing = refused(|record| record.samples[33].temperatures_c[1] = f64::NAN);
+    assert_eq!(missing, Refused::Row { index: 33 });
+}
+
+#[test]
+fn records_that_cannot_tell_are_refused() {
+    let short = refused(|record| record.samples.retain(|sample| sample.cycle < 3));
+    assert_eq!(short, Refused::Cycles { found: 2 });
+    let twice = refused(|record| {
+        record.samples.iter_mut().for_each(|s| s.temperatures_c[2] = 2.0 * s.temperatures_c[0] - 20.0)
+    });
+    assert!(matches!(&twice, Refused::Collinear { sensors: [one, other], .. } if one == "nose" && other == "clock"));
+    let cold = refused(|record| {
+        for sample in &mut record.samples {
+            (sample.temperatures_c, sample.spindle_rpm) = (vec![20.0, 20.1, 20.2], 0.0);
+        }
+    });
+    assert_eq!(cold, Refused::NoExcitation { found_k: 0.0 });
+    let nothing = refused(|record| {
+        let mut noise = Noise::new(3);
+        record.samples.iter_mut().for_each(|sample| sample.error_mm.fill(0.0));
+        record.samples.iter_mut().for_each(|sample| sample.error_mm[0] = 1e-4 * 3.0_f64.sqrt() * noise.signed());
+    });
+    assert_eq!(nothing, Refused::NothingFound);
+    let gap = refused(|record| record.samples.iter_mut().skip(40).for_each(|sample| sample.t_s += 7_000.0));
+    assert!(matches!(gap, Refused::Gap { index: 40, .. }));
+    let mixed = refused(|record| record.samples[300].cycle = 1);
+    assert!(matches!(mixed, Refused::Mixed { index: 300, cycle: 1 }));
+}

@@ -1,0 +1,120 @@
+//! A machine that warms over its shifts, its growth found from a record, and a shift of another kind with the task and the
+//! step in the loop.
+//!
+//! ```text
+//! duty ─► bodies (lumped masses) ─► drift at the tip ─► probed: record ─► fit ─► task ─► step ─► what is left of the drift
+//!                      └──────────► sensors ──────────────┘               ▲
+//! another duty ─► bodies ─► sensors ──────────────────────────────────────┘
+//! ```
+//!
+//! Bodies are masses of two nodes each, skin and core, that exchange heat with one another, air and coolant; the drift is a
+//! sum over lengths and their expansion. Nothing of it has the form that is fitted: no lag of a single time constant, no
+//! curve of a sensor.
+
+mod bodies;
+mod corrected;
+mod drift;
+mod duty;
+mod instruments;
+mod outcome;
+
+pub use instruments::SENSORS;
+pub use outcome::{Moment, Outcome, PointError};
+
+use crate::error::Result;
+use bodies::Bodies;
+use duty::{Kind, Shift};
+use instruments::{Probe, Sensors};
+use trueaxis::Axis;
+use trueaxis_metrology::thermal::{Record, Sample, Settings, fit, held_out};
+use trueaxis_tables::Machine;
+
+/// Length of a shift, s.
+pub const SHIFT_S: u32 = 28_800;
+/// Rest between two shifts, s.
+pub const NIGHT_S: u32 = 57_600;
+/// Time between two moments of the record, s.
+pub const PROBED_EVERY_S: u32 = 300;
+/// Measuring points of the record: X, Y, Z and length of the tool, mm.
+pub const POINTS: [[f64; 4]; 4] =
+    [[-200.0, 0.0, -200.0, 60.0], [200.0, 0.0, -200.0, 60.0], [0.0, 0.0, -380.0, 60.0], [0.0, 0.0, -200.0, 220.0]];
+
+/// Step of the bodies' heat, s.
+const STEP_S: u32 = 2;
+
+/// Settings of the simulation.
+#[derive(Clone, Debug)]
+pub struct Warming {
+    /// The machine whose step corrects; three linear axes.
+    pub machine: Machine,
+    /// Seed of duty cycles and noise.
+    pub seed: u64,
+    /// Shifts of the record, the last of which is held out.
+    pub shifts: u32,
+    /// Standard deviation of a reading of the probe, µm.
+    pub noise_um: f64,
+    /// Time between two updates of the task, s.
+    pub update_s: u32,
+    /// A sensor that goes missing half-way through the judged shift: its index in [`SENSORS`].
+    pub fails: Option<usize>,
+}
+
+impl Warming {
+    /// Records shifts, fits, and runs a shift of another kind with the fit; `tell` is called with what is going on.
+    ///
+    /// # Errors
+    /// A machine whose tables do not build; a record that the fit refuses.
+    pub fn run(&self, tell: &mut dyn FnMut(&str)) -> Result<Outcome> {
+        tell("recording");
+        let mut bodies = Bodies::at(20.5);
+        let record = self.record(&mut bodies);
+        let datum = |axis: Axis| self.machine.settings.axis(axis).map_or(0.0, |of| of.thermal.datum);
+        let settings = Settings {
+            reference_c: self.machine.settings.reference_temperature_c,
+            datum_mm: [Axis::X, Axis::Y, Axis::Z].map(datum),
+            held_out: Vec::new(),
+        };
+        let found = fit(&record, &settings, &mut |cause| tell(&format!("fitting: {cause}")))?;
+        let bytes = found.model.encode(0).map_err(trueaxis_metrology::thermal::Refused::Encoding)?;
+        let (figures, _) = held_out(&record, &found, &bytes);
+        tell("the judged shift");
+        let shift = Shift::drawn(self.seed, self.shifts, Kind::Judged);
+        let judged = corrected::run(self, &mut bodies, &shift, &found, &bytes)?;
+        Ok(Outcome::new(record, found, figures, judged))
+    }
+
+    fn record(&self, bodies: &mut Bodies) -> Record {
+        let mut samples = Vec::new();
+        let mut probe = Probe::new(self.seed, self.noise_um);
+        for number in 0..self.shifts {
+            let shift = Shift::drawn(self.seed, number, Kind::Recorded);
+            let begins = f64::from(number) * f64::from(SHIFT_S + NIGHT_S);
+            let mut sensors = Sensors::new(self.seed ^ (u64::from(number) << 8), bodies, &shift);
+            // The instrument is set to zero as the shift begins.
+            let zero = POINTS.map(|point| drift::drift(bodies, point));
+            for t in (0..=SHIFT_S).step_by(STEP_S as usize) {
+                if t.is_multiple_of(PROBED_EVERY_S) {
+                    let temperatures_c = sensors.read();
+                    for (point, zero) in POINTS.iter().zip(zero) {
+                        let [x, y, z, tool_mm] = *point;
+                        let now = drift::drift(bodies, *point);
+                        samples.push(Sample {
+                            t_s: begins + f64::from(t),
+                            temperatures_c: temperatures_c.to_vec(),
+                            spindle_rpm: shift.at(t).rpm,
+                            cycle: number + 1,
+                            position_mm: [x, y, z],
+                            tool_mm,
+                            error_mm: (0..3).map(|axis| probe.read(now[axis] - zero[axis])).collect(),
+                        });
+                    }
+                }
+                bodies.pass(f64::from(STEP_S), &shift.at(t));
+                sensors.follow(f64::from(STEP_S), bodies, &shift.at(t));
+            }
+            bodies.rest(&shift);
+        }
+        let sensors = SENSORS.map(String::from).to_vec();
+        Record { sensors, axes: vec![Axis::X, Axis::Y, Axis::Z], samples }
+    }
+}
