@@ -21,6 +21,8 @@ mod scenario_args;
 mod scenario_command;
 mod settings_args;
 mod soak_command;
+mod thermal;
+mod thermal_text;
 
 use clap::{Parser, Subcommand};
 use console::{Closed, tell};
@@ -86,6 +88,12 @@ enum Command {
     /// Two feeds, each in both directions, with the encoders' subdivisional error, noise and counts. Geometry is corrected
     /// in both records; of the dynamic parts only friction is on in the second.
     Friction(friction::FrictionArgs),
+    /// Warm a machine over shifts, find its thermal growth in the record, and run a shift of another kind with the task and
+    /// the step in the loop.
+    ///
+    /// Spindle, feed, coolant and the air of the hall warm bodies of two nodes each. Drift is probed at four points every five
+    /// minutes. The judged shift has other speeds, longer spells and other places.
+    Thermal(thermal::ThermalArgs),
     /// Record what the step is given in every cycle of a run, for the bare-metal image.
     ///
     /// Positions are rounded to 1e-6 mm. A machine file with [roundness] adds a workpiece that turns at three probes.
@@ -135,6 +143,7 @@ fn main() -> ExitCode {
         Some(Command::Learn(args)) => learn::learn(&args),
         Some(Command::Rtcp(args)) => rtcp::rtcp(&args),
         Some(Command::Friction(args)) => friction::friction(&args),
+        Some(Command::Thermal(args)) => thermal::thermal(&args),
         Some(Command::Record(args)) => record::record(&args),
         Some(Command::Replay(args)) => replay::replay(&args),
         Some(Command::Compare(args)) => compare_command::compare(&args).and_then(agreed),

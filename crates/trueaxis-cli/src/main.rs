@@ -25,6 +25,7 @@ mod report;
 mod roundness;
 mod tables;
 mod telemetry;
+mod thermal;
 mod uncertainty;
 
 use clap::{Parser, Subcommand};
@@ -86,6 +87,9 @@ enum Command {
     /// Correction over path length for the next part of a program, from the contour error of the last.
     #[command(after_help = learn::HELP)]
     Learn(learn::Arguments),
+    /// Thermal growth: lags and curves from a recorded warm-up, and their file for the controller.
+    #[command(subcommand)]
+    Thermal(thermal::Command),
     /// Uncertainty of the corrected position, from how well the machine's figures are known.
     #[command(after_help = uncertainty::HELP)]
     Uncertainty(uncertainty::Arguments),
@@ -113,6 +117,7 @@ fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Friction(arguments) => friction::run(&arguments),
         Command::Learn(arguments) => learn::run(&arguments),
+        Command::Thermal(command) => thermal::run(command),
         Command::Uncertainty(arguments) => uncertainty::run(&arguments),
         Command::Telemetry(arguments) => telemetry::run(&arguments),
         Command::Desk(arguments) => desk::run(&arguments),

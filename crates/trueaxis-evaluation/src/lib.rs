@@ -31,5 +31,6 @@ pub mod response;
 pub mod roundness;
 pub mod rows;
 pub mod stuck;
+pub mod thermal;
 pub mod thermal_test;
 pub mod uncertainty;

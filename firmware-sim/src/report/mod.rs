@@ -18,6 +18,7 @@ mod orientation;
 mod path;
 mod reversal;
 mod summary;
+pub mod thermal;
 
 pub use data::{
     AngleSize, AxisReport, CircleReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, OrientationSeries,

@@ -8,6 +8,7 @@ pub(crate) mod helicoid;
 pub(crate) mod identify;
 pub(crate) mod learn;
 pub(crate) mod roundness;
+pub(crate) mod thermal;
 pub(crate) mod uncertainty;
 
 use anyhow::Result;

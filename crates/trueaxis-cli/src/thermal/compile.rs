@@ -1,0 +1,50 @@
+//! `trueaxis thermal compile`.
+
+use crate::model;
+use crate::output::tell;
+use anyhow::{Result, anyhow};
+use clap::Args;
+use std::path::PathBuf;
+use trueaxis::tcomp::machine_id;
+use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::read_text;
+
+pub(super) const HELP: &str = "\
+The file is for one machine, by its name and structural code; reference temperature and datums must be those of its
+machine.toml. The task replaces [axis.X.thermal] of the machine: a host uses one of them.
+
+Example: trueaxis thermal compile thermal.toml --machine mymill -o mymill.ttherm";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// What `trueaxis thermal fit` wrote, or a text like it.
+    #[arg(value_name = "thermal.toml")]
+    thermal: PathBuf,
+    /// The machine.
+    #[arg(long, value_name = "M")]
+    machine: PathBuf,
+    /// The file for the controller.
+    #[arg(short, long, value_name = "FILE.ttherm")]
+    output: PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<()> {
+    let machine = model::machine(&arguments.machine)?;
+    let mut outputs = Outputs::of(model::files(&arguments.machine).into_iter().chain([arguments.thermal.clone()]));
+    outputs.refuse_input(&arguments.output)?;
+    let text = read_text(&arguments.thermal, &['#'])?;
+    let model = trueaxis_evaluation::thermal::model(&text, &arguments.thermal, &machine.settings)?;
+    let id = machine_id(&machine.settings.name, &machine.settings.chain);
+    let bytes = model.encode(id).map_err(|error| anyhow!("{}: {error}", arguments.thermal.display()))?;
+    outputs.put(&arguments.output, &bytes)?;
+    outputs.commit()?;
+    tell(format_args!(
+        "{}: {} bytes, machine {} (id {id:08x}), {} sensors, {} axes",
+        arguments.output.display(),
+        bytes.len(),
+        machine.settings.name,
+        model.sensors.len(),
+        model.axes.len()
+    ));
+    Ok(())
+}

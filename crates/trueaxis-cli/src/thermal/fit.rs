@@ -1,0 +1,88 @@
+//! `trueaxis thermal fit`.
+
+use super::table::table;
+use crate::output::{json, print, progress};
+use crate::{csv_in, model, report};
+use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
+use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, settings, written};
+use trueaxis_tables::output::Outputs;
+
+pub(super) const HELP: &str = "\
+RECORD.csv: one row a reading of the instrument, in order of time,
+  t_s                  time, s; after a rest of 4 h or more the machine is taken for one in equilibrium
+  cycle                number of the duty cycle: 3 at least, one of them held out, each in one piece
+  T1_c … T16_c         sensors, degrees Celsius
+  spindle_rpm          speed of the spindle
+  ex_um, ey_um, ez_um  drift of the tool relative to the workpiece, actual − ideal, of the axes that were measured; zero
+                       where a cycle begins, or wherever the instrument was set to zero before it
+  x_mm, y_mm, z_mm     where the axes stand at the measuring point: two positions of an axis tell its slope from its offset
+  tool_mm              length from the spindle's nose to the measuring point: two of them tell tilt from growth
+Visit several points one after the other, every few minutes. Vary speed, coolant and air from cycle to cycle, so that
+their shares can be told apart.
+
+  e = c + Σ_j [O_j(θ_j) + S_j(θ_j) (q − q0)] + Σ_k x_k (G_k + Θ_k L)     θ_j' = (T_j − θ_j)/τ_j     x_k' = (h_k(n) − x_k)/τ
+
+Curves by least squares, lags by search. A sensor is taken in when it makes the cycles predict one another better; what the
+others tell as well is left out. What is left is reported for cycles that took no part, by the task's own code.
+Refused: sensors that jump, stick or run together, records in which nothing moves.
+
+-o thermal.toml is made a file for the controller by `trueaxis thermal compile`.
+
+Examples:
+  trueaxis thermal fit warm-up.csv --report out -o thermal.toml
+  trueaxis thermal fit warm-up.csv --machine mymill --hold-out 3 --without T7 -o mymill/thermal.toml";
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Recorded cycles.
+    #[arg(value_name = "RECORD.csv")]
+    record: PathBuf,
+    /// Machine whose reference temperature and datums hold [default: 20 °C, 0 mm].
+    #[arg(long, value_name = "M")]
+    machine: Option<PathBuf>,
+    /// Cycles that take no part in the fit [default: the last].
+    #[arg(long, value_name = "N,…", value_delimiter = ',')]
+    hold_out: Vec<u32>,
+    /// Sensors to leave out, by name: T3.
+    #[arg(long, value_name = "T,…", value_delimiter = ',')]
+    without: Vec<String>,
+    /// One JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write thermal.html with the drift measured, by the task and left into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Write what was found as a thermal.toml.
+    #[arg(short, long, value_name = "TOML")]
+    output: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<()> {
+    let machine = arguments.machine.as_deref().map(model::machine).transpose()?;
+    let inputs = arguments.machine.iter().flat_map(|machine| model::files(machine));
+    let mut outputs = Outputs::of(inputs.chain([arguments.record.clone()]));
+    if let Some(output) = &arguments.output {
+        outputs.refuse_input(output)?;
+    }
+    let settings = settings(machine.as_ref().map(|machine| &machine.settings), arguments.hold_out.clone());
+    let recording = Recording::read(csv_in::open(&arguments.record, &COLUMNS, "rows")?, &arguments.without)?;
+    let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
+    let found = Found::of(recording, &settings, &mut |cause| {
+        bar.set_message(format!("fitting: {cause} taken in"));
+        bar.tick();
+    });
+    bar.finish_and_clear();
+    let found = found?;
+    let document = found.document();
+    if let Some(directory) = &arguments.report {
+        let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
+        report::write(&mut outputs, &report::thermal::page(&source, &found, &document), directory, "thermal.html")?;
+    }
+    if let Some(output) = &arguments.output {
+        outputs.put(output, written(&found).as_bytes())?;
+    }
+    outputs.commit()?;
+    if arguments.json { json(&document) } else { print(&table(&document)?) }
+}

@@ -1,0 +1,25 @@
+//! `trueaxis thermal`.
+
+mod compile;
+mod fit;
+mod table;
+
+use anyhow::Result;
+use clap::Subcommand;
+
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    /// Lags of sensors and curves of growth, from a recorded warm-up after ISO 230-3.
+    #[command(after_help = fit::HELP)]
+    Fit(fit::Arguments),
+    /// A thermal.toml as the file that the controller's task reads.
+    #[command(after_help = compile::HELP)]
+    Compile(compile::Arguments),
+}
+
+pub(crate) fn run(command: Command) -> Result<()> {
+    match command {
+        Command::Fit(arguments) => fit::run(&arguments),
+        Command::Compile(arguments) => compile::run(&arguments),
+    }
+}

@@ -1,0 +1,163 @@
+//! The document of a fit.
+
+use super::Found;
+use serde::Serialize;
+use trueaxis_metrology::thermal::Coefficient;
+
+/// What `trueaxis thermal fit --json` prints.
+#[derive(Clone, Debug, Serialize)]
+pub struct Document {
+    /// Rows of the record.
+    pub rows: usize,
+    /// Temperature at which the curves are zero, °C.
+    pub reference_c: f64,
+    /// Sensors of the model with their lags, s.
+    pub sensors: Vec<SensorDocument>,
+    /// Lag of the spindle's response, s; none where the speed has no share.
+    pub spindle_lag_s: Option<f64>,
+    /// Curves of each axis.
+    pub axes: Vec<AxisDocument>,
+    /// Sensors that are no part of the model.
+    pub left_out: Vec<LeftOutDocument>,
+    /// Root mean square of the drift, µm, and of what is left when every fitted cycle is predicted from the others.
+    pub predicted_um: [f64; 2],
+    /// Drift and what is left, in the cycles that took no part in the fit and in the others.
+    pub cycles: Vec<CycleDocument>,
+    /// Largest drift of the held-out cycles, µm, and the largest that is left of it.
+    pub held_out_um: [f64; 2],
+}
+
+/// A sensor.
+#[derive(Clone, Debug, Serialize)]
+pub struct SensorDocument {
+    /// Its name.
+    pub name: String,
+    /// Its lag, s.
+    pub lag_s: f64,
+}
+
+/// Curves of an axis.
+#[derive(Clone, Debug, Serialize)]
+pub struct AxisDocument {
+    /// Its letter.
+    pub axis: char,
+    /// With each sensor, and with the spindle's speed.
+    pub curves: Vec<CurveDocument>,
+    /// Root mean square of what the fit leaves of its own cycles, µm.
+    pub rms_um: f64,
+    /// Condition number of the fit.
+    pub condition: f64,
+}
+
+/// A curve.
+#[derive(Clone, Debug, Serialize)]
+pub struct CurveDocument {
+    /// Name of the sensor, or `spindle`.
+    pub of: String,
+    /// Knots, °C or rpm.
+    pub knots: Vec<f64>,
+    /// Offset or growth at the knots, µm.
+    pub offset_um: Vec<f64>,
+    /// Their standard errors.
+    pub offset_error_um: Vec<f64>,
+    /// Slope at the knots, µm/m, or tilt, µrad.
+    pub slope: Vec<f64>,
+    /// Their standard errors.
+    pub slope_error: Vec<f64>,
+}
+
+/// A sensor that is left out.
+#[derive(Clone, Debug, Serialize)]
+pub struct LeftOutDocument {
+    /// Its name.
+    pub name: String,
+    /// How far it moved, K or rpm.
+    pub range: f64,
+    /// Why.
+    pub reason: &'static str,
+}
+
+/// Drift of an axis in a cycle.
+#[derive(Clone, Debug, Serialize)]
+pub struct CycleDocument {
+    /// Letter of the axis.
+    pub axis: char,
+    /// Number of the cycle.
+    pub cycle: u32,
+    /// It took no part in the fit.
+    pub held_out: bool,
+    /// Largest drift from its beginning on, µm.
+    pub drift_um: f64,
+    /// Largest that is left, µm.
+    pub left_um: f64,
+    /// Root mean squares.
+    pub drift_rms_um: f64,
+    /// Of what is left.
+    pub left_rms_um: f64,
+}
+
+fn curve(of: &str, knots: &[f64], values: &[Coefficient]) -> CurveDocument {
+    let column = |part: usize, scale: f64, take: fn(&Coefficient) -> [f64; 2]| {
+        values.iter().map(|value| scale * take(value)[part]).collect()
+    };
+    CurveDocument {
+        of: of.into(),
+        knots: knots.to_vec(),
+        offset_um: column(0, 1e3, |at| at.value),
+        offset_error_um: column(0, 1e3, |at| at.standard_error),
+        slope: column(1, 1e6, |at| at.value),
+        slope_error: column(1, 1e6, |at| at.standard_error),
+    }
+}
+
+impl Found {
+    /// The document.
+    pub fn document(&self) -> Document {
+        let model = &self.fit.model;
+        let axes = self.fit.axes.iter().map(|of| {
+            let sensors = model.sensors.iter().zip(&of.sensors);
+            let sensors = sensors.map(|(sensor, values)| curve(&sensor.name, &sensor.knots_c, values));
+            let spindle = model.spindle.iter().map(|spindle| curve("spindle", &spindle.knots_rpm, &of.spindle));
+            AxisDocument {
+                axis: of.axis.letter(),
+                curves: sensors.chain(spindle).collect(),
+                rms_um: 1e3 * of.rms_mm,
+                condition: of.condition,
+            }
+        });
+        let cycles: Vec<CycleDocument> = self
+            .figures
+            .iter()
+            .map(|own| CycleDocument {
+                axis: own.axis.letter(),
+                cycle: own.cycle,
+                held_out: own.held_out,
+                drift_um: 1e3 * own.drift_mm,
+                left_um: 1e3 * own.left_mm,
+                drift_rms_um: 1e3 * own.drift_rms_mm,
+                left_rms_um: 1e3 * own.left_rms_mm,
+            })
+            .collect();
+        let most = |of: fn(&CycleDocument) -> f64| cycles.iter().filter(|own| own.held_out).map(of).fold(0.0, f64::max);
+        let left_out = self.fit.left_out.iter().map(|out| LeftOutDocument {
+            name: out.name.clone(),
+            range: out.range,
+            reason: if out.still { "it hardly moves" } else { "the others predict as well without it" },
+        });
+        Document {
+            rows: self.recording.record.samples.len(),
+            reference_c: self.reference_c,
+            sensors: model
+                .sensors
+                .iter()
+                .map(|sensor| SensorDocument { name: sensor.name.clone(), lag_s: sensor.lag_s })
+                .collect(),
+            spindle_lag_s: model.spindle.as_ref().map(|spindle| spindle.lag_s),
+            axes: axes.collect(),
+            left_out: left_out.collect(),
+            predicted_um: self.fit.predicted_mm.map(|mm| 1e3 * mm),
+            held_out_um: [most(|own| own.drift_um), most(|own| own.left_um)],
+            cycles,
+        }
+    }
+}

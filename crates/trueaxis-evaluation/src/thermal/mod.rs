@@ -1,0 +1,59 @@
+//! Thermal growth: a recorded warm-up as readings, what is found in it as a document, as figures and as a text, and the text
+//! as the file of the task.
+//!
+//! The mathematics is [`trueaxis_metrology::thermal`].
+
+mod document;
+mod figures;
+mod record;
+mod text;
+mod written;
+
+pub use document::{AxisDocument, CurveDocument, CycleDocument, Document, LeftOutDocument, SensorDocument};
+pub use figures::{figure, residuals};
+pub use record::{COLUMNS, Recording};
+pub use text::model;
+pub use written::written;
+
+use anyhow::{Result, anyhow};
+use trueaxis::Axis;
+use trueaxis::machine::MachineSettings;
+use trueaxis_metrology::thermal::{Fit, HeldOut, Series, Settings, fit, held_out};
+
+/// A record with what was found in it.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// What was recorded.
+    pub recording: Recording,
+    /// What was found.
+    pub fit: Fit,
+    /// Drift and what is left of it, axis by axis and cycle by cycle.
+    pub figures: Vec<HeldOut>,
+    /// The same over time, measuring point by measuring point.
+    pub series: Vec<Series>,
+    /// Temperature at which the curves are zero, °C.
+    pub reference_c: f64,
+}
+
+/// Reference temperature and datums of a machine; 20 °C and 0 without one.
+pub fn settings(machine: Option<&MachineSettings>, held_out: Vec<u32>) -> Settings {
+    let datum = |axis| machine.and_then(|machine| machine.axis(axis)).map_or(0.0, |axis| axis.thermal.datum);
+    Settings {
+        reference_c: machine.map_or(20.0, |machine| machine.reference_temperature_c),
+        datum_mm: [Axis::X, Axis::Y, Axis::Z].map(datum),
+        held_out,
+    }
+}
+
+impl Found {
+    /// Fits, and runs the task over the record; `tell` is called with every cause that comes in.
+    ///
+    /// # Errors
+    /// A record that tells nothing, with file, line and column where it has them.
+    pub fn of(recording: Recording, settings: &Settings, tell: &mut dyn FnMut(&str)) -> Result<Found> {
+        let fit = fit(&recording.record, settings, tell).map_err(|refused| recording.refused(&refused))?;
+        let bytes = fit.model.encode(0).map_err(|error| anyhow!("{}: {error}", recording.file.display()))?;
+        let (figures, series) = held_out(&recording.record, &fit, &bytes);
+        Ok(Found { recording, fit, figures, series, reference_c: settings.reference_c })
+    }
+}

@@ -1,0 +1,118 @@
+//! A recorded warm-up, read from CSV.
+
+use crate::rows::{Column, Rows};
+use anyhow::{Result, anyhow};
+use std::path::PathBuf;
+use trueaxis::Axis;
+use trueaxis::temperature::SENSORS;
+use trueaxis_metrology::thermal::{Record, Refused, Sample};
+
+const fn needed(name: &'static str) -> Column {
+    Column { name, needed: true }
+}
+
+const fn free(name: &'static str) -> Column {
+    Column { name, needed: false }
+}
+
+/// Columns that a record may have.
+pub const COLUMNS: [Column; 26] = [
+    needed("t_s"),
+    needed("cycle"),
+    free("spindle_rpm"),
+    free("x_mm"),
+    free("y_mm"),
+    free("z_mm"),
+    free("tool_mm"),
+    free("ex_um"),
+    free("ey_um"),
+    free("ez_um"),
+    needed("T1_c"),
+    free("T2_c"),
+    free("T3_c"),
+    free("T4_c"),
+    free("T5_c"),
+    free("T6_c"),
+    free("T7_c"),
+    free("T8_c"),
+    free("T9_c"),
+    free("T10_c"),
+    free("T11_c"),
+    free("T12_c"),
+    free("T13_c"),
+    free("T14_c"),
+    free("T15_c"),
+    free("T16_c"),
+];
+/// First column of a drift, and of a temperature.
+const DRIFT: usize = 7;
+const TEMPERATURE: usize = 10;
+
+/// A record and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// The file as errors name it.
+    pub file: PathBuf,
+    /// What it holds.
+    pub record: Record,
+    /// Line of every row.
+    lines: Vec<u32>,
+}
+
+impl Recording {
+    /// Reads the rows of a file opened with [`COLUMNS`], but for the sensors named in `without` (`T3`).
+    ///
+    /// # Errors
+    /// A row that cannot be read, a cycle that is no number of one, a temperature that no machine has, a sensor to leave out
+    /// that there is not.
+    pub fn read(mut rows: Rows<'_, 26>, without: &[String]) -> Result<Recording> {
+        let file = rows.file.clone();
+        let name = |sensor: usize| COLUMNS[TEMPERATURE + sensor].name.trim_end_matches("_c");
+        let there: Vec<usize> = (0..SENSORS).filter(|sensor| rows.present[TEMPERATURE + sensor]).collect();
+        if let Some(unknown) = without.iter().find(|out| there.iter().all(|sensor| name(*sensor) != out.as_str())) {
+            let names: Vec<&str> = there.iter().map(|sensor| name(*sensor)).collect();
+            return Err(anyhow!("--without: found {unknown}, needed one of {}", names.join(", ")));
+        }
+        let sensors: Vec<usize> =
+            there.into_iter().filter(|sensor| without.iter().all(|out| name(*sensor) != out.as_str())).collect();
+        let axes: Vec<Axis> = Axis::ALL.into_iter().take(3).filter(|axis| rows.present[DRIFT + axis.index()]).collect();
+        let (mut lines, mut samples) = (Vec::new(), Vec::new());
+        while let Some(row) = rows.next()? {
+            let [t_s, cycle, spindle_rpm, x, y, z, tool_mm, ..] = row.values;
+            if cycle < 0.0 || cycle > 1e6 || cycle.fract() != 0.0 {
+                return Err(rows.error(row.line, "cycle", cycle, "a whole number from 0 to 1000000"));
+            }
+            for sensor in &sensors {
+                let (value, column) = (row.values[TEMPERATURE + sensor], COLUMNS[TEMPERATURE + sensor].name);
+                if !(-60.0..=200.0).contains(&value) {
+                    return Err(rows.error(row.line, column, value, "-60 to 200 degrees Celsius"));
+                }
+            }
+            lines.push(row.line);
+            samples.push(Sample {
+                t_s,
+                temperatures_c: sensors.iter().map(|sensor| row.values[TEMPERATURE + sensor]).collect(),
+                spindle_rpm,
+                cycle: cycle as u32,
+                position_mm: [x, y, z],
+                tool_mm,
+                error_mm: axes.iter().map(|axis| 1e-3 * row.values[DRIFT + axis.index()]).collect(),
+            });
+        }
+        let sensors = sensors.into_iter().map(|sensor| name(sensor).to_owned()).collect();
+        Ok(Recording { file, record: Record { sensors, axes, samples }, lines })
+    }
+
+    /// A refusal at its line and column.
+    pub fn refused(&self, refused: &Refused) -> anyhow::Error {
+        let text = refused.to_string();
+        let Some(line) = refused.row().and_then(|row| self.lines.get(row)) else {
+            return anyhow!("{}: {text}", self.file.display());
+        };
+        let column = match refused {
+            Refused::Mixed { .. } => "cycle".to_owned(),
+            refused => refused.sensor().map_or_else(|| "t_s".to_owned(), |sensor| format!("{sensor}_c")),
+        };
+        anyhow!("{}:{line}: column {column}: {text}", self.file.display())
+    }
+}

@@ -1,0 +1,74 @@
+//! `thermal.toml`, as it is written.
+
+use super::Found;
+use std::fmt::Write;
+use trueaxis_metrology::thermal::Coefficient;
+use trueaxis_report::number::significant;
+use trueaxis_tables::text::short;
+
+/// The text of a `thermal.toml`: what was found, with standard errors behind `±`, which are not read.
+pub fn written(found: &Found) -> String {
+    let file = found.recording.file.file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, " ");
+    let document = found.document();
+    let [drift, left] = document.held_out_um;
+    let mut text = format!(
+        "# Thermal growth found in {file} by `trueaxis thermal fit`; behind ± standard errors, which are not read.\n\
+         # Held-out cycles {:?}: largest drift {} µm, left {} µm.\n\
+         reference_temperature_c = {}\n",
+        found.fit.held_out,
+        significant(drift, 3),
+        significant(left, 3),
+        short(found.reference_c)
+    );
+    let model = &found.fit.model;
+    let list = |values: &[f64]| values.iter().map(|value| short(*value)).collect::<Vec<_>>().join(", ");
+    for sensor in &model.sensors {
+        let _ = write!(
+            text,
+            "\n[[sensor]]\nname = {:?}\nlag_s = {}\nplausible_c = [{}]\njump_k = {}\nrate_k_per_min = {}\nstuck_s = {}\n\
+             elsewhere_k = {}\nknots_c = [{}]\n",
+            sensor.name,
+            short(sensor.lag_s),
+            list(&sensor.plausible_c),
+            short(sensor.jump_k[0]),
+            short(sensor.jump_k[1]),
+            short(sensor.stuck_s),
+            short(sensor.elsewhere_k),
+            list(&sensor.knots_c)
+        );
+    }
+    if let Some(spindle) = &model.spindle {
+        let _ = write!(
+            text,
+            "\n[spindle]\nlag_s = {}\nknots_rpm = [{}]\n",
+            short((10.0 * spindle.lag_s).round() / 10.0),
+            list(&spindle.knots_rpm)
+        );
+    }
+    for (axis, of) in model.axes.iter().zip(&found.fit.axes) {
+        let letter = axis.axis.letter();
+        let _ = write!(text, "\n[axis.{letter}]\ndatum_mm = {}\n", short(axis.datum));
+        let mut put = |section: &str, [offset, slope]: [&str; 2], values: &[Coefficient]| {
+            let _ = write!(text, "\n[axis.{letter}.{section}]\n");
+            for (part, key, scale) in [(0, offset, 1e3), (1, slope, 1e6)] {
+                let column = |take: fn(&Coefficient) -> [f64; 2]| -> Vec<f64> {
+                    values.iter().map(|value| scale * take(value)[part]).collect()
+                };
+                let (own, errors) = (column(|at| at.value), column(|at| at.standard_error));
+                if own.iter().any(|value| *value != 0.0) {
+                    let errors: Vec<String> = errors.iter().map(|error| significant(*error, 2)).collect();
+                    let _ = writeln!(text, "{key} = [{}]  # ± {}", list(&own), errors.join(", "));
+                }
+            }
+        };
+        for (sensor, values) in model.sensors.iter().zip(&of.sensors) {
+            if values.iter().any(|at| at.value != [0.0; 2]) {
+                put(&format!("sensor.{}", sensor.name), ["offset_um", "slope_um_per_m"], values);
+            }
+        }
+        if of.spindle.iter().any(|at| at.value != [0.0; 2]) {
+            put("spindle", ["growth_um", "tilt_urad"], &of.spindle);
+        }
+    }
+    text
+}

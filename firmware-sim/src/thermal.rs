@@ -1,0 +1,86 @@
+//! `firmware-sim thermal`: its arguments and output.
+
+use crate::console::{progress_bar, put};
+use crate::machine_arg::{outputs_of, read_machine};
+use crate::thermal_text as text;
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use firmware_sim::report;
+use std::path::PathBuf;
+use trueaxis_sim::warming::{SENSORS, Warming};
+
+/// Arguments of `thermal`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  firmware-sim thermal                              what is left of the drift of a shift that was not fitted
+  firmware-sim thermal --report out                 out/thermal.html, the record and its thermal.toml's source beside it
+  firmware-sim thermal --fails nose                 a sensor goes missing half-way: its share stands still
+  trueaxis thermal fit out/record.csv               the same record on the bench")]
+pub(crate) struct ThermalArgs {
+    /// Machine of three linear axes whose step corrects: a machine.toml, its folder, or the name of a sample.
+    #[arg(long, value_name = "M", default_value = "mill-3axis")]
+    machine: PathBuf,
+    /// Shifts of the record, 3 to 20; the last is held out.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(3..=20))]
+    shifts: u32,
+    /// Standard deviation of a reading of the probe, 0 to 100.
+    #[arg(long, value_name = "UM", default_value_t = 0.5, allow_negative_numbers = true)]
+    noise_um: f64,
+    /// Time between two updates of the task, an even number.
+    #[arg(long, value_name = "S", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..=600))]
+    update_s: u32,
+    /// A sensor that goes missing half-way through the judged shift.
+    #[arg(long, value_name = "SENSOR", value_parser = SENSORS)]
+    fails: Option<String>,
+    /// Seed of duty cycles and noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON document and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// Write thermal.html and the record into this folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn thermal(args: &ThermalArgs) -> Result<()> {
+    if !(0.0..=100.0).contains(&args.noise_um) {
+        bail!("--noise-um: found {}, needed 0 to 100", args.noise_um);
+    }
+    if !args.update_s.is_multiple_of(2) {
+        bail!("--update-s: found {}, needed an even number", args.update_s);
+    }
+    if let Some(dir) = &args.report {
+        let outputs = outputs_of([args.machine.as_path()], []);
+        for name in ["thermal.html", "record.csv"] {
+            outputs.refuse_input(&dir.join(name))?;
+        }
+    }
+    let warming = Warming {
+        machine: read_machine("--machine", &args.machine)?,
+        seed: args.seed,
+        shifts: args.shifts,
+        noise_um: args.noise_um,
+        update_s: args.update_s,
+        fails: args.fails.as_ref().and_then(|name| SENSORS.iter().position(|sensor| sensor == name)),
+    };
+    let bar = progress_bar("warming");
+    let outcome = warming.run(&mut |what| {
+        bar.set_message(what.to_owned());
+        bar.tick();
+    });
+    bar.finish_and_clear();
+    let outcome = outcome?;
+    let page = match &args.report {
+        Some(dir) => Some(
+            report::thermal::write(&warming, &outcome, dir)
+                .with_context(|| format!("cannot write into {}", dir.display()))?,
+        ),
+        None => None,
+    };
+    if args.json {
+        return put(&format!("{}\n", serde_json::to_string_pretty(&text::json(&warming, &outcome))?));
+    }
+    let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
+    put(&format!("{}{page}", text::summary(&warming, &outcome)))
+}
