@@ -8,7 +8,7 @@ use crate::result::{ERROR_AXES, ERROR_PERIOD, ERROR_STATE, ResultCode};
 use crate::{Real, opaque};
 use trueaxis::compensation::ThermalLine;
 use trueaxis::contour::Method;
-use trueaxis::machine::{GridData, ThermalGrowth};
+use trueaxis::machine::{Axis, GridData, ThermalGrowth};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::{Bypass, Config, ConfigError, Fault, Measure};
 
@@ -59,6 +59,8 @@ pub(crate) struct Built {
     pub(crate) machine_id: u32,
     /// Thermal growth of the axes, in the order of the step.
     growth: [ThermalGrowth; AXES_MAX],
+    /// The axes in the order of the step; none in a bypass.
+    order: [Option<Axis>; AXES_MAX],
 }
 
 /// A servo loop of any number of axes.
@@ -165,16 +167,19 @@ impl Built {
             #[cfg(feature = "three")]
             _ => AnyServo::Three(config.build(rows, memory)?), // refuses the other axes
         };
-        let mut growth = [ThermalGrowth::default(); AXES_MAX];
-        for (growth, (_, settings)) in growth.iter_mut().zip(crate::tables::slots(tables)) {
+        let (mut growth, mut order) = ([ThermalGrowth::default(); AXES_MAX], [None; AXES_MAX]);
+        let slots = crate::tables::slots(tables);
+        for ((growth, name), (axis, settings)) in growth.iter_mut().zip(&mut order).zip(slots) {
             *growth = settings.map_or(*growth, |settings| settings.thermal);
+            *name = Some(axis);
         }
-        Ok(Built { servo, period_ns, machine_id: tables.machine_id(), growth })
+        Ok(Built { servo, period_ns, machine_id: tables.machine_id(), growth, order })
     }
 
     pub(crate) fn bypass(axes: usize, reason: Fault, period_ns: u32) -> Self {
         let servo = AnyServo::Bypass { axes, reason };
-        Built { servo, period_ns, machine_id: 0, growth: [ThermalGrowth::default(); AXES_MAX] }
+        let growth = [ThermalGrowth::default(); AXES_MAX];
+        Built { servo, period_ns, machine_id: 0, growth, order: [None; AXES_MAX] }
     }
 
     pub(crate) fn start(&self, period_ns: u32) -> Result<Running, ResultCode> {
@@ -191,6 +196,11 @@ impl Built {
             AnyServo::Bypass { axes: 5, reason } => Running::BypassFive(Bypass::new(*reason)),
             AnyServo::Bypass { reason, .. } => Running::BypassSix(Bypass::new(*reason)),
         })
+    }
+
+    /// Slot of an axis; none where the step has not got it.
+    pub(crate) fn slot(&self, axis: Axis) -> Option<usize> {
+        self.order.iter().position(|own| *own == Some(axis))
     }
 
     /// Growth of an axis at a temperature above the reference, if both make sense.

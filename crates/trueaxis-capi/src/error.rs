@@ -2,7 +2,8 @@
 
 use crate::pointer::{Sized32, check_sized};
 use crate::result::{
-    ERROR_CONFIG, ERROR_LEARNED, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_POSE, ERROR_TABLES, ResultCode,
+    ERROR_CONFIG, ERROR_LEARNED, ERROR_MACHINE, ERROR_MEMORY, ERROR_PATH, ERROR_POSE, ERROR_TABLES, ERROR_THERMAL,
+    ResultCode,
 };
 use crate::text::Text;
 use core::ffi::c_char;
@@ -13,6 +14,7 @@ use trueaxis::error::Field;
 use trueaxis::kinematics::InverseError;
 use trueaxis::learned::LearnedError;
 use trueaxis::tcomp::TcompError;
+use trueaxis::temperature::ThermalError;
 
 /// Reason of a refusal, ready to print.
 #[repr(C)]
@@ -26,7 +28,9 @@ pub struct Error {
     /// 7 table header not readable, 8 table or 9 payload too long, 10 machine id against the name, 11 contents out of
     /// range (see `field`), 12 other machine. Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
     /// 4 other format version, 5 wrong CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends,
-    /// 11 other program, 12 other path length, 13 other machine. Else 0.
+    /// 11 other program, 12 other path length, 13 other machine. Of thermal growth: 1 to 5 likewise, 6 sensors, 7 axes,
+    /// 8 number or 9 order of knots, 10 a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
+    /// Else 0.
     pub code: u32,
     /// Element from 0 (row of a table, knot of a spline); `UINT32_MAX` if it is no list.
     pub index: u32,
@@ -62,6 +66,8 @@ pub(crate) enum Refusal {
     Pose(InverseError),
     /// A learned correction.
     Learned(LearnedError),
+    /// Thermal growth.
+    Thermal(ThermalError),
 }
 
 impl From<ResultCode> for Refusal {
@@ -88,6 +94,12 @@ impl From<LearnedError> for Refusal {
     }
 }
 
+impl From<ThermalError> for Refusal {
+    fn from(error: ThermalError) -> Self {
+        Refusal::Thermal(error)
+    }
+}
+
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -98,6 +110,7 @@ impl fmt::Display for Refusal {
             Refusal::Path(error) => error.fmt(f),
             Refusal::Pose(error) => write!(f, "pose: {error}"),
             Refusal::Learned(error) => write!(f, "learned correction: {error}"),
+            Refusal::Thermal(error) => write!(f, "thermal growth: {error}"),
         }
     }
 }
@@ -114,6 +127,8 @@ impl Refusal {
             Refusal::Pose(_) => ERROR_POSE,
             Refusal::Learned(LearnedError::WrongMachine { .. }) => ERROR_MACHINE,
             Refusal::Learned(_) => ERROR_LEARNED,
+            Refusal::Thermal(ThermalError::WrongMachine { .. }) => ERROR_MACHINE,
+            Refusal::Thermal(_) => ERROR_THERMAL,
         }
     }
 
@@ -139,6 +154,7 @@ impl Refusal {
             }
             Refusal::Config(config) => error.add(config),
             Refusal::Learned(learned) => error.code = learned.code().into(),
+            Refusal::Thermal(thermal) => error.code = thermal.code().into(),
             Refusal::Memory(lent, needed) => {
                 error.found = *lent as f64;
                 error.field = Text::of(&"Memory");

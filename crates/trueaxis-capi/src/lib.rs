@@ -43,6 +43,7 @@ mod step;
 mod steps;
 mod tables;
 mod text;
+mod thermal;
 mod version;
 
 pub use axes::*;
@@ -70,6 +71,7 @@ pub use servo::*;
 pub use spans::*;
 pub use step::*;
 pub use tables::*;
+pub use thermal::*;
 pub use version::*;
 
 /// Nothing here panics; should it happen all the same, the core stops where a debugger finds it.

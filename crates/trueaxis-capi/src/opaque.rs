@@ -86,7 +86,8 @@ pub(crate) unsafe fn content_mut<'a, S: Storage>(storage: *mut S) -> Result<&'a 
 mod tests {
     use super::*;
     use crate::{
-        BranchTracker, CommandWindow, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path, Program, State,
+        BranchTracker, CommandWindow, Gauge, GaugeState, GaugeState512, Kinematics, Learned, Loop, Path, Program,
+        State, Thermal, ThermalTask,
     };
 
     #[test]
@@ -109,5 +110,7 @@ mod tests {
         spare::<BranchTracker>("branch tracker");
         spare::<Learned>("learned");
         spare::<Program>("program");
+        spare::<Thermal>("thermal");
+        spare::<ThermalTask>("thermal task");
     }
 }

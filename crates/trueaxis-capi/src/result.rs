@@ -19,7 +19,7 @@ pub const ERROR_UNBUILT: ResultCode = 4;
 pub const ERROR_ABI: ResultCode = 5;
 /// Not a whole, undamaged `.tcomp` file of this format; see `trueaxis_error_t`.
 pub const ERROR_TABLES: ResultCode = 6;
-/// The file, the kinematics or the learned correction are of another machine.
+/// The file, the kinematics, the learned correction or the thermal growth are of another machine.
 pub const ERROR_MACHINE: ResultCode = 7;
 /// The settings cannot be run; see `trueaxis_error_t`.
 pub const ERROR_CONFIG: ResultCode = 8;
@@ -49,6 +49,9 @@ pub const ERROR_POSE: ResultCode = 19;
 /// Not a whole, undamaged learned correction of this format, or of another program; see `trueaxis_error_t`.
 pub const ERROR_LEARNED: ResultCode = 20;
 
+/// Not a whole, undamaged `.ttherm` file of this format; see `trueaxis_error_t`.
+pub const ERROR_THERMAL: ResultCode = 21;
+
 pub(crate) fn text(result: ResultCode) -> &'static CStr {
     match result {
         OK => c"done",
@@ -58,7 +61,9 @@ pub(crate) fn text(result: ResultCode) -> &'static CStr {
         ERROR_UNBUILT => c"an object was never built or started, or is of another kind",
         ERROR_ABI => c"header and library differ in version or precision",
         ERROR_TABLES => c"the table file is refused: damaged, cut off, or not a .tcomp of this format",
-        ERROR_MACHINE => c"the table file, the kinematics or the learned correction are of another machine",
+        ERROR_MACHINE => {
+            c"the table file, the kinematics, the learned correction or the thermal growth are of another machine"
+        }
         ERROR_CONFIG => c"the settings are refused",
         ERROR_MEMORY => c"the lent memory is too small",
         ERROR_PERIOD => c"the period is not the one that the loop was built for",
@@ -74,6 +79,7 @@ pub(crate) fn text(result: ResultCode) -> &'static CStr {
         ERROR_LEARNED => {
             c"the learned correction is refused: damaged, cut off, not of this format, or of another program"
         }
+        ERROR_THERMAL => c"the file of thermal growth is refused: damaged, cut off, or not a .ttherm of this format",
         _ => c"not a result of this library",
     }
 }

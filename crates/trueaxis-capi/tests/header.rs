@@ -27,6 +27,7 @@ const SOURCES: &[&str] = &[
     "cycle",
     "step",
     "learned",
+    "thermal",
     "fault",
     "frame",
     "evaluation",

@@ -19,7 +19,9 @@ pub mod recording;
 pub mod scenario;
 pub mod tcomp;
 pub mod telemetry;
+pub mod thermal;
 pub mod tlearn;
+pub mod ttherm;
 
 use crate::Target;
 
@@ -51,7 +53,9 @@ macro_rules! for_each_target {
             recording: $crate::targets::recording::TARGET,
             scenario: $crate::targets::scenario::TARGET,
             telemetry: $crate::targets::telemetry::TARGET,
+            thermal: $crate::targets::thermal::TARGET,
             tlearn: $crate::targets::tlearn::TARGET,
+            ttherm: $crate::targets::ttherm::TARGET,
         }
     };
 }

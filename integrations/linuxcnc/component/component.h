@@ -9,6 +9,7 @@
  *   cycle.c       the two realtime functions
  *   steps.c       the library's steps in a cycle
  *   gauge.c       the roundness gauge in a cycle
+ *   thermal.c     growth from temperatures, an update a second
  *   show.c        outputs of a cycle on pins
  *
  * License: MIT OR Apache-2.0
@@ -37,6 +38,8 @@
 #define JOINT_TABLE_BYTES (128 * 1024)
 #define FILE_BYTES (1024 * 1024)
 #define LINE_BYTES 320
+/* More than any file of thermal growth has: 16 sensors with 8 knots on 6 axes. */
+#define THERMAL_BYTES (16 * 1024)
 /* Distance between two points of the commanded path at slow feeds. */
 #define WINDOW_SPACING_MM 0.005
 /* So near its reading, a joint is commanded where it stands: mm, degrees. */
@@ -82,6 +85,7 @@ struct joint_pins {
 struct axis_pins {
     hal_real_t command, corrected, correction, temperature_rise;
     hal_real_t learned; /* of X, Y, Z */
+    hal_real_t growth_offset, growth_slope;
     hal_bool_t limited, at_edge;
     /* Limits of the tables in force, read only, and the largest that the integrator accepts; 0: any. */
     hal_real_t magnitude, slope, acceleration, travel_min, travel_max;
@@ -101,6 +105,13 @@ struct gauge_pins {
     hal_uint_t evaluated, skipped, discarded, flags, revolution_flags;
 };
 
+struct thermal_pins {
+    hal_real_t temperature[TRUEAXIS_THERMAL_SENSORS_MAX];
+    hal_uint_t status[TRUEAXIS_THERMAL_SENSORS_MAX];
+    hal_real_t spindle_speed, tool_length;
+    hal_bool_t believe, good, at_edge, spindle_missing;
+};
+
 /* Parts of the dynamic correction that can be switched off. */
 #define DYNAMIC_PARTS 7
 
@@ -116,6 +127,7 @@ struct pins {
     struct joint_pins joint[MAX_JOINTS];
     struct axis_pins axis[MAX_AXES];
     struct gauge_pins gauge;
+    struct thermal_pins thermal;
 };
 
 /* Set while the component is loaded, read by everybody afterwards. */
@@ -137,6 +149,19 @@ struct setup {
     double mm_per_unit[MAX_AXES]; /* degrees of rotary axes */
     uint32_t period_ns;
     bool has_gauge;
+    char thermal_path[PATH_BYTES];
+    bool has_thermal;
+    uint32_t sensors;
+};
+
+/* Growth from temperatures: file and task. */
+struct thermal {
+    uint8_t file[THERMAL_BYTES]; /* read in place by the growth */
+    trueaxis_thermal_t growth;
+    trueaxis_thermal_state_t task;
+    trueaxis_growth_t last; /* size 0: none yet */
+    uint64_t since_ns;
+    bool believed;
 };
 
 /* State of an instance in the servo thread, from the first cycle on. */
@@ -165,6 +190,7 @@ struct servo {
     trueaxis_gauge_t gauge;
     trueaxis_gauge_state_t gauge_state;
     double temperature_rise[MAX_AXES];
+    struct thermal thermal;
     bool growth_told; /* to the tables in force */
     /* Inputs in the last cycle, for their edges. */
     struct {
@@ -212,6 +238,8 @@ uint32_t tables_read(const struct instance *instance, const struct tables *befor
 uint32_t tables_match(struct instance *instance, const struct tables *tables, char line[LINE_BYTES]);
 /* Builds the gauge of a machine that has one, of as many points a revolution. */
 uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE_BYTES]);
+/* Reads a whole file of below `bytes` bytes; 0 or a refusal with one line. */
+uint32_t tables_file(const char *path, uint8_t *to, size_t bytes, size_t *length, char line[LINE_BYTES]);
 /* The negative errno of a result. */
 int tables_errno(uint32_t refused);
 
@@ -241,6 +269,11 @@ bool steps_run(struct instance *instance, const trueaxis_input_t *input, trueaxi
 /* gauge.c: its readings of a cycle from pins, and its answer to pins. */
 void gauge_read(struct instance *instance, trueaxis_gauge_ride_t *ride);
 void gauge_show(struct instance *instance, const trueaxis_gauge_ride_t *ride);
+
+/* thermal.c: reads the instance's file, if it has one, for this machine; 0 or a refusal with one line. */
+uint32_t thermal_read(struct instance *instance, uint32_t machine_id, char line[LINE_BYTES]);
+/* In every cycle: an update once a second, and growth to new tables. */
+void thermal_update(struct instance *instance, uint32_t period_ns);
 
 /* show.c: output of a cycle, on pins. */
 void show_cycle(const struct instance *instance, const trueaxis_input_t *input, const trueaxis_output_t *axes,

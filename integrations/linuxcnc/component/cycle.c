@@ -161,7 +161,11 @@ void cycle_update_output(void *arg, long period)
     if (hal_get_bool(pins->reload) && !servo->last.reload)
         atomic_fetch_add_explicit(&instance->shared.reload_wanted, 1, memory_order_release);
     servo->last.reload = hal_get_bool(pins->reload);
-    steps_temperature(instance);
+    /* One of the two: the later of them would replace the growth of the other. */
+    if (instance->setup.has_thermal)
+        thermal_update(instance, period_ns);
+    else
+        steps_temperature(instance);
 
     /* Motion advances by the nominal period in every call, and so does the step. */
     trueaxis_input_t input = {.size = sizeof input, .elapsed_ns = period_ns, .homed = 1};

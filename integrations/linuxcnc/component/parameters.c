@@ -18,6 +18,8 @@ RTAPI_MP_ARRAY_STRING(joints, MAX_INSTANCES, "axis letter of joint 0, 1, ... of 
 static char *joint_tables[MAX_JOINT_TABLE_PARAMETERS];
 RTAPI_MP_ARRAY_STRING(joint_tables, MAX_JOINT_TABLE_PARAMETERS,
                       "tables of single joints: [INSTANCE:]JOINT=FILE, e.g. 1=left.tcomp,2=right.tcomp");
+static char *thermal[MAX_INSTANCES];
+RTAPI_MP_ARRAY_STRING(thermal, MAX_INSTANCES, "thermal growth (.ttherm) of every instance that has it; - for none");
 static int inch[MAX_INSTANCES];
 RTAPI_MP_ARRAY_INT(inch, MAX_INSTANCES, "1: linear joints of the instance are in inches, else mm");
 static long servo_period_nsec = 1000000;
@@ -134,6 +136,11 @@ static int instance_read(struct instance *instance, int index)
     }
     if (!copied(instance->setup.path, PATH_BYTES, tables[index])) {
         COMPLAIN("%s: the path of the table file; needed: below %d bytes\n", instance->setup.name, PATH_BYTES);
+        return -ENAMETOOLONG;
+    }
+    if (given(thermal, index) && strcmp(thermal[index], "-") != 0 &&
+        !copied(instance->setup.thermal_path, PATH_BYTES, thermal[index])) {
+        COMPLAIN("%s: the path of the thermal growth; needed: below %d bytes\n", instance->setup.name, PATH_BYTES);
         return -ENAMETOOLONG;
     }
     instance->setup.period_ns = (uint32_t)servo_period_nsec;

@@ -2,6 +2,7 @@
 #include "component.h"
 
 #include <errno.h>
+#include <math.h>
 
 /* Stops at the first pin that HAL refuses; HAL has said why. */
 #define TRY(call)           \
@@ -102,14 +103,19 @@ static int joint(struct joint_pins *p, int id, const char *name, int j)
     return 0;
 }
 
-static int axis(struct axis_pins *p, int id, const char *name, const char *letter)
+static int axis(struct axis_pins *p, int id, const char *name, const char *letter, bool thermal)
 {
     TRY(hal_pin_new_real(id, HAL_OUT, &p->command, 0.0, "%s.%s.command", name, letter));
     TRY(hal_pin_new_real(id, HAL_OUT, &p->corrected, 0.0, "%s.%s.corrected", name, letter));
     TRY(hal_pin_new_real(id, HAL_OUT, &p->correction, 0.0, "%s.%s.correction", name, letter));
     TRY(hal_pin_new_bool(id, HAL_OUT, &p->limited, false, "%s.%s.limited", name, letter));
     TRY(hal_pin_new_bool(id, HAL_OUT, &p->at_edge, false, "%s.%s.at-edge", name, letter));
-    TRY(hal_pin_new_real(id, HAL_IN, &p->temperature_rise, 0.0, "%s.%s.temperature-rise", name, letter));
+    if (thermal) {
+        TRY(hal_pin_new_real(id, HAL_OUT, &p->growth_offset, 0.0, "%s.%s.growth-offset", name, letter));
+        TRY(hal_pin_new_real(id, HAL_OUT, &p->growth_slope, 0.0, "%s.%s.growth-slope", name, letter));
+    } else {
+        TRY(hal_pin_new_real(id, HAL_IN, &p->temperature_rise, 0.0, "%s.%s.temperature-rise", name, letter));
+    }
     if (letter[0] >= 'x')
         TRY(hal_pin_new_real(id, HAL_IN, &p->learned, 0.0, "%s.%s.learned", name, letter));
     TRY(hal_param_new_real(id, HAL_RO, &p->magnitude, 0.0, "%s.%s.magnitude", name, letter));
@@ -143,6 +149,23 @@ static int gauge(struct gauge_pins *p, int id, const char *name)
     return 0;
 }
 
+/* A sensor that is not connected is missing, not at 0 degrees. */
+static int thermal(struct thermal_pins *p, int id, const char *name, uint32_t sensors)
+{
+    for (uint32_t k = 0; k < sensors; k++) {
+        TRY(hal_pin_new_real(id, HAL_IN, &p->temperature[k], NAN, "%s.thermal.sensor-%d", name, (int)k + 1));
+        TRY(hal_pin_new_ui32(id, HAL_OUT, &p->status[k], TRUEAXIS_SENSOR_MISSING, "%s.thermal.sensor-%d-status", name,
+                             (int)k + 1));
+    }
+    TRY(hal_pin_new_real(id, HAL_IN, &p->spindle_speed, 0.0, "%s.thermal.spindle-speed", name));
+    TRY(hal_pin_new_real(id, HAL_IN, &p->tool_length, 0.0, "%s.thermal.tool-length", name));
+    TRY(hal_pin_new_bool(id, HAL_IN, &p->believe, false, "%s.thermal.believe", name));
+    TRY(hal_pin_new_bool(id, HAL_OUT, &p->good, false, "%s.thermal.good", name));
+    TRY(hal_pin_new_bool(id, HAL_OUT, &p->at_edge, false, "%s.thermal.at-edge", name));
+    TRY(hal_pin_new_bool(id, HAL_OUT, &p->spindle_missing, false, "%s.thermal.spindle-missing", name));
+    return 0;
+}
+
 int pins_export(struct instance *instance, int id)
 {
     const char *name = instance->setup.name;
@@ -157,9 +180,11 @@ int pins_export(struct instance *instance, int id)
         TRY(joint(&pins->joint[j], id, name, j));
     for (int a = 0; a < instance->setup.axes; a++)
         if (instance->setup.joints_of_axis[a] > 0)
-            TRY(axis(&pins->axis[a], id, name, small(instance->setup.axis_letters[a])));
+            TRY(axis(&pins->axis[a], id, name, small(instance->setup.axis_letters[a]), instance->setup.has_thermal));
     if (instance->setup.has_gauge)
         TRY(gauge(&pins->gauge, id, name));
+    if (instance->setup.has_thermal)
+        TRY(thermal(&pins->thermal, id, name, instance->setup.sensors));
     return 0;
 }
 

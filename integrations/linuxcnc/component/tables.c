@@ -11,7 +11,7 @@
 static uint8_t file[FILE_BYTES];
 static int open_errno;
 
-static uint32_t file_read(const char *path, size_t *length, char line[LINE_BYTES])
+uint32_t tables_file(const char *path, uint8_t *to, size_t bytes, size_t *length, char line[LINE_BYTES])
 {
     /* Nobody may ever write to a pipe: it must not be waited for. */
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -29,8 +29,8 @@ static uint32_t file_read(const char *path, size_t *length, char line[LINE_BYTES
     }
     size_t done = 0;
     ssize_t part = 1;
-    while (part != 0 && done < sizeof file) {
-        part = read(descriptor, file + done, sizeof file - done);
+    while (part != 0 && done < bytes) {
+        part = read(descriptor, to + done, bytes - done);
         if (part < 0 && errno != EINTR)
             break;
         if (part > 0)
@@ -42,12 +42,17 @@ static uint32_t file_read(const char *path, size_t *length, char line[LINE_BYTES
         rtapi_snprintf(line, LINE_BYTES, "cannot be read: %s", strerror(open_errno));
         return REFUSED_OPEN;
     }
-    if (done == sizeof file) {
-        rtapi_snprintf(line, LINE_BYTES, "too long: found more than %d bytes, needed less; fewer points", FILE_BYTES - 1);
+    if (done == bytes) {
+        rtapi_snprintf(line, LINE_BYTES, "too long: found more than %zu bytes, needed less; fewer points", bytes - 1);
         return REFUSED_LONG;
     }
     *length = done;
     return 0;
+}
+
+static uint32_t file_read(const char *path, size_t *length, char line[LINE_BYTES])
+{
+    return tables_file(path, file, sizeof file, length, line);
 }
 
 /* Reads one file, checks it whole and builds its loop in the memory given. */

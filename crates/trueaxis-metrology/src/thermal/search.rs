@@ -15,8 +15,9 @@ const LAGS: usize = 12;
 const SHORTEST_LAG_S: f64 = 30.0;
 /// Steps of the golden section between two lags of the grid, to 2 %.
 const STEPS: usize = 8;
-/// Rounds over all lags once the causes stand.
-const ROUNDS: usize = 2;
+/// Rounds over all lags once the causes stand, at most; and the share of the squares below which a round gains nothing.
+const ROUNDS: usize = 16;
+const SETTLED: f64 = 2e-3;
 /// Rows that the search looks at, at most.
 const MOST_ROWS: usize = 1_500;
 
@@ -150,11 +151,25 @@ impl<'p, 'r> Search<'p, 'r> {
             left = found;
             left = self.refine(&mut all, left);
         }
-        for _ in 1..ROUNDS {
-            left = self.refine(&mut all, left);
+        left = self.settle(&mut all, left);
+        let bent = self.bend(&mut all, left);
+        if bent < left {
+            left = self.settle(&mut all, bent);
         }
-        left = self.bend(&mut all, left);
         (all, [nothing, left])
+    }
+
+    /// Round after round until the lags stand.
+    fn settle(&self, all: &mut [Chosen], mut left: f64) -> f64 {
+        for _ in 0..ROUNDS {
+            let found = self.refine(all, left);
+            let gained = left - found;
+            left = found;
+            if gained <= SETTLED * left {
+                break;
+            }
+        }
+        left
     }
 
     /// Every lag, one at a time, between its neighbours of the grid; what is left then.

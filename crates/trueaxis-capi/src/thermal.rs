@@ -1,0 +1,286 @@
+//! Thermal growth from temperatures: a task of its own beside the step.
+
+use crate::built::{Loop, State, with_servo};
+use crate::error::{Error, explained};
+use crate::opaque::{self, Storage};
+use crate::pointer::{Sized32, check_sized, read_sized, slice};
+use crate::result::{self, ERROR_ARGUMENT, ERROR_AXES, ResultCode};
+use trueaxis::Axis;
+use trueaxis::temperature::{self, Readings, SENSORS, ThermalState};
+
+/// Most sensors of a `.ttherm` file.
+pub const THERMAL_SENSORS_MAX: usize = 16;
+/// Words of a `trueaxis_thermal_t`.
+pub const THERMAL_WORDS: usize = 10;
+/// Words of a `trueaxis_thermal_state_t`.
+pub const THERMAL_STATE_WORDS: usize = 176;
+
+const _: () = assert!(THERMAL_SENSORS_MAX == SENSORS);
+
+/// A sensor is good.
+pub const SENSOR_GOOD: u8 = 0;
+/// It has no reading, or one that is no number.
+pub const SENSOR_MISSING: u8 = 1;
+/// It reads what no machine has.
+pub const SENSOR_OUT_OF_RANGE: u8 = 2;
+/// It has changed more than plausible, and has not come back since.
+pub const SENSOR_JUMPED: u8 = 3;
+/// It repeats one reading to the bit although the others move.
+pub const SENSOR_STUCK: u8 = 4;
+
+/// Thermal growth, read in place from the bytes of its file (`trueaxis thermal compile`): immutable, may be copied.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Thermal {
+    words: [u64; THERMAL_WORDS],
+}
+
+/// All that one update of the task hands to the next. Belongs to the thread that updates it.
+#[repr(C)]
+#[derive(Debug)]
+pub struct ThermalTask {
+    words: [u64; THERMAL_STATE_WORDS],
+}
+
+// SAFETY: repr(C), one array of u64.
+unsafe impl Storage for Thermal {
+    type Content = temperature::Thermal<'static>;
+    const MAGIC: u32 = 0x5452_000c;
+}
+
+// SAFETY: repr(C), one array of u64.
+unsafe impl Storage for ThermalTask {
+    type Content = ThermalState;
+    const MAGIC: u32 = 0x5452_000d;
+}
+
+/// Readings of an update.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalReadings {
+    /// `sizeof(trueaxis_thermal_readings_t)`.
+    pub size: u32,
+    /// Number of temperatures, at most 16; sensors of the file beyond it are missing.
+    pub count: u32,
+    /// Time since the update before, s; 0 in the first.
+    pub dt_s: f64,
+    /// Temperatures in the order of the file, degrees Celsius; no number where there is none.
+    pub temperatures_c: [f64; THERMAL_SENSORS_MAX],
+    /// Speed of the spindle, rpm; no number where it is not known.
+    pub spindle_rpm: f64,
+    /// Length of the tool from the spindle's nose, mm.
+    pub tool_mm: f64,
+}
+
+// SAFETY: repr(C), `size` first, numbers only.
+unsafe impl Sized32 for ThermalReadings {}
+
+/// Growth after an update. Arrays of axes are by letter: X, Y, Z, A, B, C.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Growth {
+    /// `sizeof(trueaxis_growth_t)`.
+    pub size: u32,
+    /// Axes that the file names (bit 0: X).
+    pub axes: u32,
+    /// Offset of the line, mm (deg): error that is added, actual − ideal.
+    pub offset: [f64; 6],
+    /// Its slope.
+    pub slope: [f64; 6],
+    /// `TRUEAXIS_SENSOR_…` of every sensor: while it is not good its share stands still.
+    pub sensors: [u8; THERMAL_SENSORS_MAX],
+    /// Sensors (bit 0: the first) beyond the ends of their curves.
+    pub at_edge: u32,
+    /// Axes (bit 0: X) whose growth is beyond what the step takes; the line before stands.
+    pub beyond: u32,
+    /// Every sensor has been read once; until then there is no growth.
+    pub complete: u8,
+    /// The spindle's speed is not known; its share stands still.
+    pub spindle_missing: u8,
+    /// Nothing is wrong.
+    pub good: u8,
+    /// 0.
+    pub reserved: [u8; 5],
+}
+
+// SAFETY: repr(C), `size` first, numbers only.
+unsafe impl Sized32 for Growth {}
+
+/// Checks a whole `.ttherm` file for this machine.
+///
+/// `file`, `length`: its bytes, read in place: they must outlive the growth and its copies, unchanged. `machine_id`: the
+/// machine that it must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `sensors`: their number, may be `NULL`. Not
+/// real-time.
+///
+/// `_THERMAL` (see `error->code`), `_MACHINE`.
+///
+/// # Safety
+/// Pointers are null or point to what their types and sizes say; `file` stays as demanded above.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trueaxis_thermal_build(
+    thermal: *mut Thermal,
+    thermal_size: usize,
+    file: *const u8,
+    length: usize,
+    machine_id: u32,
+    sensors: *mut u32,
+    error: *mut Error,
+) -> ResultCode {
+    let work = || {
+        let place = opaque::place(thermal, thermal_size)?;
+        if !sensors.is_null() {
+            crate::pointer::check(sensors)?;
+        }
+        // SAFETY: the caller's promise.
+        let parsed = temperature::Thermal::parse(unsafe { slice(file, length) }?)?;
+        if machine_id != 0 {
+            parsed.expect_machine(machine_id)?;
+        }
+        // SAFETY: storage of the size that the caller vouched for; a checked pointer that is writable by its promise.
+        unsafe {
+            opaque::fill(place, parsed);
+            if !sensors.is_null() {
+                sensors.write(parsed.sensors() as u32);
+            }
+        }
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { explained(error, work) }
+}
+
+/// Starts the task: in equilibrium with the first readings, the spindle at rest for long. Not real-time.
+///
+/// # Safety
+/// Pointers are null or point to what their types and sizes say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trueaxis_thermal_start(task: *mut ThermalTask, task_size: usize) -> ResultCode {
+    let work = || {
+        let place = opaque::place(task, task_size)?;
+        // SAFETY: storage of the size that the caller vouched for.
+        unsafe { opaque::fill(place, ThermalState::new()) };
+        Ok(())
+    };
+    result::of(work())
+}
+
+/// One update, every second or so: readings to growth.
+///
+/// Readings are taken for linear in time since the update before. Bounded time, some 16 exponentials: real-time safe, but
+/// better done by a slower task. `_ARGUMENT` (count).
+///
+/// # Safety
+/// Pointers are null or point to what their types say; nobody else uses `task` meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trueaxis_thermal_update(
+    thermal: *const Thermal,
+    task: *mut ThermalTask,
+    readings: *const ThermalReadings,
+    growth: *mut Growth,
+) -> ResultCode {
+    let work = || {
+        // SAFETY: the caller's promise.
+        unsafe { check_sized(growth) }?;
+        // SAFETY: the caller's promise.
+        let given = unsafe { read_sized(readings) }?;
+        // SAFETY: the caller's promise.
+        let (thermal, task) = unsafe { (opaque::content(thermal)?, opaque::content_mut(task)?) };
+        let temperatures = given.temperatures_c.map(Some);
+        let now = Readings {
+            temperatures_c: temperatures.get(..given.count as usize).ok_or(ERROR_ARGUMENT)?,
+            spindle_rpm: Some(given.spindle_rpm),
+            tool_mm: given.tool_mm,
+        };
+        let found = Growth::of(&thermal.update(task, given.dt_s, &now));
+        // SAFETY: checked: aligned, of the right size; writable by the caller's promise.
+        unsafe { growth.write(found) };
+        Ok(())
+    };
+    result::of(work())
+}
+
+/// Believes the next reading of a sensor (from 0) that has jumped, as after it was exchanged. Real-time safe. `_ARGUMENT`
+/// (no such sensor).
+///
+/// # Safety
+/// Pointers are null or point to what their types say; nobody else uses `task` meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trueaxis_thermal_believe(task: *mut ThermalTask, sensor: u32) -> ResultCode {
+    let work = || {
+        // SAFETY: the caller's promise.
+        let task = unsafe { opaque::content_mut(task) }?;
+        if sensor as usize >= SENSORS {
+            return Err(ERROR_ARGUMENT);
+        }
+        task.believe(sensor as usize);
+        Ok(())
+    };
+    result::of(work())
+}
+
+/// Sets the growth of all axes that it names; it follows in the next cycle, through the limiter, and replaces what
+/// `trueaxis_set_thermal` has set: a host uses one of them. Call it between two cycles. No effect in a bypass. Axes that the
+/// step has not got are passed over. Real-time safe. `_AXES`, `_STATE`, `_ARGUMENT` (growth of more than 10 mm or 1e-3 of the
+/// length).
+///
+/// # Safety
+/// Pointers are null or point to what their types say; nobody else uses `state` meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trueaxis_set_growth(
+    r#loop: *const Loop,
+    state: *mut State,
+    growth: *const Growth,
+) -> ResultCode {
+    let work = || {
+        // SAFETY: the caller's promise.
+        let growth = unsafe { read_sized(growth) }?;
+        // SAFETY: the caller's promise.
+        let (built, running) = unsafe { (opaque::content(r#loop)?, opaque::content_mut(state)?) };
+        if built.servo.axes() != running.axes() {
+            return Err(ERROR_AXES);
+        }
+        let mut lines = [None; 6];
+        for ((axis, line), (offset, slope)) in
+            Axis::ALL.into_iter().zip(&mut lines).zip(growth.offset.into_iter().zip(growth.slope))
+        {
+            if growth.axes >> axis.index() & 1 == 1 {
+                let own = trueaxis::compensation::ThermalLine::new(offset, slope).ok_or(ERROR_ARGUMENT)?;
+                *line = built.slot(axis).map(|slot| (slot, own));
+            }
+        }
+        for (slot, line) in lines.into_iter().flatten() {
+            with_servo!(built, &mut *running,
+                servo(_servo, state) => state.set_thermal(slot, line),
+                bypass(_) => ()
+            )?;
+        }
+        Ok(())
+    };
+    result::of(work())
+}
+
+impl Growth {
+    fn of(found: &temperature::Growth) -> Growth {
+        let mut growth = Growth {
+            size: size_of::<Growth>() as u32,
+            axes: 0,
+            offset: [0.0; 6],
+            slope: [0.0; 6],
+            sensors: found.sensors.map(|status| status as u8),
+            at_edge: found.at_edge.into(),
+            beyond: found.beyond.into(),
+            complete: found.complete.into(),
+            spindle_missing: found.spindle_missing.into(),
+            good: found.is_good().into(),
+            reserved: [0; 5],
+        };
+        let places = growth.offset.iter_mut().zip(&mut growth.slope).zip(found.lines);
+        for (axis, ((offset, slope), line)) in places.enumerate() {
+            if let Some(line) = line {
+                growth.axes |= 1 << axis;
+                [*offset, *slope] = line;
+            }
+        }
+        growth
+    }
+}
