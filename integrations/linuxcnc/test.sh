@@ -49,8 +49,8 @@ chmod -R a+rX "$work"
 # The drive with friction of the tests.
 (cd "$work" && cp repository/integrations/linuxcnc/tests/dahl.comp . && halcompile --install dahl.comp >/dev/null)
 # The realtime part may call the library and copy memory, and nothing else: no allocation, no file, no print.
-own='(steps|gauge|show)_[a-z_]+|pins_parts_off'
-others=$(nm -u "$target/linuxcnc/"{cycle,steps,gauge,show}.o |
+own='(steps|gauge|thermal|show)_[a-z_]+|pins_parts_off'
+others=$(nm -u "$target/linuxcnc/"{cycle,steps,gauge,thermal,show}.o |
     grep -vE "^$|:$|U (trueaxis_[a-z_]+|$own|memset|memcpy|__stack_chk_fail|_GLOBAL_OFFSET_TABLE_)$" || true)
 if [[ -n $others ]]; then
     printf 'test.sh: the realtime functions call %s\n' "$others" >&2

@@ -143,6 +143,7 @@ struct setup {
     int axis_of_joint[MAX_JOINTS];  /* slot of its axis in the step */
     int table_of_joint[MAX_JOINTS]; /* of its own, or -1 */
     char axis_letters[MAX_AXES];
+    int letter_of_axis[MAX_AXES]; /* among X Y Z A B C */
     int axes;
     int joints_of_axis[MAX_AXES];
     bool inch;
@@ -238,8 +239,8 @@ uint32_t tables_read(const struct instance *instance, const struct tables *befor
 uint32_t tables_match(struct instance *instance, const struct tables *tables, char line[LINE_BYTES]);
 /* Builds the gauge of a machine that has one, of as many points a revolution. */
 uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE_BYTES]);
-/* Reads a whole file of below `bytes` bytes; 0 or a refusal with one line. */
-uint32_t tables_file(const char *path, uint8_t *to, size_t bytes, size_t *length, char line[LINE_BYTES]);
+/* Reads the instance's thermal growth, if it has one, for this machine; 0 or a refusal with one line. */
+uint32_t tables_thermal(struct instance *instance, uint32_t machine_id, char line[LINE_BYTES]);
 /* The negative errno of a result. */
 int tables_errno(uint32_t refused);
 
@@ -270,9 +271,7 @@ bool steps_run(struct instance *instance, const trueaxis_input_t *input, trueaxi
 void gauge_read(struct instance *instance, trueaxis_gauge_ride_t *ride);
 void gauge_show(struct instance *instance, const trueaxis_gauge_ride_t *ride);
 
-/* thermal.c: reads the instance's file, if it has one, for this machine; 0 or a refusal with one line. */
-uint32_t thermal_read(struct instance *instance, uint32_t machine_id, char line[LINE_BYTES]);
-/* In every cycle: an update once a second, and growth to new tables. */
+/* thermal.c: in every cycle: an update once a second, and growth to new tables. */
 void thermal_update(struct instance *instance, uint32_t period_ns);
 
 /* show.c: output of a cycle, on pins. */

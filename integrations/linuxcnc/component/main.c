@@ -28,7 +28,7 @@ static int instance_load(struct instance *instance)
     if (!refused && tables->info.gauge_points > 0)
         refused = tables_gauge(instance, tables->info.gauge_points, line);
     if (!refused)
-        refused = thermal_read(instance, tables->info.machine_id, line);
+        refused = tables_thermal(instance, tables->info.machine_id, line);
     if (!refused)
         refused = (uint32_t)trueaxis_command_window_start(&instance->servo.window, sizeof instance->servo.window, NULL,
                                                           WINDOW_SPACING_MM);

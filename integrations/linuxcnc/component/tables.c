@@ -11,7 +11,7 @@
 static uint8_t file[FILE_BYTES];
 static int open_errno;
 
-uint32_t tables_file(const char *path, uint8_t *to, size_t bytes, size_t *length, char line[LINE_BYTES])
+static uint32_t read_whole(const char *path, uint8_t *to, size_t bytes, size_t *length, char line[LINE_BYTES])
 {
     /* Nobody may ever write to a pipe: it must not be waited for. */
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -52,7 +52,7 @@ uint32_t tables_file(const char *path, uint8_t *to, size_t bytes, size_t *length
 
 static uint32_t file_read(const char *path, size_t *length, char line[LINE_BYTES])
 {
-    return tables_file(path, file, sizeof file, length, line);
+    return read_whole(path, file, sizeof file, length, line);
 }
 
 /* Reads one file, checks it whole and builds its loop in the memory given. */
@@ -140,6 +140,7 @@ uint32_t tables_match(struct instance *instance, const struct tables *tables, ch
     instance->setup.axes = (int)info->axes;
     for (int a = 0; a < instance->setup.axes; a++) {
         instance->setup.axis_letters[a] = info->letters[a];
+        instance->setup.letter_of_axis[a] = (int)(strchr("XYZABC", info->letters[a]) - "XYZABC");
         instance->setup.mm_per_unit[a] = instance->setup.inch && strchr("XYZ", info->letters[a]) ? 25.4 : 1.0;
         if (instance->setup.joints < MAX_JOINTS && instance->setup.letters_from_file && names(info, info->letters[a]))
             instance->setup.letters[instance->setup.joints++] = info->letters[a];
@@ -184,6 +185,31 @@ uint32_t tables_gauge(struct instance *instance, uint32_t points, char line[LINE
     if (refused)
         rtapi_snprintf(line, LINE_BYTES, "%s: %s", instance->setup.path, found);
     instance->setup.has_gauge = !refused;
+    return refused;
+}
+
+uint32_t tables_thermal(struct instance *instance, uint32_t machine_id, char line[LINE_BYTES])
+{
+    struct thermal *thermal = &instance->servo.thermal;
+    const char *path = instance->setup.thermal_path;
+    if (path[0] == '\0')
+        return 0;
+    char found[LINE_BYTES] = "";
+    trueaxis_error_t error = {.size = sizeof error};
+    size_t length = 0;
+    uint32_t refused = read_whole(path, thermal->file, sizeof thermal->file, &length, found);
+    if (!refused) {
+        int status = trueaxis_thermal_build(&thermal->growth, sizeof thermal->growth, thermal->file, length, machine_id,
+                                            &instance->setup.sensors, &error);
+        if (status == TRUEAXIS_OK)
+            status = trueaxis_thermal_start(&thermal->task, sizeof thermal->task);
+        if (status != TRUEAXIS_OK)
+            rtapi_snprintf(found, sizeof found, "%s", error.text[0] ? error.text : trueaxis_result_text(status));
+        refused = (uint32_t)status;
+    }
+    if (refused)
+        rtapi_snprintf(line, LINE_BYTES, "%s: %s", path, found);
+    instance->setup.has_thermal = !refused;
     return refused;
 }
 

@@ -1,36 +1,8 @@
-/* Thermal growth from temperatures: the file, read while loading, and an update a second of the servo thread. */
+/* Thermal growth from temperatures: an update a second. Realtime, as cycle.c. */
 #include "component.h"
-
-#include <math.h>
-#include <string.h>
 
 /* Time between two updates. */
 #define UPDATE_NS 1000000000u
-
-uint32_t thermal_read(struct instance *instance, uint32_t machine_id, char line[LINE_BYTES])
-{
-    struct thermal *thermal = &instance->servo.thermal;
-    const char *path = instance->setup.thermal_path;
-    if (path[0] == '\0')
-        return 0;
-    char found[LINE_BYTES] = "";
-    trueaxis_error_t error = {.size = sizeof error};
-    size_t length = 0;
-    uint32_t refused = tables_file(path, thermal->file, sizeof thermal->file, &length, found);
-    if (!refused) {
-        int status = trueaxis_thermal_build(&thermal->growth, sizeof thermal->growth, thermal->file, length, machine_id,
-                                            &instance->setup.sensors, &error);
-        if (status == TRUEAXIS_OK)
-            status = trueaxis_thermal_start(&thermal->task, sizeof thermal->task);
-        if (status != TRUEAXIS_OK)
-            rtapi_snprintf(found, sizeof found, "%s", error.text[0] ? error.text : trueaxis_result_text(status));
-        refused = (uint32_t)status;
-    }
-    if (refused)
-        rtapi_snprintf(line, LINE_BYTES, "%s: %s", path, found);
-    instance->setup.has_thermal = !refused;
-    return refused;
-}
 
 /* Growth of the last update to the step: after an update, and to new tables. */
 static void tell(struct instance *instance)
@@ -53,7 +25,7 @@ static void show(struct instance *instance)
     for (int a = 0; a < setup->axes; a++) {
         if (setup->joints_of_axis[a] == 0)
             continue;
-        size_t letter = (size_t)(strchr("XYZABC", setup->axis_letters[a]) - "XYZABC");
+        int letter = setup->letter_of_axis[a];
         hal_set_real(instance->pins->axis[a].growth_offset, last->offset[letter] / setup->mm_per_unit[a]);
         hal_set_real(instance->pins->axis[a].growth_slope, last->slope[letter]);
     }

@@ -4,7 +4,7 @@ import os
 import re
 
 import rig
-from machines import SAMPLES, compile_tables, edited_tables, geometry_alone
+from machines import SAMPLES, compile_tables, compile_thermal, edited_tables, geometry_alone
 from rig import expect
 
 STREAM_HAL = """
@@ -303,6 +303,56 @@ def warm(folder):
     return "correction %.5f mm cold, %.5f mm warm" % (values[0], values[1])
 
 
+THERMAL_TOML = """reference_temperature_c = 20.0
+[[sensor]]
+name = "nose"
+knots_c = [20.0, 30.0]
+[axis.X]
+datum_mm = 0.0
+[axis.X.sensor.nose]
+offset_um = [0.0, 10.0]
+slope_um_per_m = [0.0, 20.0]
+"""
+
+THERMAL_HAL = WARM_HAL.split("loadusr")[0].replace("mill.tcomp", "mill.tcomp thermal=mill.ttherm").replace("start\n", """\
+setp ta.thermal.sensor-1 20
+start
+loadusr -w sleep 1.5
+getp ta.x.correction
+setp ta.thermal.sensor-1 22
+loadusr -w sleep 1.8
+getp ta.x.correction
+setp ta.thermal.sensor-1 80
+loadusr -w sleep 1.8
+getp ta.x.correction
+getp ta.thermal.sensor-1-status
+setp ta.thermal.sensor-1 nan
+loadusr -w sleep 1.8
+getp ta.x.correction
+getp ta.thermal.sensor-1-status
+""")
+
+
+def thermal(folder):
+    """Growth from a sensor on a pin; one that jumps or is missing keeps its share, and is told."""
+    edited_tables(folder, os.path.join(SAMPLES, "mill-3axis"), "mill", geometry_alone, None)
+    with open(os.path.join(folder, "thermal.toml"), "w") as f:
+        f.write(THERMAL_TOML)
+    compile_thermal(folder, "thermal.toml", os.path.join(SAMPLES, "mill-3axis"), "mill.ttherm")
+    code, printed = rig.halrun(folder, THERMAL_HAL)
+    values = [float(line) for line in printed.splitlines() if line.strip()[:1] in list("-0123456789")]
+    expect(code == 0 and len(values) == 6, "halrun", printed)
+    cold, warm, jumped, status_jumped, missing, status_missing = values
+    with open(os.path.join(SAMPLES, "mill-3axis", "x.csv")) as f:
+        forward, reverse = next(line.split(",")[1:3] for line in f if line.startswith("100,"))
+    play = 1e-3 * (float(reverse) - float(forward))
+    # 2 um and 4 um/m at 100 mm.
+    expect(abs(warm - cold + 0.0024 + play) < 1e-6, "correction changed by %g mm" % (warm - cold))
+    expect(jumped == warm and status_jumped == 3, "after a jump", values)
+    expect(missing == warm and status_missing == 1, "without a sensor", values)
+    return "correction %.5f mm cold, %.5f mm warm" % (cold, warm)
+
+
 ACCEPTED_HAL = """
 loadrt threads name1=servo-thread period1=1000000
 loadrt trueaxis names=ta tables=mill.tcomp
@@ -488,4 +538,4 @@ def many(folder):
     compile_tables(folder, os.path.join(source, "machine.toml"), "many.tcomp")
 
 
-TESTS = (refused, stream, gauge, instances, joint_stop, warm, accepted, period, nowhere)
+TESTS = (refused, stream, gauge, instances, joint_stop, warm, thermal, accepted, period, nowhere)

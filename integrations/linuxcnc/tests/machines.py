@@ -17,6 +17,12 @@ def compile_tables(folder, machine, name):
                    capture_output=True, timeout=60)
 
 
+def compile_thermal(folder, text, machine, name):
+    """Thermal growth as the component loads it."""
+    words = [TRUEAXIS, "thermal", "compile", os.path.join(folder, text), "--machine", machine]
+    subprocess.run(words + ["-o", os.path.join(folder, name)], check=True, capture_output=True, timeout=60)
+
+
 def mill(folder, change=None):
     """The sample configuration, as an integrator finds it, or after a change of machine.toml."""
     rig.copy(folder, rig.CONFIG, *os.listdir(rig.CONFIG))

@@ -1,0 +1,139 @@
+//! `trueaxis thermal` as it is called: a machine that grows as its one sensor says, found, compiled, and every refusal.
+
+use std::fmt::Write;
+use trueaxis::temperature::{Readings, Thermal, ThermalState};
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
+
+/// Four cycles of 4 h, a row every 5 min at two positions of X. X grows by 12 µm/(m K) from 0 on, Z by 3 µm/K, both at once;
+/// the second sensor is a clock.
+fn record() -> String {
+    let mut text = String::from("t_s,cycle,x_mm,ex_um,ez_um,T1_c,T2_c\n");
+    for row in 0..192_u32 {
+        let t = 300.0 * f64::from(row);
+        let warm = 6.0 * (t / 7_000.0).sin() + 3.0 * (t / 2_300.0).cos();
+        for x in [0.0, 250.0] {
+            let (ex, ez) = (0.012 * warm * x, 3.0 * warm);
+            let noise = 0.05 * (f64::from(row) * 12.9898 + x).sin();
+            let other = 20.0 + 2.0 * (t / 1_234.0).sin();
+            writeln!(text, "{t},{},{x},{},{},{:.3},{other:.3}", row / 48, ex + noise, ez - noise, 20.0 + warm).unwrap();
+        }
+    }
+    text
+}
+
+const MACHINE: &str = "name = \"mill\"\nchain = \"w X' Y' b Z t\"\n\n[axis.X]\ntable = \"x.csv\"\n";
+const TABLE: &str = "position_mm,EXX_um\n-300,0\n300,3\n";
+
+#[test]
+fn growth_is_found_compiled_and_read_by_the_task() {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("record.csv", record());
+    folder.write("machine.toml", MACHINE);
+    folder.write("x.csv", TABLE);
+    let found = folder.json(&[
+        "thermal",
+        "fit",
+        "record.csv",
+        "--machine",
+        ".",
+        "--json",
+        "--report",
+        "out",
+        "-o",
+        "thermal.toml",
+    ]);
+    assert_eq!(found["sensors"].as_array().unwrap().len(), 1, "{}", found["sensors"]);
+    assert!(found["left_out"].as_array().unwrap().iter().any(|out| out["name"] == "T2"));
+    let [drift, left] = [0, 1].map(|k| found["held_out_um"][k].as_f64().unwrap());
+    assert!(drift > 15.0 && left < 0.3, "{left} of {drift} µm");
+    let page = folder.read("out/thermal.html");
+    assert!(page.contains("Thermal growth") && page.contains("took no part in the fit"));
+    let text = folder.read("thermal.toml");
+    assert!(text.contains("[axis.X.sensor.T1]") && text.contains("slope_um_per_m"), "{text}");
+
+    folder.good(&["thermal", "compile", "thermal.toml", "--machine", ".", "-o", "mill.ttherm"]);
+    let bytes = std::fs::read(folder.join("mill.ttherm")).unwrap();
+    let thermal = Thermal::parse(&bytes).unwrap();
+    let readings = Readings { temperatures_c: &[Some(24.0)], spindle_rpm: None, tool_mm: 0.0 };
+    let growth = thermal.update(&mut ThermalState::new(), 1.0, &readings);
+    let [[x, x_slope], [z, z_slope]] = [0, 2].map(|axis| growth.lines[axis].unwrap());
+    assert!((x_slope - 4.0 * 12e-6).abs() < 4e-7 && x.abs() < 1e-4, "{x} {x_slope}");
+    assert!((z - 4.0 * 3e-3).abs() < 1e-4 && z_slope.abs() < 4e-7, "{z} {z_slope}");
+}
+
+#[test]
+fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
+    let folder = Folder::new(TRUEAXIS);
+    let good = record();
+    let line = |number: usize| good.lines().nth(number - 1).unwrap();
+    // T1 of line 200 and on.
+    let change = |from: usize, to: &dyn Fn(&str) -> String| {
+        let lines = good.lines().enumerate();
+        lines.fold(String::new(), |text, (k, line)| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if k + 1 >= from {
+                cells[5] = to(&cells[5]);
+            }
+            text + &cells.join(",") + "\n"
+        })
+    };
+    let held = line(200).split(',').nth(5).unwrap().to_owned();
+    folder.write("stuck.csv", change(200, &|_| held.clone()));
+    folder.write("jump.csv", change(200, &|cell| format!("{:.3}", cell.parse::<f64>().unwrap() + 40.0)));
+    folder.write("gone.csv", change(200, &|_| String::new()));
+    folder.write("absurd.csv", change(200, &|_| "850".into()));
+    folder.write(
+        "twice.csv",
+        good.replace("T2_c", "T3_c").lines().enumerate().fold(String::new(), |text, (k, line)| {
+            let cell = line.split(',').nth(5).unwrap().to_owned();
+            text + line + "," + if k == 0 { "T2_c" } else { &cell } + "\n"
+        }),
+    );
+    folder.write("short.csv", good.lines().take(97).fold(String::new(), |text, line| text + line + "\n"));
+    folder.write("backward.csv", good.replacen("\n600,", "\n60,", 1));
+    for (file, told) in [
+        ("stuck.csv", "stuck.csv:200: column T1_c: found T1 at one reading for"),
+        ("jump.csv", "jump.csv:200: column T1_c: found T1 "),
+        ("gone.csv", "gone.csv:200: column T1_c: found \"\", needed"),
+        ("absurd.csv", "absurd.csv:200: column T1_c: found 850, needed -60 to 200 degrees Celsius"),
+        ("twice.csv", "found T1 and T2 running together (correlation 1.00000)"),
+        ("short.csv", "short.csv: found 1 cycles, needed at least 3"),
+        (
+            "backward.csv",
+            "backward.csv:6: column t_s: found a figure that is not finite or a time that does not ascend",
+        ),
+    ] {
+        folder.bad(&["thermal", "fit", file, "-o", "thermal.toml"], &[told]);
+        assert!(!folder.has("thermal.toml"));
+    }
+    folder.write("record.csv", &good);
+    folder.bad(&["thermal", "fit", "record.csv", "--hold-out", "9"], &["found no cycle 9 to hold out"]);
+    folder.bad(&["thermal", "fit", "record.csv", "--without", "T7"], &["--without: found T7, needed one of T1, T2"]);
+}
+
+#[test]
+fn bad_texts_are_told_with_their_line() {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("machine.toml", MACHINE);
+    folder.write("x.csv", TABLE);
+    let good = "reference_temperature_c = 20.0\n[[sensor]]\nname = \"T1\"\nlag_s = 60.0\nknots_c = [10.0, 30.0]\n\
+                [axis.X]\ndatum_mm = 0.0\n[axis.X.sensor.T1]\noffset_um = [-1.0, 1.0]\n";
+    folder.write("good.toml", good);
+    folder.good(&["thermal", "compile", "good.toml", "--machine", ".", "-o", "good.ttherm"]);
+    for (from, to, told) in [
+        ("= 20.0", "= 21.0", "bad.toml:1: key reference_temperature_c: found 21, needed 20, as the machine's tables"),
+        ("[10.0, 30.0]", "[30.0, 10.0]", "bad.toml:5: key sensor.knots_c: found [30.0, 10.0], needed 2 to 8 ascending"),
+        ("[axis.X]", "[axis.U]", "found U, needed an axis of the chain w X' Y' b Z t"),
+        ("datum_mm = 0.0", "datum_mm = 5.0", "bad.toml:7: key axis.X.datum_mm: found 5, needed 0, the datum of"),
+        ("sensor.T1]", "sensor.T2]", "key axis.X.sensor.T2: found T2, needed the name of a [[sensor]]"),
+        ("[-1.0, 1.0]", "[-1.0]", "key axis.X.sensor.T1: found 1 values, needed one for each of 2 knots"),
+        ("lag_s", "leg_s", "leg_s"),
+        ("60.0", "-60.0", "lag, ms: found -60000, beyond what the file holds"),
+    ] {
+        folder.write("bad.toml", good.replacen(from, to, 1));
+        folder.bad(&["thermal", "compile", "bad.toml", "--machine", ".", "-o", "bad.ttherm"], &[told]);
+        assert!(!folder.has("bad.ttherm"));
+    }
+}

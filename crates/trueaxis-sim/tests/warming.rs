@@ -1,0 +1,34 @@
+//! A machine that warms, found from its record and corrected in a shift of another kind.
+
+use std::path::Path;
+use trueaxis_sim::warming::{Outcome, SENSORS, Warming};
+use trueaxis_tables::Machine;
+
+fn run(seed: u64, fails: Option<&str>) -> Outcome {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/mill-3axis");
+    let machine = Machine::read(Path::new(folder)).unwrap();
+    let fails = fails.and_then(|name| SENSORS.iter().position(|sensor| *sensor == name));
+    let warming = Warming { machine, seed, shifts: 5, noise_um: 0.5, update_s: 60, fails };
+    warming.run(&mut |_| ()).unwrap()
+}
+
+/// The figure asked for: at most a tenth of the largest drift is left.
+#[test]
+fn of_a_shift_that_was_not_fitted_at_most_a_tenth_of_the_largest_drift_is_left() {
+    let outcome = run(1, None);
+    let share = outcome.left_share();
+    assert!(outcome.largest_mm[0] > 0.02, "{:?}", outcome.largest_mm);
+    assert!(share <= 0.1, "{share}: {:?}", outcome.axes_mm);
+    // The limiter: a growth that jumps at every update never makes the correction do so.
+    assert!(outcome.of_limits <= 1.0 + 1e-6, "{} of the limits", outcome.of_limits);
+    assert!(!outcome.unsettled && !outcome.stopped && !outcome.told && outcome.moments.len() == 481);
+}
+
+#[test]
+fn a_sensor_that_goes_missing_is_told_and_nothing_jumps() {
+    let outcome = run(1, Some("nose"));
+    assert!(outcome.told && outcome.failed == Some("nose"));
+    assert!(outcome.of_limits <= 1.0 + 1e-6 && !outcome.stopped, "{} of the limits", outcome.of_limits);
+    // Its share stands still: worse than with it, and no worse than none at all.
+    assert!(outcome.largest_mm[1] < 2.0 * outcome.largest_mm[0], "{:?}", outcome.largest_mm);
+}
