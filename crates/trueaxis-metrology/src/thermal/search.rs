@@ -98,10 +98,23 @@ impl<'p, 'r> Search<'p, 'r> {
 
     /// The lag at which the last cause of the list does best, and what is left then.
     fn best_lag(&self, all: &[Chosen], which: usize, between: Option<[f64; 2]>) -> (f64, f64) {
+        // The columns of the others do not change.
+        let parts = [true; 2];
+        let kept: Vec<Vec<Vec<f64>>> = (self.problem.record.axes.iter())
+            .map(|axis| {
+                let others = all.iter().enumerate().filter(|(k, _)| *k != which);
+                others.flat_map(|(_, chosen)| self.columns(*axis, chosen, parts)).collect()
+            })
+            .collect();
         let at = |lag_s: f64| {
-            let mut all = all.to_vec();
-            all[which].lag_s = lag_s;
-            self.left(&all)
+            let chosen = Chosen { lag_s, ..all[which].clone() };
+            let axes = self.problem.record.axes.iter().zip(&kept).zip(&self.right);
+            axes.map(|((axis, others), right)| {
+                let mut columns = self.columns(*axis, &chosen, parts);
+                columns.extend(others.iter().cloned());
+                predicted(&columns, right, &self.cycles)
+            })
+            .sum::<f64>()
         };
         let ratio = (LONGEST_LAG_S / SHORTEST_LAG_S).powf(1.0 / (LAGS - 1) as f64);
         let Some([mut low, mut high]) = between else {
