@@ -119,7 +119,7 @@ fn damage_and_other_machines_are_refused_with_a_code() {
     // SAFETY: everything is as the types say.
     unsafe {
         assert_eq!(trueaxis_thermal_update(&*unbuilt, &mut *empty, &readings, &mut growth), ERROR_UNBUILT);
-        assert_eq!(trueaxis_thermal_update(&*thermal, &mut *task, &readings, &mut growth), ERROR_UNBUILT);
+        assert_eq!(trueaxis_thermal_update(&*thermal, &mut *empty, &readings, &mut growth), ERROR_UNBUILT);
         assert_eq!(trueaxis_thermal_start(&mut *empty, 8), ERROR_SIZE);
         assert_eq!(trueaxis_thermal_start(null_mut(), 8), ERROR_NULL);
         let mut task = task();

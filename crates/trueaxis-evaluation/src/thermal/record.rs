@@ -79,7 +79,7 @@ impl Recording {
         let (mut lines, mut samples) = (Vec::new(), Vec::new());
         while let Some(row) = rows.next()? {
             let [t_s, cycle, spindle_rpm, x, y, z, tool_mm, ..] = row.values;
-            if cycle < 0.0 || cycle > 1e6 || cycle.fract() != 0.0 {
+            if !(0.0..=1e6).contains(&cycle) || cycle.fract() != 0.0 {
                 return Err(rows.error(row.line, "cycle", cycle, "a whole number from 0 to 1000000"));
             }
             for sensor in &sensors {
