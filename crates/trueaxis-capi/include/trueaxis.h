@@ -241,6 +241,30 @@
 #define TRUEAXIS_LEARNED_WORDS 11
 #endif
 
+/// Most sensors of a `.ttherm` file.
+#define TRUEAXIS_THERMAL_SENSORS_MAX 16
+
+/// Words of a `trueaxis_thermal_t`.
+#define TRUEAXIS_THERMAL_WORDS 10
+
+/// Words of a `trueaxis_thermal_state_t`.
+#define TRUEAXIS_THERMAL_STATE_WORDS 176
+
+/// A sensor is good.
+#define TRUEAXIS_SENSOR_GOOD 0
+
+/// It has no reading, or one that is no number.
+#define TRUEAXIS_SENSOR_MISSING 1
+
+/// It reads what no machine has.
+#define TRUEAXIS_SENSOR_OUT_OF_RANGE 2
+
+/// It has changed more than plausible, and has not come back since.
+#define TRUEAXIS_SENSOR_JUMPED 3
+
+/// It repeats one reading to the bit although the others move.
+#define TRUEAXIS_SENSOR_STUCK 4
+
 /// No fault.
 #define TRUEAXIS_FAULT_NONE 0
 
@@ -387,7 +411,9 @@ typedef struct trueaxis_error_t {
     /// 7 table header not readable, 8 table or 9 payload too long, 10 machine id against the name, 11 contents out of
     /// range (see `field`), 12 other machine. Of a learned correction: 1 too short, 2 too long, 3 not a learned correction,
     /// 4 other format version, 5 wrong CRC-32, 6 spacing, 7 resolution, 8 parts, 9 number of nodes, 10 not 0 at its ends,
-    /// 11 other program, 12 other path length, 13 other machine. Else 0.
+    /// 11 other program, 12 other path length, 13 other machine. Of thermal growth: 1 to 5 likewise, 6 sensors, 7 axes,
+    /// 8 number or 9 order of knots, 10 a time, 11 plausible readings, 12 an axis, 13 not 0, 14 a slope, 15 other machine.
+    /// Else 0.
     uint32_t code;
     /// Element from 0 (row of a table, knot of a spline); `UINT32_MAX` if it is no list.
     uint32_t index;
@@ -670,6 +696,58 @@ typedef struct trueaxis_learned_t {
     uint64_t words[TRUEAXIS_LEARNED_WORDS];
 } trueaxis_learned_t;
 
+/// Thermal growth, read in place from the bytes of its file (`trueaxis thermal compile`): immutable, may be copied.
+typedef struct trueaxis_thermal_t {
+    uint64_t words[TRUEAXIS_THERMAL_WORDS];
+} trueaxis_thermal_t;
+
+/// All that one update of the task hands to the next. Belongs to the thread that updates it.
+typedef struct trueaxis_thermal_state_t {
+    uint64_t words[TRUEAXIS_THERMAL_STATE_WORDS];
+} trueaxis_thermal_state_t;
+
+/// Readings of an update.
+typedef struct trueaxis_thermal_readings_t {
+    /// `sizeof(trueaxis_thermal_readings_t)`.
+    uint32_t size;
+    /// Number of temperatures, at most 16; sensors of the file beyond it are missing.
+    uint32_t count;
+    /// Time since the update before, s; 0 in the first.
+    double dt_s;
+    /// Temperatures in the order of the file, degrees Celsius; no number where there is none.
+    double temperatures_c[TRUEAXIS_THERMAL_SENSORS_MAX];
+    /// Speed of the spindle, rpm; no number where it is not known.
+    double spindle_rpm;
+    /// Length of the tool from the spindle's nose, mm.
+    double tool_mm;
+} trueaxis_thermal_readings_t;
+
+/// Growth after an update. Arrays of axes are by letter: X, Y, Z, A, B, C.
+typedef struct trueaxis_growth_t {
+    /// `sizeof(trueaxis_growth_t)`.
+    uint32_t size;
+    /// Axes that the file names (bit 0: X).
+    uint32_t axes;
+    /// Offset of the line, mm (deg): error that is added, actual − ideal.
+    double offset[6];
+    /// Its slope.
+    double slope[6];
+    /// `TRUEAXIS_SENSOR_…` of every sensor: while it is not good its share stands still.
+    uint8_t sensors[TRUEAXIS_THERMAL_SENSORS_MAX];
+    /// Sensors (bit 0: the first) beyond the ends of their curves.
+    uint32_t at_edge;
+    /// Axes (bit 0: X) whose growth is beyond what the step takes; the line before stands.
+    uint32_t beyond;
+    /// Every sensor has been read once; until then there is no growth.
+    uint8_t complete;
+    /// The spindle's speed is not known; its share stands still.
+    uint8_t spindle_missing;
+    /// Nothing is wrong.
+    uint8_t good;
+    /// 0.
+    uint8_t reserved[5];
+} trueaxis_growth_t;
+
 /// Error motion of the spindle in one direction, µm.
 typedef struct trueaxis_motion_t {
     /// Synchronous, without the once-per-revolution part.
@@ -740,7 +818,7 @@ typedef struct trueaxis_gauge_state_512_t {
 /// Not a whole, undamaged `.tcomp` file of this format; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_TABLES 6
 
-/// The file, the kinematics or the learned correction are of another machine.
+/// The file, the kinematics, the learned correction or the thermal growth are of another machine.
 #define TRUEAXIS_ERROR_MACHINE 7
 
 /// The settings cannot be run; see `trueaxis_error_t`.
@@ -782,6 +860,9 @@ typedef struct trueaxis_gauge_state_512_t {
 
 /// Not a whole, undamaged learned correction of this format, or of another program; see `trueaxis_error_t`.
 #define TRUEAXIS_ERROR_LEARNED 20
+
+/// Not a whole, undamaged `.ttherm` file of this format; see `trueaxis_error_t`.
+#define TRUEAXIS_ERROR_THERMAL 21
 
 #ifdef __cplusplus
 extern "C" {
@@ -1093,6 +1174,45 @@ trueaxis_result_t trueaxis_learned_build(struct trueaxis_learned_t *learned,
 trueaxis_result_t trueaxis_learned_at(const struct trueaxis_learned_t *learned,
                                       double length_mm,
                                       trueaxis_position_t *correction);
+
+/// Checks a whole `.ttherm` file for this machine.
+///
+/// `file`, `length`: its bytes, read in place: they must outlive the growth and its copies, unchanged. `machine_id`: the
+/// machine that it must be for (`trueaxis_tables_info_t.machine_id`), 0: any. `sensors`: their number, may be `NULL`. Not
+/// real-time.
+///
+/// `_THERMAL` (see `error->code`), `_MACHINE`.
+trueaxis_result_t trueaxis_thermal_build(struct trueaxis_thermal_t *thermal,
+                                         size_t thermal_size,
+                                         const uint8_t *file,
+                                         size_t length,
+                                         uint32_t machine_id,
+                                         uint32_t *sensors,
+                                         struct trueaxis_error_t *error);
+
+/// Starts the task: in equilibrium with the first readings, the spindle at rest for long. Not real-time.
+trueaxis_result_t trueaxis_thermal_start(struct trueaxis_thermal_state_t *task, size_t task_size);
+
+/// One update, every second or so: readings to growth.
+///
+/// Readings are taken for linear in time since the update before. Bounded time, some 16 exponentials: real-time safe, but
+/// better done by a slower task. `_ARGUMENT` (count).
+trueaxis_result_t trueaxis_thermal_update(const struct trueaxis_thermal_t *thermal,
+                                          struct trueaxis_thermal_state_t *task,
+                                          const struct trueaxis_thermal_readings_t *readings,
+                                          struct trueaxis_growth_t *growth);
+
+/// Believes the next reading of a sensor (from 0) that has jumped, as after it was exchanged. Real-time safe. `_ARGUMENT`
+/// (no such sensor).
+trueaxis_result_t trueaxis_thermal_believe(struct trueaxis_thermal_state_t *task, uint32_t sensor);
+
+/// Sets the growth of all axes that it names; it follows in the next cycle, through the limiter, and replaces what
+/// `trueaxis_set_thermal` has set: a host uses one of them. Call it between two cycles. No effect in a bypass. Axes that the
+/// step has not got are passed over. Real-time safe. `_AXES`, `_STATE`, `_ARGUMENT` (growth of more than 10 mm or 1e-3 of the
+/// length).
+trueaxis_result_t trueaxis_set_growth(const struct trueaxis_loop_t *loop,
+                                      struct trueaxis_state_t *state,
+                                      const struct trueaxis_growth_t *growth);
 
 /// Writes the telemetry frame of a record: postcard in COBS, ending in 0; the same bytes in every build and precision.
 ///
