@@ -4,14 +4,15 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 use trueaxis::compensation::{Compensation, Direction, Query, ThermalLine, requirement};
-use trueaxis::machine::{AXES, Axis, ErrorModel};
+use trueaxis::machine::{AXES, Axis, ErrorModel, Row};
 use trueaxis::tcomp::{HEADER_BYTES, Tcomp, TcompError, checksum};
+use trueaxis::{Conditions, Nanometres, Position, Real, ServoLoop};
 use trueaxis_tables::collapse::{CollapseOptions, collapse};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::formats::{Format, import, machine_files};
-use trueaxis_tables::{Grid, GridSource, Machine, Warning, check, compile, summary};
+use trueaxis_tables::{Grid, GridSource, Machine, Table, Warning, check, compile, summary};
 use trueaxis_testing::noise::Noise;
 
 const TOML: &str = "name = \"m\"\nchain = \"w b Y X Z t\"\ntool_mm = [12.0, -7.0, -90.0]\n\
@@ -310,6 +311,64 @@ fn check_rotations<const N: usize>(machine: &Machine, noise: &mut Noise) {
         let (ideal, actual) = (geometry.ideal_pose(&all(at)), geometry.actual_pose(&all(sent), &[0.0; AXES]));
         let left: f64 = (0..3).map(|k| (ideal.tip_mm[k] - actual.tip_mm[k]).powi(2)).sum::<f64>().sqrt();
         assert!(left < 1.5e-6, "{left}");
+    }
+}
+
+/// Walks through the cells of a machine's grids and stands now and then: there the step's correction is that without a state.
+fn walk<R: Real, P: Position, const N: usize>(machine: &Machine, noise: &mut Noise, tolerance: f64) {
+    let bytes = compile(machine).unwrap();
+    let file = Tcomp::parse(&bytes).unwrap();
+    let mut memory = vec![R::ZERO; file.requirement()];
+    let servo = ServoLoop::<R, P, N>::load(&file, 1_000_000, &mut memory).unwrap();
+    let mut state = servo.start();
+    let mut at = [0.0f64; N];
+    let mut drive = at.map(P::of);
+    for leg in 0..60 {
+        let step: [f64; N] = core::array::from_fn(|k| if k < 3 { 0.2 } else { 0.02 } * noise.signed());
+        for cycle in 0..400 {
+            if cycle < 340 {
+                at = core::array::from_fn(|k| (at[k] + step[k]).clamp(-230.0, 230.0));
+            }
+            let input = servo.input(at.map(P::of), drive);
+            let output = servo.step(&mut state, &input, (), ());
+            assert!(output.has_drive() && !output.stop_requested(), "{:?}", output.record.fault);
+            drive = output.drive;
+            if cycle == 399 {
+                let command = at.map(P::of);
+                let wanted = servo.correction_at(&command, &Conditions::default()).unwrap();
+                for k in 0..N {
+                    let off = (output.record.correction[k].to_f64() - wanted[k].to_f64()).abs();
+                    assert!(off < tolerance, "{} leg {leg} axis {k}: {off:e} at {at:?}", machine.settings.chain);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_step_finds_its_way_from_cell_to_cell() {
+    let mut noise = Noise::new(8);
+    for over in [&['X', 'Y'][..], &['X', 'Z'], &['X', 'Y', 'Z']] {
+        for (chain, model, turns) in
+            [("w b Y X Z t", "nine", 0.0), ("w X' Y' b Z t", "volumetric", 10.0), ("w b Y X Z t", "volumetric", 10.0)]
+        {
+            let mut machine = random(&mut noise, chain, model, over, turns);
+            // A second grid beside it, and a table, so that the cells of tables are kept too.
+            machine.grids.push(small().grids[0].clone());
+            let row = |position: f64| {
+                let errors = [1e-5 * position, 0.0, 2e-5 * position, 0.0, 0.0, 0.0];
+                Row { position, forward: errors, reverse: errors }
+            };
+            let given = [true, false, true, false, false, false];
+            machine.tables[0] =
+                Some(Table { given, bidirectional: false, rows: [-300.0, 11.0, 300.0].map(row).to_vec() });
+            walk::<f64, f64, 3>(&machine, &mut noise, 1.2e-6);
+            walk::<f32, Nanometres, 3>(&machine, &mut noise, 3e-6);
+        }
+        let mut machine = random(&mut noise, "w C' A' Y' b X Z t", "volumetric", over, 10.0);
+        walk::<f64, f64, 5>(&machine, &mut noise, 1.2e-6);
+        machine.settings.chain = "w X' b Y Z C A t".parse().unwrap();
+        walk::<f64, f64, 5>(&machine, &mut noise, 1.2e-6);
     }
 }
 
