@@ -392,6 +392,32 @@ fn the_sample_router_is_described_and_warned_of() {
     assert!(warnings.iter().any(|w| steps(&w)), "{warnings:?}");
 }
 
+/// What is left of the router's error where the drives are corrected, largest and RMS over its volume, µm: nothing corrected, its
+/// tables alone, tables and grids.
+#[test]
+fn the_sample_router_is_true_with_its_grids() {
+    let router =
+        Machine::read(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/router"))).unwrap();
+    let tables = Machine { grids: Vec::new(), ..router.clone() };
+    let geometry = Geometry::new(&router, 0.0).unwrap();
+    let mut noise = Noise::new(9);
+    let mut left = [[0.0f64; 2]; 3];
+    for _ in 0..400 {
+        let at = [noise.range(-400.0, 400.0), noise.range(-300.0, 300.0), noise.range(-400.0, 0.0)];
+        let corrections = [[0.0; 3], modelled::<3>(&tables, at).0, modelled::<3>(&router, at).0];
+        for (left, correction) in left.iter_mut().zip(corrections) {
+            let sent: [f64; 3] = core::array::from_fn(|k| at[k] + correction[k]);
+            let d = geometry.pose_error_of(&geometry.commanded(&all(at)), &all(sent), &[0.0; AXES]).tip_mm;
+            let length = d.iter().map(|x| x * x).sum::<f64>().sqrt() * 1e3;
+            *left = [left[0].max(length), left[1] + length * length / 400.0];
+        }
+    }
+    let [nothing, tables, grids] = left.map(|[most, square]| [most, square.sqrt()]);
+    println!("router, largest and RMS, um: {nothing:.3?} without, {tables:.3?} tables, {grids:.6?} with grids");
+    assert!(nothing[1] > 60.0 && tables[1] > 40.0, "{left:?}");
+    assert!(grids[0] < 0.06, "{left:?}");
+}
+
 /// 1, 2, 4, 3 µm: along X the slope of EZ is 3/200 and 1/200 mm/m, along Y 1/100 and −1/100.
 #[test]
 fn slopes_of_a_grid_are_in_the_rates() {
