@@ -89,9 +89,9 @@ pub const TRANSLATION: Range = Range::new(-1.0, 1.0, "-1000 to 1000 um (1 mm; is
 /// A rotation in a table, and a squareness: 10 mrad are 10 mm on a metre, a hundred times what standards permit.
 pub const ROTATION: Range = Range::new(-0.01, 0.01, "-10000 to 10000 urad (10 mrad; is the unit right?)");
 /// What a stored 1 of a grid means: a thousandth of a nanometre to a micrometre, of which 16 bits hold 33 mm.
-pub const GRID_STEP: Range = Range::new(1e-9, 1e-3, "a resolution of 1e-6 to 1 um");
+pub const GRID_STEP: Range = Range::new(1e-6 / 1e3, 1.0 / 1e3, "a resolution of 1e-6 to 1 um");
 /// The same of a rotation.
-pub const GRID_TURN: Range = Range::new(1e-12, 1e-6, "a resolution of 1e-6 to 1 urad");
+pub const GRID_TURN: Range = Range::new(1e-6 / 1e6, 1.0 / 1e6, "a resolution of 1e-6 to 1 urad");
 /// Lost motion: worn screws have 0.2 mm, worn worms 5 mrad. Below zero where a drive takes too much of it out itself.
 pub const BACKLASH: ByKind = ByKind::new(
     Range::new(-1.0, 1.0, "-1000 to 1000 um (1 mm; is the unit right?)"),
