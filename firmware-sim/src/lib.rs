@@ -15,6 +15,7 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod bench;
+pub mod calibration;
 pub mod compare;
 pub mod figures;
 pub mod latency;

@@ -5,6 +5,7 @@
 
 mod ball_test_text;
 mod bench_command;
+mod calibrate;
 mod compare_command;
 mod console;
 mod friction;
@@ -94,6 +95,12 @@ enum Command {
     /// Spindle, feed, coolant and the air of the hall warm bodies of two nodes each. Drift is probed at four points every five
     /// minutes. The judged shift has other speeds, longer spells and other places.
     Thermal(thermal::ThermalArgs),
+    /// Calibrate random machines with a touch probe, a ring and a ball, and show what is left of their errors.
+    ///
+    /// Every machine gets the probing program of `trueaxis calibrate plan`; the probe with its scatter and pre-travel touches
+    /// artefacts that stand a little off, the machine drifts, and what the log tells becomes a table. What is left is judged
+    /// over the volume by exact transforms, in both directions of travel.
+    Calibrate(calibrate::CalibrateArgs),
     /// Record what the step is given in every cycle of a run, for the bare-metal image.
     ///
     /// Positions are rounded to 1e-6 mm. A machine file with [roundness] adds a workpiece that turns at three probes.
@@ -144,6 +151,7 @@ fn main() -> ExitCode {
         Some(Command::Rtcp(args)) => rtcp::rtcp(&args),
         Some(Command::Friction(args)) => friction::friction(&args),
         Some(Command::Thermal(args)) => thermal::thermal(&args),
+        Some(Command::Calibrate(args)) => calibrate::calibrate(&args),
         Some(Command::Record(args)) => record::record(&args),
         Some(Command::Replay(args)) => replay::replay(&args),
         Some(Command::Compare(args)) => compare_command::compare(&args).and_then(agreed),

@@ -4,6 +4,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod ballbar;
+mod calibrate;
 mod circle;
 mod compensate;
 mod contour;
@@ -72,6 +73,9 @@ enum Command {
     /// Records of tests with instruments, after ISO 230 and ISO 10791.
     #[command(subcommand)]
     Evaluate(evaluate::Command),
+    /// From a touch probe to tables: write the probing program, turn its log into errors of the machine.
+    #[command(subcommand, after_help = calibrate::HELP)]
+    Calibrate(calibrate::Command),
     /// Axis positions to tool and back: five-axis transformation.
     #[command(subcommand)]
     Kinematics(kinematics::Command),
@@ -112,6 +116,7 @@ fn main() -> ExitCode {
         Command::Circle(arguments) => circle::run(&arguments),
         Command::Ballbar(arguments) => ballbar::run(&arguments),
         Command::Evaluate(command) => evaluate::run(command),
+        Command::Calibrate(command) => calibrate::run(&command),
         Command::Kinematics(command) => kinematics::run(command),
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),

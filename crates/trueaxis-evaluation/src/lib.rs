@@ -6,6 +6,7 @@
 pub mod accuracy;
 pub mod ballbar;
 pub mod batch;
+pub mod calibrate;
 pub mod check;
 pub mod circle;
 pub mod compensate;

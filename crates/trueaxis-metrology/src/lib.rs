@@ -12,6 +12,7 @@
 //! - [`volumetric`]: the 21 errors of three axes from points measured all over the volume.
 //! - [`thermal`]: growth of the axes from a recorded warm-up after ISO 230-3.
 //! - [`uncertainty`]: of a point, of ISO 230-2 figures; factors, intervals, verdicts.
+//! - [`calibration`]: terms of a machine from touches of a probe on artefacts of known size.
 //! - [`learning`]: a correction over path length, learned from part to part.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
 //! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a
@@ -26,6 +27,8 @@ extern crate std;
 pub mod accuracy;
 #[cfg(feature = "std")]
 pub mod ballbar;
+#[cfg(feature = "std")]
+pub mod calibration;
 #[cfg(feature = "std")]
 pub mod circles;
 #[cfg(feature = "std")]

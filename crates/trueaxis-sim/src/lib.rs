@@ -22,6 +22,7 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod ball_test;
+pub mod calibration;
 pub mod error;
 pub mod event;
 pub mod friction;

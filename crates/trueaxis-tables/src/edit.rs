@@ -167,7 +167,7 @@ fn line_of(text: &str, key: &str) -> u32 {
 }
 
 /// Name of the new table beside `machine.toml`: that of the old one where it is a file of this folder and of this axis alone.
-fn table_name(axis: Axis, standing: &Standing<'_>, origin: &Origin) -> Result<String, FileError> {
+pub(crate) fn table_name(axis: Axis, standing: &Standing<'_>, origin: &Origin) -> Result<String, FileError> {
     let files = standing.files;
     let at = |name: &str| beside(&standing.name, name);
     let of_others = |name: &str| {
@@ -229,7 +229,11 @@ fn outdated(axis: Axis, table: &Table, standing: &Standing<'_>, notes: &mut Vec<
 }
 
 /// The section of an axis, made where there is none.
-fn section<'d>(document: &'d mut DocumentMut, axis: Axis, origin: &Origin) -> Result<&'d mut dyn TableLike, FileError> {
+pub(crate) fn section<'d>(
+    document: &'d mut DocumentMut,
+    axis: Axis,
+    origin: &Origin,
+) -> Result<&'d mut dyn TableLike, FileError> {
     let no_section = || origin.whole("an axis that is no section", "[axis.…] sections");
     let axes = document.entry("axis").or_insert_with(|| {
         let mut axes = toml_edit::Table::new();

@@ -1,5 +1,6 @@
 //! Reading, checking, converting and compiling compensation tables.
 
+mod additions;
 mod change;
 pub mod collapse;
 mod compile;
@@ -23,6 +24,7 @@ pub mod text;
 pub mod uncertainty;
 mod warning;
 
+pub use additions::Additions;
 pub use change::{Change, Setting, change};
 pub use compile::{build, compile};
 pub use edit::Edited;
@@ -33,6 +35,7 @@ pub use merge::merge_sections;
 pub use output::write_atomically;
 pub use rates::{DriveRate, rates};
 pub use read::keys::{Keys, Written};
+pub use read::section::{Found, Section, read_toml};
 pub use read::table_text::{ColumnText, TableText, table_texts};
 pub use summary::{
     AxisSummary, CrosstalkSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary, GridAxisSummary,

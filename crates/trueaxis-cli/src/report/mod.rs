@@ -1,6 +1,7 @@
 //! Reports: one self-contained HTML page each, no network, no script. Figures are SVG inside the page.
 
 pub(crate) mod ballbar;
+pub(crate) mod calibrate;
 pub(crate) mod circle;
 pub(crate) mod evaluate;
 pub(crate) mod friction;

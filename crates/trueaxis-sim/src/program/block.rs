@@ -138,7 +138,7 @@ impl Block {
                 'R' => "R only with G2, G3, G10 L2 or a canned cycle",
                 'L' => "L only with G5.2, G10 or a canned cycle",
                 'Q' => "Q only with G64, G73 or G83",
-                'X' | 'Y' | 'Z' => "a motion word (G0, G1, G2, G3, G5.2, G73, G81 to G89) before axis words",
+                'X' | 'Y' | 'Z' => "a motion word (G0, G1, G2, G3, G5.2, G38.2, G73, G81 to G89) before axis words",
                 'A' | 'B' | 'C' => "a motion word (G0, G1, G2, G3) before rotary words",
                 'H' => "H only with G43, G43.2 or G43.4",
                 _ => "a word that uses it",

@@ -115,7 +115,17 @@ impl Builder {
         };
         let rapid = pace == Pace::Rapid;
         let tool_center = self.tool_center;
-        self.moves.push(Move { line, rapid, feed_per_min, plane_normal, curve, turn, tool_center, stop: false });
+        self.moves.push(Move {
+            line,
+            rapid,
+            feed_per_min,
+            plane_normal,
+            curve,
+            turn,
+            tool_center,
+            stop: false,
+            probe: false,
+        });
         Ok(true)
     }
 
@@ -128,6 +138,13 @@ impl Builder {
             return Err(Refusal::new(line, format!("{:.0} strokes of canned cycles up to here", self.strokes), needed));
         }
         Ok(())
+    }
+
+    /// The last move is a probing move.
+    pub(super) fn probe(&mut self) {
+        if let Some(last) = self.moves.last_mut() {
+            (last.probe, last.stop) = (true, true);
+        }
     }
 
     /// The axes come to rest at the end of the last move.

@@ -9,6 +9,7 @@
 //! | G2, G3 | arc or helix about the centre I J K or with radius R; P: number of turns begun (P1, or none, is at most one) |
 //! | A, B, C | with G0 to G3: rotary axes in degrees, in proportion to the parameter of the line or the angle of the arc |
 //! | G5.2, G5.3 | NURBS in XY: see [`Curve::Nurbs`] |
+//! | G38.2 | probing move, to its end: a line at the programmed feed; [`crate::calibration`] stops it where the probe trips |
 //! | G73, G81 to G86, G89 | canned cycles, with R P Q L, G98 and G99 |
 //! | G17, G18, G19 | plane of the arcs and cycles: XY, ZX, YZ |
 //! | G20, G21 | inch, mm |
@@ -92,8 +93,10 @@ pub struct Move {
     pub turn: Turn,
     /// Whether X Y Z are the tool tip in workpiece coordinates.
     pub tool_center: bool,
-    /// Whether the axes come to rest at its end: G61.1, or G4, M0, M1, M6, M60 after it.
+    /// Whether the axes come to rest at its end: G61.1, or G4, M0, M1, M6, M60 after it, or a probing move.
     pub stop: bool,
+    /// Whether it ends where a probe trips (G38.2); its end here is where it ends if nothing is touched.
+    pub probe: bool,
 }
 
 /// Letters of the rotary axes, in the order in which they stand everywhere.

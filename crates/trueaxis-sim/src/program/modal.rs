@@ -31,7 +31,7 @@ pub(super) mod m {
 }
 
 /// G words that are read, for messages.
-pub(super) const G_WORDS: &str = "G0 G1 G2 G3 G4 G5.2 G5.3 G8 G10 G17 G18 G19 G20 G21 G28 G28.1 G30 G30.1 G40 G43 G43.1 \
+pub(super) const G_WORDS: &str = "G0 G1 G2 G3 G4 G5.2 G5.3 G8 G10 G17 G18 G19 G20 G21 G28 G28.1 G30 G30.1 G38.2 G40 G43 G43.1 \
      G43.2 G43.4 G49 G52 G53 G54 to G59.3 G61 G61.1 G64 G73 G80 to G86 G89 G90 G90.1 G91 G91.1 G92 to G92.3 G93 G94 \
      G96 to G99";
 
@@ -42,7 +42,7 @@ pub(super) const M_WORDS: &str = "M0 to M9 M19 M30 M48 to M53 M60 to M65 M67 M68
 pub(super) fn g_group(tenths: u16) -> Option<usize> {
     Some(match tenths {
         40 | 100 | 280 | 281 | 300 | 301 | 520 | 530 | 920..=923 => g::ONCE,
-        0 | 10 | 20 | 30 | 52 | 53 | 730 | 800 | 810 | 820 | 830 | 840 | 850 | 860 | 890 => g::MOTION,
+        0 | 10 | 20 | 30 | 52 | 53 | 382 | 730 | 800 | 810 | 820 | 830 | 840 | 850 | 860 | 890 => g::MOTION,
         170 | 180 | 190 => g::PLANE,
         900 | 910 => g::DISTANCE,
         901 | 911 => g::CENTER,
@@ -76,7 +76,7 @@ pub(super) fn m_group(number: u16) -> Option<usize> {
 pub(super) fn linuxcnc_has_g(tenths: u16) -> bool {
     matches!(
         tenths,
-        50 | 51 | 70 | 330 | 331 | 382..=385 | 410 | 411 | 420 | 421 | 700..=722 | 740 | 760 | 870 | 880 | 950
+        50 | 51 | 70 | 330 | 331 | 383..=385 | 410 | 411 | 420 | 421 | 700..=722 | 740 | 760 | 870 | 880 | 950
     )
 }
 

@@ -11,6 +11,7 @@ use super::nurbs_block::NurbsBlock;
 
 const NURBS: u16 = 52;
 const NURBS_END: u16 = 53;
+const PROBE: u16 = 382;
 
 impl Interpreter<'_> {
     /// The motion of a line, if there is one.
@@ -36,6 +37,8 @@ impl Interpreter<'_> {
                 let (end, _) = self.target(block);
                 self.straight(line, pace, end)
             }
+            Some(PROBE) if moving => self.probe(block),
+            Some(PROBE) if explicit.is_some() => Err(Refusal::new(line, "G38.2 alone", "axis words with it")),
             Some(code @ (20 | 30)) if moving || block.has("IJKR") || explicit.is_some() => self.arc(block, code == 20),
             Some(NURBS) if moving || block.has("PL") || explicit.is_some() => self.control_point(block),
             Some(NURBS_END) => self.close_nurbs(line),
@@ -53,6 +56,23 @@ impl Interpreter<'_> {
             self.note(line, "a move without length", "left out");
         }
         self.moved();
+        Ok(())
+    }
+
+    /// G38.2.
+    fn probe(&mut self, block: &mut Block) -> Result<(), Refusal> {
+        let line = block.line;
+        self.refuse_tool_center(line, "G38.2")?;
+        if self.inverse_time {
+            return Err(Refusal::new(line, "G38.2 in G93", "G94"));
+        }
+        let pace = self.feed(line)?;
+        let (end, _) = self.target(block);
+        if !self.builder.line_to(line, pace, end, self.plane.normal())? {
+            return Err(Refusal::new(line, "a probing move without length", "an end away from where it starts"));
+        }
+        self.note(line, "G38.2", "goes to its end: there is nothing to touch");
+        self.builder.probe();
         Ok(())
     }
 

@@ -38,6 +38,7 @@ impl Program {
             turn,
             tool_center: false,
             stop: true,
+            probe: false,
         });
         let mut once = self.moves.clone();
         if let Some(last) = once.last_mut() {

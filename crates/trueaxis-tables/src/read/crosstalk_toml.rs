@@ -30,7 +30,7 @@ fn read_one(section: Section<'_>) -> Result<CrosstalkSettings, FileError> {
     let tip = axis("tip", "the linear axis along which the tip moves, like \"X\"")?;
     let from = axis("from", "the axis that accelerates, like \"Y\"")?;
     let (key, scale) = unit_of(from);
-    let (constant, over, table) = (section.number(key)?, section.axis("over")?, section.pairs("table")?);
+    let (constant, over, table) = (section.number(key)?, section.axis("over")?, section.lists::<2>("table")?);
     let mut settings = CrosstalkSettings { tip, from, over: from, points: heapless::Vec::new() };
     match (constant, over, table) {
         (Some(k), None, None) => {

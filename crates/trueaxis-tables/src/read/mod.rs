@@ -8,7 +8,7 @@ pub(crate) mod keys;
 mod machine_toml;
 mod refused;
 mod roundness_toml;
-mod section;
+pub(crate) mod section;
 mod servo_toml;
 pub(crate) mod table_text;
 mod uncertainty_toml;
@@ -47,31 +47,58 @@ impl Machine {
     /// As [`Machine::read`].
     pub fn read_from(files: &dyn Source, name: &Path, tell: &mut dyn FnMut(String)) -> Result<Machine, FileError> {
         let (origin, description) = described(files, name)?;
-        check::settings(&description.settings).map_err(|error| description.located(&origin, &error))?;
+        let machine = Machine::read_described(files, name, &origin, &description, tell)?;
+        if machine.tables.iter().all(Option::is_none) && machine.grids.is_empty() {
+            return Err(origin.whole("no axis with a table", "a table in at least one [axis.…] section, or a [[grid]]"));
+        }
+        machine.hold_together(&origin, &description)?;
+        Ok(machine)
+    }
+
+    /// [`Machine::read_from`], but a machine without any table is one without errors: what a calibration begins with.
+    ///
+    /// # Errors
+    /// As [`Machine::read`].
+    pub fn read_untabled(files: &dyn Source, name: &Path, tell: &mut dyn FnMut(String)) -> Result<Machine, FileError> {
+        let (origin, description) = described(files, name)?;
+        let machine = Machine::read_described(files, name, &origin, &description, tell)?;
+        machine.hold_together(&origin, &description)?;
+        Ok(machine)
+    }
+
+    fn read_described(
+        files: &dyn Source,
+        name: &Path,
+        origin: &Origin,
+        description: &Description,
+        tell: &mut dyn FnMut(String),
+    ) -> Result<Machine, FileError> {
+        check::settings(&description.settings).map_err(|error| description.located(origin, &error))?;
         let mut tables = Vec::new();
         for settings in &description.settings.axes {
             let reference = description.tables.iter().find(|table| table.axis == settings.axis);
             tables.push(match reference {
-                Some(reference) => Some(read_table(files, name, reference, settings, &origin, tell)?),
+                Some(reference) => Some(read_table(files, name, reference, settings, origin, tell)?),
                 None => None,
             });
         }
         let mut grids = Vec::new();
         for reference in &description.grids {
-            grids.push(read_grid(files, name, reference, &origin, tell)?);
+            grids.push(read_grid(files, name, reference, origin, tell)?);
         }
-        let machine = Machine { settings: description.settings.clone(), tables, grids };
-        if machine.tables.iter().all(Option::is_none) && machine.grids.is_empty() {
-            return Err(origin.whole("no axis with a table", "a table in at least one [axis.…] section, or a [[grid]]"));
-        }
-        let rows = |axis| machine.rows(axis);
-        check::grids(&machine.settings, &machine.grids()).map_err(|error| description.located(&origin, &error))?;
-        let bounds = check::GridBounds::of(&machine.grids());
-        check::joint_range(&machine.settings, rows, &bounds).map_err(|error| description.joint(&origin, &error))?;
-        check::reversal(&machine.settings, rows, &bounds).map_err(|error| description.reversal(&origin, &error))?;
-        check::machine_passes(&machine.settings, rows, &bounds)
-            .map_err(|error| refused::contraction(&machine, &origin, &error))?;
-        Ok(machine)
+        Ok(Machine { settings: description.settings.clone(), tables, grids })
+    }
+
+    /// What the controller checks of settings and tables together.
+    fn hold_together(&self, origin: &Origin, description: &Description) -> Result<(), FileError> {
+        let rows = |axis| self.rows(axis);
+        check::grids(&self.settings, &self.grids()).map_err(|error| description.located(origin, &error))?;
+        let bounds = check::GridBounds::of(&self.grids());
+        check::joint_range(&self.settings, rows, &bounds).map_err(|error| description.joint(origin, &error))?;
+        check::reversal(&self.settings, rows, &bounds).map_err(|error| description.reversal(origin, &error))?;
+        check::machine_passes(&self.settings, rows, &bounds)
+            .map_err(|error| refused::contraction(self, origin, &error))?;
+        Ok(())
     }
 
     /// An error of the machine's configuration at its key in `machine.toml`, or of its section without it; in a file that

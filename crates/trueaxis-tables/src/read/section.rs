@@ -1,26 +1,50 @@
 //! Typed access to a section of a TOML file, with lines, and no key unread.
+//!
+//! Errors of every function: a value of another kind, with its line and the key's full name.
 
 use crate::error::FileError;
 use crate::origin::Origin;
 use crate::text::line_at;
 use std::cell::RefCell;
 use std::ops::Range;
+use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use trueaxis::machine::Axis;
 
+/// Reads a TOML text; `file` is only named in errors. `read` gets the file as a section, and ends with [`Section::finish`].
+///
+/// # Errors
+/// Text that is no TOML, and those of `read`.
+pub fn read_toml<T>(
+    text: &str,
+    file: &Path,
+    read: impl FnOnce(Section<'_>) -> Result<T, FileError>,
+) -> Result<T, FileError> {
+    let origin = Origin::new(file);
+    let document = DeTable::parse(text).map_err(|error| {
+        let line = error.span().map_or(1, |span| line_at(text, span.start));
+        origin.at(line, "", error.message(), "a valid TOML file")
+    })?;
+    let numbers = RefCell::default();
+    read(Section::new(&origin, text, document.get_ref(), &numbers))
+}
+
 /// A value with its line and key.
-pub(super) struct Found<T> {
-    pub(super) value: T,
-    pub(super) line: u32,
+#[derive(Clone, Debug)]
+pub struct Found<T> {
+    /// The value.
+    pub value: T,
+    /// Its line, from 1.
+    pub line: u32,
     /// Full name of the key.
-    pub(super) key: String,
+    pub key: String,
     /// As written.
-    pub(super) text: String,
+    pub text: String,
 }
 
 /// A section, e.g. `[axis.X.limits]`.
-pub(super) struct Section<'a> {
+pub struct Section<'a> {
     origin: &'a Origin,
     text: &'a str,
     table: &'a DeTable<'a>,
@@ -75,7 +99,7 @@ impl<'a> Section<'a> {
     }
 
     /// Stores a number, converted, where the key is given.
-    pub(super) fn store(&self, to: &mut f64, key: &str, convert: impl Fn(f64) -> f64) -> Result<(), FileError> {
+    pub fn store(&self, to: &mut f64, key: &str, convert: impl Fn(f64) -> f64) -> Result<(), FileError> {
         if let Some(found) = self.number(key)? {
             *to = convert(found.value);
         }
@@ -83,7 +107,7 @@ impl<'a> Section<'a> {
     }
 
     /// Stores a list of numbers where the key is given; whether it is.
-    pub(super) fn store_all<const N: usize>(&self, to: &mut [f64; N], key: &str) -> Result<bool, FileError> {
+    pub fn store_all<const N: usize>(&self, to: &mut [f64; N], key: &str) -> Result<bool, FileError> {
         let found = self.numbers(key)?;
         let given = found.is_some();
         if let Some(found) = found {
@@ -93,14 +117,14 @@ impl<'a> Section<'a> {
     }
 
     /// A finite number.
-    pub(super) fn number(&self, key: &str) -> Result<Option<Found<f64>>, FileError> {
+    pub fn number(&self, key: &str) -> Result<Option<Found<f64>>, FileError> {
         self.numbers.borrow_mut().push((format!("{}{key}", self.prefix), 1));
         let Some(value) = self.value(key) else { return Ok(None) };
         Ok(Some(self.found(key, &value.span(), self.plain_number(key, value)?)))
     }
 
     /// A list of `N` finite numbers.
-    pub(super) fn numbers<const N: usize>(&self, key: &str) -> Result<Option<Found<[f64; N]>>, FileError> {
+    pub fn numbers<const N: usize>(&self, key: &str) -> Result<Option<Found<[f64; N]>>, FileError> {
         self.numbers.borrow_mut().push((format!("{}{key}", self.prefix), N));
         let Some(value) = self.value(key) else { return Ok(None) };
         let needed = format!("a list of {N} numbers");
@@ -115,7 +139,7 @@ impl<'a> Section<'a> {
     }
 
     /// A string.
-    pub(super) fn string(&self, key: &str) -> Result<Option<Found<&'a str>>, FileError> {
+    pub fn string(&self, key: &str) -> Result<Option<Found<&'a str>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         match value.get_ref().as_str() {
             Some(string) => Ok(Some(self.found(key, &value.span(), string))),
@@ -124,7 +148,7 @@ impl<'a> Section<'a> {
     }
 
     /// One of several words.
-    pub(super) fn choice<T: Copy>(&self, key: &str, words: [(&str, T); 2]) -> Result<Option<T>, FileError> {
+    pub fn choice<T: Copy, const N: usize>(&self, key: &str, words: [(&str, T); N]) -> Result<Option<T>, FileError> {
         let Some(found) = self.string(key)? else { return Ok(None) };
         match words.iter().find(|(word, _)| *word == found.value) {
             Some((_, choice)) => Ok(Some(*choice)),
@@ -136,7 +160,7 @@ impl<'a> Section<'a> {
     }
 
     /// True or false.
-    pub(super) fn boolean(&self, key: &str) -> Result<Option<bool>, FileError> {
+    pub fn boolean(&self, key: &str) -> Result<Option<bool>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         match value.get_ref().as_bool() {
             Some(given) => Ok(Some(given)),
@@ -145,7 +169,7 @@ impl<'a> Section<'a> {
     }
 
     /// A section in this one.
-    pub(super) fn section(&self, key: &str) -> Result<Option<Section<'a>>, FileError> {
+    pub fn section(&self, key: &str) -> Result<Option<Section<'a>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let Some(table) = value.get_ref().as_table() else {
             return Err(self.refuse(key, &value.span(), format!("a section [{}{key}]", self.prefix)));
@@ -162,7 +186,7 @@ impl<'a> Section<'a> {
     }
 
     /// The sections of an array of tables, `[[key]]`, in the order of the file; none where the key is not there.
-    pub(super) fn sections(&self, key: &str) -> Result<Vec<Section<'a>>, FileError> {
+    pub fn sections(&self, key: &str) -> Result<Vec<Section<'a>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(Vec::new()) };
         let refuse = |span| self.refuse(key, &span, format!("sections [[{}{key}]]", self.prefix));
         let list = value.get_ref().as_array().ok_or_else(|| refuse(value.span()))?;
@@ -174,24 +198,34 @@ impl<'a> Section<'a> {
         list.iter().map(of).collect()
     }
 
-    /// A list of pairs of finite numbers.
-    pub(super) fn pairs(&self, key: &str) -> Result<Option<Found<Vec<[f64; 2]>>>, FileError> {
+    /// A list of lists of `N` finite numbers.
+    pub fn lists<const N: usize>(&self, key: &str) -> Result<Option<Found<Vec<[f64; N]>>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
-        let refuse = || self.refuse(key, &value.span(), "a list of pairs of numbers");
-        let mut pairs = Vec::new();
-        for pair in value.get_ref().as_array().ok_or_else(refuse)? {
-            let pair = pair.get_ref().as_array().filter(|pair| pair.len() == 2).ok_or_else(refuse)?;
-            let mut numbers = [0.0; 2];
-            for (number, value) in numbers.iter_mut().zip(pair.iter()) {
+        let what = if N == 2 { String::from("pairs of numbers") } else { format!("lists of {N} numbers") };
+        let refuse = || self.refuse(key, &value.span(), format!("a list of {what}"));
+        let mut lists = Vec::new();
+        for list in value.get_ref().as_array().ok_or_else(refuse)? {
+            let list = list.get_ref().as_array().filter(|list| list.len() == N).ok_or_else(refuse)?;
+            let mut numbers = [0.0; N];
+            for (number, value) in numbers.iter_mut().zip(list.iter()) {
                 *number = self.plain_number(key, value)?;
             }
-            pairs.push(numbers);
+            lists.push(numbers);
         }
-        Ok(Some(self.found(key, &value.span(), pairs)))
+        Ok(Some(self.found(key, &value.span(), lists)))
+    }
+
+    /// A list of finite numbers, of any length.
+    pub fn list(&self, key: &str) -> Result<Option<Found<Vec<f64>>>, FileError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let list = value.get_ref().as_array();
+        let list = list.ok_or_else(|| self.refuse(key, &value.span(), "a list of numbers"))?;
+        let numbers = list.iter().map(|value| self.plain_number(key, value)).collect::<Result<_, _>>()?;
+        Ok(Some(self.found(key, &value.span(), numbers)))
     }
 
     /// A list of axes by their letters.
-    pub(super) fn axes(&self, key: &str) -> Result<Option<Found<Vec<Axis>>>, FileError> {
+    pub fn axes(&self, key: &str) -> Result<Option<Found<Vec<Axis>>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let refuse = || self.refuse(key, &value.span(), "a list of axes, like [\"X\", \"Y\"]");
         let axis = |item: &Spanned<DeValue<'a>>| {
@@ -203,7 +237,7 @@ impl<'a> Section<'a> {
     }
 
     /// An axis by its letter.
-    pub(super) fn axis(&self, key: &str) -> Result<Option<Found<Axis>>, FileError> {
+    pub fn axis(&self, key: &str) -> Result<Option<Found<Axis>>, FileError> {
         let Some(found) = self.string(key)? else { return Ok(None) };
         let letter = found.value.chars().next().filter(|_| found.value.len() == 1);
         match letter.and_then(Axis::from_letter) {
@@ -213,12 +247,12 @@ impl<'a> Section<'a> {
     }
 
     /// The line of the section's first key, for what is wrong with all of it.
-    pub(super) fn first_line(&self) -> u32 {
+    pub fn first_line(&self) -> u32 {
         self.table.keys().map(|key| self.line(&key.span())).min().unwrap_or(0)
     }
 
     /// Refuses every key that was not asked for.
-    pub(super) fn finish(self, needed: Option<&str>) -> Result<(), FileError> {
+    pub fn finish(self, needed: Option<&str>) -> Result<(), FileError> {
         let asked = self.asked.borrow();
         let unknown = self.table.keys().filter(|key| !asked.contains(&key.get_ref().to_string()));
         // In the order of the file.
@@ -232,22 +266,22 @@ impl<'a> Section<'a> {
     }
 
     /// An error at a value.
-    pub(super) fn wrong<T>(&self, at: &Found<T>, needed: impl Into<String>) -> FileError {
+    pub fn wrong<T>(&self, at: &Found<T>, needed: impl Into<String>) -> FileError {
         self.origin.at(at.line, &at.key, &at.text, needed)
     }
 
     /// An error at a line.
-    pub(super) fn at(&self, line: u32, key: &str, found: &str, needed: impl Into<String>) -> FileError {
+    pub fn at(&self, line: u32, key: &str, found: &str, needed: impl Into<String>) -> FileError {
         self.origin.at(line, &format!("{}{key}", self.prefix), found, needed)
     }
 
     /// An error because a key is missing in one of several sections of the same name: at its first line.
-    pub(super) fn missing_here(&self, key: &str, needed: &str) -> FileError {
+    pub fn missing_here(&self, key: &str, needed: &str) -> FileError {
         self.at(self.first_line(), key, "nothing", needed)
     }
 
     /// An error because a key is missing.
-    pub(super) fn missing(&self, key: &str, needed: &str) -> FileError {
+    pub fn missing(&self, key: &str, needed: &str) -> FileError {
         self.origin.at(0, &format!("{}{key}", self.prefix), "nothing", needed)
     }
 }

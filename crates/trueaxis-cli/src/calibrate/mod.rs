@@ -1,0 +1,101 @@
+//! `trueaxis calibrate`.
+
+mod plan;
+mod solve;
+mod table;
+
+use crate::model;
+use anyhow::Result;
+use clap::{Args, Subcommand};
+use std::path::{Path, PathBuf};
+use trueaxis_evaluation::calibrate::Task;
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::Folder;
+
+pub(crate) const HELP: &str = "\
+TASK.toml names the machine's folder, the control, the probe, and artefacts of known size with the places they are set up at:
+
+  machine = \"mill\"                  # folder with machine.toml: chain and travels; tables are not needed yet
+  dialect = \"linuxcnc\"              # or grblhal, klipper
+  [probe]
+  tip_radius_mm = 3.0
+  [[artefact]]
+  name = \"ring\"
+  kind = \"ring\"                     # ring, ball, ball plate, step gauge, square
+  diameter_mm = 150.002
+  uncertainty_um = 0.5
+  [[artefact.place]]
+  at_mm = [120.0, 90.0, -200.0]     # X, Y, Z of the machine with the tip in its middle
+  normal = \"Z\"                      # how it stands
+  [reference]
+  artefact = \"ball\"                 # touched again and again against drift
+
+A ring tells scales and squareness of the plane it stands in, a ball the tip's radius; a square needs its angle or a second
+place turned over (reversed = true); a ball at several rotary_deg tells centre lines and tilts of rotary axes.
+All keys: docs/calibration.md
+
+Example: trueaxis calibrate plan task.toml -o probe.ngc
+         trueaxis calibrate solve task.toml trueaxis-1a2b3c4d.log -o mill --report out";
+
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    /// Write the probing program of a task; refused where its places would not tell the terms apart.
+    Plan(PlanArguments),
+    /// Turn the log of the program into errors of the machine, and write the machine with them.
+    Solve(SolveArguments),
+}
+
+#[derive(Args)]
+pub(crate) struct PlanArguments {
+    /// Machine, probe, artefacts and places.
+    #[arg(value_name = "TASK.toml")]
+    task: PathBuf,
+    /// The program [default: standard output].
+    #[arg(short, value_name = "probe.ngc")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(crate) struct SolveArguments {
+    /// The task that the program was planned from.
+    #[arg(value_name = "TASK.toml")]
+    task: PathBuf,
+    /// Log of the control, or a CSV: id,x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg],tripped.
+    #[arg(value_name = "LOG")]
+    log: PathBuf,
+    /// The machine with what was found: the task's own folder, or one that has no machine.toml yet.
+    #[arg(short, value_name = "MACHINE_DIR")]
+    output: PathBuf,
+    /// One JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write calibrate.html with residuals and curves into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn run(command: &Command) -> Result<()> {
+    match command {
+        Command::Plan(arguments) => plan::run(arguments),
+        Command::Solve(arguments) => solve::run(arguments),
+    }
+}
+
+/// A task with its machine.
+struct Read {
+    task: Task,
+    folder: Folder,
+    /// Path of the machine as given, from here.
+    path: PathBuf,
+    /// Name of its description.
+    name: PathBuf,
+    machine: Machine,
+}
+
+fn read(path: &Path) -> Result<Read> {
+    let task = Task::read(&model::text(path)?, path)?;
+    let at = path.parent().unwrap_or(Path::new("")).join(&task.machine);
+    let (folder, name) = Folder::of_machine(&at);
+    let machine = Machine::read_untabled(&folder, &name, &mut |how| crate::output::tell(format_args!("note: {how}")))?;
+    Ok(Read { task, folder, path: at, name, machine })
+}

@@ -1,0 +1,272 @@
+//! `trueaxis calibrate` as it is called. The control, the probe and the machine are a few lines here: every probing move of
+//! the program runs against artefacts on a machine with known scales, squareness and backlash.
+
+use std::fmt::Write;
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
+
+const MACHINE: &str = "# of my own hand\nname = \"mill\"\nchain = \"w X' Y' b Z t\"\n\n[axis.X] # long\ntravel_mm = [0.0, 500.0]\n\
+                       [axis.Y]\ntravel_mm = [0.0, 400.0]\n[axis.Z]\ntravel_mm = [-300.0, 0.0]\n";
+
+const HEAD: &str = "machine = \"mill\"\ndialect = \"linuxcnc\"\n[probe]\ntip_radius_mm = 3.0\n";
+const BALL: &str = "[[artefact]]\nname = \"ball\"\nkind = \"ball\"\ndiameter_mm = 25.0\nuncertainty_um = 0.2\n\
+                    [[artefact.place]]\nat_mm = [40.0, 40.0, -250.0]\n";
+const RING: &str =
+    "[[artefact]]\nname = \"ring\"\nkind = \"ring\"\ndiameter_mm = 150.0\nuncertainty_um = 0.2\npoints = 16\n";
+const FLAT: &str = "[[artefact.place]]\nat_mm = [250.0, 200.0, -150.0]\n";
+const UPRIGHT: &str = "[[artefact.place]]\nat_mm = [250.0, 200.0, -150.0]\nnormal = \"Y\"\n\
+                       [[artefact.place]]\nat_mm = [250.0, 200.0, -150.0]\nnormal = \"X\"\n";
+const REFERENCE: &str = "[reference]\nartefact = \"ball\"\nevery = 40\n";
+
+fn whole_task() -> String {
+    format!("{HEAD}{REFERENCE}{BALL}{RING}{FLAT}{UPRIGHT}")
+}
+
+/// 40 and −30 and 20 ppm; C0Y 50, B0Z −20, A0Z 30 µrad; backlash of X 6 µm, of Y 3 µm; the tip 8 µm smaller.
+struct Bench {
+    at: [f64; 3],
+    reverse: [bool; 3],
+    drift_um: f64,
+    ring_mm: f64,
+    log: String,
+}
+
+impl Bench {
+    fn actual(&self, [x, y, z]: [f64; 3], count: f64) -> [f64; 3] {
+        let lost = |axis: usize, um: f64| if self.reverse[axis] { 1e-3 * um } else { 0.0 };
+        [
+            x + 40e-6 * x - 50e-6 * y - 20e-6 * z + lost(0, 6.0) + 1e-3 * self.drift_um * count,
+            y - 30e-6 * y - 30e-6 * z + lost(1, 3.0),
+            z + 20e-6 * z,
+        ]
+    }
+
+    /// What the tip is away from the nearest artefact: the ball, or the ring of a set-up.
+    fn gap(&self, set_up: usize, tip: [f64; 3]) -> f64 {
+        let radius = 3.0 - 0.008;
+        let away = |centre: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| tip[k] - centre[k]) };
+        let [x, y, z] = away([40.1, 39.8, -250.2]);
+        let ball = (x * x + y * y + z * z).sqrt() - 12.5 - radius;
+        let [x, y, z] = away([250.2, 200.1, -149.9]);
+        let (u, v, along) = match set_up {
+            1 => (x, y, z),
+            2 => (z, x, y),
+            3 => (y, z, x),
+            _ => return ball,
+        };
+        let ring = if along.abs() < 12.0 { 0.5 * self.ring_mm - radius - u.hypot(v) } else { 5.0 };
+        ball.min(ring)
+    }
+
+    /// Runs a program; what it logs.
+    fn run(mut self, program: &str) -> String {
+        let (mut set_up, mut touches) = (None::<usize>, 0.0);
+        let mut trip = [0.0; 3];
+        for line in program.lines() {
+            if let Some(text) = line.strip_prefix("(LOG,") {
+                let text = text.trim_end_matches(')');
+                let text = text.replace("#5070", "1.000000");
+                let text =
+                    (0..3).fold(text, |text, k| text.replace(&format!("#{}", 5061 + k), &format!("{:.6}", trip[k])));
+                writeln!(self.log, "{text}").unwrap();
+            }
+            if line == "M0" {
+                set_up = Some(set_up.map_or(0, |set_up| set_up + 1));
+            }
+            let mut words = line.split(' ');
+            let code = words.next().unwrap_or_default();
+            if !matches!(code, "G0" | "G1" | "G38.2") {
+                continue;
+            }
+            let mut end = self.at;
+            for word in words {
+                let (letter, value) = word.split_at(1);
+                if let Some(axis) = ["X", "Y", "Z"].iter().position(|known| *known == letter) {
+                    end[axis] = value.parse().unwrap();
+                }
+            }
+            for k in 0..3 {
+                if (end[k] - self.at[k]).abs() > 0.01 {
+                    self.reverse[k] = end[k] < self.at[k];
+                }
+            }
+            if code == "G38.2" {
+                let start = self.at;
+                let on = |share: f64| -> [f64; 3] { std::array::from_fn(|k| start[k] + share * (end[k] - start[k])) };
+                let gap = |share: f64| self.gap(set_up.unwrap(), self.actual(on(share), touches));
+                let (mut low, mut high) = (0.0, 1.0);
+                assert!(gap(low) > 0.0 && gap(high) < 0.0, "{line}: {} {}", gap(low), gap(high));
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if gap(middle) > 0.0 { low = middle } else { high = middle }
+                }
+                trip = on(low);
+                touches += 1.0;
+                end = trip;
+            }
+            self.at = end;
+        }
+        self.log
+    }
+}
+
+fn bench() -> Bench {
+    Bench { at: [0.0; 3], reverse: [false; 3], drift_um: 0.002, ring_mm: 150.0, log: String::new() }
+}
+
+/// A folder with machine, task and program.
+fn planned(task: &str) -> (Folder, String) {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("mill/machine.toml", MACHINE);
+    folder.write("task.toml", task);
+    let program = folder.good(&["calibrate", "plan", "task.toml"]);
+    (folder, program)
+}
+
+const SOLVE: [&str; 5] = ["calibrate", "solve", "task.toml", "probe.log", "-o"];
+
+fn solve<'a>(output: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    SOLVE.iter().copied().chain([output]).chain(more.iter().copied()).collect()
+}
+
+#[test]
+fn a_ring_and_a_ball_tell_the_machine() {
+    let (folder, program) = planned(&whole_task());
+    folder.write("probe.log", bench().run(&program));
+    let found = folder.json(&solve("mill", &["--json", "--report", "out"]));
+    let near = |found: &serde_json::Value, truth: f64, tolerance: f64| {
+        assert!((found.as_f64().unwrap() - truth).abs() < tolerance, "{found} for {truth}");
+    };
+    for (key, truth) in [("C0Y_urad", 50.0), ("B0Z_urad", -20.0), ("A0Z_urad", 30.0)] {
+        near(&found["location"][key], truth, 0.1);
+    }
+    for (axis, scale, backlash) in [("X", 40.0, 6.0), ("Y", -30.0, 3.0), ("Z", 20.0, 0.0)] {
+        near(&found["axes"][axis]["scale_ppm"], scale, 0.1);
+        near(&found["axes"][axis]["backlash_um"], backlash, 0.02);
+    }
+    near(&found["tip_radius_mm"], 2.992, 1e-5);
+    assert!(found["sigma_um"].as_f64().unwrap() < 0.05, "{found}");
+    assert!(found["standard_errors"]["location"]["C0Y_urad"].as_f64().unwrap() > 0.0);
+    let text = folder.read("mill/machine.toml");
+    for part in
+        ["# of my own hand", "[axis.X] # long", "table = \"x.csv\"", "[uncertainty.location]", "[axis.Z.uncertainty]"]
+    {
+        assert!(text.contains(part), "{text}");
+    }
+    let page = folder.read("out/calibrate.html");
+    assert!(page.contains("Residuals") && page.contains("squareness C0Y"));
+    assert!(page.trim_end().ends_with("</html>"), "a whole page");
+    // At 0, 500 mm: 40 ppm are 20 µm.
+    let (_, rows) = trueaxis_testing::command::csv(&folder.read("mill/x.csv"));
+    assert!((rows.last().unwrap()[1] - 20.0).abs() < 0.05 && rows.first().unwrap()[1].abs() < 0.01, "{rows:?}");
+    // What the tables say already is not found a second time.
+    let again = folder.json(&solve("mill", &["--json"]));
+    near(&again["location"]["C0Y_urad"], 0.0, 0.05);
+    near(&again["axes"]["X"]["scale_ppm"], 0.0, 0.05);
+}
+
+#[test]
+fn every_dialect_and_a_csv_say_the_same() {
+    let (folder, program) = planned(&whole_task());
+    let log = bench().run(&program);
+    folder.write("probe.log", &log);
+    let first = folder.json(&solve("one", &["--json"]));
+    let touches: Vec<Vec<&str>> =
+        log.lines().filter_map(|line| Some(line.strip_prefix("touch ")?.split(' ').collect())).collect();
+    let head = log.lines().next().unwrap();
+    let of = |name: &str, text: String| {
+        folder.write("task.toml", whole_task().replace("linuxcnc", name));
+        folder.write("probe.log", text);
+        folder.json(&solve(&format!("out-{name}-{}", name.len()), &["--json"]))
+    };
+    let grblhal = touches.iter().fold(format!("ok\n[MSG:{head}]\n"), |text, touch| {
+        format!(
+            "{text}[MSG:touch {}]\n<Idle|MPos:0,0,0>\n[PRB:{},{},{}:1]\nok\n",
+            touch[0], touch[1], touch[2], touch[3]
+        )
+    });
+    let klipper = touches.iter().fold(format!("// echo: {head}\n"), |text, touch| {
+        format!("{text}Recv: // trueaxis touch {} X:{} Y:{} Z:{} tripped:1\n", touch[0], touch[1], touch[2], touch[3])
+    });
+    let csv = touches.iter().fold(String::from("id,x_mm,y_mm,z_mm,tripped\n"), |text, touch| {
+        format!("{text}{},{},{},{},1\n", touch[0], touch[1], touch[2], touch[3])
+    });
+    for other in [of("grblhal", grblhal), of("klipper", klipper), of("linuxcnc", csv)] {
+        assert_eq!(other["terms"], first["terms"]);
+    }
+    let plan = |name: &str| {
+        folder.write("task.toml", whole_task().replace("linuxcnc", name));
+        folder.good(&["calibrate", "plan", "task.toml"])
+    };
+    assert!(plan("grblhal").contains("(MSG,touch 1)\nG38.2 X"));
+    assert!(plan("klipper").contains("TRUEAXIS_PROBE ID=1 X="));
+}
+
+#[test]
+fn bad_logs_are_refused_with_their_line() {
+    let (folder, program) = planned(&whole_task());
+    let log = bench().run(&program);
+    let lines: Vec<&str> = log.lines().collect();
+    let index = lines.iter().position(|line| line.starts_with("touch 30 ")).unwrap();
+    let refused = |text: String, parts: &[&str]| {
+        folder.write("probe.log", text);
+        folder.bad(&solve("mill", &["--report", "out"]), parts)
+    };
+    let without = [&lines[..index], &lines[index + 1..]].concat().join("\n");
+    refused(without, &["probe.log:30:", "no touch 30", "needed all"]);
+    let doubled = [&lines[..=index], &lines[index..]].concat().join("\n");
+    refused(doubled, &["probe.log:32:", "touch 30 for the second time", "line 31"]);
+    let changed = |line: String| {
+        let mut lines: Vec<String> = lines.iter().map(|line| (*line).to_owned()).collect();
+        lines[index] = line;
+        lines.join("\n")
+    };
+    let words: Vec<f64> = lines[index].split(' ').skip(2).map(|word| word.parse().unwrap()).collect();
+    let moved = |by: f64| changed(format!("touch 30 {} {} {} 0 0 0 1", words[0] + by, words[1] + 2.0, words[2] + by));
+    refused(moved(4.0), &["probe.log:31:", "touch 30", "beside its probing move", "rapid"]);
+    refused(changed(lines[index].replace(" 1.000000", " 0.000000")), &["probe.log:31:", "did not trip"]);
+    refused(changed("touch 30 a b c 0 0 0 1".into()), &["probe.log:31:", "\"a\"", "a number"]);
+    refused(lines.join("\n").replace("touch 30 ", "touch 9999 "), &["probe.log:31:", "touch 9999", "touches 1 to"]);
+    let identity = log.split_whitespace().nth(2).unwrap().to_owned();
+    refused(log.replace(&identity, "0000abcd"), &["probe.log:1:", "program 0000abcd", &identity]);
+    refused(format!("[PRB:1.0,2.0,3.0:1]\n{log}"), &["probe.log:1:", "grblhal", "linuxcnc"]);
+    refused(String::new(), &["probe.log", "no touch 1"]);
+    // The ring of another drawer: within the probing moves, but not its size.
+    let other = Bench { ring_mm: 150.4, ..bench() };
+    refused(other.run(&program), &["probe.log:", "ring at place 1 measured 150.3", "150 mm within 150 µm"]);
+    // 0.6 µm a touch are 24 µm from look to look.
+    let warm = Bench { drift_um: 0.6, ..bench() };
+    refused(warm.run(&program), &["probe.log:", "a drift of", "µm", "less than what is measured"]);
+    assert!(!folder.has("out") && folder.read("mill/machine.toml") == MACHINE);
+}
+
+#[test]
+fn what_a_set_up_cannot_tell_apart_is_named() {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("mill/machine.toml", MACHINE);
+    let refused = |task: String, parts: &[&str]| {
+        folder.write("task.toml", task);
+        folder.bad(&["calibrate", "plan", "task.toml", "-o", "probe.ngc"], parts)
+    };
+    let text = refused(format!("{HEAD}{RING}{FLAT}"), &["task.toml", "scale of X", "scale of Y", "radius of the tip"]);
+    assert!(!text.contains("squareness"), "{text}");
+    let square = "[[artefact]]\nname = \"square\"\nkind = \"square\"\narms_mm = [200.0, 150.0]\n\
+                  [[artefact.place]]\nat_mm = [100.0, 100.0, -150.0]\n";
+    refused(format!("{HEAD}{BALL}{square}"), &["task.toml", "squareness C0Y", "angle of square"]);
+    let over = format!("{square}[[artefact.place]]\nat_mm = [350.0, 100.0, -150.0]\nreversed = true\n");
+    folder.write("task.toml", format!("{HEAD}{BALL}{over}"));
+    let [_, expected] = folder.both(&["calibrate", "plan", "task.toml", "-o", "probe.ngc"]);
+    assert!(expected.contains("squareness C0Y"), "{expected}");
+    refused(format!("{HEAD}colour = 3\n{BALL}"), &["task.toml:5: key probe.colour", "tip_radius_mm"]);
+    refused(
+        format!("{HEAD}{RING}{FLAT}").replace("250.0, 200.0", "450.0, 200.0"),
+        &["task.toml:12:", "within its travel"],
+    );
+    refused(
+        format!("{HEAD}{BALL}").replace("25.0", "-25.0"),
+        &["task.toml:8: key artefact.diameter_mm", "0.5 to 2000 mm"],
+    );
+    refused(HEAD.into(), &["task.toml", "[[artefact]]"]);
+    refused(whole_task().replace("\"linuxcnc\"", "\"fanuc\""), &["task.toml:2: key dialect", "\"grblhal\""]);
+}

@@ -1,0 +1,307 @@
+//! What was found, as a document and as additions to the machine.
+
+use super::solve::Calibration;
+use super::task::{Kind, Task};
+use super::terms::Term;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use trueaxis::machine::Axis;
+use trueaxis_tables::{Additions, Machine};
+
+/// Steps of a table that is made of curves.
+const STEPS: usize = 40;
+/// A term's effect over the travel is known worse than this, µm: a warning.
+const POOR_UM: f64 = 20.0;
+
+/// A term with its value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Found {
+    /// Its name.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+}
+
+/// Size of an artefact.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Size {
+    /// Its name.
+    pub name: String,
+    /// As the task has it: mm, of a square degrees.
+    pub stated: f64,
+    /// As the network has it.
+    pub found: f64,
+    /// Standard error, µm, of a square µrad.
+    pub standard_error: f64,
+}
+
+/// The reference at a look.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Drift {
+    /// Time without pauses, s.
+    pub time_s: f64,
+    /// Away from the first look, µm, in workpiece coordinates.
+    pub um: [f64; 3],
+}
+
+/// The JSON document.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Document {
+    /// The machine's name.
+    pub machine: String,
+    /// Whether it was compensated while it was probed.
+    pub compensated: bool,
+    /// Touches.
+    pub touches: usize,
+    /// Unknowns, all told apart.
+    pub rank: usize,
+    /// Condition number of the scaled columns.
+    pub condition: f64,
+    /// Touches and known sizes less unknowns.
+    pub degrees_of_freedom: usize,
+    /// Standard deviation of a touch, from what is left.
+    pub sigma_um: f64,
+    /// Standard deviation of a touch, as stated.
+    pub repeatability_um: f64,
+    /// Root mean square of what the terms move the touches.
+    pub signal_um: f64,
+    /// Every term.
+    pub terms: Vec<Found>,
+    /// Location errors found, `C0Y_urad`, `EX0C_um`.
+    pub location: BTreeMap<String, f64>,
+    /// For every linear axis `scale_ppm`, `backlash_um`, and the spread (high less low) of its curves without the scale,
+    /// `EXX_um`.
+    pub axes: BTreeMap<String, BTreeMap<String, f64>>,
+    /// Standard errors under the same names, by `location` and by axis; of curves root mean square over what was touched.
+    pub standard_errors: BTreeMap<String, BTreeMap<String, f64>>,
+    /// Effective radius of the tip.
+    pub tip_radius_mm: f64,
+    /// Its standard error.
+    pub tip_radius_standard_error_um: f64,
+    /// Artefacts of one size.
+    pub artefacts: Vec<Size>,
+    /// Drift at the looks at the reference.
+    pub drift: Vec<Drift>,
+    /// What is to be known of the result.
+    pub warnings: Vec<String>,
+}
+
+impl Calibration {
+    /// The document.
+    pub fn document(&self, task: &Task, machine: &Machine) -> Document {
+        let (solution, observed) = (&self.solution, &self.observed);
+        let terms = &observed.terms;
+        let found = terms.terms.iter().enumerate().map(|(index, term)| {
+            let (unit, factor) = term.unit();
+            let (value, error) = (factor * solution.values[index], factor * solution.standard_errors[index]);
+            Found { name: term.name(), value, standard_error: error, unit }
+        });
+        let mut location = BTreeMap::new();
+        let mut axes: BTreeMap<String, BTreeMap<String, f64>> = BTreeMap::new();
+        let mut errors: BTreeMap<String, BTreeMap<String, f64>> = BTreeMap::new();
+        for value in self.values() {
+            let to = if value.of == "location" { &mut location } else { axes.entry(value.of.clone()).or_default() };
+            to.insert(value.key.clone(), value.value);
+            errors.entry(value.of).or_default().insert(value.key, value.standard_error);
+        }
+        let sizes = task.artefacts.iter().zip(&observed.sizes).filter_map(|(artefact, size)| {
+            let index = (*size)?;
+            let (start, value) = (observed.network.unknowns[index].start, solution.values[index]);
+            let square = matches!(artefact.kind, Kind::Square { .. });
+            let shown = |value: f64| if square { 90.0 + value.to_degrees() } else { value };
+            let error = solution.standard_errors[index] * if square { 1e6 } else { 1e3 };
+            Some(Size { name: artefact.name.clone(), stated: shown(start), found: shown(value), standard_error: error })
+        });
+        let at = |knot: Option<usize>, k: usize| knot.map_or(0.0, |index| 1e3 * solution.values[index + k]);
+        let drift = observed.knots.iter().map(|&(time_s, knot)| Drift { time_s, um: [0, 1, 2].map(|k| at(knot, k)) });
+        let tip = observed.network.tip;
+        Document {
+            machine: machine.settings.name.to_string(),
+            compensated: task.compensated,
+            touches: observed.network.touches.len(),
+            rank: solution.rank,
+            condition: solution.condition,
+            degrees_of_freedom: solution.degrees_of_freedom,
+            sigma_um: 1e3 * solution.sigma_mm,
+            repeatability_um: 1e3 * task.probe.repeatability_mm,
+            signal_um: 1e3 * solution.signal_mm,
+            terms: found.collect(),
+            location,
+            axes,
+            standard_errors: errors,
+            tip_radius_mm: solution.values[tip],
+            tip_radius_standard_error_um: 1e3 * solution.standard_errors[tip],
+            artefacts: sizes.collect(),
+            drift: drift.collect(),
+            warnings: self.warnings(task),
+        }
+    }
+
+    fn warnings(&self, task: &Task) -> Vec<String> {
+        let (solution, terms) = (&self.solution, &self.observed.terms);
+        let mut warnings = Vec::new();
+        if task.reference.is_none() {
+            warnings.push(String::from("no reference was touched again: a drift would be in the results"));
+        }
+        if solution.sigma_mm > 2.0 * task.probe.repeatability_mm {
+            warnings.push(format!(
+                "a touch scatters by {:.2} µm, {:.2} µm are stated: shapes that the terms do not hold, or a worse probe",
+                1e3 * solution.sigma_mm,
+                1e3 * task.probe.repeatability_mm
+            ));
+        }
+        for (index, term) in terms.terms.iter().enumerate() {
+            let error = solution.standard_errors[index];
+            let travel = |axis: Axis| terms.travel_mm[axis.index() % 3];
+            let effect = match *term {
+                Term::Curve { axis, degree, .. } => {
+                    travel(axis).map(|q| terms.curve(axis, degree, q).abs()).into_iter().fold(0.0, f64::max) * error
+                }
+                Term::Squareness(which) => {
+                    let [low, high] = travel(if which == 0 { Axis::Y } else { Axis::Z });
+                    (high - low) * error
+                }
+                _ => error,
+            };
+            if 1e3 * effect > POOR_UM {
+                let name = term.name();
+                warnings.push(format!(
+                    "{name} is known to {:.0} µm only over the travel: a longer base would tell it",
+                    1e3 * effect
+                ));
+            }
+        }
+        warnings
+    }
+
+    /// Curve of an axis without its scale at a position, with the standard error, mm.
+    pub fn shape(&self, axis: Axis, component: u8, position: f64, with_scale: bool) -> [f64; 2] {
+        let terms = &self.observed.terms;
+        let own: Vec<(usize, f64)> = terms
+            .terms
+            .iter()
+            .enumerate()
+            .filter_map(|(index, term)| match *term {
+                Term::Curve { axis: of, component: c, degree }
+                    if of == axis && c == component && (with_scale || degree > 1) =>
+                {
+                    Some((index, terms.curve(axis, degree, position)))
+                }
+                _ => None,
+            })
+            .collect();
+        let value = own.iter().map(|(index, base)| base * self.solution.values[*index]).sum();
+        let variance: f64 = own
+            .iter()
+            .flat_map(|(i, a)| own.iter().map(move |(j, b)| (*i, *j, a * b)))
+            .map(|(i, j, product)| product * self.solution.covariance[i][j])
+            .sum();
+        [value, variance.max(0.0).sqrt()]
+    }
+
+    /// Values under the keys of documents and of `machine.toml`.
+    fn values(&self) -> Vec<Keyed> {
+        let (solution, terms) = (&self.solution, &self.observed.terms);
+        let mut values = Vec::new();
+        for (index, term) in terms.terms.iter().enumerate() {
+            let (_, factor) = term.unit();
+            let (value, standard_error) = (factor * solution.values[index], factor * solution.standard_errors[index]);
+            let (of, key) = match *term {
+                Term::Squareness(which) => {
+                    ("location".into(), format!("{}_urad", ["C0Y", "B0Z", "A0Z"][usize::from(which) % 3]))
+                }
+                Term::Location(_, component) => {
+                    let unit = if component < 3 { "um" } else { "urad" };
+                    ("location".into(), format!("{}_{unit}", term.name()))
+                }
+                Term::Backlash(axis) => (axis.letter().to_string(), "backlash_um".into()),
+                Term::Curve { axis, component, degree: 1 } if usize::from(component) == axis.index() => {
+                    (axis.letter().to_string(), "scale_ppm".into())
+                }
+                Term::Curve { axis, component, .. } => {
+                    // Once for all degrees.
+                    if values.iter().any(|value: &Keyed| value.curve == Some((axis, component))) {
+                        continue;
+                    }
+                    values.push(self.curve(axis, component));
+                    continue;
+                }
+            };
+            values.push(Keyed { of, key, value, standard_error, curve: None });
+        }
+        values
+    }
+
+    fn curve(&self, axis: Axis, component: u8) -> Keyed {
+        let [low, high] = self.observed.terms.reach_mm[axis.index() % 3];
+        let points = (0..=STEPS).map(|i| low + (high - low) * i as f64 / STEPS as f64);
+        let shape: Vec<[f64; 2]> = points.map(|q| self.shape(axis, component, q, false)).collect();
+        let most = shape.iter().map(|[value, _]| *value).fold(f64::NEG_INFINITY, f64::max);
+        let least = shape.iter().map(|[value, _]| *value).fold(f64::INFINITY, f64::min);
+        let squares: f64 = shape.iter().map(|[_, error]| error * error).sum();
+        let direction = ['X', 'Y', 'Z'][usize::from(component) % 3];
+        Keyed {
+            of: axis.letter().to_string(),
+            key: format!("E{direction}{}_um", axis.letter()),
+            value: 1e3 * (most - least),
+            standard_error: 1e3 * (squares / shape.len() as f64).sqrt(),
+            curve: Some((axis, component)),
+        }
+    }
+
+    /// What is added to the machine.
+    pub fn additions(&self) -> Additions {
+        let (solution, terms) = (&self.solution, &self.observed.terms);
+        let mut additions = Additions::default();
+        let mut with_curves: Vec<Axis> = Vec::new();
+        for (index, (term, value)) in terms.terms.iter().zip(&solution.values).enumerate() {
+            match *term {
+                // Lost motion is never negative; what the scatter makes of none is none.
+                Term::Backlash(_) if *value < 0.0 && *value > -3.0 * solution.standard_errors[index] => {}
+                Term::Squareness(0) => additions.location.c0y = *value,
+                Term::Squareness(1) => additions.location.b0z = *value,
+                Term::Squareness(_) => additions.location.a0z = *value,
+                Term::Backlash(axis) => additions.backlash.push((axis, *value)),
+                Term::Location(axis, component) => {
+                    if let Some(to) = additions.location.rotary[axis.index() % 3].get_mut(usize::from(component)) {
+                        *to = *value;
+                    }
+                }
+                Term::Curve { axis, .. } if !with_curves.contains(&axis) => with_curves.push(axis),
+                Term::Curve { .. } => {}
+            }
+        }
+        additions.curves = with_curves
+            .into_iter()
+            .map(|axis| {
+                let points = terms.grid(axis, STEPS).into_iter();
+                (axis, points.map(|q| (q, terms.error(&solution.values, axis, q))).collect())
+            })
+            .collect();
+        additions.set = uncertainties(&self.values());
+        additions
+    }
+}
+
+/// A value under its key.
+struct Keyed {
+    /// `location`, or the axis' letter.
+    of: String,
+    key: String,
+    value: f64,
+    standard_error: f64,
+    curve: Option<(Axis, u8)>,
+}
+
+/// Keys of `machine.toml` that hold standard uncertainties.
+fn uncertainties(values: &[Keyed]) -> Vec<(String, f64)> {
+    let key = |value: &Keyed| match value.of.as_str() {
+        "location" => format!("uncertainty.location.{}", value.key),
+        axis => format!("axis.{axis}.uncertainty.{}", value.key),
+    };
+    values.iter().map(|value| (key(value), value.standard_error)).collect()
+}

@@ -1,0 +1,32 @@
+//! Calibration with a touch probe: a task file becomes a probing program, its log the errors of the machine.
+//!
+//! ```text
+//! task.toml ─► Task ─► Plan ─► program ─► (control) ─► log ─► trips ─► network ─► Calibration ─► additions to the machine
+//! ```
+//!
+//! The mathematics is [`trueaxis_metrology::calibration`].
+
+mod document;
+mod figures;
+mod kinematics;
+mod log;
+mod observed;
+mod plan;
+mod program;
+mod solve;
+mod task;
+mod terms;
+mod touches;
+mod trips;
+
+pub use document::{Document, Drift, Found, Size};
+pub use figures::{curves, drift, residuals};
+pub use kinematics::Ideal;
+pub use log::{Log, Logged, read_log};
+pub use observed::{Observed, observe};
+pub use plan::{Plan, Planned, Step, Visit};
+pub use program::program;
+pub use solve::{Calibration, calibrate, foresee};
+pub use task::{Artefact, Dialect, Kind, Place, Probe, Reference, Task, Wanted};
+pub use terms::{Pose, Term, Terms, perfect};
+pub use trips::trips;

@@ -1,0 +1,252 @@
+//! The network of a task: its unknowns and their names, its touches on their surfaces.
+
+use super::kinematics::Ideal;
+use super::plan::Plan;
+use super::task::{Kind, Task};
+use super::terms::{Pose, Terms, perfect};
+use super::touches::{across, square_directions};
+use anyhow::Result;
+use trueaxis::machine::{AXES, Axis};
+use trueaxis_metrology::calibration::{Network, Part, Surface, Touch, Unknown};
+use trueaxis_tables::Machine;
+use trueaxis_tables::exact::Geometry;
+
+/// A network with what its unknowns mean.
+#[derive(Clone, Debug)]
+pub struct Observed {
+    /// The network.
+    pub network: Network,
+    /// Name of every unknown.
+    pub names: Vec<String>,
+    /// The machine's terms.
+    pub terms: Terms,
+    /// Of every artefact the index of its size: diameter or angle; none for a step gauge.
+    pub sizes: Vec<Option<usize>>,
+    /// Knots of the drift: time, s, and index of the first of three components; the first knot has none.
+    pub knots: Vec<(f64, Option<usize>)>,
+}
+
+struct Names {
+    unknowns: Vec<Unknown>,
+    names: Vec<String>,
+}
+
+impl Names {
+    fn put(&mut self, name: String, start: f64, uncertainty: Option<f64>) -> usize {
+        self.names.push(name);
+        self.unknowns.push(Unknown { start, uncertainty });
+        self.names.len() - 1
+    }
+
+    fn put_all<const N: usize>(&mut self, names: [String; N], start: [f64; N], uncertainty: Option<f64>) -> usize {
+        let first = self.names.len();
+        names.into_iter().zip(start).for_each(|(name, start)| {
+            self.put(name, start, uncertainty);
+        });
+        first
+    }
+}
+
+/// The network of a plan with the positions of its trips (X, Y, Z, A, B, C).
+///
+/// Tips stand where the machine's tables say, unless the machine was compensated while it was probed: then where it was sent.
+///
+/// # Errors
+/// A machine whose chain cannot be read.
+pub fn observe(task: &Task, machine: &Machine, plan: &Plan, trips: &[[f64; AXES]]) -> Result<Observed> {
+    let ideal = Ideal::new(machine)?;
+    let terms = Terms::of(task, machine, plan.reach_mm(task));
+    let poses: Vec<Pose> = plan
+        .touches
+        .iter()
+        .zip(trips)
+        .map(|(touch, trip)| {
+            let [x, y, z] = touch.reverse;
+            Pose { position: ideal.ordered(trip), reverse: ideal.ordered(&[x, y, z, 0.0, 0.0, 0.0]) }
+        })
+        .collect();
+    let known = if task.compensated { perfect(machine) } else { machine.clone() };
+    let geometry = Geometry::new(&known, 0.0)?;
+    let responses = terms.responses(machine, &poses)?;
+
+    let mut names = Names { unknowns: Vec::new(), names: Vec::new() };
+    for term in &terms.terms {
+        names.put(term.name(), 0.0, None);
+    }
+    let radius = task.probe.tip_radius_mm - task.probe.pre_travel_mm;
+    let tip = names.put("radius of the tip".into(), radius, task.probe.tip_uncertainty_mm);
+    let artefacts = Artefacts::new(task, &ideal, &mut names);
+    let knots = knots(plan, &mut names, task.reference.is_some());
+    let touches = plan.touches.iter().zip(&poses).zip(responses).map(|((touch, pose), response)| Touch {
+        tip_mm: geometry.actual_pose(&pose.position, &pose.reverse).tip_mm,
+        surface: artefacts.surface(task, touch.artefact, touch.place, touch.feature),
+        response,
+        drift: between(&knots, touch.time_s),
+    });
+    let network = Network {
+        touches: touches.collect(),
+        terms: terms.terms.len(),
+        tip,
+        repeatability_mm: task.probe.repeatability_mm,
+        unknowns: names.unknowns,
+    };
+    Ok(Observed { network, names: names.names, terms, sizes: artefacts.sizes, knots })
+}
+
+/// Knots in the middle of every visit of the reference.
+fn knots(plan: &Plan, names: &mut Names, reference: bool) -> Vec<(f64, Option<usize>)> {
+    if !reference {
+        return Vec::new();
+    }
+    let visits = plan.visits.iter().enumerate().filter(|(_, visit)| visit.reference);
+    let times = visits.filter_map(|(index, _)| {
+        let own = || plan.touches.iter().filter(|touch| touch.visit == index).map(|touch| touch.time_s);
+        let count = own().count();
+        (count > 0).then(|| own().sum::<f64>() / count as f64)
+    });
+    times
+        .enumerate()
+        .map(|(knot, time)| {
+            let name = |axis: char| format!("drift of {axis} at visit {} of the reference", knot + 1);
+            let first = (knot > 0).then(|| names.put_all(['X', 'Y', 'Z'].map(name), [0.0; 3], None));
+            (time, first)
+        })
+        .collect()
+}
+
+/// Weights of the knots at a time.
+fn between(knots: &[(f64, Option<usize>)], time: f64) -> Vec<(usize, f64)> {
+    let right = knots.partition_point(|(at, _)| *at <= time);
+    let at = |index: usize| knots.get(index).copied();
+    let weighted = match (right.checked_sub(1).and_then(at), at(right)) {
+        (Some((from, a)), Some((to, b))) => {
+            let share = (time - from) / (to - from);
+            [a.map(|index| (index, 1.0 - share)), b.map(|index| (index, share))]
+        }
+        (Some((_, edge)), None) | (None, Some((_, edge))) => [edge.map(|index| (index, 1.0)), None],
+        (None, None) => [None, None],
+    };
+    weighted.into_iter().flatten().filter(|(_, weight)| *weight != 0.0).collect()
+}
+
+/// Indices of what is unknown of the artefacts.
+struct Artefacts {
+    sizes: Vec<Option<usize>>,
+    /// First of the deviations of a plate's balls (three each) or of a gauge's faces.
+    own: Vec<Option<usize>>,
+    /// First unknown of every place.
+    places: Vec<Vec<usize>>,
+}
+
+impl Artefacts {
+    fn new(task: &Task, ideal: &Ideal, names: &mut Names) -> Artefacts {
+        let mut all = Artefacts { sizes: Vec::new(), own: Vec::new(), places: Vec::new() };
+        for artefact in &task.artefacts {
+            let (name, uncertainty) = (&artefact.name, artefact.uncertainty);
+            let mut own = None;
+            let size = match &artefact.kind {
+                Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm } => {
+                    Some(names.put(format!("diameter of {name}"), *diameter_mm, uncertainty))
+                }
+                Kind::Plate { diameter_mm, balls_mm } => {
+                    let size = names.put(format!("diameter of the balls of {name}"), *diameter_mm, uncertainty);
+                    own = Some(names.names.len());
+                    for ball in 1..=balls_mm.len() {
+                        let of = |axis: u8| format!("place {axis} of ball {ball} of {name}");
+                        names.put_all([1, 2, 3].map(of), [0.0; 3], uncertainty);
+                    }
+                    Some(size)
+                }
+                Kind::Gauge { steps_mm } => {
+                    own = Some(names.names.len());
+                    for face in 1..=steps_mm.len() {
+                        names.put(format!("face {face} of {name}"), 0.0, uncertainty);
+                    }
+                    None
+                }
+                Kind::Square { angle_deg, .. } => {
+                    let away = (angle_deg - 90.0).to_radians();
+                    Some(names.put(format!("angle of {name}"), away, uncertainty))
+                }
+            };
+            all.sizes.push(size);
+            all.own.push(own);
+            let mut places = Vec::new();
+            for (index, place) in artefact.places.iter().enumerate() {
+                let at = |what: &str| format!("{what} of {name}, place {}", index + 1);
+                let [x, y, z] = place.at_mm;
+                let tip = ideal.tip(&[x, y, z, 0.0, 0.0, 0.0]);
+                let along = |direction: [f64; 3]| (0..3).map(|k| direction[k] * tip[k]).sum::<f64>();
+                places.push(match artefact.kind {
+                    Kind::Ring { .. } => {
+                        let centre = across(place.normal).map(along);
+                        names.put_all(["first centre", "second centre"].map(at), centre, None)
+                    }
+                    Kind::Ball { .. } => names.put_all(["centre X", "centre Y", "centre Z"].map(at), tip, None),
+                    Kind::Plate { .. } => {
+                        let first = names.put_all(["origin X", "origin Y", "origin Z"].map(at), tip, None);
+                        names.put_all(["turn about X", "turn about Y", "turn about Z"].map(at), [0.0; 3], None);
+                        first
+                    }
+                    Kind::Gauge { .. } => {
+                        let direction = unit(place.along);
+                        names.put(at("origin"), along(direction) + task.probe.tip_radius_mm, None)
+                    }
+                    Kind::Square { .. } => {
+                        let [u, v, _] = square_directions(place);
+                        names.put_all(["first face", "second face", "turn"].map(at), [along(v), along(u), 0.0], None)
+                    }
+                });
+            }
+            all.places.push(places);
+        }
+        all
+    }
+
+    fn surface(&self, task: &Task, artefact: usize, place: usize, feature: usize) -> Surface {
+        let (of, at) = (&task.artefacts[artefact], &task.artefacts[artefact].places[place]);
+        let first = self.places[artefact][place];
+        let (size, own) = (self.sizes[artefact].unwrap_or_default(), self.own[artefact]);
+        match &of.kind {
+            Kind::Ring { .. } => Surface::Bore { diameter: size, centre: first, plane: across(at.normal) },
+            Kind::Ball { .. } => {
+                Surface::Ball { diameter: size, origin: first, offset: [0.0; 3], turn: None, own: None }
+            }
+            Kind::Plate { balls_mm, .. } => {
+                let [u, v] = across(at.normal);
+                let normal = unit(at.normal);
+                let [a, b, c] = balls_mm.get(feature).copied().unwrap_or_default();
+                let offset = std::array::from_fn(|k| a * u[k] + b * v[k] + c * normal[k]);
+                let own = own.map(|own| own + 3 * feature);
+                Surface::Ball { diameter: size, origin: first, offset, turn: Some(first + 3), own }
+            }
+            Kind::Gauge { steps_mm } => Surface::Face {
+                normal: unit(at.along),
+                outward: -1.0,
+                known_mm: steps_mm.get(feature).copied().unwrap_or_default(),
+                parts: [Some(first), own.map(|own| own + feature)]
+                    .into_iter()
+                    .flatten()
+                    .map(|unknown| Part { unknown, factor: 1.0, along: None })
+                    .collect(),
+            },
+            Kind::Square { .. } => {
+                let [u, v, _] = square_directions(at);
+                let sense = if at.reversed { -1.0 } else { 1.0 };
+                let part = |unknown, factor, along| Part { unknown, factor, along };
+                if feature == 0 {
+                    let parts = vec![part(first, 1.0, None), part(first + 2, 1.0, Some(u))];
+                    Surface::Face { normal: v, outward: -1.0, known_mm: 0.0, parts }
+                } else {
+                    let turned = part(first + 2, -1.0, Some(v));
+                    let parts = vec![part(first + 1, 1.0, None), turned, part(size, -sense, Some(v))];
+                    Surface::Face { normal: u, outward: -sense, known_mm: 0.0, parts }
+                }
+            }
+        }
+    }
+}
+
+fn unit(axis: Axis) -> [f64; 3] {
+    std::array::from_fn(|k| f64::from(u8::from(k == axis.index() % 3)))
+}

@@ -1,0 +1,300 @@
+//! Terms of a machine that touches can tell.
+
+use super::task::{Kind, Task};
+use trueaxis::machine::{AXES, Axis, Row};
+use trueaxis_tables::exact::{Geometry, GeometryError};
+use trueaxis_tables::{Machine, Table};
+
+/// A term.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Term {
+    /// C0Y, B0Z, A0Z as 0, 1, 2; rad.
+    Squareness(u8),
+    /// A polynomial of an axis, of a direction 0, 1, 2: degree 1 is the scale (1), others mm.
+    Curve {
+        /// The axis.
+        axis: Axis,
+        /// Component of the error.
+        component: u8,
+        /// Degree.
+        degree: u8,
+    },
+    /// Backlash, mm.
+    Backlash(Axis),
+    /// A location error of a rotary axis, component 0 to 5; mm or rad.
+    Location(Axis, u8),
+}
+
+const SQUARENESS: [&str; 3] = ["C0Y", "B0Z", "A0Z"];
+/// Planes in the order of [`SQUARENESS`]: the normal.
+const PLANES: [Axis; 3] = [Axis::Z, Axis::Y, Axis::X];
+const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+
+impl Term {
+    /// Its name in sentences.
+    pub fn name(self) -> String {
+        match self {
+            Term::Squareness(which) => format!("squareness {}", SQUARENESS[usize::from(which) % 3]),
+            Term::Curve { axis, component, degree: 1 } if usize::from(component) == axis.index() => {
+                format!("scale of {}", axis.letter())
+            }
+            Term::Curve { axis, component, degree } => {
+                let direction = LINEAR[usize::from(component) % 3].letter();
+                format!("E{direction}{} of degree {degree}", axis.letter())
+            }
+            Term::Backlash(axis) => format!("backlash of {}", axis.letter()),
+            Term::Location(axis, component) => {
+                format!("E{}0{}", Axis::ALL[usize::from(component) % AXES].letter(), axis.letter())
+            }
+        }
+    }
+
+    /// Unit of its value in documents, and what a value is multiplied by to get there.
+    pub fn unit(self) -> (&'static str, f64) {
+        match self {
+            Term::Squareness(_) => ("µrad", 1e6),
+            Term::Curve { axis, component, degree: 1 } if usize::from(component) == axis.index() => ("ppm", 1e6),
+            Term::Curve { .. } | Term::Backlash(_) => ("µm", 1e3),
+            Term::Location(_, component) => {
+                if component < 3 {
+                    ("µm", 1e3)
+                } else {
+                    ("µrad", 1e6)
+                }
+            }
+        }
+    }
+
+    /// Size of the term at which its effect is computed.
+    fn step(self) -> f64 {
+        match self {
+            Term::Squareness(_) | Term::Curve { degree: 1, .. } => 1e-5,
+            Term::Curve { .. } | Term::Backlash(_) => 1e-3,
+            Term::Location(_, component) => {
+                if component < 3 {
+                    1e-3
+                } else {
+                    1e-5
+                }
+            }
+        }
+    }
+}
+
+/// All terms of a task, and the stretch of each linear axis that it touches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Terms {
+    /// The terms.
+    pub terms: Vec<Term>,
+    /// Lowest and highest position touched of X, Y, Z, mm.
+    pub reach_mm: [[f64; 2]; 3],
+    /// Where the curves are zero: 0 where it is in the travel.
+    pub zero_mm: [f64; 3],
+    /// Travel, mm.
+    pub travel_mm: [[f64; 2]; 3],
+}
+
+impl Terms {
+    /// Those that a task's artefacts span on a machine. `reach_mm`: lowest and highest position of X, Y, Z touched.
+    pub fn of(task: &Task, machine: &Machine, reach_mm: [[f64; 2]; 3]) -> Terms {
+        let wanted = task.wanted;
+        let has = |axis: Axis| machine.settings.axes.iter().any(|own| own.axis == axis);
+        let (mut planes, mut lines) = ([false; 3], [false; 3]);
+        for artefact in &task.artefacts {
+            for place in &artefact.places {
+                match artefact.kind {
+                    Kind::Ring { .. } | Kind::Plate { .. } | Kind::Square { .. } => {
+                        planes[place.normal.index() % 3] = true;
+                    }
+                    Kind::Gauge { .. } => lines[place.along.index() % 3] = true,
+                    Kind::Ball { .. } => {}
+                }
+            }
+        }
+        let sized = |kind: &Kind| matches!(kind, Kind::Ring { .. } | Kind::Plate { .. });
+        // Whether a size along the axis is known.
+        let spanned = |axis: Axis| {
+            task.artefacts
+                .iter()
+                .any(|artefact| sized(&artefact.kind) && artefact.places.iter().any(|place| place.normal != axis))
+        };
+        let measured = |axis: Axis| has(axis) && (spanned(axis) || lines[axis.index() % 3]);
+        let mut terms = Vec::new();
+        if wanted.squareness {
+            let spanned = PLANES.iter().enumerate().filter(|(_, normal)| planes[normal.index()]);
+            terms.extend(spanned.map(|(which, _)| Term::Squareness(which as u8)));
+        }
+        for axis in LINEAR.into_iter().filter(|axis| measured(*axis)) {
+            let degrees = usize::from(!wanted.scale) + 1..=wanted.positioning;
+            let component = axis.index() as u8;
+            terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));
+        }
+        for axis in LINEAR {
+            for other in LINEAR.into_iter().filter(|other| *other != axis) {
+                let normal = LINEAR.into_iter().find(|normal| *normal != axis && *normal != other);
+                if normal.is_some_and(|normal| planes[normal.index()]) {
+                    let component = other.index() as u8;
+                    let degrees = 2..=wanted.straightness;
+                    terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));
+                }
+            }
+        }
+        if wanted.backlash {
+            let round = task.artefacts.iter().any(|artefact| matches!(artefact.kind, Kind::Ball { .. }));
+            let touched = |axis: &Axis| has(*axis) && (round || spanned(*axis));
+            terms.extend(LINEAR.into_iter().filter(touched).map(Term::Backlash));
+        }
+        if wanted.rotary {
+            let poses =
+                || task.artefacts.iter().flat_map(|artefact| &artefact.places).flat_map(|place| &place.rotary_deg);
+            for (index, axis) in [Axis::A, Axis::B, Axis::C].into_iter().enumerate() {
+                let first = poses().next().map_or(0.0, |pose| pose[index]);
+                if has(axis) && poses().any(|pose| pose[index] != first) {
+                    let across = (0..6).filter(|component| component % 3 != index as u8);
+                    terms.extend(across.map(|component| Term::Location(axis, component)));
+                }
+            }
+        }
+        let own = |axis: Axis| machine.settings.axis(axis);
+        let travel_mm = LINEAR.map(|axis| own(axis).map_or([0.0; 2], |own| own.travel));
+        let zero_mm = travel_mm.map(|[low, high]| 0.0_f64.clamp(low, high.max(low)));
+        Terms { terms, reach_mm, zero_mm, travel_mm }
+    }
+
+    /// Value of a curve of one unit at a position, mm (of the scale mm per 1).
+    ///
+    /// Legendre polynomials over the stretch that was touched, on with their slope beyond it; zero at [`Terms::zero_mm`].
+    pub fn curve(&self, axis: Axis, degree: u8, position: f64) -> f64 {
+        let k = axis.index() % 3;
+        if degree == 1 {
+            return position - self.zero_mm[k];
+        }
+        let [low, high] = self.reach_mm[k];
+        let half = (0.5 * (high - low)).max(1e-3);
+        let value = |q: f64| {
+            let t = (q - 0.5 * (low + high)) / half;
+            let inside = t.clamp(-1.0, 1.0);
+            let [p, slope] = legendre(degree, inside);
+            p + slope * (t - inside)
+        };
+        value(position) - value(self.zero_mm[k])
+    }
+
+    /// Error of an axis by its curves with the values of all terms, mm.
+    pub fn error(&self, values: &[f64], axis: Axis, position: f64) -> [f64; 3] {
+        let mut error = [0.0; 3];
+        for (term, value) in self.terms.iter().zip(values) {
+            if let Term::Curve { axis: of, component, degree } = *term
+                && of == axis
+                && let Some(error) = error.get_mut(usize::from(component))
+            {
+                *error += value * self.curve(axis, degree, position);
+            }
+        }
+        error
+    }
+
+    /// Positions at which curves of an axis become a table.
+    pub fn grid(&self, axis: Axis, count: usize) -> Vec<f64> {
+        let [low, high] = self.travel_mm[axis.index() % 3];
+        let all = (0..=count).map(|i| low + (high - low) * i as f64 / count as f64);
+        // To a micrometre, so that the table reads well.
+        all.map(|q| (q * 1e3).round() / 1e3).collect()
+    }
+
+    /// Movement of the tip by one unit of every term, in workpiece coordinates, for poses of the machine's axes (in its own
+    /// order) with their directions of travel.
+    ///
+    /// By exact transforms of a machine without other errors.
+    ///
+    /// # Errors
+    /// A machine whose chain cannot be read.
+    pub fn responses(&self, machine: &Machine, poses: &[Pose]) -> Result<Vec<Vec<[f64; 3]>>, GeometryError> {
+        let perfect = perfect(machine);
+        let base = Geometry::new(&perfect, 0.0)?;
+        let at = |geometry: &Geometry, pose: &Pose| geometry.actual_pose(&pose.position, &pose.reverse).tip_mm;
+        let ideal: Vec<[f64; 3]> = poses.iter().map(|pose| at(&base, pose)).collect();
+        let mut responses = vec![Vec::with_capacity(self.terms.len()); poses.len()];
+        for term in &self.terms {
+            let step = term.step();
+            let geometry = Geometry::new(&self.with(&perfect, *term, step), 0.0)?;
+            for ((pose, ideal), response) in poses.iter().zip(&ideal).zip(&mut responses) {
+                let moved = at(&geometry, pose);
+                response.push(std::array::from_fn(|k| (moved[k] - ideal[k]) / step));
+            }
+        }
+        Ok(responses)
+    }
+
+    /// The machine with one term of that size.
+    fn with(&self, machine: &Machine, term: Term, size: f64) -> Machine {
+        let mut machine = machine.clone();
+        match term {
+            Term::Squareness(0) => machine.settings.location.c0y += size,
+            Term::Squareness(1) => machine.settings.location.b0z += size,
+            Term::Squareness(_) => machine.settings.location.a0z += size,
+            Term::Location(axis, component) => {
+                let rotary = &mut machine.settings.location.rotary;
+                if let Some(error) = rotary[axis.index() % 3].get_mut(usize::from(component)) {
+                    *error += size;
+                }
+            }
+            Term::Backlash(axis) => {
+                if let Some(own) = machine.settings.axes.iter_mut().find(|own| own.axis == axis) {
+                    own.backlash += size;
+                }
+            }
+            Term::Curve { axis, component, degree } => {
+                let rows: Vec<Row> = self
+                    .grid(axis, 256)
+                    .into_iter()
+                    .map(|position| {
+                        let mut errors = [0.0; 6];
+                        errors[usize::from(component) % 3] = size * self.curve(axis, degree, position);
+                        Row { position, forward: errors, reverse: errors }
+                    })
+                    .collect();
+                let table = Table { given: [true, true, true, false, false, false], bidirectional: false, rows };
+                let slot = machine.settings.axes.iter().position(|own| own.axis == axis);
+                if let Some(to) = slot.and_then(|slot| machine.tables.get_mut(slot)) {
+                    *to = Some(table);
+                }
+            }
+        }
+        machine
+    }
+}
+
+/// Positions of the machine's axes and their directions of travel (1: negative), in the machine's order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// mm and degrees.
+    pub position: [f64; AXES],
+    /// 0 or 1.
+    pub reverse: [f64; AXES],
+}
+
+/// The machine without errors.
+pub fn perfect(machine: &Machine) -> Machine {
+    let mut machine = machine.clone();
+    machine.settings.location = Default::default();
+    machine.tables.iter_mut().for_each(|table| *table = None);
+    machine.grids.clear();
+    for own in &mut machine.settings.axes {
+        own.backlash = 0.0;
+        own.thermal = Default::default();
+    }
+    machine
+}
+
+/// A Legendre polynomial and its derivative.
+fn legendre(degree: u8, t: f64) -> [f64; 2] {
+    let (mut before, mut now) = ([1.0, 0.0], [t, 1.0]);
+    for n in 1..degree {
+        let n = f64::from(n);
+        let next = ((2.0 * n + 1.0) * t * now[0] - n * before[0]) / (n + 1.0);
+        let slope = before[1] + (2.0 * n + 1.0) * now[0];
+        (before, now) = (now, [next, slope]);
+    }
+    now
+}

@@ -1,0 +1,90 @@
+//! Whether the trips of a log are those of the plan's touches.
+
+use super::log::{Log, Logged};
+use super::plan::{Plan, Planned};
+use super::task::Task;
+use anyhow::Result;
+use std::path::Path;
+use trueaxis::machine::AXES;
+use trueaxis_tables::error::FileError;
+
+/// How far beside its way a probing move may trip, mm: encoders follow a straight line.
+const BESIDE: f64 = 0.1;
+/// A trip before this share of the way to the surface is one at the start, mm.
+const AT_START: f64 = 0.02;
+/// How far a rotary axis may stand from its pose, degrees.
+const TURNED: f64 = 0.02;
+
+/// The trip of every touch of the plan, in its order.
+///
+/// # Errors
+/// With the line of the log: another task's log, a touch that is not there or is not in the plan, a trip outside its probing
+/// move.
+pub fn trips(task: &Task, plan: &Plan, log: &Log, file: &Path) -> Result<Vec<Logged>> {
+    let error = |line: Option<u32>, found: String, needed: String| -> anyhow::Error {
+        FileError { file: file.into(), line, column: None, found, needed }.into()
+    };
+    let count = plan.touches.len();
+    if let Some((identity, line)) = log.identity.filter(|(identity, _)| *identity != plan.identity) {
+        let found = format!("the log of program {identity:08x}");
+        let needed = format!("that of {:08x}, which {} plans", plan.identity, task.file.display());
+        return Err(error(Some(line), found, needed));
+    }
+    if let Some((id, logged)) = log.touches.iter().find(|(id, _)| **id > count) {
+        let found = format!("touch {id}");
+        return Err(error(Some(logged.line), found, format!("touches 1 to {count}, as {} plans", task.file.display())));
+    }
+    let mut trips = Vec::with_capacity(count);
+    let mut before = None;
+    for (index, touch) in plan.touches.iter().enumerate() {
+        let id = index + 1;
+        let Some(logged) = log.touches.get(&id) else {
+            let have = log.touches.len();
+            let found = format!("no touch {id} ({have} of {count} touches are there)");
+            return Err(error(before, found, format!("all {count} touches, {id} behind this line")));
+        };
+        before = Some(logged.line);
+        check(task, touch, id, logged).map_err(|(found, needed)| error(Some(logged.line), found, needed))?;
+        // Angles that the log does not state are those of the plan.
+        let mut trip = *logged;
+        for k in 0..3 {
+            if !logged.rotary[k] {
+                trip.position[3 + k] = touch.start[3 + k];
+            }
+        }
+        trips.push(trip);
+    }
+    Ok(trips)
+}
+
+fn check(task: &Task, touch: &Planned, id: usize, logged: &Logged) -> Result<(), (String, String)> {
+    let name = &task.artefacts[touch.artefact].name;
+    let whole = task.probe.approach_mm + task.probe.overtravel_mm;
+    let from: [f64; 3] = std::array::from_fn(|k| logged.position[k] - touch.start[k]);
+    let way: [f64; 3] = std::array::from_fn(|k| (touch.end[k] - touch.start[k]) / whole);
+    let along: f64 = (0..3).map(|k| from[k] * way[k]).sum();
+    let beside = (0..3).map(|k| (from[k] - along * way[k]).powi(2)).sum::<f64>().sqrt();
+    let at = |what: &str| format!("touch {id} on {name} tripped {what}");
+    if beside > BESIDE {
+        let found = at(&format!("{beside:.3} mm beside its probing move"));
+        return Err((found, "a trip on it: not at rapid, not of another program".into()));
+    }
+    if along < AT_START {
+        let found = at(&format!("{along:.3} mm after the start of its probing move"));
+        return Err((
+            found,
+            format!("a trip after {AT_START} to {whole} mm: not at rapid, not with the probe deflected"),
+        ));
+    }
+    if along > whole + AT_START {
+        let found = at(&format!("{along:.3} mm after the start of its probing move"));
+        return Err((found, format!("a trip within {whole} mm")));
+    }
+    let turned = (3..AXES).find(|k| logged.rotary[k - 3] && (logged.position[*k] - touch.start[*k]).abs() > TURNED);
+    if let Some(k) = turned {
+        let letter = ['A', 'B', 'C'][k - 3];
+        let found = at(&format!("with {letter} at {}", logged.position[k]));
+        return Err((found, format!("{letter} at {}", touch.start[k])));
+    }
+    Ok(())
+}

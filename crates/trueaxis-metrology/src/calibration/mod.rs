@@ -1,0 +1,82 @@
+//! What a touch probe tells of a machine: a network of touches on artefacts of known size, and the terms that explain them.
+//!
+//! A touch is where the machine believes that the centre of the probe's tip stood at the trip, in workpiece coordinates: p. The
+//! terms x of the machine (squareness, scale, …) move it by J x to where it was. With r the effective radius of the tip
+//! (pre-travel included) and δ(t) the drift since the first touch:
+//!
+//! ```text
+//! bore     |P (p + J x − δ − c)| + r − D/2        P: projection along the axis of the bore, c its centre
+//! ball     |p + J x − δ − c| − d/2 − r
+//! face     s (n · (p + J x − δ) − Σ u_j (a_j · p or 1) − known) − r        s = ±1: the side that the probe comes from
+//! ```
+//!
+//! are zero but for the probe's repeatability. Unknown are x, r, every place (c, u), the drift at its knots, and the sizes,
+//! which are known within their standard uncertainty: they enter as observations of themselves. All of it is one least-squares
+//! problem, solved by QR of scaled columns; what no touch tells apart is refused by name ([`Refused::NotApart`]).
+//!
+//! A bore of known diameter, measured all around, shows the strain of the plane it stands in: both scales, and the sum of what
+//! squareness and straightness shear there. Strain that is known all over a volume determines the error up to a rigid motion
+//! (Saint-Venant), which is set-up. A ball tells the tip's radius, without which scale could not be told from it.
+//!
+//! Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 5.3 and 6.1; ISO 230-1:2012 for the terms.
+
+mod ball;
+mod least_squares;
+mod network;
+mod surface;
+
+pub use ball::{BallFit, fit_ball};
+pub use network::{Network, Solution, Unknown};
+pub use surface::{Part, Surface, Touch};
+
+use std::fmt;
+use std::vec::Vec;
+
+/// Touches that tell too little.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refused {
+    /// Fewer touches than unknowns.
+    TooFew {
+        /// Touches.
+        found: usize,
+        /// Needed at least.
+        needed: usize,
+    },
+    /// A value that is not finite.
+    NotFinite {
+        /// Index of the touch.
+        touch: usize,
+    },
+    /// Combinations of unknowns that no touch sees: their indices with the share of each in the combination, the largest 1 or
+    /// −1, in units of the scaled columns.
+    NotApart {
+        /// The combinations.
+        combinations: Vec<Vec<(usize, f64)>>,
+    },
+    /// The places do not settle: touches are not on the artefacts that they are said to be on.
+    Unsettled {
+        /// Touch with the largest residual.
+        touch: usize,
+        /// Its residual, mm.
+        residual_mm: f64,
+    },
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooFew { found, needed } => write!(f, "found {found} touches, needed at least {needed}"),
+            Self::NotFinite { touch } => write!(f, "found a value that is not finite in touch {touch}, needed numbers"),
+            Self::NotApart { combinations } => {
+                let count = combinations.len();
+                write!(f, "found {count} combinations of unknowns that no touch tells apart, needed other places")
+            }
+            Self::Unsettled { touch, residual_mm } => {
+                write!(f, "found touch {touch} {residual_mm:.3} mm off its artefact, needed touches on the artefacts")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Refused {}

@@ -1,0 +1,144 @@
+//! Surfaces that are touched.
+
+use std::vec::Vec;
+
+/// A contribution to the place of a face: an unknown, times its distance along a direction where one is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Index of the unknown.
+    pub unknown: usize,
+    /// Factor.
+    pub factor: f64,
+    /// Direction a of the lever a · p; none for 1.
+    pub along: Option<[f64; 3]>,
+}
+
+/// A surface of an artefact, with the indices of what is unknown of it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surface {
+    /// Inside of a cylinder.
+    Bore {
+        /// Index of its diameter.
+        diameter: usize,
+        /// Index of the first of two coordinates of its centre, along `plane`.
+        centre: usize,
+        /// Two unit vectors across its axis.
+        plane: [[f64; 3]; 2],
+    },
+    /// A sphere, on its own or on a plate.
+    Ball {
+        /// Index of its diameter.
+        diameter: usize,
+        /// Index of the first of three coordinates of the artefact's origin.
+        origin: usize,
+        /// The ball's place on the artefact, mm, in the artefact's directions as set up.
+        offset: [f64; 3],
+        /// Index of the first of three small turns of the artefact, rad.
+        turn: Option<usize>,
+        /// Index of the first of three deviations of the ball's place, mm.
+        own: Option<usize>,
+    },
+    /// A plane face.
+    Face {
+        /// Unit vector across it.
+        normal: [f64; 3],
+        /// +1 where the material ends in direction of the normal, −1 against it.
+        outward: f64,
+        /// Known part of its place along the normal, mm.
+        known_mm: f64,
+        /// Unknown parts.
+        parts: Vec<Part>,
+    },
+}
+
+/// A trip of the probe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Touch {
+    /// Centre of the tip as the machine believes, in workpiece coordinates, mm.
+    pub tip_mm: [f64; 3],
+    /// What is touched.
+    pub surface: Surface,
+    /// Movement of the tip for one unit of each term of the machine, mm.
+    pub response: Vec<[f64; 3]>,
+    /// Knots of the drift with their weights: indices of the first of three components, mm.
+    pub drift: Vec<(usize, f64)>,
+}
+
+/// What a touch says at the present values of the unknowns: the residual, mm, and its derivatives.
+pub(super) struct Row {
+    pub(super) residual: f64,
+    pub(super) derivatives: Vec<(usize, f64)>,
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl Touch {
+    /// The row of the touch; `tip` is the index of the tip's radius.
+    pub(super) fn row(&self, values: &[f64], tip: usize) -> Row {
+        let of = |index: usize| values.get(index).copied().unwrap_or_default();
+        let mut point = self.tip_mm;
+        for (term, response) in self.response.iter().enumerate() {
+            (0..3).for_each(|k| point[k] += of(term) * response[k]);
+        }
+        for (knot, weight) in &self.drift {
+            (0..3).for_each(|k| point[k] -= weight * of(knot + k));
+        }
+        let mut derivatives = Vec::with_capacity(self.response.len() + 16);
+        let (residual, gradient) = match &self.surface {
+            Surface::Bore { diameter, centre, plane } => {
+                let across = [0, 1].map(|k| dot(point, plane[k]) - of(centre + k));
+                let distance = across[0].hypot(across[1]).max(f64::MIN_POSITIVE);
+                let unit = across.map(|part| part / distance);
+                derivatives.extend([(*centre, -unit[0]), (centre + 1, -unit[1]), (*diameter, -0.5), (tip, 1.0)]);
+                let gradient = std::array::from_fn(|k| unit[0] * plane[0][k] + unit[1] * plane[1][k]);
+                (distance + of(tip) - 0.5 * of(*diameter), gradient)
+            }
+            Surface::Ball { diameter, origin, offset, turn, own } => {
+                let [x, y, z] = *offset;
+                let mut centre: [f64; 3] = std::array::from_fn(|k| of(origin + k) + offset[k]);
+                if let Some(turn) = *turn {
+                    let [a, b, c] = [of(turn), of(turn + 1), of(turn + 2)];
+                    let shift = [b * z - c * y, c * x - a * z, a * y - b * x];
+                    (0..3).for_each(|k| centre[k] += shift[k]);
+                }
+                if let Some(own) = *own {
+                    (0..3).for_each(|k| centre[k] += of(own + k));
+                }
+                let from: [f64; 3] = std::array::from_fn(|k| point[k] - centre[k]);
+                let distance = dot(from, from).sqrt().max(f64::MIN_POSITIVE);
+                let unit = from.map(|part| part / distance);
+                for k in 0..3 {
+                    derivatives.push((origin + k, -unit[k]));
+                    derivatives.extend(own.map(|own| (own + k, -unit[k])));
+                }
+                if let Some(turn) = *turn {
+                    let [u, v, w] = unit;
+                    derivatives.extend([
+                        (turn, -(v * -z + w * y)),
+                        (turn + 1, -(u * z - w * x)),
+                        (turn + 2, -(v * x - u * y)),
+                    ]);
+                }
+                derivatives.extend([(*diameter, -0.5), (tip, -1.0)]);
+                (distance - 0.5 * of(*diameter) - of(tip), unit)
+            }
+            Surface::Face { normal, outward, known_mm, parts } => {
+                let mut away = dot(*normal, point) - known_mm;
+                for part in parts {
+                    let lever = part.factor * part.along.map_or(1.0, |along| dot(along, self.tip_mm));
+                    away -= of(part.unknown) * lever;
+                    derivatives.push((part.unknown, -outward * lever));
+                }
+                derivatives.push((tip, -1.0));
+                (outward * away - of(tip), normal.map(|part| outward * part))
+            }
+        };
+        derivatives.extend(self.response.iter().map(|response| dot(gradient, *response)).enumerate());
+        for (knot, weight) in &self.drift {
+            derivatives.extend((0..3).map(|k| (knot + k, -weight * gradient[k])));
+        }
+        Row { residual, derivatives }
+    }
+}

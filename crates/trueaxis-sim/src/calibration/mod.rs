@@ -1,0 +1,19 @@
+//! A touch probe on a simulated machine: executes a probing program and writes the log that the control would write.
+//!
+//! ```text
+//! program ─► moves ─► exact geometry of the machine, its lost motion, drift ─► true tip ─► first touch of an artefact ─► log
+//! ```
+//!
+//! The tip comes from exact products of rigid transforms, in workpiece coordinates, where the artefacts stand. What the log
+//! says is where the axes stood at the trip. [`random_machine`] draws machines, [`volumetric`] says what is left of their error.
+//! Drives have no lag and encoders no noise here: a probing move is slow.
+
+mod artefact;
+mod execute;
+mod random;
+mod volumetric;
+
+pub use artefact::Artefact;
+pub use execute::{Drift, Host, Probing, execute};
+pub use random::{Class, random_five_axis, random_machine};
+pub use volumetric::{Errors, volumetric};

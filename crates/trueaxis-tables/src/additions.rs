@@ -1,0 +1,165 @@
+//! What a calibration adds to the errors that a machine's files hold already.
+
+use crate::edit::{Edited, as_before, section, set, table_name};
+use crate::error::FileError;
+use crate::exact::table::ErrorTable;
+use crate::files::{Edit, Memory, Source};
+use crate::formats::{stated, write_axis_csv};
+use crate::origin::Origin;
+use crate::read::{Standing, beside};
+use crate::{Machine, Table};
+use std::path::Path;
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+use trueaxis::machine::{Axis, LocationErrors, Row};
+
+/// Closest two positions of a table, mm or degrees.
+const CLOSEST: f64 = 1e-3;
+
+/// Errors found on top of those that the machine's files state: actual − ideal, mm and rad.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Additions {
+    /// For an axis: positions, and the translations X, Y, Z at them; between them linear, beyond them as at the end.
+    pub curves: Vec<(Axis, Vec<(f64, [f64; 3])>)>,
+    /// Location errors.
+    pub location: LocationErrors,
+    /// Backlash of axes, mm.
+    pub backlash: Vec<(Axis, f64)>,
+    /// Numbers of `machine.toml` that are set, not added: full names of their keys, like `axis.X.uncertainty.scale_ppm`.
+    pub set: Vec<(String, f64)>,
+}
+
+impl Additions {
+    /// The changes that bring them into a machine; `name` is that of its `machine.toml`. Comments, order and every other
+    /// setting stay. What results is checked as [`Machine::read`] does. Nothing is written.
+    ///
+    /// # Errors
+    /// A machine that cannot be read, a table that cannot be written under its name, or a result that the controller would
+    /// refuse.
+    pub fn edit(&self, machine: &dyn Source, name: &Path) -> Result<Edited, FileError> {
+        let before = Machine::read_untabled(machine, name, &mut |_| {})?;
+        let standing = Standing::read(machine, name)?;
+        let origin = Origin::new(&machine.path(name));
+        let text = standing.text.strip_prefix('\u{feff}').unwrap_or(&standing.text);
+        let mut document = text
+            .parse::<DocumentMut>()
+            .map_err(|error| origin.whole(error.message().to_owned(), "a TOML file that can be edited"))?;
+        let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
+        for (axis, curve) in &self.curves {
+            let table = summed(&before, *axis, curve);
+            let csv = table_name(*axis, &standing, &origin)?;
+            let new = before.rows(*axis).is_none();
+            let section = section(&mut document, *axis, &origin)?;
+            set(section, "table", Value::from(csv.as_str()));
+            if new && !section.contains_key("interpolation") {
+                set(section, "interpolation", Value::from("cubic"));
+            }
+            let how = if new { "table added" } else { "errors added to the table" };
+            edited.notes.push(format!("axis {}: {how}, {} lines", axis.letter(), table.rows.len()));
+            edited.files.push((beside(name, &csv), write_axis_csv(&table, *axis)));
+        }
+        for (axis, backlash) in self.backlash.iter().filter(|(_, backlash)| *backlash != 0.0) {
+            let own = before.settings.axis(*axis).map_or(0.0, |own| own.backlash);
+            set(section(&mut document, *axis, &origin)?, "backlash_um", micro(own + backlash));
+            edited.notes.push(format!("axis {}: backlash set", axis.letter()));
+        }
+        if self.location != LocationErrors::default() {
+            let sum = added(&before.settings.location, &self.location);
+            let to = table_at(document.as_table_mut(), "location", &origin)?;
+            let values = stated::location(&sum);
+            let names: Vec<&str> = values.iter().map(|(key, _)| key.as_str()).collect();
+            edited.notes.push(format!("location errors set: {}", names.join(" ")));
+            values.into_iter().for_each(|(key, value)| set(to, &key, value));
+        }
+        for (key, value) in &self.set {
+            let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
+            let mut at: &mut dyn TableLike = document.as_table_mut();
+            for part in path.split('.').filter(|part| !part.is_empty()) {
+                at = table_at(at, part, &origin)?;
+            }
+            set(at, last, rounded(*value));
+        }
+        edited.files.push((name.into(), as_before(document.to_string(), &standing.text)));
+        let changed = Memory::new(edited.files.iter().map(|(name, text)| (name, text.as_str())));
+        Machine::read_untabled(&Edit { changed, beneath: machine }, name, &mut |_| {}).map_err(|error| FileError {
+            needed: format!("{} (in the machine with what was found; nothing is written)", error.needed),
+            ..error
+        })?;
+        Ok(edited)
+    }
+}
+
+/// A section of a table, made where there is none; one that only holds sections gets no header.
+fn table_at<'d>(table: &'d mut dyn TableLike, name: &str, origin: &Origin) -> Result<&'d mut dyn TableLike, FileError> {
+    let new = || {
+        let mut new = toml_edit::Table::new();
+        new.set_implicit(true);
+        Item::Table(new)
+    };
+    let refused = || origin.whole(format!("a {name} that is no section"), format!("a section [{name}]"));
+    table.entry(name).or_insert_with(new).as_table_like_mut().ok_or_else(refused)
+}
+
+/// µm with three decimals.
+fn micro(mm: f64) -> Value {
+    Value::from((1e6 * mm).round() / 1e3)
+}
+
+/// Three significant decimals are enough for an uncertainty.
+fn rounded(value: f64) -> Value {
+    Value::from((1e3 * value).round() / 1e3)
+}
+
+fn added(to: &LocationErrors, what: &LocationErrors) -> LocationErrors {
+    // To a nanometre and a nanoradian: more digits say nothing.
+    let sum = |a: f64, b: f64, scale: f64| if b == 0.0 { a } else { ((a + b) * scale).round() / scale };
+    LocationErrors {
+        a0z: sum(to.a0z, what.a0z, 1e9),
+        b0z: sum(to.b0z, what.b0z, 1e9),
+        c0y: sum(to.c0y, what.c0y, 1e9),
+        rotary: std::array::from_fn(|axis| {
+            std::array::from_fn(|k| sum(to.rotary[axis][k], what.rotary[axis][k], if k < 3 { 1e6 } else { 1e9 }))
+        }),
+    }
+}
+
+/// The axis' table with the curve added, at the positions of both.
+fn summed(machine: &Machine, axis: Axis, curve: &[(f64, [f64; 3])]) -> Table {
+    let found = machine.axes().find(|(own, _)| own.axis == axis);
+    let old = found.and_then(|(own, table)| Some((ErrorTable::new(own, &table?.rows), table?)));
+    let own = old.iter().flat_map(|(_, table)| table.rows.iter().map(|row| row.position));
+    let mut positions: Vec<f64> = own.clone().collect();
+    let far = |position: &f64| own.clone().all(|other| (other - position).abs() >= CLOSEST);
+    positions.extend(curve.iter().map(|(position, _)| *position).filter(far));
+    positions.sort_by(f64::total_cmp);
+    let mut given: [bool; 6] = old.as_ref().map_or([false; 6], |(_, table)| table.given);
+    for (given, k) in given.iter_mut().zip(0..3) {
+        *given |= curve.iter().any(|(_, error)| error[k] != 0.0);
+    }
+    let rows: Vec<Row> = positions
+        .into_iter()
+        .map(|position| {
+            let by = at(curve, position);
+            let [forward, reverse] = [0.0, 1.0].map(|reverse| {
+                let mut errors = old.as_ref().map_or([0.0; 6], |(table, _)| table.at(position, reverse));
+                // To a hundredth of a nanometre.
+                (0..3).for_each(|k| errors[k] = ((errors[k] + by[k]) * 1e8).round() / 1e8);
+                errors
+            });
+            Row { position, forward, reverse }
+        })
+        .collect();
+    let bidirectional = rows.iter().any(|row| row.forward != row.reverse);
+    Table { given, bidirectional, rows }
+}
+
+fn at(curve: &[(f64, [f64; 3])], position: f64) -> [f64; 3] {
+    let right = curve.partition_point(|(q, _)| *q <= position);
+    match (right.checked_sub(1).and_then(|left| curve.get(left)), curve.get(right)) {
+        (Some((from, a)), Some((to, b))) => {
+            let share = (position - from) / (to - from);
+            std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))
+        }
+        (Some((_, edge)), None) | (None, Some((_, edge))) => *edge,
+        (None, None) => [0.0; 3],
+    }
+}

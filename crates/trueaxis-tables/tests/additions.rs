@@ -1,0 +1,59 @@
+//! What a calibration adds to a machine's files.
+
+use std::path::Path;
+use trueaxis::Axis;
+use trueaxis::machine::LocationErrors;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::{Additions, Machine};
+
+const MACHINE: &str = "# mine\nname = \"m\"\nchain = \"w X' Y' b Z t\"\n[axis.Y]\ntable = \"y.csv\" # kept\nbacklash_um = 1.5\n\
+                       travel_mm = [0.0, 100.0]\n[axis.X]\ntravel_mm = [0.0, 100.0]\n[axis.Z]\ntravel_mm = [-50.0, 0.0]\n\
+                       [location]\nC0Y_urad = 10.0 # before\n";
+
+#[test]
+fn errors_are_added_and_everything_else_stays() {
+    let files = Memory::new([("machine.toml", MACHINE), ("y.csv", "Y_mm,EYY_um,ECY_urad\n0,1,5\n40,2,5\n100,4,5\n")]);
+    let additions = Additions {
+        curves: vec![
+            (Axis::X, vec![(0.0, [0.0; 3]), (100.0, [0.01, 0.002, 0.0])]),
+            (Axis::Y, vec![(0.0, [0.0; 3]), (50.0, [0.0, 0.005, 0.0]), (100.0, [0.0, 0.01, 0.001])]),
+        ],
+        location: LocationErrors { c0y: 5e-6, ..LocationErrors::default() },
+        backlash: vec![(Axis::Y, 0.0021)],
+        set: vec![("axis.X.uncertainty.scale_ppm".into(), 1.234567), ("uncertainty.location.C0Y_urad".into(), 0.5)],
+    };
+    let edited = additions.edit(&files, Path::new("machine.toml")).unwrap();
+    let file = |name: &str| edited.files.iter().find(|(own, _)| own == Path::new(name)).map(|(_, text)| text.as_str());
+    let text = file("machine.toml").unwrap();
+    let parts = [
+        "# mine\n",
+        "table = \"y.csv\" # kept",
+        "backlash_um = 3.6",
+        "C0Y_urad = 15.0 # before",
+        "scale_ppm = 1.235",
+        "[uncertainty.location]",
+    ];
+    for part in parts {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    assert_eq!(file("x.csv").unwrap(), "X_mm,EXX_um,EYX_um\n0,0,0\n100,10,2\n");
+    // At 40 mm 4 µm more; at 50 mm what the table had between its lines.
+    let table = "Y_mm,EYY_um,EZY_um,ECY_urad\n0,1,0,5\n40,6,0,5\n50,7.33333,0,5\n100,14,1,5\n";
+    assert_eq!(file("y.csv").unwrap(), table);
+    let all = [("y.csv", file("y.csv").unwrap()), ("x.csv", file("x.csv").unwrap()), ("machine.toml", text)];
+    let machine = Machine::read_from(&Memory::new(all), Path::new("machine.toml"), &mut |_| {}).unwrap();
+    assert!((machine.settings.location.c0y - 15e-6).abs() < 1e-15);
+}
+
+#[test]
+fn a_machine_without_tables_is_one_without_errors() {
+    let bare = "name = \"m\"\nchain = \"w X' b Z t\"\n[axis.X]\ntravel_mm = [0.0, 100.0]\n";
+    let files = Memory::new([("machine.toml", bare)]);
+    let machine = Machine::read_untabled(&files, Path::new("machine.toml"), &mut |_| {}).unwrap();
+    assert!(machine.tables.iter().all(Option::is_none));
+    let refused = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap_err().to_string();
+    assert!(refused.contains("no axis with a table"), "{refused}");
+    let too_much = Additions { backlash: vec![(Axis::X, 5.0)], ..Additions::default() };
+    let refused = too_much.edit(&files, Path::new("machine.toml")).unwrap_err().to_string();
+    assert!(refused.contains("axis.X.backlash_um") && refused.contains("nothing is written"), "{refused}");
+}

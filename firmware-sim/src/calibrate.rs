@@ -1,0 +1,124 @@
+//! `firmware-sim calibrate`: its arguments and output.
+
+use crate::console::put;
+use anyhow::{Result, bail};
+use clap::Args;
+use firmware_sim::calibration::{Conditions, FIVE_AXES, FiveAxes, MILL, Outcome, Summary, all, page, summary};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::fmt::Write;
+use std::path::PathBuf;
+use trueaxis_report::number::significant;
+use trueaxis_sim::calibration::Class;
+use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::read_text;
+
+/// Most machines of a run.
+const MOST: u64 = 100_000;
+
+/// Arguments of `calibrate`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  firmware-sim calibrate --machines 200              200 mills and a tenth as many five-axis machines
+  firmware-sim calibrate --machines 5 --report out   out/calibration.html
+  firmware-sim calibrate --machines 50 --angle-urad 10   with angular errors, which the terms do not hold")]
+pub(crate) struct CalibrateArgs {
+    /// Three-axis machines; a tenth as many with five axes.
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    machines: u64,
+    /// Seed of the first machine; the next have the next.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Standard deviation of a touch, 0 to 100.
+    #[arg(long, value_name = "UM", default_value_t = 1.0, allow_negative_numbers = true)]
+    noise_um: f64,
+    /// Angular errors of every axis, a bow of that height over its travel, 0 to 200.
+    #[arg(long, value_name = "URAD", default_value_t = 0.0, allow_negative_numbers = true)]
+    angle_urad: f64,
+    /// Another task for the three-axis machines: rings and balls in 500 × 400 × 300 mm (X and Y from 0, Z down from 0).
+    #[arg(long, value_name = "TASK.toml")]
+    task: Option<PathBuf>,
+    /// Another task for the five-axis machines.
+    #[arg(long, value_name = "TASK.toml")]
+    five_axes_task: Option<PathBuf>,
+    /// Print one JSON document and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// Write calibration.html into this folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
+    for (name, value, most) in [("--noise-um", args.noise_um, 100.0), ("--angle-urad", args.angle_urad, 200.0)] {
+        if !(0.0..=most).contains(&value) {
+            bail!("{name}: found {value}, needed 0 to {most}");
+        }
+    }
+    if !(1..=MOST).contains(&args.machines) {
+        bail!("--machines: found {}, needed 1 to {MOST}", args.machines);
+    }
+    let class = Class { angle: 1e-6 * args.angle_urad, ..Class::MILL };
+    let conditions = Conditions { noise_um: args.noise_um, ..Conditions::SHOP };
+    let style =
+        ProgressStyle::with_template("{bar:40} {pos}/{len} machines").unwrap_or_else(|_| ProgressStyle::default_bar());
+    let task = |given: &Option<PathBuf>, own: &str| match given {
+        Some(file) => Ok::<_, anyhow::Error>(read_text(file, &[])?),
+        None => Ok(own.to_owned()),
+    };
+    let tasks = [task(&args.task, MILL)?, task(&args.five_axes_task, FIVE_AXES)?];
+    let bar = ProgressBar::new(args.machines + args.machines.div_ceil(10)).with_style(style);
+    let (three, five) =
+        all(args.machines, args.seed, tasks.each_ref().map(String::as_str), &class, &conditions, &|| bar.inc(1))?;
+    bar.finish_and_clear();
+    let found = summary(&three, &five);
+    if let Some(directory) = &args.report {
+        let mut outputs = Outputs::default();
+        outputs.folder(directory)?;
+        outputs.put(&directory.join("calibration.html"), page(&three, &five, &found).as_bytes())?;
+        outputs.commit()?;
+    }
+    if args.json {
+        let document = serde_json::json!({ "summary": found, "three_axes": three, "five_axes": five });
+        return put(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+    }
+    put(&text(&three, &five, &found)?)
+}
+
+fn text(three: &[Outcome], five: &[FiveAxes], found: &Summary) -> Result<String> {
+    let um = |value: f64| significant(value, 3);
+    let mut text = String::from("seed      before RMS / max µm     after RMS / max µm     removed\n");
+    for one in three.iter().take(20) {
+        let (before, after) = (one.before_um, one.after_um);
+        writeln!(
+            text,
+            "{:<8} {:>9} / {:<9} {:>10} / {:<9} {:>8.1} %",
+            one.seed,
+            um(before.rms),
+            um(before.max),
+            um(after.rms),
+            um(after.max),
+            100.0 * one.removed
+        )?;
+    }
+    if three.len() > 20 {
+        writeln!(text, "… {} more", three.len() - 20)?;
+    }
+    writeln!(
+        text,
+        "\n{} three-axis machines: {:.1} % of the volumetric error removed at the median, {:.1} % at the least, {} made worse",
+        found.machines,
+        100.0 * found.median_removed,
+        100.0 * found.least_removed,
+        found.made_worse
+    )?;
+    writeln!(
+        text,
+        "{} five-axis machines: centre lines within {} µm and {} µrad, at the median {} µm and {} µrad",
+        five.len(),
+        um(found.worst_place_um),
+        um(found.worst_tilt_urad),
+        um(found.median_place_um),
+        um(found.median_tilt_urad)
+    )?;
+    Ok(text)
+}

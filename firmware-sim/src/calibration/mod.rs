@@ -1,0 +1,127 @@
+//! The whole calibration of a simulated machine: task, program, probing, log, solution, tables, and what they leave.
+//!
+//! ```text
+//! random machine ─┐
+//! task ─► plan ─► program ─► probing ─► log ─► solution ─► machine files ─► compiled ─► correction ─► error over the volume
+//!         artefacts within their uncertainty, misplaced; probe noise and lobes; drift
+//! ```
+//!
+//! Nothing that the solution knows comes from the true machine but the log.
+
+mod artefacts;
+mod five_axes;
+mod summary;
+mod tasks;
+
+pub use five_axes::{FiveAxes, five_axes};
+pub use summary::{Summary, all, page, summary};
+pub use tasks::{FIVE_AXES, MILL};
+
+use anyhow::{Context, Result};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
+use std::path::Path;
+use trueaxis_evaluation::calibrate::{Calibration, Dialect, Plan, Task, calibrate, perfect, program, read_log, trips};
+use trueaxis_sim::calibration::{Class, Drift, Errors, Host, Probing, execute, random_machine, volumetric};
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::formats::machine_files;
+
+/// The surroundings of the probing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    /// Standard deviation of a touch, µm.
+    pub noise_um: f64,
+    /// Pre-travel of the probe, and how much it varies around the tip, µm.
+    pub pre_travel_um: [f64; 2],
+    /// Drift: standard deviation of its rate in each direction, µm an hour, and of a part that settles, µm.
+    pub drift_um: [f64; 2],
+    /// How far artefacts stand from where the task says, mm.
+    pub misplaced_mm: f64,
+}
+
+impl Conditions {
+    /// A touch probe of 1 µm on a machine that has not settled.
+    pub const SHOP: Conditions =
+        Conditions { noise_um: 1.0, pre_travel_um: [8.0, 0.3], drift_um: [4.0, 3.0], misplaced_mm: 0.3 };
+}
+
+/// One machine calibrated.
+#[derive(Clone, Debug)]
+pub struct Calibrated {
+    /// The log.
+    pub log: String,
+    /// What it told.
+    pub found: Calibration,
+    /// The machine as the files say after it.
+    pub known: Machine,
+}
+
+/// Result of a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Seed of the machine and of everything else.
+    pub seed: u64,
+    /// Error over the volume without correction.
+    pub before_um: Errors,
+    /// With the correction that was found.
+    pub after_um: Errors,
+    /// Share of the root mean square that is gone.
+    pub removed: f64,
+    /// Standard deviation of a touch as found, µm.
+    pub sigma_um: f64,
+}
+
+/// Calibrates the three-axis machine of a seed by a task, like [`MILL`].
+///
+/// # Errors
+/// Whatever planning, probing or solving refuses.
+pub fn three_axes(seed: u64, task: &str, class: &Class, conditions: &Conditions) -> Result<Outcome> {
+    let truth = random_machine(seed, class);
+    let calibrated = run(task, &truth, seed, conditions)?;
+    let [before_um, after_um] = volumetric(&truth, &calibrated.known)?;
+    let removed = 1.0 - after_um.rms / before_um.rms;
+    Ok(Outcome { seed, before_um, after_um, removed, sigma_um: 1e3 * calibrated.found.solution.sigma_mm })
+}
+
+/// The whole round on one machine.
+///
+/// # Errors
+/// As [`three_axes`].
+pub fn run(task: &str, truth: &Machine, seed: u64, conditions: &Conditions) -> Result<Calibrated> {
+    let task = Task::read(task, Path::new("task.toml"))?;
+    let nominal = perfect(truth);
+    let plan = Plan::new(&task, &nominal)?;
+    let mut dice = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut dice) };
+    let set_ups = artefacts::stand(&task, &nominal, conditions.misplaced_mm, &mut normal)?;
+    let mut vector = |size: f64| [normal(), normal(), normal()].map(|part| 1e-3 * size * part).into();
+    let drift = Drift { rate: vector(conditions.drift_um[0]), settles: vector(conditions.drift_um[1]), lag_s: 2400.0 };
+    let probing = Probing {
+        machine: truth.clone(),
+        set_ups,
+        tip_radius_mm: task.probe.tip_radius_mm,
+        pre_travel_mm: 1e-3 * conditions.pre_travel_um[0],
+        lobes_mm: 1e-3 * conditions.pre_travel_um[1],
+        noise_mm: 1e-3 * conditions.noise_um,
+        drift,
+        pause_s: 300.0,
+        seed: seed ^ 0x9015e,
+        // Either control in turn.
+        host: if seed.is_multiple_of(2) { Host::LinuxCnc } else { Host::GrblHal },
+    };
+    let dialect = if probing.host == Host::LinuxCnc { Dialect::LinuxCnc } else { Dialect::GrblHal };
+    let task = Task { dialect, ..task };
+    let text = program(&task, &nominal, &plan);
+    let log = execute(&probing, &text).with_context(|| format!("machine {seed}"))?;
+    let read = read_log(&log, Path::new("probe.log"), dialect, |_| {})?;
+    let trips = trips(&task, &plan, &read, Path::new("probe.log"))?;
+    let found = calibrate(&task, &nominal, &plan, &trips, Path::new("probe.log"))?;
+    let files = Memory::new(machine_files(&nominal, ""));
+    let edited = found.additions().edit(&files, Path::new("machine.toml"))?;
+    let all = machine_files(&nominal, "").into_iter().map(|(name, text)| (name.into(), text)).chain(edited.files);
+    let known = Machine::read_from(&Memory::new(all), Path::new("machine.toml"), &mut |_| {})?;
+    Ok(Calibrated { log, found, known })
+}

@@ -1,0 +1,105 @@
+//! Many machines, and what they say together.
+
+use super::{Conditions, FiveAxes, Outcome, five_axes, three_axes};
+use anyhow::Result;
+use maud::html;
+use rayon::prelude::*;
+use serde::Serialize;
+use trueaxis_report::number::significant;
+use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour};
+use trueaxis_sim::calibration::Class;
+
+/// What many machines say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// Three-axis machines.
+    pub machines: usize,
+    /// Share of the volumetric error (root mean square) that is removed, at the median.
+    pub median_removed: f64,
+    /// On the machine on which it is least.
+    pub least_removed: f64,
+    /// Machines whose error is larger after than before, root mean square or largest.
+    pub made_worse: usize,
+    /// Error of centre lines at the worst five-axis machine, µm.
+    pub worst_place_um: f64,
+    /// Of tilts, µrad.
+    pub worst_tilt_urad: f64,
+    /// At the median, µm.
+    pub median_place_um: f64,
+    /// At the median, µrad.
+    pub median_tilt_urad: f64,
+}
+
+/// Calibrates `machines` three-axis machines with the seeds from `seed` on, and a tenth as many with five axes, by a
+/// task for either; `done` is called after each.
+///
+/// # Errors
+/// The first refusal.
+pub fn all(
+    machines: u64,
+    seed: u64,
+    [mill, trunnion]: [&str; 2],
+    class: &Class,
+    conditions: &Conditions,
+    done: &(dyn Fn() + Sync),
+) -> Result<(Vec<Outcome>, Vec<FiveAxes>)> {
+    let with_seed = |count: u64| (0..count).into_par_iter().map(move |k| seed.wrapping_add(k));
+    let three = with_seed(machines).map(|seed| three_axes(seed, mill, class, conditions).inspect(|_| done()));
+    let three = three.collect::<Result<Vec<_>>>()?;
+    let five =
+        with_seed(machines.div_ceil(10)).map(|seed| five_axes(seed, trunnion, class, conditions).inspect(|_| done()));
+    Ok((three, five.collect::<Result<Vec<_>>>()?))
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    let half = values.len() / 2;
+    match values.len() % 2 {
+        0 if half > 0 => 0.5 * (values[half - 1] + values[half]),
+        _ => values.get(half).copied().unwrap_or_default(),
+    }
+}
+
+/// What they say together.
+pub fn summary(three: &[Outcome], five: &[FiveAxes]) -> Summary {
+    let worse = |one: &&Outcome| one.after_um.rms > one.before_um.rms || one.after_um.max > one.before_um.max;
+    Summary {
+        machines: three.len(),
+        median_removed: median(three.iter().map(|one| one.removed)),
+        least_removed: three.iter().map(|one| one.removed).fold(f64::INFINITY, f64::min),
+        made_worse: three.iter().filter(worse).count(),
+        worst_place_um: five.iter().map(|one| one.place_um).fold(0.0, f64::max),
+        worst_tilt_urad: five.iter().map(|one| one.tilt_urad).fold(0.0, f64::max),
+        median_place_um: median(five.iter().map(|one| one.place_um)),
+        median_tilt_urad: median(five.iter().map(|one| one.tilt_urad)),
+    }
+}
+
+/// The page.
+pub fn page(three: &[Outcome], five: &[FiveAxes], found: &Summary) -> String {
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let um = |value: f64| significant(value, 3);
+    let table = Table::new(
+        ["", ""],
+        [
+            Row::new("three-axis machines", [found.machines.to_string()]),
+            Row::new("volumetric error removed, median", [percent(found.median_removed)]),
+            Row::new("least", [percent(found.least_removed)]),
+            Row::new("made worse", [found.made_worse.to_string()]),
+            Row::new("five-axis machines", [five.len().to_string()]),
+            Row::new("centre lines within, µm", [um(found.worst_place_um)]),
+            Row::new("tilts within, µrad", [um(found.worst_tilt_urad)]),
+        ],
+    );
+    let mut sorted: Vec<&Outcome> = three.iter().collect();
+    sorted.sort_by(|one, other| one.before_um.rms.total_cmp(&other.before_um.rms));
+    let curve = |take: fn(&Outcome) -> f64| (1..).zip(&sorted).map(move |(k, one)| [f64::from(k), take(one)]);
+    let y = Scale::from_zero("RMS error over the volume, µm", three.iter().map(|one| one.before_um.rms));
+    let x = Scale::linear("machines, by their error before", [1.0, sorted.len().max(2) as f64]);
+    let mut figure = Figure::full("Volumetric error before and after", 320, x, y);
+    figure.curve("before", curve(|one| one.before_um.rms), Stroke::new(colour::UNCOMPENSATED, 1.6));
+    figure.curve("after", curve(|one| one.after_um.rms), Stroke::new(colour::COMPENSATED, 1.6));
+    figure.caption("Root mean square of the tip's error over the volume, its best rigid motion taken out.");
+    Page::new("Calibration of simulated machines").top(table).section("Machines", html! { (figure) }).document()
+}

@@ -1,0 +1,50 @@
+# Probing moves in any direction, for the programs of `trueaxis calibrate plan`.
+#
+#   [trueaxis_probe]
+#   pin: ^PC7
+#
+#   TRUEAXIS_PROBE ID=17 X=120.5 Y=80 Z=-5 F=60
+#
+# moves in a straight line until the probe trips and says where the machine stood then:
+#
+#   // trueaxis touch 17 X:118.402500 Y:80.000000 Z:-5.000000 tripped:1
+#
+# Positions are the toolhead's, in machine coordinates; no offset of G92 or SET_GCODE_OFFSET acts on them. A move that
+# touches nothing, or starts with the probe tripped, is an error and ends the program.
+#
+# This file may be distributed under the terms of the GNU GPLv3 license.
+
+
+class TrueaxisProbe:
+    def __init__(self, config):
+        self.printer = config.get_printer()
+        pins = self.printer.lookup_object("pins")
+        self.endstop = pins.setup_pin("endstop", config.get("pin"))
+        self.printer.register_event_handler("klippy:mcu_identify", self.add_steppers)
+        gcode = self.printer.lookup_object("gcode")
+        gcode.register_command("TRUEAXIS_PROBE", self.cmd_probe, desc=self.cmd_probe_help)
+
+    def add_steppers(self):
+        # Whichever motors a move in any direction needs.
+        kinematics = self.printer.lookup_object("toolhead").get_kinematics()
+        for stepper in kinematics.get_steppers():
+            self.endstop.add_stepper(stepper)
+
+    cmd_probe_help = "Straight move until the probe trips; says where that was"
+
+    def cmd_probe(self, gcmd):
+        toolhead = self.printer.lookup_object("toolhead")
+        number = gcmd.get_int("ID", minval=1)
+        to = list(toolhead.get_position())
+        for index, axis in enumerate("XYZ"):
+            to[index] = gcmd.get_float(axis, to[index])
+        speed = gcmd.get_float("F", above=0.0) / 60.0
+        homing = self.printer.lookup_object("homing")
+        trip = homing.probing_move(self.endstop, to, speed)
+        gcmd.respond_info(
+            "trueaxis touch %d X:%.6f Y:%.6f Z:%.6f tripped:1" % (number, trip[0], trip[1], trip[2])
+        )
+
+
+def load_config(config):
+    return TrueaxisProbe(config)
