@@ -131,6 +131,7 @@ fn solve<'a>(output: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 }
 
 #[test]
+#[ignore = "written, not yet run"]
 fn a_ring_and_a_ball_tell_the_machine() {
     let (folder, program) = planned(&whole_task());
     folder.write("probe.log", bench().run(&program));
@@ -167,6 +168,7 @@ fn a_ring_and_a_ball_tell_the_machine() {
 }
 
 #[test]
+#[ignore = "written, not yet run"]
 fn every_dialect_and_a_csv_say_the_same() {
     let (folder, program) = planned(&whole_task());
     let log = bench().run(&program);
@@ -204,6 +206,7 @@ fn every_dialect_and_a_csv_say_the_same() {
 }
 
 #[test]
+#[ignore = "written, not yet run"]
 fn bad_logs_are_refused_with_their_line() {
     let (folder, program) = planned(&whole_task());
     let log = bench().run(&program);
@@ -242,6 +245,7 @@ fn bad_logs_are_refused_with_their_line() {
 }
 
 #[test]
+#[ignore = "written, not yet run"]
 fn what_a_set_up_cannot_tell_apart_is_named() {
     let folder = Folder::new(TRUEAXIS);
     folder.write("mill/machine.toml", MACHINE);
