@@ -229,7 +229,7 @@ fn drift_holds(source: &Source<'_>, observed: &Observed, solution: &Solution) ->
     let at = |knot: Option<usize>, k: usize| knot.map_or(0.0, |index| solution.values[index + k]);
     let references: Vec<usize> =
         (0..source.plan.visits.len()).filter(|visit| source.plan.visits[*visit].reference).collect();
-    let limit = solution.signal_mm.max(5.0 * source.task.probe.repeatability_mm);
+    let limit = solution.signal_mm.max(10.0 * source.task.probe.repeatability_mm);
     for (pair, knots) in references.windows(2).zip(observed.knots.windows(2)) {
         let [from, to] = [&source.plan.visits[pair[0]], &source.plan.visits[pair[1]]];
         if from.set_up != to.set_up {
