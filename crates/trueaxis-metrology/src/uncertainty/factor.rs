@@ -25,7 +25,7 @@ const TERMS: usize = 100_000;
 ///
 /// Source: JCGM 100:2008, table G.2; M. Abramowitz, I. Stegun, Handbook of Mathematical Functions, 26.5.27 and 26.5.8.
 pub fn student_factor(p: f64, degrees_of_freedom: f64) -> f64 {
-    if !(0.0..1.0).contains(&p) || !(degrees_of_freedom > 0.0) {
+    if !(0.0..1.0).contains(&p) || degrees_of_freedom.is_nan() || degrees_of_freedom <= 0.0 {
         return f64::NAN;
     }
     let inside = |k: f64| {
@@ -46,7 +46,7 @@ pub fn student_factor(p: f64, degrees_of_freedom: f64) -> f64 {
 ///
 /// Source: Abramowitz and Stegun, 26.4.19, 6.5.29 and 6.5.31.
 pub fn chi_squared_quantile(p: f64, degrees_of_freedom: f64) -> f64 {
-    if !(0.0..1.0).contains(&p) || !(degrees_of_freedom > 0.0) {
+    if !(0.0..1.0).contains(&p) || degrees_of_freedom.is_nan() || degrees_of_freedom <= 0.0 {
         return f64::NAN;
     }
     inverse(p, |x| gamma(0.5 * degrees_of_freedom, 0.5 * x))
