@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal, TypedDict, final, type_check_only
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Error", "__version__", "Machine", "Path", "Program", "helicoid", "identify", "friction", "circle", "roundness", "probe_angles", "simulate"]
+__all__ = ["Error", "__version__", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "circle", "roundness", "probe_angles", "simulate"]
 
 __version__: str
 
@@ -163,6 +163,16 @@ def friction(
     machine: Machine | None = None,
     find_drive: bool = False,
     toml: bool = False,
+) -> dict[str, Any]: ...
+def ballbar(
+    record: NDArray[np.float64] | str | PathLike[str],
+    *,
+    radius_mm: float,
+    axes: str = "X,Y",
+    pitch_x_mm: float | None = None,
+    pitch_y_mm: float | None = None,
+    pitch_z_mm: float | None = None,
+    traces: bool = False,
 ) -> dict[str, Any]: ...
 def circle(points: NDArray[np.float64]) -> dict[str, Any]: ...
 def roundness(

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::telemetry::Frame;
-use trueaxis_evaluation::ballbar::{Document, Options, Test, Ways, values};
+use trueaxis_evaluation::ballbar::{Document, LENGTHS_MM, Options, Test, Ways, values};
 use trueaxis_evaluation::friction::pair;
 use trueaxis_metrology::ballbar::Position;
 use trueaxis_recording::Received;
@@ -71,8 +71,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let names = ["--pitch-x-mm", "--pitch-y-mm", "--pitch-z-mm"];
     let lengths = names.into_iter().zip(pitches).chain([("--radius-mm", Some(arguments.radius_mm))]);
     for (name, value) in lengths {
-        if let Some(value) = value.filter(|value| !(1e-3..=1e5).contains(value)) {
-            bail!("{name}: found {value}, needed 0.001 to 100000 mm");
+        if let Some(value) = value.filter(|value| !LENGTHS_MM.contains(value)) {
+            bail!("{name}: found {value}, needed {} to {} mm", LENGTHS_MM.start(), LENGTHS_MM.end());
         }
     }
     let pitches_mm = arguments.axes.map(|axis| pitches.get(axis.index()).copied().flatten());

@@ -4,81 +4,116 @@ use crate::compensate::{Arrival, Model, NoCorrection, Place, PoseError, Settings
 use anyhow::{Result, anyhow};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use trueaxis::machine::AXES;
+use trueaxis::machine::{AXES, Axis};
 use trueaxis_tables::Machine;
 
 /// Positions that one thread takes at a time.
 const CHUNK: usize = 4096;
 
+/// Positions row by row, mm and degrees; axes that have no column stand at 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Positions<'p> {
+    /// Row after row.
+    pub values: &'p [f64],
+    /// Axis of every column; not empty.
+    pub columns: &'p [Axis],
+}
+
+impl Positions<'_> {
+    /// Number of rows.
+    pub fn count(&self) -> usize {
+        self.values.len() / self.columns.len()
+    }
+
+    /// X, Y, Z (mm), A, B, C (degrees) of a row; beyond the last 0.
+    pub fn at(&self, row: usize) -> [f64; AXES] {
+        let mut command = [0.0; AXES];
+        let values = self.values.iter().skip(row * self.columns.len());
+        for (axis, value) in self.columns.iter().zip(values) {
+            command[axis.index()] = *value;
+        }
+        command
+    }
+}
+
 /// What `of` takes of the error at every position; the number of positions beyond a table's end.
 ///
-/// Positions are X, Y, Z (mm), A, B, C (degrees). All cores share the work, but in order of travel, where each position needs
-/// the one before. Cost: one look-up a position; in order one correction more.
+/// All cores share the work, but in order of travel, where each position needs the one before. Cost: one look-up a position;
+/// in order one correction more.
 ///
 /// # Errors
 /// Those of [`with_model`]; in order a pose without a correction, with the index of its position.
 ///
 /// # Panics
-/// `errors` is not as long as `positions`.
+/// `errors` is not as long as there are positions.
 pub fn errors(
     machine: &Machine,
     settings: &Settings,
     arrival: Arrival,
-    positions: &[[f64; AXES]],
+    positions: Positions<'_>,
     of: impl Fn(&PoseError) -> [f64; 3] + Sync,
     errors: &mut [[f64; 3]],
 ) -> Result<usize> {
-    evaluate(machine, settings, arrival, positions, errors, |_, _, error| Ok(of(error)))
+    evaluate(machine, settings, arrival, positions, errors.as_flattened_mut(), 3, |model, at, result| {
+        let error = model.error(at);
+        result.copy_from_slice(&of(&error));
+        Ok(error.clamped)
+    })
 }
 
-/// Corrections of X, Y, Z (mm), A, B, C (degrees) at every position, to be added to the command; the number of positions
-/// beyond a table's end. As [`errors`]. Cost: as many look-ups a position as the exact inverse has passes, and one.
+/// Corrections of the axes of the columns (mm, degrees) at every position, row by row, to be added to the command; the number
+/// of positions beyond a table's end. As [`errors`]. Cost: as many look-ups a position as the exact inverse has passes, and
+/// one where that meets a table's end.
 ///
 /// # Errors
 /// As [`errors`], and a pose without a correction.
 ///
 /// # Panics
-/// `corrections` is not as long as `positions`.
+/// `corrections` is not as long as the positions.
 pub fn corrections(
     machine: &Machine,
     settings: &Settings,
     arrival: Arrival,
-    positions: &[[f64; AXES]],
-    corrections: &mut [[f64; AXES]],
+    positions: Positions<'_>,
+    corrections: &mut [f64],
 ) -> Result<usize> {
-    evaluate(machine, settings, arrival, positions, corrections, |model, at, _| model.correction(at))
+    let width = positions.columns.len();
+    evaluate(machine, settings, arrival, positions, corrections, width, |model, at, result| {
+        let (correction, clamped) = model.correction_and_clamped(at)?;
+        for (axis, result) in positions.columns.iter().zip(result) {
+            *result = correction[axis.index()];
+        }
+        Ok(clamped)
+    })
 }
 
-fn evaluate<T: Send>(
+/// `of` writes the `width` results of a place, and tells whether it is beyond a table's end.
+fn evaluate(
     machine: &Machine,
     settings: &Settings,
     mut arrival: Arrival,
-    positions: &[[f64; AXES]],
-    results: &mut [T],
-    of: impl Fn(&dyn Model, &Place, &PoseError) -> Result<T, NoCorrection> + Sync,
+    positions: Positions<'_>,
+    results: &mut [f64],
+    width: usize,
+    of: impl Fn(&dyn Model, &Place, &mut [f64]) -> Result<bool, NoCorrection> + Sync,
 ) -> Result<usize> {
-    assert_eq!(positions.len(), results.len(), "a result for every position");
+    assert_eq!(positions.count() * width, results.len(), "a result for every position");
     let beyond = AtomicUsize::new(0);
     with_model(machine, settings, &mut |model| {
-        let run = |first: usize, arrival: &mut Arrival, positions: &[[f64; AXES]], results: &mut [T]| {
+        let run = |first: usize, arrival: &mut Arrival, results: &mut [f64]| {
             let mut count = 0;
-            for (i, (command, result)) in positions.iter().zip(results).enumerate() {
-                let mut one = || {
-                    let at = arrival.at(model, *command)?;
-                    let error = model.error(&at);
-                    count += usize::from(error.clamped);
-                    of(model, &at, &error)
-                };
-                *result = one().map_err(|refused| anyhow!("positions[{}]: {refused}", first + i))?;
+            for (row, result) in (first..).zip(results.chunks_exact_mut(width)) {
+                let mut one = || of(model, &arrival.at(model, positions.at(row))?, result);
+                count += usize::from(one().map_err(|refused| anyhow!("positions[{row}]: {refused}"))?);
             }
             beyond.fetch_add(count, Ordering::Relaxed);
             Ok(())
         };
         if matches!(arrival, Arrival::InOrder(_)) {
-            return run(0, &mut arrival, positions, results);
+            return run(0, &mut arrival, results);
         }
-        let chunks = positions.par_chunks(CHUNK).zip(results.par_chunks_mut(CHUNK)).enumerate();
-        chunks.try_for_each(|(i, (positions, results))| run(i * CHUNK, &mut arrival.clone(), positions, results))
+        let chunks = results.par_chunks_mut(CHUNK * width).enumerate();
+        chunks.try_for_each(|(i, results)| run(i * CHUNK, &mut arrival.clone(), results))
     })?;
     Ok(beyond.into_inner())
 }
@@ -98,11 +133,12 @@ mod tests {
             let positions: Vec<[f64; AXES]> =
                 (0..2 * CHUNK).map(|i| [0.01 * i as f64, 20.0, -150.0, 5.0, 0.0, 30.0]).collect();
             let settings = Settings { exact: false, passes: None, kelvin: 3.0 };
+            let rows = Positions { values: positions.as_flattened(), columns: &Axis::ALL };
             let (mut tips, mut sent) = (vec![[0.0; 3]; positions.len()], vec![[0.0; AXES]; positions.len()]);
             let mut compared = 0;
             assert_eq!(
-                errors(&machine, &settings, Arrival::Negative, &positions, |error| error.tip, &mut tips).unwrap(),
-                corrections(&machine, &settings, Arrival::Negative, &positions, &mut sent).unwrap()
+                errors(&machine, &settings, Arrival::Negative, rows, |error| error.tip, &mut tips).unwrap(),
+                corrections(&machine, &settings, Arrival::Negative, rows, sent.as_flattened_mut()).unwrap()
             );
             for i in (0..positions.len()).step_by(997) {
                 let asked = Asked { at: positions[i], reverse: [true; AXES], kelvin: 3.0 };
@@ -122,7 +158,8 @@ mod tests {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-3axis");
         let settings = Settings { kelvin: 1e6, ..Settings::default() };
         let machine = Machine::read(&folder).unwrap();
-        let refused = corrections(&machine, &settings, Arrival::Positive, &[[0.0; AXES]], &mut [[0.0; AXES]]);
+        let rows = Positions { values: &[0.0; AXES], columns: &Axis::ALL };
+        let refused = corrections(&machine, &settings, Arrival::Positive, rows, &mut [0.0; AXES]);
         assert!(refused.unwrap_err().to_string().starts_with("temperature: found 1000000 K above the reference"));
     }
 }

@@ -1,62 +1,14 @@
 //! Errors of rotary axes and friction, found from measurements.
 
 use crate::machine::Machine;
-use crate::{Error, arrays, documents, told, warn};
+use crate::measured::Measured;
+use crate::{Error, documents, told, warn};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::fmt::Write;
-use std::fs::File;
-use std::io::Read;
-use std::path::{Path, PathBuf};
 use trueaxis::Axis;
-use trueaxis_evaluation::rows::{Column, Rows};
 use trueaxis_evaluation::{friction as circles, identify as ball};
 use trueaxis_metrology::identification::Offsets;
 use trueaxis_tables::formats::write_axis_csv;
-
-/// A file, or an array as the text of one: what reads it says the line of what is wrong.
-enum Measured {
-    File(PathBuf),
-    Text { name: &'static str, text: String },
-}
-
-impl Measured {
-    /// A path, or an array with these columns.
-    fn of(given: &Bound<'_, PyAny>, name: &'static str, columns: &[&str]) -> PyResult<Measured> {
-        if let Ok(path) = given.extract::<PathBuf>() {
-            return Ok(Measured::File(path));
-        }
-        let (width, values) = arrays::rows(given, name, &[columns.len()])?;
-        let mut text = columns.join(",");
-        for row in values.chunks_exact(width) {
-            for (i, value) in row.iter().enumerate() {
-                let _ = write!(text, "{}{value}", if i == 0 { '\n' } else { ',' });
-            }
-        }
-        Ok(Measured::Text { name, text })
-    }
-
-    fn name(&self) -> &Path {
-        match self {
-            Measured::File(path) => path,
-            Measured::Text { name, .. } => Path::new(name),
-        }
-    }
-
-    fn rows<'r, const C: usize>(
-        &'r self,
-        columns: &[Column; C],
-        notes: &'r mut Vec<String>,
-    ) -> anyhow::Result<Rows<'r, C>> {
-        let input: Box<dyn Read + 'r> = match self {
-            Measured::File(path) => {
-                Box::new(File::open(path).map_err(|error| anyhow::anyhow!("cannot read {}: {error}", path.display()))?)
-            }
-            Measured::Text { text, .. } => Box::new(text.as_bytes()),
-        };
-        Rows::new(input, self.name(), columns, |note| notes.push(note))
-    }
-}
 
 /// The six errors of a rotary axis from readings of a ball that RTCP holds in place: the document of
 /// `trueaxis identify --json`, and with table=True the axis' table as CSV text under `table`.
@@ -87,7 +39,7 @@ pub(crate) fn identify<'py>(
     if let Some(value) = start_mm.iter().flatten().find(|value| value.is_nan() || value.abs() > 1e6) {
         return Err(Error::new_err(format!("start_mm: found {value}, needed a finite number of at most 1e6 mm")));
     }
-    let measured = Measured::of(readings, "readings", &ball::COLUMNS.map(|column| column.name))?;
+    let measured = Measured::of(readings, "readings", &[&ball::COLUMNS.map(|column| column.name)])?;
     let machine = machine.as_ref().map(Bound::get);
     let offsets = if free_offsets { Offsets::Free } else { Offsets::Known };
     let mut notes = Vec::new();
@@ -131,7 +83,7 @@ pub(crate) fn friction<'py>(
     let columns = circles::columns(axes);
     let [first, second] = axes.map(|axis| 1 + 2 * axis.index());
     let names = [0, first, first + 1, second, second + 1].map(|column| columns[column].name);
-    let measured = Measured::of(record, "record", &names)?;
+    let measured = Measured::of(record, "record", &[&names])?;
     let machine = machine.as_ref().map(Bound::get);
     let mut notes = Vec::new();
     let found = py.detach(|| {

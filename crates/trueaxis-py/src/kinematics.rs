@@ -40,11 +40,12 @@ impl Machine {
         let kinematics = self.kinematics(tool_mm)?;
         let (tips, tools, margins) = py.detach(|| {
             let (mut tips, mut tools, mut margins) = (Vec::new(), Vec::new(), Vec::new());
-            for axes in &asked.positions {
-                let Tool { tip, axis } = kinematics.forward(axes);
+            let positions = asked.positions();
+            for axes in (0..positions.count()).map(|row| positions.at(row)) {
+                let Tool { tip, axis } = kinematics.forward(&axes);
                 tips.extend(tip.to_array());
                 tools.extend(axis.to_array());
-                margins.push(kinematics.singularity_margin_deg(axes));
+                margins.push(kinematics.singularity_margin_deg(&axes));
             }
             (tips, tools, margins)
         });

@@ -3,10 +3,12 @@
 //! The interpreter's lock is released during computation.
 
 mod arrays;
+mod ballbar;
 mod documents;
 mod identification;
 mod kinematics;
 mod machine;
+mod measured;
 mod path;
 mod simulation;
 
@@ -46,6 +48,7 @@ fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(kinematics::helicoid, module)?)?;
     module.add_function(wrap_pyfunction!(identification::identify, module)?)?;
     module.add_function(wrap_pyfunction!(identification::friction, module)?)?;
+    module.add_function(wrap_pyfunction!(ballbar::ballbar, module)?)?;
     module.add_function(wrap_pyfunction!(documents::circle, module)?)?;
     module.add_function(wrap_pyfunction!(documents::roundness, module)?)?;
     module.add_function(wrap_pyfunction!(documents::probe_angles, module)?)

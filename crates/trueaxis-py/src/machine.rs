@@ -4,8 +4,8 @@ use crate::{Error, arrays, told, warn};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use trueaxis::machine::{AXES, Axis, ErrorModel};
-use trueaxis_evaluation::batch;
+use trueaxis::machine::{Axis, ErrorModel};
+use trueaxis_evaluation::batch::{self, Positions};
 use trueaxis_evaluation::compensate::{Arrival, PoseError, Settings};
 use trueaxis_evaluation::model;
 use trueaxis_tables::text::counted;
@@ -19,7 +19,8 @@ pub(crate) struct Asked {
     machine: trueaxis_tables::Machine,
     settings: Settings,
     arrival: Arrival,
-    pub(crate) positions: Vec<[f64; AXES]>,
+    /// Row by row.
+    values: Vec<f64>,
     /// Axis of every column.
     columns: Vec<Axis>,
 }
@@ -83,7 +84,7 @@ impl Machine {
         in_order: bool,
         temperature_c: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.asked(positions, model, reverse, in_order, temperature_c)?.errors(py, |error| error.tip, 1e3)
+        self.asked(positions, model, reverse, in_order, temperature_c)?.errors(py, |error| error.tip.map(|mm| 1e3 * mm))
     }
 
     /// Error of the tool's orientation at commanded positions, a small rotation, actual − ideal, µrad: an array (n, 3).
@@ -101,7 +102,7 @@ impl Machine {
         temperature_c: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let asked = self.asked(positions, model, reverse, in_order, temperature_c)?.with_orientation()?;
-        asked.errors(py, |error| error.orientation, 1e6)
+        asked.errors(py, |error| error.orientation.map(|rad| 1e6 * rad))
     }
 
     /// Corrections of commanded positions: an array of the shape of `positions`, mm and degrees, to be added to them.
@@ -181,11 +182,9 @@ impl Machine {
         let (width, values) = arrays::rows(positions, "positions", &widths)?;
         columns.truncate(width);
         let travel = |axis: Axis| machine.settings.axis(axis).map(|own| own.travel);
-        let travels: Vec<_> = columns.iter().map(|axis| (axis.index(), travel(*axis))).collect();
-        let mut all = vec![[0.0; AXES]; values.len() / width];
-        for (row, (position, values)) in all.iter_mut().zip(values.chunks_exact(width)).enumerate() {
-            for (column, ((index, travel), value)) in travels.iter().zip(values).enumerate() {
-                position[*index] = *value;
+        let travels: Vec<_> = columns.iter().map(|axis| travel(*axis)).collect();
+        for (row, values) in values.chunks_exact(width).enumerate() {
+            for (column, (travel, value)) in travels.iter().zip(values).enumerate() {
                 if let Some([low, high]) = travel.filter(|[low, high]| value < low || value > high) {
                     return Err(Error::new_err(format!(
                         "positions[{row}, {column}]: found {value}, needed the declared travel, {low} to {high}"
@@ -194,7 +193,7 @@ impl Machine {
             }
         }
         let settings = Settings { exact, passes: None, kelvin };
-        Ok(Asked { machine, settings, arrival, positions: all, columns })
+        Ok(Asked { machine, settings, arrival, values, columns })
     }
 }
 
@@ -210,18 +209,21 @@ impl Asked {
         Ok(self)
     }
 
-    /// What `of` takes of the error, in units of which there are `units` in mm or rad.
+    pub(crate) fn positions(&self) -> Positions<'_> {
+        Positions { values: &self.values, columns: &self.columns }
+    }
+
+    /// What `of` takes of the error.
     fn errors<'py>(
         self,
         py: Python<'py>,
-        of: fn(&PoseError) -> [f64; 3],
-        units: f64,
+        of: impl Fn(&PoseError) -> [f64; 3] + Sync + Send,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let found = py.detach(|| {
-            let mut errors = vec![[0.0; 3]; self.positions.len()];
+            let mut errors = vec![[0.0; 3]; self.positions().count()];
             let arrival = self.arrival.clone();
-            let clamped = batch::errors(&self.machine, &self.settings, arrival, &self.positions, of, &mut errors)?;
-            Ok((errors.as_flattened().iter().map(|value| value * units).collect(), clamped))
+            let clamped = batch::errors(&self.machine, &self.settings, arrival, self.positions(), of, &mut errors)?;
+            Ok((errors.into_flattened(), clamped))
         });
         let (values, clamped) = told(found)?;
         self.shaped(py, values, clamped, 3)
@@ -229,14 +231,9 @@ impl Asked {
 
     fn corrections<'py>(self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let found = py.detach(|| {
-            let mut corrections = vec![[0.0; AXES]; self.positions.len()];
+            let mut values = vec![0.0; self.values.len()];
             let arrival = self.arrival.clone();
-            let clamped =
-                batch::corrections(&self.machine, &self.settings, arrival, &self.positions, &mut corrections)?;
-            let mut values = Vec::with_capacity(corrections.len() * self.columns.len());
-            for row in &corrections {
-                values.extend(self.columns.iter().map(|axis| row[axis.index()]));
-            }
+            let clamped = batch::corrections(&self.machine, &self.settings, arrival, self.positions(), &mut values)?;
             Ok((values, clamped))
         });
         let (values, clamped) = told(found)?;
@@ -250,7 +247,7 @@ impl Asked {
         clamped: usize,
         width: usize,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let count = self.positions.len();
+        let count = self.positions().count();
         if clamped > 0 {
             let all = counted(count, "position");
             warn(py, &format!("{clamped} of {all} beyond a table's end, where its edge value is clamped"))?;

@@ -12,8 +12,12 @@ pub use polar::{left, polar};
 pub use record::COLUMNS;
 pub use values::values;
 
+use std::ops::RangeInclusive;
 use trueaxis::Axis;
 use trueaxis_metrology::ballbar::{Evaluation, Reading, Refused, evaluate};
+
+/// Radii and pitches that are taken, mm.
+pub const LENGTHS_MM: RangeInclusive<f64> = 1e-3..=1e5;
 
 /// What is to be known beside the record.
 #[derive(Clone, Copy, Debug, PartialEq)]

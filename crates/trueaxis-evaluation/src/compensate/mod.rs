@@ -76,6 +76,14 @@ pub trait Model: Sync {
     /// # Errors
     /// A pose of exact transforms without a correction.
     fn correction(&self, at: &Place) -> Result<[f64; AXES], NoCorrection>;
+
+    /// As [`Model::correction`], and whether an axis of the command is beyond the end of its table.
+    ///
+    /// # Errors
+    /// As [`Model::correction`].
+    fn correction_and_clamped(&self, at: &Place) -> Result<([f64; AXES], bool), NoCorrection> {
+        Ok((self.correction(at)?, self.error(at).clamped))
+    }
 }
 
 /// How the axes come to one position after the other.

@@ -38,13 +38,27 @@ impl<const N: usize> Model for Step<'_, '_, N> {
     }
 
     fn correction(&self, at: &Place) -> Result<[f64; AXES], NoCorrection> {
+        Ok(self.corrected(at).0)
+    }
+
+    fn correction_and_clamped(&self, at: &Place) -> Result<([f64; AXES], bool), NoCorrection> {
+        let (correction, met) = self.corrected(at);
+        // The passes look up beside the command too.
+        Ok((correction, met && self.error(at).clamped))
+    }
+}
+
+impl<const N: usize> Step<'_, '_, N> {
+    /// The correction, and whether any of its passes met the end of a table; the first is at the command.
+    fn corrected(&self, at: &Place) -> ([f64; AXES], bool) {
         let coordinates = self.compensation.coordinates(&self.slots.map(|slot| at.command[slot]));
         let directions = self.slots.map(|slot| at.directions[slot]);
-        let found = self.compensation.correction(&Query::at(&coordinates, &directions, &self.thermal), &mut 0);
+        let mut clamped = 0;
+        let found = self.compensation.correction(&Query::at(&coordinates, &directions, &self.thermal), &mut clamped);
         let mut correction = [0.0; AXES];
         for (slot, found) in self.slots.into_iter().zip(found) {
             correction[slot] = found;
         }
-        Ok(correction)
+        (correction, clamped != 0)
     }
 }

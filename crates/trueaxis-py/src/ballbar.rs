@@ -1,0 +1,73 @@
+//! Circular tests.
+
+use crate::measured::Measured;
+use crate::{Error, documents, told, warn};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use trueaxis_evaluation::ballbar::{LENGTHS_MM, Options, Test};
+use trueaxis_evaluation::friction::pair;
+
+/// A circular test after ISO 230-4 and the causes of its deviation: the document of `trueaxis ballbar --json`.
+///
+/// record: (n, 3), of a bar, columns angle_deg, deviation_um and direction (1 counterclockwise, -1 clockwise); or (n, 4),
+/// command and position in mm of the first axis, then of the second; or a file as the command reads, but telemetry. Rows of
+/// an array count from line 2. axes: the plane. pitch_x_mm, …: of periodic errors, else searched. traces=True adds arrays, one
+/// number a reading: angle_deg, direction, centred_um, the deviation about the circle's centre, and left_um, what the causes
+/// leave of it.
+#[pyfunction]
+#[pyo3(signature = (record, *, radius_mm, axes = "X,Y", pitch_x_mm = None, pitch_y_mm = None, pitch_z_mm = None,
+    traces = false))]
+pub(crate) fn ballbar<'py>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    radius_mm: f64,
+    axes: &str,
+    pitch_x_mm: Option<f64>,
+    pitch_y_mm: Option<f64>,
+    pitch_z_mm: Option<f64>,
+    traces: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let pitches = [pitch_x_mm, pitch_y_mm, pitch_z_mm];
+    let names = ["pitch_x_mm", "pitch_y_mm", "pitch_z_mm"];
+    for (name, value) in names.into_iter().zip(pitches).chain([("radius_mm", Some(radius_mm))]) {
+        if let Some(value) = value.filter(|value| !LENGTHS_MM.contains(value)) {
+            let [least, most] = [LENGTHS_MM.start(), LENGTHS_MM.end()];
+            return Err(Error::new_err(format!("{name}: found {value}, needed {least} to {most} mm")));
+        }
+    }
+    let axes = pair(axes).map_err(|error| Error::new_err(format!("axes: {error}")))?;
+    let [a, b] = axes.map(|axis| axis.letter().to_ascii_lowercase());
+    let positions = [format!("{a}_cmd_mm"), format!("{a}_mm"), format!("{b}_cmd_mm"), format!("{b}_mm")];
+    let forms: [&[&str]; 2] = [&["angle_deg", "deviation_um", "direction"], &positions.each_ref().map(String::as_str)];
+    let measured = Measured::of(record, "record", &forms)?;
+    let pitches_mm = axes.map(|axis| pitches.get(axis.index()).copied().flatten());
+    let options = Options { radius_mm, axes, pitches_mm };
+    let mut notes = Vec::new();
+    let found = py.detach(|| {
+        let bytes = measured.bytes()?;
+        let name = measured.name();
+        anyhow::ensure!(
+            !bytes.contains(&0),
+            "{}: found telemetry or no text, needed text; the command `trueaxis ballbar` reads telemetry",
+            name.display()
+        );
+        let test = Test::read(&bytes, name, &options, |note| notes.push(note))?;
+        let document = test.document();
+        Ok((test, document))
+    });
+    notes.iter().try_for_each(|note| warn(py, note))?;
+    let (test, document) = told(found)?;
+    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    if traces {
+        let angles = test.readings.iter().map(|reading| reading.angle_rad.to_degrees());
+        let ways = test.readings.iter().map(|reading| if reading.counterclockwise { 1.0 } else { -1.0 });
+        found.set_item("angle_deg", PyArray1::<f64>::from_iter(py, angles))?;
+        found.set_item("direction", PyArray1::<f64>::from_iter(py, ways))?;
+        for (name, part) in [("centred_um", 0), ("left_um", 1)] {
+            let values = test.found.centred.iter().map(|deviation| 1e3 * deviation[part]);
+            found.set_item(name, PyArray1::<f64>::from_iter(py, values))?;
+        }
+    }
+    Ok(found)
+}

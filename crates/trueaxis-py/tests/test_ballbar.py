@@ -1,0 +1,66 @@
+"""Circular tests against the command line, and against what the record was made of."""
+
+import json
+
+import numpy as np
+import pytest
+
+import trueaxis
+from shared import refused
+from test_command_line import command, written
+
+RADIUS = 100.0
+SQUARENESS, BACKLASH = 40e-6, 0.003  # rad; mm, of X
+
+
+def record():
+    """Both directions, two turns each: a squareness, a backlash of X and noise of 0.05 µm."""
+    rows, noise = [], np.random.default_rng(5)
+    for direction in (1, -1):
+        angle = np.arange(0.25, 720.0, 0.5)
+        t = np.radians(angle)
+        mm = -0.5 * RADIUS * SQUARENESS * np.sin(2 * t) + 0.5 * direction * BACKLASH * np.sign(np.sin(t)) * np.cos(t)
+        rows.append(np.column_stack([angle, 1e3 * mm + noise.normal(0, 0.05, len(angle)), np.full(len(angle), direction)]))
+    return np.vstack(rows)
+
+
+def test_a_test_is_that_of_the_command(tmp_path):
+    rows = record()
+    file = written(tmp_path / "record.csv", "angle_deg,deviation_um,direction", rows)
+    code, out, err = command("ballbar", file, "--radius-mm", "100", "--pitch-x-mm", "10", "--json")
+    assert code == 0, err
+    found = trueaxis.ballbar(rows, radius_mm=100.0, pitch_x_mm=10.0)
+    assert found == json.loads(out) == trueaxis.ballbar(file, radius_mm=100, pitch_x_mm=10)
+    assert found["squareness_urad"] == pytest.approx(1e6 * SQUARENESS, abs=0.5)
+    assert found["backlash_um"]["x"] == pytest.approx(1e3 * BACKLASH, abs=0.1)
+    assert found["sigma_um"] == pytest.approx(0.05, rel=0.1)
+    traces = trueaxis.ballbar(rows, radius_mm=100.0, pitch_x_mm=10.0, traces=True)
+    centred, left = traces.pop("centred_um"), traces.pop("left_um")
+    assert np.allclose(traces.pop("angle_deg"), rows[:, 0]) and np.array_equal(traces.pop("direction"), rows[:, 2])
+    assert traces == found and centred.shape == left.shape == (len(rows),)
+    assert np.ptp(centred) == pytest.approx(found["g_b_um"], rel=1e-9)
+    assert left.std() == pytest.approx(0.05, rel=0.1) and centred.std() > 10 * left.std()
+
+
+def test_positions_in_another_plane_are_those_of_the_command(tmp_path):
+    """Z, X: a squareness and an approach; the command is followed but for them."""
+    t = np.concatenate([np.radians(np.arange(0, 720, 0.25)), np.radians(np.arange(720, 0, -0.25))])
+    z, x = RADIUS * np.cos(t), RADIUS * np.sin(t)
+    rows = np.column_stack([z, z - 30e-6 * x, x, x])
+    file = written(tmp_path / "record.csv", "z_cmd_mm,z_mm,x_cmd_mm,x_mm", rows)
+    code, out, err = command("ballbar", file, "--radius-mm", "100", "--axes", "Z,X", "--json")
+    assert code == 0, err
+    found = trueaxis.ballbar(rows, radius_mm=100, axes="Z,X")
+    assert found == json.loads(out) and found["plane"] == "ZX"
+    assert abs(found["squareness_urad"]) == pytest.approx(30, abs=0.5)
+
+
+def test_what_is_refused():
+    rows = record()
+    assert refused(lambda: trueaxis.ballbar(rows, radius_mm=0.0)) == "radius_mm: found 0, needed 0.001 to 100000 mm"
+    assert refused(lambda: trueaxis.ballbar(rows, radius_mm=100, pitch_y_mm=float("nan"))).startswith("pitch_y_mm: found NaN")
+    assert refused(lambda: trueaxis.ballbar(rows[:, :2].copy(), radius_mm=100)).startswith("record: found shape (2880, 2)")
+    assert refused(lambda: trueaxis.ballbar(rows, radius_mm=100, axes="X,A")).startswith("axes: ")
+    rows[7, 2] = 0.0
+    assert refused(lambda: trueaxis.ballbar(rows, radius_mm=100)).startswith("record:9: column direction: found 0")
+    assert refused(lambda: trueaxis.ballbar("nowhere.csv", radius_mm=100)).startswith("cannot read nowhere.csv")
