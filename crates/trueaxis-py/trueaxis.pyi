@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal, TypedDict, final, type_check_only
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Error", "__version__", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "circle", "roundness", "probe_angles", "simulate"]
+__all__ = ["Error", "__version__", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate"]
 
 __version__: str
 
@@ -173,6 +173,37 @@ def ballbar(
     pitch_y_mm: float | None = None,
     pitch_z_mm: float | None = None,
     traces: bool = False,
+) -> dict[str, Any]: ...
+def evaluate_probing(
+    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    *,
+    feature: Literal["ring", "sphere", "point"],
+    diameter_mm: float | None = None,
+) -> dict[str, Any]: ...
+def evaluate_thermal(
+    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    *,
+    test: Literal["etve", "spindle", "axis"] = "spindle",
+    period_min: float = 60.0,
+    distance_mm: float | None = None,
+) -> dict[str, Any]: ...
+def evaluate_step_diagonal(
+    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str], *, alignment_urad: float | None = None
+) -> dict[str, Any]: ...
+def evaluate_r_test(
+    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    *,
+    machine: Machine,
+    tool_mm: Sequence[float] | None = None,
+    without: Sequence[str] = ...,
+    free_sensor: bool = False,
+) -> dict[str, Any]: ...
+def evaluate_points(
+    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    *,
+    machine: Machine,
+    nodes: Sequence[int] | None = None,
+    without: Sequence[str] = ...,
 ) -> dict[str, Any]: ...
 def circle(points: NDArray[np.float64]) -> dict[str, Any]: ...
 def roundness(

@@ -5,6 +5,7 @@
 mod arrays;
 mod ballbar;
 mod documents;
+mod evaluate;
 mod identification;
 mod kinematics;
 mod machine;
@@ -49,6 +50,11 @@ fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(identification::identify, module)?)?;
     module.add_function(wrap_pyfunction!(identification::friction, module)?)?;
     module.add_function(wrap_pyfunction!(ballbar::ballbar, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::evaluate_probing, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::evaluate_thermal, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::evaluate_step_diagonal, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::evaluate_r_test, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::evaluate_points, module)?)?;
     module.add_function(wrap_pyfunction!(documents::circle, module)?)?;
     module.add_function(wrap_pyfunction!(documents::roundness, module)?)?;
     module.add_function(wrap_pyfunction!(documents::probe_angles, module)?)

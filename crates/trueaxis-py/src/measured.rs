@@ -1,7 +1,8 @@
 //! What was measured: a file as the command line reads it, or an array.
 
-use crate::arrays;
+use crate::{Error, arrays};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::borrow::Cow;
 use std::fmt::Write;
 use std::fs::File;
@@ -27,6 +28,38 @@ impl Measured {
         let mut text = columns.join(",");
         for row in values.chunks_exact(width) {
             for (i, value) in row.iter().enumerate() {
+                let _ = write!(text, "{}{value}", if i == 0 { '\n' } else { ',' });
+            }
+        }
+        Ok(Measured::Text { name, text })
+    }
+
+    /// A path, or a dict of arrays by column, all of one length; a row of them counts from line 2.
+    pub(crate) fn of_columns(given: &Bound<'_, PyAny>, name: &'static str, known: &[Column]) -> PyResult<Measured> {
+        if let Ok(path) = given.extract::<PathBuf>() {
+            return Ok(Measured::File(path));
+        }
+        let Ok(given) = given.cast::<PyDict>() else {
+            let found = given.get_type().name()?;
+            return Err(Error::new_err(format!("{name}: found {found}, needed a file or a dict of numpy arrays")));
+        };
+        let (mut names, mut columns) = (Vec::new(), Vec::new());
+        for (key, values) in given {
+            let key: String = key.extract()?;
+            if !known.iter().any(|column| column.name == key) {
+                let names: Vec<&str> = known.iter().map(|column| column.name).collect();
+                return Err(Error::new_err(format!(
+                    "{name}: found column {key:?}, needed some of {}",
+                    names.join(", ")
+                )));
+            }
+            let rows = columns.first().map_or(values.len().unwrap_or(1), Vec::len);
+            columns.push(arrays::column(&values, &key, rows, names.first().map_or(key.as_str(), String::as_str))?);
+            names.push(key);
+        }
+        let mut text = names.join(",");
+        for row in 0..columns.first().map_or(0, Vec::len) {
+            for (i, value) in columns.iter().filter_map(|column| column.get(row)).enumerate() {
                 let _ = write!(text, "{}{value}", if i == 0 { '\n' } else { ',' });
             }
         }

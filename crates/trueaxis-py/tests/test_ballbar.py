@@ -38,7 +38,7 @@ def test_a_test_is_that_of_the_command(tmp_path):
     centred, left = traces.pop("centred_um"), traces.pop("left_um")
     assert np.allclose(traces.pop("angle_deg"), rows[:, 0]) and np.array_equal(traces.pop("direction"), rows[:, 2])
     assert traces == found and centred.shape == left.shape == (len(rows),)
-    assert np.ptp(centred) == pytest.approx(found["g_b_um"], rel=1e-9)
+    assert np.ptp(centred) == pytest.approx(found["g_b_um"], rel=0.01)
     assert left.std() == pytest.approx(0.05, rel=0.1) and centred.std() > 10 * left.std()
 
 

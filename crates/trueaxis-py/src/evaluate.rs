@@ -1,0 +1,157 @@
+//! Records of tests with instruments: the documents of `trueaxis evaluate`.
+
+use crate::machine::Machine;
+use crate::measured::Measured;
+use crate::{Error, documents, told, warn};
+use anyhow::Result;
+use pyo3::prelude::*;
+use serde::Serialize;
+use std::ops::RangeInclusive;
+use trueaxis_evaluation::rows::{Column, Rows};
+use trueaxis_evaluation::{diagonal, points as coordinates, probing, r_test, thermal_test};
+
+/// Reads a record, evaluates it without the interpreter's lock, and gives the document.
+fn evaluated<'py, const C: usize, D: Serialize + Send>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    columns: &[Column; C],
+    evaluate: impl FnOnce(&mut Rows<'_, C>, &str) -> Result<D> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let measured = Measured::of_columns(record, "record", columns)?;
+    let mut notes = Vec::new();
+    let found = py.detach(|| {
+        let name = measured.name().display().to_string();
+        evaluate(&mut measured.rows(columns, &mut notes)?, &name)
+    });
+    notes.iter().try_for_each(|note| warn(py, note))?;
+    documents::dictionary(py, &told(found)?)
+}
+
+fn within(name: &str, value: Option<f64>, range: RangeInclusive<f64>, unit: &str) -> PyResult<()> {
+    let Some(value) = value.filter(|value| !range.contains(value)) else { return Ok(()) };
+    let (least, most) = range.into_inner();
+    Err(Error::new_err(format!("{name}: found {value}, needed {least} to {most} {unit}")))
+}
+
+/// Probing tests after ISO 230-10: the document of `trueaxis evaluate probing --json`.
+///
+/// record: a file, or a dict of arrays: x_mm, y_mm[, z_mm][, run][, spindle_deg]. feature: "ring", "sphere" or "point".
+#[pyfunction]
+#[pyo3(signature = (record, *, feature, diameter_mm = None))]
+pub(crate) fn evaluate_probing<'py>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    feature: &str,
+    diameter_mm: Option<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let feature = match feature {
+        "ring" => probing::Feature::Ring,
+        "sphere" => probing::Feature::Sphere,
+        "point" => probing::Feature::Point,
+        found => {
+            let needed = "\"ring\", \"sphere\" or \"point\"";
+            return Err(Error::new_err(format!("feature: found {found:?}, needed {needed}")));
+        }
+    };
+    within("diameter_mm", diameter_mm, 0.1..=1e4, "mm")?;
+    evaluated(py, record, &probing::COLUMNS, |rows, _| {
+        Ok(probing::Document::new(&probing::Record::read(rows, feature, diameter_mm)?))
+    })
+}
+
+/// Thermal tests after ISO 230-3: the document of `trueaxis evaluate thermal --json`.
+///
+/// record: a file, or a dict of arrays: t_s[, position][, x1_um …][, ambient_c …]. test: "etve", "spindle" or "axis".
+#[pyfunction]
+#[pyo3(signature = (record, *, test = "spindle", period_min = 60.0, distance_mm = None))]
+pub(crate) fn evaluate_thermal<'py>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    test: &str,
+    period_min: f64,
+    distance_mm: Option<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let name = match test {
+        "etve" => "etve",
+        "spindle" => "spindle",
+        "axis" => "axis",
+        found => {
+            let needed = "\"etve\", \"spindle\" or \"axis\"";
+            return Err(Error::new_err(format!("test: found {found:?}, needed {needed}")));
+        }
+    };
+    within("period_min", Some(period_min), 0.1..=1e5, "min")?;
+    within("distance_mm", distance_mm, 1.0..=1e4, "mm")?;
+    evaluated(py, record, &thermal_test::COLUMNS, |rows, _| {
+        Ok(thermal_test::Document::new(&thermal_test::read(rows)?, name, period_min, distance_mm))
+    })
+}
+
+/// Diagonal and step-diagonal tests after ISO 230-6: the document of `trueaxis evaluate step-diagonal --json`.
+///
+/// record: a file, or a dict of arrays: diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run].
+#[pyfunction]
+#[pyo3(signature = (record, *, alignment_urad = None))]
+pub(crate) fn evaluate_step_diagonal<'py>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    alignment_urad: Option<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    within("alignment_urad", alignment_urad, 1e-3..=1e5, "µrad")?;
+    evaluated(py, record, &diagonal::COLUMNS, |rows, _| {
+        Ok(diagonal::Document::new(&diagonal::read(rows)?, alignment_urad))
+    })
+}
+
+/// R-test after ISO 10791-6, location errors of the rotary axes: the document of `trueaxis evaluate r-test --json`.
+///
+/// record: a file, or a dict of arrays: x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], dx_um, dy_um, dz_um[, ball]. tool_mm: the
+/// nest's centre, else the machine's. without: location errors that keep the machine's values, as "EX0C".
+#[pyfunction]
+#[pyo3(signature = (record, *, machine, tool_mm = None, without = Vec::new(), free_sensor = false))]
+pub(crate) fn evaluate_r_test<'py>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    machine: &Bound<'py, Machine>,
+    tool_mm: Option<[f64; 3]>,
+    without: Vec<String>,
+    free_sensor: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    if let Some(value) = tool_mm.iter().flatten().find(|value| value.is_nan() || value.abs() > 1e6) {
+        return Err(Error::new_err(format!("tool_mm: found {value}, needed a finite number of at most 1e6 mm")));
+    }
+    let mut machine = machine.get().0.clone();
+    machine.settings.tool_mm = tool_mm.unwrap_or(machine.settings.tool_mm);
+    let options = r_test::Options { without, free_sensor };
+    evaluated(py, record, &r_test::COLUMNS, move |rows, name| {
+        let record = r_test::Record::read(rows)?;
+        let found = r_test::identify(&record, name, &machine, &options)?;
+        Ok(r_test::Document::new(&record, &found, &machine))
+    })
+}
+
+/// The 21 errors of X, Y, Z from measured coordinates: the document of `trueaxis evaluate points --json`.
+///
+/// record: a file, or a dict of arrays: x_mm, y_mm, z_mm, actual_x_mm, actual_y_mm, actual_z_mm[, u_um][, tool_x_mm …].
+/// machine: its chain, offsets and tool are taken. nodes: of the tables of X, Y, Z. without: angular errors left at zero.
+#[pyfunction]
+#[pyo3(signature = (record, *, machine, nodes = None, without = Vec::new()))]
+pub(crate) fn evaluate_points<'py>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    machine: &Bound<'py, Machine>,
+    nodes: Option<[usize; 3]>,
+    without: Vec<String>,
+) -> PyResult<Bound<'py, PyAny>> {
+    if let Some(found) = nodes.filter(|nodes| !nodes.iter().all(|count| (2..=101).contains(count))) {
+        return Err(Error::new_err(format!("nodes: found {found:?}, needed three numbers of 2 to 101")));
+    }
+    let machine = &machine.get().0;
+    let options = coordinates::Options { nodes, without };
+    evaluated(py, record, &coordinates::COLUMNS, |rows, name| {
+        let points = coordinates::Points::read(rows)?;
+        let found =
+            coordinates::identify(&points, machine, &options).map_err(|error| error.context(name.to_owned()))?;
+        Ok(coordinates::Document::new(&points, &found))
+    })
+}
