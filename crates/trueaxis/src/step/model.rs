@@ -73,8 +73,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.model_anew(state, sample, tool)
     }
 
-    /// Grids beside what the cells of the tables say.
-    #[inline(always)]
+    /// Grids beside what the cells of the tables say. Out of line: a machine without them pays a test.
+    #[inline(never)]
     fn with_grids(
         &self,
         state: &mut State<R, P, N>,
