@@ -38,7 +38,8 @@ class Mill:
     """Nine terms and squareness of the sample mill in positive travel."""
 
     def __init__(self, folder):
-        location = dict(re.findall(r"^([ABC]0[YZ])_urad = (\S+)", (folder / "machine.toml").read_text(), re.M))
+        section = (folder / "machine.toml").read_text().split("\n[location]\n")[1].split("\n[")[0]
+        location = dict(re.findall(r"^([ABC]0[YZ])_urad = (\S+)", section, re.M))
         self.a0z, self.b0z, self.c0y = (float(location[name]) * 1e-6 for name in ("A0Z", "B0Z", "C0Y"))
         self.axes = [self.curves(folder / f"{letter}.csv", letter.upper()) for letter in "xyz"]
 
