@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "MACHINE_DIR")]
     output: Option<PathBuf>,
     /// Nodes of the tables of X, Y, Z, evenly spaced [default: the levels of the points, else 11].
-    #[arg(long, value_name = "NX,NY,NZ", value_delimiter = ',', num_args = 3)]
+    #[arg(long, value_name = "NX,NY,NZ", value_delimiter = ',')]
     nodes: Option<Vec<usize>>,
     /// Angular errors left at zero.
     #[arg(long, value_name = "EBX,…", value_delimiter = ',')]
