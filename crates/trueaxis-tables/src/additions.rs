@@ -15,11 +15,14 @@ use trueaxis::machine::{Axis, LocationErrors, Row};
 /// Closest two positions of a table, mm or degrees.
 const CLOSEST: f64 = 1e-3;
 
+/// Positions of an axis, and the translations X, Y, Z at each.
+type Points = Vec<(f64, [f64; 3])>;
+
 /// Errors found on top of those that the machine's files state: actual − ideal, mm and rad.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Additions {
     /// For an axis: positions, and the translations X, Y, Z at them; between them linear, beyond them as at the end.
-    pub curves: Vec<(Axis, Vec<(f64, [f64; 3])>)>,
+    pub curves: Vec<(Axis, Points)>,
     /// Location errors.
     pub location: LocationErrors,
     /// Backlash of axes, mm.

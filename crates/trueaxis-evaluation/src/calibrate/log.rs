@@ -142,7 +142,7 @@ impl Reader<'_> {
                 "a probe that trips on every touch",
             ));
         }
-        if let Some(far) = position.iter().find(|value| !(value.abs() <= LARGEST)) {
+        if let Some(far) = position.iter().find(|value| value.is_nan() || value.abs() > LARGEST) {
             return Err(self.error(line, "", format!("a position of {far}"), "at most 1e6"));
         }
         match self.log.touches.insert(id, Logged { line, position, rotary }) {
