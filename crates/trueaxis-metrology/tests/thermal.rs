@@ -100,7 +100,7 @@ fn lags_and_curves_of_a_known_machine_are_found_and_the_clock_is_left_out() {
     assert_eq!((figures.len(), series.len()), (12, 36));
     for own in figures.iter().filter(|own| own.held_out) {
         // Two readings of 0.3 µm, each at its worst in 360.
-        assert!(own.left_mm < 2.2e-3 && own.left_rms_mm < 0.7e-3 && own.drift_mm > 5e-3, "{own:?}");
+        assert!(own.left_mm < 2.2e-3 && own.left_rms_mm < 0.7e-3 && own.drift_mm > 3e-3, "{own:?}");
     }
 }
 
