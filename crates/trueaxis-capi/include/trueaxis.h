@@ -1204,7 +1204,8 @@ trueaxis_result_t trueaxis_thermal_update(const struct trueaxis_thermal_t *therm
 
 /// Believes the next reading of a sensor (from 0) that has jumped, as after it was exchanged. Real-time safe. `_ARGUMENT`
 /// (no such sensor).
-trueaxis_result_t trueaxis_thermal_believe(struct trueaxis_thermal_state_t *task, uint32_t sensor);
+trueaxis_result_t trueaxis_thermal_believe(struct trueaxis_thermal_state_t *task,
+                                           uint32_t sensor);
 
 /// Sets the growth of all axes that it names; it follows in the next cycle, through the limiter, and replaces what
 /// `trueaxis_set_thermal` has set: a host uses one of them. Call it between two cycles. No effect in a bypass. Axes that the

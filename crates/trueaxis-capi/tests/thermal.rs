@@ -143,7 +143,7 @@ fn growth_is_led_in_by_the_step_through_its_limiter() {
             let result =
                 unsafe { trueaxis_step(&*servo.servo, &mut *state, &input(at, at), null_mut(), null_mut(), &mut out) };
             assert_eq!(result, OK);
-            let x = f64::from(out.record.correction[0]);
+            let [x, ..] = out.record.correction.map(f64::from);
             largest = before.map_or(0.0, |before: f64| largest.max((x - before).abs()));
             before = Some(x);
         }
