@@ -3,7 +3,7 @@
 use crate::console::put;
 use anyhow::{Result, bail};
 use clap::Args;
-use firmware_sim::calibration::{Conditions, FIVE_AXES, FiveAxes, MILL, Outcome, Summary, all, page, summary};
+use firmware_sim::calibration::{Conditions, FIVE_AXES, MILL, Machines, Summary, all, page, summary};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -67,24 +67,28 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
     };
     let tasks = [task(&args.task, MILL)?, task(&args.five_axes_task, FIVE_AXES)?];
     let bar = ProgressBar::new(args.machines + args.machines.div_ceil(10)).with_style(style);
-    let (three, five) =
+    let machines =
         all(args.machines, args.seed, tasks.each_ref().map(String::as_str), &class, &conditions, &|| bar.inc(1))?;
     bar.finish_and_clear();
-    let found = summary(&three, &five);
+    let found = summary(&machines);
     if let Some(directory) = &args.report {
         let mut outputs = Outputs::default();
         outputs.folder(directory)?;
-        outputs.put(&directory.join("calibration.html"), page(&three, &five, &found).as_bytes())?;
+        outputs.put(&directory.join("calibration.html"), page(&machines, &found).as_bytes())?;
         outputs.commit()?;
     }
     if args.json {
-        let document = serde_json::json!({ "summary": found, "three_axes": three, "five_axes": five });
+        let Machines { three_axes, five_axes, refused } = machines;
+        let document = serde_json::json!({
+            "summary": found, "three_axes": three_axes, "five_axes": five_axes, "refused": refused,
+        });
         return put(&format!("{}\n", serde_json::to_string_pretty(&document)?));
     }
-    put(&text(&three, &five, &found)?)
+    put(&text(&machines, &found)?)
 }
 
-fn text(three: &[Outcome], five: &[FiveAxes], found: &Summary) -> Result<String> {
+fn text(machines: &Machines, found: &Summary) -> Result<String> {
+    let (three, five) = (&machines.three_axes, &machines.five_axes);
     let um = |value: f64| significant(value, 3);
     let mut text = String::from("seed      before RMS / max µm     after RMS / max µm     removed\n");
     for one in three.iter().take(20) {
@@ -120,5 +124,11 @@ fn text(three: &[Outcome], five: &[FiveAxes], found: &Summary) -> Result<String>
         um(found.median_place_um),
         um(found.median_tilt_urad)
     )?;
+    if found.refused > 0 {
+        writeln!(text, "{} machines refused, in none of these figures:", found.refused)?;
+    }
+    for one in &machines.refused {
+        writeln!(text, "  {one}")?;
+    }
     Ok(text)
 }

@@ -1,6 +1,6 @@
 //! Simulated calibrations from probe to table.
 
-use firmware_sim::calibration::{Conditions, FIVE_AXES, MILL, five_axes, three_axes};
+use firmware_sim::calibration::{Conditions, FIVE_AXES, MILL, all, five_axes, summary, three_axes};
 use trueaxis_sim::calibration::Class;
 
 #[test]
@@ -14,6 +14,24 @@ fn a_ring_and_a_ball_take_most_of_the_error_away() {
 #[test]
 fn centre_lines_of_five_axes_are_found() {
     let outcome = five_axes(1, FIVE_AXES, &Class::MILL, &Conditions::SHOP).unwrap();
-    // 4.1 µm and 8.9 µrad of 34 µm and 67 µrad; 2 µm and 10 µrad are the aim.
+    // The aim is 2 µm and 10 µrad, and 2 µm is missed: of six machines the median is 6.8 µm and the worst 9.8 µm, 9.7 and
+    // 19.3 µrad. This one has 4.1 µm and 8.9 µrad, of 34 µm and 67 µrad that were there.
     assert!(outcome.place_um < 5.0 && outcome.tilt_urad < 10.0, "{outcome:?}");
+}
+
+#[test]
+fn a_refused_machine_is_named_and_the_run_goes_on() {
+    // Some 10 µm from look to look: too much for some of the machines.
+    let warm = Conditions { drift_um: [45.0, 0.0], ..Conditions::SHOP };
+    let found = all(6, 1, [MILL, FIVE_AXES], &Class::MILL, &warm, &|| {}).unwrap();
+    let figures = summary(&found);
+    assert_eq!(found.three_axes.len() + found.five_axes.len() + found.refused.len(), 7);
+    assert_eq!((figures.machines, figures.refused), (found.three_axes.len(), found.refused.len()));
+    assert!(!found.refused.is_empty() && !found.three_axes.is_empty(), "{found:?}");
+    for refused in &found.refused {
+        assert!(refused.reason.contains("drift of"), "{refused}");
+        assert!(found.three_axes.iter().all(|one| refused.axes == 5 || one.seed != refused.seed));
+    }
+    // A task that is wrong is wrong for all machines.
+    assert!(all(2, 1, ["machine = 3", FIVE_AXES], &Class::MILL, &warm, &|| {}).is_err());
 }

@@ -11,7 +11,6 @@ const MACHINE: &str = "# mine\nname = \"m\"\nchain = \"w X' Y' b Z t\"\n[axis.Y]
                        [location]\nC0Y_urad = 10.0 # before\n";
 
 #[test]
-#[ignore = "written, not yet run"]
 fn errors_are_added_and_everything_else_stays() {
     let files = Memory::new([("machine.toml", MACHINE), ("y.csv", "Y_mm,EYY_um,ECY_urad\n0,1,5\n40,2,5\n100,4,5\n")]);
     let additions = Additions {
@@ -47,7 +46,6 @@ fn errors_are_added_and_everything_else_stays() {
 }
 
 #[test]
-#[ignore = "written, not yet run"]
 fn a_machine_without_tables_is_one_without_errors() {
     let bare = "name = \"m\"\nchain = \"w X' b Z t\"\n[axis.X]\ntravel_mm = [0.0, 100.0]\n";
     let files = Memory::new([("machine.toml", bare)]);

@@ -10,14 +10,16 @@
 
 mod artefacts;
 mod five_axes;
+mod refused;
 mod summary;
 mod tasks;
 
 pub use five_axes::{FiveAxes, five_axes};
-pub use summary::{Summary, all, page, summary};
+pub use refused::Refused;
+pub use summary::{Machines, Summary, all, page, summary};
 pub use tasks::{FIVE_AXES, MILL};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -77,7 +79,7 @@ pub struct Outcome {
 /// Calibrates the three-axis machine of a seed by a task, like [`MILL`].
 ///
 /// # Errors
-/// Whatever planning, probing or solving refuses.
+/// Whatever planning refuses; [`Refused`] for what probing or solving does.
 pub fn three_axes(seed: u64, task: &str, class: &Class, conditions: &Conditions) -> Result<Outcome> {
     let truth = random_machine(seed, class);
     let calibrated = run(task, &truth, seed, conditions)?;
@@ -115,13 +117,30 @@ pub fn run(task: &str, truth: &Machine, seed: u64, conditions: &Conditions) -> R
     let dialect = if probing.host == Host::LinuxCnc { Dialect::LinuxCnc } else { Dialect::GrblHal };
     let task = Task { dialect, ..task };
     let text = program(&task, &nominal, &plan);
-    let log = execute(&probing, &text).with_context(|| format!("machine {seed}"))?;
-    let read = read_log(&log, Path::new("probe.log"), dialect, |_| {})?;
-    let trips = trips(&task, &plan, &read, Path::new("probe.log"))?;
-    let found = calibrate(&task, &nominal, &plan, &trips, Path::new("probe.log"))?;
+    let axes = truth.settings.axes.len();
+    let (log, found) = probed(&task, &nominal, &plan, || Ok(execute(&probing, &text)?)).map_err(|error| Refused {
+        axes,
+        seed,
+        reason: format!("{error:#}"),
+    })?;
     let files = Memory::new(machine_files(&nominal, ""));
     let edited = found.additions().edit(&files, Path::new("machine.toml"))?;
     let all = machine_files(&nominal, "").into_iter().map(|(name, text)| (name.into(), text)).chain(edited.files);
     let known = Machine::read_from(&Memory::new(all), Path::new("machine.toml"), &mut |_| {})?;
     Ok(Calibrated { log, found, known })
+}
+
+/// What the probing of one machine tells: its log, and the solution.
+fn probed(
+    task: &Task,
+    nominal: &Machine,
+    plan: &Plan,
+    probe: impl FnOnce() -> Result<String>,
+) -> Result<(String, Calibration)> {
+    let file = Path::new("probe.log");
+    let log = probe()?;
+    let read = read_log(&log, file, task.dialect, |_| {})?;
+    let trips = trips(task, plan, &read, file)?;
+    let found = calibrate(task, nominal, plan, &trips, file)?;
+    Ok((log, found))
 }

@@ -1,6 +1,6 @@
 //! Many machines, and what they say together.
 
-use super::{Conditions, FiveAxes, Outcome, five_axes, three_axes};
+use super::{Conditions, FiveAxes, Outcome, Refused, five_axes, three_axes};
 use anyhow::Result;
 use maud::html;
 use rayon::prelude::*;
@@ -12,8 +12,10 @@ use trueaxis_sim::calibration::Class;
 /// What many machines say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
-    /// Three-axis machines.
+    /// Three-axis machines that were calibrated.
     pub machines: usize,
+    /// Machines of either kind whose calibration was refused; no other figure has them in it.
+    pub refused: usize,
     /// Share of the volumetric error (root mean square) that is removed, at the median.
     pub median_removed: f64,
     /// On the machine on which it is least.
@@ -30,11 +32,22 @@ pub struct Summary {
     pub median_tilt_urad: f64,
 }
 
+/// What became of many machines.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Machines {
+    /// Three-axis machines.
+    pub three_axes: Vec<Outcome>,
+    /// Five-axis machines.
+    pub five_axes: Vec<FiveAxes>,
+    /// Machines that are in neither.
+    pub refused: Vec<Refused>,
+}
+
 /// Calibrates `machines` three-axis machines with the seeds from `seed` on, and a tenth as many with five axes, by a
-/// task for either; `done` is called after each.
+/// task for either; `done` is called after each. A machine that is refused is among [`Machines::refused`].
 ///
 /// # Errors
-/// The first refusal.
+/// A task that cannot be read or planned.
 pub fn all(
     machines: u64,
     seed: u64,
@@ -42,13 +55,29 @@ pub fn all(
     class: &Class,
     conditions: &Conditions,
     done: &(dyn Fn() + Sync),
-) -> Result<(Vec<Outcome>, Vec<FiveAxes>)> {
+) -> Result<Machines> {
     let with_seed = |count: u64| (0..count).into_par_iter().map(move |k| seed.wrapping_add(k));
-    let three = with_seed(machines).map(|seed| three_axes(seed, mill, class, conditions).inspect(|_| done()));
+    let three = with_seed(machines).map(|seed| told(three_axes(seed, mill, class, conditions), done));
     let three = three.collect::<Result<Vec<_>>>()?;
-    let five =
-        with_seed(machines.div_ceil(10)).map(|seed| five_axes(seed, trunnion, class, conditions).inspect(|_| done()));
-    Ok((three, five.collect::<Result<Vec<_>>>()?))
+    let five = with_seed(machines.div_ceil(10)).map(|seed| told(five_axes(seed, trunnion, class, conditions), done));
+    let mut all = Machines::default();
+    for one in five.collect::<Result<Vec<_>>>()? {
+        one.map_or_else(|refused| all.refused.push(refused), |one| all.five_axes.push(one));
+    }
+    for one in three {
+        one.map_or_else(|refused| all.refused.push(refused), |one| all.three_axes.push(one));
+    }
+    all.refused.sort_by_key(|refused| (refused.axes, refused.seed));
+    Ok(all)
+}
+
+/// An outcome, or the refusal of this machine.
+fn told<T>(outcome: Result<T>, done: &(dyn Fn() + Sync)) -> Result<Result<T, Refused>> {
+    done();
+    match outcome {
+        Ok(outcome) => Ok(Ok(outcome)),
+        Err(error) => error.downcast::<Refused>().map(Err),
+    }
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {
@@ -62,12 +91,16 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// What they say together.
-pub fn summary(three: &[Outcome], five: &[FiveAxes]) -> Summary {
+///
+/// Without a three-axis machine the share at the least is not a number.
+pub fn summary(all: &Machines) -> Summary {
+    let (three, five) = (&all.three_axes, &all.five_axes);
     let worse = |one: &&Outcome| one.after_um.rms > one.before_um.rms || one.after_um.max > one.before_um.max;
     Summary {
         machines: three.len(),
+        refused: all.refused.len(),
         median_removed: median(three.iter().map(|one| one.removed)),
-        least_removed: three.iter().map(|one| one.removed).fold(f64::INFINITY, f64::min),
+        least_removed: three.iter().map(|one| one.removed).fold(f64::NAN, f64::min),
         made_worse: three.iter().filter(worse).count(),
         worst_place_um: five.iter().map(|one| one.place_um).fold(0.0, f64::max),
         worst_tilt_urad: five.iter().map(|one| one.tilt_urad).fold(0.0, f64::max),
@@ -77,13 +110,15 @@ pub fn summary(three: &[Outcome], five: &[FiveAxes]) -> Summary {
 }
 
 /// The page.
-pub fn page(three: &[Outcome], five: &[FiveAxes], found: &Summary) -> String {
+pub fn page(all: &Machines, found: &Summary) -> String {
+    let (three, five) = (&all.three_axes, &all.five_axes);
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let um = |value: f64| significant(value, 3);
     let table = Table::new(
         ["", ""],
         [
             Row::new("three-axis machines", [found.machines.to_string()]),
+            Row::new("machines refused", [found.refused.to_string()]),
             Row::new("volumetric error removed, median", [percent(found.median_removed)]),
             Row::new("least", [percent(found.least_removed)]),
             Row::new("made worse", [found.made_worse.to_string()]),
@@ -101,5 +136,9 @@ pub fn page(three: &[Outcome], five: &[FiveAxes], found: &Summary) -> String {
     figure.curve("before", curve(|one| one.before_um.rms), Stroke::new(colour::UNCOMPENSATED, 1.6));
     figure.curve("after", curve(|one| one.after_um.rms), Stroke::new(colour::COMPENSATED, 1.6));
     figure.caption("Root mean square of the tip's error over the volume, its best rigid motion taken out.");
-    Page::new("Calibration of simulated machines").top(table).section("Machines", html! { (figure) }).document()
+    let refused = html! { @for one in &all.refused { p { (one) } } };
+    Page::new("Calibration of simulated machines")
+        .top(table)
+        .section("Machines", html! { (figure) (refused) })
+        .document()
 }

@@ -65,7 +65,8 @@ pub fn calibrate(task: &Task, machine: &Machine, plan: &Plan, trips: &[Logged], 
     Ok(Calibration { observed, solution, lines: source.lines })
 }
 
-/// Whether the places of a task tell its unknowns apart, before anything is measured: with every touch where it is planned.
+/// Whether the places of a task tell its unknowns apart, and the standard errors by the stated repeatability, before anything
+/// is measured: with every touch where it is planned.
 ///
 /// # Errors
 /// The names of what they do not.
@@ -80,7 +81,7 @@ pub fn foresee(task: &Task, machine: &Machine, plan: &Plan) -> Result<Calibratio
         })
         .collect();
     let observed = observe(&Task { compensated: true, ..task.clone() }, machine, plan, &positions)?;
-    let solution = observed.network.solve().map_err(|refused| source.refused(&observed, refused))?;
+    let solution = observed.network.foresee().map_err(|refused| source.refused(&observed, refused))?;
     Ok(Calibration { observed, solution, lines: Vec::new() })
 }
 

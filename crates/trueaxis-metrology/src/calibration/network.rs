@@ -72,6 +72,20 @@ impl Network {
     /// # Errors
     /// [`Refused`].
     pub fn solve(&self) -> Result<Solution, Refused> {
+        self.weighed(POOLED)
+    }
+
+    /// Solves with the repeatability as stated, for touches that nobody has made yet: what is left of them is rounding and
+    /// says nothing of the probe. Cost as [`Network::solve`].
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn foresee(&self) -> Result<Solution, Refused> {
+        self.weighed(usize::MAX)
+    }
+
+    /// Solves; from `pooled` degrees of freedom on by the repeatability that is found.
+    fn weighed(&self, pooled: usize) -> Result<Solution, Refused> {
         let known = self.unknowns.iter().filter(|unknown| unknown.uncertainty.is_some()).count();
         let count = self.unknowns.len();
         if self.touches.len() + known < count {
@@ -86,7 +100,7 @@ impl Network {
         let mut sigma = self.repeatability_mm;
         let mut solved = self.settle(&mut values, sigma, None)?;
         let mut residuals = self.residuals(&values);
-        if degrees_of_freedom >= POOLED {
+        if degrees_of_freedom >= pooled {
             let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
             sigma = (squares / degrees_of_freedom as f64).sqrt().max(1e-9);
             solved = self.settle(&mut values, sigma, Some(solved.condition))?;
