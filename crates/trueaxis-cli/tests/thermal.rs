@@ -24,7 +24,7 @@ fn record() -> String {
 }
 
 const MACHINE: &str = "name = \"mill\"\nchain = \"w X' Y' b Z t\"\n\n[axis.X]\ntable = \"x.csv\"\n";
-const TABLE: &str = "position_mm,EXX_um\n-300,0\n300,3\n";
+const TABLE: &str = "X_mm,EXX_um\n-300,0\n300,3\n";
 
 #[test]
 fn growth_is_found_compiled_and_read_by_the_task() {
@@ -96,7 +96,7 @@ fn bad_records_are_told_with_line_and_figure_and_nothing_is_written() {
     for (file, told) in [
         ("stuck.csv", "stuck.csv:200: column T1_c: found T1 at one reading for"),
         ("jump.csv", "jump.csv:200: column T1_c: found T1 "),
-        ("gone.csv", "gone.csv:200: column T1_c: found \"\", needed"),
+        ("gone.csv", "gone.csv:200: column T1_c: found nothing, needed a number"),
         ("absurd.csv", "absurd.csv:200: column T1_c: found 850, needed -60 to 200 degrees Celsius"),
         ("twice.csv", "found T1 and T2 running together (correlation 1.00000)"),
         ("short.csv", "short.csv: found 1 cycles, needed at least 3"),

@@ -24,7 +24,8 @@ fn record(noise_um: f64) -> Record {
     let air = |t: f64| 20.0 + 3.0 * (t / 13_000.0).sin() + 1.5 * (t / 4_100.0).sin();
     for (cycle, duty) in (1..).zip(DUTY) {
         for second in 0..14_400_u32 {
-            let rpm = 1e3 * f64::from(duty[(second / 2400) as usize]);
+            // Midway between two rows: what a record does not tell, the fit takes for linear.
+            let rpm = 1e3 * f64::from(duty[((second + 60) / 2400 % 6) as usize]);
             // A heater of its own, besides the speed, so that the two differ.
             let heat = 14.0 * (rpm / 6000.0).powi(2) + 4.0 * (t / 2_900.0).sin();
             nose += (air(t) + heat - nose) / 700.0;
@@ -61,7 +62,6 @@ fn settings() -> Settings {
     Settings { reference_c: 20.0, datum_mm: [0.0; 3], held_out: vec![] }
 }
 
-/// A lag and its amplitude trade off against each other: the search stops within a fifth of the truth.
 #[test]
 fn lags_and_curves_of_a_known_machine_are_found_and_the_clock_is_left_out() {
     let record = record(0.3);
@@ -72,7 +72,7 @@ fn lags_and_curves_of_a_known_machine_are_found_and_the_clock_is_left_out() {
     let spindle = found.model.spindle.as_ref().unwrap();
     let lags = [found.model.sensors[0].lag_s, found.model.sensors[1].lag_s, spindle.lag_s];
     for (found, truth) in lags.into_iter().zip(LAGS) {
-        assert!((found / truth - 1.0).abs() < 0.2, "{found} s for {truth} s");
+        assert!((found / truth - 1.0).abs() < 0.08, "{found} s for {truth} s");
     }
     assert_eq!(spindle.knots_rpm, [0.0, 3000.0, 6000.0]);
 
@@ -90,9 +90,9 @@ fn lags_and_curves_of_a_known_machine_are_found_and_the_clock_is_left_out() {
     near(per_k(2, 0, 0), 1e-3 * Z_PER_K, 4e-5, "Z with the nose");
     near(per_k(0, 1, 1), 1e-6 * X_PER_M_K, 3e-7, "X with the air");
     let last = *found.axes[2].spindle.last().unwrap();
-    near((last.value[0], last.standard_error[0]), 1e-3 * Z_AT_SPEED, 1.6e-3, "Z at speed");
+    near((last.value[0], last.standard_error[0]), 1e-3 * Z_AT_SPEED, 4e-4, "Z at speed");
     let last = *found.axes[1].spindle.last().unwrap();
-    near((last.value[1], last.standard_error[1]), 1e-3 * Y_PER_MM_AT_SPEED, 5e-6, "Y at speed");
+    near((last.value[1], last.standard_error[1]), 1e-3 * Y_PER_MM_AT_SPEED, 1e-6, "Y at speed");
 
     let bytes = found.model.encode(9).unwrap();
     assert!(Thermal::parse(&bytes).unwrap().expect_machine(9).is_ok());
@@ -113,7 +113,7 @@ fn without_a_second_position_there_is_no_slope_and_without_a_second_tool_no_tilt
     let tilts = found.axes.iter().flat_map(|axis| &axis.spindle).map(|at| at.value[1]);
     assert!(slopes.chain(tilts).all(|value| value == 0.0));
     let growth = found.axes[1].spindle.last().unwrap().value[0];
-    assert!((growth - 1e-3 * 40.0 * Y_PER_MM_AT_SPEED).abs() < 2.4e-4, "the tool's tilt is growth then: {growth}");
+    assert!((growth - 1e-3 * 40.0 * Y_PER_MM_AT_SPEED).abs() < 1e-4, "the tool's tilt is growth then: {growth}");
 }
 
 /// The record, broken by `change`, and why it is refused.

@@ -3,6 +3,7 @@
 use super::LONGEST_LAG_S;
 use super::basis::{Cause, Chosen, Problem};
 use super::linear::predicted;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::vec;
 use std::vec::Vec;
@@ -15,9 +16,14 @@ const LAGS: usize = 12;
 const SHORTEST_LAG_S: f64 = 30.0;
 /// Steps of the golden section between two lags of the grid, to 2 %.
 const STEPS: usize = 8;
-/// Rounds over all lags once the causes stand, at most; and the share of the squares below which a round gains nothing.
-const ROUNDS: usize = 16;
-const SETTLED: f64 = 2e-3;
+/// Newton's steps over all lags once the causes stand, at most; the share of the squares below which one gains nothing.
+const ROUNDS: usize = 24;
+const SETTLED: f64 = 1e-6;
+/// Difference of a lag's logarithm for its derivatives; the largest step.
+const DIFFERENCE: f64 = 0.02;
+const LARGEST_STEP: f64 = 0.5;
+/// Dampings tried in a step, each ten times the one before.
+const TRIES: usize = 8;
 /// Rows that the search looks at, at most.
 const MOST_ROWS: usize = 1_500;
 
@@ -172,17 +178,73 @@ impl<'p, 'r> Search<'p, 'r> {
         (all, [nothing, left])
     }
 
-    /// Round after round until the lags stand.
+    /// All lags together, until they stand: one at a time they stop on the ridge along which a lag trades off against
+    /// another and against the curves.
+    ///
+    /// Newton's method on the logarithms of the lags, damped where it does not descend (Marquardt), its derivatives by
+    /// differences.
     fn settle(&self, all: &mut [Chosen], mut left: f64) -> f64 {
-        for _ in 0..ROUNDS {
-            let found = self.refine(all, left);
-            let gained = left - found;
-            left = found;
-            if gained <= SETTLED * left {
+        left = self.refine(all, left);
+        let mut damping = 1e-3;
+        let free: Vec<usize> = (0..all.len()).filter(|which| all[*which].lag_s >= SHORTEST_LAG_S).collect();
+        let moved = |all: &[Chosen], steps: &[(usize, f64)]| {
+            let mut moved = all.to_vec();
+            for &(which, step) in steps {
+                let lag = &mut moved[which].lag_s;
+                *lag = (*lag * step.clamp(-LARGEST_STEP, LARGEST_STEP).exp()).clamp(SHORTEST_LAG_S, LONGEST_LAG_S);
+            }
+            moved
+        };
+        let rounds = if free.is_empty() { 0 } else { ROUNDS };
+        for _ in 0..rounds {
+            let before = left;
+            let (gradient, curvature) = self.derivatives(&free, left, &|steps| self.left(&moved(all, steps)));
+            for _ in 0..TRIES {
+                let damped = &curvature + DMatrix::from_diagonal(&curvature.diagonal().map(|c| damping * c.abs()));
+                let step = damped.cholesky().map(|factors| -factors.solve(&gradient));
+                let tried = step.map(|step| {
+                    let steps: Vec<(usize, f64)> = free.iter().copied().zip(step.iter().copied()).collect();
+                    moved(all, &steps)
+                });
+                let found = tried.as_ref().map_or(f64::INFINITY, |tried| self.left(tried));
+                if let Some(tried) = tried.filter(|_| found < left) {
+                    all.clone_from_slice(&tried);
+                    left = found;
+                    damping *= 0.1;
+                    break;
+                }
+                damping *= 10.0;
+            }
+            if before - left <= SETTLED * left {
                 break;
             }
         }
         left
+    }
+
+    /// Gradient and matrix of second derivatives of what is left, `at` steps of the lags' logarithms.
+    fn derivatives(
+        &self,
+        free: &[usize],
+        left: f64,
+        at: &(dyn Fn(&[(usize, f64)]) -> f64 + Sync),
+    ) -> (DVector<f64>, DMatrix<f64>) {
+        let count = free.len();
+        // Up, down, and every two of them up.
+        let pairs: Vec<(usize, usize)> = (0..count).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
+        let up: Vec<f64> = free.par_iter().map(|which| at(&[(*which, DIFFERENCE)])).collect();
+        let down: Vec<f64> = free.par_iter().map(|which| at(&[(*which, -DIFFERENCE)])).collect();
+        let both: Vec<f64> = (pairs.par_iter())
+            .map(|&(i, j)| if i == j { 0.0 } else { at(&[(free[i], DIFFERENCE), (free[j], DIFFERENCE)]) })
+            .collect();
+        let gradient = DVector::from_fn(count, |i, _| (up[i] - down[i]) / (2.0 * DIFFERENCE));
+        let mut curvature = DMatrix::zeros(count, count);
+        for (&(i, j), both) in pairs.iter().zip(&both) {
+            let second = if i == j { up[i] + down[i] - 2.0 * left } else { both - up[i] - up[j] + left };
+            curvature[(i, j)] = second / (DIFFERENCE * DIFFERENCE);
+            curvature[(j, i)] = curvature[(i, j)];
+        }
+        (gradient, curvature)
     }
 
     /// Every lag, one at a time, between its neighbours of the grid; what is left then.
