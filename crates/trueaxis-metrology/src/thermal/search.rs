@@ -198,7 +198,7 @@ impl<'p, 'r> Search<'p, 'r> {
         let rounds = if free.is_empty() { 0 } else { ROUNDS };
         for _ in 0..rounds {
             let before = left;
-            let (gradient, curvature) = self.derivatives(&free, left, &|steps| self.left(&moved(all, steps)));
+            let (gradient, curvature) = Self::derivatives(&free, left, |steps| self.left(&moved(all, steps)));
             for _ in 0..TRIES {
                 let damped = &curvature + DMatrix::from_diagonal(&curvature.diagonal().map(|c| damping * c.abs()));
                 let step = damped.cholesky().map(|factors| -factors.solve(&gradient));
@@ -223,11 +223,10 @@ impl<'p, 'r> Search<'p, 'r> {
     }
 
     /// Gradient and matrix of second derivatives of what is left, `at` steps of the lags' logarithms.
-    fn derivatives(
-        &self,
+    fn derivatives<At: Fn(&[(usize, f64)]) -> f64 + Sync>(
         free: &[usize],
         left: f64,
-        at: &(dyn Fn(&[(usize, f64)]) -> f64 + Sync),
+        at: At,
     ) -> (DVector<f64>, DMatrix<f64>) {
         let count = free.len();
         // Up, down, and every two of them up.
