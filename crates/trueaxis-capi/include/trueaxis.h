@@ -730,7 +730,7 @@ typedef struct trueaxis_growth_t {
     uint32_t axes;
     /// Offset of the line, mm (deg): error that is added, actual − ideal.
     double offset[6];
-    /// Its slope.
+    /// Its slope, from the datum of the machine's table file on.
     double slope[6];
     /// `TRUEAXIS_SENSOR_…` of every sensor: while it is not good its share stands still.
     uint8_t sensors[TRUEAXIS_THERMAL_SENSORS_MAX];

@@ -85,7 +85,7 @@ pub struct Growth {
     pub axes: u32,
     /// Offset of the line, mm (deg): error that is added, actual − ideal.
     pub offset: [f64; 6],
-    /// Its slope.
+    /// Its slope, from the datum of the machine's table file on.
     pub slope: [f64; 6],
     /// `TRUEAXIS_SENSOR_…` of every sensor: while it is not good its share stands still.
     pub sensors: [u8; THERMAL_SENSORS_MAX],
