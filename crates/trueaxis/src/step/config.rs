@@ -5,7 +5,7 @@
 use super::ServoLoop;
 use crate::axis::{AXES, Axis};
 use crate::check::GridBounds;
-use crate::compensation::{self, Compensation, Tables};
+use crate::compensation::{self, Compensation, Grids, Tables};
 use crate::contour::{ContourSearch, Method};
 use crate::dynamic::DynamicStage;
 use crate::error::{ConfigError, Field};
@@ -87,7 +87,8 @@ impl<'m, 'g> Config<'m, 'g> {
         let motion = self.machine.faults.command_jump_factor * in_a_cycle(|axis| axis.max_feed_per_s);
         let norm = crate::check::jacobian_norm(self.machine, &rows, &bounds);
         let changes = [motion, in_a_cycle(|axis| axis.limits.slope_per_s)];
-        let tables = Tables::new(compensation.nine_terms(), norm, changes, self.inverse_passes);
+        let grids = compensation.grids().map(Grids::key);
+        let tables = Tables::new(compensation.nine_terms(), grids, norm, changes, self.inverse_passes);
         Ok(ServoLoop {
             order,
             sampler: Sampler::new(&order, self.machine, self.period_ns),

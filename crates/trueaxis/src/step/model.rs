@@ -64,31 +64,36 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             && let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
             && let Some(errors) = state.cells.errors(command, feedback, self.tables.is_cubic())
         {
-            let modelled = Modelled::of_errors(errors, state.cells.at_edge());
-            return match self.compensation.grids() {
-                None => modelled,
-                Some(grids) => self.with_grids(state, sample, grids, modelled),
-            };
+            return Modelled::of_errors(errors, state.cells.at_edge());
         }
-        self.model_anew(state, sample, tool)
+        match self.compensation.grids() {
+            None => self.model_anew(state, sample, tool),
+            Some(grids) => self.model_beside(state, sample, tool, grids),
+        }
     }
 
-    /// Grids beside what the cells of the tables say. Out of line: a machine without them pays a test.
+    /// [`ServoLoop::model`] where there are grids: their cells have a key of their own, so that a machine without grids does
+    /// not pay for them.
     #[inline(never)]
-    fn with_grids(
+    fn model_beside(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
+        tool: bool,
         grids: &Grids<'_, R>,
-        mut modelled: Modelled<R, N>,
     ) -> Modelled<R, N> {
-        let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
-        else {
+        if sample.verdict == Verdict::Active
+            && state.cells.are_beside_grids(&self.tables)
+            && self.all_go_on(state)
+            && let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
+            && let Some(errors) = state.cells.errors(command, feedback, self.tables.is_cubic())
+        {
+            let mut modelled = Modelled::of_errors(errors, state.cells.at_edge());
+            let (beside, edge) = state.grids.errors(grids, &command, &feedback);
+            modelled.add(beside, edge);
             return modelled;
-        };
-        let ([at_drives, at_feedback], edge) = state.grids.errors(grids, &command, &feedback);
-        modelled.add([at_drives, at_feedback], edge);
-        modelled
+        }
+        self.model_anew(state, sample, tool)
     }
 
     /// No drive has turned.

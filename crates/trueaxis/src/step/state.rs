@@ -13,24 +13,27 @@ use crate::sample::SampleState;
 use crate::telemetry::{Record, Status};
 
 /// The mutable half: state from cycle to cycle.
+///
+/// In this order in memory: what every cycle needs lies first, within the reach of a Cortex-M's load of a float (1020 bytes).
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct State<R, P: Position, const N: usize> {
     pub(super) sample: SampleState<P, N>,
-    pub(super) reversal: [Reversal<P>; N],
-    /// The machine was homed in the last cycle.
-    pub(super) homed: bool,
-    pub(super) thermal: [ThermalLine<R>; N],
-    pub(super) cells: Cells<R, P>,
-    /// Tangents of the volumetric model.
-    pub(super) poses: Kept<R, P, N>,
-    /// The machine's grids about command and feedback.
-    pub(super) grids: NearGrids<R, P>,
-    pub(super) feet: PairState<R>,
     pub(super) output: OutputState<R, P, N>,
-    pub(super) dynamic: DynamicState<R, P, N>,
+    pub(super) reversal: [Reversal<P>; N],
+    pub(super) sequence: u32,
     /// Axes whose correction was limited in the last cycle.
     pub(super) limited: u8,
-    pub(super) sequence: u32,
+    /// The machine was homed in the last cycle.
+    pub(super) homed: bool,
+    pub(super) feet: PairState<R>,
+    pub(super) cells: Cells<R, P>,
+    pub(super) dynamic: DynamicState<R, P, N>,
+    pub(super) thermal: [ThermalLine<R>; N],
+    /// The machine's grids about command and feedback.
+    pub(super) grids: NearGrids<R, P>,
+    /// Tangents of the volumetric model.
+    pub(super) poses: Kept<R, P, N>,
 }
 
 impl<R: Real, P: Position, const N: usize> State<R, P, N> {

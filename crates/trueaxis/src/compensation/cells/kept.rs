@@ -64,14 +64,21 @@ impl<R: Real, P: Position> Cells<R, P> {
 
     /// Makes them cells of these tables, none yet if they were not; returns whether they were.
     pub(crate) fn are_of<const N: usize>(&mut self, tables: &Tables<R, P>, thermal: &[ThermalLine<R>; N]) -> bool {
-        // With more look-ups than one, no cycle ends in the cells as they are: they have a key of their own.
+        // With more look-ups than one, or grids beside the tables, no cycle ends in the cells as they are: they have a key
+        // of their own.
         if self.key == tables.key || self.key == !tables.key {
             return true;
         }
         self.passes = tables.passes(thermal);
-        self.key = if self.passes == 1 { tables.key } else { !tables.key };
+        self.key = if self.passes == 1 && !tables.beside_grids { tables.key } else { !tables.key };
         (0..LINEAR).for_each(|slot| self.forget_axis(slot));
         false
+    }
+
+    /// They are of these tables, beside grids, and the inverse looks up once.
+    #[inline(always)]
+    pub(crate) fn are_beside_grids(&self, tables: &Tables<R, P>) -> bool {
+        (self.key == !tables.key) & (self.passes == 1)
     }
 
     /// Look-ups of the inverse in a cycle.

@@ -49,6 +49,8 @@ pub(crate) struct Tables<R, P: Position> {
     /// Tells these tables from others; [`Tables::NO_CELLS`] where there are none to keep.
     pub(super) key: u64,
     cubic: bool,
+    /// Grids stand beside them.
+    pub(super) beside_grids: bool,
     pub(super) borders: [Borders<R, P>; LINEAR],
     /// Norm of the Jacobian of the errors, without thermal growth.
     norm: R,
@@ -64,10 +66,11 @@ impl<R: Real, P: Position> Tables<R, P> {
     /// Key of tables that cells do not serve.
     const NO_CELLS: u64 = 1;
 
-    /// `norm` of the errors' Jacobian, at `most` as many look-ups of the inverse; in a cycle, the largest `motion` of the
-    /// command and `change` of the correction, mm.
+    /// `grids`: the key of those beside the tables. `norm` of the errors' Jacobian, at `most` as many look-ups of the inverse;
+    /// in a cycle, the largest `motion` of the command and `change` of the correction, mm.
     pub(crate) fn new<const N: usize>(
         terms: Option<&NineTerms<'_, R, P, N>>,
+        grids: Option<u64>,
         norm: f64,
         [motion, change]: [f64; 2],
         most: u8,
@@ -75,6 +78,7 @@ impl<R: Real, P: Position> Tables<R, P> {
         let mut built = Tables {
             key: Self::NO_CELLS,
             cubic: false,
+            beside_grids: grids.is_some(),
             borders: [Borders::of(&AxisTable::zero()); LINEAR],
             norm: R::of(norm),
             motion: R::of(motion),
@@ -89,6 +93,7 @@ impl<R: Real, P: Position> Tables<R, P> {
         let mut key = Key(0);
         terms.numbers(&mut |number| key.add_number(number));
         key.add_all(&[norm, motion, change, f64::from(most)]);
+        key.add(grids.unwrap_or(0));
         // Neither of the two keys of other meaning, nor is its complement.
         built.key = (key.0 | 2) & !(1 << 63);
         built
