@@ -21,8 +21,9 @@ from concurrent.futures import ThreadPoolExecutor
 HERE = pathlib.Path(__file__).resolve().parent
 FLAGS = {"base": "", "v3": "-Ctarget-cpu=x86-64-v3"}
 GROWTH = 1.005
-# Whole steps along the butterfly: geometry alone; with friction, with feedback, with all of the dynamic correction.
-WALKS = ["walk", "walk-friction", "walk-feedback", "walk-dynamic"]
+# Whole steps along the butterfly: geometry alone; with friction, with feedback, with all of the dynamic correction; with a
+# grid over two axes, over three.
+WALKS = ["walk", "walk-friction", "walk-feedback", "walk-dynamic", "walk-bilinear", "walk-trilinear"]
 # The adversarial cycles that cost most on a Cortex-M7, which computes in the host's scalar.
 ADVERSARIAL = HERE.parent / "firmware-sim/cortex-m/adversarial.toml"
 
