@@ -1,7 +1,7 @@
 //! `trueaxis ballbar`.
 
 use crate::output::{json, print, tell};
-use crate::report;
+use crate::{machine_folder, model, report};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::fmt::Write;
@@ -13,6 +13,7 @@ use trueaxis_evaluation::friction::pair;
 use trueaxis_metrology::ballbar::Position;
 use trueaxis_recording::Received;
 use trueaxis_report::number::significant;
+use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
@@ -32,11 +33,14 @@ causes apart, each with half of its interval of 95 % (d = +1 counterclockwise, -
   lateral play    (d/2)(p_x |sin θ| − p_y |cos θ|)
   reversal        spikes of height h after an axis' reversals; cyclic: periodic errors, their pitch searched or given
 One direction cannot tell servo mismatch and lateral play; they are null then.
+-o writes squareness and backlash, where they are above two standard errors, into a machine with their uncertainties; the
+rest has no place in a table.
 
 Examples:
   trueaxis ballbar record.csv --radius-mm 100 --report out
   trueaxis ballbar samples.txt --radius-mm 50 --axes Z,X
-  trueaxis ballbar frames.bin --radius-mm 50";
+  trueaxis ballbar frames.bin --radius-mm 50
+  trueaxis ballbar record.csv --radius-mm 100 --machine mymill -o mymill";
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -58,6 +62,16 @@ pub(crate) struct Arguments {
     /// Pitch of the periodic error of Z [default: searched].
     #[arg(long, value_name = "P")]
     pitch_z_mm: Option<f64>,
+    /// The machine that was measured, for -o.
+    #[arg(long, value_name = "M", requires = "output")]
+    machine: Option<PathBuf>,
+    /// The machine was corrected by its tables while the circles were run: what was found is added to them, in place of
+    /// taking their place.
+    #[arg(long, requires = "machine")]
+    compensated: bool,
+    /// Folder that the machine is written into: its own, or a new one.
+    #[arg(short, long, value_name = "MACHINE_DIR", requires = "machine")]
+    output: Option<PathBuf>,
     /// One JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -79,12 +93,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let options = Options { radius_mm: arguments.radius_mm, axes: arguments.axes, pitches_mm };
     let test = read(&arguments.record, &options)?;
     let document = test.document();
+    let files = arguments.machine.iter().flat_map(|machine| model::files(machine));
+    let mut outputs = Outputs::of(files.chain([arguments.record.clone()]));
+    let mut written = Vec::new();
+    if let (Some(machine), Some(output)) = (&arguments.machine, &arguments.output) {
+        let (additions, left) = test.additions(&model::machine(machine)?, arguments.compensated);
+        let edit = |folder: &Folder, name: &Path| additions.edit(folder, name);
+        written = machine_folder::write(&mut outputs, machine, output, edit)?;
+        written.extend(left);
+    }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        let mut outputs = Outputs::of([&arguments.record]);
         report::write(&mut outputs, &report::ballbar::page(&source, &test, &document), directory, "ballbar.html")?;
-        outputs.commit()?;
     }
+    outputs.commit()?;
+    machine_folder::tell_written(&written);
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 

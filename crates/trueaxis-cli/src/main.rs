@@ -17,6 +17,7 @@ mod helicoid;
 mod identify;
 mod kinematics;
 mod learn;
+mod machine_folder;
 mod model;
 mod numbers;
 mod output;

@@ -127,6 +127,36 @@ fn positions_come_in_three_forms() {
     folder.bad(&["ballbar", "samples.txt", "--radius-mm", "45"], &[wrong]);
 }
 
+/// Squareness and backlash in the machine, in the place of what it states or on top of it; the rest as it was.
+#[test]
+fn what_becomes_a_setting_is_written_into_the_machine() {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("record.csv", record(&[1.0, -1.0]));
+    let toml = "# ours\nname = \"m\"\nchain = \"w Y' X' b Z t\"\n[location]\nC0Y_urad = 20\n[axis.X]\ntable = \"x.csv\"\n\
+                backlash_um = 1 # by hand\n[axis.Y]\n[axis.Z]\n";
+    std::fs::create_dir(folder.join("m")).unwrap();
+    folder.write("m/machine.toml", toml);
+    folder.write("m/x.csv", "X_mm,EXX_um\n-100,0\n100,3\n");
+    let ballbar = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o"];
+    let call = |more: &[&str]| [&ballbar[..], more].concat();
+    let found = |file: &str, key: &str| -> f64 {
+        let text = folder.read(file);
+        let line = text.lines().find(|line| line.starts_with(key)).unwrap_or_else(|| panic!("{key} in {text}"));
+        line.split(['=', '#']).nth(1).unwrap().trim().parse().unwrap()
+    };
+    folder.good(&call(&["new"]));
+    assert!((found("new/machine.toml", "C0Y_urad") - 50.0).abs() < 0.1);
+    assert!((found("new/machine.toml", "backlash_um") - 5.0).abs() < 0.02);
+    assert!(folder.read("new/machine.toml").starts_with("# ours") && folder.read("new/x.csv").contains("100,3"));
+    assert_eq!(folder.read("m/machine.toml"), toml, "the machine itself stays");
+    folder.good(&call(&["more", "--compensated"]));
+    assert!((found("more/machine.toml", "C0Y_urad") - 70.0).abs() < 0.1);
+    assert!((found("more/machine.toml", "backlash_um") - 6.0).abs() < 0.02);
+    folder.good(&["tables", "check", "new"]);
+    folder.bad(&call(&["more"]), &["found a machine in more, needed the folder of --machine or one without a machine"]);
+    folder.bad(&["ballbar", "record.csv", "--radius-mm", "100", "-o", "x"], &["--machine"]);
+}
+
 #[test]
 fn what_is_wrong_is_told_with_its_line() {
     let folder = Folder::new(TRUEAXIS);

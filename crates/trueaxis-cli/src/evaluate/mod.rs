@@ -1,6 +1,5 @@
 //! `trueaxis evaluate`: records of tests with instruments.
 
-mod machine;
 mod points;
 mod probing;
 mod r_test;

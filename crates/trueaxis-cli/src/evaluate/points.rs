@@ -1,7 +1,7 @@
 //! `trueaxis evaluate points`.
 
 use crate::output::{json, print};
-use crate::{csv_in, model, report};
+use crate::{csv_in, machine_folder, model, report};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::fmt::Write;
@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             significant(document.left.rms_um, 3),
             document.held_out.map_or_else(|| "-".into(), |left| significant(left.rms_um, 3))
         );
-        written = super::machine::whole(&mut outputs, output, &machine_files(&found.machine, &comment))?;
+        written = machine_folder::whole(&mut outputs, output, &machine_files(&found.machine, &comment))?;
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
@@ -86,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&mut outputs, &page, directory, "points.html")?;
     }
     outputs.commit()?;
-    super::machine::tell_written(&written);
+    machine_folder::tell_written(&written);
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::numbers::triple;
 use crate::output::{json, print};
-use crate::{csv_in, model, report};
+use crate::{csv_in, machine_folder, model, report};
 use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
@@ -71,7 +71,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             notes: Vec::new(),
             grids: Vec::new(),
         };
-        written = super::machine::write(&mut outputs, &arguments.machine, output, &changed)?;
+        written =
+            machine_folder::write(&mut outputs, &arguments.machine, output, |folder, name| changed.edit(folder, name))?;
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
@@ -79,7 +80,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&mut outputs, &page, directory, "r-test.html")?;
     }
     outputs.commit()?;
-    super::machine::tell_written(&written);
+    machine_folder::tell_written(&written);
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 

@@ -1,7 +1,7 @@
 //! `trueaxis evaluate step-diagonal`.
 
 use crate::output::{json, print};
-use crate::{csv_in, model, report};
+use crate::{csv_in, machine_folder, model, report};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::fmt::Write;
@@ -65,7 +65,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         let rad = |value: Value| 1e-6 * value.value;
         (location.a0z, location.b0z, location.c0y) = (rad(document.a0z), rad(document.b0z), rad(document.c0y));
         let changed = Imported { tables: Vec::new(), location, settings: None, notes: Vec::new(), grids: Vec::new() };
-        notes = super::machine::write(&mut outputs, machine, output, &changed)?;
+        notes = machine_folder::write(&mut outputs, machine, output, |folder, name| changed.edit(folder, name))?;
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
@@ -73,7 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         report::write(&mut outputs, &page, directory, "step-diagonal.html")?;
     }
     outputs.commit()?;
-    super::machine::tell_written(&notes);
+    machine_folder::tell_written(&notes);
     if arguments.json { json(&document) } else { print(&table(&document)?) }
 }
 

@@ -122,7 +122,7 @@ fn micro(cause: Cause, value: f64) -> f64 {
 
 /// The squareness of a plane after ISO 230-1, and the sense in which it is that of the fit: e(first) −= S · second, which a
 /// ball bar cannot tell from e(second) −= S · first. EXY −= C0Y y, EYZ −= A0Z z, but EXZ += B0Z z.
-fn squareness(axes: [Axis; 2]) -> (&'static str, f64) {
+pub(super) fn squareness(axes: [Axis; 2]) -> (&'static str, f64) {
     if !axes.contains(&Axis::Z) {
         ("C0Y", 1.0)
     } else if axes.contains(&Axis::Y) {

@@ -3,6 +3,7 @@
 //! The mathematics is [`trueaxis_metrology::ballbar`].
 
 mod document;
+mod machine;
 mod polar;
 mod record;
 mod values;

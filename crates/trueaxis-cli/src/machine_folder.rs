@@ -1,16 +1,22 @@
-//! Tables and location errors that an evaluation found, written into a machine.
+//! What was found of a machine, written into its folder or a copy of it.
 
 use crate::model;
 use crate::output::tell;
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
+use trueaxis_tables::Edited;
+use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Folder;
-use trueaxis_tables::formats::Imported;
 use trueaxis_tables::output::Outputs;
 
 /// Stages `machine` with what was found in it, in `output`: its own folder, or another one that has no machine.toml yet, which
 /// gets all of its files. What is there already stays: other settings, their order, comments. Returns what to tell when it is written.
-pub(super) fn write(outputs: &mut Outputs, machine: &Path, output: &Path, found: &Imported) -> Result<Vec<String>> {
+pub(crate) fn write(
+    outputs: &mut Outputs,
+    machine: &Path,
+    output: &Path,
+    edit: impl FnOnce(&Folder, &Path) -> Result<Edited, FileError>,
+) -> Result<Vec<String>> {
     let (folder, name) = Folder::of_machine(machine);
     if machine.extension().is_some_and(|extension| extension == "tcomp") {
         bail!("--machine: found {}, needed a machine.toml or its folder where one is written", machine.display());
@@ -24,7 +30,7 @@ pub(super) fn write(outputs: &mut Outputs, machine: &Path, output: &Path, found:
             output.display()
         );
     }
-    let edited = found.edit(&folder, &name)?;
+    let edited = edit(&folder, &name)?;
     let mut notes = edited.notes;
     if !same {
         outputs.folder(output)?;
@@ -46,12 +52,12 @@ pub(super) fn write(outputs: &mut Outputs, machine: &Path, output: &Path, found:
 }
 
 /// Tells what was written.
-pub(super) fn tell_written(notes: &[String]) {
+pub(crate) fn tell_written(notes: &[String]) {
     notes.iter().for_each(tell);
 }
 
 /// Stages a whole machine in a folder that has none yet. Returns what to tell when it is written.
-pub(super) fn whole(outputs: &mut Outputs, output: &Path, files: &[(String, String)]) -> Result<Vec<String>> {
+pub(crate) fn whole(outputs: &mut Outputs, output: &Path, files: &[(String, String)]) -> Result<Vec<String>> {
     if output.join("machine.toml").exists() {
         bail!("--output: found a machine in {}, needed a folder without one", output.display());
     }
