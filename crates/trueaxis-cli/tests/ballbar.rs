@@ -138,7 +138,7 @@ fn what_becomes_a_setting_is_written_into_the_machine() {
     folder.write("m/machine.toml", toml);
     folder.write("m/x.csv", "X_mm,EXX_um\n-100,0\n100,3\n");
     let ballbar = ["ballbar", "record.csv", "--radius-mm", "100", "--machine", "m", "-o"];
-    let call = |more: &[&str]| [&ballbar[..], more].concat();
+    let call = |more: &[&'static str]| [&ballbar[..], more].concat();
     let found = |file: &str, key: &str| -> f64 {
         let text = folder.read(file);
         let line = text.lines().find(|line| line.starts_with(key)).unwrap_or_else(|| panic!("{key} in {text}"));

@@ -50,6 +50,7 @@ macro_rules! for_each_target {
             instruments: $crate::targets::instruments::TARGET,
             learn: $crate::targets::learn::TARGET,
             positions: $crate::targets::positions::TARGET,
+            probe_log: $crate::targets::probe_log::TARGET,
             probes: $crate::targets::probes::TARGET,
             recording: $crate::targets::recording::TARGET,
             scenario: $crate::targets::scenario::TARGET,
