@@ -93,7 +93,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let options = Options { radius_mm: arguments.radius_mm, axes: arguments.axes, pitches_mm };
     let test = read(&arguments.record, &options)?;
     let document = test.document();
-    let files = arguments.machine.iter().flat_map(|machine| model::files(machine));
+    let files =
+        arguments.machine.iter().flat_map(|machine| machine_folder::inputs(machine, arguments.output.as_deref()));
     let mut outputs = Outputs::of(files.chain([arguments.record.clone()]));
     let mut written = Vec::new();
     if let (Some(machine), Some(output)) = (&arguments.machine, &arguments.output) {

@@ -9,6 +9,20 @@ use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 
+/// Files of the machine that a command reads and must not write: none where it is to write into the machine's own folder.
+pub(crate) fn inputs(machine: &Path, output: Option<&Path>) -> Vec<PathBuf> {
+    let same = output.is_some_and(|output| own(machine, output).1);
+    if same { Vec::new() } else { model::files(machine).into_iter().collect() }
+}
+
+/// The machine's own folder, and whether `output` is that.
+fn own(machine: &Path, output: &Path) -> (PathBuf, bool) {
+    let own = if machine.is_dir() { machine.to_path_buf() } else { machine.parent().unwrap_or(Path::new("")).into() };
+    let own = if own.as_os_str().is_empty() { PathBuf::from(".") } else { own };
+    let same = matches!((own.canonicalize(), output.canonicalize()), (Ok(own), Ok(output)) if own == output);
+    (own, same)
+}
+
 /// Stages `machine` with what was found in it, in `output`: its own folder, or another one that has no machine.toml yet, which
 /// gets all of its files. What is there already stays: other settings, their order, comments. Returns what to tell when it is written.
 pub(crate) fn write(
@@ -21,9 +35,7 @@ pub(crate) fn write(
     if machine.extension().is_some_and(|extension| extension == "tcomp") {
         bail!("--machine: found {}, needed a machine.toml or its folder where one is written", machine.display());
     }
-    let own = if machine.is_dir() { machine.to_path_buf() } else { machine.parent().unwrap_or(Path::new("")).into() };
-    let own = if own.as_os_str().is_empty() { PathBuf::from(".") } else { own };
-    let same = matches!((own.canonicalize(), output.canonicalize()), (Ok(own), Ok(output)) if own == output);
+    let (own, same) = own(machine, output);
     if !same && output.join("machine.toml").exists() {
         bail!(
             "--output: found a machine in {}, needed the folder of --machine or one without a machine",

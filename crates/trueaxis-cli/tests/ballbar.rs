@@ -153,6 +153,8 @@ fn what_becomes_a_setting_is_written_into_the_machine() {
     assert!((found("more/machine.toml", "C0Y_urad") - 70.0).abs() < 0.1);
     assert!((found("more/machine.toml", "backlash_um") - 6.0).abs() < 0.02);
     folder.good(&["tables", "check", "new"]);
+    folder.good(&["ballbar", "record.csv", "--radius-mm", "100", "--machine", "new", "-o", "new", "--compensated"]);
+    assert!((found("new/machine.toml", "backlash_um") - 10.0).abs() < 0.04, "its own folder");
     folder.bad(&call(&["more"]), &["found a machine in more, needed the folder of --machine or one without a machine"]);
     folder.bad(&["ballbar", "record.csv", "--radius-mm", "100", "-o", "x"], &["--machine"]);
 }

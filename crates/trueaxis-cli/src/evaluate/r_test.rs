@@ -61,7 +61,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let options = Options { without: arguments.without.clone(), free_sensor: arguments.free_sensor };
     let found = identify(&record, &arguments.record.display().to_string(), &machine, &options)?;
     let document = Document::new(&record, &found, &machine);
-    let mut outputs = Outputs::of(model::files(&arguments.machine).into_iter().chain([arguments.record.clone()]));
+    let mut outputs = Outputs::of(
+        machine_folder::inputs(&arguments.machine, arguments.output.as_deref())
+            .into_iter()
+            .chain([arguments.record.clone()]),
+    );
     let mut written = Vec::new();
     if let Some(output) = &arguments.output {
         let changed = Imported {

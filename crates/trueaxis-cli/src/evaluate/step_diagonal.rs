@@ -57,7 +57,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     let test = read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
     let document = Document::new(&test, arguments.alignment_urad);
-    let inputs = arguments.machine.iter().flat_map(|machine| model::files(machine)).chain([arguments.record.clone()]);
+    let inputs = arguments
+        .machine
+        .iter()
+        .flat_map(|machine| machine_folder::inputs(machine, arguments.output.as_deref()))
+        .chain([arguments.record.clone()]);
     let mut outputs = Outputs::of(inputs);
     let mut notes = Vec::new();
     if let (Some(machine), Some(output)) = (&arguments.machine, &arguments.output) {
