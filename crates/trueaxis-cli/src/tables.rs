@@ -117,7 +117,7 @@ pub(crate) enum Command {
         #[arg(long, value_name = "M")]
         instrument: Option<PathBuf>,
         /// Largest permitted accuracy A: pass and fail only outside its band (ISO 14253-1).
-        #[arg(long, value_name = "UM", requires = "instrument")]
+        #[arg(long, value_name = "UM", requires = "instrument", allow_negative_numbers = true)]
         tolerance_um: Option<f64>,
         /// Coverage of the bands, percent.
         #[arg(long, value_name = "PERCENT", default_value_t = 95.0)]
