@@ -120,7 +120,7 @@ fn friction_is_found_and_what_is_written_is_a_machine_s() {
     assert_eq!(folder.read("machine.toml"), machine);
     folder.good(&["tables", "check", "with-friction.toml"]);
     let table = folder.good(&CALL);
-    assert!(table.contains("axis Y, ") && table.contains(" reversals\n"), "{table}");
+    assert!(table.contains("axis Y, ") && table.contains(" reversals; ± with 95 %"), "{table}");
     assert!(table.contains("Coulomb friction F_c/K_vp, mm/s") && table.contains("the machine's"), "{table}");
 }
 
