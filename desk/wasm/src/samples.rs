@@ -13,12 +13,13 @@ macro_rules! sample {
 /// A machine by its name, with its files.
 type Sample = (&'static str, &'static [(&'static str, &'static str)]);
 
-const SAMPLES: [Sample; 5] = [
+const SAMPLES: [Sample; 6] = [
     sample!("mill-3axis": "machine.toml" "x.csv" "y.csv" "z.csv" "x-iso230-2.csv"),
     sample!("mill-5axis": "machine.toml" "x.csv" "y.csv" "z.csv" "a.csv" "c.csv"),
     sample!("head-5axis": "machine.toml" "x.csv" "y.csv" "z.csv" "a.csv" "c.csv"),
     sample!("mill-turn": "machine.toml" "x.csv" "y.csv" "z.csv" "a.csv" "c.csv"),
     sample!("grinder": "machine.toml" "x.csv"),
+    sample!("router": "machine.toml" "x.csv" "y.csv" "rail.csv" "surface.csv"),
 ];
 
 /// A sample machine in a sentence.

@@ -1,9 +1,24 @@
 //! Centre lines of a five-axis machine.
+//!
+//! A centre line has a place and a direction only by the axes that go along it: where they say that they are zero is a
+//! matter of the machine's corner, far from all touches. So it is looked at as ISO 10791-6 does, by the tip that stands on
+//! the line while the rotary axis turns by half a turn:
+//!
+//! ```text
+//! d(s) = ½ [E(s, 0°) + E(s, 180°)]
+//! ```
+//!
+//! E is the error of the tip at s along the line, in machine directions. All that turns with the workpiece falls out; what is
+//! left is the centre line against the linear axes as they go. The least-squares line of d over s, at its middle and by its
+//! slope, is place and tilt.
 
 use super::{Conditions, run};
 use anyhow::Result;
 use serde::Serialize;
+use trueaxis::machine::{AXES, Axis};
 use trueaxis_sim::calibration::{Class, random_five_axis};
+use trueaxis_tables::Machine;
+use trueaxis_tables::exact::Geometry;
 
 /// How far the centre lines that were found are from the true ones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -25,19 +40,56 @@ pub struct FiveAxes {
 pub fn five_axes(seed: u64, task: &str, class: &Class, conditions: &Conditions) -> Result<FiveAxes> {
     let truth = random_five_axis(seed, class);
     let calibrated = run(task, &truth, seed, conditions)?;
-    let (true_ones, found) = (truth.settings.location.rotary, calibrated.known.settings.location.rotary);
+    let (there, known) = (centre_lines(&truth)?, centre_lines(&calibrated.known)?);
     let mut outcome = FiveAxes { seed, place_um: 0.0, tilt_urad: 0.0, true_um_urad: [0.0; 2] };
-    for (axis, free) in [(0, [1, 2, 4, 5]), (2, [0, 1, 3, 4])] {
-        for component in free {
-            let (truth, away) = (true_ones[axis][component], found[axis][component] - true_ones[axis][component]);
-            if component < 3 {
-                outcome.place_um = outcome.place_um.max(1e3 * away.abs());
-                outcome.true_um_urad[0] = outcome.true_um_urad[0].max(1e3 * truth.abs());
-            } else {
-                outcome.tilt_urad = outcome.tilt_urad.max(1e6 * away.abs());
-                outcome.true_um_urad[1] = outcome.true_um_urad[1].max(1e6 * truth.abs());
-            }
-        }
+    for (there, known) in there.iter().zip(&known) {
+        let away: [f64; 2] = std::array::from_fn(|k| (known[k] - there[k]).abs());
+        outcome.place_um = outcome.place_um.max(1e3 * away[0]);
+        outcome.tilt_urad = outcome.tilt_urad.max(1e6 * away[1]);
+        outcome.true_um_urad[0] = outcome.true_um_urad[0].max(1e3 * there[0].abs());
+        outcome.true_um_urad[1] = outcome.true_um_urad[1].max(1e6 * there[1].abs());
     }
     Ok(outcome)
+}
+
+/// Where the lines cross, mm.
+const CROSSING_MM: [f64; 3] = [250.0, 200.0, -250.0];
+/// The stretch of either line that is looked at, from the crossing on, mm: over the trunnion, and over the table.
+const STRETCHES: [(Axis, usize, [f64; 2]); 2] = [(Axis::A, 0, [-100.0, 100.0]), (Axis::C, 2, [0.0, 100.0])];
+const POINTS: usize = 9;
+
+/// Place, mm, and tilt, rad, of A and of C, each in two directions across it.
+fn centre_lines(machine: &Machine) -> Result<Vec<[f64; 2]>> {
+    let geometry = Geometry::new(machine, 0.0)?;
+    let slot = |axis: Axis| machine.settings.axes.iter().position(|own| own.axis == axis).unwrap_or_default();
+    let mut found = Vec::new();
+    for (rotary, along, [low, high]) in STRETCHES {
+        let at: Vec<f64> = (0..POINTS).map(|i| low + (high - low) * i as f64 / (POINTS - 1) as f64).collect();
+        let middle = 0.5 * (low + high);
+        let errors: Vec<[f64; 3]> = at
+            .iter()
+            .map(|s| {
+                let mut position = [0.0; AXES];
+                for (k, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
+                    position[slot(axis)] = CROSSING_MM[k] + if k == along { *s } else { 0.0 };
+                }
+                let mut error = |degrees: f64| {
+                    position[slot(rotary)] = degrees;
+                    // Half-way through its lost motion: the mean of both directions of travel.
+                    geometry.tip_error(&position, &[0.5; AXES])
+                };
+                let [one, other] = [error(0.0), error(180.0)];
+                std::array::from_fn(|k| 0.5 * (one[k] + other[k]))
+            })
+            .collect();
+        for across in (0..3).filter(|k| *k != along) {
+            // The points are even about the middle: the sums of the normal equations stand apart.
+            let from_middle = || at.iter().map(|s| s - middle);
+            let sum: f64 = errors.iter().map(|error| error[across]).sum();
+            let moment: f64 = from_middle().zip(&errors).map(|(s, error)| s * error[across]).sum();
+            let squares: f64 = from_middle().map(|s| s * s).sum();
+            found.push([sum / POINTS as f64, moment / squares]);
+        }
+    }
+    Ok(found)
 }

@@ -25,8 +25,8 @@ const RADIUS_MM: f64 = 100.0;
 const MOST_ROWS: usize = 128;
 /// Of inputs that are good as far as they go, one in so many is evaluated with the circles that go on behind it; of these
 /// and of whole ones, one in so many has the pitches searched, which takes most of the time.
-const WHOLE_ONE_IN: u64 = 64;
-const SEARCH_ONE_IN: u64 = 16;
+const WHOLE_ONE_IN: u64 = 256;
+const SEARCH_ONE_IN: u64 = 256;
 
 /// The first line of a form and its rows.
 struct Form {

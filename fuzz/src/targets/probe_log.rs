@@ -25,7 +25,7 @@ const DIALECTS: [Dialect; 3] = [Dialect::LinuxCnc, Dialect::GrblHal, Dialect::Kl
 /// Lines beyond which nothing new comes.
 const MOST_LINES: usize = 200;
 /// Of whole logs one in so many is solved.
-const SOLVED_ONE_IN: u64 = 8;
+const SOLVED_ONE_IN: u64 = 64;
 
 const TASK: &str = "machine = \"small\"\ndialect = \"linuxcnc\"\n[probe]\ntip_radius_mm = 3.0\nrepeats = 1\n\
                     tip_uncertainty_um = 1.0\n[[artefact]]\nname = \"ball\"\nkind = \"ball\"\ndiameter_mm = 25.0\n\
