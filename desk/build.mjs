@@ -13,7 +13,7 @@ const worker = await build({ ...common, entryPoints: ["src/worker.ts"], format: 
 const output = (ending) => page.outputFiles.find((file) => file.path.endsWith(ending)).text;
 const script = (text) => text.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
 // The step is there for three to six axes: near-copies, further apart than gzip looks back. xz takes a third less.
-const packed = execFileSync("xz", ["--format=xz", "--check=crc32", "--lzma2=preset=9e,dict=8MiB", "--stdout", "pkg/trueaxis_desk_bg.wasm"], { maxBuffer: 1 << 26 });
+const packed = execFileSync("xz", ["--format=xz", "--check=crc32", "--lzma2=preset=9e,dict=8MiB,lc=4,pb=0", "--stdout", "pkg/trueaxis_desk_bg.wasm"], { maxBuffer: 1 << 26 });
 const module = packed.toString("base64");
 const own = script(output(".js"));
 // The one script that the page's policy lets run.

@@ -33,7 +33,7 @@ pub struct FiveAxes {
     pub true_um_urad: [f64; 2],
 }
 
-/// Calibrates the five-axis machine of a seed by a task, like [`FIVE_AXES`].
+/// Calibrates the five-axis machine of a seed by a task, like [`FIVE_AXES`](super::FIVE_AXES).
 ///
 /// # Errors
 /// Whatever planning, probing or solving refuses.
