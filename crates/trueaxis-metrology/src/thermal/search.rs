@@ -11,6 +11,8 @@ use trueaxis::Axis;
 
 /// A cause comes in when it takes this share of the squares that are left, a bend or a part on one axis too.
 const GAIN: f64 = 0.05;
+/// Causes that are tried once more with all lags free where none comes in with the others' as they are: the most useful.
+const AGAIN: usize = 3;
 /// Lags of the grid, s; 0 and 30 s to [`LONGEST_LAG_S`], evenly by their logarithm.
 const LAGS: usize = 12;
 const SHORTEST_LAG_S: f64 = 30.0;
@@ -163,12 +165,31 @@ impl<'p, 'r> Search<'p, 'r> {
                 let (lag_s, left) = self.best_lag(&all, all.len() - 1, None);
                 (Chosen { lag_s, cause: *cause, bends_c: Vec::new() }, left)
             });
-            let best = tried.min_by(|one, other| one.1.total_cmp(&other.1));
-            let Some((chosen, found)) = best.filter(|(_, found)| *found < (1.0 - GAIN) * left) else { break };
-            tell(chosen.cause);
-            all.push(chosen);
-            left = found;
-            left = self.refine(&mut all, left);
+            let mut tried: Vec<(Chosen, f64)> = tried.collect();
+            tried.sort_by(|one, other| one.1.total_cmp(&other.1));
+            let enough = |found: f64| found < (1.0 - GAIN) * left;
+            let with = |chosen: &Chosen| all.iter().chain([chosen]).cloned().collect::<Vec<Chosen>>();
+            let found = match tried.first() {
+                Some((chosen, found)) if enough(*found) => {
+                    let mut with = with(chosen);
+                    let found = self.refine(&mut with, *found);
+                    Some((with, found))
+                }
+                // None alone; but a cause may need other lags of those that have stood in for it.
+                _ => (tried.iter().take(AGAIN))
+                    .map(|(chosen, found)| {
+                        let mut with = with(chosen);
+                        let found = self.settle(&mut with, *found);
+                        (with, found)
+                    })
+                    .min_by(|one, other| one.1.total_cmp(&other.1))
+                    .filter(|(_, found)| enough(*found)),
+            };
+            let Some((with, found)) = found else { break };
+            if let Some(chosen) = with.last() {
+                tell(chosen.cause);
+            }
+            (all, left) = (with, found);
         }
         left = self.settle(&mut all, left);
         let bent = self.bend(&mut all, left);
