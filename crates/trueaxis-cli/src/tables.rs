@@ -113,7 +113,7 @@ pub(crate) enum Command {
         /// Axis measured, where the file does not say so.
         #[arg(long, value_name = "AXIS")]
         axis: Option<String>,
-        /// Machine whose [uncertainty] states the instrument and the set-up: gives every figure its band.
+        /// Machine whose section uncertainty states the instrument and the set-up: gives every figure its band.
         #[arg(long, value_name = "M")]
         instrument: Option<PathBuf>,
         /// Largest permitted accuracy A: pass and fail only outside its band (ISO 14253-1).

@@ -60,7 +60,7 @@ pub(crate) struct SolveArguments {
     /// The task that the program was planned from.
     #[arg(value_name = "TASK.toml")]
     task: PathBuf,
-    /// Log of the control, or a CSV: id,x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg],tripped.
+    /// Log of the control, or a CSV: id, x_mm, y_mm, z_mm, tripped, and a_deg, b_deg, c_deg of rotary axes.
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// The machine with what was found: the task's own folder, or one that has no machine.toml yet.

@@ -14,7 +14,7 @@ use trueaxis_tables::uncertainty::Uncertainties;
 
 /// What is asked of the uncertainty.
 pub(crate) struct Bands<'m> {
-    /// Machine whose [uncertainty] states the instrument.
+    /// Machine whose section uncertainty states the instrument.
     pub(crate) machine: &'m Path,
     pub(crate) tolerance_um: Option<f64>,
     /// Percent.
