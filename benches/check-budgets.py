@@ -122,15 +122,17 @@ def main():
         counts = counts_of[target]
         for budget in (b for b in budgets if b["target"] == target):
             measured = counts.get(budget["thing"])
+            frame = counts.get(budget.get("frame"), 0)
             if measured is not None:
-                measured = measured // budget.get("calls", 1) - counts.get(budget.get("frame"), 0)
+                measured = measured // budget.get("calls", 1) - frame
             committed, limit, goal = (budget.get(k) for k in ("count", "limit", "goal"))
             verdict = []
             if measured is None:
                 verdict.append("NOT MEASURED")
                 failed = True
             else:
-                if committed is None or measured > committed * GROWTH:
+                # Of a difference to a frame the whole is held: what it repeats to is a share of the whole.
+                if committed is None or measured > committed + (GROWTH - 1) * (committed + frame):
                     verdict.append("NOT COMMITTED" if committed is None else "GREW")
                     failed = True
                 if limit is not None and measured > limit:

@@ -116,6 +116,16 @@ fn without_a_second_position_there_is_no_slope_and_without_a_second_tool_no_tilt
     assert!((growth - 1e-3 * 40.0 * Y_PER_MM_AT_SPEED).abs() < 1e-4, "the tool's tilt is growth then: {growth}");
 }
 
+#[test]
+fn a_speed_that_only_the_held_out_cycle_has_is_no_knot() {
+    let mut record = record(0.1);
+    for sample in record.samples.iter_mut().filter(|sample| sample.cycle == 4 && sample.spindle_rpm == 3000.0) {
+        sample.spindle_rpm = 4500.0;
+    }
+    let found = fit(&record, &settings(), &mut |_| ()).unwrap();
+    assert_eq!(found.model.spindle.unwrap().knots_rpm, [0.0, 3000.0, 6000.0]);
+}
+
 /// The record, broken by `change`, and why it is refused.
 fn refused(change: impl Fn(&mut Record)) -> Refused {
     let mut record = record(0.1);

@@ -12,16 +12,18 @@ fn run(seed: u64, fails: Option<&str>) -> Outcome {
     warming.run(&mut |_| ()).unwrap()
 }
 
-/// The aim is a tenth of the largest drift. It is missed: 13.0 % are left, of Y 11.7 µm of 54.
+/// The aim is a tenth of the largest drift.
 #[test]
-fn of_a_shift_that_was_not_fitted_little_of_the_largest_drift_is_left() {
-    let outcome = run(1, None);
-    let share = outcome.left_share();
-    assert!(outcome.largest_mm[0] > 0.02, "{:?}", outcome.largest_mm);
-    assert!(share <= 0.14, "{share}: {:?}", outcome.axes_mm);
-    // The limiter: a growth that jumps at every update never makes the correction do so.
-    assert!(outcome.of_limits <= 1.0 + 1e-6, "{} of the limits", outcome.of_limits);
-    assert!(!outcome.unsettled && !outcome.stopped && !outcome.told && outcome.moments.len() == 481);
+fn of_a_shift_that_was_not_fitted_a_tenth_of_the_largest_drift_is_left() {
+    for seed in [1, 2, 3] {
+        let outcome = run(seed, None);
+        let share = outcome.left_share();
+        assert!(outcome.largest_mm[0] > 0.02, "{:?}", outcome.largest_mm);
+        assert!(share <= 0.07, "seed {seed}: {share}: {:?}", outcome.axes_mm);
+        // The limiter: a growth that jumps at every update never makes the correction do so.
+        assert!(outcome.of_limits <= 1.0 + 1e-6, "{} of the limits", outcome.of_limits);
+        assert!(!outcome.unsettled && !outcome.stopped && !outcome.told && outcome.moments.len() == 481);
+    }
 }
 
 #[test]

@@ -41,13 +41,14 @@ pub(super) fn slot(axis: Axis) -> usize {
 }
 
 impl<'r> Problem<'r> {
-    pub(super) fn new(record: &'r Record, settings: &'r Settings) -> Self {
+    /// `rows`: those that a fit is made from.
+    pub(super) fn new(record: &'r Record, settings: &'r Settings, rows: &[usize]) -> Self {
         let varies = |[low, high]: [f64; 2]| high > low;
         let samples = || record.samples.iter();
         Problem {
             record,
             settings,
-            speeds_rpm: speeds(record),
+            speeds_rpm: speeds(record, rows),
             slopes: [0, 1, 2].map(|axis| varies(span(samples().map(|sample| sample.position_mm[axis])))),
             tilts: varies(span(samples().map(|sample| sample.tool_mm))),
             groups: record.groups(),
@@ -158,16 +159,17 @@ impl<'r> Problem<'r> {
     }
 }
 
-/// Knots of the speed: those that were run where they are few, else even ones up to the fastest.
-fn speeds(record: &Record) -> Vec<f64> {
+/// Knots of the speed: those that were run in `rows` where they are few, else even ones up to the fastest. What was run in
+/// other rows alone would be a knot of which nothing is known.
+fn speeds(record: &Record, rows: &[usize]) -> Vec<f64> {
+    let run = || rows.iter().filter_map(|row| record.samples.get(*row)).map(|sample| sample.spindle_rpm.abs());
     let mut found: Vec<f64> = Vec::new();
-    for sample in &record.samples {
-        let rpm = sample.spindle_rpm.abs().round();
+    for rpm in run().map(f64::round) {
         if rpm > 0.0 && !found.contains(&rpm) && found.len() <= record.samples.len() {
             found.push(rpm);
         }
     }
-    let [low, high] = span(record.samples.iter().map(|sample| sample.spindle_rpm.abs()));
+    let [low, high] = span(run());
     if high <= low || high < 1.0 {
         return Vec::new();
     }

@@ -82,9 +82,9 @@ pub struct Fit {
 pub fn fit(record: &Record, settings: &Settings, tell: &mut dyn FnMut(&str)) -> Result<Fit, Refused> {
     check(record)?;
     let held_out = held_out(record, settings)?;
-    let problem = Problem::new(record, settings);
     let rows: Vec<usize> =
         (0..record.samples.len()).filter(|row| !held_out.contains(&record.samples[*row].cycle)).collect();
+    let problem = Problem::new(record, settings, &rows);
     let search = Search::new(&problem, &rows);
     let name = |cause: Cause| match cause {
         Cause::Sensor(sensor) => record.sensors[sensor].clone(),
@@ -189,6 +189,7 @@ fn of_axis(
             (solved.values, solved.covariance, solved.condition, solved.rms)
         }
         Some(solved) => return Err(Refused::Condition { found: solved.condition }),
+        None if !columns.is_empty() => return Err(Refused::Condition { found: f64::INFINITY }),
         // No cause predicts this axis.
         None => {
             let rms = (right.iter().map(|x| x * x).sum::<f64>() / right.len().max(1) as f64).sqrt();
