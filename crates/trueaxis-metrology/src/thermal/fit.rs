@@ -176,8 +176,12 @@ fn of_axis(
         for (k, response) in problem.responses(chosen).iter().enumerate() {
             for part in [0, 1].into_iter().filter(|part| parts[which][*part]) {
                 let lever = |row| if part == 0 { 1.0 } else { problem.lever(name, chosen.cause, row) };
-                columns.push(problem.centred(rows, |row| response[row] * lever(row)));
-                places.push((which, k, part));
+                let column = problem.centred(rows, |row| response[row] * lever(row));
+                // Behind its lag a sensor may never have come to where its curve bends.
+                if column.iter().any(|value| *value != 0.0) {
+                    columns.push(column);
+                    places.push((which, k, part));
+                }
             }
         }
     }

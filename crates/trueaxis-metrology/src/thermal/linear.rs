@@ -14,8 +14,10 @@ pub(super) struct Solved {
     pub(super) rms: f64,
 }
 
+/// Lengths of the columns; 1 of one that is nothing, so that it stays nothing.
 fn norms(columns: &[Vec<f64>]) -> Vec<f64> {
-    columns.iter().map(|column| column.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-300)).collect()
+    let norm = |column: &Vec<f64>| column.iter().map(|x| x * x).sum::<f64>().sqrt();
+    columns.iter().map(norm).map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect()
 }
 
 /// Solves for one value a column; `lost`: degrees of freedom of the means that were taken out, `step`: every so many rows
@@ -86,4 +88,21 @@ pub(super) fn predicted(columns: &[Vec<f64>], right: &[f64], cycles: &[usize]) -
             (squares - 2.0 * values.dot(own) + values.dot(&(normal * &values))).max(0.0)
         })
         .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::predicted;
+    use std::vec;
+
+    #[test]
+    fn a_column_of_nothing_predicts_nothing() {
+        let right = [1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 1.0, 2.0, 3.0];
+        let cycles = [3, 6, 9];
+        let useful = vec![1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
+        let squares = right.iter().map(|value| value * value).sum::<f64>();
+        assert!((predicted(&[vec![0.0; 9]], &right, &cycles) - squares).abs() < 1e-12);
+        let alone = predicted(core::slice::from_ref(&useful), &right, &cycles);
+        assert!(alone > 1.0 && (predicted(&[useful, vec![0.0; 9]], &right, &cycles) - alone).abs() < 1e-12);
+    }
 }

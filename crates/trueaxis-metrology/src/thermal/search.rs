@@ -167,23 +167,26 @@ impl<'p, 'r> Search<'p, 'r> {
             });
             let mut tried: Vec<(Chosen, f64)> = tried.collect();
             tried.sort_by(|one, other| one.1.total_cmp(&other.1));
-            let enough = |found: f64| found < (1.0 - GAIN) * left;
-            let with = |chosen: &Chosen| all.iter().chain([chosen]).cloned().collect::<Vec<Chosen>>();
+            let with = |chosen: &Chosen, all: &[Chosen]| all.iter().chain([chosen]).cloned().collect::<Vec<Chosen>>();
+            let enough = |found: f64, left: f64| found < (1.0 - GAIN) * left;
             let found = match tried.first() {
-                Some((chosen, found)) if enough(*found) => {
-                    let mut with = with(chosen);
+                Some((chosen, found)) if enough(*found, left) => {
+                    let mut with = with(chosen, &all);
                     let found = self.refine(&mut with, *found);
                     Some((with, found))
                 }
-                // None alone; but a cause may need other lags of those that have stood in for it.
-                _ => (tried.iter().take(AGAIN))
-                    .map(|(chosen, found)| {
-                        let mut with = with(chosen);
-                        let found = self.settle(&mut with, *found);
+                // None with the lags as they are. But a cause may need other lags of those that have stood in for it, so all
+                // are set free, first without it.
+                _ => {
+                    left = self.settle(&mut all, left);
+                    let again = tried.iter().take(AGAIN).map(|(chosen, _)| {
+                        let mut with = with(chosen, &all);
+                        let found = self.left(&with);
+                        let found = self.settle(&mut with, found);
                         (with, found)
-                    })
-                    .min_by(|one, other| one.1.total_cmp(&other.1))
-                    .filter(|(_, found)| enough(*found)),
+                    });
+                    again.min_by(|one, other| one.1.total_cmp(&other.1)).filter(|(_, found)| enough(*found, left))
+                }
             };
             let Some((with, found)) = found else { break };
             if let Some(chosen) = with.last() {
