@@ -15,6 +15,7 @@ mod evaluate;
 mod friction;
 mod helicoid;
 mod identify;
+mod keep;
 mod kinematics;
 mod learn;
 mod machine_folder;
@@ -77,6 +78,9 @@ enum Command {
     /// From a touch probe to tables: write the probing program, turn its log into errors of the machine.
     #[command(subcommand, after_help = calibrate::HELP)]
     Calibrate(calibrate::Command),
+    /// A machine that keeps itself true: re-probe a ball every so many parts, update location and growth within bounds.
+    #[command(subcommand, after_help = keep::HELP)]
+    Keep(keep::Command),
     /// Axis positions to tool and back: five-axis transformation.
     #[command(subcommand)]
     Kinematics(kinematics::Command),
@@ -118,6 +122,7 @@ fn main() -> ExitCode {
         Command::Ballbar(arguments) => ballbar::run(&arguments),
         Command::Evaluate(command) => evaluate::run(command),
         Command::Calibrate(command) => calibrate::run(&command),
+        Command::Keep(command) => keep::run(&command),
         Command::Kinematics(command) => kinematics::run(command),
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),

@@ -121,14 +121,26 @@ fn standard_output(error: std::io::Error) -> anyhow::Error {
     anyhow::Error::new(error).context("cannot write to the standard output")
 }
 
-/// The exit code: 0 done, or nobody reads on; 2 and the reason on the standard error.
+/// A command that did what it is for and found that a person has to decide: exit code 3.
+#[derive(Debug)]
+pub(crate) struct NeedsPerson(pub(crate) String);
+
+impl Display for NeedsPerson {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for NeedsPerson {}
+
+/// The exit code: 0 done, or nobody reads on; 2 and the reason on the standard error; 3 where `keep` needs a person.
 pub(crate) fn exit_code(result: Result<()>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<Closed>() => ExitCode::SUCCESS,
         Err(error) => {
             tell(format_args!("error: {}", printable(&format!("{error:#}"))));
-            ExitCode::from(2)
+            ExitCode::from(if error.is::<NeedsPerson>() { 3 } else { 2 })
         }
     }
 }

@@ -1,7 +1,8 @@
 //! `trueaxis calibrate` as it is called. The control, the probe and the machine are a few lines here: every probing move of
 //! the program runs against artefacts on a machine with known scales, squareness and backlash.
 
-use std::fmt::Write;
+mod control;
+
 use trueaxis_testing::command::Folder;
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
@@ -25,11 +26,9 @@ fn whole_task() -> String {
 
 /// 40 and −30 and 20 ppm; C0Y 50, B0Z −20, A0Z 30 µrad; backlash of X 6 µm, of Y 3 µm; the tip 8 µm smaller.
 struct Bench {
-    at: [f64; 3],
     reverse: [bool; 3],
     drift_um: f64,
     ring_mm: f64,
-    log: String,
 }
 
 impl Bench {
@@ -61,58 +60,15 @@ impl Bench {
 
     /// Runs a program; what it logs.
     fn run(mut self, program: &str) -> String {
-        let (mut set_up, mut touches) = (None::<usize>, 0.0);
-        let mut trip = [0.0; 3];
-        for line in program.lines() {
-            if let Some(text) = line.strip_prefix("(LOG,") {
-                let text = text.trim_end_matches(')');
-                let text = text.replace("#5070", "1.000000");
-                let text =
-                    (0..3).fold(text, |text, k| text.replace(&format!("#{}", 5061 + k), &format!("{:.6}", trip[k])));
-                writeln!(self.log, "{text}").unwrap();
-            }
-            if line == "M0" {
-                set_up = Some(set_up.map_or(0, |set_up| set_up + 1));
-            }
-            let mut words = line.split(' ');
-            let code = words.next().unwrap_or_default();
-            if !matches!(code, "G0" | "G1" | "G38.2") {
-                continue;
-            }
-            let mut end = self.at;
-            for word in words {
-                let (letter, value) = word.split_at(1);
-                if let Some(axis) = ["X", "Y", "Z"].iter().position(|known| *known == letter) {
-                    end[axis] = value.parse().unwrap();
-                }
-            }
-            for k in 0..3 {
-                if (end[k] - self.at[k]).abs() > 0.01 {
-                    self.reverse[k] = end[k] < self.at[k];
-                }
-            }
-            if code == "G38.2" {
-                let start = self.at;
-                let on = |share: f64| -> [f64; 3] { std::array::from_fn(|k| start[k] + share * (end[k] - start[k])) };
-                let gap = |share: f64| self.gap(set_up.unwrap(), self.actual(on(share), touches));
-                let (mut low, mut high) = (0.0, 1.0);
-                assert!(gap(low) > 0.0 && gap(high) < 0.0, "{line}: {} {}", gap(low), gap(high));
-                for _ in 0..60 {
-                    let middle = 0.5 * (low + high);
-                    if gap(middle) > 0.0 { low = middle } else { high = middle }
-                }
-                trip = on(low);
-                touches += 1.0;
-                end = trip;
-            }
-            self.at = end;
-        }
-        self.log
+        control::run(program, |touch| {
+            self.reverse = touch.reverse;
+            self.gap(touch.set_up.unwrap(), self.actual(touch.at, touch.count))
+        })
     }
 }
 
 fn bench() -> Bench {
-    Bench { at: [0.0; 3], reverse: [false; 3], drift_um: 0.002, ring_mm: 150.0, log: String::new() }
+    Bench { reverse: [false; 3], drift_um: 0.002, ring_mm: 150.0 }
 }
 
 /// A folder with machine, task and program.

@@ -4,9 +4,10 @@ use crate::edit::{Edited, as_before, section, set, table_name};
 use crate::error::FileError;
 use crate::exact::table::ErrorTable;
 use crate::files::{Edit, Memory, Source};
-use crate::formats::{stated, write_axis_csv};
+use crate::formats::{stated, write_axis_csv_known};
 use crate::origin::Origin;
 use crate::read::{Standing, beside};
+use crate::uncertainty::Uncertainties;
 use crate::{Machine, Table};
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
@@ -41,6 +42,7 @@ impl Additions {
     pub fn edit(&self, machine: &dyn Source, name: &Path) -> Result<Edited, FileError> {
         let before = Machine::read_untabled(machine, name, &mut |_| {})?;
         let standing = Standing::read(machine, name)?;
+        let known = Uncertainties::read_from(machine, name)?;
         let origin = Origin::new(&machine.path(name));
         let text = standing.text.strip_prefix('\u{feff}').unwrap_or(&standing.text);
         let mut document = text
@@ -58,7 +60,8 @@ impl Additions {
             }
             let how = if new { "table added" } else { "errors added to the table" };
             edited.notes.push(format!("axis {}: {how}, {} lines", axis.letter(), table.rows.len()));
-            edited.files.push((beside(name, &csv), write_axis_csv(&table, *axis)));
+            let uncertainty = kept(&known, &before, *axis, &table);
+            edited.files.push((beside(name, &csv), write_axis_csv_known(&table, *axis, &uncertainty)));
         }
         for (axis, backlash) in self.backlash.iter().filter(|(_, backlash)| *backlash != 0.0) {
             let own = before.settings.axis(*axis).map_or(0.0, |own| own.backlash);
@@ -123,6 +126,18 @@ fn added(to: &LocationErrors, what: &LocationErrors) -> LocationErrors {
             std::array::from_fn(|k| sum(to.rotary[axis][k], what.rotary[axis][k], if k < 3 { 1e6 } else { 1e9 }))
         }),
     }
+}
+
+/// Standard uncertainties point by point as the axis' CSV states them, at the points of its new table: linear between its own
+/// points, beyond them as at the end.
+fn kept(known: &Uncertainties, before: &Machine, axis: Axis, table: &Table) -> [Option<Vec<f64>>; 6] {
+    let (Some(own), Some(rows)) = (known.of(axis), before.rows(axis)) else { return Default::default() };
+    std::array::from_fn(|component| {
+        let points = own.points.get(component)?.as_ref()?;
+        let stated: Vec<(f64, [f64; 3])> =
+            rows.iter().zip(points).map(|(row, value)| (row.position, [*value, 0.0, 0.0])).collect();
+        Some(table.rows.iter().map(|row| at(&stated, row.position)[0]).collect())
+    })
 }
 
 /// The axis' table with the curve added, at the positions of both.

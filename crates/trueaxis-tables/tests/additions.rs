@@ -57,3 +57,15 @@ fn a_machine_without_tables_is_one_without_errors() {
     let refused = too_much.edit(&files, Path::new("machine.toml")).unwrap_err().to_string();
     assert!(refused.contains("axis.X.backlash_um") && refused.contains("nothing is written"), "{refused}");
 }
+
+#[test]
+fn uncertainties_of_the_points_stay() {
+    let csv = "X_mm,EXX_um,EXX_u_um,ECX_urad,ECX_u_urad\n0,0,1,5,2\n100,4,3,5,2\n";
+    let toml = "name = \"m\"\nchain = \"w X' b t\"\n[axis.X]\ntable = \"x.csv\"\n";
+    let files = Memory::new([("machine.toml", toml), ("x.csv", csv)]);
+    let curve = vec![(0.0, [0.0; 3]), (50.0, [0.001, 0.0, 0.0]), (100.0, [0.002, 0.0, 0.0])];
+    let additions = Additions { curves: vec![(Axis::X, curve)], ..Additions::default() };
+    let edited = additions.edit(&files, Path::new("machine.toml")).unwrap();
+    let (_, text) = edited.files.iter().find(|(name, _)| name == Path::new("x.csv")).unwrap();
+    assert_eq!(text, "X_mm,EXX_um,ECX_urad,EXX_u_um,ECX_u_urad\n0,0,5,1,2\n50,3,5,2,2\n100,6,5,3,2\n");
+}

@@ -84,11 +84,8 @@ pub(crate) fn run(command: &Command) -> Result<()> {
 /// A task with its machine.
 struct Read {
     task: Task,
-    folder: Folder,
     /// Path of the machine as given, from here.
     path: PathBuf,
-    /// Name of its description.
-    name: PathBuf,
     machine: Machine,
 }
 
@@ -97,5 +94,5 @@ fn read(path: &Path) -> Result<Read> {
     let at = path.parent().unwrap_or(Path::new("")).join(&task.machine);
     let (folder, name) = Folder::of_machine(&at);
     let machine = Machine::read_untabled(&folder, &name, &mut |how| crate::output::tell(format_args!("note: {how}")))?;
-    Ok(Read { task, folder, path: at, name, machine })
+    Ok(Read { task, path: at, machine })
 }

@@ -7,6 +7,7 @@ pub(crate) mod evaluate;
 pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
+pub(crate) mod keep;
 pub(crate) mod learn;
 pub(crate) mod roundness;
 pub(crate) mod thermal;

@@ -22,6 +22,8 @@ pub struct Observed {
     pub terms: Terms,
     /// Of every artefact the index of its size: diameter or angle; none for a step gauge.
     pub sizes: Vec<Option<usize>>,
+    /// First unknown of every artefact's places; of a ball the first coordinate of its centre.
+    pub places: Vec<Vec<usize>>,
     /// Knots of the drift: time, s, and index of the first of three components; the first knot has none.
     pub knots: Vec<(f64, Option<usize>)>,
 }
@@ -54,8 +56,21 @@ impl Names {
 /// # Errors
 /// A machine whose chain cannot be read.
 pub fn observe(task: &Task, machine: &Machine, plan: &Plan, trips: &[[f64; AXES]]) -> Result<Observed> {
+    observe_terms(task, machine, plan, trips, Terms::of(task, machine, plan.reach_mm(task)))
+}
+
+/// The same with other terms than those that the task asks for.
+///
+/// # Errors
+/// As [`observe`].
+pub fn observe_terms(
+    task: &Task,
+    machine: &Machine,
+    plan: &Plan,
+    trips: &[[f64; AXES]],
+    terms: Terms,
+) -> Result<Observed> {
     let ideal = Ideal::new(machine)?;
-    let terms = Terms::of(task, machine, plan.reach_mm(task));
     let poses: Vec<Pose> = plan
         .touches
         .iter()
@@ -90,7 +105,7 @@ pub fn observe(task: &Task, machine: &Machine, plan: &Plan, trips: &[[f64; AXES]
         repeatability_mm: task.probe.repeatability_mm,
         unknowns: names.unknowns,
     };
-    Ok(Observed { network, names: names.names, terms, sizes: artefacts.sizes, knots })
+    Ok(Observed { network, names: names.names, terms, sizes: artefacts.sizes, places: artefacts.places, knots })
 }
 
 /// Knots in the middle of every visit of the reference.

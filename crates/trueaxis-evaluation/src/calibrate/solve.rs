@@ -54,10 +54,17 @@ impl Source<'_> {
 /// A set-up that cannot tell its unknowns apart, by their names; an artefact outside its size, a touch far off its artefact,
 /// a drift above what is measured, with the line of the log.
 pub fn calibrate(task: &Task, machine: &Machine, plan: &Plan, trips: &[Logged], file: &Path) -> Result<Calibration> {
+    let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
+    settle(task, plan, trips, file, observe(task, machine, plan, &positions)?)
+}
+
+/// Solves the network of these trips, with the checks of [`calibrate`].
+///
+/// # Errors
+/// As [`calibrate`].
+pub fn settle(task: &Task, plan: &Plan, trips: &[Logged], file: &Path, observed: Observed) -> Result<Calibration> {
     let lines = trips.iter().map(|trip| trip.line).collect();
     let source = Source { task, plan, file, lines };
-    let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
-    let observed = observe(task, machine, plan, &positions)?;
     sizes_hold(&source, &observed)?;
     let solution = observed.network.solve().map_err(|refused| source.refused(&observed, refused))?;
     touches_hold(&source, &solution)?;
@@ -71,16 +78,27 @@ pub fn calibrate(task: &Task, machine: &Machine, plan: &Plan, trips: &[Logged], 
 /// # Errors
 /// The names of what they do not.
 pub fn foresee(task: &Task, machine: &Machine, plan: &Plan) -> Result<Calibration> {
-    let source = Source { task, plan, file: &task.file, lines: Vec::new() };
-    let positions: Vec<[f64; AXES]> = plan
-        .touches
+    let positions = planned(task, plan);
+    foresee_observed(task, plan, observe(&Task { compensated: true, ..task.clone() }, machine, plan, &positions)?)
+}
+
+/// Where the axes stand at the touches of a plan if every artefact is where the task says: X, Y, Z, A, B, C.
+pub fn planned(task: &Task, plan: &Plan) -> Vec<[f64; AXES]> {
+    plan.touches
         .iter()
         .map(|touch| {
             let share = task.probe.approach_mm / (task.probe.approach_mm + task.probe.overtravel_mm);
             std::array::from_fn(|k| touch.start[k] + share * (touch.end[k] - touch.start[k]))
         })
-        .collect();
-    let observed = observe(&Task { compensated: true, ..task.clone() }, machine, plan, &positions)?;
+        .collect()
+}
+
+/// [`foresee`] for a network of [`planned`] touches.
+///
+/// # Errors
+/// As [`foresee`].
+pub fn foresee_observed(task: &Task, plan: &Plan, observed: Observed) -> Result<Calibration> {
+    let source = Source { task, plan, file: &task.file, lines: Vec::new() };
     let solution = observed.network.foresee().map_err(|refused| source.refused(&observed, refused))?;
     Ok(Calibration { observed, solution, lines: Vec::new() })
 }

@@ -189,38 +189,44 @@ impl Task {
     /// Text that is no TOML, keys that there are not, values out of their range; with the line.
     pub fn read(text: &str, file: &Path) -> Result<Task, FileError> {
         read_toml(text.strip_prefix('\u{feff}').unwrap_or(text), file, |root| {
-            let machine = root.string("machine")?.ok_or_else(|| root.missing("machine", "the machine's folder"))?;
-            let words = [("linuxcnc", Dialect::LinuxCnc), ("grblhal", Dialect::GrblHal), ("klipper", Dialect::Klipper)];
-            let dialect = root.choice("dialect", words)?;
-            let dialect = dialect.ok_or_else(|| root.missing("dialect", "\"linuxcnc\", \"grblhal\" or \"klipper\""))?;
-            let compensated = root.boolean("compensated")?.unwrap_or(false);
-            let probe = root.section("probe")?.ok_or_else(|| root.missing("probe", "a section [probe]"))?;
-            let probe = read_probe(probe)?;
-            let artefacts = root.sections("artefact")?;
-            if artefacts.is_empty() {
-                return Err(root.missing("artefact", "at least one section [[artefact]]"));
+            let mut task = Task::of_probing(&root, file)?;
+            task.compensated = root.boolean("compensated")?.unwrap_or(false);
+            if let Some(section) = root.section("reference")? {
+                task.reference = Some(read_reference(section, &task.artefacts)?);
             }
-            let artefacts = artefacts.into_iter().map(read_artefact).collect::<Result<Vec<_>, _>>()?;
-            let reference = match root.section("reference")? {
-                Some(section) => Some(read_reference(section, &artefacts)?),
-                None => None,
-            };
-            let wanted = match root.section("solve")? {
-                Some(section) => read_wanted(section)?,
-                None => Wanted::default(),
-            };
-            let task = Task {
-                file: file.into(),
-                machine: machine.value.to_owned(),
-                dialect,
-                compensated,
-                probe,
-                artefacts,
-                reference,
-                wanted,
-            };
+            if let Some(section) = root.section("solve")? {
+                task.wanted = read_wanted(section)?;
+            }
             root.finish(None)?;
             Ok(task)
+        })
+    }
+
+    /// Machine, control, probe and artefacts of a file, what else there is in it left to the caller.
+    ///
+    /// # Errors
+    /// As [`Task::read`].
+    pub(crate) fn of_probing(root: &Section<'_>, file: &Path) -> Result<Task, FileError> {
+        let machine = root.string("machine")?.ok_or_else(|| root.missing("machine", "the machine's folder"))?;
+        let words = [("linuxcnc", Dialect::LinuxCnc), ("grblhal", Dialect::GrblHal), ("klipper", Dialect::Klipper)];
+        let dialect = root.choice("dialect", words)?;
+        let dialect = dialect.ok_or_else(|| root.missing("dialect", "\"linuxcnc\", \"grblhal\" or \"klipper\""))?;
+        let probe = root.section("probe")?.ok_or_else(|| root.missing("probe", "a section [probe]"))?;
+        let probe = read_probe(probe)?;
+        let artefacts = root.sections("artefact")?;
+        if artefacts.is_empty() {
+            return Err(root.missing("artefact", "at least one section [[artefact]]"));
+        }
+        let artefacts = artefacts.into_iter().map(read_artefact).collect::<Result<Vec<_>, _>>()?;
+        Ok(Task {
+            file: file.into(),
+            machine: machine.value.to_owned(),
+            dialect,
+            compensated: false,
+            probe,
+            artefacts,
+            reference: None,
+            wanted: Wanted::default(),
         })
     }
 }

@@ -38,6 +38,9 @@ impl Term {
             Term::Curve { axis, component, degree: 1 } if usize::from(component) == axis.index() => {
                 format!("scale of {}", axis.letter())
             }
+            Term::Curve { axis, component, degree: 0 } if usize::from(component) == axis.index() => {
+                format!("offset of {}", axis.letter())
+            }
             Term::Curve { axis, component, degree } => {
                 let direction = LINEAR[usize::from(component) % 3].letter();
                 format!("E{direction}{} of degree {degree}", axis.letter())
@@ -97,75 +100,24 @@ pub struct Terms {
 impl Terms {
     /// Those that a task's artefacts span on a machine. `reach_mm`: lowest and highest position of X, Y, Z touched.
     pub fn of(task: &Task, machine: &Machine, reach_mm: [[f64; 2]; 3]) -> Terms {
-        let wanted = task.wanted;
-        let has = |axis: Axis| machine.settings.axes.iter().any(|own| own.axis == axis);
-        let (mut planes, mut lines) = ([false; 3], [false; 3]);
-        for artefact in &task.artefacts {
-            for place in &artefact.places {
-                match artefact.kind {
-                    Kind::Ring { .. } | Kind::Plate { .. } | Kind::Square { .. } => {
-                        planes[place.normal.index() % 3] = true;
-                    }
-                    Kind::Gauge { .. } => lines[place.along.index() % 3] = true,
-                    Kind::Ball { .. } => {}
-                }
-            }
-        }
-        let sized = |kind: &Kind| matches!(kind, Kind::Ring { .. } | Kind::Plate { .. });
-        // Whether a size along the axis is known.
-        let spanned = |axis: Axis| {
-            task.artefacts
-                .iter()
-                .any(|artefact| sized(&artefact.kind) && artefact.places.iter().any(|place| place.normal != axis))
-        };
-        let measured = |axis: Axis| has(axis) && (spanned(axis) || lines[axis.index() % 3]);
-        let mut terms = Vec::new();
-        if wanted.squareness {
-            let spanned = PLANES.iter().enumerate().filter(|(_, normal)| planes[normal.index()]);
-            terms.extend(spanned.map(|(which, _)| Term::Squareness(which as u8)));
-        }
-        for axis in LINEAR.into_iter().filter(|axis| measured(*axis)) {
-            let degrees = usize::from(!wanted.scale) + 1..=wanted.positioning;
-            let component = axis.index() as u8;
-            terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));
-        }
-        for axis in LINEAR {
-            for other in LINEAR.into_iter().filter(|other| *other != axis) {
-                let normal = LINEAR.into_iter().find(|normal| *normal != axis && *normal != other);
-                if normal.is_some_and(|normal| planes[normal.index()]) {
-                    let component = other.index() as u8;
-                    let degrees = 2..=wanted.straightness;
-                    terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));
-                }
-            }
-        }
-        if wanted.backlash {
-            let round = task.artefacts.iter().any(|artefact| matches!(artefact.kind, Kind::Ball { .. }));
-            let touched = |axis: &Axis| has(*axis) && (round || spanned(*axis));
-            terms.extend(LINEAR.into_iter().filter(touched).map(Term::Backlash));
-        }
-        if wanted.rotary {
-            let poses =
-                || task.artefacts.iter().flat_map(|artefact| &artefact.places).flat_map(|place| &place.rotary_deg);
-            for (index, axis) in [Axis::A, Axis::B, Axis::C].into_iter().enumerate() {
-                let first = poses().next().map_or(0.0, |pose| pose[index]);
-                if has(axis) && poses().any(|pose| pose[index] != first) {
-                    let across = (0..6).filter(|component| component % 3 != index as u8);
-                    terms.extend(across.map(|component| Term::Location(axis, component)));
-                }
-            }
-        }
+        Terms::named(spanned(task, machine), machine, reach_mm)
+    }
+
+    /// These terms. `reach_mm`: lowest and highest position of X, Y, Z touched.
+    pub fn named(terms: Vec<Term>, machine: &Machine, reach_mm: [[f64; 2]; 3]) -> Terms {
         let own = |axis: Axis| machine.settings.axis(axis);
         let travel_mm = LINEAR.map(|axis| own(axis).map_or([0.0; 2], |own| own.travel));
         let zero_mm = travel_mm.map(|[low, high]| 0.0_f64.clamp(low, high.max(low)));
         Terms { terms, reach_mm, zero_mm, travel_mm }
     }
-
-    /// Value of a curve of one unit at a position, mm (of the scale mm per 1).
+    /// Value of a curve of one unit at a position, mm (of the scale mm per 1); degree 0 is the same everywhere.
     ///
     /// Legendre polynomials over the stretch that was touched, on with their slope beyond it; zero at [`Terms::zero_mm`].
     pub fn curve(&self, axis: Axis, degree: u8, position: f64) -> f64 {
         let k = axis.index() % 3;
+        if degree == 0 {
+            return 1.0;
+        }
         if degree == 1 {
             return position - self.zero_mm[k];
         }
@@ -263,6 +215,68 @@ impl Terms {
         }
         machine
     }
+}
+
+/// The terms that a task's artefacts span on a machine.
+fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
+    let wanted = task.wanted;
+    let has = |axis: Axis| machine.settings.axes.iter().any(|own| own.axis == axis);
+    let (mut planes, mut lines) = ([false; 3], [false; 3]);
+    for artefact in &task.artefacts {
+        for place in &artefact.places {
+            match artefact.kind {
+                Kind::Ring { .. } | Kind::Plate { .. } | Kind::Square { .. } => {
+                    planes[place.normal.index() % 3] = true;
+                }
+                Kind::Gauge { .. } => lines[place.along.index() % 3] = true,
+                Kind::Ball { .. } => {}
+            }
+        }
+    }
+    let sized = |kind: &Kind| matches!(kind, Kind::Ring { .. } | Kind::Plate { .. });
+    // Whether a size along the axis is known.
+    let spanned = |axis: Axis| {
+        task.artefacts
+            .iter()
+            .any(|artefact| sized(&artefact.kind) && artefact.places.iter().any(|place| place.normal != axis))
+    };
+    let measured = |axis: Axis| has(axis) && (spanned(axis) || lines[axis.index() % 3]);
+    let mut terms = Vec::new();
+    if wanted.squareness {
+        let spanned = PLANES.iter().enumerate().filter(|(_, normal)| planes[normal.index()]);
+        terms.extend(spanned.map(|(which, _)| Term::Squareness(which as u8)));
+    }
+    for axis in LINEAR.into_iter().filter(|axis| measured(*axis)) {
+        let degrees = usize::from(!wanted.scale) + 1..=wanted.positioning;
+        let component = axis.index() as u8;
+        terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));
+    }
+    for axis in LINEAR {
+        for other in LINEAR.into_iter().filter(|other| *other != axis) {
+            let normal = LINEAR.into_iter().find(|normal| *normal != axis && *normal != other);
+            if normal.is_some_and(|normal| planes[normal.index()]) {
+                let component = other.index() as u8;
+                let degrees = 2..=wanted.straightness;
+                terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));
+            }
+        }
+    }
+    if wanted.backlash {
+        let round = task.artefacts.iter().any(|artefact| matches!(artefact.kind, Kind::Ball { .. }));
+        let touched = |axis: &Axis| has(*axis) && (round || spanned(*axis));
+        terms.extend(LINEAR.into_iter().filter(touched).map(Term::Backlash));
+    }
+    if wanted.rotary {
+        let poses = || task.artefacts.iter().flat_map(|artefact| &artefact.places).flat_map(|place| &place.rotary_deg);
+        for (index, axis) in [Axis::A, Axis::B, Axis::C].into_iter().enumerate() {
+            let first = poses().next().map_or(0.0, |pose| pose[index]);
+            if has(axis) && poses().any(|pose| pose[index] != first) {
+                let across = (0..6).filter(|component| component % 3 != index as u8);
+                terms.extend(across.map(|component| Term::Location(axis, component)));
+            }
+        }
+    }
+    terms
 }
 
 /// Positions of the machine's axes and their directions of travel (1: negative), in the machine's order.

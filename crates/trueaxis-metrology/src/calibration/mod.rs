@@ -23,10 +23,12 @@
 mod ball;
 mod least_squares;
 mod network;
+mod selection;
 mod surface;
 
 pub use ball::{BallFit, fit_ball};
 pub use network::{Network, Solution, Unknown};
+pub use selection::Selection;
 pub use surface::{Part, Surface, Touch};
 
 use std::fmt;

@@ -12,6 +12,8 @@ const STEPS: usize = 12;
 const SETTLED: f64 = 1e-10;
 /// Largest residual of a touch, mm, for which a step counts as settled.
 const OFF: f64 = 1.0;
+/// Least repeatability that is found, mm.
+const LEAST: f64 = 1e-9;
 /// Degrees of freedom from which the repeatability that is found takes the place of the one that is stated.
 const POOLED: usize = 20;
 
@@ -72,7 +74,7 @@ impl Network {
     /// # Errors
     /// [`Refused`].
     pub fn solve(&self) -> Result<Solution, Refused> {
-        self.weighed(POOLED)
+        self.weighed(POOLED, LEAST)
     }
 
     /// Solves with the repeatability as stated, for touches that nobody has made yet: what is left of them is rounding and
@@ -81,11 +83,17 @@ impl Network {
     /// # Errors
     /// [`Refused`].
     pub fn foresee(&self) -> Result<Solution, Refused> {
-        self.weighed(usize::MAX)
+        self.weighed(usize::MAX, LEAST)
     }
 
-    /// Solves; from `pooled` degrees of freedom on by the repeatability that is found.
-    fn weighed(&self, pooled: usize) -> Result<Solution, Refused> {
+    /// As [`Network::solve`], but with the repeatability as stated where what is found is smaller: touches that happen to agree
+    /// make nothing more significant.
+    pub(super) fn solve_with_care(&self) -> Result<Solution, Refused> {
+        self.weighed(POOLED, self.repeatability_mm)
+    }
+
+    /// Solves; from `pooled` degrees of freedom on by the repeatability that is found, `least` at least, mm.
+    fn weighed(&self, pooled: usize, least: f64) -> Result<Solution, Refused> {
         let known = self.unknowns.iter().filter(|unknown| unknown.uncertainty.is_some()).count();
         let count = self.unknowns.len();
         if self.touches.len() + known < count {
@@ -102,7 +110,7 @@ impl Network {
         let mut residuals = self.residuals(&values);
         if degrees_of_freedom >= pooled {
             let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
-            sigma = (squares / degrees_of_freedom as f64).sqrt().max(1e-9);
+            sigma = (squares / degrees_of_freedom as f64).sqrt().max(least);
             solved = self.settle(&mut values, sigma, Some(solved.condition))?;
             residuals = self.residuals(&values);
         }

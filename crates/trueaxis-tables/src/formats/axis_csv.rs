@@ -19,6 +19,11 @@ pub fn axis_csv_name(axis: Axis) -> String {
 /// (micro value divided by 1e6 for µrad, by 1e3 for µm) gives the same double again; a double that no decimal of µm reaches
 /// (possible only for values that did not come from such a file) is written to the nearest, 1 unit in the last place away.
 pub fn write_axis_csv(table: &Table, axis: Axis) -> String {
+    write_axis_csv_known(table, axis, &Default::default())
+}
+
+/// The same with columns `EXX_u_um` of the standard uncertainty of every point, where it is given: mm and rad, one a row.
+pub(crate) fn write_axis_csv_known(table: &Table, axis: Axis, uncertainty: &[Option<Vec<f64>>; 6]) -> String {
     let unit = if axis.is_rotary() { "deg" } else { "mm" };
     let letter = axis.letter();
     let mut text = format!("{letter}_{unit}");
@@ -37,13 +42,22 @@ pub fn write_axis_csv(table: &Table, axis: Axis) -> String {
             columns.push((component, true));
         }
     }
+    let mut known = Vec::new();
+    for ((component, moved), own) in Axis::ALL.into_iter().enumerate().zip(uncertainty) {
+        let Some(own) = own.as_ref().filter(|_| table.given.get(component).copied().unwrap_or(false)) else { continue };
+        let _ = write!(text, ",E{}{letter}_u_{}", moved.letter(), if component < 3 { "um" } else { "urad" });
+        known.push((own, if component < 3 { 1e3 } else { 1e6 }));
+    }
     text.push('\n');
-    for row in &table.rows {
+    for (index, row) in table.rows.iter().enumerate() {
         let _ = write!(text, "{}", row.position);
         for &(component, forward) in &columns {
             let twist = if forward { &row.forward } else { &row.reverse };
             let scale = if component < 3 { 1e3 } else { 1e6 };
             let _ = write!(text, ",{}", shortest(value(twist, component), scale));
+        }
+        for (own, scale) in &known {
+            let _ = write!(text, ",{}", shortest(own.get(index).copied().unwrap_or_default(), *scale));
         }
         text.push('\n');
     }

@@ -34,6 +34,7 @@ pub mod siemens;
 pub(crate) mod stated;
 mod toml_lines;
 
+pub(crate) use axis_csv::write_axis_csv_known;
 pub use axis_csv::{axis_csv_name, write_axis_csv};
 pub use grid_csv::{grid_csv_name, write_grid_csv};
 pub use machine_toml::machine_files;

@@ -224,6 +224,15 @@ impl<'a> Section<'a> {
         Ok(Some(self.found(key, &value.span(), numbers)))
     }
 
+    /// A list of strings, of any length.
+    pub fn strings(&self, key: &str) -> Result<Option<Found<Vec<&'a str>>>, FileError> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let refuse = || self.refuse(key, &value.span(), "a list of strings");
+        let list = value.get_ref().as_array().ok_or_else(refuse)?;
+        let strings: Option<Vec<&'a str>> = list.iter().map(|item| item.get_ref().as_str()).collect();
+        Ok(Some(self.found(key, &value.span(), strings.ok_or_else(refuse)?)))
+    }
+
     /// A list of axes by their letters.
     pub fn axes(&self, key: &str) -> Result<Option<Found<Vec<Axis>>>, FileError> {
         let Some(value) = self.value(key) else { return Ok(None) };

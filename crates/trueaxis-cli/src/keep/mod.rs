@@ -1,0 +1,162 @@
+//! `trueaxis keep`.
+
+mod apply;
+mod history;
+mod look;
+mod plan;
+mod state;
+mod table;
+mod undo;
+mod write;
+
+use anyhow::Result;
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+
+pub(crate) const HELP: &str = "\
+KEEP.toml names the machine, the probe, balls that stay where they are, and what may be changed within which bounds:
+
+  machine = \"mill\"                  # folder with machine.toml; its tables correct the machine while it is probed
+  dialect = \"linuxcnc\"              # or grblhal, klipper
+  every_parts = 10                  # parts between two looks
+  tcomp = \"mill.tcomp\"              # in the machine's folder, compiled anew with every change; may be left out
+  [probe]
+  tip_radius_mm = 3.0
+  tip_uncertainty_um = 2.0
+  [[artefact]]                      # a ball; more of them tell more
+  name = \"ball\"
+  kind = \"ball\"
+  diameter_mm = 25.0
+  uncertainty_um = 0.3
+  [[artefact.place]]
+  at_mm = [440.0, 340.0, -250.0]
+  rotary_deg = [[0, 0, 0], [0, 0, 90], [0, 0, 180], [0, 0, 270]]   # with rotary axes
+  [[term]]
+  names = [\"EX0C\", \"EY0C\"]          # C0Y, offset X, scale X, backlash X; growth X, expansion X with thermal = \"thermal.toml\"
+  largest_update_um = 10.0          # more than that at once needs a person
+  largest_total_um = 40.0           # and so does more than that since the beginning
+  significance = 3.0                # a term has moved by more than so many of its standard errors
+
+One round, by a script of the control after every so many parts:
+
+  trueaxis keep plan keep.toml -o look.ngc                 # once; run it between parts, compensation on
+  trueaxis keep begin keep.toml trueaxis-1a2b3c4d.log      # the first log: everything is counted from here
+  trueaxis keep check keep.toml trueaxis-1a2b3c4d.log      # what would be changed, and why
+  trueaxis keep apply keep.toml trueaxis-1a2b3c4d.log      # the same, done; undo takes it back
+
+Exit code 0: done, or nothing to do; 3: a term is out of its bounds, nothing is written and a person has to look; 2: bad input.
+The history stands in keep/history.jsonl of the machine's folder, what was replaced in keep/NUMBER. docs/calibration.md";
+
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    /// Write the probing program, which runs without a pause, and say how well every term would be known.
+    Plan(PlanArguments),
+    /// Take a first look, from which everything is counted; changes nothing of the machine.
+    Begin(LookArguments),
+    /// Say what a look would change: nothing is written but the report.
+    Check(CheckArguments),
+    /// Change what a look says, if all of it is within its bounds, and enter it in the history.
+    Apply(ApplyArguments),
+    /// Put the machine's files back to where they were before an entry of the history.
+    Undo(UndoArguments),
+    /// Print the history.
+    History(HistoryArguments),
+}
+
+#[derive(Args)]
+pub(crate) struct PlanArguments {
+    /// Machine, probe, balls and bounds.
+    #[arg(value_name = "KEEP.toml")]
+    task: PathBuf,
+    /// The program [default: standard output].
+    #[arg(short, value_name = "look.ngc")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(crate) struct LookArguments {
+    /// Machine, probe, balls and bounds.
+    #[arg(value_name = "KEEP.toml")]
+    task: PathBuf,
+    /// Log of the control, or a CSV: id,x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg],tripped.
+    #[arg(value_name = "LOG")]
+    log: PathBuf,
+    /// When it was probed, UTC: 2026-05-04T06:00:00Z.
+    #[arg(long, value_parser = time)]
+    time: Option<String>,
+    /// Parts made until then, as the control counts them.
+    #[arg(long, value_name = "COUNT")]
+    parts: Option<u64>,
+    /// One JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write keep.html with the history's curves into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(crate) struct CheckArguments {
+    #[command(flatten)]
+    look: LookArguments,
+    /// Let a term out of its bounds, by its name.
+    #[arg(long, value_name = "TERM")]
+    accept: Vec<String>,
+    /// Take the tables as they are, though they are not as the history left them.
+    #[arg(long)]
+    by_hand: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct ApplyArguments {
+    #[command(flatten)]
+    check: CheckArguments,
+}
+
+#[derive(Args)]
+pub(crate) struct UndoArguments {
+    /// Machine, probe, balls and bounds.
+    #[arg(value_name = "KEEP.toml")]
+    task: PathBuf,
+    /// The first entry that is taken back, with all behind it [default: the last update in effect].
+    #[arg(value_name = "ENTRY")]
+    entry: Option<u32>,
+    /// When, UTC: 2026-05-04T06:00:00Z.
+    #[arg(long, value_parser = time)]
+    time: Option<String>,
+    /// Replace the tables though they are not as the history left them.
+    #[arg(long)]
+    by_hand: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct HistoryArguments {
+    /// Machine, probe, balls and bounds.
+    #[arg(value_name = "KEEP.toml")]
+    task: PathBuf,
+    /// All entries as one JSON document.
+    #[arg(long)]
+    json: bool,
+    /// Write keep.html with its curves into a folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+/// A time in UTC, in the one form that sorts as it runs.
+fn time(text: &str) -> Result<String, String> {
+    let shape = "0000-00-00T00:00:00Z";
+    let fits = |(own, of): (u8, u8)| if of == b'0' { own.is_ascii_digit() } else { own == of };
+    let sound = text.len() == shape.len() && text.bytes().zip(shape.bytes()).all(fits);
+    if sound { Ok(text.into()) } else { Err("needed a time in UTC like 2026-05-04T06:00:00Z".into()) }
+}
+
+pub(crate) fn run(command: &Command) -> Result<()> {
+    match command {
+        Command::Plan(arguments) => plan::run(arguments),
+        Command::Begin(arguments) => look::begin(arguments),
+        Command::Check(arguments) => look::check(arguments),
+        Command::Apply(arguments) => apply::run(&arguments.check),
+        Command::Undo(arguments) => undo::run(arguments),
+        Command::History(arguments) => history::run(arguments),
+    }
+}

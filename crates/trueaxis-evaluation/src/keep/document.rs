@@ -1,0 +1,152 @@
+//! A look as a document and as an entry.
+
+use super::entry::{BallPlace, Measured};
+use super::look::{Decision, Look};
+use super::task::Keep;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// A term.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TermDocument {
+    /// As the task names it.
+    pub name: String,
+    /// Unit of all values.
+    pub unit: &'static str,
+    /// What the tables leave of it.
+    pub value: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+    /// Sum of the updates since the beginning.
+    pub from: f64,
+    /// The same if this look's update is made.
+    pub to: f64,
+    /// `keep`, `update` or `refused`.
+    pub verdict: &'static str,
+    /// Why it is refused.
+    pub reason: Option<String>,
+    /// Largest single update.
+    pub largest_update: f64,
+    /// Largest sum of updates.
+    pub largest_total: f64,
+    /// Standard errors from which it has moved.
+    pub significance: f64,
+}
+
+/// A ball.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BallDocument {
+    /// Its name.
+    pub name: String,
+    /// Its centre in workpiece coordinates, mm.
+    pub centre_mm: [f64; 3],
+    /// Standard errors, µm.
+    pub standard_error_um: [f64; 3],
+}
+
+/// The JSON document of a look.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Document {
+    /// The machine's name.
+    pub machine: String,
+    /// Number that the look's entry has or would have.
+    pub entry: u32,
+    /// Touches.
+    pub touches: usize,
+    /// Standard deviation of a touch, from what is left.
+    pub sigma_um: f64,
+    /// Every term.
+    pub terms: Vec<TermDocument>,
+    /// Every ball.
+    pub balls: Vec<BallDocument>,
+    /// Terms that are changed.
+    pub updates: usize,
+    /// Terms that are out of their bounds.
+    pub refused: usize,
+    /// Whether the files were changed.
+    pub applied: bool,
+    /// What is to be known of the result.
+    pub notes: Vec<String>,
+}
+
+impl Look {
+    /// The document.
+    pub fn document(&self, keep: &Keep, machine: &str, entry: u32) -> Document {
+        let term = |verdict: &super::Verdict| {
+            let kept = keep.terms.iter().find(|kept| kept.name == verdict.name)?;
+            let (unit, factor) = kept.term.unit();
+            let (name, reason) = match &verdict.decision {
+                Decision::Keep => ("keep", None),
+                Decision::Update => ("update", None),
+                Decision::Refused(reason) => ("refused", Some(reason.clone())),
+            };
+            Some(TermDocument {
+                name: verdict.name.clone(),
+                unit,
+                value: factor * verdict.value,
+                standard_error: factor * verdict.standard_error,
+                from: factor * verdict.total,
+                to: factor * (verdict.total + verdict.update()),
+                verdict: name,
+                reason,
+                largest_update: factor * kept.bounds.update,
+                largest_total: factor * kept.bounds.total,
+                significance: kept.bounds.significance,
+            })
+        };
+        let terms: Vec<TermDocument> = self.verdicts.iter().filter_map(term).collect();
+        let count = |verdict: &str| terms.iter().filter(|term| term.verdict == verdict).count();
+        let sigma = self.calibration.solution.sigma_mm;
+        let mut notes = Vec::new();
+        if sigma > 2.0 * keep.task.probe.repeatability_mm {
+            notes.push(format!(
+                "a touch scatters by {:.2} µm, {:.2} µm are stated: errors that the terms do not hold, or a worse probe",
+                1e3 * sigma,
+                1e3 * keep.task.probe.repeatability_mm
+            ));
+        }
+        Document {
+            machine: machine.into(),
+            entry,
+            touches: self.calibration.observed.network.touches.len(),
+            sigma_um: 1e3 * sigma,
+            updates: count("update"),
+            refused: count("refused"),
+            terms,
+            balls: self.balls.iter().map(BallDocument::from).collect(),
+            applied: false,
+            notes,
+        }
+    }
+
+    /// The terms as an entry has them.
+    pub fn measured(&self, keep: &Keep) -> Vec<Measured> {
+        let of = |term: TermDocument| Measured {
+            term: term.name,
+            unit: term.unit.into(),
+            value: rounded(term.value),
+            standard_error: rounded(term.standard_error),
+            from: rounded(term.from),
+            to: rounded(term.to),
+        };
+        self.document(keep, "", 0).terms.into_iter().map(of).collect()
+    }
+
+    /// Sums of the updates after this look.
+    pub fn totals(&self, keep: &Keep) -> BTreeMap<String, f64> {
+        let terms = self.document(keep, "", 0).terms.into_iter();
+        terms.filter(|term| term.to != 0.0).map(|term| (term.name, rounded(term.to))).collect()
+    }
+}
+
+/// To a thousandth of a nanometre or nanoradian.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+impl From<&BallPlace> for BallDocument {
+    fn from(ball: &BallPlace) -> BallDocument {
+        let BallPlace { name, centre_mm, standard_error_um } = ball.clone();
+        BallDocument { name, centre_mm, standard_error_um }
+    }
+}

@@ -1,0 +1,244 @@
+//! A look at the balls: what has moved, and what is to be done about it.
+
+use super::entry::BallPlace;
+use super::task::{Home, Keep};
+use crate::calibrate::{
+    Calibration, Logged, Observed, Plan, Step, Term, Terms, foresee_observed, observe_terms, planned, settle,
+};
+use anyhow::{Result, anyhow};
+use std::collections::BTreeMap;
+use std::path::Path;
+use trueaxis::machine::AXES;
+use trueaxis_metrology::calibration::{Selection, Unknown};
+use trueaxis_tables::Machine;
+
+/// Least standard uncertainty of a ball's place at the beginning, mm.
+const LEAST: f64 = 1e-6;
+
+/// What is done about a term.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Decision {
+    /// Nothing: it has not moved by more than the scatter.
+    Keep,
+    /// It is changed.
+    Update,
+    /// It is out of its bounds: a person has to look. The reason.
+    Refused(String),
+}
+
+/// A term after a look, in mm, rad or 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// As the task names it.
+    pub name: String,
+    /// What the tables leave of it.
+    pub value: f64,
+    /// Its standard error, by the probe's stated repeatability at least.
+    pub standard_error: f64,
+    /// Sum of the updates since the beginning, before this one.
+    pub total: f64,
+    /// What is done.
+    pub decision: Decision,
+}
+
+impl Verdict {
+    /// What is added to the machine's files.
+    pub fn update(&self) -> f64 {
+        if self.decision == Decision::Update { self.value } else { 0.0 }
+    }
+}
+
+/// A look.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// The network with all terms.
+    pub calibration: Calibration,
+    /// Where the balls stand by it.
+    pub balls: Vec<BallPlace>,
+    /// One a term of the task, in its order; none at the beginning for terms that only a later look tells.
+    pub verdicts: Vec<Verdict>,
+}
+
+/// The plan of a task: as for a calibration, without a pause, since nobody stands beside it.
+///
+/// # Errors
+/// As [`Plan::new`], and a term of an axis that the machine has not got.
+pub fn plan(keep: &Keep, machine: &Machine) -> Result<Plan> {
+    keep.fits(machine)?;
+    let mut plan = Plan::new(&keep.task, machine)?;
+    plan.steps.retain(|step| !matches!(step, Step::Pause(_)));
+    Ok(plan)
+}
+
+/// Whether the terms can be told without the balls' places being known.
+fn is_told_by_turning(keep: &Keep, term: Term) -> bool {
+    match term {
+        Term::Location(..) | Term::Backlash(_) => true,
+        Term::Squareness(_) => keep.turns(),
+        Term::Curve { .. } => false,
+    }
+}
+
+/// The network of a look; `known`: the places of the balls at the beginning.
+fn network(
+    keep: &Keep,
+    machine: &Machine,
+    plan: &Plan,
+    positions: &[[f64; AXES]],
+    known: Option<&[BallPlace]>,
+) -> Result<Observed> {
+    let wanted = keep.terms.iter().map(|kept| kept.term);
+    let wanted = wanted.filter(|term| known.is_some() || is_told_by_turning(keep, *term)).collect();
+    let terms = Terms::named(wanted, machine, plan.reach_mm(&keep.task));
+    let mut observed = observe_terms(&keep.task, machine, plan, positions, terms)?;
+    // Where turning tells all terms, a ball that was taken off and put back does no harm.
+    let needed = keep.terms.iter().any(|kept| !is_told_by_turning(keep, kept.term));
+    for (ball, place) in known.unwrap_or_default().iter().enumerate().filter(|_| needed) {
+        let Some(&first) = observed.places.get(ball).and_then(|places| places.first()) else { continue };
+        for k in 0..3 {
+            let uncertainty = Some((1e-3 * place.standard_error_um[k]).max(LEAST));
+            observed.network.unknowns[first + k] = Unknown { start: place.centre_mm[k], uncertainty };
+        }
+    }
+    Ok(observed)
+}
+
+/// Standard errors that a look would have, before anything is measured.
+///
+/// # Errors
+/// Terms that the balls do not tell apart, by their names; a bound below what the probe can tell.
+pub fn foreseen(keep: &Keep, machine: &Machine, plan: &Plan) -> Result<Vec<f64>> {
+    let positions = planned(&keep.task, plan);
+    let first = foresee_observed(&keep.task, plan, network(keep, machine, plan, &positions, None)?)?;
+    let known = balls(keep, &first);
+    let later = foresee_observed(&keep.task, plan, network(keep, machine, plan, &positions, Some(&known))?)?;
+    let errors = later.solution.standard_errors[..keep.terms.len()].to_vec();
+    for (kept, error) in keep.terms.iter().zip(&errors) {
+        let least = kept.bounds.significance * error;
+        if kept.bounds.update < least {
+            let (unit, factor) = kept.term.unit();
+            return Err(anyhow!(
+                "{}:{}: key term: found a largest update of {} {unit} for {}, needed at least {:.2} {unit}, which the balls \
+                 and this probe can tell ({} standard errors), or fewer terms",
+                keep.task.file.display(),
+                kept.line,
+                factor * kept.bounds.update,
+                kept.name,
+                factor * least,
+                kept.bounds.significance
+            ));
+        }
+    }
+    Ok(errors)
+}
+
+/// Where the balls stand.
+fn balls(keep: &Keep, calibration: &Calibration) -> Vec<BallPlace> {
+    let solution = &calibration.solution;
+    let of = |(artefact, places): (usize, &Vec<usize>)| {
+        let first = *places.first()?;
+        Some(BallPlace {
+            name: keep.task.artefacts.get(artefact)?.name.clone(),
+            centre_mm: std::array::from_fn(|k| solution.values[first + k]),
+            standard_error_um: std::array::from_fn(|k| 1e3 * solution.standard_errors[first + k]),
+        })
+    };
+    calibration.observed.places.iter().enumerate().filter_map(of).collect()
+}
+
+/// The first look: where the balls stand, and what turning them tells of the machine already. Nothing is changed by it.
+///
+/// # Errors
+/// As [`crate::calibrate::calibrate`].
+pub fn begin(keep: &Keep, machine: &Machine, plan: &Plan, trips: &[Logged], file: &Path) -> Result<Look> {
+    let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
+    let observed = network(keep, machine, plan, &positions, None)?;
+    let calibration = settle(&keep.task, plan, trips, file, observed)?;
+    let told = keep.terms.iter().filter(|kept| is_told_by_turning(keep, kept.term));
+    let (values, errors) = (&calibration.solution.values, &calibration.solution.standard_errors);
+    let verdicts = told.zip(values).zip(errors).map(|((kept, value), error)| Verdict {
+        name: kept.name.clone(),
+        value: *value,
+        standard_error: *error,
+        total: 0.0,
+        decision: Decision::Keep,
+    });
+    Ok(Look { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
+}
+
+/// What a later look is held against.
+#[derive(Clone, Copy, Debug)]
+pub struct Before<'b> {
+    /// Places of the balls at the beginning.
+    pub known: &'b [BallPlace],
+    /// Sums of the updates since then, in the units of documents.
+    pub totals: &'b BTreeMap<String, f64>,
+    /// Names of terms that a person has let out of their bounds.
+    pub accepted: &'b [String],
+}
+
+/// A later look.
+///
+/// # Errors
+/// As [`crate::calibrate::calibrate`].
+pub fn look(
+    keep: &Keep,
+    machine: &Machine,
+    plan: &Plan,
+    trips: &[Logged],
+    file: &Path,
+    before: &Before<'_>,
+) -> Result<Look> {
+    let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
+    let observed = network(keep, machine, plan, &positions, Some(before.known))?;
+    let calibration = settle(&keep.task, plan, trips, file, observed)?;
+    let factors: Vec<f64> = keep.terms.iter().map(|kept| kept.bounds.significance).collect();
+    let selection = calibration.observed.network.moved(&factors);
+    let selection = selection.map_err(|refused| anyhow!("{}: {refused}", file.display()))?;
+    let verdicts = (0..keep.terms.len()).map(|index| verdict(keep, machine, &selection, index, before));
+    Ok(Look { balls: balls(keep, &calibration), verdicts: verdicts.collect(), calibration })
+}
+
+fn verdict(keep: &Keep, machine: &Machine, selection: &Selection, index: usize, before: &Before<'_>) -> Verdict {
+    let kept = &keep.terms[index];
+    let (unit, factor) = kept.term.unit();
+    let total = before.totals.get(&kept.name).copied().unwrap_or(0.0) / factor;
+    let found = if selection.moved[index] { &selection.chosen } else { &selection.all };
+    let (mut value, standard_error) = (found.values[index], found.standard_errors[index]);
+    if let Term::Backlash(axis) = kept.term {
+        // Lost motion is never negative.
+        let own = machine.settings.axis(axis).map_or(0.0, |own| own.backlash);
+        value = if selection.moved[index] { value.max(-own) } else { value };
+    }
+    let shown = |value: f64| trueaxis_report::number::significant(factor * value, 3);
+    let decision = if !selection.moved[index] || value == 0.0 {
+        Decision::Keep
+    } else if before.accepted.contains(&kept.name) {
+        Decision::Update
+    } else if value.abs() > kept.bounds.update {
+        let (moved, most) = (shown(value), shown(kept.bounds.update));
+        Decision::Refused(format!("moved by {moved} {unit}, at most {most} {unit} are taken at once"))
+    } else if (total + value).abs() > kept.bounds.total {
+        let (sum, most) = (shown(total + value), shown(kept.bounds.total));
+        Decision::Refused(format!("would be {sum} {unit} from the beginning, at most {most} {unit} are taken in all"))
+    } else {
+        Decision::Update
+    };
+    Verdict { name: kept.name.clone(), value, standard_error, total, decision }
+}
+
+impl Look {
+    /// Terms that are out of their bounds.
+    pub fn refused(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.verdicts.iter().filter_map(|verdict| match &verdict.decision {
+            Decision::Refused(reason) => Some((verdict.name.as_str(), reason.as_str())),
+            _ => None,
+        })
+    }
+
+    /// What is added to the files of a home: a value for every term of the network, 0 for those that are kept.
+    pub fn updates(&self, keep: &Keep, home: Home) -> Vec<f64> {
+        let own = |(kept, verdict): (&super::Kept, &Verdict)| if kept.home == home { verdict.update() } else { 0.0 };
+        keep.terms.iter().zip(&self.verdicts).map(own).collect()
+    }
+}
