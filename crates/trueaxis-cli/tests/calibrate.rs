@@ -1,8 +1,6 @@
 //! `trueaxis calibrate` as it is called. The control, the probe and the machine are a few lines here: every probing move of
 //! the program runs against artefacts on a machine with known scales, squareness and backlash.
 
-mod control;
-
 use trueaxis_testing::command::Folder;
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
@@ -60,7 +58,7 @@ impl Bench {
 
     /// Runs a program; what it logs.
     fn run(mut self, program: &str) -> String {
-        control::run(program, |touch| {
+        trueaxis_testing::control::run(program, |touch| {
             self.reverse = touch.reverse;
             self.gap(touch.set_up.unwrap(), self.actual(touch.at, touch.count))
         })

@@ -1,7 +1,5 @@
 //! `trueaxis keep` as it is called. The machine, its drift and what its files correct are a few lines here.
 
-mod control;
-
 use std::path::Path;
 use trueaxis_testing::command::{Folder, csv};
 
@@ -63,7 +61,7 @@ impl Bench<'_> {
         let own = |q: f64| 1e-3 * (3.0 - 3.0 * (q - 250.0).abs() / 250.0);
         // The tables are read once for each place: they are straight lines there.
         let ends = [0, 1, 2].map(|axis| [0.0, 1.0].map(|q| self.table(axis, [440.0, 340.0, -250.0][axis] + q)));
-        control::run(program, |touch| {
+        trueaxis_testing::control::run(program, |touch| {
             let creep = 1e-3 * self.creep_um * touch.count;
             let off = |axis: usize| {
                 let from = touch.at[axis] - [440.0, 340.0, -250.0][axis];

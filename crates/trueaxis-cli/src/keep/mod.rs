@@ -78,7 +78,7 @@ pub(crate) struct LookArguments {
     /// Machine, probe, balls and bounds.
     #[arg(value_name = "KEEP.toml")]
     task: PathBuf,
-    /// Log of the control, or a CSV: id,x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg],tripped.
+    /// Log of the control, or a CSV: id, x_mm, y_mm, z_mm, tripped, and a_deg, b_deg, c_deg of rotary axes.
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// When it was probed, UTC: 2026-05-04T06:00:00Z.
