@@ -15,7 +15,7 @@
 //! E_d, B_d, R_d, M_d: the largest of the four
 //! ```
 //!
-//! **What they tell of the machine** ([`volume`]). With u the diagonal's unit vector and s the signs of its components, the
+//! **What they tell of the machine** (its part `volume`). With u the diagonal's unit vector and s the signs of its components, the
 //! slope of its deviation is to first order
 //!
 //! ```text
@@ -24,7 +24,7 @@
 //!
 //! Four slopes give the three squarenesses and one weighted scale, whatever the mirror's alignment (second order).
 //!
-//! **What the steps add** ([`vector`]). A step of axis j along diagonal k reads u_k · δ_j: four equations for the three
+//! **What the steps add** (its part `vector`). A step of axis j along diagonal k reads u_k · δ_j: four equations for the three
 //! components of the step's error. But a flat mirror that stands τ off the normal of the diagonal reads D (τ·n_j) more on a
 //! step D of axis j, as the step carries it sideways; so does an error of the beam's direction. The four τ take the place of the
 //! scales: those and the slopes of the straightnesses come out only where the alignment is known (`alignment_rad`). The shapes that

@@ -1,7 +1,7 @@
 //! Geometric error compensation: what the tables say at a position, and the correction that makes up for it.
 //!
 //! Two models, chosen by the machine's settings: [`NineTerms`], axis-wise and without levers, and [`Volumetric`], the
-//! twist of every axis carried to the tool tip by its lever. [Grids](grid) over several axes add to either.
+//! twist of every axis carried to the tool tip by its lever. Grids over several axes add to either.
 
 mod cells;
 mod grid;
