@@ -2,16 +2,13 @@
 
 use crate::output::{json, print, tell};
 use crate::{machine_folder, model, report};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::Args;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
-use trueaxis::telemetry::Frame;
-use trueaxis_evaluation::ballbar::{Document, LENGTHS_MM, Options, Test, Ways, values};
+use trueaxis_evaluation::ballbar::{Document, Options, Test, Ways, values};
 use trueaxis_evaluation::friction::pair;
-use trueaxis_metrology::ballbar::Position;
-use trueaxis_recording::Received;
 use trueaxis_report::number::significant;
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
@@ -81,17 +78,11 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let pitches = [arguments.pitch_x_mm, arguments.pitch_y_mm, arguments.pitch_z_mm];
-    let names = ["--pitch-x-mm", "--pitch-y-mm", "--pitch-z-mm"];
-    let lengths = names.into_iter().zip(pitches).chain([("--radius-mm", Some(arguments.radius_mm))]);
-    for (name, value) in lengths {
-        if let Some(value) = value.filter(|value| !LENGTHS_MM.contains(value)) {
-            bail!("{name}: found {value}, needed {} to {} mm", LENGTHS_MM.start(), LENGTHS_MM.end());
-        }
-    }
-    let pitches_mm = arguments.axes.map(|axis| pitches.get(axis.index()).copied().flatten());
-    let options = Options { radius_mm: arguments.radius_mm, axes: arguments.axes, pitches_mm };
-    let test = read(&arguments.record, &options)?;
+    let pitches_mm = [arguments.pitch_x_mm, arguments.pitch_y_mm, arguments.pitch_z_mm];
+    let options = Options::new(arguments.radius_mm, arguments.axes, pitches_mm).map_err(|wrong| wrong.option())?;
+    let record = &arguments.record;
+    let bytes = std::fs::read(record).with_context(|| format!("cannot read {}", record.display()))?;
+    let test = Test::read(&bytes, record, &options, |note| tell(format_args!("note: {note}")))?;
     let document = test.document();
     let files =
         arguments.machine.iter().flat_map(|machine| machine_folder::inputs(machine, arguments.output.as_deref()));
@@ -110,26 +101,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     outputs.commit()?;
     machine_folder::tell_written(&written);
     if arguments.json { json(&document) } else { print(&table(&document)?) }
-}
-
-fn read(file: &Path, options: &Options) -> Result<Test> {
-    let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
-    // No text holds a zero, and every COBS frame ends with one.
-    if !bytes.contains(&0) {
-        return Test::read(&bytes, file, options, |how| tell(format_args!("note: {how}")));
-    }
-    let received = Received::read(&bytes);
-    if received.frames.is_empty() {
-        bail!("{}: found no whole record of a cycle, needed text or telemetry as in docs/telemetry.md", file.display());
-    }
-    crate::telemetry::note(file, &received);
-    let position = |frame: &Frame| {
-        let own = options.axes.map(|axis| frame.axes.get(axis.index()));
-        let of = |take: fn(&trueaxis::telemetry::AxisFrame) -> f64| own.map(|axis| axis.map_or(f64::NAN, take));
-        Position { command: of(|axis| axis.command), actual: of(|axis| axis.feedback) }
-    };
-    let positions: Vec<Position> = received.frames.iter().map(position).collect();
-    Test::of_positions(&positions, file, options)
 }
 
 fn table(d: &Document) -> Result<String> {

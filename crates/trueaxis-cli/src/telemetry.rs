@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::telemetry::{AxisFrame, ContourFrame, DynamicFrame, Frame, RoundnessFrame};
 use trueaxis_columns::{Column, Form, Kind, Value, Writer};
+use trueaxis_evaluation::received::notes;
 use trueaxis_recording::Received;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
@@ -49,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     for file in &arguments.frames {
         let bytes = std::fs::read(file).with_context(|| file.display().to_string())?;
         let received = Received::read(&bytes);
-        note(file, &received);
+        notes(file, &received).iter().for_each(|note| tell(format_args!("note: {note}")));
         all.push((file.display().to_string(), received));
     }
     let letters = axes(arguments.axes.as_deref(), &all)?;
@@ -76,27 +77,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         tell(format_args!("written  {}  {}", file.display(), counted(count, "revolution")));
     }
     Ok(())
-}
-
-/// Prints how many frames were damaged and how many records are missing.
-pub(crate) fn note(file: &Path, received: &Received) {
-    if received.damaged > 0 {
-        tell(format_args!("note: {}: {}, left out", file.display(), counted(received.damaged, "damaged frame")));
-    }
-    let pairs = received.frames.iter().zip(received.frames.iter().skip(1));
-    let (mut gaps, mut lost) = (0, 0_u64);
-    for (before, after) in pairs {
-        let missing = after.sequence.wrapping_sub(before.sequence).wrapping_sub(1);
-        // A controller that was started anew counts from 0.
-        if missing > 0 && after.sequence != 0 {
-            gaps += 1;
-            lost += u64::from(missing);
-        }
-    }
-    if gaps > 0 {
-        let (lost, gaps) = (counted(lost as usize, "record"), counted(gaps, "gap"));
-        tell(format_args!("note: {}: {lost} missing in {gaps} of the sequence", file.display()));
-    }
 }
 
 /// The axes that all records have.

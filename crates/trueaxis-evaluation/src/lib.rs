@@ -29,6 +29,8 @@ pub mod probe_angles;
 pub mod probes;
 pub mod probing;
 pub mod r_test;
+pub mod range;
+pub mod received;
 pub mod response;
 pub mod roundness;
 pub mod rows;

@@ -5,14 +5,14 @@ use crate::{Error, documents, told, warn};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use trueaxis_evaluation::ballbar::{LENGTHS_MM, Options, Test};
+use trueaxis_evaluation::ballbar::{Options, Test};
 use trueaxis_evaluation::friction::pair;
 
 /// A circular test after ISO 230-4 and the causes of its deviation: the document of `trueaxis ballbar --json`.
 ///
 /// record: (n, 3), of a bar, columns angle_deg, deviation_um and direction (1 counterclockwise, -1 clockwise); or (n, 4),
-/// command and position in mm of the first axis, then of the second; or a file as the command reads, but telemetry. Rows of
-/// an array count from line 2. axes: the plane. pitch_x_mm, …: of periodic errors, else searched. traces=True adds arrays, one
+/// command and position in mm of the first axis, then of the second; or a file as the command reads. Rows of an array
+/// count from line 2. axes: the plane. pitch_x_mm, …: of periodic errors, else searched. traces=True adds arrays, one
 /// number a reading: angle_deg, direction, centred_um, the deviation about the circle's centre, and left_um, what the causes
 /// leave of it.
 #[pyfunction]
@@ -28,30 +28,16 @@ pub(crate) fn ballbar<'py>(
     pitch_z_mm: Option<f64>,
     traces: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let pitches = [pitch_x_mm, pitch_y_mm, pitch_z_mm];
-    let names = ["pitch_x_mm", "pitch_y_mm", "pitch_z_mm"];
-    for (name, value) in names.into_iter().zip(pitches).chain([("radius_mm", Some(radius_mm))]) {
-        if let Some(value) = value.filter(|value| !LENGTHS_MM.contains(value)) {
-            let [least, most] = [LENGTHS_MM.start(), LENGTHS_MM.end()];
-            return Err(Error::new_err(format!("{name}: found {value}, needed {least} to {most} mm")));
-        }
-    }
     let axes = pair(axes).map_err(|error| Error::new_err(format!("axes: {error}")))?;
     let [a, b] = axes.map(|axis| axis.letter().to_ascii_lowercase());
     let positions = [format!("{a}_cmd_mm"), format!("{a}_mm"), format!("{b}_cmd_mm"), format!("{b}_mm")];
     let forms: [&[&str]; 2] = [&["angle_deg", "deviation_um", "direction"], &positions.each_ref().map(String::as_str)];
     let measured = Measured::of(record, "record", &forms)?;
-    let pitches_mm = axes.map(|axis| pitches.get(axis.index()).copied().flatten());
-    let options = Options { radius_mm, axes, pitches_mm };
+    let options = told(Options::new(radius_mm, axes, [pitch_x_mm, pitch_y_mm, pitch_z_mm]).map_err(Into::into))?;
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let bytes = measured.bytes()?;
         let name = measured.name();
-        anyhow::ensure!(
-            !bytes.contains(&0),
-            "{}: found telemetry or no text, needed text; the command `trueaxis ballbar` reads telemetry",
-            name.display()
-        );
         let test = Test::read(&bytes, name, &options, |note| notes.push(note))?;
         let document = test.document();
         Ok((test, document))

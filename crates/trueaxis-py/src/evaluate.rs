@@ -6,7 +6,6 @@ use crate::{Error, documents, told, warn};
 use anyhow::Result;
 use pyo3::prelude::*;
 use serde::Serialize;
-use std::ops::RangeInclusive;
 use trueaxis_evaluation::rows::{Column, Rows};
 use trueaxis_evaluation::{diagonal, points as coordinates, probing, r_test, thermal_test};
 
@@ -27,10 +26,9 @@ fn evaluated<'py, const C: usize, D: Serialize + Send>(
     documents::dictionary(py, &told(found)?)
 }
 
-fn within(name: &str, value: Option<f64>, range: RangeInclusive<f64>, unit: &str) -> PyResult<()> {
-    let Some(value) = value.filter(|value| !range.contains(value)) else { return Ok(()) };
-    let (least, most) = range.into_inner();
-    Err(Error::new_err(format!("{name}: found {value}, needed {least} to {most} {unit}")))
+/// An option that is out of its range, with the name of the argument.
+fn asked<T, E: std::fmt::Display>(checked: Result<T, E>) -> PyResult<T> {
+    checked.map_err(|wrong| Error::new_err(wrong.to_string()))
 }
 
 /// Probing tests after ISO 230-10: the document of `trueaxis evaluate probing --json`.
@@ -53,7 +51,7 @@ pub(crate) fn evaluate_probing<'py>(
             return Err(Error::new_err(format!("feature: found {found:?}, needed {needed}")));
         }
     };
-    within("diameter_mm", diameter_mm, 0.1..=1e4, "mm")?;
+    asked(probing::check(diameter_mm))?;
     evaluated(py, record, &probing::COLUMNS, |rows, _| {
         Ok(probing::Document::new(&probing::Record::read(rows, feature, diameter_mm)?))
     })
@@ -80,8 +78,7 @@ pub(crate) fn evaluate_thermal<'py>(
             return Err(Error::new_err(format!("test: found {found:?}, needed {needed}")));
         }
     };
-    within("period_min", Some(period_min), 0.1..=1e5, "min")?;
-    within("distance_mm", distance_mm, 1.0..=1e4, "mm")?;
+    asked(thermal_test::check(period_min, distance_mm))?;
     evaluated(py, record, &thermal_test::COLUMNS, |rows, _| {
         Ok(thermal_test::Document::new(&thermal_test::read(rows)?, name, period_min, distance_mm))
     })
@@ -97,7 +94,7 @@ pub(crate) fn evaluate_step_diagonal<'py>(
     record: &Bound<'py, PyAny>,
     alignment_urad: Option<f64>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    within("alignment_urad", alignment_urad, 1e-3..=1e5, "µrad")?;
+    asked(diagonal::check(alignment_urad))?;
     evaluated(py, record, &diagonal::COLUMNS, |rows, _| {
         Ok(diagonal::Document::new(&diagonal::read(rows)?, alignment_urad))
     })
@@ -140,12 +137,11 @@ pub(crate) fn evaluate_points<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
     machine: &Bound<'py, Machine>,
-    nodes: Option<[usize; 3]>,
+    nodes: Option<Vec<usize>>,
     without: Vec<String>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    if let Some(found) = nodes.filter(|nodes| !nodes.iter().all(|count| (2..=101).contains(count))) {
-        return Err(Error::new_err(format!("nodes: found {found:?}, needed three numbers of 2 to 101")));
-    }
+    let nodes = nodes.as_deref().map(coordinates::nodes).transpose();
+    let nodes = asked(nodes.map_err(|wrong| format!("nodes: {wrong}")))?;
     let machine = &machine.get().0;
     let options = coordinates::Options { nodes, without };
     evaluated(py, record, &coordinates::COLUMNS, |rows, name| {

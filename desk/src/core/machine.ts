@@ -1,5 +1,7 @@
 // The one machine that every view shows: the texts of its files.
 
+import type { Desk } from "./desk";
+
 export type Files = Record<string, string>;
 
 export class MachineStore {
@@ -20,4 +22,10 @@ export class MachineStore {
   subscribe(listener: () => void): void {
     this.listeners.add(listener);
   }
+}
+
+/** Makes the edited files the machine that all views share, once the module has read them. */
+export async function adopt({ bench, machine }: Desk, files: Files): Promise<void> {
+  await bench.call("machine_open", JSON.stringify(files));
+  machine.set(machine.name, files);
 }

@@ -5,7 +5,7 @@ import { fixed, significant } from "../core/number";
 import { Plot } from "../core/plot";
 import type { ColourName } from "../core/theme";
 import type { CircleCurves, SpikeCurves, Trace } from "./documents";
-import { Polar, draw, largest, type PolarSeries } from "./polar";
+import { Polar, keys, largest, type PolarSeries } from "../core/polar";
 
 /** A curve of several stages, told apart by colour and dashes. */
 export interface Stage<T> {
@@ -31,12 +31,7 @@ const alikeCircle = (one: CircleCurves) => (other: CircleCurves) =>
 
 /** A legend that says what the dashes mean. */
 function legend<T>(stages: Stage<T>[]): HTMLElement {
-  const entries = stages.map(({ name, colour, dash }) => {
-    const line = draw("svg", { viewBox: "0 0 28 8", "aria-hidden": "true" });
-    line.append(draw("line", { x1: 0, x2: 28, y1: 4, y2: 4, stroke: `var(--${colour})`, "stroke-width": 2, "stroke-dasharray": dash?.join(" ") ?? "none" }));
-    return el("span", {}, line, name);
-  });
-  return el("div", { class: "legend" }, ...entries);
+  return keys(stages.map(({ name, colour, dash }) => ({ name, colour, ...(dash ? { dash: dash.join(" ") } : {}) })));
 }
 
 /** Following errors of a record. */

@@ -1,6 +1,7 @@
 // What the module is asked for, one request after the other.
 
 import type { Desk } from "../core/desk";
+import { adopt } from "../core/machine";
 import type { Closed, Found, RecordRead, Trace } from "./documents";
 import { request, type Axes, type Circles } from "./source";
 
@@ -71,7 +72,6 @@ export class Work {
     const before = machine.files["machine.toml"];
     if (before === undefined) throw new Error(`${machine.name}: found no machine.toml, needed a machine in source form`);
     const files = { ...machine.files, "machine.toml": await bench.call("friction_merged", before, settings) };
-    await bench.call("machine_open", JSON.stringify(files));
-    machine.set(machine.name, files);
+    await adopt(this.desk, files);
   }
 }

@@ -7,6 +7,8 @@
 //! A panic is reported to the page ([`panics`]) and ends the module; the page starts another.
 #![forbid(unsafe_code)]
 
+pub mod ballbar;
+mod becomes;
 pub mod field;
 mod files;
 pub mod friction;

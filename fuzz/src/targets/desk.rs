@@ -7,6 +7,7 @@ use crate::alone::alone;
 use crate::choice::one_in;
 use crate::execution::SLOWEST;
 use crate::{Target, no_repair, outcome, refusal};
+use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::cell::RefCell;
 use trueaxis_desk as desk;
@@ -52,6 +53,7 @@ fn forget() {
     let _ = desk::roundness::roundness_trace("", "");
     let _ = desk::roundness::probe_angles_finish();
     let _ = desk::grinding::grinding_open("", "");
+    desk::ballbar::ballbar_forget();
 }
 
 /// Arguments of a message.
@@ -95,6 +97,7 @@ fn answer(message: &str, dear: bool) {
         "roundness" | "probe" => roundness(name, a, dear),
         "scope" => scope(name, a, dear),
         "grinding" => grinding(name, a, dear),
+        "ballbar" => ballbar(name, a, dear),
         "friction" => friction(name, a),
         "helicoid" => helicoid(name, a, dear),
         _ => {}
@@ -186,6 +189,29 @@ fn grinding(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
+fn ballbar(name: &str, a: &mut Arguments<'_>) {
+    use desk::ballbar::*;
+    match name {
+        "ballbar_evaluate" if dear => json(ballbar_evaluate(a.name(), a.text().as_bytes(), a.text())),
+        "ballbar_settings" => settings(ballbar_settings(a.text(), a.switch())),
+        _ => {}
+    }
+}
+
+/// What a machine gets is a machine again.
+fn settings(answer: Result<String, Refused>) {
+    #[derive(Deserialize)]
+    struct Files<'t> {
+        #[serde(borrow)]
+        files: &'t RawValue,
+    }
+    if let Some(text) = told(answer) {
+        let files: Result<Files<'_>, _> = serde_json::from_str(&text);
+        let files = files.map(|found| desk::machine::machine_open(found.files.get()));
+        assert!(matches!(files, Ok(Ok(_))), "{text}");
+    }
+}
+
 /// Without simulation and fits, which target `friction` does.
 fn friction(name: &str, a: &mut Arguments<'_>) {
     use desk::friction::*;
@@ -257,6 +283,7 @@ fn finite(answer: Result<Vec<f64>, Refused>) {
 }
 
 const MACHINE: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\n", "x.csv": "X_mm,EXX_um\n0,1\n10,2\n"}"#;
+const SQUARE: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w Y X b Z t\"\n[axis.X]\n[axis.Y]\n[axis.Z]\n"}"#;
 const HELICOID: &str = r#"{"base_radius_mm":36,"lead_parameter_mm_per_rad":130,"pivot_mm":150,"form":"vertical","u_rad":"0:1:3","theta_rad":"0:1:2"}"#;
 const PROBES: &str = r#"{"n": 64, "harmonics": [2, 15], "p": 11, "q": 14}"#;
 
@@ -270,6 +297,11 @@ fn seeds() -> Vec<Vec<u8>> {
         ("name = \"m\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\n", "X_mm,EXX_um\n0,1\n10,2\n");
     let files = format!(r#"[["a/machine.toml", {}], ["a/x.csv", {}]]"#, description.len(), table.len());
     let dropped = [description, table].concat();
+    let circle: String = [1, -1]
+        .iter()
+        .flat_map(|d| (0..40).map(move |k| format!("{},{},{d}\n", 9 * k, if k % 20 < 10 { 3 } else { -2 })))
+        .collect();
+    let circle = format!("angle_deg,deviation_um,direction\n{circle}");
     let points = "x_mm,y_mm\n3,0\n0,3\n-3,0\n0,-3.002\n";
     [
         message("machine_open", &[MACHINE]),
@@ -293,6 +325,9 @@ fn seeds() -> Vec<Vec<u8>> {
             + &message("scope_scenario", &[]),
         message("scope_settings", &["rate_hz = 4000\n[drive]\ndead_time_s = 0.001\n", "mine.toml"])
             + &message("scope_agreed", &[MACHINE]),
+        message("friction_settings", &[])
+            + &message("ballbar_evaluate", &["r.csv", &circle, r#"{"radius_mm": 50, "axes": "X,Y"}"#])
+            + &message("ballbar_settings", &[SQUARE, ""]),
         message("friction_settings", &[])
             + &message("friction_read", &["r.csv", "t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm\n0,1,1,2,2\n", "X,Y"])
             + &message("friction_record", &[]),

@@ -2,11 +2,11 @@
 
 use crate::output::{json, print};
 use crate::{csv_in, machine_folder, model, report};
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow};
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::points::{COLUMNS, Document, Left, Options, Points, identify};
+use trueaxis_evaluation::points::{COLUMNS, Document, Left, Options, Points, identify, nodes};
 use trueaxis_report::number::significant;
 use trueaxis_tables::formats::machine_files;
 use trueaxis_tables::output::Outputs;
@@ -57,11 +57,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let nodes = match arguments.nodes.as_deref() {
-        None => None,
-        Some(&[x, y, z]) if [x, y, z].iter().all(|count| (2..=101).contains(count)) => Some([x, y, z]),
-        Some(found) => bail!("--nodes: found {found:?}, needed three numbers of 2 to 101"),
-    };
+    let nodes = arguments.nodes.as_deref().map(nodes).transpose().map_err(|wrong| anyhow!("--nodes: {wrong}"))?;
     let points = Points::read(&mut csv_in::open(&arguments.points, &COLUMNS, "points")?)?;
     let machine = model::machine(&arguments.machine)?;
     let options = Options { nodes, without: arguments.without.clone() };

@@ -2,11 +2,11 @@
 
 use crate::output::{json, print};
 use crate::{csv_in, report};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::probing::{COLUMNS, Document, Feature, Record, Spread};
+use trueaxis_evaluation::probing::{COLUMNS, Document, Feature, Record, Spread, check};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 
@@ -53,9 +53,7 @@ enum Of {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    if let Some(mm) = arguments.diameter_mm.filter(|mm| !(0.1..=1e4).contains(mm)) {
-        bail!("--diameter-mm: found {mm}, needed 0.1 to 10000 mm");
-    }
+    check(arguments.diameter_mm).map_err(|wrong| wrong.option())?;
     let feature = match arguments.feature {
         Of::Ring => Feature::Ring,
         Of::Sphere => Feature::Sphere,

@@ -2,11 +2,11 @@
 
 use crate::output::{json, print};
 use crate::{csv_in, machine_folder, model, report};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::diagonal::{COLUMNS, Document, Value, read};
+use trueaxis_evaluation::diagonal::{COLUMNS, Document, Value, check, read};
 use trueaxis_report::number::significant;
 use trueaxis_tables::formats::Imported;
 use trueaxis_tables::output::Outputs;
@@ -52,9 +52,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    if let Some(urad) = arguments.alignment_urad.filter(|urad| !(1e-3..=1e5).contains(urad)) {
-        bail!("--alignment-urad: found {urad}, needed 0.001 to 100000 µrad");
-    }
+    check(arguments.alignment_urad).map_err(|wrong| wrong.option())?;
     let test = read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
     let document = Document::new(&test, arguments.alignment_urad);
     let inputs = arguments

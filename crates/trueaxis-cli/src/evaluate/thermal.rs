@@ -2,11 +2,11 @@
 
 use crate::output::{json, print};
 use crate::{csv_in, report};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::thermal_test::{COLUMNS, Document, read};
+use trueaxis_evaluation::thermal_test::{COLUMNS, Document, check, read};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 
@@ -58,12 +58,7 @@ enum Kind {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    if !(0.1..=1e5).contains(&arguments.period_min) {
-        bail!("--period-min: found {}, needed 0.1 to 100000 min", arguments.period_min);
-    }
-    if let Some(mm) = arguments.distance_mm.filter(|mm| !(1.0..=1e4).contains(mm)) {
-        bail!("--distance-mm: found {mm}, needed 1 to 10000 mm");
-    }
+    check(arguments.period_min, arguments.distance_mm).map_err(|wrong| wrong.option())?;
     let name = match arguments.test {
         Kind::Etve => "etve",
         Kind::Spindle => "spindle",

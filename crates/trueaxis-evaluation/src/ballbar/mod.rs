@@ -6,19 +6,21 @@ mod document;
 mod machine;
 mod polar;
 mod record;
+mod telemetry;
 mod values;
 
 pub use document::{Document, Pair, Share, Ways, name};
-pub use polar::{left, polar};
+pub use polar::{Trace, left, polar, traces};
 pub use record::COLUMNS;
 pub use values::values;
 
+use crate::range::OutOfRange;
 use std::ops::RangeInclusive;
 use trueaxis::Axis;
 use trueaxis_metrology::ballbar::{Evaluation, Reading, Refused, evaluate};
 
 /// Radii and pitches that are taken, mm.
-pub const LENGTHS_MM: RangeInclusive<f64> = 1e-3..=1e5;
+const LENGTHS_MM: RangeInclusive<f64> = 1e-3..=1e5;
 
 /// What is to be known beside the record.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +31,22 @@ pub struct Options {
     pub axes: [Axis; 2],
     /// Pitch of the periodic error of either axis, mm; searched where it is not known.
     pub pitches_mm: [Option<f64>; 2],
+}
+
+impl Options {
+    /// A circle of this radius in the plane of these axes; `pitches_mm` are of X, Y, Z.
+    ///
+    /// # Errors
+    /// A length outside 0.001 to 100000 mm.
+    pub fn new(radius_mm: f64, axes: [Axis; 2], pitches_mm: [Option<f64>; 3]) -> Result<Options, OutOfRange> {
+        let [x, y, z] = pitches_mm;
+        let lengths = [("pitch_x_mm", x), ("pitch_y_mm", y), ("pitch_z_mm", z), ("radius_mm", Some(radius_mm))];
+        for (name, length) in lengths {
+            OutOfRange::check(name, length, LENGTHS_MM, "mm")?;
+        }
+        let pitches_mm = axes.map(|axis| pitches_mm.get(axis.index()).copied().flatten());
+        Ok(Options { radius_mm, axes, pitches_mm })
+    }
 }
 
 /// A circular test, evaluated.

@@ -1,5 +1,6 @@
 //! A record of circles, in the forms in which one comes.
 
+use super::telemetry::{is_telemetry, positions};
 use super::{Options, Test};
 use crate::rows::{Column, Rows};
 use anyhow::{Result, anyhow};
@@ -27,15 +28,19 @@ const fn column(name: &'static str) -> Column {
 
 impl Test {
     /// Reads a record and evaluates it: what a bar read (`angle_deg,deviation_um,direction`), commands and positions
-    /// (`x_cmd_mm,x_mm,y_cmd_mm,y_mm` and the like, `t_s` is not looked at), or the lines of LinuxCNC's `halsampler`, which
+    /// (`x_cmd_mm,x_mm,y_cmd_mm,y_mm` and the like, `t_s` is not looked at), the lines of LinuxCNC's `halsampler`, which
     /// are recognised by having no header: command and position of the first axis, then of the second, with or without the
-    /// number of the sample before. `tell` is told how a file is read that is not of commas and points.
+    /// number of the sample before; or a controller's telemetry, which no text can be taken for. `tell` is told how a file is
+    /// read that is not of commas and points, and which frames are damaged or missing.
     ///
     /// # Errors
     /// A row that cannot be read, a direction that is 0, columns of neither form, a record that tells nothing.
     ///
     /// Cost: 56 bytes a position, else that of [`trueaxis_metrology::ballbar::evaluate`].
     pub fn read(bytes: &[u8], file: &Path, options: &Options, tell: impl FnMut(String)) -> Result<Test> {
+        if is_telemetry(bytes) {
+            return positions_of(&positions(bytes, file, options.axes, tell)?, &[], file, options);
+        }
         if is_halsampler(bytes) {
             let (positions, lines) = halsampler(bytes, file)?;
             return positions_of(&positions, &lines, file, options);
@@ -54,14 +59,6 @@ impl Test {
             let needed = format!("the columns {}, or {}", bar.join(", "), positions.concat().join(", "));
             Err(whole(file, format!("columns {}", rows.header.join(", ")), needed))
         }
-    }
-
-    /// Evaluates commanded and actual positions; see [`readings`]. `file` is named in the error.
-    ///
-    /// # Errors
-    /// Positions that hold no circle, or one that tells nothing.
-    pub fn of_positions(positions: &[Position], file: &Path, options: &Options) -> Result<Test> {
-        positions_of(positions, &[], file, options)
     }
 }
 

@@ -8,6 +8,7 @@ mod plots;
 pub use document::{DiagonalFigures, Document, Point, Shape, Steps, Value};
 pub use plots::{deviations, shapes};
 
+use crate::range::OutOfRange;
 use crate::rows::{Column, Rows};
 use crate::stuck;
 use anyhow::{Result, anyhow};
@@ -24,6 +25,14 @@ pub const COLUMNS: [Column; 7] = [
     Column { name: "z_mm", needed: true },
     Column { name: "deviation_um", needed: true },
 ];
+
+/// Whether the mirror's alignment is one.
+///
+/// # Errors
+/// Outside 0.001 to 100000 µrad.
+pub fn check(alignment_urad: Option<f64>) -> Result<(), OutOfRange> {
+    OutOfRange::check("alignment_urad", alignment_urad, 1e-3..=1e5, "µrad")
+}
 
 /// Reads all rows of [`COLUMNS`].
 ///

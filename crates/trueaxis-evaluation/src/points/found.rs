@@ -27,6 +27,17 @@ pub struct Options {
     pub without: Vec<String>,
 }
 
+/// Numbers of nodes of X, Y, Z.
+///
+/// # Errors
+/// What was found and what is needed: three of 2 to 101.
+pub fn nodes(counts: &[usize]) -> Result<[usize; 3], String> {
+    match *counts {
+        [x, y, z] if [x, y, z].iter().all(|count| (2..=101).contains(count)) => Ok([x, y, z]),
+        _ => Err(format!("found {counts:?}, needed three numbers of 2 to 101")),
+    }
+}
+
 /// What was found.
 #[derive(Clone, Debug)]
 pub struct Found {

@@ -13,6 +13,6 @@ mod plots;
 mod record;
 
 pub use document::{Document, Function, Left, Squareness};
-pub use found::{Found, Options, identify};
+pub use found::{Found, Options, identify, nodes};
 pub use plots::{errors, map, residuals};
 pub use record::{COLUMNS, Point, Points};

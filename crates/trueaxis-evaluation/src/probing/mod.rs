@@ -10,4 +10,4 @@ mod record;
 
 pub use document::{Document, Offset, Run, Spread};
 pub use plots::form;
-pub use record::{COLUMNS, Feature, Record};
+pub use record::{COLUMNS, Feature, Record, check};

@@ -1,5 +1,6 @@
 //! RECORD.csv of a probing test.
 
+use crate::range::OutOfRange;
 use crate::rows::{Column, Rows};
 use crate::stuck;
 use anyhow::{Result, anyhow};
@@ -30,6 +31,14 @@ pub enum Feature {
     Sphere,
     /// One point of a surface, again and again.
     Point,
+}
+
+/// Whether the diameter of a ring or sphere is one.
+///
+/// # Errors
+/// Outside 0.1 to 10000 mm.
+pub fn check(diameter_mm: Option<f64>) -> Result<(), OutOfRange> {
+    OutOfRange::check("diameter_mm", diameter_mm, 0.1..=1e4, "mm")
 }
 
 /// A run: the points of one measurement of the feature.

@@ -10,6 +10,7 @@ mod plots;
 pub use document::{Channel, Document, Place, Temperature};
 pub use plots::{distortions, temperatures};
 
+use crate::range::OutOfRange;
 use crate::rows::{Column, Rows};
 use crate::stuck;
 use anyhow::Result;
@@ -50,6 +51,15 @@ pub struct Test {
     pub temperatures_c: [Vec<f64>; 3],
     /// Longest time without a reading, and after which line.
     pub gap_s: (f64, u32),
+}
+
+/// Whether period and distance of the probes are ones.
+///
+/// # Errors
+/// A period outside 0.1 to 100000 min, a distance outside 1 to 10000 mm.
+pub fn check(period_min: f64, distance_mm: Option<f64>) -> Result<(), OutOfRange> {
+    OutOfRange::check("period_min", period_min, 0.1..=1e5, "min")?;
+    OutOfRange::check("distance_mm", distance_mm, 1.0..=1e4, "mm")
 }
 
 /// Reads all rows of [`COLUMNS`].

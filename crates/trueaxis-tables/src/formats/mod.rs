@@ -38,6 +38,7 @@ pub(crate) use axis_csv::write_axis_csv_known;
 pub use axis_csv::{axis_csv_name, write_axis_csv};
 pub use grid_csv::{grid_csv_name, write_grid_csv};
 pub use machine_toml::machine_files;
+pub use stated::location_values;
 
 use crate::error::FileError;
 use crate::origin::Origin;

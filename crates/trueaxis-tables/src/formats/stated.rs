@@ -27,8 +27,8 @@ pub(crate) fn of_axis(axis: &AxisSettings) -> Vec<(String, Value)> {
         .collect()
 }
 
-/// The location errors that are not zero.
-pub(crate) fn location(location: &LocationErrors) -> Vec<(String, Value)> {
+/// The location errors that are not zero, under their keys and in their units, `C0Y_urad`, `EX0C_um`.
+pub fn location_values(location: &LocationErrors) -> Vec<(String, f64)> {
     let squareness = [("A0Z", location.a0z), ("B0Z", location.b0z), ("C0Y", location.c0y)];
     let squareness = squareness.into_iter().map(|(name, value)| (format!("{name}_urad"), value, 1e6));
     let rotary = location.rotary.iter().zip(['A', 'B', 'C']).flat_map(|(errors, letter)| {
@@ -38,5 +38,10 @@ pub(crate) fn location(location: &LocationErrors) -> Vec<(String, Value)> {
         })
     });
     let given = squareness.chain(rotary).filter(|(_, value, _)| *value != 0.0);
-    given.map(|(key, value, scale)| (key, Value::from(shortest(value, scale)))).collect()
+    given.map(|(key, value, scale)| (key, shortest(value, scale))).collect()
+}
+
+/// The same as values of `machine.toml`.
+pub(crate) fn location(location: &LocationErrors) -> Vec<(String, Value)> {
+    location_values(location).into_iter().map(|(key, value)| (key, Value::from(value))).collect()
 }

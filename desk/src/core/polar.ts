@@ -1,9 +1,9 @@
 // Radial deviation over the angle, enlarged about the circle, as a ballbar shows it.
 
-import { button, el, table, unique, type Cell } from "../core/dom";
-import { save } from "../core/files";
-import { cell, fixed, significant } from "../core/number";
-import type { ColourName } from "../core/theme";
+import { button, el, table, unique, type Cell } from "./dom";
+import { save } from "./files";
+import { cell, fixed, significant } from "./number";
+import type { ColourName } from "./theme";
 
 export interface PolarSeries {
   name: string;
@@ -41,6 +41,16 @@ export function largest(all: PolarSeries[]): number {
   return most;
 }
 
+/** A legend that says what the dashes mean. */
+export function keys(entries: readonly { name: string; colour: ColourName; dash?: string }[]): HTMLElement {
+  const parts = entries.map(({ name, colour, dash }) => {
+    const line = draw("svg", { viewBox: "0 0 28 8", "aria-hidden": "true" });
+    line.append(draw("line", { x1: 0, x2: 28, y1: 4, y2: 4, stroke: `var(--${colour})`, "stroke-width": 2, "stroke-dasharray": dash ?? "none" }));
+    return el("span", {}, line, name);
+  });
+  return el("div", { class: "keys" }, ...parts);
+}
+
 export class Polar {
   private readonly cursor = draw("g", { class: "cursor", visibility: "hidden" });
   private readonly readout: HTMLElement;
@@ -63,7 +73,7 @@ export class Polar {
       picture.append(draw("path", { d: this.path(one), fill: "none", stroke: `var(--${one.colour})`, "stroke-width": 1.5, "stroke-dasharray": one.dash ?? "none", "stroke-linejoin": "round" }));
     picture.append(this.cursor);
     const words = series.map(({ name, value_um }) => `${name}: ${significant(Math.min(...value_um), 3)} to ${significant(Math.max(...value_um), 3)} µm`).join("; ");
-    const area = el("div", { class: "polar", tabindex: 0, role: "img", "aria-labelledby": id, "aria-description": words, onkeydown: (event: KeyboardEvent) => this.key(event) });
+    const area = el("div", { class: "dial", tabindex: 0, role: "img", "aria-labelledby": id, "aria-description": words, onkeydown: (event: KeyboardEvent) => this.key(event) });
     area.append(picture);
     this.readout = el("output", { class: "readout", for: id });
     const details = el("details", { ontoggle: () => this.fill(details) }, el("summary", {}, "Table"));
@@ -79,11 +89,11 @@ export class Polar {
     const parts: string[] = [];
     angle_deg.forEach((angle, i) => {
       const [x, y] = this.place(angle, value_um[i]!);
-      const joined = i > 0 && angle - angle_deg[i - 1]! < GAP;
+      const joined = i > 0 && Math.abs(angle - angle_deg[i - 1]!) < GAP;
       parts.push(`${joined ? "L" : "M"}${x.toFixed(2)} ${y.toFixed(2)}`);
     });
     const [first, last] = [angle_deg[0], angle_deg.at(-1)];
-    if (first !== undefined && last !== undefined && first + 360 - last < GAP) {
+    if (first !== undefined && last !== undefined && 360 - Math.abs(last - first) < GAP) {
       const [x, y] = this.place(first, value_um[0]!);
       parts.push(`L${x.toFixed(2)} ${y.toFixed(2)}`);
     }

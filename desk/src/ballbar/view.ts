@@ -1,0 +1,21 @@
+// Circular tests.
+
+import "./ballbar.css";
+import type { View } from "../core/desk";
+import { Ballbar, type Kept } from "./panel";
+
+let ballbar: Ballbar | undefined;
+
+export const view: View = {
+  id: "ballbar",
+  title: "Ballbar",
+  build: (root, desk) => {
+    ballbar = new Ballbar(root, desk);
+  },
+  state: () => ballbar?.state,
+  open: async (state) => {
+    const kept = state as Partial<Kept> | null;
+    if (!kept?.request || kept.compensated === undefined) throw new Error("ballbar: found a state without what belongs to a record, needed one that this page saved");
+    ballbar?.open(kept as Kept);
+  },
+};

@@ -1,0 +1,73 @@
+// What of a measurement becomes settings of the machine, and the button that puts them into it.
+
+import type { Desk } from "./desk";
+import { button, el, section, table, type Cell } from "./dom";
+import { adopt, type Files } from "./machine";
+import { significant } from "./number";
+
+/** The machine with what was found, as the module gives it. */
+export interface Becomes {
+  files: Files;
+  settings: { key: string; before: number; after: number; uncertainty: number | null }[];
+  notes: string[];
+  left?: string[];
+}
+
+const shown = (value: number): Cell => ({ text: significant(value, 4), value });
+
+export class IntoMachine {
+  readonly root: HTMLElement;
+  private readonly place = el("div", { class: "figures" });
+  private readonly status = el("span", { role: "status", class: "said" });
+  private readonly put: HTMLButtonElement;
+  private becomes: Becomes | undefined;
+  private taken = false;
+
+  /** `controls` stand before the table. */
+  constructor(
+    private readonly desk: Desk,
+    private readonly what: string,
+    ...controls: HTMLElement[]
+  ) {
+    this.put = button("Put into the machine", () => void this.take().catch(desk.fail), { class: "primary", disabled: true });
+    this.root = section("Into the machine", ...controls, this.place, el("div", { class: "row" }, this.put, this.status));
+  }
+
+  /** Another measurement, that no machine has yet. */
+  begin(): void {
+    this.taken = false;
+    this.show(undefined);
+  }
+
+  /** Shows what the machine would get, or why it gets nothing. What it has it is not offered again: it would be added twice. */
+  show(becomes: Becomes | undefined, why = ""): void {
+    if (this.taken) return;
+    this.becomes = becomes;
+    this.status.textContent = why;
+    this.put.disabled = !becomes || (becomes.settings.length === 0 && becomes.notes.length === 0);
+    this.place.replaceChildren();
+    if (!becomes) return;
+    const rows = becomes.settings.map(({ key, before, after, uncertainty }): Cell[] => [key, shown(before), shown(after), uncertainty === null ? "" : shown(uncertainty)]);
+    const lines = [...becomes.notes, ...(becomes.left ?? [])];
+    this.place.append(
+      rows.length > 0 ? table("What becomes a setting", ["key of machine.toml", "stands", "with what was found", "standard uncertainty"], rows) : el("p", {}, "No setting changes."),
+      el("ul", { class: "notes", "aria-label": "What is done" }, ...lines.map((line) => el("li", {}, line))),
+    );
+  }
+
+  private async take(): Promise<void> {
+    const { machine, tell } = this.desk;
+    if (!this.becomes) return;
+    const { files } = this.becomes;
+    this.show(undefined);
+    this.taken = true;
+    try {
+      await adopt(this.desk, files);
+    } catch (error) {
+      this.taken = false;
+      throw error;
+    }
+    tell(`${this.what} put into ${machine.name}: every view has it now. Export it in the view Machine.`);
+    this.status.textContent = `In ${machine.name} now.`;
+  }
+}

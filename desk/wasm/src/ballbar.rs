@@ -1,0 +1,91 @@
+//! A circular test: figures after ISO 230-4, causes, what of it becomes settings.
+//!
+//! The test that was evaluated last is kept for the machine.
+
+use crate::becomes::Becomes;
+use crate::files::machine;
+use crate::{Refused, json, told};
+use anyhow::{Context, Result, anyhow};
+use serde::{Deserialize, Serialize};
+use std::cell::RefCell;
+use std::path::Path;
+use trueaxis_evaluation::ballbar::{Document, Options, Test, Trace, traces, values};
+use trueaxis_evaluation::friction::pair;
+use wasm_bindgen::prelude::*;
+
+/// What is to be known beside the record.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Request {
+    radius_mm: f64,
+    /// `X,Y`.
+    axes: String,
+    /// Of periodic errors of X, Y, Z; null is searched.
+    #[serde(default)]
+    pitches_mm: [Option<f64>; 3],
+}
+
+/// A record that was evaluated.
+#[derive(Serialize)]
+struct Evaluated {
+    /// What `trueaxis ballbar --json` prints.
+    document: Document,
+    /// The causes as it prints them without: name, value, half of the interval of 95 %.
+    values: Vec<[String; 3]>,
+    traces: Vec<Trace>,
+    notes: Vec<String>,
+}
+
+/// What a machine gets of it.
+#[derive(Serialize)]
+struct Settings {
+    #[serde(flatten)]
+    becomes: Becomes,
+    /// What is left as it is, and why.
+    left: Vec<String>,
+}
+
+thread_local! {
+    static TEST: RefCell<Option<Test>> = RefCell::default();
+}
+
+fn evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String> {
+    TEST.take();
+    let request: Request = serde_json::from_str(request).context("the request of a circular test")?;
+    let axes = pair(&request.axes).map_err(|error| anyhow!("--axes: {error}"))?;
+    let options = Options::new(request.radius_mm, axes, request.pitches_mm).map_err(|wrong| wrong.option())?;
+    let mut notes = Vec::new();
+    let test = Test::read(bytes, Path::new(name), &options, |note| notes.push(note))?;
+    let document = test.document();
+    let evaluated = Evaluated { values: values(&document), traces: traces(&test), document, notes };
+    TEST.set(Some(test));
+    json(&evaluated)
+}
+
+/// Evaluates a record in any form that `trueaxis ballbar` reads: document, causes as text, curves, notes. `request`:
+/// `{"radius_mm": 100, "axes": "X,Y", "pitches_mm": [10, null, null]}`.
+#[wasm_bindgen]
+pub fn ballbar_evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String, Refused> {
+    told(evaluate(name, bytes, request))
+}
+
+fn settings(files: &str, compensated: bool) -> Result<String> {
+    TEST.with_borrow(|test| {
+        let test = test.as_ref().ok_or_else(|| anyhow!("found no circular test, needed one that was evaluated"))?;
+        let (additions, left) = test.additions(&machine(files, &mut Vec::new())?, compensated);
+        json(&Settings { becomes: Becomes::new(files, &additions)?, left })
+    })
+}
+
+/// The machine with what of the test becomes settings: `files`, `settings` (`key`, `before`, `after`, `uncertainty`),
+/// `notes`, `left`. `compensated`: its tables corrected it while the circles were run.
+#[wasm_bindgen]
+pub fn ballbar_settings(files: &str, compensated: bool) -> Result<String, Refused> {
+    told(settings(files, compensated))
+}
+
+/// The test is forgotten.
+#[wasm_bindgen]
+pub fn ballbar_forget() {
+    TEST.take();
+}

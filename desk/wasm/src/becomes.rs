@@ -1,0 +1,68 @@
+//! What of a measurement becomes settings of the machine on the page.
+
+use crate::files::{DESCRIPTION, Texts, machine_of, texts};
+use anyhow::Result;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::path::Path;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::formats::location_values;
+use trueaxis_tables::{Additions, Machine};
+
+/// The machine with what was found.
+#[derive(Debug, Serialize)]
+pub(crate) struct Becomes {
+    /// Its files.
+    files: Texts,
+    /// Numbers of `machine.toml` that change.
+    settings: Vec<Changed>,
+    /// What the files get.
+    notes: Vec<String>,
+}
+
+/// A number of `machine.toml` that changes.
+#[derive(Debug, Serialize)]
+struct Changed {
+    /// Full name of its key.
+    key: String,
+    before: f64,
+    after: f64,
+    /// Standard uncertainty that is stated beside it.
+    uncertainty: Option<f64>,
+}
+
+impl Becomes {
+    /// The machine of `files` with `additions`.
+    pub(crate) fn new(files: &str, additions: &Additions) -> Result<Becomes> {
+        let mut files = texts(files)?;
+        let before = values(&machine_of(&files, &mut Vec::new())?);
+        let edited = additions.edit(&Memory::new(files.clone()), Path::new(DESCRIPTION))?;
+        for (name, text) in edited.files {
+            files.insert(name.to_string_lossy().into_owned(), text);
+        }
+        let after = values(&machine_of(&files, &mut Vec::new())?);
+        let of = |all: &[(String, f64)], key: &str| all.iter().find(|own| own.0 == key).map_or(0.0, |own| own.1);
+        let keys: BTreeSet<&str> = before.iter().chain(&after).map(|(key, _)| key.as_str()).collect();
+        let settings = keys.into_iter().filter_map(|key| {
+            let (before, after) = (of(&before, key), of(&after, key));
+            let uncertainty = additions.set.iter().find(|(stated, _)| stated.replacen("uncertainty.", "", 1) == key);
+            let uncertainty = uncertainty.map(|(_, value)| *value);
+            (before != after).then(|| Changed { key: key.to_owned(), before, after, uncertainty })
+        });
+        Ok(Becomes { settings: settings.collect(), notes: edited.notes, files })
+    }
+}
+
+/// Location errors and lost motion by the full names of their keys.
+fn values(machine: &Machine) -> Vec<(String, f64)> {
+    let location = location_values(&machine.settings.location).into_iter();
+    let mut values: Vec<_> = location.map(|(key, value)| (format!("location.{key}"), value)).collect();
+    for own in &machine.settings.axes {
+        let (unit, value) = match own.axis.is_rotary() {
+            true => ("urad", own.backlash.to_radians() * 1e6),
+            false => ("um", own.backlash * 1e3),
+        };
+        values.push((format!("axis.{}.backlash_{unit}", own.axis.letter()), value));
+    }
+    values
+}
