@@ -14,12 +14,7 @@ pub(super) fn is_telemetry(bytes: &[u8]) -> bool {
 }
 
 /// Commands and readings of the encoders of two axes, cycle by cycle.
-pub(super) fn positions(
-    bytes: &[u8],
-    file: &Path,
-    axes: [Axis; 2],
-    tell: impl FnMut(String),
-) -> Result<Vec<Position>> {
+pub(super) fn positions(bytes: &[u8], file: &Path, axes: [Axis; 2], tell: impl FnMut(String)) -> Result<Vec<Position>> {
     let received = Received::read(bytes);
     if received.frames.is_empty() {
         bail!("{}: found no whole record of a cycle, needed text or telemetry as in docs/telemetry.md", file.display());
