@@ -189,7 +189,7 @@ fn grinding(name: &str, a: &mut Arguments<'_>, dear: bool) {
     }
 }
 
-fn ballbar(name: &str, a: &mut Arguments<'_>) {
+fn ballbar(name: &str, a: &mut Arguments<'_>, dear: bool) {
     use desk::ballbar::*;
     match name {
         "ballbar_evaluate" if dear => json(ballbar_evaluate(a.name(), a.text().as_bytes(), a.text())),
