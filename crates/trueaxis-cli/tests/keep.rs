@@ -213,7 +213,7 @@ fn out_of_bounds_needs_a_person() {
 }
 
 #[test]
-fn bad_logs_are_refused_with_their_line() {
+fn bad_looks_are_refused_with_their_line() {
     let (folder, program) = begun(&one_ball());
     let drift = Drift { offset_um: [6.0, 0.0, 0.0], ..Drift::default() };
     let log = Bench { folder: &folder, drift, larger: 0.0, creep_um: 0.0 }.run(&program);
