@@ -14,9 +14,9 @@ fn a_ring_and_a_ball_take_most_of_the_error_away() {
 #[test]
 fn centre_lines_of_five_axes_are_found() {
     let outcome = five_axes(1, FIVE_AXES, &Class::MILL, &Conditions::SHOP).unwrap();
-    // The aim is 2 µm and 10 µrad, and 2 µm is missed: of six machines the median is 6.8 µm and the worst 9.8 µm, 9.7 and
-    // 19.3 µrad. This one has 4.1 µm and 8.9 µrad, of 34 µm and 67 µrad that were there.
-    assert!(outcome.place_um < 5.0 && outcome.tilt_urad < 10.0, "{outcome:?}");
+    // Of twenty machines the median is 0.6 µm and the worst 1.4 µm; 8.6 and 19.0 µrad, for which 10 were the aim.
+    assert!(outcome.place_um < 2.0 && outcome.tilt_urad < 10.0, "{outcome:?}");
+    assert!(outcome.true_um_urad[0] > 10.0 && outcome.true_um_urad[1] > 20.0, "{outcome:?}");
 }
 
 #[test]
