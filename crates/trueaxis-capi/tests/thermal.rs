@@ -177,7 +177,7 @@ fn growth_is_led_in_by_the_step_through_its_limiter() {
         assert!((warm - cold + growth).abs() < 1e-5, "{cold} to {warm} for {growth}");
         let period_s = 1e-9 * f64::from(PERIOD_NS);
         let most = [x.limits.slope_per_s * period_s, x.limits.acceleration_per_s2 * period_s * period_s];
-        // What single precision makes of a difference.
+        // With the rounding of a difference in single precision.
         assert!(largest.iter().zip(most).all(|(found, most)| *found <= most + 1e-8), "{largest:?} of {most:?}");
     }
 }

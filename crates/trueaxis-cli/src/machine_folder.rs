@@ -1,4 +1,4 @@
-//! What was found of a machine, written into its folder or a copy of it.
+//! Writes results of an identification into a machine's folder, or into a copy of it.
 
 use crate::model;
 use crate::output::tell;

@@ -278,7 +278,7 @@ fn a_damaged_history_is_refused() {
     damaged(history.lines().nth(1).unwrap().to_owned() + "\n", &["history.jsonl:1:", "check sum"]);
     damaged("{}\n".into(), &["history.jsonl:1:"]);
     folder.write("mill/keep/history.jsonl", &history);
-    // What was kept is not what it was.
+    // The kept copy has been changed.
     folder.write("mill/keep/0002/x.csv", "X_mm,EXX_um\n0,0\n500,1\n");
     folder.bad(&["keep", "undo", "keep.toml"], &["keep/0002/x.csv", "as entry 2 kept it"]);
     std::fs::remove_file(folder.join("mill/keep/0002/x.csv")).unwrap();

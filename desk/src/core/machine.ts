@@ -1,6 +1,6 @@
 // The one machine that every view shows: the texts of its files.
 
-import type { Desk } from "./desk";
+import type { Bench } from "./bench";
 
 export type Files = Record<string, string>;
 
@@ -25,7 +25,7 @@ export class MachineStore {
 }
 
 /** Makes the edited files the machine that all views share, once the module has read them. */
-export async function adopt({ bench, machine }: Desk, files: Files): Promise<void> {
+export async function adopt({ bench, machine }: { bench: Bench; machine: MachineStore }, files: Files): Promise<void> {
   await bench.call("machine_open", JSON.stringify(files));
   machine.set(machine.name, files);
 }

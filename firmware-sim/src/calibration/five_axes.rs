@@ -52,9 +52,7 @@ pub fn five_axes(seed: u64, task: &str, class: &Class, conditions: &Conditions) 
     Ok(outcome)
 }
 
-/// Where the lines cross, mm.
-const CROSSING_MM: [f64; 3] = [250.0, 200.0, -250.0];
-/// The stretch of either line that is looked at, from the crossing on, mm: over the trunnion, and over the table.
+/// The stretch of either line that is looked at, from where they cross, the origin of A, mm: over the trunnion, and over the table.
 const STRETCHES: [(Axis, usize, [f64; 2]); 2] = [(Axis::A, 0, [-100.0, 100.0]), (Axis::C, 2, [0.0, 100.0])];
 const POINTS: usize = 9;
 
@@ -62,6 +60,7 @@ const POINTS: usize = 9;
 fn centre_lines(machine: &Machine) -> Result<Vec<[f64; 2]>> {
     let geometry = Geometry::new(machine, 0.0)?;
     let slot = |axis: Axis| machine.settings.axes.iter().position(|own| own.axis == axis).unwrap_or_default();
+    let crossing = machine.settings.axis(Axis::A).map_or([0.0; 3], |own| own.offset_mm);
     let mut found = Vec::new();
     for (rotary, along, [low, high]) in STRETCHES {
         let at: Vec<f64> = (0..POINTS).map(|i| low + (high - low) * i as f64 / (POINTS - 1) as f64).collect();
@@ -71,7 +70,7 @@ fn centre_lines(machine: &Machine) -> Result<Vec<[f64; 2]>> {
             .map(|s| {
                 let mut position = [0.0; AXES];
                 for (k, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
-                    position[slot(axis)] = CROSSING_MM[k] + if k == along { *s } else { 0.0 };
+                    position[slot(axis)] = crossing[k] + if k == along { *s } else { 0.0 };
                 }
                 let mut error = |degrees: f64| {
                     position[slot(rotary)] = degrees;

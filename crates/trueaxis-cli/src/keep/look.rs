@@ -112,7 +112,7 @@ pub(super) fn within(look: &Look, log: &std::path::Path) -> Result<()> {
 pub(super) fn check(arguments: &CheckArguments) -> Result<()> {
     let state = State::read(&arguments.look.task)?;
     let (read, look, document) = taken(arguments, &state)?;
-    // What the files would be is worked out, so that what would be refused there is known now.
+    // The new files are made here too, though not written: a refusal then shows up before anything is applied.
     let changes = keep::changes(&state.keep, &look, &state.machine, &state.source, &state.name)?;
     if let Some(directory) = &arguments.look.report {
         let entry = entry(&state, &arguments.look, &read, &look, Deed::Look);

@@ -56,7 +56,7 @@ pub(crate) enum Command {
     /// Say what a look would change: nothing is written but the report.
     Check(CheckArguments),
     /// Change what a look says, if all of it is within its bounds, and enter it in the history.
-    Apply(ApplyArguments),
+    Apply(CheckArguments),
     /// Put the machine's files back to where they were before an entry of the history.
     Undo(UndoArguments),
     /// Print the history.
@@ -108,12 +108,6 @@ pub(crate) struct CheckArguments {
 }
 
 #[derive(Args)]
-pub(crate) struct ApplyArguments {
-    #[command(flatten)]
-    check: CheckArguments,
-}
-
-#[derive(Args)]
 pub(crate) struct UndoArguments {
     /// Machine, probe, balls and bounds.
     #[arg(value_name = "KEEP.toml")]
@@ -155,7 +149,7 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         Command::Plan(arguments) => plan::run(arguments),
         Command::Begin(arguments) => look::begin(arguments),
         Command::Check(arguments) => look::check(arguments),
-        Command::Apply(arguments) => apply::run(&arguments.check),
+        Command::Apply(arguments) => apply::run(arguments),
         Command::Undo(arguments) => undo::run(arguments),
         Command::History(arguments) => history::run(arguments),
     }

@@ -12,7 +12,7 @@ use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::left_notes;
 use trueaxis_tables::text::read_text;
 
-/// What a command of `keep` begins with.
+/// Task, machine and history, as every command of `keep` reads them first.
 pub(super) struct State {
     pub(super) keep: Keep,
     /// The machine's folder, from here.

@@ -1,4 +1,4 @@
-//! What `keep` writes: what it replaces, the history, the controller's files, the page.
+//! Files that `keep` writes: copies of those it replaces, the history, the controller's files, the report.
 
 use super::state::{HISTORY, State};
 use crate::report;

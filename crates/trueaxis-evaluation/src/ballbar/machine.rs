@@ -1,4 +1,4 @@
-//! What of a circular test becomes settings of a machine.
+//! Results of a circular test as settings of a machine.
 
 use super::Test;
 use super::document::squareness;

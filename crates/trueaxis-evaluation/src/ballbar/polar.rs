@@ -13,7 +13,7 @@ pub struct Trace {
     pub angle_deg: Vec<f64>,
     /// Deviation of the radius about the centre that was found.
     pub deviation_um: Vec<f64>,
-    /// What the causes leave of it.
+    /// Deviation less the fitted causes, µm.
     pub left_um: Vec<f64>,
 }
 

@@ -30,7 +30,7 @@ impl Test {
     /// Reads a record and evaluates it: what a bar read (`angle_deg,deviation_um,direction`), commands and positions
     /// (`x_cmd_mm,x_mm,y_cmd_mm,y_mm` and the like, `t_s` is not looked at), the lines of LinuxCNC's `halsampler`, which
     /// are recognised by having no header: command and position of the first axis, then of the second, with or without the
-    /// number of the sample before; or a controller's telemetry, which no text can be taken for. `tell` is told how a file is
+    /// number of the sample before; or a controller's telemetry, told from text by its zero bytes. `tell` is told how a file is
     /// read that is not of commas and points, and which frames are damaged or missing.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use trueaxis::telemetry::{AxisFrame, Frame};
 use trueaxis_metrology::ballbar::Position;
 use trueaxis_recording::Received;
 
-/// Whether bytes are COBS frames: no text holds a zero, and every frame ends with one.
+/// Whether bytes are COBS frames: every frame ends with a zero byte, and text has none.
 pub(super) fn is_telemetry(bytes: &[u8]) -> bool {
     bytes.contains(&0)
 }

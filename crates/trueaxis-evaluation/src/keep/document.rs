@@ -33,17 +33,6 @@ pub struct TermDocument {
     pub significance: f64,
 }
 
-/// A ball.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BallDocument {
-    /// Its name.
-    pub name: String,
-    /// Its centre in workpiece coordinates, mm.
-    pub centre_mm: [f64; 3],
-    /// Standard errors, µm.
-    pub standard_error_um: [f64; 3],
-}
-
 /// The JSON document of a look.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Document {
@@ -58,7 +47,7 @@ pub struct Document {
     /// Every term.
     pub terms: Vec<TermDocument>,
     /// Every ball.
-    pub balls: Vec<BallDocument>,
+    pub balls: Vec<BallPlace>,
     /// Terms that are changed.
     pub updates: usize,
     /// Terms that are out of their bounds.
@@ -70,8 +59,7 @@ pub struct Document {
 }
 
 impl Look {
-    /// The document.
-    pub fn document(&self, keep: &Keep, machine: &str, entry: u32) -> Document {
+    fn terms(&self, keep: &Keep) -> Vec<TermDocument> {
         let term = |verdict: &super::Verdict| {
             let kept = keep.terms.iter().find(|kept| kept.name == verdict.name)?;
             let (unit, factor) = kept.term.unit();
@@ -94,7 +82,12 @@ impl Look {
                 significance: kept.bounds.significance,
             })
         };
-        let terms: Vec<TermDocument> = self.verdicts.iter().filter_map(term).collect();
+        self.verdicts.iter().filter_map(term).collect()
+    }
+
+    /// The document.
+    pub fn document(&self, keep: &Keep, machine: &str, entry: u32) -> Document {
+        let terms = self.terms(keep);
         let count = |verdict: &str| terms.iter().filter(|term| term.verdict == verdict).count();
         let sigma = self.calibration.solution.sigma_mm;
         let mut notes = Vec::new();
@@ -113,7 +106,7 @@ impl Look {
             updates: count("update"),
             refused: count("refused"),
             terms,
-            balls: self.balls.iter().map(BallDocument::from).collect(),
+            balls: self.balls.clone(),
             applied: false,
             notes,
         }
@@ -129,12 +122,12 @@ impl Look {
             from: rounded(term.from),
             to: rounded(term.to),
         };
-        self.document(keep, "", 0).terms.into_iter().map(of).collect()
+        self.terms(keep).into_iter().map(of).collect()
     }
 
     /// Sums of the updates after this look.
     pub fn totals(&self, keep: &Keep) -> BTreeMap<String, f64> {
-        let terms = self.document(keep, "", 0).terms.into_iter();
+        let terms = self.terms(keep).into_iter();
         terms.filter(|term| term.to != 0.0).map(|term| (term.name, rounded(term.to))).collect()
     }
 }
@@ -142,11 +135,4 @@ impl Look {
 /// To a thousandth of a nanometre or nanoradian.
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
-}
-
-impl From<&BallPlace> for BallDocument {
-    fn from(ball: &BallPlace) -> BallDocument {
-        let BallPlace { name, centre_mm, standard_error_um } = ball.clone();
-        BallDocument { name, centre_mm, standard_error_um }
-    }
 }

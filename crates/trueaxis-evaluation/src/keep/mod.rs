@@ -24,7 +24,7 @@ mod look;
 mod task;
 mod update;
 
-pub use document::{BallDocument, Document, TermDocument};
+pub use document::{Document, TermDocument};
 pub use entry::{BallPlace, Changed, Deed, Entry, LogFile, Measured};
 pub use figures::figures;
 pub use history::{History, sum};

@@ -194,7 +194,6 @@ impl<'p, 'r> Search<'p, 'r> {
             }
             (all, left) = (with, found);
         }
-        left = self.settle(&mut all, left);
         let bent = self.bend(&mut all, left);
         if bent < left {
             left = self.settle(&mut all, bent);
