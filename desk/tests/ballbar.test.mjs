@@ -156,6 +156,8 @@ test("positions come in another plane and in other forms", async () => {
   await panel.getByLabel("Pitch of X / mm").fill("10");
   await panel.getByLabel("Pitch of X / mm").press("Tab");
   assert.match(await code(panel), /samples\.txt --radius-mm 40 --axes Z,X --pitch-x-mm 10 /);
+  // Until the answer is there the status says that it is being evaluated.
+  await panel.getByText("samples.txt: ").waitFor();
   await figures(panel, await cli(["ballbar", path.join(folder, "samples.txt"), "--radius-mm", "40", "--axes", "Z,X", "--pitch-x-mm", "10", "--json"]));
   await close();
 });

@@ -126,8 +126,9 @@ class Roundnesses {
         ? await this.desk.bench.call("roundness_trace", name, text)
         : await this.desk.bench.call("roundness_evaluate", name, text, JSON.stringify(this.settings.value));
       if (turn !== this.latest) return;
-      await (trace ? this.showTrace(said) : this.show(said));
+      // What was refused before is over once there is an answer, not when its last plot is drawn.
       this.desk.clear();
+      await (trace ? this.showTrace(said) : this.show(said));
     } catch (error) {
       if (turn !== this.latest) return;
       this.about.textContent = `${name} could not be evaluated.`;
