@@ -11,6 +11,8 @@
 //! so that a cycle within its cells computes no index, clamps nothing and costs on a free grid what it costs on any other.
 //! A cell goes on a little beyond its ends, as far as a fixed share of the inverse's tolerance lets it, so that a reading
 //! that dithers about a point of the table does not leave it in every cycle. Beyond the ends of a table the cell is the rest of the axis.
+//!
+//! Beside grids a cell also ends where the box does in which their sum is one polynomial: while no cell is left, no box is.
 
 mod cell;
 mod kept;

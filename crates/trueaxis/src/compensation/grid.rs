@@ -36,7 +36,7 @@ use crate::real::Real;
 use crate::vector::V3;
 pub(crate) use beside::Beside;
 use cell::Cells;
-pub(crate) use kept::NearGrids;
+pub(crate) use kept::{Near, NearGrids};
 
 /// Linear axes, over which grids stand.
 const LINEAR: usize = 3;
@@ -163,7 +163,7 @@ impl<'a, R: Real> Grids<'a, R> {
             }
         }
         let mut built = Grids { grids: [None; GRIDS], turns: false, swings: false, key: 0 };
-        let mut key = Key(0);
+        let mut key = Key(u64::from(volumetric));
         for (place, data) in built.grids.iter_mut().zip(grids) {
             let header = data.header();
             let turns = volumetric && header.given >> 3 != 0;

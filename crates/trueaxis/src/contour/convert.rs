@@ -100,8 +100,8 @@ fn finite(field: &'static str, point: DVec3) -> Result<(), PathError> {
 /// Converts a segment into spans, handed to `sink` in path order.
 ///
 /// `number` is the segment's number, `plane` the normal of the machining plane (G17 to G19) for the signed components.
-/// Lines, circles and splines are exact; a helix' axial coordinate is within 1e-10 mm, a spiral within 3e-6 of the change
-/// of its radius, 6e-8 mm.
+/// Lines, circles and splines are exact; a helix' axial coordinate is within 1e-10 mm, a spiral within 8e-6 of the change
+/// of its radius, 1.7e-7 mm.
 ///
 /// # Errors
 /// The segment is no path, or the sink's own refusal.

@@ -7,7 +7,7 @@ use crate::real::Real;
 use crate::roundness::{Cycle, Followed, Gauge, GaugeState, Probes};
 use crate::sample::{Sample, Verdict};
 
-/// Gauge that runs along with the step, or none: `()`, or `&mut` [`GaugeRide`]. Resolved at compile time.
+/// Gauge that runs along with the step, or none: `()`, or `&mut` [`GaugeRide`], resolved at compile time, or `&mut dyn Ride`.
 pub trait Ride<R> {
     /// Slot of the axis that the infeed moves.
     fn infeed_slot(&self) -> Option<usize>;
@@ -23,6 +23,16 @@ impl<R: Real> Ride<R> for () {
     #[inline(always)]
     fn update(&mut self, _: Followed) -> R {
         R::ZERO
+    }
+}
+
+/// Any of the others, chosen while it runs.
+impl<R: Real> Ride<R> for &mut (dyn Ride<R> + '_) {
+    fn infeed_slot(&self) -> Option<usize> {
+        (**self).infeed_slot()
+    }
+    fn update(&mut self, followed: Followed) -> R {
+        (**self).update(followed)
     }
 }
 

@@ -13,8 +13,8 @@ use crate::sample::{Sample, Verdict};
 use crate::telemetry::Record;
 use crate::vector::V3;
 
-/// Reference of the contour error: `()`, [`OnPath`], `&mut` [`CommandWindow`] or `&mut` [`OnToolPath`]. Implemented
-/// for these types only, and resolved at compile time.
+/// Reference of the contour error: `()`, [`OnPath`], `&mut` [`CommandWindow`] or `&mut` [`OnToolPath`], resolved at compile
+/// time, or `&mut dyn Measure` of one of them. Implemented for these types only.
 #[allow(private_interfaces)]
 pub trait Measure<R: Real, P: Position, const N: usize> {
     /// The model has to give the error of the tool's direction too.
@@ -124,6 +124,33 @@ impl<R: Real, P: Position, const N: usize, const K: usize> Measure<R, P, N> for 
     #[inline(always)]
     fn take_back(&mut self) {
         self.restart();
+    }
+}
+
+/// Any of the others, chosen while it runs: one copy of the step for all of them, in which an absent part costs a call.
+#[allow(private_interfaces)]
+impl<R: Real, P: Position, const N: usize> Measure<R, P, N> for &mut (dyn Measure<R, P, N> + '_) {
+    fn needs_tilt(&self) -> bool {
+        (**self).needs_tilt()
+    }
+
+    fn measure(
+        &mut self,
+        servo: &ServoLoop<'_, R, P, N>,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        modelled: &Modelled<R, N>,
+        record: &mut Record<R, P, N>,
+    ) {
+        (**self).measure(servo, state, sample, modelled, record);
+    }
+
+    fn in_machine(&self, servo: &ServoLoop<'_, R, P, N>, sample: &Sample<P, N>, error: R::Vec3) -> R::Vec3 {
+        (**self).in_machine(servo, sample, error)
+    }
+
+    fn take_back(&mut self) {
+        (**self).take_back();
     }
 }
 

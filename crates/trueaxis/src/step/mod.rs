@@ -117,6 +117,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// | `&mut` [`OnToolPath`] | tip and direction of the tool, in workpiece coordinates |
     ///
     /// `gauge`: `()`, or `&mut` [`GaugeRide`] with three probes. Every combination works; an absent part costs nothing.
+    /// A program with several of them and no cycle to lose takes `&mut dyn` of [`Measure`] and [`Ride`]: one copy of the step
+    /// in place of one for each.
     ///
     /// Every output is new, and copied: [`ServoLoop::step_into`] spares that.
     #[inline]

@@ -4,7 +4,7 @@
 
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
-use crate::compensation::{Beside, Direction, Grids, NineTerms, Query, Reversal, Source};
+use crate::compensation::{Beside, Direction, NineTerms, Query, Reversal, Source};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -12,6 +12,8 @@ use crate::vector::V3;
 
 /// Cells filled in one cycle; others that have been left are looked up without.
 const REFILLS: u32 = 2;
+/// The same beside grids, at whose nodes cells end too: without cells a look-up costs more than filling them.
+const REFILLS_BESIDE_GRIDS: u32 = 4;
 
 /// Result of the tables in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -37,18 +39,6 @@ impl<R: Real, const N: usize> Modelled<R, N> {
         }
         modelled
     }
-
-    /// Errors of the tip where the drives stand and at the feedback, beside those that are there.
-    #[inline(always)]
-    fn add(&mut self, [at_drives, at_feedback]: [V3<R>; 2], edge: u8) {
-        for ((wanted, tip), (drive, feedback)) in
-            self.wanted.iter_mut().zip(&mut self.tip_error).zip(at_drives.array().into_iter().zip(at_feedback.array()))
-        {
-            *wanted += -drive;
-            *tip += feedback;
-        }
-        self.at_edge |= edge;
-    }
 }
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
@@ -62,36 +52,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             && state.cells.key() == self.tables.key()
             && self.all_go_on(state)
             && let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
-            && let Some(errors) = state.cells.errors(command, feedback, self.tables.is_cubic())
+            && let Some((errors, at_edge)) = state.cells.errors(&self.tables, &state.grids, &command, &feedback)
         {
-            return Modelled::of_errors(errors, state.cells.at_edge());
-        }
-        match self.compensation.grids() {
-            None => self.model_anew(state, sample, tool),
-            Some(grids) => self.model_beside(state, sample, tool, grids),
-        }
-    }
-
-    /// [`ServoLoop::model`] where there are grids: their cells have a key of their own, so that a machine without grids does
-    /// not pay for them.
-    #[inline(never)]
-    fn model_beside(
-        &self,
-        state: &mut State<R, P, N>,
-        sample: &Sample<P, N>,
-        tool: bool,
-        grids: &Grids<'_, R>,
-    ) -> Modelled<R, N> {
-        if sample.verdict == Verdict::Active
-            && state.cells.are_beside_grids(&self.tables)
-            && self.all_go_on(state)
-            && let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
-            && let Some(errors) = state.cells.errors(command, feedback, self.tables.is_cubic())
-        {
-            let mut modelled = Modelled::of_errors(errors, state.cells.at_edge());
-            let (beside, edge) = state.grids.errors(grids, &command, &feedback);
-            modelled.add(beside, edge);
-            return modelled;
+            return Modelled::of_errors(errors, at_edge);
         }
         self.model_anew(state, sample, tool)
     }
@@ -117,6 +80,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let mut near = false;
         if let (true, Some(terms)) = (self.tables.has_cells(), self.compensation.nine_terms()) {
             let mut changed = !state.cells.are_of(&self.tables, &state.thermal);
+            if let (true, Some(grids)) = (changed, self.compensation.grids()) {
+                state.grids.are_of(grids);
+            }
             for (slot, (before, now)) in before.iter().zip(&directions).enumerate() {
                 if before != now {
                     state.cells.forget_axis(slot);
@@ -144,36 +110,29 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         directions: &[Direction; N],
     ) -> Option<Modelled<R, N>> {
         let mut at = self.place(state, sample.command);
-        let mut source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, left: REFILLS };
-        if state.cells.missing(&at, sample.feedback) > REFILLS {
-            source.fill_one(&mut state.cells, &at, sample.feedback);
+        let beside = self.compensation.grids().map(|grids| (grids, &mut state.grids));
+        let (most, near) = if beside.is_some() { (REFILLS_BESIDE_GRIDS, true) } else { (REFILLS, false) };
+        let missing = state.cells.missing(beside, &at, sample.feedback);
+        let near = near.then_some(&state.grids);
+        let mut source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, near, left: most };
+        if missing > most {
+            source.left = 1;
+            source.fill_left(&mut state.cells, &at, sample.feedback);
             return None;
         }
-        let grids = self.compensation.grids().zip(first(&at)).zip(first(sample.feedback));
-        let about = grids.map(|((grids, command), feedback)| state.grids.about(grids, &command, &feedback));
-        let drives = at;
-        let mut errors = source.at_command(&mut state.cells, &at);
         for _ in 1..state.cells.passes() & 15 {
-            let mut error = errors?;
-            if let Some((steps, _)) = about {
-                // A pass moves the place by far less than what a box may go on beyond a node.
-                let beside = state.grids.of_command().at(since(&at, &drives, steps, P::STEP));
-                for (error, beside) in error.iter_mut().zip(beside.array()) {
-                    *error += beside;
-                }
-            }
+            let error = source.at_command(&mut state.cells, &at)?;
             for ((at, command), error) in at.iter_mut().zip(sample.command).zip(error) {
                 *at = command.moved(P::offset(-error));
             }
-            errors = source.at_command(&mut state.cells, &at);
         }
-        let tip = source.at_feedback(&mut state.cells, sample.feedback);
-        let mut modelled = Modelled::of_errors([errors?, tip?], state.cells.at_edge());
-        if let Some((steps, back)) = about {
-            let at_drives = state.grids.of_command().at(since(&at, &drives, steps, P::STEP));
-            modelled.add([at_drives, state.grids.at_feedback(back)], state.grids.edge());
-        }
-        Some(modelled)
+        source.fill_left(&mut state.cells, &at, sample.feedback);
+        let (command, feedback) = (first(&at)?, first(sample.feedback)?);
+        let (errors, at_edge) = match near {
+            Some(near) => state.cells.errors_beside(&self.tables, near, &command, &feedback)?,
+            None => state.cells.errors(&self.tables, &state.grids, &command, &feedback)?,
+        };
+        Some(Modelled::of_errors(errors, at_edge))
     }
 
     /// Any tables, looked up without cells. `near`: the correction sent last is near enough to look up where it leads.
@@ -191,10 +150,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             let drive = &self.place(state, command);
             let cycle = Cycle { command, drive, feedback, directions, thermal };
             let passes = self.compensation.passes();
-            let grids = self
-                .compensation
-                .grids()
-                .and_then(|grids| Beside::new(grids, &mut state.grids, &first(drive)?, &first(feedback)?));
+            let grids = self.compensation.grids().and_then(|grids| {
+                // Cells of other tables lie in boxes, which now become others.
+                state.cells.forget();
+                Beside::new(grids, &mut state.grids, &first(drive)?, &first(feedback)?)
+            });
             let (wanted, (tip, tilt)) = match &grids {
                 None => volumetric.modelled(&mut state.poses, &cycle, passes, tool, &mut at_edge),
                 Some(grids) => volumetric.modelled_beside(&mut state.poses, &cycle, passes, tool, grids, &mut at_edge),
@@ -251,15 +211,6 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         }
         directions
     }
-}
-
-/// Steps from the corner of a box after `at` has moved away from `from`, which is `steps` from it.
-#[inline(always)]
-fn since<R: Real, P: Position, const N: usize>(at: &[P; N], from: &[P; N], mut steps: [R; 3], step: f64) -> [R; 3] {
-    for (steps, (at, from)) in steps.iter_mut().zip(at.iter().zip(from)) {
-        *steps += at.since_near::<R>(*from) * R::of(1.0 / step);
-    }
-    steps
 }
 
 /// The first three positions.

@@ -141,11 +141,11 @@ fn three_axes_on_either_side() {
             0xaac5_943f_cc10_1d98,
             0xeee2_1eec_e8b2_9159,
             0x9cbd_6928_2adf_6bb9,
-            0x75c8_f692_ad66_ac28,
+            0xf785_b07c_7563_d2e5,
             0x55ab_9a02_2a25_634b,
             0xcb81_d252_0215_f6c0,
             0x9703_66e0_30ca_5a2d,
-            0xf6d1_2da4_7103_b5cd,
+            0x794b_a07c_1257_c31a,
         ],
     );
 }

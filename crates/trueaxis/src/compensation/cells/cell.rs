@@ -16,8 +16,14 @@ impl<P: Position> Window<P> {
         Window { low: P::of(f64::NAN), reach: P::Reach::default() }
     }
 
-    pub(super) fn between(low: P, high: P) -> Self {
+    pub(super) fn between([low, high]: [P; 2]) -> Self {
         Window { low, reach: high.apart(low) }
+    }
+
+    /// It does not go on beyond these ends.
+    pub(super) fn is_within(&self, ends: &[P; 2]) -> bool {
+        let [_, high] = ends;
+        self.low.is_within(ends) && high.apart(self.low) >= self.reach
     }
 }
 
@@ -53,12 +59,6 @@ impl<R: Real, P: Position> Cell<R, P> {
         let [second, third] = self.curve;
         let slope = if cubic { plus(self.slope, times(t, plus(second, times(t, third)))) } else { self.slope };
         times(t, slope)
-    }
-
-    /// Error at a distance from its start.
-    #[inline(always)]
-    pub(super) fn error(&self, t: R, cubic: bool) -> [R; 3] {
-        plus(self.start, self.rise(t, cubic))
     }
 }
 

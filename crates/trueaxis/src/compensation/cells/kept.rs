@@ -2,7 +2,8 @@
 
 use super::LINEAR;
 use super::cell::{Cell, Window, plus};
-use super::tables::Tables;
+use super::tables::{Form, Tables};
+use crate::compensation::grid::{Grids, Near, NearGrids};
 use crate::compensation::thermal::ThermalLine;
 use crate::position::Position;
 use crate::real::Real;
@@ -31,6 +32,39 @@ impl<R: Real, P: Position> Point<R, P> {
     fn steps(&self, [x, y, z]: [P; LINEAR]) -> Option<[R; LINEAR]> {
         let [cx, cy, cz] = &self.cells;
         Some([cx.steps(x)?, cy.steps(y)?, cz.steps(z)?])
+    }
+
+    /// Errors at a place, if it lies in the cells.
+    #[inline(always)]
+    pub(super) fn error(&self, at: &[P; LINEAR], cubic: bool) -> Option<[R; 3]> {
+        let steps = self.steps(*at)?;
+        Some(if cubic { self.sum(steps, true) } else { self.sum(steps, false) })
+    }
+
+    /// Cells that have been left; none where the grids' box has, which cannot be where no cell has.
+    #[inline(always)]
+    fn missing<const N: usize>(&self, near: Option<&Near<R, P>>, positions: &[P; N]) -> Option<u32> {
+        let mut missing = 0;
+        for (slot, (cell, position)) in self.cells.iter().zip(positions).enumerate() {
+            if cell.steps(*position).is_none() {
+                if let Some(near) = near
+                    && !position.is_within(&near.ends(slot)?)
+                {
+                    return None;
+                }
+                missing += 1;
+            }
+        }
+        Some(missing)
+    }
+
+    /// Forgets the cells that go on beyond the grids' box.
+    fn keep_within(&mut self, near: &Near<R, P>) {
+        for (slot, cell) in self.cells.iter_mut().enumerate() {
+            if !near.ends(slot).is_some_and(|ends| cell.window.is_within(&ends)) {
+                cell.window = Window::nowhere();
+            }
+        }
     }
 
     /// Sum of the polynomials.
@@ -64,21 +98,14 @@ impl<R: Real, P: Position> Cells<R, P> {
 
     /// Makes them cells of these tables, none yet if they were not; returns whether they were.
     pub(crate) fn are_of<const N: usize>(&mut self, tables: &Tables<R, P>, thermal: &[ThermalLine<R>; N]) -> bool {
-        // With more look-ups than one, or grids beside the tables, no cycle ends in the cells as they are: they have a key
-        // of their own.
+        // With more look-ups than one no cycle ends in the cells as they are: they have a key of their own.
         if self.key == tables.key || self.key == !tables.key {
             return true;
         }
         self.passes = tables.passes(thermal);
-        self.key = if self.passes == 1 && !tables.beside_grids { tables.key } else { !tables.key };
+        self.key = if self.passes == 1 { tables.key } else { !tables.key };
         (0..LINEAR).for_each(|slot| self.forget_axis(slot));
         false
-    }
-
-    /// They are of these tables, beside grids, and the inverse looks up once.
-    #[inline(always)]
-    pub(crate) fn are_beside_grids(&self, tables: &Tables<R, P>) -> bool {
-        (self.key == !tables.key) & (self.passes == 1)
     }
 
     /// Look-ups of the inverse in a cycle.
@@ -86,13 +113,40 @@ impl<R: Real, P: Position> Cells<R, P> {
         self.passes
     }
 
-    /// Cells that have been left.
-    pub(crate) fn missing<const N: usize>(&self, command: &[P; N], feedback: &[P; N]) -> u32 {
-        let of = |point: &Point<R, P>, positions: &[P; N]| {
-            let left = point.cells.iter().zip(positions).map(|(cell, position)| cell.steps(*position).is_none());
-            left.map(u32::from).sum::<u32>()
-        };
-        of(&self.command, command) + of(&self.feedback, feedback)
+    /// Cells that have been left. Boxes of grids beside the tables that have been left become those about the positions.
+    #[inline(always)]
+    pub(crate) fn missing<const N: usize>(
+        &mut self,
+        beside: Option<(&Grids<'_, R>, &mut NearGrids<R, P>)>,
+        command: &[P; N],
+        feedback: &[P; N],
+    ) -> u32 {
+        let near = beside.as_ref().map(|(_, near)| &**near);
+        let at_command = self.command.missing(near.map(NearGrids::at_command), command);
+        let at_feedback = self.feedback.missing(near.map(NearGrids::at_feedback), feedback);
+        match (at_command, at_feedback, beside) {
+            (Some(at_command), Some(at_feedback), _) => at_command + at_feedback,
+            (_, _, Some((grids, near))) => self.follow(grids, near, command, feedback),
+            _ => 0,
+        }
+    }
+
+    /// The same where a box has been left: no cell goes on beyond the new one.
+    #[cold]
+    #[inline(never)]
+    fn follow<const N: usize>(
+        &mut self,
+        grids: &Grids<'_, R>,
+        near: &mut NearGrids<R, P>,
+        command: &[P; N],
+        feedback: &[P; N],
+    ) -> u32 {
+        if let (Some(there), Some(back)) = (command.first_chunk(), feedback.first_chunk()) {
+            near.about(grids, there, back);
+            self.command.keep_within(near.at_command());
+            self.feedback.keep_within(near.at_feedback());
+        }
+        self.command.missing(None, command).unwrap_or(0) + self.feedback.missing(None, feedback).unwrap_or(0)
     }
 
     /// Key of the tables that they are of.
@@ -116,21 +170,52 @@ impl<R: Real, P: Position> Cells<R, P> {
         }
     }
 
-    /// Axes beyond their tables at the command.
+    /// Errors at command and feedback, in mm, and axes at the command beyond their tables or grids; none where one of the axes
+    /// has left its cell.
     #[inline(always)]
-    pub(crate) fn at_edge(&self) -> u8 {
-        self.at_edge
+    pub(crate) fn errors(
+        &self,
+        tables: &Tables<R, P>,
+        near: &NearGrids<R, P>,
+        command: &[P; LINEAR],
+        feedback: &[P; LINEAR],
+    ) -> Option<([[R; 3]; 2], u8)> {
+        let (there, back) = (self.command.steps(*command)?, self.feedback.steps(*feedback)?);
+        let sums = |cubic| [self.command.sum(there, cubic), self.feedback.sum(back, cubic)];
+        Some(match tables.form() {
+            Form::Linear => (sums(false), self.at_edge),
+            Form::Cubic => (sums(true), self.at_edge),
+            Form::BesideGrids => return self.errors_beside_apart(tables, near, command, feedback),
+        })
     }
 
-    /// Errors at command and feedback, in mm; none where one of the axes has left its cell.
+    /// The same out of line, so that a machine without grids keeps its registers.
+    #[inline(never)]
+    fn errors_beside_apart(
+        &self,
+        tables: &Tables<R, P>,
+        near: &NearGrids<R, P>,
+        command: &[P; LINEAR],
+        feedback: &[P; LINEAR],
+    ) -> Option<([[R; 3]; 2], u8)> {
+        self.errors_beside(tables, near, command, feedback)
+    }
+
+    /// The same beside grids.
     #[inline(always)]
-    pub(crate) fn errors(&self, command: [P; LINEAR], feedback: [P; LINEAR], cubic: bool) -> Option<[[R; 3]; 2]> {
-        let (command, feedback) = (self.command.steps(command)?, self.feedback.steps(feedback)?);
-        Some(if cubic {
-            [self.command.sum(command, true), self.feedback.sum(feedback, true)]
-        } else {
-            [self.command.sum(command, false), self.feedback.sum(feedback, false)]
-        })
+    pub(crate) fn errors_beside(
+        &self,
+        tables: &Tables<R, P>,
+        near: &NearGrids<R, P>,
+        command: &[P; LINEAR],
+        feedback: &[P; LINEAR],
+    ) -> Option<([[R; 3]; 2], u8)> {
+        let (there, back) = (self.command.steps(*command)?, self.feedback.steps(*feedback)?);
+        let sums = |cubic| [self.command.sum(there, cubic), self.feedback.sum(back, cubic)];
+        let [drive, tip] = if tables.is_cubic() { sums(true) } else { sums(false) };
+        // A cell does not go on beyond the box.
+        let [drive_beside, tip_beside] = near.errors(command, feedback);
+        Some(([plus(drive, drive_beside.array()), plus(tip, tip_beside.array())], self.at_edge | near.edge()))
     }
 
     /// Where the cells lie, those that lie anywhere.

@@ -3,6 +3,7 @@
 use super::cell::{Cell, Window, plus, times};
 use super::kept::{Cells, Point};
 use super::tables::{Borders, Tables};
+use crate::compensation::grid::{Near, NearGrids};
 use crate::compensation::nine::NineTerms;
 use crate::compensation::reversal::Direction;
 use crate::compensation::table::{Piece, xyz};
@@ -20,68 +21,51 @@ pub(crate) struct Source<'n, R, P: Position, const N: usize> {
     pub(crate) directions: &'n [Direction; N],
     /// Thermal growth.
     pub(crate) thermal: &'n [ThermalLine<R>; N],
+    /// Boxes of the grids beside the tables.
+    pub(crate) near: Option<&'n NearGrids<R, P>>,
     /// Cells that may still be filled.
     pub(crate) left: u32,
 }
 
 impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
-    /// Errors at the place of the command; none where a cell has been left that may not be filled.
-    #[inline(always)]
-    pub(crate) fn at_command(&mut self, cells: &mut Cells<R, P>, positions: &[P; N]) -> Option<[R; 3]> {
-        self.errors(&mut cells.command, &mut cells.at_edge, positions)
-    }
-
-    /// Errors at the feedback, likewise.
-    #[inline(always)]
-    pub(crate) fn at_feedback(&mut self, cells: &mut Cells<R, P>, positions: &[P; N]) -> Option<[R; 3]> {
-        self.errors(&mut cells.feedback, &mut 0, positions)
-    }
-
-    /// Fills the first cell that has been left.
+    /// Errors at a place of the command, filling cells; none where one has been left that may not be filled.
     #[inline(never)]
-    pub(crate) fn fill_one(&self, cells: &mut Cells<R, P>, command: &[P; N], feedback: &[P; N]) {
-        let at_command = cells.command.cells.iter_mut().zip(command).enumerate();
-        for (slot, (cell, position)) in at_command {
-            if cell.steps(*position).is_none() {
-                let beyond = u8::from(self.fill(slot, *position, cell));
-                cells.at_edge = (cells.at_edge & !(1 << (slot & 7))) | beyond << (slot & 7);
-                return cells.command.sum_up();
-            }
-        }
-        for (slot, (cell, position)) in cells.feedback.cells.iter_mut().zip(feedback).enumerate() {
-            if cell.steps(*position).is_none() {
-                self.fill(slot, *position, cell);
-                return cells.feedback.sum_up();
-            }
-        }
+    pub(crate) fn at_command(&mut self, cells: &mut Cells<R, P>, positions: &[P; N]) -> Option<[R; 3]> {
+        let near = self.near.map(NearGrids::at_command);
+        self.fill_point(&mut cells.command, near, &mut cells.at_edge, positions);
+        let at = positions.first_chunk()?;
+        let error = cells.command.error(at, self.tables.is_cubic())?;
+        Some(near.map_or(error, |near| plus(error, near.error(at).array())))
+    }
+
+    /// Fills cells that have been left, as many as may be filled.
+    #[inline(never)]
+    pub(crate) fn fill_left(&mut self, cells: &mut Cells<R, P>, command: &[P; N], feedback: &[P; N]) {
+        let [at_command, at_feedback] = [self.near.map(NearGrids::at_command), self.near.map(NearGrids::at_feedback)];
+        self.fill_point(&mut cells.command, at_command, &mut cells.at_edge, command);
+        self.fill_point(&mut cells.feedback, at_feedback, &mut 0, feedback);
     }
 
     /// `at_edge`: a bit for every cell beyond its table.
-    #[inline(never)]
-    fn errors(&mut self, point: &mut Point<R, P>, at_edge: &mut u8, positions: &[P; N]) -> Option<[R; 3]> {
-        let (cubic, before) = (self.tables.is_cubic(), self.left);
-        let (mut sum, mut bit, mut found) = ([R::ZERO; 3], 1, true);
+    #[inline(always)]
+    fn fill_point(&mut self, point: &mut Point<R, P>, near: Option<&Near<R, P>>, at_edge: &mut u8, positions: &[P; N]) {
+        let (before, mut bit) = (self.left, 1);
         for (slot, (cell, position)) in point.cells.iter_mut().zip(positions).enumerate() {
             if cell.steps(*position).is_none() && self.left > 0 {
                 self.left -= 1;
-                let beyond = self.fill(slot, *position, cell);
+                let beyond = self.fill(slot, *position, cell, near);
                 *at_edge = if beyond { *at_edge | bit } else { *at_edge & !bit };
-            }
-            match cell.steps(*position) {
-                Some(t) => sum = plus(sum, cell.error(t, cubic)),
-                None => found = false,
             }
             bit <<= 1;
         }
         if self.left < before {
             point.sum_up();
         }
-        found.then_some(sum)
     }
 
-    /// Fills the cell of an axis about a position; returns whether it lies beyond the table.
+    /// Fills the cell of an axis about a position, within the grids' box; returns whether it lies beyond the table.
     #[inline(never)]
-    fn fill(&self, slot: usize, position: P, cell: &mut Cell<R, P>) -> bool {
+    fn fill(&self, slot: usize, position: P, cell: &mut Cell<R, P>, near: Option<&Near<R, P>>) -> bool {
         let (Some(table), Some(borders), Some(direction), Some(growth)) = (
             self.terms.tables.get(slot),
             self.tables.borders.get(slot),
@@ -95,18 +79,22 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
         let [first, last] = borders.ends;
         let (below, above) = (position < first, position > last);
         let within = !(below || above || table.is_empty());
-        cell.window = if within {
+        let [mut low, mut high] = if within {
             between_points(borders, position, &piece)
         } else if below {
             borders.below
         } else {
             borders.above
         };
+        if let Some([from, to]) = near.and_then(|near| near.ends(slot)) {
+            (low, high) = (if from > low { from } else { low }, if to < high { to } else { high });
+        }
+        cell.window = Window::between([low, high]);
         let t = match cell.steps(position) {
             Some(t) => t,
             None => {
                 // The gap beside a table's end, or farther from it than a cell reaches: this position alone.
-                cell.window = Window::between(position, position);
+                cell.window = Window::between([position; 2]);
                 R::ZERO
             }
         };
@@ -159,14 +147,14 @@ impl<R: Real> Line<R> {
     }
 }
 
-/// Window of the cell between two points of a table.
+/// Ends of the cell between two points of a table.
 #[inline(always)]
-fn between_points<R: Real, P: Position>(borders: &Borders<R, P>, position: P, piece: &Piece<'_, R, 4>) -> Window<P> {
+fn between_points<R: Real, P: Position>(borders: &Borders<R, P>, position: P, piece: &Piece<'_, R, 4>) -> [P; 2] {
     let ([first, last], [is_first, is_last]) = (borders.ends, piece.ends);
     let down = piece.t * piece.unit;
     let low = if is_first { first } else { position.plus(-(down + borders.overlap)) };
     let high = if is_last { last } else { position.plus(piece.unit * piece.length - down + borders.overlap) };
-    Window::between(low, high)
+    [low, high]
 }
 
 /// Polynomials of the cell between two points of a table, `down` mm below the coordinate.

@@ -1,7 +1,6 @@
 //! Borders of the cells in a machine's tables, and how often the inverse has to look up.
 
 use super::LINEAR;
-use super::cell::Window;
 use crate::compensation::key::Key;
 use crate::compensation::nine::NineTerms;
 use crate::compensation::table::AxisTable;
@@ -23,8 +22,8 @@ const GAP_MM: f64 = 1e-6;
 pub(super) struct Borders<R, P: Position> {
     /// The table's first and last position.
     pub(super) ends: [P; 2],
-    pub(super) below: Window<P>,
-    pub(super) above: Window<P>,
+    pub(super) below: [P; 2],
+    pub(super) above: [P; 2],
     /// How far a cell goes on beyond a point within the table, mm.
     pub(super) overlap: R,
 }
@@ -33,14 +32,24 @@ impl<R: Real, P: Position> Borders<R, P> {
     fn of(table: &AxisTable<'_, R, P>) -> Self {
         let [first, last] = table.ends().map(P::to_f64);
         let gap = if table.is_empty() { 0.0 } else { GAP_MM };
-        let window = |low: f64, high: f64| Window::between(P::nearest(low), P::nearest(high));
         Borders {
             ends: table.ends(),
-            below: window(first - BEYOND_MM, first - gap),
-            above: window(last + gap, last + BEYOND_MM),
+            below: [first - BEYOND_MM, first - gap].map(P::nearest),
+            above: [last + gap, last + BEYOND_MM].map(P::nearest),
             overlap: R::of(table.overlap(OVERLAP_MM)),
         }
     }
+}
+
+/// What the errors in the cells are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// Linear polynomials.
+    Linear,
+    /// Cubic ones.
+    Cubic,
+    /// Either, and grids beside them.
+    BesideGrids,
 }
 
 /// Borders of the cells and bounds of the inverse: immutable, built once.
@@ -48,9 +57,8 @@ impl<R: Real, P: Position> Borders<R, P> {
 pub(crate) struct Tables<R, P: Position> {
     /// Tells these tables from others; [`Tables::NO_CELLS`] where there are none to keep.
     pub(super) key: u64,
+    form: Form,
     cubic: bool,
-    /// Grids stand beside them.
-    pub(super) beside_grids: bool,
     pub(super) borders: [Borders<R, P>; LINEAR],
     /// Norm of the Jacobian of the errors, without thermal growth.
     norm: R,
@@ -77,8 +85,8 @@ impl<R: Real, P: Position> Tables<R, P> {
     ) -> Self {
         let mut built = Tables {
             key: Self::NO_CELLS,
+            form: Form::Linear,
             cubic: false,
-            beside_grids: grids.is_some(),
             borders: [Borders::of(&AxisTable::zero()); LINEAR],
             norm: R::of(norm),
             motion: R::of(motion),
@@ -87,6 +95,11 @@ impl<R: Real, P: Position> Tables<R, P> {
         };
         let Some((terms, cubic)) = terms.and_then(|terms| Some((terms, terms.cells()?))) else { return built };
         built.cubic = cubic;
+        built.form = match (grids, cubic) {
+            (Some(_), _) => Form::BesideGrids,
+            (None, true) => Form::Cubic,
+            (None, false) => Form::Linear,
+        };
         for (borders, table) in built.borders.iter_mut().zip(&terms.tables) {
             *borders = Borders::of(table);
         }
@@ -105,9 +118,15 @@ impl<R: Real, P: Position> Tables<R, P> {
         self.key
     }
 
+    /// What the errors in the cells are.
+    #[inline(always)]
+    pub(crate) fn form(&self) -> Form {
+        self.form
+    }
+
     /// Their polynomials are cubic.
     #[inline(always)]
-    pub(crate) fn is_cubic(&self) -> bool {
+    pub(super) fn is_cubic(&self) -> bool {
         self.cubic
     }
 

@@ -9,6 +9,7 @@
 //! of the distances from the low corner, in steps of the position; levers of rotations, which the slides make longer, included.
 //! It costs the same for one grid as for all of them. A box goes on a little beyond its borders, as far as the jump of the
 //! slopes there stays below a fixed error, so that a reading that dithers about a node does not leave it in every cycle.
+//! Cells of tables end at its borders too: while none of them is left, the box is not.
 
 use super::{Grids, LINEAR};
 use crate::position::Position;
@@ -22,10 +23,10 @@ const WIDEST_MM: f64 = 1000.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Near<R, P: Position> {
     low: [P; LINEAR],
-    reach: [P::Reach; LINEAR],
+    high: [P; LINEAR],
     /// Factors of 1, x, y, xy, z, xz, yz, xyz.
     factors: [V3<R>; 8],
-    /// Axis that nothing depends on; 3 where there is none.
+    /// Axis that nothing depends on, at command and feedback; 3 where there is none.
     flat: u8,
     /// A bit for every axis beyond the nodes of a grid.
     edge: u8,
@@ -33,34 +34,53 @@ pub(crate) struct Near<R, P: Position> {
 
 impl<R: Real, P: Position> Near<R, P> {
     fn nowhere() -> Self {
-        let zero = [P::of(f64::NAN); LINEAR];
-        Near { low: zero, reach: [P::Reach::default(); LINEAR], factors: [V3::ZERO; 8], flat: 3, edge: 0 }
+        let nowhere = [P::of(f64::NAN); LINEAR];
+        Near { low: nowhere, high: nowhere, factors: [V3::ZERO; 8], flat: 3, edge: 0 }
     }
 
-    /// Steps from the low corner, where the position is in the box.
+    /// Where it ends along an axis.
     #[inline(always)]
-    fn steps(&self, at: &[P; LINEAR]) -> Option<[R; LINEAR]> {
-        let ([x, y, z], [low_x, low_y, low_z], [reach_x, reach_y, reach_z]) = (at, &self.low, &self.reach);
-        let (along_x, in_x) = x.steps_above(*low_x, *reach_x);
-        let (along_y, in_y) = y.steps_above(*low_y, *reach_y);
-        let (along_z, in_z) = z.steps_above(*low_z, *reach_z);
-        (in_x & in_y & in_z).then_some([along_x, along_y, along_z])
+    pub(crate) fn ends(&self, axis: usize) -> Option<[P; 2]> {
+        Some([*self.low.get(axis)?, *self.high.get(axis)?])
     }
 
-    /// Makes it the box about a position, by the `other` one where that is it; steps from its low corner.
-    #[cold]
-    #[inline(never)]
-    fn renew(&mut self, other: &Self, grids: &Grids<'_, R>, at: &[P; LINEAR]) -> [R; LINEAR] {
-        *self = if other.steps(at).is_some() { *other } else { grids.near(at) };
-        self.steps(at).unwrap_or([R::ZERO; LINEAR])
+    /// The position is in the box.
+    #[inline(always)]
+    fn holds(&self, at: &[P; LINEAR]) -> bool {
+        at.iter().zip(self.low.iter().zip(&self.high)).all(|(at, (low, high))| at.is_within(&[*low, *high]))
+    }
+
+    /// Steps from the low corner to a position in the box.
+    #[inline(always)]
+    fn along(&self, at: &[P; LINEAR]) -> [R; LINEAR] {
+        let ([x, y, z], [low_x, low_y, low_z]) = (at, &self.low);
+        let along = |at: &P, low: &P| at.steps_above(*low, P::Reach::default()).0;
+        [along(x, low_x), along(y, low_y), along(z, low_z)]
+    }
+
+    /// Error of the tip at a position in the box, mm.
+    #[inline(always)]
+    pub(crate) fn error(&self, at: &[P; LINEAR]) -> V3<R> {
+        self.at(self.along(at))
     }
 
     /// Error of the tip so many steps from the low corner, mm.
     #[inline(always)]
-    pub(crate) fn at(&self, [x, y, z]: [R; LINEAR]) -> V3<R> {
+    pub(crate) fn at(&self, steps: [R; LINEAR]) -> V3<R> {
+        match self.flat {
+            2 => self.over::<2>(steps),
+            1 => self.over::<1>(steps),
+            0 => self.over::<0>(steps),
+            _ => self.over::<3>(steps),
+        }
+    }
+
+    /// The same where nothing depends on an axis; 3: on all of them.
+    #[inline(always)]
+    fn over<const FLAT: u8>(&self, [x, y, z]: [R; LINEAR]) -> V3<R> {
         let [k, kx, ky, kxy, kz, kxz, kyz, kxyz] = self.factors;
         let two = |k: V3<R>, ka: V3<R>, kb: V3<R>, kab: V3<R>, a: R, b: R| k + ka * a + (kb + kab * a) * b;
-        match self.flat {
+        match FLAT {
             2 => two(k, kx, ky, kxy, x, y),
             1 => two(k, kx, kz, kxz, x, z),
             0 => two(k, ky, kz, kyz, y, z),
@@ -83,30 +103,6 @@ impl<R: Real, P: Position> NearGrids<R, P> {
         NearGrids { key: 0, command: Near::nowhere(), feedback: Near::nowhere() }
     }
 
-    /// Errors of the tip at command and feedback, mm, and a bit for every axis at the command beyond the nodes of a grid.
-    #[inline(always)]
-    pub(crate) fn errors(
-        &mut self,
-        grids: &Grids<'_, R>,
-        command: &[P; LINEAR],
-        feedback: &[P; LINEAR],
-    ) -> ([V3<R>; 2], u8) {
-        if self.key == grids.key()
-            && let (Some(there), Some(back)) = (self.command.steps(command), self.feedback.steps(feedback))
-        {
-            return ([self.command.at(there), self.feedback.at(back)], self.command.edge);
-        }
-        self.renewed(grids, command, feedback)
-    }
-
-    /// [`NearGrids::errors`] where a position has left its box.
-    #[cold]
-    #[inline(never)]
-    fn renewed(&mut self, grids: &Grids<'_, R>, command: &[P; LINEAR], feedback: &[P; LINEAR]) -> ([V3<R>; 2], u8) {
-        let (there, back) = self.about(grids, command, feedback);
-        ([self.command.at(there), self.feedback.at(back)], self.command.edge)
-    }
-
     /// Makes the boxes those about these positions; steps of both from the low corners.
     #[inline(always)]
     pub(crate) fn about(
@@ -115,31 +111,77 @@ impl<R: Real, P: Position> NearGrids<R, P> {
         command: &[P; LINEAR],
         feedback: &[P; LINEAR],
     ) -> ([R; LINEAR], [R; LINEAR]) {
+        self.are_of(grids);
+        if !(self.command.holds(command) && self.feedback.holds(feedback)) {
+            self.renew(grids, command, feedback);
+        }
+        (self.command.along(command), self.feedback.along(feedback))
+    }
+
+    /// Makes those boxes that have been left the ones about these positions.
+    #[cold]
+    #[inline(never)]
+    fn renew(&mut self, grids: &Grids<'_, R>, command: &[P; LINEAR], feedback: &[P; LINEAR]) {
+        if !self.command.holds(command) {
+            // The feedback may have been here before.
+            self.command = if self.feedback.holds(command) { self.feedback } else { grids.near(command) };
+        }
+        if !self.feedback.holds(feedback) {
+            self.feedback = if self.command.holds(feedback) { self.command } else { grids.near(feedback) };
+        }
+        let (there, back) = (flat(&self.command.factors), flat(&self.feedback.factors));
+        let both = if there == back { there } else { 3 };
+        (self.command.flat, self.feedback.flat) = (both, both);
+    }
+
+    /// Makes them boxes of these grids, none yet if they were not.
+    #[inline(always)]
+    pub(crate) fn are_of(&mut self, grids: &Grids<'_, R>) {
         if self.key != grids.key() {
             *self = NearGrids { key: grids.key(), ..Self::nowhere() };
         }
-        let there = self.command.steps(command).unwrap_or_else(|| {
-            // The feedback may have been here before.
-            self.command.renew(&self.feedback, grids, command)
-        });
-        let back = self.feedback.steps(feedback).unwrap_or_else(|| self.feedback.renew(&self.command, grids, feedback));
-        (there, back)
     }
 
-    /// The boxes about command and feedback.
+    /// Errors of the tip at command and feedback in their boxes, mm.
     #[inline(always)]
-    pub(crate) fn boxes(&self) -> [&Near<R, P>; 2] {
-        [&self.command, &self.feedback]
+    pub(crate) fn errors(&self, command: &[P; LINEAR], feedback: &[P; LINEAR]) -> [V3<R>; 2] {
+        if self.command.flat == 2 {
+            return self.errors_over::<2>(command, feedback);
+        }
+        self.errors_over_more(command, feedback)
+    }
+
+    /// The same over other axes than X and Y: apart, so that those wait for no factors but theirs.
+    #[inline(never)]
+    fn errors_over_more(&self, command: &[P; LINEAR], feedback: &[P; LINEAR]) -> [V3<R>; 2] {
+        match self.command.flat {
+            3 => self.errors_over::<3>(command, feedback),
+            _ => [self.command.error(command), self.feedback.error(feedback)],
+        }
+    }
+
+    #[inline(always)]
+    fn errors_over<const FLAT: u8>(&self, command: &[P; LINEAR], feedback: &[P; LINEAR]) -> [V3<R>; 2] {
+        let (there, back) = (self.command.along(command), self.feedback.along(feedback));
+        [self.command.over::<FLAT>(there), self.feedback.over::<FLAT>(back)]
     }
 
     /// The box about the command.
-    pub(crate) fn of_command(&self) -> &Near<R, P> {
+    #[inline(always)]
+    pub(crate) fn at_command(&self) -> &Near<R, P> {
         &self.command
     }
 
-    /// The error at a feedback so many steps from the low corner of its box, mm.
-    pub(crate) fn at_feedback(&self, steps: [R; LINEAR]) -> V3<R> {
-        self.feedback.at(steps)
+    /// The box about the feedback.
+    #[inline(always)]
+    pub(crate) fn at_feedback(&self) -> &Near<R, P> {
+        &self.feedback
+    }
+
+    /// Both.
+    #[inline(always)]
+    pub(crate) fn boxes(&self) -> [&Near<R, P>; 2] {
+        [&self.command, &self.feedback]
     }
 
     /// A bit for every axis at the command beyond the nodes of a grid.
@@ -164,19 +206,23 @@ fn moved<R: Real>(factors: &mut [R; 8], bit: usize, t0: R, rate: R) {
     }
 }
 
-/// The box about a position, mm: how far it goes down and up along X, Y and Z.
+/// Where a box ends along X, Y and Z, mm.
 struct Room<R> {
-    down: [R; LINEAR],
-    up: [R; LINEAR],
+    low: [R; LINEAR],
+    high: [R; LINEAR],
 }
 
 impl<R: Real> Room<R> {
-    /// Ends it at a border `distance` above (below) the position along an axis.
-    fn end(&mut self, axis: usize, distance: R) {
-        let side = if distance < R::ZERO { &mut self.down } else { &mut self.up };
-        if let Some(side) = side.get_mut(axis) {
-            *side = side.min(distance.abs());
+    /// Ends it at `[low, high]` along an axis, where it goes farther.
+    fn end(&mut self, axis: usize, [from, to]: [R; 2]) {
+        if let (Some(low), Some(high)) = (self.low.get_mut(axis), self.high.get_mut(axis)) {
+            (*low, *high) = (low.max(from), high.min(to));
         }
+    }
+
+    /// Ends it at a border above or below a position.
+    fn end_at(&mut self, axis: usize, border: R, at: R) {
+        self.end(axis, if border < at { [border, R::MAX] } else { [-R::MAX, border] });
     }
 }
 
@@ -188,30 +234,22 @@ impl<R: Real> Grids<'_, R> {
         let room = self.room(&q);
         let mut near = Near::nowhere();
         let mut from = [R::ZERO; LINEAR];
-        for axis in 0..LINEAR {
-            let (Some(at), Some(down), Some(up), Some(low), Some(reach), Some(from)) = (
-                at.get(axis),
-                room.down.get(axis),
-                room.up.get(axis),
-                near.low.get_mut(axis),
-                near.reach.get_mut(axis),
-                from.get_mut(axis),
-            ) else {
-                continue;
-            };
-            *low = at.plus(-*down);
-            *reach = at.plus(*up).apart(*low);
+        let ends = near.low.iter_mut().zip(&mut near.high).zip(&mut from);
+        for (((low, high), from), (at, (down, up))) in ends.zip(at.iter().zip(room.low.into_iter().zip(room.high))) {
+            let (down, up) = (P::default().plus(down), P::default().plus(up));
+            // Whatever the rounding, the position itself is in it.
+            (*low, *high) = (if *at < down { *at } else { down }, if *at > up { *at } else { up });
             *from = at.since(*low);
         }
         for grid in self.grids.iter().flatten() {
             near.edge |= grid.add_to(&mut near.factors, &q, &from, R::of(P::STEP));
         }
-        near.flat = flat(&near.factors);
         near
     }
 
     fn room(&self, q: &[R; LINEAR]) -> Room<R> {
-        let mut room = Room { down: [R::of(WIDEST_MM); LINEAR], up: [R::of(WIDEST_MM); LINEAR] };
+        let widest = R::of(WIDEST_MM);
+        let mut room = Room { low: q.map(|q| q - widest), high: q.map(|q| q + widest) };
         let [_, _, height] = *q;
         for grid in self.grids.iter().flatten() {
             let (places, _) = grid.cells.places(q);
@@ -222,20 +260,15 @@ impl<R: Real> Grids<'_, R> {
                 }
                 if place.edge {
                     let [first, end] = along.ends();
-                    room.end(along.axis(), if at < first { first - at } else { end - at });
-                    continue;
-                }
-                let [low, high] = along.nodes_of(place.index);
-                // At a node itself the distance is zero on one side.
-                let (down, up) = (at - low, high - at);
-                if let (Some(below), Some(above)) = (room.down.get_mut(along.axis()), room.up.get_mut(along.axis())) {
-                    *below = below.min(down.max(R::ZERO) + grid.overlap);
-                    *above = above.min(up.max(R::ZERO) + grid.overlap);
+                    room.end_at(along.axis(), if at < first { first } else { end }, at);
+                } else {
+                    let [low, high] = along.nodes_of(place.index);
+                    room.end(along.axis(), [low - grid.overlap, high + grid.overlap]);
                 }
             }
             if let Some(fade) = &grid.fade {
-                room.end(2, fade.whole - height);
-                room.end(2, fade.none - height);
+                room.end_at(2, fade.whole, height);
+                room.end_at(2, fade.none, height);
             }
         }
         room

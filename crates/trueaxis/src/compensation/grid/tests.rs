@@ -231,7 +231,8 @@ fn boxes_agree<R: Real, P: Position>(seed: u64, tolerance: f64) {
             at = core::array::from_fn(|k| (at[k] + step * noise.signed()).clamp(-500.0, 500.0));
             let feedback = at.map(|x| x + 0.01);
             let [command, back] = [at, feedback].map(|at| at.map(P::of));
-            let ([drives, tip], edge) = kept.errors(&grids, &command, &back);
+            kept.about(&grids, &command, &back);
+            let ([drives, tip], edge) = (kept.errors(&command, &back), kept.edge());
             let truth = |place: [P; 3]| exact.of_slides(&place.map(|p| p.to_f64()));
             for (found, truth) in [(drives, truth(command)), (tip, truth(back))] {
                 for (found, truth) in found.array().into_iter().zip(truth.tip.array()) {
@@ -413,5 +414,9 @@ fn every_number_of_a_grid_is_in_its_key() {
         change(&mut other);
         others.push(key(&other, &machine));
     }
+    // Of the other model rotations count too.
+    let mut volumetric = machine.clone();
+    volumetric.compensation.model = ErrorModel::Volumetric;
+    others.push(key(&made, &volumetric));
     assert!(own != 0 && others.iter().all(|other| *other != own));
 }

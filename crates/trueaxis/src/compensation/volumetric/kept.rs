@@ -22,14 +22,18 @@ pub(crate) struct Kept<R, P: Position, const N: usize> {
 }
 
 impl<R: Real, P: Position, const N: usize> Kept<R, P, N> {
+    /// Key of no tables: theirs are odd.
+    const NONE: u64 = 0;
+
     /// None yet.
     pub(crate) fn nothing() -> Self {
-        Kept { key: 0, directions: [Direction::POSITIVE; N], tangents: [Tangent::nowhere(); 2] }
+        Kept { key: Self::NONE, directions: [Direction::POSITIVE; N], tangents: [Tangent::nowhere(); 2] }
     }
 
     /// The next look-up is one of the tables.
+    #[inline(always)]
     pub(crate) fn forget(&mut self) {
-        *self = Self::nothing();
+        self.key = Self::NONE;
     }
 }
 

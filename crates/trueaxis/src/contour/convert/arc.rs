@@ -120,7 +120,7 @@ impl Spiral {
                 tau[power][j] += axial * n[j];
             }
         }
-        // A changing radius adds growth θ ((1 − k²τ²) out + 2kτ on); what its series leaves out is growth k⁷.
+        // A changing radius adds growth θ ((1 − k²τ²) out + 2kτ on); what its series leaves out is 0.8 growth k⁶.
         let (k2, k3, k4, k5) = (k * k, k * k * k, k * k * k * k, k * k * k * k * k);
         let spiral = [
             (1, 2.0 * k, 0.0),

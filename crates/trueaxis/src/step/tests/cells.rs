@@ -5,7 +5,7 @@
 use super::PERIOD_NS;
 use crate::compensation::{Direction, Query, ThermalLine};
 use crate::contour::Method;
-use crate::machine::{Axis, Interpolation, LocationErrors, MachineSettings, Row};
+use crate::machine::{Axis, GridAxis, GridData, GridHeader, Interpolation, LocationErrors, MachineSettings, Row};
 use crate::position::{Nanometres, Position};
 use crate::real::Real;
 use crate::sample::{Input, Verdict};
@@ -19,11 +19,12 @@ const T: f64 = 1e-4;
 const OVERLAP: f64 = 0.5e-6;
 const ENDS: [f64; 2] = [-20.0, 120.0];
 
-/// A machine whose tables end within its travel, and its tables; one axis has none.
+/// A machine whose tables end within its travel, and its tables; one axis has none. Grids, where there are any, end there too.
 #[derive(Clone)]
 struct Tables {
     machine: MachineSettings,
     rows: [Vec<Row>; 3],
+    grids: &'static [GridData<'static>],
 }
 
 impl Tables {
@@ -51,13 +52,50 @@ impl Tables {
                 error.map(|e| if reverse { e + 0.3e-3 } else { e })
             })
         });
-        Tables { machine, rows }
+        Tables { machine, rows, grids: &[] }
+    }
+
+    /// With a grid over some of the axes, one over X and Y that fades, or both.
+    fn beside(self, seed: u64, over: Option<[bool; 3]>, fade: bool) -> Self {
+        let mut noise = Noise::new(seed);
+        let mut grid = |over: [bool; 3], fade| {
+            let mut header = GridHeader { given: 0b111, scales: [1e-7; 6], fade, ..GridHeader::default() };
+            header.scales[3..].fill(0.0);
+            for (along, _) in header.axes.iter_mut().zip(over).filter(|(_, there)| *there) {
+                let first = noise.range(-30.0, 0.0);
+                *along = GridAxis { nodes: 7, ends: [first, first + noise.range(60.0, 160.0)], free: false };
+            }
+            let count = 3 * over.map(|there| if there { 7 } else { 1 }).into_iter().product::<usize>();
+            let bytes: Vec<u8> = (0..count).flat_map(|_| ((1e4 * noise.signed()) as i16).to_le_bytes()).collect();
+            GridData::new(header, bytes.leak()).expect("enough bytes").0
+        };
+        let mut grids: Vec<_> = over.map(|over| grid(over, None)).into_iter().collect();
+        grids.extend(fade.then(|| grid([true, true, false], Some([20.0, 90.0]))));
+        Tables { grids: grids.leak(), ..self }
+    }
+
+    /// Nodes of the grids and heights between which they fade, along an axis.
+    fn nodes(&self, slot: usize) -> impl Iterator<Item = f64> {
+        let fades = self.grids.iter().filter(move |_| slot == 2).filter_map(|grid| grid.header().fade).flatten();
+        let along = move |grid: &GridData<'_>| {
+            let GridAxis { nodes, ends: [first, last], .. } = grid.header().axes[slot];
+            (0..nodes).map(move |i| first + (last - first) * f64::from(i) / f64::from(nodes.max(2) - 1))
+        };
+        self.grids.iter().flat_map(along).chain(fades)
+    }
+
+    /// A position is beyond the table or a grid along an axis.
+    fn is_beyond(&self, slot: usize, place: f64) -> bool {
+        let outside = |[first, last]: [f64; 2]| !(first..=last).contains(&place);
+        let grids = self.grids.iter().map(|grid| grid.header().axes[slot]);
+        let beyond_grids = grids.filter(GridAxis::is_there).any(|along| outside(along.ends));
+        beyond_grids || (!self.rows[slot].is_empty() && outside(ENDS))
     }
 
     fn servo<R: Real, P: Position>(&self, period_ns: u32) -> &'static ServoLoop<'static, R, P, 3> {
         let config = Config {
             machine: &self.machine,
-            grids: &[],
+            grids: self.grids,
             machine_id: 0,
             tables_crc: 0,
             period_ns,
@@ -110,7 +148,8 @@ struct Walk {
 
 impl Walk {
     fn new(seed: u64, tables: &Tables) -> Self {
-        let points = tables.rows.iter().flatten().map(|row| row.position).collect();
+        let points = tables.rows.iter().flatten().map(|row| row.position);
+        let points = points.chain((0..3).flat_map(|slot| tables.nodes(slot))).collect();
         let place = [-20.1, 119.9, 50.0];
         Walk { noise: Noise::new(seed), place, target: place, speed: 0.0, dither: 0.0, points }
     }
@@ -218,7 +257,8 @@ fn compare<R: Real, P: Position>(
     let off = distance(modelled.tip_error.map(Real::to_f64), truth.error(feedback));
     assert!(off <= OVERLAP + rounding, "{cycle}: {off:e} mm off at the feedback {feedback:?}");
     worst.feedback = worst.feedback.max(off);
-    let beside = |q: f64, slot: usize| tables.rows[slot].iter().all(|row| (q - row.position).abs() > 0.021);
+    let points = |slot: usize| tables.rows[slot].iter().map(|row| row.position).chain(tables.nodes(slot));
+    let beside = |q: f64, slot: usize| points(slot).all(|point| (q - point).abs() > 0.021);
     if (0..3).all(|slot| beside(feedback[slot], slot)) {
         assert!(off <= rounding, "{cycle}: {off:e} mm off within a cell at the feedback {feedback:?}");
         worst.inside = worst.inside.max(off);
@@ -236,10 +276,11 @@ fn compare<R: Real, P: Position>(
         worst.locked = worst.locked.max(off);
     }
     for (slot, place) in place.into_iter().enumerate() {
-        let near_end = ENDS.iter().any(|end| (place - end).abs() < 2e-6);
+        let near_end = ENDS.iter().any(|end| (place - end).abs() < 2e-6)
+            || tables.nodes(slot).any(|node| (place - node).abs() < 0.021);
         // Where more than the place has changed, the inverse begins at the command, and either counts.
-        if only_moved && !near_end && !tables.rows[slot].is_empty() {
-            let beyond = !(ENDS[0]..=ENDS[1]).contains(&place);
+        if only_moved && !near_end {
+            let beyond = tables.is_beyond(slot, place);
             assert_eq!(modelled.at_edge >> slot & 1 == 1, beyond, "{cycle}: axis {slot} at {place}");
             worst.edges += usize::from(beyond);
         }
@@ -269,6 +310,40 @@ fn kept_cells_say_what_the_tables_say() {
         }
     }
     assert!(edges > 2000 && kept > 400_000, "{edges} {kept}");
+}
+
+/// A box of the grids is never left without a cell being left too, whatever is exchanged.
+#[test]
+fn kept_cells_beside_grids_say_what_both_say() {
+    let of = |seed, interpolation| Tables::new(seed, seed % 3 == 0, interpolation, 2e-3, seed % 2 == 0);
+    let (linear, cubic) = (Interpolation::Linear, Interpolation::Cubic);
+    let kinds = [
+        vec![
+            of(21, linear).beside(1, Some([true, true, false]), false),
+            of(22, cubic).beside(2, Some([true; 3]), true),
+        ],
+        vec![
+            of(23, linear).beside(3, Some([true, false, true]), true),
+            of(24, linear),
+            of(23, linear).beside(4, None, true),
+        ],
+        vec![
+            of(25, cubic).beside(5, Some([false, true, true]), false),
+            of(26, linear).beside(5, Some([false, true, true]), false),
+        ],
+    ];
+    let (mut edges, mut kept) = (0, 0);
+    for (seed, tables) in kinds.into_iter().enumerate() {
+        // What a box has for going on beyond a node, twice.
+        let doubles = run::<f64, f64>(&tables, 40 + seed as u64, 60_000, 0.2e-6);
+        let singles = run::<f32, Nanometres>(&tables, 40 + seed as u64, 60_000, 0.4e-6);
+        for worst in [doubles, singles] {
+            assert!(worst.filled <= 4, "{worst:?}");
+            edges += worst.edges;
+            kept += worst.kept;
+        }
+    }
+    assert!(edges > 2000 && kept > 300_000, "{edges} {kept}");
 }
 
 /// Tables so steep that one look-up does not do: whatever the correction does, the inverse is as exact as it says.
