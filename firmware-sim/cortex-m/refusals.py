@@ -1,7 +1,8 @@
 """Inputs that an image has to refuse, and what it has to say of each.
 
     refusals.py machines MACHINE FOLDER    variants of the machine file that this image has no room for
-    refusals.py make FOLDER                the inputs, from FOLDER's good, mill, wide and points.tcomp and small.rec
+    refusals.py make FOLDER                the inputs, from FOLDER's good, mill, wide and points.tcomp, good and mill.ttherm,
+                                           and small.rec
     refusals.py check NAME FOLDER CORE     what an image sent and logged in FOLDER/CORE, run with the inputs NAME
 """
 
@@ -26,6 +27,12 @@ CASES = {
     "points": (0, 34, "tables A refused: fault 34 CapacityTooSmall, code 0, Points"),
     "period": (0, 32, "tables A refused: fault 32 PeriodMismatch, code 0, Period"),
     "exchange": (0, 0, "tables B refused: fault 33 TablesRefused, code 5, File(Checksum)"),
+    "growth": (0, 0, "growth refused: damaged: the sum is wrong; none is compensated"),
+    "growth-foreign": (0, 0, "growth refused: no readings; none is compensated"),
+    "growth-endless": (0, 0, "growth refused: shorter than it says; none is compensated"),
+    "growth-machine": (0, 0, "growth refused: found on the machine "),
+    "growth-sensors": (0, 0, "growth refused: not as many sensors as the growth has; none is compensated"),
+    "growth-interval": (0, 0, "growth refused: less than two cycles between two readings; none is compensated"),
     "recording": (1, None, "recording refused: damaged"),
     "no-recording": (1, None, "recording refused: no recording"),
 }
@@ -69,6 +76,28 @@ def summed(data):
     return data + struct.pack("<I", zlib.crc32(data))
 
 
+def warming(growth, sensors=2, interval=100, rows=5):
+    """What is flashed of thermal growth: settings of the task, and readings of 20 °C that rise by 1 K a row."""
+    head = b"TAXISTMP" + struct.pack("<HII", 1, interval, len(growth)) + growth + struct.pack("<BI", sensors, rows)
+    readings = (value for row in range(rows) for value in [20_000 + 1_000 * row] * sensors + [0])
+    return summed(head + b"".join(struct.pack("<i", value) for value in readings))
+
+
+def growths(growth, other):
+    good = warming(growth)
+    # The file's length follows magic, version and interval.
+    endless = good[:LENGTH_AT] + struct.pack("<I", 0x7FFFFFFF) + good[HEADER:]
+    return {
+        "exchange": good,
+        "growth": flipped(good, len(good) - 20),
+        "growth-foreign": growth,
+        "growth-endless": endless,
+        "growth-machine": warming(other),
+        "growth-sensors": warming(growth, sensors=3),
+        "growth-interval": warming(growth, interval=1),
+    }
+
+
 def make(folder):
     good, recording = (folder / "good.tcomp").read_bytes(), (folder / "small.rec").read_bytes()
     damaged = flipped(good, len(good) // 2)
@@ -86,12 +115,14 @@ def make(folder):
         "points": (folder / "points.tcomp").read_bytes(),
     }
     recordings = {"period": summed(period), "recording": flipped(recording, len(recording) // 2), "no-recording": None}
+    warm = growths(*((folder / f"{name}.ttherm").read_bytes() for name in ("good", "mill")))
     for name in CASES:
         to = folder / name
         to.mkdir(exist_ok=True)
         for file, content in {
             "a.tcomp": tables.get(name, good),
             "b.tcomp": damaged if name == "exchange" else good,
+            "warming.bin": warm.get(name),
             "run.rec": recordings.get(name, recording),
         }.items():
             (to / file).unlink(missing_ok=True)
@@ -141,6 +172,9 @@ def check(name, inputs, core):
     assert found == code, f"found exit code {found}, needed {code}"
     log = (folder / "log.txt").read_text()
     assert words in log, f"needed {words!r} in the log, found:\n{log}"
+    if name == "exchange":
+        grown = "growth: 5 times in force, 0 late, 0 readings left out"
+        assert grown in log, f"needed {grown!r} in the log, found:\n{log}"
     sent = list(records((folder / "frames.bin").read_bytes()))
     if code:
         assert not sent, "found records of a run without a recording"

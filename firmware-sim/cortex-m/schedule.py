@@ -5,9 +5,10 @@ Between the markers `schedule` of a page stand the servo rates that the counts a
 
     load = rate · (worst + overhead) · cycles per instruction / clock
 
-between the markers `counts` the counts themselves, `limits` the whole step against its limits, `cycles` the estimates of
-cycles.toml, `stack` the bounds of proofs/budgets.toml, `host` and `budgets` the counts of benches/budgets.toml. A row of
-the README follows too. --check fails (exit 1) where a page holds another table, --write puts them there.
+between the markers `counts` the counts themselves, `limits` the whole step against its limits, `growth` those of thermal
+growth, `cycles` the estimates of cycles.toml, `stack` the bounds of proofs/budgets.toml, `host` and `budgets` the counts of
+benches/budgets.toml. A row of the README follows too. --check fails (exit 1) where a page holds another table, --write puts
+them there.
 """
 
 import sys
@@ -85,6 +86,13 @@ def servo_rates(budgets):
     return "\n".join(lines) + "\n"
 
 
+# Rows of the table of the thermal task.
+GROWTH = [
+    ("the task's update, 16 sensors of 8 knots, six axes, spindle", "thermal_update.worst"),
+    ("the interrupt, nothing to do; readings due", "growth_none.worst", "growth_read.worst"),
+    ("the interrupt, a growth waits, not due; lines of three axes set", "growth_waiting.worst", "growth_taken.worst"),
+]
+
 # Rows of the table of limits.
 LIMITED = [
     ("typical cycle of the recording", "step.typical"),
@@ -113,11 +121,11 @@ def limits(budgets):
     return "\n".join([head, "|---" * (1 + 2 * len(CORES)) + "|", *rows]) + "\n"
 
 
-def figures(budgets):
+def figures(budgets, what, shown):
     counts = counts_of(budgets)
     cell = lambda target, things: "; ".join(f"{counts[target, thing]:.0f}" for thing in things)
-    head = "| cost in a cycle, bare metal, in QEMU: instructions, not cycles | Cortex-M4F, f32 | Cortex-M7, f64 |\n|---|---|---|\n"
-    return head + "".join(f"| {name} | {cell('m4f', things)} | {cell('m7', things)} |\n" for name, *things in SHOWN)
+    head = f"| {what} | Cortex-M4F, f32 | Cortex-M7, f64 |\n|---|---|---|\n"
+    return head + "".join(f"| {name} | {cell('m4f', things)} | {cell('m7', things)} |\n" for name, *things in shown)
 
 
 def cycles(estimates):
@@ -203,7 +211,9 @@ def main():
     read = lambda file: tomllib.loads(file.read_text(encoding="utf-8"))
     budgets = read(path)["budget"]
     on_host = read(path.parent / "../../benches/budgets.toml")["budget"]
-    made = {"schedule": servo_rates(budgets), "counts": figures(budgets), "limits": limits(budgets)}
+    made = {"schedule": servo_rates(budgets), "limits": limits(budgets)}
+    made["counts"] = figures(budgets, "cost in a cycle, bare metal, in QEMU: instructions, not cycles", SHOWN)
+    made["growth"] = figures(budgets, "thermal growth, instructions", GROWTH)
     made |= {"host": host(on_host), "budgets": all_on_host(on_host)}
     made["stack"] = stack(read(path.parent / "proofs/budgets.toml")["stack"])
     if (estimates := path.parent / "cycles.toml").exists():

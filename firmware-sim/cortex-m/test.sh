@@ -69,8 +69,14 @@ rm -rf "$work"
 mkdir -p "$work"
 
 say 'against the host, bit for bit, twice'
+# The growth of machine/thermal.toml for a machine.
+grow() {
+    "$trueaxis" thermal compile machine/thermal.toml --machine "$1" -o "$2" 2>>"$work/compile.log"
+}
+grow machine "$work/good.ttherm"
 compare() {
-    local core=$1 run=$2 with=(--machine machine --exchange-at 12000 --second machine/warm.toml)
+    local core=$1 run=$2 with=(--machine machine --exchange-at 12000 --second machine/warm.toml
+        --growth "$work/good.ttherm" --temperatures machine/temperatures.csv)
     # Friction, feedback and everything else that acts on the servo: fewer cycles will do. Single precision is not held
     # against double there: a reversal seen a cycle apart leads lost motion in a cycle apart, in more than one of 1,000 cycles.
     [[ $run != dynamic ]] || with=(--machine machine/dynamic.toml --cycles 6000)
@@ -97,6 +103,11 @@ if core["exchange_at"] is None or f"in force from cycle {core['exchange_at']}" n
     sys.exit(f"found no exchange of tables in:\n{log}")
 if f"end: {core['cycles']} cycles, 0 overruns, 0 records dropped" not in log:
     sys.exit(f"found cycles that were late or not reported in:\n{log}")
+grown, came = core["growth"], re.search(r"growth: (\d+) times in force, 0 late, 0 readings left out", log)
+if not (came and int(came[1]) == grown["in_force"] >= 17 and grown["not_good"] >= 8 and grown["largest_um"] > 20):
+    sys.exit(f"found growth {grown}, needed 17 times or more, with a sensor missing in 8, above 20 µm, and none late, in:\n{log}")
+if "growth: sensor 1 Missing from row 9 on" not in log:
+    sys.exit(f"found no sensor missing in:\n{log}")
 begun = {int(code) for code in re.findall(r"fault (\d+) ", log)}
 if begun != {fault["code"] for fault in core["faults"]} or len(begun) < 5:
     sys.exit(f"found faults {begun} in the log, needed those of the drill")
@@ -155,6 +166,8 @@ compile machine good
 compile "$repository/compensation-tables/mill-3axis" mill
 compile "$bad/machines/wide" wide
 compile "$bad/machines/points" points
+grow machine "$bad/good.ttherm"
+grow "$repository/compensation-tables/mill-3axis" "$bad/mill.ttherm"
 "$simulator" record --machine machine --program short-tour --rate-hz 1000 --cycles 600 --exchange-at 100 -o "$bad/small.rec"
 read -ra cases < <(python3 refusals.py make "$bad")
 # Runs an image with the files of a folder, and leaves there what it sent and logged: core, ELF, folder, where to
@@ -165,7 +178,7 @@ run() {
         m7) board=(-M mps2-an500 -cpu cortex-m7) ;;
     esac
     mkdir -p "$to"
-    for file in a.tcomp=0x00100000 b.tcomp=0x00140000 run.rec=0x00180000; do
+    for file in a.tcomp=0x00100000 b.tcomp=0x00140000 warming.bin=0x00178000 run.rec=0x00180000; do
         if [[ -f $inputs/${file%=*} ]]; then
             flash+=(-device "loader,file=${inputs//,/,,}/${file%=*},addr=${file#*=},force-raw=on")
         fi
@@ -198,6 +211,8 @@ cycles, overruns, dropped = map(int, end.groups()) if end else (0, 0, 0)
 sent = (folder / "frames.bin").read_bytes().count(0)
 if int((folder / "exit").read_text()) or not cycles == overruns == dropped + sent or not dropped:
     sys.exit(f"found {sent} records, needed every cycle counted as late, and as sent or dropped, in:\n{log}")
+if not re.search(r"growth: 0 times in force, 0 late, [1-9]\d* readings left out", log):
+    sys.exit(f"found no readings that the thermal task could not take, in:\n{log}")
 print(f"{overruns} of {cycles} cycles late, {dropped} records dropped, {sent} sent: all counted")
 PYTHON
 

@@ -8,9 +8,11 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use firmware_sim::compare::Inputs;
 use firmware_sim::compare::image::{self, Core};
+use firmware_sim::compare::warming;
 use firmware_sim::report;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use trueaxis::tcomp::machine_id;
 
 /// Arguments of `compare`.
 #[derive(Args)]
@@ -20,6 +22,9 @@ use std::sync::Arc;
   firmware-sim compare --machine firmware-sim/cortex-m/machine --program short-tour --rate-hz 1000 \\
       --drill --exchange-at 12000 --second firmware-sim/cortex-m/machine/warm.toml
                                     with faults, a gauge, and other tables in motion
+  trueaxis thermal compile thermal.toml --machine mymill -o mymill.ttherm
+  firmware-sim compare --machine mymill --rate-hz 1000 --cycles 20000 --growth mymill.ttherm --temperatures readings.csv
+                                    with the thermal task; readings.csv: t_s,spindle_rpm,T1_c,T2_c
 Exit code 1: host and image do not agree as they must.")]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
@@ -29,6 +34,13 @@ pub(crate) struct CompareArgs {
     /// Tables that are asked for in motion, with --exchange-at: another machine.toml of the same machine.
     #[arg(long, value_name = "M", requires = "exchange_at")]
     second: Option<PathBuf>,
+    /// Thermal growth of the machine, compiled (`trueaxis thermal compile`), with --temperatures.
+    #[arg(long, value_name = "TTHERM", requires = "temperatures")]
+    growth: Option<PathBuf>,
+    /// What its sensors read over the run: CSV t_s, T1_c … in the order of the growth's sensors, and spindle_rpm; even times,
+    /// the first row in the first cycle; an empty cell is no reading. The growth of a row is in force half an interval later.
+    #[arg(long, value_name = "CSV", requires = "growth")]
+    temperatures: Option<PathBuf>,
     /// Which core.
     #[arg(long, value_enum, default_value_t = Cores::Both)]
     core: Cores,
@@ -66,7 +78,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     }
     let machines = [Some(args.scenario.machine.as_path()), args.second.as_deref()].into_iter().flatten();
     let images = [&args.image_m4f, &args.image_m7].into_iter().flatten().map(PathBuf::as_path);
-    let outputs = outputs_of(machines, images.chain(args.scenario.files()));
+    let warming = [&args.growth, &args.temperatures].into_iter().flatten().map(PathBuf::as_path);
+    let outputs = outputs_of(machines, images.chain(args.scenario.files()).chain(warming));
     for file in Inputs::files(&args.folder).into_iter().chain(args.report.iter().map(|dir| dir.join("compare.html"))) {
         outputs.refuse_input(&file)?;
     }
@@ -79,10 +92,19 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     {
         bail!("--second: found machine {}, needed {}", second.settings.name, scenario.machine.settings.name);
     }
+    let settings = &scenario.machine.settings;
+    let id = machine_id(&settings.name, &settings.chain);
+    let note = |how| tell(format_args!("note: {how}"));
     let inputs = Inputs {
-        recording: record::bytes(&scenario, &args.how)?,
+        warming: match (&args.growth, &args.temperatures) {
+            (Some(growth), Some(temperatures)) => {
+                Some(warming::read(growth, temperatures, scenario.period_s(), id, note)?)
+            }
+            _ => None,
+        },
         tables: compile(&scenario.machine)?,
         second: second.as_ref().map(compile).transpose()?,
+        recording: record::bytes(&scenario, &args.how)?,
     };
     let wanted = |core: Cores| args.core == core || args.core == Cores::Both;
     let mut images = Vec::new();

@@ -22,6 +22,7 @@ pub mod outputs;
 mod read;
 #[cfg(feature = "std")]
 mod received;
+pub mod warming;
 #[cfg(feature = "std")]
 mod write;
 

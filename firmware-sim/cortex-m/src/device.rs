@@ -10,6 +10,8 @@ pub const NVIC_PRIO_BITS: u8 = 3;
 #[derive(Clone, Copy, Debug)]
 #[repr(u16)]
 pub enum Interrupt {
+    /// Receiver of UART 1.
+    Uart1Rx = 2,
     /// Receiver of UART 2.
     Uart2Rx = 4,
     /// Transmitter of UART 2.
@@ -38,6 +40,7 @@ pub union Vector {
 // Defaults are in `device.x`.
 #[allow(non_snake_case)]
 unsafe extern "C" {
+    fn Uart1Rx();
     fn Uart2Rx();
     fn Uart2Tx();
     fn Timer0();
@@ -50,6 +53,7 @@ const LAST: usize = Interrupt::Timer0 as usize;
 #[unsafe(no_mangle)]
 pub static __INTERRUPTS: [Vector; LAST + 1] = {
     let mut vectors = [const { Vector { reserved: 0 } }; LAST + 1];
+    vectors[Interrupt::Uart1Rx as usize].handler = Uart1Rx;
     vectors[Interrupt::Uart2Rx as usize].handler = Uart2Rx;
     vectors[Interrupt::Uart2Tx as usize].handler = Uart2Tx;
     vectors[Interrupt::Timer0 as usize].handler = Timer0;

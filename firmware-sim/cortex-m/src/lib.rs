@@ -3,6 +3,7 @@
 #![no_std]
 
 pub mod device;
+pub mod growth;
 pub mod regions;
 pub mod settings;
 pub mod timer;

@@ -1,10 +1,11 @@
-//! Data flashed apart from the image: tables and a recording, each in a region of its own (`memory.x`).
+//! Data flashed apart from the image: tables, thermal growth and a recording, each in a region of its own (`memory.x`).
 
 use core::ptr::addr_of;
 
 unsafe extern "C" {
     static _tables_a: u8;
     static _tables_b: u8;
+    static _warming: u8;
     static _recording: u8;
     static _regions_end: u8;
     static _request: [u32; 2];
@@ -51,7 +52,12 @@ pub fn tables_a() -> &'static [u8] {
 
 /// The tables that are asked for in motion.
 pub fn tables_b() -> &'static [u8] {
-    table_file(region(addr_of!(_tables_b), addr_of!(_recording)))
+    table_file(region(addr_of!(_tables_b), addr_of!(_warming)))
+}
+
+/// Thermal growth with readings of sensors, and what lies behind them.
+pub fn warming() -> &'static [u8] {
+    region(addr_of!(_warming), addr_of!(_recording))
 }
 
 /// The recording, and what lies behind it.

@@ -1,22 +1,36 @@
 //! The recording on the host.
 
 use super::outputs::AXES;
+use super::warming::Heating;
 use anyhow::{Result, anyhow};
 use trueaxis::contour::{Path, Span};
+use trueaxis::machine::AxisOrder;
 use trueaxis::roundness::{Gauge, GaugeState};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::RoundnessFrame;
+use trueaxis::temperature::Growth;
 use trueaxis::{GaugeRide, ServoLoop};
 use trueaxis_recording::Recording;
 use trueaxis_recording::outputs::{Wire, line};
+use trueaxis_recording::warming::Warming;
 use trueaxis_sim::servo::with_tables;
 
 /// Points of the gauge's revolution, as in the image.
 const POINTS: usize = 1024;
 
-/// Runs a recording through the step in scalar `R`; the second table file, where there is one, from cycle `exchange` on.
-///
-/// Returns what the image sends in the same run, and a frame of every revolution evaluated.
+/// What the image sends in the same run.
+#[derive(Debug, Default)]
+pub struct Replayed {
+    /// Outputs of the step, byte for byte.
+    pub outputs: Vec<u8>,
+    /// A frame of every revolution evaluated.
+    pub revolutions: Vec<RoundnessFrame>,
+    /// Every thermal growth that came in force.
+    pub growths: Vec<Growth>,
+}
+
+/// Runs a recording through the step in scalar `R`; the second table file, where there is one, from its cycle on; thermal growth
+/// by the readings of `warming`.
 ///
 /// # Errors
 /// The recording or a table file is refused.
@@ -24,15 +38,18 @@ pub fn replay<R: Wire>(
     recording: &[u8],
     tables: &[u8],
     second: Option<(&[u8], u32)>,
-) -> Result<(Vec<u8>, Vec<RoundnessFrame>)> {
+    warming: Option<&[u8]>,
+) -> Result<Replayed> {
     let recording = Recording::<AXES>::parse(recording).map_err(|e| anyhow!("recording: {e}"))?;
     let period_ns = recording.header().period_ns;
     let file = Tcomp::parse(tables).map_err(|e| anyhow!("tables: {e}"))?;
+    let warming = warming.map(|bytes| Warming::parse(bytes, file.machine_id())).transpose();
+    let warming = warming.map_err(|e| anyhow!("growth: {e}"))?;
     with_tables(&file, period_ns, |first| match second {
-        None => run::<R>(&recording, &file, first, None),
+        None => run::<R>(&recording, &file, first, None, warming),
         Some((bytes, at)) => {
             let other = Tcomp::parse(bytes).map_err(|e| anyhow!("second tables: {e}"))?;
-            with_tables(&other, period_ns, |second| run::<R>(&recording, &file, first, Some((second, at))))
+            with_tables(&other, period_ns, |second| run::<R>(&recording, &file, first, Some((second, at)), warming))
         }
     })
 }
@@ -45,11 +62,14 @@ fn run<R: Wire>(
     file: &Tcomp<'_>,
     first: &Loop<'_, R>,
     exchanged: Option<(&Loop<'_, R>, u32)>,
-) -> Result<(Vec<u8>, Vec<RoundnessFrame>)> {
+    warming: Option<Warming<'_>>,
+) -> Result<Replayed> {
     let period_ns = recording.header().period_ns;
     let path: Vec<Span<R, R::Place>> = recording.path().collect();
     let path = Path::new(&path, 0, false);
     let mut state = first.start();
+    let axes = AxisOrder::<AXES>::of(file.settings()).map_err(|e| anyhow!("tables: {e}"))?.axes();
+    let mut heating = warming.map(Heating::new);
     let gauge = match file.settings().roundness.filter(|_| recording.header().gauge) {
         None => None,
         Some(settings) => {
@@ -57,27 +77,34 @@ fn run<R: Wire>(
         }
     };
     let mut gauge_state = Box::new(GaugeState::<R, POINTS>::new());
-    let mut sent = Vec::new();
-    let mut revolutions = Vec::new();
+    let mut replayed = Replayed::default();
     for number in 0..recording.header().cycles {
         let Some(cycle) = recording.cycle(number) else { break };
         let servo = match exchanged {
             Some((second, at)) if number >= at => second,
             _ => first,
         };
+        if let Some(growth) = heating.as_mut().and_then(|heating| heating.cycle(number, period_ns)) {
+            for (slot, axis) in axes.into_iter().enumerate() {
+                if let Some(line) = growth.line(axis) {
+                    state.set_thermal(slot, line);
+                }
+            }
+            replayed.growths.push(growth);
+        }
         let (input, reference) = (cycle.input::<R::Place>(), cycle.place::<R>());
         let Some(gauge) = &gauge else {
-            sent.extend(line(&servo.step(&mut state, &input, path.on(reference), ()), None));
+            replayed.outputs.extend(line(&servo.step(&mut state, &input, path.on(reference), ()), None));
             continue;
         };
         let probes = cycle.probes();
         let mut ride = GaugeRide::new(gauge, &mut gauge_state, &probes);
         let output = servo.step(&mut state, &input, path.on(reference), &mut ride);
         let ridden = ride.cycle();
-        sent.extend(line(&output, Some(ridden.infeed)));
+        replayed.outputs.extend(line(&output, Some(ridden.infeed)));
         if ridden.finished {
-            revolutions.extend(RoundnessFrame::of(file.machine_id(), gauge, &gauge_state));
+            replayed.revolutions.extend(RoundnessFrame::of(file.machine_id(), gauge, &gauge_state));
         }
     }
-    Ok((sent, revolutions))
+    Ok(replayed)
 }

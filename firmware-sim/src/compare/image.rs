@@ -8,7 +8,9 @@ use trueaxis_tables::output::Outputs;
 
 /// Address and size of a region flashed apart from the image.
 const TABLES_A: (u64, u64) = (0x0010_0000, 0x4_0000);
-const TABLES_B: (u64, u64) = (0x0014_0000, 0x4_0000);
+const TABLES_B: (u64, u64) = (0x0014_0000, 0x3_8000);
+/// Address of thermal growth with its readings and room for them, bytes.
+pub(super) const WARMING: (u64, u64) = (0x0017_8000, 0x0_8000);
 /// Address of the recording and room for it, bytes.
 pub const RECORDING: (u64, u64) = (0x0018_0000, 0x28_0000);
 
@@ -53,6 +55,8 @@ pub struct Flash {
     pub tables: PathBuf,
     /// Tables that are asked for in motion.
     pub second: Option<PathBuf>,
+    /// Thermal growth with readings of sensors.
+    pub warming: Option<PathBuf>,
     /// The recording.
     pub recording: PathBuf,
 }
@@ -115,8 +119,12 @@ fn emulated(core: Core, elf: &Path, flash: &Flash, scratch: &Path) -> Result<(Op
         command.arg("-serial").arg(option("file:", file, "")?);
     }
     command.arg("-kernel").arg(elf);
-    let regions =
-        [(Some(&flash.tables), TABLES_A), (flash.second.as_ref(), TABLES_B), (Some(&flash.recording), RECORDING)];
+    let regions = [
+        (Some(&flash.tables), TABLES_A),
+        (flash.second.as_ref(), TABLES_B),
+        (flash.warming.as_ref(), WARMING),
+        (Some(&flash.recording), RECORDING),
+    ];
     for (file, (address, room)) in regions {
         let Some(file) = file else { continue };
         let length = std::fs::metadata(file).with_context(|| format!("cannot read {}", file.display()))?.len();

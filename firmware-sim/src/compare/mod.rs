@@ -7,8 +7,9 @@ pub mod host;
 pub mod image;
 mod outcome;
 pub mod outputs;
+pub mod warming;
 
-pub use outcome::{Comparison, Difference, Outcome};
+pub use outcome::{Comparison, Difference, Grown, Outcome};
 
 use anyhow::{Result, anyhow, bail};
 use image::{Core, Flash, Sent};
@@ -30,10 +31,12 @@ pub struct Inputs {
     pub tables: Vec<u8>,
     /// Tables that the recording asks for in motion.
     pub second: Option<Vec<u8>>,
+    /// Thermal growth with readings of sensors ([`trueaxis_recording::warming`]).
+    pub warming: Option<Vec<u8>>,
 }
 
-/// Contents of an image's flash: tables, the tables asked for in motion, the recording.
-const FLASH: [&str; 3] = ["tables-a.tcomp", "tables-b.tcomp", "recording.rec"];
+/// Contents of an image's flash: tables, the tables asked for in motion, thermal growth, the recording.
+const FLASH: [&str; 4] = ["tables-a.tcomp", "tables-b.tcomp", "warming.bin", "recording.rec"];
 
 impl Inputs {
     /// The files that [`Inputs::compare`] leaves in `folder`.
@@ -49,13 +52,16 @@ impl Inputs {
     /// # Errors
     /// QEMU is not there, an image fails or refuses its tables, or a file does not fit.
     pub fn compare(&self, images: &[(Core, &Path)], folder: &Path) -> Result<Outcome> {
-        let [tables, second, recording] = FLASH.map(|name| folder.join(name));
-        let flash = Flash { tables, second: self.second.as_ref().map(|_| second), recording };
+        let [tables, second, warming, recording] = FLASH.map(|name| folder.join(name));
+        let (second, warming) = (self.second.as_ref().map(|_| second), self.warming.as_ref().map(|_| warming));
+        let flash = Flash { tables, second, warming, recording };
         let mut outputs = Outputs::default();
         outputs.folder(folder)?;
         outputs.put(&flash.tables, &self.tables)?;
-        if let (Some(file), Some(bytes)) = (&flash.second, &self.second) {
-            outputs.put(file, bytes)?;
+        for (file, bytes) in [(&flash.second, &self.second), (&flash.warming, &self.warming)] {
+            if let (Some(file), Some(bytes)) = (file, bytes) {
+                outputs.put(file, bytes)?;
+            }
         }
         outputs.put(&flash.recording, &self.recording)?;
         outputs.commit()?;
@@ -87,28 +93,31 @@ impl Inputs {
                 on_image.iter().find(|row| row.tables_crc == crc).map(|row| (bytes.as_slice(), row.sequence))
             }
         };
-        let (on_host, revolutions) = host::replay::<R>(&self.recording, &self.tables, exchange)?;
+        let warming = self.warming.as_deref();
+        let on_host = host::replay::<R>(&self.recording, &self.tables, exchange, warming)?;
         let size = bytes::<R>(gauge);
-        let differing = on_host.chunks_exact(size).zip(sent.outputs.chunks_exact(size)).filter(|(a, b)| a != b).count();
-        let (double, _) = host::replay::<f64>(&self.recording, &self.tables, exchange)?;
-        let double = decode::<f64>(&double, gauge);
+        let outputs = &on_host.outputs;
+        let differing = outputs.chunks_exact(size).zip(sent.outputs.chunks_exact(size)).filter(|(a, b)| a != b).count();
+        let double = host::replay::<f64>(&self.recording, &self.tables, exchange, warming)?;
+        let double = decode::<f64>(&double.outputs, gauge);
         let received = Received::read(&sent.frames);
         Ok(Comparison {
             core,
             cycles: on_image.len(),
-            cycles_on_host: on_host.len() / size,
+            cycles_on_host: outputs.len() / size,
             differing,
             exchange_at: exchange.map(|(_, at)| at),
             frames: received.frames.len(),
             frames_damaged: received.damaged,
             frames_contradicting: contradicting(&received.frames, &on_image),
             revolutions: received.revolutions.len(),
-            revolutions_equal: received.revolutions == revolutions,
+            revolutions_equal: received.revolutions == on_host.revolutions,
+            growth: warming.map(|_| outcome::Grown::of(&on_host.growths)),
             took: sent.took,
             against_double: Difference::between(&on_image, &double),
             faults: outcome::faults(&on_image),
             image: on_image,
-            host: decode::<R>(&on_host, gauge),
+            host: decode::<R>(outputs, gauge),
             double,
         })
     }

@@ -7,6 +7,7 @@ use std::fmt::Write;
 use std::time::Duration;
 use trueaxis::contour::Flags;
 use trueaxis::telemetry::Status;
+use trueaxis::temperature::Growth;
 use trueaxis_recording::Header;
 use trueaxis_tables::text::counted;
 
@@ -66,6 +67,29 @@ fn apart_nm(a: f64, b: f64) -> f64 {
 /// Flags that must be the same for two feet to be the same.
 const SAME: u8 = Flags::AT_END.bits() | Flags::NOT_FOUND.bits() | Flags::COLD.bits();
 
+/// Thermal growth over a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grown {
+    /// Times that growth came in force.
+    pub in_force: usize,
+    /// Of these with a share that stood still, or a line that did.
+    pub not_good: usize,
+    /// Smallest and largest offset of a line, mm.
+    pub offset_mm: [f64; 2],
+}
+
+impl Grown {
+    /// Of the growths that came in force.
+    pub fn of(growths: &[Growth]) -> Grown {
+        let offsets = || growths.iter().flat_map(|growth| growth.lines.into_iter().flatten()).map(|[offset, _]| offset);
+        Grown {
+            in_force: growths.len(),
+            not_good: growths.iter().filter(|growth| !growth.is_good()).count(),
+            offset_mm: [offsets().fold(0.0, f64::min), offsets().fold(0.0, f64::max)],
+        }
+    }
+}
+
 /// One core against the host.
 #[derive(Clone, Debug)]
 pub struct Comparison {
@@ -89,6 +113,8 @@ pub struct Comparison {
     pub revolutions: usize,
     /// The host's revolutions are the same.
     pub revolutions_equal: bool,
+    /// Thermal growth, where the run has any.
+    pub growth: Option<Grown>,
     /// Wall time of the image.
     pub took: Duration,
     /// The image against the host in doubles.
@@ -164,10 +190,18 @@ impl Outcome {
                 (None, Some(asked)) => format!("asked for in cycle {asked}, not made"),
                 _ => "none".to_owned(),
             };
+            let growth = one.growth.map_or("none".to_owned(), |grown| {
+                let [least, most] = grown.offset_mm.map(|mm| 1e3 * mm);
+                let times = counted(grown.in_force, "time");
+                format!(
+                    "{times} in force, {} with a share that stands still, {least:.1} to {most:.1} µm",
+                    grown.not_good
+                )
+            });
             let _ = write!(
                 text,
                 "\n{}\n  cycles in the image {}, on the host {}, differing in a bit {}\n  telemetry {} records, {} damaged, \
-                 {} contradicting; revolutions {}, {}\n  exchange of tables {exchange}\n  against double precision, 99.9 % of \
+                 {} contradicting; revolutions {}, {}\n  exchange of tables {exchange}\n  thermal growth {growth}\n  against double precision, 99.9 % of \
                  the cycles and all: correction {:.3}, {:.3} nm, contour error {:.3}, {:.3} nm; other foot or fault in {} \
                  cycles\n  faults {}\n  wall time {:.1} s\n",
                 one.core.title(),
@@ -205,6 +239,12 @@ impl Outcome {
                 "frames_contradicting": one.frames_contradicting,
                 "revolutions": one.revolutions,
                 "revolutions_equal": one.revolutions_equal,
+                "growth": one.growth.map(|grown| json!({
+                    "in_force": grown.in_force,
+                    "not_good": grown.not_good,
+                    "least_um": 1e3 * grown.offset_mm[0],
+                    "largest_um": 1e3 * grown.offset_mm[1],
+                })),
                 "against_double_nm": {
                     "correction_p99_9": one.against_double.correction_p99_9_nm,
                     "correction_max": one.against_double.correction_max_nm,

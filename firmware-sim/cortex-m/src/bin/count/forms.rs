@@ -137,10 +137,15 @@ impl<R: Real, P: Integer> Machine<R, P> {
         }
     }
 
+    /// A fresh state of the nine terms.
+    pub fn start(&self) -> State<R, P, AXES> {
+        self.nine[0].start()
+    }
+
     /// Fresh states.
     pub fn restart(&self) {
         let memory = &mut *self.memory.borrow_mut();
-        let state = self.nine[0].start();
+        let state = self.start();
         (memory.bare, memory.gauged, memory.watched) = (state, state, state);
         memory.volumetric = self.all_terms[0].start();
         self.gauge.restart(&mut memory.gauge);

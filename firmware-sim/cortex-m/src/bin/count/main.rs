@@ -13,6 +13,7 @@ mod arena;
 mod dynamic;
 mod forms;
 mod gauge;
+mod growth;
 mod middle;
 mod recorded;
 mod things;
@@ -48,6 +49,7 @@ fn count<R: Wire<Place = P>, P: Integer>(scalar: &str, adversarial: bool) {
     gauge::all::<R>(scalar, &mut arena);
     things::all::<R, P>(scalar, &mut arena);
     let machine = Machine::flashed(recorded::recording().header().period_ns, &mut arena);
+    growth::all::<R, P>(scalar, machine, &mut arena);
     recorded::all::<R, P>(scalar, machine, &mut arena);
     dynamic::recorded::<R, P>(scalar, &mut arena);
     if adversarial {

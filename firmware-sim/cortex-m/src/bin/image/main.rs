@@ -3,7 +3,8 @@
 //! ```text
 //! recording ─► servo interrupt: step ─► queue ─► telemetry task ─► UART 0: frames, UART 1: raw outputs
 //!                    ▲                                └► log (defmt over semihosting)
-//!                    └─ mailbox ◄─ exchange task: tables B read, checked, built
+//!                    ├─ mailbox ◄─ exchange task: tables B read, checked, built
+//!                    └─ queue ◄─── thermal task: readings of sensors ─► growth lines
 //! ```
 //!
 //! The interrupt has the highest priority and touches neither serial port nor log. Tables and the recording lie in
@@ -20,6 +21,7 @@ mod stack;
 mod start;
 mod tables;
 mod telemetry;
+mod warming;
 
 use cortex_m_rt as _;
 use cortex_m_semihosting::debug;
@@ -42,17 +44,19 @@ fn leave(well: bool) -> ! {
     }
 }
 
-#[rtic::app(device = trueaxis_cortex_m::device, peripherals = false, dispatchers = [Uart2Rx, Uart2Tx])]
+#[rtic::app(device = trueaxis_cortex_m::device, peripherals = false, dispatchers = [Uart1Rx, Uart2Rx, Uart2Tx])]
 mod app {
     use super::board::{ServoTimer, instructions};
     use super::scalars::Loop;
     use super::servo::{Gauge, Produced, Servo};
     use super::start::{self, Spare, Started};
     use super::telemetry::{Telemetry, latest};
+    use super::warming::ThermalTask;
     use super::{leave, stack};
     use core::sync::atomic::{AtomicU32, Ordering};
     use heapless::spsc::Producer;
     use trueaxis::exchange::Exchange;
+    use trueaxis_recording::warming::Warming;
 
     static EXCHANGE: Exchange<'static, Loop> = Exchange::new();
     /// Stack pointer of the idle task: what the interrupt finds where it interrupts nothing.
@@ -74,6 +78,11 @@ mod app {
         below: u32,
         /// Stack from the interrupted task to there, bytes: what the processor saves, and the frame.
         entry: u32,
+        /// Readings that found the thermal task still at work.
+        readings_left_out: u32,
+        /// Growths that came in force, and those of them after their cycle.
+        growths: u32,
+        growths_late: u32,
         /// The recording is over.
         ended: bool,
     }
@@ -91,15 +100,18 @@ mod app {
         produced: Producer<'static, Produced>,
         telemetry: Telemetry,
         spare: Option<Spare>,
+        warming: Option<Warming<'static>>,
+        thermal: Option<ThermalTask>,
     }
 
     #[init]
     fn init(_: init::Context) -> (Shared, Local) {
-        let Started { servo, gauge, produced, telemetry, spare } = start::start();
+        let Started { servo, gauge, produced, telemetry, spare, thermal } = start::start();
+        let warming = thermal.as_ref().map(ThermalTask::warming);
         let figures = Figures { entry: u32::MAX, ..Figures::default() };
         // SAFETY: the only owner.
         let timer = unsafe { ServoTimer::start() };
-        (Shared { gauge, figures }, Local { timer, servo, produced, telemetry, spare: Some(spare) })
+        (Shared { gauge, figures }, Local { timer, servo, produced, telemetry, spare: Some(spare), warming, thermal })
     }
 
     #[idle]
@@ -111,15 +123,17 @@ mod app {
     }
 
     /// The servo cycle.
-    #[task(binds = Timer0, priority = 3, local = [timer, servo, produced], shared = [gauge, figures])]
+    #[task(binds = Timer0, priority = 4, local = [timer, servo, produced, warming], shared = [gauge, figures])]
     fn servo_cycle(cx: servo_cycle::Context) {
-        let servo_cycle::LocalResources { timer, servo, produced, .. } = cx.local;
+        let servo_cycle::LocalResources { timer, servo, produced, warming, .. } = cx.local;
         let servo_cycle::SharedResources { gauge, figures, .. } = cx.shared;
         let late = timer.acknowledge();
         if servo.is_exchange_due() {
             // Spawned once: a recording asks for it in one cycle.
             let _ = exchange_tables::spawn();
         }
+        let row = warming.as_ref().and_then(|warming| warming.read_in(servo.cycles()));
+        let left_out = row.is_some_and(|row| thermal::spawn(row).is_err());
         (gauge, figures).lock(|gauge, figures| {
             if figures.ended {
                 return;
@@ -133,6 +147,8 @@ mod app {
             let interrupted = IDLE.load(Ordering::Relaxed).checked_sub(stack::pointer());
             figures.entry = figures.entry.min(interrupted.unwrap_or(u32::MAX));
             figures.cycles = servo.cycles();
+            figures.readings_left_out += u32::from(left_out);
+            (figures.growths, figures.growths_late) = (servo.growths().taken, servo.growths().late);
             figures.waiting = figures.waiting.max(produced.len());
             figures.latest = figures.latest.max(late);
             figures.overruns += u32::from(!figures.ended && timer.is_due());
@@ -142,7 +158,7 @@ mod app {
     }
 
     /// Everything that the cycles produced goes out.
-    #[task(priority = 2, local = [telemetry], shared = [gauge, figures])]
+    #[task(priority = 3, local = [telemetry], shared = [gauge, figures])]
     async fn telemetry(cx: telemetry::Context) {
         let out = cx.local.telemetry;
         let telemetry::SharedResources { mut gauge, mut figures, .. } = cx.shared;
@@ -168,6 +184,14 @@ mod app {
         }
     }
 
+    /// The growth that the sensors say. It does not wait for an exchange.
+    #[task(priority = 2, local = [thermal])]
+    async fn thermal(cx: thermal::Context, row: u32) {
+        if let Some(thermal) = cx.local.thermal {
+            thermal.update(row);
+        }
+    }
+
     /// Says how it went, and ends.
     #[task(priority = 1, shared = [gauge, figures])]
     async fn finish(cx: finish::Context, lost_revolutions: u32) {
@@ -184,6 +208,15 @@ mod app {
             waiting,
             instructions(latest)
         );
+        let Figures { growths, growths_late, readings_left_out, .. } = figures;
+        if growths + readings_left_out > 0 {
+            defmt::info!(
+                "growth: {=u32} times in force, {=u32} late, {=u32} readings left out",
+                growths,
+                growths_late,
+                readings_left_out
+            );
+        }
         if let Some(counts) = counts {
             defmt::info!("gauge: {}, {=u32} records lost", counts, lost_revolutions);
         }

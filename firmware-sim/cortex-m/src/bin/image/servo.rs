@@ -6,6 +6,7 @@ use crate::scalars::{AXES, GaugeCycle, GaugePlan, GaugeState, Loop, LoopState, P
 use trueaxis::contour::Path;
 use trueaxis::exchange::Exchange;
 use trueaxis::{Bypass, Fault, GaugeRide, Input};
+use trueaxis_cortex_m::growth::Growths;
 use trueaxis_recording::{Cycle, Recording};
 
 /// The step or bypass that runs in a cycle. The state is the interrupt's alone: large, and never moved.
@@ -39,20 +40,32 @@ pub struct Servo {
     recording: Recording<'static, AXES>,
     pieces: &'static [Piece],
     running: Running,
+    growths: Growths<Scalar, AXES>,
     next: u32,
     produced: Produced,
 }
 
 impl Servo {
     /// Before the first cycle.
-    pub fn new(recording: Recording<'static, AXES>, pieces: &'static [Piece], running: Running) -> Self {
+    pub fn new(
+        recording: Recording<'static, AXES>,
+        pieces: &'static [Piece],
+        running: Running,
+        growths: Growths<Scalar, AXES>,
+    ) -> Self {
         let nothing = Bypass::<Place, AXES>::new(Fault::None).step(&Input::at_rest(0));
-        Servo { recording, pieces, running, next: 0, produced: Produced { output: nothing, gauge: None } }
+        let produced = Produced { output: nothing, gauge: None };
+        Servo { recording, pieces, running, growths, next: 0, produced }
     }
 
     /// Cycles so far.
     pub fn cycles(&self) -> u32 {
         self.next
+    }
+
+    /// What came of thermal growth.
+    pub fn growths(&self) -> &Growths<Scalar, AXES> {
+        &self.growths
     }
 
     /// The cycle that comes next is the one in which other tables are asked for.
@@ -62,13 +75,15 @@ impl Servo {
 
     /// One cycle; its output replaces that of the last one. `None` at the end of the recording.
     pub fn cycle(&mut self, exchange: &Exchange<'static, Loop>, gauge: Option<&mut Gauge>) -> Option<&Produced> {
-        let cycle = self.recording.cycle(self.next)?;
+        let number = self.next;
+        let cycle = self.recording.cycle(number)?;
         self.next += 1;
         let produced = &mut self.produced;
         produced.gauge = None;
         match &mut self.running {
             Running::Step(servo, state) => {
                 exchange.take_into(servo);
+                self.growths.take_into(state, number);
                 let path = Path::new(self.pieces, 0, false);
                 match gauge {
                     None => step(servo, state, &cycle, &path, produced),

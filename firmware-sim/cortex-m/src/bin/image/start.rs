@@ -6,12 +6,16 @@ use crate::scalars::{AXES, GaugePlan, GaugeState, Loop, Piece, Scalar};
 use crate::servo::{Gauge, Produced, Running, Servo};
 use crate::tables::{self, MEMORY, Refused};
 use crate::telemetry::Telemetry;
+use crate::warming::ThermalTask;
 use heapless::Vec;
 use heapless::spsc::{Producer, Queue};
 use static_cell::{ConstStaticCell, StaticCell};
 use trueaxis::Bypass;
+use trueaxis::machine::AxisOrder;
+use trueaxis_cortex_m::growth::{self, Growths, InForce};
 use trueaxis_cortex_m::regions;
 use trueaxis_recording::Recording;
+use trueaxis_recording::warming::{MAGIC, Warming};
 
 /// Pieces of a path that fit.
 pub const MOST_PIECES: usize = 2048;
@@ -20,6 +24,7 @@ const WAITING: usize = 65;
 
 static PIECES: ConstStaticCell<Vec<Piece, MOST_PIECES>> = ConstStaticCell::new(Vec::new());
 static WAITING_CYCLES: ConstStaticCell<Queue<Produced, WAITING>> = ConstStaticCell::new(Queue::new());
+static GROWTHS: ConstStaticCell<Queue<InForce<Scalar, AXES>, { growth::WAITING }>> = ConstStaticCell::new(Queue::new());
 static MEMORY_A: ConstStaticCell<[Scalar; MEMORY]> = ConstStaticCell::new([0.0; MEMORY]);
 static MEMORY_B: ConstStaticCell<[Scalar; MEMORY]> = ConstStaticCell::new([0.0; MEMORY]);
 static LOOP_A: StaticCell<Loop> = StaticCell::new();
@@ -39,6 +44,8 @@ pub struct Started {
     pub telemetry: Telemetry,
     /// The exchange's.
     pub spare: Spare,
+    /// The thermal task's, where growth was flashed.
+    pub thermal: Option<ThermalTask>,
 }
 
 /// Room for a second set of tables.
@@ -113,26 +120,56 @@ pub fn start() -> Started {
     );
 
     let mut tables_crc = 0;
-    let (running, gauge) = match loaded(machine_id, period_ns, first.elapsed_ns, with_gauge) {
-        Ok((running, gauge, crc)) => {
+    let (running, gauge, axes) = match loaded(machine_id, period_ns, first.elapsed_ns, with_gauge) {
+        Ok((running, gauge, axes, crc)) => {
             tables_crc = crc;
-            (running, gauge)
+            (running, gauge, axes)
         }
         Err(refused) => {
             say("A", &refused);
-            (Running::Bypass(Bypass::new(refused.fault())), None)
+            (Running::Bypass(Bypass::new(refused.fault())), None, None)
         }
     };
+    let (offered, growths) = GROWTHS.take().split();
+    let thermal =
+        axes.zip(warming(machine_id)).map(|(axes, warming)| ThermalTask::new(warming, axes, period_ns, offered));
     let spare = Spare { memory: MEMORY_B.take(), machine_id, period_ns, runs: matches!(running, Running::Step(..)) };
     let (produced, waiting) = WAITING_CYCLES.take().split();
     // SAFETY: the only owner of either.
     let (frames, raw) = unsafe { (Uart::zero(), Uart::one()) };
     Started {
-        servo: Servo::new(recording, pieces, running),
+        servo: Servo::new(recording, pieces, running, Growths::new(growths)),
         gauge,
         produced,
         telemetry: Telemetry::new(waiting, frames, raw, tables_crc),
         spare,
+        thermal,
+    }
+}
+
+/// What was flashed of thermal growth; refused it is told, and the machine runs without. In flash that was never written there
+/// is none.
+fn warming(machine_id: u32) -> Option<Warming<'static>> {
+    let bytes = regions::warming();
+    let blank = |value: u8| bytes.iter().take(MAGIC.len()).all(|byte| *byte == value);
+    if blank(0) || blank(0xff) {
+        return None;
+    }
+    match Warming::parse(bytes, machine_id) {
+        Ok(warming) => {
+            let thermal = warming.thermal();
+            defmt::info!(
+                "growth {=u32:08x}: {=usize} sensors, {=u32} rows",
+                thermal.crc(),
+                thermal.sensors(),
+                warming.rows()
+            );
+            Some(warming)
+        }
+        Err(refused) => {
+            defmt::error!("growth refused: {}; none is compensated", defmt::Display2Format(&refused));
+            None
+        }
     }
 }
 
@@ -141,7 +178,7 @@ fn loaded(
     period_ns: u32,
     first_ns: u32,
     with_gauge: bool,
-) -> Result<(Running, Option<Gauge>, u32), Refused> {
+) -> Result<(Running, Option<Gauge>, Option<AxisOrder<AXES>>, u32), Refused> {
     let tables = tables::build(regions::tables_a(), machine_id, period_ns, MEMORY_A.take())?;
     let settings = tables.file.settings();
     let period = Refused::Period { found: first_ns, configured: period_ns };
@@ -158,5 +195,6 @@ fn loaded(
         tables.used,
         MEMORY
     );
-    Ok((Running::Step(LOOP_A.init(tables.servo), state), gauge, tables.file.crc()))
+    let axes = AxisOrder::of(settings).ok();
+    Ok((Running::Step(LOOP_A.init(tables.servo), state), gauge, axes, tables.file.crc()))
 }

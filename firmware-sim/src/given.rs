@@ -1,0 +1,21 @@
+//! Options that several commands read alike.
+
+use anyhow::{Result, bail};
+use std::path::Path;
+use trueaxis_tables::text::read_text;
+
+/// Refuses a number of an option that is below zero, above `most`, or none.
+pub(crate) fn up_to(most: f64, option: &str, value: f64) -> Result<()> {
+    if !(0.0..=most).contains(&value) {
+        bail!("{option}: found {value}, needed 0 to {most}");
+    }
+    Ok(())
+}
+
+/// The text of a file, or our own where none is given.
+pub(crate) fn text_or(given: Option<&Path>, own: &str) -> Result<String> {
+    match given {
+        Some(file) => Ok(read_text(file, &[])?),
+        None => Ok(own.to_owned()),
+    }
+}
