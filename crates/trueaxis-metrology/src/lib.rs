@@ -13,6 +13,7 @@
 //! - [`thermal`]: growth of the axes from a recorded warm-up after ISO 230-3.
 //! - [`uncertainty`]: of a point, of ISO 230-2 figures; factors, intervals, verdicts.
 //! - [`calibration`]: terms of a machine from touches of a probe on artefacts of known size.
+//! - [`cores`]: work on all cores, where there are several; [`order`]: sorting by a number.
 //! - [`learning`]: a correction over path length, learned from part to part.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
 //! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a
@@ -32,6 +33,8 @@ pub mod calibration;
 #[cfg(feature = "std")]
 pub mod circles;
 #[cfg(feature = "std")]
+pub mod cores;
+#[cfg(feature = "std")]
 pub mod diagonal;
 #[cfg(feature = "std")]
 pub mod drift;
@@ -44,6 +47,8 @@ pub mod identification;
 pub mod learning;
 #[cfg(feature = "std")]
 pub mod linear_fit;
+#[cfg(feature = "std")]
+pub mod order;
 #[cfg(feature = "std")]
 pub mod pair_search;
 #[cfg(feature = "separation")]

@@ -11,10 +11,11 @@
 //!
 //! Source: Tian Yingzhong and Li Ming, CN1927535; R_Y corrected: the published form does not solve h1 and h2.
 
+mod transforms;
+
 use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use std::sync::Arc;
 use std::vec::Vec;
+use transforms::Transforms;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::roundness::{Band, Gain, arm_angle, filter};
 
@@ -90,8 +91,7 @@ pub struct Separator {
     whole_points: Option<usize>,
     /// `[cos β, sin β]` at every θ.
     arm: Vec<[f64; 2]>,
-    forward: Arc<dyn RealToComplex<f64>>,
-    backward: Arc<dyn ComplexToReal<f64>>,
+    transforms: Transforms,
 }
 
 /// Memory of a separation, for one revolution after the other.
@@ -138,21 +138,21 @@ impl Separator {
                 arm_angle(arm_ratio, [libm::cos(theta), libm::sin(theta)])
             })
             .collect();
-        let mut planner = RealFftPlanner::new();
-        let (forward, backward) = (planner.plan_fft_forward(points), planner.plan_fft_inverse(points));
+        let transforms = Transforms::new(points)?;
         let whole_points = gain.slots().map(|[p, _]| p);
-        Ok(Separator { gain, band, multipliers, whole_points, arm, forward, backward })
+        Ok(Separator { gain, band, multipliers, whole_points, arm, transforms })
     }
 
     /// Memory for [`Separator::separate_in`].
     pub fn workspace(&self) -> Workspace {
-        let scratch = self.forward.get_scratch_len().max(self.backward.get_scratch_len());
+        let points = self.gain.points();
+        let complex = |count: usize| std::vec![Complex::default(); count];
         Workspace {
-            real: std::vec![0.0; self.gain.points()],
-            ahead: std::vec![0.0; self.gain.points()],
-            spectrum: self.forward.make_output_vec(),
-            amplitudes: self.backward.make_input_vec(),
-            scratch: std::vec![Complex::default(); scratch],
+            real: std::vec![0.0; points],
+            ahead: std::vec![0.0; points],
+            spectrum: complex(points / 2 + 1),
+            amplitudes: complex(points / 2 + 1),
+            scratch: complex(self.transforms.scratch()),
         }
     }
 
@@ -289,8 +289,7 @@ impl Separator {
     /// The spectrum of the workspace's real series, which is lost.
     fn transform(&self, workspace: &mut Workspace) {
         let Workspace { real, spectrum, scratch, .. } = workspace;
-        let done = self.forward.process_with_scratch(real, spectrum, scratch);
-        debug_assert!(done.is_ok(), "every length is the planner's");
+        self.transforms.forward(real, spectrum, scratch);
     }
 
     /// A real series from the spectrum and one of the multipliers.
@@ -312,8 +311,7 @@ impl Separator {
     fn series(&self, workspace: &mut Workspace, series: &mut [f64]) {
         let Workspace { amplitudes, scratch, .. } = workspace;
         // Mean and Nyquist frequency are zero, outside every band.
-        let done = self.backward.process_with_scratch(amplitudes, series, scratch);
-        debug_assert!(done.is_ok(), "every length is the planner's");
+        self.transforms.backward(amplitudes, series, scratch);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Calibration by touches, against what can be worked out by hand.
 
-use trueaxis_metrology::calibration::{Network, Refused, Surface, Touch, Unknown, fit_ball};
+use trueaxis_metrology::calibration::{Network, Part, Refused, Surface, Touch, Unknown, fit_ball};
+use trueaxis_testing::noise::Noise;
 
 const NEAR: [f64; 3] = [10.2, -5.1, 2.9];
 
@@ -70,4 +71,65 @@ fn a_bore_alone_does_not_tell_scale_and_tip() {
     assert!((foreseen.sigma_mm - 1e-3).abs() < 1e-15, "{foreseen:?}");
     let found = known.solve().unwrap();
     assert!(found.values[0].abs() < 1e-12 && found.standard_errors[0] > 0.0, "{found:?}");
+}
+
+/// A gauge of 30 faces, each touched twice, on a machine that is too long. Where the certificate says nothing of the faces next
+/// to the probe (5 µm beside 1 µm), every face takes a touch, and what is left is divided by the others: 60 touches, 31 of them
+/// for the faces and the scale, less what the certificate says of the row as a whole.
+#[test]
+fn what_is_left_is_divided_by_what_the_touches_tell() {
+    let repeats = 400;
+    let (mut variance, mut degrees) = (0.0, 0);
+    let mut noise = Noise::new(7);
+    // Even, of standard deviation 1.
+    let mut drawn = || 3_f64.sqrt() * noise.signed();
+    for _ in 0..repeats {
+        let free = |start| Unknown { start, uncertainty: None };
+        let mut unknowns = vec![free(0.0), Unknown { start: 3.0, uncertainty: Some(1e-6) }, free(0.0)];
+        let mut touches = Vec::new();
+        for face in 0..30_u32 {
+            let at = 10.0 * f64::from(face);
+            let unknown = unknowns.len();
+            unknowns.push(Unknown { start: 0.0, uncertainty: Some(5e-3) });
+            let off = 5e-3 * drawn();
+            for _ in 0..2 {
+                // The tip's radius before the face; the axis says 30 ppm less than it went.
+                let tip_mm = [(at + off - 3.0) * (1.0 - 30e-6) + 1e-3 * drawn(), 0.0, 0.0];
+                let part = |unknown| Part { unknown, factor: 1.0, along: None };
+                let parts = vec![part(2), part(unknown)];
+                let surface = Surface::Face { normal: [1.0, 0.0, 0.0], outward: -1.0, known_mm: at, parts };
+                touches.push(Touch { tip_mm, surface, response: vec![[tip_mm[0], 0.0, 0.0]], drift: Vec::new() });
+            }
+        }
+        let found = Network { unknowns, terms: 1, tip: 1, touches, repeatability_mm: 1e-3 }.solve().unwrap();
+        variance += found.sigma_mm * found.sigma_mm / f64::from(repeats);
+        degrees = found.degrees_of_freedom;
+    }
+    assert!((29..=32).contains(&degrees), "{degrees}");
+    // 400 variances of 30 degrees of freedom each: 1.3 % is their standard error.
+    assert!((variance * 1e6 - 1.0).abs() < 0.05, "{variance}");
+}
+
+/// A plate of 300 mm that stands askew by 10 mrad about every direction is as long as it is: ½ θ² would be 50 ppm.
+#[test]
+fn a_plate_askew_is_no_longer() {
+    let free = |start| Unknown { start, uncertainty: None };
+    let mut unknowns = vec![free(0.0), Unknown { start: 3.0, uncertainty: Some(1e-9) }];
+    unknowns.extend([0.0; 6].map(free));
+    unknowns.push(Unknown { start: 20.0, uncertainty: Some(1e-9) });
+    let mut touches = Vec::new();
+    // Turned about Z by 20 mrad, about the new X by 10 mrad.
+    let ((sz, cz), (sx, cx)) = (0.02_f64.sin_cos(), 0.01_f64.sin_cos());
+    for [a, b] in [[0.0, 0.0], [300.0, 0.0], [0.0, 300.0], [300.0, 300.0]] {
+        let centre = [cz * a - sz * cx * b, sz * a + cz * cx * b, sx * b];
+        for [u, v, w] in [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]] {
+            let tip_mm = [centre[0] + 13.0 * u, centre[1] + 13.0 * v, centre[2] + 13.0 * w];
+            let surface =
+                Surface::Ball { diameter: 8, origin: 2, offset: [a, b, 0.0], turn: Some(5), own: None, length: None };
+            touches.push(Touch { tip_mm, surface, response: vec![[tip_mm[0], 0.0, 0.0]], drift: Vec::new() });
+        }
+    }
+    let found = Network { unknowns, terms: 1, tip: 1, touches, repeatability_mm: 1e-3 }.foresee().unwrap();
+    assert!(found.values[0].abs() < 1e-9, "{:?}", found.values);
+    assert!(found.residuals_mm.iter().all(|residual| residual.abs() < 1e-9), "{:?}", found.residuals_mm);
 }

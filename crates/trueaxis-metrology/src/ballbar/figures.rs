@@ -56,7 +56,7 @@ pub(super) fn figures(radius: f64, centred: &[Reading]) -> Figures {
 /// Deviation at even angles, linear between the readings, their mean where several circles were run.
 fn profile<'r>(readings: impl Iterator<Item = &'r Reading>) -> Option<Vec<f64>> {
     let mut sorted: Vec<[f64; 2]> = readings.map(|r| [r.angle_rad.rem_euclid(TAU), r.deviation_mm]).collect();
-    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    crate::order::sort_by_number(&mut sorted, |one| one[0]);
     let (first, last) = (*sorted.first()?, *sorted.last()?);
     let step = TAU / COMPARED as f64;
     let mut next = 0;

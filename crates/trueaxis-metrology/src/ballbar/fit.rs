@@ -10,6 +10,18 @@ use std::vec::Vec;
 /// Widths of spikes that are tried, rad: half a degree to 15°.
 const WIDTHS: [f64; 2] = [8.7e-3, 0.26];
 const WIDTHS_TRIED: usize = 24;
+/// Width of the narrowest spike that is tried, as a share of the distance between readings: of its height the first reading after
+/// a reversal shows two fifths or more.
+const FINEST: f64 = 1.0 / 3.0;
+/// Width of the spikes where none are to be seen, rad. Among the widths that are tried it is one of the most alike to a scale
+/// mismatch and a backlash: what a spike within the noise could make of them stays within their bands.
+const NOT_SEEN: f64 = 0.15;
+/// Spikes are seen from this F of their columns on: without any, the best of all widths exceeds it in 4 of 100 circles (counted).
+const SEEN: f64 = 5.0;
+/// A spike is one from this many of its standard errors.
+const SIGNIFICANT: f64 = 4.0;
+/// A width of this likelihood against the best one is none.
+const UNLIKELY: f64 = 1e-4;
 /// Pitches that are tried for an axis, from some readings to the radius.
 const PITCHES_TRIED: usize = 600;
 /// A periodic error is one when it takes this share of what all others leave; chance takes some 0.5 % of a hundred readings.
@@ -29,7 +41,7 @@ pub fn evaluate(radius_mm: f64, readings: &[Reading], pitches_mm: [Option<f64>; 
     check(radius_mm, readings)?;
     let both = [true, false].map(|ccw| readings.iter().any(|reading| reading.counterclockwise == ccw)) == [true; 2];
     let mut centre = [0.0; 2];
-    let mut fit = Fit { radius: radius_mm, both, width: WIDTHS[0], pitches: [None; 2] };
+    let mut fit = Fit { radius: radius_mm, both, width: Some(WIDTHS[0]), unresolved: false, pitches: [None; 2] };
     let mut centred = readings.to_vec();
     for _ in 0..ROUNDS {
         let solved = fit.solve(&centred);
@@ -44,7 +56,8 @@ pub fn evaluate(radius_mm: f64, readings: &[Reading], pitches_mm: [Option<f64>; 
         }
     }
     Ok(Evaluation {
-        spike_width_rad: fit.width,
+        spike_width_rad: fit.width.unwrap_or(NOT_SEEN),
+        spikes_unresolved: fit.unresolved && terms.iter().any(is_spike),
         pitches_mm: fit.pitches,
         sigma_mm: solved.sigma,
         degrees_of_freedom: solved.degrees_of_freedom,
@@ -54,6 +67,10 @@ pub fn evaluate(radius_mm: f64, readings: &[Reading], pitches_mm: [Option<f64>; 
         centred: centred.iter().zip(&solved.left).map(|(reading, left)| [reading.deviation_mm, *left]).collect(),
         terms,
     })
+}
+
+fn is_spike(term: &Term) -> bool {
+    matches!(term.cause, Cause::Reversal(_)) && term.value.abs() > SIGNIFICANT * term.standard_error
 }
 
 fn check(radius: f64, readings: &[Reading]) -> Result<(), Refused> {
@@ -92,15 +109,18 @@ fn about(radius: f64, [x, y]: [f64; 2], reading: &Reading) -> Reading {
 struct Fit {
     radius: f64,
     both: bool,
-    width: f64,
+    /// Of the spikes; none where no column is theirs.
+    width: Option<f64>,
+    /// The width that fits best is the narrowest that the readings let be tried.
+    unresolved: bool,
     pitches: [Option<f64>; 2],
 }
 
 struct Solved {
     columns: Vec<Cause>,
     values: DVector<f64>,
-    /// Inverse of the normal matrix.
-    inverse: DMatrix<f64>,
+    /// Variance of every value.
+    variances: Vec<f64>,
     /// Root mean square of every column.
     rms: Vec<f64>,
     left: Vec<f64>,
@@ -113,14 +133,36 @@ impl Fit {
     /// Finds the spikes' width and the pitches, and solves with them.
     fn search(&mut self, readings: &[Reading], pitches: [Option<f64>; 2]) -> Solved {
         self.pitches = pitches;
-        let finest = 1.5 * TAU * if self.both { 2.0 } else { 1.0 } / readings.len() as f64;
+        let mut solved = self.search_width(readings);
+        for axis in [0, 1] {
+            if self.pitches[axis].is_none()
+                && let Some(pitch) = self.pitch(readings, &solved.left, axis)
+            {
+                self.pitches[axis] = Some(pitch);
+                solved = self.search_width(readings);
+            }
+        }
+        solved
+    }
+
+    /// Finds the spikes' width and solves with it; where no width shows spikes, with [`NOT_SEEN`].
+    ///
+    /// ```text
+    /// F = (S₀ − S)/2 / (S/ν)
+    /// ```
+    ///
+    /// S: sum of squares that the best width leaves, ν its degrees of freedom; S₀: without the two columns of the spikes. A width
+    /// searched in noise is the one that fits the noise best, and no fit with it says how well the others are known (a parameter
+    /// that is there only under the alternative: Davies, Biometrika 74 (1987)); with one width the fit is linear, and does.
+    fn search_width(&mut self, readings: &[Reading]) -> Solved {
+        let finest = FINEST * TAU * if self.both { 2.0 } else { 1.0 } / readings.len() as f64;
         let [narrow, wide] = [WIDTHS[0].max(finest), WIDTHS[1].max(2.0 * finest)];
         let mut best = f64::INFINITY;
-        let tried = (0..WIDTHS_TRIED).map(|k| narrow * (wide / narrow).powf(k as f64 / (WIDTHS_TRIED - 1) as f64));
+        let tried: [f64; WIDTHS_TRIED] =
+            std::array::from_fn(|k| narrow * (wide / narrow).powf(k as f64 / (WIDTHS_TRIED - 1) as f64));
         let mut found = narrow;
-        for width in tried {
-            self.width = width;
-            let left = sum_of_squares(&self.solve(readings).left);
+        let lefts = tried.map(|width| self.left_with(readings, Some(width)));
+        for (width, left) in tried.into_iter().zip(lefts) {
             if left < best {
                 (best, found) = (left, width);
             }
@@ -130,23 +172,54 @@ impl Fit {
         let (mut low, mut high) = (found / step, found * step);
         for _ in 0..20 {
             let inner = [high / (high / low).powf(0.618_034), low * (high / low).powf(0.618_034)];
-            let [a, b] = inner.map(|width| {
-                self.width = width;
-                sum_of_squares(&self.solve(readings).left)
-            });
+            let [a, b] = inner.map(|width| self.left_with(readings, Some(width)));
             if a < b { high = inner[1] } else { low = inner[0] }
         }
-        self.width = (low * high).sqrt();
+        let without = self.left_with(readings, None);
+        self.width = Some((low * high).sqrt());
         let mut solved = self.solve(readings);
-        for axis in [0, 1] {
-            if self.pitches[axis].is_none()
-                && let Some(pitch) = self.pitch(readings, &solved.left, axis)
-            {
-                self.pitches[axis] = Some(pitch);
-                solved = self.solve(readings);
+        let left = sum_of_squares(&solved.left);
+        if (without - left) / 2.0 <= SEEN * left / solved.degrees_of_freedom as f64 {
+            (self.width, self.unresolved) = (Some(NOT_SEEN), false);
+            return self.solve(readings);
+        }
+        self.unresolved = found == narrow && narrow > WIDTHS[0];
+        let likely = |left: f64| likelihood(left / best.max(f64::MIN_POSITIVE), solved.degrees_of_freedom) > UNLIKELY;
+        let widths = tried.into_iter().zip(lefts).filter(|(_, left)| likely(*left)).map(|(width, _)| width);
+        solved.variances = self.variances(readings, &solved, widths.collect());
+        solved
+    }
+
+    /// Sum of squares that is left with a width of the spikes.
+    fn left_with(&mut self, readings: &[Reading], width: Option<f64>) -> f64 {
+        self.width = width;
+        sum_of_squares(&self.solve(readings).left)
+    }
+
+    /// Variances of the values of `best` where the spikes' width is not known but searched: over all widths, each with the
+    /// likelihood of what it leaves, even on the logarithm.
+    ///
+    /// ```text
+    /// u² = Σ p_w [s_w² + (x_w − x)²],   p_w ∝ S_w^(−ν/2)
+    /// ```
+    ///
+    /// S_w: sum of squares that the width leaves, ν: degrees of freedom. Where spikes are high, p is 1 at their width. Source: JCGM
+    /// 101:2008, 6 (propagation of distributions), for the nuisance w.
+    fn variances(&mut self, readings: &[Reading], best: &Solved, widths: Vec<f64>) -> Vec<f64> {
+        let least = sum_of_squares(&best.left).max(f64::MIN_POSITIVE);
+        let found = self.width;
+        let (mut weights, mut sums) = (1.0, best.variances.clone());
+        for width in widths {
+            self.width = Some(width);
+            let one = self.solve(readings);
+            let weight = likelihood(sum_of_squares(&one.left) / least, best.degrees_of_freedom);
+            weights += weight;
+            for (column, sum) in sums.iter_mut().enumerate() {
+                *sum += weight * (one.variances[column] + (one.values[column] - best.values[column]).powi(2));
             }
         }
-        solved
+        self.width = found;
+        sums.into_iter().map(|sum| sum / weights).collect()
     }
 
     /// The pitch that takes most of what is left, where that is more than chance.
@@ -208,7 +281,8 @@ impl Fit {
         put(Cause::Straightness(0), cos * cos * sin);
         put(Cause::Straightness(1), sin * sin * cos);
         for (axis, at) in [(0, 0.0), (1, FRAC_PI_2)] {
-            let since = (d * (reading.angle_rad - at)).rem_euclid(PI) / self.width;
+            let Some(width) = self.width else { break };
+            let since = (d * (reading.angle_rad - at)).rem_euclid(PI) / width;
             put(Cause::Reversal(axis), since * E * (-since).exp());
         }
         if self.both {
@@ -253,12 +327,13 @@ impl Fit {
         let left = &right - &matrix * &values;
         let degrees_of_freedom = readings.len() - count;
         let root = (readings.len() as f64).sqrt();
+        let sigma = (left.norm_squared() / degrees_of_freedom as f64).sqrt();
         Solved {
             columns,
+            variances: inverse.diagonal().iter().map(|own| sigma * sigma * own).collect(),
             values,
-            inverse,
             rms: scale.iter().map(|scale| scale / root).collect(),
-            sigma: (left.norm_squared() / degrees_of_freedom as f64).sqrt(),
+            sigma,
             left: left.iter().copied().collect(),
             degrees_of_freedom,
             condition,
@@ -274,7 +349,7 @@ impl Solved {
     fn terms(&self) -> Vec<Term> {
         let mut terms: Vec<Term> = vec![];
         for (column, &cause) in self.columns.iter().enumerate() {
-            let (value, variance) = (self.values[column], self.sigma * self.sigma * self.inverse[(column, column)]);
+            let (value, variance) = (self.values[column], self.variances[column]);
             let rms_mm = value.abs() * self.rms[column];
             match (cause, terms.last_mut()) {
                 // Sine after cosine of one periodic error: its amplitude.
@@ -290,6 +365,11 @@ impl Solved {
         }
         terms
     }
+}
+
+/// Likelihood of a fit that leaves `share` times the squares of the best one, against it.
+fn likelihood(share: f64, degrees_of_freedom: usize) -> f64 {
+    (-0.5 * degrees_of_freedom as f64 * share.ln()).exp().min(1.0)
 }
 
 fn sum_of_squares(values: &[f64]) -> f64 {

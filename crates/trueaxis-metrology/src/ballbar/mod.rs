@@ -15,7 +15,7 @@
 //! cyclic            Δr = cos θ (a cos(2πx/p) + b sin(2πx/p))     x = R cos θ; Y likewise
 //! ```
 //!
-//! One linear least-squares fit for all; w and the pitches p are searched. Servo mismatch and lateral play need both
+//! One linear least-squares fit for all; w and the pitches p are searched, w where spikes are seen. Servo mismatch and lateral play need both
 //! directions: with one they cannot be told from squareness and scale mismatch, and are left out.
 
 mod figures;
@@ -86,8 +86,10 @@ pub struct Term {
 pub struct Evaluation {
     /// Every cause that was looked for; of the periodic ones those that were found.
     pub terms: Vec<Term>,
-    /// Width w of the spikes at reversals, rad.
+    /// Width w of the spikes at reversals, rad; where none are seen, the one that their height is given for.
     pub spike_width_rad: f64,
+    /// Whether there are spikes too narrow for readings so far apart: they are higher than is found.
+    pub spikes_unresolved: bool,
     /// Pitch of the periodic error of either axis, mm.
     pub pitches_mm: [Option<f64>; 2],
     /// Standard deviation of a reading, from what the causes leave, mm.

@@ -45,7 +45,7 @@ pub fn fit_ball(
     let [x, y, z] = near_mm;
     let radius = if known { exact(2.0 * radius_mm) } else { free(2.0 * radius_mm) };
     let unknowns = Vec::from([free(x), free(y), free(z), radius, exact(0.0)]);
-    let surface = Surface::Ball { diameter: 3, origin: 0, offset: [0.0; 3], turn: None, own: None };
+    let surface = Surface::Ball { diameter: 3, origin: 0, offset: [0.0; 3], turn: None, own: None, length: None };
     let touches = points_mm.iter().map(|&tip_mm| Touch {
         tip_mm,
         surface: surface.clone(),

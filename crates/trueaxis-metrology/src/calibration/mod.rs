@@ -7,7 +7,7 @@
 //! ```text
 //! bore     |P (p + J x − δ − c)| + r − D/2        P: projection along the axis of the bore, c its centre
 //! ball     |p + J x − δ − c| − d/2 − r
-//! face     s (n · (p + J x − δ) − Σ u_j (a_j · p or 1) − known) − r        s = ±1: the side that the probe comes from
+//! face     s (n · p′ − Σ u_j (a_j · p′ or 1) − known) − r,  p′ = p + J x − δ        s = ±1: the side that the probe comes from
 //! ```
 //!
 //! are zero but for the probe's repeatability. Unknown are x, r, every place (c, u), the drift at its knots, and the sizes,

@@ -15,7 +15,11 @@ const OFF: f64 = 1.0;
 /// Least repeatability that is found, mm.
 const LEAST: f64 = 1e-9;
 /// Degrees of freedom from which the repeatability that is found takes the place of the one that is stated.
-const POOLED: usize = 20;
+const POOLED: f64 = 20.0;
+/// Most times that it is pooled: weights change what is left, and what is left changes the weights.
+const POOLINGS: usize = 4;
+/// A repeatability that changes by less than this share is the same.
+const SAME: f64 = 0.01;
 
 /// Something that is not known, or only within its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +59,7 @@ pub struct Solution {
     pub residuals_mm: Vec<f64>,
     /// Standard deviation of a touch, from what is left, mm.
     pub sigma_mm: f64,
-    /// Touches and known sizes less unknowns.
+    /// Touches less unknowns as far as the touches tell them: what [`Solution::sigma_mm`] rests on.
     pub degrees_of_freedom: usize,
     /// Condition number of the scaled columns.
     pub condition: f64,
@@ -83,7 +87,7 @@ impl Network {
     /// # Errors
     /// [`Refused`].
     pub fn foresee(&self) -> Result<Solution, Refused> {
-        self.weighed(usize::MAX, LEAST)
+        self.weighed(f64::INFINITY, LEAST)
     }
 
     /// As [`Network::solve`], but with the repeatability as stated where what is found is smaller: touches that happen to agree
@@ -93,7 +97,7 @@ impl Network {
     }
 
     /// Solves; from `pooled` degrees of freedom on by the repeatability that is found, `least` at least, mm.
-    fn weighed(&self, pooled: usize, least: f64) -> Result<Solution, Refused> {
+    fn weighed(&self, pooled: f64, least: f64) -> Result<Solution, Refused> {
         let known = self.unknowns.iter().filter(|unknown| unknown.uncertainty.is_some()).count();
         let count = self.unknowns.len();
         if self.touches.len() + known < count {
@@ -104,15 +108,23 @@ impl Network {
             return Err(Refused::NotFinite { touch });
         }
         let mut values: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
-        let degrees_of_freedom = self.touches.len() + known - count;
         let mut sigma = self.repeatability_mm;
         let mut solved = self.settle(&mut values, sigma, None)?;
         let mut residuals = self.residuals(&values);
-        if degrees_of_freedom >= pooled {
+        let mut redundancy = self.redundancy(&solved);
+        for pooling in 0..POOLINGS {
+            if redundancy < pooled {
+                break;
+            }
             let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
-            sigma = (squares / degrees_of_freedom as f64).sqrt().max(least);
+            let found = (squares / redundancy).sqrt().max(least);
+            if pooling > 0 && (found / sigma - 1.0).abs() < SAME {
+                break;
+            }
+            sigma = found;
             solved = self.settle(&mut values, sigma, Some(solved.condition))?;
             residuals = self.residuals(&values);
+            redundancy = self.redundancy(&solved);
         }
         let deviation = |index: usize| solved.covariance[(index, index)].max(0.0).sqrt();
         let terms = 0..self.terms;
@@ -126,10 +138,23 @@ impl Network {
             values,
             residuals_mm: residuals,
             sigma_mm: sigma,
-            degrees_of_freedom,
+            degrees_of_freedom: redundancy.max(0.0).round() as usize,
             condition: solved.condition,
             rank: count,
         })
+    }
+
+    /// Degrees of freedom of the touches: r = n − p + Σ s_k²/u_k² over what is known within u_k.
+    ///
+    /// A size that the touches tell better than its certificate (s_k ≪ u_k) costs one of them as any unknown does; one that
+    /// they tell nothing of (s_k = u_k) costs none. Source: Förstner, Zeitschrift für Vermessungswesen 104 (1979).
+    fn redundancy(&self, solved: &Solved) -> f64 {
+        let share = |(index, unknown): (usize, &Unknown)| {
+            let uncertainty = unknown.uncertainty?.max(1e-12);
+            Some((solved.covariance[(index, index)] / (uncertainty * uncertainty)).min(1.0))
+        };
+        let known: f64 = self.unknowns.iter().enumerate().filter_map(share).sum();
+        self.touches.len() as f64 - self.unknowns.len() as f64 + known
     }
 
     fn settle(&self, values: &mut [f64], sigma: f64, mut condition: Option<f64>) -> Result<Solved, Refused> {

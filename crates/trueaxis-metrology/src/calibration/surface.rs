@@ -33,10 +33,12 @@ pub enum Surface {
         origin: usize,
         /// The ball's place on the artefact, mm, in the artefact's directions as set up.
         offset: [f64; 3],
-        /// Index of the first of three small turns of the artefact, rad.
+        /// Index of the first of three components of the artefact's turn (axis times angle), rad.
         turn: Option<usize>,
         /// Index of the first of three deviations of the ball's place, mm.
         own: Option<usize>,
+        /// Index of how much longer the artefact is as a whole, 1.
+        length: Option<usize>,
     },
     /// A plane face.
     Face {
@@ -74,6 +76,19 @@ pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// A vector turned by an axis times its angle (Rodrigues): the length of a plate that stands askew stays what it is.
+fn turned(vector: [f64; 3], turn: [f64; 3]) -> [f64; 3] {
+    let angle = dot(turn, turn).sqrt();
+    let half = 0.5 * angle;
+    let sinc = |angle: f64| if angle > 1e-9 { angle.sin() / angle } else { 1.0 };
+    let (once, twice) = (cross(turn, vector), cross(turn, cross(turn, vector)));
+    std::array::from_fn(|k| vector[k] + sinc(angle) * once[k] + 0.5 * sinc(half) * sinc(half) * twice[k])
+}
+
+fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+    [b * z - c * y, c * x - a * z, a * y - b * x]
+}
+
 impl Touch {
     /// The row of the touch; `tip` is the index of the tip's radius.
     pub(super) fn row(&self, values: &[f64], tip: usize) -> Row {
@@ -95,14 +110,13 @@ impl Touch {
                 let gradient = std::array::from_fn(|k| unit[0] * plane[0][k] + unit[1] * plane[1][k]);
                 (distance + of(tip) - 0.5 * of(*diameter), gradient)
             }
-            Surface::Ball { diameter, origin, offset, turn, own } => {
-                let [x, y, z] = *offset;
-                let mut centre: [f64; 3] = std::array::from_fn(|k| of(origin + k) + offset[k]);
-                if let Some(turn) = *turn {
-                    let [a, b, c] = [of(turn), of(turn + 1), of(turn + 2)];
-                    let shift = [b * z - c * y, c * x - a * z, a * y - b * x];
-                    (0..3).for_each(|k| centre[k] += shift[k]);
-                }
+            Surface::Ball { diameter, origin, offset, turn, own, length } => {
+                let [x, y, z] = match *turn {
+                    Some(turn) => turned(*offset, [of(turn), of(turn + 1), of(turn + 2)]),
+                    None => *offset,
+                };
+                let longer = 1.0 + length.map_or(0.0, of);
+                let mut centre: [f64; 3] = std::array::from_fn(|k| of(origin + k) + longer * [x, y, z][k]);
                 if let Some(own) = *own {
                     (0..3).for_each(|k| centre[k] += of(own + k));
                 }
@@ -121,18 +135,23 @@ impl Touch {
                         (turn + 2, -(v * x - u * y)),
                     ]);
                 }
+                derivatives.extend(length.map(|length| (length, -dot(unit, [x, y, z]))));
                 derivatives.extend([(*diameter, -0.5), (tip, -1.0)]);
                 (distance - 0.5 * of(*diameter) - of(tip), unit)
             }
             Surface::Face { normal, outward, known_mm, parts } => {
                 let mut away = dot(*normal, point) - known_mm;
+                let mut across = *normal;
                 for part in parts {
-                    let lever = part.factor * part.along.map_or(1.0, |along| dot(along, self.tip_mm));
+                    let lever = part.factor * part.along.map_or(1.0, |along| dot(along, point));
                     away -= of(part.unknown) * lever;
+                    if let Some(along) = part.along {
+                        (0..3).for_each(|k| across[k] -= of(part.unknown) * part.factor * along[k]);
+                    }
                     derivatives.push((part.unknown, -outward * lever));
                 }
                 derivatives.push((tip, -1.0));
-                (outward * away - of(tip), normal.map(|part| outward * part))
+                (outward * away - of(tip), across.map(|part| outward * part))
             }
         };
         derivatives.extend(self.response.iter().map(|response| dot(gradient, *response)).enumerate());

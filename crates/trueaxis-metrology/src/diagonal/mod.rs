@@ -251,7 +251,7 @@ fn diagonal(number: usize, own: &[(usize, &Reading)]) -> Result<(Diagonal, Scatt
     let unit = to.map(|part| part / length_mm);
     let mut sorted: Vec<(usize, &Reading, f64)> =
         own.iter().map(|&(index, reading)| (index, reading, dot(less(reading.position_mm, from), unit))).collect();
-    sorted.sort_by(|one, other| one.2.total_cmp(&other.2));
+    crate::order::sort_by_number(&mut sorted, |one| one.2);
     let mut targets: Vec<Target> = Vec::new();
     let (mut squares, mut freedom) = (0.0, 0);
     for group in sorted.chunk_by(|one, other| other.2 - one.2 < 1e-6 * length_mm) {

@@ -104,7 +104,7 @@ struct Slope {
 /// Intervals of an axis, each measured on all diagonals.
 fn intervals(steps: &[Step], axis: usize) -> Option<Vec<Interval>> {
     let mut own: Vec<&Step> = steps.iter().filter(|step| step.axis == axis).collect();
-    own.sort_by(|one, other| one.ends_mm[0].total_cmp(&other.ends_mm[0]));
+    crate::order::sort_by_number(&mut own, |one| one.ends_mm[0]);
     let near = |one: &&Step, other: &&Step| {
         let width = one.ends_mm[1] - one.ends_mm[0];
         (0..2).all(|end| (one.ends_mm[end] - other.ends_mm[end]).abs() < 1e-4 * width)

@@ -129,7 +129,7 @@ fn size(curve: &[f64], windows: &[(usize, usize, f64)]) -> Size {
 }
 
 fn spikes(problem: &Problem, curves: [&[f64]; 3], mut windows: Vec<(usize, usize, f64)>) -> Vec<Spike> {
-    windows.sort_by(|one, other| one.2.abs().total_cmp(&other.2.abs()));
+    crate::order::sort_by_number(&mut windows, |one| one.2.abs());
     let groups = windows.chunk_by(|one, next| next.2.abs() <= (1.0 + SAME) * one.2.abs());
     let spike = |group: &[(usize, usize, f64)]| {
         let length = group.iter().map(|(from, to, _)| to - from).min().unwrap_or(0);

@@ -12,8 +12,8 @@
 //! 10.2307/1912934, for the covariance.
 
 use super::parameters::{COUNT, Problem, Values};
+use crate::cores::*;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 use std::vec::Vec;
 
 /// Steps before a fit counts as unsettled.

@@ -3,8 +3,8 @@
 use super::LONGEST_LAG_S;
 use super::basis::{Cause, Chosen, Problem};
 use super::linear::predicted;
+use crate::cores::*;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 use std::vec;
 use std::vec::Vec;
 use trueaxis::Axis;
@@ -166,7 +166,7 @@ impl<'p, 'r> Search<'p, 'r> {
                 (Chosen { lag_s, cause: *cause, bends_c: Vec::new() }, left)
             });
             let mut tried: Vec<(Chosen, f64)> = tried.collect();
-            tried.sort_by(|one, other| one.1.total_cmp(&other.1));
+            crate::order::sort_by_number(&mut tried, |one| one.1);
             let with = |chosen: &Chosen, all: &[Chosen]| all.iter().chain([chosen]).cloned().collect::<Vec<Chosen>>();
             let enough = |found: f64, left: f64| found < (1.0 - GAIN) * left;
             let found = match tried.first() {
