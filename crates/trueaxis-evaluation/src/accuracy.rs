@@ -124,7 +124,7 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
     with_compensation::<N, _>(tables, 1, |compensation| {
         let own = |position: f64, direction: Direction| {
             let travel = if direction == Direction::Down { Travel::NEGATIVE } else { Travel::POSITIVE };
-            let error = |q: f64| {
+            let error = |q: f64, travel: Travel| {
                 let mut at = [0.0; N];
                 at[slot] = q;
                 let (at, thermal) = (compensation.coordinates(&at), [ThermalLine::default(); N]);
@@ -137,16 +137,10 @@ fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<
                 let first = tables.rows(measurement.axis).and_then(<[_]>::first);
                 let own = first.map_or(0.0, |row| row.forward[measurement.axis.index()]);
                 let start = first.map_or(0.0, |row| row.position);
-                let mut at = [0.0; N];
-                at[slot] = start;
-                let forward = compensation.errors(
-                    &Query::at(&compensation.coordinates(&at), &[Travel::POSITIVE; N], &[ThermalLine::default(); N]),
-                    &mut 0,
-                )[slot];
                 let own = if measurement.axis.is_rotary() { own.to_degrees() } else { own };
-                forward - own
+                error(start, Travel::POSITIVE) - own
             };
-            let value = error(position) - constant;
+            let value = error(position, travel) - constant;
             if measurement.axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 }
         };
         evaluate_compensated(measurement, own).map_err(|error| anyhow!("{error}"))

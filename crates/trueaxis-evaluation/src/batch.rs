@@ -2,9 +2,9 @@
 
 use crate::compensate::{Arrival, Model, NoCorrection, Place, PoseError, Settings, with_model};
 use anyhow::{Result, anyhow};
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trueaxis::machine::{AXES, Axis};
+use trueaxis_metrology::cores::*;
 use trueaxis_tables::Machine;
 
 /// Positions that one thread takes at a time.
@@ -99,7 +99,7 @@ fn evaluate(
 ) -> Result<usize> {
     assert_eq!(positions.count() * width, results.len(), "a result for every position");
     let beyond = AtomicUsize::new(0);
-    with_model(machine, settings, &mut |model| {
+    with_model(machine, settings, |model| {
         let run = |first: usize, arrival: &mut Arrival, results: &mut [f64]| {
             let mut count = 0;
             for (row, result) in (first..).zip(results.chunks_exact_mut(width)) {
@@ -112,8 +112,10 @@ fn evaluate(
         if matches!(arrival, Arrival::InOrder(_)) {
             return run(0, &mut arrival, results);
         }
-        let chunks = results.par_chunks_mut(CHUNK * width).enumerate();
-        chunks.try_for_each(|(i, results)| run(i * CHUNK, &mut arrival.clone(), results))
+        results
+            .par_chunks_mut(CHUNK * width)
+            .enumerate()
+            .try_for_each(|(i, results)| run(i * CHUNK, &mut arrival.clone(), results))
     })?;
     Ok(beyond.into_inner())
 }

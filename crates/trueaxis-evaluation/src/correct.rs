@@ -6,6 +6,7 @@ use anyhow::{Result, anyhow};
 use trueaxis::compensation::{Direction, PoseError, Query};
 use trueaxis::machine::{AXES, Axis, AxisOrder, ErrorModel};
 use trueaxis_tables::Machine;
+use trueaxis_tables::text::counted;
 
 /// A query. Lists are in the order X, Y, Z, A, B, C.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,30 @@ pub struct Asked {
     pub reverse: [bool; AXES],
     /// Kelvin above the reference temperature.
     pub kelvin: f64,
+}
+
+/// Largest coordinate that is asked for, mm or degrees.
+const MOST: f64 = 1e6;
+
+/// X, Y, Z, and the machine's rotary axes behind them or not, by [`Axis::index`].
+///
+/// # Errors
+/// Another number of coordinates, one that is no number or above 1e6: what was found and what is needed.
+pub fn position(found: &[f64], machine: &Machine) -> Result<[f64; AXES], String> {
+    let axes: Vec<Axis> = machine.settings.step_axes().collect();
+    if found.len() != 3 && found.len() != axes.len() {
+        let rotary: String = axes.iter().skip(3).map(|axis| format!(",{}", axis.letter())).collect();
+        let or = if rotary.is_empty() { String::new() } else { format!(", or {} with X,Y,Z{rotary}", axes.len()) };
+        return Err(format!("found {}, needed three, X,Y,Z{or}", counted(found.len(), "number")));
+    }
+    let mut at = [0.0; AXES];
+    for (axis, &value) in axes.into_iter().zip(found) {
+        if value.is_nan() || value.abs() > MOST {
+            return Err(format!("found {value} for axis {}, needed at most {MOST:e}", axis.letter()));
+        }
+        at[axis.index()] = value;
+    }
+    Ok(at)
 }
 
 /// Error and correction at a position. Lists are in the order X, Y, Z, A, B, C.

@@ -151,16 +151,12 @@ pub fn rows(machine: &Machine, settings: &Settings) -> Result<Vec<f32>> {
     let asked = Asked::new(machine, settings)?;
     let model = settings.model.unwrap_or(Model::of(machine.settings.compensation.model));
     let corrected = model.on(&asked.machine);
-    crate::by_axes!(machine.settings.step_axes().count(), rows_of(&asked, &corrected))
-}
-
-fn rows_of<const N: usize>(asked: &Asked, corrected: &Machine) -> Result<Vec<f32>> {
     let mut rows = Vec::with_capacity(9 * asked.grid.count());
-    Sampler::<N>::new(asked)?.compensated(corrected, passes(corrected, None)?, |sampler, compensation| {
+    Sampler::new(&asked)?.compensated(&corrected, passes(&corrected, None)?, |sampler, model| {
         for index in 0..asked.grid.count() {
             let at = asked.at(index);
             let (before, command) = sampler.before(&at);
-            let after = sampler.after(compensation, &at, &command);
+            let after = sampler.after(model, &at, &command)?;
             rows.extend(at[..3].iter().map(|mm| *mm as f32));
             rows.extend(before.tip.iter().chain(&after.pose.tip).map(|mm| (mm * 1e3) as f32));
         }
@@ -178,14 +174,10 @@ fn rows_of<const N: usize>(asked: &Asked, corrected: &Machine) -> Result<Vec<f32
 pub fn figures(machine: &Machine, settings: &Settings) -> Result<Figures> {
     let asked = Asked::new(machine, settings)?;
     let model = settings.model.unwrap_or(Model::of(machine.settings.compensation.model));
-    crate::by_axes!(machine.settings.step_axes().count(), figures_of(&asked, model))
-}
-
-fn figures_of<const N: usize>(asked: &Asked, model: Model) -> Result<Figures> {
-    let sampler = Sampler::<N>::new(asked)?;
+    let sampler = Sampler::new(&asked)?;
     let before: Vec<Pose> = (0..asked.grid.count()).map(|index| sampler.before(&asked.at(index)).0).collect();
     let worst = worst::before(&sampler, &before)?;
-    let mut figures = Figures::new(asked, model, sampler.beyond_tables(), Case::new(&asked.grid, &before, worst));
+    let mut figures = Figures::new(&asked, model, sampler.beyond_tables(), Case::new(&asked.grid, &before, worst));
     for model in Model::BOTH {
         figures.add(model, after(&sampler, model).map_err(|error| format!("{error:#}")));
     }
@@ -193,16 +185,16 @@ fn figures_of<const N: usize>(asked: &Asked, model: Model) -> Result<Figures> {
 }
 
 /// What a model leaves.
-fn after<const N: usize>(sampler: &Sampler<'_, N>, model: Model) -> Result<(Case, usize)> {
+fn after(sampler: &Sampler<'_>, model: Model) -> Result<(Case, usize)> {
     let asked = sampler.asked;
     let machine = model.on(&asked.machine);
     let mut poses = Vec::with_capacity(asked.grid.count());
     let mut limited = 0;
     let passes = passes(&machine, None)?;
-    sampler.compensated(&machine, passes, |sampler, compensation| {
+    sampler.compensated(&machine, passes, |sampler, model| {
         for index in 0..asked.grid.count() {
             let at = asked.at(index);
-            let after = sampler.after(compensation, &at, &sampler.geometry.commanded(&sampler.slots(&at)));
+            let after = sampler.after(model, &at, &sampler.geometry.commanded(&sampler.slots(&at)))?;
             limited += usize::from(after.limited);
             poses.push(after.pose);
         }

@@ -34,6 +34,7 @@ pub mod received;
 pub mod response;
 pub mod roundness;
 pub mod rows;
+pub mod shown;
 pub mod stuck;
 pub mod thermal;
 pub mod thermal_test;

@@ -53,7 +53,8 @@ pub fn parsed<'b>(bytes: &'b [u8], machine: &Path) -> Result<Tcomp<'b>> {
     Tcomp::parse(bytes).map_err(|error| anyhow!("{}: {error}", machine.display()))
 }
 
-fn is_compiled(path: &Path) -> bool {
+/// Whether the path names a compiled machine.
+pub fn is_compiled(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "tcomp")
 }
 
@@ -66,11 +67,18 @@ pub fn with_compensation<const N: usize, T>(
     passes: u8,
     user: impl FnOnce(&Compensation<'_, f64, f64, N>) -> Result<T>,
 ) -> Result<T> {
+    user(&compensation(machine, passes, &mut Vec::new())?)
+}
+
+/// As [`with_compensation`], built in the caller's `memory`.
+pub(crate) fn compensation<'m, const N: usize>(
+    machine: &'m Machine,
+    passes: u8,
+    memory: &'m mut Vec<f64>,
+) -> Result<Compensation<'m, f64, f64, N>> {
     let rows = |axis: Axis| machine.rows(axis);
-    let mut memory = vec![0.0; requirement(&machine.settings, rows)];
-    let compensation = Compensation::build(&machine.settings, rows, &machine.grids(), passes, &mut memory)
-        .map_err(|error| anyhow!("{error}"))?;
-    user(&compensation)
+    memory.resize(requirement(&machine.settings, rows), 0.0);
+    Compensation::build(&machine.settings, rows, &machine.grids(), passes, memory).map_err(|error| anyhow!("{error}"))
 }
 
 /// Calls a function generic over the number of axes of the step with that number.

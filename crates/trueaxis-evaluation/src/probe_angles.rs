@@ -2,9 +2,9 @@
 
 use crate::probes::Probes;
 use anyhow::{Result, bail};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use trueaxis::roundness::{Band, Gain, ProbeAngles};
+use trueaxis_metrology::cores::*;
 use trueaxis_metrology::pair_search::{Arrangement, Bound, PairSearch};
 
 /// Most pairs that are listed.

@@ -1,11 +1,10 @@
 //! Tip errors of the volumetric model at places, and what a unit of one error makes of them.
 
-use crate::by_axes;
-use crate::model::with_compensation;
+use crate::compensate::{Place, Settings, with_model};
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;
-use trueaxis::compensation::{Compensation, Direction, Query, ThermalLine};
-use trueaxis::machine::{AXES, AxisOrder, ErrorModel, Row};
+use trueaxis::compensation::Direction;
+use trueaxis::machine::{AXES, ErrorModel, Row};
 use trueaxis_tables::{Machine, Table};
 
 /// An error that a machine may have.
@@ -34,21 +33,15 @@ const SIZE: f64 = 1e-3;
 pub fn tip_errors(machine: &Machine, places: &[[f64; AXES]]) -> Result<(Vec<[f64; 3]>, bool)> {
     let mut volumetric = machine.clone();
     volumetric.settings.compensation.model = ErrorModel::Volumetric;
-    by_axes!(volumetric.settings.step_axes().count(), of(&volumetric, places))
-}
-
-fn of<const N: usize>(machine: &Machine, places: &[[f64; AXES]]) -> Result<(Vec<[f64; 3]>, bool)> {
-    let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
-    with_compensation::<N, _>(machine, 1, |compensation: &Compensation<'_, f64, f64, N>| {
-        let (mut clamped, still) = (0, [ThermalLine::default(); N]);
-        let errors = places.iter().map(|place| {
-            let at = compensation.coordinates(&axes.map(|axis| place[axis.index()]));
-            let query = Query::at(&at, &[Direction::POSITIVE; N], &still);
-            let error = compensation.errors(&query, &mut clamped);
-            [error[0], error[1], error[2]]
+    with_model(&volumetric, &Settings { passes: Some(1), ..Settings::default() }, |model| {
+        let mut clamped = false;
+        let errors = places.iter().map(|command| {
+            let error = model.error(&Place { command: *command, directions: [Direction::POSITIVE; AXES] });
+            clamped |= error.clamped;
+            error.tip
         });
         let errors = errors.collect();
-        Ok((errors, clamped != 0))
+        Ok((errors, clamped))
     })
 }
 

@@ -38,6 +38,7 @@ pub struct Rows<'r, const C: usize> {
     sheet: Sheet<'r>,
     /// Index among the columns asked for, by column of the file.
     order: Vec<usize>,
+    gaps: bool,
     reported: Option<&'static str>,
     tell: Box<dyn FnMut(String) + 'r>,
 }
@@ -48,6 +49,56 @@ fn most(column: &str) -> f64 {
         Some((_, "um" | "urad")) => 1e6,
         _ => 1e9,
     }
+}
+
+/// The sheet, and which of the columns stands in each of its own. Apart from [`Rows`], whose code is there once for each number
+/// of columns.
+fn opened<'r>(input: Box<dyn Read + 'r>, file: &Path, columns: &[Column]) -> Result<(Sheet<'r>, Vec<usize>)> {
+    let sheet = Sheet::new(input, file)?;
+    let header = sheet.header();
+    let names = || columns.iter().map(|c| c.name).collect::<Vec<_>>().join(", ");
+    let mut order = Vec::with_capacity(header.len());
+    for (i, cell) in header.iter().enumerate() {
+        let Some(slot) = columns.iter().position(|c| c.name == cell) else {
+            return Err(sheet.error(cell, cell, format!("one of {}", names())).into());
+        };
+        if header[..i].contains(cell) {
+            return Err(sheet.error(cell, "a second column of that name", "one").into());
+        }
+        order.push(slot);
+    }
+    if let Some((_, missing)) = columns.iter().enumerate().find(|(slot, column)| column.needed && !order.contains(slot))
+    {
+        let needed = format!("the column {}", missing.name);
+        return Err(sheet.error("", format!("columns {}", header.join(", ")), needed).into());
+    }
+    Ok((sheet, order))
+}
+
+/// The values of the row read last, in their slots.
+fn read(sheet: &mut Sheet<'_>, header: &[String], order: &[usize], gaps: bool, values: &mut [f64]) -> Result<()> {
+    for (i, (&slot, name)) in order.iter().zip(header).enumerate() {
+        if gaps && sheet.field(i).is_empty() {
+            values[slot] = f64::NAN;
+            continue;
+        }
+        let value = sheet.number(i)?;
+        if value.abs() > most(name) {
+            return Err(sheet.error(name, sheet.field(i), format!("at most {:e}", most(name))).into());
+        }
+        values[slot] = value;
+    }
+    Ok(())
+}
+
+fn no_rows(file: &Path) -> anyhow::Error {
+    let (found, needed) = ("no rows".into(), "at least one".into());
+    FileError { file: file.into(), line: None, column: None, found, needed }.into()
+}
+
+/// An error at a line of a file.
+fn wrong(file: &Path, line: u32, column: &str, found: String, needed: String) -> anyhow::Error {
+    FileError { file: file.into(), line: Some(line), column: Some(column.into()), found, needed }.into()
 }
 
 impl<'r, const C: usize> Rows<'r, C> {
@@ -62,28 +113,19 @@ impl<'r, const C: usize> Rows<'r, C> {
         columns: &[Column; C],
         tell: impl FnMut(String) + 'r,
     ) -> Result<Rows<'r, C>> {
-        let sheet = Sheet::new(input, file)?;
-        let header = sheet.header().to_vec();
-        let names = || columns.iter().map(|c| c.name).collect::<Vec<_>>().join(", ");
-        let mut order = Vec::with_capacity(header.len());
-        for (i, cell) in header.iter().enumerate() {
-            let Some(slot) = columns.iter().position(|c| c.name == cell) else {
-                return Err(sheet.error(cell, cell, format!("one of {}", names())).into());
-            };
-            if header[..i].contains(cell) {
-                return Err(sheet.error(cell, "a second column of that name", "one").into());
-            }
-            order.push(slot);
-        }
+        let (sheet, order) = opened(Box::new(input), file, columns)?;
         let present: [bool; C] = std::array::from_fn(|slot| order.contains(&slot));
-        if let Some(missing) = columns.iter().zip(present).find(|(column, present)| column.needed && !present) {
-            let needed = format!("the column {}", missing.0.name);
-            return Err(sheet.error("", format!("columns {}", header.join(", ")), needed).into());
-        }
-        let tell = Box::new(tell);
-        let mut rows = Rows { file: file.into(), present, header, count: 0, sheet, order, reported: None, tell };
+        let (header, tell) = (sheet.header().to_vec(), Box::new(tell));
+        let mut rows =
+            Rows { file: file.into(), present, header, count: 0, sheet, order, gaps: false, reported: None, tell };
         rows.tell_dialect();
         Ok(rows)
+    }
+
+    /// From here on an empty cell is no value: NaN.
+    pub fn with_gaps(mut self) -> Self {
+        self.gaps = true;
+        self
     }
 
     /// The next row; none at the end of the file.
@@ -92,24 +134,13 @@ impl<'r, const C: usize> Rows<'r, C> {
     /// A row that cannot be read, or a file without any.
     #[expect(clippy::should_implement_trait, reason = "a row may be an error, and none is no end of an iterator")]
     pub fn next(&mut self) -> Result<Option<Row<C>>> {
+        let mut values = [0.0; C];
         if !self.sheet.next_row()? {
             self.tell_dialect();
-            if self.count == 0 {
-                let file = self.file.clone();
-                let (found, needed) = ("no rows".into(), "at least one".into());
-                return Err(FileError { file, line: None, column: None, found, needed }.into());
-            }
-            return Ok(None);
+            return if self.count == 0 { Err(no_rows(&self.file)) } else { Ok(None) };
         }
         self.count += 1;
-        let mut values = [0.0; C];
-        for (i, &slot) in self.order.iter().enumerate() {
-            let (value, name) = (self.sheet.number(i)?, &self.header[i]);
-            if value.abs() > most(name) {
-                return Err(self.sheet.error(name, self.sheet.field(i), format!("at most {:e}", most(name))).into());
-            }
-            values[slot] = value;
-        }
+        read(&mut self.sheet, &self.header, &self.order, self.gaps, &mut values)?;
         Ok(Some(Row { line: self.sheet.line(), values }))
     }
 
@@ -132,14 +163,7 @@ impl<'r, const C: usize> Rows<'r, C> {
 
     /// An error at a line of the file.
     pub fn error(&self, line: u32, column: &str, found: impl ToString, needed: impl ToString) -> anyhow::Error {
-        FileError {
-            file: self.file.clone(),
-            line: Some(line),
-            column: Some(column.into()),
-            found: found.to_string(),
-            needed: needed.to_string(),
-        }
-        .into()
+        wrong(&self.file, line, column, found.to_string(), needed.to_string())
     }
 
     /// Says once how a file is read that has other separators or decimals.

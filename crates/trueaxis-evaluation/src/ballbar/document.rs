@@ -178,6 +178,13 @@ impl Test {
                     .into(),
             );
         }
+        if found.spikes_unresolved {
+            let per_turn = self.readings.len() / if found.both_directions { 2 } else { 1 };
+            warnings.push(format!(
+                "the spikes at reversals are narrower than {per_turn} readings a turn show, and higher than is found: record \
+                 more readings a turn"
+            ));
+        }
         Document {
             readings: self.readings.len(),
             radius_mm: self.options.radius_mm,
@@ -223,7 +230,7 @@ impl Test {
                 share: if all > 0.0 { term.rms_mm * term.rms_mm / all } else { 0.0 },
             })
             .collect();
-        shares.sort_by(|one, other| other.share.total_cmp(&one.share));
+        trueaxis_metrology::order::sort_by_number(&mut shares, |one| -one.share);
         shares
     }
 }

@@ -1,7 +1,8 @@
 //! What was found, as a document and as additions to the machine.
 
+use super::artefact::Kind;
 use super::solve::Calibration;
-use super::task::{Kind, Task};
+use super::task::Task;
 use super::terms::Term;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -10,6 +11,8 @@ use trueaxis_tables::{Additions, Machine};
 
 /// Steps of a table that is made of curves.
 const STEPS: usize = 40;
+/// A size found further from what is stated than this many standard uncertainties: a warning.
+const PULLED: f64 = 4.0;
 /// A term's effect over the travel is known worse than this, µm: a warning.
 const POOR_UM: f64 = 20.0;
 
@@ -61,7 +64,7 @@ pub struct Document {
     pub rank: usize,
     /// Condition number of the scaled columns.
     pub condition: f64,
-    /// Touches and known sizes less unknowns.
+    /// Touches less unknowns as far as the touches tell them: what `sigma_um` rests on.
     pub degrees_of_freedom: usize,
     /// Standard deviation of a touch, from what is left.
     pub sigma_um: f64,
@@ -153,6 +156,28 @@ impl Calibration {
                 1e3 * solution.sigma_mm,
                 1e3 * task.probe.repeatability_mm
             ));
+        }
+        let angles: Vec<usize> = task
+            .artefacts
+            .iter()
+            .zip(&self.observed.sizes)
+            .filter_map(|(artefact, size)| size.filter(|_| matches!(artefact.kind, Kind::Square { .. })))
+            .collect();
+        for (index, unknown) in self.observed.network.unknowns.iter().enumerate() {
+            let away = solution.values[index] - unknown.start;
+            if let Some(stated) = unknown.uncertainty.filter(|stated| away.abs() > PULLED * stated) {
+                let (factor, unit) = match index {
+                    _ if angles.contains(&index) => (1e6, "µrad"),
+                    _ if self.observed.lengths.contains(&Some(index)) => (1e6, "ppm"),
+                    _ => (1e3, "µm"),
+                };
+                let name = &self.observed.names[index];
+                warnings.push(format!(
+                    "{name} is found {:.1} {unit} from what is stated, {:.1} {unit} are its uncertainty",
+                    factor * away,
+                    factor * stated
+                ));
+            }
         }
         for (index, term) in terms.terms.iter().enumerate() {
             let error = solution.standard_errors[index];

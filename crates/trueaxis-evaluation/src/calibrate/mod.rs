@@ -6,27 +6,36 @@
 //!
 //! The mathematics is [`trueaxis_metrology::calibration`].
 
+mod artefact;
+mod curves;
 mod document;
 mod figures;
+mod foreseen;
 mod kinematics;
 mod log;
 mod observed;
 mod plan;
+mod planning;
 mod program;
+pub(crate) mod ranges;
+mod reach;
 mod solve;
 mod task;
 mod terms;
 mod touches;
 mod trips;
 
+pub use artefact::{Artefact, Kind, Place};
+pub use curves::{Curves, Residuals};
 pub use document::{Document, Drift, Found, Size};
 pub use figures::{curves, drift, residuals};
+pub use foreseen::{Expected, Foreseen, Planning, solved};
 pub use kinematics::Ideal;
 pub use log::{Log, Logged, read_log};
 pub use observed::{Observed, observe, observe_terms};
 pub use plan::{Plan, Planned, Step, Visit};
 pub use program::program;
 pub use solve::{Calibration, calibrate, foresee, foresee_observed, planned, settle};
-pub use task::{Artefact, Dialect, Kind, Place, Probe, Reference, Task, Wanted};
+pub use task::{Dialect, Probe, Reference, Task, Wanted};
 pub use terms::{Pose, Term, Terms, perfect};
 pub use trips::trips;

@@ -1,11 +1,13 @@
 //! The network of a task: its unknowns and their names, its touches on their surfaces.
 
+use super::artefact::Kind;
 use super::kinematics::Ideal;
 use super::plan::Plan;
-use super::task::{Kind, Task};
+use super::task::Task;
 use super::terms::{Pose, Terms, perfect};
-use super::touches::{across, square_directions};
+use super::touches::{across, row, square_directions};
 use anyhow::Result;
+use std::ops::Range;
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_metrology::calibration::{Network, Part, Surface, Touch, Unknown};
 use trueaxis_tables::Machine;
@@ -22,6 +24,10 @@ pub struct Observed {
     pub terms: Terms,
     /// Of every artefact the index of its size: diameter or angle; none for a step gauge.
     pub sizes: Vec<Option<usize>>,
+    /// Of every artefact the deviations of its balls (three each) or faces from where its certificate has them, mm.
+    pub deviations: Vec<Range<usize>>,
+    /// Of every artefact how much longer it is as a whole; none where nothing is stated of that.
+    pub lengths: Vec<Option<usize>>,
     /// First unknown of every artefact's places; of a ball the first coordinate of its centre.
     pub places: Vec<Vec<usize>>,
     /// Knots of the drift: time, s, and index of the first of three components; the first knot has none.
@@ -105,7 +111,8 @@ pub fn observe_terms(
         repeatability_mm: task.probe.repeatability_mm,
         unknowns: names.unknowns,
     };
-    Ok(Observed { network, names: names.names, terms, sizes: artefacts.sizes, places: artefacts.places, knots })
+    let Artefacts { sizes, own: deviations, lengths, places } = artefacts;
+    Ok(Observed { network, names: names.names, terms, sizes, deviations, lengths, places, knots })
 }
 
 /// Knots in the middle of every visit of the reference.
@@ -147,25 +154,27 @@ fn between(knots: &[(f64, Option<usize>)], time: f64) -> Vec<(usize, f64)> {
 /// Indices of what is unknown of the artefacts.
 struct Artefacts {
     sizes: Vec<Option<usize>>,
-    /// First of the deviations of a plate's balls (three each) or of a gauge's faces.
-    own: Vec<Option<usize>>,
+    /// Deviations of a plate's balls (three each) or of a gauge's faces.
+    own: Vec<Range<usize>>,
+    /// Error of length that a whole plate or gauge has in common, 1.
+    lengths: Vec<Option<usize>>,
     /// First unknown of every place.
     places: Vec<Vec<usize>>,
 }
 
 impl Artefacts {
     fn new(task: &Task, ideal: &Ideal, names: &mut Names) -> Artefacts {
-        let mut all = Artefacts { sizes: Vec::new(), own: Vec::new(), places: Vec::new() };
+        let mut all = Artefacts { sizes: Vec::new(), own: Vec::new(), lengths: Vec::new(), places: Vec::new() };
         for artefact in &task.artefacts {
             let (name, uncertainty) = (&artefact.name, artefact.uncertainty);
-            let mut own = None;
+            let mut own = 0..0;
             let size = match &artefact.kind {
                 Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm } => {
                     Some(names.put(format!("diameter of {name}"), *diameter_mm, uncertainty))
                 }
                 Kind::Plate { diameter_mm, balls_mm } => {
                     let size = names.put(format!("diameter of the balls of {name}"), *diameter_mm, uncertainty);
-                    own = Some(names.names.len());
+                    own = names.names.len()..names.names.len() + 3 * balls_mm.len();
                     for ball in 1..=balls_mm.len() {
                         let of = |axis: u8| format!("place {axis} of ball {ball} of {name}");
                         names.put_all([1, 2, 3].map(of), [0.0; 3], uncertainty);
@@ -173,7 +182,7 @@ impl Artefacts {
                     Some(size)
                 }
                 Kind::Gauge { steps_mm } => {
-                    own = Some(names.names.len());
+                    own = names.names.len()..names.names.len() + steps_mm.len();
                     for face in 1..=steps_mm.len() {
                         names.put(format!("face {face} of {name}"), 0.0, uncertainty);
                     }
@@ -186,6 +195,8 @@ impl Artefacts {
             };
             all.sizes.push(size);
             all.own.push(own);
+            let longer = |uncertainty| names.put(format!("length of {name}"), 0.0, Some(uncertainty));
+            all.lengths.push(artefact.length_uncertainty.map(longer));
             let mut places = Vec::new();
             for (index, place) in artefact.places.iter().enumerate() {
                 let at = |what: &str| format!("{what} of {name}, place {}", index + 1);
@@ -204,7 +215,7 @@ impl Artefacts {
                         first
                     }
                     Kind::Gauge { .. } => {
-                        let direction = unit(place.along);
+                        let direction = row(place.along);
                         names.put(at("origin"), along(direction) + task.probe.tip_radius_mm, None)
                     }
                     Kind::Square { .. } => {
@@ -221,30 +232,28 @@ impl Artefacts {
     fn surface(&self, task: &Task, artefact: usize, place: usize, feature: usize) -> Surface {
         let (of, at) = (&task.artefacts[artefact], &task.artefacts[artefact].places[place]);
         let first = self.places[artefact][place];
-        let (size, own) = (self.sizes[artefact].unwrap_or_default(), self.own[artefact]);
+        let (size, own) = (self.sizes[artefact].unwrap_or_default(), self.own[artefact].start);
         match &of.kind {
             Kind::Ring { .. } => Surface::Bore { diameter: size, centre: first, plane: across(at.normal) },
             Kind::Ball { .. } => {
-                Surface::Ball { diameter: size, origin: first, offset: [0.0; 3], turn: None, own: None }
+                Surface::Ball { diameter: size, origin: first, offset: [0.0; 3], turn: None, own: None, length: None }
             }
             Kind::Plate { balls_mm, .. } => {
                 let [u, v] = across(at.normal);
                 let normal = unit(at.normal);
                 let [a, b, c] = balls_mm.get(feature).copied().unwrap_or_default();
                 let offset = std::array::from_fn(|k| a * u[k] + b * v[k] + c * normal[k]);
-                let own = own.map(|own| own + 3 * feature);
-                Surface::Ball { diameter: size, origin: first, offset, turn: Some(first + 3), own }
+                let own = Some(own + 3 * feature);
+                let length = self.lengths[artefact];
+                Surface::Ball { diameter: size, origin: first, offset, turn: Some(first + 3), own, length }
             }
-            Kind::Gauge { steps_mm } => Surface::Face {
-                normal: unit(at.along),
-                outward: -1.0,
-                known_mm: steps_mm.get(feature).copied().unwrap_or_default(),
-                parts: [Some(first), own.map(|own| own + feature)]
-                    .into_iter()
-                    .flatten()
-                    .map(|unknown| Part { unknown, factor: 1.0, along: None })
-                    .collect(),
-            },
+            Kind::Gauge { steps_mm } => {
+                let known_mm = steps_mm.get(feature).copied().unwrap_or_default();
+                let part = |unknown, factor| Part { unknown, factor, along: None };
+                let mut parts = vec![part(first, 1.0), part(own + feature, 1.0)];
+                parts.extend(self.lengths[artefact].map(|length| part(length, known_mm)));
+                Surface::Face { normal: row(at.along), outward: -1.0, known_mm, parts }
+            }
             Kind::Square { .. } => {
                 let [u, v, _] = square_directions(at);
                 let sense = if at.reversed { -1.0 } else { 1.0 };

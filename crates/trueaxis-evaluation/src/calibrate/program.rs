@@ -71,16 +71,15 @@ struct Writer {
 
 impl Writer {
     fn head(&self, text: &mut String, task: &Task, machine: &Machine, plan: &Plan, axes: &[usize]) {
-        let (identity, count) = (plan.identity, plan.touches.len());
-        let minutes = plan.touches.last().map_or(0.0, |touch| touch.time_s / 60.0).ceil();
+        let (number, count, minutes) = (plan.number(), plan.touches.len(), plan.minutes().ceil());
         let title = format!(
-            "trueaxis calibrate plan for {}, tip radius {} mm, {count} touches, about {minutes} minutes",
+            "trueaxis probing program for {}, tip radius {} mm, {count} touches, about {minutes} minutes",
             machine.settings.name, task.probe.tip_radius_mm
         );
-        let started = format!("trueaxis calibrate {identity:08x} touches {count}");
+        let started = format!("trueaxis calibrate {number} touches {count}");
         if self.dialect == Dialect::Klipper {
-            let _ = writeln!(text, "; {}\n; needs [respond], [pause_resume] and [trueaxis_probe]", plain(&title));
-            let _ = writeln!(text, "RESPOND MSG=\"{started}\"\nG21\nG90");
+            let _ = writeln!(text, "; {}\n; needs [pause_resume] and [trueaxis_probe]", plain(&title));
+            let _ = writeln!(text, "TRUEAXIS_NOTE MSG=\"{started}\"\nG21\nG90");
             return;
         }
         let zero = words(axes.iter().map(|axis| (LETTERS[*axis], 0.0)));
@@ -89,7 +88,7 @@ impl Writer {
         let _ = writeln!(text, "G10 L2 P9{zero} R0 (G59.3: the machine's own zero)\nG59.3\nG92.2");
         match self.dialect {
             Dialect::LinuxCnc => {
-                let _ = writeln!(text, "(LOGOPEN,trueaxis-{identity:08x}.log)\n(LOG,{started})");
+                let _ = writeln!(text, "(LOGOPEN,trueaxis-{number}.log)\n(LOG,{started})");
             }
             _ => {
                 let _ = writeln!(text, "(MSG,{started})");
@@ -100,7 +99,7 @@ impl Writer {
     fn pause(&self, text: &mut String, what: &str) {
         let what = plain(what);
         let _ = match self.dialect {
-            Dialect::Klipper => writeln!(text, "RESPOND MSG=\"{what}, then RESUME\"\nPAUSE"),
+            Dialect::Klipper => writeln!(text, "TRUEAXIS_NOTE MSG=\"{what}, then RESUME\"\nPAUSE"),
             _ => writeln!(text, "(MSG,{what})\nM0"),
         };
     }
@@ -133,11 +132,11 @@ impl Writer {
     }
 
     fn tail(&self, text: &mut String, plan: &Plan) {
-        let ended = format!("trueaxis end {:08x}", plan.identity);
+        let ended = format!("trueaxis end {}", plan.number());
         let _ = match self.dialect {
             Dialect::LinuxCnc => writeln!(text, "(LOG,{ended})\n(LOGCLOSE)\nM2"),
             Dialect::GrblHal => writeln!(text, "(MSG,{ended})\nM2"),
-            Dialect::Klipper => writeln!(text, "RESPOND MSG=\"{ended}\""),
+            Dialect::Klipper => writeln!(text, "TRUEAXIS_NOTE MSG=\"{ended}\""),
         };
     }
 }

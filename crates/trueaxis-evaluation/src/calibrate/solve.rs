@@ -1,9 +1,10 @@
 //! What a log tells of the machine.
 
+use super::artefact::Kind;
 use super::log::Logged;
 use super::observed::{Observed, observe};
 use super::plan::Plan;
-use super::task::{Kind, Task};
+use super::task::Task;
 use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
 use trueaxis::machine::AXES;
@@ -68,6 +69,7 @@ pub fn settle(task: &Task, plan: &Plan, trips: &[Logged], file: &Path, observed:
     sizes_hold(&source, &observed)?;
     let solution = observed.network.solve().map_err(|refused| source.refused(&observed, refused))?;
     touches_hold(&source, &solution)?;
+    deviations_hold(&source, &observed, &solution)?;
     drift_holds(&source, &observed, &solution)?;
     Ok(Calibration { observed, solution, lines: source.lines })
 }
@@ -138,7 +140,7 @@ impl Source<'_> {
 /// A combination in words, the machine's terms first.
 fn words(parts: &[(usize, f64)], observed: &Observed) -> String {
     let mut parts = parts.to_vec();
-    parts.sort_by(|one, other| other.1.abs().total_cmp(&one.1.abs()));
+    trueaxis_metrology::order::sort_by_number(&mut parts, |one| -one.1.abs());
     // Places follow the terms; they matter only where nothing else does.
     let sizes: Vec<&(usize, f64)> = parts.iter().filter(|(index, _)| is_size(*index, observed)).collect();
     let said = if sizes.is_empty() { parts.iter().collect() } else { sizes };
@@ -194,6 +196,20 @@ fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
     Ok(())
 }
 
+/// Balls of a plate and faces of a gauge are where their certificate has them, within the artefact's tolerance.
+fn deviations_hold(source: &Source<'_>, observed: &Observed, solution: &Solution) -> Result<()> {
+    for (artefact, own) in source.task.artefacts.iter().zip(&observed.deviations) {
+        let off = |index: &usize| solution.values[*index].abs() > artefact.tolerance_mm;
+        if let Some(index) = own.clone().find(off) {
+            let found =
+                format!("{} {:.1} µm from its certificate", observed.names[index], 1e3 * solution.values[index]);
+            let needed = format!("at most {} µm: the right artefact, and its own sizes", 1e3 * artefact.tolerance_mm);
+            return Err(source.error(None, found, needed));
+        }
+    }
+    Ok(())
+}
+
 /// Size of an artefact from the touches at one place, the tip's radius as stated; none where they do not tell it.
 fn alone(observed: &Observed, touches: &[usize], size: usize) -> Option<f64> {
     let network = &observed.network;
@@ -205,9 +221,10 @@ fn alone(observed: &Observed, touches: &[usize], size: usize) -> Option<f64> {
         Surface::Bore { centre, plane, .. } => {
             (Surface::Bore { diameter: 1, centre: 2, plane: *plane }, *centre..centre + 2)
         }
-        Surface::Ball { origin, .. } => {
-            (Surface::Ball { diameter: 1, origin: 2, offset: [0.0; 3], turn: None, own: None }, *origin..origin + 3)
-        }
+        Surface::Ball { origin, .. } => (
+            Surface::Ball { diameter: 1, origin: 2, offset: [0.0; 3], turn: None, own: None, length: None },
+            *origin..origin + 3,
+        ),
         _ => return None,
     };
     let touches = touches.iter().filter_map(|touch| network.touches.get(*touch)).map(|touch| Touch {

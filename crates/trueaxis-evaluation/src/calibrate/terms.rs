@@ -1,6 +1,7 @@
 //! Terms of a machine that touches can tell.
 
-use super::task::{Kind, Task};
+use super::artefact::Kind;
+use super::task::Task;
 use trueaxis::machine::{AXES, Axis, Row};
 use trueaxis_tables::exact::{Geometry, GeometryError};
 use trueaxis_tables::{Machine, Table};

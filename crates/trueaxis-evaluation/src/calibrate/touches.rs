@@ -1,7 +1,8 @@
 //! Which points of an artefact are touched, and from where.
 
+use super::artefact::{Kind, Place};
 use super::kinematics::Ideal;
-use super::task::{Kind, Place, Task};
+use super::task::Task;
 use anyhow::Result;
 use trueaxis::machine::Axis;
 
@@ -100,7 +101,7 @@ pub(super) fn of_place(task: &Task, ideal: &Ideal, artefact: usize, place: usize
             targets
         }
         Kind::Gauge { steps_mm } => {
-            let (along, lift) = (unit(at.along), unit(at.normal));
+            let (along, lift) = (row(at.along), unit(at.normal));
             let face = |(feature, step): (usize, &f64)| {
                 let point = moved(at.at_mm, along, *step);
                 line_target(task, feature, point, along, lift)
@@ -261,8 +262,16 @@ fn square(task: &Task, at: &Place, [first_mm, second_mm]: [f64; 2], points: usiz
     targets
 }
 
-/// Directions of a square's arms as not turned over, and across it.
+/// Direction of a row of faces or of a first arm: what stands upright begins at its top, where a probe reaches it.
+pub(super) fn row(along: Axis) -> [f64; 3] {
+    if along == Axis::Z { [0.0, 0.0, -1.0] } else { unit(along) }
+}
+
+/// Directions of a square's arms as not turned over, and across it; an upright arm hangs down from the corner.
 pub(super) fn square_directions(at: &Place) -> [[f64; 3]; 3] {
-    let (u, lift) = (unit(at.along), unit(at.normal));
-    [u, cross(lift, u), lift]
+    let (u, lift) = (row(at.along), unit(at.normal));
+    let v = cross(lift, u);
+    // No minus before a zero, which programs would write.
+    let v = v.map(|part| if part == 0.0 { 0.0 } else { part });
+    [u, if v[2] > 0.5 { [0.0, 0.0, -1.0] } else { v }, lift]
 }

@@ -27,7 +27,7 @@ pub fn trips(task: &Task, plan: &Plan, log: &Log, file: &Path) -> Result<Vec<Log
     let count = plan.touches.len();
     if let Some((identity, line)) = log.identity.filter(|(identity, _)| *identity != plan.identity) {
         let found = format!("the log of program {identity:08x}");
-        let needed = format!("that of {:08x}, which {} plans", plan.identity, task.file.display());
+        let needed = format!("that of {}, which {} plans", plan.number(), task.file.display());
         return Err(error(Some(line), found, needed));
     }
     if let Some((id, logged)) = log.touches.iter().find(|(id, _)| **id > count) {

@@ -22,7 +22,7 @@ pub fn polar(evaluation: &Evaluation, shown: Shown) -> Option<Figure> {
         [y.atan2(x), 1e3 * (x.hypot(y) - base.radius)]
     };
     let mut measured: Vec<[f64; 2]> = evaluation.points.iter().map(departure).collect();
-    measured.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    trueaxis_metrology::order::sort_by_number(&mut measured, |one| one[0]);
     let circles: Vec<Circle> = (CIRCLES.into_iter().zip(circles).zip(shown).enumerate())
         .filter(|(_, (_, shown))| *shown)
         .filter_map(|(i, (((name, colour), circle), _))| circle.map(|circle| (i, name, colour, circle)))

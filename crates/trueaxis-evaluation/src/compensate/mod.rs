@@ -119,18 +119,19 @@ impl Arrival {
     }
 }
 
-/// Makes the model of a machine and lends it out.
+/// Makes the model of a machine and lends it out. Its number of axes is no longer part of its type: whoever uses it is
+/// compiled once.
 ///
 /// # Errors
 /// A machine that the model refuses, one that needs more than 8 passes, a thermal growth that the step does not take; what
 /// `user` does.
-pub fn with_model(
-    machine: &Machine,
-    settings: &Settings,
-    user: &mut dyn FnMut(&dyn Model) -> Result<()>,
-) -> Result<()> {
+pub fn with_model<T>(machine: &Machine, settings: &Settings, user: impl FnOnce(&dyn Model) -> Result<T>) -> Result<T> {
+    user(&*model(machine, settings, &mut Vec::new())?)
+}
+
+fn model<'m>(machine: &'m Machine, settings: &Settings, memory: &'m mut Vec<f64>) -> Result<Box<dyn Model + 'm>> {
     if settings.exact {
-        return user(&exact::Exact::new(machine, settings)?);
+        return Ok(Box::new(exact::Exact::new(machine, settings)?));
     }
     if !takes_rise(machine, settings.kelvin) {
         bail!(
@@ -138,5 +139,5 @@ pub fn with_model(
             settings.kelvin
         );
     }
-    by_axes!(machine.settings.step_axes().count(), step::with(machine, settings, user))
+    by_axes!(machine.settings.step_axes().count(), step::model(machine, settings, memory))
 }

@@ -1,34 +1,33 @@
 //! Nine terms and twists: the models of the servo step.
 
 use super::{Model, NoCorrection, Place, PoseError, Settings};
-use crate::model::{passes, thermal, with_compensation};
+use crate::model::{compensation, passes, thermal};
 use anyhow::{Result, anyhow};
 use trueaxis::compensation::{Compensation, Query, ThermalLine};
 use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis_tables::Machine;
 
-/// Lends the model of a machine with `N` axes of the step.
-pub(super) fn with<const N: usize>(
-    machine: &Machine,
+/// The model of a machine with `N` axes of the step, in `memory`.
+pub(super) fn model<'m, const N: usize>(
+    machine: &'m Machine,
     settings: &Settings,
-    user: &mut dyn FnMut(&dyn Model) -> Result<()>,
-) -> Result<()> {
+    memory: &'m mut Vec<f64>,
+) -> Result<Box<dyn Model + 'm>> {
     let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
     let passes = passes(machine, settings.passes)?;
     let thermal = thermal(machine, &axes, settings.kelvin);
-    with_compensation::<N, _>(machine, passes, |compensation| {
-        user(&Step { compensation, thermal, slots: axes.map(|axis| axis.index()) })
-    })
+    let compensation = compensation::<N>(machine, passes, memory)?;
+    Ok(Box::new(Step { compensation, thermal, slots: axes.map(|axis| axis.index()) }))
 }
 
-struct Step<'c, 'm, const N: usize> {
-    compensation: &'c Compensation<'m, f64, f64, N>,
+struct Step<'m, const N: usize> {
+    compensation: Compensation<'m, f64, f64, N>,
     thermal: [ThermalLine<f64>; N],
     /// Index of every axis of the step.
     slots: [usize; N],
 }
 
-impl<const N: usize> Model for Step<'_, '_, N> {
+impl<const N: usize> Model for Step<'_, N> {
     fn error(&self, at: &Place) -> PoseError {
         let coordinates = self.compensation.coordinates(&self.slots.map(|slot| at.command[slot]));
         let directions = self.slots.map(|slot| at.directions[slot]);
@@ -48,7 +47,7 @@ impl<const N: usize> Model for Step<'_, '_, N> {
     }
 }
 
-impl<const N: usize> Step<'_, '_, N> {
+impl<const N: usize> Step<'_, N> {
     /// The correction, and whether any of its passes met the end of a table; the first is at the command.
     fn corrected(&self, at: &Place) -> ([f64; AXES], bool) {
         let coordinates = self.compensation.coordinates(&self.slots.map(|slot| at.command[slot]));

@@ -1,6 +1,7 @@
 //! What a diagonal test tells, as a document.
 
 use serde::Serialize;
+use trueaxis::machine::LocationErrors;
 use trueaxis_metrology::diagonal::{Term, Test, figures};
 
 /// A value with its standard error.
@@ -170,6 +171,15 @@ impl Document {
             diagonals,
             steps,
         }
+    }
+}
+
+impl Document {
+    /// Location errors of a machine with the squarenesses that were found.
+    pub fn location(&self, mut location: LocationErrors) -> LocationErrors {
+        let rad = |value: Value| 1e-6 * value.value;
+        (location.a0z, location.b0z, location.c0y) = (rad(self.a0z), rad(self.b0z), rad(self.c0y));
+        location
     }
 }
 

@@ -3,10 +3,9 @@
 //! The mathematics is [`trueaxis_metrology::diagonal`].
 
 mod document;
-mod plots;
+mod shown;
 
 pub use document::{DiagonalFigures, Document, Point, Shape, Steps, Value};
-pub use plots::{deviations, shapes};
 
 use crate::range::OutOfRange;
 use crate::rows::{Column, Rows};

@@ -1,10 +1,10 @@
 //! Error of the tool at a point, before and after.
 
 use super::Asked;
-use crate::model::{thermal, with_compensation};
+use crate::compensate::{Model, Place, Settings, with_model};
 use anyhow::{Result, anyhow};
-use trueaxis::compensation::{Compensation, Direction, Query, ThermalLine};
-use trueaxis::machine::{AXES, Axis, AxisOrder, wraps};
+use trueaxis::compensation::Direction;
+use trueaxis::machine::{AXES, Axis, wraps};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::{Commanded, Geometry};
 
@@ -26,22 +26,20 @@ pub(super) struct After {
     pub(super) limited: bool,
 }
 
-/// A machine's geometry and what all points have in common. Lists of the geometry are in the order of the machine's axes,
-/// those of the compensation in the order of the step, all others by [`Axis::index`].
-pub(super) struct Sampler<'a, const N: usize> {
+/// A machine's geometry and what all points have in common. Lists of the geometry are in the order of the machine's axes, all
+/// others by [`Axis::index`].
+pub(super) struct Sampler<'a> {
     pub(super) asked: &'a Asked,
     pub(super) geometry: Geometry,
     /// Axes in the geometry's order; the rest stay unused.
     own: Vec<Axis>,
     reverse: [f64; AXES],
-    axes: [Axis; N],
-    directions: [Direction; N],
-    thermal: [ThermalLine<f64>; N],
-    /// Limits of magnitude; none for a linear axis that the machine does not have: nothing is sent there.
-    most: [f64; N],
+    directions: [Direction; AXES],
+    /// Limits of magnitude; none for an axis that the machine does not have: nothing is sent there.
+    most: [f64; AXES],
 }
 
-impl<'a, const N: usize> Sampler<'a, N> {
+impl<'a> Sampler<'a> {
     pub(super) fn new(asked: &'a Asked) -> Result<Self> {
         Sampler::of(asked, &asked.machine)
     }
@@ -49,8 +47,6 @@ impl<'a, const N: usize> Sampler<'a, N> {
     /// Of another machine with the same axes.
     pub(super) fn of(asked: &'a Asked, machine: &Machine) -> Result<Self> {
         let settings = &machine.settings;
-        let order = AxisOrder::<N>::of(settings).map_err(|error| anyhow!("{error}"))?;
-        let axes = order.axes();
         let geometry = Geometry::new(machine, asked.kelvin).map_err(|error| anyhow!("{error}"))?;
         let own: Vec<Axis> = settings.axes.iter().map(|own| own.axis).collect();
         let mut reverse = [0.0; AXES];
@@ -62,21 +58,20 @@ impl<'a, const N: usize> Sampler<'a, N> {
             geometry,
             own,
             reverse,
-            axes,
-            directions: axes.map(|axis| Direction::of(asked.reverse[axis.index()])),
-            thermal: thermal(machine, &axes, asked.kelvin),
-            most: order.settings(settings).map(|own| own.map_or(0.0, |own| own.limits.magnitude)),
+            directions: asked.reverse.map(Direction::of),
+            most: Axis::ALL.map(|axis| settings.axis(axis).map_or(0.0, |own| own.limits.magnitude)),
         })
     }
 
-    /// Lends out the compensation of a machine with the same axes; `passes` of its inverse.
+    /// Lends out the model of a machine with the same axes; `passes` of its inverse.
     pub(super) fn compensated<T>(
         &self,
         machine: &Machine,
         passes: u8,
-        user: impl FnOnce(&Self, &Compensation<'_, f64, f64, N>) -> Result<T>,
+        user: impl FnOnce(&Self, &dyn Model) -> Result<T>,
     ) -> Result<T> {
-        with_compensation(machine, passes, |compensation| user(self, compensation))
+        let settings = Settings { exact: false, passes: Some(passes), kelvin: self.asked.kelvin };
+        with_model(machine, &settings, |model| user(self, model))
     }
 
     /// In the geometry's order.
@@ -94,23 +89,15 @@ impl<'a, const N: usize> Sampler<'a, N> {
         (self.pose(&command, &at), command)
     }
 
-    pub(super) fn after(
-        &self,
-        compensation: &Compensation<'_, f64, f64, N>,
-        at: &[f64; AXES],
-        command: &Commanded,
-    ) -> After {
-        let coordinates = compensation.coordinates(&self.axes.map(|axis| at[axis.index()]));
-        let query = Query::at(&coordinates, &self.directions, &self.thermal);
-        let wanted = compensation.correction(&query, &mut 0);
+    pub(super) fn after(&self, model: &dyn Model, at: &[f64; AXES], command: &Commanded) -> Result<After> {
+        let wanted = model.correction(&Place { command: *at, directions: self.directions })?;
         let (mut correction, mut limited) = ([0.0; AXES], false);
-        for ((axis, wanted), most) in self.axes.iter().zip(wanted).zip(self.most) {
-            let sent = wanted.clamp(-most, most);
-            limited |= sent != wanted && most > 0.0;
-            correction[axis.index()] = sent;
+        for ((correction, wanted), most) in correction.iter_mut().zip(wanted).zip(self.most) {
+            *correction = wanted.clamp(-most, most);
+            limited |= *correction != wanted && most > 0.0;
         }
         let sent = std::array::from_fn(|index| at[index] + correction[index]);
-        After { pose: self.pose(command, &self.slots(&sent)), correction, limited }
+        Ok(After { pose: self.pose(command, &self.slots(&sent)), correction, limited })
     }
 
     fn pose(&self, command: &Commanded, sent: &[f64; AXES]) -> Pose {

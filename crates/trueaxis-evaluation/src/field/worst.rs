@@ -61,26 +61,24 @@ fn along(share: [f64; 3], whole: [f64; 3]) -> f64 {
     if length == 0.0 { 0.0 } else { (0..3).map(|i| share[i] * whole[i]).sum::<f64>() / length }
 }
 
+/// Error of the tip that a machine has at a place, mm.
+type ErrorOf<'a> = dyn Fn(&Machine, &[f64; AXES]) -> Result<[f64; 3]> + 'a;
+
 /// Of the uncorrected errors.
-pub(super) fn before<const N: usize>(sampler: &Sampler<'_, N>, poses: &[Pose]) -> Result<Worst> {
-    let error = |machine: &Machine, at: &[f64; AXES]| Ok(Sampler::<N>::of(sampler.asked, machine)?.before(at).0.tip);
-    found(sampler, &sampler.asked.machine, poses, [0.0; AXES], error)
+pub(super) fn before(sampler: &Sampler<'_>, poses: &[Pose]) -> Result<Worst> {
+    let error = |machine: &Machine, at: &[f64; AXES]| Ok(Sampler::of(sampler.asked, machine)?.before(at).0.tip);
+    found(sampler, &sampler.asked.machine, poses, [0.0; AXES], &error)
 }
 
 /// Of the errors that the compensation of `machine` leaves. As many `passes` of the inverse are enough without a term, too.
-pub(super) fn after<const N: usize>(
-    sampler: &Sampler<'_, N>,
-    machine: &Machine,
-    passes: u8,
-    poses: &[Pose],
-) -> Result<Worst> {
+pub(super) fn after(sampler: &Sampler<'_>, machine: &Machine, passes: u8, poses: &[Pose]) -> Result<Worst> {
     let left = |machine: &Machine, at: &[f64; AXES]| {
-        Sampler::<N>::of(sampler.asked, machine)?.compensated(machine, passes, |sampler, compensation| {
-            Ok(sampler.after(compensation, at, &sampler.geometry.commanded(&sampler.slots(at))))
+        Sampler::of(sampler.asked, machine)?.compensated(machine, passes, |sampler, model| {
+            sampler.after(model, at, &sampler.geometry.commanded(&sampler.slots(at)))
         })
     };
     let correction = left(machine, &sampler.asked.at(index(poses)))?.correction;
-    found(sampler, machine, poses, correction, |machine, at| Ok(left(machine, at)?.pose.tip))
+    found(sampler, machine, poses, correction, &|machine, at| Ok(left(machine, at)?.pose.tip))
 }
 
 /// Index of the worst point; the first of several.
@@ -89,12 +87,12 @@ fn index(poses: &[Pose]) -> usize {
     sizes.fold((0, f64::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best }).0
 }
 
-fn found<const N: usize>(
-    sampler: &Sampler<'_, N>,
+fn found(
+    sampler: &Sampler<'_>,
     machine: &Machine,
     poses: &[Pose],
     correction: [f64; AXES],
-    mut error: impl FnMut(&Machine, &[f64; AXES]) -> Result<[f64; 3]>,
+    error: &ErrorOf<'_>,
 ) -> Result<Worst> {
     let worst = index(poses);
     let (at, pose) = (sampler.asked.at(worst), poses[worst]);
@@ -135,8 +133,8 @@ fn um(mm: [f64; 3]) -> [f64; 3] {
     mm.map(|mm| mm * 1e3)
 }
 
-/// Largest share of the error first. Apart from what is generic: sorting is long code.
-fn rank(tables: &mut [Table], terms: &mut [Cause]) {
-    tables.sort_by(|a, b| b.along_um.total_cmp(&a.along_um));
-    terms.sort_by(|a, b| b.along_um.total_cmp(&a.along_um));
+/// Largest share of the error first.
+fn rank(tables: &mut Vec<Table>, terms: &mut Vec<Cause>) {
+    trueaxis_metrology::order::sort_by_number(tables, |one| -one.along_um);
+    trueaxis_metrology::order::sort_by_number(terms, |one| -one.along_um);
 }

@@ -4,15 +4,13 @@ use super::apart::{angle, apart};
 use super::job::{Job, by_option, five};
 use super::machine::{Fit, fit, six};
 use super::request::Passes;
-use crate::by_axes;
-use crate::model::{passes, with_compensation};
+use crate::compensate::{Place, Settings, with_model};
 use anyhow::{Result, anyhow};
 use serde::Serialize;
-use trueaxis::Axis;
-use trueaxis::compensation::{Direction, Query, ThermalLine};
+use trueaxis::compensation::Direction;
 use trueaxis::glam::DVec3;
 use trueaxis::kinematics::{Choice, Kinematics, Tool};
-use trueaxis::machine::{AXES, AxisOrder};
+use trueaxis::machine::AXES;
 use trueaxis_metrology::helicoid::Branch;
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
@@ -59,7 +57,7 @@ pub fn flank(job: &Job, machine: &Machine, along: Passes, held: f64, count: usiz
     let fit = fit(job, &machine.settings);
     let positions = if fit.fits { own(job, &places)? } else { inverse(job, machine, &places)? };
     let travels = travels(&positions);
-    let corrections = by_axes!(machine.settings.step_axes().count(), corrections(machine, &positions, &travels))?;
+    let corrections = corrections(machine, &positions, &travels)?;
     let geometry = Geometry::new(machine, 0.0).map_err(|error| anyhow!("{error}"))?;
     let mut flanked = Flanked {
         fit,
@@ -161,24 +159,12 @@ fn travels(positions: &[[f64; AXES]]) -> Vec<[bool; AXES]> {
 const RESTING: f64 = 1e-9;
 
 /// Corrections that the step settles to, in the order X Y Z A B C.
-fn corrections<const N: usize>(
-    machine: &Machine,
-    positions: &[[f64; AXES]],
-    travels: &[[bool; AXES]],
-) -> Result<Vec<[f64; AXES]>> {
-    let axes: [Axis; N] = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
-    let thermal = [ThermalLine::default(); N];
-    with_compensation::<N, _>(machine, passes(machine, None)?, |compensation| {
-        let corrected = positions.iter().zip(travels).map(|(position, travel)| {
-            let at = compensation.coordinates(&axes.map(|axis| position[axis.index()]));
-            let directions = axes.map(|axis| Direction::of(travel[axis.index()]));
-            let found = compensation.correction(&Query::at(&at, &directions, &thermal), &mut 0);
-            let mut correction = [0.0; AXES];
-            for (axis, found) in axes.into_iter().zip(found) {
-                correction[axis.index()] = found;
-            }
-            correction
+fn corrections(machine: &Machine, positions: &[[f64; AXES]], travels: &[[bool; AXES]]) -> Result<Vec<[f64; AXES]>> {
+    with_model(machine, &Settings::default(), |model| {
+        let places = positions.iter().zip(travels);
+        let corrected = places.map(|(position, travel)| {
+            Ok(model.correction(&Place { command: *position, directions: travel.map(Direction::of) })?)
         });
-        Ok(corrected.collect())
+        corrected.collect()
     })
 }

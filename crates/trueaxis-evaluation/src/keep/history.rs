@@ -2,12 +2,18 @@
 
 use super::entry::{BallPlace, Deed, Entry};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use trueaxis_tables::error::FileError;
 
 /// CRC-32 in hexadecimal.
 pub fn sum(bytes: &[u8]) -> String {
     format!("{:08x}", trueaxis::tcomp::checksum(bytes))
+}
+
+/// Whether `file` is the plain name of a file in the folder, without a path.
+pub(super) fn is_plain(file: &str) -> bool {
+    let mut components = Path::new(file).components();
+    matches!((components.next(), components.next()), (Some(Component::Normal(name)), None) if name == file)
 }
 
 /// Begins the last field of a line.
@@ -62,6 +68,10 @@ impl History {
                     "entries in their order, the beginning first",
                 ));
             }
+            if let Some(changed) = entry.files.iter().find(|changed| !is_plain(&changed.file)) {
+                let found = format!("entry {} that changed {:?}", entry.entry, changed.file);
+                return Err(error(found, "files of the machine's folder: an undo writes them"));
+            }
             history.entries.push(entry);
             history.check = own;
             history.text.push_str(text);
@@ -71,6 +81,11 @@ impl History {
 
     fn check_of(&self, body: &str) -> String {
         sum(format!("{}{body}", self.check).as_bytes())
+    }
+
+    /// The text, as it was read.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// The text with one more entry.
@@ -156,21 +171,7 @@ impl History {
 
     /// Numbers of the updates since the beginning that have not been taken back.
     pub fn in_effect(&self) -> Vec<u32> {
-        let mut after: Vec<Vec<u32>> = vec![Vec::new()];
-        for entry in &self.entries {
-            let mut now = after.last().cloned().unwrap_or_default();
-            match entry.deed {
-                Deed::Begin => now.clear(),
-                Deed::Look => {}
-                Deed::Update => now.push(entry.entry),
-                Deed::Undo => {
-                    let before = entry.undone.and_then(|number| number.checked_sub(1));
-                    now = before.and_then(|number| after.get(number as usize)).cloned().unwrap_or_default();
-                }
-            }
-            after.push(now);
-        }
-        after.pop().unwrap_or_default()
+        in_effect(&self.entries)
     }
 
     /// The entry before which the files are put by an undo: the one asked for, or the last update in effect.
@@ -209,4 +210,23 @@ impl History {
         }
         found
     }
+}
+
+/// Numbers of the updates since the last beginning among these entries that have not been taken back.
+pub(super) fn in_effect(entries: &[Entry]) -> Vec<u32> {
+    let mut after: Vec<Vec<u32>> = vec![Vec::new()];
+    for entry in entries {
+        let mut now = after.last().cloned().unwrap_or_default();
+        match entry.deed {
+            Deed::Begin => now.clear(),
+            Deed::Look => {}
+            Deed::Update => now.push(entry.entry),
+            Deed::Undo => {
+                let before = entry.undone.and_then(|number| number.checked_sub(1));
+                now = before.and_then(|number| after.get(number as usize)).cloned().unwrap_or_default();
+            }
+        }
+        after.push(now);
+    }
+    after.pop().unwrap_or_default()
 }

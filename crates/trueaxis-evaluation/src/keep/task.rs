@@ -1,13 +1,14 @@
 //! `keep.toml`: machine, probe, balls, and what may be changed within which bounds.
 
+use crate::calibrate::ranges::{number, whole};
 use crate::calibrate::{Kind, Reference, Task, Term, Wanted};
 use std::path::Path;
 use trueaxis::machine::Axis;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{Machine, Section, read_toml};
 
-/// Largest bound that can be stated, µm, µrad or ppm: what is larger is a matter for a calibration.
-const LARGEST: f64 = 1000.0;
+/// Bounds that can be stated, µm, µrad or ppm: what is larger is a matter for a calibration.
+const BOUNDS: std::ops::RangeInclusive<f64> = 0.001..=1000.0;
 /// Touches between two looks at the first ball: none but at the ends.
 const AT_THE_ENDS: usize = 100_000;
 
@@ -86,11 +87,8 @@ impl Keep {
             }
             task.compensated = true;
             task.reference = Some(Reference { artefact: 0, every: AT_THE_ENDS });
-            let every = root.number("every_parts")?;
+            let every = whole(&root, "every_parts", [1, 1_000_000])?;
             let every = every.ok_or_else(|| root.missing("every_parts", "the number of parts between two looks"))?;
-            if every.value.fract() != 0.0 || !(1.0..=1e6).contains(&every.value) {
-                return Err(root.wrong(&every, "a whole number from 1 to 1000000"));
-            }
             let [tcomp, thermal, ttherm] = [("tcomp", ".tcomp"), ("thermal", ".toml"), ("ttherm", ".ttherm")]
                 .map(|(key, ending)| file_name(&root, key, ending));
             let (tcomp, thermal, ttherm) = (tcomp?, thermal?, ttherm?);
@@ -107,7 +105,7 @@ impl Keep {
             let backlash = terms.iter().any(|kept| matches!(kept.term, Term::Backlash(_)));
             task.wanted = Wanted { backlash, ..Wanted::default() };
             root.finish(None)?;
-            Ok(Keep { task, every_parts: every.value as u32, terms, tcomp, thermal, ttherm })
+            Ok(Keep { task, every_parts: every as u32, terms, tcomp, thermal, ttherm })
         })
     }
 
@@ -196,11 +194,10 @@ fn read_terms(section: Section<'_>, terms: &mut Vec<Kept>, thermal: bool) -> Res
         let key = format!("{what}_{unit}");
         let found = section.number(&key)?;
         let found = found.ok_or_else(|| section.missing_here(&key, &format!("{of}, {shown}")))?;
-        if found.value > 0.0 && found.value <= LARGEST {
+        if BOUNDS.contains(&found.value) {
             Ok(found)
         } else {
-            Err(section
-                .wrong(&found, format!("above 0 to {LARGEST} {shown}: what is more is a matter for a calibration")))
+            Err(section.wrong(&found, format!("0.001 to 1000 {shown}: what is more is a matter for a calibration")))
         }
     };
     let update = bound("largest_update", "the largest single update")?;
@@ -208,11 +205,7 @@ fn read_terms(section: Section<'_>, terms: &mut Vec<Kept>, thermal: bool) -> Res
     if total.value < update.value {
         return Err(section.wrong(&total, format!("at least {}, the largest single update", update.value)));
     }
-    let significance = match section.number("significance")? {
-        None => 3.0,
-        Some(found) if (1.0..=20.0).contains(&found.value) => found.value,
-        Some(found) => return Err(section.wrong(&found, "1 to 20 standard errors")),
-    };
+    let significance = number(&section, "significance", [1.0, 20.0], " standard errors")?.unwrap_or(3.0);
     let bounds = Bounds { update: update.value / factor, total: total.value / factor, significance };
     terms.extend(named.into_iter().map(|(name, term, home)| Kept { name: name.into(), term, home, bounds, line }));
     section.finish(None)

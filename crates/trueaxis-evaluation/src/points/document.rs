@@ -4,6 +4,8 @@ use super::{Found, Points};
 use crate::diagonal::Value;
 use serde::Serialize;
 use trueaxis_metrology::volumetric::{AXES, COMPONENTS, SMOOTHING};
+use trueaxis_report::number::significant;
+use trueaxis_tables::formats::machine_files;
 
 /// One of the 21 errors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -157,6 +159,19 @@ impl Document {
             smoothing: SMOOTHING,
             notes: notes(points, found),
         }
+    }
+}
+
+impl Document {
+    /// Files of the machine with the errors, as (name, text); `source` is the name of the points' file.
+    pub fn files(&self, found: &Found, source: &str) -> Vec<(String, String)> {
+        let comment = format!(
+            "Measured: {} points of {source}; left {} um RMS, held out {} um RMS.",
+            self.points,
+            significant(self.left.rms_um, 3),
+            self.held_out.map_or_else(|| "-".into(), |left| significant(left.rms_um, 3))
+        );
+        machine_files(&found.machine, &comment)
     }
 }
 

@@ -9,10 +9,9 @@
 
 mod document;
 mod found;
-mod plots;
 mod record;
+mod shown;
 
 pub use document::{Document, Function, Left, Squareness};
 pub use found::{Found, Options, identify, nodes};
-pub use plots::{errors, map, residuals};
 pub use record::{COLUMNS, Point, Points};

@@ -5,9 +5,8 @@
 //! off the spindle's axis: centre(θ) = c + R(θ) e.
 
 mod document;
-mod plots;
 mod record;
+mod shown;
 
 pub use document::{Document, Offset, Run, Spread};
-pub use plots::form;
 pub use record::{COLUMNS, Feature, Record, check};

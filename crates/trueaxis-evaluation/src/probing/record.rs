@@ -4,6 +4,7 @@ use crate::range::OutOfRange;
 use crate::rows::{Column, Rows};
 use crate::stuck;
 use anyhow::{Result, anyhow};
+use serde::Deserialize;
 use std::collections::HashMap;
 use trueaxis_metrology::circles::least_squares;
 use trueaxis_metrology::sphere;
@@ -23,7 +24,8 @@ const LEAST_ON_RING: usize = 4;
 const MOST_OFF: f64 = 0.25;
 
 /// What was probed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Feature {
     /// A ring, its points in X and Y.
     Ring,

@@ -20,10 +20,19 @@
 
 mod document;
 mod found;
-mod plots;
 mod record;
+mod shown;
 
 pub use document::{Document, Term};
 pub use found::{Found, Options, identify, name};
-pub use plots::{displacements, left};
 pub use record::{COLUMNS, Reading, Record};
+
+use crate::range::OutOfRange;
+
+/// Whether the nest's centre from the last tool-side frame is one, where it is not the machine's tool.
+///
+/// # Errors
+/// A coordinate outside -10000 to 10000 mm.
+pub fn check(tool_mm: Option<[f64; 3]>) -> Result<(), OutOfRange> {
+    tool_mm.iter().flatten().try_for_each(|mm| OutOfRange::check("tool_mm", *mm, -1e4..=1e4, "mm"))
+}

@@ -2,9 +2,9 @@
 
 use super::trace::Resampling;
 use anyhow::{Result, anyhow};
-use rayon::prelude::*;
 use serde::Serialize;
 use trueaxis_metrology::circles::{ReferenceCircle, limacon};
+use trueaxis_metrology::cores::*;
 use trueaxis_metrology::separation::{Harmonic, Separation, Separator};
 use trueaxis_metrology::spindle::{ErrorMotion, error_motion};
 

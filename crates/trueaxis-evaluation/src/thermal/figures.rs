@@ -2,13 +2,19 @@
 
 use super::Found;
 use trueaxis::Axis;
+use trueaxis_metrology::thermal::Series;
 use trueaxis_report::{Figure, Scale, Stroke, colour};
 
-/// Drift of an axis in the held-out cycles at the measuring point that drifts most, measured and as the task says.
-pub fn figure(found: &Found, axis: Axis) -> Option<Figure> {
+/// An axis in the held-out cycles at the measuring point that drifts most.
+pub fn worst(found: &Found, axis: Axis) -> Option<&Series> {
     let own = found.series.iter().filter(|own| own.axis == axis && found.fit.held_out.contains(&own.cycle));
     let most = |rows: &[[f64; 3]]| rows.iter().fold(0.0_f64, |most, row| most.max(row[1].abs()));
-    let series = own.max_by(|one, other| most(&one.rows).total_cmp(&most(&other.rows)))?;
+    own.max_by(|one, other| most(&one.rows).total_cmp(&most(&other.rows)))
+}
+
+/// Its drift, measured and as the task says.
+pub fn figure(found: &Found, axis: Axis) -> Option<Figure> {
+    let series = worst(found, axis)?;
     let hours = |take: fn(&[f64; 3]) -> f64| -> Vec<[f64; 2]> {
         series.rows.iter().map(|row| [row[0] / 3600.0, 1e3 * take(row)]).collect()
     };

@@ -10,8 +10,8 @@ mod text;
 mod written;
 
 pub use document::{AxisDocument, CurveDocument, CycleDocument, Document, LeftOutDocument, SensorDocument};
-pub use figures::{figure, residuals};
-pub use record::{COLUMNS, Recording};
+pub use figures::{figure, residuals, worst};
+pub use record::{COLUMNS, Recording, with_temperatures};
 pub use text::model;
 pub use written::written;
 

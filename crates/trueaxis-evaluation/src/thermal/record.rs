@@ -15,8 +15,26 @@ const fn free(name: &'static str) -> Column {
     Column { name, needed: false }
 }
 
+/// Temperatures of the sensors, by their names.
+const TEMPERATURES: [&str; SENSORS] = [
+    "T1_c", "T2_c", "T3_c", "T4_c", "T5_c", "T6_c", "T7_c", "T8_c", "T9_c", "T10_c", "T11_c", "T12_c", "T13_c",
+    "T14_c", "T15_c", "T16_c",
+];
+
+/// `N` columns, the last of which are the temperatures of all sensors: `first`, and those of the sensors that it has not got,
+/// none of which is needed.
+pub const fn with_temperatures<const N: usize>(first: &[Column]) -> [Column; N] {
+    let mut all = [free(""); N];
+    let mut at = 0;
+    while at < N {
+        all[at] = if at < first.len() { first[at] } else { free(TEMPERATURES[at - (N - SENSORS)]) };
+        at += 1;
+    }
+    all
+}
+
 /// Columns that a record may have.
-pub const COLUMNS: [Column; 26] = [
+pub const COLUMNS: [Column; TEMPERATURE + SENSORS] = with_temperatures(&[
     needed("t_s"),
     needed("cycle"),
     free("spindle_rpm"),
@@ -28,22 +46,7 @@ pub const COLUMNS: [Column; 26] = [
     free("ey_um"),
     free("ez_um"),
     needed("T1_c"),
-    free("T2_c"),
-    free("T3_c"),
-    free("T4_c"),
-    free("T5_c"),
-    free("T6_c"),
-    free("T7_c"),
-    free("T8_c"),
-    free("T9_c"),
-    free("T10_c"),
-    free("T11_c"),
-    free("T12_c"),
-    free("T13_c"),
-    free("T14_c"),
-    free("T15_c"),
-    free("T16_c"),
-];
+]);
 /// First column of a drift, and of a temperature.
 const DRIFT: usize = 7;
 const TEMPERATURE: usize = 10;

@@ -5,10 +5,9 @@
 //! right-handed about the machine's axes: A = −(y2 − y1)/L, B = (x2 − x1)/L.
 
 mod document;
-mod plots;
+mod shown;
 
 pub use document::{Channel, Document, Place, Temperature};
-pub use plots::{distortions, temperatures};
 
 use crate::range::OutOfRange;
 use crate::rows::{Column, Rows};
@@ -31,6 +30,8 @@ pub const COLUMNS: [Column; 10] = [
 /// First displacement and first temperature among the columns.
 const DISPLACEMENTS: std::ops::Range<usize> = 2..7;
 const TEMPERATURES: std::ops::Range<usize> = 7..10;
+/// The tests of ISO 230-3: environmental temperature variation error, rotating spindle, moving linear axis.
+pub const KINDS: [&str; 3] = ["etve", "spindle", "axis"];
 /// Fewest readings at a position.
 const LEAST: usize = 10;
 /// Temperature that no shop has, °C.

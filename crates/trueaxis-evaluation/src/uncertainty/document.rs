@@ -98,6 +98,20 @@ pub struct Share {
     pub worst_um: f64,
 }
 
+/// Steps of a distribution.
+const STEPS: usize = 100;
+
+impl Document {
+    /// Distances of the tip from where it should be at the worst point, µm, of the machines drawn: the smallest, the largest,
+    /// and those between in steps of a hundredth of the machines.
+    pub fn distances_um(&self) -> Vec<f64> {
+        let mut all: Vec<f64> = self.drawn_um.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        let last = all.len().saturating_sub(1);
+        (0..=STEPS).filter_map(|step| all.get(step * last / STEPS).copied()).collect()
+    }
+}
+
 /// Positions by letter.
 pub(super) fn letters(machine: &Machine, at: &[f64; AXES], keep: impl Fn(Axis) -> bool) -> Map<String, Value> {
     let axes = machine.settings.step_axes().filter(|axis| keep(*axis));
@@ -169,6 +183,6 @@ pub(super) fn shares(terms: &Terms, volume: &[Vec<Contribution>], worst: &[Contr
             worst_um: 1e3 * worst.variance().sqrt(),
         })
         .collect();
-    shares.sort_by(|one, other| other.share.total_cmp(&one.share));
+    trueaxis_metrology::order::sort_by_number(&mut shares, |one| -one.share);
     shares
 }

@@ -28,7 +28,6 @@ pub use document::{AtPoint, Document, Share, Spread};
 pub use options::Options;
 pub use terms::{per_length, reading};
 
-use crate::by_axes;
 use crate::field::Points;
 use crate::field::grid::Grid;
 use anyhow::Result;
@@ -49,10 +48,6 @@ use trueaxis_tables::uncertainty::Uncertainties;
 /// Nothing stated; options out of their ranges; a machine that the model refuses.
 pub fn evaluate(machine: &Machine, stated: &Uncertainties, options: &Options) -> Result<Document> {
     options.check(machine)?;
-    by_axes!(machine.settings.step_axes().count(), evaluated(machine, stated, options))
-}
-
-fn evaluated<const N: usize>(machine: &Machine, stated: &Uncertainties, options: &Options) -> Result<Document> {
     let terms = Terms::new(machine, stated)?;
     let mut grid = Grid::new(machine, Points::Every(options.points))?;
     for ((range, given), points) in grid.range.iter_mut().zip(options.volume_mm).zip(grid.points) {
@@ -73,7 +68,7 @@ fn evaluated<const N: usize>(machine: &Machine, stated: &Uncertainties, options:
         .collect();
     let over_volume = places.len();
     places.extend(options.at);
-    let responses = Responses::of::<N>(machine, &terms, &places)?;
+    let responses = Responses::of(machine, &terms, &places)?;
     let contributions: Vec<Vec<Contribution>> =
         (0..places.len()).map(|place| responses.contributions(machine, &terms, place, &places[place])).collect();
     let covariances: Vec<Covariance> = contributions.iter().map(|all| Covariance::of(all)).collect();
@@ -81,7 +76,7 @@ fn evaluated<const N: usize>(machine: &Machine, stated: &Uncertainties, options:
     let worst = (0..over_volume).max_by(|a, b| radii[*a].total_cmp(&radii[*b])).unwrap_or(0);
     let wanted: Vec<usize> = std::iter::once(worst).chain(options.at.map(|_| over_volume)).collect();
     let drawn_at: Vec<[f64; AXES]> = wanted.iter().map(|place| places[*place]).collect();
-    let drawn = monte_carlo::draw::<N>(machine, &terms, &drawn_at, options)?;
+    let drawn = monte_carlo::draw(machine, &terms, &drawn_at, options)?;
     let mut found = wanted
         .iter()
         .zip(&drawn)

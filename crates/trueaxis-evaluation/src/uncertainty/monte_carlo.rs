@@ -2,36 +2,28 @@
 
 use super::options::Options;
 use super::terms::{Effect, Terms};
+use crate::compensate::{Place, Settings, with_model};
 use crate::contributions::Source;
-use crate::model::{passes, with_compensation};
 use anyhow::{Result, anyhow};
-use rayon::prelude::*;
-use trueaxis::compensation::{Direction, Query, ThermalLine};
-use trueaxis::machine::{AXES, Axis, AxisOrder, wraps};
+use trueaxis::compensation::Direction;
+use trueaxis::machine::{AXES, Axis, wraps};
+use trueaxis_metrology::cores::*;
 use trueaxis_metrology::uncertainty::Draws;
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
 
 /// Corrections of the machine's own tables at the places, by [`Axis::index`].
-fn corrections<const N: usize>(machine: &Machine, places: &[[f64; AXES]]) -> Result<Vec<[f64; AXES]>> {
-    let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
-    with_compensation::<N, _>(machine, passes(machine, None)?, |compensation| {
-        let at = |place: &[f64; AXES]| {
-            let at = compensation.coordinates(&axes.map(|axis| place[axis.index()]));
-            let (directions, cold) = ([Direction::NEGATIVE; N], [ThermalLine::default(); N]);
-            let query = Query::at(&at, &directions, &cold);
-            let mut correction = [0.0; AXES];
-            for (axis, sent) in axes.iter().zip(compensation.correction(&query, &mut 0)) {
-                correction[axis.index()] = sent;
-            }
-            correction
+fn corrections(machine: &Machine, places: &[[f64; AXES]]) -> Result<Vec<[f64; AXES]>> {
+    with_model(machine, &Settings::default(), |model| {
+        let at = |command: &[f64; AXES]| {
+            Ok(model.correction(&Place { command: *command, directions: [Direction::NEGATIVE; AXES] })?)
         };
-        Ok(places.iter().map(at).collect())
+        places.iter().map(at).collect()
     })
 }
 
 /// Deviations of the tip at every place, mm: `[place][trial]`.
-pub(super) fn draw<const N: usize>(
+pub(super) fn draw(
     machine: &Machine,
     terms: &Terms,
     places: &[[f64; AXES]],
@@ -49,7 +41,7 @@ pub(super) fn draw<const N: usize>(
     let reverse = [1.0; AXES];
     let stated: Vec<_> = places
         .iter()
-        .zip(corrections::<N>(machine, places)?)
+        .zip(corrections(machine, places)?)
         .map(|(place, correction)| {
             let sent: [f64; AXES] = std::array::from_fn(|index| place[index] + correction[index]);
             let command = geometry.commanded(&slots(place));

@@ -1,11 +1,12 @@
 //! Derivatives of the tip's error: the answer of the first-order model to one unit of each of its errors.
 
 use super::terms::{Effect, Terms};
+use crate::compensate::{Place, Settings, with_model};
 use crate::contributions::Source;
-use crate::model::{range, with_compensation};
-use anyhow::{Result, anyhow};
-use trueaxis::compensation::{Direction, Query, ThermalLine};
-use trueaxis::machine::{AXES, Axis, AxisOrder, AxisSettings, Curve, ErrorModel, Interpolation, Row, wraps};
+use crate::model::range;
+use anyhow::Result;
+use trueaxis::compensation::Direction;
+use trueaxis::machine::{AXES, Axis, AxisSettings, Curve, ErrorModel, Interpolation, Row, wraps};
 use trueaxis_metrology::uncertainty::Contribution;
 use trueaxis_tables::{Machine, Table};
 
@@ -18,7 +19,7 @@ pub(super) struct Responses {
 }
 
 impl Responses {
-    pub(super) fn of<const N: usize>(machine: &Machine, terms: &Terms, places: &[[f64; AXES]]) -> Result<Responses> {
+    pub(super) fn of(machine: &Machine, terms: &Terms, places: &[[f64; AXES]]) -> Result<Responses> {
         let mut needed: Vec<Source> = Vec::new();
         for term in &terms.all {
             let own = |axis: Axis| Source::Term(axis, axis.index());
@@ -34,7 +35,7 @@ impl Responses {
                 }
             });
         }
-        let found = needed.into_iter().map(|source| Ok((source, response::<N>(machine, source, places)?)));
+        let found = needed.into_iter().map(|source| Ok((source, response(machine, source, places)?)));
         Ok(Responses { found: found.collect::<Result<_>>()? })
     }
 
@@ -106,16 +107,12 @@ fn with_one(machine: &Machine, source: Source) -> Machine {
     one
 }
 
-fn response<const N: usize>(machine: &Machine, source: Source, places: &[[f64; AXES]]) -> Result<Vec<[f64; 3]>> {
+fn response(machine: &Machine, source: Source, places: &[[f64; AXES]]) -> Result<Vec<[f64; 3]>> {
     let one = with_one(machine, source);
-    let axes = AxisOrder::<N>::of(&one.settings).map_err(|error| anyhow!("{error}"))?.axes();
-    with_compensation::<N, _>(&one, 1, |compensation| {
-        let at = |place: &[f64; AXES]| {
-            let at = compensation.coordinates(&axes.map(|axis| place[axis.index()]));
-            let (directions, cold) = ([Direction::NEGATIVE; N], [ThermalLine::default(); N]);
-            let query = Query::at(&at, &directions, &cold);
-            let tip: [f64; 3] = compensation.pose_error(&query, &mut 0).tip.into();
-            tip.map(|part| part / UNIT)
+    with_model(&one, &Settings { passes: Some(1), ..Settings::default() }, |model| {
+        let at = |command: &[f64; AXES]| {
+            let place = Place { command: *command, directions: [Direction::NEGATIVE; AXES] };
+            model.error(&place).tip.map(|part| part / UNIT)
         };
         Ok(places.iter().map(at).collect())
     })

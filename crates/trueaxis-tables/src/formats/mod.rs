@@ -107,6 +107,11 @@ pub struct Imported {
 }
 
 impl Imported {
+    /// Location errors alone, all of them: what a measurement of these brings into a machine.
+    pub fn of_location(location: LocationErrors) -> Imported {
+        Imported { tables: Vec::new(), grids: Vec::new(), location, settings: None, notes: Vec::new() }
+    }
+
     /// The files of a machine that uses these tables: `machine.toml` and one CSV per axis, as (file name, text).
     ///
     /// With [`Imported::settings`], the machine that they describe. Else the file does not tell how the axes follow one another:

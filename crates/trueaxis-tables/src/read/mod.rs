@@ -116,11 +116,18 @@ impl Machine {
     /// `machine.toml` cannot be read, or is wrong by itself.
     pub fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
         let (folder, name) = Folder::of_machine(path);
-        let (origin, description) = described(&folder, &name)?;
+        Ok(Machine::files_of(&folder, &name)?.iter().map(|file| folder.path(file)).collect())
+    }
+
+    /// The same of any source, by their names in it; `name` is that of the `machine.toml`, which comes first.
+    ///
+    /// # Errors
+    /// As [`Machine::files`].
+    pub fn files_of(files: &dyn Source, name: &Path) -> Result<Vec<PathBuf>, FileError> {
+        let (_, description) = described(files, name)?;
         let tables = description.tables.iter().map(|table| &table.file);
-        let named = tables.chain(description.grids.iter().map(|grid| &grid.file));
-        let named = named.map(|file| folder.path(&beside(&name, file)));
-        Ok(std::iter::once(origin.file().to_path_buf()).chain(named).collect())
+        let named = tables.chain(description.grids.iter().map(|grid| &grid.file)).map(|file| beside(name, file));
+        Ok(std::iter::once(name.to_path_buf()).chain(named).collect())
     }
 
     /// Every key with a number, or a list of so many, that a `machine.toml` with the sections of this one may have.

@@ -1,0 +1,198 @@
+//! Artefacts: things of known size, and where they are set up.
+
+use super::ranges::{needed, number, whole};
+use trueaxis::machine::Axis;
+use trueaxis_tables::error::FileError;
+use trueaxis_tables::{Found, Section};
+
+const KINDS: &str = "\"ring\", \"ball\", \"ball plate\", \"step gauge\" or \"square\"";
+
+/// An artefact's shape.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// A ring, touched inside.
+    Ring {
+        /// Diameter, mm.
+        diameter_mm: f64,
+        /// Points around it.
+        points: usize,
+        /// First and last angle, degrees; a whole circle has 360 between them.
+        arc_deg: [f64; 2],
+    },
+    /// A ball on a stem.
+    Ball {
+        /// Diameter, mm.
+        diameter_mm: f64,
+    },
+    /// Balls on a plate.
+    Plate {
+        /// Diameter of every ball, mm.
+        diameter_mm: f64,
+        /// Their centres from the first one, along the plate's first, second and upward direction, mm.
+        balls_mm: Vec<[f64; 3]>,
+    },
+    /// Faces in a row, all of which look back along it.
+    Gauge {
+        /// Their distances from the first, mm.
+        steps_mm: Vec<f64>,
+    },
+    /// Two arms at an angle, touched outside.
+    Square {
+        /// The angle, degrees.
+        angle_deg: f64,
+        /// Lengths of the arms along and across, mm.
+        arms_mm: [f64; 2],
+        /// Points on either arm.
+        points: usize,
+    },
+}
+
+/// Where an artefact is set up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// X, Y, Z of the machine with the tip's centre at the artefact's: centre of a ring or ball, first ball of a plate, first
+    /// face of a gauge, corner of a square; mm.
+    pub at_mm: [f64; 3],
+    /// Ring, plate, square: direction across it, in which the probe leaves it.
+    pub normal: Axis,
+    /// Gauge and square: the direction of the row, of the first arm; along Z it goes down, and so does an upright second arm.
+    pub along: Axis,
+    /// The square is turned over about its second arm.
+    pub reversed: bool,
+    /// A, B, C at which a ball is measured, degrees.
+    pub rotary_deg: Vec<[f64; 3]>,
+    /// Line in the task file.
+    pub line: u32,
+}
+
+/// A thing of known size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Artefact {
+    /// Its name.
+    pub name: String,
+    /// Its shape.
+    pub kind: Kind,
+    /// Standard uncertainty of its sizes, mm (of a square's angle rad); none: not known.
+    pub uncertainty: Option<f64>,
+    /// Plate and gauge: standard uncertainty of the length as a whole, 1; none: in the sizes' own.
+    pub length_uncertainty: Option<f64>,
+    /// How far a size may be found from the stated one, mm.
+    pub tolerance_mm: f64,
+    /// Where it is measured.
+    pub places: Vec<Place>,
+    /// Line in the task file.
+    pub line: u32,
+}
+
+pub(super) fn read_artefact(section: Section<'_>) -> Result<Artefact, FileError> {
+    let line = section.first_line();
+    let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
+    let kind = section.string("kind")?.ok_or_else(|| section.missing_here("kind", KINDS))?;
+    let diameter = || needed(&section, "diameter_mm", [0.5, 2000.0], " mm", "its diameter, mm");
+    let shape = match kind.value {
+        "ring" => {
+            let points = whole(&section, "points", [5, 360])?.unwrap_or(24);
+            let arc = section.numbers::<2>("arc_deg")?;
+            let turn = |[from, to]: [f64; 2]| to - from >= 90.0 && to - from <= 360.0 && from.abs() <= 360.0;
+            if let Some(arc) = arc.as_ref().filter(|arc| !turn(arc.value)) {
+                return Err(section.wrong(arc, "first and last angle, 90 to 360 degrees apart"));
+            }
+            Kind::Ring { diameter_mm: diameter()?, points, arc_deg: arc.map_or([0.0, 360.0], |arc| arc.value) }
+        }
+        "ball" => Kind::Ball { diameter_mm: diameter()? },
+        "ball plate" => {
+            let balls = section.lists::<3>("balls_mm")?;
+            let balls = balls.ok_or_else(|| section.missing_here("balls_mm", "the centres of its balls, mm"))?;
+            if !(3..=100).contains(&balls.value.len()) || balls.value.first() != Some(&[0.0; 3]) {
+                return Err(section.wrong(&balls, "3 to 100 centres, the first of them [0, 0, 0]"));
+            }
+            Kind::Plate { diameter_mm: diameter()?, balls_mm: balls.value }
+        }
+        "step gauge" => {
+            let steps = section.list("steps_mm")?;
+            let steps = steps.ok_or_else(|| section.missing_here("steps_mm", "the places of its faces, mm"))?;
+            let rising = steps.value.windows(2).all(|pair| pair[1] > pair[0]);
+            if !(2..=100).contains(&steps.value.len()) || !rising || steps.value.first() != Some(&0.0) {
+                return Err(section.wrong(&steps, "2 to 100 distances that rise from 0"));
+            }
+            Kind::Gauge { steps_mm: steps.value }
+        }
+        "square" => {
+            let arms = section.numbers::<2>("arms_mm")?;
+            let arms = arms.ok_or_else(|| section.missing_here("arms_mm", "the lengths of its arms, mm"))?;
+            if arms.value.iter().any(|arm| !(5.0..=5000.0).contains(arm)) {
+                return Err(section.wrong(&arms, "5 to 5000 mm each"));
+            }
+            let angle_deg = number(&section, "angle_deg", [89.0, 91.0], " degrees")?.unwrap_or(90.0);
+            Kind::Square { angle_deg, arms_mm: arms.value, points: whole(&section, "points", [2, 100])?.unwrap_or(6) }
+        }
+        _ => return Err(section.wrong(&kind, KINDS)),
+    };
+    let uncertainty = if matches!(shape, Kind::Square { .. }) {
+        number(&section, "uncertainty_urad", [0.001, 1e5], " urad")?.map(|urad| 1e-6 * urad)
+    } else {
+        let what = "the standard uncertainty of its size, um";
+        Some(1e-3 * needed(&section, "uncertainty_um", [0.001, 1e4], " um", what)?)
+    };
+    let length_uncertainty = match shape {
+        Kind::Plate { .. } | Kind::Gauge { .. } => number(&section, "uncertainty_ppm", [0.001, 1000.0], " ppm")?,
+        _ => None,
+    };
+    let length_uncertainty = length_uncertainty.map(|ppm| 1e-6 * ppm);
+    let tolerance_mm = 1e-3 * number(&section, "tolerance_um", [1.0, 1e5], " um")?.unwrap_or(150.0);
+    let places = section.sections("place")?;
+    if places.is_empty() {
+        return Err(section.missing_here("place", "at least one section [[artefact.place]]"));
+    }
+    let places = places.into_iter().map(|place| read_place(place, &shape)).collect::<Result<_, _>>()?;
+    section.finish(None)?;
+    Ok(Artefact { name, kind: shape, uncertainty, length_uncertainty, tolerance_mm, places, line })
+}
+
+fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {
+    let line = section.first_line();
+    let at =
+        section.numbers::<3>("at_mm")?.ok_or_else(|| section.missing_here("at_mm", "X, Y, Z of the machine there"))?;
+    if at.value.iter().any(|q| q.abs() > 1e5) {
+        return Err(section.wrong(&at, "at most 100000 mm"));
+    }
+    let linear = |key: &str, default: Axis| match section.axis(key)? {
+        Some(found) if found.value.is_rotary() => Err(section.wrong(&found, "\"X\", \"Y\" or \"Z\"")),
+        found => Ok(found.map_or(default, |found| found.value)),
+    };
+    let along = |found: Option<Found<&str>>, needed: &str| {
+        found.map_or_else(|| section.missing_here("along", needed), |found| section.wrong(&found, needed))
+    };
+    let flat = matches!(kind, Kind::Ring { .. } | Kind::Plate { .. } | Kind::Square { .. } | Kind::Gauge { .. });
+    let mut place =
+        Place { at_mm: at.value, normal: Axis::Z, along: Axis::X, reversed: false, rotary_deg: vec![[0.0; 3]], line };
+    if flat {
+        place.normal = linear("normal", Axis::Z)?;
+    }
+    if matches!(kind, Kind::Square { .. } | Kind::Gauge { .. }) {
+        let default = if place.normal == Axis::X { Axis::Y } else { Axis::X };
+        place.along = linear("along", default)?;
+        if place.along == place.normal {
+            let found = section.string("along")?.or(section.string("normal")?);
+            return Err(along(found, "another axis than the normal"));
+        }
+    }
+    if matches!(kind, Kind::Square { .. }) {
+        place.reversed = section.boolean("reversed")?.unwrap_or(false);
+        if place.reversed && place.along == Axis::Z {
+            let needed = "a first arm along \"X\" or \"Y\" where the square is turned over: about its upright arm";
+            return Err(along(section.string("along")?, needed));
+        }
+    }
+    if matches!(kind, Kind::Ball { .. })
+        && let Some(angles) = section.lists::<3>("rotary_deg")?
+    {
+        let fine = |angles: &[f64; 3]| angles.iter().all(|angle| angle.abs() <= 3600.0);
+        if !(1..=200).contains(&angles.value.len()) || !angles.value.iter().all(fine) {
+            return Err(section.wrong(&angles, "1 to 200 poses of A, B, C, degrees"));
+        }
+        place.rotary_deg = angles.value;
+    }
+    section.finish(None)?;
+    Ok(place)
+}

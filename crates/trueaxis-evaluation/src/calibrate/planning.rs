@@ -1,0 +1,224 @@
+//! From a task to its plan.
+
+use super::artefact::{Artefact, Kind, Place};
+use super::kinematics::Ideal;
+use super::plan::{Plan, Planned, Step, Visit};
+use super::reach::{check_steps, check_travel, check_ways};
+use super::task::Task;
+use super::touches::{Target, of_place};
+use anyhow::{Result, anyhow};
+use trueaxis::machine::{AXES, Axis};
+use trueaxis_tables::Machine;
+
+/// Speed of rapid moves for the estimate of time, mm/min.
+const RAPID: f64 = 6000.0;
+
+impl Plan {
+    /// Plans a task on a machine; the machine's tables are not used.
+    ///
+    /// # Errors
+    /// With the line of the task: a place out of the machine's travel, an axis that it has not got.
+    pub fn new(task: &Task, machine: &Machine) -> Result<Plan> {
+        let ideal = Ideal::new(machine)?;
+        let safe_z = safe_z(task, machine)?;
+        check_steps(task)?;
+        let mut plan = Plan { steps: Vec::new(), touches: Vec::new(), visits: Vec::new(), identity: 0 };
+        let mut way = Way { task, ideal: &ideal, safe_z, at: [0.0; AXES], time_s: 0.0, plan: &mut plan };
+        let mut set_up = 0;
+        for (index, artefact) in task.artefacts.iter().enumerate() {
+            for (place, at) in artefact.places.iter().enumerate() {
+                let text = set_up_text(artefact, at, place);
+                way.plan.steps.push(Step::Pause(text));
+                way.set_up(index, place, set_up)?;
+                set_up += 1;
+            }
+        }
+        check_travel(task, machine, &plan)?;
+        check_ways(task, machine, &plan)?;
+        plan.identity = identity(&plan);
+        Ok(plan)
+    }
+}
+
+fn safe_z(task: &Task, machine: &Machine) -> Result<f64> {
+    let z = machine
+        .settings
+        .axis(Axis::Z)
+        .ok_or_else(|| anyhow!("{}: found a machine without Z, needed one", task.file.display()))?;
+    Ok(task.probe.safe_z_mm.unwrap_or(z.travel[1]))
+}
+
+fn set_up_text(artefact: &Artefact, place: &Place, index: usize) -> String {
+    let [x, y, z] = place.at_mm;
+    let normal = place.normal.letter();
+    let how = match artefact.kind {
+        Kind::Ring { .. } => format!("ring {}, its axis along {normal}", artefact.name),
+        Kind::Ball { .. } => format!("ball {}", artefact.name),
+        Kind::Plate { .. } => format!("ball plate {}, facing {normal}", artefact.name),
+        Kind::Gauge { .. } => format!("step gauge {} along {}", artefact.name, place.along.letter()),
+        Kind::Square { .. } => {
+            let over = if place.reversed { ", turned over" } else { "" };
+            format!("square {}, first arm along {}{over}", artefact.name, place.along.letter())
+        }
+    };
+    format!("set up {how}, place {}: X{x} Y{y} Z{z}", index + 1)
+}
+
+/// The probe on its way.
+struct Way<'t> {
+    task: &'t Task,
+    ideal: &'t Ideal,
+    safe_z: f64,
+    at: [f64; AXES],
+    time_s: f64,
+    plan: &'t mut Plan,
+}
+
+impl Way<'_> {
+    /// All touches of a place, with visits of the reference before, after and between.
+    fn set_up(&mut self, artefact: usize, place: usize, set_up: usize) -> Result<()> {
+        let targets = of_place(self.task, self.ideal, artefact, place, false)?;
+        let Some(reference) = self.task.reference.as_ref() else {
+            return self.visit(artefact, place, set_up, false, &targets);
+        };
+        let every = reference.every.max(5);
+        let look = of_place(self.task, self.ideal, reference.artefact, 0, true)?;
+        self.visit(reference.artefact, 0, set_up, true, &look)?;
+        for part in targets.chunks(every) {
+            self.visit(artefact, place, set_up, false, part)?;
+            self.visit(reference.artefact, 0, set_up, true, &look)?;
+        }
+        Ok(())
+    }
+
+    fn visit(
+        &mut self,
+        artefact: usize,
+        place: usize,
+        set_up: usize,
+        reference: bool,
+        targets: &[Target],
+    ) -> Result<()> {
+        let name = self.task.artefacts[artefact].name.clone();
+        let what = if reference { format!("reference {name}") } else { format!("{name}, place {}", place + 1) };
+        self.plan.steps.push(Step::Remark(what));
+        self.plan.visits.push(Visit { artefact, place, reference, set_up });
+        let mut last: Option<&Target> = None;
+        for target in targets {
+            let above = |last: &Target| last.lift.is_some() && last.lift == target.lift;
+            let stays = |last: &Target| last.pose == target.pose && (last.home == target.home || above(last));
+            if !last.is_some_and(stays) {
+                self.leave(last);
+                self.enter(target);
+            }
+            self.touch(artefact, place, target);
+            last = Some(target);
+        }
+        self.leave(last);
+        Ok(())
+    }
+
+    /// Up and away.
+    fn leave(&mut self, last: Option<&Target>) {
+        if let Some(last) = last {
+            self.feed(last.entry);
+        }
+        let mut up = [None; AXES];
+        up[2] = Some(self.safe_z);
+        self.rapid(up);
+    }
+
+    /// Over the artefact and down to it.
+    fn enter(&mut self, target: &Target) {
+        let [a, b, c] = target.pose;
+        let turned = [a, b, c].into_iter().zip(&self.at[3..]).any(|(to, at)| to != *at);
+        if turned {
+            self.rapid([None, None, None, Some(a), Some(b), Some(c)]);
+        }
+        let [x, y, _] = target.entry;
+        self.rapid([Some(x), Some(y), None, None, None, None]);
+        self.feed(target.entry);
+        self.feed(target.home);
+    }
+
+    fn touch(&mut self, artefact: usize, place: usize, target: &Target) {
+        let probe = &self.task.probe;
+        let lifted = |point: [f64; 3]| -> [f64; 3] {
+            let height = target.lift.map_or(0.0, |lift| (0..3).map(|k| lift[k] * (target.home[k] - point[k])).sum());
+            std::array::from_fn(|k| point[k] + height * target.lift.map_or(0.0, |lift| lift[k]))
+        };
+        let start: [f64; 3] = std::array::from_fn(|k| target.point[k] - probe.approach_mm * target.approach[k]);
+        let end: [f64; 3] = std::array::from_fn(|k| target.point[k] + probe.overtravel_mm * target.approach[k]);
+        let mut before = start;
+        let mut reverse = [0.0; 3];
+        for axis in 0..3 {
+            let along = target.approach[axis];
+            if along.abs() > 1e-6 {
+                reverse[axis] = f64::from(u8::from(along < 0.0));
+            } else {
+                // An axis that stands still while probing has come from one side.
+                let from = if target.from_above[axis] { 1.0 } else { -1.0 };
+                before[axis] += from * probe.take_up_mm;
+                reverse[axis] = f64::from(u8::from(target.from_above[axis]));
+            }
+        }
+        for _ in 0..probe.repeats {
+            self.feed(lifted(before));
+            self.feed(before);
+            self.feed(start);
+            let [a, b, c] = target.pose;
+            let whole = |[x, y, z]: [f64; 3]| [x, y, z, a, b, c];
+            self.time_s += 60.0 * probe.approach_mm / probe.probe_feed_mm_per_min;
+            self.plan.steps.push(Step::Probe(self.plan.touches.len()));
+            self.plan.touches.push(Planned {
+                artefact,
+                place,
+                feature: target.feature,
+                start: whole(start).map(micrometre),
+                end: whole(end).map(micrometre),
+                take_up: before,
+                reverse,
+                time_s: self.time_s,
+                visit: self.plan.visits.len() - 1,
+            });
+            // Wherever it was stopped, it goes back.
+            (0..3).for_each(|k| self.at[k] = end[k]);
+            self.feed(start);
+            self.feed(lifted(start));
+        }
+        self.feed(target.home);
+    }
+
+    fn feed(&mut self, to: [f64; 3]) {
+        let to = to.map(micrometre);
+        let far: f64 = (0..3).map(|k| (to[k] - self.at[k]).powi(2)).sum::<f64>().sqrt();
+        if far < 1e-6 && self.plan.steps.len() > 1 {
+            return;
+        }
+        self.time_s += 60.0 * far / self.task.probe.feed_mm_per_min;
+        (0..3).for_each(|k| self.at[k] = to[k]);
+        self.plan.steps.push(Step::Feed(to));
+    }
+
+    fn rapid(&mut self, to: [Option<f64>; AXES]) {
+        let to = to.map(|value| value.map(micrometre));
+        let far: f64 = (0..3).map(|k| (to[k].unwrap_or(self.at[k]) - self.at[k]).powi(2)).sum::<f64>().sqrt();
+        self.time_s += 60.0 * far / RAPID;
+        (0..AXES).for_each(|k| self.at[k] = to[k].unwrap_or(self.at[k]));
+        self.plan.steps.push(Step::Rapid(to));
+    }
+}
+
+/// As the program writes it.
+fn micrometre(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}
+
+/// Check sum of where the touches are.
+fn identity(plan: &Plan) -> u32 {
+    let mut bytes = Vec::new();
+    for touch in &plan.touches {
+        touch.start.iter().chain(&touch.end).for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
+    }
+    trueaxis::tcomp::checksum(&bytes)
+}

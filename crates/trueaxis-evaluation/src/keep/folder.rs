@@ -1,0 +1,81 @@
+//! A task and its machine's folder in the file system: read, locked, written.
+
+use super::history::History;
+use super::state::{HISTORY, State};
+use super::task::Keep;
+use super::undo::Undone;
+use super::written::Written;
+use anyhow::{Context, Result, bail};
+use std::fs::{self, File, TryLockError};
+use std::path::Path;
+use trueaxis_tables::files::Folder;
+use trueaxis_tables::output::{Outputs, left_notes};
+use trueaxis_tables::text::read_text;
+
+impl State {
+    /// Reads everything; `path` is that of the task, from which the machine's folder counts.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is wrong, with its line.
+    pub fn read(path: &Path, note: &mut dyn FnMut(String)) -> Result<State> {
+        let keep = Keep::read(&read_text(path, &['#', ';'])?, path)?;
+        let at = path.parent().unwrap_or(Path::new("")).join(&keep.task.machine);
+        let (source, name) = Folder::of_machine(&at);
+        let folder = if at.is_dir() { at.as_path() } else { at.parent().unwrap_or(Path::new("")) };
+        let mut state = State::begun(keep, folder.to_path_buf(), Box::new(source), name, note)?;
+        left_notes(state.files.keys().map(|file| folder.join(file))).into_iter().for_each(&mut *note);
+        let history = folder.join(HISTORY);
+        if history.symlink_metadata().is_ok() {
+            state.history = History::read(&read_text(&history, &[])?, &history)?;
+        }
+        Ok(state)
+    }
+
+    /// The same for a command that writes. A second such command is refused until this is dropped: it would add to tables what
+    /// the first one adds.
+    ///
+    /// # Errors
+    /// As [`State::read`], and another command at work.
+    pub fn alone(path: &Path, note: &mut dyn FnMut(String)) -> Result<State> {
+        let file = File::open(path).with_context(|| format!("cannot open {}", path.display()))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                bail!("{}: found another `trueaxis keep` at work with it, needed its end: try again", path.display());
+            }
+            // A file system without locks.
+            Err(TryLockError::Error(error)) => note(format!("{} is not locked: {error}", path.display())),
+        }
+        Ok(State { _alone: Some(file), ..State::read(path, note)? })
+    }
+
+    /// Stages what a command writes, in its order.
+    ///
+    /// # Errors
+    /// As [`Outputs::put`].
+    pub fn stage(&self, outputs: &mut Outputs, written: &Written) -> Result<()> {
+        for (name, bytes) in written {
+            if let Some(inner) = name.parent().filter(|inner| !inner.as_os_str().is_empty()) {
+                outputs.folder(&self.folder.join(inner))?;
+            }
+            outputs.put(&self.folder.join(name), bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Writes an undo, with what it takes away.
+    ///
+    /// # Errors
+    /// The file system refused.
+    pub fn put_back(&self, mut outputs: Outputs, undone: &Undone) -> Result<()> {
+        self.stage(&mut outputs, &self.written(&undone.entry, &undone.files)?)?;
+        outputs.commit()?;
+        // A table that there was not is named by nothing now; left there, it would stand in the way of the next one, and a
+        // compiled file would go on correcting.
+        for path in undone.away.iter().map(|file| self.folder.join(file)).filter(|path| path.symlink_metadata().is_ok())
+        {
+            fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,84 @@
+//! A task planned with what it lets expect, in one call.
+
+use super::look::{foreseen, plan};
+use super::task::Keep;
+use crate::calibrate::{Plan, program};
+use anyhow::Result;
+use serde::Serialize;
+use trueaxis_tables::Machine;
+
+/// A term with the standard error that a look would have, and its bounds; all in `unit`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Expected {
+    /// As the task names it.
+    pub name: String,
+    /// The standard error by the stated repeatability.
+    pub standard_error: f64,
+    /// Unit of all values.
+    pub unit: &'static str,
+    /// Largest single update.
+    pub largest_update: f64,
+    /// Largest sum of updates since the beginning.
+    pub largest_total: f64,
+    /// Standard errors from which it has moved.
+    pub significance: f64,
+}
+
+/// The document that `trueaxis keep plan --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Foreseen {
+    /// The machine's name.
+    pub machine: String,
+    /// Number that the log names, eight hexadecimal digits.
+    pub program: String,
+    /// Touches.
+    pub touches: usize,
+    /// Time of a look, minutes.
+    pub minutes: f64,
+    /// Parts between two looks.
+    pub every_parts: u32,
+    /// Every term.
+    pub terms: Vec<Expected>,
+}
+
+/// A look planned.
+#[derive(Clone, Debug)]
+pub struct Planning {
+    /// Its touches.
+    pub plan: Plan,
+    /// The program in the task's dialect.
+    pub program: String,
+    /// How well every term would be known.
+    pub foreseen: Foreseen,
+}
+
+impl Planning {
+    /// Plans the looks of a task on a machine.
+    ///
+    /// # Errors
+    /// As [`plan`] and [`foreseen`].
+    pub fn new(keep: &Keep, machine: &Machine) -> Result<Planning> {
+        let plan = plan(keep, machine)?;
+        let errors = foreseen(keep, machine, &plan)?;
+        let terms = keep.terms.iter().zip(errors).map(|(kept, error)| {
+            let (unit, factor) = kept.term.unit();
+            Expected {
+                name: kept.name.clone(),
+                standard_error: factor * error,
+                unit,
+                largest_update: factor * kept.bounds.update,
+                largest_total: factor * kept.bounds.total,
+                significance: kept.bounds.significance,
+            }
+        });
+        let foreseen = Foreseen {
+            machine: machine.settings.name.to_string(),
+            program: plan.number(),
+            touches: plan.touches.len(),
+            minutes: plan.minutes(),
+            every_parts: keep.every_parts,
+            terms: terms.collect(),
+        };
+        Ok(Planning { program: program(&keep.task, machine, &plan), plan, foreseen })
+    }
+}

@@ -1,0 +1,125 @@
+//! A task with its machine, the bytes of its files and the history.
+
+use super::history::{History, is_plain, sum};
+use super::task::Keep;
+use anyhow::{Context, Result, bail};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::{Memory, Source};
+
+/// Name of the history in the machine's folder.
+pub const HISTORY: &str = "keep/history.jsonl";
+
+/// Task, machine and history, as every command of `keep` reads them first.
+pub struct State {
+    /// The task.
+    pub keep: Keep,
+    /// The machine's folder, as errors name it and as it is written to.
+    pub folder: PathBuf,
+    /// Its files.
+    pub source: Box<dyn Source>,
+    /// Name of the machine's description in it.
+    pub name: PathBuf,
+    /// The machine.
+    pub machine: Machine,
+    /// Files of the machine, and its thermal model, by their names in the folder.
+    pub files: BTreeMap<String, Vec<u8>>,
+    /// Looks, updates and undos so far.
+    pub history: History,
+    /// The task's file, locked until this is dropped.
+    pub(super) _alone: Option<File>,
+}
+
+impl State {
+    /// A task on the files of a source, with nothing in the history; `note` hears how they were read.
+    pub(super) fn begun(
+        keep: Keep,
+        folder: PathBuf,
+        source: Box<dyn Source>,
+        name: PathBuf,
+        note: &mut dyn FnMut(String),
+    ) -> Result<State> {
+        let machine = Machine::read_untabled(source.as_ref(), &name, note)?;
+        keep.fits(&machine)?;
+        let mut files = BTreeMap::new();
+        for own in Machine::files_of(source.as_ref(), &name)?.into_iter().chain(keep.thermal.iter().map(PathBuf::from))
+        {
+            let (file, path) = (own.to_string_lossy().into_owned(), source.path(&own));
+            if !is_plain(&file) {
+                bail!(
+                    "{}: found a file of another folder, needed it beside machine.toml: an undo writes it",
+                    path.display()
+                );
+            }
+            files.insert(file, source.read(&own).with_context(|| format!("cannot read {}", path.display()))?);
+        }
+        let history = History::read("", &folder.join(HISTORY))?;
+        Ok(State { keep, folder, source, name, machine, files, history, _alone: None })
+    }
+
+    /// The same of texts in memory, the machine's description among them as `machine.toml`; `history` is the text of its
+    /// history, empty before the first look.
+    ///
+    /// # Errors
+    /// What is wrong with the machine or the history, terms of axes that the machine has not got, a thermal model that is
+    /// not there.
+    pub fn of_texts(keep: Keep, files: Memory, history: &str, note: &mut dyn FnMut(String)) -> Result<State> {
+        let folder = keep.task.machine.clone();
+        let mut state = State::begun(keep, folder.into(), Box::new(files), "machine.toml".into(), note)?;
+        state.history = History::read(history, &state.folder.join(HISTORY))?;
+        Ok(state)
+    }
+
+    /// Check sum of all files.
+    pub fn tables(&self) -> String {
+        tables(&self.files)
+    }
+
+    /// Refuses tables that are not as the history left them; with `by_hand` they are noted.
+    ///
+    /// # Errors
+    /// Other tables than those of the last entry, with both check sums.
+    pub fn untouched(&self, by_hand: bool, note: &mut dyn FnMut(String)) -> Result<()> {
+        let (Some(last), now) = (self.history.last(), self.tables()) else { return Ok(()) };
+        let [before, after] = &last.tables;
+        if now == *after {
+            return Ok(());
+        }
+        let folder = self.folder.display();
+        if by_hand {
+            note(format!("{folder}: tables {now} in place of {after}, taken as they are"));
+            return Ok(());
+        }
+        if now == *before {
+            bail!(
+                "{folder}: found tables as before entry {}, which was ended before it changed them, needed them as after it: \
+                 `trueaxis keep undo … {} --by-hand` enters that",
+                last.entry,
+                last.entry
+            );
+        }
+        bail!(
+            "{folder}: found tables {now}, which somebody has changed, needed {after} as entry {} left them: --by-hand takes \
+             them as they are",
+            last.entry
+        )
+    }
+}
+
+/// Where a file is kept that an entry changes, in the machine's folder.
+pub(super) fn kept(entry: u32, file: &str) -> PathBuf {
+    let name = Path::new(file).file_name().unwrap_or_default();
+    Path::new("keep").join(format!("{entry:04}")).join(name)
+}
+
+/// Check sum of files with their names.
+pub(super) fn tables(files: &BTreeMap<String, Vec<u8>>) -> String {
+    let mut all = Vec::new();
+    for (name, bytes) in files {
+        all.extend_from_slice(format!("{name}\0{}\0", bytes.len()).as_bytes());
+        all.extend_from_slice(bytes);
+    }
+    sum(&all)
+}

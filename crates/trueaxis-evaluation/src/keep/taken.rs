@@ -1,0 +1,170 @@
+//! A look's log taken: against the history, with the entry that it would make and the files that it would change.
+
+use super::document::Document;
+use super::entry::{Deed, Entry, LogFile};
+use super::history::sum;
+use super::look::{Before, Look, begin, look, plan};
+use super::state::{State, tables};
+use super::update::changes;
+use super::written::New;
+use crate::calibrate::{Logged, Plan, read_log, trips};
+use anyhow::Result;
+use std::path::Path;
+
+/// A log of a look.
+#[derive(Clone, Debug)]
+pub struct Log<'l> {
+    /// Its name, in errors and in the history.
+    pub file: &'l Path,
+    /// Its text.
+    pub text: &'l str,
+    /// When it was probed, as [`time`] takes it.
+    pub time: Option<String>,
+    /// Parts made until then.
+    pub parts: Option<u64>,
+}
+
+/// What a person lets pass.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Let<'l> {
+    /// Names of terms that may be out of their bounds.
+    pub accept: &'l [String],
+    /// Tables that are not as the history left them.
+    pub by_hand: bool,
+}
+
+/// A look that was taken.
+#[derive(Clone, Debug)]
+pub struct Taken {
+    /// What was found.
+    pub look: Look,
+    /// The same as a document.
+    pub document: Document,
+    /// What is entered if it is applied.
+    pub entry: Entry,
+    /// Files that would change, `machine.toml` last of its own; none where a term is refused.
+    pub files: New,
+    /// A sentence on each change.
+    pub changes: Vec<String>,
+}
+
+impl Taken {
+    /// Why a person has to look before anything is changed; none where all terms are within their bounds.
+    pub fn refusal(&self, log: &Path) -> Option<String> {
+        let reasons: Vec<String> = self.look.refused().map(|(name, reason)| format!("{name} {reason}")).collect();
+        (!reasons.is_empty()).then(|| {
+            format!(
+                "{}: {}: nothing is changed; has the ball been moved, has something been hit? --accept TERM lets it pass",
+                log.display(),
+                reasons.join("; ")
+            )
+        })
+    }
+}
+
+/// A time in UTC, in the one form that sorts as it runs.
+///
+/// # Errors
+/// Another form.
+pub fn time(text: &str) -> Result<String, String> {
+    let shape = "0000-00-00T00:00:00Z";
+    let fits = |(own, of): (u8, u8)| if of == b'0' { own.is_ascii_digit() } else { own == of };
+    let sound = text.len() == shape.len() && text.bytes().zip(shape.bytes()).all(fits);
+    if sound { Ok(text.into()) } else { Err("needed a time in UTC like 2026-05-04T06:00:00Z".into()) }
+}
+
+impl State {
+    fn trips(&self, log: &Log<'_>, note: &mut dyn FnMut(String)) -> Result<(Plan, Vec<Logged>)> {
+        let plan = plan(&self.keep, &self.machine)?;
+        let read = read_log(log.text, log.file, self.keep.task.dialect, |how| {
+            note(format!("{}: {how}", log.file.display()));
+        })?;
+        let trips = trips(&self.keep.task, &plan, &read, log.file)?;
+        Ok((plan, trips))
+    }
+
+    /// An entry with nothing changed.
+    fn entry(&self, log: &Log<'_>, plan: &Plan, look: &Look, deed: Deed) -> Entry {
+        let tables = self.tables();
+        let file = log.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Entry {
+            entry: self.history.next(),
+            deed,
+            time: log.time.clone(),
+            parts: log.parts,
+            plan: plan.number(),
+            log: Some(LogFile { file, crc: sum(log.text.as_bytes()) }),
+            undone: None,
+            sigma_um: Some(1e3 * look.calibration.solution.sigma_mm),
+            measured: look.measured(&self.keep),
+            balls: look.balls.clone(),
+            totals: Default::default(),
+            files: Vec::new(),
+            tables: [tables.clone(), tables],
+        }
+    }
+
+    /// Takes the first look. Nothing is written.
+    ///
+    /// # Errors
+    /// As [`begin`], and a log that is none of the task's.
+    pub fn begin(&self, log: &Log<'_>, note: &mut dyn FnMut(String)) -> Result<Taken> {
+        let (plan, trips) = self.trips(log, note)?;
+        let look = begin(&self.keep, &self.machine, &plan, &trips, log.file)?;
+        let entry = self.entry(log, &plan, &look, Deed::Begin);
+        let mut document = look.document(&self.keep, &self.machine.settings.name, entry.entry);
+        document.notes.push("the beginning: later looks are held against the places of these balls".into());
+        Ok(Taken { look, document, entry, files: New::new(), changes: Vec::new() })
+    }
+
+    /// Refuses names that are none of the task's terms.
+    ///
+    /// # Errors
+    /// The first of them, and what is needed.
+    pub fn accepts(&self, names: &[String]) -> Result<(), String> {
+        let own = || self.keep.terms.iter().map(|kept| kept.name.as_str());
+        match names.iter().find(|name| own().all(|term| term != **name)) {
+            None => Ok(()),
+            Some(unknown) => Err(format!("found {unknown:?}, needed one of {}", own().collect::<Vec<_>>().join(", "))),
+        }
+    }
+
+    /// Takes a later look against the history. Nothing is written; what the machine's files would be is made, so that a
+    /// refusal shows up before anything is applied.
+    ///
+    /// # Errors
+    /// As [`look`] and [`changes`], a log that is none of the task's, one that does not follow the history, and tables that
+    /// are not as it left them.
+    pub fn check(&self, log: &Log<'_>, allowed: Let<'_>, note: &mut dyn FnMut(String)) -> Result<Taken> {
+        self.history.beginning()?;
+        self.untouched(allowed.by_hand, note)?;
+        let (plan, trips) = self.trips(log, note)?;
+        self.history.follows(&plan.number(), &sum(log.text.as_bytes()), log.time.as_deref(), log.parts)?;
+        let (known, totals) = (self.history.balls()?, self.history.totals());
+        let before = Before { known, totals: &totals, accepted: allowed.accept };
+        let look = look(&self.keep, &self.machine, &plan, &trips, log.file, &before)?;
+        let mut document = look.document(&self.keep, &self.machine.settings.name, self.history.next());
+        let last = self.history.entries.iter().rev().find_map(|entry| entry.parts);
+        if let Some(since) = log.parts.zip(last).map(|(now, before)| now - before) {
+            let every = self.keep.every_parts;
+            if since > u64::from(every) {
+                document.notes.push(format!("{since} parts since the last look, {every} are stated"));
+            }
+        }
+        let mut entry = self.entry(log, &plan, &look, Deed::Look);
+        entry.totals = totals.clone();
+        let changes = changes(&self.keep, &look, &self.machine, self.source.as_ref(), &self.name)?;
+        if document.refused > 0 {
+            return Ok(Taken { look, document, entry, files: New::new(), changes: changes.notes });
+        }
+        let named = changes.files.into_iter();
+        let files: New = named.map(|(name, text)| (name.to_string_lossy().into_owned(), Some(text.into()))).collect();
+        entry.totals = look.totals(&self.keep);
+        entry.files = self.changed(&files);
+        entry.tables[1] = tables(&self.with(&files));
+        if !files.is_empty() {
+            entry.deed = Deed::Update;
+        }
+        Ok(Taken { look, document, entry, files, changes: changes.notes })
+    }
+}

@@ -1,0 +1,79 @@
+//! Files as before an entry.
+
+use super::entry::{Deed, Entry};
+use super::history::sum;
+use super::state::{State, kept, tables};
+use super::written::{New, is_compilable};
+use anyhow::{Context, Result, bail};
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::Memory;
+
+/// An undo.
+#[derive(Clone, Debug)]
+pub struct Undone {
+    /// What is entered.
+    pub entry: Entry,
+    /// Files that change, `machine.toml` last.
+    pub files: New,
+    /// Names of those that are taken away: what was not there before, and the controller's file of a machine that has no
+    /// table then.
+    pub away: Vec<String>,
+}
+
+impl State {
+    /// Puts the files to where they were before an entry, or the last update in effect. Nothing is written.
+    ///
+    /// # Errors
+    /// An entry that cannot be taken back, tables that are not as the history left them, copies that are missing or damaged.
+    pub fn undone(
+        &self,
+        entry: Option<u32>,
+        time: Option<String>,
+        by_hand: bool,
+        note: &mut dyn FnMut(String),
+    ) -> Result<Undone> {
+        let number = self.history.undoable(entry)?;
+        self.untouched(by_hand, note)?;
+        let mut new = New::new();
+        for (file, entry, before) in self.history.put_back(number) {
+            let bytes = before.map(|check| self.copy(entry, &file, &check)).transpose()?;
+            new.push((file, bytes));
+        }
+        // machine.toml names the others, and comes last.
+        new.sort_by_key(|(file, _)| self.name.to_str() == Some(file));
+        let after = self.with(&new);
+        new.retain(|(file, bytes)| self.files.get(file) != bytes.as_ref());
+        let memory = Memory::new(after.iter().map(|(name, bytes)| (name, bytes.clone())));
+        let machine = Machine::read_untabled(&memory, &self.name, &mut |_| {})?;
+        let mut away: Vec<String> = new.iter().filter(|(_, new)| new.is_none()).map(|(file, _)| file.clone()).collect();
+        away.extend(self.keep.tcomp.iter().filter(|_| !is_compilable(&machine)).cloned());
+        let entry = Entry {
+            entry: self.history.next(),
+            deed: Deed::Undo,
+            time,
+            parts: None,
+            plan: self.history.beginning()?.plan.clone(),
+            log: None,
+            undone: Some(number),
+            sigma_um: None,
+            measured: Vec::new(),
+            balls: Vec::new(),
+            totals: self.history.entries[number as usize - 2].totals.clone(),
+            files: self.changed(&new),
+            tables: [self.tables(), tables(&after)],
+        };
+        Ok(Undone { entry, files: new, away })
+    }
+
+    /// A file as an entry kept it.
+    fn copy(&self, entry: u32, file: &str, check: &str) -> Result<Vec<u8>> {
+        let copy = kept(entry, file);
+        let path = self.source.path(&copy);
+        let bytes = self.source.read(&copy).with_context(|| format!("cannot read {}", path.display()))?;
+        let own = sum(&bytes);
+        if own != check {
+            bail!("{}: found {own}, needed {check} as entry {entry} kept it", path.display());
+        }
+        Ok(bytes)
+    }
+}

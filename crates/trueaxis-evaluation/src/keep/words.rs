@@ -1,0 +1,35 @@
+//! Verdicts and entries in words: the same on the command line, in the page of a report, and in the desk.
+
+use super::document::TermDocument;
+use super::entry::{Deed, Entry, Measured};
+use super::history::in_effect;
+use trueaxis_report::number::significant;
+
+impl TermDocument {
+    /// The verdict with its reason.
+    pub fn in_words(&self) -> String {
+        self.reason.as_ref().map_or_else(|| self.verdict.into(), |reason| format!("{}: {reason}", self.verdict))
+    }
+}
+
+impl Measured {
+    /// How far the sum of the updates went, where it did.
+    pub fn in_words(&self) -> Option<String> {
+        let (from, to) = (significant(self.from, 3), significant(self.to, 3));
+        let error = significant(self.standard_error, 2);
+        (self.from != self.to).then(|| format!("{} {from} to {to} {} (± {error})", self.term, self.unit))
+    }
+}
+
+/// What every entry did, by all of them: an update may have been taken back since.
+pub fn deeds(entries: &[Entry]) -> Vec<String> {
+    let now = in_effect(entries);
+    let of = |entry: &Entry| match entry.deed {
+        Deed::Begin => "begin".to_owned(),
+        Deed::Look => "look, nothing changed".into(),
+        Deed::Update if now.contains(&entry.entry) => "update".into(),
+        Deed::Update => "update, taken back".into(),
+        Deed::Undo => format!("undo, as before entry {}", entry.undone.unwrap_or_default()),
+    };
+    entries.iter().map(of).collect()
+}

@@ -1,0 +1,138 @@
+//! Tables and plots of measured points.
+
+use super::{Document, Found, Left, Points};
+use crate::shown::{Cell, Curve, Look, Map, Plot, Shown, Table, unit};
+use trueaxis_metrology::volumetric::{AXES, COMPONENTS};
+
+impl Document {
+    /// Tables, plots and map of the points and of what was found.
+    pub fn shown(&self, points: &Points, found: &Found) -> Shown {
+        let functions = self.functions.iter().map(|of| {
+            let [low, high] = of.range.map(|value| Cell::number(value, 3));
+            vec![of.name.as_str().into(), low, high, Cell::number(of.standard_error, 2), unit(of.unit).into()]
+        });
+        let squareness = &self.squareness;
+        let squareness = [("A0Z", squareness.a0z_urad), ("B0Z", squareness.b0z_urad), ("C0Y", squareness.c0y_urad)]
+            .map(|(name, of)| {
+                let value = Cell::number(of.value, 3);
+                vec![name.into(), value.clone(), value, Cell::number(of.standard_error, 2), "µrad".into()]
+            });
+        let left = |name: &str, of: Left| {
+            let numbers = [Cell::number(of.max_um, 3), Cell::number(of.rms_um, 3), Cell::count(of.line as usize)];
+            [name.into(), Cell::count(of.points)].into_iter().chain(numbers).collect()
+        };
+        let rows = [left("measured", self.before), left("left", self.left)];
+        let rows = rows.into_iter().chain(self.held_out.map(|of| left("held out", of)));
+        let fit = [
+            ("sigma of a coordinate, µm", Cell::number(self.sigma_um, 3)),
+            ("degrees of freedom", Cell::count(self.degrees_of_freedom)),
+            ("unknowns", Cell::count(self.unknowns)),
+            ("conventions", Cell::count(self.conventions)),
+            ("condition number", Cell::number(self.condition, 3)),
+        ];
+        let [x, y, z] = self.nodes;
+        Shown {
+            title: "Measured points",
+            summary: vec![
+                format!("{} points", self.points),
+                format!("{x} × {y} × {z} nodes"),
+                format!("rank {} of {}", self.rank, self.unknowns),
+            ],
+            notes: self.notes.clone(),
+            tables: vec![
+                Table {
+                    caption: "What is left of the points",
+                    header: vec!["µm", "points", "largest", "RMS", "largest in line"],
+                    rows: rows.collect(),
+                },
+                Table {
+                    caption: "All errors",
+                    header: vec!["error", "from", "to", "standard error", "unit"],
+                    rows: functions.chain(squareness).collect(),
+                },
+                Table::figures("Fit", fit),
+            ],
+            plots: residuals(points, found).chain(errors(found)).collect(),
+            map: Some(map(points, found)),
+        }
+    }
+}
+
+/// Translations and rotations of every axis that the points show, with their standard errors.
+fn errors(found: &Found) -> Vec<Plot> {
+    let mut plots = Vec::new();
+    for (axis, letter) in AXES.into_iter().enumerate() {
+        for (first, unit, scale) in [(0, "µm", 1e3), (3, "µrad", 1e6)] {
+            let mut curves = Vec::new();
+            for c in (0..3).filter(|c| first == 0 || found.basis.seen[axis][first + c]) {
+                let of = |values: &[f64]| values.iter().map(|value| scale * value).collect();
+                let name = format!("E{}{letter}", COMPONENTS[first + c]);
+                let errors = of(&found.errors.standard_errors[axis][first + c]);
+                curves.push(Curve { errors, ..Curve::new(name, c, of(&found.errors.errors[axis][first + c])) });
+            }
+            if curves.is_empty() {
+                continue;
+            }
+            let names: Vec<&str> = curves.iter().map(|curve| curve.name.as_str()).collect();
+            plots.push(Plot {
+                section: "Errors",
+                title: format!("{} over {letter}", names.join(", ")),
+                x: (letter.to_string(), "mm"),
+                y: ("error", unit),
+                look: Look::Dotted,
+                caption: "Bars: 2 standard errors to either side.",
+                at: found.basis.nodes_mm[axis].clone(),
+                curves,
+            });
+        }
+    }
+    plots
+}
+
+/// What is left of every point along X, Y and Z over the position of each axis.
+fn residuals(points: &Points, found: &Found) -> impl Iterator<Item = Plot> {
+    AXES.into_iter().enumerate().map(|(axis, letter)| {
+        let places: Vec<f64> = points.points.iter().map(|point| point.command_mm[axis]).collect();
+        let (at, order) = Plot::ascending(&places);
+        let left: Vec<[f64; 3]> = order.iter().map(|i| found.left_mm[*i].map(|mm| 1e3 * mm)).collect();
+        Plot {
+            section: "What is left",
+            title: format!("What is left over {letter}"),
+            x: (letter.to_string(), "mm"),
+            y: ("left", "µm"),
+            look: Look::Points,
+            caption: "",
+            at,
+            curves: Plot::along(&left),
+        }
+    })
+}
+
+/// Cells of the map in each direction.
+const CELLS: usize = 12;
+
+/// Root mean square of what is left over X and Y, all heights together.
+fn map(points: &Points, found: &Found) -> Map {
+    let ends_mm = [0, 1].map(|axis| {
+        let values = points.points.iter().map(|point| point.command_mm[axis]);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)])
+    });
+    let mut sums = vec![vec![(0.0, 0_u32); CELLS]; CELLS];
+    let cell = |value: f64, [low, high]: [f64; 2]| {
+        (((value - low) / (high - low).max(f64::MIN_POSITIVE) * CELLS as f64) as usize).min(CELLS - 1)
+    };
+    for (point, left) in points.points.iter().zip(&found.left_mm) {
+        let [x, y, _] = point.command_mm;
+        let (sum, count) = &mut sums[cell(y, ends_mm[1])][cell(x, ends_mm[0])];
+        *sum += left.iter().map(|mm| 1e6 * mm * mm).sum::<f64>();
+        *count += 1;
+    }
+    let rms = |(sum, count): (f64, u32)| if count == 0 { f64::NAN } else { (sum / f64::from(count)).sqrt() };
+    Map {
+        title: "Root mean square of what is left over X and Y",
+        unit: "µm",
+        caption: "All heights together; blank where there is no point.",
+        ends_mm,
+        rows: sums.into_iter().map(|row| row.into_iter().map(rms).collect()).collect(),
+    }
+}

@@ -1,0 +1,67 @@
+//! Tables and plots of an R-test.
+
+use super::{Document, Found, Record};
+use crate::shown::{Cell, Look, Plot, Shown, Table, unit};
+
+impl Document {
+    /// Tables and plots of the record and of what was found.
+    pub fn shown(&self, record: &Record, found: &Found) -> Shown {
+        let terms = self.terms.iter().map(|of| {
+            let numbers = [Cell::number(of.value, 4), Cell::number(of.standard_error, 2), Cell::number(of.before, 4)];
+            std::iter::once(of.name.as_str().into()).chain(numbers).chain([unit(of.unit).into()]).collect()
+        });
+        let place = |name: String, um: &[f64; 3]| {
+            std::iter::once(name.into()).chain(um.map(|um| Cell::number(um, 4))).collect::<Vec<Cell>>()
+        };
+        let mut places = vec![place("range of the readings, machine's directions".into(), &self.range_um)];
+        for (number, ball) in record.balls.iter().zip(&self.balls_um) {
+            let ball_of = if self.balls > 1 { format!("ball {number}") } else { "ball".into() };
+            places.push(place(format!("{ball_of} off its place, workpiece's frame"), ball));
+        }
+        places.extend(self.sensor_um.iter().map(|zero| place("zero of the nest, tool's frame".into(), zero)));
+        let fit = [
+            ("readings, RMS, µm", Cell::number(self.rms_um, 3)),
+            ("left, RMS, µm", Cell::number(self.left_rms_um, 3)),
+            ("largest left, µm", Cell::number(self.left_max_um, 3)),
+            ("in line", Cell::count(self.left_max_line as usize)),
+            ("sigma of a coordinate, µm", Cell::number(self.sigma_um, 3)),
+            ("degrees of freedom", Cell::count(self.degrees_of_freedom)),
+            ("rank: all unknowns", Cell::count(self.rank)),
+            ("condition number", Cell::number(self.condition, 3)),
+        ];
+        let displacements: Vec<[f64; 3]> = record.readings.iter().map(|reading| reading.displacement_mm).collect();
+        Shown {
+            title: "R-test",
+            summary: vec![format!("{} readings", self.readings), format!("rank {}", self.rank)],
+            notes: self.notes.clone(),
+            tables: vec![
+                Table {
+                    caption: "Location errors",
+                    header: vec!["location error", "found", "standard error", "machine has", "unit"],
+                    rows: terms.collect(),
+                },
+                Table { caption: "Places", header: vec!["µm", "X", "Y", "Z"], rows: places },
+                Table::figures("Fit", fit),
+            ],
+            plots: vec![
+                over_readings("Displacement", "Displacement of the tool from the ball", "displacement", &displacements),
+                over_readings("What is left", "What the location errors leave", "left", &found.left_mm),
+            ],
+            map: None,
+        }
+    }
+}
+
+fn over_readings(section: &'static str, title: &str, name: &'static str, rows_mm: &[[f64; 3]]) -> Plot {
+    let rows: Vec<[f64; 3]> = rows_mm.iter().map(|row| row.map(|mm| 1e3 * mm)).collect();
+    Plot {
+        section,
+        title: title.into(),
+        x: ("reading".into(), ""),
+        y: (name, "µm"),
+        look: Look::Dotted,
+        caption: "In the order of the record, in the machine's directions.",
+        at: (1..=rows.len()).map(|number| number as f64).collect(),
+        curves: Plot::along(&rows),
+    }
+}

@@ -1,0 +1,254 @@
+//! What is shown of a test: tables and plots, the same on a report's page and on the desk.
+//!
+//! An evaluation says once what its figures are called, in which unit and with how many digits they stand, and what is drawn over
+//! what; a page takes it from here.
+
+use serde::Serialize;
+use trueaxis_report::number::{decimals, significant};
+use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, error_bars, heat_map};
+
+/// All that is shown of a test.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Shown {
+    /// What the test is called.
+    pub title: &'static str,
+    /// How the result came about, in parts.
+    pub summary: Vec<String>,
+    /// What is to be known of the result, a sentence each.
+    pub notes: Vec<String>,
+    /// Tables, the most important first.
+    pub tables: Vec<Table>,
+    /// Plots in their order.
+    pub plots: Vec<Plot>,
+    /// A map, after the plots.
+    pub map: Option<Map>,
+}
+
+/// A table; the first cell of every row is its name.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Table {
+    /// What it has.
+    pub caption: &'static str,
+    /// Column headings.
+    pub header: Vec<&'static str>,
+    /// Rows, a cell for every heading.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A cell of a table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Cell {
+    /// Words.
+    Text(String),
+    /// A number: as it is written, and whole.
+    Number {
+        /// As it is written.
+        text: String,
+        /// Whole.
+        value: f64,
+    },
+}
+
+impl Table {
+    /// A table of figures: name and value.
+    pub(crate) fn figures<const N: usize>(caption: &'static str, figures: [(&str, Cell); N]) -> Table {
+        let rows = figures.map(|(name, value)| vec![name.into(), value]);
+        Table { caption, header: vec!["", "value"], rows: rows.into() }
+    }
+}
+
+impl Cell {
+    /// A number with so many significant digits; a dash where it is none.
+    pub fn number(value: impl Into<Option<f64>>, digits: i32) -> Cell {
+        Cell::written(value.into(), |value| significant(value, digits))
+    }
+
+    /// A number with so many decimals.
+    pub fn fixed(value: impl Into<Option<f64>>, count: i32) -> Cell {
+        Cell::written(value.into(), |value| decimals(value, count))
+    }
+
+    /// How many.
+    pub fn count(value: usize) -> Cell {
+        Cell::fixed(value as f64, 0)
+    }
+
+    fn written(value: Option<f64>, text: impl Fn(f64) -> String) -> Cell {
+        match value.filter(|value| value.is_finite()) {
+            Some(value) => Cell::Number { text: text(value), value },
+            None => Cell::Text("–".into()),
+        }
+    }
+
+    /// As it is written.
+    pub fn text(&self) -> &str {
+        match self {
+            Cell::Text(text) | Cell::Number { text, .. } => text,
+        }
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Cell {
+        Cell::Text(text.into())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Cell {
+        Cell::Text(text)
+    }
+}
+
+/// A unit as it is written, of one as a document has it.
+pub fn unit(of: &str) -> &'static str {
+    if of == "um" { "µm" } else { "µrad" }
+}
+
+/// How curves are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Look {
+    /// A line.
+    Line,
+    /// A line with a point at every value.
+    Dotted,
+    /// Points alone.
+    Points,
+}
+
+/// Curves over one column of positions.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plot {
+    /// Heading of the part of a page that it stands in.
+    pub section: &'static str,
+    /// What it shows.
+    pub title: String,
+    /// What runs to the right, and its unit ("" for none).
+    pub x: (String, &'static str),
+    /// What runs upward, and its unit.
+    pub y: (&'static str, &'static str),
+    /// How it is drawn.
+    pub look: Look,
+    /// What is to be known to read it.
+    pub caption: &'static str,
+    /// Positions, ascending.
+    pub at: Vec<f64>,
+    /// The curves.
+    pub curves: Vec<Curve>,
+}
+
+/// A curve of a [`Plot`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    /// Its name.
+    pub name: String,
+    /// Number of its colour, from 0.
+    pub colour: usize,
+    /// Whether its line is broken.
+    pub dashed: bool,
+    /// A value for every position; NaN (null) where there is none.
+    pub values: Vec<f64>,
+    /// Standard errors; none where they are not known.
+    pub errors: Vec<f64>,
+}
+
+impl Curve {
+    /// A full line without standard errors.
+    pub fn new(name: impl Into<String>, colour: usize, values: Vec<f64>) -> Curve {
+        Curve { name: name.into(), colour, dashed: false, values, errors: Vec::new() }
+    }
+}
+
+/// Colours of curves by their number.
+const COLOURS: [Colour; 5] = [colour::AXES[0], colour::AXES[1], colour::AXES[2], colour::FOURTH, colour::LIMIT];
+/// Most points that a line is drawn with, each of two extremes.
+const BUCKETS: usize = 800;
+
+impl Plot {
+    /// Positions in ascending order, and where each of them was.
+    pub(crate) fn ascending(at: &[f64]) -> (Vec<f64>, Vec<usize>) {
+        let order = trueaxis_metrology::order::ascending(at);
+        (order.iter().map(|i| at[*i]).collect(), order)
+    }
+
+    /// Curves along X, Y and Z.
+    pub(crate) fn along(rows: &[[f64; 3]]) -> Vec<Curve> {
+        let curve = |c: usize| rows.iter().map(|row| row[c]).collect();
+        ["along X", "along Y", "along Z"]
+            .into_iter()
+            .enumerate()
+            .map(|(c, name)| Curve::new(name, c, curve(c)))
+            .collect()
+    }
+
+    /// The figure of a report; `half` as wide as others.
+    pub fn figure(&self, half: bool) -> Figure {
+        let points = |values: &[f64]| -> Vec<[f64; 2]> {
+            self.at.iter().zip(values).filter(|(_, value)| value.is_finite()).map(|(x, y)| [*x, *y]).collect()
+        };
+        let (name, unit) = &self.x;
+        let name = if unit.is_empty() { name.clone() } else { format!("{name} in {unit}") };
+        let x = Scale::linear(&name, self.at.iter().copied()).margin(0.02);
+        let with_errors = self.curves.iter().all(|curve| curve.errors.len() == self.at.len());
+        let mut figure = if with_errors {
+            let rows = |curve: &Curve| -> Vec<[f64; 3]> {
+                let values = self.at.iter().zip(&curve.values).zip(&curve.errors);
+                values.map(|((x, value), error)| [*x, *value, *error]).collect()
+            };
+            let curves: Vec<_> = self.curves.iter().map(|curve| (curve.name.as_str(), rows(curve))).collect();
+            error_bars(&self.title, x, self.y.1, &curves)
+        } else {
+            let values = self.curves.iter().flat_map(|curve| &curve.values).copied().filter(|value| value.is_finite());
+            // Temperatures are far from zero, and theirs means nothing.
+            let zero = (self.y.1 != "°C").then_some(0.0);
+            let y = Scale::linear(&format!("{} in {}", self.y.0, self.y.1), values.chain(zero)).margin(0.06);
+            let mut figure =
+                if half { Figure::half(&self.title, 260, x, y) } else { Figure::full(&self.title, 300, x, y) };
+            for curve in &self.curves {
+                let (points, colour) = (points(&curve.values), COLOURS[curve.colour % COLOURS.len()]);
+                if self.look == Look::Points {
+                    figure.area_key(curve.name.clone(), colour).dots(points, colour);
+                    continue;
+                }
+                let stroke = Stroke::new(colour, 1.4);
+                let stroke = if curve.dashed { stroke.dashed() } else { stroke };
+                figure.curve(curve.name.clone(), decimate(&points, BUCKETS), stroke);
+                if self.look == Look::Dotted {
+                    figure.dots(points, colour);
+                }
+            }
+            figure
+        };
+        figure.caption(self.caption);
+        figure
+    }
+}
+
+/// Values over the cells of a plane.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Map {
+    /// What it shows.
+    pub title: &'static str,
+    /// Unit of the values.
+    pub unit: &'static str,
+    /// What is to be known to read it.
+    pub caption: &'static str,
+    /// Lowest and highest X and Y, mm.
+    pub ends_mm: [[f64; 2]; 2],
+    /// Rows from the lowest Y on, cells from the lowest X on; NaN (null) where there is no value.
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl Map {
+    /// The figure of a report.
+    pub fn figure(&self) -> Figure {
+        let [x, y] = ["X in mm", "Y in mm"];
+        let [x, y] =
+            [(x, self.ends_mm[0]), (y, self.ends_mm[1])].map(|(name, [low, high])| Scale::exact(name, low, high));
+        let mut figure = heat_map(self.title, x, y, &self.rows, self.unit);
+        figure.caption(self.caption);
+        figure
+    }
+}
