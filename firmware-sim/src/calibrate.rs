@@ -1,16 +1,15 @@
 //! `firmware-sim calibrate`: its arguments and output.
 
-use crate::console::put;
+use crate::console::{counting_bar, put};
+use crate::given::{text_or, up_to};
 use anyhow::{Result, bail};
 use clap::Args;
-use firmware_sim::calibration::{Conditions, FIVE_AXES, MILL, Machines, Summary, all, page, summary};
-use indicatif::{ProgressBar, ProgressStyle};
+use firmware_sim::calibration::{Conditions, FIVE_AXES, MILL, Machines, Summary, TaskText, all, page, summary};
 use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis_report::number::significant;
 use trueaxis_sim::calibration::Class;
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::read_text;
 
 /// Most machines of a run.
 const MOST: u64 = 100_000;
@@ -20,7 +19,9 @@ const MOST: u64 = 100_000;
 #[command(after_help = "Examples:
   firmware-sim calibrate --machines 200              200 mills and a tenth as many five-axis machines
   firmware-sim calibrate --machines 5 --report out   out/calibration.html
-  firmware-sim calibrate --machines 50 --angle-urad 10   with angular errors, which the terms do not hold")]
+  firmware-sim calibrate --machines 50 --angle-urad 10   with angular errors, which the terms do not hold
+  firmware-sim calibrate --machines 40 --task firmware-sim/src/calibration/gauge-and-square.toml
+                                                     step gauges and a square that is turned over")]
 pub(crate) struct CalibrateArgs {
     /// Three-axis machines; a tenth as many with five axes.
     #[arg(long, value_name = "N", default_value_t = 20)]
@@ -34,7 +35,7 @@ pub(crate) struct CalibrateArgs {
     /// Angular errors of every axis, a bow of that height over its travel, 0 to 200.
     #[arg(long, value_name = "URAD", default_value_t = 0.0, allow_negative_numbers = true)]
     angle_urad: f64,
-    /// Another task for the three-axis machines: rings and balls in 500 × 400 × 300 mm (X and Y from 0, Z down from 0).
+    /// Another task for the three-axis machines, any artefacts in 500 × 400 × 300 mm (X and Y from 0, Z down from 0).
     #[arg(long, value_name = "TASK.toml")]
     task: Option<PathBuf>,
     /// Another task for the five-axis machines.
@@ -49,26 +50,18 @@ pub(crate) struct CalibrateArgs {
 }
 
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
-    for (name, value, most) in [("--noise-um", args.noise_um, 100.0), ("--angle-urad", args.angle_urad, 200.0)] {
-        if !(0.0..=most).contains(&value) {
-            bail!("{name}: found {value}, needed 0 to {most}");
-        }
-    }
+    up_to(100.0, "--noise-um", args.noise_um)?;
+    up_to(200.0, "--angle-urad", args.angle_urad)?;
     if !(1..=MOST).contains(&args.machines) {
         bail!("--machines: found {}, needed 1 to {MOST}", args.machines);
     }
     let class = Class { angle: 1e-6 * args.angle_urad, ..Class::MILL };
     let conditions = Conditions { noise_um: args.noise_um, ..Conditions::SHOP };
-    let style =
-        ProgressStyle::with_template("{bar:40} {pos}/{len} machines").unwrap_or_else(|_| ProgressStyle::default_bar());
-    let task = |given: &Option<PathBuf>, own: &str| match given {
-        Some(file) => Ok::<_, anyhow::Error>(read_text(file, &[])?),
-        None => Ok(own.to_owned()),
-    };
-    let tasks = [task(&args.task, MILL)?, task(&args.five_axes_task, FIVE_AXES)?];
-    let bar = ProgressBar::new(args.machines + args.machines.div_ceil(10)).with_style(style);
-    let machines =
-        all(args.machines, args.seed, tasks.each_ref().map(String::as_str), &class, &conditions, &|| bar.inc(1))?;
+    let (mill, trunnion) = (args.task.as_deref(), args.five_axes_task.as_deref());
+    let texts = [text_or(mill, MILL)?, text_or(trunnion, FIVE_AXES)?];
+    let tasks = [TaskText::of(mill, &texts[0]), TaskText::of(trunnion, &texts[1])];
+    let bar = counting_bar(args.machines + args.machines.div_ceil(10), "machines");
+    let machines = all(args.machines, args.seed, tasks, &class, &conditions, &|| bar.inc(1))?;
     bar.finish_and_clear();
     let found = summary(&machines);
     if let Some(directory) = &args.report {

@@ -12,6 +12,12 @@ pub(crate) fn progress_bar(message: &'static str) -> ProgressBar {
     bar
 }
 
+/// A bar that counts on the standard error.
+pub(crate) fn counting_bar(length: u64, of: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}} {of}"));
+    ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
 /// The reader of the standard output has seen enough (`firmware-sim … | head`): no error.
 #[derive(Debug)]
 pub(crate) struct Closed;

@@ -18,6 +18,7 @@ pub mod bench;
 pub mod calibration;
 pub mod compare;
 pub mod figures;
+pub mod keeping;
 pub mod latency;
 pub mod learning_record;
 pub mod outcome;

@@ -9,8 +9,10 @@ mod calibrate;
 mod compare_command;
 mod console;
 mod friction;
+mod given;
 mod grind;
 mod grinding_text;
+mod keep;
 mod learn;
 mod machine_arg;
 mod program_args;
@@ -101,6 +103,12 @@ enum Command {
     /// artefacts that stand a little off, the machine drifts, and what the log tells becomes a table. What is left is judged
     /// over the volume by exact transforms, in both directions of travel.
     Calibrate(calibrate::CalibrateArgs),
+    /// Let a machine drift over a shift, re-probe balls every so many parts as `trueaxis keep` does, update its tables and
+    /// exchange them in motion, and show the tip's error with and without.
+    ///
+    /// Bodies warm as in `thermal`, location errors wander; no thermal model takes anything away. The probing program runs on
+    /// the corrected machine with scatter; errors are judged over the volume by exact transforms.
+    Keep(keep::KeepArgs),
     /// Record what the step is given in every cycle of a run, for the bare-metal image.
     ///
     /// Positions are rounded to 1e-6 mm. A machine file with [roundness] adds a workpiece that turns at three probes.
@@ -152,6 +160,7 @@ fn main() -> ExitCode {
         Some(Command::Friction(args)) => friction::friction(&args),
         Some(Command::Thermal(args)) => thermal::thermal(&args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(&args),
+        Some(Command::Keep(args)) => keep::keep(&args),
         Some(Command::Record(args)) => record::record(&args),
         Some(Command::Replay(args)) => replay::replay(&args),
         Some(Command::Compare(args)) => compare_command::compare(&args).and_then(agreed),

@@ -2,8 +2,9 @@
 
 use crate::ball_test_text as text;
 use crate::console::put;
+use crate::given::up_to;
 use crate::machine_arg::{outputs_of, read_machine};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::Args;
 use firmware_sim::report;
 use std::path::PathBuf;
@@ -34,9 +35,7 @@ pub(crate) struct RtcpArgs {
 }
 
 pub(crate) fn rtcp(args: &RtcpArgs) -> Result<()> {
-    if !(0.0..=100.0).contains(&args.gauge_noise_um) {
-        bail!("--gauge-noise-um: found {}, needed 0 to 100", args.gauge_noise_um);
-    }
+    up_to(100.0, "--gauge-noise-um", args.gauge_noise_um)?;
     if let Some(dir) = &args.report {
         let outputs = outputs_of([args.machine.as_path()], []);
         for name in ["rtcp.html", "measured-c.csv", "measured-a.csv", "c.csv", "a.csv"] {

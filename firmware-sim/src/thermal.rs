@@ -1,6 +1,7 @@
 //! `firmware-sim thermal`: its arguments and output.
 
 use crate::console::{progress_bar, put};
+use crate::given::up_to;
 use crate::machine_arg::{outputs_of, read_machine};
 use crate::thermal_text as text;
 use anyhow::{Context, Result, bail};
@@ -44,9 +45,7 @@ pub(crate) struct ThermalArgs {
 }
 
 pub(crate) fn thermal(args: &ThermalArgs) -> Result<()> {
-    if !(0.0..=100.0).contains(&args.noise_um) {
-        bail!("--noise-um: found {}, needed 0 to 100", args.noise_um);
-    }
+    up_to(100.0, "--noise-um", args.noise_um)?;
     if !args.update_s.is_multiple_of(2) {
         bail!("--update-s: found {}, needed an even number", args.update_s);
     }

@@ -172,7 +172,7 @@ fn bad_input_ends_with_2_says_why_and_writes_nothing() {
     directory.write("far.ngc", "G21 G90 F100\nG1 X900\n");
     directory.write("endless.ngc", "G21 G90\nG1 X10 F0.001\n");
     directory.write("binary.ngc", [0xff, 0xfe, 0x00]);
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 13] = [
         (&["run", "--program", "bad.ngc"], "bad.ngc:3"),
         (&["run", "--program", "far.ngc"], "axis X goes to"),
         (&["run", "--program", "binary.ngc"], "binary.ngc:1: found UTF-16; needed: UTF-8 or Latin-1"),
@@ -185,6 +185,7 @@ fn bad_input_ends_with_2_says_why_and_writes_nothing() {
         (&["run", "--origin-mm", "1,2"], "--origin-mm"),
         (&["run", "--fault", "fire:X@1s"], "--fault"),
         (&["run", "--fault", "dropout:C@1s+1"], "axis C"),
+        (&["keep", "--parts", "70"], "--parts: found 70, needed at most 60 of 480 s each"),
     ];
     for (arguments, expected) in cases {
         let with_report = [arguments, &["--report", "out"]].concat();

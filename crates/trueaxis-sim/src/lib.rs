@@ -13,8 +13,8 @@
 //! Plant and truth are written apart from the plugin; neither uses its code.
 //!
 //! [`run`] simulates a part program, [`grinding`] a crankpin under the three-probe gauge, [`ball_test`] the test of a
-//! five-axis head, [`friction`] circles from which friction is found, [`warming`] shifts over which a machine grows. The same inputs and seed give the same results on
-//! every host, in a browser too: angles and exponentials come from libm, not from the host.
+//! five-axis head, [`friction`] circles from which friction is found, [`warming`] shifts over which a machine grows, [`exchange`]
+//! new tables in motion. The same inputs and seed give the same results on every host, in a browser too: angles and exponentials come from libm, not from the host.
 //!
 //! The crate's README shows a run from tables to figures.
 
@@ -25,10 +25,12 @@ pub mod ball_test;
 pub mod calibration;
 pub mod error;
 pub mod event;
+pub mod exchange;
 pub mod friction;
 pub mod grinding;
 mod learned;
 pub mod learning;
+mod limit_watch;
 mod message;
 pub mod motion;
 pub mod path;

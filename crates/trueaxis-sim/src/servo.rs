@@ -4,7 +4,7 @@ use crate::error::{Result, SimError};
 use self_cell::{MutBorrow, self_cell};
 use trueaxis::compensation::requirement;
 use trueaxis::tcomp::Tcomp;
-use trueaxis::{Position, Real, ServoLoop};
+use trueaxis::{Input, Measure, Output, Position, Real, Ride, ServoLoop, State};
 use trueaxis_tables::Machine;
 
 /// Builds the servo loop of a machine from its compiled tables and lends it out.
@@ -33,6 +33,17 @@ pub fn with_tables<R: Real, P: Position, const N: usize, T, E: From<SimError>>(
     let mut memory = vec![R::ZERO; tcomp.requirement()];
     let servo = ServoLoop::load(tcomp, period_ns, &mut memory).map_err(SimError::from)?;
     user(&servo)
+}
+
+/// One servo cycle, whatever is measured and whether a gauge rides along: the one copy of the step for `N` axes.
+pub(crate) fn step<const N: usize>(
+    servo: &ServoLoop<'_, f64, f64, N>,
+    state: &mut State<f64, f64, N>,
+    input: &Input<f64, N>,
+    measure: &mut dyn Measure<f64, f64, N>,
+    gauge: &mut dyn Ride<f64>,
+) -> Output<f64, f64, N> {
+    servo.step(state, input, measure, gauge)
 }
 
 /// A servo loop together with the file and the memory that it is built in, so that a run can own both.

@@ -1,51 +1,186 @@
 //! Where the artefacts of a task really stand, and how large they are.
+//!
+//! Sizes are drawn within the stated standard uncertainty, once for every artefact; places are off as a person sets things up,
+//! and askew. What comes of it is surfaces: blocks, balls and bores, of which the solution knows nothing.
 
-use anyhow::{Result, bail};
+use anyhow::Result;
+use glam::{DMat3, DVec3};
 use trueaxis::machine::Axis;
-use trueaxis_evaluation::calibrate::{Ideal, Kind, Task};
+use trueaxis_evaluation::calibrate::{Artefact as Described, Ideal, Kind, Place, Task};
 use trueaxis_sim::calibration::Artefact;
 use trueaxis_tables::Machine;
 
+/// Angle of a square of which nothing is stated: standard deviation from the right angle, rad.
+const UNKNOWN_ANGLE: f64 = 50e-6;
+/// Half of a face of a gauge along and across it, mm.
+const HALF_FACE: f64 = 6.0;
+/// Most thickness of a gauge's step along the gauge, mm.
+const STEP: f64 = 5.0;
+/// Width of a square's arm in its plane, and half of its thickness, mm.
+const ARM: [f64; 2] = [25.0, 8.0];
+/// Where an arm of a square begins, from the corner, as a share of its length: so neither stands out beyond the other's face.
+const RELIEF: f64 = 0.01;
+
+/// How artefacts are set up, standard deviations.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SetUp {
+    /// Off the place, in each direction, mm.
+    pub(crate) misplaced_mm: f64,
+    /// Askew about each direction, rad.
+    pub(crate) askew: f64,
+}
+
 /// What stands on the machine in every set-up of a task: its own artefact, and the reference in all of them.
-pub(super) fn stand(
+pub(crate) fn stand(
     task: &Task,
     nominal: &Machine,
-    misplaced_mm: f64,
+    set_up: SetUp,
     normal: &mut impl FnMut() -> f64,
 ) -> Result<Vec<Vec<Artefact>>> {
     let ideal = Ideal::new(nominal)?;
-    let mut set_ups = Vec::new();
-    let mut reference = None;
+    let is_reference = |index: usize| task.reference.as_ref().is_some_and(|reference| reference.artefact == index);
+    let mut reference = Vec::new();
     let mut places = Vec::new();
     for (index, artefact) in task.artefacts.iter().enumerate() {
-        let off = artefact.uncertainty.unwrap_or_default() * normal();
+        let real = Real::new(artefact, normal);
         for place in &artefact.places {
             let [x, y, z] = place.at_mm;
-            let at: [f64; 3] = std::array::from_fn(|k| [x, y, z][k] + misplaced_mm * normal().clamp(-2.0, 2.0));
-            let centre = ideal.tip(&[at[0], at[1], at[2], 0.0, 0.0, 0.0]).into();
-            let standing = match artefact.kind {
-                Kind::Ring { diameter_mm, .. } => {
-                    // Half a milliradian askew.
-                    let mut axis: [f64; 3] = std::array::from_fn(|_| 5e-4 * normal());
-                    axis[match place.normal {
-                        Axis::X => 0,
-                        Axis::Y => 1,
-                        _ => 2,
-                    }] = 1.0;
-                    Artefact::Ring { centre, axis: glam::DVec3::from(axis).normalize(), diameter: diameter_mm + off }
-                }
-                Kind::Ball { diameter_mm } => Artefact::Ball { centre, diameter: diameter_mm + off },
-                _ => bail!("{}: found an artefact that is not simulated, needed rings and balls", artefact.name),
-            };
-            if task.reference.as_ref().is_some_and(|reference| reference.artefact == index) {
-                reference = Some(standing);
+            let at: [f64; 3] = std::array::from_fn(|k| [x, y, z][k] + set_up.misplaced_mm * normal().clamp(-2.0, 2.0));
+            let tip = ideal.tip(&[at[0], at[1], at[2], 0.0, 0.0, 0.0]).into();
+            let standing = real.standing(place, tip, task.probe.tip_radius_mm, set_up.askew, normal);
+            if is_reference(index) {
+                reference.clone_from(&standing);
             }
             places.push((index, standing));
         }
     }
-    for (index, standing) in places {
-        let is_reference = task.reference.as_ref().is_some_and(|reference| reference.artefact == index);
-        set_ups.push(reference.filter(|_| !is_reference).into_iter().chain([standing]).collect());
+    let with_reference = |(index, standing): (usize, Vec<Artefact>)| {
+        let beside = if is_reference(index) { &[][..] } else { &reference };
+        beside.iter().copied().chain(standing).collect()
+    };
+    Ok(places.into_iter().map(with_reference).collect())
+}
+
+/// An artefact as it is.
+enum Real {
+    Ring {
+        diameter: f64,
+    },
+    Ball {
+        diameter: f64,
+    },
+    /// Centres from the first ball's nominal place, along the plate.
+    Plate {
+        diameter: f64,
+        centres: Vec<DVec3>,
+    },
+    /// Faces from the first one's nominal place.
+    Gauge {
+        faces: Vec<f64>,
+        thick: f64,
+    },
+    Square {
+        angle: f64,
+        arms: [f64; 2],
+    },
+}
+
+impl Real {
+    fn new(artefact: &Described, normal: &mut impl FnMut() -> f64) -> Real {
+        let off = artefact.uncertainty.unwrap_or(UNKNOWN_ANGLE);
+        let longer = 1.0 + artefact.length_uncertainty.map_or(0.0, |uncertainty| uncertainty * normal());
+        match &artefact.kind {
+            Kind::Ring { diameter_mm, .. } => Real::Ring { diameter: diameter_mm + off * normal() },
+            Kind::Ball { diameter_mm } => Real::Ball { diameter: diameter_mm + off * normal() },
+            Kind::Plate { diameter_mm, balls_mm } => Real::Plate {
+                diameter: diameter_mm + off * normal(),
+                centres: balls_mm
+                    .iter()
+                    .map(|centre| DVec3::from(centre.map(|q| longer * q + off * normal())))
+                    .collect(),
+            },
+            Kind::Gauge { steps_mm } => {
+                let least = steps_mm.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+                let faces = steps_mm.iter().map(|step| longer * step + off * normal()).collect();
+                Real::Gauge { faces, thick: STEP.min(0.25 * least) }
+            }
+            Kind::Square { angle_deg, arms_mm, .. } => {
+                Real::Square { angle: angle_deg.to_radians() + off * normal(), arms: *arms_mm }
+            }
+        }
     }
-    Ok(set_ups)
+
+    /// Its surfaces at a place; `tip`: where the tip's centre stands at the artefact's, as far as that was met.
+    fn standing(
+        &self,
+        place: &Place,
+        tip: DVec3,
+        radius: f64,
+        askew: f64,
+        normal: &mut impl FnMut() -> f64,
+    ) -> Vec<Artefact> {
+        match self {
+            Real::Ball { diameter } => vec![Artefact::Ball { centre: tip, diameter: *diameter }],
+            Real::Ring { diameter } => {
+                let mut axis: [f64; 3] = std::array::from_fn(|_| askew * normal());
+                axis[place.normal.index() % 3] = 1.0;
+                vec![Artefact::Ring { centre: tip, axis: DVec3::from(axis).normalize(), diameter: *diameter }]
+            }
+            Real::Plate { diameter, centres } => {
+                let across = match place.normal {
+                    Axis::X => [DVec3::Y, DVec3::Z],
+                    Axis::Y => [DVec3::Z, DVec3::X],
+                    _ => [DVec3::X, DVec3::Y],
+                };
+                let frame = turned(askew, normal) * DMat3::from_cols(across[0], across[1], unit(place.normal));
+                centres
+                    .iter()
+                    .map(|centre| Artefact::Ball { centre: tip + frame * *centre, diameter: *diameter })
+                    .collect()
+            }
+            Real::Gauge { faces, thick } => {
+                let (along, up) = (downwards(place.along), unit(place.normal));
+                let frame = turned(askew, normal) * DMat3::from_cols(along, up.cross(along), up);
+                let half = DVec3::new(0.5 * thick, HALF_FACE, HALF_FACE);
+                let first = tip + radius * along;
+                let middle = |face: &f64| first + frame * DVec3::new(face + half.x, 0.0, 0.0);
+                faces.iter().map(|face| Artefact::Block { centre: middle(face), directions: frame, half }).collect()
+            }
+            Real::Square { angle, arms: [first, second] } => {
+                let (along, up) = (downwards(place.along), unit(place.normal));
+                let across = up.cross(along);
+                let across = if across.z > 0.5 { -across } else { across };
+                // Turned over about its second arm: half a turn, no mirror image.
+                let over = if place.reversed { -1.0 } else { 1.0 };
+                let frame = turned(askew, normal) * DMat3::from_cols(over * along, across, over * up);
+                let [width, thick] = ARM;
+                let arm = |to: DVec3, inwards: DVec3, length: f64| {
+                    let directions = frame * DMat3::from_cols(to, inwards, DVec3::Z);
+                    let middle = tip + frame * (0.5 * (1.0 + RELIEF) * length * to + 0.5 * width * inwards);
+                    let half = DVec3::new(0.5 * (1.0 - RELIEF) * length, 0.5 * width, thick);
+                    Artefact::Block { centre: middle, directions, half }
+                };
+                let (sin, cos) = angle.sin_cos();
+                vec![
+                    arm(DVec3::X, DVec3::Y, *first),
+                    arm(DVec3::new(cos, sin, 0.0), DVec3::new(sin, -cos, 0.0), *second),
+                ]
+            }
+        }
+    }
+}
+
+fn unit(axis: Axis) -> DVec3 {
+    [DVec3::X, DVec3::Y, DVec3::Z][axis.index() % 3]
+}
+
+/// What stands upright is reached from above.
+fn downwards(axis: Axis) -> DVec3 {
+    if axis == Axis::Z { -DVec3::Z } else { unit(axis) }
+}
+
+/// A turn about all three directions.
+fn turned(askew: f64, normal: &mut impl FnMut() -> f64) -> DMat3 {
+    let by = DVec3::new(normal(), normal(), normal()) * askew;
+    DMat3::from_quat(glam::DQuat::from_scaled_axis(by))
 }

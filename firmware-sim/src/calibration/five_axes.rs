@@ -12,7 +12,7 @@
 //! left is the centre line against the linear axes as they go. The least-squares line of d over s, at its middle and by its
 //! slope, is place and tilt.
 
-use super::{Conditions, run};
+use super::{Conditions, TaskText, run};
 use anyhow::Result;
 use serde::Serialize;
 use trueaxis::machine::{AXES, Axis};
@@ -37,7 +37,12 @@ pub struct FiveAxes {
 ///
 /// # Errors
 /// Whatever planning, probing or solving refuses.
-pub fn five_axes(seed: u64, task: &str, class: &Class, conditions: &Conditions) -> Result<FiveAxes> {
+pub fn five_axes<'t>(
+    seed: u64,
+    task: impl Into<TaskText<'t>>,
+    class: &Class,
+    conditions: &Conditions,
+) -> Result<FiveAxes> {
     let truth = random_five_axis(seed, class);
     let calibrated = run(task, &truth, seed, conditions)?;
     let (there, known) = (centre_lines(&truth)?, centre_lines(&calibrated.known)?);

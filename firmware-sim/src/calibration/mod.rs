@@ -8,7 +8,7 @@
 //!
 //! Nothing that the solution knows comes from the true machine but the log.
 
-mod artefacts;
+pub(crate) mod artefacts;
 mod five_axes;
 mod refused;
 mod summary;
@@ -17,9 +17,10 @@ mod tasks;
 pub use five_axes::{FiveAxes, five_axes};
 pub use refused::Refused;
 pub use summary::{Machines, Summary, all, page, summary};
-pub use tasks::{FIVE_AXES, MILL};
+pub use tasks::{BALL_PLATE, FIVE_AXES, GAUGE_AND_SQUARE, MILL, TaskText};
 
 use anyhow::Result;
+use artefacts::SetUp;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -42,12 +43,23 @@ pub struct Conditions {
     pub drift_um: [f64; 2],
     /// How far artefacts stand from where the task says, mm.
     pub misplaced_mm: f64,
+    /// How far they are askew about each direction, µrad.
+    pub askew_urad: f64,
 }
 
 impl Conditions {
     /// A touch probe of 1 µm on a machine that has not settled.
-    pub const SHOP: Conditions =
-        Conditions { noise_um: 1.0, pre_travel_um: [8.0, 0.3], drift_um: [4.0, 3.0], misplaced_mm: 0.3 };
+    pub const SHOP: Conditions = Conditions {
+        noise_um: 1.0,
+        pre_travel_um: [8.0, 0.3],
+        drift_um: [4.0, 3.0],
+        misplaced_mm: 0.3,
+        askew_urad: 500.0,
+    };
+
+    /// An exact probe on a machine that stays as it is; artefacts stand as well as in [`Conditions::SHOP`].
+    pub const EXACT: Conditions =
+        Conditions { noise_um: 0.0, pre_travel_um: [8.0, 0.0], drift_um: [0.0, 0.0], ..Conditions::SHOP };
 }
 
 /// One machine calibrated.
@@ -80,7 +92,12 @@ pub struct Outcome {
 ///
 /// # Errors
 /// Whatever planning refuses; [`Refused`] for what probing or solving does.
-pub fn three_axes(seed: u64, task: &str, class: &Class, conditions: &Conditions) -> Result<Outcome> {
+pub fn three_axes<'t>(
+    seed: u64,
+    task: impl Into<TaskText<'t>>,
+    class: &Class,
+    conditions: &Conditions,
+) -> Result<Outcome> {
     let truth = random_machine(seed, class);
     let calibrated = run(task, &truth, seed, conditions)?;
     let [before_um, after_um] = volumetric(&truth, &calibrated.known)?;
@@ -92,17 +109,25 @@ pub fn three_axes(seed: u64, task: &str, class: &Class, conditions: &Conditions)
 ///
 /// # Errors
 /// As [`three_axes`].
-pub fn run(task: &str, truth: &Machine, seed: u64, conditions: &Conditions) -> Result<Calibrated> {
-    let task = Task::read(task, Path::new("task.toml"))?;
+pub fn run<'t>(
+    task: impl Into<TaskText<'t>>,
+    truth: &Machine,
+    seed: u64,
+    conditions: &Conditions,
+) -> Result<Calibrated> {
+    let TaskText { file, text } = task.into();
+    let task = Task::read(text, file)?;
     let nominal = perfect(truth);
     let plan = Plan::new(&task, &nominal)?;
     let mut dice = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut dice) };
-    let set_ups = artefacts::stand(&task, &nominal, conditions.misplaced_mm, &mut normal)?;
+    let set_up = SetUp { misplaced_mm: conditions.misplaced_mm, askew: 1e-6 * conditions.askew_urad };
+    let set_ups = artefacts::stand(&task, &nominal, set_up, &mut normal)?;
     let mut vector = |size: f64| [normal(), normal(), normal()].map(|part| 1e-3 * size * part).into();
     let drift = Drift { rate: vector(conditions.drift_um[0]), settles: vector(conditions.drift_um[1]), lag_s: 2400.0 };
     let probing = Probing {
         machine: truth.clone(),
+        known: None,
         set_ups,
         tip_radius_mm: task.probe.tip_radius_mm,
         pre_travel_mm: 1e-3 * conditions.pre_travel_um[0],

@@ -1,6 +1,6 @@
 //! Many machines, and what they say together.
 
-use super::{Conditions, FiveAxes, Outcome, Refused, five_axes, three_axes};
+use super::{Conditions, FiveAxes, Outcome, Refused, TaskText, five_axes, three_axes};
 use anyhow::Result;
 use maud::html;
 use rayon::prelude::*;
@@ -48,14 +48,15 @@ pub struct Machines {
 ///
 /// # Errors
 /// A task that cannot be read or planned.
-pub fn all(
+pub fn all<'t>(
     machines: u64,
     seed: u64,
-    [mill, trunnion]: [&str; 2],
+    tasks: [impl Into<TaskText<'t>>; 2],
     class: &Class,
     conditions: &Conditions,
     done: &(dyn Fn() + Sync),
 ) -> Result<Machines> {
+    let [mill, trunnion] = tasks.map(Into::into);
     let with_seed = |count: u64| (0..count).into_par_iter().map(move |k| seed.wrapping_add(k));
     let three = with_seed(machines).map(|seed| told(three_axes(seed, mill, class, conditions), done));
     let three = three.collect::<Result<Vec<_>>>()?;

@@ -103,7 +103,7 @@ fn identified(test: &BallCycle, of: &AxisOutcome) -> Markup {
             (names[i].as_str(), points.collect())
         };
         let description = format!("identified errors of {letter} in {unit}");
-        let mut figure = error_bars(&description, angle_scale(of), unit, [0, 1, 2].map(curve));
+        let mut figure = error_bars(&description, angle_scale(of), unit, &[0, 1, 2].map(curve));
         figure.caption(&caption);
         figure
     };

@@ -1,6 +1,6 @@
 //! Surfaces as they really are.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// A surface in workpiece coordinates, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,14 +21,14 @@ pub enum Artefact {
         /// Diameter.
         diameter: f64,
     },
-    /// A plane face of some extent.
-    Face {
+    /// A block with plane faces: a step of a gauge, an arm of a square.
+    Block {
         /// Its middle.
         centre: DVec3,
-        /// Unit vector out of the material.
-        outward: DVec3,
-        /// Half of its extent, about.
-        half: f64,
+        /// Unit vectors across its faces, one a column.
+        directions: DMat3,
+        /// Half of its extent along them.
+        half: DVec3,
     },
 }
 
@@ -56,11 +56,19 @@ impl Artefact {
                 let away = from.length().max(f64::MIN_POSITIVE);
                 (away - 0.5 * diameter - radius, from / away)
             }
-            Artefact::Face { centre, outward, half } => {
-                let from = tip - centre;
-                let away = from.dot(outward);
-                let beside = (from - away * outward).length() - half;
-                if beside > 0.0 { (away.abs().max(beside).max(0.5), outward) } else { (away - radius, outward) }
+            Artefact::Block { centre, directions, half } => {
+                let from = directions.transpose() * (tip - centre);
+                let beyond = from.abs() - half;
+                let outside = beyond.max(DVec3::ZERO);
+                let away = outside.length();
+                let side = |part: DVec3| directions * (part * from.signum());
+                if away > 0.0 {
+                    return (away - radius, side(outside / away));
+                }
+                // Within: out through the nearest face.
+                let nearest = beyond.max_element();
+                let across = DVec3::from([0, 1, 2].map(|k| if beyond[k] == nearest { 1.0 } else { 0.0 }));
+                (nearest - radius, side(across).normalize_or_zero())
             }
         }
     }

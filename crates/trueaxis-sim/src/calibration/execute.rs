@@ -1,6 +1,7 @@
 //! A probing program, executed.
 
 use super::artefact::Artefact;
+use super::correction::{Sent, with_correction};
 use crate::error::{Result, SimError};
 use crate::program::{Program, ReadOptions};
 use glam::DVec3;
@@ -51,6 +52,8 @@ impl Drift {
 pub struct Probing {
     /// The machine with its true errors.
     pub machine: Machine,
+    /// The machine whose tables correct it meanwhile; none where it is not corrected.
+    pub known: Option<Machine>,
     /// Surfaces at the first pause and after it, at the second, ….
     pub set_ups: Vec<Vec<Artefact>>,
     /// Radius of the tip, mm.
@@ -76,11 +79,19 @@ pub struct Probing {
 /// # Errors
 /// A program that cannot be read; with its line, a probing move that touches nothing, or a move that runs into an artefact.
 pub fn execute(probing: &Probing, program: &str) -> Result<String> {
+    match &probing.known {
+        None => executed(probing, program, &|position, _| *position),
+        Some(known) => with_correction(&probing.machine.settings, known, |sent| executed(probing, program, sent)),
+    }
+}
+
+fn executed(probing: &Probing, program: &str, sent: &Sent<'_>) -> Result<String> {
     let options = ReadOptions { offsets: Some(Default::default()), ..ReadOptions::default() };
     let read = Program::read("probing", program.as_bytes(), "probe.ngc", &options)?;
     let mut bench = Bench {
         geometry: Geometry::new(&probing.machine, 0.0)?,
         probing,
+        sent,
         slots: slots(&probing.machine),
         plays: plays(&probing.machine),
         at: [0.0; AXES],
@@ -130,6 +141,7 @@ fn plays(machine: &Machine) -> [f64; AXES] {
 
 struct Bench<'p> {
     probing: &'p Probing,
+    sent: &'p Sent<'p>,
     geometry: Geometry,
     slots: [Option<usize>; AXES],
     plays: [f64; AXES],
@@ -168,7 +180,8 @@ impl Bench<'_> {
     }
 
     fn tip(&self, at: &[f64; AXES], behind: &[f64; AXES], time_s: f64) -> DVec3 {
-        let tip = self.geometry.actual_pose(&self.ordered(at), &self.ordered(behind)).tip_mm;
+        let reverse = self.ordered(behind);
+        let tip = self.geometry.actual_pose(&(self.sent)(&self.ordered(at), &reverse), &reverse).tip_mm;
         DVec3::from(tip) + self.probing.drift.at(time_s)
     }
 
@@ -215,17 +228,18 @@ impl Bench<'_> {
             let (at, behind) = self.on_the_way(&end, share);
             self.time_s = started + 60.0 * share * length / feed.max(1.0);
             let (gap, _) = self.nearest(self.tip(&at, &behind, self.time_s));
-            if gap <= CLOSED {
+            // Behind the surface it goes back: an axis that is too long runs past it by what is left of the way times its scale.
+            if gap.abs() <= CLOSED || (gap < 0.0 && share <= 0.0) {
                 // What the probe scatters stands along its way.
                 let (at, _) = self.on_the_way(&end, share + self.probing.noise_mm * noise / length);
                 self.trip = at;
                 (self.at, self.behind) = (at, behind);
                 return Ok(());
             }
-            if share >= 1.0 {
+            if share >= 1.0 && gap > 0.0 {
                 break;
             }
-            share = (share + (gap / length).max(1e-10)).min(1.0);
+            share = (share + gap / length).clamp(0.0, 1.0);
         }
         Err(self.error("a probing move that touches nothing".into(), "an artefact on its way"))
     }

@@ -9,6 +9,7 @@
 //! Drives have no lag and encoders no noise here: a probing move is slow.
 
 mod artefact;
+mod correction;
 mod execute;
 mod random;
 mod volumetric;
@@ -16,4 +17,4 @@ mod volumetric;
 pub use artefact::Artefact;
 pub use execute::{Drift, Host, Probing, execute};
 pub use random::{Class, random_five_axis, random_machine};
-pub use volumetric::{Errors, volumetric};
+pub use volumetric::{Errors, remaining, volumetric};

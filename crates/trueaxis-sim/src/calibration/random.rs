@@ -131,11 +131,15 @@ fn machine(dice: &mut Dice, name: &str, chain: &str, class: &Class) -> Machine {
 fn table(dice: &mut Dice, axis: Axis, class: &Class) -> Table {
     let [low, high] = TRAVELS[axis.index()];
     let shapes: [[f64; 5]; 6] = std::array::from_fn(|component| {
-        let size = if component < 3 { 1.0 } else { class.angle / class.bow_mm };
+        // Angular errors have the shapes of the mill's straightness.
+        let [bow, cubic, wave] = match component {
+            0..3 => [class.bow_mm, class.cubic_mm, class.wave_mm],
+            _ => [1.0, 0.4, 1.0 / 6.0].map(|share| share * class.angle),
+        };
         [
-            size * class.bow_mm * dice.normal(),
-            size * class.cubic_mm * dice.normal(),
-            size * class.wave_mm * dice.normal(),
+            bow * dice.normal(),
+            cubic * dice.normal(),
+            wave * dice.normal(),
             1.5 + 2.5 * dice.unit(),
             core::f64::consts::TAU * dice.unit(),
         ]

@@ -1,12 +1,11 @@
 //! Error over a volume, without and with compensation.
 
+use super::correction::with_correction;
 use crate::error::Result;
 use glam::{DMat3, DVec3};
-use trueaxis::compensation::{Compensation, Direction, Query, ThermalLine, requirement};
-use trueaxis::machine::{AXES, AxisOrder, MachineSettings};
-use trueaxis::tcomp::Tcomp;
+use trueaxis::machine::{AXES, MachineSettings};
+use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
-use trueaxis_tables::{Machine, compile};
 
 /// Error of the tip over the volume, its best rigid motion taken out, µm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -28,49 +27,37 @@ const POINTS: usize = 7;
 /// # Errors
 /// A machine that cannot be compiled.
 pub fn volumetric(truth: &Machine, known: &Machine) -> Result<[Errors; 2]> {
-    match truth.settings.axes.len() {
-        3 => of::<3>(truth, known),
-        4 => of::<4>(truth, known),
-        5 => of::<5>(truth, known),
-        _ => of::<6>(truth, known),
-    }
-}
-
-fn of<const N: usize>(truth: &Machine, known: &Machine) -> Result<[Errors; 2]> {
     let geometry = Geometry::new(truth, 0.0)?;
-    let bytes = compile(known)?;
-    let tcomp = Tcomp::parse(&bytes)?;
-    let rows = |axis| tcomp.table(axis);
-    let mut memory = vec![0.0; requirement(tcomp.settings(), rows)];
-    let compensation: Compensation<'_, f64, f64, N> =
-        Compensation::build(tcomp.settings(), rows, tcomp.grids(), tcomp.inverse_passes(), &mut memory)?;
-    let slots = AxisOrder::<N>::of(tcomp.settings())?.axes().map(|axis| place(&truth.settings, axis));
-    let (mut points, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut points, mut before) = (Vec::new(), Vec::new());
     for position in grid(&truth.settings) {
         let tip = DVec3::from(geometry.ideal_pose(&position).tip_mm);
-        let commanded = geometry.commanded(&position);
-        for (reverse, direction) in [(0.0, Direction::POSITIVE), (1.0, Direction::NEGATIVE)] {
-            let reverse = [reverse; AXES];
-            let command: [f64; N] = slots.map(|slot| slot.map_or(0.0, |slot| position[slot]));
-            let at = compensation.coordinates(&command);
-            let thermal = [ThermalLine::default(); N];
-            let correction = compensation.correction(&Query::at(&at, &[direction; N], &thermal), &mut 0);
-            let mut sent = position;
-            for (slot, by) in slots.into_iter().zip(correction) {
-                if let Some(slot) = slot {
-                    sent[slot] += by;
-                }
-            }
+        for reverse in BOTH {
             points.push(tip);
             before.push(DVec3::from(geometry.tip_error(&position, &reverse)));
-            after.push(DVec3::from(geometry.pose_error_of(&commanded, &sent, &reverse).tip_mm));
         }
     }
+    let after = remaining(truth, known, &grid(&truth.settings))?;
     Ok([left(&points, before), left(&points, after)])
 }
 
-fn place(settings: &MachineSettings, axis: trueaxis::Axis) -> Option<usize> {
-    settings.axes.iter().position(|own| own.axis == axis)
+/// Positive and negative travel of all axes.
+const BOTH: [[f64; AXES]; 2] = [[0.0; AXES], [1.0; AXES]];
+
+/// What the correction that `known` makes leaves of the tip's error at positions (in the order of the machine's axes), mm, in
+/// machine directions: in positive and in negative travel at each, by exact transforms.
+///
+/// # Errors
+/// A machine that cannot be compiled.
+pub fn remaining(truth: &Machine, known: &Machine, positions: &[[f64; AXES]]) -> Result<Vec<DVec3>> {
+    let geometry = Geometry::new(truth, 0.0)?;
+    with_correction(&truth.settings, known, |sent| {
+        let at = |position: &[f64; AXES]| {
+            let commanded = geometry.commanded(position);
+            let error = |reverse| geometry.pose_error_of(&commanded, &sent(position, &reverse), &reverse).tip_mm;
+            BOTH.map(|reverse| DVec3::from(error(reverse)))
+        };
+        Ok(positions.iter().flat_map(at).collect())
+    })
 }
 
 fn grid(settings: &MachineSettings) -> Vec<[f64; AXES]> {

@@ -3,31 +3,23 @@
 use super::Grinding;
 use super::cell::Cell;
 use super::event::Event;
+use super::gauging::Gauging;
 use super::result::{Moment, Revolution, Run};
 use super::workpiece::{Harmonic, imprint};
 use crate::error::{Result, SimError};
-use crate::servo::{Owned, three};
+use crate::servo::{Owned, step, three};
 use std::sync::Arc;
 use trueaxis::machine::{AXES, Limits};
-use trueaxis::roundness::{Gauge, GaugeFlags, GaugeState};
+use trueaxis::roundness::GaugeFlags;
 use trueaxis::sample::Refusal;
-use trueaxis::{Fault, GaugeRide, Input, State};
-
-/// A run whose number of points is no longer part of its type.
-pub(super) trait Advance {
-    fn advance(&mut self, cycles: u64, observe: &mut dyn FnMut(&Moment<'_>)) -> Result<bool>;
-    fn turns(&self) -> f64;
-    fn revolutions(&self) -> &[Revolution];
-    fn finish(self: Box<Self>) -> Run;
-}
+use trueaxis::{Fault, Input, Output, State};
 
 /// Control and machine of one run.
-pub(super) struct Control<const POINTS: usize> {
+pub(super) struct Control {
     grinding: Arc<Grinding>,
     servo: three::Cell,
     state: State<f64, f64, 3>,
-    gauge: Box<Gauge<f64, POINTS>>,
-    gauge_state: Box<GaugeState<f64, POINTS>>,
+    gauge: Box<dyn Gauging + Send>,
     cell: Cell,
     settled: bool,
     limits: [Limits; 3],
@@ -40,8 +32,8 @@ pub(super) struct Control<const POINTS: usize> {
     run: Run,
 }
 
-impl<const POINTS: usize> Control<POINTS> {
-    pub(super) fn new(grinding: Arc<Grinding>, gauge: Box<Gauge<f64, POINTS>>) -> Result<Self> {
+impl Control {
+    pub(super) fn new(grinding: Arc<Grinding>, gauge: Box<dyn Gauging + Send>) -> Result<Self> {
         let servo = three::Cell::build(&grinding.machine, grinding.period_ns())?;
         let cell = Cell::new(Arc::clone(&grinding))?;
         let free = Limits { magnitude: f64::MAX, slope_per_s: f64::MAX, acceleration_per_s2: f64::MAX };
@@ -57,7 +49,6 @@ impl<const POINTS: usize> Control<POINTS> {
         Ok(Control {
             servo,
             state,
-            gauge_state: Box::new(gauge.start()),
             gauge,
             cell,
             settled: false,
@@ -98,7 +89,7 @@ impl<const POINTS: usize> Control<POINTS> {
         let (new_part, wheel) = if settling { (false, None) } else { self.cell.happen() };
         let readings = self.cell.read(new_part, wheel);
         if let Some(wheel_mm) = readings.wheel_mm {
-            self.gauge.set_wheel(&mut self.gauge_state, wheel_mm).map_err(SimError::Gauge)?;
+            self.gauge.set_wheel(wheel_mm).map_err(SimError::Gauge)?;
         }
         let input = Input {
             command: readings.command,
@@ -111,17 +102,18 @@ impl<const POINTS: usize> Control<POINTS> {
             refusal: Refusal::NONE,
             ..Input::at_rest(self.grinding.period_ns())
         };
-        let mut ride = GaugeRide::new(&self.gauge, &mut self.gauge_state, &readings.probes);
-        let output = self.servo.servo().step(&mut self.state, &input, (), &mut ride);
-        let cycle = ride.cycle();
+        let mut output = Output::none();
+        let cycle = self.gauge.ride(&readings.probes, &mut |gauge| {
+            output = step(self.servo.servo(), &mut self.state, &input, &mut (), gauge);
+        });
         if output.record.fault != Fault::None {
             return Err(SimError::Fault { fault: output.record.fault, turns: self.cell.turns() });
         }
         self.hold_against_limits(output.record.correction, output.record.limited);
         if cycle.finished {
-            let harmonics: Vec<Harmonic> = (0..=self.band[1]).map(|k| self.gauge_state.harmonic(k)).collect();
+            let harmonics: Vec<Harmonic> = (0..=self.band[1]).map(|k| self.gauge.harmonic(k)).collect();
             self.gauge_imprint = Some(imprint(&harmonics, self.band[0]));
-            self.run.motion = self.gauge_state.motion().map(|motion| motion.to_vec());
+            self.run.motion = self.gauge.motion().map(<[f64]>::to_vec);
         }
         let turn = self.cell.turns().floor();
         self.cell.advance(output.drive[self.cell.place()], settling);
@@ -137,8 +129,8 @@ impl<const POINTS: usize> Control<POINTS> {
             infeed_mm: cycle.infeed,
             flags: cycle.flags,
             finished: cycle.finished,
-            counts: self.gauge_state.counts(),
-            table_um: self.gauge_state.correction(),
+            counts: self.gauge.counts(),
+            table_um: self.gauge.correction(),
         });
         if self.cell.turns().floor() > turn && turn >= 0.0 {
             self.end_of_turn();
@@ -168,14 +160,12 @@ impl<const POINTS: usize> Control<POINTS> {
             imprint_um: imprint(&harmonics, self.band[0]),
             roundness_um: self.cell.pin.roundness(),
             gauge_imprint_um: self.gauge_imprint,
-            gauge_roundness_um: self.gauge_state.latest().map(|latest| latest.peak_to_valley_um),
+            gauge_roundness_um: self.gauge.latest().map(|latest| latest.peak_to_valley_um),
             harmonics,
         });
     }
-}
 
-impl<const POINTS: usize> Advance for Control<POINTS> {
-    fn advance(&mut self, cycles: u64, observe: &mut dyn FnMut(&Moment<'_>)) -> Result<bool> {
+    pub(super) fn advance(&mut self, cycles: u64, observe: &mut dyn FnMut(&Moment<'_>)) -> Result<bool> {
         if !self.settled {
             self.settled = true;
             self.settle();
@@ -193,15 +183,15 @@ impl<const POINTS: usize> Advance for Control<POINTS> {
         Ok(self.cell.turns() < f64::from(revolutions))
     }
 
-    fn turns(&self) -> f64 {
+    pub(super) fn turns(&self) -> f64 {
         self.cell.turns()
     }
 
-    fn revolutions(&self) -> &[Revolution] {
+    pub(super) fn revolutions(&self) -> &[Revolution] {
         &self.run.revolutions
     }
 
-    fn finish(mut self: Box<Self>) -> Run {
+    pub(super) fn finish(mut self) -> Run {
         self.run.limited_cycles = self.limited[self.cell.place()];
         let revolutions = &self.run.revolutions;
         let averaged = (revolutions.len() / 4).clamp(1, 10).min(revolutions.len());
@@ -216,9 +206,9 @@ impl<const POINTS: usize> Advance for Control<POINTS> {
         self.run.imprint_um = imprint(&average, self.band[0]);
         self.run.roundness_um = last.iter().map(|r| r.roundness_um).sum::<f64>() / averaged.max(1) as f64;
         (self.run.average, self.run.averaged) = (average, averaged);
-        self.run.counts = self.gauge_state.counts();
-        self.run.evaluation = self.gauge_state.latest();
-        self.run.correction = self.gauge_state.correction().to_vec();
+        self.run.counts = self.gauge.counts();
+        self.run.evaluation = self.gauge.latest();
+        self.run.correction = self.gauge.correction().to_vec();
         self.run.surfaces[1] = self.cell.pin.about_the_circle();
         self.run
     }

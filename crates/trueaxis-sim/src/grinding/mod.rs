@@ -28,6 +28,7 @@ mod comparison;
 mod control;
 mod document;
 mod event;
+mod gauging;
 mod infeed_drive;
 mod outcome;
 mod readings;

@@ -13,6 +13,7 @@ use crate::placement::Place;
 use crate::plant::Plant;
 use crate::plant::fault::{Fault as PlantFault, FaultScript};
 use crate::scenario::Scenario;
+use crate::servo::step;
 use crate::truth::{self, Truth};
 use glam::DVec3;
 use trueaxis::contour::OrientationError;
@@ -137,9 +138,9 @@ impl<const N: usize> Cell<N> {
     }
 
     /// At rest on the first point until the correction has been led in, as a machine is switched on before it cuts.
-    pub(super) fn settle(&mut self, number: usize, first: &Commanded<N>, shared: &Shared<'_, N>, sink: &mut dyn Sink) {
-        self.feedback = first.command;
-        self.plant.rest_at(&self.to_plant(&first.command));
+    pub(super) fn settle(&mut self, number: usize, first: &Commanded, shared: &Shared<'_, N>, sink: &mut dyn Sink) {
+        self.feedback = self.to_step(first);
+        self.plant.rest_at(&self.to_plant(&self.feedback));
         self.plant.hold_faults();
         let limits = shared.scenario.machine.settings.axes.iter().map(|a| a.limits);
         let slowest =
@@ -154,11 +155,11 @@ impl<const N: usize> Cell<N> {
     fn exchange(
         &mut self,
         (machine, settling): (usize, bool),
-        commanded: &Commanded<N>,
+        commanded: &Commanded,
         shared: &Shared<'_, N>,
         sink: &mut dyn Sink,
     ) -> Stepped<N> {
-        let mut command = commanded.command;
+        let mut command = self.to_step(commanded);
         let mut disturbed = self.to_plant(&command);
         self.plant.disturb_command(&mut disturbed);
         self.take_from_plant(&disturbed, &mut command);
@@ -182,11 +183,11 @@ impl<const N: usize> Cell<N> {
         let stepped = match &self.kinematics {
             Some(kinematics) => {
                 let mut on = OnToolPath::new(&tool_path, reference, kinematics);
-                let output = shared.servo.step(&mut self.state, &input, &mut on, ());
+                let output = step(shared.servo, &mut self.state, &input, &mut &mut on, &mut ());
                 Stepped { output, orientation: *on.orientation() }
             }
             None => {
-                let output = shared.servo.step(&mut self.state, &input, path.on(reference), ());
+                let output = step(shared.servo, &mut self.state, &input, &mut path.on(reference), &mut ());
                 Stepped { output, orientation: OrientationError::none() }
             }
         };
@@ -200,9 +201,14 @@ impl<const N: usize> Cell<N> {
     }
 
     /// What the host hands in: the learned correction at the path length of the reference.
-    fn learned(&self, commanded: &Commanded<N>, scenario: &Scenario) -> [f64; 3] {
+    fn learned(&self, commanded: &Commanded, scenario: &Scenario) -> [f64; 3] {
         let table = scenario.learned.as_ref().filter(|_| self.kind.takes_what_was_learned());
         table.map_or([0.0; 3], |table| table.table().at(commanded.moment.length_mm))
+    }
+
+    /// The command in the step's order.
+    fn to_step(&self, commanded: &Commanded) -> [f64; N] {
+        self.axes.map(|axis| commanded.positions[axis.index()])
     }
 
     /// Positions in the step's order as the plant counts them: by the machine's list of axes.
@@ -225,7 +231,7 @@ impl<const N: usize> Cell<N> {
     pub(super) fn cycle(
         &mut self,
         number: usize,
-        commanded: &Commanded<N>,
+        commanded: &Commanded,
         shared: &Shared<'_, N>,
         sink: &mut dyn Sink,
     ) -> Sample {

@@ -6,43 +6,34 @@ use crate::motion::{Motion, Setpoint, Walk};
 use crate::path::SlidingPath;
 use crate::scenario::Scenario;
 use glam::DVec3;
-use trueaxis::Axis;
 use trueaxis::contour::Reference;
-use trueaxis::machine::AxisOrder;
+use trueaxis::machine::AXES;
 
 /// Command of one cycle.
-pub(super) struct Commanded<const N: usize> {
+pub(super) struct Commanded {
     pub(super) moment: Moment,
     pub(super) setpoint: Setpoint,
-    pub(super) command: [f64; N],
+    /// By [`Axis::index`](trueaxis::Axis::index), mm and degrees.
+    pub(super) positions: [f64; AXES],
     pub(super) reference: Reference<f64>,
 }
 
 /// Makes the commands of a scenario, a block at a time.
-pub(super) struct Commander<const N: usize> {
+pub(super) struct Commander {
     motion: Motion,
     walk: Walk,
     next: Option<Setpoint>,
     pub(super) path: SlidingPath,
-    axes: [Axis; N],
     span: u32,
     /// Cycles commanded so far.
     pub(super) cycle: u64,
 }
 
-impl<const N: usize> Commander<N> {
-    pub(super) fn new(scenario: &Scenario, motion: Motion) -> Result<Self> {
+impl Commander {
+    pub(super) fn new(scenario: &Scenario, motion: Motion) -> Self {
         let mut walk = Walk::new(&motion);
         let next = walk.next(&motion, &scenario.program);
-        Ok(Commander {
-            motion,
-            walk,
-            next,
-            path: SlidingPath::new(scenario),
-            axes: AxisOrder::<N>::of(&scenario.machine.settings)?.axes(),
-            span: 0,
-            cycle: 0,
-        })
+        Commander { motion, walk, next, path: SlidingPath::new(scenario), span: 0, cycle: 0 }
     }
 
     /// Number of cycles of the whole program.
@@ -56,14 +47,14 @@ impl<const N: usize> Commander<N> {
     }
 
     /// Start of the program: the command of its first cycle, which is still to come.
-    pub(super) fn first(&mut self, scenario: &Scenario) -> Result<Option<Commanded<N>>> {
+    pub(super) fn first(&mut self, scenario: &Scenario) -> Result<Option<Commanded>> {
         let Some(setpoint) = self.next else { return Ok(None) };
         self.path.cover(scenario, [setpoint.move_index; 2])?;
         Ok(Some(self.commanded(scenario, setpoint)))
     }
 
     /// Replaces the cycles in `block` by the next ones, at most `most`.
-    pub(super) fn next_block(&mut self, scenario: &Scenario, block: &mut Vec<Commanded<N>>, most: usize) -> Result<()> {
+    pub(super) fn next_block(&mut self, scenario: &Scenario, block: &mut Vec<Commanded>, most: usize) -> Result<()> {
         block.clear();
         let first = self.next.map_or(0, |setpoint| setpoint.move_index);
         let mut last = first;
@@ -80,8 +71,7 @@ impl<const N: usize> Commander<N> {
         Ok(())
     }
 
-    fn commanded(&mut self, scenario: &Scenario, setpoint: Setpoint) -> Commanded<N> {
-        let positions = scenario.axis_positions(&setpoint);
+    fn commanded(&mut self, scenario: &Scenario, setpoint: Setpoint) -> Commanded {
         let step = scenario.program.moves.get(setpoint.move_index);
         let nominal = match step {
             Some(step) if scenario.five_axis => scenario.placement.place(step, setpoint.u).tip,
@@ -97,7 +87,7 @@ impl<const N: usize> Commander<N> {
                 nominal_mm: nominal.to_array(),
                 rotary_deg: setpoint.rotary,
             },
-            command: self.axes.map(|axis| positions[axis.index()]),
+            positions: scenario.axis_positions(&setpoint),
             reference: self.path.reference(setpoint.move_index, setpoint.u, &mut self.span),
             setpoint,
         }

@@ -44,10 +44,10 @@ pub(super) struct Lanes<S, const N: usize> {
     exchanged: Option<Plugin<S, N>>,
     /// What is still to be done, each before a cycle, in order.
     deeds: Vec<(u64, Deed<S, N>)>,
-    commander: Commander<N>,
+    commander: Commander,
     cells: Vec<Cell<N>>,
     settled: bool,
-    block: Vec<Commanded<N>>,
+    block: Vec<Commanded>,
     /// Samples of the block, a list for every machine.
     samples: Vec<Vec<Sample>>,
 }
@@ -60,7 +60,7 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
             .map(|(kind, servo)| Cell::new(&scenario, *kind, servo.servo(), plugin.about()))
             .collect::<Result<_>>()?;
         let mut lanes = Lanes {
-            commander: Commander::new(&scenario, motion)?,
+            commander: Commander::new(&scenario, motion),
             plugin,
             exchanged: None,
             deeds: Vec::new(),
@@ -82,13 +82,7 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N> {
             EventKind::On(switch) => Deed::Switch(*switch, true),
             EventKind::Off(switch) => Deed::Switch(*switch, false),
             EventKind::Exchange(name) => {
-                let machine = machines.get(name).ok_or_else(|| {
-                    SimError::unsuited(
-                        format!("exchange:{name}"),
-                        "no machine of that name",
-                        "one given with the scenario",
-                    )
-                })?;
+                let machine = named(machines, name)?;
                 let kinds: Vec<Kind> = self.cells.iter().map(Cell::kind).collect();
                 Deed::Exchange(Box::new(Plugin::exchanged(&self.scenario, name, machine, &kinds)?))
             }
@@ -194,27 +188,43 @@ impl<S: Owned<N> + 'static, const N: usize> Advance for Lanes<S, N> {
     }
 
     fn act(&mut self, act: &Act, machines: &BTreeMap<String, Machine>) -> Result<()> {
-        let at_s = match act {
-            Act::Fault(fault) => fault.at_s,
-            Act::Event(event) => event.at_s,
-        };
-        let now = self.commander.cycle;
-        if first_cycle(at_s, self.scenario.period_s()) < now || self.has_ended() {
-            let (found, needed) = match self.has_ended() {
-                true => ("a run that has ended".to_owned(), "one under way".to_owned()),
-                false => (format!("{at_s} s"), format!("a time from {} s on", self.scenario.time_s(now))),
-            };
-            return Err(SimError::unsuited(act.to_string(), found, needed));
-        }
+        check(act, &self.scenario, (!self.has_ended()).then_some(self.commander.cycle))?;
         match act {
             Act::Event(event) => self.plan(event, machines),
-            Act::Fault(fault) => {
-                let has = |axis| self.scenario.machine.settings.axis(axis).is_some();
-                if let Some(axis) = fault.kind.axis().filter(|axis| !has(*axis)) {
-                    return Err(PlantError::FaultAxis { axis: axis.letter() }.into());
-                }
-                self.cells.iter_mut().try_for_each(|cell| cell.inject(*fault))
-            }
+            Act::Fault(fault) => self.cells.iter_mut().try_for_each(|cell| cell.inject(*fault)),
         }
+    }
+}
+
+// What does not depend on the number of axes stands apart, once.
+
+/// Of the machines whose tables may be exchanged for.
+fn named<'m>(machines: &'m BTreeMap<String, Machine>, name: &str) -> Result<&'m Machine> {
+    machines.get(name).ok_or_else(|| {
+        SimError::unsuited(format!("exchange:{name}"), "no machine of that name", "one given with the scenario")
+    })
+}
+
+/// Whether something can be done to a run whose next cycle is `now`; none: it has ended.
+fn check(act: &Act, scenario: &Scenario, now: Option<u64>) -> Result<()> {
+    let at_s = match act {
+        Act::Fault(fault) => fault.at_s,
+        Act::Event(event) => event.at_s,
+    };
+    let refused = |found: String, needed: String| Err(SimError::unsuited(act.to_string(), found, needed));
+    match now {
+        None => return refused("a run that has ended".to_owned(), "one under way".to_owned()),
+        Some(now) if first_cycle(at_s, scenario.period_s()) < now => {
+            return refused(format!("{at_s} s"), format!("a time from {} s on", scenario.time_s(now)));
+        }
+        Some(_) => {}
+    }
+    let has = |axis| scenario.machine.settings.axis(axis).is_some();
+    match act {
+        Act::Fault(fault) => match fault.kind.axis().filter(|axis| !has(*axis)) {
+            Some(axis) => Err(PlantError::FaultAxis { axis: axis.letter() }.into()),
+            None => Ok(()),
+        },
+        Act::Event(_) => Ok(()),
     }
 }

@@ -34,16 +34,7 @@ impl<S: Owned<N>, const N: usize> Plugin<S, N> {
     /// # Errors
     /// It is another machine, or its tables do not build for this period.
     pub(super) fn exchanged(scenario: &Scenario, name: &str, machine: &Machine, kinds: &[Kind]) -> Result<Self> {
-        let what = || format!("exchange:{name}");
-        for ((of, found), (_, needed)) in identity(machine).into_iter().zip(identity(&scenario.machine)) {
-            if found != needed {
-                return Err(SimError::unsuited(
-                    what(),
-                    format!("{of} {found}"),
-                    format!("{needed}, those of the machine"),
-                ));
-            }
-        }
+        is_same(scenario, name, machine)?;
         let driven: Vec<Kind> = kinds.iter().copied().filter(|kind| kind.enables_the_plugin()).collect();
         Plugin::build(scenario, machine, &driven)
             .map_err(|error| SimError::Exchange { name: name.into(), error: Box::new(error) })
@@ -79,6 +70,17 @@ impl<S: Owned<N>, const N: usize> Plugin<S, N> {
     pub(super) fn about(&self) -> &About<N> {
         &self.about
     }
+}
+
+/// Whether tables are those of the scenario's machine.
+fn is_same(scenario: &Scenario, name: &str, machine: &Machine) -> Result<()> {
+    for ((of, found), (_, needed)) in identity(machine).into_iter().zip(identity(&scenario.machine)) {
+        if found != needed {
+            let what = format!("exchange:{name}");
+            return Err(SimError::unsuited(what, format!("{of} {found}"), format!("{needed}, those of the machine")));
+        }
+    }
+    Ok(())
 }
 
 /// What tables of one machine have in common: state and path of a run belong to it.

@@ -7,7 +7,8 @@ use super::instruments::{SENSORS, Sensors};
 use super::outcome::{Judged, Moment};
 use super::{SHIFT_S, STEP_S, Warming};
 use crate::error::Result;
-use crate::servo::with_loop;
+use crate::limit_watch::LimitWatch;
+use crate::servo::{step, with_loop};
 use trueaxis::Axis;
 use trueaxis::machine::AxisOrder;
 use trueaxis::temperature::{Readings, Thermal, ThermalState};
@@ -47,10 +48,9 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
         let mut sensors = Sensors::new(of.seed ^ 0x5eed, bodies, shift);
         let mut task = ThermalState::new();
         let zero = JUDGED.map(|point| drift(bodies, point));
-        let mut before = [[[0.0_f64; 3]; 2]; JUDGED.len()];
         let mut first = [[0.0_f64; 3]; JUDGED.len()];
         let mut judged = Judged::default();
-        let period_s = 1e-9 * f64::from(PERIOD_NS);
+        let mut watches = JUDGED.map(|_| LimitWatch::new(limits, 1e-9 * f64::from(PERIOD_NS)));
         for t in (0..=SHIFT_S).step_by(STEP_S as usize) {
             if t.is_multiple_of(of.update_s) {
                 let readings = sensors.read();
@@ -74,31 +74,20 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
                     }
                     let command = [0, 1, 2].map(|slot| point[slot_of(axes[slot])]);
                     for cycle in 0..CYCLES {
-                        let output = servo.step(state, &servo.input(command, command), (), ());
+                        let output = step(servo, state, &servo.input(command, command), &mut (), &mut ());
                         let correction = output.record.correction;
-                        let [last, rate] = before[place];
-                        for slot in 0..3 {
-                            let Some(limits) = limits[slot] else { continue };
-                            let step = correction[slot] - last[slot];
-                            let velocity = step.abs() / period_s / limits.slope_per_s;
-                            let acceleration =
-                                (step - rate[slot]).abs() / period_s / period_s / limits.acceleration_per_s2;
-                            judged.of_limits = judged.of_limits.max(velocity).max(acceleration);
-                            judged.largest_step_mm = judged.largest_step_mm.max(step.abs());
-                            before[place][1][slot] = step;
-                            before[place][0][slot] = correction[slot];
-                        }
+                        watches[place].take(correction);
                         judged.unsettled |= cycle + 1 == CYCLES && output.record.limited != 0;
                         judged.stopped |= output.stop_requested();
                     }
                     if t == 0 {
-                        first[place] = before[place][0];
+                        first[place] = watches[place].last;
                     }
                     let now = drift(bodies, *point);
                     for (slot, axis) in axes.into_iter().enumerate() {
                         let axis = slot_of(axis);
                         let drifted = now[axis] - zero[place][axis];
-                        let left = drifted + before[place][0][slot] - first[place][slot];
+                        let left = drifted + watches[place].last[slot] - first[place][slot];
                         moment.take(place, axis, drifted, left);
                     }
                 }
@@ -107,6 +96,10 @@ pub(super) fn run(of: &Warming, bodies: &mut Bodies, shift: &Shift, found: &Fit,
             }
             bodies.pass(f64::from(STEP_S), &shift.at(t));
             sensors.follow(f64::from(STEP_S), bodies, &shift.at(t));
+        }
+        for watch in &watches {
+            judged.of_limits = judged.of_limits.max(watch.of_limits);
+            judged.largest_step_mm = judged.largest_step_mm.max(watch.largest_step);
         }
         judged.failed = of.fails.map(|sensor| SENSORS[sensor]);
         Ok(judged)

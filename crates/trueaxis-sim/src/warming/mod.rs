@@ -42,6 +42,26 @@ pub const POINTS: [[f64; 4]; 4] =
 /// Step of the bodies' heat, s.
 const STEP_S: u32 = 2;
 
+/// Drift of a machine over a shift that nobody corrects, from where it stood when the shift began: every `every_s` seconds (an
+/// even number) at points X, Y, Z and length of the tool, mm; error of the tool relative to the workpiece, mm.
+pub fn drift_of_shift(seed: u64, every_s: u32, points: &[[f64; 4]]) -> Vec<Vec<[f64; 3]>> {
+    let shift = Shift::drawn(seed, 0, Kind::Judged);
+    let mut bodies = Bodies::at(shift.at(0).air_c);
+    let zero: Vec<[f64; 3]> = points.iter().map(|point| drift::drift(&bodies, *point)).collect();
+    let mut moments = Vec::new();
+    for t in (0..=SHIFT_S).step_by(STEP_S as usize) {
+        if t.is_multiple_of(every_s.max(STEP_S)) {
+            let at = |(point, zero): (&[f64; 4], &[f64; 3])| {
+                let now = drift::drift(&bodies, *point);
+                std::array::from_fn(|axis| now[axis] - zero[axis])
+            };
+            moments.push(points.iter().zip(&zero).map(at).collect());
+        }
+        bodies.pass(f64::from(STEP_S), &shift.at(t));
+    }
+    moments
+}
+
 /// Settings of the simulation.
 #[derive(Clone, Debug)]
 pub struct Warming {

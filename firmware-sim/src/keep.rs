@@ -1,0 +1,122 @@
+//! `firmware-sim keep`: its arguments and output.
+
+use crate::console::{counting_bar, put};
+use crate::given::{text_or, up_to};
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use firmware_sim::keeping::{FIVE_AXES, MILL, Outcome, Shift, page};
+use std::fmt::Write;
+use std::path::PathBuf;
+use trueaxis_report::number::significant;
+use trueaxis_tables::output::Outputs;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Kind {
+    /// Three axes, three balls.
+    Mill,
+    /// A trunnion with A and C, one ball that is turned.
+    FiveAxes,
+}
+
+/// Arguments of `keep`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  firmware-sim keep --report out                 a mill with three balls over a shift of 60 parts, out/keeping.html
+  firmware-sim keep --machine five-axes          centre lines by one ball that is turned
+  firmware-sim keep --hit 30                     from part 30 on a ball stands elsewhere: the loop refuses, and changes nothing")]
+pub(crate) struct KeepArgs {
+    /// The machine; its tables are true when the shift begins.
+    #[arg(long, value_enum, default_value_t = Kind::Mill)]
+    machine: Kind,
+    /// Parts of the shift.
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=2000))]
+    parts: u32,
+    /// Time for a part, an even number.
+    #[arg(long, value_name = "S", default_value_t = 480, value_parser = clap::value_parser!(u32).range(2..=28_800))]
+    part_s: u32,
+    /// Standard deviation of a touch, 0 to 100.
+    #[arg(long, value_name = "UM", default_value_t = 1.0, allow_negative_numbers = true)]
+    noise_um: f64,
+    /// Part at which the first ball is hit and moved by 80 µm.
+    #[arg(long, value_name = "PART")]
+    hit: Option<u32>,
+    /// Another task of the same machine: balls, probe, bounds, parts between two looks.
+    #[arg(long, value_name = "KEEP.toml")]
+    task: Option<PathBuf>,
+    /// Seed of machine, drift and noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON document and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// Write keeping.html into this folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn keep(args: &KeepArgs) -> Result<()> {
+    up_to(100.0, "--noise-um", args.noise_um)?;
+    if !args.part_s.is_multiple_of(2) {
+        bail!("--part-s: found {}, needed an even number", args.part_s);
+    }
+    let five_axes = args.machine == Kind::FiveAxes;
+    let task = text_or(args.task.as_deref(), if five_axes { FIVE_AXES } else { MILL })?;
+    let bar = counting_bar(u64::from(args.parts), "parts");
+    let shift = Shift {
+        seed: args.seed,
+        five_axes,
+        task,
+        task_file: args.task.clone().unwrap_or_else(|| "keep.toml".into()),
+        parts: args.parts,
+        part_s: args.part_s,
+        noise_um: args.noise_um,
+        hit: args.hit,
+    };
+    let outcome = shift.run(&|| bar.inc(1));
+    bar.finish_and_clear();
+    let outcome = outcome?;
+    if let Some(directory) = &args.report {
+        let mut outputs = Outputs::of(args.task.iter());
+        outputs.folder(directory)?;
+        outputs.put(&directory.join("keeping.html"), page(&outcome).as_bytes())?;
+        outputs.commit()?;
+    }
+    if args.json {
+        return put(&format!("{}\n", serde_json::to_string_pretty(&outcome)?));
+    }
+    put(&text(&outcome)?)
+}
+
+fn text(outcome: &Outcome) -> Result<String> {
+    let um = |value: f64| significant(value, 3);
+    let mut text = format!("{}, {} parts\n\n", outcome.machine, outcome.parts.len());
+    writeln!(text, "error of the tip over volume and shift, µm    without       with")?;
+    writeln!(
+        text,
+        "  RMS                                     {:>10} {:>10}",
+        um(outcome.rms_um[0]),
+        um(outcome.rms_um[1])
+    )?;
+    writeln!(
+        text,
+        "  largest                                 {:>10} {:>10}",
+        um(outcome.largest_um[0]),
+        um(outcome.largest_um[1])
+    )?;
+    let (looks, updates, refusals) = (outcome.looks.len(), outcome.updates, outcome.refusals);
+    writeln!(text, "\n{looks} looks: {updates} with updates, {refusals} for a person")?;
+    for look in &outcome.looks {
+        for reason in look.refused.iter().chain(&look.log_refused) {
+            writeln!(text, "  after part {}: {reason}", look.parts)?;
+        }
+    }
+    let led_in = outcome.longest_led_in_s.map_or("never".into(), |time| format!("within {} s", um(time)));
+    writeln!(
+        text,
+        "exchanges in motion: tables up to {} µm apart, largest step in a cycle {} µm, {:.0} % of the limits, led in {led_in}",
+        um(outcome.largest_difference_um),
+        um(outcome.largest_step_um),
+        1e2 * outcome.of_limits
+    )?;
+    Ok(text)
+}

@@ -1,0 +1,326 @@
+//! A machine that keeps itself true, simulated over a shift: parts, looks between them, updates, exchanges in motion.
+//!
+//! ```text
+//! bodies that warm, location errors that wander ─► true machine ─► probing, corrected by the tables ─► log ─► look
+//!                                                       │                       ▲                             │
+//!                                                       ▼                       └── machine files, history ◄──┘
+//!                                         error over the volume, exact           exchanged in motion, by the step
+//! ```
+//!
+//! The tables are true when the shift begins. Nothing that the loop knows comes from the true machine but the logs.
+
+mod drifting;
+mod page;
+
+pub use page::page;
+
+use crate::calibration::artefacts::{SetUp, stand};
+use anyhow::{Result, anyhow};
+use drifting::Drifting;
+use glam::DVec3;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use trueaxis::machine::{AXES, Axis};
+use trueaxis_evaluation::calibrate::{Plan, perfect, program, read_log, trips};
+use trueaxis_evaluation::keep::{BallPlace, Before, Keep, Look, begin, changes, look, plan};
+use trueaxis_sim::calibration::{Artefact, Class, Host, Probing, execute, random_five_axis, random_machine, remaining};
+use trueaxis_sim::exchange::{Exchanged, in_motion};
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::formats::machine_files;
+
+/// The mill with three balls.
+pub const MILL: &str = include_str!("mill.toml");
+/// The trunnion machine with one ball.
+pub const FIVE_AXES: &str = include_str!("five-axes.toml");
+
+/// How far a ball that was hit is moved, mm.
+const HIT_MM: f64 = 0.08;
+
+/// A shift.
+#[derive(Clone, Debug)]
+pub struct Shift {
+    /// Seed of machine, drift and noise.
+    pub seed: u64,
+    /// Whether the machine has five axes.
+    pub five_axes: bool,
+    /// Its task, like [`MILL`] or [`FIVE_AXES`].
+    pub task: String,
+    /// The task's file as errors name it.
+    pub task_file: PathBuf,
+    /// Parts.
+    pub parts: u32,
+    /// Time for a part, s, an even number.
+    pub part_s: u32,
+    /// Standard deviation of a touch, µm.
+    pub noise_um: f64,
+    /// Part at which the first ball is hit.
+    pub hit: Option<u32>,
+}
+
+/// Error of the tip over the volume after a part, µm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Part {
+    /// Parts made.
+    pub parts: u32,
+    /// Without the loop: root mean square and largest.
+    pub without_um: [f64; 2],
+    /// With it.
+    pub with_um: [f64; 2],
+}
+
+/// A look.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Looked {
+    /// Parts made.
+    pub parts: u32,
+    /// Terms that were updated.
+    pub updates: usize,
+    /// Terms out of their bounds.
+    pub refused: Vec<String>,
+    /// Why nothing could be told, where the log was refused.
+    pub log_refused: Option<String>,
+    /// The exchange, where there was one.
+    pub exchanged: Option<Exchanged>,
+}
+
+/// The shift as it went.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    /// The machine's name.
+    pub machine: String,
+    /// After every part.
+    pub parts: Vec<Part>,
+    /// Every look.
+    pub looks: Vec<Looked>,
+    /// Root mean square over the volume and the shift, µm, without and with the loop.
+    pub rms_um: [f64; 2],
+    /// Largest, likewise.
+    pub largest_um: [f64; 2],
+    /// Looks after which something was updated.
+    pub updates: usize,
+    /// Looks after which a person was needed.
+    pub refusals: usize,
+    /// Largest jump that an exchange would have made without the limiter, µm.
+    pub largest_difference_um: f64,
+    /// Largest step of the correction in a cycle from an exchange on, µm.
+    pub largest_step_um: f64,
+    /// Largest velocity or acceleration of the correction from an exchange on, as a share of its limit.
+    pub of_limits: f64,
+    /// Longest time until new tables were followed, s; none where they never were.
+    pub longest_led_in_s: Option<f64>,
+}
+
+/// What the loop knows of the machine.
+struct Known {
+    /// As its tables are.
+    machine: Machine,
+    /// Sums of the updates since the beginning.
+    totals: BTreeMap<String, f64>,
+}
+
+/// Machine, program and what stands on it.
+struct Bench<'s> {
+    shift: &'s Shift,
+    keep: Keep,
+    nominal: Machine,
+    plan: Plan,
+    program: String,
+    standing: Vec<Artefact>,
+}
+
+impl Bench<'_> {
+    /// Probes the true machine, corrected by what is known.
+    fn log(&self, truth: &Machine, known: &Machine, parts: u32) -> Result<String> {
+        let mut standing = self.standing.clone();
+        if let (Some(Artefact::Ball { centre, .. }), true) =
+            (standing.first_mut(), self.shift.hit.is_some_and(|hit| parts >= hit))
+        {
+            centre.y += HIT_MM;
+        }
+        let probing = Probing {
+            machine: truth.clone(),
+            known: Some(known.clone()),
+            set_ups: vec![standing],
+            tip_radius_mm: self.keep.task.probe.tip_radius_mm,
+            pre_travel_mm: 0.008,
+            lobes_mm: 0.0003,
+            noise_mm: 1e-3 * self.shift.noise_um,
+            drift: Default::default(),
+            pause_s: 0.0,
+            seed: self.shift.seed.wrapping_mul(1_000).wrapping_add(u64::from(parts)),
+            host: Host::LinuxCnc,
+        };
+        // The balls stand there from the start.
+        Ok(execute(&probing, &format!("M0\n{}", self.program))?)
+    }
+
+    /// A look at a log; without `before` the first one.
+    fn look(&self, known: &Machine, log: &str, before: Option<&Before<'_>>) -> Result<Look> {
+        let file = Path::new("look.log");
+        let log = read_log(log, file, self.keep.task.dialect, |_| {})?;
+        let trips = trips(&self.keep.task, &self.plan, &log, file)?;
+        match before {
+            None => begin(&self.keep, known, &self.plan, &trips, file),
+            Some(before) => look(&self.keep, known, &self.plan, &trips, file, before),
+        }
+    }
+
+    /// What comes of a look; what is known is what its updates leave.
+    fn taken(&self, known: &mut Known, parts: u32, taken: Result<Look>) -> Result<Looked> {
+        let mut looked = Looked { parts, updates: 0, refused: Vec::new(), log_refused: None, exchanged: None };
+        let look = match taken {
+            Ok(look) => look,
+            Err(error) => {
+                looked.log_refused = Some(format!("{error:#}"));
+                return Ok(looked);
+            }
+        };
+        looked.refused = look.refused().map(|(name, reason)| format!("{name} {reason}")).collect();
+        if !looked.refused.is_empty() {
+            return Ok(looked);
+        }
+        let name = Path::new("machine.toml");
+        let own = machine_files(&known.machine, "");
+        let files = Memory::new(own.iter().map(|(name, text)| (name, text.as_str())));
+        let changes = changes(&self.keep, &look, &known.machine, &files, name)?;
+        if changes.files.is_empty() {
+            return Ok(looked);
+        }
+        let all = own.into_iter().map(|(name, text)| (name.into(), text)).chain(changes.files);
+        let new = Machine::read_from(&Memory::new(all), name, &mut |_| {})?;
+        looked.updates = look.verdicts.iter().filter(|verdict| verdict.update() != 0.0).count();
+        let about = self.keep.task.artefacts[0].places[0].at_mm;
+        let about = [about[0], about[1].max(60.0), about[2], 0.0, 0.0, 0.0];
+        looked.exchanged = Some(in_motion(&known.machine, &new, about)?);
+        *known = Known { machine: new, totals: look.totals(&self.keep) };
+        Ok(looked)
+    }
+}
+
+/// Positions at which the tip is judged, in the order of the machine's axes.
+fn judged(machine: &Machine) -> Vec<[f64; AXES]> {
+    let five = machine.settings.axis(Axis::C).is_some();
+    let turns: &[[f64; 2]] = if five { &[[0.0, 0.0], [-30.0, 120.0], [30.0, 240.0]] } else { &[[0.0, 0.0]] };
+    let at = |axis: Axis, share: f64| {
+        let [low, high] = machine.settings.axis(axis).map_or([0.0; 2], |own| own.travel);
+        low + share * (high - low)
+    };
+    let mut all = Vec::new();
+    for [a, c] in turns {
+        for x in [0.1, 0.5, 0.9] {
+            for y in [0.1, 0.5, 0.9] {
+                for z in [0.15, 0.5, 0.85] {
+                    let mut position = [0.0; AXES];
+                    for (slot, own) in machine.settings.axes.iter().enumerate() {
+                        position[slot] = match own.axis {
+                            Axis::X => at(Axis::X, x),
+                            Axis::Y => at(Axis::Y, y),
+                            Axis::Z => at(Axis::Z, z),
+                            Axis::A => *a,
+                            Axis::C => *c,
+                            _ => 0.0,
+                        };
+                    }
+                    all.push(position);
+                }
+            }
+        }
+    }
+    all
+}
+
+/// Root mean square and largest, µm.
+fn figures(errors: &[DVec3]) -> [f64; 2] {
+    let squares: f64 = errors.iter().map(|error| error.length_squared()).sum();
+    let most = errors.iter().map(|error| error.length()).fold(0.0, f64::max);
+    [1e3 * (squares / errors.len().max(1) as f64).sqrt(), 1e3 * most]
+}
+
+impl Shift {
+    /// Runs the shift; `done` is called after every part.
+    ///
+    /// # Errors
+    /// A task that is wrong, or whose terms its balls do not tell apart.
+    pub fn run(&self, done: &dyn Fn()) -> Result<Outcome> {
+        let keep = Keep::read(&self.task, &self.task_file)?;
+        let most = Drifting::most(self.part_s);
+        if self.parts > most {
+            let (parts, part_s) = (self.parts, self.part_s);
+            return Err(anyhow!(
+                "--parts: found {parts}, needed at most {most} of {part_s} s each, a shift of eight hours"
+            ));
+        }
+        let started = if self.five_axes {
+            random_five_axis(self.seed, &Class::MILL)
+        } else {
+            random_machine(self.seed, &Class::MILL)
+        };
+        let drifting = Drifting::new(started.clone(), self.seed, self.part_s);
+        let nominal = perfect(&started);
+        let plan = plan(&keep, &nominal)?;
+        let mut dice = ChaCha8Rng::seed_from_u64(self.seed ^ 0xba11);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut dice) };
+        let standing = stand(&keep.task, &nominal, SetUp { misplaced_mm: 0.3, askew: 5e-4 }, &mut normal)?;
+        // All of them stand at once.
+        let mut all: Vec<Artefact> = Vec::new();
+        standing.into_iter().flatten().for_each(|one| {
+            if !all.contains(&one) {
+                all.push(one);
+            }
+        });
+        let program = program(&keep.task, &nominal, &plan);
+        let bench = Bench { shift: self, keep, nominal, plan, program, standing: all };
+        self.over(&bench, &drifting, &started, done)
+    }
+
+    fn over(&self, bench: &Bench<'_>, drifting: &Drifting, started: &Machine, done: &dyn Fn()) -> Result<Outcome> {
+        let positions = judged(&bench.nominal);
+        let first = bench.look(started, &bench.log(&drifting.after(0), started, 0)?, None)?;
+        let balls: Vec<BallPlace> = first.balls;
+        let mut known = Known { machine: started.clone(), totals: BTreeMap::new() };
+        let (mut parts, mut looks) = (Vec::new(), Vec::new());
+        for made in 1..=self.parts {
+            let truth = drifting.after(made);
+            let without_um = figures(&remaining(&truth, started, &positions)?);
+            let with_um = figures(&remaining(&truth, &known.machine, &positions)?);
+            parts.push(Part { parts: made, without_um, with_um });
+            if made.is_multiple_of(bench.keep.every_parts) {
+                let before = Before { known: &balls, totals: &known.totals, accepted: &[] };
+                let log = bench.log(&truth, &known.machine, made);
+                let taken = log.and_then(|log| bench.look(&known.machine, &log, Some(&before)));
+                looks.push(bench.taken(&mut known, made, taken)?);
+            }
+            done();
+        }
+        Ok(Outcome::of(started, parts, looks))
+    }
+}
+
+impl Outcome {
+    fn of(machine: &Machine, parts: Vec<Part>, looks: Vec<Looked>) -> Outcome {
+        let count = parts.len().max(1) as f64;
+        let rms = |take: fn(&Part) -> f64| (parts.iter().map(|part| take(part).powi(2)).sum::<f64>() / count).sqrt();
+        let most = |take: fn(&Part) -> f64| parts.iter().map(take).fold(0.0, f64::max);
+        let exchanges = || looks.iter().filter_map(|look| look.exchanged.as_ref());
+        let largest = |take: fn(&Exchanged) -> f64| exchanges().map(take).fold(0.0, f64::max);
+        let led_in: Option<Vec<f64>> = exchanges().map(|exchanged| exchanged.led_in_s).collect();
+        Outcome {
+            machine: machine.settings.name.to_string(),
+            rms_um: [rms(|part| part.without_um[0]), rms(|part| part.with_um[0])],
+            largest_um: [most(|part| part.without_um[1]), most(|part| part.with_um[1])],
+            updates: looks.iter().filter(|look| look.updates > 0).count(),
+            refusals: looks.iter().filter(|look| !look.refused.is_empty() || look.log_refused.is_some()).count(),
+            largest_difference_um: 1e3 * largest(|exchanged| exchanged.difference),
+            largest_step_um: 1e3 * largest(|exchanged| exchanged.largest_step),
+            of_limits: largest(|exchanged| exchanged.of_limits),
+            longest_led_in_s: led_in.map(|times| times.into_iter().fold(0.0, f64::max)),
+            parts,
+            looks,
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The page of a shift.
+
+use super::{Outcome, Part};
+use maud::html;
+use trueaxis_report::number::{quantity, significant};
+use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, summary};
+
+/// The whole page.
+pub fn page(outcome: &Outcome) -> String {
+    let um = |value: f64| quantity(value, "µm");
+    let looks = outcome.looks.iter().map(|look| {
+        let what = match (&look.log_refused, look.refused.as_slice()) {
+            (Some(reason), _) => reason.clone(),
+            (None, []) if look.updates == 0 => "nothing to change".into(),
+            (None, []) => format!("{} terms", look.updates),
+            (None, reasons) => format!("refused: {}", reasons.join("; ")),
+        };
+        let [difference, step, limits] = look.exchanged.map_or([const { String::new() }; 3], |own| {
+            [
+                significant(1e3 * own.difference, 3),
+                significant(1e3 * own.largest_step, 3),
+                format!("{:.0} %", 1e2 * own.of_limits),
+            ]
+        });
+        Row::new(format!("after part {}", look.parts), [what, difference, step, limits])
+    });
+    let head = ["look", "updated", "new − old tables, µm", "largest step in a cycle, µm", "of the limits"];
+    Page::new("A machine that keeps itself true")
+        .top(summary([
+            html! { (outcome.machine) },
+            html! { (outcome.parts.len()) " parts" },
+            html! { (outcome.updates) " updates, " (outcome.refusals) " refusals" },
+        ]))
+        .top(html! {
+            p.result {
+                "Over the shift and the volume the tip is off by " strong { (um(outcome.rms_um[1])) } " RMS instead of "
+                strong { (um(outcome.rms_um[0])) } ", at most by " (um(outcome.largest_um[1])) " instead of "
+                (um(outcome.largest_um[0])) "."
+            }
+        })
+        .section(
+            "Error of the tip",
+            html! { (figure(outcome, 0, "RMS over the volume")) (figure(outcome, 1, "largest in the volume")) },
+        )
+        .section("Looks", Table::new(head, looks).words(&[1]))
+        .document()
+}
+
+fn figure(outcome: &Outcome, which: usize, name: &str) -> Figure {
+    let curve = |take: &dyn Fn(&Part) -> [f64; 2]| -> Vec<[f64; 2]> {
+        outcome.parts.iter().map(|part| [f64::from(part.parts), take(part)[which]]).collect()
+    };
+    let (without, with) = (curve(&|part| part.without_um), curve(&|part| part.with_um));
+    let x = Scale::linear("parts", without.iter().map(|point| point[0]));
+    let y = Scale::from_zero(&format!("{name}, µm"), without.iter().chain(&with).map(|point| point[1]));
+    let mut figure = Figure::full(&format!("Error of the tip, {name}"), 220, x, y);
+    figure.curve("without the loop", without, Stroke::new(colour::UNCOMPENSATED, 1.4));
+    figure.curve("with it", with, Stroke::new(colour::COMPENSATED, 1.6));
+    let updated = outcome.looks.iter().filter(|look| look.updates > 0).map(|look| [f64::from(look.parts), 0.0]);
+    let refused = outcome.looks.iter().filter(|look| !look.refused.is_empty() || look.log_refused.is_some());
+    figure.dots(updated, colour::COMPENSATED).dots(refused.map(|look| [f64::from(look.parts), 0.0]), colour::LIMIT);
+    figure.caption("Just before a look. Dots below: looks that updated the tables, and looks that needed a person.");
+    figure
+}

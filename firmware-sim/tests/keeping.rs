@@ -1,0 +1,44 @@
+//! Simulated shifts of machines that keep themselves true.
+
+use firmware_sim::keeping::{FIVE_AXES, MILL, Outcome, Shift, page};
+
+fn shift(seed: u64, five_axes: bool, parts: u32, hit: Option<u32>) -> Outcome {
+    let task = if five_axes { FIVE_AXES } else { MILL }.to_owned();
+    Shift { seed, five_axes, task, task_file: "keep.toml".into(), parts, part_s: 480, noise_um: 1.0, hit }
+        .run(&|| {})
+        .unwrap()
+}
+
+/// Every exchange went through the limiter: whatever the tables differ by, no cycle takes more than slope and acceleration let
+/// it, 5 mm/s in a millisecond.
+fn led_in(outcome: &Outcome) {
+    assert!(outcome.updates > 5 && outcome.of_limits < 1.0 + 1e-6, "{outcome:?}");
+    assert!(outcome.largest_difference_um > 10.0 && outcome.largest_step_um < 5.0 + 1e-6, "{outcome:?}");
+    for exchanged in outcome.looks.iter().filter_map(|look| look.exchanged) {
+        assert!(exchanged.led_in_s.is_some(), "{exchanged:?}");
+    }
+}
+
+#[test]
+fn a_mill_with_three_balls_stays_true_over_a_shift() {
+    let outcome = shift(1, false, 40, None);
+    assert!(outcome.rms_um[1] < 0.4 * outcome.rms_um[0], "{:?}", outcome.rms_um);
+    led_in(&outcome);
+    assert!(page(&outcome).trim_end().ends_with("</html>"));
+}
+
+#[test]
+fn centre_lines_follow_a_ball_that_is_turned() {
+    let outcome = shift(2, true, 40, None);
+    assert!(outcome.rms_um[1] < 0.4 * outcome.rms_um[0], "{:?}", outcome.rms_um);
+    led_in(&outcome);
+}
+
+#[test]
+fn a_ball_that_was_hit_changes_nothing() {
+    let outcome = shift(1, false, 20, Some(11));
+    let (before, after) = outcome.looks.split_at(5);
+    assert!(before.iter().all(|look| look.refused.is_empty() && look.log_refused.is_none()), "{before:?}");
+    assert!(after.len() == 5 && outcome.refusals == 5, "{after:?}");
+    assert!(after.iter().all(|look| look.updates == 0 && look.exchanged.is_none()), "{after:?}");
+}
