@@ -111,7 +111,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         (true, _) => Arrival::Negative,
         (false, false) => Arrival::Positive,
     };
-    with_model(&machine, &settings, &mut |model| {
+    with_model(&machine, &settings, |model| {
         result.header(arguments, &machine, &positions)?;
         while let Some(row) = next(&machine, &mut positions)? {
             let refused =

@@ -19,7 +19,8 @@ pub(crate) fn source(path: &Path) -> Result<Machine> {
     model::source(path, &mut note)
 }
 
-fn note(text: String) {
+/// Says how an input was read.
+pub(crate) fn note(text: String) {
     tell(format_args!("note: {text}"));
 }
 

@@ -234,6 +234,26 @@ fn what_a_set_up_cannot_tell_apart_is_named() {
         format!("{HEAD}{BALL}").replace("25.0", "-25.0"),
         &["task.toml:8: key artefact.diameter_mm", "0.5 to 2000 mm"],
     );
+    // Touches at Z −12 are within the travel, the way over the square is not.
+    refused(
+        format!("{HEAD}{tip}{over}").replace("-150.0", "-12.0"),
+        &["task.toml:11: key artefact.place", "a way between touches with Z at 21", "room above"],
+    );
+    let gauge = "[[artefact]]\nname = \"gauge\"\nkind = \"step gauge\"\nuncertainty_um = 1.0\nsteps_mm = [0.0, 20.0, 29.0]\n\
+                 [[artefact.place]]\nat_mm = [100.0, 100.0, -150.0]\n";
+    refused(format!("{HEAD}{gauge}"), &["task.toml:6: key artefact.steps_mm", "9 mm apart", "more than 9 mm"]);
+    refused(
+        format!("{HEAD}{gauge}").replace("um = 1.0", "um = 1.0\nuncertainty_ppm = -1.0"),
+        &["task.toml:9: key artefact.uncertainty_ppm", "0.001 to 1000 ppm"],
+    );
+    refused(
+        format!("{HEAD}{RING}{FLAT}").replace("points = 16", "uncertainty_ppm = 1.0"),
+        &["task.toml:10: key artefact.uncertainty_ppm"],
+    );
+    refused(
+        format!("{HEAD}{over}along = \"Z\"\nnormal = \"Y\"\n"),
+        &["task.toml:14: key artefact.place.along", "\"X\" or \"Y\" where the square is turned over"],
+    );
     refused(HEAD.into(), &["task.toml", "[[artefact]]"]);
     refused(whole_task().replace("\"linuxcnc\"", "\"fanuc\""), &["task.toml:2: key dialect", "\"grblhal\""]);
 }

@@ -19,11 +19,14 @@ const OFFSETS: &str = "[[term]]\nnames = [\"offset X\", \"offset Y\", \"offset Z
                        largest_total_um = 30.0\n";
 const SQUARE: &str = "[[term]]\nnames = [\"C0Y\"]\nlargest_update_urad = 60.0\nlargest_total_urad = 90.0\n";
 
-/// Errors of the machine beside those of its tables at the beginning: offsets, µm, and C0Y, µrad.
+const BACKLASH: &str = "[[term]]\nnames = [\"backlash X\"]\nlargest_update_um = 8.0\nlargest_total_um = 20.0\n";
+
+/// Errors of the machine beside those of its tables at the beginning: offsets, µm, C0Y, µrad, and lost motion of X, µm.
 #[derive(Clone, Copy, Default)]
 struct Drift {
     offset_um: [f64; 3],
     c0y_urad: f64,
+    backlash_um: f64,
 }
 
 /// A line of machine.toml that states a number.
@@ -58,6 +61,7 @@ impl Bench<'_> {
     fn run(&self, program: &str) -> String {
         let toml = self.folder.read("mill/machine.toml");
         let square = 1e-6 * (self.drift.c0y_urad - stated(&toml, "C0Y_urad"));
+        let play = 1e-3 * (self.drift.backlash_um - stated(&toml, "backlash_um"));
         let own = |q: f64| 1e-3 * (3.0 - 3.0 * (q - 250.0).abs() / 250.0);
         // The tables are read once for each place: they are straight lines there.
         let ends = [0, 1, 2].map(|axis| [0.0, 1.0].map(|q| self.table(axis, [440.0, 340.0, -250.0][axis] + q)));
@@ -68,7 +72,8 @@ impl Bench<'_> {
                 let corrected = ends[axis][0] + (ends[axis][1] - ends[axis][0]) * from;
                 1e-3 * self.drift.offset_um[axis] - corrected
             };
-            let [x, y, z] = touch.at;
+            let [mut x, y, z] = touch.at;
+            x += if touch.reverse[0] { play } else { 0.0 };
             let tip = [x + own(x) + off(0) - square * y + creep, y + off(1), z + off(2)];
             let gap = |centre: [f64; 3]| {
                 let away: f64 = (0..3).map(|k| (tip[k] - centre[k]).powi(2)).sum();
@@ -175,17 +180,66 @@ fn what_one_ball_tells_goes_round_by_round_into_the_tables_and_back() {
 }
 
 #[test]
+fn an_undo_to_a_machine_without_tables_takes_the_compiled_file_away() {
+    let (folder, program) = folder(&one_ball());
+    let bare = MACHINE.replace("table = \"x.csv\"\n", "");
+    folder.write("mill/machine.toml", &bare);
+    std::fs::remove_file(folder.join("mill/x.csv")).unwrap();
+    probe(&folder, &program, Drift::default());
+    folder.good(&keep("begin", &[]));
+    probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() });
+    folder.good(&keep("apply", &[]));
+    assert!(folder.has("mill/mill.tcomp") && folder.has("mill/z.csv"));
+    folder.good(&["keep", "undo", "keep.toml"]);
+    assert_eq!(folder.read("mill/machine.toml"), bare);
+    assert!(!folder.has("mill/mill.tcomp") && !folder.has("mill/z.csv"), "nothing to compile is left");
+}
+
+#[test]
 fn two_balls_tell_a_squareness() {
     let (folder, program) = begun(&format!("{HEAD}{PROBE}{BALL}{SECOND}{OFFSETS}{SQUARE}"));
-    probe(&folder, &program, Drift { offset_um: [0.0, 5.0, 0.0], c0y_urad: 40.0 });
+    probe(&folder, &program, Drift { offset_um: [0.0, 5.0, 0.0], c0y_urad: 40.0, ..Drift::default() });
     let found = folder.json(&keep("apply", &["--json"]));
     near(&term(&found, "C0Y")["value"], 40.0, 0.2);
     near(&term(&found, "offset Y")["value"], 5.0, 0.05);
     let toml = folder.read("mill/machine.toml");
     assert!((stated(&toml, "C0Y_urad") - 40.0).abs() < 0.2 && toml.contains("[uncertainty.location]"), "{toml}");
     // 40 µrad are taken: what the tables leave is nothing.
-    probe(&folder, &program, Drift { offset_um: [0.0, 5.0, 0.0], c0y_urad: 40.0 });
+    probe(&folder, &program, Drift { offset_um: [0.0, 5.0, 0.0], c0y_urad: 40.0, ..Drift::default() });
     assert_eq!(folder.json(&keep("check", &["--json"]))["updates"], 0);
+}
+
+/// Lost motion that grows, and is taken up by a new nut: found beside an offset, entered, and never below none.
+#[test]
+fn a_ball_touched_askew_tells_a_backlash() {
+    let (folder, program) = begun(&format!("{HEAD}{PROBE}{BALL}{OFFSETS}{BACKLASH}"));
+    let worn = Drift { offset_um: [4.0, 0.0, 0.0], backlash_um: 5.0, ..Drift::default() };
+    probe(&folder, &program, worn);
+    let found = folder.json(&keep("apply", &["--json"]));
+    near(&term(&found, "backlash X")["value"], 5.0, 0.05);
+    near(&term(&found, "offset X")["value"], 4.0, 0.05);
+    let toml = || folder.read("mill/machine.toml");
+    assert!(
+        (stated(&toml(), "backlash_um") - 5.0).abs() < 0.05 && toml().contains("[axis.X.uncertainty]"),
+        "{}",
+        toml()
+    );
+    probe(&folder, &program, worn);
+    assert_eq!(folder.json(&keep("check", &["--json"]))["updates"], 0);
+    // A new nut: less than nothing is left of what the tables take.
+    let renewed = Drift { backlash_um: 0.0, ..worn };
+    probe(&folder, &program, renewed);
+    let found = folder.json(&keep("apply", &["--json"]));
+    near(&term(&found, "backlash X")["value"], -5.0, 0.05);
+    near(&term(&found, "backlash X")["to"], 0.0, 0.05);
+    assert!((0.0..0.05).contains(&stated(&toml(), "backlash_um")), "{}", toml());
+    probe(&folder, &program, renewed);
+    assert_eq!(folder.json(&keep("check", &["--json"]))["updates"], 0);
+    // 9 µm at once are a crash, not wear.
+    probe(&folder, &program, Drift { backlash_um: 9.0, ..worn });
+    let output = folder.run(&keep("apply", &[]));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(3) && error.contains("backlash X moved by"), "{error}");
 }
 
 #[test]
@@ -258,6 +312,55 @@ fn a_machine_changed_by_hand_is_seen() {
     assert_eq!(folder.read("mill/x.csv"), X_CSV.replace(",3", ",4"));
 }
 
+/// The history would name a file that no undo may write.
+#[test]
+fn a_table_of_another_folder_is_refused_before_anything_is_probed() {
+    let (folder, _) = folder(&one_ball());
+    for table in ["tables/x.csv", "../x.csv"] {
+        folder.write("mill/machine.toml", MACHINE.replace("\"x.csv\"", &format!("{table:?}")));
+        folder.write(format!("mill/{table}"), X_CSV);
+        folder.bad(&["keep", "plan", "keep.toml"], &[table, "another folder", "beside machine.toml"]);
+    }
+}
+
+#[test]
+fn a_command_that_was_ended_between_history_and_tables_is_told_and_entered() {
+    let (folder, program) = begun(&one_ball());
+    probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() });
+    folder.good(&keep("apply", &[]));
+    // The history is written first: this is what an end right after it leaves.
+    folder.write("mill/machine.toml", MACHINE);
+    folder.write("mill/x.csv", X_CSV);
+    std::fs::remove_file(folder.join("mill/z.csv")).unwrap();
+    let ended = ["before entry 2", "ended before it changed them", "2 --by-hand"];
+    probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.1], ..Drift::default() });
+    folder.bad(&keep("apply", &[]), &ended);
+    folder.good(&["keep", "undo", "keep.toml", "2", "--by-hand"]);
+    assert_eq!((folder.read("mill/machine.toml"), folder.read("mill/x.csv")), (MACHINE.into(), X_CSV.into()));
+    let again = folder.json(&keep("apply", &["--json"]));
+    near(&term(&again, "offset Z")["to"], -9.1, 0.02);
+    // An end between the tables: some are new, and machine.toml, which names them, is not.
+    folder.write("mill/machine.toml", MACHINE);
+    folder.bad(&keep("check", &[]), &["somebody has changed", "entry 4"]);
+    folder.good(&["keep", "undo", "keep.toml", "4", "--by-hand"]);
+    assert_eq!((folder.read("mill/machine.toml"), folder.read("mill/x.csv")), (MACHINE.into(), X_CSV.into()));
+}
+
+#[test]
+fn a_second_command_does_not_write_meanwhile() {
+    let (folder, program) = begun(&one_ball());
+    probe(&folder, &program, Drift { offset_um: [6.0, 0.0, -9.0], ..Drift::default() });
+    let before = folder.tree();
+    let first = std::fs::File::open(folder.join("keep.toml")).unwrap();
+    first.lock().unwrap();
+    folder.bad(&keep("apply", &[]), &["keep.toml", "another `trueaxis keep` at work"]);
+    folder.bad(&["keep", "undo", "keep.toml", "2"], &["keep.toml", "another `trueaxis keep` at work"]);
+    folder.good(&keep("check", &[]));
+    assert_eq!(folder.tree(), before);
+    drop(first);
+    folder.good(&keep("apply", &[]));
+}
+
 #[test]
 fn a_damaged_history_is_refused() {
     let (folder, program) = begun(&one_ball());
@@ -277,6 +380,15 @@ fn a_damaged_history_is_refused() {
     damaged(history.replace("\"parts\":0", "\"parts\":1"), &["history.jsonl:1:", "check sum"]);
     damaged(history.lines().nth(1).unwrap().to_owned() + "\n", &["history.jsonl:1:", "check sum"]);
     damaged("{}\n".into(), &["history.jsonl:1:"]);
+    // A file elsewhere, in a line whose sum is right.
+    let (first, second) = history.split_once('\n').unwrap();
+    let check = first.rsplit_once(",\"check\":\"").unwrap().1.strip_suffix("\"}").unwrap();
+    let body = second.rsplit_once(",\"check\":\"").unwrap().0.replace("\"x.csv\"", "\"../x.csv\"");
+    let sum = trueaxis::tcomp::checksum(format!("{check}{body}").as_bytes());
+    damaged(
+        format!("{first}\n{body},\"check\":\"{sum:08x}\"}}\n"),
+        &["history.jsonl:2:", "\"../x.csv\"", "files of the machine's folder"],
+    );
     folder.write("mill/keep/history.jsonl", &history);
     // The kept copy has been changed.
     folder.write("mill/keep/0002/x.csv", "X_mm,EXX_um\n0,0\n500,1\n");
@@ -300,8 +412,8 @@ fn bounds_are_needed_and_bound_something() {
     refused(format!("{HEAD}{PROBE}{BALL}"), &["keep.toml", "[[term]]"]);
     refused(with("largest_update_um = 15.0\n", ""), &["keep.toml:17:", "largest_update_um", "found nothing"]);
     refused(with("largest_update_um = 15.0", "largest_update_urad = 15.0"), &["largest_update_um", "found nothing"]);
-    refused(with("largest_update_um = 15.0", "largest_update_um = 0.0"), &["found 0.0", "above 0 to 1000 µm"]);
-    refused(with("largest_total_um = 30.0", "largest_total_um = 5000"), &["found 5000", "above 0 to 1000 µm"]);
+    refused(with("largest_update_um = 15.0", "largest_update_um = 0.0"), &["found 0.0", "0.001 to 1000 µm"]);
+    refused(with("largest_total_um = 30.0", "largest_total_um = 5000"), &["found 5000", "0.001 to 1000 µm"]);
     refused(with("largest_total_um = 30.0", "largest_total_um = 10.0"), &["found 10.0", "at least 15"]);
     refused(
         with("largest_update_um = 15.0", "largest_update_um = 0.2"),

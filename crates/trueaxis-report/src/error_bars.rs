@@ -3,9 +3,9 @@ use crate::{Figure, Scale, Stroke, colour};
 /// Standard errors that a bar reaches to either side: 95 % of normal deviations.
 const BAR: f64 = 2.0;
 
-/// Three measured curves of X, Y and Z with bars of two standard errors to either side: points `[x, value, standard error]`.
+/// Up to three measured curves, of X, Y and Z, with bars of two standard errors to either side: points `[x, value, standard error]`.
 #[must_use]
-pub fn error_bars(description: &str, x: Scale, unit: &str, curves: [(&str, Vec<[f64; 3]>); 3]) -> Figure {
+pub fn error_bars(description: &str, x: Scale, unit: &str, curves: &[(&str, Vec<[f64; 3]>)]) -> Figure {
     let reach = |[_, value, error]: &[f64; 3]| [value - BAR * error, value + BAR * error];
     let ends = curves.iter().flat_map(|(_, points)| points.iter().flat_map(reach)).chain([0.0]);
     let y = Scale::linear(&format!("error in {unit}"), ends).margin(0.06);

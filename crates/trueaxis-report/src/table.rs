@@ -33,8 +33,8 @@ impl Row {
 impl Table {
     /// A table with these column headings and rows.
     #[must_use]
-    pub fn new<const N: usize>(head: [&str; N], rows: impl IntoIterator<Item = Row>) -> Table {
-        Table { head: head.map(Into::into).into(), rows: rows.into_iter().collect(), ..Table::default() }
+    pub fn new<'t>(head: impl IntoIterator<Item = &'t str>, rows: impl IntoIterator<Item = Row>) -> Table {
+        Table { head: head.into_iter().map(Into::into).collect(), rows: rows.into_iter().collect(), ..Table::default() }
     }
 
     /// The same table with a caption.

@@ -112,7 +112,7 @@ fn no_data_break_a_figure() {
             }
             let bars: Vec<[f64; 3]> = points.iter().map(|[x, y]| [*x, *y, value]).collect();
             let x = linear("x", &[value]);
-            read(&page(error_bars("d", x.clone(), "µm", [0, 1, 2].map(|_| ("n", bars.clone())))));
+            read(&page(error_bars("d", x.clone(), "µm", &[0, 1, 2].map(|_| ("n", bars.clone())))));
             read(&page(residuals("d", x.clone(), &points, value)));
             let [(name, colour), ..] = CIRCLES;
             let circle = Circle { name, colour, zone_um: value, curves: vec![vec![value; count]; 2] };

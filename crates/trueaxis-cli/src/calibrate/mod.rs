@@ -53,6 +53,9 @@ pub(crate) struct PlanArguments {
     /// The program [default: standard output].
     #[arg(short, value_name = "probe.ngc")]
     output: Option<PathBuf>,
+    /// One JSON document of how well every term would be known.
+    #[arg(long, requires = "output")]
+    json: bool,
 }
 
 #[derive(Args)]

@@ -6,7 +6,7 @@ use crate::output::{json, print, progress, tell};
 use crate::{machine_folder, model, report};
 use anyhow::Result;
 use std::path::Path;
-use trueaxis_evaluation::calibrate::{Plan, calibrate, read_log, trips};
+use trueaxis_evaluation::calibrate::solved;
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 
@@ -14,12 +14,9 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<()> {
     let read = read(&arguments.task)?;
     let text = model::text(&arguments.log)?;
     let bar = progress(0, "solving");
-    let log = read_log(&text, &arguments.log, read.task.dialect, |how| {
-        bar.suspend(|| tell(format_args!("note: {}: {how}", arguments.log.display())));
+    let (plan, found) = solved(&read.task, &read.machine, &text, &arguments.log, |how| {
+        bar.suspend(|| tell(format_args!("note: {how}")));
     })?;
-    let plan = Plan::new(&read.task, &read.machine)?;
-    let trips = trips(&read.task, &plan, &log, &arguments.log)?;
-    let found = calibrate(&read.task, &read.machine, &plan, &trips, &arguments.log)?;
     bar.finish_and_clear();
     let document = found.document(&read.task, &read.machine);
     let files = machine_folder::inputs(&read.path, Some(&arguments.output));

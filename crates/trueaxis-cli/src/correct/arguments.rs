@@ -9,7 +9,6 @@ use trueaxis::machine::{AXES, Axis};
 use trueaxis_evaluation::correct;
 use trueaxis_evaluation::model::range;
 use trueaxis_tables::Machine;
-use trueaxis_tables::text::counted;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -50,26 +49,9 @@ impl Asked {
     }
 }
 
-/// Largest coordinate, mm or degrees.
-const MOST: f64 = 1e6;
-
 /// Positions in the order of the step, by [`Axis::index`].
 pub(crate) fn position(found: &[f64], machine: &Machine) -> Result<[f64; AXES]> {
-    let axes: Vec<Axis> = machine.settings.step_axes().collect();
-    if found.len() != 3 && found.len() != axes.len() {
-        let rotary: String = axes.iter().skip(3).map(|axis| format!(",{}", axis.letter())).collect();
-        let or = if rotary.is_empty() { String::new() } else { format!(", or {} with X,Y,Z{rotary}", axes.len()) };
-        let count = counted(found.len(), "number");
-        bail!("--at: found {count}, needed three, X,Y,Z{or}");
-    }
-    let mut at = [0.0; AXES];
-    for (axis, &value) in axes.into_iter().zip(found) {
-        if value.abs() > MOST {
-            bail!("--at: found {value} for axis {}, needed at most {MOST:e}", axis.letter());
-        }
-        at[axis.index()] = value;
-    }
-    Ok(at)
+    correct::position(found, machine).map_err(|wrong| anyhow!("--at: {wrong}"))
 }
 
 /// The middle of the declared travel, or of the table, or zero.

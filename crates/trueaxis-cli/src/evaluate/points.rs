@@ -8,7 +8,6 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use trueaxis_evaluation::points::{COLUMNS, Document, Left, Options, Points, identify, nodes};
 use trueaxis_report::number::significant;
-use trueaxis_tables::formats::machine_files;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const HELP: &str = "\
@@ -68,17 +67,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut written = Vec::new();
     if let Some(output) = &arguments.output {
         let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
-        let comment = format!(
-            "Measured: {} points of {source}; left {} um RMS, held out {} um RMS.",
-            document.points,
-            significant(document.left.rms_um, 3),
-            document.held_out.map_or_else(|| "-".into(), |left| significant(left.rms_um, 3))
-        );
-        written = machine_folder::whole(&mut outputs, output, &machine_files(&found.machine, &comment))?;
+        written = machine_folder::whole(&mut outputs, output, &document.files(&found, &source))?;
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.points.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::evaluate::points::page(&source, &points, &found, &document);
+        let page = report::evaluate::page(&source, &document.shown(&points, &found));
         report::write(&mut outputs, &page, directory, "points.html")?;
     }
     outputs.commit()?;

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::probing::{COLUMNS, Document, Feature, Record, Spread, check};
+use trueaxis_evaluation::probing::{COLUMNS, Document, Feature, Record, check};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 
@@ -65,7 +65,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let mut outputs = Outputs::of([&arguments.record]);
-        let page = report::evaluate::probing::page(&source, &record, &document, &figures(&document));
+        let page = report::evaluate::page(&source, &document.shown(&record));
         report::write(&mut outputs, &page, directory, "probing.html")?;
         outputs.commit()?;
     }
@@ -82,37 +82,11 @@ fn table(d: &Document) -> Result<String> {
         }
         writeln!(text)?;
     }
-    for (name, of) in figures(d) {
+    for (name, of) in d.figures() {
         writeln!(text, "{name}: {of}")?;
     }
     for note in &d.notes {
         writeln!(text, "note: {note}")?;
     }
     Ok(text)
-}
-
-/// The figures of all runs as one reads them.
-fn figures(d: &Document) -> Vec<(&'static str, String)> {
-    let um = |value: f64| significant(value, 3);
-    let three = |of: Spread| {
-        let [x, y, z] = of.range_um.map(um);
-        let deviation = of.standard_deviation_um.map_or_else(String::new, |s| {
-            let [x, y, z] = s.map(um);
-            format!(", standard deviation {x}, {y}, {z} µm")
-        });
-        format!("range {x}, {y}, {z} µm along X, Y, Z{deviation}")
-    };
-    let mut figures = Vec::new();
-    figures.extend(
-        d.p_ftu_um.zip(d.p_ftu_name).map(|(value, name)| (name, format!("{} µm, the largest of the runs", um(value)))),
-    );
-    figures.extend(d.point_repeatability.map(|of| ("repeatability of the point", three(of))));
-    figures.extend(d.location_repeatability.map(|of| ("repeatability of the location", three(of))));
-    figures.extend(d.tip_offset.map(|of| {
-        let [x, y] = [of.x_um, of.y_um].map(|v| format!("{} ± {}", um(v.value), significant(v.standard_error, 2)));
-        ("offset of the stylus tip", format!("X {x}, Y {y} µm, together {} µm", um(of.length_um)))
-    }));
-    figures.extend(d.effective_tip_diameter_mm.map(|mm| ("effective diameter of the tip", format!("{mm:.4} mm"))));
-    figures.extend(d.diameter_range_um.map(|of| ("range of the diameters", format!("{} µm", um(of)))));
-    figures
 }

@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis_evaluation::r_test::{COLUMNS, Document, Options, Record, identify};
+use trueaxis_evaluation::r_test::{COLUMNS, Document, Options, Record, check, identify};
 use trueaxis_report::number::significant;
 use trueaxis_tables::formats::Imported;
 use trueaxis_tables::output::Outputs;
@@ -55,6 +55,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    check(arguments.tool_mm).map_err(|wrong| wrong.option())?;
     let record = Record::read(&mut csv_in::open(&arguments.record, &COLUMNS, "readings")?)?;
     let mut machine = model::machine(&arguments.machine)?;
     machine.settings.tool_mm = arguments.tool_mm.unwrap_or(machine.settings.tool_mm);
@@ -68,19 +69,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     );
     let mut written = Vec::new();
     if let Some(output) = &arguments.output {
-        let changed = Imported {
-            tables: Vec::new(),
-            location: found.location,
-            settings: None,
-            notes: Vec::new(),
-            grids: Vec::new(),
-        };
+        let changed = Imported::of_location(found.location);
         written =
             machine_folder::write(&mut outputs, &arguments.machine, output, |folder, name| changed.edit(folder, name))?;
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::evaluate::r_test::page(&source, &record, &found, &document);
+        let page = report::evaluate::page(&source, &document.shown(&record, &found));
         report::write(&mut outputs, &page, directory, "r-test.html")?;
     }
     outputs.commit()?;

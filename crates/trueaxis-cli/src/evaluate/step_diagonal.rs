@@ -63,15 +63,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut outputs = Outputs::of(inputs);
     let mut notes = Vec::new();
     if let (Some(machine), Some(output)) = (&arguments.machine, &arguments.output) {
-        let mut location = model::source(machine)?.settings.location;
-        let rad = |value: Value| 1e-6 * value.value;
-        (location.a0z, location.b0z, location.c0y) = (rad(document.a0z), rad(document.b0z), rad(document.c0y));
-        let changed = Imported { tables: Vec::new(), location, settings: None, notes: Vec::new(), grids: Vec::new() };
+        let changed = Imported::of_location(document.location(model::source(machine)?.settings.location));
         notes = machine_folder::write(&mut outputs, machine, output, |folder, name| changed.edit(folder, name))?;
     }
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::evaluate::step_diagonal::page(&source, &test, &document);
+        let page = report::evaluate::page(&source, &document.shown(&test));
         report::write(&mut outputs, &page, directory, "step-diagonal.html")?;
     }
     outputs.commit()?;

@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if let Some(directory) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
         let mut outputs = Outputs::of([&arguments.record]);
-        let page = report::evaluate::thermal::page(&source, &test, &document);
+        let page = report::evaluate::page(&source, &document.shown(&test));
         report::write(&mut outputs, &page, directory, "thermal.html")?;
         outputs.commit()?;
     }

@@ -1,126 +1,55 @@
 //! `trueaxis keep begin` and `check`, and what `apply` has in common with them.
 
-use super::state::State;
-use super::write::{enter, show};
 use super::{CheckArguments, LookArguments};
-use crate::model;
+use crate::model::{note, text};
 use crate::output::{NeedsPerson, tell};
-use anyhow::{Result, bail};
-use trueaxis_evaluation::calibrate::{Plan, read_log, trips};
-use trueaxis_evaluation::keep::{self, Deed, Document, Entry, LogFile, Look, plan, sum};
+use crate::report;
+use anyhow::{Result, anyhow};
+use std::path::Path;
+use trueaxis_evaluation::keep::{Entry, Let, Log, State, Taken};
 use trueaxis_tables::output::Outputs;
 
-/// A log read, and the plan that it belongs to.
-pub(super) struct Read {
-    pub(super) plan: Plan,
-    pub(super) trips: Vec<trueaxis_evaluation::calibrate::Logged>,
-    pub(super) log: LogFile,
+pub(super) fn log<'a>(arguments: &'a LookArguments, text: &'a str) -> Log<'a> {
+    Log { file: &arguments.log, text, time: arguments.time.clone(), parts: arguments.parts }
 }
 
-pub(super) fn read(state: &State, arguments: &LookArguments) -> Result<Read> {
-    let file = &arguments.log;
-    let text = model::text(file)?;
-    let plan = plan(&state.keep, &state.machine)?;
-    let log =
-        read_log(&text, file, state.keep.task.dialect, |how| tell(format_args!("note: {}: {how}", file.display())))?;
-    let trips = trips(&state.keep.task, &plan, &log, file)?;
-    let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Read { plan, trips, log: LogFile { file: name, crc: sum(text.as_bytes()) } })
+pub(super) fn allowed<'a>(arguments: &'a CheckArguments, state: &State) -> Result<Let<'a>> {
+    state.accepts(&arguments.accept).map_err(|wrong| anyhow!("--accept: {wrong}"))?;
+    Ok(Let { accept: &arguments.accept, by_hand: arguments.by_hand })
 }
 
-/// An entry with nothing changed.
-pub(super) fn entry(state: &State, arguments: &LookArguments, read: &Read, look: &Look, deed: Deed) -> Entry {
-    let tables = state.tables();
-    Entry {
-        entry: state.history.next(),
-        deed,
-        time: arguments.time.clone(),
-        parts: arguments.parts,
-        plan: format!("{:08x}", read.plan.identity),
-        log: Some(read.log.clone()),
-        undone: None,
-        sigma_um: Some(1e3 * look.calibration.solution.sigma_mm),
-        measured: look.measured(&state.keep),
-        balls: look.balls.clone(),
-        totals: Default::default(),
-        files: Vec::new(),
-        tables: [tables.clone(), tables],
-    }
+/// Stages the page of the history with the entry that comes next, where it is asked for.
+pub(super) fn show(outputs: &mut Outputs, state: &State, taken: &Taken, arguments: &LookArguments) -> Result<()> {
+    let Some(directory) = &arguments.report else { return Ok(()) };
+    let entries: Vec<Entry> = state.history.entries.iter().chain([&taken.entry]).cloned().collect();
+    let page = report::keep::page(&state.machine.settings.name, &entries, Some(&taken.document));
+    report::write(outputs, &page, directory, "keep.html")
+}
+
+/// Ends the command where a term is out of its bounds.
+pub(super) fn refused(taken: &Taken, log: &Path) -> Result<()> {
+    taken.refusal(log).map_or(Ok(()), |reason| Err(NeedsPerson(reason).into()))
 }
 
 pub(super) fn begin(arguments: &LookArguments) -> Result<()> {
-    let state = State::read(&arguments.task)?;
-    let read = read(&state, arguments)?;
-    let look = keep::begin(&state.keep, &state.machine, &read.plan, &read.trips, &arguments.log)?;
-    let entry = entry(&state, arguments, &read, &look, Deed::Begin);
-    let mut document = look.document(&state.keep, &state.machine.settings.name, entry.entry);
-    document.notes.push("the beginning: later looks are held against the places of these balls".into());
+    let state = State::alone(&arguments.task, &mut note)?;
+    let taken = state.begin(&log(arguments, &text(&arguments.log)?), &mut note)?;
     let mut outputs = Outputs::of([&arguments.task, &arguments.log]);
-    enter(&mut outputs, &state, &entry)?;
-    show(&mut outputs, &state, &entry, &document, arguments.report.as_deref())?;
+    state.stage(&mut outputs, &state.written(&taken.entry, &taken.files)?)?;
+    show(&mut outputs, &state, &taken, arguments)?;
     outputs.commit()?;
-    super::table::put(&document, arguments.json)
-}
-
-/// A look against the history.
-pub(super) fn taken(arguments: &CheckArguments, state: &State) -> Result<(Read, Look, Document)> {
-    let of = &arguments.look;
-    if let Some(unknown) = arguments.accept.iter().find(|name| state.keep.terms.iter().all(|kept| kept.name != **name))
-    {
-        let names: Vec<&str> = state.keep.terms.iter().map(|kept| kept.name.as_str()).collect();
-        bail!("--accept: found {unknown:?}, needed one of {}", names.join(", "));
-    }
-    state.history.beginning()?;
-    state.untouched(arguments.by_hand)?;
-    let read = read(state, of)?;
-    let identity = format!("{:08x}", read.plan.identity);
-    state.history.follows(&identity, &read.log.crc, of.time.as_deref(), of.parts)?;
-    let (known, totals) = (state.history.balls()?, state.history.totals());
-    let look = keep::look(
-        &state.keep,
-        &state.machine,
-        &read.plan,
-        &read.trips,
-        &of.log,
-        &keep::Before { known, totals: &totals, accepted: &arguments.accept },
-    )?;
-    let mut document = look.document(&state.keep, &state.machine.settings.name, state.history.next());
-    let before = state.history.entries.iter().rev().find_map(|entry| entry.parts);
-    if let Some(since) = of.parts.zip(before).map(|(now, before)| now - before) {
-        let every = state.keep.every_parts;
-        if since > u64::from(every) {
-            document.notes.push(format!("{since} parts since the last look, {every} are stated"));
-        }
-    }
-    Ok((read, look, document))
-}
-
-/// A refusal in words, where a term is out of its bounds.
-pub(super) fn within(look: &Look, log: &std::path::Path) -> Result<()> {
-    let reasons: Vec<String> = look.refused().map(|(name, reason)| format!("{name} {reason}")).collect();
-    if reasons.is_empty() {
-        return Ok(());
-    }
-    let reasons = reasons.join("; ");
-    Err(NeedsPerson(format!(
-        "{}: {reasons}: nothing is changed; has the ball been moved, has something been hit? --accept TERM lets it pass",
-        log.display()
-    ))
-    .into())
+    super::table::put(&taken.document, arguments.json)
 }
 
 pub(super) fn check(arguments: &CheckArguments) -> Result<()> {
-    let state = State::read(&arguments.look.task)?;
-    let (read, look, document) = taken(arguments, &state)?;
-    // The new files are made here too, though not written: a refusal then shows up before anything is applied.
-    let changes = keep::changes(&state.keep, &look, &state.machine, &state.source, &state.name)?;
-    if let Some(directory) = &arguments.look.report {
-        let entry = entry(&state, &arguments.look, &read, &look, Deed::Look);
-        let mut outputs = Outputs::of([&arguments.look.task, &arguments.look.log]);
-        show(&mut outputs, &state, &entry, &document, Some(directory))?;
-        outputs.commit()?;
-    }
-    changes.notes.iter().for_each(|note| tell(format_args!("would be: {note}")));
-    super::table::put(&document, arguments.look.json)?;
-    within(&look, &arguments.look.log)
+    let of = &arguments.look;
+    let state = State::read(&of.task, &mut note)?;
+    let allowed = allowed(arguments, &state)?;
+    let taken = state.check(&log(of, &text(&of.log)?), allowed, &mut note)?;
+    let mut outputs = Outputs::of([&of.task, &of.log]);
+    show(&mut outputs, &state, &taken, of)?;
+    outputs.commit()?;
+    taken.changes.iter().for_each(|change| tell(format_args!("would be: {change}")));
+    super::table::put(&taken.document, of.json)?;
+    refused(&taken, &of.log)
 }

@@ -4,14 +4,13 @@ mod apply;
 mod history;
 mod look;
 mod plan;
-mod state;
 mod table;
 mod undo;
-mod write;
 
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
+use trueaxis_evaluation::keep::time;
 
 pub(crate) const HELP: &str = "\
 KEEP.toml names the machine, the probe, balls that stay where they are, and what may be changed within which bounds:
@@ -71,6 +70,9 @@ pub(crate) struct PlanArguments {
     /// The program [default: standard output].
     #[arg(short, value_name = "look.ngc")]
     output: Option<PathBuf>,
+    /// One JSON document of how well every term would be known.
+    #[arg(long, requires = "output")]
+    json: bool,
 }
 
 #[derive(Args)]
@@ -134,14 +136,6 @@ pub(crate) struct HistoryArguments {
     /// Write keep.html with its curves into a folder.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-}
-
-/// A time in UTC, in the one form that sorts as it runs.
-fn time(text: &str) -> Result<String, String> {
-    let shape = "0000-00-00T00:00:00Z";
-    let fits = |(own, of): (u8, u8)| if of == b'0' { own.is_ascii_digit() } else { own == of };
-    let sound = text.len() == shape.len() && text.bytes().zip(shape.bytes()).all(fits);
-    if sound { Ok(text.into()) } else { Err("needed a time in UTC like 2026-05-04T06:00:00Z".into()) }
 }
 
 pub(crate) fn run(command: &Command) -> Result<()> {

@@ -1,37 +1,36 @@
 //! `trueaxis keep plan`.
 
 use super::PlanArguments;
-use super::state::State;
-use crate::output::{print, tell};
+use crate::model::note;
+use crate::output::{json, print, tell};
 use anyhow::Result;
-use trueaxis_evaluation::calibrate::program;
-use trueaxis_evaluation::keep::{foreseen, plan};
+use trueaxis_evaluation::keep::{Planning, State};
 use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 
 pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
-    let state = State::read(&arguments.task)?;
-    let planned = plan(&state.keep, &state.machine)?;
-    let errors = foreseen(&state.keep, &state.machine, &planned)?;
-    let text = program(&state.keep.task, &state.machine, &planned);
+    let state = State::read(&arguments.task, &mut note)?;
+    let Planning { program, foreseen, .. } = Planning::new(&state.keep, &state.machine)?;
     match &arguments.output {
-        None => print(&text)?,
+        None => print(&program)?,
         Some(output) => {
             let own = state.files.keys().map(|file| state.folder.join(file));
             let mut outputs = Outputs::of(own.chain([arguments.task.clone()]));
-            outputs.put(output, text.as_bytes())?;
+            outputs.put(output, program.as_bytes())?;
             outputs.commit()?;
-            let minutes = planned.touches.last().map_or(0.0, |touch| touch.time_s / 60.0).ceil();
-            let touches = planned.touches.len();
+            let (touches, minutes) = (foreseen.touches, foreseen.minutes.ceil());
             tell(format_args!("written {}: {touches} touches, about {minutes} minutes", output.display()));
         }
     }
+    if arguments.json {
+        return json(&foreseen);
+    }
     tell("expected standard errors, and what is taken at once and in all:");
-    for (kept, error) in state.keep.terms.iter().zip(errors) {
-        let (unit, factor) = kept.term.unit();
-        let shown = |value: f64| significant(factor * value, 2);
-        let (update, total) = (shown(kept.bounds.update), shown(kept.bounds.total));
-        tell(format_args!("  {:<14} {:>8} {unit}   {update}, {total}", kept.name, shown(error)));
+    for term in &foreseen.terms {
+        let shown = |value: f64| significant(value, 2);
+        let (error, update, total) =
+            (shown(term.standard_error), shown(term.largest_update), shown(term.largest_total));
+        tell(format_args!("  {:<14} {error:>8} {}   {update}, {total}", term.name, term.unit));
     }
     Ok(())
 }

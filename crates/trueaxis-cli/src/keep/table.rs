@@ -3,7 +3,7 @@
 use crate::output::{json, print};
 use anyhow::Result;
 use std::fmt::Write;
-use trueaxis_evaluation::keep::{Deed, Document, History};
+use trueaxis_evaluation::keep::{Document, Entry, deeds};
 use trueaxis_report::number::significant;
 
 /// Prints a look.
@@ -18,10 +18,7 @@ fn table(d: &Document) -> Result<String> {
     for term in &d.terms {
         let found = format!("{} ± {}", significant(term.value, 3), significant(term.standard_error, 2));
         let (from, to) = (significant(term.from, 3), significant(term.to, 3));
-        writeln!(text, "{:<14} {found:>17} {:<5} {from:>10} {to:>10}   {}", term.name, term.unit, term.verdict)?;
-        if let Some(reason) = &term.reason {
-            writeln!(text, "{:<14} {reason}", "")?;
-        }
+        writeln!(text, "{:<14} {found:>17} {:<5} {from:>10} {to:>10}   {}", term.name, term.unit, term.in_words())?;
     }
     text.push('\n');
     for ball in &d.balls {
@@ -36,29 +33,14 @@ fn table(d: &Document) -> Result<String> {
 }
 
 /// The history, one entry a line.
-pub(super) fn entries(history: &History) -> Result<String> {
+pub(super) fn entries(entries: &[Entry]) -> Result<String> {
     let mut text = String::new();
-    let now = history.in_effect();
-    for entry in &history.entries {
-        let what = match entry.deed {
-            Deed::Begin => "begin".to_owned(),
-            Deed::Look => "look, nothing to change".into(),
-            Deed::Update if now.contains(&entry.entry) => "update".into(),
-            Deed::Update => "update, taken back".into(),
-            Deed::Undo => format!("undo, as before entry {}", entry.undone.unwrap_or_default()),
-        };
+    for (entry, deed) in entries.iter().zip(deeds(entries)) {
         let time = entry.time.as_deref().unwrap_or("");
         let parts = entry.parts.map_or(String::new(), |parts| format!("part {parts}"));
-        writeln!(text, "{:>4}  {time:<20} {parts:<10} {what}", entry.entry)?;
-        for own in entry.measured.iter().filter(|own| own.from != own.to) {
-            let (from, to) = (significant(own.from, 3), significant(own.to, 3));
-            writeln!(
-                text,
-                "      {:<14} {from} -> {to} {} (± {})",
-                own.term,
-                own.unit,
-                significant(own.standard_error, 2)
-            )?;
+        writeln!(text, "{:>4}  {time:<20} {parts:<10} {deed}", entry.entry)?;
+        for changed in entry.measured.iter().filter_map(|own| own.in_words()) {
+            writeln!(text, "      {changed}")?;
         }
     }
     Ok(text)

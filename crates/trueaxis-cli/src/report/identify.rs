@@ -52,7 +52,7 @@ fn errors(axis: Axis, found: &Document, shown: [usize; 3], unit: &str) -> Figure
         (names[i].as_str(), points.collect())
     };
     let description = format!("{} over the angle", shown.map(|i| names[i].as_str()).join(", "));
-    let mut figure = error_bars(&description, angle_scale(axis, found), unit, shown.map(curve));
+    let mut figure = error_bars(&description, angle_scale(axis, found), unit, &shown.map(curve));
     figure.caption("Bars: 2 standard errors to either side.");
     figure
 }

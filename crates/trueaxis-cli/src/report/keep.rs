@@ -1,7 +1,7 @@
 //! The page of `trueaxis keep`.
 
 use maud::html;
-use trueaxis_evaluation::keep::{Deed, Document, Entry, figures};
+use trueaxis_evaluation::keep::{Document, Entry, deeds, figures};
 use trueaxis_report::number::significant;
 use trueaxis_report::{Page, Row, Table, summary};
 
@@ -14,8 +14,7 @@ pub(crate) fn page(machine: &str, entries: &[Entry], document: Option<&Document>
             let shown = |value: f64| significant(value, 3);
             let found = format!("{} ± {} {}", shown(term.value), significant(term.standard_error, 2), term.unit);
             let bounds = format!("{}, {}", shown(term.largest_update), shown(term.largest_total));
-            let verdict = term.reason.clone().map_or(term.verdict.to_owned(), |reason| format!("refused: {reason}"));
-            Row::new(term.name.clone(), [found, shown(term.from), shown(term.to), bounds, verdict])
+            Row::new(term.name.clone(), [found, shown(term.from), shown(term.to), bounds, term.in_words()])
         });
         let head = ["term", "left by the tables", "in all", "then", "at most at once, in all", "verdict"];
         page = page.top(super::warnings(&document.notes)).section("This look", Table::new(head, terms));
@@ -24,19 +23,10 @@ pub(crate) fn page(machine: &str, entries: &[Entry], document: Option<&Document>
     if !all.is_empty() {
         page = page.section("History", html! { @for figure in all { (figure) } });
     }
-    let rows = entries.iter().map(|entry| {
-        let what = match entry.deed {
-            Deed::Begin => "begin".into(),
-            Deed::Look => "look".into(),
-            Deed::Update => "update".into(),
-            Deed::Undo => format!("undo, as before entry {}", entry.undone.unwrap_or_default()),
-        };
-        let changed = entry.measured.iter().filter(|own| own.from != own.to);
-        let changed = changed
-            .map(|own| format!("{} {} to {} {}", own.term, significant(own.from, 3), significant(own.to, 3), own.unit));
-        let changed = changed.collect::<Vec<_>>().join("; ");
+    let rows = entries.iter().zip(deeds(entries)).map(|(entry, deed)| {
+        let changed: Vec<String> = entry.measured.iter().filter_map(|own| own.in_words()).collect();
         let parts = entry.parts.map_or(String::new(), |parts| parts.to_string());
-        Row::new(entry.entry.to_string(), [entry.time.clone().unwrap_or_default(), parts, what, changed])
+        Row::new(entry.entry.to_string(), [entry.time.clone().unwrap_or_default(), parts, deed, changed.join("; ")])
     });
     page.section("Entries", Table::new(["entry", "time", "parts", "", "changed"], rows)).document()
 }

@@ -7,8 +7,6 @@ use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, heat_map,
 
 /// Contributions that are drawn.
 const BARS: usize = 12;
-/// Points of a distribution.
-const STEPS: usize = 100;
 
 /// The whole page.
 pub(crate) fn page(document: &Document) -> String {
@@ -64,15 +62,12 @@ fn layer(document: &Document) -> Figure {
 
 /// Distance of the tip from where it should be, of the machines drawn, as a distribution.
 fn distribution(document: &Document) -> Figure {
-    let mut distances: Vec<f64> = document.drawn_um.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
-    distances.sort_by(f64::total_cmp);
+    let distances = document.distances_um();
     let radius = document.worst.jacobian.radius_um;
     let x = Scale::from_zero("distance in µm", distances.iter().copied().chain([radius]));
     let mut figure = Figure::half("Distribution of the distance", 420, x, Scale::exact("share in %", 0.0, 100.0));
-    let curve = (0..=STEPS).filter_map(|step| {
-        let index = step * distances.len().saturating_sub(1) / STEPS;
-        Some([*distances.get(index)?, 100.0 * step as f64 / STEPS as f64])
-    });
+    let steps = distances.len().saturating_sub(1).max(1) as f64;
+    let curve = distances.iter().enumerate().map(|(step, distance)| [*distance, 100.0 * step as f64 / steps]);
     let limit = Stroke::new(colour::LIMIT, 1.2).dashed();
     figure
         .curve("machines drawn", curve, Stroke::new(colour::COMPENSATED, 1.6))
