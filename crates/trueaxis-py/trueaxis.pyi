@@ -5,12 +5,15 @@ from typing import Any, ClassVar, Literal, TypedDict, final, type_check_only
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Error", "__version__", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate"]
+__all__ = ["Error", "NeedsPerson", "__version__", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate"]
 
 __version__: str
 
 class Error(ValueError):
     """Input that was refused: where, what was found, what is needed, in the words of the command line."""
+
+class NeedsPerson(Error):
+    """A term of a look is out of its bounds: nothing is changed, and a person has to look; exit code 3 of `trueaxis keep`."""
 
 @type_check_only
 class ContourError(TypedDict):
@@ -79,6 +82,17 @@ class Machine:
         max_step_deg: float | None = None,
         tool_mm: Sequence[float] | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.uint8], NDArray[np.float64]]: ...
+    def uncertainty(
+        self,
+        *,
+        at: Sequence[float] | None = None,
+        volume_mm: Sequence[Sequence[float] | None] | None = None,
+        pose_deg: Mapping[str, float] | None = None,
+        points: int = 9,
+        confidence: float = 95.0,
+        trials: int = 10_000,
+        seed: int = 1,
+    ) -> dict[str, Any]: ...
 
 @final
 class Path:
@@ -173,6 +187,39 @@ def ballbar(
     pitch_y_mm: float | None = None,
     pitch_z_mm: float | None = None,
     traces: bool = False,
+) -> dict[str, Any]: ...
+def calibrate_plan(task: str | PathLike[str]) -> dict[str, Any]: ...
+def calibrate_solve(task: str | PathLike[str], log: str | PathLike[str], *, files: bool = False) -> dict[str, Any]: ...
+def keep_plan(task: str | PathLike[str]) -> dict[str, Any]: ...
+def keep_begin(task: str | PathLike[str], log: str | PathLike[str], *, time: str | None = None, parts: int | None = None) -> dict[str, Any]: ...
+def keep_check(
+    task: str | PathLike[str],
+    log: str | PathLike[str],
+    *,
+    time: str | None = None,
+    parts: int | None = None,
+    accept: Sequence[str] = ...,
+    by_hand: bool = False,
+    files: bool = False,
+) -> dict[str, Any]: ...
+def keep_apply(
+    task: str | PathLike[str],
+    log: str | PathLike[str],
+    *,
+    time: str | None = None,
+    parts: int | None = None,
+    accept: Sequence[str] = ...,
+    by_hand: bool = False,
+) -> dict[str, Any]: ...
+def keep_undo(task: str | PathLike[str], entry: int | None = None, *, time: str | None = None, by_hand: bool = False) -> dict[str, Any]: ...
+def keep_history(task: str | PathLike[str]) -> list[dict[str, Any]]: ...
+def thermal_fit(
+    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    *,
+    machine: Machine | None = None,
+    hold_out: Sequence[int] = ...,
+    without: Sequence[str] = ...,
+    toml: bool = False,
 ) -> dict[str, Any]: ...
 def evaluate_probing(
     record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],

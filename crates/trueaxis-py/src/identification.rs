@@ -45,7 +45,7 @@ pub(crate) fn identify<'py>(
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let readings = ball::Readings::read(&mut measured.rows(&ball::COLUMNS, &mut notes)?)?;
-        let known = machine.map(|Machine(machine)| ball::Known {
+        let known = machine.map(|Machine(machine, _)| ball::Known {
             machine,
             file: machine.settings.name.as_str(),
             start_mm: start_mm.unwrap_or_default(),
@@ -88,7 +88,7 @@ pub(crate) fn friction<'py>(
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let given = match machine.filter(|_| !find_drive) {
-            Some(Machine(machine)) => circles::drives(machine, machine.settings.name.as_str(), axes)?,
+            Some(Machine(machine, ..)) => circles::drives(machine, machine.settings.name.as_str(), axes)?,
             None => [None; 2],
         };
         let recording = circles::Recording::read(measured.rows(&columns, &mut notes)?, axes)?;

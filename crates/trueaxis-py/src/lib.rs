@@ -4,14 +4,17 @@
 
 mod arrays;
 mod ballbar;
+mod calibrate;
 mod documents;
 mod evaluate;
 mod identification;
+mod keep;
 mod kinematics;
 mod machine;
 mod measured;
 mod path;
 mod simulation;
+mod thermal;
 
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
@@ -22,6 +25,13 @@ create_exception!(
     Error,
     PyValueError,
     "Input that was refused: where, what was found, what is needed, in the words of the command line."
+);
+
+create_exception!(
+    trueaxis,
+    NeedsPerson,
+    Error,
+    "A term of a look is out of its bounds: nothing is changed, and a person has to look; exit code 3 of `trueaxis keep`."
 );
 
 /// An error of the crates as the exception of the module.
@@ -41,6 +51,7 @@ fn warn(py: Python<'_>, note: &str) -> PyResult<()> {
 #[pymodule(name = "trueaxis")]
 fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Error", module.py().get_type::<Error>())?;
+    module.add("NeedsPerson", module.py().get_type::<NeedsPerson>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<machine::Machine>()?;
     module.add_class::<path::Path>()?;
@@ -50,6 +61,15 @@ fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(identification::identify, module)?)?;
     module.add_function(wrap_pyfunction!(identification::friction, module)?)?;
     module.add_function(wrap_pyfunction!(ballbar::ballbar, module)?)?;
+    module.add_function(wrap_pyfunction!(calibrate::calibrate_plan, module)?)?;
+    module.add_function(wrap_pyfunction!(calibrate::calibrate_solve, module)?)?;
+    module.add_function(wrap_pyfunction!(keep::keep_plan, module)?)?;
+    module.add_function(wrap_pyfunction!(keep::keep_begin, module)?)?;
+    module.add_function(wrap_pyfunction!(keep::keep_check, module)?)?;
+    module.add_function(wrap_pyfunction!(keep::keep_apply, module)?)?;
+    module.add_function(wrap_pyfunction!(keep::keep_undo, module)?)?;
+    module.add_function(wrap_pyfunction!(keep::keep_history, module)?)?;
+    module.add_function(wrap_pyfunction!(thermal::thermal_fit, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate_probing, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate_thermal, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate_step_diagonal, module)?)?;

@@ -1,18 +1,25 @@
 //! A machine: its errors and corrections.
 
-use crate::{Error, arrays, told, warn};
+use crate::{Error, arrays, documents, told, warn};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use trueaxis::machine::{Axis, ErrorModel};
 use trueaxis_evaluation::batch::{self, Positions};
 use trueaxis_evaluation::compensate::{Arrival, PoseError, Settings};
+use trueaxis_evaluation::correct::position;
 use trueaxis_evaluation::model;
+use trueaxis_evaluation::uncertainty::{Options, evaluate};
 use trueaxis_tables::text::counted;
+use trueaxis_tables::uncertainty::Uncertainties;
 
 /// A machine with its tables, read and checked.
 #[pyclass(frozen, module = "trueaxis")]
-pub(crate) struct Machine(pub(crate) trueaxis_tables::Machine);
+pub(crate) struct Machine(pub(crate) trueaxis_tables::Machine, pub(crate) Stated);
+
+/// Standard uncertainties that the machine's files state; a compiled file states none.
+type Stated = Option<Uncertainties>;
 
 /// Checked arguments of a look-up.
 pub(crate) struct Asked {
@@ -33,11 +40,15 @@ impl Machine {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Machine> {
         let mut notes = Vec::new();
-        let machine = py.detach(|| model::machine(&path, &mut |note| notes.push(note)));
+        let machine = py.detach(|| {
+            let machine = model::machine(&path, &mut |note| notes.push(note))?;
+            let stated = if model::is_compiled(&path) { None } else { Some(Uncertainties::read(&path)?) };
+            Ok(Machine(machine, stated))
+        });
         for note in notes {
             warn(py, &note)?;
         }
-        told(machine).map(Machine)
+        told(machine)
     }
 
     /// Name of the machine.
@@ -132,6 +143,52 @@ impl Machine {
         }
         asked.settings.passes = inverse_passes;
         asked.corrections(py)
+    }
+
+    /// How well the corrected position is known: the document of `trueaxis uncertainty --json`.
+    ///
+    /// Σ = Σ_k s_k s_kᵀ, s_k what one standard uncertainty of a figure k moves the tip; beside it machines drawn at random. µm,
+    /// along X, Y, Z of the machine: standard_um, expanded_um = factor · standard_um, and radius_um of the sphere that holds the
+    /// tip. at: also this position, X, Y, Z in mm, then the rotary axes in degrees. volume_mm: [low, high] of X, Y, Z, None for
+    /// the travel. pose_deg: angles of rotary axes over the volume, {"A": 30}. points along each linear axis, 2 to 51;
+    /// confidence, 50 to 99.99 %; trials, machines drawn; seed, the same machines.
+    ///
+    /// Raises trueaxis.Error where the machine's files state no uncertainty, or an argument is out of its range.
+    #[pyo3(signature = (*, at = None, volume_mm = None, pose_deg = None, points = 9, confidence = 95.0, trials = 10_000,
+        seed = 1))]
+    fn uncertainty<'py>(
+        &self,
+        py: Python<'py>,
+        at: Option<Vec<f64>>,
+        volume_mm: Option<[Option<[f64; 2]>; 3]>,
+        pose_deg: Option<BTreeMap<String, f64>>,
+        points: usize,
+        confidence: f64,
+        trials: usize,
+        seed: u64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let Machine(machine, Some(stated)) = self else {
+            return Err(Error::new_err(
+                "machine: found a compiled file, which states no uncertainty, needed a machine.toml",
+            ));
+        };
+        let at = at.map(|at| position(&at, machine)).transpose();
+        let at = at.map_err(|wrong| Error::new_err(format!("at: {wrong}")))?;
+        let pose = pose_deg.unwrap_or_default().into_iter().map(|(letter, degrees)| {
+            let axis = Axis::ALL.into_iter().find(|axis| letter == axis.letter().to_string());
+            let axis = axis.ok_or_else(|| format!("pose_deg: found {letter:?}, needed a rotary axis of the machine"));
+            axis.and_then(|axis| match degrees.is_finite() {
+                true => Ok((axis, degrees)),
+                false => Err(format!("pose_deg: found {degrees}, needed a finite number")),
+            })
+        });
+        let pose_deg = pose.collect::<Result<_, String>>().map_err(Error::new_err)?;
+        let volume_mm = volume_mm.unwrap_or_default();
+        if let Some(found) = volume_mm.iter().flatten().flatten().find(|mm| !mm.is_finite()) {
+            return Err(Error::new_err(format!("volume_mm: found {found}, needed a finite number")));
+        }
+        let options = Options { at, volume_mm, pose_deg, points, coverage: confidence / 100.0, trials, seed };
+        documents::dictionary(py, &told(py.detach(|| evaluate(machine, stated, &options)))?)
     }
 }
 

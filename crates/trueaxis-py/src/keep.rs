@@ -1,0 +1,208 @@
+//! A machine that keeps itself true: looks at balls that stay, by the code of `trueaxis keep`.
+
+use crate::{Error, NeedsPerson, documents, told, warn};
+use anyhow::{Result, anyhow};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use trueaxis_evaluation::keep::{Deed, Let, Log, Planning, State, Taken, time as checked};
+use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::read_text;
+
+/// Calls a function with notes, without the interpreter's lock, and raises the notes as warnings.
+fn noting<T: Send>(py: Python<'_>, work: impl FnOnce(&mut Vec<String>) -> Result<T> + Send) -> PyResult<T> {
+    let mut notes = Vec::new();
+    let found = py.detach(|| work(&mut notes));
+    notes.iter().try_for_each(|note| warn(py, note))?;
+    told(found)
+}
+
+fn time_of(time: Option<String>) -> PyResult<Option<String>> {
+    let time = time.map(|time| checked(&time).map_err(|needed| format!("time: found {time:?}, {needed}"))).transpose();
+    time.map_err(Error::new_err)
+}
+
+/// A look with its arguments.
+struct Asked {
+    task: PathBuf,
+    log: PathBuf,
+    time: Option<String>,
+    parts: Option<u64>,
+    accept: Vec<String>,
+    by_hand: bool,
+}
+
+impl Asked {
+    fn check(&self, state: &State, notes: &mut Vec<String>) -> Result<Taken> {
+        state.accepts(&self.accept).map_err(|wrong| anyhow!("accept: {wrong}"))?;
+        let text = read_text(&self.log, &['#', ';'])?;
+        let allowed = Let { accept: &self.accept, by_hand: self.by_hand };
+        state.check(&self.log(&text), allowed, &mut |note| notes.push(note))
+    }
+
+    fn log<'a>(&'a self, text: &'a str) -> Log<'a> {
+        Log { file: &self.log, text, time: self.time.clone(), parts: self.parts }
+    }
+
+    /// Writes what a look enters and changes.
+    fn put(&self, state: &State, taken: &Taken) -> Result<()> {
+        let mut outputs = Outputs::of([&self.task, &self.log]);
+        state.stage(&mut outputs, &state.written(&taken.entry, &taken.files)?)?;
+        Ok(outputs.commit()?)
+    }
+}
+
+/// A look's document, with a sentence on each change under `changes`.
+fn document<'py>(py: Python<'py>, taken: &Taken) -> PyResult<Bound<'py, PyDict>> {
+    let document = documents::dictionary(py, &taken.document)?.cast_into::<PyDict>()?;
+    document.set_item("changes", &taken.changes)?;
+    Ok(document)
+}
+
+/// The program of a look at the balls of a task and how well it would tell every term: the document of `trueaxis keep plan
+/// --json`, and the program's text under `program_text`.
+///
+/// Standard errors are those of a look that takes the balls' places at the beginning as known; bounds stand beside them, in
+/// the same unit. task: a keep.toml, docs/calibration.md; the machine's folder counts from it.
+///
+/// Raises trueaxis.Error with file and line: balls that do not tell the terms apart, a bound below what they can tell.
+#[pyfunction]
+pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyDict>> {
+    let planned = noting(py, |notes| {
+        let state = State::read(&task, &mut |note| notes.push(note))?;
+        Planning::new(&state.keep, &state.machine)
+    })?;
+    let document = documents::dictionary(py, &planned.foreseen)?.cast_into::<PyDict>()?;
+    document.set_item("program_text", planned.program)?;
+    Ok(document)
+}
+
+/// Takes a first look, from which everything is counted, and enters it in the history: `trueaxis keep begin`; its document.
+///
+/// Nothing of the machine changes; keep/history.jsonl in its folder gets a line. time: when it was probed, UTC,
+/// "2026-05-04T06:00:00Z"; parts: made until then, as the control counts them.
+///
+/// Raises trueaxis.Error as calibrate_solve does, and while another `trueaxis keep` is at work with the task.
+#[pyfunction]
+#[pyo3(signature = (task, log, *, time = None, parts = None))]
+pub(crate) fn keep_begin(
+    py: Python<'_>,
+    task: PathBuf,
+    log: PathBuf,
+    time: Option<String>,
+    parts: Option<u64>,
+) -> PyResult<Bound<'_, PyDict>> {
+    let asked = Asked { task, log, time: time_of(time)?, parts, accept: Vec::new(), by_hand: false };
+    let taken = noting(py, |notes| {
+        let note = &mut |note| notes.push(note);
+        let state = State::alone(&asked.task, note)?;
+        let taken = state.begin(&asked.log(&read_text(&asked.log, &['#', ';'])?), note)?;
+        asked.put(&state, &taken)?;
+        Ok(taken)
+    })?;
+    document(py, &taken)
+}
+
+/// What a look would change, and why: the document of `trueaxis keep check --json`, with a sentence on each change under
+/// `changes`, and with files=True the machine's changed files under `files`, a dict of texts by name. Nothing is written.
+///
+/// Every term: what the tables leave of it with its standard error, the sum of the updates before and after (`from`, `to`), the
+/// bounds, and the verdict `keep`, `update` or `refused` with its `reason`; `refused` counts those that need a person. accept:
+/// terms that may be out of their bounds; by_hand: tables that are not as the history left them are taken.
+///
+/// Raises trueaxis.Error with file and line: no beginning, a log of another task or taken before, tables changed by hand.
+#[pyfunction]
+#[pyo3(signature = (task, log, *, time = None, parts = None, accept = Vec::new(), by_hand = false, files = false))]
+pub(crate) fn keep_check(
+    py: Python<'_>,
+    task: PathBuf,
+    log: PathBuf,
+    time: Option<String>,
+    parts: Option<u64>,
+    accept: Vec<String>,
+    by_hand: bool,
+    files: bool,
+) -> PyResult<Bound<'_, PyDict>> {
+    let asked = Asked { task, log, time: time_of(time)?, parts, accept, by_hand };
+    let taken = noting(py, |notes| {
+        let state = State::read(&asked.task, &mut |note| notes.push(note))?;
+        asked.check(&state, notes)
+    })?;
+    let document = document(py, &taken)?;
+    if files {
+        let texts = PyDict::new(py);
+        for (name, bytes) in taken.files.iter().filter_map(|(name, bytes)| Some((name, bytes.as_ref()?))) {
+            texts.set_item(name, String::from_utf8_lossy(bytes))?;
+        }
+        document.set_item("files", texts)?;
+    }
+    Ok(document)
+}
+
+/// Changes what a look says and enters it in the history: `trueaxis keep apply`; its document, with `applied` and `changes`.
+///
+/// Files are written whole or not at all, as the command writes them: what is replaced is kept in keep/NUMBER, tcomp and ttherm
+/// are compiled anew. Arguments as those of keep_check.
+///
+/// Raises trueaxis.NeedsPerson where a term is out of its bounds: nothing is written. Raises trueaxis.Error as keep_check does,
+/// and while another `trueaxis keep` is at work with the task.
+#[pyfunction]
+#[pyo3(signature = (task, log, *, time = None, parts = None, accept = Vec::new(), by_hand = false))]
+pub(crate) fn keep_apply(
+    py: Python<'_>,
+    task: PathBuf,
+    log: PathBuf,
+    time: Option<String>,
+    parts: Option<u64>,
+    accept: Vec<String>,
+    by_hand: bool,
+) -> PyResult<Bound<'_, PyDict>> {
+    let asked = Asked { task, log, time: time_of(time)?, parts, accept, by_hand };
+    let (taken, refusal) = noting(py, |notes| {
+        let state = State::alone(&asked.task, &mut |note| notes.push(note))?;
+        let mut taken = asked.check(&state, notes)?;
+        let refusal = taken.refusal(&asked.log);
+        if refusal.is_none() {
+            asked.put(&state, &taken)?;
+            taken.document.applied = taken.entry.deed == Deed::Update;
+        }
+        Ok((taken, refusal))
+    })?;
+    match refusal {
+        Some(reason) => Err(NeedsPerson::new_err(reason)),
+        None => document(py, &taken),
+    }
+}
+
+/// Puts the machine's files back to where they were before an entry of the history: `trueaxis keep undo`; the entry that it
+/// makes, as keep_history has it.
+///
+/// entry: the first that is taken back, with all behind it; None for the last update in effect.
+///
+/// Raises trueaxis.Error: nothing to take back, tables changed by hand, copies that are missing or damaged.
+#[pyfunction]
+#[pyo3(signature = (task, entry = None, *, time = None, by_hand = false))]
+pub(crate) fn keep_undo(
+    py: Python<'_>,
+    task: PathBuf,
+    entry: Option<u32>,
+    time: Option<String>,
+    by_hand: bool,
+) -> PyResult<Bound<'_, PyAny>> {
+    let time = time_of(time)?;
+    let undone = noting(py, |notes| {
+        let note = &mut |note| notes.push(note);
+        let state = State::alone(&task, note)?;
+        let undone = state.undone(entry, time, by_hand, note)?;
+        state.put_back(Outputs::of([&task]), &undone)?;
+        Ok(undone)
+    })?;
+    documents::dictionary(py, &undone.entry)
+}
+
+/// The history of a task's machine: the entries of `trueaxis keep history --json`.
+#[pyfunction]
+pub(crate) fn keep_history(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyAny>> {
+    let entries = noting(py, |notes| Ok(State::read(&task, &mut |note| notes.push(note))?.history.entries))?;
+    documents::dictionary(py, &entries)
+}

@@ -1,0 +1,45 @@
+//! Thermal growth from a recorded warm-up.
+
+use crate::machine::Machine;
+use crate::measured::Measured;
+use crate::{Error, documents, warn};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use trueaxis_evaluation::thermal::{COLUMNS, Found, Recording, settings, written};
+
+/// Lags of sensors and curves of growth from cycles recorded after ISO 230-3: the document of `trueaxis thermal fit --json`, and
+/// with toml=True the text of a thermal.toml under `toml`.
+///
+/// e = c + Σ_j [O_j(θ_j) + S_j(θ_j) (q − q0)] + Σ_k x_k (G_k + Θ_k L), θ_j' = (T_j − θ_j)/τ_j, x_k' = (h_k(n) − x_k)/τ; drift of
+/// the tool relative to the workpiece, actual − ideal, µm. record: a file, or a dict of arrays: t_s, cycle, T1_c[, …, T16_c]
+/// [, spindle_rpm], ex_um[, ey_um, ez_um][, x_mm, y_mm, z_mm, tool_mm]; a row of them counts from line 2. machine: its reference
+/// temperature and datums, else 20 °C and 0 mm. hold_out: cycles that take no part in the fit, else the last. without: sensors
+/// to leave out, "T3".
+///
+/// Raises trueaxis.Error with line and column: a sensor that jumps, sticks or is missing, a record in which nothing moves.
+#[pyfunction]
+#[pyo3(signature = (record, *, machine = None, hold_out = Vec::new(), without = Vec::new(), toml = false))]
+pub(crate) fn thermal_fit<'py>(
+    py: Python<'py>,
+    record: &Bound<'py, PyAny>,
+    machine: Option<Bound<'py, Machine>>,
+    hold_out: Vec<u32>,
+    without: Vec<String>,
+    toml: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let measured = Measured::of_columns(record, "record", &COLUMNS)?;
+    let settings = settings(machine.as_ref().map(|machine| &machine.get().0.settings), hold_out);
+    let mut notes = Vec::new();
+    let found = py.detach(|| {
+        let recording = Recording::read(measured.rows(&COLUMNS, &mut notes)?, &without)?;
+        Found::of(recording, &settings, &mut |_| {})
+    });
+    notes.iter().try_for_each(|note| warn(py, note))?;
+    // The option of the command line is the argument here.
+    let found = found.map_err(|error| Error::new_err(format!("{error:#}").trim_start_matches("--").to_owned()))?;
+    let document = documents::dictionary(py, &found.document())?.cast_into::<PyDict>()?;
+    if toml {
+        document.set_item("toml", written(&found))?;
+    }
+    Ok(document)
+}
